@@ -6,8 +6,9 @@
 
 #include "kernel/cut/workers.h"
 #include "server/session/session.h"
-#include "server/store/journal_reader.h"
+#include "server/store/journal_file.h"
 #include "server/store/journal_times.h"
+#include "server/store/record_rows.h"
 
 namespace kerf {
 namespace {
@@ -49,11 +50,17 @@ std::expected<bool, std::string> PastBlock::seek(std::uint64_t record,
 }
 
 std::expected<void, std::string> PastBlock::read_ahead(const std::stop_token& stop) {
-  auto reader =
-      JournalReader::open(session_->journal_file(), RecordOrder::kSequence, stop, record_ + 1);
-  if (!reader) return std::unexpected(describe(reader.error()));
+  if (session_->committed() <= record_) return {};
+  const std::filesystem::path& file = session_->journal_file();
+  auto database = open_journal(file, SqlMode::kRead);
+  if (!database) return std::unexpected(describe(database.error()));
+  if (stop.stop_possible()) database->end_on(stop);
+  // One transaction, so that the last record is that of the rows.
+  if (auto ok = database->execute("BEGIN"); !ok) return std::unexpected(ok.error().reason);
+  auto rows = RecordRows::open(file, *database, record_ + 1);
+  if (!rows) return std::unexpected(describe(rows.error()));
   while (ahead_.size() < kAhead) {
-    auto record = reader->next();
+    auto record = rows->next();
     if (!record) return std::unexpected(describe(record.error()));
     if (!*record) break;
     ahead_.push_back(**std::move(record));

@@ -20,6 +20,7 @@
 #include "server/rights/caller.h"
 #include "server/session/carving.h"
 #include "server/session/disk_limits.h"
+#include "server/session/history_turns.h"
 #include "server/session/participants.h"
 #include "server/session/program_runs.h"
 #include "server/session/replay.h"
@@ -112,6 +113,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Commits and closes the journal, with a last snapshot if that saves time at the next start.
   /// Call once, after close(). Afterwards no snapshot is written.
   std::expected<void, JournalError> finish_journal(bool with_snapshot = false);
+  /// Number of the last record that is committed.
+  std::uint64_t committed() const { return journal_.durable_sequence(); }
   /// Records not yet committed.
   std::size_t journal_lag() const { return journal_.lag(); }
   /// The error of the disk while the session is paused: motions are rejected with kBusy until the
@@ -257,6 +260,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<std::optional<SolidSnapshot>, std::string> solid_at(
       std::uint64_t record, Workers& workers, const std::stop_token& stop = {});
   /// Returns all tiles that motions have reached, as they were after a record; else as solid_at().
+  /// Stops for the requests about strokes that come meanwhile, and goes on after them.
   std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
       std::uint64_t record, Workers& workers, const std::stop_token& stop = {});
   /// Returns the strokes whose last record is `since` or later. Blocks: not on the executor.
@@ -294,6 +298,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void keep_last_state();
   std::expected<void, std::string> read_history(const std::stop_token& stop);
   void read_history_ahead();
+  std::expected<std::optional<std::vector<TileReplacement>>, std::string> read_tiles(
+      std::uint64_t record, Workers& workers, const std::stop_token& stop);
   std::expected<StrokeSet, Rejection> chosen_strokes(const StrokeRequest& request) const;
   bool may_change(const StrokeRequest& request, ParticipantId participant);
   std::expected<std::uint64_t, Rejection> note_changes(const StrokeRequest& request,
@@ -334,7 +340,7 @@ class Session : public std::enable_shared_from_this<Session> {
   DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
   std::optional<JournalErrorCode> reached_;      ///< the limit of the disk
   Clock::time_point changes_reported_{};
-  std::timed_mutex history_mutex_;         ///< held while strokes change; guards the next one
+  HistoryTurns history_turns_;             ///< who uses the next one
   std::unique_ptr<BlockHistory> history_;  ///< made when it is first needed
   std::uint64_t history_read_ = 0;         ///< record up to which it was read ahead
   bool reads_ahead_ = false;

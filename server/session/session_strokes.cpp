@@ -56,7 +56,7 @@ void Session::read_history_ahead() {
   reads_ahead_ = true;
   history_read_ = sequence();
   snapshots_.writer->post([self = shared_from_this()] {
-    const std::unique_lock lock(self->history_mutex_, std::try_to_lock);
+    const auto lock = self->history_turns_.try_now();
     if (lock) (void)self->read_history({});  // An undo reports the error.
     self->executor_->post([self] { self->reads_ahead_ = false; });
   });
@@ -125,7 +125,7 @@ std::expected<std::uint64_t, Rejection> Session::note_changes(const StrokeReques
 std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeRequest& request,
                                                                  Workers& workers,
                                                                  const std::stop_token& stop) {
-  const std::unique_lock lock(history_mutex_, kPatience);
+  const auto lock = history_turns_.ask(kPatience);
   const auto read = lock ? read_history(stop) : std::unexpected(std::string(kOthersAsk));
   if (!read) return std::unexpected(Rejection{wire::ErrorCode::kBusy, read.error()});
   const auto chosen = chosen_strokes(request);
@@ -228,24 +228,36 @@ void Session::retry_settling() {
     const auto self = weak.lock();
     if (!self || self->closed_ || self->unsettled_.empty()) return;
     self->background().post([self] {
-      const std::scoped_lock lock(self->history_mutex_);
+      const auto lock = self->history_turns_.ask(kPatience);
       SerialWorkers alone;
       StrokesChanged ignored;
-      if (!self->settle(alone, {}, ignored)) self->retry_settling();
+      if (!lock || !self->settle(alone, {}, ignored)) self->retry_settling();
     });
   });
 }
 
 void Session::forget_history() {
   history_read_ = 0;
-  const std::unique_lock lock(history_mutex_, std::try_to_lock);
+  const auto lock = history_turns_.try_now();
   if (lock) history_.reset();
 }
 
 std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session::tiles_at(
     std::uint64_t record, Workers& workers, const std::stop_token& stop) {
-  const std::unique_lock lock(history_mutex_, kPatience);
-  if (!lock) return std::unexpected(kOthersAsk);
+  for (;;) {
+    std::stop_source end;
+    const std::stop_callback by_caller(stop, [&] { end.request_stop(); });
+    const auto lock = history_turns_.look_back(kPatience, end);
+    if (!lock) return std::unexpected(kOthersAsk);
+    auto tiles = read_tiles(record, workers, end.get_token());
+    const bool is_interrupted = end.stop_requested() && !stop.stop_requested();
+    if (tiles || !is_interrupted) return tiles;
+  }
+}
+
+/// Call with the lock.
+std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session::read_tiles(
+    std::uint64_t record, Workers& workers, const std::stop_token& stop) {
   if (auto read = read_history(stop); !read) return std::unexpected(read.error());
   if (record > history_->last()) return std::nullopt;
   return history_->carve(history_->tiles(), history_->strokes().at(record), workers, stop);
@@ -267,7 +279,7 @@ std::expected<std::optional<SolidSnapshot>, std::string> Session::solid_at(
 
 std::expected<std::vector<ListedStroke>, std::string> Session::strokes(
     std::uint64_t since, const std::stop_token& stop) {
-  const std::unique_lock lock(history_mutex_, kPatience);
+  const auto lock = history_turns_.ask(kPatience);
   if (!lock) return std::unexpected(kOthersAsk);
   if (auto read = read_history(stop); !read) return std::unexpected(read.error());
   const StrokeSet undone = history_->strokes().at(history_->last()).without;

@@ -111,11 +111,11 @@ class PointsInTime(LiveTest):
 
     def await_message(self, viewer, kind):
         end = time.monotonic() + 10
-        while viewer.take() != kind:
+        while viewer.take(3) != kind:
             self.assertLess(time.monotonic(), end, kind)
         return viewer.last
 
-    def test_programs_are_told_again_after_each_seek(self):
+    def test_programs_are_sent_again_after_each_seek(self):
         status, program = self.server.http.json(
             "POST", "/v1/sessions/block/programs?pace=fast&name=p.ngc",
             "G21 G90 G94\nT2 M6\nG0 X0 Y0 Z5\nG1 Z-2 F3000\nM2\n")

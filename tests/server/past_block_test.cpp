@@ -1,11 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/past_block.h"
 
+#include <expected>
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <optional>
 #include <random>
 #include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "kernel/surface/tile_mesh.h"
+#include "server/session/history_turns.h"
 #include "server/session/session_export.h"
+#include "server/store/sqlite.h"
 #include "tests/server/undo_fixture.h"
 
 namespace kerf {
@@ -159,6 +169,95 @@ TEST_F(Past, ToolsHaveTheForcesOfForcesCsv) {
   EXPECT_GT(std::abs(tool.force_n.x), 0.01F);
   ASSERT_TRUE(seek(block, 3));
   EXPECT_TRUE(block.tools().tools.empty());
+}
+
+TEST_F(Past, ReadsNothingAtTheEndOfTheJournal) {
+  carve();
+  ASSERT_TRUE(session_->flush());
+  PastBlock block = PastBlock::create(session_).value();
+  ASSERT_TRUE(block.play(kForever, 10s, {}));
+  ASSERT_EQ(block.record(), session_->sequence());
+  const auto file = session_->journal_file();
+  const auto away = folder_->path() / "away";
+  std::filesystem::rename(file, away);
+  const auto played = block.play(kForever, 10s, {});
+  std::filesystem::rename(away, file);
+  ASSERT_TRUE(played) << played.error();
+  EXPECT_FALSE(played->is_late);
+  EXPECT_EQ(played->next_ms, 0);
+}
+
+TEST_F(Past, PlaysWithoutTheHeadOfTheJournal) {
+  carve();
+  ASSERT_TRUE(session_->flush());
+  {
+    auto journal = SqlDatabase::open(session_->journal_file(), SqlMode::kWrite);
+    ASSERT_TRUE(journal->execute("UPDATE session SET crc=crc+1"));
+  }
+  PastBlock block = PastBlock::create(session_).value();
+  const auto played = block.play(kForever, 10s, {});
+  ASSERT_TRUE(played) << played.error();
+  EXPECT_EQ(block.solid().hash(), hash());
+}
+
+/// Another thread asks for the strokes of a session when this is first given work, which it begins
+/// late. Notes whether the answer was there before it was given more.
+class AskingWorkers final : public Workers {
+ public:
+  explicit AskingWorkers(Session& session) : session_(session) {}
+  int count() const override { return 1; }
+  void run(int jobs, const std::function<void(int)>& job) override {
+    if (!answer_.valid()) {
+      std::promise<void> asking;
+      auto asks = asking.get_future();
+      answer_ = std::async(std::launch::async, [this, asking = std::move(asking)]() mutable {
+        asking.set_value();
+        return session_.strokes(0);
+      });
+      asks.wait();
+      std::this_thread::sleep_for(300ms);
+    } else if (!is_first_) {
+      is_first_ = answer_.wait_for(1s) == std::future_status::ready;
+    }
+    for (int n = 0; n < jobs; ++n) job(n);
+  }
+  bool is_answered_first() const { return is_first_.value_or(false); }
+  std::size_t strokes() { return answer_.get().value().size(); }
+
+ private:
+  Session& session_;
+  std::future<std::expected<std::vector<ListedStroke>, std::string>> answer_;
+  std::optional<bool> is_first_;
+};
+
+TEST_F(Past, StopsForThoseWhoAskForStrokes) {
+  carve();
+  AskingWorkers workers(*session_);
+  const std::uint64_t last = session_->sequence();
+  const auto solid = session_->solid_at(last, workers);
+  ASSERT_TRUE(solid) << solid.error();
+  EXPECT_EQ((*solid)->hash(), hash());
+  EXPECT_TRUE(workers.is_answered_first());
+  EXPECT_EQ(workers.strokes(), 4U);
+}
+
+TEST(HistoryTurns, ALookBackIsStoppedAndWaitsWhileOthersAsk) {
+  HistoryTurns turns;
+  std::stop_source first, second;
+  auto look = turns.look_back(10s, first);
+  ASSERT_TRUE(look);
+  EXPECT_FALSE(turns.try_now());
+  EXPECT_FALSE(first.stop_requested());
+  auto asker = std::async(std::launch::async, [&] { return turns.ask(10s).owns_lock(); });
+  for (int n = 0; n < 5000 && !first.stop_requested(); ++n) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(first.stop_requested());
+  look.unlock();
+  look = turns.look_back(10s, second);
+  EXPECT_TRUE(look);
+  EXPECT_TRUE(asker.get());
+  EXPECT_FALSE(second.stop_requested());
+  EXPECT_FALSE(std::async(std::launch::async, [&] { return turns.ask(1ms).owns_lock(); }).get());
+  EXPECT_TRUE(second.stop_requested());
 }
 
 TEST_F(Past, StopsWhenItIsAskedTo) {

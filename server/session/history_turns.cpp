@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/history_turns.h"
+
+#include <thread>
+
+namespace kerf {
+namespace {
+
+/// Between two looks at whether others still ask.
+constexpr std::chrono::milliseconds kBetweenLooks{1};
+
+}  // namespace
+
+HistoryTurns::Lock HistoryTurns::ask(std::chrono::milliseconds patience) {
+  {
+    const std::lock_guard guard(mutex_);
+    ++askers_;
+    look_.request_stop();
+  }
+  Lock lock(turn_, patience);
+  const std::lock_guard guard(mutex_);
+  --askers_;
+  return lock;
+}
+
+HistoryTurns::Lock HistoryTurns::look_back(std::chrono::milliseconds patience,
+                                           const std::stop_source& stop) {
+  const auto end = std::chrono::steady_clock::now() + patience;
+  for (;;) {
+    Lock lock(turn_, end);
+    if (!lock) return lock;
+    {
+      const std::lock_guard guard(mutex_);
+      if (askers_ == 0) {
+        look_ = stop;
+        return lock;
+      }
+    }
+    lock.unlock();
+    std::this_thread::sleep_for(kBetweenLooks);
+    if (std::chrono::steady_clock::now() >= end) return lock;
+  }
+}
+
+}  // namespace kerf
