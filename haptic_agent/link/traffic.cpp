@@ -106,25 +106,32 @@ bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
 
 std::string Traffic::take_control() {
   if (options_.copy != nullptr && options_.copy->wants_reset()) return stock_text();
-  if (!asked_.empty() && queue_.unsent() == 0) {
-    const bool undone = asked_.front();
-    asked_.pop_front();
-    return change_text(undone);
+  if (!asked_.empty() && !(transport_.over_udp() && queue_.in_flight())) {
+    leave_udp();
+    if (queue_.unsent() == 0) {
+      base_ = 0;
+      const bool undone = asked_.front();
+      asked_.pop_front();
+      return change_text(undone);
+    }
   }
   const auto tool = queue_.next_tool();
   if (!tool || *tool == tool_id_) return {};
-  // A tool change is sent over the WebSocket, in order with the samples: earlier samples precede it
-  // there, and UDP must wait until a later one is answered.
-  base_.reset();
-  based_ = false;
-  if (transport_.over_udp()) {
-    transport_.leave();
-    queue_.go_back();
-    if (queue_.next_tool() == tool_id_) return {};
-  }
+  leave_udp();
+  if (queue_.next_tool() == tool_id_) return {};
   base_ = 0;
   tool_id_ = *tool;
   return tool_text(tool_id_);
+}
+
+/// Before a message that is sent over the WebSocket, in order with the samples: earlier samples
+/// precede it there, and UDP must wait until a later one is answered.
+void Traffic::leave_udp() {
+  base_.reset();
+  based_ = false;
+  if (!transport_.over_udp()) return;
+  transport_.leave();
+  queue_.go_back();
 }
 
 std::size_t Traffic::fill(std::uint64_t now_us, std::span<std::byte> frame) {

@@ -99,6 +99,7 @@ class Traffic {
   std::optional<Loss> take_message(const wire::Message& message, std::uint64_t now_us);
   UdpReport udp_report() const;
   void choose_transport(std::uint64_t now_us);
+  void leave_udp();
   void resend_lost(std::uint64_t now_us);
   void take_gap(std::uint64_t now_us);
   void note_progress(const wire::Result& result, std::uint64_t now_us);
@@ -128,9 +129,9 @@ class Traffic {
   std::uint64_t newest_result_ = 0;
 
   TransportSwitch transport_;
-  /// Number of the first sample of this connection or of the current tool. It must be sent over the
-  /// WebSocket, in order with hello and tool messages; once it is answered, samples may use UDP. 0:
-  /// not sent yet; empty: the tool change has not been sent yet.
+  /// Number of the first sample of this connection, of the current tool or after the last request.
+  /// It must be sent over the WebSocket, in order with those messages; once it is answered, samples
+  /// may use UDP. 0: not sent yet; empty: the message before it has not been sent yet.
   std::optional<std::uint64_t> base_ = 0;
   /// The server has answered the base sample.
   bool based_ = false;

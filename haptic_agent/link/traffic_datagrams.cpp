@@ -35,8 +35,9 @@ std::size_t Traffic::fill_datagram(std::uint64_t now_us, std::span<std::byte> fr
   if (!transport_.over_udp()) return 0;
   resend_lost(now_us);
   // A tool change is sent over the WebSocket first; until then only samples of the old tool are
-  // due.
-  const auto out = queue_.take_repeating(pace_.allowed(now_us), tool_id_);
+  // due. A request waits until all that are in flight are answered, so no others are sent.
+  const std::size_t most = asked_.empty() ? pace_.allowed(now_us) : 0;
+  const auto out = queue_.take_repeating(most, tool_id_);
   if (out.batch.count == 0) return 0;
   // The server counts each number once.
   pace_.sent(out.fresh);

@@ -292,6 +292,38 @@ TEST_F(TrafficDatagrams, APressOfTheUndoButtonIsOneRequestAfterItsSamples) {
   EXPECT_EQ(traffic.take_control(), "") << "given up with the connection";
 }
 
+TEST_F(TrafficDatagrams, ARequestNeitherOvertakesDatagramsNorIsOvertakenByThem) {
+  switch_to_udp();
+  push(2);
+  EXPECT_EQ(over_udp(), (Numbers{4, 5}));
+  traffic.ask(true);
+  push(1);
+  EXPECT_EQ(traffic.take_control(), "") << "the datagram may still be in flight";
+  EXPECT_TRUE(over_udp().empty()) << "or the request would wait for this sample too";
+  answer(5, true);
+  EXPECT_TRUE(over_udp().empty());
+  EXPECT_EQ(traffic.take_control(), "");
+  EXPECT_EQ(over_web_socket(), (Numbers{6}));
+  EXPECT_EQ(traffic.take_control(), change_text(true));
+  answer(6, false);
+  push(1);
+  EXPECT_TRUE(over_udp().empty()) << "the request may still be in flight";
+  EXPECT_EQ(over_web_socket(), (Numbers{7}));
+  answer(7, false);
+  push(1);
+  EXPECT_EQ(over_udp(), (Numbers{8}));
+}
+
+TEST_F(TrafficDatagrams, ARequestIsSentAfterItsDatagramsWereLost) {
+  switch_to_udp();
+  push(2);
+  over_udp();
+  traffic.ask(false);
+  now_us += TransportSwitch::kSilenceUs + kRttUs + 1;
+  EXPECT_EQ(over_web_socket(), (Numbers{4, 5}));
+  EXPECT_EQ(traffic.take_control(), change_text(false));
+}
+
 TEST_F(TrafficDatagrams, TheUserIsNotifiedOfWhatAnUndoHasDone) {
   std::string notice;
   EXPECT_FALSE(traffic.take_text(R"({"type":"stroke","undone":true,"stroke":12})", notice));
