@@ -210,6 +210,9 @@ class ServerLink::Impl {
   }
 
   void enter(const Welcome& welcome) {
+    // Requests are given up with the connection.
+    undos_.store(0);
+    redos_.store(0);
     if (settings_.hello.udp) traffic_.ask_for_udp();
     std::optional<std::uint64_t> server_has;
     if (welcome.resume) server_has = welcome.resume->agent_sequence;

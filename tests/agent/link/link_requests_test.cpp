@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Requests to undo, and the connection on which they are made.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptic_agent/link/server_link.h"
+#include "tests/agent/link/fake_server.h"
+
+namespace kerf::agent {
+namespace {
+
+/// Waits until it is true; the limit only ends a failed test.
+bool eventually(const std::atomic<bool>& flag) {
+  for (int i = 0; i < 2000 && !flag; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return flag;
+}
+
+TEST(LinkRequests, ARequestIsGivenUpWithTheConnection) {
+  std::atomic<bool> ended{false}, served{false};
+  std::vector<std::string> requests;
+  FakeServer server([&](FakePeer& peer, int connection) {
+    peer.read_text();
+    peer.send_text(welcome_text());
+    const auto first = peer.read_motion();
+    if (connection == 0) {
+      peer.send_text(R"({"type":"stroke","undone":true,"stroke":1})");
+      peer.send_text(R"({"type":"bye","reason":"moving"})");
+      ended = true;
+      peer.read_motion();
+      return;
+    }
+    if (first) peer.send_result({.agent_sequence = first->view().back().agent_sequence}, 1);
+    peer.read_motion();
+    requests = peer.texts;
+    served = true;
+  });
+  SampleRing samples;
+  LatestValue<ServerWrench> wrenches;
+  ServerLink* asks = nullptr;
+  ServerLink link({.server = {.host = "127.0.0.1", .port = std::to_string(server.port())},
+                   .session = "demo",
+                   .hello = {.name = "Ada", .color = "#112233", .tool_id = 2},
+                   .patience_s = 5.0,
+                   .notice =
+                       [&](const std::string& text) {
+                         if (text != "stroke 1 undone") return;
+                         // The link, whose thread this is, reads the end before it can write.
+                         EXPECT_TRUE(eventually(ended));
+                         asks->ask(true);
+                         asks->ask(false);
+                       },
+                   .failed = {}},
+                  samples, wrenches);
+  asks = &link;
+  link.start();
+  ASSERT_TRUE(samples.push({.time_us = 1, .tool_id = 2}));
+  link.sample_ready();
+  ASSERT_TRUE(eventually(ended));
+  link.stop(5.0);
+  ASSERT_TRUE(eventually(served));
+  EXPECT_EQ(requests, std::vector<std::string>());
+}
+
+}  // namespace
+}  // namespace kerf::agent
