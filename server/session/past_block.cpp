@@ -87,17 +87,19 @@ std::expected<PastBlock::Played, std::string> PastBlock::play(std::int64_t until
     }
     const JournalRecord record = std::move(ahead_.front());
     ahead_.pop_front();
-    if (auto ok = apply(record, stop); !ok) return std::unexpected(ok.error());
+    if (auto ok = apply(record, until_ms, stop); !ok) return std::unexpected(ok.error());
     played.next_ms = 0;
   }
 }
 
 std::expected<void, std::string> PastBlock::apply(const JournalRecord& record,
+                                                  std::int64_t until_ms,
                                                   const std::stop_token& stop) {
   if (std::holds_alternative<StrokeChange>(record.command)) {
-    // Of several changes in a row, those that follow are applied with the last one.
+    // Of several changes in a row, those that follow in time are applied with the last one.
     std::uint64_t last = record.sequence;
-    while (!ahead_.empty() && std::holds_alternative<StrokeChange>(ahead_.front().command)) {
+    while (!ahead_.empty() && ahead_.front().wall_ms <= until_ms &&
+           std::holds_alternative<StrokeChange>(ahead_.front().command)) {
       last = ahead_.front().sequence;
       ahead_.pop_front();
     }

@@ -56,7 +56,8 @@ class PastBlock {
  private:
   PastBlock(std::shared_ptr<Session> session, Sculpture block);
   std::expected<void, std::string> read_ahead(const std::stop_token& stop);
-  std::expected<void, std::string> apply(const JournalRecord& record, const std::stop_token& stop);
+  std::expected<void, std::string> apply(const JournalRecord& record, std::int64_t until_ms,
+                                         const std::stop_token& stop);
   void show(const JournalRecord& record, const MoveTool& move, const MotionResult& result);
 
   std::shared_ptr<Session> session_;

@@ -91,6 +91,28 @@ TEST_F(Past, IsTheSameAtEverySpeed) {
   }
 }
 
+TEST_F(Past, OfSeveralChangesInARowNoneComesBeforeItsTime) {
+  create();
+  const StrokeId a = stroke(join("Ada"), {-15, 0, -2}, {15, 0, -2});
+  const std::uint64_t carved = session_->sequence();
+  const std::uint64_t undone = undo({a}).sequence;
+  std::this_thread::sleep_for(20ms);
+  redo({a});
+  ASSERT_TRUE(session_->flush());
+  PastBlock block = PastBlock::create(session_).value();
+  ASSERT_TRUE(seek(block, undone));
+  const std::int64_t undone_ms = block.time_ms();
+  ASSERT_TRUE(seek(block, carved));
+  const auto played = block.play(undone_ms, 10s, {});
+  ASSERT_TRUE(played) << played.error();
+  EXPECT_EQ(block.record(), undone);
+  EXPECT_GT(played->next_ms, undone_ms);
+  EXPECT_EQ(block.solid().hash(), hash_at(undone));
+  ASSERT_TRUE(block.play(kForever, 10s, {}));
+  EXPECT_EQ(block.record(), session_->sequence());
+  EXPECT_EQ(block.solid().hash(), hash());
+}
+
 TEST_F(Past, ABlockThatIsLateGoesOnWhereItWas) {
   carve();
   ASSERT_TRUE(session_->flush());
