@@ -55,9 +55,10 @@ MotionSet StrokeTable::at(std::uint64_t record) const {
   return set;
 }
 
-StrokeId StrokeTable::last_undone(ParticipantId participant) const {
-  const StrokeSet undone = at(last_).without;
+StrokeId StrokeTable::last_undone(ParticipantId participant, std::uint64_t record) const {
+  const StrokeSet undone = at(record).without;
   for (auto change = changes_.rbegin(); change != changes_.rend(); ++change) {
+    if (change->record > record) continue;
     const Stroke* stroke = find(change->change.stroke);
     if (stroke != nullptr && stroke->participant == participant && change->change.undone &&
         undone.contains(stroke->id)) {

@@ -48,8 +48,9 @@ class StrokeTable {
   StrokeId stroke_of(ParticipantId participant, std::uint64_t record) const;
   /// The set of motions that makes up the block after a record.
   MotionSet at(std::uint64_t record) const;
-  /// The stroke of a participant that was undone last, of those that are undone now; 0: none.
-  StrokeId last_undone(ParticipantId participant) const;
+  /// The stroke of a participant that was undone last, of those that were undone after a record; 0:
+  /// none.
+  StrokeId last_undone(ParticipantId participant, std::uint64_t record) const;
   /// Whether a change of strokes lies in (after, until].
   bool changes_between(std::uint64_t after, std::uint64_t until) const;
 

@@ -300,7 +300,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void read_history_ahead();
   std::expected<std::optional<std::vector<TileReplacement>>, std::string> read_tiles(
       std::uint64_t record, Workers& workers, const std::stop_token& stop);
-  std::expected<StrokeSet, Rejection> chosen_strokes(const StrokeRequest& request) const;
+  std::expected<StrokeSet, Rejection> chosen_strokes(const StrokeRequest& request,
+                                                     std::uint64_t at) const;
   bool may_change(const StrokeRequest& request, ParticipantId participant);
   std::expected<std::uint64_t, Rejection> note_changes(const StrokeRequest& request,
                                                        const std::vector<Stroke>& strokes);

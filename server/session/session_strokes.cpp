@@ -27,13 +27,15 @@ constexpr const char* kOthersAsk = "other requests about the history of the sess
 
 Rejection no_stroke(const std::string& reason) { return {wire::ErrorCode::kBadMessage, reason}; }
 
-/// The newest stroke of a participant that is not undone, or the one that was undone last; 0: none.
-StrokeId newest_stroke(const StrokeTable& table, const StrokeSet& undone,
-                       const StrokeRequest& request) {
-  if (!request.undone) return table.last_undone(request.participant);
+/// After record `at`, the newest stroke of a participant that was not undone, or the one that was
+/// undone last; 0: none.
+StrokeId newest_stroke(const StrokeTable& table, const StrokeRequest& request, std::uint64_t at) {
+  if (!request.undone) return table.last_undone(request.participant, at);
+  const StrokeSet undone = table.at(at).without;
   const auto all = table.all();
   const auto found = std::find_if(all.rbegin(), all.rend(), [&](const Stroke& stroke) {
-    return stroke.participant == request.participant && !undone.contains(stroke.id);
+    return stroke.id <= at && stroke.participant == request.participant &&
+           !undone.contains(stroke.id);
   });
   return found == all.rend() ? 0 : found->id;
 }
@@ -62,18 +64,22 @@ void Session::read_history_ahead() {
   });
 }
 
-/// The strokes of a request, which exist and are not so already.
-std::expected<StrokeSet, Rejection> Session::chosen_strokes(const StrokeRequest& request) const {
+/// The strokes of a request made after record `at`, which exist and are not so already.
+std::expected<StrokeSet, Rejection> Session::chosen_strokes(const StrokeRequest& request,
+                                                            std::uint64_t at) const {
   const StrokeTable& table = history_->strokes();
   const StrokeSet undone = table.at(history_->last()).without;
   const char* verb = request.undone ? "undone" : "redone";
-  if (request.strokes.empty()) {
-    const StrokeId newest = newest_stroke(table, undone, request);
-    if (newest != 0) return StrokeSet{newest};
-    return std::unexpected(no_stroke("participant " + std::to_string(request.participant) +
-                                     " has no stroke that can be " + verb));
+  StrokeSet strokes(request.strokes.begin(), request.strokes.end());
+  if (strokes.empty()) {
+    const StrokeId newest = newest_stroke(table, request, at);
+    if (newest == 0) {
+      return std::unexpected(no_stroke("participant " + std::to_string(request.participant) +
+                                       " has no stroke that can be " + verb));
+    }
+    strokes.insert(newest);
   }
-  for (const StrokeId id : request.strokes) {
+  for (const StrokeId id : strokes) {
     if (table.find(id) == nullptr) {
       return std::unexpected(no_stroke("no stroke begins with record " + std::to_string(id)));
     }
@@ -82,7 +88,7 @@ std::expected<StrokeSet, Rejection> Session::chosen_strokes(const StrokeRequest&
                                        (request.undone ? " is" : " is not") + " undone"));
     }
   }
-  return StrokeSet(request.strokes.begin(), request.strokes.end());
+  return strokes;
 }
 
 /// Whether the author may change a stroke of a participant: its own ones, or any as an owner.
@@ -125,10 +131,12 @@ std::expected<std::uint64_t, Rejection> Session::note_changes(const StrokeReques
 std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeRequest& request,
                                                                  Workers& workers,
                                                                  const std::stop_token& stop) {
+  const std::uint64_t at =
+      request.at ? *request.at : run_and_wait(*executor_, [this] { return sequence(); });
   const auto lock = history_turns_.ask(kPatience);
   const auto read = lock ? read_history(stop) : std::unexpected(std::string(kOthersAsk));
   if (!read) return std::unexpected(Rejection{wire::ErrorCode::kBusy, read.error()});
-  const auto chosen = chosen_strokes(request);
+  const auto chosen = chosen_strokes(request, at);
   if (!chosen) return std::unexpected(chosen.error());
   std::vector<Stroke> strokes;
   for (const StrokeId id : *chosen) strokes.push_back(*history_->strokes().find(id));
@@ -143,6 +151,7 @@ std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeReq
 }
 
 void Session::change_strokes_later(StrokeRequest request, StrokesDone done) {
+  request.at = sequence();
   background().post(
       [self = shared_from_this(), request = std::move(request), done = std::move(done)] {
         SerialWorkers alone;

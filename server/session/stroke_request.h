@@ -19,6 +19,9 @@ struct StrokeRequest {
   /// `participant` that is not undone; or the one of its strokes that was undone last.
   std::vector<StrokeId> strokes = {};
   ParticipantId participant = 0;
+  /// The last record when `participant` asked: strokes that begin later and later changes do not
+  /// count. Nullopt: the one when change_strokes() is called.
+  std::optional<std::uint64_t> at = std::nullopt;
   ParticipantId author = 0;  ///< the participant that asks; 0: a caller who is none
   Caller caller = {};        ///< of an author 0
 };

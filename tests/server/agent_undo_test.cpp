@@ -87,6 +87,24 @@ TEST_F(AgentUndo, TakesBackItsOwnNewestStrokesOneByOneAndPutsThemBack) {
   EXPECT_EQ(hash(), never_happened());
 }
 
+TEST_F(AgentUndo, MeansTheStrokeThatIsTheNewestWhenItAsks) {
+  const StrokeId first = stroke(id_, {-10, 0, -2}, {10, 0, -2});
+  send(R"({"type":"undo"})");
+  const StrokeId second = stroke(id_, {0, -10, -2}, {0, 10, -2});
+  work();
+  EXPECT_EQ(read().at(0).at("stroke"), first) << "not one that began while the undo waited";
+  EXPECT_EQ(hash(), never_happened());
+  send(R"({"type":"redo"})");
+  undo({second});
+  work();
+  EXPECT_EQ(read().at(0).at("stroke"), first) << "not one that was undone while the redo waited";
+  send(R"({"type":"undo"})");
+  undo({first});
+  work();
+  EXPECT_EQ(read().at(0).at("code"), "bad_message") << "another has undone it meanwhile";
+  EXPECT_EQ(hash(), never_happened());
+}
+
 TEST_F(AgentUndo, LearnsWhyNothingChanges) {
   const json none = answer(R"({"type":"undo"})");
   EXPECT_EQ(none.at("type"), "stroke");

@@ -54,6 +54,44 @@ TEST_F(SessionUndo, TheNewestStrokeOfAParticipantComesFirst) {
   EXPECT_EQ(hash(), never_happened());
 }
 
+TEST_F(SessionUndo, TheNewestStrokeIsTheOneWhenTheRequestCame) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  const StrokeId a = stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  const StrokeId b = stroke(bo, {0, -15, -3}, {0, 15, -3});
+  executor_->run();
+  const auto ask = [this](StrokeRequest request) {
+    request.caller = Caller::local();
+    return std::async(std::launch::async, [this, request] {
+      SerialWorkers alone;
+      return session_->change_strokes(request, alone);
+    });
+  };
+  const auto wait_for_turns = [this](std::size_t count) {
+    for (int n = 0; n < 1000 && executor_->waiting() < count; ++n) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  };
+  auto first = ask({.undone = true, .strokes = {b}});
+  wait_for_turns(1);
+  executor_->run();
+  wait_for_turns(1);  // It has the history until it gets this turn.
+  auto newest = ask({.undone = true, .participant = ada});
+  wait_for_turns(2);
+  executor_->run();
+  stroke(ada, {-15, 8, -2}, {15, 8, -2});
+  for (const auto* answer : {&first, &newest}) {
+    while (answer->wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
+      executor_->run();
+    }
+  }
+  const auto undone = newest.get();
+  ASSERT_TRUE(undone) << undone.error().reason;
+  EXPECT_EQ(undone->strokes, std::vector{a});
+  executor_->run();
+  EXPECT_EQ(hash(), never_happened());
+}
+
 TEST_F(SessionUndo, OthersCarveWhileTilesAreCarvedAgain) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");

@@ -44,6 +44,10 @@ class SharedExecutor final : public Executor {
       next();
     }
   }
+  std::size_t waiting() {
+    const std::lock_guard lock(mutex_);
+    return queue_.waiting();
+  }
 
  private:
   std::mutex mutex_;
