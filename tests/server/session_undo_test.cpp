@@ -185,45 +185,45 @@ TEST_F(SessionUndo, AMotionInPiecesIsCompletedBeforeItsStrokeIsTakenOut) {
   EXPECT_EQ(hash(), never_happened());
 }
 
-TEST_F(SessionUndo, AnAgentThatResumesAfterARestartBeginsAStroke) {
-  create();
-  JoinRequest request{ParticipantKind::kAgent, "Ada", "", 1, true};
-  request.durable = true;
-  const auto admitted = session_->admit(request);
-  ASSERT_TRUE(admitted);
-  const ParticipantId ada = admitted->participant.id;
-  move(ada, {-10, 0, 1}, false);
-  for (int n = 0; n < 5; ++n) move(ada, {-10.0 + n, 0, -1});
-  EXPECT_TRUE(session_->flush());
-  undo({session_->sequence() - 4});
+/// An agent that may resume, in the middle of a stroke of five motions, which is undone.
+class ResumedUndo : public SessionUndo {
+ protected:
+  void SetUp() override {
+    SessionUndo::SetUp();
+    create();
+    request_.durable = true;
+    const auto admitted = session_->admit(request_);
+    ASSERT_TRUE(admitted);
+    ada_ = admitted->participant.id;
+    request_.token = admitted->token;
+    move(ada_, {-10, 0, 1}, false);
+    for (int n = 0; n < 5; ++n) move(ada_, {-10.0 + n, 0, -1});
+    EXPECT_TRUE(session_->flush());
+    undo({session_->sequence() - 4});
+  }
+
+  JoinRequest request_{ParticipantKind::kAgent, "Ada", "", 1, true};
+  ParticipantId ada_ = 0;
+};
+
+TEST_F(ResumedUndo, AnAgentThatResumesAfterARestartBeginsAStroke) {
   EXPECT_EQ(hash(), never_happened());
   reload();
-  request.token = admitted->token;
-  const auto resumed = session_->admit(request);
+  const auto resumed = session_->admit(request_);
   ASSERT_TRUE(resumed);
   ASSERT_TRUE(resumed->resumed);
   // A sample that the session knows places the tool, so that the next motion begins there.
-  --sequences_[ada];
-  move(ada, {-6, 0, -1});
-  for (int n = 0; n < 5; ++n) move(ada, {-5.0 + n, 0, -1});
+  --sequences_[ada_];
+  move(ada_, {-6, 0, -1});
+  for (int n = 0; n < 5; ++n) move(ada_, {-5.0 + n, 0, -1});
   EXPECT_EQ(hash(), never_happened());
 }
 
-TEST_F(SessionUndo, ReconnectingDoesNotFreeATool) {
-  create();
-  JoinRequest request{ParticipantKind::kAgent, "Ada", "", 1, true};
-  request.durable = true;
-  const auto admitted = session_->admit(request);
-  ASSERT_TRUE(admitted);
-  const ParticipantId ada = admitted->participant.id;
-  move(ada, {-10, 0, 1}, false);
-  for (int n = 0; n < 5; ++n) move(ada, {-10.0 + n, 0, -1});
+TEST_F(ResumedUndo, ReconnectingDoesNotFreeATool) {
   const std::uint64_t records = session_->sequence();
-  undo({records - 4});
-  request.token = admitted->token;
-  ASSERT_TRUE(session_->admit(request));
-  EXPECT_FALSE(move(ada, {-5, 0, -1}).rejections.empty());
-  EXPECT_EQ(session_->sequence(), records + 1);
+  ASSERT_TRUE(session_->admit(request_));
+  EXPECT_FALSE(move(ada_, {-5, 0, -1}).rejections.empty());
+  EXPECT_EQ(session_->sequence(), records);
 }
 
 TEST_F(SessionUndo, ARestartGivesTheSameBlock) {
