@@ -242,7 +242,7 @@ async function compareDetail(viewer, wire) {
     newestTiles(wire).every(({ level }) => level === 3),
   );
   const coarse = trianglesOf(newestTiles(wire));
-  assert(5 * coarse < trianglesOf(exact), `${coarse} of ${trianglesOf(exact)} triangles`);
+  assert(3 * coarse < trianglesOf(exact), `${coarse} of ${trianglesOf(exact)} triangles`);
   wire.sendLook([0, 0, 5000], 0);
   await until('exact tiles in the wire viewer', SETTLE_S, () =>
     newestTiles(wire).every(({ level }) => level === 0),
