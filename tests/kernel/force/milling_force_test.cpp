@@ -282,5 +282,44 @@ TEST(MillingPresets, AreSortedPositiveAndNameTheirSources) {
   }
 }
 
+const MillingPreset& preset(std::string_view material) {
+  return *std::ranges::find(milling_presets(), material,
+                            [](const MillingPreset& p) { return std::string_view(p.material); });
+}
+
+// Densities of dry wood in g/cm³, as the wood trade's tables state them.
+TEST(MillingPresets, LimewoodFollowsTheDensityAsTheWoodsOfItsSourceDo) {
+  const std::pair<const char*, double> woods[] = {
+      {"balsa", 0.15}, {"beech", 0.71}, {"oak", 0.675}, {"pine", 0.55}, {"spruce", 0.405}};
+  double mean = 0;
+  for (const auto& [wood, density] : woods)
+    mean += preset(wood).cut_n_per_mm2.tangential / density / std::size(woods);
+  for (const auto& [wood, density] : woods) {
+    EXPECT_NEAR(preset(wood).cut_n_per_mm2.tangential, mean * density, 0.145 * mean * density)
+        << wood;
+    EXPECT_EQ(preset(wood).chip_exponent, preset("limewood").chip_exponent);
+  }
+  EXPECT_NEAR(preset("limewood").cut_n_per_mm2.tangential, mean * 0.535, 0.05);
+}
+
+// Minimizes the force of a chip without rake over the angle of its shear plane, by trial.
+TEST(MillingPresets, PomIsMerchantsChipOfItsYieldStress) {
+  constexpr double kYield = 67.3, kFriction = 0.2;
+  const double beta = std::atan(kFriction);
+  double least = 1e9;
+  for (double phi = 0.1; phi < 1.4; phi += 1e-4) {
+    least = std::min(least, kYield / 2 * std::cos(beta) / (std::sin(phi) * std::cos(phi + beta)));
+    if (std::cos(phi + beta + 1e-4) <= 0) break;
+  }
+  const EdgeCoefficients& pom = preset("pom").cut_n_per_mm2;
+  EXPECT_NEAR(pom.tangential, least, 0.05);
+  EXPECT_NEAR(pom.radial, kFriction * least, 0.05);
+}
+
+TEST(MillingPresets, SteelC45IsKienzlesForMilling) {
+  EXPECT_EQ(preset("steel-c45").cut_n_per_mm2.tangential, 1.2 * 2220);
+  EXPECT_EQ(preset("steel-c45").chip_exponent, 0.14);
+}
+
 }  // namespace
 }  // namespace kerf
