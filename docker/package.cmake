@@ -35,7 +35,7 @@ set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/docker/debia
 
 set(CPACK_DEBIAN_AGENT_PACKAGE_NAME kerf-agent)
 set(CPACK_DEBIAN_AGENT_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_AGENT_PACKAGE_SUGGESTS python3) # for kerf-haply
+set(CPACK_DEBIAN_AGENT_PACKAGE_SUGGESTS "libasound2, python3") # for --sound; for kerf-haply
 set(CPACK_COMPONENT_AGENT_DESCRIPTION "haptic device agent of Kerf\n\
  kerf-agent connects a 5-DOF force-torque device to a Kerf session: it streams\n\
  the device's motion and displays the force and torque of the cut at 1 kHz.")

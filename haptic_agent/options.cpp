@@ -133,6 +133,12 @@ void describe_link(CLI::App& app, Options& options) {
       ->type_name("S")
       ->check(number_in(0.0, kMaxSeconds))
       ->capture_default_str();
+  app.add_option("--sound", options.sound,
+                 "play the sound of spindle and cut, on this device of ALSA (if none is named: "
+                 "default, which PipeWire and PulseAudio offer too)")
+      ->option_text("[PCM]")
+      ->expected(0, 1)
+      ->default_str("default");
   app.add_flag("--view", options.view, "show state, force, energy and link on the terminal");
   app.add_option("--trip-log", options.trip_log,
                  "write the last 200 ms before each safety trip to this file")

@@ -29,6 +29,8 @@ struct Options {
   double duration_s = 0;
   /// Processor to pin the loop to; negative: any.
   int cpu = -1;
+  /// ALSA's device for the sound of spindle and cut; empty: none.
+  std::string sound;
   /// Show the agent's state on the terminal.
   bool view = false;
   /// File for the last 200 ms before a trip; empty: standard error.

@@ -16,6 +16,7 @@
 #include "haptic_agent/guides/guide_model.h"
 #include "haptic_agent/replica/replica_thread.h"
 #include "haptic_agent/servo/watchdog.h"
+#include "haptic_agent/sound/sound_player.h"
 #include "haptic_agent/summary.h"
 #include "haptic_agent/terminal_view.h"
 #include "haptic_agent/trip_log.h"
@@ -80,9 +81,10 @@ std::expected<std::uint32_t, std::string> pick_tool(const Options& options,
   return tool != 0 ? tool : welcome.tool_ids.front();
 }
 
-/// Creates the device and tells the user; null, with the reason printed, if that fails.
-std::unique_ptr<HapticDevice> open_device(const Options& options, const Welcome& welcome,
-                                          std::uint32_t tool) {
+/// Creates the device and tells the user.
+std::expected<std::unique_ptr<HapticDevice>, std::string> open_device(const Options& options,
+                                                                      const Welcome& welcome,
+                                                                      std::uint32_t tool) {
   auto device = make_device(options.device,
                             {.stock = welcome.stock,
                              .pivot_mm = welcome.pivot_mm,
@@ -90,14 +92,11 @@ std::unique_ptr<HapticDevice> open_device(const Options& options, const Welcome&
                              .tools = welcome.tool_ids,
                              .tool = tool},
                             options.device_options);
-  if (!device) {
-    print_line(device.error());
-    return nullptr;
-  }
+  if (!device) return device;
   print_line(
       join({"carving '", welcome.session, "' as participant ", std::to_string(welcome.participant),
             " with the ", (*device)->capabilities().name, "; press Ctrl-C to leave"}));
-  return *std::move(device);
+  return device;
 }
 
 bool write_status(const std::string& where, const Summary& summary) {
@@ -126,6 +125,12 @@ ServoSettings servo_settings(const Options& options, const Welcome& welcome,
                        .pivot_mm = welcome.pivot_mm});
 }
 
+/// The spindle of a law that has one; otherwise a usual one.
+Spindle spindle_of(const ForceSettings& force) {
+  if (force.law != ForceLaw::kMechanistic) return {};
+  return {.rpm = force.milling.spindle_rpm, .teeth = force.milling.teeth};
+}
+
 /// Starts the replica of the block near the tool. Returns null and prints the reason if the welcome
 /// is not sufficient for one; only the server's answers are rendered then.
 ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange,
@@ -147,6 +152,18 @@ void notify_of_force(const std::expected<BlockSource, std::string>& block, const
   const std::uint32_t tool = settings.tool_id;
   const std::string notice = force_notice(welcome, settings, tool, block->full_cut_mm2(tool));
   if (!notice.empty()) print_line(notice);
+}
+
+/// Starts to play what the servo hears, if that is asked for and can be.
+void play_sound(const Options& options, const Spindle& spindle, ServoCycle& cycle,
+                std::optional<SoundPlayer>& player) {
+  if (options.sound.empty()) return;
+  auto card = SoundCard::open(options.sound);
+  if (card) {
+    player.emplace(*std::move(card), spindle, cycle.heard());
+  } else {
+    print_line(join({"no sound: ", card.error()}));
+  }
 }
 
 /// Runs the device at 1 kHz until it ends; fills in the servo's part of the summary.
@@ -218,39 +235,37 @@ int run_agent(Options options) {
   link.start();
 
   Summary summary;
-  const auto welcome = link.wait_welcome();
-  if (!welcome) {
+  const auto give_up = [&link](const std::string& reason) {
     link.stop(0);
-    print_line(welcome.error());
+    print_line(reason);
     return kFailed;
-  }
+  };
+  const auto welcome = link.wait_welcome();
+  if (!welcome) return give_up(welcome.error());
   joined.store(true);
   summary.welcome = *welcome;
   const auto tool = pick_tool(options, *welcome);
   const auto guides = guides_of(welcome->text);
-  if (!tool || !guides) {
-    link.stop(0);
-    print_line(!tool ? tool.error() : guides.error());
-    return kFailed;
-  }
-  const auto device = open_device(options, *welcome, *tool);
-  if (!device) {
-    link.stop(0);
-    return kFailed;
-  }
+  if (!tool || !guides) return give_up(!tool ? tool.error() : guides.error());
+  const auto opened = open_device(options, *welcome, *tool);
+  if (!opened) return give_up(opened.error());
+  HapticDevice& device = **opened;
 
-  const ServoSettings settings = servo_settings(options, *welcome, *device, *tool);
+  const ServoSettings settings = servo_settings(options, *welcome, device, *tool);
   auto block = BlockSource::read(welcome->text);
+  const Spindle spindle = block ? spindle_of(block->force()) : Spindle{};
   notify_of_force(block, *welcome, settings, guide_notice(*guides, options.guide_strength));
   GuideModel guidance(*guides, settings, options.guide_strength);
-  ServoCycle cycle(*device, samples, wrenches, link, settings,
+  ServoCycle cycle(device, samples, wrenches, link, settings,
                    keep_copy ? start_replica(replica, exchange, std::move(block)) : nullptr,
                    &guidance);
   {
     const TripWriter trips(cycle.recorder(), options.trip_log);
+    std::optional<SoundPlayer> sound;
+    play_sound(options, spindle, cycle, sound);
     std::optional<TerminalView> view;
     if (options.view) view.emplace(cycle.status(), link_status, settings, std::cerr);
-    run_servo(*device, loop, cycle, options.cpu, summary);
+    run_servo(device, loop, cycle, options.cpu, summary);
   }
   replica.stop();
   summary.copy = replica.report();

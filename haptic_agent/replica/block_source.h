@@ -23,6 +23,8 @@ class BlockSource {
   /// Returns an upper bound of the engaged area of a cut with a tool, mm²: the width of the tool
   /// times its cutting length, or the stock's diagonal if that is shorter. 0 for an unknown tool.
   double full_cut_mm2(ToolId tool) const;
+  /// Law and coefficients of the session's forces.
+  const ForceSettings& force() const { return settings_.force; }
   /// Maximum speed of the cutting tip that the server accepts.
   double speed_max_mm_per_s() const { return speed_max_mm_per_s_; }
 

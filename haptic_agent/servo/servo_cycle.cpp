@@ -100,6 +100,7 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   output_.settle(moved, now_us - passed_us, now_us);
   const bool cutting = (state.buttons & wire::kButtonCutting) != 0;
   computed_ = guided_ = {};
+  heard_n_ = 0;
   const Wrench wrench = usable ? requested_wrench(now_us, cutting, dt_s) : Wrench{};
   const SafetyInput seen = safety_input(state, usable, wrench);
   const bool tripped = supervisor_.phase() == ServoPhase::kSafe;
@@ -110,6 +111,7 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
                     : output_.silence(now_us));
   note_felt(usable && gain > 0);
   note(seen, wrench);
+  note_heard(seen, usable);
 
   const bool timed_out = settings_.duration_us > 0 && now_us - start_us_ >= settings_.duration_us;
   if (state.finished || timed_out) {
@@ -207,10 +209,12 @@ void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
     interpolator_.take(next, now_us);
     model_.take(next, grip_at(next.pose_us), now_);
     has_answer_ = true;
+    if (now_us - replica_us_ > kReplicaFreshUs) engaged_mm2_ = next.engaged_area_mm2;
   }
   if (replica_ != nullptr && replica_->read(next)) {
     model_.take_replica(next, grip_at(next.pose_us), now_);
     replica_us_ = now_us;
+    engaged_mm2_ = next.engaged_area_mm2;
     ++report_.replica_answers;
   }
 }
@@ -222,11 +226,11 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
   if (share < 1.0) ++report_.decayed_ticks;
   followed_ = followed_ + (interpolator_.newest().felt - followed_) * (dt_s / (kFeltS + dt_s));
   Wrench own = followed_;
-  computed_ = followed_ + interpolator_.newest().wrench;
+  Wrench session = interpolator_.newest().wrench;
   switch (settings_.mode) {
     case ForceMode::kModel:
       own = own + model_.at(now_, cutting, dt_s);
-      computed_ = followed_ + model_.computed();
+      session = model_.computed();
       break;
     case ForceMode::kInterpolated:
       own = own + interpolator_.at(now_us);
@@ -235,6 +239,8 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
       own = own + interpolator_.newest().wrench;
       break;
   }
+  heard_n_ = length(session.force_n) * share;
+  computed_ = followed_ + session;
   if (guidance_ != nullptr) {
     guided_ = guidance_->at(now_);
     own = own + guided_;
@@ -300,6 +306,12 @@ void ServoCycle::note(const SafetyInput& seen, const Wrench& requested) noexcept
                  .speed_mm_per_s = seen.tip_mm_per_s,
                  .answer_age_us = seen.answer_age_us,
                  .felt_share = share_});
+}
+
+void ServoCycle::note_heard(const SafetyInput& seen, bool usable) noexcept {
+  heard_.write({.running = usable && seen.cutting,
+                .force_n = heard_n_,
+                .removed_mm3_per_s = engaged_mm2_ * seen.tip_mm_per_s});
 }
 
 }  // namespace kerf::agent

@@ -10,6 +10,7 @@
 #include "haptic_agent/servo/flight_recorder.h"
 #include "haptic_agent/servo/grip_history.h"
 #include "haptic_agent/servo/guidance.h"
+#include "haptic_agent/servo/heard_cut.h"
 #include "haptic_agent/servo/local_model.h"
 #include "haptic_agent/servo/output_stage.h"
 #include "haptic_agent/servo/replica_exchange.h"
@@ -112,6 +113,7 @@ class ServoCycle final : public ServoTask {
   const Supervisor& supervisor() const noexcept { return supervisor_; }
   /// Each for one other thread.
   LatestValue<ServoStatus>& status() noexcept { return status_; }
+  LatestValue<HeardCut>& heard() noexcept { return heard_; }
   FlightRecorder& recorder() noexcept { return recorder_; }
 
  private:
@@ -126,6 +128,7 @@ class ServoCycle final : public ServoTask {
                            const Wrench& requested) const noexcept;
   void note_felt(bool on) noexcept;
   void note(const SafetyInput& seen, const Wrench& requested) noexcept;
+  void note_heard(const SafetyInput& seen, bool usable) noexcept;
 
   HapticDevice& device_;
   SampleRing& samples_;
@@ -142,6 +145,7 @@ class ServoCycle final : public ServoTask {
   Supervisor supervisor_;
   FlightRecorder recorder_;
   LatestValue<ServoStatus> status_;
+  LatestValue<HeardCut> heard_;
   ServoReport report_;
   PastGrip now_;
   /// Wrench of the followed participant, low-pass filtered.
@@ -151,6 +155,8 @@ class ServoCycle final : public ServoTask {
   /// The wrench that the session computes at the newest pose, and the share of it that is output.
   Wrench computed_{};
   double share_ = 1;
+  /// What is heard: the session's force, and the engaged area of the newest answer.
+  double heard_n_ = 0, engaged_mm2_ = 0;
   Vec3 tip_mm_{};
   double jumped_mm_ = 0;
   bool has_grip_ = false;

@@ -32,6 +32,18 @@ TEST(Options, ParsesACompleteCommandLine) {
   EXPECT_TRUE(options->link.hello.udp);
 }
 
+TEST(Options, SoundHasADeviceIfItIsAskedFor) {
+  const auto sound = [](std::vector<const char*> words) {
+    words.insert(words.begin(), {"--session", "demo", "--device", "sim"});
+    const auto options = read(std::move(words));
+    return options ? options->sound : "rejected";
+  };
+  EXPECT_EQ(sound({}), "");
+  EXPECT_EQ(sound({"--sound"}), "default");
+  EXPECT_EQ(sound({"--sound", "--view"}), "default");
+  EXPECT_EQ(sound({"--sound", "hw:0"}), "hw:0");
+}
+
 TEST(Options, HelpIsNotAnError) {
   const auto options = read({"--help"});
   ASSERT_FALSE(options);

@@ -36,6 +36,7 @@ const std::vector<Module>& agent_modules() {
       {"haptic_agent/guides",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/formats/guide.h",
         "server/formats/guide_reader.h", "haptic_agent/device", "haptic_agent/servo"}},
+      {"haptic_agent/sound", {"haptic_agent/realtime", "haptic_agent/servo/heard_cut.h"}},
       {"haptic_agent/library",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "haptic_agent/realtime",
         "haptic_agent/device", "haptic_agent/servo", "haptic_agent/link", "haptic_agent/replica",

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace kerf::agent {
+
+/// What is heard of the newest tick: `../sound` turns it into sound.
+struct HeardCut {
+  /// The spindle turns: the pose is valid and the cutting button pressed.
+  bool running = false;
+  double force_n = 0;            ///< that the session computes, without guides
+  double removed_mm3_per_s = 0;  ///< engaged area times the tip's speed
+};
+
+}  // namespace kerf::agent
