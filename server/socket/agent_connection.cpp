@@ -29,6 +29,7 @@ class AgentConnection final : public PeerSocket {
       : PeerSocket(std::move(stream), wire::kAgentProtocol, caller.remaining_s),
         context_(context),
         executor_(session->executor()),
+        worked_(static_cast<IoThreads&>(executor_).context(), Clock::time_point::max()),
         conversation_({.session = session,
                        .limits = context.limits,
                        .metrics = context.metrics,
@@ -58,8 +59,9 @@ class AgentConnection final : public PeerSocket {
   PeerContext& context_;
   Executor& executor_;
   std::shared_ptr<UdpPeer> udp_;  ///< null without a UDP connection
+  bool works_ = false;            ///< a coroutine works on the batch
+  asio::steady_timer worked_;     ///< cancelled when it has; never expires
   AgentConversation conversation_;
-  bool works_ = false;  ///< on a batch that came over UDP
 };
 
 std::optional<datagram::Offer> AgentConnection::open_udp() {
@@ -74,8 +76,12 @@ std::optional<datagram::Offer> AgentConnection::open_udp() {
 }
 
 /// Works on a long batch, one turn after the other. In between the thread serves the other agents:
-/// it has at least as much time for them as for this one.
+/// it has at least as much time for them as for this one. Only one coroutine works; another waits
+/// for it, so that this also holds while both transports have frames.
 asio::awaitable<void> AgentConnection::act() {
+  error_code ignored;
+  while (works_) co_await worked_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  works_ = true;
   asio::steady_timer pause(static_cast<IoThreads&>(executor_).context());
   while (conversation_.has_action() && !has_failed()) {
     const auto start = Clock::now();
@@ -83,9 +89,10 @@ asio::awaitable<void> AgentConnection::act() {
     pump();
     if (!conversation_.has_action()) break;
     pause.expires_after(conversation_.has_rival() ? Clock::now() - start : Clock::duration{});
-    error_code ignored;
     co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
   }
+  works_ = false;
+  worked_.cancel();
   conversation_.refresh();
   pump();
 }
@@ -107,12 +114,9 @@ void AgentConnection::receive_datagram(std::span<const std::byte> frame,
   }
   conversation_.refresh();
   pump();
-  if (!conversation_.has_action() || std::exchange(works_, true)) return;
+  if (!conversation_.has_action() || works_) return;
   auto work = [self = std::static_pointer_cast<AgentConnection>(
-                   shared_from_this())]() -> asio::awaitable<void> {
-    co_await self->act();
-    self->works_ = false;
-  };
+                   shared_from_this())]() -> asio::awaitable<void> { co_await self->act(); };
   asio::co_spawn(static_cast<IoThreads&>(executor_).context(), std::move(work), asio::detached);
 }
 

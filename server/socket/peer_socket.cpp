@@ -56,7 +56,10 @@ asio::awaitable<void> PeerSocket::run(UpgradeRequest request) {
   while (!error && !failed_ && !conversation().broken()) {
     error = co_await socket_.read();
     if (error) break;
-    conversation().receive(socket_.message(), socket_.is_text(), Clock::now());
+    const auto arrived = Clock::now();
+    // An agent's batch that came over UDP meanwhile precedes this frame.
+    if (conversation().has_action()) co_await act();
+    conversation().receive(socket_.message(), socket_.is_text(), arrived);
     pump();
     conversation().refresh();
     pump();

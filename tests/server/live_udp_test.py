@@ -237,6 +237,39 @@ class Motions(LiveTest):
         self.assertEqual(self.server.hash(), self.carve_over_web_socket(agent.sequence))
 
 
+class Turns(LiveTest):
+    """A batch over UDP that is cut in several turns, and frames over the WebSocket meanwhile."""
+
+    WIDE = {"name": "wide", "stock": {"shape": "box", "min_mm": [-120, -120, -20], "max_mm": [120, 120, 0]},
+            "accuracy": {"rays": "dexel", "pitch_mm": 0.2, "tolerance_mm": 0.01, "motion": "tight"},
+            "tools": [{"id": 1, "shape": "flat", "diameter_mm": 200, "length_mm": 60},
+                      {"id": 2, "shape": "flat", "diameter_mm": 60, "length_mm": 60}]}
+
+    def carve(self, session, udp):
+        """Four wide motions of tool 1, a change of the tool, and three of tool 2; returns what is left."""
+        self.server.create(session, self.WIDE)
+        agent = UdpAgent(self.port, session) if udp else Agent(self.port, session)
+        if not udp:
+            agent.move([(-10, 0, -2)])
+        wide = [sample(n, agent.time_us + 1000 * n, (-10 + n, 0, -2 - 0.1 * n)) for n in range(2, 6)]
+        narrow = [sample(n, agent.time_us + 1000 * n, (n, 10, -2 - n), tool=2) for n in range(6, 10)]
+        if udp:
+            agent.udp.send(motion_frame(wide))
+            time.sleep(0.01)  # the batch takes longer
+        else:
+            agent.send_binary(motion_frame(wide))
+        agent.send_json({"type": "tool", "tool": 2})
+        agent.send_binary(motion_frame(narrow))
+        while agent.result()["agent_sequence"] != 9:
+            pass
+        return self.server.info(session)["motions"], self.server.hash(session)
+
+    def test_tool_and_samples_wait_until_the_batch_is_cut(self):
+        plain = self.carve("plain", False)
+        self.assertEqual(plain[0], 4 + 3)
+        self.assertEqual(self.carve("udp", True), plain)
+
+
 class RealAgent(LiveTest):
     """Tests the messages of kerf-agent about UDP."""
 
