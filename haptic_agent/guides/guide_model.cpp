@@ -29,16 +29,15 @@ double force_and_torque(const Wrench& wrench) noexcept {
 }
 
 /// Stiffest torsional spring and its damper for the least inertia, as stable_gains has them for
-/// forces, shared by `touches` springs: N·mm/rad, N·mm·s/rad.
+/// forces, of which this spring has a share: N·mm/rad, N·mm·s/rad.
 ContactGains stable_turn_gains(const ServoSettings& settings, double stiffness,
-                               std::uint32_t touches) noexcept {
+                               double share) noexcept {
   constexpr double kStiffnessShare = 0.8, kDampingShare = 0.5;
   const double inertia = settings.passivity.inertia_kg_m2 * kNmmPerNm;
   const double damping =
       std::min(settings.passivity.max_turn_damping,
                kDampingShare * inertia / settings.model.contact.velocity_delay_s);
   const double stable = kStiffnessShare * damping / settings.model.contact.force_delay_s;
-  const double share = 1.0 / std::max(1U, touches);
   return {.stiffness = std::min(stiffness, share * stable), .damping = share * damping};
 }
 
@@ -92,7 +91,7 @@ Wrench GuideModel::wrench(Compiled& compiled, const Tip& tip) const noexcept {
 /// Spring and damper along a direction: no stiffer than the device, and shared by all guides.
 ContactGains GuideModel::gains(const Guide& guide, Vec3 normal, const Tip& tip) const noexcept {
   return stable_gains(settings_.model.contact, strength_ * guide.stiffness_n_per_mm, tip.arm_mm,
-                      normal, static_cast<std::uint32_t>(guides_.size()));
+                      normal, share());
 }
 
 /// Returns the force of a wall that the tip has entered by `depth_mm` against its normal.
@@ -118,8 +117,8 @@ Wrench GuideModel::snap(const Guide& guide, const SnapGuide& shape, const Tip& t
   const double stretched = std::copysign(std::min(apart, range - apart), face.distance_mm);
   const double stiffness =
       strength_ * std::min(guide.stiffness_n_per_mm, guide.max_force_n / (range / 2));
-  const ContactGains g = stable_gains(settings_.model.contact, stiffness, tip.arm_mm, face.normal,
-                                      static_cast<std::uint32_t>(guides_.size()));
+  const ContactGains g =
+      stable_gains(settings_.model.contact, stiffness, tip.arm_mm, face.normal, share());
   const double damping = g.damping * (1 - apart / range);
   const double most = strength_ * guide.max_force_n;
   const double newtons = std::clamp(
@@ -163,9 +162,8 @@ Wrench GuideModel::turn(const Compiled& compiled, const PathGuide& path, Vec3 ax
       std::atan2(sine, dot(axis, compiled.axis)) - path.axis_within_deg * kRadPerDeg;
   if (!(excess > 0) || !(sine > 0)) return {};
   const Vec3 about = normal * (1 / sine);
-  const auto touches = static_cast<std::uint32_t>(guides_.size());
   const ContactGains g =
-      stable_turn_gains(settings_, strength_ * path.turn_stiffness_nmm_per_rad, touches);
+      stable_turn_gains(settings_, strength_ * path.turn_stiffness_nmm_per_rad, share());
   const double most = strength_ * path.max_torque_nmm;
   const double spring = std::min(g.stiffness * excess, most);
   const double damped = spring - g.damping * dot(about, tip.now.velocity.angular);
@@ -175,9 +173,9 @@ Wrench GuideModel::turn(const Compiled& compiled, const PathGuide& path, Vec3 ax
   const double stiffness = g.stiffness * fall * fall;
   if (!(stiffness > 0)) return sum;
   const ContactGains along =
-      stable_gains(settings_.model.contact, stiffness, tip.arm_mm, near.tangent, touches);
-  const double share = along.stiffness / stiffness;
-  const double pull = std::abs(fall) * spring * share;
+      stable_gains(settings_.model.contact, stiffness, tip.arm_mm, near.tangent, share());
+  const double rendered = along.stiffness / stiffness;
+  const double pull = std::abs(fall) * spring * rendered;
   const Vec3 direction = near.tangent * std::copysign(1.0, fall);
   const double newtons =
       std::clamp(pull - along.damping * dot(direction, tip.velocity_mm_per_s), 0.0,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <expected>
 #include <optional>
@@ -58,6 +59,10 @@ class GuideModel final : public Guidance {
               const GuidePoint& near, const Tip& tip) const noexcept;
   Wrench taught(Compiled& compiled, const PathGuide& path, const GuidePoint& near, Vec3 moved_mm,
                 const Tip& tip) const noexcept;
+  /// Of the load that each guide bears, so that all together are stable.
+  double share() const noexcept {
+    return 1.0 / static_cast<double>(std::max<std::size_t>(1, guides_.size()));
+  }
   ContactGains gains(const Guide& guide, Vec3 normal, const Tip& tip) const noexcept;
   Wrench snap(const Guide& guide, const SnapGuide& shape, const Tip& tip) const noexcept;
   Wrench push(const Guide& guide, Vec3 normal, double depth_mm, const Tip& tip) const noexcept;

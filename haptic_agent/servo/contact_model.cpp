@@ -24,8 +24,7 @@ double moved_mass(const ContactLimits& limits, Vec3 arm_mm, Vec3 normal) noexcep
 }  // namespace
 
 ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 arm_mm, Vec3 normal,
-                          std::uint32_t touches) noexcept {
-  const double share = 1.0 / std::max(1U, touches);
+                          double share) noexcept {
   double damping = limits.max_damping;
   if (limits.mass_kg > 0 && limits.inertia_kg_m2 > 0) {
     const double mass = moved_mass(limits, arm_mm, normal);
@@ -56,10 +55,13 @@ ContactModel::Touches ContactModel::touches_at(const Grip& grip) const noexcept 
 template <typename Gains>
 Wrench ContactModel::push(const Touches& touches, Vec3 axis, const Twist& velocity,
                           const Gains& gains) noexcept {
+  const auto touched = std::span(touches.all).first(touches.count);
+  double load = 0;
+  for (const Touch& touch : touched) load += touch.depth_mm * touch.fade;
   Wrench sum;
-  for (const Touch& touch : std::span(touches.all).first(touches.count)) {
+  for (const Touch& touch : touched) {
     const Vec3 normal(touch.plane->normal);
-    const ContactGains g = gains(*touch.plane, touch.arm_mm, touches.count);
+    const ContactGains g = gains(*touch.plane, touch.arm_mm, touch.depth_mm * touch.fade / load);
     const double speed = dot(normal, velocity.at(touch.arm_mm));
     // A contact pushes and never pulls.
     const double newtons =
@@ -74,14 +76,14 @@ Wrench ContactModel::push(const Touches& touches, Vec3 axis, const Twist& veloci
 Wrench ContactModel::damped(const Touches& touches, Vec3 axis,
                             const Twist& velocity) const noexcept {
   return push(touches, axis, velocity,
-              [this](const wire::ContactPlane& plane, Vec3 arm_mm, std::uint32_t count) {
+              [this](const wire::ContactPlane& plane, Vec3 arm_mm, double share) {
                 return stable_gains(limits_, static_cast<double>(plane.stiffness_n_per_mm), arm_mm,
-                                    Vec3(plane.normal), count);
+                                    Vec3(plane.normal), share);
               });
 }
 
 Wrench ContactModel::undamped(const Touches& touches, Vec3 axis) noexcept {
-  return push(touches, axis, {}, [](const wire::ContactPlane& plane, Vec3, std::uint32_t) {
+  return push(touches, axis, {}, [](const wire::ContactPlane& plane, Vec3, double) {
     return ContactGains{.stiffness = static_cast<double>(plane.stiffness_n_per_mm)};
   });
 }

@@ -32,14 +32,15 @@ struct ContactGains {
 /// Returns gains at which a contact of a free device does not oscillate. A spring that acts t late
 /// drives like a damper of -stiffness t, for which the damper must make up; that damper itself acts
 /// late and may not exceed half of mass / delay. `arm_mm`: from the pivot to the contact, at which
-/// a push along `normal` also turns the device and moves less mass; `touches`: how many planes
-/// share the load.
+/// a push along `normal` also turns the device and moves less mass; `share`: of the load that this
+/// contact bears, 0 to 1.
 ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 arm_mm, Vec3 normal,
-                          std::uint32_t touches) noexcept;
+                          double share) noexcept;
 
 /// Renders the contact planes of the newest answer as damped springs that act on the moving tool
-/// between two answers. A difference between the planes of two answers fades in, so that a new
-/// answer never causes a step of the force.
+/// between two answers. Planes bear the device's greatest stiffness together, each as much as its
+/// depth is of the sum: one that is just touched changes nothing. A difference between the planes
+/// of two answers fades in, so that a new answer never causes a step of the force.
 class ContactModel {
  public:
   /// Time constant with which a difference between two answers fades, s.
@@ -73,6 +74,7 @@ class ContactModel {
     std::uint32_t count = 0;
   };
   Touches touches_at(const Grip& grip) const noexcept;
+  /// `gains`: called with a plane, the arm to its contact, and its share of the load.
   template <typename Gains>
   static Wrench push(const Touches& touches, Vec3 axis, const Twist& velocity,
                      const Gains& gains) noexcept;

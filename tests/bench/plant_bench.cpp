@@ -10,7 +10,8 @@
 // to 2 kg and 1e-5 or 2e-4 kg m², through a device with 0 to 3 ms of latency, 2 % of the ticks lost
 // or none, a real session at a round trip of 0 to 250 ms: per latency the greatest energy returned
 // over any interval, the greatest rms speed of the tip while the hand is at rest, and the trips.
-// The last row declares no latency where there are 3 ms. Then the same hands press against guides
+// The last rows declare no latency where there are 3 ms, and no inertia by which a push turns a pen
+// rather than moves it. Then the same hands press against guides
 // of each kind in place of surfaces, at a round trip of 50 ms. Then random traces of two seconds
 // with an adversarial network (tests/agent/servo/adversary.h), and the same with deliberate errors.
 // Fails if the tank is exceeded, a wrench leaves its limits, or the tip moves faster than 5 mm/s
@@ -66,13 +67,14 @@ void press_with_all_hands(Press press, Worst& worst) {
   }
 }
 
-Worst press_all(std::uint64_t latency_us, bool ignores_latency) {
+Worst press_all(std::uint64_t latency_us, bool ignores_latency, bool ignores_inertia = false) {
   Worst worst;
   for (const double rtt_ms : {0.0, 50.0, 250.0}) {
     for (const bool obstacle : {false, true}) {
       Press press{.line = {.rtt_ms = rtt_ms, .jitter = rtt_ms > 0 ? 0.2 : 0},
                   .obstacle = obstacle,
-                  .ignores_latency = ignores_latency};
+                  .ignores_latency = ignores_latency,
+                  .ignores_inertia = ignores_inertia};
       press.mechanics.latency_us = latency_us;
       press_with_all_hands(press, worst);
     }
@@ -108,6 +110,7 @@ bool contact_table(bool surfaces, bool guides) {
     holds = holds && worst.returned_mj <= kTankMj && worst.buzz_mm_per_s <= kMostBuzz;
   }
   if (surfaces) row("3, but none declared", press_all(3000, true));
+  if (surfaces) row("3, no limit from inertia", press_all(3000, false, true));
   for (const std::uint64_t latency_us : {0U, 3000U}) {
     if (!guides) break;
     const Worst worst = press_guides(latency_us);

@@ -107,6 +107,7 @@ SwingOutcome swing(const Swing& swing) {
 PressOutcome press(const Press& press) {
   Plant plant([&](double time_s) { return pressing(press, time_s); }, press.mechanics, false);
   if (press.ignores_latency) plant.declare_latency(0);
+  if (press.ignores_inertia) plant.declare_inertia(1);
   TestBed bed(press_scene(press.obstacle, press.guides), plant, {}, press.line, true);
   const int ticks = static_cast<int>((kRestS + kPressS + kHeldS) * 1000);
   double most_n = 0;

@@ -62,6 +62,7 @@ struct Press {
   bool obstacle = false;  ///< against an obstacle, which only the server knows; otherwise the stock
   bool loses_ticks = false;      ///< four in a row, 2 % in all
   bool ignores_latency = false;  ///< the device declares none
+  bool ignores_inertia = false;  ///< the device declares one so great that no limit follows
   std::string guides = {};       ///< JSON list; there is no surface then, only the guides push
 };
 struct PressOutcome {

@@ -48,7 +48,7 @@ class Plant final : public HapticDevice {
             .max_damping_n_s_per_mm = 0.06,
             .latency_us = declared_latency_us_.value_or(m_.latency_us),
             .moving_mass_kg = m_.mass_kg,
-            .moving_inertia_kg_m2 = m_.inertia_kg_m2};
+            .moving_inertia_kg_m2 = declared_inertia_kg_m2_.value_or(m_.inertia_kg_m2)};
   }
   DeviceState read(std::uint64_t now_us) noexcept override {
     if (start_us_ == 0) start_us_ = now_us_ = now_us;
@@ -65,6 +65,8 @@ class Plant final : public HapticDevice {
 
   /// For experiments with a device that does not know its latency.
   void declare_latency(std::uint64_t latency_us) { declared_latency_us_ = latency_us; }
+  /// For experiments with a device that does not know how easily it turns.
+  void declare_inertia(double kg_m2) { declared_inertia_kg_m2_ = kg_m2; }
   /// Starts to measure the speed of the tip.
   void begin_rest() { square_sum_ = 0, steps_ = 0; }
   /// Root mean square of the tip's speed since then, mm/s.
@@ -112,6 +114,7 @@ class Plant final : public HapticDevice {
   PlantMechanics m_;
   bool cutting_;
   std::optional<std::uint64_t> declared_latency_us_;
+  std::optional<double> declared_inertia_kg_m2_;
   Grip grip_;
   Twist v_;
   Wrench acting_{};
