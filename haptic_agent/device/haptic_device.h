@@ -59,6 +59,8 @@ struct DeviceCapabilities {
   /// Stiffness and damping that the device renders stably at 1 kHz; 0: unknown.
   double max_stiffness_n_per_mm = 0;
   double max_damping_n_s_per_mm = 0;
+  /// Greatest frequency of a vibration that its motors render; 0: unknown, all that the loop has.
+  double max_vibration_hz = 0;
   /// Greatest time from the measurement of a pose until a wrench that was computed from it acts, in
   /// addition to the loop's period: transfers in both directions, drivers, current control.
   std::uint64_t latency_us = 0;

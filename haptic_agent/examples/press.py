@@ -35,7 +35,7 @@ class Capabilities(Sized):
                 ("max_torque_nmm", c_double), ("continuous_force_n", c_double),
                 ("continuous_torque_nmm", c_double), ("max_stiffness_n_per_mm", c_double),
                 ("max_damping_n_s_per_mm", c_double), ("latency_us", c_uint32),
-                ("reserved", c_uint32), ("moving_mass_kg", c_double),
+                ("max_vibration_hz", c_uint32), ("moving_mass_kg", c_double),
                 ("moving_inertia_kg_m2", c_double), ("workspace_min_mm", Vector),
                 ("workspace_max_mm", Vector)]
 

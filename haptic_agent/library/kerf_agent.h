@@ -42,7 +42,7 @@ extern "C" {
 /** Version of this interface. Programs and plugins of one ABI number work with every library of the
  * same number; a library with a higher minor number knows more functions and fields. */
 #define KERF_AGENT_ABI 1
-#define KERF_AGENT_MINOR 3
+#define KERF_AGENT_MINOR 4
 #define KERF_AGENT_VERSION ((KERF_AGENT_ABI << 16) | KERF_AGENT_MINOR)
 
 /** Result of a call: KERF_AGENT_OK or a negative number. */
@@ -121,7 +121,9 @@ typedef struct kerf_agent_capabilities {
    * loop's own period of 1 ms, µs: transfers, drivers, motor control. 0 to 20000. The bound on the
    * energy that the device returns holds up to this latency only. */
   uint32_t latency_us;
-  uint32_t reserved;
+  /** Greatest frequency of a vibration that its motors render, Hz, 20 to 1000; 0: unknown. The
+   * ripple of a cutter's teeth is kept below. Minor 4; zero for libraries before. */
+  uint32_t max_vibration_hz;
   double moving_mass_kg;       /**< least mass that a force at the pivot moves; 0: 0.05 */
   double moving_inertia_kg_m2; /**< least inertia about the pivot, across the axis; 0: 1e-5 */
   /** Range of the tip in session coordinates, mm: outside the force is switched off. Equal corners:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace kerf::agent {
 namespace {
@@ -109,15 +110,28 @@ Wrench LocalModel::cut(const PastGrip& now, double& rendered) const noexcept {
   return {force, torque};
 }
 
+/// A low pass of first order at the greatest frequency that the device renders. It has no memory
+/// of an earlier cut.
+Wrench LocalModel::within_band(const Wrench& cutting, double dt_s) noexcept {
+  if (settings_.law != CutLaw::kMechanistic || !(settings_.max_vibration_hz > 0)) return cutting;
+  if (!(dot(cutting.force_n, cutting.force_n) > 0)) return in_band_ = {};
+  const double passed = 2 * std::numbers::pi * settings_.max_vibration_hz * dt_s;
+  in_band_ = in_band_ + (cutting - in_band_) * (1 - std::exp(-passed));
+  return in_band_;
+}
+
 Wrench LocalModel::at(const PastGrip& now, bool cutting, double dt_s) noexcept {
   const Wrench touched =
       stock_.at(now.grip, now.velocity, dt_s) + obstacles_.at(now.grip, now.velocity, dt_s);
   computed_ = stock_.computed() + obstacles_.computed();
-  if (!cutting) return touched;
+  if (!cutting) {
+    in_band_ = {};
+    return touched;
+  }
   double rendered = 1;
   const Wrench cutting_wrench = cut(now, rendered);
   computed_ = computed_ + cutting_wrench;
-  return touched + cutting_wrench * rendered;
+  return touched + within_band(cutting_wrench * rendered, dt_s);
 }
 
 }  // namespace kerf::agent

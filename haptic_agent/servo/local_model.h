@@ -22,6 +22,8 @@ struct ModelSettings {
   ContactLimits contact{};
   /// Damping that the device renders stably at 1 kHz, N s/mm.
   double max_damping = 0.02;
+  /// Greatest frequency of the ripple of teeth that the device renders; 0: all.
+  double max_vibration_hz = 0;
 };
 
 /// Extrapolates the server's answers, which are a round trip old, to the current grip and velocity:
@@ -53,6 +55,7 @@ class LocalModel {
  private:
   /// Returns the cutting wrench as computed; `rendered` is the share that the device can render.
   Wrench cut(const PastGrip& now, double& rendered) const noexcept;
+  Wrench within_band(const Wrench& cutting, double dt_s) noexcept;
   void take_stock(const ServerWrench& answer, const PastGrip& then, const PastGrip& now) noexcept;
   void take_cut(const ServerWrench& answer, const PastGrip& then) noexcept;
 
@@ -62,6 +65,8 @@ class LocalModel {
   /// Cutting wrench of the newest answer.
   Wrench cut_;
   Wrench computed_;
+  /// Cutting wrench within the device's band, while it cuts.
+  Wrench in_band_;
   PastGrip then_;
   Vec3 arm_mm_{};
   double lag_s_ = 0;

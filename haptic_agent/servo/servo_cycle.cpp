@@ -56,6 +56,7 @@ ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings setti
     settings.model.contact.max_damping =
         std::min(settings.model.contact.max_damping, settings.model.max_damping);
   }
+  settings.model.max_vibration_hz = device.max_vibration_hz;
   adapt_to_mechanics(device, settings);
   settings.passivity.longest_tick_us = settings.safety.lost_in_a_row * kTickUs;
   settings.safety.continuous_force_n = device.continuous_force_n;

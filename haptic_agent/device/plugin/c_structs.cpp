@@ -15,6 +15,8 @@ namespace {
 constexpr std::size_t kNameBytes = 64;
 constexpr double kMaxMm = 1e5;
 constexpr std::uint32_t kMaxLatencyUs = 20'000;
+/// Below, a band would delay the force of a cut itself.
+constexpr std::uint32_t kMinVibrationHz = 20, kMaxVibrationHz = 1000;
 
 struct Range {
   std::string_view field;
@@ -45,10 +47,14 @@ std::string fault_of(const kerf_agent_capabilities& given) {
       {"max_stiffness_n_per_mm", given.max_stiffness_n_per_mm, 100},
       {"max_damping_n_s_per_mm", given.max_damping_n_s_per_mm, 1},
       {"latency_us", static_cast<double>(given.latency_us), kMaxLatencyUs},
+      {"max_vibration_hz", static_cast<double>(given.max_vibration_hz), kMaxVibrationHz},
       {"moving_mass_kg", given.moving_mass_kg, 100},
       {"moving_inertia_kg_m2", given.moving_inertia_kg_m2, 10},
   };
   if (std::string fault = fault_of(ranges); !fault.empty()) return fault;
+  if (given.max_vibration_hz != 0 && given.max_vibration_hz < kMinVibrationHz) {
+    return "max_vibration_hz must be 0, if it is unknown, or at least 20";
+  }
   if (!is_dof(given.sensed_dof)) return "sensed_dof must be 3 or 5";
   if (!is_dof(given.actuated_dof)) return "actuated_dof must be 0, 3 or 5";
   if ((given.max_force_n > 0) != (given.actuated_dof > 0)) {
@@ -81,6 +87,7 @@ std::expected<DeviceCapabilities, std::string> capabilities_of(
       .continuous_torque_nmm = given.continuous_torque_nmm,
       .max_stiffness_n_per_mm = given.max_stiffness_n_per_mm,
       .max_damping_n_s_per_mm = given.max_damping_n_s_per_mm,
+      .max_vibration_hz = static_cast<double>(given.max_vibration_hz),
       .latency_us = given.latency_us,
       .moving_mass_kg = given.moving_mass_kg,
       .moving_inertia_kg_m2 = given.moving_inertia_kg_m2,

@@ -63,6 +63,7 @@ constexpr IntegerKey kIntegerKeys[] = {
     {"sensed_dof", &kerf_agent_capabilities::sensed_dof},
     {"actuated_dof", &kerf_agent_capabilities::actuated_dof},
     {"latency_us", &kerf_agent_capabilities::latency_us},
+    {"max_vibration_hz", &kerf_agent_capabilities::max_vibration_hz},
     {"deadman", &kerf_agent_capabilities::flags},
 };
 

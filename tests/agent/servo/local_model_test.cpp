@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace kerf::agent {
 namespace {
@@ -57,8 +58,8 @@ TEST(LocalModel, ReproducesAnAnswerWithoutDelay) {
 }
 
 /// Returns the range of the rendered force, over the mean, where fresh answers alternate.
-double rendered_ripple(CutLaw law) {
-  LocalModel model({.law = law});
+double rendered_ripple(CutLaw law, double max_vibration_hz = 0) {
+  LocalModel model({.law = law, .max_vibration_hz = max_vibration_hz});
   PastGrip now = move_along_x(start(), 200);
   double least = 1e9, most = 0;
   for (int i = 0; i < 40; ++i) {
@@ -76,6 +77,33 @@ double rendered_ripple(CutLaw law) {
 TEST(LocalModel, RippleOfTeethIsRenderedFromFreshAnswers) {
   EXPECT_NEAR(rendered_ripple(CutLaw::kMechanistic), 1.0 / 3, 1e-9);
   EXPECT_LT(rendered_ripple(CutLaw::kSpecificEnergy), 0.25);
+}
+
+// A square wave of 250 Hz, whose extremes a low pass of first order at f lowers to
+// tanh(pi f / (2 * 250 Hz)) of themselves.
+TEST(LocalModel, RippleAboveTheDevicesBandIsLowered) {
+  for (const double hz : {50.0, 100.0, 200.0}) {
+    const double expected = std::tanh(std::numbers::pi * hz / 500) / 3;
+    EXPECT_NEAR(rendered_ripple(CutLaw::kMechanistic, hz), expected, 0.02 * expected) << hz;
+  }
+}
+
+TEST(LocalModel, BandKeepsTheMeanForceAndNothingAfterACut) {
+  LocalModel model({.law = CutLaw::kMechanistic, .max_vibration_hz = 50});
+  PastGrip now = move_along_x(start(), 200);
+  double newtons = 0;
+  for (int i = 0; i < 100; ++i) {
+    const PastGrip then = now;
+    now = next(now, {0.05, 0, 0});
+    model.take_replica(cut_of(then, 3), then, now);
+    newtons = -model.at(now, true, kDt).force_n.x;
+  }
+  EXPECT_NEAR(newtons, 3, 1e-6);
+  EXPECT_NEAR(-model.computed().force_n.x, 3, 1e-6);
+  EXPECT_EQ(model.at(now, false, kDt), Wrench{}) << "the button is released";
+  EXPECT_LT(-model.at(now, true, kDt).force_n.x, 1) << "a new cut begins";
+  model.take_replica(ServerWrench{.pose_us = now.time_us}, now, now);
+  EXPECT_EQ(model.at(now, true, kDt), Wrench{}) << "nothing is engaged";
 }
 
 TEST(LocalModel, ExtrapolatesARisingForceFromDelayedAnswers) {

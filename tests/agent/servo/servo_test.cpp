@@ -133,6 +133,7 @@ TEST(SettingsFor, TakesLimitsFromTheDeviceCapabilities) {
                                                .continuous_torque_nmm = 40,
                                                .max_stiffness_n_per_mm = 2,
                                                .max_damping_n_s_per_mm = 0.03,
+                                               .max_vibration_hz = 120,
                                                .workspace_min_mm = {-1, -2, -3},
                                                .workspace_max_mm = {4, 5, 6}},
                                               {});
@@ -145,6 +146,7 @@ TEST(SettingsFor, TakesLimitsFromTheDeviceCapabilities) {
   EXPECT_TRUE(settings.safety.motors);
   EXPECT_DOUBLE_EQ(settings.model.contact.max_stiffness, 1) << "half of the stable stiffness";
   EXPECT_DOUBLE_EQ(settings.model.max_damping, 0.015);
+  EXPECT_EQ(settings.model.max_vibration_hz, 120);
 }
 
 TEST(SettingsFor, LimitsDampersByMassInertiaAndLatency) {
