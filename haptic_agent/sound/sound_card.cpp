@@ -18,10 +18,16 @@ constexpr int kResample = 1;
 constexpr unsigned kLatencyUs = 60'000;
 constexpr int kQuietly = 1;
 
+/// For ALSA, which prints a page of causes on standard error; the result is one sentence.
+using ErrorHandler = void(const char* file, int line, const char* function, int error,
+                          const char* format, ...);
+void ignore_error(const char*, int, const char*, int, const char*, ...) {}
+
 }  // namespace
 
 /// The functions of ALSA that are used, and an open device.
 struct SoundCard::Pcm {
+  int (*handle_errors)(ErrorHandler*);
   int (*open)(void**, const char*, int, int);
   int (*set_params)(void*, int, int, unsigned, unsigned, int, unsigned);
   long (*write)(void*, const void*, unsigned long);
@@ -49,11 +55,13 @@ std::expected<SoundCard, std::string> SoundCard::open(const std::string& device,
     function = reinterpret_cast<F>(::dlsym(loaded, name));
     return function != nullptr;
   };
-  if (!find(pcm.open, "snd_pcm_open") || !find(pcm.set_params, "snd_pcm_set_params") ||
-      !find(pcm.write, "snd_pcm_writei") || !find(pcm.recover, "snd_pcm_recover") ||
-      !find(pcm.close, "snd_pcm_close") || !find(pcm.reason, "snd_strerror")) {
+  if (!find(pcm.handle_errors, "snd_lib_error_set_handler") || !find(pcm.open, "snd_pcm_open") ||
+      !find(pcm.set_params, "snd_pcm_set_params") || !find(pcm.write, "snd_pcm_writei") ||
+      !find(pcm.recover, "snd_pcm_recover") || !find(pcm.close, "snd_pcm_close") ||
+      !find(pcm.reason, "snd_strerror")) {
     return std::unexpected(std::string(library) + " is not ALSA's");
   }
+  pcm.handle_errors(ignore_error);
   const auto failed = [&](int error) {
     return std::unexpected("ALSA's device \"" + device + "\": " + pcm.reason(error) +
                            " (aplay -L lists devices)");

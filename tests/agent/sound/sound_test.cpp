@@ -202,7 +202,9 @@ TEST(SoundCard, SaysWhatIsMissing) {
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error(), "libm.so.6 is not ALSA's");
   if (!SoundCard::open("null")) GTEST_SKIP() << "ALSA is not on this machine";
+  testing::internal::CaptureStderr();
   const auto device = SoundCard::open("no_such_device");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   ASSERT_FALSE(device);
   EXPECT_NE(device.error().find("\"no_such_device\""), std::string::npos) << device.error();
 }
