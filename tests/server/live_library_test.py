@@ -11,6 +11,7 @@ import unittest
 from live_server import SCENE, LiveTest
 
 PRESS = os.environ["KERF_PRESS"]
+PRESS_CPP = os.environ["KERF_PRESS_CPP"]
 PRESS_PY = os.environ["KERF_PRESS_PY"]
 LIBRARY = os.environ["KERF_AGENT_LIBRARY"]
 AGENT = os.environ["KERF_AGENT"]
@@ -31,9 +32,9 @@ class Examples(LiveTest):
         # A slot of 15 mm, in which the ball is pressed into the stock by a soft hand.
         self.assertGreater(self.server.info(session)["removed_volume_mm3"], 5, text)
 
-    def test_c_and_python_devices_press_and_cut(self):
+    def test_devices_in_three_languages_press_and_cut(self):
         url = f"http://127.0.0.1:{self.port}"
-        commands = {"in_c": [PRESS, url, "in_c"],
+        commands = {"in_c": [PRESS, url, "in_c"], "in_cpp": [PRESS_CPP, url, "in_cpp"],
                     "in_python": [sys.executable, PRESS_PY, url, "in_python", LIBRARY]}
         running = {}
         for session, words in commands.items():
