@@ -255,7 +255,8 @@ class Turns(LiveTest):
         narrow = [sample(n, agent.time_us + 1000 * n, (n, 10, -2 - n), tool=2) for n in range(6, 10)]
         if udp:
             agent.udp.send(motion_frame(wide))
-            time.sleep(0.01)  # the batch takes longer
+            while self.server.info(session)["motions"] < 1:  # of four
+                pass
         else:
             agent.send_binary(motion_frame(wide))
         agent.send_json({"type": "tool", "tool": 2})
