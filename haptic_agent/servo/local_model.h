@@ -15,6 +15,8 @@ enum class CutLaw : std::uint8_t {
   kRemovalRate,
   /// The force of a milling cutter, with the ripple of its teeth.
   kMechanistic,
+  /// The same where every frequency of the ripple is above the scene's limit.
+  kMechanisticMeans,
 };
 
 struct ModelSettings {

@@ -43,7 +43,7 @@ constexpr SceneTemplate kTemplates[] = {
      "shank": {"diameter_mm": 6, "length_mm": 30}}
   ],
   "force": {"law": "mechanistic", "material": "aluminium-6061", "spindle_rpm": 12000, "teeth": 2,
-            "scale": 0.05},
+            "scale": 0.03},
   "machine": {"kinematics": "xyz"}
 })"},
     {"five-axis", "5-axis study", "A cylinder on a tilting rotary table (A and C).", R"({
@@ -57,7 +57,7 @@ constexpr SceneTemplate kTemplates[] = {
     {"id": 2, "shape": "ball", "diameter_mm": 4, "length_mm": 25,
      "shank": {"diameter_mm": 4, "length_mm": 30}}
   ],
-  "force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.5, "pivot_mm": 60},
+  "force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.05, "pivot_mm": 60},
   "machine": {"kinematics": "xyzac-trt"}
 })"},
     {"ammonite", "Ammonite", "The block of the demo, in which two simulated hands carve.", R"({

@@ -67,6 +67,23 @@ TEST(Control, CylinderStockBecomesItsBoundingBox) {
   EXPECT_EQ(welcome.stock.max_mm, (Vec3{15, 25, 4}));
 }
 
+// Two teeth at 6000 rpm pass 200 times a second, the spindle turns 100 times.
+TEST(Control, MillingRipplesIfTeethOrRunoutHaveAFrequencyUpToTheLimit) {
+  const auto law = [](double runout_mm, double ripple_hz) {
+    auto message = nlohmann::json::parse(welcome_text());
+    message["force"] = {{"law", "mechanistic"},
+                        {"spindle_rpm", 6000},
+                        {"teeth", 2},
+                        {"runout_mm", runout_mm},
+                        {"ripple_hz", ripple_hz}};
+    return std::get<Welcome>(*parse_control(message.dump())).law;
+  };
+  EXPECT_EQ(law(0, 250), CutLaw::kMechanistic);
+  EXPECT_EQ(law(0, 150), CutLaw::kMechanisticMeans);
+  EXPECT_EQ(law(0.01, 150), CutLaw::kMechanistic);
+  EXPECT_EQ(law(0.01, 50), CutLaw::kMechanisticMeans);
+}
+
 TEST(Control, UnknownMessagesAreIgnoredAndMalformedOnesRejected) {
   EXPECT_TRUE(std::holds_alternative<OtherMessage>(*parse_control(R"({"type":"weather"})")));
   for (const char* text :

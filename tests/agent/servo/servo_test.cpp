@@ -246,7 +246,8 @@ TEST_F(ServoCycleTest, WakesTheLinkLessOftenWhileTheReplicaAnswers) {
 }
 
 TEST_F(ServoCycleTest, WakesTheReplicaForEverySecondSampleUnlessTeethRipple) {
-  for (const CutLaw law : {CutLaw::kSpecificEnergy, CutLaw::kMechanistic}) {
+  for (const CutLaw law :
+       {CutLaw::kSpecificEnergy, CutLaw::kMechanistic, CutLaw::kMechanisticMeans}) {
     ReplicaExchange replica;
     ServoCycle cycle(device, samples, wrenches, listener, {.model = {.law = law}}, &replica);
     int wakes = 0, popped = 0;

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "haptic_agent/demo/carving.h"
@@ -13,6 +14,7 @@
 #include "haptic_agent/device/reference/reference_protocol.h"
 #include "kernel/dexel/stock_column.h"
 #include "server/formats/scene.h"
+#include "server/formats/scene_templates.h"
 #include "tests/agent/stability/test_bed.h"
 
 namespace kerf::agent {
@@ -57,6 +59,10 @@ class PlayedDevice final : public HapticDevice {
 };
 
 std::string content(const std::string& file) {
+  constexpr std::string_view kTemplate = "template:";
+  for (const SceneTemplate& one : scene_templates()) {
+    if (file == std::string(kTemplate) + std::string(one.id)) return std::string(one.scene);
+  }
   std::ifstream in(std::string(KERF_SOURCE_DIR "/") + file, std::ios::binary);
   if (!in) throw std::runtime_error(file + " cannot be read");
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
@@ -79,11 +85,18 @@ PoseScript path_of(const ShippedScene& scene, const std::string& text) {
 }  // namespace
 
 const std::vector<ShippedScene>& shipped_scenes() {
-  static const std::vector<ShippedScene> kScenes = {
-      {"haptic_agent/demo/demo.json", 1},        {"haptic_agent/demo/demo.json", 2},
-      {"haptic_agent/demo/demo.json", 0},        {"tests/formats/scenes/boat.json", 0},
-      {"tests/formats/scenes/chips.json", 0},    {"tests/formats/scenes/impeller.json", 0},
-      {"tests/formats/scenes/standard.json", 0}, {"tests/package/pocket.json", 0}};
+  static const std::vector<ShippedScene> kScenes = {{"haptic_agent/demo/demo.json", 1},
+                                                    {"haptic_agent/demo/demo.json", 2},
+                                                    {"haptic_agent/demo/demo.json", 0},
+                                                    {"tests/formats/scenes/boat.json", 0},
+                                                    {"tests/formats/scenes/chips.json", 0},
+                                                    {"tests/formats/scenes/impeller.json", 0},
+                                                    {"tests/formats/scenes/standard.json", 0},
+                                                    {"tests/package/pocket.json", 0},
+                                                    {"template:box", 0},
+                                                    {"template:cylinder", 0},
+                                                    {"template:milling", 0},
+                                                    {"template:five-axis", 0}};
   return kScenes;
 }
 

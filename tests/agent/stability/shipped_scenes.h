@@ -9,10 +9,10 @@
 
 namespace kerf::agent {
 
-/// A scene in the repository, and what carves it: a program of kerf-demo (1, 2), or the figure of
-/// `--device sim` (0).
+/// A scene in the repository or a template of the server, and what carves it: a program of
+/// kerf-demo (1, 2), or the figure of `--device sim` (0).
 struct ShippedScene {
-  std::string file;  ///< relative to the source folder
+  std::string file;  ///< relative to the source folder, or "template:ID"
   int program = 0;
 };
 const std::vector<ShippedScene>& shipped_scenes();
