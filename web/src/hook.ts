@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Publishes window.kerf for tests: state(), a read-only snapshot of the page's state, and marks, the
-// times of its start.
+// Publishes window.kerf for tests: state(), a read-only snapshot of the page's state, surface(), the
+// triangles it displays, and marks, the times of its start.
 
 import { marks } from './marks';
 import type { SessionPage } from './ui/session_page';
@@ -14,6 +14,7 @@ export function installHook(page: SessionPage): void {
     hash: model.state?.state_hash ?? null,
     settled: model.state?.settled ?? false,
     motions: model.state?.motions ?? 0,
+    past: model.state?.at ?? null,
     removedVolumeMm3: model.state?.removed_volume_mm3 ?? 0,
     snapshotComplete: model.tiles.complete,
     tiles: model.tiles
@@ -38,8 +39,9 @@ export function installHook(page: SessionPage): void {
     followed: page.picture.followed,
     sound: page.sound.state,
   });
+  const surface = () => page.picture.viewer?.surface() ?? [];
   Object.defineProperty(window, 'kerf', {
-    value: Object.freeze({ state, marks }),
+    value: Object.freeze({ state, surface, marks }),
     writable: false,
   });
 }

@@ -31,6 +31,22 @@ function toolState(x: number, fields: Partial<ToolState> = {}): ToolState {
 }
 
 describe('participants', () => {
+  it('of the past are those of the newest frame, also those who have left', () => {
+    const people = new Participants();
+    people.setList([ada]);
+    people.applyTools([toolState(0, { participant: 5 })], 1000);
+    expect(people.get(5)).toBeUndefined();
+    people.looksBack = true;
+    people.applyTools([toolState(0), toolState(1, { participant: 5 })], 2000);
+    expect(people.get(5)?.info).toMatchObject({ name: 'Participant 5', kind: 'agent', tool: 1 });
+    expect(people.get(5)?.track.empty).toBe(false);
+    people.applyTools([toolState(2, { participant: 5 })], 3000);
+    expect(people.get(1)?.track.empty).toBe(true);
+    expect(people.get(5)?.track.empty).toBe(false);
+    people.setList([ada]); // the present
+    expect(people.get(5)).toBeUndefined();
+  });
+
   it('follow the list and keep their forces when renamed', () => {
     const people = new Participants();
     people.setList([ada, grace]);

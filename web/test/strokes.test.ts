@@ -5,7 +5,7 @@ import type { Stroke } from '../src/link/strokes';
 import { nextStroke, whyNotUndo } from '../src/model/stroke_choice';
 
 function stroke(id: number, participant: number, undone = false): Stroke {
-  return { id, participant, tool: 1, motions: 5, begin_ms: 1, end_ms: 2, undone };
+  return { id, last: id + 4, participant, tool: 1, motions: 5, begin_ms: 1, end_ms: 2, undone };
 }
 
 function answer(status: number, body: unknown) {

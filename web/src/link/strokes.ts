@@ -5,6 +5,8 @@
 export interface Stroke {
   /** Number of its first record in the journal. */
   id: number;
+  /** Number of its last record; those of others are between them. */
+  last: number;
   participant: number;
   tool: number;
   motions: number;
@@ -16,7 +18,7 @@ export interface Stroke {
 
 export type StrokeChange = 'undo' | 'redo';
 
-function pathOf(session: string, what: string): string {
+export function pathOf(session: string, what: string): string {
   return `/v1/sessions/${encodeURIComponent(session)}/${what}`;
 }
 
@@ -28,7 +30,8 @@ async function reasonOf(response: Response): Promise<string> {
   return typeof reason === 'string' ? reason : `the server answered ${response.status}`;
 }
 
-async function ask(path: string, method: string): Promise<unknown> {
+/** Asks the server; rejects with a sentence that says why it did not answer, or not so. */
+export async function ask(path: string, method: string): Promise<unknown> {
   const response = await fetch(path, { method }).catch(() => {
     throw new Error('The server did not answer.');
   });
@@ -39,7 +42,7 @@ async function ask(path: string, method: string): Promise<unknown> {
 function isStroke(value: unknown): value is Stroke {
   if (typeof value !== 'object' || value === null) return false;
   const from = value as Record<string, unknown>;
-  const numbers = ['id', 'participant', 'tool', 'motions', 'begin_ms', 'end_ms'];
+  const numbers = ['id', 'last', 'participant', 'tool', 'motions', 'begin_ms', 'end_ms'];
   return (
     numbers.every((name) => Number.isFinite(from[name])) && typeof from['undone'] === 'boolean'
   );

@@ -8,7 +8,7 @@ import { encodeFrame } from '../wire/encode';
 import { parseControl } from '../wire/control';
 import { nameThatFits } from '../wire/names';
 import { FrameType, VIEW_PROTOCOL } from '../wire/types';
-import type { Frame, Header, Look, ServerMessage, ToolState } from '../wire/types';
+import type { Frame, Header, Look, Seek, ServerMessage, ToolState } from '../wire/types';
 import { Backoff } from './backoff';
 
 export type LinkStatus = 'connecting' | 'connected' | 'reconnecting' | 'stopped';
@@ -88,6 +88,7 @@ export class ViewLink {
   private redirect_ = ''; // named by the last bye; empty after a welcome
   private failures_ = 0; // connections since then that were not accepted
   private welcomed_ = false;
+  private blocks_ = 0; // counts welcomes: each begins another block
   private stopped_ = false;
   private pingTimer_: ReturnType<typeof setInterval> | undefined;
   private retryTimer_: ReturnType<typeof setTimeout> | undefined;
@@ -144,6 +145,11 @@ export class ViewLink {
    */
   sendLook(look: Look): void {
     if (this.welcomed_) this.socket_?.send(JSON.stringify({ type: 'look', ...look }));
+  }
+
+  /** Asks for the block of a point in the past. Does nothing before the welcome. */
+  seek(seek: Seek): void {
+    if (this.welcomed_) this.socket_?.send(JSON.stringify(seek));
   }
 
   private connect_(status: LinkStatus, reason: string): void {
@@ -259,6 +265,7 @@ export class ViewLink {
     if (message === null) return; // unknown type, from a newer server
     if (message.type === 'welcome') {
       this.welcomed_ = true;
+      this.blocks_ += 1;
       this.redirect_ = '';
       this.epoch_ = message.epoch;
       this.backoff_.reset();
@@ -309,8 +316,9 @@ export class ViewLink {
   }
 
   private applyMesh_(header: Header, glb: Uint8Array, current: () => boolean): void {
+    const block = this.blocks_;
     this.applying_ = this.applying_.then(async () => {
-      if (!current()) return;
+      if (!current() || block !== this.blocks_) return; // of the block before a seek
       try {
         await this.events.mesh(header, glb);
       } catch (problem) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The participants of the session and the state of their tools, fed by the participants list (names,
 // colors) with its changes, and by the tool states (poses, forces). Either may arrive first.
-// The list creates the entries; tool states of unknown participants are ignored.
+// The list creates the entries; tool states of unknown participants are ignored, but in the past, where
+// they are of participants who have left.
 
 import { STATUS_FELT } from '../wire/types';
 import type { ParticipantInfo, ParticipantsChanged, ToolState } from '../wire/types';
@@ -9,6 +10,13 @@ import { ForceHistory } from './forces';
 import { PoseTrack } from './pose_track';
 
 export const FORCE_WINDOW_S = 10;
+
+const UNKNOWN_COLORS = ['#4f6d9a', '#8a5a83', '#5c7d4a', '#a0622d', '#3f7f86', '#7a6248'];
+
+/** The color of a participant who left before this page came. */
+export function colorOfUnknown(participant: number): string {
+  return UNKNOWN_COLORS[participant % UNKNOWN_COLORS.length]!;
+}
 
 export interface Participant {
   info: ParticipantInfo;
@@ -29,6 +37,11 @@ export class Participants {
   private readonly byId_ = new Map<number, Participant>();
   private revision_ = 0;
   private viewers_ = 0;
+  /**
+   * The past is shown: frames of tools have all that are known, also those of participants who have
+   * left.
+   */
+  looksBack = false;
 
   /**
    * Replaces the list: adds new participants, updates known ones, removes those not in it. `viewers`
@@ -59,8 +72,9 @@ export class Participants {
 
   /** Applies one tools frame. `timeMs` is the frame's server time, mapped to the local clock. */
   applyTools(tools: readonly ToolState[], timeMs: number): void {
+    if (this.looksBack) this.forgetAllBut_(tools);
     for (const state of tools) {
-      const participant = this.byId_.get(state.participant);
+      const participant = this.byId_.get(state.participant) ?? this.admit_(state);
       if (!participant || timeMs <= participant.seenMs) continue;
       participant.track.push(timeMs, state);
       participant.tool = state.tool_id;
@@ -77,11 +91,7 @@ export class Participants {
 
   /** Clears all poses, so that those of two connections are never mixed. */
   forgetPoses(): void {
-    for (const participant of this.byId_.values()) {
-      participant.track.clear();
-      participant.seenMs = -Infinity;
-      participant.feltShare = null;
-    }
+    this.forgetAllBut_([]);
   }
 
   get(id: number): Participant | undefined {
@@ -100,6 +110,25 @@ export class Participants {
   /** Counter of list changes, so that the page rebuilds its list only after a change. */
   get revision(): number {
     return this.revision_;
+  }
+
+  private forgetAllBut_(tools: readonly ToolState[]): void {
+    const known = new Set(tools.map(({ participant }) => participant));
+    for (const [id, participant] of this.byId_) {
+      if (known.has(id)) continue;
+      participant.track.clear();
+      participant.seenMs = -Infinity;
+      participant.feltShare = null;
+    }
+  }
+
+  private admit_({ participant, tool_id }: ToolState): Participant | undefined {
+    if (!this.looksBack) return undefined;
+    const name = `Participant ${participant}`;
+    const color = colorOfUnknown(participant);
+    this.put_({ participant, name, color, kind: 'agent', tool: tool_id });
+    this.revision_ += 1;
+    return this.byId_.get(participant);
   }
 
   private put_(info: ParticipantInfo): void {

@@ -7,7 +7,7 @@ import { milliseconds } from './format';
 
 const STALE_MS = 1000;
 
-export type BadgeState = SessionModel['status'] | 'stale' | 'silent';
+export type BadgeState = SessionModel['status'] | 'stale' | 'silent' | 'past';
 
 /** What the badge says of a session now. `brief` is all that fits on a phone. */
 export function badgeOf(
@@ -23,7 +23,8 @@ export function badgeOf(
   }
   const active = model.active(nowMs);
   const staleness = model.stalenessMs(nowMs);
-  const state = active && staleness > STALE_MS ? 'stale' : 'connected';
+  const isStale = active && staleness > STALE_MS;
+  const state = model.state?.at ? 'past' : isStale ? 'stale' : 'connected';
   const age = active ? `${milliseconds(staleness)} old` : 'still';
   return {
     state,
@@ -70,6 +71,7 @@ export class Badge {
 const LABELS = {
   connecting: 'Connecting',
   connected: 'Live',
+  past: 'Past',
   stale: 'Behind',
   silent: 'No answer',
   reconnecting: 'Reconnecting',

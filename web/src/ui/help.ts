@@ -16,6 +16,8 @@ const KEYS: readonly [string, string][] = [
   ['A', 'Force and torque arrows on or off'],
   ['G', 'Grid on or off'],
   ['S', 'Sound on or off'],
+  ['T', 'Timeline: look at the past'],
+  ['Arrows on the timeline', 'One motion, with Shift 100, Page up and down 1000'],
   ['Ctrl + Z', 'Undo the newest stroke of the selected participant'],
   ['Ctrl + Shift + Z', 'Redo'],
   ['?', 'Show this help'],

@@ -31,6 +31,9 @@ export const ICONS = {
   program: icon(
     '<path d="M6 3h9l4 4v14H6zM14 3v5h5"/><path d="M9 12h3M9 16h7"/><path d="M15 11l2 1.500-2 1.500"/>',
   ),
+  timeline: icon(
+    '<path d="M3.500 7h10M9 12h8M3.500 17h5M13.500 3.500v17"/><circle cx="13.500" cy="3.500" r="1.200" fill="currentColor"/>',
+  ),
   help: icon(
     '<circle cx="12" cy="12" r="9"/><path d="M9.5 9.5a2.5 2.5 0 1 1 3.6 2.200c-.8.4-1.100.9-1.100 1.800M12 16.700v.1"/>',
   ),

@@ -14,6 +14,7 @@ export interface KeyActions {
   toggleArrows: () => void;
   toggleGrid: () => void;
   toggleSound: () => void;
+  toggleTimeline: () => void;
   undo: () => void;
   redo: () => void;
   help: () => void;
@@ -78,6 +79,9 @@ function actionOf(event: KeyboardEvent, actions: KeyActions): (() => void) | nul
     case 's':
     case 'S':
       return actions.toggleSound;
+    case 't':
+    case 'T':
+      return actions.toggleTimeline;
     case '?':
       return actions.help;
     default:

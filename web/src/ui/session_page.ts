@@ -26,6 +26,7 @@ import { Panel } from './panel';
 import { Picture } from './picture';
 import { mountPrograms } from './programs/mount';
 import { SoundToggle } from './sound';
+import { mountTimeline } from './timeline/mount';
 import { TitleBar } from './title_bar';
 import { Toolbar } from './toolbar';
 
@@ -54,6 +55,7 @@ export class SessionPage {
   private readonly panel_: Panel;
   readonly picture: Picture;
   private readonly link_: ViewLink;
+  private toggleTimeline_: () => void = () => undefined;
   private readonly lookPolicy_ = new LookPolicy();
   private selected_: number | null = null;
   private panelMs_ = 0;
@@ -103,6 +105,13 @@ export class SessionPage {
       ),
     );
     mountPrograms(this.model, session, this.toolbar_.element);
+    this.toggleTimeline_ = mountTimeline({
+      model: this.model,
+      session,
+      toolbar: this.toolbar_.element,
+      seek: (seek) => this.link_.seek(seek),
+      layoutChanged: () => this.resize_(),
+    });
     this.listen_();
     this.resize_();
   }
@@ -205,6 +214,7 @@ export class SessionPage {
       toggleArrows: () => this.toggleArrows_(),
       toggleGrid: () => this.picture.viewer?.toggleGrid(),
       toggleSound: () => this.sound.toggle(),
+      toggleTimeline: () => this.toggleTimeline_(),
       undo: () => void this.panel_.history.change('undo'),
       redo: () => void this.panel_.history.change('redo'),
       help: () => this.help_.showModal(),
@@ -237,14 +247,19 @@ export class SessionPage {
   private insets_(width: number, height: number): Insets {
     const panel = this.panel_.element.getBoundingClientRect();
     const toolbar = this.toolbar_.element.getBoundingClientRect();
-    const top = this.bar_.element.getBoundingClientRect().bottom;
-    const isSheet = panel.width > 0.9 * width;
+    const boxOf = (name: string): DOMRect | undefined =>
+      this.app.querySelector(`.${name}:not([hidden])`)?.getBoundingClientRect();
+    const timeline = boxOf('timeline');
+    const bar = this.bar_.element.getBoundingClientRect().bottom;
+    const top = boxOf('past-banner')?.bottom ?? bar;
+    const isSheet = [panel, timeline].some((box) => box !== undefined && box.width > 0.9 * width);
     if (isSheet) {
       const isCovered = toolbar.height === 0;
       const covered = height - (isCovered ? panel.top : toolbar.top);
       return { left: 0, right: 0, top, bottom: Math.min(0.75 * height, Math.max(0, covered)) };
     }
-    return { left: toolbar.right, right: Math.max(0, width - panel.left), top, bottom: 24 };
+    const bottom = timeline ? height - timeline.top : 24;
+    return { left: toolbar.right, right: Math.max(0, width - panel.left), top, bottom };
   }
 
   private updatePanel_(nowMs: number): void {

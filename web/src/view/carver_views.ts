@@ -53,7 +53,8 @@ export class CarverViews {
 
   set arrowsVisible(visible: boolean) {
     this.arrowsVisible_ = visible;
-    for (const carver of this.carvers_.values()) carver.wrench.group.visible = visible;
+    for (const carver of this.carvers_.values())
+      carver.wrench.group.visible = visible && carver.hasPose;
   }
 
   /** Position of a participant's tip; null without a pose. Valid until the next update. */
@@ -80,8 +81,8 @@ export class CarverViews {
 
   /** Places the names above the tools, after rendering has updated the world matrices. */
   placeLabels(camera: THREE.Camera, width: number, height: number, clearTop: number): void {
-    for (const { tool, label } of this.carvers_.values()) {
-      if (!tool) continue;
+    for (const { tool, label, hasPose } of this.carvers_.values()) {
+      if (!tool || !hasPose) continue;
       this.labelPosition_.set(0, 0, tool.topMm * LABEL_HEIGHT);
       this.labelPosition_.applyMatrix4(tool.group.matrixWorld);
       label.place(this.labelPosition_, camera, width, height, clearTop);
@@ -89,14 +90,24 @@ export class CarverViews {
   }
 
   private move_(carver: Carver, participant: Participant, nowMs: number): boolean {
-    const { tool, wrench, pose, drawn } = carver;
+    const { tool, wrench, pose, drawn, hasPose: had } = carver;
     carver.hasPose = tool !== null && participant.track.sample(nowMs - PLAYOUT_MS, pose);
+    if (tool && had && !carver.hasPose) return this.hide_(carver, tool);
     if (!tool || !carver.hasPose || !differs(pose, drawn)) return false;
     copyPose(pose, drawn);
     tool.group.visible = true;
     tool.setPose(pose.tip, pose.axis);
     wrench.group.visible = this.arrowsVisible_;
     wrench.set(pose, this.pivotMm_, this.arrowMm_, this.scale.forceFullN, this.scale.torqueFullNmm);
+    return true;
+  }
+
+  /** Where a tool is in the past is known only while the block plays. */
+  private hide_({ wrench, label, drawn }: Carver, tool: ToolView): true {
+    tool.group.visible = false;
+    wrench.group.visible = false;
+    label.element.hidden = true;
+    drawn.tip[0] = Number.NaN; // NaN differs from any pose: the next one is drawn
     return true;
   }
 

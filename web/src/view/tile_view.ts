@@ -141,6 +141,25 @@ export class TileView {
     return raycaster.intersectObjects(meshes, false)[0]?.point ?? null;
   }
 
+  /** The corners of all triangles, nine numbers each, mm. */
+  corners(): number[] {
+    const corners: number[] = [];
+    const [matrix, at] = [new THREE.Matrix4(), new THREE.Vector3()];
+    for (const { mesh } of this.batches_.values()) {
+      const { index, attributes } = mesh.geometry;
+      const position = attributes['position']!;
+      const count = index?.count ?? position.count;
+      for (let instance = 0; instance < mesh.count; ++instance) {
+        mesh.getMatrixAt(instance, matrix);
+        for (let n = 0; n < count; ++n) {
+          at.fromBufferAttribute(position, index?.getX(n) ?? n).applyMatrix4(matrix);
+          corners.push(at.x, at.y, at.z);
+        }
+      }
+    }
+    return corners;
+  }
+
   private batch_(shape: string, geometry: THREE.BufferGeometry): Batch {
     let batch = this.batches_.get(shape);
     if (!batch) {

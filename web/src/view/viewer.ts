@@ -139,6 +139,11 @@ export class Viewer {
     return [Math.min(...x), Math.min(...y), Math.max(...x), Math.max(...y)];
   }
 
+  /** The corners of all triangles that are displayed, nine numbers each, mm. */
+  surface(): number[] {
+    return this.tiles_.corners();
+  }
+
   /** Calls of the last picture, those of its shadows included if they changed. */
   get drawCalls(): number {
     return this.stage.renderer.info.render.calls;

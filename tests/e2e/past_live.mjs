@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// End-to-end test of the timeline: the page goes to the past and back, shows the blocks of both,
+// names, undoes and branches. See README.md.
+//
+// node past_live.mjs --server PROGRAM --web FOLDER --out FOLDER
+
+import assert from 'node:assert/strict';
+import { mkdir, mkdtemp, rm, writeFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { parseArgs } from 'node:util';
+import { launchBrowser, openViewer } from './support/browser.mjs';
+import { start, stop, stopAll, until } from './support/processes.mjs';
+import { assertSameSurface } from './support/surface.mjs';
+
+const { values: options } = parseArgs({
+  options: { server: { type: 'string' }, web: { type: 'string' }, out: { type: 'string' } },
+});
+for (const name of ['server', 'web', 'out']) assert(options[name], `--${name} is missing`);
+
+const SETTLE_S = 60; // software WebGL on a busy machine
+const SIZES = [
+  [390, 844],
+  [844, 390],
+  [1000, 700],
+];
+/** Tiles have vertices of 16 bits, which is coarser than an STL. */
+const WELD_MM = 0.004;
+const SCENE = {
+  name: 'History',
+  stock: { shape: 'box', min_mm: [0, 0, -6], max_mm: [24, 16, 0] },
+  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  tools: [{ id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 }],
+};
+
+/** A zigzag, as one program of the session. */
+async function carve(session, y) {
+  const lines = ['G21 G90', 'T1 M6', 'S10000 M3', `G0 X2 Y${y} Z5`, 'G1 Z-2 F600'];
+  for (let x = 2; x < 22; x += 0.5) lines.push(`G1 X${x} Y${y + 4 * (x % 1)}`);
+  const body = [...lines, 'G0 Z5', 'M30', ''].join('\n');
+  const posted = await fetch(`${session}/programs?name=zigzag.ngc&speed=20`, {
+    method: 'POST',
+    body,
+  });
+  const { id } = await posted.json();
+  await until('end of the program', 20, async () => {
+    const answer = await fetch(`${session}/programs/${id}`);
+    return (await answer.json()).state === 'finished';
+  });
+}
+
+async function json(url) {
+  const response = await fetch(url);
+  assert.equal(response.status, 200, `${url} answered ${response.status}`);
+  return response.json();
+}
+
+/** Waits until the page shows a record, or the present, and compares its surface with the server's. */
+async function checkBlock({ page, state }, session, record) {
+  const shown = await until(`block of ${record ?? 'now'}`, SETTLE_S, async () => {
+    const now = await state();
+    const isThere = (now.past?.record ?? null) === record && (now.past?.rate ?? 0) === 0;
+    return isThere && now.settled && now.snapshotComplete && now;
+  });
+  const at = record === null ? '' : `?at=${record}`;
+  const response = await fetch(`${session}/model.stl${at}`);
+  assert.equal(response.status, 200);
+  assert.equal(response.headers.get('etag')?.includes(shown.hash), true, 'another state hash');
+  const stl = Buffer.from(await response.arrayBuffer());
+  const corners = await page.evaluate(() => window.kerf.surface());
+  const facts = assertSameSurface(corners, stl, SCENE.stock, WELD_MM);
+  const { triangles, cut, volume } = facts;
+  console.log(`${record ?? 'now'}: ${triangles} triangles, ${cut} cut vertices, ${volume} mm³`);
+  return facts;
+}
+
+async function scrub(page, parts) {
+  const box = await page.getByRole('slider').boundingBox();
+  const y = box.y + 18;
+  await page.mouse.move(box.x + parts[0] * box.width, y);
+  await page.mouse.down();
+  for (const part of parts) await page.mouse.move(box.x + part * box.width, y, { steps: 4 });
+  await page.mouse.up();
+  return Number(await page.getByRole('slider').getAttribute('aria-valuenow'));
+}
+
+/** Timeline and banner cover neither the block nor anything else. */
+async function checkLayouts({ page, state }) {
+  for (const [width, height] of SIZES) {
+    await page.setViewportSize({ width, height });
+    await until(`free block at ${width} × ${height}`, 10, async () => {
+      const boxes = await page.evaluate(() =>
+        ['.bar', '.toolbar', '.panel', '.timeline', '.past-banner']
+          .map((selector) => document.querySelector(selector).getBoundingClientRect())
+          .filter((box) => box.width > 0)
+          .map(({ left, top, right, bottom }) => [left, top, right, bottom]),
+      );
+      boxes.push((await state()).blockBox);
+      return boxes.every((a, n) =>
+        boxes
+          .slice(0, n)
+          .every(
+            (b) => a[0] >= b[2] - 1 || b[0] >= a[2] - 1 || a[1] >= b[3] - 1 || b[1] >= a[3] - 1,
+          ),
+      );
+    });
+    await writeFile(join(options.out, `past-${width}.png`), await page.screenshot());
+  }
+}
+
+async function checkTimeline(viewer, session) {
+  const { page, state } = viewer;
+  await until('picture', SETTLE_S, async () => (await state())?.snapshotComplete);
+  const now = await checkBlock(viewer, session, null);
+  await page.keyboard.press('t');
+  await page.getByRole('group', { name: 'Play and step' }).waitFor();
+  await until('strokes', SETTLE_S, async () => {
+    const last = await page.getByRole('slider').getAttribute('aria-valuemax');
+    return Number(last) > 20;
+  });
+  const record = await scrub(page, [0.8, 0.3]);
+  const past = await checkBlock(viewer, session, record);
+  assert(past.volume > now.volume + 10, 'the past has as little material as the present');
+  await page.getByText('The past', { exact: true }).waitFor();
+  await page.getByRole('slider').press('Shift+ArrowLeft'); // 100 motions, to the beginning at most
+  await page.getByRole('slider').press('ArrowRight');
+  await checkBlock(viewer, session, Math.max(0, record - 100) + 1);
+  await page.getByRole('slider').press('Home');
+  await page.getByLabel('Speed of playing').selectOption('0.25');
+  await page.getByRole('button', { name: 'Play', exact: true }).click();
+  await until('a tool of the past', SETTLE_S, async () => {
+    const { past: place, participants } = await state();
+    return place?.record > 1 && participants.some(({ name }) => name === 'Participant 1');
+  });
+  await scrub(page, [0.3]);
+  await checkBlock(viewer, session, record);
+  return record;
+}
+
+/** Names the block that is shown, and undoes the stroke that was pressed. */
+async function checkChanges({ page }, session, record) {
+  await page.getByRole('button', { name: 'Name this state' }).click();
+  await page.getByLabel('Name of the version').fill('Half done');
+  await page.keyboard.press('Enter');
+  await page.getByText('“Half done” is kept.').waitFor();
+  const { versions } = await json(`${session}/versions`);
+  assert.deepEqual(
+    versions.map((version) => [version.name, version.record]),
+    [['Half done', record]],
+  );
+  await page.getByRole('button', { name: /^Undo this stroke of/ }).click();
+  await page.getByText('was undone.').waitFor();
+  const { strokes } = await json(`${session}/strokes`);
+  const [undone, ...others] = strokes.filter((stroke) => stroke.undone);
+  assert.deepEqual(others, []);
+  assert(undone.id <= record && undone.last >= record, 'another stroke was undone');
+}
+
+async function checkBranch({ page, state }, base, record) {
+  await page.getByRole('button', { name: 'Branch from here' }).click();
+  await page.getByLabel('Id of the new session').fill('branched');
+  await page.keyboard.press('Enter');
+  await until('the new session', SETTLE_S, async () => (await state())?.session === 'branched');
+  const { parent } = await json(`${base}/v1/sessions/branched`);
+  assert.deepEqual([parent.session, parent.record], ['past', record]);
+}
+
+async function test(folder) {
+  const data = join(folder, 'data');
+  const server = start(options.server, [
+    ...['--listen', '127.0.0.1:0', '--data', data, '--web', options.web],
+  ]);
+  const base = await until('server address', 20, () =>
+    server.lines.find((line) => line.startsWith('http')),
+  );
+  const body = JSON.stringify(SCENE);
+  const created = await fetch(`${base}/v1/sessions?id=past`, { method: 'POST', body });
+  assert.equal(created.status, 201, await created.text());
+  const session = `${base}/v1/sessions/past`;
+  await carve(session, 4);
+  await carve(session, 9);
+  const browser = await launchBrowser();
+  try {
+    const [width, height] = SIZES.at(-1);
+    const viewer = await openViewer(browser, `${base}/?session=past&quality=full`, {
+      width,
+      height,
+    });
+    const record = await checkTimeline(viewer, session);
+    await checkLayouts(viewer);
+    await checkChanges(viewer, session, record);
+    await viewer.page.locator('.past-back').click();
+    await checkBlock(viewer, session, null); // without the stroke that was undone
+    assert.equal(await viewer.page.locator('.past-back').isVisible(), false);
+    await viewer.page.getByLabel('Versions', { exact: true }).selectOption('Half done');
+    await checkBlock(viewer, session, record);
+    await checkBranch(viewer, base, record);
+    assert.deepEqual(viewer.problems, []);
+  } finally {
+    await browser.close();
+  }
+  assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
+}
+
+await mkdir(options.out, { recursive: true });
+const folder = await mkdtemp(join(tmpdir(), 'kerf-past-'));
+try {
+  await test(folder);
+  console.log('ok');
+} catch (problem) {
+  console.error(problem);
+  process.exitCode = 1;
+} finally {
+  await stopAll();
+  await rm(folder, { recursive: true, force: true });
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// The button that opens the timeline. The timeline is a chunk of its own.
+
+import type { SessionModel } from '../../model/session';
+import type { Seek } from '../../wire/types';
+import { iconButton } from '../dom';
+import { ICONS } from '../icons';
+
+/** What the timeline needs of the page. */
+export interface TimelineHost {
+  model: SessionModel;
+  session: string;
+  toolbar: HTMLElement;
+  seek: (seek: Seek) => void;
+  /** It was opened or closed, and covers another part of the picture. */
+  layoutChanged: () => void;
+}
+
+/** Adds the button to the toolbar; returns what it does. */
+export function mountTimeline(host: TimelineHost): () => void {
+  let timeline: { toggle: () => void } | null = null;
+  let loading = false;
+  const toggle = (): void => {
+    if (timeline) {
+      timeline.toggle();
+    } else if (!loading) {
+      loading = true;
+      import('./timeline').then(
+        ({ Timeline }) => {
+          timeline = new Timeline(host, button);
+          timeline.toggle();
+        },
+        (problem: unknown) => {
+          loading = false; // the next press tries again
+          console.warn('The timeline did not load:', problem);
+        },
+      );
+    }
+  };
+  const button = iconButton(ICONS.timeline, 'Timeline', 'T', toggle);
+  button.setAttribute('aria-expanded', 'false');
+  host.toolbar.firstElementChild?.after(button);
+  return toggle;
+}

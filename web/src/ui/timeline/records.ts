@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the timeline knows of the journal: strokes, versions and forces, asked for while it is open
+// and only as often as something may have changed.
+
+import { forceCurve, listVersions } from '../../link/history';
+import type { ForceCurve, Version } from '../../link/history';
+import { listStrokes } from '../../link/strokes';
+import type { Stroke } from '../../link/strokes';
+import { joined, openSince, rowsOf } from '../../model/timeline';
+import type { StrokeRow } from '../../model/timeline';
+
+const NEWER_MS = 1500;
+/** All of them, because older strokes may have been undone. */
+const ALL_MS = 15_000;
+const FORCE_POINTS = 800;
+const FORCES_MS = 10_000;
+/** The server carves the journal again for the forces: at most this share of the time. */
+const FORCES_SHARE = 0.05;
+
+export class Records {
+  strokes: readonly Stroke[] = [];
+  rows: readonly StrokeRow[] = [];
+  versions: readonly Version[] = [];
+  forces: ForceCurve | null = null;
+  /** The last record. */
+  end = 0;
+  private busy_ = false;
+  private askedMs_ = -Infinity;
+  private allMs_ = -Infinity;
+  private forcesMs_ = -Infinity;
+  private forcesEnd_ = -1;
+  private forcesBusy_ = false;
+
+  constructor(
+    private readonly session: string,
+    private readonly changed: () => void,
+    private readonly failed: (problem: unknown) => void,
+  ) {}
+
+  /** All is asked for at the next tick. */
+  invalidate(): void {
+    this.allMs_ = -Infinity;
+    this.askedMs_ = -Infinity;
+  }
+
+  /** Call often while the timeline is open. */
+  tick(nowMs: number, mayReadForces: boolean): void {
+    if (!this.busy_ && nowMs - this.askedMs_ > NEWER_MS) void this.refresh_(nowMs);
+    if (mayReadForces && !this.forcesBusy_ && nowMs >= this.forcesMs_) void this.refreshForces_();
+  }
+
+  private async refresh_(nowMs: number): Promise<void> {
+    this.busy_ = true;
+    this.askedMs_ = nowMs;
+    const isAll = nowMs - this.allMs_ > ALL_MS;
+    const since = isAll ? 0 : openSince(this.rows);
+    try {
+      const [strokes, versions] = await Promise.all([
+        listStrokes(this.session, since),
+        isAll ? listVersions(this.session) : this.versions,
+      ]);
+      if (isAll && this.askedMs_ === nowMs) this.allMs_ = nowMs;
+      this.strokes = joined(this.strokes, since, strokes);
+      this.rows = rowsOf(this.strokes);
+      this.versions = versions;
+      this.end = this.strokes.reduce((end, { last }) => Math.max(end, last), 0);
+      this.changed();
+    } catch (problem) {
+      this.failed(problem);
+    }
+    this.busy_ = false;
+  }
+
+  private async refreshForces_(): Promise<void> {
+    if (this.end === this.forcesEnd_) return;
+    this.forcesBusy_ = true;
+    this.forcesEnd_ = this.end;
+    const beganMs = performance.now();
+    try {
+      this.forces = await forceCurve(this.session, FORCE_POINTS);
+      this.changed();
+    } catch (problem) {
+      this.failed(problem);
+    }
+    const endMs = performance.now();
+    this.forcesMs_ = endMs + Math.max(FORCES_MS, (endMs - beganMs) / FORCES_SHARE);
+    this.forcesBusy_ = false;
+  }
+}

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// The buttons of the timeline: steps, play and pause, speed, back to live.
+
+import { h, setText } from '../dom';
+
+const STEPS = [-1000, -100, -1] as const;
+const RATES = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64];
+
+export interface TransportActions {
+  step: (motions: number) => void;
+  /** Plays with a rate, or rests with 0. */
+  play: (rate: number) => void;
+  live: () => void;
+}
+
+function signed(motions: number): string {
+  return motions < 0 ? `−${-motions}` : `+${motions}`;
+}
+
+export class Transport {
+  private readonly play_ = h('button', { type: 'button', class: 'timeline-play' }, '▶');
+  private readonly rate_ = h(
+    'select',
+    { class: 'timeline-rate', 'aria-label': 'Speed of playing' },
+    ...RATES.map((rate) => h('option', { value: String(rate) }, `× ${rate}`)),
+  );
+  private readonly live_ = h('button', { type: 'button', class: 'timeline-live' }, 'Live');
+  readonly element: HTMLElement;
+  private rateNow_ = 0;
+
+  constructor(private readonly actions: TransportActions) {
+    const step = (motions: number): HTMLElement => {
+      const size = Math.abs(motions);
+      const noun = size === 1 ? 'motion' : 'motions';
+      const label = `${motions < 0 ? 'Back' : 'On'} by ${size} ${noun}`;
+      const attributes = { type: 'button', class: 'timeline-step', title: label };
+      const button = h('button', { ...attributes, 'aria-label': label }, signed(motions));
+      button.addEventListener('click', () => actions.step(motions));
+      return button;
+    };
+    this.rate_.value = '4';
+    this.element = h(
+      'div',
+      { class: 'timeline-transport', role: 'group', 'aria-label': 'Play and step' },
+      ...STEPS.map(step),
+      this.play_,
+      ...STEPS.map((motions) => step(-motions)).reverse(),
+      this.rate_,
+      this.live_,
+    );
+    this.play_.addEventListener('click', () => this.toggle());
+    this.live_.addEventListener('click', () => actions.live());
+    this.rate_.addEventListener('change', () => {
+      if (this.rateNow_ > 0) actions.play(Number(this.rate_.value));
+    });
+  }
+
+  /** Plays, or rests if it plays. */
+  toggle(): void {
+    this.actions.play(this.rateNow_ > 0 ? 0 : Number(this.rate_.value));
+  }
+
+  /** @param rate with which the block plays; 0: it rests */
+  update(rate: number, isLive: boolean): void {
+    this.rateNow_ = rate;
+    setText(this.play_, rate > 0 ? '❚❚' : '▶');
+    const label = rate > 0 ? 'Pause' : 'Play';
+    if (this.play_.getAttribute('aria-label') !== label) {
+      this.play_.setAttribute('aria-label', label);
+      this.play_.title = `${label} (Space)`;
+    }
+    const pressed = String(isLive);
+    if (this.live_.getAttribute('aria-pressed') !== pressed) {
+      this.live_.setAttribute('aria-pressed', pressed);
+      this.live_.title = isLive ? 'The picture shows the present' : 'Back to live (End)';
+    }
+    setText(this.live_, isLive ? 'Live' : 'Back to live');
+  }
+}

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+import { afterEach, describe, expect, it, vi } from 'vitest';
+import { branch, deleteVersion, forceCurve, listVersions, nameVersion } from '../src/link/history';
+
+function answer(status: number, body: unknown) {
+  const fetched = vi.fn(() => Promise.resolve(new Response(JSON.stringify(body), { status })));
+  vi.stubGlobal('fetch', fetched);
+  return fetched;
+}
+
+afterEach(() => vi.unstubAllGlobals());
+
+describe('history', () => {
+  it('lists versions by their records and leaves out what is none', async () => {
+    const version = (name: string, record: number) => ({ name, record, time_ms: 5, author: '' });
+    answer(200, { versions: [version('late', 9), { name: 'none' }, null, version('early', 2)] });
+    const names = (await listVersions('demo')).map(({ name }) => name);
+    expect(names).toEqual(['early', 'late']);
+  });
+
+  it('names the block of a record, or the present one, and deletes a name', async () => {
+    const fetched = answer(201, {});
+    await nameVersion('a b', 'half & half', 7);
+    await nameVersion('demo', 'now', null);
+    await deleteVersion('demo', 'half & half');
+    expect(fetched.mock.calls).toEqual([
+      ['/v1/sessions/a%20b/versions?name=half%20%26%20half&at=7', { method: 'POST' }],
+      ['/v1/sessions/demo/versions?name=now', { method: 'POST' }],
+      ['/v1/sessions/demo/versions/half%20%26%20half', { method: 'DELETE' }],
+    ]);
+  });
+
+  it('branches from a record, or from the present', async () => {
+    const fetched = answer(201, { id: 'copy' });
+    expect(await branch('demo', 12, 'copy')).toBe('copy');
+    await branch('demo', null, 'copy');
+    expect(fetched.mock.calls).toEqual([
+      ['/v1/sessions?from=demo%4012&id=copy', { method: 'POST' }],
+      ['/v1/sessions?from=demo&id=copy', { method: 'POST' }],
+    ]);
+  });
+
+  it('rejects with the reason of the server', async () => {
+    answer(409, { error: { code: 'version_exists', reason: 'the name is taken' } });
+    await expect(nameVersion('demo', 'now', 1)).rejects.toThrow('the name is taken');
+  });
+
+  it('has columns of equal length of the forces, also of an answer without them', async () => {
+    answer(200, { first: [1, 5], last: [4, 8], force_n: { min: [0, 1], mean: [1, 2], max: [3] } });
+    const curve = { first: [1], last: [4], minN: [0], meanN: [1], maxN: [3] };
+    expect(await forceCurve('demo', 100)).toEqual(curve);
+    answer(200, {});
+    expect((await forceCurve('demo', 100)).first).toEqual([]);
+  });
+});
