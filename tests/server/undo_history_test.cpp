@@ -14,6 +14,8 @@ class RandomHistory : public SessionUndo {
  protected:
   void run(unsigned seed, const char* rays) {
     random_.seed(seed);
+    done_.clear();
+    undone_.clear();
     std::string scene = kScene;
     scene.replace(scene.find("\"dexel\""), 7, rays);
     create(scene);
@@ -63,11 +65,15 @@ class RandomHistory : public SessionUndo {
 };
 
 TEST_F(RandomHistory, EqualsTheSurvivingSetToTheBit) {
-  // KERF_EFFORT multiplies the histories; gtest's --gtest_repeat does not change the seed.
-  const char* effort = std::getenv("KERF_EFFORT");
-  const unsigned histories = effort == nullptr ? 1 : static_cast<unsigned>(std::atoi(effort));
-  for (unsigned seed = 11; seed < 11 + histories; ++seed) {
-    if (seed > 11) renew();
+  // KERF_EFFORT multiplies the histories, KERF_SEED is the first seed; gtest's --gtest_repeat does
+  // not change the seed.
+  const auto setting = [](const char* name, unsigned otherwise) {
+    const char* text = std::getenv(name);
+    return text == nullptr ? otherwise : static_cast<unsigned>(std::atoi(text));
+  };
+  const unsigned first = setting("KERF_SEED", 11), histories = setting("KERF_EFFORT", 1);
+  for (unsigned seed = first; seed < first + histories; ++seed) {
+    if (seed > first) renew();
     run(seed, seed % 2 == 1 ? "\"tri-dexel\"" : "\"dexel\"");
     if (HasFatalFailure()) return;
   }
