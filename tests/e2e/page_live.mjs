@@ -84,7 +84,7 @@ function checkStart(viewer, marks) {
 function checkUntouched({ tiles, meshBytes, drawCalls }) {
   assert(tiles.length > 200, `${tiles.length} tiles`);
   assert(meshBytes < 250 * tiles.length, `${meshBytes} bytes for ${tiles.length} tiles`);
-  assert(drawCalls < tiles.length / 4, `${drawCalls} calls for ${tiles.length} tiles`);
+  assert(drawCalls < tiles.length / 2, `${drawCalls} calls for ${tiles.length} tiles`);
   console.log(`${tiles.length} untouched tiles: ${meshBytes} bytes, ${drawCalls} draw calls`);
 }
 
