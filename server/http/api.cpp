@@ -102,6 +102,7 @@ Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& m
       metrics_(metrics),
       access_(access),
       downloads_(options.data_folder / "downloads"),
+      pictures_(options.data_folder / "pictures"),
       uploads_(options.upload_bytes),
       programs_(options.program_bytes) {}
 

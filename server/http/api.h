@@ -15,6 +15,7 @@
 #include "server/http/byte_range.h"
 #include "server/http/download_cache.h"
 #include "server/http/http_options.h"
+#include "server/http/picture_cache.h"
 #include "server/metrics/metrics.h"
 #include "server/rights/access.h"
 #include "server/session/session_registry.h"
@@ -99,7 +100,10 @@ class Api {
   /// asked.
   std::string drain_target() const;
   /// Cancels the downloads in preparation; further ones are rejected.
-  void stop() { downloads_.stop(); }
+  void stop() {
+    downloads_.stop();
+    pictures_.stop();
+  }
   MemoryBudget& uploads() { return uploads_; }
   /// The most points of a program's path that are kept.
   static constexpr std::size_t kPathPointsMax = 20'000;
@@ -122,6 +126,7 @@ class Api {
   ApiResponse program_path(const ApiCall& call);
   ApiResponse download(const ApiCall& call);
   ApiResponse list_exports(const ApiCall& call);
+  ApiResponse picture(const ApiCall& call);
   ApiResponse list_strokes(const ApiCall& call);
   ApiResponse undo(const ApiCall& call);
   ApiResponse redo(const ApiCall& call);
@@ -165,6 +170,7 @@ class Api {
   const Metrics& metrics_;
   Access& access_;
   DownloadCache downloads_;
+  PictureCache pictures_;
   MemoryBudget uploads_, programs_;
   std::once_flag carvers_made_;
   std::unique_ptr<ThreadPool> carvers_;  ///< carve tiles for undo, redo and the past

@@ -1,61 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/routes.h"
 
-#include <algorithm>
-#include <optional>
-
 namespace kerf::net {
 namespace {
 
 constexpr std::size_t kSceneBytesMax = std::size_t{1} << 20;
 constexpr std::size_t kFileBytesMax = std::size_t{64} << 20;  ///< programs and meshes
-/// A body of a request that no route accepts, read before the error is sent: many clients do not
-/// read a response while they send.
-constexpr std::size_t kRejectedBytesMax = std::size_t{1} << 20;
-
-/// The next segment of a pattern, which is removed from it.
-std::string_view take_segment(std::string_view& pattern) {
-  pattern.remove_prefix(1);  // "/"
-  const auto segment = pattern.substr(0, pattern.find('/'));
-  pattern.remove_prefix(segment.size());
-  return segment;
-}
-
-/// The text that the segment's "{name}" captures, empty if it has none; nothing if `text` differs.
-std::optional<std::string_view> match_segment(std::string_view segment, std::string_view text) {
-  const auto brace = segment.find('{');
-  if (brace == segment.npos) {
-    return segment == text ? std::optional<std::string_view>("") : std::nullopt;
-  }
-  if (!text.starts_with(segment.substr(0, brace))) return std::nullopt;
-  return text.substr(brace);
-}
-
-std::optional<std::string> match_pattern(std::string_view pattern,
-                                         const std::vector<std::string>& path) {
-  std::string captured;
-  for (const std::string& text : path) {
-    if (pattern.empty()) return std::nullopt;
-    const auto segment = take_segment(pattern);
-    if (segment.ends_with("...}")) {
-      return path.front() == "v1" ? std::nullopt : std::optional(captured);
-    }
-    const auto capture = match_segment(segment, text);
-    if (!capture) return std::nullopt;
-    if (!capture->empty()) captured = *capture;
-  }
-  if (!pattern.empty() && !pattern.ends_with("...}")) return std::nullopt;
-  return captured;
-}
-
-bool lists(std::string_view methods, std::string_view method) {
-  while (!methods.empty()) {
-    const auto one = methods.substr(0, methods.find(','));
-    if (one == method) return true;
-    methods.remove_prefix(std::min(one.size() + 2, methods.size()));
-  }
-  return false;
-}
 
 constexpr Route kRoutes[] = {
     {.methods = "GET, HEAD",
@@ -212,6 +162,13 @@ constexpr Route kRoutes[] = {
      .action = Action::kDownload,
      .summary = "the journal, an SQLite database"},
     {.methods = "GET, HEAD",
+     .pattern = "/v1/sessions/{id}/picture.png",
+     .query = "width, height",
+     .handler = &Api::picture,
+     .runs = Runs::kExport,
+     .action = Action::kWatch,
+     .summary = "a picture of the block, seen from the front left and above"},
+    {.methods = "GET, HEAD",
      .pattern = "/v1/sessions/{id}/strokes",
      .query = "since",
      .handler = &Api::list_strokes,
@@ -356,39 +313,5 @@ constexpr Route kRoutes[] = {
 }  // namespace
 
 std::span<const Route> routes() { return kRoutes; }
-
-RouteMatch match_route(std::string_view method, const std::vector<std::string>& path) {
-  RouteMatch match;
-  for (const Route& route : routes()) {
-    // The viewer's files are what remains.
-    if (route.pattern.ends_with("...}") && !match.allow.empty()) break;
-    auto captured = match_pattern(route.pattern, path);
-    if (!captured) continue;
-    match.allow.append(match.allow.empty() ? "" : ", ").append(route.methods);
-    match.upgrade = route.upgrade;
-    if (lists(route.methods, method)) {
-      match.route = &route;
-      match.captured = *std::move(captured);
-    }
-  }
-  return match;
-}
-
-std::size_t body_bytes_max(const RouteMatch& match, std::string_view method) {
-  if (match.route != nullptr) return match.route->body_bytes_max;
-  return method == "POST" ? kRejectedBytesMax : 0;
-}
-
-std::string routes_markdown() {
-  std::string text = "| method | path | query | right | answer |\n|---|---|---|---|---|\n";
-  for (const Route& route : routes()) {
-    text += "| ";
-    text.append(route.methods).append(" | `").append(route.pattern).append("` | ");
-    text.append(route.query).append(route.query.empty() ? "| `" : " | `");
-    text.append(to_string(route.action)).append("` | ");
-    text.append(route.summary).append(" |\n");
-  }
-  return text;
-}
 
 }  // namespace kerf::net

@@ -77,6 +77,7 @@ const std::vector<Module>& other_modules() {
       // Not even the session's header: what runs work knows nothing of what it runs.
       {"server/threads", {"kernel/cut/workers.h", "server/log"}},
       {"server/verify", {"kernel", "server/formats"}},
+      {"server/picture", {"kernel"}},
       {"server/carve",
        {"kernel", "server/formats", "server/verify", "server/threads/thread_pool.h"}},
       {"server/convert", {"kernel", "server/wire", "server/formats"}},
@@ -102,9 +103,9 @@ const std::vector<Module>& other_modules() {
         "server/conversation", "server/rights", "server/tls", "server/udp", "server/websocket",
         "server/threads"}},
       {"server/http",
-       {"kernel", "server/wire", "server/formats", "server/store", "server/session",
-        "server/metrics", "server/rights", "server/socket", "server/tls", "server/websocket",
-        "server/threads"}},
+       {"kernel", "server/wire", "server/formats", "server/picture", "server/store",
+        "server/session", "server/metrics", "server/rights", "server/socket", "server/tls",
+        "server/websocket", "server/threads"}},
       {"server", {"kernel"}},
       {"tests", {"kernel", "server", "haptic_agent"}},
   };
@@ -139,6 +140,7 @@ const std::vector<Library>& libraries() {
        false,
        {"server/formats", "server/feed"},
        "meshes are compressed where they are encoded"},
+      {{"png.h"}, false, {"server/picture"}, "pictures are written in one place"},
       {{"sqlite3.h"}, false, {"server/store"}, "only the store knows the database"},
       {{"zstd.h"}, false, {"server/store"}, "only the store compresses files with it"},
       {{"openssl/"},

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <expected>
+#include <filesystem>
+#include <string>
+
+#include "server/picture/block_picture.h"
+
+namespace kerf {
+
+/// Writes a picture as a PNG file with libpng. The error is a reason.
+std::expected<void, std::string> write_png(const std::filesystem::path& path,
+                                           const Picture& picture);
+
+}  // namespace kerf

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures over HTTP, and the cache behind them.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "server/http/api.h"
+#include "server/http/picture_cache.h"
+#include "tests/server/session_fixture.h"
+
+namespace kerf::net {
+namespace {
+
+class PictureCacheTest : public ::testing::Test {
+ protected:
+  PictureCache::Present present() {
+    ++asked_;
+    return {tag_,
+            [this](const std::filesystem::path& path, const auto&,
+                   const auto&) -> std::expected<void, MakeError> {
+              ++made_;
+              if (fails_) return std::unexpected(MakeError{"disk is full"});
+              std::ofstream(path) << tag_;
+              return {};
+            }};
+  }
+  auto get(PictureCache& cache, const std::string& name = "block/64x48") {
+    return cache.get(name, [this] { return present(); });
+  }
+
+  test::TemporaryFolder folder_;
+  std::string tag_ = "a";
+  int asked_ = 0, made_ = 0;
+  bool fails_ = false;
+};
+
+TEST_F(PictureCacheTest, IsNotMadeAgainDuringThePause) {
+  PictureCache cache(folder_.path() / "pictures", std::chrono::hours(1));
+  const auto first = get(cache);
+  tag_ = "b";
+  const auto second = get(cache);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(second->tag, "a");
+  EXPECT_EQ(second->file, first->file);
+  EXPECT_EQ(asked_, 1);
+  EXPECT_EQ(get(cache, "other/64x48")->tag, "b") << "pauses are of one picture";
+}
+
+TEST_F(PictureCacheTest, ShowsTheNewStateAfterThePauseAndAnOldOneWithoutWork) {
+  PictureCache cache(folder_.path() / "pictures", std::chrono::milliseconds(0));
+  const auto first = get(cache);
+  const auto same = get(cache);
+  ASSERT_TRUE(first && same);
+  EXPECT_EQ(made_, 1) << "the block has not changed";
+  EXPECT_EQ(same->file, first->file);
+  tag_ = "b";
+  const auto newer = get(cache);
+  ASSERT_TRUE(newer);
+  EXPECT_EQ(newer->tag, "b");
+  EXPECT_NE(newer->file, first->file);
+  char text = 0;
+  EXPECT_EQ(newer->file->read(0, &text, 1), 1U);
+  EXPECT_EQ(text, 'b');
+}
+
+TEST_F(PictureCacheTest, AnErrorIsNotKept) {
+  PictureCache cache(folder_.path() / "pictures", std::chrono::hours(1));
+  fails_ = true;
+  EXPECT_EQ(get(cache).error().reason, "disk is full");
+  fails_ = false;
+  EXPECT_TRUE(get(cache));
+  cache.stop();
+  EXPECT_FALSE(get(cache, "other"));
+}
+
+TEST_F(PictureCacheTest, KeepsTheNewest64) {
+  PictureCache cache(folder_.path() / "pictures", std::chrono::hours(1));
+  for (int n = 0; n < 65; ++n) ASSERT_TRUE(get(cache, std::to_string(n)));
+  EXPECT_EQ(asked_, 65);
+  get(cache, "64");
+  get(cache, "1");
+  EXPECT_EQ(asked_, 65);
+  get(cache, "0");
+  EXPECT_EQ(asked_, 66);
+}
+
+/// Runs work at once: handlers wait for the session's executor.
+class AtOnce final : public Executor {
+ public:
+  void post(Work work) override { work(); }
+  void post_after(std::chrono::microseconds, Work) override {}
+};
+
+class PictureRoute : public ::testing::Test {
+ protected:
+  ApiResponse ask(const std::string& target, const std::string& known = "") {
+    ApiRequest request = *parse_target("/v1/sessions/block/picture.png" + target);
+    request.method = "GET";
+    request.if_none_match = known;
+    return api_.handle(request);
+  }
+  static std::string etag(const ApiResponse& response) {
+    for (const auto& [name, value] : response.headers) {
+      if (name == "ETag") return value;
+    }
+    return "";
+  }
+
+  static HttpOptions in_folder(const std::filesystem::path& path) {
+    HttpOptions options;
+    options.data_folder = path;
+    return options;
+  }
+
+  test::TemporaryFolder folder_;
+  std::shared_ptr<AtOnce> executor_ = std::make_shared<AtOnce>();
+  SessionRegistry registry_{RegistryOptions{folder_.path(), 4, {}, {}, {}},
+                            [this](const std::string&) { return executor_; }, *executor_};
+  std::shared_ptr<Session> session_ = *registry_.create("block", kScene, SceneSource{});
+  Metrics metrics_;
+  HttpOptions options_ = in_folder(folder_.path());
+  std::unique_ptr<Access> access_ = *Access::open({});
+  Api api_{options_, registry_, metrics_, *access_};
+};
+
+TEST_F(PictureRoute, ServesAPngOfTheGivenSize) {
+  const ApiResponse response = ask("?width=64&height=40");
+  ASSERT_EQ(response.status, 200U) << response.body;
+  EXPECT_EQ(response.content_type, "image/png");
+  ASSERT_TRUE(response.file);
+  unsigned char head[24];
+  ASSERT_EQ(response.file->read(0, reinterpret_cast<char*>(head), sizeof head), sizeof head);
+  EXPECT_EQ(head[19], 64);  // of the IHDR chunk: width, then height, big-endian
+  EXPECT_EQ(head[23], 40);
+  EXPECT_NE(etag(response), etag(ask("?width=64&height=41")));
+}
+
+TEST_F(PictureRoute, AnUnchangedPictureIsNotSentAgain) {
+  const ApiResponse first = ask("?width=32&height=24");
+  const ApiResponse again = ask("?width=32&height=24", etag(first));
+  EXPECT_EQ(again.status, 304U);
+  EXPECT_FALSE(again.file);
+  EXPECT_EQ(etag(again), etag(first));
+  EXPECT_EQ(ask("?width=32&height=24", "\"other\"").status, 200U);
+}
+
+TEST_F(PictureRoute, RejectsOtherSizes) {
+  for (const char* size : {"?width=15", "?height=1281", "?width=x", "?width=64.5", "?height="}) {
+    const ApiResponse response = ask(size);
+    EXPECT_EQ(response.status, 400U) << size;
+    EXPECT_TRUE(response.body.contains("bad_size")) << size;
+    EXPECT_TRUE(response.body.contains("16 to 1280")) << size;
+  }
+}
+
+}  // namespace
+}  // namespace kerf::net
