@@ -12,6 +12,11 @@ namespace {
 /// Codes of normals are at least 2¹⁶ (normal_code.h).
 constexpr NormalCode kPendingMax = 0xffff;
 
+/// Fewer tiles are resolved sooner than another thread wakes up.
+constexpr std::size_t kTilesForThreads = 16;
+/// Jobs per thread balance the varying number of ends in a tile.
+constexpr std::size_t kJobsPerThread = 2;
+
 constexpr bool is_pending(NormalCode code) { return code - 1 < kPendingMax; }
 
 /// Marks, of the topmost elements of eight columns from `first` on, the ends that now lie at an end
@@ -69,35 +74,53 @@ NormalCode LazyNormals::add_sweep(DexelField& field, const Tool& tool, const Too
   return static_cast<NormalCode>(sweeps_.size());
 }
 
-void LazyNormals::resolve(DexelField& field) {
+void LazyNormals::resolve(DexelField& field, Workers& workers) {
   if (sweeps_.empty()) return;
   std::ranges::sort(tiles_);
   tiles_.erase(std::ranges::unique(tiles_).begin(), tiles_.end());
-  ends_.resize(std::max(ends_.size(), sweeps_.size()));
-  for (const TileIndex at : tiles_) {
-    DexelTile* tile = field.editable(at);
-    assert(tile != nullptr);  // It was changed after the last snapshot, so it is not shared.
-    collect(*tile, at, field.grid());
-  }
-  for (std::size_t n = 0; n < sweeps_.size(); ++n) {
-    resolve_ends(sweeps_[n], ends_[n].tops, 1);
-    resolve_ends(sweeps_[n], ends_[n].bottoms, -1);
-    ends_[n].tops.clear();
-    ends_[n].bottoms.clear();
+  const std::span<const TileIndex> all = tiles_;
+  const bool divides = workers.count() > 1 && all.size() >= kTilesForThreads;
+  const std::size_t jobs = divides ? std::size_t(workers.count()) * kJobsPerThread : 1;
+  if (jobs_.size() < jobs) jobs_.resize(jobs);
+  const auto run_job = [&](int n) {
+    const std::size_t first = all.size() * std::size_t(n) / jobs;
+    const std::size_t end = all.size() * std::size_t(n + 1) / jobs;
+    resolve_tiles(field, all.subspan(first, end - first), jobs_[std::size_t(n)]);
+  };
+  if (divides) {
+    workers.run(static_cast<int>(jobs), run_job);
+  } else {
+    run_job(0);
   }
   sweeps_.clear();
   tiles_.clear();
 }
 
-void LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid) {
+void LazyNormals::resolve_tiles(DexelField& field, std::span<const TileIndex> tiles,
+                                Job& job) const {
+  if (job.size() < sweeps_.size()) job.resize(sweeps_.size());
+  for (const TileIndex at : tiles) {
+    DexelTile* tile = field.editable(at);
+    assert(tile != nullptr);  // It was changed after the last snapshot, so it is not shared.
+    collect(*tile, at, field.grid(), job);
+  }
+  for (std::size_t n = 0; n < sweeps_.size(); ++n) {
+    resolve_ends(sweeps_[n], job[n].tops, 1);
+    resolve_ends(sweeps_[n], job[n].bottoms, -1);
+    job[n].tops.clear();
+    job[n].bottoms.clear();
+  }
+}
+
+void LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid, Job& job) {
   const auto take = [&](int column, EndCodes& codes, Dexel element) {
     const double x = grid.x_mm(at.x * kTileSide + column % kTileSide);
     const double y = grid.y_mm(at.y * kTileSide + column / kTileSide);
     if (is_pending(codes.top)) {
-      ends_[codes.top - 1].tops.push_back({&codes.top, x, y, grid.z_mm(element.top)});
+      job[codes.top - 1].tops.push_back({&codes.top, x, y, grid.z_mm(element.top)});
     }
     if (is_pending(codes.bottom)) {
-      ends_[codes.bottom - 1].bottoms.push_back({&codes.bottom, x, y, grid.z_mm(element.bottom)});
+      job[codes.bottom - 1].bottoms.push_back({&codes.bottom, x, y, grid.z_mm(element.bottom)});
     }
   };
   for (int column = 0; column < kTileColumns; ++column) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/cut/removal.h"
+#include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sweep/swept_surface.h"
 
@@ -32,8 +33,12 @@ class LazyNormals {
     if (!sweeps_.empty()) tiles_.push_back(tile);
   }
   /// Computes all pending normals. Must run before the field's normals are read, and before a
-  /// snapshot is taken, because it edits tiles in place.
-  void resolve(DexelField& field);
+  /// snapshot is taken, because it edits tiles in place. The tiles are divided among the workers.
+  void resolve(DexelField& field, Workers& workers);
+  void resolve(DexelField& field) {
+    SerialWorkers alone;
+    resolve(field, alone);
+  }
 
  private:
   /// Few enough that resolving them does not delay a haptic tick noticeably, many enough that most
@@ -47,12 +52,15 @@ class LazyNormals {
   struct Ends {
     std::vector<End> tops, bottoms;
   };
+  /// Those of some tiles, per sweep; reuses its memory.
+  using Job = std::vector<Ends>;
 
-  void collect(DexelTile& tile, TileIndex at, const DexelGrid& grid);
+  static void collect(DexelTile& tile, TileIndex at, const DexelGrid& grid, Job& job);
+  void resolve_tiles(DexelField& field, std::span<const TileIndex> tiles, Job& job) const;
 
   std::vector<SweptSurface> sweeps_;
   std::vector<TileIndex> tiles_;
-  std::vector<Ends> ends_;  ///< per sweep; reuses its memory
+  std::vector<Job> jobs_;
 };
 
 /// Marks, in a tile that keeps normals, the ends that a sweep has just made. `removed` is what the

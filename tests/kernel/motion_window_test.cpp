@@ -6,39 +6,20 @@
 
 #include <algorithm>
 #include <memory>
-#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/dexel_tile.h"
 #include "kernel/sculpture.h"
 #include "kernel/sculpture_check.h"
 #include "kernel/tool/tool.h"
+#include "tests/support/shuffled_workers.h"
 #include "tests/support/thread_workers.h"
 
 namespace kerf {
 namespace {
-
-/// Runs jobs on the calling thread in a random order.
-class ShuffledWorkers final : public Workers {
- public:
-  int count() const override { return 7; }
-  void run(int jobs, const std::function<void(int)>& job) override {
-    std::vector<int> order(static_cast<std::size_t>(jobs));
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::shuffle(order, random_);
-    for (const int number : order) job(number);
-    ++runs_;
-  }
-  int runs() const { return runs_; }
-
- private:
-  std::mt19937 random_{5};
-  int runs_ = 0;
-};
 
 constexpr double kSide = 40, kTop = 20;
 
@@ -168,7 +149,7 @@ TEST_P(MotionWindows, AreOneMotionAfterTheOtherToTheBit) {
     ASSERT_GT(expected.state_hash(), 0U);
     SerialWorkers one;
     test::ThreadWorkers two(2), five(5);
-    ShuffledWorkers shuffled;
+    test::ShuffledWorkers shuffled;
     Workers* const workers[] = {&one, &two, &five, &shuffled};
     for (std::size_t w = 0; w < std::size(workers); ++w) {
       SCOPED_TRACE("workers " + std::to_string(w));
@@ -194,6 +175,26 @@ INSTANTIATE_TEST_SUITE_P(All, MotionWindows,
                          testing::Combine(testing::Values(Rays::kDexel, Rays::kTriDexel),
                                           testing::Values(ForceLaw::kSpecificEnergy,
                                                           ForceLaw::kMechanistic)));
+
+// Normals are resolved once so many sweeps wait, and their tiles are divided among the threads.
+TEST(MotionWindow, NormalsOfManyMotionsAreThoseOfOneThread) {
+  const SculptureSettings settings = settings_of(Rays::kDexel, ForceLaw::kSpecificEnergy);
+  std::mt19937 random(3);
+  const std::vector<MoveTool> moves = random_motions(random, 5, 400, 12);
+  Sculpture expected = block(settings);
+  for (const MoveTool& move : moves) expected.apply(move).value();
+  (void)expected.solid();
+  test::ThreadWorkers two(2);
+  test::ShuffledWorkers shuffled;
+  for (Workers* workers : {static_cast<Workers*>(&two), static_cast<Workers*>(&shuffled)}) {
+    Sculpture s = block(settings);
+    for (std::size_t first = 0; first < moves.size(); first += 20) {
+      s.apply(std::span(moves).subspan(first, 20), *workers);
+    }
+    (void)s.solid();
+    expect_same_normals(s, expected, settings.rays);
+  }
+}
 
 TEST(MotionWindow, AMotionOfMoreSubMotionsThanAreCutTogetherIsCutInParts) {
   SculptureSettings settings = settings_of(Rays::kTriDexel, ForceLaw::kSpecificEnergy);
