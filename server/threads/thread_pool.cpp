@@ -10,8 +10,7 @@
 namespace kerf {
 namespace {
 
-/// How long a thread spins for the next run before it sleeps: the motions of a program follow each
-/// other faster than a thread wakes up.
+/// How long a thread spins before it sleeps.
 constexpr std::chrono::microseconds kSpinTime{50};
 
 /// A caller counts as delayed if it waits for more than 1/kWaitShare of the time that it worked.
@@ -41,7 +40,7 @@ bool spin_until(const Condition& happened) {
 
 }  // namespace
 
-ThreadPool::ThreadPool(int threads) {
+ThreadPool::ThreadPool(int threads, Idle idle) : idle_(idle) {
   for (int i = 1; i < threads; ++i) helpers_.emplace_back([this] { help(); });
 }
 
@@ -121,7 +120,7 @@ void ThreadPool::wait_for_helpers() {
 void ThreadPool::help() {
   std::uint32_t seen = 0;
   while (true) {
-    if (!spin_until([&] { return calls_ != seen; })) {
+    if (idle_ == Idle::kSleeps || !spin_until([&] { return calls_ != seen; })) {
       std::unique_lock lock(mutex_);
       called_.wait(lock, [&] { return calls_ != seen; });
     }

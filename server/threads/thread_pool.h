@@ -20,8 +20,11 @@ namespace kerf {
 /// caller, the next runs are done without helpers.
 class ThreadPool final : public Workers {
  public:
+  /// What a thread does after a run: the motions of a program follow each other faster than it
+  /// wakes up, those of agents do not.
+  enum class Idle { kSpinsBriefly, kSleeps };
   /// `threads` >= 1, including the caller's.
-  explicit ThreadPool(int threads);
+  explicit ThreadPool(int threads, Idle idle = Idle::kSpinsBriefly);
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
   ~ThreadPool() override;
@@ -35,6 +38,7 @@ class ThreadPool final : public Workers {
   void wait_for_helpers();
   void divide(int jobs, const std::function<void(int)>& job);
 
+  const Idle idle_;
   std::mutex caller_;    ///< held during run(); guards the next two
   int serial_runs_ = 0;  ///< runs still to do without helpers
   int penalty_ = 0;      ///< value of serial_runs_ after the last delay

@@ -28,6 +28,27 @@ TEST(ThreadPool, RunsEachJobOnce) {
   }
 }
 
+// On a loaded machine some runs are done without helpers.
+TEST(ThreadPool, HelpersThatSleepAtOnceAreWoken) {
+  using Clock = std::chrono::steady_clock;
+  ThreadPool pool(2, ThreadPool::Idle::kSleeps);
+  int helped = 0;
+  const auto end = Clock::now() + std::chrono::seconds(20);
+  while (helped < 3 && Clock::now() < end) {
+    std::atomic<int> waiting = 0;
+    std::atomic<bool> met = false;
+    const auto until = Clock::now() + std::chrono::milliseconds(20);
+    pool.run(2, [&](int) {
+      if (++waiting == 2) met = true;
+      while (!met && Clock::now() < until) std::this_thread::yield();
+      --waiting;
+    });
+    if (met) ++helped;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_EQ(helped, 3) << "the caller did all jobs";
+}
+
 TEST(ThreadPool, ManyShortRunsFollowEachOther) {
   ThreadPool pool(3);
   std::int64_t sum = 0;
