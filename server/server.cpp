@@ -20,6 +20,7 @@
 #include "server/store/folder_lock.h"
 #include "server/threads/io_threads.h"
 #include "server/threads/run_on.h"
+#include "server/threads/thread_pool.h"
 #include "server/tls/tls_context.h"
 #include "server/udp/udp_port.h"
 
@@ -38,6 +39,8 @@ constexpr std::chrono::seconds kDrainTime{2};
 constexpr std::chrono::seconds kReloadTime{1}, kReloadTimeMax{60};
 /// Sessions that are loaded at the same time: each needs a core, and memory beside its block.
 constexpr unsigned kLoadersMax = 4;
+/// Threads that carve one session, at most.
+constexpr int kCarversMax = 8;
 /// Time between two looks at the sizes of the files.
 constexpr std::chrono::seconds kDiskTime{1};
 /// Pause after an accept error, e.g. because the process is out of file descriptors.
@@ -108,7 +111,8 @@ struct Server::Impl {
         snapshots("snapshots", 1, 10),
         registry(
             {options.http.data_folder, options.sessions_max, options.session, log_pause,
-             SnapshotOptions{&snapshots, options.snapshots, log_snapshot_failure}, options.disk},
+             SnapshotOptions{&snapshots, options.snapshots, log_snapshot_failure}, options.disk,
+             carvers.count() > 1 ? &carvers : nullptr},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics, *access),
@@ -140,6 +144,8 @@ struct Server::Impl {
   UdpPort udp{metrics};
   IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
   IoThreads viewers, meshing, past, snapshots;
+  /// Help the sessions' threads. Agents pause longer than a thread could spin.
+  ThreadPool carvers{std::min(usable_threads(), kCarversMax), ThreadPool::Idle::kSleeps};
   SessionRegistry registry;
   Api api;
   IoThreads immediate, control, workers, exports;  ///< after `api`, which their work uses

@@ -35,7 +35,7 @@ std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSamp
   if (!follows) return Step{};
   const std::uint64_t passed_us = sample.time_us > from_us ? sample.time_us - from_us : 0;
   const double duration_s = static_cast<double>(passed_us) * kSecondsPerMicrosecond;
-  if ((sample.buttons & wire::kButtonCutting) == 0) return Touch{tool_, *pose, duration_s};
+  if (!cuts(sample)) return Touch{tool_, *pose, duration_s};
   if (from == *pose && !has_obstacles(sculpture)) return Step{};  // rests without contact
   if (passed_us == 0) return reject(kBadMessage, "time_us must increase from sample to sample");
   const double distance_mm = length(pose->tip_mm - from.tip_mm);

@@ -13,6 +13,11 @@
 
 namespace kerf {
 
+/// Whether the motion to a sample cuts.
+inline bool cuts(const wire::MotionSample& sample) {
+  return (sample.buttons & wire::kButtonCutting) != 0;
+}
+
 /// The pose of one participant's tool, and the conversion of its samples to steps. The session and
 /// an agent's replica both use it, so that they interpret samples identically.
 class ToolTrack {

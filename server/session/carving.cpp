@@ -19,8 +19,6 @@ namespace {
 /// takes as long as a motion.
 constexpr std::uint64_t kInStockUs = 10'000;
 
-bool cuts(const wire::MotionSample& sample) { return (sample.buttons & wire::kButtonCutting) != 0; }
-
 }  // namespace
 
 Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJournal& journal,
@@ -92,9 +90,12 @@ std::optional<Rejection> Carving::judge(ParticipantId id, const MoveTool& move) 
 
 Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles,
                                 std::uint64_t agent_sequence) {
-  const Command command = move;
-  if (auto rejection = judge(id, move)) return std::unexpected(*std::move(rejection));
-  if (auto ok = record(id, command, agent_sequence); !ok) return std::unexpected(ok.error());
+  if (auto ok = admit(id, move, agent_sequence); !ok) return std::unexpected(ok.error());
+  return cut_recorded(id, move, tiles);
+}
+
+Carving::Applied Carving::cut_recorded(ParticipantId id, const MoveTool& move,
+                                       std::int64_t& tiles) {
   const std::int64_t reach = sculpture_.tiles_in_reach(move);
   if (reach > kTilesPerTurn) {
     auto pieces = sculpture_.begin(move);
@@ -105,7 +106,13 @@ Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int
     return advance(id, tiles);
   }
   tiles -= reach;
-  return apply_recorded(id, command);
+  return apply_recorded(id, move);
+}
+
+std::expected<void, Rejection> Carving::admit(ParticipantId id, const MoveTool& move,
+                                              std::uint64_t agent_sequence) {
+  if (auto rejection = judge(id, move)) return std::unexpected(*std::move(rejection));
+  return record(id, move, agent_sequence);
 }
 
 Carving::Applied Carving::apply_recorded(ParticipantId id, const Command& command) {
@@ -138,9 +145,8 @@ void Carving::note(ParticipantId id, const MotionResult& result) {
   if (result.removed_mm3 > 0) journal_.note_removal();
 }
 
-std::optional<Rejection> Carving::take_sample(ParticipantState& state,
-                                              const wire::MotionSample& sample, Batch& batch,
-                                              std::int64_t& tiles) {
+std::expected<std::optional<MoveTool>, Rejection> Carving::read_sample(
+    ParticipantState& state, const wire::MotionSample& sample, Batch& batch) {
   if (sample.agent_sequence <= state.last_sequence) {  // a resent sample
     // From it the motions to new ones begin. It was judged when it came for the first time.
     if (state.has_resumed) {
@@ -155,28 +161,40 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
   state.cuts = false;
   if (!state.samples.allow(ParticipantState::Clock::now())) {
     state.track.lift();  // leaves a gap: a chord across the dropped samples would gouge the block
-    return sample_rejection(sample, wire::ErrorCode::kTooFast,
-                            "the sample rate limit is " +
-                                std::to_string(std::llround(limits_.samples_per_s)) +
-                                " per second");
+    return std::unexpected(
+        sample_rejection(sample, wire::ErrorCode::kTooFast,
+                         "the sample rate limit is " +
+                             std::to_string(std::llround(limits_.samples_per_s)) + " per second"));
   }
   if (!cuts(sample) || !state.track.pose()) state.in_stroke = false;
   auto step = state.track.take(sample, sculpture_, state.speed_mm_per_s);
-  if (!step) return step.error();
-  if (state.is_in_stock) return leave_stock(state, sample);
+  if (!step) return std::unexpected(step.error());
+  if (state.is_in_stock) {
+    if (auto rejection = leave_stock(state, sample)) return std::unexpected(*std::move(rejection));
+    return std::nullopt;
+  }
   state.display.tool_id = sample.tool_id;
   if (const auto* touch = std::get_if<ToolTrack::Touch>(&*step); touch != nullptr && state.feel) {
     add_touch(batch.sum, sculpture_, *touch);
   }
-  if (auto* move = std::get_if<MoveTool>(&*step)) {
-    move->feel = state.feel;
-    const std::uint64_t before = journal_.sequence();
-    const auto result = apply(state.participant.id, *move, tiles, sample.agent_sequence);
-    if (journal_.sequence() != before) state.durable.journaled(journal_.sequence());
-    if (!result) return sample_rejection(sample, result.error().code, result.error().reason);
-    state.cuts = true;
-    if (*result) add_motion(batch.sum, sculpture_, *move, **result);
-  }
+  auto* move = std::get_if<MoveTool>(&*step);
+  if (move == nullptr) return std::nullopt;
+  move->feel = state.feel;
+  return *move;
+}
+
+std::optional<Rejection> Carving::take_sample(ParticipantState& state,
+                                              const wire::MotionSample& sample, Batch& batch,
+                                              std::int64_t& tiles) {
+  const auto move = read_sample(state, sample, batch);
+  if (!move) return move.error();
+  if (!*move) return std::nullopt;
+  const std::uint64_t before = journal_.sequence();
+  const auto result = apply(state.participant.id, **move, tiles, sample.agent_sequence);
+  if (journal_.sequence() != before) state.durable.journaled(journal_.sequence());
+  if (!result) return sample_rejection(sample, result.error().code, result.error().reason);
+  state.cuts = true;
+  if (*result) add_motion(batch.sum, sculpture_, **move, **result);
   return std::nullopt;
 }
 
@@ -241,15 +259,6 @@ std::optional<MotionAnswer> Carving::move(ParticipantState& state,
   batch.samples = batch.kept;
   batches_.emplace(state.participant.id, std::move(batch));
   return std::nullopt;
-}
-
-std::optional<MotionAnswer> Carving::go_on(ParticipantState& state) {
-  const CpuCosts::Meter meter(costs_, state.participant.id);
-  const auto batch = batches_.find(state.participant.id);
-  if (batch == batches_.end() || !work(state, batch->second)) return std::nullopt;
-  MotionAnswer complete = answer(state, batch->second);
-  batches_.erase(batch);
-  return complete;
 }
 
 std::expected<void, Rejection> Carving::apply_air(ParticipantId id) {
@@ -319,6 +328,7 @@ std::expected<std::optional<CarvedMotion>, Rejection> Carving::move(const Progra
 
 void Carving::leave(ParticipantId id) {
   batches_.erase(id);
+  std::erase(waiting_, id);
   if (cuts_.contains(id)) left_.push_back(id);
 }
 

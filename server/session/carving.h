@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "kernel/sculpture.h"
@@ -49,8 +50,12 @@ class Carving {
   /// more work than one turn: then go_on() must be called until it returns the answer.
   std::optional<MotionAnswer> move(ParticipantState& state,
                                    std::span<const wire::MotionSample> samples);
-  /// Carves for a further turn; the answer if the batch is complete.
-  std::optional<MotionAnswer> go_on(ParticipantState& state);
+  /// Keeps a batch, which must be the only one of its participant, until go_on() carves all batches
+  /// that wait then.
+  void wait(ParticipantState& state, std::span<const wire::MotionSample> samples);
+  /// Carves for a further turn; the answer if the batch is complete. Batches that wait are carved
+  /// together, on `workers`, one sample of each after the other, in the order of arrival.
+  std::optional<MotionAnswer> go_on(ParticipantState& state, Workers& workers);
   /// Whether a batch of the participant is in progress.
   bool has_batch(ParticipantId id) const { return batches_.contains(id); }
   /// Carves one motion of a program; returns nothing if the motion is more work than one turn: then
@@ -116,11 +121,34 @@ class Carving {
     BatchSum sum = {};
     MotionAnswer answer = {};
     std::vector<wire::MotionSample> kept = {};  ///< holds the samples from the second turn on
+    bool waits = false;                         ///< to be carved with others
+    bool is_complete = false;                   ///< `answer` is the answer
+  };
+  /// A motion that is in the journal and not yet in the block.
+  struct Recorded {
+    ParticipantState* state;
+    Batch* batch;
+  };
+  /// Motions of several participants that are applied together, in the order of the journal.
+  struct Together {
+    std::vector<MoveTool> moves;
+    std::vector<Recorded> of;  ///< each
+    /// After them, a motion that is cut in pieces.
+    std::optional<std::pair<Recorded, MoveTool>> last = {};
   };
   using Applied = std::expected<std::optional<MotionResult>, Rejection>;
 
   bool work(ParticipantState& state, Batch& batch);
+  void carve_waiting(Workers& workers);
+  void collect_round(Together& round, std::int64_t& tiles);
+  void take_next(ParticipantState& state, Batch& batch, Together& round, std::int64_t& tiles);
+  void begin_pieces(const Recorded& of, const MoveTool& move, std::int64_t& tiles);
+  void apply_together(const Together& round, Workers& workers);
   MotionAnswer answer(ParticipantState& state, Batch& batch);
+  /// What a sample does: the motion that it is to cut, if any.
+  std::expected<std::optional<MoveTool>, Rejection> read_sample(ParticipantState& state,
+                                                                const wire::MotionSample& sample,
+                                                                Batch& batch);
   std::optional<Rejection> take_sample(ParticipantState& state, const wire::MotionSample& sample,
                                        Batch& batch, std::int64_t& tiles);
   std::optional<Rejection> leave_stock(ParticipantState& state, const wire::MotionSample& sample);
@@ -131,9 +159,14 @@ class Carving {
   Applied apply_recorded(ParticipantId id, const Command& command);
   /// Whether a participant may cut, and there.
   std::optional<Rejection> judge(ParticipantId id, const MoveTool& move) const;
+  /// Whether a motion may be cut; if so, it is journaled.
+  std::expected<void, Rejection> admit(ParticipantId id, const MoveTool& move,
+                                       std::uint64_t agent_sequence);
   /// Begins a motion and works on it for up to `tiles`, which it lowers.
   Applied apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles,
                 std::uint64_t agent_sequence = 0);
+  /// The same for a motion that is in the journal.
+  Applied cut_recorded(ParticipantId id, const MoveTool& move, std::int64_t& tiles);
   /// Works on a motion in pieces of the participant; the result if it is complete.
   std::optional<MotionResult> advance(ParticipantId id, std::int64_t& tiles);
   void note(ParticipantId id, const MotionResult& result);
@@ -149,6 +182,7 @@ class Carving {
   std::map<ParticipantId, AirPath> air_paths_;  ///< of programs
   std::set<TileIndex> changed_;
   std::map<ParticipantId, Batch> batches_;  ///< in progress
+  std::vector<ParticipantId> waiting_;      ///< whose batches wait, in the order of arrival
   std::map<ParticipantId, Cut> cuts_;
   std::optional<std::vector<Since>> since_;  ///< set while motions are collected
   std::vector<ParticipantId> left_;          ///< whose cuts may be in progress

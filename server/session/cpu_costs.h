@@ -40,13 +40,14 @@ class CpuCosts {
     return costs_s_;
   }
 
- private:
+  /// Returns the CPU time of the calling thread, s.
   static double thread_s() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
   }
 
+ private:
   mutable std::mutex mutex_;
   std::map<ParticipantId, double> costs_s_;
 };

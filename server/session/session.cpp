@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "kernel/cut/workers.h"
 #include "server/history/block_history.h"
 
 namespace kerf {
@@ -129,6 +130,10 @@ std::optional<MotionAnswer> Session::begin_move(ParticipantId id,
                                                 std::span<const wire::MotionSample> samples) {
   ParticipantState* state = participants_.find(id);
   if (state == nullptr || closed_) return rejected_move();
+  if (carvers_ != nullptr && !carving_.has_batch(id) && has_other_agent(id)) {
+    carving_.wait(*state, samples);
+    return std::nullopt;
+  }
   const std::uint64_t removal_before = journal_.removal_sequence();
   auto answer = carving_.move(*state, samples);
   show_figures();
@@ -141,7 +146,8 @@ std::optional<MotionAnswer> Session::begin_move(ParticipantId id,
 std::optional<MotionAnswer> Session::go_on(ParticipantId id) {
   ParticipantState* state = participants_.find(id);
   if (state == nullptr || closed_ || !carving_.has_batch(id)) return rejected_move();
-  auto answer = carving_.go_on(*state);
+  SerialWorkers alone;
+  auto answer = carving_.go_on(*state, carvers_ != nullptr ? *carvers_ : alone);
   show_figures();
   schedule_hash();
   write_snapshot_if_due();

@@ -142,6 +142,9 @@ class Session : public std::enable_shared_from_this<Session> {
     created_ms_ = created_ms;
     active_ms_ = active_ms;
   }
+  /// Carves motions of several participants at the same time from now on, on `carvers`, which
+  /// outlive the session. Call once, when the session has been created.
+  void carve_on(Workers& carvers) { carvers_ = &carvers; }
   /// Writes a snapshot now and then from now on. Call once, when the session has been created.
   void keep_snapshots(SnapshotOptions options);
 
@@ -180,7 +183,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// does not stop the samples after it.
   MotionAnswer move(ParticipantId id, std::span<const wire::MotionSample> samples);
   /// The same, for one turn of the executor. Returns nothing if the samples are more work than
-  /// that: then the caller calls go_on() in later turns, until it returns the answer. Motions of
+  /// that, or wait for those of other agents that move, with which they are carved on several
+  /// threads: then the caller calls go_on() in later turns, until it returns the answer. Motions of
   /// other participants may come in between; the solid does not depend on that.
   std::optional<MotionAnswer> begin_move(ParticipantId id,
                                          std::span<const wire::MotionSample> samples);
@@ -329,6 +333,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t programs_sent_ = 0;  ///< ProgramRuns::changes() as of the last frame with programs
   Clock::time_point programs_sent_at_{};
   Executor& workers_;
+  Workers* carvers_ = nullptr;  ///< null: the session's thread carves alone
   bool hash_scheduled_ = false;
   std::chrono::microseconds hash_cost_{0};
   bool closed_ = false;

@@ -37,6 +37,7 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(con
   auto session = std::make_shared<Session>(id, *std::move(replayed), *std::move(journal),
                                            options_.session, make_executor_(id), workers_);
   session->note_times(created_ms, active_ms);
+  if (options_.carvers != nullptr) session->carve_on(*options_.carvers);
   if (options_.snapshots.writer != nullptr) session->keep_snapshots(options_.snapshots);
   return session;
 }

@@ -46,6 +46,8 @@ struct RegistryOptions {
   std::function<void(const std::string& id, const std::optional<JournalError>&)> on_pause = {};
   SnapshotOptions snapshots = {};
   DiskLimits disk = {};
+  /// Threads that help the sessions' own to carve; outlive the registry. Null: there are none.
+  Workers* carvers = nullptr;
 };
 
 /// A session whose journal was written with another version of the kernel: its block has been

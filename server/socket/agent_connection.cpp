@@ -4,6 +4,7 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -76,13 +77,16 @@ std::optional<datagram::Offer> AgentConnection::open_udp() {
 }
 
 /// Works on a long batch, one turn after the other. In between the thread serves the other agents:
-/// it has at least as much time for them as for this one. Only one coroutine works; another waits
+/// it has at least as much time for them as for this one. Before the first turn it reads what they
+/// have sent already, because that may be carved together. Only one coroutine works; another waits
 /// for it, so that this also holds while both transports have frames.
 asio::awaitable<void> AgentConnection::act() {
   error_code ignored;
   while (works_) co_await worked_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
   works_ = true;
-  asio::steady_timer pause(static_cast<IoThreads&>(executor_).context());
+  asio::io_context& thread = static_cast<IoThreads&>(executor_).context();
+  co_await asio::post(thread, asio::use_awaitable);
+  asio::steady_timer pause(thread);
   while (conversation_.has_action() && !has_failed()) {
     const auto start = Clock::now();
     conversation_.work();

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of Carving that carves batches of several participants together.
+#include <algorithm>
+#include <utility>
+
+#include "kernel/cut/workers.h"
+#include "server/session/carving.h"
+
+namespace kerf {
+
+void Carving::wait(ParticipantState& state, std::span<const wire::MotionSample> samples) {
+  Batch& batch = batches_[state.participant.id];
+  batch.kept.assign(samples.begin(), samples.end());
+  batch.samples = batch.kept;
+  batch.waits = true;
+  waiting_.push_back(state.participant.id);
+}
+
+std::optional<MotionAnswer> Carving::go_on(ParticipantState& state, Workers& workers) {
+  const auto found = batches_.find(state.participant.id);
+  if (found == batches_.end()) return std::nullopt;
+  Batch& batch = found->second;
+  if (batch.waits) {
+    carve_waiting(workers);
+  } else if (!batch.is_complete) {
+    const CpuCosts::Meter meter(costs_, state.participant.id);
+    if (!work(state, batch)) return std::nullopt;
+    batch.answer = answer(state, batch);
+    batch.is_complete = true;
+  }
+  if (!batch.is_complete) return std::nullopt;
+  MotionAnswer complete = std::move(batch.answer);
+  batches_.erase(found);
+  return complete;
+}
+
+/// Carves what waits, for a turn of as much work as the workers do in the time that one participant
+/// may take.
+void Carving::carve_waiting(Workers& workers) {
+  std::int64_t tiles = kTilesPerTurn * workers.count();
+  while (tiles > 0 && !waiting_.empty()) {
+    const double start_s = CpuCosts::thread_s();
+    Together round;
+    collect_round(round, tiles);
+    apply_together(round, workers);
+    const double share_s = (CpuCosts::thread_s() - start_s) /
+                           static_cast<double>(std::max<std::size_t>(1, round.of.size()));
+    for (const Recorded& motion : round.of) costs_.add(motion.state->participant.id, share_s);
+    if (round.last) begin_pieces(round.last->first, round.last->second, tiles);
+    std::erase_if(waiting_, [this](ParticipantId id) {
+      const auto found = batches_.find(id);
+      ParticipantState* state = participants_.find(id);
+      if (found == batches_.end() || state == nullptr || !found->second.waits) return true;
+      Batch& batch = found->second;
+      if (batch.next < batch.samples.size()) return false;
+      batch.answer = answer(*state, batch);
+      batch.is_complete = true;
+      batch.waits = false;
+      return true;
+    });
+  }
+}
+
+/// Takes samples of the batches that wait, one of each at a time, until this turn has work enough.
+/// A sample that does not cut begins a new round for its batch: it touches what is left by the
+/// motions before it. Those of others it may not see yet.
+void Carving::collect_round(Together& round, std::int64_t& tiles) {
+  std::vector<ParticipantId> left = waiting_;
+  while (!left.empty()) {
+    std::vector<ParticipantId> next;
+    for (const ParticipantId id : left) {
+      if (tiles <= 0 || round.last) return;
+      const auto found = batches_.find(id);
+      ParticipantState* state = participants_.find(id);
+      if (found == batches_.end() || state == nullptr || !found->second.waits) continue;
+      Batch& batch = found->second;
+      if (batch.next == batch.samples.size()) continue;
+      const bool has_moved =
+          std::ranges::find(round.of, &batch, &Recorded::batch) != round.of.end();
+      if (has_moved && !cuts(batch.samples[batch.next])) continue;
+      take_next(*state, batch, round, tiles);
+      next.push_back(id);
+    }
+    left = std::move(next);
+  }
+}
+
+void Carving::take_next(ParticipantState& state, Batch& batch, Together& round,
+                        std::int64_t& tiles) {
+  const wire::MotionSample& sample = batch.samples[batch.next++];
+  const ParticipantId id = state.participant.id;
+  const auto reject = [&](const Rejection& why) { batch.answer.rejections.push_back(why); };
+  const auto move = read_sample(state, sample, batch);
+  if (!move) return reject(move.error());
+  if (!*move) return;
+  if (auto ok = admit(id, **move, sample.agent_sequence); !ok) {
+    return reject(sample_rejection(sample, ok.error().code, ok.error().reason));
+  }
+  state.durable.journaled(journal_.sequence());
+  state.cuts = true;
+  const std::int64_t reach = sculpture_.tiles_in_reach(**move);
+  if (reach > kTilesPerTurn) {
+    // It is cut in pieces, in turns of its own, after the motions before it in the journal.
+    batch.waits = false;
+    round.last = {{&state, &batch}, **move};
+    return;
+  }
+  tiles -= reach;
+  round.moves.push_back(**move);
+  round.of.push_back({&state, &batch});
+}
+
+/// Begins to cut a motion in pieces; go_on() continues with it and with the rest of its batch.
+void Carving::begin_pieces(const Recorded& of, const MoveTool& move, std::int64_t& tiles) {
+  const CpuCosts::Meter meter(costs_, of.state->participant.id);
+  const auto result = cut_recorded(of.state->participant.id, move, tiles);
+  if (result && *result) add_motion(of.batch->sum, sculpture_, move, **result);
+}
+
+void Carving::apply_together(const Together& round, Workers& workers) {
+  if (round.moves.empty()) return;
+  const auto start = std::chrono::steady_clock::now();
+  SerialWorkers alone;
+  sculpture_.apply(round.moves, round.moves.size() > 1 ? workers : alone,
+                   [&](std::size_t n, const MotionResult& result) {
+                     const auto [state, batch] = round.of[n];
+                     note(state->participant.id, result);
+                     add_motion(batch->sum, sculpture_, round.moves[n], result);
+                   });
+  work_time_ += std::chrono::steady_clock::now() - start;
+}
+
+}  // namespace kerf
