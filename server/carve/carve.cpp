@@ -346,6 +346,7 @@ class Carving {
   }
 
   Result write_report() {
+    warn_of_idle_run(report_);
     if (!options_.report) return {};
     OutputFile& file = output(*options_.report);
     std::ofstream stream(file.temporary(), std::ios::binary);

@@ -97,4 +97,13 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+void warn_of_idle_run(CarveReport& report) {
+  if (report.removed_volume_mm3 > 0) return;
+  report.warnings.push_back(
+      report.program_file + ": NOTHING WAS CUT: " +
+      (report.motions == 0 ? "the program has no motion of a tool"
+                           : "no motion removes stock; compare tip_extents of --report with the "
+                             "stock of the scene"));
+}
+
 }  // namespace kerf

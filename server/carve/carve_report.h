@@ -32,4 +32,7 @@ struct CarveReport {
 /// Returns the report as JSON text, with the peak memory of the process.
 std::string report_json(const CarveReport& report, const Scene& scene, const Program& program);
 
+/// Adds a warning, as the last one, if no stock was removed.
+void warn_of_idle_run(CarveReport& report);
+
 }  // namespace kerf

@@ -23,13 +23,26 @@ std::string quoted(const std::string& word) {
   return text;
 }
 
+// A program that cuts nothing is rarely meant: it comes first among the warnings.
+void warn_of_idle_program(Program& program) {
+  const bool cuts = std::ranges::any_of(program.motions, [](const ProgramMotion& motion) {
+    return !motion.rapid && !(motion.from == motion.to);
+  });
+  if (cuts) return;
+  program.warnings.insert(program.warnings.begin(),
+                          program.name + ": THE PROGRAM CUTS NOTHING: it ends after " +
+                              std::to_string(program.lines) + " lines without a cutting motion");
+}
+
 }  // namespace
 
 std::string to_string(const ProgramError& error) {
   std::string text = error.file + ":";
   if (error.line > 0) text += std::to_string(error.line) + ":";
   if (!error.word.empty()) text.append(" ").append(quoted(error.word));
-  return text.append(" ").append(error.reason);
+  text.append(" ").append(error.reason);
+  if (!error.language.empty()) text.append(" (read as ").append(error.language).append(")");
+  return text;
 }
 
 std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_name) {
@@ -51,8 +64,10 @@ std::expected<Program, ProgramError> parse_program(const std::string& name, std:
   if (!format) return std::unexpected(format.error());
   // Some editors write a byte order mark before the first word.
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  return *format == ProgramFormat::kApt ? read_apt(name, text, scene)
-                                        : read_gcode(name, text, scene, environment);
+  auto program = *format == ProgramFormat::kApt ? read_apt(name, text, scene)
+                                                : read_gcode(name, text, scene, environment);
+  if (program) warn_of_idle_program(*program);
+  return program;
 }
 
 std::string place_of(const Program& program, std::uint32_t file, std::uint32_t line) {

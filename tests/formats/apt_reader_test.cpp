@@ -76,7 +76,8 @@ TEST(AptReader, StatementsWithoutMotionAreAccepted) {
                    "GOTO/4,$\n 5,$ \n6\nDELAY/2\nEND\nFINI\n")
           .warnings,
       IsEmpty());
-  EXPECT_THAT(apt(kStart + "CUTTER/8\nFINI\n").warnings, ElementsAre(HasSubstr("10 mm")));
+  EXPECT_THAT(apt(kStart + "CUTTER/8\nFINI\n").warnings,
+              ElementsAre(HasSubstr("CUTS NOTHING"), HasSubstr("10 mm")));
 }
 
 TEST(AptReader, CutterOfSevenNumbersIsComparedByItsAptDiameter) {
@@ -90,9 +91,9 @@ TEST(AptReader, CutterOfSevenNumbersIsComparedByItsAptDiameter) {
   ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
   const std::string load = "LOADTL/1\nCUTTER/";
   EXPECT_THAT(test::read(*scene, "p.apt", load + "10,0,5,0,0,5.71059,20\nFINI\n").warnings,
-              IsEmpty());
+              ElementsAre(HasSubstr("CUTS NOTHING")));
   EXPECT_THAT(test::read(*scene, "p.apt", load + "14,0,7,0,0,0,20\nFINI\n").warnings,
-              ElementsAre(HasSubstr("10 mm")));
+              ElementsAre(HasSubstr("CUTS NOTHING"), HasSubstr("10 mm")));
 }
 
 struct BadStatement {

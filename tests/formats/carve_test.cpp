@@ -161,13 +161,20 @@ TEST_F(KerfCarve, BytesDoNotDependOnTheThreadCount) {
   EXPECT_EQ(content("a.ngc"), content("b.ngc"));
 }
 
+TEST_F(KerfCarve, SaysLastThatNothingWasCut) {
+  write("p.ngc", "T1 M6\nG0 X-5 Y10 Z90\nG1 X25 F100\nM2\n");
+  ASSERT_EQ(run(kInput), 0);
+  EXPECT_THAT(content("err"), StartsWith("warning: p.ngc: NOTHING WAS CUT"));
+}
+
 TEST_F(KerfCarve, WarnsOfRapidsThroughMaterial) {
   write("p.ngc", "T1 M6\nG0 X-5 Y10 Z8\nG0 X25\nM2\n");
   const auto json = report(kInput);
-  ASSERT_EQ(json["warnings"].size(), 1u);
-  EXPECT_THAT(std::string(json["warnings"][0]),
+  ASSERT_EQ(json["warnings"].size(), 2u);
+  EXPECT_THAT(std::string(json["warnings"][0]), StartsWith("p.ngc: THE PROGRAM CUTS NOTHING"));
+  EXPECT_THAT(std::string(json["warnings"][1]),
               StartsWith("p.ngc:3: rapid motion through material"));
-  EXPECT_THAT(content("err"), StartsWith("warning: p.ngc:3:"));
+  EXPECT_THAT(content("err"), testing::HasSubstr("warning: p.ngc:3:"));
 }
 
 TEST_F(KerfCarve, WarnsOncePerShankContact) {

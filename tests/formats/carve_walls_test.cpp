@@ -58,11 +58,12 @@ TEST_F(KerfCarve, WarnsOfAGrooveNarrowerThanThePitch) {
   scene.replace(scene.find("_mm\": 3,"), 8, "_mm\": 0.14,");
   write("s.json", scene);
   const auto json = report("--scene s.json --program groove.ngc");
-  ASSERT_EQ(json["warnings"].size(), 1u) << json["warnings"];
+  ASSERT_EQ(json["warnings"].size(), 2u) << json["warnings"];
   EXPECT_THAT(std::string(json["warnings"][0]),
               StartsWith("groove.ngc:4: a groove of 0.14 mm at X"));
   EXPECT_THAT(std::string(json["warnings"][0]),
               HasSubstr("is narrower than the pitch of 0.3 mm and is missing in the result"));
+  EXPECT_THAT(std::string(json["warnings"][1]), HasSubstr("NOTHING WAS CUT"));
   EXPECT_EQ(json["removed_volume_mm3"], 0);
   EXPECT_EQ(json["thin_walls"]["walls"][0]["kind"], "groove");
   EXPECT_EQ(report("--scene s.json --program groove.ngc --pitch 0.1")["thin_walls"]["count"], 0);

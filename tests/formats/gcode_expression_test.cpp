@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(GcodeExpression, InvalidExpressionsAreRejected) {
   EXPECT_THAT(fault_of("x[1/0]").reason, testing::HasSubstr("finite"));
-  EXPECT_EQ(fault_of("xsqrt[-1]").word, "sqrt[-1]");
+  EXPECT_EQ(fault_of("xsqrt[-1]").word, "XSQRT[-1]");
   for (const char* line :
        {"xacos[2]",   "xln[0]",     "x[5 mod 0]", "x[-8**0.5]", "x[10**400]", "x[1+]",   "x[1",
         "x1]",        "x1+2",       "x",          "x.",         "x-",         "xfoo[1]", "xatan[1]",
@@ -79,6 +79,13 @@ TEST(GcodeExpression, InvalidExpressionsAreRejected) {
   fault_of("x" + std::string(5000, '['));
   fault_of("x" + std::string(5000, '-') + "1");
   fault_of("x" + std::string(5000, '#') + "1");
+}
+
+TEST(GcodeExpression, ErrorsNameTheWholeWord) {
+  EXPECT_EQ(fault_of("g1 if[#1lt#2]goto1").word, "IF[#1LT#2]GOTO1");
+  EXPECT_EQ(fault_of("g1 x").word, "X");
+  EXPECT_EQ(fault_of("y[1/0]").word, "Y[1/0");
+  EXPECT_EQ(fault_of("#1=foo[1]").word, "#1=FOO[1]");
 }
 
 TEST(GcodeParameters, AssignmentsTakeEffectAfterTheirLine) {

@@ -194,7 +194,18 @@ TEST(GcodeReader, ToolChangeRequiresASelectedTool) {
 
 TEST(GcodeReader, WarnsOfTheLengthOfAnotherTool) {
   EXPECT_THAT(gcode(scene_for("xyz"), kStart + "G43 H2\nG43 H1\nG49\nM2\n").warnings,
-              ElementsAre(HasSubstr("H2 is the length of another tool")));
+              testing::Contains(HasSubstr("H2 is the length of another tool")));
+}
+
+TEST(GcodeReader, AProgramThatCutsNothingSaysSoFirst) {
+  const auto warnings = [](const std::string& text) {
+    return gcode(scene_for("xyz"), text).warnings;
+  };
+  EXPECT_THAT(
+      warnings(kStart + "G43 H2\nG0 X1 Y1 Z1\nZ0\nM2\n"),
+      ElementsAre(HasSubstr("THE PROGRAM CUTS NOTHING: it ends after 6 lines"), HasSubstr("H2")));
+  EXPECT_THAT(warnings("M2\n"), ElementsAre(HasSubstr("CUTS NOTHING")));
+  EXPECT_THAT(warnings(kStart + "G0 X1 Y1 Z1\nG1 Z0 F100\nM2\n"), testing::IsEmpty());
 }
 
 TEST(ProgramFormat, IsDeterminedByTheExtension) {

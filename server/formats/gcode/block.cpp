@@ -29,6 +29,7 @@ class BlockParser {
  private:
   void line_number() {
     const std::size_t start = reader_.position();
+    reader_.begin_word();
     reader_.skip();
     const char first = reader_.peek();
     if ((first < '0' || first > '9') && first != '.')
@@ -37,6 +38,7 @@ class BlockParser {
   }
 
   void item() {
+    reader_.begin_word();
     const char letter = reader_.peek();
     if (letter == '#') return assignment();
     if (letter == 'g' || letter == 'm') return code(letter);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/gcode/expression.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 
 #include "server/formats/gcode/fault.h"
+#include "server/formats/letter_case.h"
 #include "server/formats/units.h"
 
 namespace kerf {
@@ -74,7 +76,12 @@ bool is_gcode_integer(double value) {
 }
 
 void GcodeValueReader::reject(const std::string& reason) const {
-  throw GcodeFault{std::string(line_.substr(std::min(at_, line_.size()))), reason};
+  throw GcodeFault{to_upper(std::string(line_.substr(std::min({word_, at_, line_.size()})))),
+                   reason};
+}
+
+std::string GcodeValueReader::word_since(std::size_t start) const {
+  return to_upper(text_since(std::min(word_, start)));
 }
 
 bool GcodeValueReader::accept(std::string_view word) {
@@ -95,7 +102,7 @@ double GcodeValueReader::value() {
   const double result = value_within();
   --depth_;
   if (!std::isfinite(result)) {
-    throw GcodeFault{text_since(start), "has no finite value"};
+    throw GcodeFault{word_since(start), "has no finite value"};
   }
   return result;
 }
@@ -125,11 +132,11 @@ double GcodeValueReader::number() {
     (peek() == '.' ? point : digits) = true;
     skip();
   }
-  if (!digits) throw GcodeFault{text_since(start), "is not a number"};
+  if (!digits) throw GcodeFault{word_since(start), "is not a number"};
   const std::string_view text = line_.substr(start, at_ - start);
   double result = 0;
   const auto read = std::from_chars(text.begin(), text.end(), result, std::chars_format::fixed);
-  if (read.ec != std::errc{}) throw GcodeFault{std::string(text), "is not a number"};
+  if (read.ec != std::errc{}) throw GcodeFault{word_since(start), "is not a number"};
   return result;
 }
 
@@ -156,7 +163,7 @@ double GcodeValueReader::operation(double left, int precedence) {
     double right = value();
     right = operation(right, found->precedence + 1);
     left = found->apply(left, right);
-    if (!std::isfinite(left)) throw GcodeFault{text_since(start), "has no finite result"};
+    if (!std::isfinite(left)) throw GcodeFault{word_since(start), "has no finite result"};
   }
 }
 
@@ -172,7 +179,7 @@ double GcodeValueReader::function() {
     if (!accept(candidate.word)) continue;
     const double result = candidate.apply(bracket());
     if (std::isnan(result))
-      throw GcodeFault{text_since(start), "is outside of the domain of the function"};
+      throw GcodeFault{word_since(start), "is outside of the domain of the function"};
     return result;
   }
   reject("is not a known function");
@@ -233,7 +240,7 @@ int GcodeValueReader::integer(const char* meaning) {
   const std::size_t start = at_;
   const double number = value();
   if (!is_gcode_integer(number))
-    throw GcodeFault{text_since(start), std::string("must be an integer (") + meaning + ")"};
+    throw GcodeFault{word_since(start), std::string("must be an integer (") + meaning + ")"};
   return static_cast<int>(std::lround(number));
 }
 

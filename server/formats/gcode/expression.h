@@ -32,6 +32,8 @@ class GcodeValueReader {
   char peek() const { return done() ? '\0' : line_[at_]; }
   void skip() { ++at_; }
   std::size_t position() const { return at_; }
+  /// The word that begins here is named in errors as a whole, with its letter.
+  void begin_word() { word_ = at_; }
   std::string text_since(std::size_t start) const {
     return std::string(line_.substr(start, at_ - start));
   }
@@ -57,12 +59,14 @@ class GcodeValueReader {
   double exists();
   double operation(double left, int precedence);
   void expect(char c);
+  std::string word_since(std::size_t start) const;
   [[noreturn]] void reject(const std::string& reason) const;
 
   std::string_view line_;
   const GcodeParameters& parameters_;
   bool position_readable_;
   std::size_t at_ = 0;
+  std::size_t word_ = std::string_view::npos;
   int depth_ = 0;
 };
 

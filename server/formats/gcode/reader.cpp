@@ -60,9 +60,9 @@ class GcodeRunner {
       if (!ended && !flow_.ended()) warn_here("the program ends without M2, M30 or %");
       warn_of_trailing_lines();
     } catch (const GcodeFault& fault) {
-      return std::unexpected(
-          ProgramError{source_.file(flow_.file()).name, flow_.line(),
-                       fault.word.empty() ? trimmed(flow_.line_text()) : fault.word, fault.reason});
+      return std::unexpected(ProgramError{
+          source_.file(flow_.file()).name, flow_.line(),
+          fault.word.empty() ? trimmed(flow_.line_text()) : fault.word, fault.reason, "LinuxCNC"});
     }
     GcodeRun run{.lines = flow_.line(), .files = {}};
     for (std::size_t i = 0; i < source_.size(); ++i) run.files.push_back(source_.file(i).name);
