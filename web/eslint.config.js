@@ -32,7 +32,11 @@ export default defineConfig(
   },
   // Functions given to page.evaluate() run in the browser.
   {
-    files: ['tests/e2e/page_live.mjs', 'tests/e2e/past_live.mjs', 'tests/e2e/support/browser.mjs'],
+    files: [
+      'tests/e2e/*_live.mjs',
+      'tests/e2e/support/browser.mjs',
+      'tests/e2e/support/layout.mjs',
+    ],
     languageOptions: { globals: { ...globals.node, ...globals.browser } },
   },
 );

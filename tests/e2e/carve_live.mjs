@@ -7,27 +7,15 @@
 // [--seconds N]
 
 import assert from 'node:assert/strict';
-import { mkdir, mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
-import { tmpdir } from 'node:os';
+import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { parseArgs } from 'node:util';
 import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
 import { gltfErrors, stlFacts, tilesOf } from './support/checks.mjs';
-import { run, start, stop, stopAll, until } from './support/processes.mjs';
+import { run, start, stop, until } from './support/processes.mjs';
+import { getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { WireViewer } from './support/wire_viewer.mjs';
 
-const { values: options } = parseArgs({
-  options: {
-    server: { type: 'string' },
-    agent: { type: 'string' },
-    carve: { type: 'string' },
-    web: { type: 'string' },
-    out: { type: 'string' },
-    seconds: { type: 'string', default: '8' },
-  },
-});
-for (const name of ['server', 'agent', 'carve', 'web', 'out'])
-  assert(options[name], `--${name} is missing`);
+const options = optionsOf(['server', 'agent', 'carve', 'web', 'out'], { seconds: '8' });
 
 const SESSION = 'e2e';
 const SETTLE_S = 90; // software WebGL on a busy machine
@@ -47,41 +35,12 @@ function logStep(text) {
   console.log(`${String(++step).padStart(2)}  ${text}`);
 }
 
-async function getJson(url) {
-  const response = await fetch(url);
-  assert.equal(response.status, 200, `${url} answered ${response.status}`);
-  return response.json();
-}
-
 async function download(url, file) {
   const response = await fetch(url);
   assert.equal(response.status, 200, `${url} answered ${response.status}`);
   const bytes = Buffer.from(await response.arrayBuffer());
   await writeFile(file, bytes);
   return bytes;
-}
-
-async function startServer(folder) {
-  const server = start(options.server, [
-    '--listen',
-    '127.0.0.1:0',
-    '--data',
-    join(folder, 'data'),
-    '--web',
-    options.web,
-  ]);
-  const base = await until('server address', 20, () => {
-    assert.equal(server.code, undefined, `the server exited: ${server.errors}`);
-    return server.lines.find((line) => line.startsWith('http'));
-  });
-  assert.equal((await fetch(`${base}/healthz`)).status, 200);
-  const created = await fetch(`${base}/v1/sessions?id=${SESSION}`, {
-    method: 'POST',
-    body: JSON.stringify(SCENE),
-  });
-  assert.equal(created.status, 201, await created.text());
-  logStep(`server at ${base}, session ${SESSION} created from a scene`);
-  return { server, base };
 }
 
 async function openViewers(base, browser) {
@@ -334,7 +293,9 @@ async function checkHistory({ page, state }, session) {
 }
 
 async function test(folder) {
-  const { server, base } = await startServer(folder);
+  const { server, base } = await startServer(options, folder, SESSION, SCENE);
+  assert.equal((await fetch(`${base}/healthz`)).status, 200);
+  logStep(`server at ${base}, session ${SESSION} created from a scene`);
   const browser = await launchBrowser();
   try {
     const { viewers, wire } = await openViewers(base, browser);
@@ -359,15 +320,4 @@ async function test(folder) {
   logStep('the server stopped on SIGTERM');
 }
 
-await mkdir(options.out, { recursive: true });
-const folder = await mkdtemp(join(tmpdir(), 'kerf-e2e-'));
-try {
-  await test(folder);
-  console.log('ok');
-} catch (problem) {
-  console.error(problem);
-  process.exitCode = 1;
-} finally {
-  await stopAll();
-  await rm(folder, { recursive: true, force: true });
-}
+await runTest(test, options.out);

@@ -6,17 +6,13 @@
 // node page_live.mjs --server PROGRAM --web FOLDER --out FOLDER
 
 import assert from 'node:assert/strict';
-import { mkdir, mkdtemp, rm, writeFile } from 'node:fs/promises';
-import { tmpdir } from 'node:os';
+import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { parseArgs } from 'node:util';
 import { launchBrowser, luminanceIn, openViewer } from './support/browser.mjs';
-import { start, stop, stopAll, until } from './support/processes.mjs';
+import { stop, until } from './support/processes.mjs';
+import { optionsOf, runTest, startServer } from './support/session.mjs';
 
-const { values: options } = parseArgs({
-  options: { server: { type: 'string' }, web: { type: 'string' }, out: { type: 'string' } },
-});
-for (const name of ['server', 'web', 'out']) assert(options[name], `--${name} is missing`);
+const options = optionsOf(['server', 'web', 'out']);
 
 const SETTLE_S = 90; // software WebGL on a busy machine
 const FIRST_LOAD_BYTES = 300_000;
@@ -35,24 +31,6 @@ const SIZES = [
   [2560, 1440],
 ];
 const SIDES = ['1', 'Shift+1', '3', 'Shift+3', '7', 'Shift+7'];
-
-async function startServer(folder) {
-  const server = start(options.server, [
-    '--listen',
-    '127.0.0.1:0',
-    '--data',
-    join(folder, 'data'),
-    '--web',
-    options.web,
-  ]);
-  const base = await until('server address', 20, () =>
-    server.lines.find((line) => line.startsWith('http')),
-  );
-  const body = JSON.stringify(SCENE);
-  const created = await fetch(`${base}/v1/sessions?id=page`, { method: 'POST', body });
-  assert.equal(created.status, 201, await created.text());
-  return { server, base };
-}
 
 /** Opens the page and counts the bytes of its files on the wire. */
 async function openCounted(browser, url) {
@@ -171,7 +149,7 @@ async function checkWithoutWebGl(base, scratch) {
 }
 
 async function test(folder) {
-  const { server, base } = await startServer(folder);
+  const { server, base } = await startServer(options, folder, 'page', SCENE);
   const browser = await launchBrowser();
   try {
     const viewer = await openCounted(browser, `${base}/?session=page&name=Grace`);
@@ -193,15 +171,4 @@ async function test(folder) {
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 
-await mkdir(options.out, { recursive: true });
-const folder = await mkdtemp(join(tmpdir(), 'kerf-page-'));
-try {
-  await test(folder);
-  console.log('ok');
-} catch (problem) {
-  console.error(problem);
-  process.exitCode = 1;
-} finally {
-  await stopAll();
-  await rm(folder, { recursive: true, force: true });
-}
+await runTest(test, options.out);

@@ -5,18 +5,15 @@
 // node past_live.mjs --server PROGRAM --web FOLDER --out FOLDER
 
 import assert from 'node:assert/strict';
-import { mkdir, mkdtemp, rm, writeFile } from 'node:fs/promises';
-import { tmpdir } from 'node:os';
+import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { parseArgs } from 'node:util';
 import { launchBrowser, openViewer } from './support/browser.mjs';
-import { start, stop, stopAll, until } from './support/processes.mjs';
+import { checkFreeBlock } from './support/layout.mjs';
+import { stop, until } from './support/processes.mjs';
+import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { assertSameSurface } from './support/surface.mjs';
 
-const { values: options } = parseArgs({
-  options: { server: { type: 'string' }, web: { type: 'string' }, out: { type: 'string' } },
-});
-for (const name of ['server', 'web', 'out']) assert(options[name], `--${name} is missing`);
+const options = optionsOf(['server', 'web', 'out']);
 
 const SETTLE_S = 60; // software WebGL on a busy machine
 const SIZES = [
@@ -37,22 +34,11 @@ const SCENE = {
 async function carve(session, y) {
   const lines = ['G21 G90', 'T1 M6', 'S10000 M3', `G0 X2 Y${y} Z5`, 'G1 Z-2 F600'];
   for (let x = 2; x < 22; x += 0.5) lines.push(`G1 X${x} Y${y + 4 * (x % 1)}`);
-  const body = [...lines, 'G0 Z5', 'M30', ''].join('\n');
-  const posted = await fetch(`${session}/programs?name=zigzag.ngc&speed=20`, {
-    method: 'POST',
-    body,
-  });
-  const { id } = await posted.json();
-  await until('end of the program', 20, async () => {
-    const answer = await fetch(`${session}/programs/${id}`);
-    return (await answer.json()).state === 'finished';
-  });
-}
-
-async function json(url) {
-  const response = await fetch(url);
-  assert.equal(response.status, 200, `${url} answered ${response.status}`);
-  return response.json();
+  await carveProgram(
+    session,
+    [...lines, 'G0 Z5', 'M30', ''].join('\n'),
+    'name=zigzag.ngc&speed=20',
+  );
 }
 
 /** Waits until the page shows a record, or the present, and compares its surface with the server's. */
@@ -85,26 +71,12 @@ async function scrub(page, parts) {
 }
 
 /** Timeline and banner cover neither the block nor anything else. */
-async function checkLayouts({ page, state }) {
-  for (const [width, height] of SIZES) {
-    await page.setViewportSize({ width, height });
-    await until(`free block at ${width} × ${height}`, 10, async () => {
-      const boxes = await page.evaluate(() =>
-        ['.bar', '.toolbar', '.panel', '.timeline', '.past-banner']
-          .map((selector) => document.querySelector(selector).getBoundingClientRect())
-          .filter((box) => box.width > 0)
-          .map(({ left, top, right, bottom }) => [left, top, right, bottom]),
-      );
-      boxes.push((await state()).blockBox);
-      return boxes.every((a, n) =>
-        boxes
-          .slice(0, n)
-          .every(
-            (b) => a[0] >= b[2] - 1 || b[0] >= a[2] - 1 || a[1] >= b[3] - 1 || b[1] >= a[3] - 1,
-          ),
-      );
-    });
-    await writeFile(join(options.out, `past-${width}.png`), await page.screenshot());
+async function checkLayouts(viewer) {
+  const boxes = ['.bar', '.toolbar', '.panel', '.timeline', '.past-banner'];
+  for (const size of SIZES) {
+    await checkFreeBlock(viewer, size, boxes);
+    const file = join(options.out, `past-${size[0]}.png`);
+    await writeFile(file, await viewer.page.screenshot());
   }
 }
 
@@ -143,14 +115,14 @@ async function checkChanges({ page }, session, record) {
   await page.getByLabel('Name of the version').fill('Half done');
   await page.keyboard.press('Enter');
   await page.getByText('“Half done” is kept.').waitFor();
-  const { versions } = await json(`${session}/versions`);
+  const { versions } = await getJson(`${session}/versions`);
   assert.deepEqual(
     versions.map((version) => [version.name, version.record]),
     [['Half done', record]],
   );
   await page.getByRole('button', { name: /^Undo this stroke of/ }).click();
   await page.getByText('was undone.').waitFor();
-  const { strokes } = await json(`${session}/strokes`);
+  const { strokes } = await getJson(`${session}/strokes`);
   const [undone, ...others] = strokes.filter((stroke) => stroke.undone);
   assert.deepEqual(others, []);
   assert(undone.id <= record && undone.last >= record, 'another stroke was undone');
@@ -161,22 +133,12 @@ async function checkBranch({ page, state }, base, record) {
   await page.getByLabel('Id of the new session').fill('branched');
   await page.keyboard.press('Enter');
   await until('the new session', SETTLE_S, async () => (await state())?.session === 'branched');
-  const { parent } = await json(`${base}/v1/sessions/branched`);
+  const { parent } = await getJson(`${base}/v1/sessions/branched`);
   assert.deepEqual([parent.session, parent.record], ['past', record]);
 }
 
 async function test(folder) {
-  const data = join(folder, 'data');
-  const server = start(options.server, [
-    ...['--listen', '127.0.0.1:0', '--data', data, '--web', options.web],
-  ]);
-  const base = await until('server address', 20, () =>
-    server.lines.find((line) => line.startsWith('http')),
-  );
-  const body = JSON.stringify(SCENE);
-  const created = await fetch(`${base}/v1/sessions?id=past`, { method: 'POST', body });
-  assert.equal(created.status, 201, await created.text());
-  const session = `${base}/v1/sessions/past`;
+  const { server, base, session } = await startServer(options, folder, 'past', SCENE);
   await carve(session, 4);
   await carve(session, 9);
   const browser = await launchBrowser();
@@ -202,15 +164,4 @@ async function test(folder) {
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 
-await mkdir(options.out, { recursive: true });
-const folder = await mkdtemp(join(tmpdir(), 'kerf-past-'));
-try {
-  await test(folder);
-  console.log('ok');
-} catch (problem) {
-  console.error(problem);
-  process.exitCode = 1;
-} finally {
-  await stopAll();
-  await rm(folder, { recursive: true, force: true });
-}
+await runTest(test, options.out);

@@ -25,7 +25,10 @@ export function launchBrowser(graphics = SOFTWARE_WEBGL) {
  * errors.
  */
 export async function openViewer(browser, url, viewport) {
-  const context = await browser.newContext({ viewport, ignoreHTTPSErrors: true });
+  const context = await browser.newContext({
+    viewport,
+    ignoreHTTPSErrors: true,
+  });
   const page = await context.newPage();
   page.setDefaultTimeout(120_000);
   const problems = [];
@@ -34,7 +37,11 @@ export async function openViewer(browser, url, viewport) {
     if (message.type() === 'error') problems.push(message.text());
   });
   await page.goto(url);
-  return { page, problems, state: () => page.evaluate(() => window.kerf?.state()) };
+  return {
+    page,
+    problems,
+    state: () => page.evaluate(() => window.kerf?.state()),
+  };
 }
 
 /** Pixels of a screenshot, RGBA, of the part that begins at x, y. */
@@ -57,6 +64,16 @@ function brightnessOf(rgba) {
   for (let i = 0; i < rgba.length; i += 4)
     values.push(0.299 * rgba[i] + 0.587 * rgba[i + 1] + 0.114 * rgba[i + 2]);
   return values;
+}
+
+/** Number of pixels in a box of the page (left, top, width, height) whose red is so much greater than their blue. */
+export async function countPixels(page, box, { leastRedOverBlue }) {
+  const png = await page.screenshot({ timeout: 120_000 });
+  const rgba = await pixelsOf(page, png, box);
+  let count = 0;
+  for (let i = 0; i < rgba.length; i += 4)
+    if (rgba[i] - rgba[i + 2] >= leastRedOverBlue) count += 1;
+  return count;
 }
 
 /** Mean luminance, 0 to 1, of the middle of a box of the page: left, top, right, bottom. */

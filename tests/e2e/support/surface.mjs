@@ -120,3 +120,29 @@ export function assertSameSurface(shown, stl, box, tolerance) {
   assert(Math.abs(volumes[0] / volumes[1] - 1) < 1e-4, `volumes ${volumes}`);
   return { triangles: triangles.length, cut: cut.length, volume: volumes[0] };
 }
+
+/**
+ * The area of a closed surface in a plane across the unit vector `normal` at `offset`: the sum over the
+ * cut triangles of the signed areas between a point and the line of the cut.
+ */
+export function sectionArea(corners, normal, offset) {
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const foot = normal.map((value) => value * offset);
+  let area = 0;
+  for (let t = 0; t < corners.length; t += 9) {
+    const points = [0, 3, 6].map((n) => corners.slice(t + n, t + n + 3));
+    const ends = [];
+    points.forEach((a, n) => {
+      const b = points[(n + 1) % 3];
+      const [da, db] = [dot(a, normal) - offset, dot(b, normal) - offset];
+      if (da >= 0 === db >= 0) return;
+      const point = a.map((value, k) => value + (da / (da - db)) * (b[k] - value) - foot[k]);
+      ends.push({ point, rises: db >= 0 });
+    });
+    if (ends.length < 2) continue;
+    ends.sort((a, b) => a.rises - b.rises);
+    const [[ax, ay, az], [bx, by, bz]] = ends.map(({ point }) => point);
+    area += dot([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], normal) / 2;
+  }
+  return area;
+}

@@ -90,6 +90,12 @@ export class TileTable {
     return this.triangles_;
   }
 
+  /** Whether no tile is displayed coarser than the block is. */
+  get exact(): boolean {
+    for (const { level } of this.entries_.values()) if (level > 0) return false;
+    return this.complete_;
+  }
+
   version(x: number, y: number): number | undefined {
     return this.entries_.get(tileKey(x, y))?.version;
   }

@@ -18,6 +18,8 @@ const KEYS: readonly [string, string][] = [
   ['S', 'Sound on or off'],
   ['T', 'Timeline: look at the past'],
   ['Arrows on the timeline', 'One motion, with Shift 100, Page up and down 1000'],
+  ['I', 'Sections and measures'],
+  ['O', 'Parallel projection or perspective'],
   ['Ctrl + Z', 'Undo the newest stroke of the selected participant'],
   ['Ctrl + Shift + Z', 'Redo'],
   ['?', 'Show this help'],

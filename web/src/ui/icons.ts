@@ -34,6 +34,7 @@ export const ICONS = {
   timeline: icon(
     '<path d="M3.500 7h10M9 12h8M3.500 17h5M13.500 3.500v17"/><circle cx="13.500" cy="3.500" r="1.200" fill="currentColor"/>',
   ),
+  inspect: icon('<path d="M3.500 15.500l12-12 5 5-12 12zM7 12l2 2M10 9l2.500 2.500M13 6l2 2"/>'),
   help: icon(
     '<circle cx="12" cy="12" r="9"/><path d="M9.5 9.5a2.5 2.5 0 1 1 3.6 2.200c-.8.4-1.100.9-1.100 1.800M12 16.700v.1"/>',
   ),

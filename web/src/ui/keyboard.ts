@@ -15,6 +15,8 @@ export interface KeyActions {
   toggleGrid: () => void;
   toggleSound: () => void;
   toggleTimeline: () => void;
+  toggleInspect: () => void;
+  toggleParallel: () => void;
   undo: () => void;
   redo: () => void;
   help: () => void;
@@ -82,6 +84,12 @@ function actionOf(event: KeyboardEvent, actions: KeyActions): (() => void) | nul
     case 't':
     case 'T':
       return actions.toggleTimeline;
+    case 'i':
+    case 'I':
+      return actions.toggleInspect;
+    case 'o':
+    case 'O':
+      return actions.toggleParallel;
     case '?':
       return actions.help;
     default:

@@ -24,6 +24,8 @@ export class Picture {
   viewer: Viewer | null = null;
   /** Why there is no picture; empty: there is one, or will be. */
   problem = '';
+  /** Whether the tiles are to be exact, however far away. */
+  exact = false;
   private opening_: Promise<void> | null = null;
   private viewport_: Viewport = {
     width: 1,
@@ -101,7 +103,9 @@ export class Picture {
 
   private errorRad_(): number {
     if (this.problem) return ANY_ERROR_RAD;
-    return this.fullQuality ? 0 : errorRad(this.viewport_.height, window.devicePixelRatio);
+    return this.fullQuality || this.exact
+      ? 0
+      : errorRad(this.viewport_.height, window.devicePixelRatio);
   }
 
   private async open_(): Promise<void> {

@@ -12,11 +12,12 @@ import { SessionModel } from '../model/session';
 import { nearestCut, soundOf } from '../model/sound';
 import type { SoundLevels } from '../model/sound';
 import type { CameraRig } from '../view/camera_rig';
-import type { Insets } from '../model/fit';
 import { mark } from '../marks';
 import { h, setText } from './dom';
 import { figure, sentence } from './format';
 import { helpDialog } from './help';
+import { insetsOf } from './insets';
+import { mountInspect } from './inspect/mount';
 import { inviteDialog } from './invite';
 import { listenToKeys } from './keyboard';
 import { remember } from './memory';
@@ -55,7 +56,8 @@ export class SessionPage {
   private readonly panel_: Panel;
   readonly picture: Picture;
   private readonly link_: ViewLink;
-  private toggleTimeline_: () => void = () => undefined;
+  private readonly toggleTimeline_: () => void;
+  private readonly toggleInspect_: () => void;
   private readonly lookPolicy_ = new LookPolicy();
   private selected_: number | null = null;
   private panelMs_ = 0;
@@ -110,6 +112,14 @@ export class SessionPage {
       session,
       toolbar: this.toolbar_.element,
       seek: (seek) => this.link_.seek(seek),
+      layoutChanged: () => this.resize_(),
+    });
+    this.toggleInspect_ = mountInspect({
+      model: this.model,
+      picture: this.picture,
+      canvas: this.canvas_,
+      overlay: this.overlay_,
+      toolbar: this.toolbar_.element,
       layoutChanged: () => this.resize_(),
     });
     this.listen_();
@@ -215,6 +225,8 @@ export class SessionPage {
       toggleGrid: () => this.picture.viewer?.toggleGrid(),
       toggleSound: () => this.sound.toggle(),
       toggleTimeline: () => this.toggleTimeline_(),
+      toggleInspect: () => this.toggleInspect_(),
+      toggleParallel: () => this.toggleParallel_(),
       undo: () => void this.panel_.history.change('undo'),
       redo: () => void this.panel_.history.change('redo'),
       help: () => this.help_.showModal(),
@@ -240,26 +252,7 @@ export class SessionPage {
   private resize_(): void {
     const width = Math.max(1, this.app.clientWidth);
     const height = Math.max(1, this.app.clientHeight);
-    this.picture.resize({ width, height, insets: this.insets_(width, height) });
-  }
-
-  /** What the panels cover of the picture. */
-  private insets_(width: number, height: number): Insets {
-    const panel = this.panel_.element.getBoundingClientRect();
-    const toolbar = this.toolbar_.element.getBoundingClientRect();
-    const boxOf = (name: string): DOMRect | undefined =>
-      this.app.querySelector(`.${name}:not([hidden])`)?.getBoundingClientRect();
-    const timeline = boxOf('timeline');
-    const bar = this.bar_.element.getBoundingClientRect().bottom;
-    const top = boxOf('past-banner')?.bottom ?? bar;
-    const isSheet = [panel, timeline].some((box) => box !== undefined && box.width > 0.9 * width);
-    if (isSheet) {
-      const isCovered = toolbar.height === 0;
-      const covered = height - (isCovered ? panel.top : toolbar.top);
-      return { left: 0, right: 0, top, bottom: Math.min(0.75 * height, Math.max(0, covered)) };
-    }
-    const bottom = timeline ? height - timeline.top : 24;
-    return { left: toolbar.right, right: Math.max(0, width - panel.left), top, bottom };
+    this.picture.resize({ width, height, insets: insetsOf(this.app, width, height) });
   }
 
   private updatePanel_(nowMs: number): void {
@@ -361,6 +354,11 @@ export class SessionPage {
     const next = ids[ids.indexOf(this.picture.followed ?? -1) + 1] ?? null;
     if (next !== null) this.selected_ = next;
     this.picture.follow(next);
+  }
+
+  private toggleParallel_(): void {
+    const { viewer } = this.picture;
+    if (viewer) viewer.parallel = !viewer.rig.parallel;
   }
 
   private toggleArrows_(): void {

@@ -32,6 +32,9 @@ interface Flight {
 export class CameraRig {
   readonly camera = new THREE.PerspectiveCamera(FOV_DEG, 1, 1, 1000);
   readonly controls: OrbitControls;
+  /** Draw in parallel projection. */
+  parallel = false;
+  private readonly parallel_ = new THREE.OrthographicCamera();
   private readonly center_ = new THREE.Vector3();
   private readonly offset_ = new THREE.Vector3();
   private bounds_: Bounds = { min: [0, 0, 0], max: [1, 1, 1] };
@@ -58,13 +61,16 @@ export class CameraRig {
     this.controls.dampingFactor = 0.12;
     this.controls.zoomToCursor = true;
     this.controls.screenSpacePanning = true;
+    let isHeld = false; // a press that moves nothing leaves the block fitted
     this.controls.addEventListener('change', () => {
       this.changed_ = true;
+      if (isHeld) this.fittedFrom_ = null;
     });
     this.controls.addEventListener('start', () => {
       this.flight_ = null;
-      this.fittedFrom_ = null;
+      isHeld = true;
     });
+    this.controls.addEventListener('end', () => (isHeld = false));
   }
 
   setBounds(bounds: Bounds): void {
@@ -87,6 +93,26 @@ export class CameraRig {
     this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
     this.changed_ = true;
     if (this.fittedFrom_) this.lookFrom_(this.fittedFrom_, -Infinity);
+  }
+
+  /** The camera that draws. The one in perspective is what the controls move. */
+  get eye(): THREE.PerspectiveCamera | THREE.OrthographicCamera {
+    return this.parallel ? this.parallel_ : this.camera;
+  }
+
+  /** Half of the picture's height, mm, at a point; in parallel projection everywhere. */
+  halfHeightAt(point: THREE.Vector3): number {
+    const { camera, controls } = this;
+    const forward = this.offset_.copy(controls.target).sub(camera.position);
+    const distance = this.parallel
+      ? forward.length()
+      : forward.normalize().dot(point.clone().sub(camera.position));
+    return Math.max(0, distance) * Math.tan((camera.fov * Math.PI) / 360);
+  }
+
+  /** Looks at the block from a direction, with the whole block in view. */
+  lookFrom(direction: THREE.Vector3, nowMs: number): void {
+    this.lookFrom_(direction.clone().normalize(), nowMs);
   }
 
   /** Moves the camera to a preset direction, with the whole block in view. */
@@ -168,7 +194,24 @@ export class CameraRig {
     this.controls.update();
     const changed = this.changed_;
     this.changed_ = false;
+    if (changed || this.parallel) this.placeParallel_();
     return changed;
+  }
+
+  /** Shows at the camera's target what the camera in perspective shows there. */
+  private placeParallel_(): void {
+    const { camera, parallel_: eye } = this;
+    const { width, height, insets } = this.view_;
+    const half = this.halfHeightAt(this.controls.target);
+    const reach = 40 * this.radius_;
+    Object.assign(eye, { top: half, bottom: -half, near: -reach, far: reach });
+    Object.assign(eye, { right: half * camera.aspect, left: -half * camera.aspect });
+    const { left, right, top, bottom } = insets;
+    // Also updates the projection.
+    eye.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
+    eye.position.copy(camera.position);
+    eye.quaternion.copy(camera.quaternion);
+    eye.updateMatrixWorld();
   }
 
   private chase_(sinceMs: number): void {

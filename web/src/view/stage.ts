@@ -81,10 +81,12 @@ export class Stage {
       canvas,
       antialias: true,
       alpha: true,
+      stencil: true, // for the caps of sections
       powerPreference: 'high-performance',
     });
     // The check would wait for the shader compiler.
     this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
+    this.renderer.localClippingEnabled = true;
     this.renderer.toneMapping = THREE.NeutralToneMapping;
     this.renderer.toneMappingExposure = 1.0;
     this.renderer.shadowMap.enabled = true;

@@ -136,6 +136,12 @@ export class StockMaterial {
     this.uniforms_.stockReach.value.set(1.1 * pitchMm, 1.1 * pitchMm, 0.04 * pitchMm);
   }
 
+  /** Hides what is in front of a plane; null: nothing. */
+  setClip(plane: THREE.Plane | null): void {
+    this.material.clippingPlanes = plane ? [plane] : null;
+    this.material.clipShadows = true;
+  }
+
   setPreset(preset: StockMaterialPreset): void {
     this.uniforms_.stockSkin.value.set(preset.skin);
     this.uniforms_.stockCore.value.set(preset.core);

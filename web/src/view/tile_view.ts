@@ -7,6 +7,13 @@ import * as THREE from 'three';
 import { tileKey } from '../model/tiles';
 import type { ParsedTile } from './glb_tiles';
 
+/** A displayed tile. */
+export interface DisplayedTile {
+  key: number;
+  geometry: THREE.BufferGeometry;
+  matrix: THREE.Matrix4;
+}
+
 /** The tiles of one shape. */
 class Batch {
   mesh: THREE.InstancedMesh;
@@ -49,6 +56,14 @@ class Batch {
     this.changed_();
   }
 
+  tiles(): DisplayedTile[] {
+    return this.keys_.map((key, at) => {
+      const matrix = new THREE.Matrix4();
+      this.mesh.getMatrixAt(at, matrix);
+      return { key, geometry: this.mesh.geometry, matrix };
+    });
+  }
+
   dispose(): void {
     this.group.remove(this.mesh);
     this.mesh.geometry.dispose();
@@ -86,6 +101,8 @@ class Batch {
 
 export class TileView {
   readonly group = new THREE.Group();
+  /** Counts up whenever the surface changes. */
+  changes = 0;
   private readonly batches_ = new Map<string, Batch>();
   private readonly batchOf_ = new Map<number, Batch>();
 
@@ -109,6 +126,7 @@ export class TileView {
   /** Displays the tile at x, y of those that `tile` stands for, whose sides have `sideMm`. */
   set(tile: ParsedTile, x: number, y: number, sideMm: number): void {
     const key = tileKey(x, y);
+    this.changes += 1;
     if (!tile.geometry) {
       this.remove(key);
       return;
@@ -128,11 +146,16 @@ export class TileView {
   remove(key: number): void {
     const batch = this.batchOf_.get(key);
     if (!batch) return;
+    this.changes += 1;
     this.batchOf_.delete(key);
     batch.remove(key);
     if (batch.size > 0) return;
     this.batches_.delete(batch.shape);
     batch.dispose();
+  }
+
+  tiles(): DisplayedTile[] {
+    return [...this.batches_.values()].flatMap((batch) => batch.tiles());
   }
 
   /** Returns the first intersection of a ray with the block, or null. */

@@ -25,11 +25,20 @@ import { TileView } from './tile_view';
 const STILL_AFTER_MS = 260;
 const ARROW_FRACTION = 0.34; // length of a full-scale arrow relative to the block's diagonal
 
+/** Something drawn with the block. */
+export interface Layer {
+  /** Draws over the picture. */
+  draw?: (renderer: THREE.WebGLRenderer, camera: THREE.Camera) => void;
+  /** A picture was drawn: what is not drawn with it can be put into its place. */
+  drawn?: (camera: THREE.Camera, width: number, height: number) => void;
+}
+
 export class Viewer {
+  readonly layers = new Set<Layer>();
   readonly rig: CameraRig;
   readonly stage: Stage;
-  private readonly stockMaterial_ = new StockMaterial();
-  private readonly tiles_ = new TileView(this.stockMaterial_.material);
+  readonly stockMaterial = new StockMaterial();
+  readonly tiles = new TileView(this.stockMaterial.material);
   private readonly parser_ = new TileParser();
   private readonly carvers_: CarverViews;
   private readonly quality_: Quality;
@@ -58,7 +67,7 @@ export class Viewer {
       drawnRatio(window.devicePixelRatio),
       !fixedQuality && this.stage.drawsInSoftware,
     );
-    this.stage.scene.add(this.tiles_.group);
+    this.stage.scene.add(this.tiles.group);
     this.carvers_ = new CarverViews(this.stage.scene, overlay, model);
     this.rig = new CameraRig(canvas, window.matchMedia('(prefers-reduced-motion: reduce)').matches);
   }
@@ -68,7 +77,7 @@ export class Viewer {
     const bounds = stockBounds(welcome.stock);
     this.stage.setBounds(bounds, welcome.pitch_mm);
     this.rig.setBounds(viewBounds(welcome));
-    this.stockMaterial_.setStock(
+    this.stockMaterial.setStock(
       welcome.stock,
       welcome.pitch_mm,
       new THREE.Vector3(...bounds.min),
@@ -93,7 +102,7 @@ export class Viewer {
     if (generation !== this.model.tiles.generation) return;
     for (const tile of tiles) this.offer_(tile);
     if (header.flags & MESH_SNAPSHOT_LAST) {
-      for (const key of this.model.tiles.finishSnapshot()) this.tiles_.remove(key);
+      for (const key of this.model.tiles.finishSnapshot()) this.tiles.remove(key);
     }
     this.shadowsDirty_ = true;
     this.touch();
@@ -104,7 +113,7 @@ export class Viewer {
     for (let y = tile.y; y < tile.y + tile.rows; ++y) {
       for (let x = tile.x; x < tile.x + tile.columns; ++x) {
         if (this.model.tiles.offer(x, y, tile.version, tile.triangles, tile.level))
-          this.tiles_.set(tile, x, y, grid.tile * pitch_mm);
+          this.tiles.set(tile, x, y, grid.tile * pitch_mm);
       }
     }
   }
@@ -119,7 +128,7 @@ export class Viewer {
   }
 
   setMaterial(preset: StockMaterialPreset): void {
-    this.stockMaterial_.setPreset(preset);
+    this.stockMaterial.setPreset(preset);
     this.touch();
   }
 
@@ -132,7 +141,7 @@ export class Viewer {
     const y: number[] = [];
     for (let corner = 0; corner < 8; ++corner) {
       const at = (n: 0 | 1 | 2): number => ((corner >> n) & 1 ? max[n] : min[n]);
-      const seen = new THREE.Vector3(at(0), at(1), at(2)).project(this.rig.camera);
+      const seen = new THREE.Vector3(at(0), at(1), at(2)).project(this.rig.eye);
       x.push(((1 + seen.x) / 2) * this.width_);
       y.push(((1 - seen.y) / 2) * this.height_);
     }
@@ -141,7 +150,7 @@ export class Viewer {
 
   /** The corners of all triangles that are displayed, nine numbers each, mm. */
   surface(): number[] {
-    return this.tiles_.corners();
+    return this.tiles.corners();
   }
 
   /** Calls of the last picture, those of its shadows included if they changed. */
@@ -160,6 +169,18 @@ export class Viewer {
 
   toggleGrid(): void {
     this.stage.gridVisible = !this.stage.gridVisible;
+    this.touch();
+  }
+
+  /** Draws in parallel projection instead of perspective. */
+  set parallel(parallel: boolean) {
+    this.rig.parallel = parallel;
+    this.touch();
+  }
+
+  /** Requests a redraw, also of the shadows. */
+  touchAll(): void {
+    this.shadowsDirty_ = true;
     this.touch();
   }
 
@@ -182,12 +203,23 @@ export class Viewer {
     this.touch();
   }
 
+  /** The line of sight through a canvas position (CSS pixels), from its nearest visible point. */
+  ray(x: number, y: number): THREE.Ray {
+    const [right, up] = [(x / this.width_) * 2 - 1, 1 - (y / this.height_) * 2];
+    const near = new THREE.Vector3(right, up, -1).unproject(this.rig.eye);
+    const far = new THREE.Vector3(right, up, 1).unproject(this.rig.eye);
+    return new THREE.Ray(near, far.sub(near).normalize());
+  }
+
+  /** Millimeters that a CSS pixel shows at a point. */
+  pixelMm(point: THREE.Vector3): number {
+    return (2 * this.rig.halfHeightAt(point)) / this.height_;
+  }
+
   /** Centers the picture on the point of the block under a canvas position (CSS pixels). */
   lookAtPixel(x: number, y: number): void {
-    const pointer = new THREE.Vector2((x / this.width_) * 2 - 1, 1 - (y / this.height_) * 2);
-    const raycaster = new THREE.Raycaster();
-    raycaster.setFromCamera(pointer, this.rig.camera);
-    const point = this.tiles_.pick(raycaster);
+    const { origin, direction } = this.ray(x, y);
+    const point = this.tiles.pick(new THREE.Raycaster(origin, direction));
     if (point) this.rig.lookAt(point, performance.now());
   }
 
@@ -210,7 +242,7 @@ export class Viewer {
 
   /** Compiles the shaders beside the rest of the page, where the browser can, before it draws. */
   private async compile_(): Promise<void> {
-    const sample = this.tiles_.sample();
+    const sample = this.tiles.sample();
     await this.stage.compile(sample, this.rig.camera);
     sample.geometry.dispose();
     this.canDraw_ = true;
@@ -235,8 +267,11 @@ export class Viewer {
 
   private draw_(withShadows: boolean): void {
     if (withShadows) this.shadowsDirty_ = false;
-    this.stage.render(this.rig.camera, withShadows);
+    const camera = this.rig.eye;
+    this.stage.render(camera, withShadows);
+    for (const layer of this.layers) layer.draw?.(this.stage.renderer, camera);
     mark('picture');
-    this.carvers_.placeLabels(this.rig.camera, this.width_, this.height_, this.clearTop_);
+    this.carvers_.placeLabels(camera, this.width_, this.height_, this.clearTop_);
+    for (const layer of this.layers) layer.drawn?.(camera, this.width_, this.height_);
   }
 }

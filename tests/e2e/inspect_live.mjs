@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// End-to-end test of sections and measures: areas are those of the server's model cut by the same
+// plane and those of the drawn caps, and a wall is as thick as it was carved. See README.md.
+//
+// node inspect_live.mjs --server PROGRAM --web FOLDER --out FOLDER
+
+import assert from 'node:assert/strict';
+import { writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { countPixels, launchBrowser, openViewer } from './support/browser.mjs';
+import { checkFreeBlock } from './support/layout.mjs';
+import { stop, until } from './support/processes.mjs';
+import { carveProgram, optionsOf, runTest, startServer } from './support/session.mjs';
+import { sectionArea, stlCorners } from './support/surface.mjs';
+
+const options = optionsOf(['server', 'web', 'out']);
+
+const SETTLE_S = 60; // software WebGL on a busy machine
+const SIZES = [
+  [1440, 900],
+  [844, 390],
+  [390, 844],
+  [640, 480],
+];
+const SCENE = {
+  name: 'Wall',
+  stock: { shape: 'box', min_mm: [-12, -10, -8], max_mm: [12, 10, 0] },
+  accuracy: {
+    rays: 'tri-dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
+  tools: [{ id: 1, shape: 'flat', diameter_mm: 4, length_mm: 30 }],
+};
+/** Two grooves, between which a wall of 3 mm stays (y from -4 to -1), and a round hole. */
+const PROGRAM = `G21 G90
+T1 M6
+S10000 M3
+G0 X-8 Y-6 Z5
+G1 Z-5 F900
+G1 X8
+G0 Z5
+G0 X-8 Y1
+G1 Z-5
+G1 X8
+G0 Z5
+G0 X0 Y6.5
+G1 Z-6
+G0 Z5
+M30
+`;
+const WALL_MM = 3;
+/** Tiles have vertices of 16 bits. */
+const QUANTUM_MM = 0.001;
+
+/** The area that the panel shows for a plane, once it is of the exact surface. */
+async function areaAt(page, direction, place) {
+  await page.getByRole('button', { name: direction }).click();
+  const field = page.getByRole('spinbutton', { name: 'Place of the section' });
+  await field.fill(String(place));
+  await field.press('Enter');
+  return until('area', SETTLE_S, async () => {
+    const text = await page.locator('.inspect-figures').textContent();
+    const shown = Number(await field.inputValue()) === place;
+    const area = /Area ([\d,.]+)/.exec(text);
+    return shown && area && Number(area[1].replace(',', ''));
+  });
+}
+
+async function checkAreas(page, corners) {
+  for (const [direction, normal, place] of [
+    ['Section across X', [1, 0, 0], 0.3],
+    ['Section across Y', [0, 1, 0], 6.1],
+    ['Section across Z', [0, 0, 1], -2],
+  ]) {
+    const area = await areaAt(page, direction, place);
+    const expected = sectionArea(corners, normal, place);
+    console.log(`${direction} at ${place}: ${area} mm², of the STL ${expected.toFixed(2)} mm²`);
+    assert(Math.abs(area / expected - 1) < 1e-3, `${area} mm² instead of ${expected} mm²`);
+  }
+}
+
+/** The block's box in the picture, once it has come to rest and is drawn. */
+async function stillBlock({ page, state }) {
+  let before = '';
+  return until('block at rest', SETTLE_S, async () => {
+    await page.waitForTimeout(200);
+    const { blockBox } = await state();
+    const now = blockBox.map(Math.round).join();
+    const isStill = now === before;
+    before = now;
+    return isStill && blockBox;
+  });
+}
+
+/** The pixels of the cap, which is as orange as no blue block is, have its area. */
+async function checkCap({ page, state }) {
+  await page.getByRole('button', { name: 'Parallel', exact: true }).click();
+  const area = await areaAt(page, 'Section across Z', -2);
+  await page.getByRole('button', { name: 'Face on' }).click();
+  const [left, top, right, bottom] = await stillBlock({ page, state });
+  const box = [left - 2, top - 2, right - left + 4, bottom - top + 4].map(Math.round);
+  const pixels = await countPixels(page, box, { leastRedOverBlue: 45 });
+  const share = (pixels * (24 / (right - left)) ** 2) / area;
+  console.log(`cap: ${share.toFixed(4)} of its area drawn`);
+  // The outline, a pixel wide, is up to half outside: 3 % of this cap.
+  assert(share > 0.985 && share < 1.035, `${share} of the cap's area is drawn`);
+}
+
+/** Presses a place of the block, seen from the front in parallel projection, and reads the measure. */
+async function measure({ page, state }, name, places) {
+  await page.getByRole('button', { name, exact: true }).click();
+  const [left, top, right] = await stillBlock({ page, state });
+  const perMm = (right - left) / 24;
+  for (const [x, z] of places) await page.mouse.click(left + (x + 12) * perMm, top - z * perMm);
+  const text = await page.getByRole('list', { name: 'Measures' }).locator('li b').last();
+  const value = Number(/[\d.]+/.exec(await text.textContent())[0]);
+  console.log(`${name}: ${value}`);
+  return value;
+}
+
+async function checkMeasures(viewer) {
+  const { page } = viewer;
+  await areaAt(page, 'Section across Y', -6); // through the first groove
+  await page.getByRole('button', { name: 'Face on' }).click();
+  const wall = await measure(viewer, 'Thickness', [[1.3, -2.2]]);
+  assert(Math.abs(wall - WALL_MM) <= QUANTUM_MM, `a wall of ${wall} mm`);
+  const depth = await measure(viewer, 'Depth', [[0.4, -5.05]]); // the edge of the groove's ground
+  assert(Math.abs(depth - 5) <= 2 * QUANTUM_MM, `a depth of ${depth} mm`);
+  const width = await measure(viewer, 'Distance', [
+    [-11.9, -0.1],
+    [11.9, -0.1],
+  ]); // the corners attract
+  assert(Math.abs(width - 24) <= 2 * QUANTUM_MM, `a width of ${width} mm`);
+  await page.getByRole('button', { name: 'Inches' }).click();
+  await page.getByText('0.9449 in').first().waitFor();
+}
+
+async function test(folder) {
+  const { server, base, session } = await startServer(options, folder, 'wall', SCENE);
+  await carveProgram(session, PROGRAM, 'name=wall.ngc&pace=fast');
+  const stl = await fetch(`${session}/model.stl`);
+  const corners = stlCorners(Buffer.from(await stl.arrayBuffer()));
+  const browser = await launchBrowser();
+  try {
+    const [width, height] = SIZES.at(-1);
+    const viewer = await openViewer(browser, `${base}/?session=wall&quality=full`, {
+      width,
+      height,
+    });
+    const { page, state, problems } = viewer;
+    await page.emulateMedia({ reducedMotion: 'reduce' });
+    await until('picture', SETTLE_S, async () => (await state())?.snapshotComplete);
+    await page.locator('input[name="material"]').nth(2).check({ force: true });
+    await page.getByRole('button', { name: 'Sections and measures' }).click();
+    await page.getByRole('heading', { name: 'Inspect' }).waitFor();
+    await checkAreas(page, corners);
+    await checkCap(viewer);
+    await checkMeasures(viewer);
+    for (const size of SIZES) {
+      await checkFreeBlock(viewer, size, ['.bar', '.toolbar', '.panel', '.inspect']);
+      const file = join(options.out, `inspect-${size[0]}.png`);
+      await writeFile(file, await page.screenshot());
+    }
+    assert.deepEqual(problems, []);
+  } finally {
+    await browser.close();
+  }
+  assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
+}
+
+await runTest(test, options.out);

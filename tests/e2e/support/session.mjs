@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the tests begin and end with: options, a folder that is deleted, a server with a session, and
+// programs that it carves.
+
+import assert from 'node:assert/strict';
+import { mkdir, mkdtemp, rm } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { parseArgs } from 'node:util';
+import { start, stopAll, until } from './processes.mjs';
+
+/** The options of the command line, all of which are needed; `others` have values otherwise. */
+export function optionsOf(names, others = {}) {
+  const options = Object.fromEntries(names.map((name) => [name, { type: 'string' }]));
+  for (const [name, value] of Object.entries(others))
+    options[name] = { type: 'string', default: value };
+  const { values } = parseArgs({ options });
+  for (const name of names) assert(values[name], `--${name} is missing`);
+  return values;
+}
+
+/** Runs a test in a folder of its own, then stops what it started. Sets the exit code. */
+export async function runTest(test, out) {
+  if (out) await mkdir(out, { recursive: true });
+  const folder = await mkdtemp(join(tmpdir(), 'kerf-e2e-'));
+  try {
+    await test(folder);
+    console.log('ok');
+  } catch (problem) {
+    console.error(problem);
+    process.exitCode = 1;
+  } finally {
+    await stopAll();
+    await rm(folder, { recursive: true, force: true });
+  }
+}
+
+/** Starts a server on a free port, with data in `folder`, and a session of a scene. */
+export async function startServer({ server: program, web }, folder, id, scene) {
+  const data = join(folder, 'data');
+  const server = start(program, ['--listen', '127.0.0.1:0', '--data', data, '--web', web]);
+  const base = await until('server address', 20, () => {
+    assert.equal(server.code, undefined, `the server exited: ${server.errors}`);
+    return server.lines.find((line) => line.startsWith('http'));
+  });
+  const body = JSON.stringify(scene);
+  const created = await fetch(`${base}/v1/sessions?id=${id}`, {
+    method: 'POST',
+    body,
+  });
+  assert.equal(created.status, 201, await created.text());
+  return { server, base, session: `${base}/v1/sessions/${id}` };
+}
+
+export async function getJson(url) {
+  const response = await fetch(url);
+  assert.equal(response.status, 200, `${url} answered ${response.status}`);
+  return response.json();
+}
+
+/** Carves an NC program to its end; `query` as in server/http/README.md. Returns its number. */
+export async function carveProgram(session, text, query) {
+  const posted = await fetch(`${session}/programs?${query}`, {
+    method: 'POST',
+    body: text,
+  });
+  assert.equal(posted.status, 202, await posted.clone().text());
+  const { id } = await posted.json();
+  await until('end of the program', 20, async () => {
+    const { state, error } = await getJson(`${session}/programs/${id}`);
+    assert.notEqual(state, 'failed', error);
+    return state === 'finished';
+  });
+  return id;
+}

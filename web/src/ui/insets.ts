@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What bar, toolbar and panels cover of the picture.
+
+import type { Insets } from '../model/fit';
+
+/** Panels beside the picture leave it this much, or they lie over it. */
+const FREE_PX = 200;
+const SIDES = ['panel', 'inspect', 'programs'];
+
+/** The margins of a picture of `width` × `height` CSS pixels that what lies over it covers. */
+export function insetsOf(app: HTMLElement, width: number, height: number): Insets {
+  const boxOf = (name: string): DOMRect | null => {
+    const box = app.querySelector(`.${name}:not([hidden])`)?.getBoundingClientRect();
+    return box && box.width > 0 ? box : null;
+  };
+  const toolbar = boxOf('toolbar');
+  const timeline = boxOf('timeline');
+  const top = (boxOf('past-banner') ?? boxOf('bar'))?.bottom ?? 0;
+  const panels = SIDES.map(boxOf).filter((box) => box !== null);
+  const sheets = [...panels, timeline].filter((box) => box !== null && box.width > 0.9 * width);
+  if (sheets.length > 0) {
+    const above = toolbar?.top ?? Math.min(...sheets.map((sheet) => sheet!.top));
+    return { left: 0, right: 0, top, bottom: Math.min(0.75 * height, Math.max(0, height - above)) };
+  }
+  const bottom = timeline ? height - timeline.top : 24;
+  const bar = toolbar?.right ?? 0;
+  const isLeft = (box: DOMRect): boolean => box.left + box.right < width;
+  const right = Math.max(0, ...panels.filter((box) => !isLeft(box)).map((box) => width - box.left));
+  const left = Math.max(bar, ...panels.filter(isLeft).map((box) => box.right));
+  return { left: width - left - right < FREE_PX ? bar : left, right, top, bottom };
+}

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+// The panel for sections and measures, and what they do in the picture.
+
+import '../style/inspect.css';
+import type { LengthUnit } from '../../model/measure';
+import type { Bounds } from '../../model/session';
+import { stockBounds } from '../../model/session';
+import { DisplayedSurface } from '../../view/inspect/displayed_surface';
+import type { Layer, Viewer } from '../../view/viewer';
+import type { Preset } from '../../view/camera_rig';
+import { h } from '../dom';
+import { recall, remember } from '../memory';
+import { Measuring } from './measuring';
+import type { InspectHost } from './mount';
+import { Picker } from './picker';
+import { Sectioning } from './sectioning';
+import { ViewCube } from './view_cube';
+
+const UPDATE_MS = 100;
+const TAP_PX = 5;
+/** Where the panel takes the place of others (inspect.css). */
+const NARROW = '(max-width: 1100px), (max-height: 560px)';
+
+export class InspectPanel implements Layer {
+  private readonly surface_: DisplayedSurface;
+  private readonly sectioning_: Sectioning;
+  private readonly measuring_: Measuring;
+  private readonly cube_ = new ViewCube((preset) => this.view_(preset));
+  private readonly element_: HTMLElement;
+  private readonly parallel_ = this.toggleButton_('Parallel', () => this.project_());
+  private readonly inches_ = this.toggleButton_('Inches', () => this.setInches_());
+  private units_: LengthUnit = recall('units') === 'in' ? 'in' : 'mm';
+  private timer_: ReturnType<typeof setInterval> | undefined;
+  private pressedAt_: { x: number; y: number } | null = null;
+  private hover_: PointerEvent | null = null;
+
+  constructor(
+    private readonly host: InspectHost,
+    private readonly viewer: Viewer,
+    private readonly opener: HTMLElement,
+  ) {
+    this.surface_ = new DisplayedSurface(viewer.tiles);
+    const picker = new Picker(viewer, this.surface_);
+    const bounds = (): Bounds => stockBounds(host.model.welcome!.stock);
+    this.sectioning_ = new Sectioning(viewer, this.surface_, bounds);
+    this.measuring_ = new Measuring(viewer, this.surface_, host, (x, y) =>
+      picker.at(x, y, this.sectioning_.plane, this.sectioning_.outline, 2 * this.pitch_),
+    );
+    this.sectioning_.chosen = () => this.measuring_.choose(null);
+    this.measuring_.chosen = () => this.sectioning_.waitForFace(false);
+    const close = h('button', { type: 'button', class: 'inspect-action' }, 'Close');
+    close.addEventListener('click', () => this.toggle());
+    this.element_ = h(
+      'section',
+      { class: 'inspect', 'aria-label': 'Sections and measures', hidden: '' },
+      h('header', {}, h('h2', {}, 'Inspect'), close),
+      this.sectioning_.element,
+      this.measuring_.element,
+      h(
+        'div',
+        { class: 'inspect-foot' },
+        this.cube_.element,
+        h('div', { class: 'inspect-toggles' }, this.parallel_, this.inches_),
+      ),
+    );
+    const main = opener.closest('main') ?? document.body;
+    main.append(this.element_, this.sectioning_.handle);
+    new ResizeObserver(() => {
+      main.style.setProperty('--inspect', `${this.element_.offsetHeight}px`);
+      host.layoutChanged();
+    }).observe(this.element_);
+    this.listen_(main);
+  }
+
+  toggle(): void {
+    const open = this.element_.hidden;
+    if (open) this.closeOthers_();
+    this.element_.hidden = !open;
+    this.opener.setAttribute('aria-expanded', String(open));
+    this.element_.parentElement?.classList.toggle('has-inspect', open);
+    this.host.picture.exact = open; // tiles as exact as the block
+    this.host.layoutChanged();
+    clearInterval(this.timer_);
+    if (open) {
+      this.viewer.layers.add(this);
+      this.timer_ = setInterval(() => this.update_(), UPDATE_MS);
+      this.setUnits_(this.units_);
+      this.update_();
+      this.viewer.touch();
+    } else {
+      this.viewer.layers.delete(this);
+      this.sectioning_.choose('none');
+      this.measuring_.clear();
+      this.measuring_.choose(null);
+      this.opener.focus();
+    }
+  }
+
+  /** Part of each picture: the cube turns with it, the handle stays on the plane. */
+  drawn(...[camera, width, height]: Parameters<NonNullable<Layer['drawn']>>): void {
+    this.cube_.turn(camera);
+    this.sectioning_.placeHandle(camera, width, height);
+  }
+
+  private get pitch_(): number {
+    return this.host.model.welcome?.pitch_mm ?? 1;
+  }
+
+  private update_(): void {
+    this.sectioning_.update(this.host.model.tiles.exact);
+    this.parallel_.setAttribute('aria-pressed', String(this.viewer.rig.parallel));
+    if (!this.hover_) return;
+    this.measuring_.hover(this.hover_.offsetX, this.hover_.offsetY);
+    this.hover_ = null;
+  }
+
+  /** One panel at the side, and on phones one below. */
+  private closeOthers_(): void {
+    const main = this.opener.closest('main');
+    const isNarrow = matchMedia(NARROW).matches;
+    for (const name of isNarrow ? ['NC programs', 'Timeline'] : ['NC programs'])
+      main?.querySelector<HTMLElement>(`[aria-label="${name}"][aria-expanded="true"]`)?.click();
+  }
+
+  private listen_(main: Element): void {
+    const { canvas } = this.host;
+    const isOpen = (): boolean => !this.element_.hidden;
+    canvas.addEventListener('pointerdown', (event) => {
+      this.pressedAt_ = event.isPrimary ? { x: event.offsetX, y: event.offsetY } : null;
+    });
+    canvas.addEventListener('pointerup', (event) => {
+      const { pressedAt_: at } = this;
+      if (!isOpen() || !at || event.button !== 0) return;
+      if (Math.hypot(event.offsetX - at.x, event.offsetY - at.y) < TAP_PX)
+        this.press_(event.offsetX, event.offsetY);
+    });
+    canvas.addEventListener('pointermove', (event) => {
+      if (isOpen() && event.buttons === 0) this.hover_ = event;
+    });
+    canvas.addEventListener(
+      'dblclick',
+      (event) => {
+        if (this.isPicking_) event.stopImmediatePropagation();
+      },
+      { capture: true },
+    );
+    window.addEventListener('keydown', (event) => {
+      if (event.key !== 'Escape' || !isOpen() || !this.isPicking_) return;
+      this.sectioning_.waitForFace(false);
+      this.measuring_.choose(null);
+    });
+    // The others that lie where this panel does close it.
+    for (const button of main.querySelectorAll('.toolbar [aria-expanded]'))
+      button.addEventListener('click', () => {
+        const isProgram = button.getAttribute('aria-label') === 'NC programs';
+        if (button === this.opener || !isOpen()) return;
+        if (isProgram || matchMedia(NARROW).matches) this.toggle();
+      });
+  }
+
+  private get isPicking_(): boolean {
+    return !this.element_.hidden && (this.measuring_.isOn || this.sectioning_.waitsForFace);
+  }
+
+  private press_(x: number, y: number): void {
+    const picked = this.measuring_.pick(x, y);
+    if (!picked) return;
+    if (this.sectioning_.waitsForFace) this.sectioning_.along(picked.point, picked.normal);
+    else this.measuring_.press(picked);
+  }
+
+  private view_(preset: Preset): void {
+    this.viewer.rig.preset(preset, performance.now());
+  }
+
+  private project_(): void {
+    this.viewer.parallel = !this.viewer.rig.parallel;
+    this.update_();
+  }
+
+  private setInches_(): void {
+    this.setUnits_(this.units_ === 'mm' ? 'in' : 'mm');
+    remember('units', this.units_);
+  }
+
+  private setUnits_(units: LengthUnit): void {
+    this.units_ = units;
+    this.inches_.setAttribute('aria-pressed', String(units === 'in'));
+    this.sectioning_.setUnits(units);
+    this.measuring_.setUnits(units);
+    this.update_();
+  }
+
+  private toggleButton_(name: string, act: () => void): HTMLButtonElement {
+    const button = h('button', { type: 'button', class: 'inspect-action' }, name);
+    button.setAttribute('aria-pressed', 'false');
+    button.addEventListener('click', act);
+    return button;
+  }
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The button that opens the panel for sections and measures. The panel is a chunk of its own.
+
+import type { SessionModel } from '../../model/session';
+import { iconButton } from '../dom';
+import { ICONS } from '../icons';
+import type { Picture } from '../picture';
+
+/** What the panel needs of the page. */
+export interface InspectHost {
+  model: SessionModel;
+  picture: Picture;
+  canvas: HTMLCanvasElement;
+  /** Over the picture, for what follows the block. */
+  overlay: HTMLElement;
+  toolbar: HTMLElement;
+  /** It was opened or closed, and covers another part of the picture. */
+  layoutChanged: () => void;
+}
+
+/** Adds the button to the toolbar; returns what it does. */
+export function mountInspect(host: InspectHost): () => void {
+  let panel: { toggle: () => void } | null = null;
+  let loading = false;
+  const toggle = (): void => {
+    const { viewer } = host.picture;
+    if (!viewer) return; // without a picture there is nothing to inspect
+    if (panel) {
+      panel.toggle();
+    } else if (!loading) {
+      loading = true;
+      import('./inspect_panel').then(
+        ({ InspectPanel }) => {
+          panel = new InspectPanel(host, viewer, button);
+          panel.toggle();
+        },
+        (problem: unknown) => {
+          loading = false; // the next press tries again
+          console.warn('The panel did not load:', problem);
+        },
+      );
+    }
+  };
+  const button = iconButton(ICONS.inspect, 'Sections and measures', 'I', toggle);
+  button.setAttribute('aria-expanded', 'false');
+  host.toolbar.firstElementChild?.after(button);
+  return toggle;
+}

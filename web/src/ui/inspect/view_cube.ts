@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// A cube that turns with the picture; its faces are buttons for the six views.
+
+import type { Camera } from 'three';
+import type { Preset } from '../../view/camera_rig';
+import { h } from '../dom';
+
+/** How the faces lie on the cube: outwards, and upright in their view. */
+const FACES: readonly [Preset, string, string, readonly [number, number, number]][] = [
+  ['top', 'Top', '', [0, 0, 1]],
+  ['bottom', 'Bottom', 'rotateX(180deg)', [0, 0, -1]],
+  ['front', 'Front', 'rotateX(-90deg)', [0, -1, 0]],
+  ['back', 'Back', 'rotateX(90deg) rotateZ(180deg)', [0, 1, 0]],
+  ['right', 'Right', 'rotateY(90deg) rotateZ(-90deg)', [1, 0, 0]],
+  ['left', 'Left', 'rotateY(-90deg) rotateZ(90deg)', [-1, 0, 0]],
+];
+
+export class ViewCube {
+  private readonly faces_: HTMLButtonElement[];
+  private readonly cube_: HTMLElement;
+  readonly element: HTMLElement;
+  private shown_ = '';
+
+  constructor(view: (preset: Preset) => void) {
+    this.faces_ = FACES.map(([preset, name, turn]) => {
+      const button = h('button', { type: 'button', class: 'cube-face' }, name);
+      button.style.transform = `${turn} translateZ(var(--half))`;
+      button.addEventListener('click', () => view(preset));
+      return button;
+    });
+    this.cube_ = h('div', { class: 'cube' }, ...this.faces_);
+    this.element = h(
+      'div',
+      { class: 'cube-box', role: 'group', 'aria-label': 'Views' },
+      this.cube_,
+    );
+  }
+
+  /** Turns the cube as the camera shows the block. */
+  turn(camera: Camera): void {
+    const m = camera.matrixWorldInverse.elements;
+    // The y axis of a page points down.
+    const turn = [m[0], -m[1], m[2], 0, -m[4], m[5], -m[6], 0, m[8], -m[9], m[10], 0, 0, 0, 0, 1];
+    const text = turn.map((value) => value.toFixed(4)).join(',');
+    if (text === this.shown_) return;
+    this.shown_ = text;
+    this.cube_.style.transform = `matrix3d(${text})`;
+    FACES.forEach(([, , , [x, y, z]], n) => {
+      const isSeen = m[2] * x + m[6] * y + m[10] * z > 0.05;
+      this.faces_[n]!.tabIndex = isSeen ? 0 : -1;
+      this.faces_[n]!.style.visibility = isSeen ? '' : 'hidden';
+    });
+  }
+}
