@@ -30,7 +30,7 @@ CutLoad load_of(const Welcome& welcome, const ServoSettings& settings) {
 std::string force_notice(const Welcome& welcome, const ServoSettings& settings, std::uint32_t tool,
                          double full_cut_mm2) {
   // Its force per area depends on the speed and the angles of engagement.
-  if (welcome.law == CutLaw::kMechanistic || welcome.law == CutLaw::kMechanisticMeans) return {};
+  if (welcome.law == CutLaw::kMechanistic) return {};
   const CutLoad load = load_of(welcome, settings);
   const double full = load.per_mm2 * full_cut_mm2;
   if (!settings.safety.motors || !(full > load.most)) return {};

@@ -29,21 +29,10 @@ StockBox stock_box(const json& stock) {
   return {.min_mm = vec3(stock.at("min_mm")), .max_mm = vec3(stock.at("max_mm"))};
 }
 
-/// Whether teeth, or the spindle by runout, have a frequency up to the scene's limit
-/// (kernel/force).
-bool ripples(const json& force) {
-  constexpr double kSPerMin = 60;
-  const double spindle_hz = force.value("spindle_rpm", 0.0) / kSPerMin;
-  const double teeth = force.value("teeth", 1.0);
-  const bool runs_out = force.value("runout_mm", 0.0) > 0 && teeth > 1;
-  return spindle_hz * (runs_out ? 1 : teeth) <= force.value("ripple_hz", 0.0);
-}
-
 /// An unknown law is rendered as kSpecificEnergy, whose force does not grow with speed.
 CutLaw cut_law(const json& force) {
   const std::string law = force.value("law", "");
-  if (law == "mechanistic")
-    return ripples(force) ? CutLaw::kMechanistic : CutLaw::kMechanisticMeans;
+  if (law == "mechanistic") return CutLaw::kMechanistic;
   return law == "drr" ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
 }
 

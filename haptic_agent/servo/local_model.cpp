@@ -16,9 +16,10 @@ constexpr double kMinSpeed = 2;
 /// Time constant of the weights in the trend: kTrendS plus kTrendOfLag of the delay.
 constexpr double kTrendS = 0.005;
 constexpr double kTrendOfLag = 0.5;
-/// The ripple of teeth is rendered from answers that are no older, s: a fit over the path would
-/// smooth it, and an older ripple has no place at the present pose.
-constexpr double kRippleLagS = 0.002;
+/// The force of a milling cutter is rendered as it is from answers that are no older, s: a fit over
+/// the path would smooth what changes with each chip, and an older ripple of teeth has no place at
+/// the present pose.
+constexpr double kFreshLagS = 0.002;
 /// The cutting force fades as the heading turns away from that of the answer, between these two
 /// cosines: a reversing tool cuts nothing.
 constexpr double kFullCos = 0.5;
@@ -79,8 +80,8 @@ void LocalModel::take_cut(const ServerWrench& answer, const PastGrip& then) noex
                               ? static_cast<double>(then.time_us - then_.time_us) * kSPerUs
                               : 0;
   then_ = then;
-  const bool ripples = settings_.law == CutLaw::kMechanistic && lag_s_ <= kRippleLagS;
-  const double kept = ripples ? 0 : std::exp(-passed_s / (kTrendS + kTrendOfLag * lag_s_));
+  const bool as_it_is = settings_.law == CutLaw::kMechanistic && lag_s_ <= kFreshLagS;
+  const double kept = as_it_is ? 0 : std::exp(-passed_s / (kTrendS + kTrendOfLag * lag_s_));
   trend_.take(then.path_mm, strength, kept);
 }
 

@@ -13,10 +13,9 @@ enum class CutLaw : std::uint8_t {
   kSpecificEnergy,
   /// The cutting force is proportional to the tool's speed, like that of a damper.
   kRemovalRate,
-  /// The force of a milling cutter, with the ripple of its teeth.
+  /// The force of a milling cutter: it follows the chips of each motion, and may hold the ripple of
+  /// the teeth.
   kMechanistic,
-  /// The same where every frequency of the ripple is above the scene's limit.
-  kMechanisticMeans,
 };
 
 struct ModelSettings {

@@ -145,8 +145,8 @@ bool ServoCycle::send(const DeviceState& state) noexcept {
   return true;
 }
 
-/// Wakes the replica for every second sample: a thread that wakes costs more than a cut. The ripple
-/// of teeth needs an answer to each.
+/// Wakes the replica for every second sample: a thread that wakes costs more than a cut. The chips
+/// and teeth of a milling cutter need an answer to each.
 void ServoCycle::pass_to_replica(const wire::MotionSample& sample) noexcept {
   if (!replica_->push(sample)) ++report_.replica_overflows;
   replica_waits_ = !replica_waits_ && settings_.model.law != CutLaw::kMechanistic;

@@ -43,7 +43,7 @@ constexpr SceneTemplate kTemplates[] = {
      "shank": {"diameter_mm": 6, "length_mm": 30}}
   ],
   "force": {"law": "mechanistic", "material": "aluminium-6061", "spindle_rpm": 12000, "teeth": 2,
-            "scale": 0.03},
+            "scale": 0.02, "pivot_mm": 20},
   "machine": {"kinematics": "xyz"}
 })"},
     {"five-axis", "5-axis study", "A cylinder on a tilting rotary table (A and C).", R"({

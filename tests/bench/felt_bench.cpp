@@ -6,8 +6,9 @@
 //   felt_bench [seconds=60]
 //
 // Means and maxima of the magnitudes, felt of computed; error: rms of the difference of the vectors
-// over rms of the computed one, in the same tick. reduced: share of the ticks with a force in which
-// the device outputs less than 95 % of what the agent's own replica computes.
+// over rms of the computed one, which the server computes for the pose of that tick alone. reduced:
+// share of the ticks with a force in which the device outputs less than 95 % of what the agent's
+// own replica computes.
 #include <cstdio>
 #include <cstdlib>
 

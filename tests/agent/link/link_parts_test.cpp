@@ -67,21 +67,16 @@ TEST(Control, CylinderStockBecomesItsBoundingBox) {
   EXPECT_EQ(welcome.stock.max_mm, (Vec3{15, 25, 4}));
 }
 
-// Two teeth at 6000 rpm pass 200 times a second, the spindle turns 100 times.
-TEST(Control, MillingRipplesIfTeethOrRunoutHaveAFrequencyUpToTheLimit) {
-  const auto law = [](double runout_mm, double ripple_hz) {
+TEST(Control, LawsAreRead) {
+  const auto law = [](const char* name) {
     auto message = nlohmann::json::parse(welcome_text());
-    message["force"] = {{"law", "mechanistic"},
-                        {"spindle_rpm", 6000},
-                        {"teeth", 2},
-                        {"runout_mm", runout_mm},
-                        {"ripple_hz", ripple_hz}};
+    message["force"] = {{"law", name}};
     return std::get<Welcome>(*parse_control(message.dump())).law;
   };
-  EXPECT_EQ(law(0, 250), CutLaw::kMechanistic);
-  EXPECT_EQ(law(0, 150), CutLaw::kMechanisticMeans);
-  EXPECT_EQ(law(0.01, 150), CutLaw::kMechanistic);
-  EXPECT_EQ(law(0.01, 50), CutLaw::kMechanisticMeans);
+  EXPECT_EQ(law("mechanistic"), CutLaw::kMechanistic);
+  EXPECT_EQ(law("drr"), CutLaw::kRemovalRate);
+  EXPECT_EQ(law("specific_energy"), CutLaw::kSpecificEnergy);
+  EXPECT_EQ(law("of tomorrow"), CutLaw::kSpecificEnergy) << "its force does not grow with speed";
 }
 
 TEST(Control, UnknownMessagesAreIgnoredAndMalformedOnesRejected) {

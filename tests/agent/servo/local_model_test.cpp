@@ -77,8 +77,6 @@ double rendered_ripple(CutLaw law, double max_vibration_hz = 0) {
 TEST(LocalModel, RippleOfTeethIsRenderedFromFreshAnswers) {
   EXPECT_NEAR(rendered_ripple(CutLaw::kMechanistic), 1.0 / 3, 1e-9);
   EXPECT_LT(rendered_ripple(CutLaw::kSpecificEnergy), 0.25);
-  EXPECT_EQ(rendered_ripple(CutLaw::kMechanisticMeans), rendered_ripple(CutLaw::kSpecificEnergy))
-      << "without teeth in the band, it is the grid's";
 }
 
 // A square wave of 250 Hz, whose extremes a low pass of first order at f lowers to

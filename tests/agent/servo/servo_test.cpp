@@ -245,9 +245,8 @@ TEST_F(ServoCycleTest, WakesTheLinkLessOftenWhileTheReplicaAnswers) {
   EXPECT_EQ(sent, 8 + 41 + 1 + 16) << "no sample is left out";
 }
 
-TEST_F(ServoCycleTest, WakesTheReplicaForEverySecondSampleUnlessTeethRipple) {
-  for (const CutLaw law :
-       {CutLaw::kSpecificEnergy, CutLaw::kMechanistic, CutLaw::kMechanisticMeans}) {
+TEST_F(ServoCycleTest, WakesTheReplicaForEverySecondSampleUnlessTheToolMills) {
+  for (const CutLaw law : {CutLaw::kSpecificEnergy, CutLaw::kMechanistic}) {
     ReplicaExchange replica;
     ServoCycle cycle(device, samples, wrenches, listener, {.model = {.law = law}}, &replica);
     int wakes = 0, popped = 0;

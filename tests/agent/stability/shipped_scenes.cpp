@@ -96,20 +96,25 @@ const std::vector<ShippedScene>& shipped_scenes() {
                                                     {"template:box", 0},
                                                     {"template:cylinder", 0},
                                                     {"template:milling", 0},
-                                                    {"template:five-axis", 0}};
+                                                    {"template:five-axis", 0},
+                                                    {"template:ammonite", 0}};
   return kScenes;
 }
 
 ShippedFeel feel_shipped(const ShippedScene& scene, double seconds) {
   const std::string text = content(scene.file);
   PlayedDevice device(PathCursor(path_of(scene, text), false));
+  PlayedDevice same = device;
   TestBed bed(text, device, {}, {}, true);
+  // Without a replica each sample is sent alone, and the server's answer is not a mean of several.
+  TestBed each(text, same, {}, {}, false);
   ShippedFeel feel;
   const int ticks = static_cast<int>((kRestS + seconds) * 1000);
   const int first = static_cast<int>((kRestS + kRampS) * 1000);
   for (int i = 0; i < ticks && !device.finished; ++i) {
     bed.tick();
-    const Vec3 force(bed.newest().force_n), torque(bed.newest().torque_nmm);
+    each.tick();
+    const Vec3 force(each.newest().force_n), torque(each.newest().torque_nmm);
     if (i < first || !(dot(force, force) > 0)) continue;
     feel.server_force.add(device.output.force_n, force);
     feel.server_torque.add(device.output.torque_nmm, torque);

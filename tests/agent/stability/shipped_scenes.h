@@ -20,7 +20,7 @@ const std::vector<ShippedScene>& shipped_scenes();
 /// What a user of the 5-DOF reference device feels, after the ramp.
 struct ShippedFeel {
   FeltReport agent;                      ///< against the wrench that the agent's replica computes
-  FeltSums server_force, server_torque;  ///< against the server's result for the same tick
+  FeltSums server_force, server_torque;  ///< against the server's result for this tick's pose alone
   std::uint64_t trips = 0;
 };
 

@@ -133,10 +133,8 @@ TEST(ShippedScenes, ForceAndTorqueAreFeltAsComputedOnTheReferenceDevice) {
   for (const ShippedScene& scene : shipped_scenes()) {
     const ShippedFeel feel = feel_shipped(scene, 2.5);
     const std::string which = scene.file + ", program " + std::to_string(scene.program);
-    // Edge forces begin with the first chip, where others grow: what is felt a tick late is more.
-    const double most = scene.file == "template:milling" ? 0.07 : 0.05;
-    EXPECT_LE(feel.server_force.error(), most) << which;
-    EXPECT_LE(feel.server_torque.error(), most) << which;
+    EXPECT_LE(feel.server_force.error(), 0.05) << which;
+    EXPECT_LE(feel.server_torque.error(), 0.05) << which;
     EXPECT_LE(feel.agent.reduced_ticks, feel.agent.ticks / 4) << which << ": the ramp only";
     EXPECT_EQ(feel.trips, 0U) << which;
     EXPECT_GT(feel.server_force.computed_peak(), 0.1) << which << ": the test requires a force";

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "haptic_agent/link/control_message.h"
+
 namespace kerf::agent {
 namespace {
 
@@ -30,10 +32,11 @@ TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings s
   join(limits, copy, intent);
   traffic_ = std::make_unique<Traffic>(samples_, wrenches_,
                                        TrafficOptions{.copy = copy ? &copy_ : nullptr});
-  const ForceSettings& force = session_->scene().settings.force;
-  settings.model.law =
-      force.law == ForceLaw::kDexelRemovalRate ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
-  settings.pivot_mm = force.pivot_mm;
+  const auto control = parse_control(welcome_);
+  if (!control) throw std::runtime_error(control.error().reason);
+  const auto& welcome = std::get<Welcome>(*control);
+  settings.model.law = welcome.law;
+  settings.pivot_mm = welcome.pivot_mm;
   settings = settings_for(device.capabilities(), settings);
   const auto guides = guides_of(welcome_);
   if (!guides) throw std::runtime_error(guides.error());
