@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// End-to-end test of sections and measures: areas are those of the server's model cut by the same
-// plane and those of the drawn caps, and a wall is as thick as it was carved. See README.md.
+// End-to-end test of sections, measures and paths: areas are those of the server's model cut by the
+// same plane and those of the drawn caps, a wall is as thick as it was carved, and lines of a program
+// have their places in the picture. See README.md.
 //
 // node inspect_live.mjs --server PROGRAM --web FOLDER --out FOLDER
 
@@ -17,7 +18,6 @@ const options = optionsOf(['server', 'web', 'out']);
 
 const SETTLE_S = 60; // software WebGL on a busy machine
 const SIZES = [
-  [1440, 900],
   [844, 390],
   [390, 844],
   [640, 480],
@@ -137,6 +137,31 @@ async function checkMeasures(viewer) {
   await page.getByText('0.9449 in').first().waitFor();
 }
 
+/** A line that is pressed in the text is marked where it was carved, and a pressed path in the text. */
+async function checkPath(viewer) {
+  const { page } = viewer;
+  await page.getByRole('button', { name: 'NC programs' }).click();
+  assert.equal(await page.locator('.inspect').isVisible(), false, 'two panels at one place');
+  await page.locator('.program-row[data-line="10"]').click(); // to X8 Y1
+  await page.locator('.canvas').focus();
+  await page.keyboard.press('7');
+  const marker = page.locator('.path-marker');
+  await marker.waitFor();
+  const [left, top, right] = await stillBlock(viewer);
+  const perMm = (right - left) / 24;
+  const at = (x, y) => [left + (x + 12) * perMm, top + (10 - y) * perMm];
+  const box = await marker.boundingBox();
+  const off = at(8, 1).map(
+    (value, n) => value - [box.x + box.width / 2, box.y + box.height / 2][n],
+  );
+  assert(Math.hypot(...off) < 3, `the place is marked ${off} pixels off`);
+  await page.mouse.click(...at(0, -6));
+  await until('the line in the text', SETTLE_S, async () => {
+    const line = await page.locator('.program-row.placed').getAttribute('data-line');
+    return line === '6';
+  });
+}
+
 async function test(folder) {
   const { server, base, session } = await startServer(options, folder, 'wall', SCENE);
   await carveProgram(session, PROGRAM, 'name=wall.ngc&pace=fast');
@@ -163,6 +188,9 @@ async function test(folder) {
       const file = join(options.out, `inspect-${size[0]}.png`);
       await writeFile(file, await page.screenshot());
     }
+    await page.setViewportSize({ width, height });
+    await checkPath(viewer);
+    await writeFile(join(options.out, 'path.png'), await page.screenshot());
     assert.deepEqual(problems, []);
   } finally {
     await browser.close();

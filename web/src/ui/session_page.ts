@@ -106,7 +106,8 @@ export class SessionPage {
         this.inviteDialog_,
       ),
     );
-    mountPrograms(this.model, session, this.toolbar_.element);
+    const pathHost = { picture: this.picture, canvas: this.canvas_, overlay: this.overlay_ };
+    mountPrograms(this.model, session, this.toolbar_.element, pathHost, () => this.resize_());
     this.toggleTimeline_ = mountTimeline({
       model: this.model,
       session,

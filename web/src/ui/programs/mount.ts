@@ -4,9 +4,20 @@
 import type { SessionModel } from '../../model/session';
 import { iconButton } from '../dom';
 import { ICONS } from '../icons';
+import type { PathHost } from './path_control';
 
-/** Adds the button to a toolbar; the panel goes beside it when it is opened first. */
-export function mountPrograms(model: SessionModel, session: string, toolbar: HTMLElement): void {
+/**
+ * Adds the button to a toolbar; the panel goes beside it when it is opened first.
+ * @param host the picture, into which it draws the path
+ * @param layoutChanged it was opened or closed
+ */
+export function mountPrograms(
+  model: SessionModel,
+  session: string,
+  toolbar: HTMLElement,
+  host: PathHost,
+  layoutChanged: () => void,
+): void {
   let panel: { toggle: () => void } | null = null;
   let loading = false;
   const button = iconButton(ICONS.program, 'NC programs', '', () => {
@@ -16,7 +27,7 @@ export function mountPrograms(model: SessionModel, session: string, toolbar: HTM
       loading = true;
       import('./programs_panel').then(
         ({ ProgramsPanel }) => {
-          panel = new ProgramsPanel(model, session, button);
+          panel = new ProgramsPanel(model, session, button, host, layoutChanged);
           panel.toggle();
         },
         (problem: unknown) => {

@@ -10,6 +10,8 @@ import { count, figure, sentence, volume } from '../format';
 import { AlarmList } from './alarm_list';
 import { Controls } from './controls';
 import { ProgramList } from './program_list';
+import { PathControl } from './path_control';
+import type { PathHost } from './path_control';
 import { isOutdated, ProgramRequests, ServerError } from './requests';
 import type { ProgramDetails } from './requests';
 import { duration } from './texts';
@@ -28,9 +30,11 @@ export class ProgramsPanel {
   private readonly note_ = h('p', { class: 'program-note', role: 'status' });
   private readonly figures_ = h('p', { class: 'quiet program-figures' });
   private readonly progress_ = h('progress', { max: '1', 'aria-label': 'Progress' });
-  private readonly alarms_ = new AlarmList(({ fromLine }) =>
-    this.text_.mark({ line: fromLine, word: '' }),
-  );
+  private readonly alarms_ = new AlarmList(({ fromLine, tip }) => {
+    this.text_.mark({ line: fromLine, word: '' });
+    this.path_?.markLine(fromLine, tip);
+  });
+  private readonly path_: PathControl | null;
   private readonly follow_ = h(
     'button',
     { type: 'button', class: 'button quiet-button program-follow', hidden: '' },
@@ -53,9 +57,17 @@ export class ProgramsPanel {
     private readonly model: SessionModel,
     session: string,
     private readonly opener: HTMLElement,
+    pathHost: PathHost | null = null,
+    private readonly layoutChanged: () => void = () => undefined,
   ) {
     this.requests_ = new ProgramRequests(session);
-    this.text_ = new TextView((follows) => (this.follow_.hidden = follows));
+    this.path_ = pathHost && new PathControl(pathHost, (id) => this.requests_.path(id));
+    this.text_ = new TextView(
+      (follows) => (this.follow_.hidden = follows),
+      (line) => this.markPlace_(line),
+    );
+    if (this.path_)
+      this.path_.pressed = (line) => this.text_.mark({ line, word: '', isPlace: true });
     this.controls_ = new Controls({
       change: (query) => this.order_((id) => this.requests_.change(id, query)),
       cancel: () => this.order_((id) => this.requests_.cancel(id)),
@@ -67,6 +79,7 @@ export class ProgramsPanel {
       this.controls_.element,
       this.progress_,
       this.figures_,
+      ...(this.path_ ? [this.path_.element] : []),
       this.alarms_.element,
     );
     this.element_ = h(
@@ -94,6 +107,8 @@ export class ProgramsPanel {
     const open = this.element_.hidden;
     this.element_.hidden = !open;
     this.opener.setAttribute('aria-expanded', String(open));
+    this.path_?.setOpen(open);
+    this.layoutChanged();
     clearInterval(this.timer_);
     if (!open) return;
     this.timer_ = setInterval(() => this.update_(), UPDATE_MS);
@@ -156,6 +171,14 @@ export class ProgramsPanel {
     setText(this.figures_, lines.join(' '));
     if (this.textOf_ === program.id) this.text_.setLive(isOpen(program) ? program.line : 0);
     if (details) this.alarms_.update(details.alarms);
+    this.path_?.update(program);
+  }
+
+  /** Marks a line of the text, and its place in the picture. */
+  private markPlace_(line: number): void {
+    if (this.textOf_ === null) return;
+    this.text_.mark({ line, word: '', isPlace: true });
+    this.path_?.markLine(line);
   }
 
   private select_(id: number | null): void {
@@ -164,6 +187,7 @@ export class ProgramsPanel {
     this.showsRejected_ = false;
     this.textOf_ = null;
     this.alarms_.update([]);
+    this.path_?.select(id);
     this.text_.show('');
     if (id === null) return;
     this.requests_.source(id).then(

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // HTTP requests about the programs of a session.
 
+import { pathOfAnswer } from '../../model/program_path';
+import type { ProgramPath } from '../../model/program_path';
 import { programOf } from '../../wire/control';
 import { nameThatFits } from '../../wire/names';
 import type { ProgramInfo, Vec3 } from '../../wire/types';
+
+/** As many as the server gives. */
+const PATH_POINTS = 20_000;
 
 /** Consecutive motions with something that should not happen. */
 export interface Alarm {
@@ -107,6 +112,10 @@ export class ProgramRequests {
 
   async source(id: number): Promise<string> {
     return (await this.ask_('GET', `/${id}/source`)).text();
+  }
+
+  async path(id: number): Promise<ProgramPath> {
+    return pathOfAnswer(await this.json_('GET', `/${id}/path?points=${PATH_POINTS}`));
   }
 
   /** `query`: as in server/http/README.md, e.g. `do=pause`. */

@@ -13,6 +13,8 @@ export interface Mark {
   line: number;
   /** The word in it; empty: the line. */
   word: string;
+  /** Nothing is wrong there: its place is marked in the picture. */
+  isPlace?: boolean;
 }
 
 export class TextView {
@@ -34,7 +36,16 @@ export class TextView {
   private follows_ = true;
   private scrolledTo_ = 0;
 
-  constructor(private readonly followChanged: (follows: boolean) => void) {
+  /** @param pressed a line was pressed */
+  constructor(
+    private readonly followChanged: (follows: boolean) => void,
+    pressed: (line: number) => void = () => undefined,
+  ) {
+    this.rows_.addEventListener('click', ({ target }) => {
+      const row = (target as Element).closest('.program-row');
+      if (row && getSelection()?.isCollapsed !== false)
+        pressed(Number(row.getAttribute('data-line')));
+    });
     this.element.addEventListener('scroll', () => {
       if (Math.abs(this.element.scrollTop - this.scrolledTo_) > ROW_PX) this.follow(false);
       this.draw_();
@@ -64,11 +75,13 @@ export class TextView {
     this.draw_();
   }
 
-  /** Marks a line, e.g. of an error, and brings it into view. */
+  /** Marks a line, e.g. of an error, and brings it into view unless it is. */
   mark(mark: Mark): void {
     this.mark_ = mark;
     this.follow(false);
-    this.scroll_(mark.line);
+    const { scrollTop, clientHeight } = this.element;
+    const top = (mark.line - 1) * ROW_PX;
+    if (top < scrollTop || top + ROW_PX > scrollTop + clientHeight) this.scroll_(mark.line);
     this.draw_();
   }
 
@@ -102,7 +115,8 @@ export class TextView {
       ...this.content_(line),
     );
     if (line === this.live_) row.setAttribute('aria-current', 'true');
-    if (line === this.mark_.line) row.classList.add('marked');
+    row.setAttribute('data-line', String(line));
+    if (line === this.mark_.line) row.classList.add(this.mark_.isPlace ? 'placed' : 'marked');
     return row;
   }
 

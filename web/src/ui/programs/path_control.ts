@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// The path of the selected program in the picture: shown or not, how far it has come, and the place of
+// a line in both directions.
+
+import { Matrix4 } from 'three';
+import { nearestInPicture, pointOf, pointsOfLine, reached } from '../../model/program_path';
+import type { ProgramPath } from '../../model/program_path';
+import { PATH_COLORS, PathView } from '../../view/path_view';
+import type { ProgramInfo, Vec3 } from '../../wire/types';
+import { h, setText } from '../dom';
+import { lengthText } from '../../model/measure';
+import type { Picture } from '../picture';
+
+const NEAR_PX = 10;
+const TAP_PX = 5;
+const LEGEND = [
+  ['past', 'carved'],
+  ['future', 'to come'],
+  ['rapid', 'rapid'],
+] as const;
+
+export interface PathHost {
+  picture: Picture;
+  canvas: HTMLCanvasElement;
+  overlay: HTMLElement;
+}
+
+export class PathControl {
+  /** A place near the path was pressed in the picture. */
+  pressed: (line: number) => void = () => undefined;
+  private readonly shown_ = h('input', { type: 'checkbox', checked: '' });
+  private readonly note_ = h('span', { class: 'quiet' });
+  readonly element = h(
+    'p',
+    { class: 'program-path' },
+    h('label', {}, this.shown_, ' Path in the picture'),
+    ...LEGEND.map(([name, text]) =>
+      h('span', { class: `path-key ${name}`, style: `--line:${PATH_COLORS[name]}` }, text),
+    ),
+    this.note_,
+  );
+  private view_: PathView | null = null;
+  private program_: number | null = null;
+  private path_: ProgramPath | null = null;
+  private isOpen_ = false;
+  private pressedAt_: { x: number; y: number } | null = null;
+
+  /** @param ask for the path of a program */
+  constructor(
+    private readonly host: PathHost,
+    private readonly ask: (program: number) => Promise<ProgramPath>,
+  ) {
+    this.shown_.addEventListener('change', () => this.draw_());
+    const { canvas } = host;
+    canvas.addEventListener('pointerdown', (event) => {
+      this.pressedAt_ = event.isPrimary ? { x: event.offsetX, y: event.offsetY } : null;
+    });
+    canvas.addEventListener('pointerup', ({ button, offsetX: x, offsetY: y }) => {
+      const { pressedAt_: at } = this;
+      if (at && button === 0 && Math.hypot(x - at.x, y - at.y) < TAP_PX) this.press_(x, y);
+    });
+  }
+
+  /** The path is drawn while the panel is open. */
+  setOpen(open: boolean): void {
+    this.isOpen_ = open;
+    this.draw_();
+  }
+
+  /** Shows the path of another program; null: of none. */
+  select(program: number | null): void {
+    if (program === this.program_) return;
+    this.program_ = program;
+    this.path_ = null;
+    this.draw_();
+    if (program === null) return;
+    this.ask(program).then(
+      (path) => {
+        if (this.program_ !== program) return;
+        this.path_ = path;
+        this.draw_();
+      },
+      (problem: unknown) => {
+        setText(this.note_, (problem as Error).message);
+      },
+    );
+  }
+
+  /** Takes how far the program has come. */
+  update({ id, state, line, motions, motions_done }: ProgramInfo): void {
+    if (id !== this.program_ || !this.path_ || !this.view_) return;
+    const share = motions > 0 ? motions_done / motions : 0;
+    const isBefore = state === 'queued' || motions_done === 0;
+    this.view_.setReached(isBefore ? -1 : reached(this.path_, line, share));
+  }
+
+  /** Marks the place of a line, or a place that belongs to it. */
+  markLine(line: number, place?: Vec3): void {
+    const points = this.path_ && pointsOfLine(this.path_, line);
+    if (this.path_ && points) this.view_?.mark(points, place ?? pointOf(this.path_, points[1]));
+  }
+
+  private get isShown_(): boolean {
+    return this.isOpen_ && this.shown_.checked && this.path_ !== null;
+  }
+
+  private draw_(): void {
+    const { viewer } = this.host.picture;
+    if (viewer) this.view_ ??= new PathView(viewer, this.host.overlay);
+    this.view_?.show(this.isShown_ ? this.path_ : null);
+    const error = this.path_?.errorMm ?? 0;
+    setText(this.note_, error > 0 ? `to ${lengthText(error, 'mm')}` : '');
+  }
+
+  private press_(x: number, y: number): void {
+    const { viewer } = this.host.picture;
+    const { path_: path } = this;
+    if (!this.isShown_ || !viewer || !path) return;
+    const { eye } = viewer.rig;
+    const matrix = new Matrix4().multiplyMatrices(eye.projectionMatrix, eye.matrixWorldInverse);
+    const { clientWidth: width, clientHeight: height } = this.host.canvas;
+    const n = nearestInPicture(path, matrix.elements, { width, height }, { x, y }, NEAR_PX);
+    if (n < 0) return;
+    this.view_?.mark([n, n], pointOf(path, n));
+    this.pressed(path.lines[n]!);
+  }
+}

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+import { describe, expect, it } from 'vitest';
+import {
+  nearestInPicture,
+  pathOfAnswer,
+  pointOf,
+  pointsOfLine,
+  reached,
+  segmentsOf,
+} from '../src/model/program_path';
+
+/** A rapid to the first hole, two holes by the same lines of a subprogram, the tool placed again. */
+const PATH = pathOfAnswer({
+  points: 8,
+  error_mm: 0.002,
+  kind: 'srffrffs',
+  x_mm: [0, 10, 10, 10, 30, 30, 30, 50],
+  y_mm: [0, 0, 0, 0, 0, 0, 0, 0],
+  z_mm: [5, 5, -4, 5, 5, -4, 5, 5],
+  line: [1, 3, 20, 21, 5, 20, 21, 9],
+  tool: [1, 1, 1, 1, 1, 1, 1, 1],
+});
+
+describe('the path of a program', () => {
+  it('is read as the server writes it', () => {
+    expect(PATH.lines).toHaveLength(8);
+    expect(PATH.kinds.slice(0, 3)).toEqual(['placed', 'rapid', 'feed']);
+    expect(pointOf(PATH, 2)).toEqual([10, 0, -4]);
+    expect(PATH.errorMm).toBe(0.002);
+    expect(pathOfAnswer({ x_mm: [1, 2], kind: 'sf' }).lines).toHaveLength(0);
+    expect(pathOfAnswer(null).lines).toHaveLength(0);
+  });
+
+  it('has come to the point of the live line, the right time it occurs', () => {
+    expect(reached(PATH, 3, 0.1)).toBe(1);
+    expect(reached(PATH, 20, 0.3)).toBe(2);
+    expect(reached(PATH, 20, 0.7)).toBe(5);
+    expect(reached(PATH, 21, 1)).toBe(7);
+    // A line whose point was left out: as far as the lines before it.
+    expect(reached(PATH, 4, 0.4)).toBe(1);
+  });
+
+  it('has the points of a line, or the place before one that has none', () => {
+    expect(pointsOfLine(PATH, 20)).toEqual([2, 2]);
+    expect(pointsOfLine(PATH, 2)).toEqual([0, 0]);
+    expect(pointsOfLine(pathOfAnswer({}), 2)).toBeNull();
+    const arc = pathOfAnswer({
+      ...{ kind: 'sfff', x_mm: [0, 1, 2, 3], y_mm: [0, 1, 1, 0], z_mm: [0, 0, 0, 0] },
+      line: [1, 2, 2, 2],
+    });
+    expect(pointsOfLine(arc, 2)).toEqual([1, 3]);
+  });
+
+  it('is drawn part by part, without a line to where the tool is placed', () => {
+    const { positions, places, rapids } = segmentsOf(PATH);
+    expect(positions).toHaveLength(6 * 6);
+    expect([...positions.slice(0, 6)]).toEqual([0, 0, 5, 10, 0, 5]);
+    expect([...places]).toEqual([1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6]);
+    // Dashes go on from one rapid to the next.
+    expect([...rapids]).toEqual([0, 10, -1, -1, -1, -1, 10, 30, -1, -1, -1, -1]);
+  });
+});
+
+describe('nearestInPicture', () => {
+  // Looks along y: x to the right, z up, 1 mm a pixel in a picture of 100 × 100 around the origin.
+  const matrix = [0.02, 0, 0, 0, 0, 0, 1, 0, 0, 0.02, 0, 0, 0, 0, 0, 1];
+  const size = { width: 100, height: 100 };
+  const near = (x: number, y: number, most = 4): number =>
+    nearestInPicture(PATH, matrix, size, { x, y }, most);
+
+  it('finds the part under a place', () => {
+    expect(near(55, 46)).toBe(1); // the rapid at z 5
+    expect(near(81, 50)).toBe(6); // of two on one another the later
+    expect(near(70, 45)).toBe(4);
+  });
+
+  it('finds nothing far away, nor where the tool is only placed', () => {
+    expect(near(55, 52)).toBe(-1);
+    expect(near(95, 45)).toBe(-1);
+    expect(near(50, 52, 8)).toBe(1);
+  });
+
+  it('leaves out what is behind the camera', () => {
+    const behind = matrix.map((value, n) => (n === 15 ? -1 : value));
+    expect(nearestInPicture(PATH, behind, size, { x: 45, y: 54 }, 40)).toBe(-1);
+  });
+});
