@@ -16,6 +16,7 @@ interface Accepted {
   epoch: number;
   sequence: number;
   time_us: number;
+  durable_sequence?: number;
   body: Record<string, unknown>;
 }
 interface Rejected {
@@ -74,6 +75,9 @@ describe('codec', () => {
       epoch: expected.epoch,
       sequence: BigInt(expected.sequence),
       time_us: BigInt(expected.time_us),
+      ...(expected.durable_sequence === undefined
+        ? {}
+        : { durable_sequence: BigInt(expected.durable_sequence) }),
     });
     expect(bodyOf(decoded.value)).toEqual(expected.body);
   });

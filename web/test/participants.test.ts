@@ -89,6 +89,20 @@ describe('participants', () => {
     expect(people.carvers().map((p) => p.info.name)).toEqual(['Ada']);
   });
 
+  it('show who carves in the page as one person', () => {
+    const people = new Participants();
+    const own: ParticipantInfo = { ...grace, participant: 3, kind: 'agent', tool: 1 };
+    const namesake: ParticipantInfo = { ...grace, participant: 4, color: '#abcdef' };
+    people.setList([ada, grace, namesake, own]);
+    expect(people.watchers().map(({ info }) => info.participant)).toEqual([4]);
+    expect(people.isAgentOf(2, people.get(3)!)).toBe(true);
+    expect(people.isAgentOf(4, people.get(3)!)).toBe(false);
+    expect(people.isAgentOf(2, people.get(1)!)).toBe(false);
+    expect(people.isAgentOf(undefined, people.get(3)!)).toBe(false);
+    people.change({ type: 'participants_changed', changed: [], left: [3], viewers: 2 });
+    expect(people.watchers().map(({ info }) => info.participant)).toEqual([2, 4]);
+  });
+
   it('know the share of the wrench that a device outputs, if the agent states it', () => {
     const people = new Participants();
     people.setList([ada]);

@@ -33,6 +33,10 @@ export interface Participant {
   seenMs: number;
 }
 
+function isSamePerson(viewer: ParticipantInfo, { kind, name, color }: ParticipantInfo): boolean {
+  return kind === 'agent' && name === viewer.name && color === viewer.color;
+}
+
 export class Participants {
   private readonly byId_ = new Map<number, Participant>();
   private revision_ = 0;
@@ -105,6 +109,20 @@ export class Participants {
 
   all(): Participant[] {
     return [...this.byId_.values()].sort((a, b) => a.info.participant - b.info.participant);
+  }
+
+  /** Viewers who do not carve as well. Who carves in the page has two connections. */
+  watchers(): Participant[] {
+    const carvers = this.carvers().map(({ info }) => info);
+    return this.all().filter(
+      ({ info }) => info.kind === 'viewer' && !carvers.some((carver) => isSamePerson(info, carver)),
+    );
+  }
+
+  /** Whether a participant is the agent of a viewer, who carves in the page. */
+  isAgentOf(viewer: number | undefined, { info }: Participant): boolean {
+    const self = viewer === undefined ? undefined : this.byId_.get(viewer)?.info;
+    return self !== undefined && isSamePerson(self, info);
   }
 
   /** Counter of list changes, so that the page rebuilds its list only after a change. */

@@ -20,6 +20,11 @@ export function tileKey(x: number, y: number): number {
   return y * 65536 + x;
 }
 
+/** The coordinates in a key. */
+export function tileAt(key: number): [x: number, y: number] {
+  return [key % 65536, Math.floor(key / 65536)];
+}
+
 export class TileTable {
   private readonly entries_ = new Map<number, TileEntry>();
   private generation_ = 0;

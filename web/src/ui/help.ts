@@ -17,12 +17,25 @@ const KEYS: readonly [string, string][] = [
   ['G', 'Grid on or off'],
   ['S', 'Sound on or off'],
   ['T', 'Timeline: look at the past'],
+  ['C', 'Carve, with mouse, pen or finger'],
   ['Arrows on the timeline', 'One motion, with Shift 100, Page up and down 1000'],
   ['I', 'Sections and measures'],
   ['O', 'Parallel projection or perspective'],
   ['Ctrl + Z', 'Undo the newest stroke of the selected participant'],
   ['Ctrl + Shift + Z', 'Redo'],
   ['?', 'Show this help'],
+];
+
+const CARVING: readonly [string, string][] = [
+  ['Drag, one finger', 'Carve'],
+  ['Right drag, Space + drag, two fingers', 'Rotate'],
+  ['Middle drag, three fingers', 'Pan'],
+  ['Ctrl + wheel, pressure of a pen', 'Depth'],
+  ['[ · ]', 'Tool'],
+  ['P · L', 'Follow the surface or a plane; lean with the surface'],
+  ['Ctrl + Z, tap with two fingers', 'Undo your newest stroke'],
+  ['Ctrl + Shift + Z, tap with three', 'Redo'],
+  ['Esc', 'End the stroke, then carving'],
 ];
 
 const POINTERS: readonly [string, string][] = [
@@ -49,6 +62,8 @@ export function helpDialog(): HTMLDialogElement {
     table(KEYS),
     h('h2', {}, 'Mouse, pen and touch'),
     table(POINTERS),
+    h('h2', {}, 'While you carve'),
+    table(CARVING),
     h('form', { method: 'dialog' }, close),
   );
   dialog.addEventListener('click', (event) => {

@@ -27,6 +27,9 @@ export const ICONS = {
   top: cube(
     '<path d="M12 3l8 4.5-8 4.5-8-4.5z" fill="currentColor" fill-opacity=".45" stroke="none"/>',
   ),
+  carve: icon(
+    '<path d="M14.500 3.500l6 6-7.500 7.500-6-6zM7 11l-2.500 7.500L12 17"/><path d="M3.500 21h8"/>',
+  ),
   arrows: icon('<path d="M5 19L17 7M10 7h7v7"/>'),
   program: icon(
     '<path d="M6 3h9l4 4v14H6zM14 3v5h5"/><path d="M9 12h3M9 16h7"/><path d="M15 11l2 1.500-2 1.500"/>',

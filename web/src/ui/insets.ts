@@ -16,13 +16,15 @@ export function insetsOf(app: HTMLElement, width: number, height: number): Inset
   const toolbar = boxOf('toolbar');
   const timeline = boxOf('timeline');
   const top = (boxOf('past-banner') ?? boxOf('bar'))?.bottom ?? 0;
+  const carve = boxOf('carve-bar'); // on phones it hides panel and toolbar
   const panels = SIDES.map(boxOf).filter((box) => box !== null);
   const sheets = [...panels, timeline].filter((box) => box !== null && box.width > 0.9 * width);
-  if (sheets.length > 0) {
+  if (sheets.length > 0 && !carve) {
     const above = toolbar?.top ?? Math.min(...sheets.map((sheet) => sheet!.top));
     return { left: 0, right: 0, top, bottom: Math.min(0.75 * height, Math.max(0, height - above)) };
   }
-  const bottom = timeline ? height - timeline.top : 24;
+  const lowest = carve ?? timeline;
+  const bottom = lowest ? height - lowest.top : 24;
   const bar = toolbar?.right ?? 0;
   const isLeft = (box: DOMRect): boolean => box.left + box.right < width;
   const right = Math.max(0, ...panels.filter((box) => !isLeft(box)).map((box) => width - box.left));

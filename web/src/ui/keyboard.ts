@@ -17,6 +17,7 @@ export interface KeyActions {
   toggleTimeline: () => void;
   toggleInspect: () => void;
   toggleParallel: () => void;
+  toggleCarve: () => void;
   undo: () => void;
   redo: () => void;
   help: () => void;
@@ -90,6 +91,9 @@ function actionOf(event: KeyboardEvent, actions: KeyActions): (() => void) | nul
     case 'o':
     case 'O':
       return actions.toggleParallel;
+    case 'c':
+    case 'C':
+      return actions.toggleCarve;
     case '?':
       return actions.help;
     default:

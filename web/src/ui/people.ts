@@ -64,6 +64,7 @@ export class People {
     const force = h('span', { class: 'person-force' });
     const state = h('span', { class: 'person-state' });
     const tool = toolName(this.model.tool(participant.tool || (participant.info.tool ?? 0)));
+    const isSelf = this.model.participants.isAgentOf(this.model.welcome?.participant, participant);
     const button = h(
       'button',
       { type: 'button', class: 'person', style: `--who:${color}`, title: 'Follow this tool' },
@@ -71,7 +72,7 @@ export class People {
       h(
         'span',
         { class: 'person-name' },
-        name,
+        isSelf ? `${name} (you)` : name,
         h('small', {}, [...marksOf(participant.info), tool].join(' · ')),
       ),
       state,

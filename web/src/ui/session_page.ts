@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of one session: connects link, model, view and panels.
 
+import { mountCarve } from '../carve/mount';
+import type { CarveSwitch } from '../carve/mount';
 import { probeSession } from '../link/api';
 import { redirectTarget } from '../link/redirect';
 import { ViewLink } from '../link/view_link';
@@ -58,6 +60,7 @@ export class SessionPage {
   private readonly link_: ViewLink;
   private readonly toggleTimeline_: () => void;
   private readonly toggleInspect_: () => void;
+  private readonly carve_: CarveSwitch;
   private readonly lookPolicy_ = new LookPolicy();
   private selected_: number | null = null;
   private panelMs_ = 0;
@@ -122,6 +125,16 @@ export class SessionPage {
       overlay: this.overlay_,
       toolbar: this.toolbar_.element,
       layoutChanged: () => this.resize_(),
+    });
+    this.carve_ = mountCarve({
+      model: this.model,
+      session,
+      picture: this.picture,
+      canvas: this.canvas_,
+      overlay: this.overlay_,
+      toolbar: this.toolbar_.element,
+      layoutChanged: () => this.resize_(),
+      say: (text) => this.flash_(text),
     });
     this.listen_();
     this.resize_();
@@ -228,6 +241,7 @@ export class SessionPage {
       toggleTimeline: () => this.toggleTimeline_(),
       toggleInspect: () => this.toggleInspect_(),
       toggleParallel: () => this.toggleParallel_(),
+      toggleCarve: () => this.carve_.toggle(),
       undo: () => void this.panel_.history.change('undo'),
       redo: () => void this.panel_.history.change('redo'),
       help: () => this.help_.showModal(),
@@ -272,6 +286,7 @@ export class SessionPage {
       follows: this.picture.followed !== null,
       arrowsVisible: this.picture.arrowsVisible,
     });
+    this.carve_.update();
     this.updateScale_();
     this.notice_.show(this.noticeText_(nowMs));
   }

@@ -19,8 +19,9 @@ export class Watchers {
     if (this.editing_) return;
     const { participants, welcome } = this.model;
     const listed = participants.all().filter(({ info }) => info.kind === 'viewer');
-    const others = listed.filter(({ info }) => info.participant !== welcome?.participant);
-    const self = listed.find(({ info }) => info.participant === welcome?.participant);
+    const shown = participants.watchers();
+    const others = shown.filter(({ info }) => info.participant !== welcome?.participant);
+    const self = shown.find(({ info }) => info.participant === welcome?.participant);
     const chips: HTMLElement[] = others.map(({ info }) => h('li', { class: 'chip' }, info.name));
     if (self) chips.unshift(this.own_(self.info.name));
     const unlisted = participants.viewers - listed.length;

@@ -33,6 +33,8 @@ export class CarverViews {
   private arrowsVisible_ = true;
   private pivotMm_ = 60;
   private arrowMm_ = 40;
+  /** The participant whose tool is drawn elsewhere. */
+  hidden: number | null = null;
 
   constructor(
     private readonly scene: THREE.Scene,
@@ -91,7 +93,8 @@ export class CarverViews {
 
   private move_(carver: Carver, participant: Participant, nowMs: number): boolean {
     const { tool, wrench, pose, drawn, hasPose: had } = carver;
-    carver.hasPose = tool !== null && participant.track.sample(nowMs - PLAYOUT_MS, pose);
+    const isShown = tool !== null && participant.info.participant !== this.hidden;
+    carver.hasPose = isShown && participant.track.sample(nowMs - PLAYOUT_MS, pose);
     if (tool && had && !carver.hasPose) return this.hide_(carver, tool);
     if (!tool || !carver.hasPose || !differs(pose, drawn)) return false;
     copyPose(pose, drawn);

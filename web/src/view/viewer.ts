@@ -189,6 +189,12 @@ export class Viewer {
     this.dirty_ = true;
   }
 
+  /** A participant whose tool is drawn elsewhere; null: none. */
+  set hiddenCarver(participant: number | null) {
+    this.carvers_.hidden = participant;
+    this.touch();
+  }
+
   follow(participant: number | null): void {
     this.followed_ = participant;
     if (participant === null) this.rig.followPoint(null);

@@ -3,6 +3,8 @@
 // present and finite. Unknown fields are kept and unknown types skipped, so that older viewers work
 // with newer servers.
 
+import { colorOf, InvalidField, list, number, numbers, object, text } from './json_fields';
+import type { Json } from './json_fields';
 import type {
   Decoded,
   ParticipantInfo,
@@ -16,42 +18,6 @@ import type {
   Welcome,
 } from './types';
 
-type Json = Record<string, unknown>;
-
-class InvalidField extends Error {}
-
-function object(value: unknown, field: string): Json {
-  if (typeof value !== 'object' || value === null || Array.isArray(value))
-    throw new InvalidField(`${field} is not an object`);
-  return value as Json;
-}
-
-function list(value: unknown, field: string): unknown[] {
-  if (!Array.isArray(value)) throw new InvalidField(`${field} is not an array`);
-  return value;
-}
-
-function number(from: Json, field: string): number {
-  const value = from[field];
-  if (typeof value !== 'number' || !Number.isFinite(value))
-    throw new InvalidField(`${field} is not a number`);
-  return value;
-}
-
-function text(from: Json, field: string): string {
-  const value = from[field];
-  if (typeof value !== 'string') throw new InvalidField(`${field} is not a string`);
-  return value;
-}
-
-function numbers(from: Json, field: string, count: number): number[] {
-  const values = list(from[field], field);
-  const good =
-    values.length === count && values.every((v) => typeof v === 'number' && Number.isFinite(v));
-  if (!good) throw new InvalidField(`${field} must be an array of ${count} numbers`);
-  return values as number[];
-}
-
 function participantOf(value: unknown): ParticipantInfo {
   const from = object(value, 'participant');
   const kind = from['kind'];
@@ -64,14 +30,6 @@ function participantOf(value: unknown): ParticipantInfo {
     ...roleOf(from),
     ...(from['muted'] === true ? { muted: true } : {}),
   };
-}
-
-/**
- * Returns a hexadecimal color unchanged and gray for anything else, because the text is used in
- * style attributes.
- */
-function colorOf(value: unknown): string {
-  return typeof value === 'string' && /^#[0-9a-fA-F]{6}$/.test(value) ? value : '#7a8699';
 }
 
 function participantsOf(value: unknown): ParticipantInfo[] {

@@ -8,6 +8,7 @@ import {
   AXIS_LENGTH_TOLERANCE,
   CONTACT_PLANE_BYTES,
   CONTACT_PLANES_MAX,
+  DURABLE_HEADER_BYTES,
   FrameType,
   HEADER_BYTES,
   HEADER_BYTES_MAX,
@@ -18,6 +19,7 @@ import {
   RESULT_BYTES,
   SAMPLE_BYTES,
   SAMPLES_PER_MESSAGE_MAX,
+  STATES_DURABLE,
   STOCK_RESET,
   STOCK_HEAD_BYTES,
   STOCK_TILE_BYTES,
@@ -280,6 +282,14 @@ function readPayload(
   }
 }
 
+function durableOf(view: DataView, headerBytes: number): Pick<Header, 'durable_sequence'> {
+  const type = view.getUint8(4);
+  const isAnswer = type === FrameType.Result || type === FrameType.Pong;
+  const isStated = (view.getUint8(5) & STATES_DURABLE) !== 0;
+  if (!isAnswer || !isStated || headerBytes < DURABLE_HEADER_BYTES) return {};
+  return { durable_sequence: view.getBigUint64(HEADER_BYTES, true) };
+}
+
 /**
  * Decodes one binary frame. Types unknown to this version are no error: they are returned as
  * `unknown`.
@@ -311,6 +321,7 @@ export function decodeFrame(bytes: ArrayBuffer | Uint8Array): Decoded<Frame> {
     epoch: view.getUint32(12, true),
     sequence: view.getBigUint64(16, true),
     time_us: view.getBigUint64(24, true),
+    ...durableOf(view, headerBytes),
   };
   const payload = readPayload(view, header.type, header.flags, headerBytes, payloadBytes);
   return payload.ok ? { ok: true, value: { header, ...payload.value } } : payload;

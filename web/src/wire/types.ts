@@ -22,6 +22,15 @@ export const INTENTS_MAX = 16;
 export const AXIS_LENGTH_TOLERANCE = 1e-3;
 
 export const VIEW_PROTOCOL = 'kerf.view.v1';
+export const AGENT_PROTOCOL = 'kerf.agent.v1';
+
+/** Bits of a sample's buttons. */
+export const BUTTON_CUTTING = 1;
+export const BUTTON_DEADMAN = 2;
+
+/** Flag of a result or pong whose longer header states a durable sequence. */
+export const STATES_DURABLE = 1;
+export const DURABLE_HEADER_BYTES = 40;
 
 export const FrameType = {
   Motion: 1,
@@ -58,6 +67,8 @@ export interface Header {
   epoch: number;
   sequence: bigint;
   time_us: bigint;
+  /** Of results and pongs: the agent's samples up to this one are on the server's disk. */
+  durable_sequence?: bigint;
 }
 
 export interface Sample {

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// End-to-end test of carving in the page: a newcomer opens an invitation, carves a stroke with the
+// mouse, undoes and redoes it; a watcher cannot. See README.md.
+//
+// node carve_page_live.mjs --server PROGRAM --carve PROGRAM --web FOLDER --out FOLDER
+
+import assert from 'node:assert/strict';
+import { readFile, writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { launchBrowser, openViewer } from './support/browser.mjs';
+import { checkFreeBlock } from './support/layout.mjs';
+import { run, start, stop, until } from './support/processes.mjs';
+import { optionsOf, runTest } from './support/session.mjs';
+import { stlCorners, volumeOf } from './support/surface.mjs';
+
+const options = optionsOf(['server', 'carve', 'web', 'out']);
+
+const SETTLE_S = 60; // software WebGL on a busy machine
+const SIZES = [
+  [390, 844],
+  [844, 390],
+  [1440, 900],
+];
+const SCENE = {
+  name: 'Carve here',
+  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
+  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  tools: [
+    { id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 },
+    { id: 4, shape: 'flat', diameter_mm: 8, length_mm: 30 },
+  ],
+  machine: { kinematics: 'tool-vector' },
+};
+const BLOCK_MM3 = 40 * 30 * 10;
+const DEPTH_MM = 1.5; // half the radius of the first tool
+
+/** A server on which everybody needs an invitation, with a session. */
+async function startServer(folder) {
+  const admin = join(folder, 'admin');
+  const server = start(options.server, [
+    ...['--listen', '127.0.0.1:0', '--data', join(folder, 'data'), '--web', options.web],
+    ...['--admin-token-file', admin],
+  ]);
+  const base = await until('server address', 20, () => {
+    assert.equal(server.code, undefined, `the server exited: ${server.errors}`);
+    return server.lines.find((line) => line.startsWith('http'));
+  });
+  const token = (await readFile(admin, 'ascii')).trim();
+  const ask = (path, method = 'GET', body = undefined) =>
+    fetch(base + path, { method, body, headers: { authorization: `Bearer ${token}` } });
+  const created = await ask('/v1/sessions?id=e2e', 'POST', JSON.stringify(SCENE));
+  assert.equal(created.status, 201, await created.text());
+  return { server, base, ask };
+}
+
+/** Opens the link of an invitation, and waits for the picture. */
+async function openInvited(browser, { base, ask }, role, name) {
+  const made = await ask(`/v1/sessions/e2e/invitations?role=${role}`, 'POST');
+  const link = new URL((await made.json()).link, base);
+  link.searchParams.set('name', name);
+  const viewer = await openViewer(browser, link.href, { width: 900, height: 620 });
+  await until(`picture of the ${role}`, SETTLE_S, async () => {
+    const marks = await viewer.page.evaluate(() => window.kerf?.marks);
+    return marks?.picture && (await viewer.state()).snapshotComplete;
+  });
+  return viewer;
+}
+
+async function session({ ask }) {
+  return (await ask('/v1/sessions/e2e')).json();
+}
+
+async function stlVolume({ ask }) {
+  const response = await ask('/v1/sessions/e2e/model.stl');
+  return volumeOf(stlCorners(Buffer.from(await response.arrayBuffer())));
+}
+
+/** Waits until the server has as much removed as a probe says, and the hash of it. */
+async function settled(server, what, isDone) {
+  return until(what, SETTLE_S, async () => {
+    const before = await session(server);
+    await new Promise((resolve) => setTimeout(resolve, 120));
+    const now = await session(server);
+    const isStill = before.motions === now.motions && before.state_hash === now.state_hash;
+    return isStill && isDone(now) && now;
+  });
+}
+
+/** Drags the mouse across the block, in jumps: the tool follows in small steps all the same. */
+async function dragAcross({ page, state }) {
+  const [left, top, right, bottom] = (await state()).blockBox;
+  const at = (x, y) => [left + x * (right - left), top + y * (bottom - top)];
+  await page.mouse.move(...at(0.3, 0.45));
+  await page.mouse.move(...at(0.31, 0.45));
+  await page.mouse.down();
+  await page.mouse.move(...at(0.5, 0.5), { steps: 2 });
+  await page.mouse.move(...at(0.66, 0.52), { steps: 2 });
+  await page.mouse.up();
+}
+
+async function checkLayouts(viewer) {
+  for (const size of SIZES) {
+    await checkFreeBlock(viewer, size, ['.bar', '.toolbar', '.panel', '.carve-bar']);
+    const file = join(options.out, `carve-${size[0]}.png`);
+    await writeFile(file, await viewer.page.screenshot());
+  }
+}
+
+/** The export of the session, carved by kerf-carve, is the block. */
+async function checkExport(server, folder, { state_hash: hash }) {
+  const response = await server.ask('/v1/sessions/e2e/program.ngc');
+  await writeFile(join(folder, 'program.ngc'), await response.text());
+  await writeFile(join(folder, 'scene.json'), JSON.stringify(SCENE));
+  await run(options.carve, [
+    ...['--scene', join(folder, 'scene.json'), '--program', join(folder, 'program.ngc')],
+    ...['--report', join(folder, 'report.json')],
+  ]);
+  const report = JSON.parse(await readFile(join(folder, 'report.json'), 'utf8'));
+  assert.equal(report.state_hash, hash, 'kerf-carve makes another block of the export');
+}
+
+async function checkSculptor(browser, server, folder) {
+  const viewer = await openInvited(browser, server, 'sculptor', 'Grace');
+  const { page, problems } = viewer;
+  assert(Math.abs((await stlVolume(server)) - BLOCK_MM3) < 0.01);
+  await page.keyboard.press('c');
+  await page.locator('main[data-carve=ready]').waitFor();
+  await page.getByRole('button', { name: /Grace \(you\).*sculptor · ball 6 mm/ }).waitFor();
+  assert.equal(await page.getByText('Grace (you)').count(), 1, 'one person is listed twice');
+  await dragAcross(viewer);
+  const cut = await settled(server, 'a cut', ({ removed_volume_mm3: mm3 }) => mm3 > 0);
+  const volume = await stlVolume(server);
+  // A groove of a ball, some 12 to 30 mm long: the cap of the ball below the surface is its section.
+  const section = 9 * Math.acos(1 - DEPTH_MM / 3) - (3 - DEPTH_MM) * Math.sqrt(9 - 1.5 ** 2);
+  const length = (BLOCK_MM3 - volume) / section;
+  assert(length > 12 && length < 30, `${length} mm`);
+  await checkExport(server, folder, cut);
+  console.log(`a stroke of ${cut.motions} motions and ${length.toFixed(1)} mm: ${cut.state_hash}`);
+
+  await page.keyboard.press('Control+z');
+  await settled(server, 'undo', ({ removed_volume_mm3: mm3 }) => Math.abs(mm3) < 1e-6);
+  assert(Math.abs((await stlVolume(server)) - BLOCK_MM3) < 0.01);
+  await page.getByText('Your stroke was undone.').waitFor();
+  await page.getByRole('button', { name: 'Redo' }).last().click();
+  await settled(server, 'redo', ({ state_hash: hash }) => hash === cut.state_hash);
+
+  await checkLayouts(viewer);
+  await page.keyboard.press('Escape');
+  await until('no agent', 10, async () => {
+    const { participants } = await session(server);
+    return participants.every(({ kind }) => kind === 'viewer');
+  });
+  assert.deepEqual(problems, []);
+}
+
+async function checkWatcher(browser, server) {
+  const { page, problems } = await openInvited(browser, server, 'watcher', 'Mary');
+  const button = page.getByRole('button', { name: 'Carve' });
+  await page.locator('button[title="Carve: Your role, watcher, may not carve."]').waitFor();
+  assert.equal(await button.getAttribute('aria-disabled'), 'true');
+  await page.keyboard.press('c');
+  await page.getByText('Your role, watcher, may not carve.').waitFor();
+  assert.equal(await page.locator('.carve-bar').count(), 0);
+  assert.deepEqual(problems, []);
+}
+
+async function test(folder) {
+  const server = await startServer(folder);
+  const browser = await launchBrowser();
+  try {
+    await checkSculptor(browser, server, folder);
+    await checkWatcher(browser, server);
+  } finally {
+    await browser.close();
+  }
+  assert.equal(await stop(server.server), 0, server.server.errors);
+}
+
+await runTest(test, options.out);

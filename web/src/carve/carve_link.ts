@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page's connection as an agent of the session: joins, sends samples, delivers results, and
+// after a loss continues as the same participant, without a gap in its path.
+
+import { Backoff } from '../link/backoff';
+import type { Socket } from '../link/view_link';
+import { parseAgentControl } from '../wire/agent_control';
+import type { AgentHello, AgentMessage, AgentRequest, AgentWelcome } from '../wire/agent_control';
+import { decodeFrame } from '../wire/decode';
+import { encodeFrame } from '../wire/encode';
+import { AGENT_PROTOCOL, FrameType } from '../wire/types';
+import type { Payload, Result, Sample } from '../wire/types';
+import { SampleLog } from './sample_log';
+import type { Draft } from './sample_log';
+
+export type CarveStatus = 'off' | 'joining' | 'ready' | 'lost';
+
+export interface CarveLinkEvents {
+  /** The status changed; `reason` is for the user, empty if all is well. */
+  status(status: CarveStatus, reason: string): void;
+  joined(welcome: AgentWelcome): void;
+  result(result: Result): void;
+  /** A motion was rejected, or a stroke was not undone. */
+  rejected(code: string, reason: string): void;
+  /** One of its own strokes was undone (true) or redone. */
+  changed(undone: boolean): void;
+}
+
+export interface CarveLinkOptions {
+  url: string;
+  open(url: string, protocol: string): Socket;
+  /** Who joins: name and color of the watcher, and the tool. */
+  who(): Pick<AgentHello, 'name' | 'color' | 'tool'>;
+  nowMs(): number;
+  backoff?: Backoff;
+}
+
+const PING_EVERY_MS = 1000; // pongs state what is durable, also while the tool rests
+const SILENCE_MAX_MS = 10_000;
+const UNANSWERED_MAX = 512; // half a second at full rate: a slow server is not flooded
+
+export class CarveLink {
+  private socket_: Socket | null = null;
+  private generation_ = 0; // counts connections; events of earlier ones are ignored
+  private status_: CarveStatus = 'off';
+  private welcome_: AgentWelcome | null = null;
+  private token_ = '';
+  private sequence_ = 0n;
+  private heardMs_ = 0;
+  private byeReason_ = '';
+  private timer_: ReturnType<typeof setInterval> | undefined;
+  private retry_: ReturnType<typeof setTimeout> | undefined;
+  private readonly log_ = new SampleLog();
+  private readonly backoff_: Backoff;
+
+  constructor(
+    private readonly options: CarveLinkOptions,
+    private readonly events: CarveLinkEvents,
+  ) {
+    this.backoff_ = options.backoff ?? new Backoff();
+  }
+
+  get status(): CarveStatus {
+    return this.status_;
+  }
+
+  /** Of the last welcome; null before it. */
+  get participant(): number | null {
+    return this.welcome_?.participant ?? null;
+  }
+
+  /** Whether samples may be sent now. */
+  get takes(): boolean {
+    return this.status_ === 'ready' && this.log_.unanswered < UNANSWERED_MAX;
+  }
+
+  /** Joins, as the participant of before if there was one. */
+  join(): void {
+    if (this.status_ === 'off') this.connect_('');
+  }
+
+  /** Leaves the session. */
+  leave(): void {
+    clearTimeout(this.retry_);
+    this.drop_();
+    this.become_('off', '');
+  }
+
+  /** Tries now instead of after the delay. */
+  retryNow(): void {
+    if (this.status_ !== 'lost') return;
+    clearTimeout(this.retry_);
+    this.connect_('');
+  }
+
+  send(drafts: readonly Draft[]): void {
+    if (drafts.length > 0) this.sendSamples_(this.log_.add(drafts));
+  }
+
+  ask(request: AgentRequest): void {
+    if (this.status_ === 'ready') this.socket_?.send(JSON.stringify(request));
+  }
+
+  private connect_(reason: string): void {
+    const generation = ++this.generation_;
+    this.become_('joining', reason);
+    this.byeReason_ = '';
+    this.heardMs_ = this.options.nowMs();
+    const socket = this.options.open(this.options.url, AGENT_PROTOCOL);
+    socket.binaryType = 'arraybuffer';
+    this.socket_ = socket;
+    const isCurrent = (): boolean => generation === this.generation_;
+    socket.onopen = () => {
+      if (isCurrent()) socket.send(JSON.stringify(this.hello_()));
+    };
+    socket.onmessage = ({ data }) => {
+      if (isCurrent()) this.received_(data);
+    };
+    socket.onclose = ({ reason: why }) => {
+      if (isCurrent()) this.lost_(this.byeReason_ || why || 'The connection was lost.');
+    };
+    socket.onerror = () => {
+      // A close event always follows.
+    };
+    clearInterval(this.timer_);
+    this.timer_ = setInterval(() => this.tick_(), PING_EVERY_MS);
+  }
+
+  private hello_(): AgentHello {
+    const token = this.token_ === '' ? {} : { resume: this.token_ };
+    return { type: 'hello', ...this.options.who(), durable: true, ...token };
+  }
+
+  private drop_(): void {
+    this.generation_ += 1;
+    clearInterval(this.timer_);
+    this.socket_?.close();
+    this.socket_ = null;
+  }
+
+  private become_(status: CarveStatus, reason: string): void {
+    this.status_ = status;
+    this.events.status(status, reason);
+  }
+
+  private lost_(reason: string): void {
+    this.drop_();
+    this.become_('lost', reason);
+    this.retry_ = setTimeout(() => this.connect_(reason), this.backoff_.next());
+  }
+
+  private tick_(): void {
+    const now = this.options.nowMs();
+    if (now - this.heardMs_ > SILENCE_MAX_MS) {
+      this.lost_('The server stopped answering.');
+      return;
+    }
+    if (this.status_ === 'ready')
+      this.sendFrame_(FrameType.Ping, { kind: 'ping', time_us: this.nowUs_() });
+  }
+
+  private nowUs_(): bigint {
+    return BigInt(Math.round(this.options.nowMs() * 1000));
+  }
+
+  private sendFrame_(type: FrameType, payload: Payload): void {
+    if (!this.socket_ || !this.welcome_) return;
+    this.sequence_ += 1n;
+    const { epoch } = this.welcome_;
+    const header = { type, flags: 0, epoch, sequence: this.sequence_, time_us: this.nowUs_() };
+    this.socket_.send(encodeFrame({ header, ...payload }));
+  }
+
+  private sendSamples_(samples: Sample[]): void {
+    const most = this.welcome_?.samplesPerMessage ?? 1;
+    for (let at = 0; at < samples.length; at += most) {
+      this.sendFrame_(FrameType.Motion, { kind: 'motion', samples: samples.slice(at, at + most) });
+    }
+  }
+
+  private received_(data: unknown): void {
+    this.heardMs_ = this.options.nowMs();
+    if (typeof data === 'string') {
+      const message = parseAgentControl(data);
+      if (message.ok && message.value) this.heard_(message.value);
+    } else if (data instanceof ArrayBuffer) {
+      this.receivedFrame_(data);
+    }
+  }
+
+  private receivedFrame_(bytes: ArrayBuffer): void {
+    const frame = decodeFrame(bytes);
+    if (!frame.ok) return;
+    const { header } = frame.value;
+    if (header.durable_sequence !== undefined) this.log_.durable(header.durable_sequence);
+    if (frame.value.kind !== 'result') return;
+    this.log_.answered(frame.value.result.agent_sequence);
+    this.events.result(frame.value.result);
+  }
+
+  private heard_(message: AgentMessage): void {
+    switch (message.type) {
+      case 'welcome': {
+        this.joined_(message);
+        return;
+      }
+      case 'stroke':
+        if (message.code === undefined) this.events.changed(message.undone);
+        else this.events.rejected(message.code, message.reason ?? '');
+        return;
+      case 'bye':
+        this.byeReason_ = message.reason;
+        return;
+      case 'error': {
+        this.failed_(message.code, message.reason, message.fatal);
+        return;
+      }
+    }
+  }
+
+  private joined_(welcome: AgentWelcome): void {
+    this.welcome_ = welcome;
+    this.token_ = welcome.resume.token;
+    this.sendSamples_(this.log_.toResend(welcome.resume.agentSequence));
+    this.backoff_.reset();
+    this.become_('ready', '');
+    this.events.joined(welcome);
+  }
+
+  private failed_(code: string, reason: string, fatal: boolean): void {
+    if (!fatal) {
+      this.events.rejected(code, reason);
+      return;
+    }
+    // Who was removed, or has no right any more, does not come back by itself.
+    const isFinal = code === 'removed' || code === 'not_allowed' || code === 'unknown_session';
+    if (!isFinal) {
+      this.lost_(reason);
+      return;
+    }
+    this.drop_();
+    this.become_('off', reason);
+  }
+}

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Apache-2.0
+// Carving in the page: takes pointer and keys, draws the tool where it would cut, and sends its path
+// to the server as any agent does. The cut is shown when the server's mesh comes.
+
+import { MOUSE } from 'three';
+import { pathOf } from '../link/strokes';
+import type { Socket } from '../link/view_link';
+import { toolProfile } from '../model/tool_profile';
+import { sentence } from '../ui/format';
+import { recall } from '../ui/memory';
+import type { Viewer } from '../view/viewer';
+import type { AgentWelcome } from '../wire/agent_control';
+import type { Result, ToolInfo, Welcome } from '../wire/types';
+import { LEAN_MAX_RAD } from './aim';
+import type { AimMode } from './aim';
+import { CarveBar } from './carve_bar';
+import { CarveLink } from './carve_link';
+import type { CarveStatus } from './carve_link';
+import { Gauge } from './gauge';
+import { Hand } from './hand';
+import { listenToCarveKeys } from './keys';
+import type { CarveHost } from './mount';
+import { Pointers } from './pointers';
+import type { Place } from './pointers';
+import { Rumble } from './rumble';
+
+const SAMPLE_EVERY_MS = 8;
+const NOTE_MS = 6000;
+const TURN_RAD_PER_PX = 0.006;
+const DEPTH_OF_RADIUS = 0.5; // at the start, of the tool's radius
+const DEEPEST_RADII = 4;
+const HELP =
+  'Drag on the block to carve. Right drag, or Space and drag, turns; the wheel zooms; Esc ends.';
+const HELP_TOUCH = 'One finger carves, two turn and zoom, three pan. Tap with two to undo.';
+const DISK_FULL = 'The server cannot write: nothing is carved until it can.';
+
+function isTouched(): boolean {
+  return matchMedia('(pointer: coarse)').matches;
+}
+
+export class CarveMode {
+  private readonly bar_: CarveBar;
+  private readonly gauge_ = new Gauge();
+  private readonly rumble_ = new Rumble();
+  private readonly link_: CarveLink;
+  private readonly hand_: Hand;
+  private welcome_: Welcome | null = null; // for which the rack was filled
+  private tool_: ToolInfo | null = null;
+  private depthMm_ = 1;
+  private pointers_: Pointers | null = null;
+  private inHand_ = false; // the device is touched: it vibrates
+  private stopKeys_: () => void = () => undefined;
+  private timer_: ReturnType<typeof setInterval> | undefined;
+  private noteUntilMs_ = 0;
+  private mouseButtons_: object = {};
+
+  constructor(
+    private readonly host: CarveHost,
+    private readonly viewer: Viewer,
+    private readonly button: HTMLElement,
+  ) {
+    this.hand_ = new Hand(viewer, (place) => this.gauge_.place(place));
+    this.bar_ = this.makeBar_();
+    this.link_ = this.makeLink_();
+    new ResizeObserver(() => this.laidOut_()).observe(this.bar_.element);
+    document.addEventListener('visibilitychange', () => {
+      if (document.hidden) this.pointers_?.cancel();
+    });
+    window.addEventListener('online', () => this.link_.retryNow());
+  }
+
+  get isActive(): boolean {
+    return this.pointers_ !== null;
+  }
+
+  enter(): void {
+    const { welcome } = this.host.model;
+    if (this.isActive || !welcome) return;
+    this.main_.classList.add('carving');
+    this.main_.append(this.bar_.element);
+    this.host.overlay.append(this.gauge_.element);
+    this.button.setAttribute('aria-pressed', 'true');
+    this.prepare_(welcome);
+    this.pointers_ = this.takePointers_();
+    this.stopKeys_ = this.takeKeys_();
+    const { mouseButtons } = this.viewer.rig.controls;
+    this.mouseButtons_ = { ...mouseButtons };
+    // The left button turns with Space.
+    Object.assign(mouseButtons, { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.ROTATE });
+    this.link_.join();
+    this.timer_ = setInterval(() => this.tick_(), SAMPLE_EVERY_MS);
+  }
+
+  leave(): void {
+    if (!this.pointers_) return;
+    this.pointers_.dispose();
+    this.pointers_ = null;
+    this.send_(); // that the tool has left the cut
+    clearInterval(this.timer_);
+    this.link_.leave();
+    this.hand_.forget();
+    this.hand_.hide();
+    this.stopKeys_();
+    this.viewer.hiddenCarver = null;
+    Object.assign(this.viewer.rig.controls.mouseButtons, this.mouseButtons_);
+    this.bar_.element.remove();
+    this.gauge_.element.remove();
+    this.main_.classList.remove('carving');
+    this.button.setAttribute('aria-pressed', 'false');
+    this.laidOut_();
+  }
+
+  private get main_(): HTMLElement {
+    return this.host.toolbar.parentElement!;
+  }
+
+  private makeBar_(): CarveBar {
+    return new CarveBar({
+      chooseTool: (id) => this.chooseTool_(id),
+      chooseMode: (mode) => this.chooseMode_(mode),
+      toggleLean: () => this.toggleLean_(),
+      setDepth: (mm) => this.setDepth_(mm),
+      undo: () => this.undo_(),
+      redo: () => this.link_.ask({ type: 'redo' }),
+      done: () => this.leave(),
+    });
+  }
+
+  private makeLink_(): CarveLink {
+    const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
+    return new CarveLink(
+      {
+        url: `${scheme}://${location.host}${pathOf(this.host.session, 'agent')}`,
+        open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
+        who: () => ({ ...this.who_(), tool: this.tool_?.id ?? 0 }),
+        nowMs: () => performance.now(),
+      },
+      {
+        status: (status, reason) => this.linkChanged_(status, reason),
+        joined: (welcome) => this.joined_(welcome),
+        result: (result) => this.felt_(result),
+        rejected: (code, reason) => this.rejected_(code, reason),
+        changed: (undone) => this.say_(`Your stroke was ${undone ? 'undone' : 'redone'}.`),
+      },
+    );
+  }
+
+  private takePointers_(): Pointers {
+    const { rig } = this.viewer;
+    const height = (): number => Math.max(1, this.host.canvas.clientHeight);
+    return new Pointers(this.host.canvas, {
+      hover: (place) => this.hand_.hover(place, this.isJoined_()),
+      begin: (place) => this.begin_(place),
+      move: (places) => this.hand_.move(places, this.depthMm_),
+      end: () => this.end_(),
+      deepen: (factor) => this.setDepth_(this.depthMm_ * factor),
+      turn: (dx, dy, closer) => {
+        rig.orbit(-dx * TURN_RAD_PER_PX, dy * TURN_RAD_PER_PX);
+        rig.zoom(closer);
+      },
+      pan: (dx, dy) => rig.pan(-dx / height(), dy / height()),
+      undo: () => this.undo_(),
+      redo: () => this.link_.ask({ type: 'redo' }),
+    });
+  }
+
+  private takeKeys_(): () => void {
+    return listenToCarveKeys({
+      escape: () => {
+        if (!this.pointers_?.cancel()) this.leave();
+      },
+      undo: () => this.undo_(),
+      redo: () => this.link_.ask({ type: 'redo' }),
+      nextTool: (step) => this.nextTool_(step),
+      togglePlane: () =>
+        this.chooseMode_(this.hand_.settings.mode === 'plane' ? 'surface' : 'plane'),
+      toggleLean: () => this.toggleLean_(),
+      space: (held) => {
+        if (this.pointers_) this.pointers_.spaceHeld = held;
+      },
+    });
+  }
+
+  // Strokes
+  // -----------------------------------------------------------------------------------------------
+
+  private begin_(place: Place): void {
+    const reason = this.whyNotNow_();
+    if (reason !== '') {
+      this.say_(reason, true);
+      return;
+    }
+    this.inHand_ = place.pressure !== null || isTouched();
+    this.hand_.begin(place, this.depthMm_);
+  }
+
+  private end_(): void {
+    this.hand_.end();
+    this.send_();
+    if (isTouched()) this.hand_.hide(); // no pointer is left over the picture
+  }
+
+  private undo_(): void {
+    this.pointers_?.cancel();
+    this.send_();
+    this.hand_.forget(); // what would come after it is not to be cut
+    this.link_.ask({ type: 'undo' });
+  }
+
+  private whyNotNow_(): string {
+    const { state } = this.host.model;
+    if (state?.at) return 'This is the past: go back to live to carve.';
+    if (state?.paused) return DISK_FULL;
+    return this.isJoined_() ? '' : 'Not connected yet: wait a moment.';
+  }
+
+  private isJoined_(): boolean {
+    return this.link_.status === 'ready';
+  }
+
+  private tick_(): void {
+    const { welcome, state } = this.host.model;
+    const now = performance.now();
+    if (welcome && welcome !== this.welcome_) this.prepare_(welcome);
+    if (this.hand_.isCutting && state?.at) this.pointers_?.cancel();
+    this.send_();
+    this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
+    if (now > this.noteUntilMs_ && this.isJoined_()) this.bar_.say(isTouched() ? HELP_TOUCH : HELP);
+  }
+
+  private send_(): void {
+    if (this.link_.takes) this.link_.send(this.hand_.take(Math.round(performance.now() * 1000)));
+  }
+
+  // Settings
+  // -----------------------------------------------------------------------------------------------
+
+  /** Fills the rack for a session that was joined. */
+  private prepare_(welcome: Welcome): void {
+    this.welcome_ = welcome;
+    this.bar_.setTools(welcome.tools);
+    const tool = welcome.tools.find(({ id }) => id === this.tool_?.id) ?? welcome.tools[0];
+    if (!tool) return;
+    if (!this.tool_) this.depthMm_ = DEPTH_OF_RADIUS * toolProfile(tool).radiusMm;
+    this.chooseTool_(tool.id);
+    this.showMode_();
+  }
+
+  /** Name and color of the watcher: others see one person. */
+  private who_(): { name: string; color: string } {
+    const { participants, welcome } = this.host.model;
+    const self = participants.get(welcome?.participant ?? -1)?.info;
+    const name = self?.name ?? recall('name') ?? 'Guest';
+    return { name, color: self?.color ?? welcome!.color };
+  }
+
+  private chooseTool_(id: number): void {
+    const tool = this.welcome_?.tools.find((one) => one.id === id);
+    if (!tool) return;
+    this.pointers_?.cancel();
+    this.send_();
+    this.tool_ = tool;
+    this.hand_.takeTool(tool, this.who_().color, this.welcome_!);
+    this.link_.ask({ type: 'tool', tool: id });
+    this.bar_.setTool(id);
+    this.setDepth_(this.depthMm_);
+  }
+
+  private nextTool_(step: 1 | -1): void {
+    const ids = this.welcome_?.tools.map(({ id }) => id) ?? [];
+    const at = ids.indexOf(this.tool_?.id ?? 0) + step;
+    const id = ids[(at + ids.length) % ids.length];
+    if (id !== undefined) this.chooseTool_(id);
+  }
+
+  private chooseMode_(mode: AimMode): void {
+    this.hand_.settings.mode = mode;
+    this.showMode_();
+  }
+
+  private toggleLean_(): void {
+    const { settings } = this.hand_;
+    settings.leanMaxRad = settings.leanMaxRad > 0 ? 0 : LEAN_MAX_RAD;
+    this.showMode_();
+  }
+
+  private showMode_(): void {
+    const { mode, leanMaxRad } = this.hand_.settings;
+    this.bar_.setMode(mode, leanMaxRad > 0);
+    this.hand_.hoverAgain(this.isJoined_());
+  }
+
+  private setDepth_(mm: number): void {
+    if (!this.tool_ || !this.welcome_) return;
+    const { lengthMm, radiusMm } = toolProfile(this.tool_);
+    const most = Math.min(lengthMm, DEEPEST_RADII * radiusMm);
+    const least = Math.min(this.welcome_.pitch_mm, most / 2) / 2;
+    this.depthMm_ = Math.min(most, Math.max(least, mm));
+    this.hand_.settings.depthMm = this.depthMm_;
+    this.bar_.setDepth(this.depthMm_, [least, most]);
+    this.hand_.hoverAgain(this.isJoined_());
+  }
+
+  private laidOut_(): void {
+    this.main_.style.setProperty('--carve-bar', `${this.bar_.element.offsetHeight}px`);
+    this.host.layoutChanged();
+  }
+
+  // The server
+  // -----------------------------------------------------------------------------------------------
+
+  private linkChanged_(status: CarveStatus, reason: string): void {
+    this.main_.dataset['carve'] = status;
+    if (status === 'lost') {
+      this.pointers_?.cancel();
+      this.say_(`${sentence(reason)} Reconnecting…`, true);
+    } else if (status === 'joining' && reason === '') {
+      this.bar_.say('Joining…');
+    } else if (status === 'ready') {
+      this.noteUntilMs_ = 0;
+    } else if (status === 'off' && reason !== '') {
+      this.host.say(sentence(reason));
+      this.leave();
+    }
+  }
+
+  private joined_({ participant, speedMmPerS, samplesPerS }: AgentWelcome): void {
+    this.hand_.limits = { speedMmPerS, samplesPerS };
+    this.viewer.hiddenCarver = participant;
+  }
+
+  private felt_({ force_n }: Result): void {
+    const now = performance.now();
+    const forceN = Math.hypot(...force_n);
+    this.gauge_.feel(forceN, now);
+    this.rumble_.feel(forceN / this.viewer.arrowScale.forceFullN, this.inHand_, now);
+  }
+
+  private rejected_(code: string, reason: string): void {
+    if (code === 'in_stock') this.pointers_?.cancel(); // lifted, the tool is clear of it
+    this.say_(sentence(reason), true);
+  }
+
+  private say_(text: string, isProblem = false): void {
+    this.noteUntilMs_ = performance.now() + NOTE_MS;
+    this.bar_.say(text, isProblem);
+  }
+}

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// The button that begins to carve. All else of it is a chunk of its own.
+
+import { iconButton } from '../ui/dom';
+import { ICONS } from '../ui/icons';
+import type { SessionModel } from '../model/session';
+import type { Picture } from '../ui/picture';
+import type { Welcome } from '../wire/types';
+import type { CarveMode } from './carve_mode';
+
+/** What carving needs of the page. */
+export interface CarveHost {
+  model: SessionModel;
+  session: string;
+  picture: Picture;
+  canvas: HTMLElement;
+  /** Over the picture; does not take the pointer. */
+  overlay: HTMLElement;
+  toolbar: HTMLElement;
+  /** The bar was opened or closed, and covers another part of the picture. */
+  layoutChanged: () => void;
+  /** Says why something is not done. */
+  say: (text: string) => void;
+}
+
+export interface CarveSwitch {
+  toggle: () => void;
+  /** Shows whether this viewer may carve. */
+  update: () => void;
+}
+
+/** Returns why this viewer may not carve, as a sentence for the user; empty: it may. */
+export function whyNotCarve({ may, role }: Pick<Welcome, 'may' | 'role'>): string {
+  if (may === undefined || may.includes('carve')) return '';
+  return `Your role${role === undefined ? '' : `, ${role},`} may not carve.`;
+}
+
+const LABEL = 'Carve';
+const KEY = 'C';
+
+/** Adds the button to the toolbar. */
+export function mountCarve(host: CarveHost): CarveSwitch {
+  let mode: CarveMode | null = null;
+  let loading = false;
+  const whyNot = (): string => {
+    const { welcome } = host.model;
+    if (!welcome) return 'The session is not open yet.';
+    if (host.picture.viewer === null) return 'There is no picture to carve in yet.';
+    return whyNotCarve(welcome);
+  };
+  const toggle = (): void => {
+    if (mode?.isActive) {
+      mode.leave();
+      return;
+    }
+    const reason = whyNot();
+    if (reason !== '') {
+      host.say(reason);
+      return;
+    }
+    if (mode) {
+      mode.enter();
+      return;
+    }
+    if (loading) return;
+    loading = true;
+    import('./carve_mode').then(
+      ({ CarveMode }) => {
+        mode = new CarveMode(host, host.picture.viewer!, button);
+        mode.enter();
+      },
+      (problem: unknown) => {
+        loading = false; // the next press tries again
+        console.warn('Carving did not load:', problem);
+      },
+    );
+  };
+  const button = iconButton(ICONS.carve, LABEL, KEY, toggle);
+  button.setAttribute('aria-pressed', 'false');
+  host.toolbar.prepend(button);
+  const update = (): void => {
+    const reason = whyNot();
+    const title = reason === '' ? `${LABEL} (${KEY})` : `${LABEL}: ${reason}`;
+    if (button.title === title) return;
+    button.title = title;
+    button.setAttribute('aria-disabled', String(reason !== ''));
+    button.setAttribute('aria-description', reason);
+  };
+  return { toggle, update };
+}

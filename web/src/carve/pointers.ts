@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Mouse, pen and fingers over the picture while one carves. What carves is kept from the camera's
+// controls; other buttons, and all while Space is held, are theirs.
+
+import { Touches } from './touches';
+
+/** A place of the picture, CSS pixels from its corner. */
+export interface Place {
+  x: number;
+  y: number;
+  /** Of a pen, 0 to 1; null: the device does not tell. */
+  pressure: number | null;
+}
+
+export interface PointerActions {
+  /** The pointer is over the picture without touching; null: it has left. */
+  hover(place: Place | null): void;
+  begin(place: Place): void;
+  /** Where the pointer has been since the last call, the newest last. */
+  move(places: readonly Place[]): void;
+  end(): void;
+  /** Changes the depth by a factor. */
+  deepen(factor: number): void;
+  /** Turns the camera by pixels, and changes its distance by a factor. */
+  turn(dx: number, dy: number, closer: number): void;
+  pan(dx: number, dy: number): void;
+  undo(): void;
+  redo(): void;
+}
+
+const DEPTH_PER_WHEEL = 1 / 700;
+
+function placeOf(event: PointerEvent): Place {
+  const pressure = event.pointerType === 'pen' ? event.pressure : null;
+  return { x: event.offsetX, y: event.offsetY, pressure };
+}
+
+/** The places between two frames, which browsers deliver in one event. */
+function placesOf(event: PointerEvent): Place[] {
+  const events = event.getCoalescedEvents();
+  return (events.length > 0 ? events : [event]).map(placeOf);
+}
+
+export class Pointers {
+  private stroke_: number | null = null; // the pointer that carves
+  private spaceHeld_ = false;
+  private readonly touches_: Touches;
+  private readonly stop_ = new AbortController();
+
+  constructor(
+    private readonly canvas: HTMLElement,
+    private readonly actions: PointerActions,
+  ) {
+    this.touches_ = new Touches({
+      ...actions,
+      begin: (x, y) => actions.begin({ x, y, pressure: null }),
+      move: (places) => actions.move(places.map(([x, y]) => ({ x, y, pressure: null }))),
+    });
+    this.listen_('pointerdown', (event) => this.down_(event));
+    this.listen_('pointermove', (event) => this.move_(event));
+    this.listen_('pointerup', (event) => this.up_(event));
+    this.listen_('pointercancel', (event) => this.up_(event));
+    this.listen_('pointerleave', () => {
+      if (this.stroke_ === null) actions.hover(null);
+    });
+    const options = { capture: true, signal: this.stop_.signal };
+    canvas.addEventListener('wheel', (event) => this.wheel_(event), { ...options, passive: false });
+    canvas.addEventListener('dblclick', (event) => event.stopImmediatePropagation(), options);
+  }
+
+  set spaceHeld(held: boolean) {
+    this.spaceHeld_ = held;
+    if (held) this.actions.hover(null);
+  }
+
+  /** Ends the stroke, if there is one; returns whether there was. */
+  cancel(): boolean {
+    this.touches_.cancel();
+    if (this.stroke_ === null) return false;
+    this.stroke_ = null;
+    this.actions.end();
+    return true;
+  }
+
+  dispose(): void {
+    this.cancel();
+    this.stop_.abort();
+  }
+
+  private listen_(
+    name: 'pointerdown' | 'pointermove' | 'pointerup' | 'pointercancel' | 'pointerleave',
+    act: (event: PointerEvent) => void,
+  ): void {
+    this.canvas.addEventListener(name, act, { capture: true, signal: this.stop_.signal });
+  }
+
+  private down_(event: PointerEvent): void {
+    if (event.pointerType === 'touch') {
+      event.stopImmediatePropagation();
+      this.touches_.down(event.pointerId, event.offsetX, event.offsetY);
+      return;
+    }
+    if (event.button !== 0 || this.spaceHeld_ || this.stroke_ !== null) return;
+    event.stopImmediatePropagation();
+    this.stroke_ = event.pointerId;
+    this.canvas.setPointerCapture(event.pointerId);
+    this.actions.begin(placeOf(event));
+  }
+
+  private move_(event: PointerEvent): void {
+    if (event.pointerType === 'touch') {
+      event.stopImmediatePropagation();
+      const places = placesOf(event).map(({ x, y }) => [x, y] as const);
+      this.touches_.move(event.pointerId, places);
+    } else if (event.pointerId === this.stroke_) {
+      event.stopImmediatePropagation();
+      this.actions.move(placesOf(event));
+    } else if (event.buttons === 0 && !this.spaceHeld_) {
+      this.actions.hover(placeOf(event));
+    } else {
+      this.actions.hover(null); // the camera moves
+    }
+  }
+
+  private up_(event: PointerEvent): void {
+    if (event.pointerType === 'touch') {
+      event.stopImmediatePropagation();
+      if (event.type === 'pointercancel') this.touches_.cancel();
+      else this.touches_.up(event.pointerId);
+    } else if (event.pointerId === this.stroke_) {
+      event.stopImmediatePropagation();
+      this.stroke_ = null;
+      this.actions.end();
+    }
+  }
+
+  private wheel_(event: WheelEvent): void {
+    if (!event.ctrlKey) return;
+    event.preventDefault(); // the browser's zoom
+    event.stopImmediatePropagation();
+    this.actions.deepen(Math.exp(-event.deltaY * DEPTH_PER_WHEEL));
+  }
+}

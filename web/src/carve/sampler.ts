@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// Turns the poses of a pointer into timed samples that the server accepts: with increasing times, at
+// most so many per second, and no faster than a tip may move. A jump is divided and takes its time.
+
+import { BUTTON_CUTTING, BUTTON_DEADMAN } from '../wire/types';
+import type { Vec3 } from '../wire/types';
+import type { Draft } from './sample_log';
+import { distance } from '../model/vector';
+import { lerp, slerp } from './vectors';
+
+export interface Pose {
+  tip: Vec3;
+  /** From the tip to the spindle, unit length. */
+  axis: Vec3;
+}
+
+export interface SamplerLimits {
+  speedMmPerS: number;
+  samplesPerS: number;
+}
+
+const OF_LIMIT = 0.8; // rounding, and clocks that differ a little
+const HAND_MM_PER_S = 1000; // faster sweeps follow later
+const BURST_S = 0.1; // unused time that may be made up for
+const GRID_PER_MM = 1e6; // the server rounds poses to six decimals
+
+interface Waiting {
+  pose: Pose;
+  cuts: boolean;
+}
+
+function onGrid(tip: Vec3): Vec3 {
+  return tip.map((value) => Math.round(value * GRID_PER_MM) / GRID_PER_MM) as Vec3;
+}
+
+export class Sampler {
+  private waiting_: Waiting[] = [];
+  private at_: Waiting | null = null; // the newest sample
+  private atUs_ = 0;
+  private speed_ = HAND_MM_PER_S;
+  private ratePerUs_ = 1e-3;
+
+  constructor(private tool_: number) {}
+
+  set limits({ speedMmPerS, samplesPerS }: SamplerLimits) {
+    this.speed_ = Math.min(HAND_MM_PER_S, OF_LIMIT * speedMmPerS);
+    this.ratePerUs_ = (OF_LIMIT * samplesPerS) / 1e6;
+  }
+
+  /** Changes the tool. What waits is dropped: it was of the tool before. */
+  set tool(id: number) {
+    this.tool_ = id;
+    this.forget();
+  }
+
+  /** Where the tool goes next; `cuts`: on its path there. */
+  push(pose: Pose, cuts: boolean): void {
+    const last = this.waiting_.at(-1);
+    // Through the air only the newest place counts.
+    if (last && !last.cuts && !cuts) this.waiting_.pop();
+    this.waiting_.push({ pose: { tip: onGrid(pose.tip), axis: pose.axis }, cuts });
+  }
+
+  /** Drops what waits, and the place of the tool: the next pose is reached without a motion. */
+  forget(): void {
+    this.waiting_ = [];
+    this.at_ = null;
+  }
+
+  get waiting(): number {
+    return this.waiting_.length;
+  }
+
+  /**
+   * Returns the samples that are due. A tool that is held in the cut is sent at rest, so that its
+   * next motion does not seem to have lasted since the last one.
+   */
+  take(nowUs: number): Draft[] {
+    const sinceUs = Math.min(nowUs - this.atUs_, BURST_S * 1e6);
+    const count = Math.floor(sinceUs * this.ratePerUs_);
+    if (count < 1) return [];
+    if (!this.at_) return this.place_(nowUs);
+    if (this.waiting_.length === 0) return this.at_.cuts ? [this.sample_(this.at_, nowUs)] : [];
+    const startUs = nowUs - sinceUs;
+    const steps = this.walk_(count, (this.speed_ * sinceUs) / 1e6);
+    const length = steps.at(-1)!.reached || 1;
+    return steps.map(({ waiting, reached }, n) => {
+      // Even a step of no length takes its share of the time.
+      const part = (0.999 * reached) / length + (0.001 * (n + 1)) / steps.length;
+      return this.sample_(waiting, Math.round(startUs + part * (nowUs - startUs)));
+    });
+  }
+
+  private place_(nowUs: number): Draft[] {
+    const first = this.waiting_.shift();
+    return first ? [this.sample_({ pose: first.pose, cuts: false }, nowUs)] : [];
+  }
+
+  /** Takes up to `count` poses within `reachMm` along the path, and divides the one beyond. */
+  private walk_(count: number, reachMm: number): { waiting: Waiting; reached: number }[] {
+    const steps: { waiting: Waiting; reached: number }[] = [];
+    let from = this.at_!.pose;
+    let reached = 0;
+    while (this.waiting_.length > 0 && steps.length < count) {
+      const next = this.waiting_[0]!;
+      const length = distance(from.tip, next.pose.tip);
+      if (reached + length <= reachMm || !next.cuts) {
+        this.waiting_.shift();
+        if (next.cuts) reached += length;
+        steps.push({ waiting: next, reached });
+        from = next.pose;
+        continue;
+      }
+      const part = (reachMm - reached) / length;
+      const pose = {
+        tip: onGrid(lerp(from.tip, next.pose.tip, part)),
+        axis: slerp(from.axis, next.pose.axis, part),
+      };
+      steps.push({ waiting: { pose, cuts: true }, reached: reachMm });
+      break;
+    }
+    return steps;
+  }
+
+  private sample_(waiting: Waiting, timeUs: number): Draft {
+    const time = Math.max(timeUs, this.atUs_ + 1);
+    this.at_ = waiting;
+    this.atUs_ = time;
+    return {
+      time_us: BigInt(time),
+      tip_mm: waiting.pose.tip,
+      axis: waiting.pose.axis,
+      tool_id: this.tool_,
+      buttons: waiting.cuts ? BUTTON_CUTTING | BUTTON_DEADMAN : 0,
+      felt_share: 0,
+    };
+  }
+}

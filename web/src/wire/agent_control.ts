@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// JSON control messages between an agent and the server: what this page sends, and what it uses of
+// the answers. Unknown fields and types are skipped.
+
+import { colorOf, flag, number, object, text } from './json_fields';
+import type { Json } from './json_fields';
+import type { Decoded } from './types';
+
+export interface AgentHello {
+  type: 'hello';
+  name: string;
+  color: string;
+  tool: number;
+  /** Results state the newest sample that is on the server's disk. */
+  durable: true;
+  /** The token of an earlier welcome: continues as the same participant. */
+  resume?: string;
+}
+
+export type AgentRequest =
+  AgentHello | { type: 'tool'; tool: number } | { type: 'undo' } | { type: 'redo' };
+
+export interface AgentWelcome {
+  type: 'welcome';
+  participant: number;
+  epoch: number;
+  color: string;
+  /** Highest speed of the tip while it cuts, mm/s. */
+  speedMmPerS: number;
+  samplesPerMessage: number;
+  samplesPerS: number;
+  resume: {
+    token: string;
+    resumed: boolean;
+    /** The newest sample that the server has of this participant; 0: none. */
+    agentSequence: bigint;
+  };
+}
+
+/** What has come of an `undo` or `redo`; with a code nothing has changed. */
+export interface StrokeAnswer {
+  type: 'stroke';
+  undone: boolean;
+  code?: string;
+  reason?: string;
+}
+
+export type AgentMessage =
+  | AgentWelcome
+  | StrokeAnswer
+  | { type: 'error'; code: string; reason: string; fatal: boolean }
+  | { type: 'bye'; reason: string };
+
+function welcomeOf(from: Json): AgentWelcome {
+  const limits = object(from['limits'], 'limits');
+  const resume = object(from['resume'], 'resume');
+  return {
+    type: 'welcome',
+    participant: number(from, 'participant'),
+    epoch: number(from, 'epoch'),
+    color: colorOf(from['color']),
+    speedMmPerS: number(limits, 'speed_mm_per_s'),
+    samplesPerMessage: number(limits, 'samples_per_message'),
+    samplesPerS: number(limits, 'samples_per_s'),
+    resume: {
+      token: text(resume, 'token'),
+      resumed: flag(resume, 'resumed'),
+      agentSequence: BigInt(Math.trunc(number(resume, 'agent_sequence'))),
+    },
+  };
+}
+
+function messageOf(from: Json): AgentMessage | null {
+  switch (from['type']) {
+    case 'welcome':
+      return welcomeOf(from);
+    case 'stroke':
+      return {
+        type: 'stroke',
+        undone: flag(from, 'undone'),
+        ...(from['code'] === undefined
+          ? {}
+          : { code: text(from, 'code'), reason: text(from, 'reason') }),
+      };
+    case 'error':
+      return {
+        type: 'error',
+        code: text(from, 'code'),
+        reason: text(from, 'reason'),
+        fatal: flag(from, 'fatal'),
+      };
+    case 'bye':
+      return { type: 'bye', reason: text(from, 'reason') };
+    default:
+      return null;
+  }
+}
+
+/** Parses one text frame to an agent; the value is null for messages that this page does not use. */
+export function parseAgentControl(frame: string): Decoded<AgentMessage | null> {
+  try {
+    return { ok: true, value: messageOf(object(JSON.parse(frame), 'message')) };
+  } catch (problem) {
+    const { message: reason } = problem as Error;
+    return { ok: false, error: { code: 'bad_json', offset: 0, reason } };
+  }
+}

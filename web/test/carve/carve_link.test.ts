@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+import { readFileSync } from 'node:fs';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { CarveLink } from '../../src/carve/carve_link';
+import { whyNotCarve } from '../../src/carve/mount';
+import type { Draft } from '../../src/carve/sample_log';
+import { Backoff } from '../../src/link/backoff';
+import type { Socket } from '../../src/link/view_link';
+import { parseAgentControl } from '../../src/wire/agent_control';
+import { decodeFrame } from '../../src/wire/decode';
+import { FrameType } from '../../src/wire/types';
+
+const golden = new URL('../../../tests/wire/golden/', import.meta.url);
+
+class FakeSocket implements Socket {
+  binaryType = '';
+  onopen: (() => void) | null = null;
+  onmessage: ((event: { data: unknown }) => void) | null = null;
+  onclose: ((event: { code: number; reason: string }) => void) | null = null;
+  onerror: (() => void) | null = null;
+  closed = false;
+  readonly texts: Record<string, unknown>[] = [];
+  readonly frames: Uint8Array[] = [];
+
+  constructor(
+    readonly url: string,
+    readonly protocol: string,
+  ) {}
+  send(data: string | Uint8Array<ArrayBuffer>): void {
+    if (typeof data === 'string') this.texts.push(JSON.parse(data) as Record<string, unknown>);
+    else this.frames.push(data);
+  }
+  close(): void {
+    this.closed = true;
+  }
+  say(message: object): void {
+    this.onmessage?.({ data: JSON.stringify(message) });
+  }
+  /** The numbers of the samples in each motion frame. */
+  get motions(): number[][] {
+    return this.frames.flatMap((bytes) => {
+      const frame = decodeFrame(bytes);
+      if (!frame.ok || frame.value.kind !== 'motion') return [];
+      expect(frame.value.header).toMatchObject({ epoch: 5, type: FrameType.Motion });
+      return [frame.value.samples.map(({ agent_sequence }) => Number(agent_sequence))];
+    });
+  }
+}
+
+const WELCOME = {
+  type: 'welcome',
+  participant: 3,
+  epoch: 5,
+  color: '#d9541e',
+  limits: { samples_per_message: 16, samples_per_s: 1250, speed_mm_per_s: 500, frame_bytes: 4096 },
+  resume: { token: 'ab12', resumed: false, agent_sequence: 0 },
+};
+
+function drafts(count: number): Draft[] {
+  return Array.from({ length: count }, (_, n) => ({
+    time_us: BigInt(n + 1),
+    tip_mm: [n, 0, 0],
+    axis: [0, 0, 1],
+    tool_id: 1,
+    buttons: 1,
+    felt_share: 0,
+  }));
+}
+
+describe('carve link', () => {
+  let sockets: FakeSocket[];
+  let log: string[];
+  let link: CarveLink;
+
+  beforeEach(() => {
+    vi.useFakeTimers();
+    sockets = [];
+    log = [];
+    link = new CarveLink(
+      {
+        url: 'ws://host/v1/sessions/s/agent',
+        open: (url, protocol) => {
+          sockets.push(new FakeSocket(url, protocol));
+          return sockets.at(-1)!;
+        },
+        who: () => ({ name: 'Grace', color: '#d9541e', tool: 2 }),
+        nowMs: () => Date.now(),
+        backoff: new Backoff(100, 100),
+      },
+      {
+        status: (status, reason) => log.push(`${status} ${reason}`.trim()),
+        joined: ({ speedMmPerS }) => log.push(`joined ${speedMmPerS}`),
+        result: ({ agent_sequence }) => log.push(`result ${agent_sequence}`),
+        rejected: (code, reason) => log.push(`rejected ${code} ${reason}`),
+        changed: (undone) => log.push(undone ? 'undone' : 'redone'),
+      },
+    );
+  });
+  afterEach(() => {
+    link.leave();
+    vi.useRealTimers();
+  });
+
+  function join(): FakeSocket {
+    link.join();
+    sockets.at(-1)!.onopen?.();
+    sockets.at(-1)!.say(WELCOME);
+    return sockets.at(-1)!;
+  }
+
+  /** The golden result, with other numbers. */
+  function answer(socket: FakeSocket, sequence: bigint, durable: bigint): void {
+    const bytes = new Uint8Array(readFileSync(new URL('result_durable.bin', golden)));
+    const view = new DataView(bytes.buffer);
+    view.setBigUint64(32, durable, true);
+    view.setBigUint64(40, sequence, true);
+    socket.onmessage?.({ data: bytes.buffer });
+  }
+
+  it('joins with name, color and tool, and sends what it is given in messages of 16', () => {
+    const socket = join();
+    expect(socket.protocol).toBe('kerf.agent.v1');
+    expect(socket.texts).toEqual([
+      { type: 'hello', name: 'Grace', color: '#d9541e', tool: 2, durable: true },
+    ]);
+    expect(log).toEqual(['joining', 'ready', 'joined 500']);
+    link.send(drafts(20));
+    expect(socket.motions.map((numbers) => numbers.length)).toEqual([16, 4]);
+    expect(socket.motions.flat()).toEqual(Array.from({ length: 20 }, (_, n) => n + 1));
+  });
+
+  it('continues as the same participant, and sends again what may be missing', () => {
+    const first = join();
+    link.send(drafts(5));
+    first.onclose?.({ code: 1006, reason: '' });
+    expect(log.at(-1)).toBe('lost The connection was lost.');
+    vi.advanceTimersByTime(150);
+    const second = sockets.at(-1)!;
+    expect(second).not.toBe(first);
+    second.onopen?.();
+    expect(second.texts[0]).toMatchObject({ resume: 'ab12', durable: true });
+    const resume = { token: 'ab12', resumed: true, agent_sequence: 3 };
+    second.say({ ...WELCOME, resume });
+    expect(second.motions).toEqual([[3, 4, 5]]);
+    link.send(drafts(1));
+    expect(second.motions.at(-1)).toEqual([6]);
+    first.say({ type: 'bye', reason: 'too late' });
+    expect(log.at(-1)).toBe('joined 500');
+  });
+
+  it('drops what is on the disk, as results state it', () => {
+    const socket = join();
+    link.send(drafts(10));
+    answer(socket, 9n, 7n);
+    expect(log.at(-1)).toBe('result 9');
+    socket.onclose?.({ code: 1006, reason: '' });
+    vi.advanceTimersByTime(150);
+    sockets.at(-1)!.onopen?.();
+    sockets.at(-1)!.say(WELCOME); // of a server that has lost the rest
+    expect(sockets.at(-1)!.motions).toEqual([[7, 8, 9, 10]]);
+  });
+
+  it('leaves and comes back with its token', () => {
+    const first = join();
+    link.leave();
+    expect(first.closed).toBe(true);
+    expect(log.at(-1)).toBe('off');
+    link.send(drafts(1));
+    expect(first.motions).toEqual([]);
+    expect(join().texts[0]).toMatchObject({ resume: 'ab12' });
+  });
+
+  it('holds back while the server is half a second behind', () => {
+    const socket = join();
+    expect(link.takes).toBe(true);
+    link.send(drafts(600));
+    expect(link.takes).toBe(false);
+    answer(socket, 300n, 1n);
+    expect(link.takes).toBe(true);
+    socket.onclose?.({ code: 1006, reason: '' });
+    expect(link.takes).toBe(false);
+  });
+
+  it('reports rejections, undo and the reason of a bye', () => {
+    const socket = join();
+    link.ask({ type: 'undo' });
+    expect(socket.texts.at(-1)).toEqual({ type: 'undo' });
+    socket.say({ type: 'stroke', undone: true, stroke: 7, sequence: 9 });
+    socket.say({ type: 'stroke', undone: true, code: 'bad_message', reason: 'no such stroke' });
+    socket.say({ type: 'error', code: 'muted', reason: 'an owner has muted you', fatal: false });
+    expect(log.slice(-3)).toEqual([
+      'undone',
+      'rejected bad_message no such stroke',
+      'rejected muted an owner has muted you',
+    ]);
+    socket.say({ type: 'bye', reason: 'going down' });
+    socket.onclose?.({ code: 1001, reason: '' });
+    expect(log.at(-1)).toBe('lost going down');
+  });
+
+  it('does not come back after it was removed, and tries again when it was too early', () => {
+    const socket = join();
+    socket.say({ type: 'error', code: 'removed', reason: 'an owner', fatal: true });
+    expect(log.at(-1)).toBe('off an owner');
+    vi.advanceTimersByTime(10_000);
+    expect(sockets).toHaveLength(1);
+    const again = join();
+    again.say({ type: 'error', code: 'busy', reason: 'full', fatal: true });
+    expect(log.at(-1)).toBe('lost full');
+    link.retryNow();
+    expect(sockets).toHaveLength(3);
+  });
+
+  it('gives up a connection on which nothing comes', () => {
+    const socket = join();
+    vi.advanceTimersByTime(9000);
+    expect(socket.frames.length).toBeGreaterThan(5); // pings
+    expect(log.at(-1)).toBe('joined 500');
+    vi.advanceTimersByTime(3000);
+    expect(log).toContain('lost The server stopped answering.');
+  });
+});
+
+describe('messages to an agent', () => {
+  it('reads the welcome', () => {
+    expect(parseAgentControl(JSON.stringify(WELCOME))).toEqual({
+      ok: true,
+      value: {
+        type: 'welcome',
+        participant: 3,
+        epoch: 5,
+        color: '#d9541e',
+        speedMmPerS: 500,
+        samplesPerMessage: 16,
+        samplesPerS: 1250,
+        resume: { token: 'ab12', resumed: false, agentSequence: 0n },
+      },
+    });
+  });
+
+  it('skips unknown messages and rejects invalid ones', () => {
+    expect(parseAgentControl('{"type":"participants","participants":[]}')).toEqual({
+      ok: true,
+      value: null,
+    });
+    for (const text of ['', '[]', '{"type":"bye"}', JSON.stringify({ ...WELCOME, limits: 1 })])
+      expect(parseAgentControl(text).ok).toBe(false);
+  });
+});
+
+describe('whyNotCarve', () => {
+  it('names the role that may not', () => {
+    expect(whyNotCarve({})).toBe('');
+    expect(whyNotCarve({ may: ['watch', 'carve'], role: 'sculptor' })).toBe('');
+    expect(whyNotCarve({ may: ['watch'], role: 'watcher' })).toBe(
+      'Your role, watcher, may not carve.',
+    );
+  });
+});
