@@ -8,7 +8,7 @@
 import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { countPixels, launchBrowser, openViewer } from './support/browser.mjs';
+import { countPixels, launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
 import { carveProgram, optionsOf, runTest, startServer } from './support/session.mjs';
@@ -81,17 +81,10 @@ async function checkAreas(page, corners) {
   }
 }
 
-/** The block's box in the picture, once it has come to rest and is drawn. */
-async function stillBlock({ page, state }) {
-  let before = '';
-  return until('block at rest', SETTLE_S, async () => {
-    await page.waitForTimeout(200);
-    const { blockBox } = await state();
-    const now = blockBox.map(Math.round).join();
-    const isStill = now === before;
-    before = now;
-    return isStill && blockBox;
-  });
+/** The block's box in the picture, after what was done last. */
+async function blockBox({ page, state }) {
+  await nextFrames(page); // motion is reduced, so that views are there at once
+  return (await state()).blockBox;
 }
 
 /** The pixels of the cap, which is as orange as no blue block is, have its area. */
@@ -99,19 +92,21 @@ async function checkCap({ page, state }) {
   await page.getByRole('button', { name: 'Parallel', exact: true }).click();
   const area = await areaAt(page, 'Section across Z', -2);
   await page.getByRole('button', { name: 'Face on' }).click();
-  const [left, top, right, bottom] = await stillBlock({ page, state });
+  const [left, top, right, bottom] = await blockBox({ page, state });
   const box = [left - 2, top - 2, right - left + 4, bottom - top + 4].map(Math.round);
-  const pixels = await countPixels(page, box, { leastRedOverBlue: 45 });
-  const share = (pixels * (24 / (right - left)) ** 2) / area;
-  console.log(`cap: ${share.toFixed(4)} of its area drawn`);
   // The outline, a pixel wide, is up to half outside: 3 % of this cap.
-  assert(share > 0.985 && share < 1.035, `${share} of the cap's area is drawn`);
+  const drawn = await until('cap of this area', SETTLE_S, async () => {
+    const pixels = await countPixels(page, box, { leastRedOverBlue: 45 });
+    const share = (pixels * (24 / (right - left)) ** 2) / area;
+    return share > 0.985 && share < 1.035 && share;
+  });
+  console.log(`cap: ${drawn.toFixed(4)} of its area drawn`);
 }
 
 /** Presses a place of the block, seen from the front in parallel projection, and reads the measure. */
 async function measure({ page, state }, name, places) {
   await page.getByRole('button', { name, exact: true }).click();
-  const [left, top, right] = await stillBlock({ page, state });
+  const [left, top, right] = await blockBox({ page, state });
   const perMm = (right - left) / 24;
   for (const [x, z] of places) await page.mouse.click(left + (x + 12) * perMm, top - z * perMm);
   const text = await page.getByRole('list', { name: 'Measures' }).locator('li b').last();
@@ -147,14 +142,14 @@ async function checkPath(viewer) {
   await page.keyboard.press('7');
   const marker = page.locator('.path-marker');
   await marker.waitFor();
-  const [left, top, right] = await stillBlock(viewer);
+  const [left, top, right] = await blockBox(viewer);
   const perMm = (right - left) / 24;
   const at = (x, y) => [left + (x + 12) * perMm, top + (10 - y) * perMm];
-  const box = await marker.boundingBox();
-  const off = at(8, 1).map(
-    (value, n) => value - [box.x + box.width / 2, box.y + box.height / 2][n],
-  );
-  assert(Math.hypot(...off) < 3, `the place is marked ${off} pixels off`);
+  await until('marker at the place', SETTLE_S, async () => {
+    const box = await marker.boundingBox();
+    const [x, y] = at(8, 1);
+    return Math.hypot(box.x + box.width / 2 - x, box.y + box.height / 2 - y) < 3;
+  });
   await page.mouse.click(...at(0, -6));
   await until('the line in the text', SETTLE_S, async () => {
     const line = await page.locator('.program-row.placed').getAttribute('data-line');
@@ -170,12 +165,10 @@ async function test(folder) {
   const browser = await launchBrowser();
   try {
     const [width, height] = SIZES.at(-1);
-    const viewer = await openViewer(browser, `${base}/?session=wall&quality=full`, {
-      width,
-      height,
-    });
+    const address = `${base}/?session=wall&quality=full`;
+    const others = { reducedMotion: 'reduce' };
+    const viewer = await openViewer(browser, address, { width, height }, others);
     const { page, state, problems } = viewer;
-    await page.emulateMedia({ reducedMotion: 'reduce' });
     await until('picture', SETTLE_S, async () => (await state())?.snapshotComplete);
     await page.locator('input[name="material"]').nth(2).check({ force: true });
     await page.getByRole('button', { name: 'Sections and measures' }).click();

@@ -21,14 +21,11 @@ export function launchBrowser(graphics = SOFTWARE_WEBGL) {
 }
 
 /**
- * Opens a viewer in its own browser context. `problems` collects the page's exceptions and console
- * errors.
+ * Opens a viewer in its own browser context; `others` are further options of that. `problems` collects
+ * the page's exceptions and console errors.
  */
-export async function openViewer(browser, url, viewport) {
-  const context = await browser.newContext({
-    viewport,
-    ignoreHTTPSErrors: true,
-  });
+export async function openViewer(browser, url, viewport, others = {}) {
+  const context = await browser.newContext({ viewport, ignoreHTTPSErrors: true, ...others });
   const page = await context.newPage();
   page.setDefaultTimeout(120_000);
   const problems = [];
@@ -42,6 +39,16 @@ export async function openViewer(browser, url, viewport) {
     problems,
     state: () => page.evaluate(() => window.kerf?.state()),
   };
+}
+
+/** Waits until the page has drawn what it shows now. */
+export function nextFrames(page) {
+  return page.evaluate(
+    () =>
+      new Promise((resolve) => {
+        requestAnimationFrame(() => requestAnimationFrame(resolve));
+      }),
+  );
 }
 
 /** Pixels of a screenshot, RGBA, of the part that begins at x, y. */
