@@ -119,6 +119,7 @@ class Api {
   ApiResponse delete_closed(const ApiCall& call);
   ApiResponse list_programs(const ApiCall& call);
   ApiResponse start_program(const ApiCall& call);
+  ApiResponse describe_program(const ApiCall& call);
   ApiResponse program_status(const ApiCall& call);
   ApiResponse cancel_program(const ApiCall& call);
   ApiResponse change_program(const ApiCall& call);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "server/formats/program_facts.h"
 #include "server/http/api.h"
 #include "server/http/number.h"
 #include "server/session/program_json.h"
@@ -45,6 +46,15 @@ ApiResponse program_failure(const ProgramError& error) {
                  {"line", error.line},
                  {"word", error.word}};
   return json_response(400, text({{"error", detail}}));
+}
+
+/// Nothing if the query has a name that a program may have.
+std::optional<ApiResponse> name_failure(const std::string& name) {
+  if (name.size() <= wire::kMaxNameBytes && name.find_first_of("/\\\n\r") == std::string::npos) {
+    return std::nullopt;
+  }
+  return error_response(400, "bad_name",
+                        "name must have at most 64 bytes, without slashes and line breaks");
 }
 
 ApiResponse has_ended(const ApiCall& call) {
@@ -190,10 +200,7 @@ ApiResponse Api::start_program(const ApiCall& call) {
     rate_hz = kFeedRateHz;
   }
   const std::string name = value_or(request.query_value("name"), "program.ngc");
-  if (name.size() > wire::kMaxNameBytes || name.find_first_of("/\\\n\r") != std::string::npos) {
-    return error_response(400, "bad_name",
-                          "name must have at most 64 bytes, without slashes and line breaks");
-  }
+  if (auto failure = name_failure(name)) return *std::move(failure);
   auto program = parse_program(name, request.body, session.scene());
   if (!program) return program_failure(program.error());
   ProgramPath path = drawn_path(*program, kPathPointsMax);
@@ -229,6 +236,23 @@ ApiResponse Api::start_program(const ApiCall& call) {
   response.headers.emplace_back(
       "Location", "/v1/sessions/" + session.id() + "/programs/" + std::to_string(started->id));
   return response;
+}
+
+ApiResponse Api::describe_program(const ApiCall& call) {
+  const std::string name = value_or(call.request.query_value("name"), "program.ngc");
+  if (auto failure = name_failure(name)) return *std::move(failure);
+  const auto facts = program_facts(name, call.request.body);
+  if (!facts) return program_failure(facts.error());
+  Json box;
+  if (facts->feed_mm) {
+    const auto& [low, high] = *facts->feed_mm;
+    box = {{"min_mm", {low.x, low.y, low.z}}, {"max_mm", {high.x, high.y, high.z}}};
+  }
+  return json_response(200, text(Json{{"kinematics", to_string(facts->kinematics)},
+                                      {"tools", facts->tools},
+                                      {"feed_mm", box},
+                                      {"motions", facts->motions},
+                                      {"programmed_s", facts->duration_s}}));
 }
 
 }  // namespace kerf::net

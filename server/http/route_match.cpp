@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the table of routes says of a request, and of itself in Markdown.
-#include <algorithm>
 #include <optional>
 
 #include "server/http/routes.h"

@@ -203,6 +203,23 @@ TEST_F(ApiTest, ADryRunStatesThePriceOfASceneAndCreatesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "test-block.kerf"));
 }
 
+TEST_F(ApiTest, AProgramIsDescribedWithoutASession) {
+  using nlohmann::json;
+  const ApiResponse response = ask("POST", "/v1/programs?name=a.ngc",
+                                   "G21 G90\nT4 M6\nG0 X1 Y2 Z5\nG1 Z-3 F60\nG1 X9\nM30\n");
+  ASSERT_EQ(response.status, 200U) << response.body;
+  const json facts = json::parse(response.body);
+  EXPECT_EQ(facts["kinematics"], "xyz");
+  EXPECT_EQ(facts["tools"], json({4}));
+  EXPECT_EQ(facts["feed_mm"], json({{"min_mm", {1, 2, -3}}, {"max_mm", {9, 2, -3}}}));
+  const ApiResponse bad = ask("POST", "/v1/programs?name=a.ngc", "G21\nG1 X\n");
+  EXPECT_EQ(bad.status, 400U);
+  EXPECT_EQ(code(bad), "bad_program");
+  EXPECT_EQ(json::parse(bad.body)["error"]["line"], 2);
+  EXPECT_EQ(code(ask("POST", "/v1/programs?name=a/b.ngc", "")), "bad_name");
+  EXPECT_TRUE(json::parse(ask("POST", "/v1/programs", "M30\n").body)["feed_mm"].is_null());
+}
+
 TEST_F(ApiTest, ADryRunFailsAsCreatingWould) {
   const auto fails = [&](const std::string& query, unsigned status, const std::string& error) {
     for (const char* dry : {"&dry_run=1", ""}) {

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <expected>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/formats/program.h"
+
+namespace kerf {
+
+/// What a program tells of the scene that it needs.
+struct ProgramFacts {
+  /// The first of xyz, xyzac-trt, xyzbc-trt and tool-vector as whose program it can be read.
+  MachineKinematics kinematics = MachineKinematics::kXyz;
+  std::vector<ToolId> tools;        ///< those that move, ascending
+  std::optional<BoxStock> feed_mm;  ///< box of the tip at the ends of feeds, but for retractions
+  std::size_t motions = 0;
+  double duration_s = 0;  ///< at feed rate
+};
+
+/// Reads a program of which no scene is known. Its tools are those that its text numbers, taken as
+/// thin, so that offsets for their radius are always possible. Errors: as of parse_program, for the
+/// machine as whose program it can be read farthest.
+std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
+                                                        std::string_view text);
+
+}  // namespace kerf
