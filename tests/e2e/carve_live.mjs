@@ -7,7 +7,7 @@
 // [--seconds N]
 
 import assert from 'node:assert/strict';
-import { readFile, writeFile } from 'node:fs/promises';
+import { readFile, writeFile, stat } from 'node:fs/promises';
 import { join } from 'node:path';
 import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
 import { gltfErrors, stlFacts, tilesOf } from './support/checks.mjs';
@@ -213,24 +213,27 @@ async function compareDetail(viewer, wire) {
   );
 }
 
-/** Checks that every download of the page works and has the file name that the server sends. */
-async function checkDownloads(viewer) {
-  const links = await viewer.page
-    .locator('a.download, a.variant')
-    .evaluateAll((all) => all.map((a) => [a.textContent, a.href]));
-  const names = links.map(([name]) => name);
+/** Checks that every file that the page offers comes, with the name that the server sends. */
+async function checkDownloads({ page }) {
+  await page.getByRole('button', { name: 'Take home' }).click();
+  const dialog = page.getByRole('dialog', { name: 'Take home' });
+  await dialog.waitFor();
+  const names = await dialog
+    .getByRole('radio')
+    .evaluateAll((all) => all.map((input) => input.value));
   for (const name of ['STL', '3MF', 'GLB', 'PLY', 'OBJ', 'NC', 'APT', 'CSV', 'GLB compressed'])
     assert(names.includes(name), `no ${name}`);
-  for (const [name, url] of links) {
-    const response = await fetch(url);
-    assert.equal(response.status, 200, `${name}: ${url} answered ${response.status}`);
-    assert((await response.arrayBuffer()).byteLength > 100, `${name} is empty`);
-    assert.match(response.headers.get('content-disposition'), /filename="end to end/);
+  for (const name of names) {
+    await dialog.locator(`[value="${name}"]`).check();
+    const started = page.waitForEvent('download');
+    await dialog.getByRole('button', { name: 'Download' }).click();
+    const file = await started;
+    assert.match(file.suggestedFilename(), /^end to end/, name);
+    assert((await stat(await file.path())).size > 100, `${name} is empty`);
+    await dialog.getByText('is in your downloads').waitFor();
   }
-  const started = viewer.page.waitForEvent('download');
-  await viewer.page.getByRole('link', { name: '3MF' }).click();
-  assert.equal((await started).suggestedFilename(), 'end to end.3mf');
-  logStep(`all ${links.length} downloads of the page work`);
+  await dialog.getByRole('button', { name: 'Close' }).click();
+  logStep(`all ${names.length} files of the page come`);
 }
 
 async function checkExports(base, folder, session, wire) {

@@ -71,6 +71,7 @@ async function invite(page) {
   const field = dialog.getByLabel('The link to send');
   await field.waitFor();
   const link = await field.inputValue();
+  await dialog.getByRole('img', { name: 'QR code' }).locator('svg').waitFor();
   await dialog.getByRole('button', { name: 'Close' }).click();
   return link;
 }

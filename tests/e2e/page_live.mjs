@@ -140,8 +140,16 @@ async function checkWithoutWebGl(base, scratch) {
     await page.getByText('No picture').waitFor();
     await page.getByText('Mary (you)').waitFor();
     await page.getByRole('heading', { name: SCENE.name }).waitFor();
+    const poster = page.locator('.poster');
+    await until('picture by the server', SETTLE_S, () =>
+      poster.evaluate((image) => image.complete && image.naturalWidth > 0),
+    );
+    await writeFile(join(options.out, 'page-without-webgl.png'), await page.screenshot());
+    await page.getByRole('button', { name: 'Take home' }).click();
+    const dialog = page.getByRole('dialog', { name: 'Take home' });
+    await dialog.locator('[value="STL"]').check();
     const started = page.waitForEvent('download');
-    await page.getByRole('link', { name: 'STL', exact: true }).click();
+    await dialog.getByRole('button', { name: 'Download' }).click();
     await (await started).saveAs(join(scratch, 'block.stl'));
   } finally {
     await browser.close();
@@ -162,7 +170,7 @@ async function test(folder) {
     await checkSides(viewer);
     await checkCalls(viewer);
     await page.goto(`${base}/?list`);
-    await page.getByText('Choose one to watch').waitFor(); // although there is only one
+    await page.getByText('Choose a block to watch').waitFor(); // although there is only one
     assert.deepEqual(problems, []);
   } finally {
     await browser.close();

@@ -35,14 +35,20 @@ export async function runTest(test, out) {
   }
 }
 
-/** Starts a server on a free port, with data in `folder`, and a session of a scene. */
-export async function startServer({ server: program, web }, folder, id, scene) {
+/** Starts a server without sessions on a free port, with data in `folder`. */
+export async function startEmptyServer({ server: program, web }, folder) {
   const data = join(folder, 'data');
   const server = start(program, ['--listen', '127.0.0.1:0', '--data', data, '--web', web]);
   const base = await until('server address', 20, () => {
     assert.equal(server.code, undefined, `the server exited: ${server.errors}`);
     return server.lines.find((line) => line.startsWith('http'));
   });
+  return { server, base };
+}
+
+/** Starts such a server, and a session of a scene. */
+export async function startServer(options, folder, id, scene) {
+  const { server, base } = await startEmptyServer(options, folder);
   const body = JSON.stringify(scene);
   const created = await fetch(`${base}/v1/sessions?id=${id}`, {
     method: 'POST',

@@ -7,6 +7,8 @@ export interface SessionSummary {
   motions: number;
   removedVolumeMm3: number;
   participants: number;
+  /** When block or participants changed last; null if the server does not know. */
+  activeMs: number | null;
 }
 
 const INVITATION_NEEDED = 'Open the link of an invitation: this server lets nobody else in.';
@@ -34,6 +36,7 @@ function summaryOf(value: unknown): SessionSummary | null {
     motions: numberOr(from['motions'], 0),
     removedVolumeMm3: numberOr(from['removed_volume_mm3'], 0),
     participants: Array.isArray(people) ? people.length : numberOr(people, 0),
+    activeMs: typeof from['active_ms'] === 'number' ? from['active_ms'] : null,
   };
 }
 

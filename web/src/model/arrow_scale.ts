@@ -3,8 +3,14 @@
 
 import type { ForceHistory } from './forces';
 
-/** Of force and torque, in arrows, scale and plots. */
+/** Of force and torque, in arrows. */
 export const WRENCH_COLORS = { force: '#1f66e5', torque: '#d8262c' } as const;
+const WRENCH_COLORS_ON_DARK = { force: '#7aa7ff', torque: '#ff7a80' } as const;
+
+/** The same for plots and scale, which lie on the page's background. */
+export function wrenchColors(dark: boolean): { force: string; torque: string } {
+  return dark ? WRENCH_COLORS_ON_DARK : WRENCH_COLORS;
+}
 
 const UPDATE_EVERY_MS = 250;
 const FULL_PER_TYPICAL = 2;

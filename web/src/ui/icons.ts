@@ -47,6 +47,7 @@ export const ICONS = {
   invite: icon(
     '<circle cx="10" cy="8" r="3.5"/><path d="M3.5 20a6.5 6.5 0 0 1 13 0M18.5 7v6M15.5 10h6"/>',
   ),
+  upload: icon('<path d="M12 16V5m0 0l-4 4m4-4l4 4M5 20h14"/>'),
   download: icon('<path d="M12 4v11m0 0l-4-4m4 4l4-4M5 20h14"/>'),
   follow: icon(
     '<circle cx="12" cy="12" r="6.5"/><circle cx="12" cy="12" r="1.5" fill="currentColor"/><path d="M12 2.5v3M12 18.5v3M2.5 12h3M18.5 12h3"/>',

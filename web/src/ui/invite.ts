@@ -17,6 +17,18 @@ const TIMES: readonly [string, number][] = [
   ['for a month', 30 * 24],
 ];
 
+/** A square code of the link, for the camera of a phone. Its code is loaded when it is needed. */
+async function showCode(place: HTMLElement, address: string): Promise<void> {
+  const { renderSVG } = await import('uqr');
+  place.innerHTML = renderSVG(address, { border: 3 }); // only of squares
+  place.hidden = false;
+}
+
+function untilText(hours: number): string {
+  const format = new Intl.DateTimeFormat('en', { dateStyle: 'medium', timeStyle: 'short' });
+  return format.format(Date.now() + hours * 3_600_000);
+}
+
 export function inviteDialog(session: string): HTMLDialogElement {
   let role: InvitedRole = 'sculptor';
   const choices = ROLES.map(([value, name, may]) => {
@@ -37,6 +49,12 @@ export function inviteDialog(session: string): HTMLDialogElement {
     hidden: '',
     'aria-label': 'The link to send',
   });
+  const code = h('div', {
+    class: 'invite-code',
+    role: 'img',
+    'aria-label': 'The link as a QR code',
+    hidden: '',
+  });
   const note = h('p', { class: 'quiet', role: 'status' });
   const make = h('button', { type: 'button', class: 'button' }, 'Make a link');
   make.addEventListener('click', () => {
@@ -45,11 +63,13 @@ export function inviteDialog(session: string): HTMLDialogElement {
         link.value = address;
         link.hidden = false;
         link.select();
-        setText(note, 'Anyone with this link gets the role. It is shown only here.');
+        const end = `It works until ${untilText(Number(time.value))}`;
+        setText(note, `Anyone with this link gets the role. ${end}. It is shown only here.`);
+        showCode(code, address).catch((problem: unknown) => console.warn('No QR code:', problem));
         const clipboard = navigator.clipboard as Clipboard | undefined; // undefined on plain HTTP
         void clipboard
           ?.writeText(address)
-          .then(() => setText(note, 'Copied. Send it to the person.'));
+          .then(() => setText(note, `Copied. Send it to the person. ${end}.`));
       },
       (problem: unknown) => setText(note, sentence((problem as Error).message)),
     );
@@ -62,12 +82,15 @@ export function inviteDialog(session: string): HTMLDialogElement {
     h('div', { role: 'radiogroup', 'aria-label': 'Role' }, ...choices),
     h('p', { class: 'invite-make' }, make, time, close),
     link,
+    code,
     note,
   );
   close.addEventListener('click', () => dialog.close());
   dialog.addEventListener('close', () => {
     link.value = '';
     link.hidden = true;
+    code.hidden = true;
+    code.replaceChildren();
     setText(note, '');
   });
   return dialog;

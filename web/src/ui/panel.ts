@@ -7,28 +7,12 @@ import type { SessionModel } from '../model/session';
 import { h, setText } from './dom';
 import { count, duration, figure, volume } from './format';
 import { History } from './history';
-import { ICONS } from './icons';
 import { MaterialChoice } from './material_choice';
 import { People } from './people';
 import { Plots } from './plots';
+import { takeHomeButton } from './take_home/mount';
 
 const SILENT_MS = 1500; // without a tool state for so long, there is no newest force
-const DOWNLOADS = [
-  ['model.stl', 'STL', 'Closed surface for printing'],
-  ['model.3mf', '3MF', 'Closed surface for printing, in millimetres'],
-  ['model.glb', 'GLB', 'Surface for viewers and AR'],
-  ['model.ply', 'PLY', 'Surface for mesh tools'],
-  ['model.obj', 'OBJ', 'Surface for modeling programs'],
-  ['program.ngc', 'NC', 'G-code of every motion'],
-  ['program.apt', 'APT', 'Tool poses of every motion'],
-  ['forces.csv', 'CSV', 'Force and torque of every motion'],
-] as const;
-const VARIANTS = [
-  ['model.glb?encoding=quantized', 'GLB quantized', 'Half the size; supported by most viewers'],
-  ['model.glb?encoding=meshopt', 'GLB compressed', 'Smallest; needs a viewer with meshopt support'],
-  ['model.stl?encoding=ascii', 'STL text', 'For programs without support for binary STL'],
-] as const;
-
 export interface PanelActions {
   personPressed: (participant: number) => void;
   /** The viewer has chosen another name. */
@@ -116,7 +100,7 @@ export class Panel {
         section('Participants', this.people_.root),
         forces,
         section('History', this.history.element),
-        section('Downloads', downloads(session)),
+        section('Downloads', takeHomeButton(model, session)),
         section('Material', this.material_.element),
         h('p', { class: 'quiet hash' }, 'State ', this.hash_),
       ),
@@ -160,31 +144,4 @@ export class Panel {
     this.handle_.textContent = open ? 'Hide details' : 'Show details';
     this.actions.toggled(open);
   }
-}
-
-function downloads(session: string): HTMLElement {
-  // An empty `download` attribute keeps the file name that the server sends, which is the scene's.
-  const link = (kind: string, file: string, name: string, title: string): HTMLAnchorElement =>
-    h(
-      'a',
-      {
-        class: kind,
-        href: `/v1/sessions/${encodeURIComponent(session)}/${file}`,
-        download: '',
-        title,
-      },
-      name,
-    );
-  const buttons = DOWNLOADS.map(([file, name, title]) => {
-    const button = link('download', file, name, title);
-    button.insertAdjacentHTML('afterbegin', ICONS.download);
-    return button;
-  });
-  const variants = VARIANTS.map(([file, name, title]) => link('variant', file, name, title));
-  return h(
-    'div',
-    {},
-    h('div', { class: 'downloads' }, ...buttons),
-    h('p', { class: 'variants quiet' }, 'Also: ', ...variants),
-  );
 }

@@ -7,7 +7,7 @@ import { probeSession } from '../link/api';
 import { redirectTarget } from '../link/redirect';
 import { ViewLink } from '../link/view_link';
 import type { Socket } from '../link/view_link';
-import { WRENCH_COLORS } from '../model/arrow_scale';
+import { wrenchColors } from '../model/arrow_scale';
 import { BEAT_MS } from '../model/liveness';
 import { LookPolicy } from '../model/look_policy';
 import { SessionModel } from '../model/session';
@@ -27,6 +27,7 @@ import { failurePage, Notice } from './notice';
 import type { NoticeText } from './notice';
 import { Panel } from './panel';
 import { Picture } from './picture';
+import { Poster } from './poster';
 import { mountPrograms } from './programs/mount';
 import { SoundToggle } from './sound';
 import { mountTimeline } from './timeline/mount';
@@ -52,6 +53,8 @@ export class SessionPage {
   private readonly scale_ = h('div', { class: 'arrow-scale', 'aria-hidden': 'true' });
   private readonly help_ = helpDialog();
   readonly sound = new SoundToggle(() => this.soundLevels_());
+  private readonly colors_ = wrenchColors(matchMedia('(prefers-color-scheme: dark)').matches);
+  private readonly poster_: Poster;
   private readonly inviteDialog_: HTMLDialogElement;
   private readonly toolbar_: Toolbar;
   private readonly bar_: TitleBar;
@@ -75,7 +78,7 @@ export class SessionPage {
     this.picture = new Picture(this.canvas_, this.overlay_, this.model, fullQuality);
     this.link_ = this.makeLink_(name);
     this.link_.start(); // first: the server answers while the page is built
-    this.panel_ = new Panel(this.model, session, WRENCH_COLORS, {
+    this.panel_ = new Panel(this.model, session, this.colors_, {
       personPressed: (id) => this.personPressed_(id),
       renamed: (name) => this.link_.rename(name),
       materialChosen: (preset) => this.picture.setMaterial(preset),
@@ -85,6 +88,7 @@ export class SessionPage {
         setTimeout(() => this.rig_?.fit(performance.now()), SHEET_MS);
       },
     });
+    this.poster_ = new Poster(session);
     this.inviteDialog_ = inviteDialog(session);
     this.toolbar_ = this.makeToolbar_();
     this.bar_ = new TitleBar(session, {
@@ -99,6 +103,7 @@ export class SessionPage {
         'main',
         { class: 'viewer' },
         this.canvas_,
+        this.poster_.element,
         this.overlay_,
         this.bar_.element,
         this.toolbar_.element,
@@ -280,6 +285,7 @@ export class SessionPage {
     if (followed !== null && !participants.get(followed)) this.picture.follow(null);
     this.panel_.update(this.selected_, followed, nowMs);
     this.bar_.update(this.model, nowMs);
+    if (this.picture.problem) this.poster_.update(this.model.state?.motions ?? 0, nowMs);
     this.toolbar_.update({
       hasPicture: this.picture.viewer !== null,
       canFollow: participants.carvers().length > 0,
@@ -309,8 +315,8 @@ export class SessionPage {
     const { forceFullN, torqueFullNmm } = viewer.arrowScale;
     if (this.scale_.childElementCount === 0) {
       this.scale_.append(
-        h('span', { style: `--line:${WRENCH_COLORS.force}` }),
-        h('span', { style: `--line:${WRENCH_COLORS.torque}` }),
+        h('span', { style: `--line:${this.colors_.force}` }),
+        h('span', { style: `--line:${this.colors_.torque}` }),
       );
     }
     setText(this.scale_.children[0] as HTMLElement, `${figure(forceFullN)} N`);

@@ -2,6 +2,7 @@
 // The panel of NC programs: upload, list, control, text with the live line, alarms.
 
 import '../style/programs.css';
+import { ServerError } from '../../link/server_error';
 import { isOpen } from '../../model/programs';
 import type { SessionModel } from '../../model/session';
 import type { ProgramInfo } from '../../wire/types';
@@ -12,7 +13,7 @@ import { Controls } from './controls';
 import { ProgramList } from './program_list';
 import { PathControl } from './path_control';
 import type { PathHost } from './path_control';
-import { isOutdated, ProgramRequests, ServerError } from './requests';
+import { isOutdated, ProgramRequests } from './requests';
 import type { ProgramDetails } from './requests';
 import { duration } from './texts';
 import { TextView } from './text_view';

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // HTTP requests about the programs of a session.
 
+import { ask } from '../../link/server_error';
 import { pathOfAnswer } from '../../model/program_path';
 import type { ProgramPath } from '../../model/program_path';
 import { programOf } from '../../wire/control';
@@ -26,17 +27,6 @@ export interface ProgramDetails {
   tools: number[];
   warnings: string[];
   alarms: Alarm[];
-}
-
-/** Why the server rejected a request: one sentence, and the place in the program if it has one. */
-export class ServerError extends Error {
-  constructor(
-    message: string,
-    readonly line = 0,
-    readonly word = '',
-  ) {
-    super(message);
-  }
 }
 
 /**
@@ -78,19 +68,6 @@ function detailsOf(value: unknown): ProgramDetails {
     warnings: listOf(from['warnings']).map(String),
     alarms: listOf(from['alarms']).map(alarmOf),
   };
-}
-
-async function errorOf(response: Response): Promise<ServerError> {
-  const body = (await response.json().catch(() => null)) as { error?: Json } | null;
-  const error = body?.error ?? {};
-  const reason = error['reason'];
-  if (typeof reason !== 'string')
-    return new ServerError(`The server answered ${response.status} ${response.statusText}.`);
-  return new ServerError(
-    reason,
-    typeof error['line'] === 'number' ? error['line'] : 0,
-    typeof error['word'] === 'string' ? error['word'] : '',
-  );
 }
 
 /** The programs of one session. All functions reject with a ServerError. */
@@ -136,12 +113,8 @@ export class ProgramRequests {
     return (await this.ask_(method, path, body)).json();
   }
 
-  private async ask_(method: string, path: string, body?: Blob): Promise<Response> {
-    const response = await fetch(this.folder_ + path, { method, body: body ?? null }).catch(() => {
-      throw new ServerError('The server did not answer.');
-    });
-    if (!response.ok) throw await errorOf(response);
-    return response;
+  private ask_(method: string, path: string, body?: Blob): Promise<Response> {
+    return ask(method, this.folder_ + path, body ?? null);
   }
 }
 

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// HTTP requests of the list of sessions and of new blocks. All reject with a ServerError.
+
+import type { Box, Price, ProgramFacts, Scene } from '../model/new_block';
+import type { Vec3 } from '../wire/types';
+import { ask } from './server_error';
+
+type Json = Record<string, unknown>;
+
+export interface Template {
+  id: string;
+  title: string;
+  description: string;
+  scene: Scene;
+}
+
+export interface Person {
+  name: string;
+  color: string;
+  kind: string;
+}
+
+/** What a card shows beyond the list. */
+export interface SessionDetails {
+  people: Person[];
+  stock: unknown;
+  pitchMm: number;
+}
+
+export interface UploadedMesh {
+  file: string;
+  triangles: number;
+  box: Box;
+}
+
+function listOf(value: unknown): Json[] {
+  return Array.isArray(value) ? (value as Json[]) : [];
+}
+
+function boxOf(from: Json): Box {
+  return { min: from['min_mm'] as Vec3, max: from['max_mm'] as Vec3 };
+}
+
+function sessionPath(id: string): string {
+  return `/v1/sessions/${encodeURIComponent(id)}`;
+}
+
+export async function listTemplates(): Promise<Template[]> {
+  const body = (await (await ask('GET', '/v1/templates')).json()) as Json;
+  return listOf(body['templates']).map((from) => ({
+    id: String(from['id']),
+    title: String(from['title']),
+    description: String(from['description']),
+    scene: from['scene'] as Scene,
+  }));
+}
+
+export async function sessionDetails(id: string): Promise<SessionDetails> {
+  const body = (await (await ask('GET', sessionPath(id))).json()) as Json;
+  return {
+    people: listOf(body['participants']).map((from) => ({
+      name: String(from['name']),
+      color: String(from['color']),
+      kind: String(from['kind']),
+    })),
+    stock: body['stock'],
+    pitchMm: Number(body['pitch_mm']),
+  };
+}
+
+/** What a scene would cost, or why it cannot be made. */
+export async function priceOf(scene: Scene, signal: AbortSignal | null = null): Promise<Price> {
+  const response = await ask('POST', '/v1/sessions?dry_run=1', JSON.stringify(scene), signal);
+  const body = (await response.json()) as Json;
+  return {
+    bytes: Number(body['bytes']),
+    usPerMotion: Number(body['us_per_motion']),
+  };
+}
+
+export async function createSession(id: string, scene: Scene): Promise<void> {
+  await ask('POST', `/v1/sessions?id=${encodeURIComponent(id)}`, JSON.stringify(scene));
+}
+
+/** Closes a session. Its journal stays on the server, unless `forever`. */
+export async function closeSession(id: string, forever = false): Promise<void> {
+  await ask('DELETE', sessionPath(id) + (forever ? '?purge=1' : ''));
+}
+
+export async function uploadMesh(file: File): Promise<UploadedMesh> {
+  const response = await ask('POST', `/v1/files?name=${encodeURIComponent(file.name)}`, file);
+  const body = (await response.json()) as Json;
+  return { file: String(body['file']), triangles: Number(body['triangles']), box: boxOf(body) };
+}
+
+/** What a program needs; `name` as uploadName gives it. */
+export async function describeProgram(name: string, text: string): Promise<ProgramFacts> {
+  const response = await ask('POST', `/v1/programs?name=${encodeURIComponent(name)}`, text);
+  const body = (await response.json()) as Json;
+  const feed = body['feed_mm'] as Json | null;
+  return {
+    kinematics: String(body['kinematics']),
+    tools: (body['tools'] as number[]).map(Number),
+    feedMm: feed === null ? null : boxOf(feed),
+    motions: Number(body['motions']),
+    programmedS: Number(body['programmed_s']),
+  };
+}

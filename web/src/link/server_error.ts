@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Errors of the server's HTTP interface.
+
+/** Why the server rejected a request: one sentence, and the place of the fault if it has one. */
+export class ServerError extends Error {
+  constructor(
+    message: string,
+    /** Of a program. */
+    readonly line = 0,
+    readonly word = '',
+    readonly status = 0,
+    /** Of a scene, e.g. "tools[0].diameter_mm". */
+    readonly path = '',
+  ) {
+    super(message);
+  }
+}
+
+function textOf(value: unknown): string {
+  return typeof value === 'string' ? value : '';
+}
+
+export async function errorOf(response: Response): Promise<ServerError> {
+  const body = (await response.json().catch(() => null)) as {
+    error?: Record<string, unknown>;
+  } | null;
+  const error = body?.error ?? {};
+  const reason = textOf(error['reason']);
+  const { status, statusText } = response;
+  return new ServerError(
+    reason === '' ? `The server answered ${status} ${statusText}.` : reason,
+    typeof error['line'] === 'number' ? error['line'] : 0,
+    textOf(error['word']),
+    status,
+    textOf(error['path']),
+  );
+}
+
+/** Rejects with a ServerError unless the answer is a success. */
+export async function ask(
+  method: string,
+  path: string,
+  body: BodyInit | null = null,
+  signal: AbortSignal | null = null,
+): Promise<Response> {
+  const response = await fetch(path, { method, body, signal }).catch((problem: unknown) => {
+    if (signal?.aborted) throw problem;
+    throw new ServerError('The server did not answer.');
+  });
+  if (!response.ok) throw await errorOf(response);
+  return response;
+}

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes of new blocks: from a template, around a mesh, or for a program; what they cost, in words.
+
+import type { Vec3 } from '../wire/types';
+
+/** A scene as server/formats/README.md describes it. */
+export type Scene = Record<string, unknown>;
+
+/** Greatest surface errors to choose from, mm, from coarse to fine. */
+export const TARGETS_MM: readonly number[] = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
+export const TARGET_DEFAULT_MM = 0.1;
+
+export interface Box {
+  min: Vec3;
+  max: Vec3;
+}
+
+export interface ToolChoice {
+  id: number;
+  shape: 'flat' | 'ball' | 'bull_nose';
+  diameterMm: number;
+  /** Of a bull nose. */
+  cornerMm: number;
+}
+
+/** What the server says of a program: POST /v1/programs. */
+export interface ProgramFacts {
+  kinematics: string;
+  tools: number[];
+  feedMm: Box | null;
+  motions: number;
+  programmedS: number;
+}
+
+/** What a scene would cost: POST /v1/sessions?dry_run=1. */
+export interface Price {
+  /** Of a block that is touched everywhere. */
+  bytes: number;
+  /** Of a motion of 1 mm. */
+  usPerMotion: number;
+}
+
+const TOOL_DEFAULT_MM = 6;
+const LENGTH_DIAMETERS = 5;
+/** Stock below the deepest cut, and the step to which the sides of a box are rounded. */
+const FLOOR_MM = 2;
+const ROUND_MM = 1;
+const FORCE = { law: 'specific_energy', specific_force_n_per_mm2: 0.05, pivot_mm: 20 };
+const HAND_TOOLS: readonly ToolChoice[] = [12, 6, 3].map((diameterMm, n) => ({
+  id: n + 1,
+  shape: 'ball',
+  diameterMm,
+  cornerMm: 0,
+}));
+
+/** The same scene with another name and accuracy; where rays are three fields, they stay so. */
+export function adapted(scene: Scene, name: string, targetMm: number): Scene {
+  const { rays } = (scene['accuracy'] ?? {}) as { rays?: unknown };
+  const accuracy = { target_mm: targetMm, ...(rays === 'tri-dexel' ? { rays } : {}) };
+  return { ...scene, name, accuracy };
+}
+
+/** The accuracy that a template asks for, as one of TARGETS_MM. */
+export function targetOf(scene: Scene): number {
+  const accuracy = (scene['accuracy'] ?? {}) as { target_mm?: unknown; pitch_mm?: unknown };
+  const wanted = Number(accuracy.target_mm ?? accuracy.pitch_mm ?? TARGET_DEFAULT_MM);
+  return TARGETS_MM.find((target) => target <= wanted * 1.001) ?? TARGETS_MM.at(-1)!;
+}
+
+function toolJson({ id, shape, diameterMm, cornerMm }: ToolChoice): Scene {
+  const length = Math.max(20, LENGTH_DIAMETERS * diameterMm);
+  const corner = shape === 'bull_nose' ? { corner_radius_mm: cornerMm } : {};
+  return { id, shape, diameter_mm: diameterMm, ...corner, length_mm: length };
+}
+
+/** A scene whose stock is an uploaded mesh, to be carved by hand. */
+export function meshScene(file: string): Scene {
+  return {
+    stock: { shape: 'mesh', file },
+    tools: HAND_TOOLS.map(toolJson),
+    force: FORCE,
+    machine: { kinematics: 'tool-vector' },
+  };
+}
+
+/** A scene for a program. */
+export function programScene(box: Box, tools: readonly ToolChoice[], kinematics: string): Scene {
+  return {
+    stock: { shape: 'box', min_mm: box.min, max_mm: box.max },
+    tools: tools.map(toolJson),
+    force: FORCE,
+    machine: { kinematics },
+  };
+}
+
+/**
+ * A stock in which every cut of a program lies: the box of its feeds, wider by the largest tool's
+ * radius, rounded outward to whole mm. Its top is Z 0 where all feeds lie below, as in most programs.
+ */
+export function stockFor(feed: Box | null, tools: readonly ToolChoice[]): Box {
+  if (feed === null) return { min: [-50, -50, -20], max: [50, 50, 0] };
+  const radius = Math.max(0, ...tools.map((tool) => tool.diameterMm / 2));
+  const down = (value: number): number => Math.floor(value / ROUND_MM + 1e-9) * ROUND_MM + 0;
+  const up = (value: number): number => Math.ceil(value / ROUND_MM - 1e-9) * ROUND_MM + 0;
+  const bottom = down(feed.min[2] - FLOOR_MM);
+  const top = feed.max[2] <= 0 ? 0 : up(feed.max[2]);
+  return {
+    min: [down(feed.min[0] - radius), down(feed.min[1] - radius), bottom],
+    max: [up(feed.max[0] + radius), up(feed.max[1] + radius), Math.max(top, bottom + ROUND_MM)],
+  };
+}
+
+function shapeIn(comment: string): ToolChoice['shape'] | null {
+  if (/bull|torus|radius(ed)?\s+mill/i.test(comment)) return 'bull_nose';
+  if (/ball/i.test(comment)) return 'ball';
+  return /flat|end\s*mill|square/i.test(comment) ? 'flat' : null;
+}
+
+/**
+ * Tools as comments of post-processors describe them: "(T1 D=6. CR=0. - flat end mill)" or
+ * "(T2 3MM BALL NOSE)".
+ */
+export function toolsInComments(text: string): Map<number, Partial<ToolChoice>> {
+  const found = new Map<number, Partial<ToolChoice>>();
+  for (const [, comment = ''] of text.matchAll(/[(;]\s*([^)\r\n]*)/g)) {
+    const head = /^T(?:OOL)?\s*#?\s*(\d{1,6})\b[:\s=|-]*(.*)$/i.exec(comment);
+    if (!head) continue;
+    const id = Number(head[1]);
+    const rest = head[2]!;
+    const diameter =
+      /\bD(?:IA(?:METER)?)?\s*[=:]?\s*(\d+\.?\d*|\.\d+)/i.exec(rest) ??
+      /(\d+\.?\d*|\.\d+)\s*MM\b/i.exec(rest);
+    const corner = /\bCR?\s*=\s*(\d+\.?\d*|\.\d+)/i.exec(rest);
+    if (!diameter || found.has(id)) continue;
+    const diameterMm = Number(diameter[1]);
+    const cornerMm = corner ? Number(corner[1]) : 0;
+    if (!(diameterMm > 0)) continue;
+    let shape = shapeIn(rest) ?? 'flat';
+    if (cornerMm > 0) shape = cornerMm >= diameterMm / 2 - 1e-6 ? 'ball' : 'bull_nose';
+    else if (shape === 'bull_nose') shape = 'flat';
+    found.set(id, { shape, diameterMm, cornerMm });
+  }
+  return found;
+}
+
+/** The tools that a program uses, with the sizes that its comments state. */
+export function toolsOf(facts: ProgramFacts, text: string): ToolChoice[] {
+  const stated = toolsInComments(text);
+  const ids = facts.tools.length > 0 ? facts.tools : [1];
+  return ids.map((id) => ({
+    id,
+    shape: 'flat',
+    diameterMm: TOOL_DEFAULT_MM,
+    cornerMm: 0,
+    ...stated.get(id),
+  }));
+}
+
+function rounded(value: number): string {
+  return String(Number(value.toPrecision(2)));
+}
+
+/** 38 → "38 µs", 3007 → "3 ms" */
+export function timeText(microseconds: number): string {
+  if (microseconds < 1000) return `${rounded(microseconds)} µs`;
+  return microseconds < 1e6
+    ? `${rounded(microseconds / 1000)} ms`
+    : `${rounded(microseconds / 1e6)} s`;
+}
+
+/** 120e6 → "120 MB" */
+export function bytesText(bytes: number): string {
+  const units = ['B', 'kB', 'MB', 'GB', 'TB'];
+  const step = Math.min(units.length - 1, Math.max(0, Math.floor(Math.log10(bytes || 1) / 3)));
+  return `${rounded(bytes / 1000 ** step)} ${units[step]!}`;
+}
+
+/** "0.05 mm: 38 µs a motion, up to 120 MB" */
+export function priceText({ usPerMotion, bytes }: Price, targetMm: number): string {
+  return `${targetMm} mm: ${timeText(usPerMotion)} a motion, up to ${bytesText(bytes)}`;
+}
+
+/** "⌀ 12, 6 and 3 mm": the tools of a template. */
+export function toolsText(tools: unknown): string {
+  const sizes = (Array.isArray(tools) ? (tools as Scene[]) : []).map((tool) =>
+    typeof tool['diameter_mm'] === 'number' ? String(tool['diameter_mm']) : 'profile',
+  );
+  return sizes.length === 0 ? '' : `⌀ ${new Intl.ListFormat('en').format(sizes)} mm`;
+}
+
+/** "120 × 80 × 20 mm", or "⌀ 60 × 80 mm" of a cylinder; empty if the stock is neither. */
+export function stockText(stock: unknown): string {
+  const from = (stock ?? {}) as Record<string, unknown>;
+  const side = (value: number): string => String(Number(value.toFixed(1)));
+  if (typeof from['radius_mm'] === 'number') {
+    const height = Number(from['max_z_mm']) - Number(from['min_z_mm']);
+    return `⌀ ${side(2 * from['radius_mm'])} × ${side(height)} mm`;
+  }
+  const { min_mm: min, max_mm: max } = from;
+  if (!Array.isArray(min) || !Array.isArray(max)) return '';
+  return `${[0, 1, 2].map((n) => side(Number(max[n]) - Number(min[n]))).join(' × ')} mm`;
+}
+
+/** "Bracket, op 1" → "bracket-op-1": a session's id, not one of `taken`. */
+export function freeId(name: string, taken: readonly string[]): string {
+  const plain = name
+    .normalize('NFKD')
+    .replace(/\p{M}/gu, '')
+    .toLowerCase()
+    .replace(/[^a-z0-9]+/g, '-')
+    .replace(/^-+|-+$/g, '')
+    .slice(0, 56);
+  const base = plain === '' ? 'block' : plain;
+  let id = base;
+  for (let n = 2; taken.includes(id); n += 1) id = `${base}-${n}`;
+  return id;
+}
+
+/** How long ago a time is, from now on: "just now", "5 min ago", "3 days ago". */
+export function ageText(timeMs: number, nowMs: number): string {
+  const minutes = Math.floor((nowMs - timeMs) / 60_000);
+  if (minutes < 1) return 'just now';
+  if (minutes < 60) return `${minutes} min ago`;
+  const hours = Math.floor(minutes / 60);
+  if (hours < 24) return `${hours} h ago`;
+  const days = Math.floor(hours / 24);
+  return days === 1 ? 'a day ago' : `${days} days ago`;
+}

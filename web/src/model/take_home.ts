@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files that can be taken home: for what, in which detail, and about how large they are.
+
+export type Detail = 'surface' | 'motions' | 'none';
+
+export interface TakeHomeFormat {
+  name: string;
+  text: string;
+  /** Below /v1/sessions/{id}/. */
+  file: string;
+  detail: Detail;
+  /** Bytes of a triangle or a motion; null: not known. */
+  bytesEach: number | null;
+}
+
+export interface TakeHomeGroup {
+  title: string;
+  formats: readonly TakeHomeFormat[];
+}
+
+function surface(name: string, file: string, text: string, bytesEach: number): TakeHomeFormat {
+  return { name, file, text, detail: 'surface', bytesEach };
+}
+
+// Sizes: of a milled plate with 2 million triangles, and of journals of hands.
+export const GROUPS: readonly TakeHomeGroup[] = [
+  {
+    title: 'Print',
+    formats: [
+      surface('3MF', 'model.3mf', 'Closed surface in millimetres', 14),
+      surface('STL', 'model.stl', 'Closed surface', 50),
+      surface('STL text', 'model.stl?encoding=ascii', 'Without support for binary STL', 184),
+    ],
+  },
+  {
+    title: 'CAM',
+    formats: [
+      {
+        name: 'NC',
+        file: 'program.ngc',
+        text: 'G-code of every motion',
+        detail: 'motions',
+        bytesEach: 82,
+      },
+      {
+        name: 'APT',
+        file: 'program.apt',
+        text: 'Tool poses of every motion',
+        detail: 'motions',
+        bytesEach: 82,
+      },
+    ],
+  },
+  {
+    title: 'CAD',
+    formats: [
+      surface('OBJ', 'model.obj', 'For modeling programs', 84),
+      surface('PLY', 'model.ply', 'For mesh tools', 19),
+    ],
+  },
+  {
+    title: 'Web',
+    formats: [
+      surface('GLB', 'model.glb', 'For viewers and AR', 20),
+      surface('GLB quantized', 'model.glb?encoding=quantized', 'Smaller; most viewers', 13),
+      surface('GLB compressed', 'model.glb?encoding=meshopt', 'Smallest; needs meshopt', 4),
+    ],
+  },
+  {
+    title: 'Figures',
+    formats: [
+      {
+        name: 'CSV',
+        file: 'forces.csv',
+        text: 'Force and torque of every motion',
+        detail: 'none',
+        bytesEach: 163,
+      },
+    ],
+  },
+];
+
+export interface DetailChoice {
+  text: string;
+  query: string;
+  /** The most triangles; null: no limit. */
+  triangles: number | null;
+}
+
+const EXACT: DetailChoice = { text: 'everything', query: '', triangles: null };
+
+export function choicesFor(detail: Detail): readonly DetailChoice[] {
+  switch (detail) {
+    case 'surface':
+      return [
+        EXACT,
+        ...[1_000_000, 100_000, 20_000].map((triangles) => ({
+          text: `at most ${new Intl.NumberFormat('en').format(triangles)} triangles`,
+          query: `triangles=${triangles}`,
+          triangles,
+        })),
+        ...[0.01, 0.05, 0.2].map((error) => ({
+          text: `within ${error} mm`,
+          query: `error_mm=${error}`,
+          triangles: null,
+        })),
+      ];
+    case 'motions':
+      return [
+        { ...EXACT, text: 'every motion' },
+        ...[0.001, 0.01, 0.1].map((tolerance) => ({
+          text: `joined within ${tolerance} mm`,
+          query: `tolerance_mm=${tolerance}`,
+          triangles: null,
+        })),
+      ];
+    case 'none':
+      return [EXACT];
+  }
+}
+
+export function fileOf({ file }: TakeHomeFormat, { query }: DetailChoice): string {
+  if (query === '') return file;
+  return `${file}${file.includes('?') ? '&' : '?'}${query}`;
+}
+
+/** What a session has of what files are made of. */
+export interface Amounts {
+  motions: number;
+  /** Of the field along Z. */
+  columns: number;
+}
+
+const TRIANGLES_PER_COLUMN = 2.4;
+const HEAD_BYTES = 100;
+
+/** About how large a file is at most, in bytes; null if its size is not known. */
+export function sizeOf(
+  format: TakeHomeFormat,
+  choice: DetailChoice,
+  { motions, columns }: Amounts,
+): number | null {
+  if (format.bytesEach === null) return null;
+  const triangles = Math.min(choice.triangles ?? Infinity, TRIANGLES_PER_COLUMN * columns);
+  const count = format.detail === 'surface' ? triangles : motions;
+  return HEAD_BYTES + count * format.bytesEach;
+}
+
+/** The name in a Content-Disposition header, that in UTF-8 first; empty if there is none. */
+export function nameIn(disposition: string): string {
+  const coded = /filename\*=UTF-8''([^;]+)/i.exec(disposition)?.[1];
+  if (coded !== undefined) {
+    try {
+      return decodeURIComponent(coded);
+    } catch {
+      // The plain name remains.
+    }
+  }
+  return /filename="([^"]*)"/i.exec(disposition)?.[1] ?? '';
+}

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a new block is made from: a template, a model or a program. A draft has its own part of the
+// form and gives the scene.
+
+import { describeProgram, uploadMesh } from '../../link/lobby_requests';
+import type { Template, UploadedMesh } from '../../link/lobby_requests';
+import {
+  meshScene,
+  programScene,
+  stockFor,
+  stockText,
+  targetOf,
+  toolsOf,
+  toolsText,
+} from '../../model/new_block';
+import type { Scene } from '../../model/new_block';
+import { h } from '../dom';
+import { count } from '../format';
+import { uploadName } from '../programs/requests';
+import { duration } from '../programs/texts';
+import { boxTable, toolTable } from './tool_table';
+
+export interface Draft {
+  name: string;
+  /** The accuracy to begin with; null: the usual one. */
+  targetMm: number | null;
+  element: HTMLElement;
+  scene: () => Scene;
+  /** To be started in the new session. */
+  program: File | null;
+}
+
+export const MESH_ENDINGS = ['.stl', '.ply', '.obj'];
+export const PROGRAM_ENDINGS = ['.ngc', '.nc', '.tap', '.gcode', '.apt', '.cls'];
+
+function endsIn(name: string, endings: readonly string[]): boolean {
+  return endings.some((ending) => name.toLowerCase().endsWith(ending));
+}
+
+function nameOf(file: File): string {
+  return file.name.replace(/\.[^.]*$/, '');
+}
+
+export function fromTemplate({ title, scene }: Template): Draft {
+  const { name, stock, tools } = scene;
+  const text = `${stockText(stock)}, tools ${toolsText(tools)}`;
+  return {
+    name: typeof name === 'string' ? name : title,
+    targetMm: targetOf(scene),
+    element: h('p', { class: 'quiet' }, text),
+    scene: () => scene,
+    program: null,
+  };
+}
+
+function meshText({ triangles, box }: UploadedMesh): string {
+  const side = (n: number): string => (box.max[n]! - box.min[n]!).toFixed(1);
+  const place = (n: number): string => box.min[n]!.toFixed(1);
+  return (
+    `${side(0)} × ${side(1)} × ${side(2)} mm, from X ${place(0)} Y ${place(1)} Z ${place(2)}, ` +
+    `${count(triangles)} triangles. Its numbers are taken as millimetres.`
+  );
+}
+
+async function fromMesh(file: File): Promise<Draft> {
+  const mesh = await uploadMesh(file);
+  const scene = meshScene(mesh.file);
+  return {
+    name: nameOf(file),
+    targetMm: null,
+    element: h('p', {}, meshText(mesh)),
+    scene: () => scene,
+    program: null,
+  };
+}
+
+async function fromProgram(file: File, changed: () => void): Promise<Draft> {
+  const text = await file.text();
+  const facts = await describeProgram(uploadName(file.name), text);
+  const tools = toolsOf(facts, text);
+  const box = stockFor(facts.feedMm, tools);
+  const size = `${count(facts.motions)} motions, ${duration(facts.programmedS)} at feed rate`;
+  return {
+    name: nameOf(file),
+    targetMm: null,
+    element: h(
+      'div',
+      { class: 'draft-program' },
+      h('p', { class: 'quiet' }, `${file.name}: ${size}.`),
+      boxTable(box, changed),
+      toolTable(tools, changed),
+    ),
+    scene: () => programScene(box, tools, facts.kinematics),
+    program: file,
+  };
+}
+
+/** Reads a file as model or program; `changed` is called when its part of the form is edited. */
+export function fromFile(file: File, changed: () => void): Promise<Draft> {
+  if (endsIn(file.name, MESH_ENDINGS)) return fromMesh(file);
+  if (endsIn(file.name, PROGRAM_ENDINGS)) return fromProgram(file, changed);
+  const known = [...MESH_ENDINGS, ...PROGRAM_ENDINGS].join(', ');
+  return Promise.reject(new Error(`${file.name} cannot be read: its name must end in ${known}`));
+}

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tools of a program and the box of its stock, to be edited.
+
+import type { Box, ToolChoice } from '../../model/new_block';
+import type { Vec3 } from '../../wire/types';
+import { h } from '../dom';
+
+const SHAPES: readonly [ToolChoice['shape'], string][] = [
+  ['flat', 'flat end'],
+  ['ball', 'ball end'],
+  ['bull_nose', 'bull nose'],
+];
+
+function numberInput(label: string, value: number, set: (value: number) => void): HTMLElement {
+  const input = h('input', {
+    type: 'number',
+    step: 'any',
+    class: 'number-input',
+    'aria-label': label,
+    value: String(value),
+  });
+  input.addEventListener('input', () => {
+    if (Number.isFinite(input.valueAsNumber)) set(input.valueAsNumber);
+  });
+  return input;
+}
+
+function toolRow(tool: ToolChoice, changed: () => void): HTMLElement {
+  const shape = h(
+    'select',
+    { 'aria-label': `Shape of tool ${tool.id}`, class: 'select' },
+    ...SHAPES.map(([value, name]) => h('option', { value }, name)),
+  );
+  const diameter = numberInput(`Diameter of tool ${tool.id}, mm`, tool.diameterMm, (value) => {
+    tool.diameterMm = value;
+    changed();
+  });
+  const radius = numberInput(`Corner radius of tool ${tool.id}, mm`, tool.cornerMm, (value) => {
+    tool.cornerMm = value;
+    changed();
+  });
+  const corner = h('span', {}, 'corner ', radius, ' mm');
+  const show = (): void => {
+    corner.hidden = tool.shape !== 'bull_nose';
+  };
+  shape.value = tool.shape;
+  show();
+  shape.addEventListener('change', () => {
+    tool.shape = shape.value as ToolChoice['shape'];
+    show();
+    changed();
+  });
+  return h(
+    'li',
+    {},
+    h('b', {}, `T${tool.id}`),
+    shape,
+    h('span', {}, '⌀ ', diameter, ' mm'),
+    corner,
+  );
+}
+
+/** Inputs that write to `tools` as they are edited. */
+export function toolTable(tools: ToolChoice[], changed: () => void): HTMLElement {
+  const rows = tools.map((tool) => toolRow(tool, changed));
+  return h(
+    'div',
+    {},
+    h('span', { class: 'field-name' }, 'Tools'),
+    h('ul', { class: 'tool-table' }, ...rows),
+  );
+}
+
+/** Inputs for the corners of a box, which they write to. */
+export function boxTable(box: Box, changed: () => void): HTMLElement {
+  const corner = (label: string, at: Vec3): HTMLElement =>
+    h(
+      'div',
+      { class: 'box-row' },
+      h('span', { class: 'quiet' }, label),
+      ...['X', 'Y', 'Z'].map((axis, n) =>
+        h(
+          'span',
+          {},
+          `${axis} `,
+          numberInput(`Stock ${label} ${axis}, mm`, at[n]!, (value) => {
+            at[n] = value;
+            changed();
+          }),
+        ),
+      ),
+    );
+  return h(
+    'div',
+    {},
+    h('span', { class: 'field-name' }, 'Stock, mm'),
+    corner('from', box.min),
+    corner('to', box.max),
+  );
+}
