@@ -147,7 +147,7 @@ std::string hello_text(const Hello& hello) {
   json message = {
       {"type", wire::kTypeHello}, {"name", hello.name}, {"feel", true}, {"durable", true}};
   if (!hello.color.empty()) message["color"] = hello.color;
-  if (hello.stock) message["stock"] = message["intent"] = true;
+  if (hello.stock) message["stock"] = message["returned"] = message["intent"] = true;
   if (hello.feel_of != 0) message["feel_of"] = hello.feel_of;
   if (hello.tool_id != 0) message["tool"] = hello.tool_id;
   if (hello.udp) message["udp"] = true;

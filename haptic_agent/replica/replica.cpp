@@ -2,9 +2,17 @@
 #include "haptic_agent/replica/replica.h"
 
 #include <algorithm>
+#include <map>
+#include <memory>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "kernel/dexel/dexel_field.h"
+#include "kernel/dexel/dexel_tile.h"
+#include "kernel/dexel/stock_column.h"
+#include "kernel/motion_reach.h"
+#include "kernel/sculpture_check.h"
 #include "kernel/tool/tool_bounds.h"
 #include "server/convert/stock_columns.h"
 
@@ -18,6 +26,11 @@ void cut_unfelt(Sculpture& block, MoveTool move) {
 }
 
 constexpr RayAxis kAxes[] = {RayAxis::kZ, RayAxis::kX, RayAxis::kY};
+
+FieldTile place_of(const wire::StockTile& tile) {
+  return {static_cast<RayAxis>(tile.axis),
+          {static_cast<std::int32_t>(tile.x), static_cast<std::int32_t>(tile.y)}};
+}
 
 }  // namespace
 
@@ -48,7 +61,7 @@ bool Replica::is_known(const MoveTool& motion) {
 /// Returns whether the force of this motion is independent of unknown stock.
 bool Replica::is_settled(const MoveTool& motion, bool known) {
   if (!known) {
-    unsettled_mm_ = 2 * block_.settings().pitch_mm;
+    unsettled_mm_ = settling_mm();
   } else if (unsettled_mm_ > 0) {
     const double length_mm = block_.tool(motion.tool)->length_mm;
     unsettled_mm_ -= std::max(length(motion.to.tip_mm - motion.from.tip_mm),
@@ -131,13 +144,16 @@ void Replica::cut_again(std::uint64_t server_has_us) {
   }
 }
 
-std::expected<void, std::string_view> Replica::take_tile(const wire::StockTile& tile) {
-  const FieldTile at{static_cast<RayAxis>(tile.axis),
-                     {static_cast<std::int32_t>(tile.x), static_cast<std::int32_t>(tile.y)}};
+/// Returns the field in whose grid a tile is.
+std::expected<const DexelField*, std::string_view> Replica::field_of(FieldTile at) const {
   const DexelField* field = block_.field(at.axis);
-  if (field == nullptr || !field->grid().has(at.tile)) {
-    return std::unexpected("the tile is outside the block");
-  }
+  if (field != nullptr && field->grid().has(at.tile)) return field;
+  return std::unexpected("the tile is outside the block");
+}
+
+std::expected<void, std::string_view> Replica::take_tile(const wire::StockTile& tile) {
+  const FieldTile at = place_of(tile);
+  if (const auto field = field_of(at); !field) return std::unexpected(field.error());
   const auto columns = decode_columns(tile.columns);
   if (!columns) return std::unexpected(columns.error());
   block_.keep_common(at, *columns);
@@ -146,13 +162,81 @@ std::expected<void, std::string_view> Replica::take_tile(const wire::StockTile& 
   return {};
 }
 
+/// Forgets what others are expected to cut, and their poses: the server may have taken back what
+/// they cut.
+void Replica::forget_others() {
+  if (stock_) block_.restore(stock_->solid());
+  stock_.reset();
+  others_.forget();
+}
+
+/// Takes tiles to which stock has come back: what the server has there, less this agent's motions
+/// that the server did not have yet.
+std::expected<void, std::string_view> Replica::take_returned(const wire::StockPatch& patch) {
+  std::vector<TileReplacement> tiles;
+  for (const wire::StockTile& tile : patch.tiles) {
+    const FieldTile at = place_of(tile);
+    const auto field = field_of(at);
+    if (!field) return std::unexpected(field.error());
+    const auto columns = decode_columns(tile.columns);
+    if (!columns) return std::unexpected(columns.error());
+    tiles.push_back({at, nullptr});
+    if (columns->columns.empty()) continue;
+    const auto content = std::make_shared<DexelTile>();
+    fill_from_stock((*field)->stock(), (*field)->grid(), at.tile, *content);
+    keep_common(*content, *columns);
+    tiles.back().tile = content;
+  }
+  forget_others();
+  replace(tiles, patch.agent_time_us);
+  known_region_ = {};
+  for (const TileReplacement& tile : tiles) {
+    if (tile.tile) {
+      known_.insert(tile.at);
+    } else {
+      known_.erase(tile.at);
+    }
+  }
+  return {};
+}
+
+/// Replaces tiles in block_ and cuts each with the motions that the server's tiles do not contain
+/// yet.
+void Replica::replace(std::span<const TileReplacement> tiles, std::uint64_t server_has_us) {
+  std::vector<DexelGrid> grids;
+  for (const RayAxis axis : axes_of(block_.settings().rays)) {
+    grids.push_back(block_.field(axis)->grid());
+  }
+  std::map<FieldTile, std::vector<MotionSince>> since;
+  std::vector<FieldTile> reach;
+  for (const Cut& cut : cuts_) {
+    if (cut.time_us <= server_has_us) continue;
+    const MotionSince motion{block_.tool(cut.move.tool), cut.move};
+    find_reach(*motion.tool, cut.move, grids, block_.settings().tolerance_mm, reach);
+    for (const FieldTile& tile : reach) since[tile].push_back(motion);
+  }
+  for (const TileReplacement& tile : tiles) {
+    block_.replace({&tile, 1}, since[tile.at]);
+    if (is_near(tile.at)) unsettled_mm_ = settling_mm();
+  }
+}
+
+/// Returns whether the force of the next motion may depend on what was cut in a tile.
+bool Replica::is_near(FieldTile at) const {
+  const Tool* tool = block_.tool(track_.tool());
+  if (tool == nullptr || !track_.pose()) return false;
+  const Bounds box = grown(tool_bounds(*tool, *track_.pose()), settling_mm());
+  return tiles_through(block_.field(at.axis)->grid(), box.lo_mm, box.hi_mm).has(at.tile);
+}
+
 std::expected<void, std::string_view> Replica::take(const wire::StockPatch& patch) {
   if (patch.reset) {
+    forget_others();
     block_ = source_.make();
-    stock_.reset();
-    others_.forget();
     known_.clear();
     known_region_ = {};
+  } else if (patch.returned) {
+    return take_returned(patch);
   }
   std::expected<void, std::string_view> taken;
   for (const wire::StockTile& tile : patch.tiles) {

@@ -7,6 +7,7 @@
 #include <expected>
 #include <optional>
 #include <set>
+#include <span>
 #include <string_view>
 
 #include "haptic_agent/replica/agreement.h"
@@ -58,7 +59,14 @@ class Replica {
   bool is_settled(const MoveTool& motion, bool known);
   bool is_known(const DexelField& field, std::size_t n, const TileRegion& region);
   std::expected<void, std::string_view> take_tile(const wire::StockTile& tile);
+  std::expected<void, std::string_view> take_returned(const wire::StockPatch& patch);
+  std::expected<const DexelField*, std::string_view> field_of(FieldTile at) const;
+  void forget_others();
   void cut_again(std::uint64_t server_has_us);
+  void replace(std::span<const TileReplacement> tiles, std::uint64_t server_has_us);
+  bool is_near(FieldTile at) const;
+  /// Travel over which the force depends on stock that was cut before.
+  double settling_mm() const { return 2 * block_.settings().pitch_mm; }
   OtherTools::Own own_tool(const wire::MotionSample& sample) const;
   void look_ahead(const wire::MotionSample& sample);
 

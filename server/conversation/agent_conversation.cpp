@@ -65,6 +65,7 @@ void AgentConversation::on_hello(const HelloMessage& hello) {
   request.feel = hello.feel;
   request.feel_of = hello.feel_of;
   request.stock = hello.stock;
+  request.returned = hello.returned;
   request.intent = hello.intent;
   request.durable = hello.durable;
   request.token = hello.resume;

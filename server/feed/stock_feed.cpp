@@ -26,6 +26,7 @@ constexpr std::uint64_t kDropFarEvery = 64;
 wire::StockPatch StockUpdate::patch() const {
   wire::StockPatch patch;
   patch.reset = reset;
+  patch.returned = returned;
   patch.agent_time_us = agent_time_us;
   for (const Tile& tile : tiles) {
     patch.tiles.push_back({static_cast<std::uint32_t>(tile.at.axis),
@@ -42,13 +43,21 @@ void StockFeed::note_cut(std::span<const FieldTile> tiles) {
 }
 
 void StockFeed::note_returned(std::span<const FieldTile> tiles) {
+  if (tiles.empty() || reset_) return;
   // A replica also cuts where it has no tile yet: what it cut there must not outlast an undo.
-  if (!tiles.empty()) reset();
+  returned_.insert(tiles.begin(), tiles.end());
+  if (!takes_returned_ || returned_.size() > wire::kMaxStockTiles) return reset();
+  for (const FieldTile& tile : tiles) {
+    known_.erase(tile);
+    stale_.erase(tile);
+  }
+  complete_ = {};
 }
 
 void StockFeed::reset() {
   known_.clear();
   stale_.clear();
+  returned_.clear();
   complete_ = {};
   reset_ = true;
 }
@@ -126,6 +135,24 @@ bool StockFeed::add_tile(const DexelField& field, FieldTile at, StockUpdate& upd
   return true;
 }
 
+std::size_t StockFeed::add_returned(const Sculpture& sculpture,
+                                    const std::vector<MissingTile>& near, StockUpdate& update) {
+  update.returned = true;
+  std::size_t bytes = 0;
+  for (const MissingTile& tile : near) {
+    if (bytes >= kPatchBytes) break;
+    const DexelField& field = *sculpture.field(tile.at.axis);
+    // One that is whole again has no columns: it becomes unknown, and is sent in the next patch.
+    if (!returned_.contains(tile.at) || field.find(tile.at.tile) == nullptr) continue;
+    add_tile(field, tile.at, update);
+    bytes += update.tiles.back().columns.size();
+    returned_.erase(tile.at);
+  }
+  for (const FieldTile& at : returned_) update.tiles.push_back({at, {}});
+  returned_.clear();
+  return bytes;
+}
+
 void StockFeed::drop_far(const Regions& near) {
   for (auto& [at, sent] : known_) {
     const auto n = std::size_t(std::ranges::find(kAxes, at.axis) - std::begin(kAxes));
@@ -143,16 +170,21 @@ std::optional<StockUpdate> StockFeed::next(const Sculpture& sculpture, const Tra
   StockUpdate update;
   update.reset = reset_;
   update.agent_time_us = tracked.time_us;
-  std::size_t bytes = 0, processed = 0;
   const std::vector<MissingTile> list = missing(sculpture, *near, tracked.pose.tip_mm);
-  for (const MissingTile& tile : list) {
-    if (bytes >= kPatchBytes || update.tiles.size() == wire::kMaxStockTiles) break;
-    if (add_tile(*sculpture.field(tile.at.axis), tile.at, update)) {
-      bytes += update.tiles.back().columns.size();
+  std::size_t bytes = 0;
+  if (returned_.empty()) {
+    std::size_t processed = 0;
+    for (; processed < list.size() && bytes < kPatchBytes; ++processed) {
+      if (update.tiles.size() == wire::kMaxStockTiles) break;
+      const FieldTile& at = list[processed].at;
+      if (add_tile(*sculpture.field(at.axis), at, update)) {
+        bytes += update.tiles.back().columns.size();
+      }
     }
-    ++processed;
+    if (processed == list.size()) complete_ = *near;
+  } else {
+    bytes = add_returned(sculpture, list, update);
   }
-  if (processed == list.size()) complete_ = *near;
   if (update.tiles.empty() && !reset_) return std::nullopt;
   reset_ = false;
   update.sequence = ++sent_;

@@ -29,8 +29,10 @@ struct TrackedTool {
 
 /// One patch for the replica of an agent.
 struct StockUpdate {
-  std::uint64_t sequence = 0;       ///< per feed, from 1; goes into the frame's header
-  bool reset = false;               ///< discard the replica before applying the tiles
+  std::uint64_t sequence = 0;  ///< per feed, from 1; goes into the frame's header
+  bool reset = false;          ///< discard the replica before applying the tiles
+  /// Each tile begins again from uncut stock; one without columns is unknown from then on.
+  bool returned = false;
   std::uint64_t agent_time_us = 0;  ///< samples up to here were cut from the tiles, or rejected
   struct Tile {
     FieldTile at;
@@ -43,17 +45,21 @@ struct StockUpdate {
 };
 
 /// Keeps the replica of one agent correct around its tool and along the tool's predicted path.
-/// Stock only shrinks and the agent cuts its own motions itself, so it needs a tile once, when the
-/// tool approaches, and then only the columns that other participants cut. Has no clock and no
-/// thread; runs on the session's executor.
+/// The agent cuts its own motions itself, so it needs a tile once, when the tool approaches, and
+/// then only the columns that other participants cut, until stock comes back to the tile. Has no
+/// clock and no thread; runs on the session's executor.
 class StockFeed {
  public:
   /// A patch ends with the tile that reaches this number of bytes of columns.
   static constexpr std::size_t kPatchBytes = std::size_t{32} * 1024;
 
+  /// `takes_returned`: the agent understands patches with `returned`; otherwise its replica begins
+  /// again when stock comes back.
+  explicit StockFeed(bool takes_returned = false) : takes_returned_(takes_returned) {}
+
   /// Marks tiles that another participant cut.
   void note_cut(std::span<const FieldTile> tiles);
-  /// Stock has come back to these tiles: the replica is invalid.
+  /// Stock has come back to these tiles: the replica is invalid there.
   void note_returned(std::span<const FieldTile> tiles);
   /// The agent's replica is invalid: the next patch starts a new one.
   void reset();
@@ -80,19 +86,25 @@ class StockFeed {
   std::optional<Regions> reach(const Sculpture& sculpture, const TrackedTool& tracked);
   std::vector<MissingTile> missing(const Sculpture& sculpture, const Regions& near,
                                    Vec3 tip_mm) const;
+  /// Puts the tiles to which stock has come back into the update, those in `near` with columns, and
+  /// returns the bytes of those.
+  std::size_t add_returned(const Sculpture& sculpture, const std::vector<MissingTile>& near,
+                           StockUpdate& update);
   bool add_tile(const DexelField& field, FieldTile at, StockUpdate& update);
   void drop_far(const Regions& near);
 
   /// The tiles that the agent has, as they were sent; null if the tile was untouched or is far away
   /// now.
   std::map<FieldTile, std::unique_ptr<DexelTile>> known_;
-  std::set<FieldTile> stale_;  ///< those of known_ that others have cut since
-  Regions complete_;           ///< every tile in these regions is known
+  std::set<FieldTile> stale_;     ///< those of known_ that others have cut since
+  std::set<FieldTile> returned_;  ///< the agent lacks stock that has come back there
+  Regions complete_;              ///< every tile in these regions is known
   std::uint64_t sent_ = 0;
   std::deque<std::size_t> in_flight_;  ///< bytes of each patch without an ack
   std::size_t bytes_in_flight_ = 0;
   Vec3 last_tip_mm_;           ///< at the previous call of next()
   std::uint64_t last_us_ = 0;  ///< time of that call
+  bool takes_returned_ = false;
   bool reset_ = true;
 };
 

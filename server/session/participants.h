@@ -106,8 +106,8 @@ class Participants {
   wire::Intents near(const ParticipantState& self) const;
   /// Marks tiles that `author` cut as stale in the replicas of all other participants.
   void note_cut(ParticipantId author, std::span<const FieldTile> tiles);
-  /// Stock has come back to these tiles: replicas begin again, and tools that reach one may be in
-  /// it.
+  /// Stock has come back to these tiles: replicas begin again there, and tools that reach one may
+  /// be in it.
   void note_returned(std::span<const FieldTile> tiles);
   /// Ends the strokes of all participants, also of those that may resume.
   void end_strokes();

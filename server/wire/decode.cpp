@@ -122,6 +122,7 @@ std::expected<StockPatch, DecodeError> decode_stock(ByteReader& from, std::size_
   }
   StockPatch patch;
   patch.reset = (flags & kStockReset) != 0;
+  patch.returned = (flags & kStockReturned) != 0;
   std::uint32_t count = 0;
   from.field(patch.agent_time_us);
   const std::size_t count_at = from.at();

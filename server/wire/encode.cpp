@@ -144,7 +144,8 @@ std::size_t encode(const FrameStamp& stamp, const Pong& pong, std::span<std::byt
 std::size_t encode(const FrameStamp& stamp, const StockPatch& patch,
                    std::span<std::byte> out) noexcept {
   assert(patch.tiles.size() <= kMaxStockTiles);
-  ByteWriter to = start_frame(stamp, MessageType::kStock, patch.reset ? kStockReset : 0,
+  const int flags = (patch.reset ? kStockReset : 0) | (patch.returned ? kStockReturned : 0);
+  ByteWriter to = start_frame(stamp, MessageType::kStock, static_cast<std::uint8_t>(flags),
                               encoded_bytes(patch), out);
   to.field(patch.agent_time_us);
   to.field(static_cast<std::uint32_t>(patch.tiles.size()));

@@ -27,8 +27,9 @@ enum class MessageType : std::uint8_t {
 inline constexpr std::uint8_t kMeshSnapshot = 1;
 inline constexpr std::uint8_t kMeshSnapshotEnd = 2;
 
-/// Flag of a stock frame: StockPatch::reset.
+/// Flags of a stock frame: StockPatch::reset, StockPatch::returned.
 inline constexpr std::uint8_t kStockReset = 1;
+inline constexpr std::uint8_t kStockReturned = 2;
 
 /// Flag of a result or a pong: its header is kDurableHeaderBytes long and ends with the durable
 /// sequence of the agent.

@@ -137,8 +137,8 @@ struct MeshView {
   std::span<const std::byte> glb;
 };
 
-/// An upper bound of the remaining solid of one tile: an agent intersects its replica with it.
-/// After decoding, the bytes belong to the decoded frame.
+/// What remains of one tile: an agent intersects its replica with it. After decoding, the bytes
+/// belong to the decoded frame.
 struct StockTile {
   /// Axis of the rays: 0 for X, 1 for Y, 2 for Z.
   std::uint32_t axis = 2;
@@ -151,6 +151,9 @@ struct StockTile {
 struct StockPatch {
   /// Discard all earlier patches and start from the stock of the welcome.
   bool reset = false;
+  /// Stock may have come back to these tiles: begin each again from the stock of the welcome. One
+  /// without columns is unknown from then on.
+  bool returned = false;
   /// Samples of this agent up to this time of its clock were cut from the tiles, or rejected; 0:
   /// none.
   std::uint64_t agent_time_us = 0;

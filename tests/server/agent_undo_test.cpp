@@ -55,7 +55,6 @@ class AgentUndo : public SessionUndo {
     return list.size() == 1 ? list[0] : json(list);
   }
 
-  SessionLimits limits_;
   Metrics metrics_;
   int wakes_ = 0;
   std::unique_ptr<AgentConversation> agent_;
@@ -85,6 +84,73 @@ TEST_F(AgentUndo, TakesBackItsOwnNewestStrokesOneByOneAndPutsThemBack) {
   stroke(other, {-10, 8, -2}, {10, 8, -2});
   EXPECT_EQ(answer(R"({"type":"undo"})").at("stroke"), second) << "those of others stay";
   EXPECT_EQ(hash(), never_happened());
+}
+
+/// An agent with a replica, whose tool moves in the air.
+class ReplicaOwner {
+ public:
+  ReplicaOwner(const std::shared_ptr<Session>& session, const SessionLimits& limits,
+               Metrics& metrics, std::string_view hello)
+      : agent_({.session = session,
+                .limits = limits,
+                .metrics = metrics,
+                .now = [this] { return now_ += std::chrono::seconds(1); },
+                .wake = [] {},
+                .open_udp = {}}),
+        epoch_(session->epoch()) {
+    agent_.receive(std::as_bytes(std::span(hello)), true, now_);
+  }
+  /// Sends samples until no stock frame comes any more; returns those that came.
+  std::vector<wire::StockPatch> stock_frames() {
+    std::vector<wire::StockPatch> all;
+    for (bool more = true; more;) {
+      more = false;
+      wire::MotionBatch moves;
+      wire::MotionSample& sample = moves.samples.at(moves.count++);
+      sample.time_us = 1000 * (sample.agent_sequence = ++sent_);
+      sample.tip_mm = {0, 0, 2};
+      sample.tool_id = 1;
+      receive(moves, sent_);
+      for (OutFrame frame; agent_.take(frame); agent_.sent(frame)) {
+        if (frame.kind != OutFrame::Kind::kStock) continue;
+        const auto message = wire::decode(frame.bytes);
+        all.push_back(std::get<wire::StockPatch>(message->body));
+        receive(wire::Ack{}, message->header.stamp.sequence);
+        more = true;
+      }
+    }
+    return all;
+  }
+
+ private:
+  template <typename Body>
+  void receive(const Body& body, std::uint64_t sequence) {
+    std::vector<std::byte> bytes;
+    wire::append(bytes, {.epoch = epoch_, .sequence = sequence, .time_us = 0}, body);
+    agent_.receive(bytes, false, now_);
+    agent_.refresh();
+  }
+  Clock::time_point now_{std::chrono::seconds(1000)};
+  AgentConversation agent_;
+  std::uint32_t epoch_;
+  std::uint64_t sent_ = 0;
+};
+
+TEST_F(AgentUndo, ReplicasTakeTilesBackIfTheySayThatTheyCan) {
+  ReplicaOwner can(session_, limits_, metrics_, R"({"type":"hello","stock":true,"returned":true})");
+  ReplicaOwner cannot(session_, limits_, metrics_, R"({"type":"hello","stock":true})");
+  stroke(id_, {-10, 0, -2}, {10, 0, -2});
+  for (ReplicaOwner* owner : {&can, &cannot}) {
+    const auto first = owner->stock_frames();
+    ASSERT_FALSE(first.empty());
+    EXPECT_TRUE(first[0].reset);
+  }
+  EXPECT_EQ(answer(R"({"type":"undo"})").at("undone"), true);
+  const auto back = can.stock_frames(), all = cannot.stock_frames();
+  ASSERT_FALSE(back.empty());
+  EXPECT_TRUE(back[0].returned && !back[0].reset);
+  ASSERT_FALSE(all.empty());
+  EXPECT_TRUE(all[0].reset && !all[0].returned);
 }
 
 TEST_F(AgentUndo, MeansTheStrokeThatIsTheNewestWhenItAsks) {

@@ -16,6 +16,7 @@ constexpr int kSteps = 300;
 constexpr const char* kTexts[] = {
     R"({"type":"hello","name":"Ada"})",
     R"({"type":"hello","name":"Ada","tool":2,"udp":true,"stock":true,"intent":true,"feel_of":1})",
+    R"({"type":"hello","name":"Ada","stock":true,"returned":true})",
     R"({"type":"hello","tool":99})",
     R"({"type":"hello","color":"red"})",
     R"({"type":"hello","name":7})",

@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/tile_region.h"
 #include "server/convert/stock_columns.h"
@@ -53,6 +56,7 @@ class StockFeedTest : public testing::TestWithParam<Rays> {
     for (const StockUpdate::Tile& tile : update.tiles) {
       const auto columns = decode_columns(tile.columns);
       ASSERT_TRUE(columns) << columns.error();
+      if (update.returned) bring_back(replica_, tile.at);
       replica_.keep_common(tile.at, *columns);
     }
   }
@@ -63,6 +67,24 @@ class StockFeedTest : public testing::TestWithParam<Rays> {
       merge(*update);
     }
     FAIL() << "more than 100 patches without a motion";
+  }
+  static void bring_back(Sculpture& block, FieldTile at) {
+    const TileReplacement whole{at, nullptr};
+    block.replace({&whole, 1});
+  }
+  /// All stock of the server's block comes back near a place; returns the tiles.
+  std::vector<FieldTile> undo_near(Vec3 place) {
+    std::vector<FieldTile> tiles;
+    for (const RayAxis axis : {RayAxis::kZ, RayAxis::kX, RayAxis::kY}) {
+      if (server_.field(axis) == nullptr) continue;
+      tiles_through(server_.field(axis)->grid(), place, place).all_of([&](TileIndex at) {
+        tiles.push_back({axis, at});
+        return true;
+      });
+    }
+    for (const FieldTile& at : tiles) bring_back(server_, at);
+    feed_.note_returned(tiles);
+    return tiles;
   }
   /// Expects that the replica equals the server's block wherever the tool may touch it.
   void expect_equal_near(Vec3 tip) {
@@ -184,6 +206,88 @@ TEST_P(StockFeedTest, ResetStartsANewReplica) {
   merge(*update);
   follow({30, 30, -8});
   expect_equal_near({30, 30, -8});
+}
+
+TEST_P(StockFeedTest, TilesToWhichStockHasComeBackBeginAgain) {
+  feed_ = StockFeed(true);
+  cut_other({20, 20, -4}, {60, 50, -4});
+  follow({30, 30, 2});
+  cut_own({32, 20, -3}, {34, 20, -8});
+  const auto tiles = undo_near({30, 28, -4});
+  cut_other({28, 28, -2}, {29, 28, -2});
+  const auto update = next({34, 20, -8});
+  ASSERT_TRUE(update);
+  EXPECT_FALSE(update->reset);
+  EXPECT_TRUE(update->returned);
+  EXPECT_EQ(update->agent_time_us, time_us_);
+  ASSERT_EQ(update->tiles.size(), tiles.size());
+  for (const FieldTile& tile : tiles) {
+    const auto sent = std::ranges::find(update->tiles, tile, &StockUpdate::Tile::at);
+    ASSERT_NE(sent, update->tiles.end());
+    EXPECT_FALSE(sent->columns.empty()) << "it has been cut again";
+  }
+  merge(*update);
+  const auto more = next({34, 20, -8});
+  EXPECT_TRUE(!more || !more->returned);
+  if (more) merge(*more);
+  follow({34, 20, -8});
+  expect_equal_near({34, 20, -8});
+}
+
+TEST_P(StockFeedTest, TilesThatAreWholeAgainAreUnknownUntilTheyAreSent) {
+  feed_ = StockFeed(true);
+  cut_other({20, 20, -4}, {60, 50, -4});
+  follow({30, 30, 2});
+  const auto tiles = undo_near({30, 28, -4});
+  const auto update = next({30, 30, 2});
+  ASSERT_TRUE(update && update->returned);
+  for (const StockUpdate::Tile& tile : update->tiles) EXPECT_TRUE(tile.columns.empty());
+  merge(*update);
+  const auto known = next({30, 30, 2});
+  ASSERT_TRUE(known);
+  EXPECT_FALSE(known->returned);
+  for (const FieldTile& tile : tiles) {
+    EXPECT_EQ(std::ranges::count(known->tiles, tile, &StockUpdate::Tile::at), 1);
+  }
+  EXPECT_FALSE(next({30, 30, 2}));
+  expect_equal_near({30, 30, 2});
+}
+
+TEST_P(StockFeedTest, DistantTilesThatHaveComeBackAreSentWhenTheToolComes) {
+  feed_ = StockFeed(true);
+  cut_other({300, 20, -4}, {340, 50, -4});
+  follow({310, 30, 2});
+  for (double x = 310; x >= 30; x -= 10) follow({x, 30, 2});
+  const auto tiles = undo_near({310, 28, -4});
+  cut_other({309, 28, -2}, {311, 28, -2});
+  const auto update = next({30, 30, 2});
+  ASSERT_TRUE(update && update->returned);
+  const auto sent = std::ranges::find(update->tiles, tiles.front(), &StockUpdate::Tile::at);
+  ASSERT_NE(sent, update->tiles.end());
+  EXPECT_TRUE(sent->columns.empty());
+  merge(*update);
+  follow({30, 30, 2});
+  follow({310, 30, 2});
+  expect_equal_near({310, 30, 2});
+}
+
+TEST_P(StockFeedTest, ReplicasThatDoNotTakeTilesBackOrTooManyBeginAgain) {
+  cut_other({20, 20, -4}, {60, 50, -4});
+  follow({30, 30, 2});
+  undo_near({30, 28, -4});
+  auto update = next({30, 30, 2});
+  ASSERT_TRUE(update);
+  EXPECT_TRUE(update->reset && !update->returned);
+  feed_ = StockFeed(true);
+  follow({30, 30, 2});
+  std::vector<FieldTile> many;
+  for (std::int32_t n = 0; n <= std::int32_t(wire::kMaxStockTiles); ++n) {
+    many.push_back({RayAxis::kZ, {n, 0}});
+  }
+  feed_.note_returned(many);
+  update = next({30, 30, 2});
+  ASSERT_TRUE(update);
+  EXPECT_TRUE(update->reset && !update->returned);
 }
 
 TEST_P(StockFeedTest, SendsTheNearestTilesFirst) {

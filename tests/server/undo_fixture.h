@@ -60,7 +60,7 @@ class SessionUndo : public testing::Test {
   void restart() {
     session_.reset();
     registry_.emplace(
-        RegistryOptions{folder_->path(), 4, {}, {}, {}},
+        RegistryOptions{folder_->path(), 4, limits_, {}, {}},
         [this](const std::string&) { return executor_; }, workers_);
   }
   /// Forgets everything.
@@ -156,6 +156,7 @@ class SessionUndo : public testing::Test {
   }
   std::uint64_t hash() { return session_->solid().hash(); }
 
+  SessionLimits limits_ = {};
   std::optional<test::TemporaryFolder> folder_{std::in_place};
   std::shared_ptr<SharedExecutor> executor_ = std::make_shared<SharedExecutor>();
   SharedExecutor workers_;

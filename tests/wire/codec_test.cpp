@@ -112,7 +112,7 @@ TEST(WireCodec, EveryPrefixOfAFrameIsRejected) {
   const std::array columns{std::byte{5}, std::byte{0}};
   for (const auto& frame : {frame_of(motion_batch(4, 9)), frame_of(Result{}), frame_of(tools),
                             frame_of(Ping{1}), frame_of(Pong{1, 2}), frame_of(Ack{}),
-                            frame_of(StockPatch{false, 0, {{2, 1, 1, columns}}})}) {
+                            frame_of(StockPatch{false, false, 0, {{2, 1, 1, columns}}})}) {
     ASSERT_TRUE(decode(frame));
     for (std::size_t bytes = 0; bytes < frame.size(); ++bytes) {
       // In a copy of exactly this size the address sanitizer detects reads beyond its end.

@@ -90,7 +90,10 @@ json describe_body(const StockPatch& patch) {
     tiles.push_back(
         {{"axis", tile.axis}, {"x", tile.x}, {"y", tile.y}, {"columns_hex", hex_of(tile.columns)}});
   }
-  return {{"reset", patch.reset}, {"agent_time_us", patch.agent_time_us}, {"tiles", tiles}};
+  return {{"reset", patch.reset},
+          {"returned", patch.returned},
+          {"agent_time_us", patch.agent_time_us},
+          {"tiles", tiles}};
 }
 
 json describe_body(const Intents& intents) {

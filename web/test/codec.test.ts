@@ -47,7 +47,12 @@ function bodyOf(frame: Frame): unknown {
       ...tile,
       columns_hex: hex(columns),
     }));
-    return { reset: frame.reset, agent_time_us: Number(frame.agent_time_us), tiles };
+    return {
+      reset: frame.reset,
+      returned: frame.returned,
+      agent_time_us: Number(frame.agent_time_us),
+      tiles,
+    };
   }
   const plain = frame.kind === 'result' ? frame.result : payload;
   return JSON.parse(

@@ -143,9 +143,12 @@ keep("ack", "ack", {}, b"", sequence=12)
 keep("ping", "ping", {"time_us": (1 << 52) + 1}, struct.pack("<Q", (1 << 52) + 1))
 keep("pong", "pong", {"ping_time_us": (1 << 52) + 1, "time_us": 99},
      struct.pack("<QQ", (1 << 52) + 1, 99))
-keep("stock_two", "stock", {"reset": False, "agent_time_us": (1 << 36) + 5, "tiles": tiles},
+keep("stock_two", "stock", {"reset": False, "returned": False, "agent_time_us": (1 << 36) + 5, "tiles": tiles},
      stock_bytes((1 << 36) + 5, tiles))
-keep("stock_reset", "stock", {"reset": True, "agent_time_us": 0, "tiles": []}, stock_bytes(0, []), flags=1)
+keep("stock_reset", "stock", {"reset": True, "returned": False, "agent_time_us": 0, "tiles": []},
+     stock_bytes(0, []), flags=1)
+keep("stock_returned", "stock", {"reset": False, "returned": True, "agent_time_us": 9, "tiles": tiles},
+     stock_bytes(9, tiles), flags=2)
 keep("intent_two", "intent", {"intents": intents}, intent_bytes(intents))
 keep("intent_none", "intent", {"intents": []}, intent_bytes([]))
 keep("result_durable", "result", touching, result_bytes(touching), durable=(1 << 33) + 5)

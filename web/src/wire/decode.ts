@@ -21,6 +21,7 @@ import {
   SAMPLES_PER_MESSAGE_MAX,
   STATES_DURABLE,
   STOCK_RESET,
+  STOCK_RETURNED,
   STOCK_HEAD_BYTES,
   STOCK_TILE_BYTES,
   STOCK_TILES_MAX,
@@ -233,7 +234,13 @@ function readStock(from: Reader, bytes: number, flags: number): Decoded<Payload>
   if (from.at !== end) return reject('payload_mismatch', from.at, 'bytes follow the last tile');
   return {
     ok: true,
-    value: { kind: 'stock', reset: (flags & STOCK_RESET) !== 0, agent_time_us, tiles },
+    value: {
+      kind: 'stock',
+      reset: (flags & STOCK_RESET) !== 0,
+      returned: (flags & STOCK_RETURNED) !== 0,
+      agent_time_us,
+      tiles,
+    },
   };
 }
 

@@ -51,6 +51,7 @@ export const MESH_SNAPSHOT_LAST = 2;
 
 /** Flag of a stock frame. */
 export const STOCK_RESET = 1;
+export const STOCK_RETURNED = 2;
 
 /** Bits of a tool state's and a result's status. */
 export const STATUS_CUTTING = 1;
@@ -149,7 +150,7 @@ export type Payload =
   | { kind: 'ack' }
   | { kind: 'ping'; time_us: bigint }
   | { kind: 'pong'; ping_time_us: bigint; time_us: bigint }
-  | { kind: 'stock'; reset: boolean; agent_time_us: bigint; tiles: StockTile[] }
+  | { kind: 'stock'; reset: boolean; returned: boolean; agent_time_us: bigint; tiles: StockTile[] }
   | { kind: 'intent'; intents: Intent[] }
   | { kind: 'unknown' };
 
