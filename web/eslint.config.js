@@ -34,6 +34,7 @@ export default defineConfig(
   {
     files: [
       'tests/e2e/*_live.mjs',
+      'tests/e2e/support/axe.mjs',
       'tests/e2e/support/browser.mjs',
       'tests/e2e/support/layout.mjs',
     ],

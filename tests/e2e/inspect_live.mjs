@@ -8,6 +8,7 @@
 import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { checkAccessible } from './support/axe.mjs';
 import { countPixels, launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
@@ -176,6 +177,7 @@ async function test(folder) {
     await checkAreas(page, corners);
     await checkCap(viewer);
     await checkMeasures(viewer);
+    await checkAccessible(page, 'the panel of sections and measures');
     for (const size of SIZES) {
       await checkFreeBlock(viewer, size, ['.bar', '.toolbar', '.panel', '.inspect']);
       const file = join(options.out, `inspect-${size[0]}.png`);
@@ -183,6 +185,7 @@ async function test(folder) {
     }
     await page.setViewportSize({ width, height });
     await checkPath(viewer);
+    await checkAccessible(page, 'the panel of programs');
     await writeFile(join(options.out, 'path.png'), await page.screenshot());
     assert.deepEqual(problems, []);
   } finally {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import type { Stroke } from '../src/link/strokes';
+import type { StateMessage } from '../src/wire/types';
 import {
   barsOf,
   joined,
+  mayHaveUndone,
   openSince,
   recordAt,
   rowsOf,
@@ -139,5 +141,20 @@ describe('the timeline', () => {
     ]);
     expect(openSince([])).toBe(0);
     expect(joined(old, 0, newer)).toEqual(newer);
+  });
+});
+
+describe('an undo', () => {
+  const state = (motions: number, removed: number, hash: string): StateMessage => ({
+    ...{ type: 'state', motions, removed_volume_mm3: removed, state_hash: hash, settled: true },
+  });
+  const before = state(100, 50, 'a');
+
+  it('is seen by more of the block, or by a change without a motion', () => {
+    expect(mayHaveUndone(before, state(100, 50, 'a'))).toBe(false);
+    expect(mayHaveUndone(before, state(120, 60, 'b'))).toBe(false);
+    expect(mayHaveUndone(before, state(120, 50, 'b'))).toBe(false); // through the air
+    expect(mayHaveUndone(before, state(120, 40, 'b'))).toBe(true);
+    expect(mayHaveUndone(before, state(100, 60, 'b'))).toBe(true); // a redo
   });
 });

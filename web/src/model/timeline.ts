@@ -3,6 +3,7 @@
 // more than pixels.
 
 import type { Stroke } from '../link/strokes';
+import type { StateMessage } from '../wire/types';
 
 /** The records in view, `from` at the left edge and `to` at the right one. */
 export interface Span {
@@ -122,4 +123,13 @@ export function openSince(rows: readonly StrokeRow[]): number {
     (since, { strokes }) => Math.min(since, strokes.at(-1)?.id ?? since),
     rows.length === 0 ? 0 : Infinity,
   );
+}
+
+/**
+ * Whether strokes may have been undone or redone between two states of the present: the block has
+ * changed without a motion, or there is more of it.
+ */
+export function mayHaveUndone(before: StateMessage, now: StateMessage): boolean {
+  if (now.removed_volume_mm3 < before.removed_volume_mm3) return true;
+  return now.motions === before.motions && now.state_hash !== before.state_hash;
 }

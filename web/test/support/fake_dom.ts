@@ -82,7 +82,14 @@ export class FakeElement {
     this.listeners_.set(name, [...(this.listeners_.get(name) ?? []), listener]);
   }
   dispatch(name: string): void {
-    for (const listener of this.listeners_.get(name) ?? []) listener({});
+    const event = { target: this, preventDefault: () => undefined };
+    for (const listener of this.listeners_.get(name) ?? []) listener(event);
+  }
+  focus(): void {
+    this.dispatch('focus');
+  }
+  select(): void {
+    this.dispatch('select');
   }
   click(): void {
     this.dispatch('click');

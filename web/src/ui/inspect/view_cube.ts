@@ -15,6 +15,9 @@ const FACES: readonly [Preset, string, string, readonly [number, number, number]
   ['left', 'Left', 'rotateY(-90deg) rotateZ(90deg)', [-1, 0, 0]],
 ];
 
+/** Cosine of the angle from which a face is wide enough to be pressed. */
+const LEAST_FACING = 0.45;
+
 export class ViewCube {
   private readonly faces_: HTMLButtonElement[];
   private readonly cube_: HTMLElement;
@@ -46,9 +49,9 @@ export class ViewCube {
     this.shown_ = text;
     this.cube_.style.transform = `matrix3d(${text})`;
     FACES.forEach(([, , , [x, y, z]], n) => {
-      const isSeen = m[2] * x + m[6] * y + m[10] * z > 0.05;
-      this.faces_[n]!.tabIndex = isSeen ? 0 : -1;
-      this.faces_[n]!.style.visibility = isSeen ? '' : 'hidden';
+      const facing = m[2] * x + m[6] * y + m[10] * z;
+      this.faces_[n]!.style.visibility = facing > 0.02 ? '' : 'hidden';
+      this.faces_[n]!.disabled = facing < LEAST_FACING;
     });
   }
 }

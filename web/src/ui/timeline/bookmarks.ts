@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Named versions: go to one, name the block that is shown, delete one; and a branch, a session that
+// Named versions: go to one, name the block that is shown, rename or delete one; and a branch, a session that
 // begins as the block is shown.
 
 import type { Version } from '../../link/history';
@@ -9,14 +9,16 @@ import { count } from '../format';
 export interface BookmarkActions {
   go: (record: number) => void;
   name: (name: string) => void;
+  rename: (version: Version, name: string) => void;
   remove: (name: string) => void;
   branch: (id: string) => void;
 }
 
-type Form = 'version' | 'branch';
+type Form = 'version' | 'rename' | 'branch';
 
 export class Bookmarks {
   private readonly list_ = h('select', { class: 'timeline-versions', 'aria-label': 'Versions' });
+  private readonly rename_ = this.button_('Rename');
   private readonly delete_ = this.button_('Delete');
   private readonly name_ = this.button_('Name this state');
   private readonly branch_ = this.button_('Branch from here');
@@ -32,11 +34,17 @@ export class Bookmarks {
     'div',
     { class: 'timeline-bookmarks', role: 'group', 'aria-label': 'Versions and branches' },
     this.list_,
+    this.rename_,
     this.delete_,
     this.name_,
     this.branch_,
     this.form_,
   );
+  private readonly openers_: Record<Form, HTMLElement> = {
+    version: this.name_,
+    rename: this.rename_,
+    branch: this.branch_,
+  };
   private shown_ = '';
   private versions_: readonly Version[] = [];
   private asks_: Form | null = null;
@@ -47,13 +55,13 @@ export class Bookmarks {
     private readonly proposed: () => string,
   ) {
     this.list_.addEventListener('change', () => {
-      const version = this.versions_.find(({ name }) => name === this.list_.value);
-      if (version) actions.go(version.record);
+      if (this.version_) actions.go(this.version_.record);
       this.update_();
     });
     this.delete_.addEventListener('click', () => {
       if (this.list_.value !== '') actions.remove(this.list_.value);
     });
+    this.rename_.addEventListener('click', () => this.ask_('rename'));
     this.name_.addEventListener('click', () => this.ask_('version'));
     this.branch_.addEventListener('click', () => this.ask_('branch'));
     const cancel = this.button_('Cancel');
@@ -69,6 +77,7 @@ export class Bookmarks {
       this.ask_(null);
       if (text === '') return;
       if (what === 'branch') actions.branch(text);
+      else if (what === 'rename' && this.version_) actions.rename(this.version_, text);
       else actions.name(text);
     });
   }
@@ -92,12 +101,18 @@ export class Bookmarks {
   /** What this viewer may do. */
   allow(versions: boolean, branches: boolean): void {
     this.name_.hidden = !versions;
+    this.rename_.hidden = !versions;
     this.delete_.hidden = !versions;
     this.branch_.hidden = !branches;
   }
 
   private update_(): void {
-    this.delete_.disabled = this.list_.value === '';
+    for (const button of [this.rename_, this.delete_]) button.disabled = !this.version_;
+  }
+
+  /** The one that is chosen. */
+  private get version_(): Version | undefined {
+    return this.versions_.find(({ name }) => name === this.list_.value);
   }
 
   private ask_(what: Form | null): void {
@@ -105,17 +120,18 @@ export class Bookmarks {
     this.asks_ = what;
     this.form_.hidden = what === null;
     if (what === null) {
-      (last === 'branch' ? this.branch_ : this.name_).focus();
+      if (last) this.openers_[last].focus();
       return;
     }
     const isBranch = what === 'branch';
     const label = isBranch ? 'Id of the new session' : 'Name of the version';
+    const isRename = what === 'rename';
     this.input_.setAttribute('aria-label', label);
     this.input_.placeholder = label;
     this.input_.pattern = isBranch ? '[a-z0-9_\\-]{1,64}' : '[^\\/]+';
     this.input_.title = isBranch ? 'Small letters, digits, - and _' : '';
-    this.input_.value = isBranch ? this.proposed() : '';
-    setText(this.save_, isBranch ? 'Branch' : 'Save');
+    this.input_.value = isBranch ? this.proposed() : isRename ? this.list_.value : '';
+    setText(this.save_, isBranch ? 'Branch' : isRename ? 'Rename it' : 'Save');
     this.input_.focus();
     this.input_.select();
   }

@@ -6,12 +6,17 @@ import { forceCurve, listVersions } from '../../link/history';
 import type { ForceCurve, Version } from '../../link/history';
 import { listStrokes } from '../../link/strokes';
 import type { Stroke } from '../../link/strokes';
-import { joined, openSince, rowsOf } from '../../model/timeline';
+import { joined, mayHaveUndone, openSince, rowsOf } from '../../model/timeline';
 import type { StrokeRow } from '../../model/timeline';
+import type { StateMessage } from '../../wire/types';
 
 const NEWER_MS = 1500;
-/** All of them, because older strokes may have been undone. */
-const ALL_MS = 15_000;
+/** Named by others. */
+const VERSIONS_MS = 15_000;
+/** Older strokes may have been undone, of which a state of the past says nothing. */
+const ALL_PAST_MS = 15_000;
+/** One may be missed among the motions of others. */
+const ALL_MS = 120_000;
 const FORCE_POINTS = 800;
 const FORCES_MS = 10_000;
 /** The server carves the journal again for the forces: at most this share of the time. */
@@ -27,6 +32,8 @@ export class Records {
   private busy_ = false;
   private askedMs_ = -Infinity;
   private allMs_ = -Infinity;
+  private versionsMs_ = -Infinity;
+  private present_: StateMessage | null = null; // as it was seen last
   private forcesMs_ = -Infinity;
   private forcesEnd_ = -1;
   private forcesBusy_ = false;
@@ -40,26 +47,38 @@ export class Records {
   /** All is asked for at the next tick. */
   invalidate(): void {
     this.allMs_ = -Infinity;
+    this.versionsMs_ = -Infinity;
     this.askedMs_ = -Infinity;
   }
 
-  /** Call often while the timeline is open. */
-  tick(nowMs: number, mayReadForces: boolean): void {
+  /** Call often while the timeline is open, with the newest state. */
+  tick(nowMs: number, state: StateMessage | null, mayReadForces: boolean): void {
+    this.note_(state);
     if (!this.busy_ && nowMs - this.askedMs_ > NEWER_MS) void this.refresh_(nowMs);
     if (mayReadForces && !this.forcesBusy_ && nowMs >= this.forcesMs_) void this.refreshForces_();
+  }
+
+  private note_(state: StateMessage | null): void {
+    const { present_: before } = this;
+    this.present_ = state?.at ? null : state;
+    if (before && this.present_ && mayHaveUndone(before, this.present_)) this.allMs_ = -Infinity;
+    if (!before && this.present_) this.allMs_ = -Infinity; // it may have been in the past
   }
 
   private async refresh_(nowMs: number): Promise<void> {
     this.busy_ = true;
     this.askedMs_ = nowMs;
-    const isAll = nowMs - this.allMs_ > ALL_MS;
+    const isAll = nowMs - this.allMs_ > (this.present_ ? ALL_MS : ALL_PAST_MS);
+    const asksVersions = nowMs - this.versionsMs_ > VERSIONS_MS;
     const since = isAll ? 0 : openSince(this.rows);
     try {
       const [strokes, versions] = await Promise.all([
         listStrokes(this.session, since),
-        isAll ? listVersions(this.session) : this.versions,
+        asksVersions ? listVersions(this.session) : this.versions,
       ]);
-      if (isAll && this.askedMs_ === nowMs) this.allMs_ = nowMs;
+      const isLatest = this.askedMs_ === nowMs; // nothing was invalidated meanwhile
+      if (isAll && isLatest) this.allMs_ = nowMs;
+      if (asksVersions && isLatest) this.versionsMs_ = nowMs;
       this.strokes = joined(this.strokes, since, strokes);
       this.rows = rowsOf(this.strokes);
       this.versions = versions;

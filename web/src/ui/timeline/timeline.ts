@@ -4,6 +4,7 @@
 
 import '../style/timeline.css';
 import { branch, deleteVersion, nameVersion } from '../../link/history';
+import type { Version } from '../../link/history';
 import { changeStroke } from '../../link/strokes';
 import type { Stroke, StrokeChange } from '../../link/strokes';
 import { Seeker } from '../../model/seeker';
@@ -74,6 +75,7 @@ export class Timeline {
         go: (record) => this.seek_(record, 0),
         name: (name) =>
           void this.keep_(nameVersion(session, name, this.record_), `“${name}” is kept.`),
+        rename: (version, name) => void this.rename_(version, name),
         remove: (name) => void this.keep_(deleteVersion(session, name), `“${name}” is deleted.`),
         branch: (id) => void this.branch_(id),
       },
@@ -185,7 +187,7 @@ export class Timeline {
     }
     const may = (what: string): boolean => model.welcome?.may?.includes(what) ?? true;
     this.bookmarks_.allow(may('name_versions'), may('administer'));
-    this.records_.tick(nowMs, may('download'));
+    this.records_.tick(nowMs, model.state, may('download'));
   }
 
   /** Nothing to do while the timeline is closed and the present is shown. */
@@ -260,6 +262,14 @@ export class Timeline {
       changeStroke(this.host.session, change, stroke.id),
       `A stroke of ${name} was ${done}.`,
     );
+  }
+
+  /** The server knows no renaming: the new name is given before the old one is deleted. */
+  private async rename_({ name: old, record }: Version, name: string): Promise<void> {
+    if (name === old) return;
+    const { session } = this.host;
+    const renamed = nameVersion(session, name, record).then(() => deleteVersion(session, old));
+    await this.keep_(renamed, `“${old}” is now “${name}”.`);
   }
 
   private async branch_(id: string): Promise<void> {
