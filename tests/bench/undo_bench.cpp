@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures undo in long sessions: undo_bench [motions] [dexel|tri-dexel] [pitch_mm] [threads].
 // Four hands scribble with balls of 10 mm over a block of 100 x 100 x 30 mm; strokes at random
-// places of the history are undone and redone.
+// places of the history are undone and redone. Then one viewer goes to 60 records at random, on one
+// thread: from its request to the last frame with exact tiles, without a socket.
 
 #include <time.h>
 
@@ -14,7 +15,9 @@
 #include <string>
 #include <vector>
 
+#include "kernel/cut/workers.h"
 #include "kernel/sculpture.h"
+#include "server/feed/tile_feed.h"
 #include "server/history/block_history.h"
 #include "server/store/journal_writer.h"
 #include "server/threads/thread_pool.h"
@@ -103,6 +106,42 @@ void print(const char* name, std::vector<double> times) {
               times[times.size() * 95 / 100], times.back());
 }
 
+/// What a server does when a viewer goes to a record and back to another.
+void seek(BlockHistory& history, const SculptureSettings& settings) {
+  Sculpture past = Sculpture::create(settings).value();
+  TileFeed feed(past.solid(), 0);
+  const ViewerId viewer = feed.add_viewer();
+  const auto receive = [&] {
+    std::size_t bytes = 0;
+    while (const auto frame = feed.next_frame(viewer)) {
+      bytes += frame->glb->size();
+      feed.ack(viewer, frame->sequence);
+    }
+    return bytes;
+  };
+  receive();
+  std::mt19937 random(9);
+  SerialWorkers alone;
+  std::vector<double> all_ms, carve_ms, cpu_ms;
+  std::size_t bytes = 0;
+  for (int n = 0; n < 60; ++n) {
+    const MotionSet then{.last = 1 + random() % history.last()};
+    const auto begin = Clock::now();
+    const double cpu_begin = process_cpu_s();
+    const auto tiles = history.carve(history.tiles(), then, alone);
+    const ReplacedTiles replaced = past.replace(*tiles);
+    carve_ms.push_back(ms_since(begin));
+    feed.note_change(past.solid(), replaced.changed_tiles, then.last);
+    bytes += receive();
+    all_ms.push_back(ms_since(begin));
+    cpu_ms.push_back((process_cpu_s() - cpu_begin) * 1000);
+  }
+  print("a seek of a viewer", all_ms);
+  print("  CPU", cpu_ms);
+  print("  of that, the block", carve_ms);
+  std::printf("  mesh frames of a seek              %.2f MB\n", static_cast<double>(bytes) / 60e6);
+}
+
 int run(int argc, char** argv) {
   const std::int64_t motions = argc > 1 ? std::atoll(argv[1]) : 100'000;
   SculptureSettings settings;
@@ -170,6 +209,7 @@ int run(int argc, char** argv) {
   print("  CPU of all threads", seeks.cpu_ms);
   std::printf("  tiles kept                         %.0f MB\n",
               static_cast<double>(history.tile_bytes()) / 1e6);
+  seek(history, settings);
   return 0;
 }
 
