@@ -118,6 +118,14 @@ export class Aim {
       : this.onPlane_(ray, { ...stroke, origin: this.last_! });
   }
 
+  /** The pose to which move() would lead, without going there. */
+  peek(surface: Probed, ray: Ray): Pose | null {
+    const { normal_, last_, axis_ } = this;
+    const pose = this.move(surface, ray);
+    Object.assign(this, { normal_, last_, axis_ });
+    return pose;
+  }
+
   end(): void {
     this.stroke_ = null;
     this.normal_ = null;

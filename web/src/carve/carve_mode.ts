@@ -191,11 +191,12 @@ export class CarveMode {
       return;
     }
     this.inHand_ = place.pressure !== null || isTouched();
-    this.hand_.begin(place, this.depthMm_);
+    const problem = this.hand_.begin(place, this.depthMm_);
+    if (problem !== '') this.say_(problem, true);
   }
 
   private end_(): void {
-    this.hand_.end();
+    this.hand_.end(this.depthMm_);
     this.send_();
     if (isTouched()) this.hand_.hide(); // no pointer is left over the picture
   }
@@ -223,6 +224,7 @@ export class CarveMode {
     const now = performance.now();
     if (welcome && welcome !== this.welcome_) this.prepare_(welcome);
     if (this.hand_.isCutting && state?.at) this.pointers_?.cancel();
+    this.hand_.settle(this.depthMm_, now);
     this.send_();
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
     if (now > this.noteUntilMs_ && this.isJoined_()) this.bar_.say(isTouched() ? HELP_TOUCH : HELP);

@@ -8,6 +8,7 @@ import type { Viewer } from '../view/viewer';
 import type { ToolInfo, Welcome } from '../wire/types';
 import { Aim } from './aim';
 import type { AimSettings } from './aim';
+import { PointerPath } from './pointer_path';
 import type { Place } from './pointers';
 import type { Draft } from './sample_log';
 import { Sampler } from './sampler';
@@ -15,8 +16,9 @@ import type { Pose, SamplerLimits } from './sampler';
 import { bounded, Surface } from './surface';
 import type { Ray } from './surface';
 
-const STEP_PX = 4; // a jump of the pointer is divided, so that the tip follows the surface in between
-const STEPS_MAX = 12;
+const RESTS_MS = 40; // a pointer from which nothing comes for so long
+const OUT_OF_REACH =
+  'The tool does not get there from above: turn on Lean, or carve from another side.';
 
 export class Hand {
   readonly settings: AimSettings = { mode: 'surface', depthMm: 1, leanMaxRad: 0 };
@@ -25,7 +27,8 @@ export class Hand {
   private tool_: ToolView | null = null;
   private welcome_: Welcome | null = null;
   private surface_: { changes: number; surface: Surface } | null = null;
-  private frozen_: Surface | null = null; // while a stroke lasts
+  /** While it lasts: the surface as it was when it began. */
+  private stroke_: { surface: Surface; path: PointerPath; movedMs: number } | null = null;
   private last_: { place: Place; pose: Pose } | null = null;
 
   /** `moved`: the tool is drawn at a place, or nowhere. */
@@ -52,7 +55,7 @@ export class Hand {
   }
 
   get isCutting(): boolean {
-    return this.frozen_ !== null;
+    return this.stroke_ !== null;
   }
 
   /** Shows where the tool would cut; `isSent`: others see it too. */
@@ -68,43 +71,46 @@ export class Hand {
 
   /** Shows it again where it is, after a change of the settings. */
   hoverAgain(isSent: boolean): void {
-    if (this.last_ && !this.frozen_) this.hover(this.last_.place, isSent);
+    if (this.last_ && !this.stroke_) this.hover(this.last_.place, isSent);
   }
 
-  /** Begins a stroke, if the tool gets to the block there. */
-  begin(place: Place, depthMm: number): void {
+  /** Begins a stroke; returns why there is none, as a sentence for the user, or nothing. */
+  begin(place: Place, depthMm: number): string {
     const surface = this.current_();
+    const ray = this.ray_(place);
     this.press_(place, depthMm);
-    const pose = this.aim_?.begin(surface, this.ray_(place));
-    if (!this.aim_ || !pose) return;
-    this.frozen_ = surface;
+    const pose = this.aim_?.begin(surface, ray);
+    if (!this.aim_ || !pose) return surface.hit(ray) ? OUT_OF_REACH : '';
+    this.stroke_ = { surface, path: new PointerPath(place), movedMs: performance.now() };
     this.sampler_.push(this.aim_.lifted(pose), false);
     this.cutTo_(place, pose);
+    return '';
   }
 
+  /** Continues the stroke; the tool is drawn at the newest place, ahead of the cut by half a step. */
   move(places: readonly Place[], depthMm: number): void {
-    for (const place of places) {
-      const from = this.last_?.place;
-      if (!from || !this.frozen_) return;
-      const jump = Math.hypot(place.x - from.x, place.y - from.y);
-      const steps = Math.min(STEPS_MAX, Math.max(1, Math.ceil(jump / STEP_PX)));
-      this.press_(place, depthMm);
-      for (let n = 1; n <= steps; ++n) {
-        const part = n / steps;
-        const x = from.x + part * (place.x - from.x);
-        const y = from.y + part * (place.y - from.y);
-        const pose = this.aim_?.move(this.frozen_, this.ray_({ x, y }));
-        if (pose) this.cutTo_({ ...place, x, y }, pose);
-      }
-    }
+    const { stroke_: stroke, aim_: aim } = this;
+    const newest = places.at(-1);
+    if (!stroke || !aim || !newest) return;
+    for (const place of places) this.follow_(stroke.path.to(place), depthMm);
+    stroke.movedMs = performance.now();
+    const pose = aim.peek(stroke.surface, this.ray_(newest));
+    if (pose) this.show_(newest, pose);
+  }
+
+  /** Cuts up to a pointer that rests. */
+  settle(depthMm: number, nowMs: number): void {
+    const { stroke_: stroke } = this;
+    if (stroke && nowMs - stroke.movedMs > RESTS_MS) this.follow_(stroke.path.end(), depthMm);
   }
 
   /** Lifts the tool. */
-  end(): void {
-    if (this.frozen_ && this.aim_ && this.last_) {
+  end(depthMm: number): void {
+    if (this.stroke_) this.follow_(this.stroke_.path.end(), depthMm);
+    if (this.stroke_ && this.aim_ && this.last_) {
       this.sampler_.push(this.aim_.lifted(this.last_.pose), false);
     }
-    this.frozen_ = null;
+    this.stroke_ = null;
     this.aim_?.end();
   }
 
@@ -124,6 +130,14 @@ export class Hand {
   /** The samples that are due. */
   take(nowUs: number): Draft[] {
     return this.sampler_.take(nowUs);
+  }
+
+  private follow_(places: readonly Place[], depthMm: number): void {
+    for (const place of places) {
+      this.press_(place, depthMm);
+      const pose = this.stroke_ && this.aim_?.move(this.stroke_.surface, this.ray_(place));
+      if (pose) this.cutTo_(place, pose);
+    }
   }
 
   private cutTo_(place: Place, pose: Pose): void {

@@ -169,6 +169,19 @@ describe('aim', () => {
     expect(aim.move(globe, flatRay)).toBeNull();
   });
 
+  it('looks ahead without going there', () => {
+    const [one, other] = [aimOf(BALL, { leanMaxRad: 1 }), aimOf(BALL, { leanMaxRad: 1 })];
+    one.begin(globe, down(0, 0));
+    other.begin(globe, down(0, 0));
+    for (let x = 1; x < 30; ++x) {
+      const expected = other.move(globe, down(x, 0));
+      expect(one.peek(globe, down(x + 5, 3))).not.toEqual(expected);
+      expect(one.peek(globe, down(x, 0))).toEqual(expected);
+      expect(one.move(globe, down(x, 0))).toEqual(expected);
+    }
+    expect(one.peek(globe, down(90, 0))).toBeNull();
+  });
+
   it('begins no stroke beside the block', () => {
     const aim = aimOf(BALL);
     expect(aim.begin(globe, down(60, 0))).toBeNull();

@@ -4,17 +4,9 @@ import { describe, expect, it } from 'vitest';
 import { bounded, Surface } from '../../src/carve/surface';
 import type { Ray } from '../../src/carve/surface';
 import { tileAt, tileKey } from '../../src/model/tiles';
-import type { ParsedTile } from '../../src/view/glb_tiles';
-import { TileView } from '../../src/view/tile_view';
-import type { Vec3, Welcome } from '../../src/wire/types';
-
-const SIDE = 8;
-const TILES = 5;
-const WELCOME = {
-  pitch_mm: 0.25,
-  grid: { origin_mm: [-20, -20, -12], columns: [160, 160], tile: 32 },
-  stock: { shape: 'box', min_mm: [-20, -20, -12], max_mm: [20, 20, 0] },
-} as unknown as Welcome;
+import type { TileView } from '../../src/view/tile_view';
+import type { Vec3 } from '../../src/wire/types';
+import { block, SIDE, tileOf, TILES, WELCOME } from '../support/tiles';
 
 function random(seed: number): () => number {
   let state = seed;
@@ -22,53 +14,6 @@ function random(seed: number): () => number {
     state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
     return state / 2 ** 32;
   };
-}
-
-/** A tile with a surface of heights at a raster, quantized as the server's are. */
-function tileOf(
-  x: number,
-  y: number,
-  height: (x: number, y: number) => number,
-  shape: string,
-): ParsedTile {
-  const raster = 8;
-  const geometry = new THREE.BufferGeometry();
-  const words: number[] = [];
-  for (let j = 0; j <= raster; ++j)
-    for (let i = 0; i <= raster; ++i) {
-      const [u, v] = [(i * SIDE) / raster, (j * SIDE) / raster];
-      words.push(u * 1000, v * 1000, height(-20 + x * SIDE + u, -20 + y * SIDE + v) * 1000);
-    }
-  geometry.setAttribute('position', new THREE.BufferAttribute(new Int16Array(words), 3));
-  const index: number[] = [];
-  for (let j = 0; j < raster; ++j)
-    for (let i = 0; i < raster; ++i) {
-      const a = j * (raster + 1) + i;
-      index.push(a, a + 1, a + raster + 2, a, a + raster + 2, a + raster + 1);
-    }
-  geometry.setIndex(index);
-  const matrix = new THREE.Matrix4()
-    .makeTranslation(-20 + x * SIDE, -20 + y * SIDE, 0)
-    .scale(new THREE.Vector3(0.001, 0.001, 0.001));
-  return {
-    x,
-    y,
-    columns: 1,
-    rows: 1,
-    version: 1,
-    level: 0,
-    triangles: 128,
-    shape,
-    geometry,
-    matrix,
-  };
-}
-
-function block(height: (x: number, y: number) => number): TileView {
-  const view = new TileView(new THREE.MeshBasicMaterial());
-  for (let y = 0; y < TILES; ++y)
-    for (let x = 0; x < TILES; ++x) view.set(tileOf(x, y, height, `${x},${y}`), x, y, SIDE);
-  return view;
 }
 
 function surfaceOf(view: TileView): Surface {

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+import * as THREE from 'three';
+import { beforeEach, describe, expect, it, vi } from 'vitest';
+import { Hand } from '../../src/carve/hand';
+import type { Place } from '../../src/carve/pointers';
+import type { Draft } from '../../src/carve/sample_log';
+import type { TileView } from '../../src/view/tile_view';
+import type { Viewer } from '../../src/view/viewer';
+import type { ToolInfo } from '../../src/wire/types';
+import { block, SIDE, tileOf, WELCOME } from '../support/tiles';
+
+const BALL: ToolInfo = { id: 4, shape: 'ball', diameter_mm: 3, length_mm: 20 };
+const at = (x: number, y = 0, pressure: number | null = null): Place => ({ x, y, pressure });
+
+describe('hand', () => {
+  let tiles: TileView;
+  let scene: THREE.Scene;
+  let shown: (Place | null)[];
+  let hand: Hand;
+  let nowUs: number;
+  /** Where the pointer's rays come from; places are millimeters on a plane below. */
+  let eye: THREE.Vector3;
+
+  beforeEach(() => {
+    tiles = block(() => -2);
+    scene = new THREE.Scene();
+    shown = [];
+    nowUs = 1e6;
+    eye = new THREE.Vector3(0, 0, 500);
+    const viewer = {
+      tiles,
+      stage: { scene },
+      touchAll: vi.fn(),
+      ray: (x: number, y: number) => {
+        const target = new THREE.Vector3(x, y, -2);
+        return new THREE.Ray(eye, target.sub(eye).normalize());
+      },
+    };
+    hand = new Hand(viewer as unknown as Viewer, (place) => shown.push(place));
+    hand.limits = { speedMmPerS: 5000, samplesPerS: 1250 };
+    hand.takeTool(BALL, '#d9541e', WELCOME);
+  });
+
+  /** All samples until nothing waits. */
+  function samples(): Draft[] {
+    const all: Draft[] = [];
+    for (let n = 0; n < 60; ++n) {
+      nowUs += 8000;
+      all.push(...hand.take(nowUs));
+    }
+    return all;
+  }
+
+  it('plunges, carves at its depth, and lifts', () => {
+    expect(hand.begin(at(-6), 1)).toBe('');
+    expect(hand.isCutting).toBe(true);
+    hand.move([at(0), at(6)], 1);
+    hand.end(1);
+    const all = samples();
+    const cutting = all.filter(({ buttons }) => buttons !== 0);
+    expect(all[0]).toMatchObject({ buttons: 0, tool_id: 4 });
+    expect(all[0]!.tip_mm[2]).toBeGreaterThan(-2);
+    expect(all.at(-1)!.buttons).toBe(0);
+    expect(all.at(-1)!.tip_mm[2]).toBeGreaterThan(-2);
+    for (const { tip_mm } of cutting) expect(tip_mm[2]).toBeCloseTo(-3);
+    expect(cutting[0]!.tip_mm[0]).toBeCloseTo(-6);
+    expect(cutting.at(-1)!.tip_mm[0]).toBeCloseTo(6);
+    expect(hand.isCutting).toBe(false);
+  });
+
+  it('does not dig when it goes over its own cut again', () => {
+    hand.begin(at(-2), 1);
+    hand.move([at(0), at(2)], 1);
+    samples();
+    tiles.set(
+      tileOf(2, 2, () => -3, 'cut'),
+      2,
+      2,
+      SIDE,
+    ); // the server's mesh has come
+    hand.move([at(0), at(-2)], 1);
+    hand.end(1);
+    const cutting = samples().filter(({ buttons }) => buttons !== 0);
+    expect(cutting.length).toBeGreaterThan(2);
+    for (const { tip_mm } of cutting) expect(tip_mm[2]).toBeCloseTo(-3);
+    // The next stroke begins at the new surface.
+    hand.begin(at(0), 1);
+    expect(samples().at(-1)!.tip_mm[2]).toBeCloseTo(-4);
+  });
+
+  it('cuts less deep under less pressure', () => {
+    hand.begin(at(-6, 0, 0.5), 1);
+    hand.move([at(6, 0, 0.5)], 1);
+    hand.end(1);
+    const cutting = samples().filter(({ buttons }) => buttons !== 0);
+    for (const { tip_mm } of cutting) expect(tip_mm[2]).toBeCloseTo(-2.5);
+  });
+
+  it('is drawn at the pointer, and cuts up to there when the pointer rests', () => {
+    hand.begin(at(0), 1);
+    hand.move([at(8)], 1);
+    expect(shown.at(-1)).toEqual(at(8));
+    expect(scene.children[0]!.position.x).toBeCloseTo(8);
+    expect(samples().at(-1)!.tip_mm[0]).toBeCloseTo(4);
+    hand.settle(1, performance.now());
+    expect(samples().at(-1)!.tip_mm[0]).toBeCloseTo(4);
+    hand.settle(1, performance.now() + 100);
+    expect(samples().at(-1)!.tip_mm[0]).toBeCloseTo(8);
+  });
+
+  it('shows others where it waits, clear of the block', () => {
+    hand.hover(at(3), true);
+    expect(samples()).toMatchObject([{ buttons: 0 }]);
+    hand.hover(at(5), false);
+    expect(samples()).toEqual([]);
+    expect(scene.children[0]!.visible).toBe(true);
+    hand.hover(at(90), true);
+    expect(scene.children[0]!.visible).toBe(false);
+    expect(shown.at(-1)).toBeNull();
+  });
+
+  it('says why it does not begin', () => {
+    // An overhang, seen from below: its normal points down.
+    const overhang = tileOf(2, 2, () => -2, 'overhang');
+    overhang.geometry!.setIndex([...overhang.geometry!.index!.array].reverse());
+    tiles.set(overhang, 2, 2, SIDE);
+    eye.z = -500;
+    expect(hand.begin(at(0), 1)).toContain('does not get there');
+    expect(hand.begin(at(90), 1)).toBe('');
+    expect(hand.isCutting).toBe(false);
+    expect(samples()).toEqual([]);
+  });
+});
