@@ -45,8 +45,9 @@ export function mountCarve(host: CarveHost): CarveSwitch {
   const whyNot = (): string => {
     const { welcome } = host.model;
     if (!welcome) return 'The session is not open yet.';
-    if (host.picture.viewer === null) return 'There is no picture to carve in yet.';
-    return whyNotCarve(welcome);
+    const reason = whyNotCarve(welcome);
+    const hasPicture = host.picture.viewer !== null;
+    return reason !== '' || hasPicture ? reason : 'There is no picture to carve in yet.';
   };
   const toggle = (): void => {
     if (mode?.isActive) {
