@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "kernel/math/vec3.h"
 #include "server/wire/types.h"
@@ -18,21 +19,20 @@ class Agreement {
  public:
   /// Records an answer of the replica. Times must increase.
   void note(const wire::Result& local) {
-    kept_[count_++ % kKept] = {local.agent_time_us, Vec3(local.force_n)};
+    kept_[count_++ % kKept] = {local.agent_time_us, Vec3(local.force_n), !is_missing_};
+    is_missing_ = false;
   }
+  /// Records that the replica did not answer a sample.
+  void note_missing() { is_missing_ = true; }
 
-  /// Compares an answer of the server, which is the mean over the samples since its last one, with
-  /// the mean of the replica's; ignored if the replica had no answer to the newest of them.
-  void compare(const wire::Result& remote) {
-    const std::size_t last = find(remote.agent_time_us), before = find(remote_us_);
-    remote_us_ = remote.agent_time_us;
-    if (last == kNone) return;
-    const bool follows = before != kNone && before < last && last - before <= kBatchMax;
-    const std::size_t count = follows ? last - before : 1;
-    Vec3 sum;
-    for (std::size_t n = last + 1 - count; n <= last; ++n) sum = sum + kept_[n % kKept].force_n;
-    const Vec3 force(remote.force_n);
-    const Vec3 difference = sum * (1 / static_cast<double>(count)) - force;
+  /// Compares an answer of the server, which is the mean over the time since its last one, with the
+  /// same mean of the replica's. Ignored if the replica has not answered each sample of that time.
+  /// All answers of the server must be passed, in their order.
+  void compare(std::uint64_t agent_time_us, Vec3 force) {
+    const std::optional<Vec3> local = mean(find(remote_us_), find(agent_time_us));
+    remote_us_ = agent_time_us;
+    if (!local) return;
+    const Vec3 difference = *local - force;
     ++compared_;
     square_error_ += dot(difference, difference);
     square_force_ += dot(force, force);
@@ -67,6 +67,7 @@ class Agreement {
   struct Answer {
     std::uint64_t time_us = 0;
     Vec3 force_n{};
+    bool follows = false;  ///< the sample after that of the answer before
   };
   struct Window {
     int count = 0;
@@ -74,6 +75,18 @@ class Agreement {
   };
 
   static constexpr std::size_t kNone = SIZE_MAX;
+  /// Returns the mean of the replica's answers after one until another, weighted by time.
+  std::optional<Vec3> mean(std::size_t before, std::size_t last) const {
+    if (before == kNone || last == kNone || before >= last || last - before > kBatchMax) return {};
+    Vec3 impulse;
+    for (std::size_t n = before + 1; n <= last; ++n) {
+      const Answer &answer = kept_[n % kKept], &earlier = kept_[(n - 1) % kKept];
+      if (!answer.follows) return {};
+      impulse = impulse + answer.force_n * static_cast<double>(answer.time_us - earlier.time_us);
+    }
+    const std::uint64_t time_us = kept_[last % kKept].time_us - kept_[before % kKept].time_us;
+    return impulse * (1 / static_cast<double>(time_us));
+  }
   /// Returns the number of the answer to the sample of that time.
   std::size_t find(std::uint64_t time_us) const {
     std::size_t low = count_ > kKept ? count_ - kKept : 0, high = count_;
@@ -91,6 +104,7 @@ class Agreement {
 
   std::array<Answer, kKept> kept_{};
   std::size_t count_ = 0;
+  bool is_missing_ = true;
   std::uint64_t remote_us_ = 0;  ///< of the server's last answer
   std::uint64_t compared_ = 0;
   double square_error_ = 0, square_force_ = 0;

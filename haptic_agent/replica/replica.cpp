@@ -104,6 +104,16 @@ void Replica::look_ahead(const wire::MotionSample& sample) {
 }
 
 std::optional<wire::Result> Replica::move(const wire::MotionSample& sample) {
+  const auto result = answer(sample);
+  if (result) {
+    agreement_.note(*result);
+  } else {
+    agreement_.note_missing();
+  }
+  return result;
+}
+
+std::optional<wire::Result> Replica::answer(const wire::MotionSample& sample) {
   look_ahead(sample);
   auto step = track_.take(sample, block_, source_.speed_max_mm_per_s());
   const std::optional<ToolPose>& pose = track_.pose();
@@ -130,7 +140,6 @@ std::optional<wire::Result> Replica::move(const wire::MotionSample& sample) {
   wire::Result result;
   result.agent_time_us = sample.time_us;
   sum.write(result);
-  agreement_.note(result);
   return result;
 }
 

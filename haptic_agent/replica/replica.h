@@ -37,8 +37,10 @@ class Replica {
   /// Takes the poses of other tools nearby. Their motions up to now are expected, and the force of
   /// the next samples is that in a block without what they cut.
   void take(const wire::Intents& intents) { others_.take(intents, track_.time_us()); }
-  /// Compares an answer of the server.
-  void compare(const wire::Result& remote) { agreement_.compare(remote); }
+  /// Compares the force of an answer of the server; see Agreement::compare.
+  void compare(std::uint64_t agent_time_us, Vec3 force_n) {
+    agreement_.compare(agent_time_us, force_n);
+  }
   /// Returns true once after the replica has diverged; it then needs a reset from the server.
   bool take_divergence() { return agreement_.take_divergence(); }
 
@@ -55,6 +57,7 @@ class Replica {
   /// Motions older than this have reached the server, so a reset already contains them.
   static constexpr std::uint64_t kRememberedUs = 4'000'000;
 
+  std::optional<wire::Result> answer(const wire::MotionSample& sample);
   bool is_known(const MoveTool& motion);
   bool is_settled(const MoveTool& motion, bool known);
   bool is_known(const DexelField& field, std::size_t n, const TileRegion& region);

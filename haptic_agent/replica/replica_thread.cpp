@@ -32,14 +32,18 @@ void ReplicaThread::take_stock(std::span<const std::byte> frame) {
   patches_.emplace_back(frame.begin(), frame.end());
 }
 
-void ReplicaThread::take_result(const wire::Result& result) { results_.write(result); }
+void ReplicaThread::take_result(const wire::Result& result) {
+  forces_.push({result.agent_time_us, Vec3(result.force_n)});
+}
 
 void ReplicaThread::run() {
   while (!stopping_.load()) {
     servo_.wait();
     take_patches();
     take_samples();
-    if (wire::Result remote; results_.read(remote)) replica_->compare(remote);
+    for (ServersForce server; forces_.pop(server);) {
+      replica_->compare(server.agent_time_us, server.force_n);
+    }
     if (replica_->take_divergence()) wants_reset_.store(true);
   }
   report_.compared = replica_->agreement().compared();

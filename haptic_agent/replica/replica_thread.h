@@ -11,7 +11,7 @@
 
 #include "haptic_agent/link/stock_listener.h"
 #include "haptic_agent/realtime/histogram.h"
-#include "haptic_agent/realtime/latest_value.h"
+#include "haptic_agent/realtime/spsc_ring.h"
 #include "haptic_agent/replica/replica.h"
 #include "haptic_agent/servo/replica_exchange.h"
 
@@ -52,13 +52,18 @@ class ReplicaThread final : public StockListener {
   bool wants_reset() override { return wants_reset_.exchange(false); }
 
  private:
+  struct ServersForce {
+    std::uint64_t agent_time_us = 0;
+    Vec3 force_n{};
+  };
+
   void run();
   void take_patches();
   void take_samples();
 
   std::unique_ptr<Replica> replica_;
   ReplicaExchange& servo_;
-  LatestValue<wire::Result> results_;
+  SpscRing<ServersForce, 1024> forces_;
   std::mutex mutex_;  ///< guards patches_
   std::deque<std::vector<std::byte>> patches_;
   std::atomic<bool> wants_reset_{false}, stopping_{false};

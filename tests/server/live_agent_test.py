@@ -137,8 +137,8 @@ class ThroughASlowLine(AgentTest):
         self.assertGreater(copy["answered"], 0.7 * copy["samples"])
         self.assertGreater(copy["felt_ticks"], 0)
         self.assertGreater(copy["compared"], 0)
-        # A result may be the mean of 16 samples. A replica that gives no force has an error of 1.
-        self.assertLess(copy["error"], 0.7)
+        # Aligned by the times of the samples, whatever the load; a replica without force has 1.
+        self.assertLess(copy["error"], 0.3)
         self.assertEqual(copy["bad_patches"], 0)
 
     def test_cut_is_felt_without_energy_gain_at_100_ms_with_loss(self):

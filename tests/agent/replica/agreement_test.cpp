@@ -15,10 +15,10 @@ TEST(Agreement, ReportsAPersistentDifference) {
       local.force_n = {local_n, 0, 0};
       remote.force_n = {remote_n, 0, 0};
       agreement.note(local);
-      agreement.compare(remote);
+      agreement.compare(remote.agent_time_us, Vec3(remote.force_n));
     }
   };
-  answer(1.0F, 1.1F, 3000);
+  answer(1.0F, 1.1F, 3001);  // the first is not compared: when it began is unknown
   EXPECT_FALSE(agreement.take_divergence());
   answer(0.0F, 1.0F, 900);  // other agents' cuts arrive with delay
   answer(1.0F, 1.0F, 100);
@@ -28,43 +28,60 @@ TEST(Agreement, ReportsAPersistentDifference) {
   EXPECT_FALSE(agreement.take_divergence()) << "below the threshold";
 }
 
+/// The n-th answer of a replica, for a sample at 1000 n.
+wire::Result nth(std::uint64_t n, double newtons) {
+  wire::Result answer;
+  answer.agent_time_us = 1000 * n;
+  answer.force_n = {static_cast<float>(newtons), 0, 0};
+  return answer;
+}
+
 TEST(Agreement, ComparesAnswersToTheSameSample) {
   Agreement agreement;
   for (std::uint64_t n = 1; n <= 5000; ++n) {
-    wire::Result local;
-    local.agent_time_us = 1000 * n;
-    local.force_n = {static_cast<float>(n), 0, 0};
-    agreement.note(local);
-    if (n <= 1000) continue;
-    wire::Result remote;  // a second late
-    remote.agent_time_us = 1000 * (n - 1000);
-    remote.force_n = {static_cast<float>(n - 1000), 0, 0};
-    agreement.compare(remote);
+    agreement.note(nth(n, static_cast<double>(n)));
+    if (n <= 1000) continue;  // the server is a second late
+    agreement.compare(1000 * (n - 1000), {static_cast<double>(n - 1000), 0, 0});
   }
-  EXPECT_EQ(agreement.compared(), 4000U);
+  EXPECT_EQ(agreement.compared(), 3999U) << "all but the first, whose beginning is unknown";
   EXPECT_EQ(agreement.error(), 0);
-  wire::Result unknown;
-  unknown.agent_time_us = 999;
-  agreement.compare(unknown);
-  EXPECT_EQ(agreement.compared(), 4000U);
+  agreement.compare(999, {1, 0, 0});
+  EXPECT_EQ(agreement.compared(), 3999U);
 }
 
 TEST(Agreement, ComparesTheMeanOverABatchOfSamples) {
   Agreement agreement;
-  float sum_n = 0;
-  for (std::uint64_t n = 1; n <= 400; ++n) {
-    wire::Result answer;
-    answer.agent_time_us = 1000 * n;
-    answer.force_n = {n % 2 == 0 ? 3.0F : 1.0F, 0, 0};
-    agreement.note(answer);
-    sum_n += answer.force_n.x;
-    if (n % 4 != 0) continue;
-    answer.force_n.x = sum_n / 4;
-    if (n > 4) agreement.compare(answer);
-    sum_n = 0;
+  double impulse = 0;
+  std::uint64_t before = 0, answered = 0;
+  // Every third sample comes 5 ms after its predecessor: ticks were lost.
+  for (std::uint64_t n = 1, time = 1; n <= 400; ++n, time += n % 3 == 0 ? 5 : 1) {
+    const double newtons = n % 2 == 0 ? 3 : 1;
+    agreement.note(nth(time, newtons));
+    impulse += newtons * static_cast<double>(time - before);
+    if (n % 4 == 0) {
+      agreement.compare(1000 * time, {impulse / static_cast<double>(time - answered), 0, 0});
+      answered = time;
+      impulse = 0;
+    }
+    before = time;
   }
   EXPECT_EQ(agreement.compared(), 99U);
-  EXPECT_LT(agreement.error(), 0.06) << "but for the first, whose beginning is unknown";
+  EXPECT_LT(agreement.error(), 1e-12);
+}
+
+TEST(Agreement, IgnoresABatchThatTheReplicaHasNotAnsweredWhole) {
+  Agreement agreement;
+  for (std::uint64_t n = 1; n <= 16; ++n) {
+    if (n == 6) {
+      agreement.note_missing();
+    } else {
+      agreement.note(nth(n, 2));
+    }
+    // The sample that the replica left out has another force.
+    if (n % 4 == 0) agreement.compare(1000 * n, {n == 8 ? 5.0 : 2.0, 0, 0});
+  }
+  EXPECT_EQ(agreement.compared(), 2U) << "not the first, and not that with the sample";
+  EXPECT_EQ(agreement.error(), 0);
 }
 
 }  // namespace

@@ -52,7 +52,9 @@ class TestBed {
   struct Copy final : StockListener {
     std::optional<Replica> replica;
     void take_stock(std::span<const std::byte> frame) override;
-    void take_result(const wire::Result& result) override { replica->compare(result); }
+    void take_result(const wire::Result& result) override {
+      replica->compare(result.agent_time_us, Vec3(result.force_n));
+    }
     bool wants_reset() override { return replica->take_divergence(); }
     void answer(ReplicaExchange& servo, std::uint64_t now_us);
   };
