@@ -122,18 +122,26 @@ bool contact_table(bool surfaces, bool guides) {
 
 bool adversary_table(std::uint32_t traces) {
   constexpr int kTicks = 2000;
+  constexpr std::uint32_t kFaultyTraces = 1001;
   const WorstReturn worst = worst_return<CarryDeficit>(0, traces, kTicks);
   std::printf(
       "\n%u adversarial traces: at most %.2f mJ returned (seed %u), tank %.0f mJ, limits %s\n",
       traces, worst.returned_mj, worst.seed, kTankMj, worst.kept_limits ? "kept" : "BROKEN");
   const auto fault = [&]<typename Deficit>(const char* name, const AdversaryFaults& faults,
                                            Deficit) {
-    const WorstReturn broken = worst_return<Deficit>(0, traces / 100 + 1, kTicks, faults);
+    const WorstReturn broken = worst_return<Deficit>(0, kFaultyTraces, kTicks, faults);
     std::printf("%s: %.0f mJ (seed %u)\n", name, broken.returned_mj, broken.seed);
   };
   fault("latency not declared", {.ignores_latency = true}, CarryDeficit{});
   fault("20 times the mass declared", {.declares_too_much_mass = true}, CarryDeficit{});
   fault("the same, and deficits forgiven", {.declares_too_much_mass = true}, ForgiveDeficit{});
+  fault("pens of 1e-5 kg m2", {.lightest_pen = true}, CarryDeficit{});
+  fault("the same, their damper not limited", {.lightest_pen = true, .damps_turning_freely = true},
+        CarryDeficit{});
+  fault("the same, the energy to turn them not counted",
+        {.lightest_pen = true, .ignores_turning = true}, CarryDeficit{});
+  fault("neither", {.lightest_pen = true, .damps_turning_freely = true, .ignores_turning = true},
+        CarryDeficit{});
   return worst.kept_limits && worst.returned_mj <= kTankMj;
 }
 

@@ -14,12 +14,18 @@
 
 namespace kerf::agent {
 
-/// Deliberate errors, each of which must break the bound.
+/// A special case, and deliberate errors.
 struct AdversaryFaults {
+  /// No error: the pen turns as easily as the lightest for which the bound is claimed.
+  bool lightest_pen = false;
   /// The account assumes that a wrench acts when it is written.
   bool ignores_latency = false;
   /// The device declares 20 times its mass and inertia: its motion differs much from the estimate.
   bool declares_too_much_mass = false;
+  /// The damper of a deficit may turn a pen harder than it can act late without oscillating.
+  bool damps_turning_freely = false;
+  /// A released wrench is not charged for turning a pen at rest.
+  bool ignores_turning = false;
 };
 
 /// Simulation of a device in a human hand, a network that sends adversarial wrenches, a loop that
@@ -32,7 +38,8 @@ class Adversary {
   explicit Adversary(std::uint32_t seed, const AdversaryFaults& faults = {})
       : random_(seed), kind_(seed % 6), quantum_mm_(seed % 2 == 0 ? 0 : 0.03) {
     mass_kg_ = log_uniform(0.05, 2);
-    inertia_kg_mm2_ = log_uniform(10, 1000);
+    inertia_kg_mm2_ = log_uniform(kLeastInertia, 1000);
+    if (faults.lightest_pen) inertia_kg_mm2_ = kLeastInertia;
     latency_us_ = std::array<std::uint64_t, 4>{0, 1000, 2375, 3000}[seed / 6 % 4];
     hand_n_per_mm_ = log_uniform(0.005, 2);
     hand_n_s_per_mm_ =
@@ -51,7 +58,11 @@ class Adversary {
       device.moving_mass_kg *= 20;
       device.moving_inertia_kg_m2 *= 20;
     }
-    const ServoSettings settings = settings_for(device, {});
+    ServoSettings settings = settings_for(device, {});
+    PassivitySettings& passivity = settings.passivity;
+    if (faults.damps_turning_freely)
+      passivity.max_turn_damping = PassivitySettings{}.max_turn_damping;
+    if (faults.ignores_turning) passivity.inertia_kg_m2 = 1;
     limits_ = settings.limits;
     stage_ = BasicOutputStage<Deficit>(settings.passivity, settings.limits);
   }
@@ -66,6 +77,7 @@ class Adversary {
 
  private:
   static constexpr double kMmPerM = 1000;
+  static constexpr double kLeastInertia = 10;  // kg mm²
   static constexpr std::uint64_t kTickUs = 1000, kStepUs = 125, kStartUs = 1'000'000;
 
   double uniform(double low, double high) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "tests/agent/servo/adversary.h"
@@ -105,6 +106,9 @@ TEST(Passivity, ShareCoversTheMotionOfALightDeviceAtRest) {
   // 8 N accelerates 50 g within 5 ms to 0.8 m/s: 16 mJ.
   EXPECT_NEAR(passivity.share(pushing(8), {}, kStartUs), 0.25, 1e-3);
   EXPECT_EQ(Passivity(light).share(pushing(1), {}, kStartUs), 0) << "at rest and empty: no force";
+  Passivity pen = filled(1, {.longest_tick_us = 5000, .mass_kg = 1e6, .inertia_kg_m2 = 1e-5});
+  // 100 N mm turn 1e-5 kg m² within 5 ms at 50 rad/s: 12.5 mJ.
+  EXPECT_NEAR(pen.share({{}, {0, 100, 0}}, {}, kStartUs), std::sqrt(1 / 12.5), 1e-3);
 }
 
 TEST(Passivity, IsOverdrawnOnlyBeyondTheReserve) {
@@ -144,6 +148,17 @@ TEST(PassivityProperty, BoundIsViolatedIfADeficitIsForgiven) {
             2 * PassivitySettings{}.tank_mj);
   EXPECT_LE(worst_return<CarryDeficit>(1, 200, 2 * kTicks, light).returned_mj,
             PassivitySettings{}.tank_mj);
+}
+
+TEST(PassivityProperty, RotationOfALightPenIsBoundedByWhatItIsChargedFor) {
+  constexpr std::uint32_t kPens = 250;
+  const auto returned = [](const AdversaryFaults& faults) {
+    return worst_return<CarryDeficit>(0, kPens, 2 * kTicks, faults).returned_mj;
+  };
+  EXPECT_GT(returned({.lightest_pen = true, .ignores_turning = true}), PassivitySettings{}.tank_mj);
+  // A damper that is too strong is shortened to what the charge covers.
+  EXPECT_LE(returned({.lightest_pen = true, .damps_turning_freely = true}),
+            0.8 * PassivitySettings{}.tank_mj);
 }
 
 }  // namespace
