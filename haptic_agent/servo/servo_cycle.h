@@ -92,7 +92,7 @@ struct ServoStatus {
 
 /// Samples that the link sends together while the replica answers, and how old, us, its answer may
 /// be. The server's copy of the path is late by as many ticks.
-inline constexpr int kSamplesPerWake = 4;
+inline constexpr int kSamplesPerWake = 8;
 inline constexpr std::uint64_t kReplicaFreshUs = 5'000;
 
 /// One tick: reads the device, passes the pose to the link and the replica, and renders the newest
