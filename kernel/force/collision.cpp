@@ -93,6 +93,35 @@ Vec3 deepest_point(const ToolPiece& piece, const ToolPose& pose, const Obstacle&
   return deepest_of_discs(piece, pose, obstacle);
 }
 
+/// Distance on both sides of a point within which an obstacle's normal changes at a crease, and the
+/// greatest cosine of the change.
+constexpr double kCreaseMm = 0.05;
+constexpr double kCreaseCos = 0.9;
+
+/// Returns the direction in which an obstacle pushes a piece at its deepest point `p`. Where two
+/// faces of the obstacle are equally near, the nearer one changes with the least motion. But at the
+/// deepest point of a smooth surface, a weighted mean of both normals is along the surface's own.
+Vec3 push_direction(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle, Vec3 p,
+                    Vec3 outward) {
+  const double z = dot(p - pose.tip_mm, pose.axis);
+  const Vec3 across = p - pose.tip_mm - pose.axis * z;
+  const Extent whole = extent(piece);
+  const bool at_rim = z < whole.z0_mm + kCreaseMm || z > whole.z1_mm - kCreaseMm;
+  if (at_rim || std::holds_alternative<BallPiece>(piece) || across == Vec3{}) return outward;
+  const Vec3 radial = normalized(across);
+  const double slope =
+      (radius_at(piece, z + kCreaseMm) - radius_at(piece, z - kCreaseMm)) / (2 * kCreaseMm);
+  const auto is_crease = [&](Vec3 along) {
+    const Vec3 step = normalized(along) * kCreaseMm;
+    return dot(distance(obstacle, p + step).outward, distance(obstacle, p - step).outward) <
+           kCreaseCos;
+  };
+  if (!is_crease(pose.axis + radial * slope) && !is_crease(cross(pose.axis, radial)))
+    return outward;
+  const Vec3 inward = normalized(pose.axis * slope - radial);
+  return dot(inward, outward) > 0 ? inward : outward;
+}
+
 /// Greatest number of triangles of a mesh. Every query visits all of them, and each piece of a
 /// nearby tool makes about a thousand queries.
 constexpr std::size_t kMeshTrianglesMax = 1000;
@@ -153,8 +182,8 @@ std::string check_shape(const MeshObstacle& m) {
   return {};
 }
 
-/// Calls visit(obstacle, p, distance of p) for the deepest point p of each piece against each
-/// obstacle whose bounding ball is nearer to the tool's than `reach_mm`.
+/// Calls visit(obstacle, p, distance of p and direction of the push) for the deepest point p of
+/// each piece against each obstacle whose bounding ball is nearer to the tool's than `reach_mm`.
 template <typename Bounded, typename Visit>
 void each_piece(const std::vector<Bounded>& obstacles, const Tool& tool, const ToolPose& pose,
                 double reach_mm, Visit visit) {
@@ -165,7 +194,9 @@ void each_piece(const std::vector<Bounded>& obstacles, const Tool& tool, const T
     for (const auto* pieces : {&tool.pieces, &tool.non_cutting}) {
       for (const ToolPiece& piece : *pieces) {
         const Vec3 p = deepest_point(piece, pose, b.obstacle);
-        visit(b.obstacle, p, distance(b.obstacle, p));
+        SignedDistance at = distance(b.obstacle, p);
+        if (at.distance_mm < 0) at.outward = push_direction(piece, pose, b.obstacle, p, at.outward);
+        visit(b.obstacle, p, at);
       }
     }
   }

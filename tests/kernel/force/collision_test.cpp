@@ -106,6 +106,32 @@ TEST(Collision, BoxMeshPushesLikeTheBox) {
   EXPECT_NEAR(a.force_n.z, b.force_n.z, 1e-3);
 }
 
+/// Edges of a block along y and z, as a box and as a mesh, and a flank across each: the push is
+/// along the flank's normal, and not that of the face which happens to be nearer.
+TEST(Collision, FlankAcrossAnEdgeIsPushedAlongItsOwnNormal) {
+  const Vec3 lo{0, 0, -20}, hi{30, 30, 0};
+  const Obstacle obstacles[] = {{BoxObstacle{lo, hi}, 3}, {MeshObstacle{box_triangles(lo, hi)}, 3}};
+  for (const Obstacle& obstacle : obstacles) {
+    for (const double lean : {0.1, 0.4, 0.8, 1.2}) {
+      const Vec3 axis{std::sin(lean), 0, std::cos(lean)};
+      const Vec3 normal{-std::cos(lean), 0, std::sin(lean)};
+      for (const double deep_mm : {0.3, 1.0, 1.7}) {
+        // The flank passes the edge at (0, 15, 0) at this depth.
+        const ToolPose pose{Vec3{0, 15, 0} + normal * (5 - deep_mm) - axis * 20, axis};
+        const Wrench w = push(obstacle, FlatShape{10, 50}, pose);
+        EXPECT_GT(length(w.force_n), 0.6 * 3 * deep_mm);
+        EXPECT_LT(length(normalized(w.force_n) - normal), 0.02) << lean << ", " << deep_mm;
+      }
+    }
+    for (const double angle : {0.2, 0.7, 1.3}) {
+      const Vec3 normal{-std::cos(angle), -std::sin(angle), 0};
+      const ToolPose pose{normal * 4.2 + Vec3{0, 0, -30}, kUp};
+      const Wrench w = push(obstacle, FlatShape{10, 50}, pose);
+      EXPECT_LT(length(normalized(w.force_n) - normal), 0.1) << angle;
+    }
+  }
+}
+
 TEST(Collision, MeshWithTooManyTrianglesIsRejected) {
   const std::vector<std::array<Vec3, 3>> many(1001, {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}});
   EXPECT_FALSE(check_obstacle({MeshObstacle{many}, 1}).empty());
