@@ -92,6 +92,15 @@ void declare(CLI::App& app, CarveOptions& options) {
   app.add_option("--tool-change-seconds", options.tool_change_s,
                  "duration of a tool change, added to the cycle time (default 0)")
       ->check(CLI::NonNegativeNumber);
+  app.add_option_function<std::string>(
+         "--dialect",
+         [&options](const std::string& name) {
+           options.environment.dialect = dialect_of(name).value_or(Dialect::kAuto);
+         },
+         "controller of a G-code program: " + dialect_names() + " (default: auto)")
+      ->check([](const std::string& name) {
+        return dialect_of(name) ? std::string() : "must be one of " + dialect_names();
+      });
   app.add_option("--tool-table", options.environment.tool_table,
                  "LinuxCNC tool table (.tbl): lengths and diameters");
   app.add_option("--parameters", options.environment.parameters,

@@ -10,6 +10,7 @@ namespace kerf {
 std::expected<GcodeEnvironment, std::string> load_environment(
     const EnvironmentFiles& files, const std::filesystem::path& program) {
   GcodeEnvironment environment;
+  environment.dialect = files.dialect;
   if (files.inch_machine) environment.machine_unit_mm = kMmPerInch;
   environment.subroutine_folders = {program.has_parent_path() ? program.parent_path() : "."};
   for (const std::filesystem::path& folder : files.subroutine_folders) {

@@ -15,6 +15,7 @@ namespace kerf {
 struct EnvironmentFiles {
   std::optional<std::filesystem::path> tool_table, parameters;
   std::vector<std::filesystem::path> subroutine_folders;  ///< searched after the program's own
+  Dialect dialect = Dialect::kAuto;                       ///< of the program
   bool inch_machine = false;  ///< tool table and parameters are in inches; programs begin in G20
 };
 

@@ -82,6 +82,19 @@ std::expected<ProgramOrder, ApiResponse> parse_order(const std::string& text) {
       400, "bad_order", "do must be \"pause\", \"resume\" or \"step\", which carves one block"));
 }
 
+/// The controller of a program of G-code: `dialect`.
+std::expected<GcodeEnvironment, ApiResponse> parse_environment(const ApiRequest& request) {
+  GcodeEnvironment environment;
+  const std::string* given = request.query_value("dialect");
+  if (given == nullptr) return environment;
+  const auto dialect = dialect_of(*given);
+  if (!dialect)
+    return std::unexpected(
+        error_response(400, "bad_dialect", "dialect must be one of " + dialect_names()));
+  environment.dialect = *dialect;
+  return environment;
+}
+
 /// The program that the new one is to follow: of `after`, or of `queue`.
 std::expected<ProgramId, ApiResponse> parse_after(const ApiRequest& request) {
   const std::string* queue = request.query_value("queue");
@@ -201,7 +214,9 @@ ApiResponse Api::start_program(const ApiCall& call) {
   }
   const std::string name = value_or(request.query_value("name"), "program.ngc");
   if (auto failure = name_failure(name)) return *std::move(failure);
-  auto program = parse_program(name, request.body, session.scene());
+  const auto environment = parse_environment(request);
+  if (!environment) return environment.error();
+  auto program = parse_program(name, request.body, session.scene(), *environment);
   if (!program) return program_failure(program.error());
   ProgramPath path = drawn_path(*program, kPathPointsMax);
   if (rate_hz) {

@@ -48,8 +48,9 @@ class CanonRecord final : public GcodeCanon {
   std::size_t line_ = 0;
 };
 
-inline GcodeSetup machine_with(ToolTable tools = {}) {
+inline GcodeSetup machine_with(ToolTable tools = {}, Dialect dialect = Dialect::kLinuxcnc) {
   GcodeSetup setup;
+  setup.rules = rules_of(dialect);
   setup.machine_name = "xyzabc";
   setup.tools = std::move(tools);
   setup.machine_zero_known = true;
@@ -68,8 +69,9 @@ inline ToolTable three_tools() {
 inline std::vector<CanonRecord::Call> calls_of(const std::string& text,
                                                const GcodeEnvironment& environment = {}) {
   CanonRecord record;
-  const auto run = run_gcode("p.ngc", text, environment, machine_with(three_tools()), record,
-                             [](const std::string&) {});
+  const auto run =
+      run_gcode("p.ngc", text, environment, machine_with(three_tools(), environment.dialect),
+                record, [](const std::string&) {});
   EXPECT_TRUE(run.has_value()) << to_string(run.error()) << "\n" << text;
   return record.calls;
 }
@@ -96,8 +98,9 @@ inline std::string moves_of(const std::string& text, const GcodeEnvironment& env
 inline ProgramError run_error_of(const std::string& text,
                                  const GcodeEnvironment& environment = {}) {
   CanonRecord record;
-  const auto run = run_gcode("p.ngc", text, environment, machine_with(three_tools()), record,
-                             [](const std::string&) {});
+  const auto run =
+      run_gcode("p.ngc", text, environment, machine_with(three_tools(), environment.dialect),
+                record, [](const std::string&) {});
   EXPECT_FALSE(run.has_value()) << text;
   return run ? ProgramError{} : run.error();
 }

@@ -68,6 +68,7 @@ class PrintedCalls final : public GcodeCanon {
 int main(int argc, char** argv) {
   // The same machine as rs274: the machine's unit is the inch, programs start in mm.
   GcodeEnvironment environment;
+  environment.dialect = Dialect::kLinuxcnc;
   environment.machine_unit_mm = kMmPerInch;
   environment.parameters.emplace();
   std::string program;

@@ -37,6 +37,15 @@ const char* const kControllerSeed =
     "Z3\nG43.1 Z1\nG52 X1\nM70\nG20\nM72\nM98 P7 L2\nG5.1 X1 Y1 I1 J2\nG17 G33.1 Z-1 "
     "K0.5\nM2\nO7\nG1 "
     "X#<_x>\nM99\n";
+// Macro B, transforms, corners and further work offsets.
+const char* const kMacroSeed =
+    "%\nO1000 (A (NESTED) NAME)\nG21 G90 G94 T1 M6\nG54.1 P2 G0 X0 Y0 Z5\nG43 H1 S900 M3\n#1=0\n"
+    "WHILE[#1LT3]DO1\n#1=#1+1\nG1 Z-#1 F300\nG68 X1 Y2 R[30*#1]\nX5 Y5 ,R1\nX9 Y2\nG69\nG65 "
+    "P2000 A#1 B2. I1 I2\nIF[#1EQ2]THEN #100=7\nEND1\nM98 P2001 L2\nG51.1 X3\nG1 X1 Y1\nG2 X3 Y1 "
+    "I1 J0 K0\nG50.1 X0\nG16\nG98 G81 X9 Y30 Z-1 R1 K2\nY60\nG80 G15\nG10 L2 P2 X1.\nG55 G0 X1 "
+    "Y1\nG4 "
+    "P500\nG91 G28 Z0 M131\nGOTO99\nG0 X77\nN99 M30\nO2000\nIF[#1EQ#0]GOTO5\nG0 X#1 Y[#2 "
+    "OR 1]\nN5 M99\nO2001\nG91 G1 X1\nG90\nM99\n%\n";
 const char* const kAptSeed =
     "PARTNO/FUZZ\nUNITS/MM\nMULTAX/ON\nCUTTER/10,5\nLOADTL/1\nSPINDL/1000,CLW\nCOOLNT/ON\n"
     "FEDRAT/6000,MMPM\nFROM/0,0,10\nGOTO/1,2,3,0,0.6,0.8\nRAPID\nGODLTA/0,0,-1\nGODLTA/5\n"
@@ -125,6 +134,16 @@ TEST(ProgramFuzz, SubroutinesAndCyclesTerminateWithValidMotionsOrAnError) {
   ASSERT_GT(whole->motions.size(), 40u);
   for (std::uint64_t seed = 1; seed <= 3000; ++seed)
     expect_valid(parse_program("p.ngc", mutated(kControllerSeed, seed), scene, environment), seed);
+}
+
+TEST(ProgramFuzz, MacroProgramsAreReadOrRejected) {
+  const Scene scene = scene_for("xyz");
+  GcodeEnvironment environment;
+  environment.lines_max = 20'000;
+  const auto whole = parse_program("p.nc", kMacroSeed, scene, environment);
+  ASSERT_TRUE(whole.has_value()) << to_string(whole.error());
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed)
+    expect_valid(parse_program("p.nc", mutated(kMacroSeed, seed), scene, environment), seed);
 }
 
 TEST(ProgramFuzz, ToolTablesAndParameterFilesAreReadOrRejected) {

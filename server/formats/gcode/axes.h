@@ -43,16 +43,20 @@ inline void turn_xy(double& x, double& y, double degrees) {
 }
 
 /// Work offsets between programmed and machine coordinates, combined as in LinuxCNC:
-///     absolute = rotate_z(programmed + shift, rotation_deg) + origin
+///     absolute = rotate_z(programmed * scale + shift, rotation_deg) + origin
 ///     machine  = absolute + tool offset
 struct GcodeFrame {
   GcodeAxes origin{};       ///< origin of the active coordinate system (G54 to G59.3)
   GcodeAxes shift{};        ///< offset of G92 or G52
   double rotation_deg = 0;  ///< rotation of the coordinate system about Z (G10 L2 R)
+  /// Factors of X, Y and Z, negative for a mirrored axis (G51, G51.1); not 0.
+  std::array<double, 3> scale{1, 1, 1};
 
   /// Converts programmed to absolute coordinates: work offsets removed, tool offset not included.
   GcodeAxes absolute(const GcodeAxes& programmed) const {
-    GcodeAxes axes = programmed + shift;
+    GcodeAxes axes = programmed;
+    for (std::size_t i = 0; i < scale.size(); ++i) axes[i] *= scale[i];
+    axes = axes + shift;
     turn_xy(axes[0], axes[1], rotation_deg);
     return axes + origin;
   }
@@ -60,7 +64,9 @@ struct GcodeFrame {
   GcodeAxes programmed(const GcodeAxes& absolute_axes) const {
     GcodeAxes axes = absolute_axes - origin;
     turn_xy(axes[0], axes[1], -rotation_deg);
-    return axes - shift;
+    axes = axes - shift;
+    for (std::size_t i = 0; i < scale.size(); ++i) axes[i] /= scale[i];
+    return axes;
   }
 };
 

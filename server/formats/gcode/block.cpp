@@ -12,15 +12,21 @@ namespace kerf {
 namespace {
 
 constexpr std::string_view kValueLetters = "abcdefhijklpqrstxyz@^$";
+// Macro B: #3000=1 raises an alarm, #3006=1 stops with a message.
+constexpr int kAlarm = 3000, kMessage = 3006;
+constexpr int kDwell = 40;
 
 class BlockParser {
  public:
-  BlockParser(std::string_view line, GcodeParameters& parameters, bool position_readable)
-      : reader_(line, parameters, position_readable), parameters_(parameters) {}
+  BlockParser(std::string_view line, GcodeParameters& parameters, bool position_readable,
+              const DialectRules& rules)
+      : reader_(line, parameters, position_readable), parameters_(parameters), rules_(rules) {}
 
   GcodeBlock parse() {
     if (reader_.peek() == 'n') line_number();
     while (!reader_.done()) item();
+    for (const GcodeWord& word : block_.words)
+      if (word.empty && !goes_home()) throw GcodeFault{word.text, "requires a value"};
     for (const auto& [key, value] : assignments_)
       std::visit([&, v = value](const auto& k) { parameters_.set(k, v); }, key);
     return std::move(block_);
@@ -41,9 +47,44 @@ class BlockParser {
     reader_.begin_word();
     const char letter = reader_.peek();
     if (letter == '#') return assignment();
+    if (rules_.macros && item_of_macros(letter)) return;
     if (letter == 'g' || letter == 'm') return code(letter);
     if (kValueLetters.find(letter) != std::string_view::npos) return word(letter);
     throw GcodeFault{std::string(1, letter), invalid_letter_reason(letter)};
+  }
+
+  // What the other controls allow beyond LinuxCNC: line numbers anywhere, block delete within the
+  // block, corners, codes separated by '*' or ';'.
+  bool item_of_macros(char letter) {
+    if (letter == 'n') {
+      line_number();
+      return true;
+    }
+    if (letter == '/') {
+      while (!reader_.done()) reader_.skip();
+      return true;
+    }
+    if (letter == 'u' && block_.has_code(GcodeGroup::kNonModal, kDwell)) {
+      word(letter);
+      return true;
+    }
+    if (letter != ',') return false;
+    reader_.skip();
+    const char kind = reader_.peek();
+    if (kind != 'r' && kind != 'c') throw GcodeFault{",", "must be ,R or ,C: a corner"};
+    reader_.skip();
+    const std::size_t start = reader_.position();
+    const double value = reader_.value();
+    const char key = kind == 'r' ? kCornerRadius : kCornerChamfer;
+    if (block_.find(key) != nullptr) throw GcodeFault{",", "a block may have one corner"};
+    block_.words.push_back(
+        {key, value, std::string(",") + to_upper(kind) + to_upper(reader_.text_since(start))});
+    return true;
+  }
+
+  bool goes_home() const {
+    const GcodeCode* code = block_.code(GcodeGroup::kNonModal);
+    return code != nullptr && (code->code == 280 || code->code == 300);
   }
 
   static std::string invalid_letter_reason(char letter) {
@@ -65,11 +106,23 @@ class BlockParser {
       throw GcodeFault{text, "an assignment requires '=' after the parameter"};
     reader_.skip();
     const int* number = std::get_if<int>(&key);
+    if (rules_.macros) return assign_macro(std::move(key), text);
     if (number != nullptr && !is_gcode_parameter_writable(*number))
       throw GcodeFault{text, "is read-only: it holds a state of the machine"};
     if (number == nullptr) parameters_.declare(std::get<std::string>(key));
     const double value = reader_.value();
     assignments_.emplace_back(std::move(key), value);
+  }
+
+  void assign_macro(std::variant<int, std::string> key, const std::string& text) {
+    const int* number = std::get_if<int>(&key);
+    if (number == nullptr) throw GcodeFault{text, "is a named variable, which is not supported"};
+    const double value = reader_.expression();
+    if (*number == kAlarm) throw GcodeFault{text, "the program raises an alarm here"};
+    if (*number == kMessage) return;
+    if (!is_macro_variable(*number, true))
+      throw GcodeFault{text, "is a system variable of the control, which cannot be assigned here"};
+    assignments_.emplace_back(*number, value);
   }
 
   void code(char letter) {
@@ -81,13 +134,23 @@ class BlockParser {
     if (value < 0 || !is_gcode_integer(scaled))
       throw GcodeFault{text, "is not a valid code number"};
     const GcodeCode code{static_cast<int>(std::lround(scaled)), text};
-    const GcodeGroup group = gcode_group(letter, code.code, text);
+    const GcodeGroup group = gcode_group(letter, code.code, text, rules_);
+    const bool keeps_all = group == GcodeGroup::kNoEffect || group == GcodeGroup::kUnknown;
+    if (rules_.macros && group != GcodeGroup::kNonModal && !keeps_all && !merges(group, code))
+      block_.drop(group);
+    if (keeps_all) return block_.codes.emplace_back(group, code), void();
     if (group != GcodeGroup::kMotion || !merged_with_g80(code)) {
       if (const GcodeCode* other = block_.code(group))
         throw GcodeFault{
             text, "conflicts with " + other->text + ": a block may have one code of a modal group"};
       block_.codes.emplace_back(group, code);
     }
+  }
+
+  bool merges(GcodeGroup group, const GcodeCode& code) const {
+    const GcodeCode* other = block_.code(group);
+    return group == GcodeGroup::kMotion && other != nullptr &&
+           (code.code == 800 || other->code == 800);
   }
 
   // G80 is replaced by another motion code of its block.
@@ -105,19 +168,47 @@ class BlockParser {
   void word(char letter) {
     const std::size_t start = reader_.position();
     reader_.skip();
-    const double value = reader_.value();
+    const bool empty = rules_.macros && is_empty_word();
+    const double value = empty ? 0 : reader_.value();
     const std::string text = to_upper(reader_.text_since(start));
+    if (std::isnan(value)) return;  // a vacant variable: the word does not exist
     if (block_.find(letter) != nullptr)
       throw GcodeFault{text, "repeats the letter " + to_upper(std::string(1, letter)) +
                                  ": a block may have one word of each letter"};
-    block_.words.push_back({letter, value, text});
+    block_.words.push_back({letter, value, text, false, empty});
+  }
+
+  bool is_empty_word() const {
+    const char next = reader_.peek();
+    return reader_.done() || (next >= 'a' && next <= 'z' && !reader_.at_function());
   }
 
   GcodeValueReader reader_;
   GcodeParameters& parameters_;
+  const DialectRules& rules_;
   GcodeBlock block_;
   std::vector<std::pair<std::variant<int, std::string>, double>> assignments_;
 };
+
+// Comments in parentheses may be nested and unclosed; a ')' too many is left out.
+GcodeLine split_nested(std::string_view line) {
+  GcodeLine result;
+  int depth = 0;
+  for (const char c : line) {
+    if (c == '(' && depth++ == 0) {
+      result.comment.clear();
+    } else if (c == ')') {
+      depth = std::max(depth - 1, 0);
+    } else if (depth > 0) {
+      result.comment += c;
+    } else if (c == ';') {
+      break;
+    } else if (static_cast<unsigned char>(c) > ' ' || c == '\0') {
+      result.code += to_lower(c);
+    }
+  }
+  return result;
+}
 
 }  // namespace
 
@@ -125,6 +216,10 @@ const GcodeCode* GcodeBlock::code(GcodeGroup group) const {
   for (const auto& [g, code] : codes)
     if (g == group) return &code;
   return nullptr;
+}
+
+void GcodeBlock::drop(GcodeGroup group) {
+  std::erase_if(codes, [group](const auto& entry) { return entry.first == group; });
 }
 
 bool GcodeBlock::has_code(GcodeGroup group, int code) const {
@@ -142,7 +237,7 @@ std::optional<double> GcodeBlock::take(char letter) {
   for (GcodeWord& word : words) {
     if (word.letter != letter) continue;
     word.used = true;
-    return word.value;
+    return word.empty ? std::nullopt : std::optional(word.value);
   }
   return std::nullopt;
 }
@@ -152,7 +247,8 @@ bool GcodeBlock::has_any(std::string_view letters) const {
                      [this](char letter) { return find(letter) != nullptr; });
 }
 
-GcodeLine split_gcode_line(std::string_view line) {
+GcodeLine split_gcode_line(std::string_view line, const DialectRules& rules) {
+  if (rules.macros) return split_nested(line);
   GcodeLine result;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
@@ -180,8 +276,8 @@ GcodeLine split_gcode_line(std::string_view line) {
 }
 
 GcodeBlock parse_gcode_block(std::string_view code, GcodeParameters& parameters,
-                             bool position_readable) {
-  return BlockParser(code, parameters, position_readable).parse();
+                             bool position_readable, const DialectRules& rules) {
+  return BlockParser(code, parameters, position_readable, rules).parse();
 }
 
 }  // namespace kerf

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/formats/gcode/codes.h"
+#include "server/formats/gcode/dialect.h"
 #include "server/formats/gcode/parameters.h"
 
 namespace kerf {
@@ -17,12 +18,17 @@ inline constexpr std::string_view kAxisLetters = "xyzabc";
 /// Letters of polar coordinates: distance and angle.
 inline constexpr std::string_view kPolarLetters = "@^";
 
+/// Letters of the words ",R" and ",C", a rounded or cut corner (Fanuc, Haas).
+inline constexpr char kCornerRadius = 'R';
+inline constexpr char kCornerChamfer = 'C';
+
 /// A word: a letter with its value, e.g. X[#<scale>*2].
 struct GcodeWord {
-  char letter = 0;  ///< lower case
+  char letter = 0;  ///< lower case, or kCornerRadius, kCornerChamfer
   double value = 0;
-  std::string text;   ///< as written, in upper case and without blanks
-  bool used = false;  ///< a function has taken it; words left unused are an error
+  std::string text;    ///< as written, in upper case and without blanks
+  bool used = false;   ///< a function has taken it; words left unused are an error
+  bool empty = false;  ///< G28 Z: an axis without a value, which take() does not return
 };
 
 /// A G or M code. G codes are stored times ten: G43.4 is 434.
@@ -39,6 +45,8 @@ struct GcodeBlock {
 
   /// The code of a modal group; nullptr if the block has none.
   const GcodeCode* code(GcodeGroup group) const;
+  /// Removes the codes of a modal group.
+  void drop(GcodeGroup group);
   bool has_code(GcodeGroup group, int code) const;
   /// The word of a letter; nullptr if the block has none.
   const GcodeWord* find(char letter) const;
@@ -53,12 +61,14 @@ struct GcodeLine {
   std::string code;     ///< without comments, blanks and line end, in lower case
   std::string comment;  ///< the last comment in parentheses, as written
 };
-/// Splits a line. Throws GcodeFault for an unclosed, unopened or nested comment and for ";py,".
-GcodeLine split_gcode_line(std::string_view line);
+/// Splits a line. LinuxCNC: throws GcodeFault for an unclosed, unopened or nested comment and for
+/// ";py,". Others: comments are nested, an unclosed one ends with the line.
+GcodeLine split_gcode_line(std::string_view line, const DialectRules& rules = rules_of({}));
 
 /// Parses the code of one line. Expressions use the parameters from before the line; assignments
 /// take effect after it. `position_readable` as for GcodeValueReader. Throws GcodeFault.
 GcodeBlock parse_gcode_block(std::string_view code, GcodeParameters& parameters,
-                             bool position_readable = true);
+                             bool position_readable = true,
+                             const DialectRules& rules = rules_of({}));
 
 }  // namespace kerf

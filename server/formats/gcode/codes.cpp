@@ -116,16 +116,89 @@ constexpr std::array kMCodes{
     Codes{428, 429, kTcp},
 };
 
+constexpr std::string_view kMeasures = "measures on the machine, which is not supported";
+constexpr std::string_view kTilted =
+    "tilts the working plane, which is not supported; post without tilted planes";
+constexpr std::string_view kPocketCycle = "is a pocket cycle, which is not supported; use G1 to G3";
+constexpr std::string_view kPattern =
+    "is a pattern of holes, which is not supported; use single holes";
+
+// Codes of Fanuc and Haas that differ from LinuxCNC's.
+constexpr std::array kMacroGCodes{
+    Codes{21, 22, kMotion, "is an involute, which is not supported"},
+    Codes{50, 50, kNoEffect},  // high-speed machining
+    Codes{51, 51, kNoEffect},  // look-ahead, smoothing
+    Codes{61, 62, kMotion, kSpline},
+    Codes{71, 71, kMotion, "is cylindrical interpolation, which is not supported"},
+    Codes{80, 80, kNoEffect},
+    Codes{90, 90, kNoEffect},
+    Codes{101, 109, kNonModal, "writes data of the machine, which is not supported"},
+    Codes{110, 110, kNoEffect},
+    Codes{120, 130, kMotion, kPocketCycle},
+    Codes{150, 150, kPolar},
+    Codes{160, 160, kPolar},
+    Codes{220, 230, kNoEffect},  // stored stroke limits
+    Codes{290, 290, kNonModal, "returns from the reference point, which is not supported"},
+    Codes{310, 310, kMotion, kProbing},
+    Codes{330, 331, kMotion, "is thread cutting, which is not supported"},
+    Codes{350, 370, kNonModal, kMeasures},
+    Codes{435, 435, kToolLength},
+    Codes{440, 440, kToolLength, "is a negative length offset, which is not supported; use G43"},
+    Codes{450, 480, kNonModal, "changes the length of motions, which is not supported"},
+    Codes{500, 500, kScaling},
+    Codes{510, 510, kScaling},
+    Codes{501, 501, kMirror},
+    Codes{511, 511, kMirror},
+    Codes{531, 531, kNonModal, kTilted},
+    Codes{541, 541, kMoreSystems},
+    Codes{600, 600, kNoEffect},  // single-direction positioning: the end is the same
+    Codes{610, 630, kPathControl},
+    Codes{650, 660, kNonModal, "must be the first code of its block"},
+    Codes{670, 670, kNoEffect},
+    Codes{680, 680, kRotation},
+    Codes{682, 684, kRotation, kTilted},
+    Codes{690, 690, kRotation},
+    Codes{700, 720, kMotion, kPattern},
+    Codes{760, 760, kMotion},  // fine boring: the shift at the bottom is left out
+    Codes{770, 770, kMotion, "is back boring, which is not supported"},
+    Codes{870, 870, kMotion, "is back boring, which is not supported"},
+    Codes{1000, 1000, kMirror},
+    Codes{1010, 1010, kMirror},
+    Codes{1020, 1030, kNoEffect},
+    Codes{1100, 1290, kMoreSystems},
+    Codes{1360, 1360, kNonModal, kMeasures},
+    Codes{1410, 1430, kToolLength, "is five-axis compensation, which is not supported; use G43.4"},
+    Codes{1500, 1500, kMotion, kPocketCycle},
+    Codes{1540, 1540, kMoreSystems},
+    Codes{1870, 1870, kNoEffect},
+    Codes{2340, 2340, kToolLength},
+    Codes{2540, 2550, kRotation, kTilted},
+};
+
+constexpr std::array kMacroMCodes{
+    Codes{97, 99, kJump},
+    Codes{16, 16, kToolChange},
+};
+
 const Codes* find(std::span<const Codes> known, int code) {
   for (const Codes& codes : known)
     if (code >= codes.first && code <= codes.last) return &codes;
   return nullptr;
 }
 
+// M codes with one meaning on all milling machines; the others are the machine builder's.
+bool is_common_m(int code) {
+  return code <= 9 || code == 16 || code == 19 || code == 30 || code == 60;
+}
+
 }  // namespace
 
-GcodeGroup gcode_group(char letter, int code, const std::string& text) {
-  const Codes* known = letter == 'g' ? find(kGCodes, code) : find(kMCodes, code);
+GcodeGroup gcode_group(char letter, int code, const std::string& text, const DialectRules& rules) {
+  const Codes* known = nullptr;
+  if (rules.macros) known = letter == 'g' ? find(kMacroGCodes, code) : find(kMacroMCodes, code);
+  if (known == nullptr) known = letter == 'g' ? find(kGCodes, code) : find(kMCodes, code);
+  if (rules.macros && letter == 'm' && (known == nullptr || !is_common_m(code)))
+    return known != nullptr && known->group == kJump ? kJump : kUnknown;
   if (known == nullptr) throw GcodeFault{text, "is not a supported code"};
   if (!known->rejection.empty()) throw GcodeFault{text, std::string(known->rejection)};
   return known->group;
@@ -136,7 +209,7 @@ bool takes_axis_words(int code) {
 }
 
 bool is_canned_cycle(int code) {
-  return code == 730 || code == 740 || (code >= 810 && code <= 890);
+  return code == 730 || code == 740 || code == 760 || (code >= 810 && code <= 890);
 }
 
 }  // namespace kerf

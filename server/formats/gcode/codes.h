@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "server/formats/gcode/dialect.h"
+
 namespace kerf {
 
 /// Modal groups of LinuxCNC: a block may contain one code of each.
@@ -28,12 +30,21 @@ enum class GcodeGroup {
   kCoolant,
   kOverride,
   kInputOutput,
-  kTcp
+  kTcp,
+  kJump,         ///< M97, M98, M99 of Macro B
+  kPolar,        ///< G15, G16
+  kScaling,      ///< G50, G51
+  kMirror,       ///< G50.1, G51.1, G100, G101
+  kRotation,     ///< G68, G69
+  kMoreSystems,  ///< G54.1, G154, G110 to G129: further coordinate systems
+  kNoEffect,     ///< codes without effect on the path; a block may have several
+  kUnknown       ///< M codes of the machine, which do not move it; a block may have several
 };
 
 /// Returns the modal group of a G code (`letter` 'g', code times ten: G43.4 is 434) or an M code
 /// ('m'). Throws GcodeFault for an unsupported code; `text` is the word as written, for the error.
-GcodeGroup gcode_group(char letter, int code, const std::string& text);
+GcodeGroup gcode_group(char letter, int code, const std::string& text,
+                       const DialectRules& rules = rules_of({}));
 
 /// Whether a non-modal code uses the axis words of its block, which then has no motion: G10, G28,
 /// G30, G52, G92.

@@ -12,6 +12,8 @@ namespace {
 
 // Clearance above the last peck at which pecking cycles change from rapid to feed (0.01 inch).
 constexpr double kPeckClearanceMm = 0.254;
+// A peck deeper than any hole: G83 without Q on a Haas.
+constexpr double kOnePeckMm = 1e6;
 
 class Cycle {
  public:
@@ -22,10 +24,15 @@ class Cycle {
         words_(words),
         memory_(memory),
         step_(step),
-        repeated_(memory.code == code) {}
+        repeated_(memory.lenient ? memory.code != 0 : memory.code == code) {}
 
   PlanePoint run(PlanePoint at) {
     recall();
+    if (words_.repeats == 0) {  // the words are stored for the blocks that follow
+      if (!memory_.initial_level) memory_.initial_level = at.normal;
+      memory_.code = code_;
+      return at;
+    }
     double level = at.normal;
     if (!memory_.initial_level) memory_.initial_level = level;
     double initial = *memory_.initial_level;
@@ -63,20 +70,23 @@ class Cycle {
     if (words_.r) memory_.r = *words_.r;
     if (words_.depth) memory_.depth = *words_.depth;
     const bool dwells = code_ == 820 || code_ == 860 || code_ == 880 || code_ == 890;
-    if (dwells && !words_.p && !repeated_)
+    if (dwells && !words_.p && !repeated_ && !memory_.lenient)
       throw GcodeFault{"", "the cycle requires P, the dwell at the bottom in seconds"};
     if (words_.p) memory_.p = *words_.p;
     const bool pecks = code_ == 730 || code_ == 830;
-    if (pecks && !words_.q && !repeated_)
-      throw GcodeFault{"", "the cycle requires Q, the depth of a peck"};
     if (words_.q) memory_.q = *words_.q;
+    if (memory_.lenient && pecks && memory_.q <= 0) memory_.q = kOnePeckMm;
+    if (pecks && !words_.q && !repeated_ && !memory_.lenient)
+      throw GcodeFault{"", "the cycle requires Q, the depth of a peck"};
+
     if (pecks && !(memory_.q > 0)) throw GcodeFault{"", "Q, the depth of a peck, must be above 0"};
-    if (code_ == 870 && !repeated_ && (!words_.i || !words_.j || !words_.k))
+    if (code_ == 870 && !repeated_ && !memory_.lenient && (!words_.i || !words_.j || !words_.k))
       throw GcodeFault{"", "G87 requires I, J and K"};
     if (words_.i) memory_.i = *words_.i;
     if (words_.j) memory_.j = *words_.j;
     if (words_.k) memory_.k = *words_.k;
     const bool turns = code_ == 740 || code_ == 840 || (code_ >= 860 && code_ <= 880);
+    if (memory_.lenient) return;
     if (turns && modes_.spindle == GcodeSpindle::kStopped)
       throw GcodeFault{"", "the cycle requires a turning spindle; start it with M3 or M4"};
     if ((code_ == 840 && modes_.spindle == GcodeSpindle::kCounterClockwise) ||
@@ -138,6 +148,7 @@ class Cycle {
         return feed_to(clear_);
       case 870:
         return bore_back();
+      case 760:
       case 820:
       case 860:
         feed_to(bottom_);

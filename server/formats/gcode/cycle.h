@@ -13,6 +13,8 @@ namespace kerf {
 struct CycleMemory {
   int code = 0;  ///< the last cycle, times ten; 0 after another motion
   double r = 0, depth = 0, p = 0, q = 0, i = 0, j = 0, k = 0;
+  /// The words that LinuxCNC requires may be missing, and the spindle is not watched (Macro B).
+  bool lenient = false;
   std::optional<double> initial_level;  ///< level at which the first of consecutive cycles started
 };
 
@@ -22,7 +24,7 @@ struct CycleWords {
   std::optional<double> depth;                ///< bottom of the hole
   std::optional<double> distance, angle_deg;  ///< position in polar coordinates (@ ^)
   std::optional<double> r, p, q, i, j, k;
-  int repeats = 1;
+  int repeats = 1;  ///< 0 (Macro B): only stores the words
 };
 
 /// One step of a canned cycle, in the axes of its plane.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/formats/gcode/dialect.h"
 #include "server/formats/gcode/tool_table.h"
 
 namespace kerf {
@@ -20,6 +21,8 @@ inline constexpr std::size_t kGcodeLinesMax = 10'000'000;
 ///     environment.tools = read_tool_table("tool.tbl", text).value();
 ///     auto program = parse_program("part.ngc", part, scene, environment);
 struct GcodeEnvironment {
+  /// The controller's dialect; kAuto: judged by the program.
+  Dialect dialect = Dialect::kAuto;
   /// The machine's length unit, mm: 1 or 25.4. It is the unit of `parameters` and, until G20 or
   /// G21, of the program.
   double machine_unit_mm = 1;

@@ -5,6 +5,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <span>
 
 #include "server/formats/gcode/fault.h"
 #include "server/formats/letter_case.h"
@@ -47,6 +49,49 @@ constexpr std::array kOperators{
     BinaryOperator{"or", 1, [](double a, double b) { return a != 0 || b != 0 ? 1.0 : 0.0; }},
 };
 
+bool below(double a, double b) { return a < b - kMacroEqualTolerance; }
+bool same(double a, double b) { return std::abs(a - b) <= kMacroEqualTolerance; }
+double bits(double a, double b, std::int64_t (*apply)(std::int64_t, std::int64_t)) {
+  if (std::abs(a) > 1e15 || std::abs(b) > 1e15) return std::nan("");
+  return static_cast<double>(apply(std::llround(a), std::llround(b)));
+}
+
+// Macro B: AND binds as *, OR and XOR bind as +, and work on bits. "Vacant" operands (NaN) are
+// handled by operation().
+constexpr std::array kMacroOperators{
+    BinaryOperator{"*", 4, [](double a, double b) { return a * b; }},
+    BinaryOperator{"/", 4, [](double a, double b) { return a / b; }},
+    BinaryOperator{"mod", 4, [](double a, double b) { return std::fmod(a, b); }},
+    BinaryOperator{"and", 4,
+                   [](double a, double b) {
+                     return bits(a, b, [](std::int64_t x, std::int64_t y) { return x & y; });
+                   }},
+    BinaryOperator{"+", 3, [](double a, double b) { return a + b; }},
+    BinaryOperator{"-", 3, [](double a, double b) { return a - b; }},
+    BinaryOperator{"or", 3,
+                   [](double a, double b) {
+                     return bits(a, b, [](std::int64_t x, std::int64_t y) { return x | y; });
+                   }},
+    BinaryOperator{"xor", 3,
+                   [](double a, double b) {
+                     return bits(a, b, [](std::int64_t x, std::int64_t y) { return x ^ y; });
+                   }},
+    BinaryOperator{"eq", 2, [](double a, double b) { return same(a, b) ? 1.0 : 0.0; }},
+    BinaryOperator{"ne", 2, [](double a, double b) { return same(a, b) ? 0.0 : 1.0; }},
+    BinaryOperator{"gt", 2, [](double a, double b) { return below(b, a) ? 1.0 : 0.0; }},
+    BinaryOperator{"ge", 2, [](double a, double b) { return below(a, b) ? 0.0 : 1.0; }},
+    BinaryOperator{"lt", 2, [](double a, double b) { return below(a, b) ? 1.0 : 0.0; }},
+    BinaryOperator{"le", 2, [](double a, double b) { return below(b, a) ? 0.0 : 1.0; }},
+};
+
+// The result of a comparison with a vacant operand; of other operators it counts as 0.
+double apply_macro(const BinaryOperator& op, double a, double b) {
+  const bool vacant = std::isnan(a) != std::isnan(b);
+  if (op.word == "eq" && vacant) return 0;
+  if (op.word == "ne" && vacant) return 1;
+  return op.apply(std::isnan(a) ? 0 : a, std::isnan(b) ? 0 : b);
+}
+
 struct Function {
   std::string_view word;
   double (*apply)(double);
@@ -67,6 +112,12 @@ constexpr std::array kFunctions{
     Function{"sin", [](double x) { return std::sin(x * kRadPerDeg); }},
     Function{"sqrt", [](double x) { return std::sqrt(x); }},
     Function{"tan", [](double x) { return std::tan(x * kRadPerDeg); }},
+};
+
+// Those of Macro B that differ: FIX and FUP round towards and away from 0.
+constexpr std::array kMacroFunctions{
+    Function{"fix", [](double x) { return std::trunc(x); }},
+    Function{"fup", [](double x) { return x < 0 ? std::floor(x) : std::ceil(x); }},
 };
 
 }  // namespace
@@ -101,10 +152,24 @@ double GcodeValueReader::value() {
     reject("is nested deeper than " + std::to_string(kGcodeNestingMax) + " levels");
   const double result = value_within();
   --depth_;
-  if (!std::isfinite(result)) {
-    throw GcodeFault{word_since(start), "has no finite value"};
-  }
+  if (parameters_.vacant() && std::isnan(result)) return result;  // a vacant variable
+  return finite(result, start);
+}
+
+double GcodeValueReader::expression() { return operation(value(), 1); }
+
+double GcodeValueReader::finite(double result, std::size_t start) const {
+  if (!std::isfinite(result)) throw GcodeFault{word_since(start), "has no finite value"};
   return result;
+}
+
+bool GcodeValueReader::at_function() const {
+  const std::string_view rest = line_.substr(std::min(at_, line_.size()));
+  if (rest.starts_with("atan[") || rest.starts_with("pow[")) return true;
+  for (const Function& function : kFunctions)
+    if (rest.starts_with(function.word) && rest.substr(function.word.size()).starts_with('['))
+      return true;
+  return false;
 }
 
 double GcodeValueReader::value_within() {
@@ -149,10 +214,13 @@ double GcodeValueReader::bracket() {
 }
 
 double GcodeValueReader::operation(double left, int precedence) {
+  const bool macros = parameters_.macros();
+  const std::span<const BinaryOperator> operators =
+      macros ? std::span<const BinaryOperator>(kMacroOperators) : kOperators;
   while (true) {
     const std::size_t start = at_;
     const BinaryOperator* found = nullptr;
-    for (const BinaryOperator& candidate : kOperators) {
+    for (const BinaryOperator& candidate : operators) {
       if (candidate.precedence < precedence || !accept(candidate.word)) continue;
       found = &candidate;
       break;
@@ -162,26 +230,49 @@ double GcodeValueReader::operation(double left, int precedence) {
     if (found == nullptr) return left;
     double right = value();
     right = operation(right, found->precedence + 1);
-    left = found->apply(left, right);
+    left = macros ? apply_macro(*found, left, right) : found->apply(left, right);
     if (!std::isfinite(left)) throw GcodeFault{word_since(start), "has no finite result"};
   }
 }
 
-double GcodeValueReader::function() {
-  const std::size_t start = at_;
-  if (accept("atan")) {
+// LinuxCNC: ATAN[y]/[x]. Macro B also ATAN[y,x], and ATAN[y] of a ratio.
+double GcodeValueReader::arc_tangent() {
+  if (!parameters_.macros()) {
     const double y = bracket();
     expect('/');
     return std::atan2(y, bracket()) / kRadPerDeg;
   }
+  expect('[');
+  const double y = expression();
+  double x = 1;
+  if (peek() == ',') {
+    skip();
+    x = expression();
+  }
+  expect(']');
+  if (line_.substr(at_).starts_with("/[")) {
+    skip();
+    x = bracket();
+  }
+  return std::atan2(y, x) / kRadPerDeg;
+}
+
+double GcodeValueReader::function() {
+  const std::size_t start = at_;
+  if (accept("atan")) return arc_tangent();
   if (accept("exists")) return exists();
-  for (const Function& candidate : kFunctions) {
-    if (!accept(candidate.word)) continue;
-    const double result = candidate.apply(bracket());
+  const auto apply = [&](const Function& candidate) {
+    const double argument = bracket();
+    const double result = candidate.apply(std::isnan(argument) ? 0 : argument);
     if (std::isnan(result))
       throw GcodeFault{word_since(start), "is outside of the domain of the function"};
     return result;
-  }
+  };
+  if (parameters_.macros())
+    for (const Function& candidate : kMacroFunctions)
+      if (accept(candidate.word)) return apply(candidate);
+  for (const Function& candidate : kFunctions)
+    if (accept(candidate.word)) return apply(candidate);
   reject("is not a known function");
 }
 
@@ -198,9 +289,9 @@ std::variant<int, std::string> GcodeValueReader::parameter_key() {
   const std::size_t start = at_;
   if (peek() != '<') {
     const int key = integer("a parameter number");
-    if (key < 1 || key > kGcodeParameterMax)
-      throw GcodeFault{"#" + text_since(start), "must be a parameter number from 1 to " +
-                                                    std::to_string(kGcodeParameterMax)};
+    if (key < (parameters_.vacant() ? 0 : 1) || key > parameters_.max())
+      throw GcodeFault{"#" + text_since(start),
+                       "must be a parameter number from 1 to " + std::to_string(parameters_.max())};
     return key;
   }
   skip();
@@ -225,6 +316,9 @@ double GcodeValueReader::parameter() {
       throw GcodeFault{
           "#" + std::to_string(*number),
           "the position cannot be read while cutter compensation is on; read it before G41 or G42"};
+    if (parameters_.macros() && !is_macro_variable(*number, false))
+      throw GcodeFault{"#" + std::to_string(*number),
+                       "is a system variable of the control whose value is not known here"};
     return parameters_.numbered(*number);
   }
   const std::string& name = std::get<std::string>(key);

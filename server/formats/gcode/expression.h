@@ -14,6 +14,8 @@ namespace kerf {
 inline constexpr double kGcodeIntegerTolerance = 1e-4;
 /// Values nearer than this are equal for eq and ne (LinuxCNC's value).
 inline constexpr double kGcodeEqualTolerance = 1e-4;
+/// Values nearer than this are equal in the comparisons of Macro B, whose controls count decimally.
+inline constexpr double kMacroEqualTolerance = 1e-8;
 /// Deepest nesting of brackets, signs and # in one value; bounds the recursion on hostile lines.
 inline constexpr int kGcodeNestingMax = 100;
 
@@ -40,6 +42,8 @@ class GcodeValueReader {
 
   /// Reads a value after a letter. Binary operators are allowed within brackets only.
   double value();
+  /// Reads a value with binary operators, which Macro B allows to the right of '='.
+  double expression();
   /// Reads the number or name of a parameter after its '#'.
   std::variant<int, std::string> parameter_key();
   /// Reads an integer value; `meaning` names it in the error.
@@ -48,10 +52,14 @@ class GcodeValueReader {
   double bracket();
   /// Reads the name after '<' and the closing '>'.
   std::string name();
+  /// Whether a function of Macro B comes next.
+  bool at_function() const;
   /// Skips `word` and returns true if it comes next.
   bool accept(std::string_view word);
 
  private:
+  double finite(double result, std::size_t start) const;
+  double arc_tangent();
   double value_within();
   double number();
   double function();

@@ -10,19 +10,15 @@
 
 #include "server/formats/gcode/o_word.h"
 #include "server/formats/gcode/parameters.h"
+#include "server/formats/gcode/program_flow.h"
 #include "server/formats/gcode/source.h"
 
 namespace kerf {
 
 /// Deepest nesting of subroutine calls (LinuxCNC's value).
 inline constexpr std::size_t kGcodeCallDepthMax = 9;
-/// Most consecutive lines without a motion (kGcodeLinesMax limits all lines).
-inline constexpr std::size_t kGcodeIdleLinesMax = 1'000'000;
-
-/// Control flow of a program: returns its lines in order of execution and executes subroutines,
-/// loops and branches (O words, M98, M99). Throws GcodeFault; file() and line() are the position of
-/// the error.
-class GcodeFlow {
+/// Control flow of LinuxCNC: subroutines, loops and branches (O words, M98, M99).
+class GcodeFlow final : public ProgramFlow {
  public:
   /// Called where a subroutine begins and ends, and for the state of the machine.
   struct Listener {
@@ -35,18 +31,12 @@ class GcodeFlow {
   GcodeFlow(GcodeSource& source, GcodeParameters& parameters, std::size_t lines_max,
             Listener listener);
 
-  /// Returns the next line to execute that is not control flow, or nullopt at the end of the text
-  /// or at the closing '%'.
-  std::optional<GcodeLine> next();
-  /// Reports that the last line has moved the tool, which resets the limit kGcodeIdleLinesMax.
-  void moved() { idle_ = 0; }
-
-  /// File and line (from 1) of the last line read.
-  std::size_t file() const { return at_.file; }
-  std::size_t line() const { return line_; }
-  std::string_view line_text() const;
-  /// Whether the closing '%' has been read.
-  bool ended() const { return ended_; }
+  std::optional<GcodeLine> next() override;
+  void moved() override { idle_ = 0; }
+  std::size_t file() const override { return at_.file; }
+  std::size_t line() const override { return line_; }
+  std::string_view line_text() const override;
+  bool ended() const override { return ended_; }
 
  private:
   struct Place {

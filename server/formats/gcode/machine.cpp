@@ -24,6 +24,9 @@ GcodeMachine::GcodeMachine(GcodeSetup setup, GcodeParameters& parameters, GcodeC
   const double system = parameters_.numbered(kSelectedSystem);
   modes_.system = system >= 1 && system < 10 ? static_cast<int>(system + 1e-4) : 1;
   parameters_.set(kSelectedSystem, modes_.system);
+  if (setup_.rules.macros) modes_.motion = path_motion_;
+  cycle_.lenient = setup_.rules.macros;
+  modes_.retract_to_r = setup_.rules.retract_to_r;
   frame_ = {system_origin(modes_.system), applied_shift(), system_rotation(modes_.system)};
   actual_ = frame_.absolute(at_);
 }
@@ -33,12 +36,15 @@ void GcodeMachine::at_line(std::size_t file, std::size_t line) {
   line_ = line;
   calls_before_ = calls_;
   canon_.at_line(file, line);
+  if (setup_.rules.macros) return publish_macro_variables();
   for (std::size_t i = 0; i < at_.size(); ++i)
     parameters_.set(gcode_parameter::kPosition + static_cast<int>(i),
                     i < 3 ? at_[i] / modes_.unit_mm : at_[i]);
 }
 
 bool GcodeMachine::execute(GcodeBlock& block) {
+  const int modal = modes_.motion;
+  if (setup_.rules.macros) prepare(block);
   reject_foreign_axes(block);
   decide_motion(block);
   set_spindle_and_feed(block);
@@ -55,18 +61,24 @@ bool GcodeMachine::execute(GcodeBlock& block) {
     compensation_.dwell(*seconds, info);
   }
   set_modes(block);
+  if (setup_.rules.macros) transform(block);
   execute_nonmodal(block);
   if (const GcodeCode* code = block.code(GcodeGroup::kShiftApplied)) {
     reject_compensated(*code);
     restore_shift(code->code);
   }
+  if (block_motion_ >= 0 && block_motion_ != 10) require_no_corner();
   move(block);
+  if (block_is_machine_) modes_.motion = modal;
   for (const GcodeWord& word : block.words)
     if (!word.used) throw GcodeFault{word.text, "is not used by any code of this block"};
   return stop(block);
 }
 
-void GcodeMachine::finish() { compensation_.flush(in_plane(linear(at_), compensation_.plane())); }
+void GcodeMachine::finish() {
+  require_no_corner();
+  compensation_.flush(in_plane(linear(at_), compensation_.plane()));
+}
 
 void GcodeMachine::reject_compensated(const GcodeCode& code) const {
   if (compensation_.on())
@@ -97,13 +109,17 @@ void GcodeMachine::decide_motion(const GcodeBlock& block) {
     throw GcodeFault{special->text,
                      "requires at least one axis word and does not take polar coordinates"};
   if (motion != nullptr) {
+    if (motion->code == 800 && setup_.rules.macros) {
+      block_motion_ = axes && !uses_axis_words ? path_motion_ : 800;
+      return;
+    }
     if (motion->code == 800) {
       if (axes && !uses_axis_words)
         throw GcodeFault{motion->text, "cancels the motion mode and takes no axis words"};
     } else if (uses_axis_words) {
       throw GcodeFault{special->text,
                        "uses the axis words of its block, which must not have a motion code"};
-    } else if (!axes && motion->code > 30) {
+    } else if (!axes && motion->code > 30 && !setup_.rules.macros) {
       throw GcodeFault{motion->text, "requires axis words"};
     }
     block_motion_ = motion->code;
@@ -121,6 +137,7 @@ void GcodeMachine::decide_motion(const GcodeBlock& block) {
   if (special == nullptr || special->code != 530) return;
   if (block_motion_ != 0 && block_motion_ != 10)
     throw GcodeFault{special->text, "requires G0 or G1"};
+  if (setup_.rules.macros) return;
   const GcodeCode* distance = block.code(GcodeGroup::kDistance);
   if (distance != nullptr ? distance->code == 910 : modes_.incremental)
     throw GcodeFault{special->text, "requires absolute coordinates (G90)"};
@@ -158,11 +175,38 @@ void GcodeMachine::set_spindle_and_feed(GcodeBlock& block) {
 }
 
 void GcodeMachine::set_feed_mode(int code) {
+  const GcodeFeedMode before = modes_.feed_mode;
   modes_.feed_mode = code == 930   ? GcodeFeedMode::kInverseTime
                      : code == 940 ? GcodeFeedMode::kPerMinute
                                    : GcodeFeedMode::kPerRevolution;
+  if (setup_.rules.macros && modes_.feed_mode == before) return;
   // The feed of one mode is invalid in another, so it must be programmed again.
   if (code != 930) modes_.feed_mm = modes_.feed_deg = 0;
+}
+
+void GcodeMachine::require_feed(const GcodeBlock& block) const {
+  if (modes_.feed_mode == GcodeFeedMode::kInverseTime) {
+    if (block.find('f') == nullptr || block.find('f')->value <= 0)
+      throw GcodeFault{"",
+                       "in inverse time mode (G93) every cutting block requires its own F above 0"};
+    return;
+  }
+  if (modes_.feed_deg <= 0)
+    throw GcodeFault{"", "the feed is 0; give F before the first cutting motion"};
+  if (modes_.feed_mode != GcodeFeedMode::kPerRevolution) return;
+  if (modes_.spindle_rpm <= 0)
+    throw GcodeFault{"", "feed per revolution (G95) requires a spindle speed S above 0"};
+  if (modes_.surface_speed)
+    throw GcodeFault{"",
+                     "feed per revolution (G95) with constant surface speed (G96) is for lathes "
+                     "and not supported; use G97"};
+}
+
+GcodeFeed GcodeMachine::feed_of(const GcodeBlock& block) const {
+  if (modes_.feed_mode == GcodeFeedMode::kInverseTime)
+    return {.duration_s = 60 / block.find('f')->value};
+  const double turns = modes_.feed_mode == GcodeFeedMode::kPerRevolution ? modes_.spindle_rpm : 1;
+  return {.mm_per_min = modes_.feed_mm * turns, .deg_per_min = modes_.feed_deg * turns};
 }
 
 void GcodeMachine::set_modes(GcodeBlock& block) {
@@ -183,7 +227,7 @@ void GcodeMachine::set_modes(GcodeBlock& block) {
     offset_tool(block, code->code);
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kCoordinateSystem)) {
-    reject_compensated(*code);
+    if (!setup_.rules.macros) reject_compensated(*code);
     select_system(code->code <= 590 ? code->code / 10 - 53 : code->code - 584);
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kPathControl)) {
@@ -207,6 +251,7 @@ void GcodeMachine::set_modes(GcodeBlock& block) {
 bool GcodeMachine::stop(const GcodeBlock& block) {
   const GcodeCode* code = block.code(GcodeGroup::kStop);
   if (code == nullptr) return false;
+  require_no_corner();
   compensation_.flush(in_plane(linear(at_), compensation_.plane()));
   return code->code == 2 || code->code == 30 || code->code == 99;
 }

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -109,6 +110,40 @@ class GcodeMachine {
   GcodeAxes in_system(int system) const;
   void execute_nonmodal(GcodeBlock& block);
 
+  // machine_macro.cpp: words of the controls with Macro B
+  void prepare(GcodeBlock& block);
+  void warn_of_ambiguity(const GcodeBlock& block);
+  void ignore_codes(GcodeBlock& block);
+  bool block_uses_cycle(const GcodeBlock& block) const;
+  void prepare_dwell(GcodeBlock& block) const;
+  void prepare_home(GcodeBlock& block);
+  void prepare_offsets(GcodeBlock& block);
+  void prepare_systems(GcodeBlock& block);
+  void prepare_polar(GcodeBlock& block);
+  void prepare_motion(GcodeBlock& block);
+  void publish_macro_variables();
+  void warn_once(const std::string& key, const std::string& text);
+  double offset_register_mm(const GcodeWord* d);
+
+  // machine_transform.cpp: rotation, scaling and mirror images of the program
+  void transform(GcodeBlock& block);
+  void rotate_program(GcodeBlock& block, int code);
+  void scale_program(GcodeBlock& block, int code);
+  void mirror_program(GcodeBlock& block, int code);
+  void set_transform(const GcodeFrame& frame);
+  void check_after_transform(const GcodeBlock& block);
+
+  // machine_corner.cpp: rounded and cut corners (,R ,C)
+  struct Corner {
+    double radius_mm = 0, chamfer_mm = 0;  ///< one of them is above 0
+    GcodeAxes at{};  ///< the corner; the tool is still at the start of the first line
+    GcodeFeed feed;
+    Named named{};
+  };
+  bool begin_corner(GcodeBlock& block, const GcodeAxes& to);
+  void cut_corner(const GcodeAxes& next);
+  void require_no_corner() const;
+
   // machine_motion.cpp, machine_spline.cpp: motions
   void move(GcodeBlock& block);
   void straight(GcodeBlock& block, int code);
@@ -155,6 +190,17 @@ class GcodeMachine {
   bool tcp_by_length_code_ = false, tcp_by_m_code_ = false;
   std::vector<Saved> saved_ = std::vector<Saved>(1);
   std::optional<double> returned_;
+
+  // Macro B
+  int path_motion_ = 0;                      ///< G0 to G3, which G80 restores
+  bool polar_ = false;                       ///< G16
+  bool block_is_machine_ = false;            ///< G53: the modal motion is kept
+  std::optional<GcodeFrame> untransformed_;  ///< the frame without rotation, scaling and mirror
+  bool transform_moved_ = false;             ///< since then X and Y have not both been programmed
+  std::optional<Corner> corner_;
+  bool unit_given_ = false;  ///< G20 or G21
+  std::set<std::string> warned_;
+  std::set<int> systems_;
 };
 
 }  // namespace kerf

@@ -39,7 +39,7 @@ void GcodeMachine::move(GcodeBlock& block) {
     cycle_.initial_level.reset();
   }
   if (code == 800) {
-    modes_.motion = code;
+    modes_.motion = setup_.rules.macros ? path_motion_ : code;
   } else if (is_canned_cycle(code)) {
     cycle(block, code);
   } else if (code <= 10) {
@@ -54,7 +54,8 @@ void GcodeMachine::move(GcodeBlock& block) {
 }
 
 GcodeAxes GcodeMachine::read_target(GcodeBlock& block) {
-  GcodeAxes to = at_;
+  if (setup_.rules.macros) check_after_transform(block);
+  GcodeAxes to = corner_ ? corner_->at : at_;
   if (compensation_.beside()) {
     const Vec3 programmed = from_plane(compensation_.programmed(), compensation_.plane());
     to[0] = programmed.x;
@@ -118,31 +119,6 @@ Vec3 GcodeMachine::read_tool_axis(GcodeBlock& block) {
   return axis;
 }
 
-void GcodeMachine::require_feed(const GcodeBlock& block) const {
-  if (modes_.feed_mode == GcodeFeedMode::kInverseTime) {
-    if (block.find('f') == nullptr || block.find('f')->value <= 0)
-      throw GcodeFault{"",
-                       "in inverse time mode (G93) every cutting block requires its own F above 0"};
-    return;
-  }
-  if (modes_.feed_deg <= 0)
-    throw GcodeFault{"", "the feed is 0; give F before the first cutting motion"};
-  if (modes_.feed_mode != GcodeFeedMode::kPerRevolution) return;
-  if (modes_.spindle_rpm <= 0)
-    throw GcodeFault{"", "feed per revolution (G95) requires a spindle speed S above 0"};
-  if (modes_.surface_speed)
-    throw GcodeFault{"",
-                     "feed per revolution (G95) with constant surface speed (G96) is for lathes "
-                     "and not supported; use G97"};
-}
-
-GcodeFeed GcodeMachine::feed_of(const GcodeBlock& block) const {
-  if (modes_.feed_mode == GcodeFeedMode::kInverseTime)
-    return {.duration_s = 60 / block.find('f')->value};
-  const double turns = modes_.feed_mode == GcodeFeedMode::kPerRevolution ? modes_.spindle_rpm : 1;
-  return {.mm_per_min = modes_.feed_mm * turns, .deg_per_min = modes_.feed_deg * turns};
-}
-
 void GcodeMachine::straight(GcodeBlock& block, int code) {
   arc_rejected_ = false;
   const bool is_rapid = code == 0;
@@ -176,6 +152,10 @@ void GcodeMachine::straight(GcodeBlock& block, int code) {
     set_linear(at_, from_plane(end, plane));
     return;
   }
+  if (setup_.rules.macros && !is_rapid) {
+    if (corner_) cut_corner(to);
+    if (begin_corner(block, to)) return;
+  }
   if (is_rapid) {
     rapid(to, in_machine ? GcodeRapid::kMachine : GcodeRapid::kPlain, named);
   } else {
@@ -203,8 +183,12 @@ void GcodeMachine::feed(const GcodeAxes& to, const GcodeFeed& feed, const Named&
 ArcCenter GcodeMachine::read_center(GcodeBlock& block) const {
   ArcCenter center;
   center.absolute = modes_.arc_absolute;
+  const bool macros = setup_.rules.macros;
+  if (macros)
+    for (const char letter : kCenterLetters)
+      if (block.find(letter) != nullptr && block.find('r') != nullptr) block.take(letter);
   if (const auto radius = block.take('r')) {
-    if (block.has_any(kCenterLetters))
+    if (block.has_any(kCenterLetters) && !macros)
       throw GcodeFault{block.find('r')->text, "excludes I, J and K; give either R or the center"};
     if (*radius == 0) throw GcodeFault{block.find('r')->text, "the radius must not be 0"};
     const std::string_view ends = plane_letters(modes_.plane).substr(0, 2);
@@ -218,7 +202,10 @@ ArcCenter GcodeMachine::read_center(GcodeBlock& block) const {
                                                                    : "jk";
   for (const char letter : kCenterLetters) {
     const GcodeWord* word = block.find(letter);
-    if (word != nullptr && letters.find(letter) == std::string_view::npos)
+    if (word == nullptr || letters.find(letter) != std::string_view::npos) continue;
+    if (macros && word->value == 0)
+      block.take(letter);
+    else
       throw GcodeFault{word->text, "is not a center coordinate of the active plane"};
   }
   if (!block.has_any(letters)) throw GcodeFault{"", "an arc requires R or the center as I, J, K"};
@@ -246,6 +233,9 @@ void GcodeMachine::arc(GcodeBlock& block, bool clockwise) {
   const Named named = named_axes(block);
   const GcodeAxes to = read_target(block);
   modes_.motion = clockwise ? 20 : 30;
+  const std::string_view ends = plane_letters(modes_.plane);
+  if (std::abs(frame_.scale[ends[0] - 'x']) != std::abs(frame_.scale[ends[1] - 'x']))
+    throw GcodeFault{"", "an arc with unequal scale factors is no circle, which is not supported"};
   const double tolerance = modes_.unit_mm == 1 ? kSpiralToleranceMm : kSpiralToleranceInchMm;
   if (compensation_.active()) {
     CompensatedInfo info{
@@ -315,6 +305,10 @@ CycleWords GcodeMachine::read_cycle(GcodeBlock& block, int code) const {
                    .j = std::nullopt,
                    .k = std::nullopt};
   if (code == 730 || code == 830) words.q = mm('q');
+  if (setup_.rules.macros) {
+    // Pecks, shifts and retracts do not change the hole.
+    for (const char letter : {'q', 'i', 'j', 'k', 'e', 'd'}) block.take(letter);
+  }
   if (code == 870) {
     const std::string_view offsets = modes_.plane == ArcPlane::kXy   ? "ijk"
                                      : modes_.plane == ArcPlane::kZx ? "kij"
@@ -324,7 +318,8 @@ CycleWords GcodeMachine::read_cycle(GcodeBlock& block, int code) const {
     words.k = mm(offsets[2]);
   }
   if (const auto repeats = block.take('l')) {
-    if (*repeats < 1 || *repeats > kRepeatsMax || *repeats != std::floor(*repeats))
+    if (*repeats < (setup_.rules.macros ? 0 : 1) || *repeats > kRepeatsMax ||
+        *repeats != std::floor(*repeats))
       throw GcodeFault{block.find('l')->text,
                        "the number of repeats must be an integer from 1 to 1000000"};
     words.repeats = static_cast<int>(*repeats);
@@ -340,12 +335,14 @@ void GcodeMachine::cycle(GcodeBlock& block, int code) {
         "a canned cycle is not allowed while cutter compensation is on; program G40 first"};
   if (modes_.feed_mode == GcodeFeedMode::kInverseTime)
     throw GcodeFault{"", "a canned cycle is not allowed in inverse time mode (G93)"};
-  require_feed(block);
+  const auto repeats = setup_.rules.macros ? block.find('l') : nullptr;
+  if (repeats == nullptr || repeats->value != 0) require_feed(block);
   const ArcPlane plane = modes_.plane;
   const CycleWords words = read_cycle(block, code);
   Named named = named_axes(block);
   named[plane == ArcPlane::kXy ? 2 : plane == ArcPlane::kZx ? 1 : 0] = true;
-  const GcodeFeed speed = feed_of(block);
+  const GcodeFeed speed =
+      words.repeats == 0 ? GcodeFeed{.mm_per_min = 1, .deg_per_min = 1} : feed_of(block);
   const auto step = [&](const CycleStep& s) {
     if (s.kind == CycleStep::Kind::kDwell) {
       count_call();

@@ -12,7 +12,11 @@ namespace {
 
 using namespace gcode_parameter;
 
-int system_parameter(int system) { return kSystem + kSystemStride * system; }
+// LinuxCNC has 9 systems, Macro B 6; systems from 10 are the additional ones of Macro B.
+int system_parameter(int system) {
+  return system < 10 ? kSystem + kSystemStride * system
+                     : kMoreSystems + kSystemStride * (system - 10);
+}
 
 }  // namespace
 
@@ -68,8 +72,9 @@ void GcodeMachine::set_system(GcodeBlock& block) {
   const bool here = *block.take('l') == 20;
   const auto number = block.take('p');
   if (!number) throw GcodeFault{written.text, "requires P, the number of the coordinate system"};
-  if (!is_gcode_integer(*number) || *number < -0.5 || *number > 9.5)
-    throw GcodeFault{block.find('p')->text, "must be an integer from 0 to 9"};
+  const int last = setup_.rules.macros ? 9 + kMoreSystemsMax : 9;
+  if (!is_gcode_integer(*number) || *number < -0.5 || *number > last + 0.5)
+    throw GcodeFault{block.find('p')->text, "must be an integer from 0 to " + std::to_string(last)};
   const int requested = static_cast<int>(std::lround(*number));
   const int system = requested == 0 ? modes_.system : requested;
   if (system == modes_.system) reject_compensated(written);

@@ -42,7 +42,8 @@ const ToolTableEntry& GcodeMachine::tool_of_word(const GcodeWord& word) const {
 void GcodeMachine::select_tool(GcodeBlock& block) {
   if (!block.take('t')) return;
   const GcodeWord& word = *block.find('t');
-  if (tool_integer(word.value, 0, word) != 0) tool_of_word(word);
+  // Macro B: a tool that is selected and never loaded need not exist.
+  if (tool_integer(word.value, 0, word) != 0 && !setup_.rules.macros) tool_of_word(word);
   selected_tool_ = tool_integer(word.value, 0, word);
 }
 
@@ -56,6 +57,8 @@ void GcodeMachine::change_tool(GcodeBlock& block, int code) {
     loaded_tool_ = tool_integer(word.value, 0, word);
   } else {
     reject_compensated(written);
+    if (!selected_tool_ && setup_.rules.macros)
+      return warn_once(written.text, written.text + " names no tool (T) and is left out");
     if (!selected_tool_) throw GcodeFault{written.text, "requires a tool selected with T"};
     loaded_tool_ = *selected_tool_;
     modes_.spindle = GcodeSpindle::kStopped;
@@ -83,6 +86,9 @@ void GcodeMachine::publish_tool() {
 }
 
 void GcodeMachine::offset_tool(GcodeBlock& block, int code) {
+  if (code == 435 && !setup_.tool_axis_words)
+    throw GcodeFault{"G43.5", "requires a scene whose machine is tool-vector: I J K give the axis"};
+  if (code == 435 || code == 2340) code = 434;
   control_tool_center(code == 434, tcp_by_m_code_);
   modes_.tool_length = code != 490;
   if (code == 490) return apply_tool_offset({});
@@ -195,6 +201,8 @@ void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
     diameter_mm = *d * modes_.unit_mm;
     if (const auto l = block.take('l')) orientation = tool_integer(*l, 0, *block.find('l'));
     block.take('r');
+  } else if (setup_.rules.macros && setup_.tools_of_scene) {
+    diameter_mm = offset_register_mm(block.find('d'));
   } else {
     static const GcodeWord kLoaded{'d', 0, "D0", true};
     const ToolTableEntry& entry = tool_of_word(d ? *block.find('d') : kLoaded);

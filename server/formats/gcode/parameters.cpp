@@ -2,6 +2,7 @@
 #include "server/formats/gcode/parameters.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "server/formats/gcode/fault.h"
 
@@ -11,6 +12,32 @@ bool is_gcode_parameter_writable(int number) {
   using namespace gcode_parameter;
   return !(number >= kTool && number <= kToolOrientation) &&
          !(number >= kPosition && number <= kPositionLast);
+}
+
+bool is_macro_variable(int number, bool assigned) {
+  using namespace gcode_parameter;
+  const auto within = [number](int first, int last) { return number >= first && number <= last; };
+  if (within(1, kMacroLocalParameters) || within(100, 999)) return true;
+  if (within(10000, kMacroParameterMax)) return true;  // more common ones of Haas
+  if (within(kSystem + kSystemStride, kSystem + 7 * kSystemStride - 1)) return true;
+  if (within(kMoreSystems, kMoreSystems + 99 * kSystemStride - 1)) return true;
+  if (assigned) return false;
+  return number == 0 || within(kModal + 1, kModal + 130) || within(kMacroEnd, kMacroEnd + 5) ||
+         within(kMacroPosition, kMacroPosition + 5);
+}
+
+GcodeParameters GcodeParameters::of_macros(bool vacant) {
+  constexpr double kVacant = std::numeric_limits<double>::quiet_NaN();
+  GcodeParameters parameters;
+  parameters.macros_ = true;
+  parameters.vacant_ = vacant;
+  parameters.numbered_.assign(kMacroParameterMax + 1, 0.0);
+  if (!vacant) return parameters;
+  parameters.set(0, kVacant);
+  for (int i = 1; i <= kMacroParameterMax; ++i)
+    if (i <= kMacroLocalParameters || (i >= 100 && i < 1000) || i >= 10000)
+      parameters.set(i, kVacant);
+  return parameters;
 }
 
 std::map<std::string, double>& GcodeParameters::scope_of(const std::string& name) {
@@ -46,11 +73,11 @@ void GcodeParameters::set(const std::string& name, double value) {
 
 void GcodeParameters::enter(const std::vector<double>& arguments) {
   const auto first = numbered_.begin() + 1;
+  const auto count = static_cast<std::size_t>(locals());
   Scope scope;
-  scope.callers_arguments.assign(first, first + kGcodeLocalParameters);
-  std::fill(first, first + kGcodeLocalParameters, 0.0);
-  std::copy_n(arguments.begin(),
-              std::min(arguments.size(), static_cast<std::size_t>(kGcodeLocalParameters)), first);
+  scope.callers_arguments.assign(first, first + locals());
+  std::fill(first, first + locals(), vacant_ ? std::numeric_limits<double>::quiet_NaN() : 0.0);
+  std::copy_n(arguments.begin(), std::min(arguments.size(), count), first);
   scopes_.push_back(std::move(scope));
 }
 

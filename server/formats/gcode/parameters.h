@@ -11,6 +11,9 @@ namespace kerf {
 
 /// Highest number of a parameter; the lowest is 1 (LinuxCNC's limit).
 inline constexpr int kGcodeParameterMax = 5601;
+/// Highest number and highest local one of Macro B (Fanuc, Haas, Mach3).
+inline constexpr int kMacroParameterMax = 10999;
+inline constexpr int kMacroLocalParameters = 33;
 /// #1 to #30 are local to a subroutine and receive its arguments.
 inline constexpr int kGcodeLocalParameters = 30;
 /// Most named parameters in one scope; bounds the memory of hostile loops.
@@ -30,6 +33,14 @@ inline constexpr int kSystem = 5201;
 inline constexpr int kSystemStride = 20;
 inline constexpr int kSystemRotation = 9;  ///< R, relative to the X of its system
 inline constexpr int kInput = 5399;
+/// Macro B: modal codes and words (#4001 to #4130), end of the last block, current position.
+inline constexpr int kModal = 4000;
+inline constexpr int kMacroEnd = 5001;
+inline constexpr int kMacroPosition = 5041;
+/// Macro B: offsets of the additional coordinate systems (G54.1 P1: number 10), stride
+/// kSystemStride.
+inline constexpr int kMoreSystems = 7001;
+inline constexpr int kMoreSystemsMax = 99;
 inline constexpr int kTool = 5400;
 inline constexpr int kToolOffset = 5401;
 inline constexpr int kToolDiameter = 5410;
@@ -47,6 +58,15 @@ inline constexpr int kDebug = 5599;
 class GcodeParameters {
  public:
   /// Returns the value of a predefined parameter (#<_x>, #<_feed>, …), or nullopt for other names.
+  GcodeParameters() = default;
+  /// The variables of Macro B: up to kMacroParameterMax, 33 local ones. If `vacant`, local (#1 to
+  /// #33) and common ones (#100 to #999, #10000 to #10999) are vacant (NaN) until they are
+  /// assigned.
+  static GcodeParameters of_macros(bool vacant);
+  bool macros() const { return macros_; }
+  bool vacant() const { return vacant_; }
+  int max() const { return static_cast<int>(numbered_.size()) - 1; }
+
   using Predefined = std::function<std::optional<double>(const std::string&)>;
   void set_predefined(Predefined predefined) { predefined_ = std::move(predefined); }
 
@@ -78,11 +98,16 @@ class GcodeParameters {
   std::map<std::string, double>& scope_of(const std::string& name);
   const std::map<std::string, double>& scope_of(const std::string& name) const;
 
+  int locals() const { return macros_ ? kMacroLocalParameters : kGcodeLocalParameters; }
+
+  bool macros_ = false, vacant_ = false;
   std::vector<double> numbered_ = std::vector<double>(kGcodeParameterMax + 1);
   std::vector<Scope> scopes_ = std::vector<Scope>(1);
   Predefined predefined_;
 };
 
+/// Returns whether Macro B may read (or assign) a variable: those that have a meaning here.
+bool is_macro_variable(int number, bool assigned);
 /// Returns whether a program may assign a parameter: all except those of the tool and the position.
 bool is_gcode_parameter_writable(int number);
 

@@ -10,8 +10,8 @@
 
 namespace kerf {
 
-/// Reads a G-code program (RS-274 as interpreted by LinuxCNC 2.9) as motions of a scene's tools;
-/// parse_program calls it for .ngc, .nc, .tap and .gcode. `name` is the file name for errors.
+/// Reads a G-code program in the dialect of `environment` as motions of a scene's tools;
+/// parse_program calls it for files of G-code. `name` is the file name for errors.
 /// README.md in this folder lists the supported codes; any other code is an error.
 std::expected<Program, ProgramError> read_gcode(const std::string& name, std::string_view text,
                                                 const Scene& scene,

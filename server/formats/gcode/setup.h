@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/formats/gcode/dialect.h"
 #include "server/formats/gcode/tool_table.h"
 
 namespace kerf {
@@ -17,6 +18,8 @@ struct GcodeSetup {
   bool tool_axis_words = false;      ///< I J K on G0 and G1 give the tool axis
   ToolTable tools;                   ///< in mm
   bool tools_of_scene = false;       ///< no tool table was given: length offsets are 0
+  DialectRules rules;                ///< of the controller
+  bool changes_by_t = false;         ///< T changes the tool: the program has no M6
   bool machine_zero_known = false;   ///< machine coordinates have a position in the workpiece
 };
 

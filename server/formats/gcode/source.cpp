@@ -43,8 +43,9 @@ GcodeFile::GcodeFile(std::string file_name, std::string file_text)
 }
 
 GcodeSource::GcodeSource(std::string name, std::string_view text,
-                         std::vector<std::filesystem::path> folders)
-    : folders_(std::move(folders)) {
+                         std::vector<std::filesystem::path> folders,
+                         std::vector<std::string> extensions)
+    : folders_(std::move(folders)), extensions_(std::move(extensions)) {
   files_.push_back(std::make_unique<GcodeFile>(std::move(name), std::string(text)));
 }
 
@@ -56,9 +57,14 @@ std::size_t GcodeSource::find(const std::string& subroutine) {
                      "is not allowed as the name of a subroutine file; it must not begin with '.' "
                      "or contain / or \\"};
   for (const std::filesystem::path& folder : folders_) {
-    const std::filesystem::path path = folder / (subroutine + ".ngc");
     std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error)) continue;
+    std::filesystem::path path;
+    for (const std::string& extension : extensions_) {
+      path = folder / (subroutine + extension);
+      if (std::filesystem::is_regular_file(path, error)) break;
+      path.clear();
+    }
+    if (path.empty()) continue;
     const auto size = std::filesystem::file_size(path, error);
     if (files_.size() >= kGcodeFilesMax || error || bytes_ + size > kGcodeFilesBytesMax)
       throw GcodeFault{"O<" + subroutine + ">",

@@ -31,8 +31,9 @@ struct GcodeFile {
 /// GcodeFault.
 class GcodeSource {
  public:
-  /// `folders` are searched, in order, for the subroutine files "name.ngc".
-  GcodeSource(std::string name, std::string_view text, std::vector<std::filesystem::path> folders);
+  /// `folders` are searched, in order, for the subroutine files: a name with one of `extensions`.
+  GcodeSource(std::string name, std::string_view text, std::vector<std::filesystem::path> folders,
+              std::vector<std::string> extensions = {".ngc"});
 
   const GcodeFile& file(std::size_t index) const { return *files_[index]; }
   std::size_t size() const { return files_.size(); }
@@ -42,6 +43,7 @@ class GcodeSource {
 
  private:
   std::vector<std::filesystem::path> folders_;
+  std::vector<std::string> extensions_;
   std::vector<std::unique_ptr<GcodeFile>> files_;
   std::map<std::string, std::size_t> found_;
   std::size_t bytes_ = 0;

@@ -158,9 +158,10 @@ void GcodeToolPath::arc(const Arc& arc, const GcodeFrame& frame, const GcodePlac
   const GcodePlace to = in_workpiece(absolute);
   check_turn(to);
   approach(to, false, named);
-  const double duration = duration_s(feed, arc.length_mm(), 0);
+  const double factor = std::max(std::abs(frame.scale[0]), std::abs(frame.scale[1]));
+  const double duration = duration_s(feed, arc.length_mm() * factor, 0);
   const double tolerance = scene_.settings.tolerance_mm;
-  const int chords = arc.chords(tolerance);
+  const int chords = arc.chords(tolerance / factor);
   if (chords > kPiecesMax)
     throw GcodeFault{"", "the arc exceeds the limit of " + std::to_string(kPiecesMax) +
                              " chords; raise tolerance_mm or reduce the turns (P)"};

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/gcode/dialect.h"
+
+#include <algorithm>
+
+namespace kerf {
+namespace {
+
+constexpr std::string_view kAutoName = "auto";
+
+constexpr std::array kRules{
+    DialectRules{.dialect = Dialect::kLinuxcnc, .name = "linuxcnc", .label = "LinuxCNC"},
+    DialectRules{.dialect = Dialect::kGrbl,
+                 .name = "grbl",
+                 .label = "grbl",
+                 .macros = true,
+                 .retract_to_r = false},
+    DialectRules{.dialect = Dialect::kMach3,
+                 .name = "mach3",
+                 .label = "Mach3",
+                 .macros = true,
+                 .retract_to_r = false},
+    DialectRules{.dialect = Dialect::kFanuc,
+                 .name = "fanuc",
+                 .label = "Fanuc",
+                 .macros = true,
+                 .vacant = true,
+                 .retract_to_r = false,
+                 .dwell_unit_s = 0.001},
+    DialectRules{.dialect = Dialect::kHaas,
+                 .name = "haas",
+                 .label = "Haas",
+                 .macros = true,
+                 .vacant = true,
+                 .retract_to_r = false,
+                 .dwell_unit_s = 0.001},
+};
+
+}  // namespace
+
+const DialectRules& rules_of(Dialect dialect) {
+  const auto* found = std::ranges::find(kRules, dialect, &DialectRules::dialect);
+  return found == kRules.end() ? kRules.front() : *found;
+}
+
+std::optional<Dialect> dialect_of(std::string_view name) {
+  if (name == kAutoName) return Dialect::kAuto;
+  const auto* found = std::ranges::find(kRules, name, &DialectRules::name);
+  return found == kRules.end() ? std::nullopt : std::optional(found->dialect);
+}
+
+std::string dialect_names() {
+  std::string names(kAutoName);
+  for (const DialectRules& rules : kRules) names.append(", ").append(rules.name);
+  return names;
+}
+
+}  // namespace kerf

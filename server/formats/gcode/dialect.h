@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace kerf {
+
+/// Controllers whose G-code can be read; kAuto: judged by the program (dialect_choice.h).
+enum class Dialect { kAuto, kLinuxcnc, kGrbl, kMach3, kFanuc, kHaas };
+
+/// What distinguishes a controller's G-code from that of the others. The sources are the manuals
+/// that README.md names.
+struct DialectRules {
+  Dialect dialect = Dialect::kLinuxcnc;
+  std::string_view name;   ///< of --dialect, e.g. "fanuc"
+  std::string_view label;  ///< in messages, e.g. "Fanuc"
+  /// Macro B instead of O words: IF, GOTO, WHILE, DO, END, M98, M99, G65; of several codes of a
+  /// modal group the last counts; nested comments; the machine starts in G0; unknown M codes do not
+  /// move.
+  bool macros = false;
+  bool vacant = false;       ///< variables are vacant until they are assigned, not 0
+  bool retract_to_r = true;  ///< starts in G99
+  double dwell_unit_s = 1;   ///< seconds of G4 P1, written without a point
+};
+
+/// Returns the rules of a dialect; those of LinuxCNC for kAuto.
+const DialectRules& rules_of(Dialect dialect);
+/// Returns the dialect of a name, "auto" included, or nullopt.
+std::optional<Dialect> dialect_of(std::string_view name);
+/// All names, "auto" first, separated by ", ".
+std::string dialect_names();
+
+}  // namespace kerf

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/gcode/dialect_choice.h"
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "server/formats/letter_case.h"
+#include "server/formats/text_lines.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::size_t kLinesMax = 20'000;
+
+enum class Tongue { kLinuxcnc, kGrbl, kMach3, kFanuc, kHaas, kSiemens, kHeidenhain };
+constexpr std::size_t kTongues = 7;
+
+// A mark of a tongue in a line of lower case without blanks. `code`: a word of a block, which must
+// not be followed by a digit or a point; otherwise any part of the line.
+struct Mark {
+  std::string_view text;
+  Tongue tongue;
+  int weight;
+  bool code;
+};
+
+constexpr std::array kMarks{
+    Mark{"beginpgm", Tongue::kHeidenhain, 20, false},
+    Mark{"toolcall", Tongue::kHeidenhain, 10, false},
+    Mark{"blkform", Tongue::kHeidenhain, 10, false},
+    Mark{"cycldef", Tongue::kHeidenhain, 10, false},
+    Mark{"%_n_", Tongue::kSiemens, 20, false},
+    Mark{";$path=", Tongue::kSiemens, 20, false},
+    Mark{"traori", Tongue::kSiemens, 10, false},
+    Mark{"trafoof", Tongue::kSiemens, 10, false},
+    Mark{"supa", Tongue::kSiemens, 10, false},
+    Mark{"mcall", Tongue::kSiemens, 10, false},
+    Mark{"gotof", Tongue::kSiemens, 10, false},
+    Mark{"gotob", Tongue::kSiemens, 10, false},
+    Mark{"workpiece(", Tongue::kSiemens, 10, false},
+    Mark{"msg(\"", Tongue::kSiemens, 10, false},
+    Mark{"cycle8", Tongue::kSiemens, 10, false},
+    Mark{"cr=", Tongue::kSiemens, 6, false},
+    Mark{"t=\"", Tongue::kSiemens, 10, false},
+    Mark{"#<", Tongue::kLinuxcnc, 20, false},
+    Mark{"o<", Tongue::kLinuxcnc, 20, false},
+    Mark{"m428", Tongue::kLinuxcnc, 10, true},
+    Mark{"g33.1", Tongue::kLinuxcnc, 10, true},
+    Mark{"g5.2", Tongue::kLinuxcnc, 10, true},
+    Mark{"m70", Tongue::kLinuxcnc, 3, true},
+    Mark{"g154", Tongue::kHaas, 10, true},
+    Mark{"g187", Tongue::kHaas, 10, true},
+    Mark{"g150", Tongue::kHaas, 6, true},
+    Mark{"g110", Tongue::kHaas, 6, true},
+    Mark{"g234", Tongue::kHaas, 8, true},
+    Mark{"g254", Tongue::kHaas, 8, true},
+    Mark{"g103", Tongue::kHaas, 6, true},
+    Mark{"m97", Tongue::kHaas, 8, true},
+    Mark{"g53g0", Tongue::kHaas, 1, false},
+    Mark{"g65", Tongue::kFanuc, 8, true},
+    Mark{"g66", Tongue::kFanuc, 8, true},
+    Mark{"g68", Tongue::kFanuc, 6, true},
+    Mark{"g51", Tongue::kFanuc, 4, true},
+    Mark{"g51.1", Tongue::kFanuc, 6, true},
+    Mark{"g16", Tongue::kFanuc, 6, true},
+    Mark{"g15", Tongue::kFanuc, 4, true},
+    Mark{"g54.1", Tongue::kFanuc, 8, true},
+    Mark{"g43.5", Tongue::kFanuc, 6, true},
+    Mark{"g10.9", Tongue::kFanuc, 6, true},
+    Mark{"]goto", Tongue::kFanuc, 10, false},
+    Mark{"]then", Tongue::kFanuc, 10, false},
+    Mark{"]do", Tongue::kFanuc, 10, false},
+    Mark{",r", Tongue::kFanuc, 5, true},
+    Mark{",c", Tongue::kFanuc, 5, true},
+};
+
+// Marks within comments: names of controllers.
+constexpr std::array kNames{std::pair{"linuxcnc", Tongue::kLinuxcnc},
+                            std::pair{"emc2", Tongue::kLinuxcnc},
+                            std::pair{"grbl", Tongue::kGrbl},
+                            std::pair{"mach3", Tongue::kMach3},
+                            std::pair{"mach4", Tongue::kMach3},
+                            std::pair{"haas", Tongue::kHaas},
+                            std::pair{"fanuc", Tongue::kFanuc},
+                            std::pair{"sinumerik", Tongue::kSiemens},
+                            std::pair{"heidenhain", Tongue::kHeidenhain}};
+constexpr int kNameWeight = 9;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+struct Evidence {
+  int score = 0;
+  std::string first;  ///< "line 3 has G154"
+};
+
+class Judge {
+ public:
+  void read(std::string_view text) {
+    TextLines walk(text);
+    for (std::size_t number = 1; walk.next() && number <= kLinesMax; ++number)
+      weigh(walk.line(), number);
+  }
+  const Evidence& of(Tongue tongue) const { return evidence_[static_cast<std::size_t>(tongue)]; }
+  void add(Tongue tongue, int weight, const std::string& what) {
+    Evidence& evidence = evidence_[static_cast<std::size_t>(tongue)];
+    if (evidence.score == 0) evidence.first = what;
+    evidence.score += weight;
+  }
+
+ private:
+  void weigh(std::string_view line, std::size_t number) {
+    std::string code;
+    std::string comment;
+    bool within = false;
+    for (const char c : line) {
+      if (c == ' ' || c == '\t' || c == '\r') continue;
+      if (c == '(') within = true;
+      (within ? comment : code) += to_lower(c);
+      if (c == ')') within = false;
+    }
+    // Siemens and HEIDENHAIN use parentheses for arguments: words count in the whole line.
+    const std::string all = to_lower(std::string(line));
+    const std::string place = "line " + std::to_string(number) + " has ";
+    for (std::size_t i = 0; i < kMarks.size(); ++i) {
+      const Mark& mark = kMarks[i];
+      if (seen_mark_[i]) continue;
+      if (!has(code, mark) && (mark.code || mark.weight < 10 || !has(all, mark))) continue;
+      seen_mark_[i] = true;
+      once(mark.tongue, mark.weight, place, mark.text);
+    }
+    for (const auto& [name, tongue] : kNames)
+      if (all.find(name) != std::string::npos) once(tongue, kNameWeight, place, name);
+    if (starts_program(code)) once(Tongue::kFanuc, 4, place, "a program number");
+    if (is_o_word(code)) once(Tongue::kLinuxcnc, 20, place, "an O word");
+    if (code.starts_with('$')) once(Tongue::kGrbl, 8, place, "a $ command");
+  }
+
+  // Each mark counts once.
+  void once(Tongue tongue, int weight, const std::string& place, std::string_view what) {
+    for (const auto& seen : seen_)
+      if (seen.first == tongue && seen.second == what) return;
+    seen_.emplace_back(tongue, what);
+    add(tongue, weight, place + to_upper(std::string(what)));
+  }
+
+  static bool has(const std::string& line, const Mark& mark) {
+    for (std::size_t at = line.find(mark.text); at != std::string::npos;
+         at = line.find(mark.text, at + 1)) {
+      const char next = at + mark.text.size() < line.size() ? line[at + mark.text.size()] : '\0';
+      if (!mark.code || mark.text.front() == ',' || (!is_digit(next) && next != '.')) return true;
+    }
+    return false;
+  }
+  static bool starts_program(const std::string& code) {
+    return code.size() > 1 && (code[0] == 'o' || code[0] == ':') && is_digit(code[1]) &&
+           code.find_first_not_of("0123456789;", 1) == std::string::npos;
+  }
+  static bool is_o_word(const std::string& code) {
+    if (code.size() < 3 || code[0] != 'o' || !is_digit(code[1])) return false;
+    const auto end = code.find_first_not_of("0123456789", 1);
+    if (end == std::string::npos) return false;
+    for (const std::string_view word : {"sub", "endsub", "call", "return", "do", "while",
+                                        "endwhile", "repeat", "endrepeat", "if", "else", "endif"})
+      if (code.substr(end).starts_with(word)) return true;
+    return false;
+  }
+
+  std::array<Evidence, kTongues> evidence_;
+  std::array<bool, kMarks.size()> seen_mark_{};
+  std::vector<std::pair<Tongue, std::string_view>> seen_;
+};
+
+ProgramError foreign(const std::string& name, const std::string& language,
+                     const Evidence& evidence) {
+  return {name, 0, "",
+          "is a program for " + language + " (" + evidence.first +
+              "), which is not read; --dialect names those that are: " + dialect_names(),
+          "auto"};
+}
+
+}  // namespace
+
+std::expected<DialectChoice, ProgramError> choose_dialect(const std::string& name,
+                                                          std::string_view text) {
+  Judge judge;
+  judge.read(text);
+  if (to_lower(name).ends_with(".ngc")) judge.add(Tongue::kLinuxcnc, 3, "its name ends in .ngc");
+  // What Haas and Fanuc have in common counts for both.
+  constexpr std::array kReadable{
+      std::pair{Tongue::kLinuxcnc, Dialect::kLinuxcnc}, std::pair{Tongue::kHaas, Dialect::kHaas},
+      std::pair{Tongue::kFanuc, Dialect::kFanuc}, std::pair{Tongue::kGrbl, Dialect::kGrbl},
+      std::pair{Tongue::kMach3, Dialect::kMach3}};
+  const int haas = judge.of(Tongue::kHaas).score;
+  const auto score = [&](Tongue tongue) {
+    const int own = judge.of(tongue).score;
+    return tongue == Tongue::kHaas && haas > 1 ? own + judge.of(Tongue::kFanuc).score : own;
+  };
+  DialectChoice choice{Dialect::kLinuxcnc, "no word of it points to one controller", true};
+  int best = 0;
+  for (const auto& [tongue, dialect] : kReadable) {
+    if (score(tongue) <= best) continue;
+    best = score(tongue);
+    choice = {dialect, judge.of(tongue).first, false};
+  }
+  for (const auto& [tongue, language] :
+       {std::pair{Tongue::kHeidenhain, "HEIDENHAIN Klartext"}, {Tongue::kSiemens, "SINUMERIK"}})
+    if (judge.of(tongue).score >= 10 && judge.of(tongue).score > best)
+      return std::unexpected(foreign(name, language, judge.of(tongue)));
+  return choice;
+}
+
+}  // namespace kerf

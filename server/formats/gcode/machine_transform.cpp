@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rotation (G68), scaling (G51) and mirror images (G51.1, G101) of GcodeMachine. They change the
+// frame between programmed and absolute coordinates, so that arcs, cycles and compensation follow.
+#include <algorithm>
+#include <cmath>
+
+#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/machine.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kSamePlaceMm = 1e-9;
+// A factor without a point counts thousandths, and is refused where that is unlikely.
+constexpr double kThousandthsMin = 100;
+
+double factor_of(const GcodeWord& word) {
+  if (word.text.find('.') != std::string::npos) return word.value;
+  if (std::abs(word.value) < kThousandthsMin)
+    throw GcodeFault{word.text, "is ambiguous: write the factor with a point"};
+  return word.value / 1000;
+}
+
+}  // namespace
+
+void GcodeMachine::transform(GcodeBlock& block) {
+  const GcodeCode* rotation = block.code(GcodeGroup::kRotation);
+  const GcodeCode* scaling = block.code(GcodeGroup::kScaling);
+  const GcodeCode* mirror = block.code(GcodeGroup::kMirror);
+  if (untransformed_) {
+    const GcodeCode* special = block.code(GcodeGroup::kNonModal);
+    if (special == nullptr || special->code == 40 || special->code == 530 || special->code == 280 ||
+        special->code == 300)
+      special = block.code(GcodeGroup::kShiftApplied);
+    if (special != nullptr)
+      throw GcodeFault{special->text,
+                       "is not allowed while the program is rotated, scaled or mirrored"};
+  }
+  for (const GcodeCode* code : {rotation, scaling, mirror}) {
+    if (code == nullptr) continue;
+    const bool ends =
+        code->code == 690 || code->code == 500 || code->code == 501 || code->code == 1000;
+    if (ends && !untransformed_) continue;
+    if (setup_.rules.dialect != Dialect::kFanuc && setup_.rules.dialect != Dialect::kHaas)
+      throw GcodeFault{code->text, "is not supported; its words differ between controls"};
+    reject_compensated(*code);
+    require_no_corner();
+  }
+  if (rotation != nullptr) rotate_program(block, rotation->code);
+  if (scaling != nullptr) scale_program(block, scaling->code);
+  if (mirror != nullptr) mirror_program(block, mirror->code);
+}
+
+// Installs a frame. The machine does not move; the coordinates of its position change.
+void GcodeMachine::set_transform(const GcodeFrame& frame) {
+  const GcodeAxes before = at_;
+  change_frame(frame);
+  transform_moved_ =
+      std::abs(at_[0] - before[0]) > kSamePlaceMm || std::abs(at_[1] - before[1]) > kSamePlaceMm;
+}
+
+void GcodeMachine::rotate_program(GcodeBlock& block, int code) {
+  if (code == 690) {
+    if (untransformed_) set_transform(*untransformed_);
+    return untransformed_.reset();
+  }
+  const GcodeCode& written = *block.code(GcodeGroup::kRotation);
+  if (modes_.plane != ArcPlane::kXy)
+    throw GcodeFault{written.text, "is supported in the plane XY (G17) only"};
+  if (frame_.scale != GcodeFrame{}.scale)
+    throw GcodeFault{written.text, "is not supported together with scaling or a mirror image"};
+  if (modes_.incremental || block.has_any("zijk"))
+    throw GcodeFault{written.text, "is supported with G90 and X, Y and R only"};
+  const GcodeFrame base = untransformed_.value_or(frame_);
+  const GcodeAxes here = base.programmed(frame_.absolute(at_));
+  const auto x = block.take('x');
+  const auto y = block.take('y');
+  const auto angle = block.take('r');
+  if (!angle) throw GcodeFault{written.text, "requires R, the angle in degrees"};
+  const double cx = x ? *x * modes_.unit_mm : here[0];
+  const double cy = y ? *y * modes_.unit_mm : here[1];
+  // Turned about c, then shifted, then the system's own rotation.
+  GcodeFrame frame = base;
+  frame.rotation_deg += *angle;
+  frame.shift[0] += cx;
+  frame.shift[1] += cy;
+  turn_xy(frame.shift[0], frame.shift[1], -*angle);
+  frame.shift[0] -= cx;
+  frame.shift[1] -= cy;
+  set_transform(frame);
+  untransformed_ = base;
+  block_motion_ = -1;
+}
+
+void GcodeMachine::scale_program(GcodeBlock& block, int code) {
+  if (code == 500) {
+    if (untransformed_) set_transform(*untransformed_);
+    return untransformed_.reset();
+  }
+  const GcodeCode& written = *block.code(GcodeGroup::kScaling);
+  if (untransformed_)
+    throw GcodeFault{written.text,
+                     "is not supported while the program is already rotated, scaled "
+                     "or mirrored; cancel that first"};
+  GcodeFrame frame = frame_;
+  const GcodeWord* common = block.find('p');
+  block.take('p');
+  for (std::size_t i = 0; i < 3; ++i) {
+    const GcodeWord* factor = common != nullptr ? common : block.find("ijk"[i]);
+    block.take("ijk"[i]);
+    const auto center = block.take(kAxisLetters[i]);
+    if (factor == nullptr) continue;
+    const double s = factor_of(*factor);
+    if (s == 0) throw GcodeFault{factor->text, "must not be 0"};
+    if (i == 2 && s != 1)
+      throw GcodeFault{factor->text, "scales Z, which is not supported; give I and J"};
+    if (!center && s != 1)
+      throw GcodeFault{written.text, "requires X and Y, the center of the scaling"};
+    frame.scale[i] = s;
+    frame.shift[i] += center.value_or(0) * modes_.unit_mm * (1 - s);
+  }
+  const GcodeFrame base = frame_;
+  set_transform(frame);
+  untransformed_ = base;
+  block_motion_ = -1;
+}
+
+// G51.1 X0: X is mirrored at X0. G50.1 and G100 cancel the mirror of their axes, or of all.
+void GcodeMachine::mirror_program(GcodeBlock& block, int code) {
+  const GcodeCode& written = *block.code(GcodeGroup::kMirror);
+  const bool ends = code == 501 || code == 1000;
+  if (block.has_any("zabc")) throw GcodeFault{written.text, "is supported for X and Y only"};
+  if (ends) {
+    const bool x = block.find('x') != nullptr, y = block.find('y') != nullptr;
+    block.take('x');
+    block.take('y');
+    if (!untransformed_) return;
+    const bool keeps_x = frame_.scale[0] < 0 && !x && y, keeps_y = frame_.scale[1] < 0 && !y && x;
+    if (keeps_x && frame_.scale[1] > 0) return;
+    if (keeps_y && frame_.scale[0] > 0) return;
+    if (keeps_x || keeps_y)
+      throw GcodeFault{written.text, "is supported for all mirrored axes at once only"};
+    set_transform(*untransformed_);
+    untransformed_.reset();
+  } else {
+    if (untransformed_)
+      throw GcodeFault{written.text,
+                       "is not supported while the program is already rotated, "
+                       "scaled or mirrored; give all axes in one block"};
+    GcodeFrame frame = frame_;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto at = block.take(kAxisLetters[i]);
+      if (!at) continue;
+      frame.scale[i] = -1;
+      frame.shift[i] += 2 * *at * modes_.unit_mm;
+    }
+    const GcodeFrame base = frame_;
+    set_transform(frame);
+    untransformed_ = base;
+  }
+  block_motion_ = -1;
+}
+
+// The controls disagree about the coordinate that the next block leaves out.
+void GcodeMachine::check_after_transform(const GcodeBlock& block) {
+  if (!transform_moved_) return;
+  const bool x = block.has_any("x@"), y = block.has_any("y^");
+  if (!x && !y) return;
+  const GcodeCode* special = block.code(GcodeGroup::kNonModal);
+  const bool away = special != nullptr && (special->code == 280 || special->code == 300);
+  if (!away && (!x || !y || modes_.incremental))
+    throw GcodeFault{"",
+                     "the first move after a rotation, scaling or mirror image must name both X "
+                     "and Y with G90"};
+  transform_moved_ = false;
+}
+
+}  // namespace kerf

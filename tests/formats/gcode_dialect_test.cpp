@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/formats/gcode/dialect_choice.h"
+#include "tests/formats/canon_record.h"
+#include "tests/formats/scene_fixture.h"
+
+namespace kerf {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+GcodeEnvironment as(Dialect dialect) {
+  GcodeEnvironment environment;
+  environment.dialect = dialect;
+  return environment;
+}
+std::string fanuc(const std::string& text) { return test::moves_of(text, as(Dialect::kFanuc)); }
+std::string haas(const std::string& text) { return test::moves_of(text, as(Dialect::kHaas)); }
+std::string refused(const std::string& text, Dialect dialect = Dialect::kFanuc) {
+  return to_string(test::run_error_of(text, as(dialect)));
+}
+
+Dialect judged(const std::string& text, const std::string& name = "p.nc") {
+  const auto choice = choose_dialect(name, text);
+  EXPECT_TRUE(choice.has_value()) << to_string(choice.error());
+  return choice ? choice->dialect : Dialect::kAuto;
+}
+
+TEST(DialectChoice, IsJudgedByWordsThatOneControllerHas) {
+  EXPECT_EQ(judged("%\nO1000\nG0 X1\nM30\n"), Dialect::kFanuc);
+  EXPECT_EQ(judged("%\nO1000\nG154 P2\nM30\n"), Dialect::kHaas);
+  EXPECT_EQ(judged("%\nO1000\n(HAAS VF2)\nM30\n"), Dialect::kHaas);
+  EXPECT_EQ(judged("o100 sub\no100 endsub\n#<a>=1\nM2\n"), Dialect::kLinuxcnc);
+  EXPECT_EQ(judged("G0 X1\nIF[#1EQ2]GOTO3\n"), Dialect::kFanuc);
+  EXPECT_EQ(judged("(made for Mach3)\nG0 X1\n"), Dialect::kMach3);
+  EXPECT_EQ(judged("$H\nG0 X1\n"), Dialect::kGrbl);
+  EXPECT_TRUE(choose_dialect("p.nc", "G0 X1\n")->open);
+  EXPECT_FALSE(choose_dialect("p.ngc", "G0 X1\n")->open);
+  EXPECT_THAT(choose_dialect("p.nc", "G0 X1\nG154 P1\n")->reason, HasSubstr("line 2 has G154"));
+}
+
+TEST(DialectChoice, LanguagesThatAreNotReadAreNamed) {
+  const auto klartext = choose_dialect("p.h", "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S1000\n");
+  ASSERT_FALSE(klartext.has_value());
+  EXPECT_THAT(to_string(klartext.error()), HasSubstr("HEIDENHAIN Klartext (line 1 has BEGINPGM)"));
+  const auto siemens = choose_dialect("p.mpf", "TRAORI\nG0 X1\n");
+  ASSERT_FALSE(siemens.has_value());
+  EXPECT_THAT(to_string(siemens.error()), HasSubstr("SINUMERIK"));
+}
+
+TEST(DialectChoice, AProgramThatLinuxcncRejectsIsReadAsFanucIfNothingSpeaksAgainstIt) {
+  const Scene scene = test::scene_for("xyz");
+  const std::string text = "G21 G90 T1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F100 M131\nM30\n";
+  const auto program = parse_program("p.nc", text, scene);
+  ASSERT_TRUE(program.has_value()) << to_string(program.error());
+  EXPECT_THAT(program->warnings, Contains(HasSubstr("read as Fanuc")));
+  EXPECT_THAT(program->warnings, Contains(HasSubstr("M131 is taken as a code that moves nothing")));
+  const auto strict = parse_program("p.ngc", text, scene);
+  ASSERT_FALSE(strict.has_value());
+  EXPECT_THAT(to_string(strict.error()), HasSubstr("(read as LinuxCNC)"));
+}
+
+TEST(MacroFlow, SubprogramsRepeatAndReturn) {
+  EXPECT_EQ(fanuc("%\nO1\nG91\nM98 P2 L2\nG0 Y1\nM30\nO2 (SUB)\nG0 X1\nM99\n%\n"),
+            "R 1 0 0, R 2 0 0, R 2 1 0");
+  EXPECT_EQ(fanuc("O1\nG91\nM98 P30002\nM30\nO2\nG0 X1\nM99\n"), "R 1 0 0, R 2 0 0, R 3 0 0");
+  EXPECT_EQ(fanuc(":0001\nG91 G0 X5 M98 P7\nM30\n:0007\nG0 X1\nM99\n"), "R 5 0 0, R 6 0 0");
+  EXPECT_EQ(haas("O1\nG91\nM97 P50 L2\nM30\nN50 G0 X1\nM99\n"), "R 1 0 0, R 2 0 0");
+  EXPECT_EQ(fanuc("O1\nM98 P2\nG0 X9\nN30 G0 X1\nM30\nO2\nG0 Y1\nM99 P30\n"), "R 0 1 0, R 1 1 0");
+  EXPECT_EQ(fanuc("%\nG0 Z4\nO1\nG0 X1\nM30\nO2\nG0 X9\n"), "R 0 0 4, R 1 0 4");
+  EXPECT_THAT(refused("O1\nM98 P5\nM30\n"), HasSubstr("calls O5"));
+  EXPECT_THAT(refused("O1\nM98 P1\nM30\n"), HasSubstr("nested deeper"));
+  EXPECT_THAT(refused("O1\nM98 P2\nM30\nO2\nG0 X1\nO3\n"), HasSubstr("ends without M99"));
+}
+
+TEST(MacroFlow, BranchesAndLoops) {
+  EXPECT_EQ(fanuc("#1=0\nN10 #1=#1+1\nG0 X#1\nIF[#1LT3]GOTO10\nM30\n"),
+            "R 1 0 0, R 2 0 0, R 3 0 0");
+  EXPECT_EQ(fanuc("#1=0\nWHILE [#1 LT 2] DO1\n#1=#1+1\n#2=0\nWHILE[#2LT1]DO2\n#2=#2+1\nG0 X#1 "
+                  "Y#2\nEND2\nEND1\nM30\n"),
+            "R 1 1 0, R 2 1 0");
+  EXPECT_EQ(fanuc("#1=5\nIF [#1 GT 4] THEN #2=7\nIF[#1GT9]THEN #2=8\nG0 X#2\nGOTO 5\nG0 X99\nN5 G0 "
+                  "Y1\nM30\n"),
+            "R 7 0 0, R 7 1 0");
+  EXPECT_EQ(fanuc("GOTO 3\nG0 X1\nN2 M30\nN3 G0 X2\nGOTO 2\n"), "R 2 0 0");
+  EXPECT_THAT(refused("GOTO 3\nM30\n"), HasSubstr("N3"));
+  EXPECT_THAT(refused("N1 GOTO 1\n"), HasSubstr("does not end"));
+  EXPECT_THAT(refused("WHILE[1EQ1]DO1\nM30\n"), HasSubstr("no matching END"));
+  EXPECT_THAT(refused("IF[1EQ1]\nM30\n"), testing::EndsWith("(read as Fanuc)"));
+}
+
+TEST(MacroFlow, MacroCallsHaveArgumentsAndVacantVariables) {
+  EXPECT_EQ(fanuc("O1\nG65 P9010 X1 Y2 I3\nM30\nO9010\nG0 X#24 Y#25 Z#4\nIF[#1EQ#0]GOTO5\nG0 "
+                  "X99\nN5 M99\n"),
+            "R 1 2 3");
+  // A vacant variable removes its word and counts as 0 in a sum, but is not equal to 0.
+  EXPECT_EQ(fanuc("G0 X5\nG0 X#1 Y1\nG0 X[#1+2]\nIF[#1EQ0]GOTO9\nG0 Z1\nN9 M30\n"),
+            "R 5 0 0, R 5 1 0, R 2 1 0, R 2 1 1");
+  EXPECT_EQ(fanuc("O1\nG66 P2 A1\nG90 G0 X1\nX2\nG67\nX3\nM30\nO2\nG91 G0 Y#1\nG90\nM99\n"),
+            "R 1 0 0, R 1 1 0, R 2 1 0, R 2 2 0, R 3 2 0");
+  EXPECT_EQ(fanuc("#1=#4003\nG91\nG#1 G0 X1\nX1.\n#2=#5001\nG0 Y#2\nM30\n"),
+            "R 1 0 0, R 1 0 0, R 1 1 0");
+  EXPECT_THAT(refused("#3000=1(NO TOOL)\n"), HasSubstr("raises an alarm"));
+  EXPECT_THAT(refused("G0 X#2001\n"), HasSubstr("system variable"));
+}
+
+TEST(MacroExpression, HasThePrecedenceAndRoundingOfMacroB) {
+  EXPECT_EQ(fanuc("#1=2+3*4\n#2=#1-10\nG0 X#1 Y#2\nM30\n"), "R 14 4 0");
+  EXPECT_EQ(fanuc("G0 X[2+3*4] Y[FIX[-1.5]] Z[FUP[-1.5]]\nM30\n"), "R 14 -1 -2");
+  EXPECT_EQ(fanuc("G0 X[6 AND 3] Y[4 OR 1] Z[ATAN[1]/[1]]\nX[ATAN[1,1]]\nM30\n"),
+            "R 2 5 45, R 45 5 45");
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Blocks of Fanuc and Haas, against paths that were computed by hand.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/formats/canon_record.h"
+#include "tests/formats/scene_fixture.h"
+
+namespace kerf {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+GcodeEnvironment as(Dialect dialect) {
+  GcodeEnvironment environment;
+  environment.dialect = dialect;
+  return environment;
+}
+std::string fanuc(const std::string& text) { return test::moves_of(text, as(Dialect::kFanuc)); }
+std::string haas(const std::string& text) { return test::moves_of(text, as(Dialect::kHaas)); }
+std::string refused(const std::string& text, Dialect dialect = Dialect::kFanuc) {
+  return to_string(test::run_error_of(text, as(dialect)));
+}
+
+TEST(FanucBlock, StartsInRapidAndTheLastCodeOfAGroupCounts) {
+  EXPECT_EQ(fanuc("X1 Y2\nM30\n"), "R 1 2 0");
+  EXPECT_EQ(fanuc("G90 G91 G1 G0 X1\nX1\nM30\n"), "R 1 0 0, R 2 0 0");
+  EXPECT_EQ(fanuc("g1 x1 f100 n5 (a (nested) one) y2 (open\nM30\n"), "F 1 2 0");
+  EXPECT_EQ(fanuc("G1 F100 X1\nG81 Z-1 R1 L0\nX5 Y5\nG80\nX7\nM30\n"),
+            "F 1 0 0, R 1 0 1, R 5 5 1, F 5 5 -1, R 5 5 1, F 7 5 1");
+  EXPECT_EQ(fanuc("/G0 X1\n/2 G0 X2\nG0 X3 /Y4\nM30\n"), "R 3 0 0");
+  EXPECT_EQ(fanuc("G1 X5 F100\nG2 X7 I1 J0 K0\nM30\n"), "F 5 0 0, A 7 0 0");
+  EXPECT_THAT(refused("G1 X5 F100\nG2 X7 I1 K1\nM30\n"), HasSubstr("K1"));
+  EXPECT_THAT(refused("G2 X7 F1\n"), HasSubstr("requires R or the center"));
+}
+
+TEST(FanucBlock, HomesDwellsAndCodesWithoutMotion) {
+  EXPECT_EQ(fanuc("G1 X5 F100\nG0 G91 G28 Z0\nG90 X6\nM30\n"),
+            "F 5 0 0, R 5 0 0, R 5 0 0, R 6 0 0");
+  EXPECT_EQ(fanuc("G28 X Y\nG4 X1.5\nG4 P500\nG4 U2\nG4 P1.5\nM30\n"),
+            "R 0 0 0, R 0 0 0, D 1.5, D 0.5, D 2, D 1.5");
+  EXPECT_EQ(haas("G187 P3 E.01\nG103 P1\nM131\nG0 X1 M10\nG5.1 Q1\nG22 X9 Y9 Z9 I1 J1 K1\nM30\n"),
+            "R 1 0 0");
+  EXPECT_EQ(fanuc("G1 X1 F10\nG53 Z0\nX2\nM30\n"), "F 1 0 0, R 1 0 0, F 2 0 0");
+  EXPECT_THAT(refused("G150 X1\n"), HasSubstr("G150"));
+  EXPECT_THAT(refused("G31 X1 F1\n"), HasSubstr("probing"));
+  EXPECT_THAT(refused("G68.2 X0 Y0 Z0 I0 J30 K0\n"), HasSubstr("tilts the working plane"));
+}
+
+TEST(FanucBlock, RotatesTheProgramAboutACenter) {
+  // Y1 beside (10, 0) turned by 90 degrees is X-1 beside it.
+  EXPECT_EQ(fanuc("G68 X10 Y0 R90\nG0 X10 Y1\nG1 X11 Y0 F9\nG69\nG0 X1 Y2\nM30\n"),
+            "R 9 0 0, F 10 1 0, R 1 2 0");
+  EXPECT_EQ(fanuc("G52 X100\nG68 X10 Y0 R180\nG0 X11 Y0\nG69\nG0 X0 Y0\nM30\n"),
+            "R 109 0 0, R 100 0 0");
+  EXPECT_EQ(fanuc("G68 X0 Y0 R90\nG1 X1 Y0 F9\nG3 X0 Y1 I-1 J0\nM30\n"), "F 0 1 0, A -1 0 0");
+  EXPECT_THAT(refused("G0 X3 Y4\nG68 X0 Y0 R90\nG0 X1\n"), HasSubstr("both X and Y"));
+  EXPECT_THAT(refused("G68 X0 Y0 R90\nG55\n"), HasSubstr("G55"));
+  EXPECT_THAT(refused("G18 G68 X0 Z0 R90\n"), HasSubstr("G17"));
+  EXPECT_THAT(refused("G68 X0 Y0 R9\n", Dialect::kMach3), HasSubstr("(read as Mach3)"));
+}
+
+TEST(FanucBlock, ScalesAndMirrors) {
+  EXPECT_EQ(fanuc("G51 X10 Y0 I2000 J2000\nG1 X11 Y1 F9\nG50\nG1 X1 Y1\nM30\n"),
+            "F 12 2 0, F 1 1 0");
+  EXPECT_EQ(fanuc("G51.1 X5\nG1 X6 Y1 F9\nG2 X8 Y1 I1 J0\nG50.1 X0\nG1 X1 Y1\nM30\n"),
+            "F 4 1 0, A 2 1 0, F 1 1 0");
+  EXPECT_EQ(haas("G101 X0 Y0\nG1 X6 Y1 F9\nG100\nG1 X1 Y1\nM30\n"), "F -6 -1 0, F 1 1 0");
+  EXPECT_THAT(refused("G51 X0 Y0 Z0 P2.\n"), HasSubstr("scales Z"));
+  EXPECT_THAT(refused("G51 X0 Y0 I2 J2\n"), HasSubstr("ambiguous"));
+  EXPECT_THAT(refused("G51 X0 Y0 I2. J1.\nG1 X1 Y0 F9\nG2 X3 Y0 I1 J0\n"),
+              HasSubstr("unequal scale"));
+}
+
+TEST(FanucBlock, AMirroredArcBulgesToTheOtherSide) {
+  const Scene scene = test::scene_for("xyz");
+  const auto lowest_and_highest = [&](const std::string& mirror) {
+    GcodeEnvironment environment = as(Dialect::kFanuc);
+    const auto program = parse_program(
+        "p.nc", "T1 M6\nG0 X0 Y0 Z0\n" + mirror + "\nG1 X0 Y0 F100\nG2 X2 Y0 I1 J0\nM30\n", scene,
+        environment);
+    EXPECT_TRUE(program.has_value()) << to_string(program.error());
+    double low = 0, high = 0;
+    for (const ProgramMotion& motion : program ? program->motions : std::vector<ProgramMotion>{}) {
+      low = std::min(low, motion.to.tip_mm.y);
+      high = std::max(high, motion.to.tip_mm.y);
+    }
+    return std::pair(low, high);
+  };
+  EXPECT_NEAR(lowest_and_highest("").second, 1, 0.02);
+  EXPECT_NEAR(lowest_and_highest("G51.1 Y0").first, -1, 0.02);
+  EXPECT_NEAR(lowest_and_highest("G51.1 Y0").second, 0, 1e-9);
+}
+
+TEST(FanucBlock, RoundsAndCutsCorners) {
+  EXPECT_EQ(fanuc("G1 X10 ,R2 F9\nY10\nM30\n"), "F 8 0 0, A 10 2 0, F 10 10 0");
+  EXPECT_EQ(fanuc("G1 X10 ,C2 F9\nY10\nM30\n"), "F 8 0 0, F 10 2 0, F 10 10 0");
+  EXPECT_EQ(fanuc("G1 X10 ,R2 F9\nY10 ,R1\nX0\nM30\n"),
+            "F 8 0 0, A 10 2 0, F 10 9 0, A 9 10 0, F 0 10 0");
+  EXPECT_THAT(refused("G1 X10 ,R20 F9\nY10\nM30\n"), HasSubstr("larger than one of its moves"));
+  EXPECT_THAT(refused("G1 X10 ,R2 F9\nG0 Y10\nM30\n"), HasSubstr("must be followed by"));
+  EXPECT_THAT(refused("G1 X10 ,R2 F9\nM30\n"), HasSubstr("must be followed by"));
+  EXPECT_THAT(refused("G1 X10 ,R2 F9\nG1 Y10 Z1\nM30\n"), HasSubstr("within the active plane"));
+}
+
+TEST(FanucBlock, PolarCoordinatesAreRadiusAndAngle) {
+  EXPECT_EQ(fanuc("G16\nG1 X10 Y90 F9\nY180\nG91 Y90\nG90 G15\nX1 Y1\nM30\n"),
+            "F 0 10 0, F -10 0 0, F 0 -10 0, F 1 1 0");
+  EXPECT_EQ(fanuc("G16\nG98 G81 X10 Y0 Z-1 R1 F9\nY90\nG80 G15\nM30\n"),
+            "R 0 0 1, R 10 0 1, F 10 0 -1, R 10 0 1, R 10 0 1, R 0 10 1, F 0 10 -1, R 0 10 1");
+  EXPECT_THAT(refused("G18 G16\nX1 Y5\n"), HasSubstr("G17"));
+}
+
+TEST(FanucBlock, CoordinateSystemsAndTheirOffsets) {
+  EXPECT_EQ(fanuc("G10 L2 P1 X10\nG54 G0 X1\nG54.1 P2\nX1\nG10 L20 P2 Y5\nX1 Y1\nM30\n"),
+            "R 11 0 0, R 1 0 0, R 1 6 0");
+  EXPECT_EQ(haas("G10 L20 P1 X3\nG154 P1 G0 X1\nG54 X1\nG110 X2\nM30\n"),
+            "R 4 0 0, R 1 0 0, R 5 0 0");
+  EXPECT_EQ(fanuc("G10 L2 P2 X10\nG91 G10 L2 P2 X1\nG90 G55 G0 X1\nM30\n"), "R 12 0 0");
+  EXPECT_THAT(refused("G10 L2 P0 X1\n"), HasSubstr("external offset"));
+  EXPECT_THAT(refused("G10 L12 P1 R5\n"), HasSubstr("L12"));
+}
+
+TEST(FanucBlock, CyclesStartInG98AndNeedNoDwellOrSpindle) {
+  EXPECT_EQ(fanuc("G0 Z9\nG82 X1 Z-1 R2 F9\nX2 K0\nG84 X3\nG80\nM30\n"),
+            "R 0 0 9, R 1 0 9, R 1 0 2, F 1 0 -1, D 0, R 1 0 9, R 3 0 9, R 3 0 2, F 3 0 -1, "
+            "D 0, F 3 0 9");
+  EXPECT_EQ(fanuc("G0 Z9\nG99 G83 X1 Z-1 R2 Q9 F9\nG80\nM30\n"),
+            "R 0 0 9, R 1 0 9, R 1 0 2, F 1 0 -1, R 1 0 2");
+  EXPECT_THAT(refused("G87 X1 Z-1 R2 F9\n"), HasSubstr("back boring"));
+}
+
+TEST(FanucBlock, AToolThatIsSelectedAndNeverLoadedNeedNotExist) {
+  const Scene scene = test::scene_for("xyz");
+  const std::string start = "O1\nG21 T1 M6\nT9\nG90 G0 X0 Y0 Z5\nG43 H21 Z5\n";
+  const auto program =
+      parse_program("p.nc", start + "G41 D31 G1 X20 Y20 F100\nX40\nG40 X60\nM30\n", scene);
+  ASSERT_TRUE(program.has_value()) << to_string(program.error());
+  EXPECT_THAT(program->warnings, Contains(HasSubstr("radius of the scene's tool")));
+  EXPECT_FALSE(parse_program("p.nc", start + "M6\nG1 X1 F9\nM30\n", scene).has_value());
+  const auto without = parse_program("p.nc", "O1\nT2\nG0 X0 Y0 Z5\nG1 Z1 F9\nM30\n", scene);
+  ASSERT_TRUE(without.has_value()) << to_string(without.error());
+  ASSERT_FALSE(without->motions.empty());
+  EXPECT_EQ(without->motions.front().tool, 2u);
+}
+
+}  // namespace
+}  // namespace kerf
