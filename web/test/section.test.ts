@@ -110,6 +110,10 @@ describe('thicknessAt', () => {
     expect(beside!.mm).toBeCloseTo(14, 3); // to the hole
   });
 
+  it('begins at the surface, also from a point that is rounded to the outside of it', () => {
+    expect(thicknessAt([BOX], [3, 5.0001, 2], [0, 1, 0])!.end).toEqual([3, -5, 2]);
+  });
+
   it('is nothing from a face that looks inwards', () => {
     expect(thicknessAt([BOX], [3, 5, 2], [0, -1, 0])).toBeNull();
   });
@@ -129,12 +133,13 @@ describe('snapTo', () => {
     expect(snapped([0, 0, 8], 3).kind).toBe('face');
   });
 
-  it('finds edges of tiles whose vertices are rounded differently', () => {
-    // The same box as two halves, with a seam at x = 2.
-    const left = boxPiece([-10, -5, 0], [2, 5, 8], ['+x']);
-    const right = boxPiece([2.001, -5, 0], [10, 5, 8.001], ['-x']);
-    const near = trianglesNear([left, right], [2, 4.9, 8], 0.5);
-    expect(snapTo([2, 4.9, 8], near, 0.5)).toMatchObject({ kind: 'edge' });
+  it('finds an edge between tiles whose vertices are rounded differently', () => {
+    const others = ['-x', '-y', '+y', '-z'];
+    const top = boxPiece([-10, -5, 0], [10, 5, 8], [...others, '+x']);
+    const side = boxPiece([-10, -5.001, 0], [10.001, 5, 8.001], [...others, '+z']);
+    const point: Vec3 = [9.8, 1, 8];
+    const near = trianglesNear([top, side], point, 0.5);
+    expect(snapTo(point, near, 0.5)).toEqual({ kind: 'edge', point: [10, 1, 8] });
   });
 
   it('finds the round edge of a hole, which has no corners', () => {
