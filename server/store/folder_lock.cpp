@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -21,9 +22,23 @@ std::string holder(int file) {
   return name.substr(0, name.find('\n'));
 }
 
+/// Why the process cannot create files in the folder; empty if it can.
+std::string write_error(const std::filesystem::path& folder) {
+  if (faccessat(AT_FDCWD, folder.c_str(), R_OK | W_OK | X_OK, AT_EACCESS) == 0) return {};
+  const std::string reason = std::strerror(errno);
+  struct stat status = {};
+  const std::string owner = stat(folder.c_str(), &status) == 0
+                                ? ", which belongs to uid " + std::to_string(status.st_uid)
+                                : std::string();
+  const std::string uid = std::to_string(geteuid());
+  return "uid " + uid + " cannot write to the data folder " + folder.string() + owner + ": " +
+         reason + "; make uid " + uid + " its owner, or use another --data";
+}
+
 }  // namespace
 
 std::expected<FolderLock, std::string> FolderLock::take(const std::filesystem::path& folder) {
+  if (std::string error = write_error(folder); !error.empty()) return std::unexpected(error);
   const auto path = folder / kFileName;
   FolderLock lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
   if (lock.file_ < 0) {

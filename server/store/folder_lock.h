@@ -15,7 +15,8 @@ class FolderLock {
   /// Name of the lock file in the folder.
   static constexpr const char* kFileName = "kerf-server.lock";
 
-  /// Locks `folder`. The error is one sentence; it names the process that holds the lock.
+  /// Locks `folder`, in which the process must be able to create files. The error is one sentence;
+  /// it names the process that holds the lock, or the owner of a folder that cannot be written to.
   static std::expected<FolderLock, std::string> take(const std::filesystem::path& folder);
   FolderLock(FolderLock&& other) noexcept;
   FolderLock& operator=(FolderLock&& other) noexcept;

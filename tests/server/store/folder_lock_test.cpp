@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <filesystem>
+
 #include "tests/server/temporary_folder.h"
 
 namespace kerf {
@@ -29,7 +31,38 @@ TEST(FolderLock, OfAMissingFolderIsAnError) {
   const test::TemporaryFolder folder;
   const auto lock = FolderLock::take(folder / "nothing");
   ASSERT_FALSE(lock);
-  EXPECT_NE(lock.error().find("cannot open"), std::string::npos);
+  EXPECT_NE(lock.error().find("No such file"), std::string::npos) << lock.error();
+}
+
+/// A user to whom permissions apply, as they do not to root.
+class OrdinaryUser {
+ public:
+  static constexpr uid_t kNobody = 65534;
+  OrdinaryUser() {
+    if (user_ == 0 && seteuid(kNobody) != 0) ADD_FAILURE() << "seteuid";
+  }
+  ~OrdinaryUser() {
+    if (user_ == 0 && seteuid(0) != 0) ADD_FAILURE() << "seteuid";
+  }
+
+ private:
+  uid_t user_ = geteuid();
+};
+
+TEST(FolderLock, OfAFolderThatCannotBeWrittenToNamesItsOwner) {
+  const test::TemporaryFolder folder;
+  std::filesystem::permissions(folder.path(), std::filesystem::perms(0777));
+  {
+    ASSERT_TRUE(FolderLock::take(folder.path()));
+  }  // the lock file is there, and may be opened
+  std::filesystem::permissions(folder / FolderLock::kFileName, std::filesystem::perms(0666));
+  std::filesystem::permissions(folder.path(), std::filesystem::perms(0555));
+  const std::string owner = "belongs to uid " + std::to_string(geteuid());
+  const OrdinaryUser user;
+  const auto lock = FolderLock::take(folder.path());
+  ASSERT_FALSE(lock);
+  EXPECT_NE(lock.error().find(owner), std::string::npos) << lock.error();
+  EXPECT_NE(lock.error().find("make uid " + std::to_string(geteuid())), std::string::npos);
 }
 
 }  // namespace
