@@ -268,7 +268,9 @@ std::uint16_t Server::port() const { return impl_->port; }
 std::uint16_t Server::udp_port() const { return impl_->udp.port(); }
 
 std::string Server::url() const {
-  const std::string& address = impl_->options.address;
+  error_code error;
+  const bool all = asio::ip::make_address(impl_->options.address, error).is_unspecified();
+  const std::string address = all && !error ? "localhost" : impl_->options.address;
   const bool v6 = address.find(':') != std::string::npos;
   const std::string scheme = impl_->certificate ? "https://" : "http://";
   return scheme + (v6 ? "[" + address + "]" : address) + ":" + std::to_string(impl_->port);

@@ -52,7 +52,8 @@ class Server {
   SessionRegistry& sessions();
   /// Starts listening. The error is one sentence.
   std::expected<void, std::string> listen();
-  /// Returns "http://ADDRESS:PORT", or "https://" with TLS, with the bound port.
+  /// Returns "http://ADDRESS:PORT", or "https://" with TLS, with the bound port; "localhost" for a
+  /// server on all addresses.
   std::string url() const;
   std::uint16_t port() const;
   /// Returns the bound UDP port; 0 if UDP is off.

@@ -90,6 +90,12 @@ class Configuration(LiveTest):
         address, code, _ = self.run_server(KERF_LISTEN="127.0.0.3:0")
         self.assertTrue(address.startswith("http://127.0.0.3:"), address)
 
+    def test_a_server_on_all_addresses_prints_one_that_can_be_opened(self):
+        for every in ("0.0.0.0:0", "[::]:0"):
+            address, code, _ = self.run_server("--listen", every, "--open", "--udp", "off")
+            self.assertTrue(address.startswith("http://localhost:"), address)
+            self.assertEqual(code, 0)
+
     def test_the_command_line_counts_before_the_file_and_the_file_before_the_environment(self):
         text = 'listen = "127.0.0.2:0"\n'
         address, _, _ = self.run_server(text=text, KERF_LISTEN="127.0.0.3:0")
