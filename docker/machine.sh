@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Functions of run.sh, test.sh and the Dockerfiles: install packages on Debian 12, build the viewer and the programs, and
+# Functions of run.sh, test.sh and the Dockerfile: install packages on Debian 12, build the viewer and the programs, and
 # report which step failed. Sourced from the repository's root, or run as a program: `docker/machine.sh install build`.
 
 KERF_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
