@@ -77,6 +77,10 @@ inline constexpr double kArcFoundMm = 1e-11;
 /// order of 1, steps near the axis of an arc end too early, and ends on arcs err.
 inline constexpr double kArcShortStep2 = 1e-4;
 
+/// Sine of the angle between a ray and a side up to which the ray's closest point counts as found.
+/// Owner: sweep/miss_reach. If it grows, the tilt of a supporting plane no longer makes up for it.
+inline constexpr double kFlatSlope = 1e-5;
+
 /// mm along the ray. A ray that misses an arc is closest to it somewhere in an interval of this
 /// width; the gap errs by its square over a radius. Owner: sweep/piece_side. If it grows, gaps are
 /// overestimated, and rays are given up that the arc still reaches.

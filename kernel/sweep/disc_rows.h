@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/sweep/column_block.h"
+#include "kernel/sweep/end_reach.h"
 #include "kernel/sweep/piece_side.h"
 #include "kernel/sweep/slice_path.h"
 
@@ -68,7 +69,7 @@ KERF_INLINE LaneMask may_exceed(const SlicePath& path, double length, const Disc
   const double covered = std::sqrt(2 * path.search.missed_mm / path.search.bend_mm);
   const double left = length - covered;
   if (!path.search.checked || !(left > 0)) return ~every_lane();
-  // `beyond` > 0: the bound is that of least_off, from the first station; else from the last.
+  // `beyond` > 0: the bound is that of the first station; else of the last.
   const Lanes rise = magnitude(ends.beyond);
   const Lanes inwards = select(ends.beyond > 0.0, ends.out_from, -ends.out_to);
   const Lanes fall =
@@ -131,6 +132,7 @@ KERF_INLINE bool add_disc_row(const Side& side, const SlicePath& path, Lanes y, 
     const double from = double(k - 1) * length;
     LaneMask bad = ~last.usable | (first.lo > last.hi) | (last.lo > first.hi);
     Lanes lo = lesser(first.lo, last.lo), hi = greater(first.hi, last.hi);
+    bad |= ~held_by_disc(path, magnitude(first.lo - last.lo), length);
     if ((known.hides_entry >> row & 1) == 0) {
       const DiscEnds ends{first.out_lo, last.out_lo, first.lo - last.lo};
       bad |= may_exceed(path, length, ends);
@@ -141,9 +143,10 @@ KERF_INLINE bool add_disc_row(const Side& side, const SlicePath& path, Lanes y, 
         lo = select(turns, lesser(turn.z, lo), lo);
       }
     }
+    const LaneMask below = ~(first.covers | last.covers | block.loses_all_above(row));
+    bad |= below & ~held_by_disc(path, magnitude(first.hi - last.hi), length);
     if ((known.hides_exit >> row & 1) == 0) {
       const DiscEnds ends{first.out_hi, last.out_hi, last.hi - first.hi};
-      const LaneMask below = ~(first.covers | last.covers | block.loses_all_above(row));
       bad |= below & may_exceed(path, length, ends);
       const LaneMask turns = below & ends.turn();
       if (any(turns)) {

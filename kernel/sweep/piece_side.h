@@ -29,6 +29,13 @@ struct SideSpan {
   Lanes depth;      ///< of the others: estimated depth of the ray in the side
 };
 
+/// A plane that supports the side below a point beside it may be tilted by an angle a towards the
+/// rays: the point's distance from it falls by at most radius a²/2, and the plane's slope along the
+/// rays grows by `gain` sin a.
+struct SideTilt {
+  Lanes radius, gain;
+};
+
 /// The side of a frustum (paper Eq. 2; a cylinder when the slope is 0), anchored at the center of
 /// its lower disc. With p = (x, y, t) from the anchor and l = p·u the side is |p|² − l² = (r0 + k
 /// l)², quadratic in t with A = u_x² + u_y² − k² u_z². A > 0: the inside is between the roots. A ≤
@@ -89,6 +96,15 @@ struct ConeSide {
   KERF_INLINE Lanes clearance(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes radial = p - u * l;
     return side.distance(square_root(dot(radial, radial)), l);
+  }
+  /// Returns how a plane that supports the side may be tilted towards the rays: its normal turns
+  /// about the axis.
+  KERF_INLINE SideTilt tilt(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u, const Vec3Lanes&,
+                            Lanes) const {
+    const Vec3Lanes radial = p - u * l;
+    const Lanes rho = square_root(dot(radial, radial));
+    const double cosine2 = 1 / (1 + side.slope * side.slope);
+    return {rho, magnitude(u.x * radial.y - u.y * radial.x) * std::sqrt(cosine2) / rho};
   }
   /// Returns where a point at the squared distance `rho2` from the axis, at l, is inside the side.
   KERF_INLINE LaneMask holds(Lanes rho2, Lanes l) const {
@@ -167,6 +183,15 @@ struct ArcSide {
   KERF_INLINE Lanes clearance(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes q = p - u * l;
     return circle_distance(center_r, radius, square_root(dot(q, q)), l).mm;
+  }
+  /// Returns how a plane that supports the side may be tilted towards the rays. `n` is the unit
+  /// normal at p, `off` the distance from the side.
+  KERF_INLINE SideTilt tilt(const Vec3Lanes&, Lanes, const Vec3Lanes& u, const Vec3Lanes& n,
+                            Lanes off) const {
+    const Lanes axial = dot(n, u);
+    const Lanes across = square_root(greater(1 - axial * axial, Lanes(0)));
+    return {radius + std::max(center_r, 0.0) / across + off,
+            square_root(greater(1 - n.z * n.z, Lanes(0)))};
   }
   /// Returns where a point at the squared distance `rho2` from the axis, at l, is inside the side.
   KERF_INLINE LaneMask holds(Lanes rho2, Lanes l) const {

@@ -27,7 +27,8 @@ struct Meeting {
   Lanes advance;
   Lanes beyond;     ///< advance of the other surface, disc or side, that may end rays here; or 0
   Lanes clearance;  ///< lower bound of the distance between ray and piece; 0 where it is hit
-  Lanes off_side;   ///< of a ray that misses the side between the discs: distance from the side
+  Lanes off_side;   ///< of a ray that misses the side between the discs: lower bound of the
+                    ///< distance, which shrinks at most as fast as the piece moves there
   Lanes upright;    ///< advance / upright is the speed of the end along the ray; 0 where missed
   Lanes normal2;    ///< squared length of the normal along which both are measured
 };
@@ -40,7 +41,6 @@ KERF_INLINE void note_clearance(Meeting& m, const Side& side, const SideSpan& sp
                                 LaneMask steep) {
   const LaneMask by_side = ~m.hit & (steep | ~span.exists);
   const Lanes off_side = side.clearance(p, l, u);
-  m.off_side = select(by_side & (off_side > 0.0), off_side, Lanes(0));
   // Along the ray beyond a disc, the distance from the side shrinks at most at unit rate, while the
   // distance from the disc grows at the rate `slope`. Beyond the side's end the roles are
   // exchanged.
@@ -52,6 +52,9 @@ KERF_INLINE void note_clearance(Meeting& m, const Side& side, const SideSpan& sp
   const LaneMask passes = ~span.exists & (p.z == span.closest);
   const Lanes least = select(passes, off_side, select(by_side, past_disc, past_end));
   m.clearance = select(~m.hit & (least > 0.0), least, Lanes(0));
+  // Where a disc decides, the sum of the distances from side and disc that does not change along
+  // the ray is a bound, of which `past_disc` is the least.
+  m.off_side = select(by_side & (off_side > 0.0), select(passes, off_side, past_disc), Lanes(0));
   m.through = select(span.exists, m.through, -off_side);
 }
 

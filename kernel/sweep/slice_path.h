@@ -13,14 +13,15 @@ inline constexpr int kHalvingsMax = 16;
 /// Parameters of the search for the outermost ends of a slice of the tool along a motion
 /// (kernel/sweep/README.md, "The tight model").
 struct SliceSearch {
-  int parts = 1;           ///< parts of the motion; each is searched between its two stations
-  int halvings = 0;        ///< max bisections of a part, for rays with a non-connected hit set
-  bool checked = false;    ///< search once more for ends that the bend leaves in doubt
-  double bend_mm = 0;      ///< κ: greatest bend of a fixed point's path relative to the slice
-  double missed_mm = 0;    ///< greatest depth in the sweep of an end that is not found
-  double top_mm = 0;       ///< top of the grid, above which no end matters
-  double search_mm = 0;    ///< distance off the surface at which the search for an end stops
-  bool shows_disc = true;  ///< a disc of the slice is not hidden within its neighbors
+  int parts = 1;            ///< parts of the motion; each is searched between its two stations
+  int halvings = 0;         ///< max bisections of a part, for rays with a non-connected hit set
+  bool checked = false;     ///< the side may have several outermost ends along the motion
+  double bend_mm = 0;       ///< κ: greatest bend of a fixed point's path along normals of the side
+  double disc_bend_mm = 0;  ///< the same along normals of the discs
+  double missed_mm = 0;     ///< greatest depth in the sweep of an end that is not found
+  double top_mm = 0;        ///< top of the grid, above which no end matters
+  double search_mm = 0;     ///< distance off the surface at which the search for an end stops
+  bool shows_disc = true;   ///< a disc of the slice is not hidden within its neighbors
 };
 
 /// What is known of the rows of a block before a slice is evaluated; bit r: row r.

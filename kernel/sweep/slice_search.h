@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
-
 #include "kernel/math/span.h"
+#include "kernel/sweep/miss_reach.h"
 #include "kernel/sweep/slice_meeting.h"
 
 namespace kerf {
@@ -27,28 +26,24 @@ KERF_INLINE void include_end(LaneSpan& span, const Meeting& m) {
 /// Maximum number of steps of a search. It brackets the solution and stops when all lanes are done.
 constexpr int kSearchSteps = 120;
 
-/// Intervals of shares between two stations, and the intersections there.
-struct Stretch {
-  Lanes from, to;
-  const Meeting &first, &last;
-};
-
 /// Returns where the end is on the same surface, side or disc, as at a station.
 KERF_INLINE LaneMask continues(const Meeting& m, const Meeting& station) {
   return m.hit & station.hit & ~(m.on_side ^ station.on_side);
 }
 
-/// Returns the rays that leave the slice through a disc at both stations. If a neighbor that is
-/// swept too hides it, they go on in the neighbor, which they enter there, so no upper end has to
-/// be searched.
-KERF_INLINE LaneMask leaves_by_disc(const Stretch& stretch) {
+/// Returns the rays that leave the slice through a disc at both stations, and in between nowhere
+/// farther out by more than the tolerance. If a neighbor that is swept too hides the disc, their
+/// upper end is one of the neighbor's too, and need not be searched.
+KERF_INLINE LaneMask leaves_by_disc(const SlicePath& path, const Stretch& stretch) {
   const Meeting &first = stretch.first, &last = stretch.last;
-  return first.hit & last.hit & ~first.leaves_side & ~last.leaves_side;
+  return first.hit & last.hit & ~first.leaves_side & ~last.leaves_side &
+         held_by_disc(path, magnitude(first.hi - last.hi), stretch.to - stretch.from);
 }
 /// The same for the lower ends.
-KERF_INLINE LaneMask enters_by_disc(const Stretch& stretch) {
+KERF_INLINE LaneMask enters_by_disc(const SlicePath& path, const Stretch& stretch) {
   const Meeting &first = stretch.first, &last = stretch.last;
-  return first.hit & last.hit & ~first.enters_side & ~last.enters_side;
+  return first.hit & last.hit & ~first.enters_side & ~last.enters_side &
+         held_by_disc(path, magnitude(first.lo - last.lo), stretch.to - stretch.from);
 }
 
 /// The quantity that is searched in each lane; at most one of the masks is set.
@@ -106,18 +101,23 @@ KERF_INLINE Lanes falsi(Lanes a, Lanes b, const Sought& fa, const Sought& fb) {
   return a + (b - a) * (f / (f - g));
 }
 
+/// The shares nearest to the one searched at which rays were met.
+struct Bracket {
+  FoundEnd earlier, later;
+};
+
 /// Searches a stretch by regula falsi in the Illinois variant with bisections. Every hit at an
-/// evaluated share widens `span`. Returns the last shares.
+/// evaluated share widens `span`. Returns the bracket.
 template <End end, class Side>
-KERF_INLINE Lanes search(const Side& side, const SlicePath& path, Lanes x, Lanes y,
-                         const Stretch& stretch, const Searches& what, LaneSpan& span) {
+KERF_INLINE Bracket search(const Side& side, const SlicePath& path, Lanes x, Lanes y,
+                           const Stretch& stretch, const Searches& what, LaneSpan& span) {
   Lanes a = stretch.from, b = stretch.to;
   Sought fa(stretch.first), fb(stretch.last);
   LaneMask was_later = ~every_lane(), was_earlier = was_later;
   const Lanes travel = (stretch.to - stretch.from) * path.speed_max_mm;
   Lanes length = stretch.to - stretch.from;
   LaneMask searching = what.all() & (stretch.first.clearance + stretch.last.clearance <= travel);
-  Lanes at = a;
+  Bracket bracket{FoundEnd::of<end>(a, stretch.first), FoundEnd::of<end>(b, stretch.last)};
   for (int i = 0; i < kSearchSteps && any(searching); ++i) {
     const Lanes guess = falsi(a, b, fa, fb);
     LaneMask usable = (guess > a) & (guess < b);
@@ -128,12 +128,13 @@ KERF_INLINE Lanes search(const Side& side, const SlicePath& path, Lanes x, Lanes
     }
     const Lanes s = select(usable, guess, (a + b) * 0.5);
     Meeting m = meet<end>(side, path, x, y, s);
-    at = select(searching, s, at);
     const LaneMask outwards = m.advance > 0.0, inwards = m.advance < 0.0;
     const LaneMask later = (what.turn & outwards) |
                            (what.first & outwards & continues(m, stretch.first)) |
                            (what.last & ~(inwards & continues(m, stretch.last))) |
                            (what.edge & ~(m.hit ^ stretch.first.hit));
+    bracket.earlier.take(searching & later, FoundEnd::of<end>(s, m));
+    bracket.later.take(searching & ~later, FoundEnd::of<end>(s, m));
     m.hit &= searching;
     include_end<end>(span, m);
     const LaneMask crosses = ~what.edge & (fa.within * fb.within < 0.0);
@@ -159,94 +160,94 @@ KERF_INLINE Lanes search(const Side& side, const SlicePath& path, Lanes x, Lanes
     const Lanes reach = (b - a) * path.speed_max_mm;
     searching &= far & ~at_rim & (reach > path.search.search_mm) & (m.clearance <= reach);
   }
-  return at;
+  return bracket;
 }
 
-/// Returns a lower bound, by convexity, of the distance between the piece and the point of a ray at
-/// the height `best`, `share` away from a station. At the station the ray's end is at `z` and moves
-/// outwards by `advance` towards that share (kernel/sweep/README.md, "The tight model").
-KERF_INLINE Lanes least_off(const SlicePath& path, const Meeting& m, Lanes z, Lanes best,
-                            Lanes advance, Lanes share) {
-  const Lanes scale = 1 / square_root(m.normal2);
-  const Lanes rise = magnitude(z - best);
-  const Lanes fall = greater(advance, Lanes(0)) * scale + path.frame.turn * rise;
-  return magnitude(m.upright) * scale * rise - (fall + 0.5 * path.search.bend_mm * share) * share;
-}
-
-/// Returns the rays whose extremum may exceed `best`, found at the share `at`, by more than
-/// `missed_mm`. Near `at` the bend excludes it; near the stations, the bounds from there do.
-template <End end>
-KERF_INLINE LaneMask doubtful(const SlicePath& path, const Stretch& stretch, Lanes at, Lanes best,
-                              double covered) {
+/// Returns the rays that stay inside the side of a round slice, continued beyond its discs, and end
+/// on it at both stations: each has a single outermost end there.
+KERF_INLINE LaneMask has_one_end(const SlicePath& path, const Stretch& stretch) {
+  if (path.search.checked) return ~every_lane();
   const Meeting &first = stretch.first, &last = stretch.last;
-  const Lanes left = at - covered - stretch.from, right = stretch.to - covered - at;
-  const Lanes z0 = end == End::kLower ? first.lo : first.hi;
-  const Lanes z1 = end == End::kLower ? last.lo : last.hi;
-  const Lanes missed = -path.search.missed_mm;
-  return ((left > 0.0) & ~(least_off(path, first, z0, best, first.advance, left) >= missed)) |
-         ((right > 0.0) & ~(least_off(path, last, z1, best, -last.advance, right) >= missed));
+  return first.on_side & last.on_side & (first.side_lo <= last.side_hi) &
+         (last.side_lo <= first.side_hi);
 }
 
-/// The rays of a stretch in which an end may lie farther out than the one found.
-struct Doubts {
-  LaneMask checked;  ///< the bend is so large that the first bound does not cover the stretch
-  double covered;    ///< share around a stationary end within which nothing deeper is missed
-};
-KERF_INLINE Doubts doubts_of(const SlicePath& path, const Stretch& stretch) {
-  const double covered = std::sqrt(2 * path.search.missed_mm / path.search.bend_mm);
-  const LaneMask longer = Lanes(covered) < stretch.to - stretch.from;
-  return {path.search.checked ? longer : ~every_lane(), covered};
-}
-
-/// Returns the rays of a stretch that remain doubtful, where `found` is the share of the end that
-/// was searched and `span` the outermost end.
+/// Returns the rays of which other ends may lie farther out than the tolerance: neither a round
+/// side nor a disc excludes it.
 template <End end>
-KERF_INLINE LaneMask remaining_doubts(const SlicePath& path, const Stretch& stretch,
-                                      const Doubts& doubts, LaneMask turn, Lanes found,
-                                      const LaneSpan& span) {
+KERF_INLINE LaneMask needs_reach(const SlicePath& path, const Stretch& stretch) {
   const Meeting &first = stretch.first, &last = stretch.last;
-  const LaneMask at_first = end == End::kLower ? first.lo < last.lo : first.hi > last.hi;
-  const Lanes station = select(at_first, stretch.from, stretch.to);
-  const Lanes best = end == End::kLower ? span.lo : span.hi;
-  return doubts.checked & first.hit & last.hit &
-         doubtful<end>(path, stretch, select(turn, found, station), best, doubts.covered);
+  const Lanes apart = end == End::kLower ? first.lo - last.lo : first.hi - last.hi;
+  const LaneMask on_disc = ~first.on_side & ~last.on_side;
+  const LaneMask held = on_disc & held_by_disc(path, magnitude(apart), stretch.to - stretch.from);
+  return ~(first.hit & last.hit & (held | has_one_end(path, stretch)));
 }
 
 /// Returns the rays among `asked` whose outermost end may lie between the stations: search_stretch
 /// must be called for them. `span` holds the ends at the stations.
-template <End end>
-KERF_INLINE LaneMask needs_search(const SlicePath& path, const Stretch& stretch, LaneMask asked,
-                                  const LaneSpan& span) {
+template <End end, class Side>
+KERF_INLINE LaneMask needs_search(const Side& side, const SlicePath& path, Lanes x, Lanes y,
+                                  const Stretch& stretch, LaneMask asked, const LaneSpan& span) {
   const LaneMask searched = searches_of(path, stretch, asked).all();
-  const Doubts doubts = doubts_of(path, stretch);
-  if (!any(doubts.checked)) return searched;
-  return searched |
-         (asked & remaining_doubts<end>(path, stretch, doubts, ~every_lane(), stretch.from, span));
+  if (!(path.frame.turn > 0)) return searched;
+  LaneMask doubtful = asked & ~searched & needs_reach<end>(path, stretch);
+  if (!any(doubtful)) return searched;
+  const Lanes best = end == End::kLower ? span.lo : span.hi;
+  doubtful &= ~plainly_covered<end>(path, stretch, best);
+  if (!any(doubtful)) return searched;
+  return searched | (doubtful & gap_of<end>(side, path, x, y, stretch, best, doubtful).open());
 }
 
-/// Widens `span` by the outermost end between two stations, up to `missed_mm`. A stretch that
-/// remains doubtful is bisected once: its halves bend so little that no doubt remains.
+/// Maximum number of ends by which a gap is closed.
+constexpr int kGapSteps = 1 << 12;
+
+/// Meets the rays `open` at shares within a gap until the reaches of their ends cover it, and
+/// includes these ends in `span`. Each end that joins what is covered closes the gap by its reach;
+/// the share asked for approaches what is covered until one does.
+template <End end, class Side>
+KERF_INLINE void close_gap(const Side& side, const SlicePath& path, Lanes x, Lanes y, Lanes length,
+                           Gap gap, LaneMask open, LaneSpan& span) {
+  Lanes at = (gap.low + gap.high) * 0.5;
+  for (int i = 0; i < kGapSteps && any(open); ++i) {
+    Meeting m = meet<end>(side, path, x, y, at);
+    Meeting asked_only = m;
+    asked_only.hit &= open;
+    include_end<end>(span, asked_only);
+    const Lanes best = end == End::kLower ? span.lo : span.hi;
+    const LaneMask closed =
+        close<end>(side, path, x, y, gap, FoundEnd::of<end>(at, m), best, length);
+    at = select(closed, gap.low + gap.high, gap.low + at) * 0.5;
+    open &= gap.open();
+  }
+}
+
+/// Returns what the stations and the search leave open of the rays `asked`.
+template <End end, class Side>
+KERF_INLINE Gap gap_after(const Side& side, const SlicePath& path, Lanes x, Lanes y,
+                          const Stretch& stretch, const Bracket& found, LaneMask asked,
+                          Lanes best) {
+  const Lanes length = stretch.to - stretch.from;
+  Gap gap = gap_of<end>(side, path, x, y, stretch, best, asked);
+  // The second end of the bracket may join what the first one could not.
+  for (int k = 0; k < 3 && any(asked & gap.open()); ++k) {
+    close<end>(side, path, x, y, gap, k == 1 ? found.later : found.earlier, best, length);
+  }
+  return gap;
+}
+
+/// Widens `span` by the outermost end between two stations, up to the tolerance. Where the ends
+/// found do not exclude that another lies farther out, more are met.
 template <End end, class Side>
 KERF_INLINE void search_stretch(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                                 const Stretch& stretch, LaneMask asked, LaneSpan& span) {
-  const Meeting &first = stretch.first, &last = stretch.last;
-  const Lanes share = (stretch.from + stretch.to) * 0.5;
-  const Doubts doubts = doubts_of(path, stretch);
-  const bool checked = any(doubts.checked);
-  Meeting middle;
-  const Stretch stretches[] = {
-      stretch, {stretch.from, share, first, middle}, {share, stretch.to, middle, last}};
-  for (int k = 0; k < (checked ? 3 : 1); ++k) {
-    const Searches what = searches_of(path, stretches[k], asked);
-    const Lanes found = search<end>(side, path, x, y, stretches[k], what, span);
-    if (!checked || k > 0) continue;
-    asked &= remaining_doubts<end>(path, stretch, doubts, what.turn, found, span);
-    if (!any(asked)) return;
-    middle = meet<end>(side, path, x, y, share);
-    Meeting asked_only = middle;
-    asked_only.hit &= asked;
-    include_end<end>(span, asked_only);
-  }
+  const Searches what = searches_of(path, stretch, asked);
+  const Bracket found = search<end>(side, path, x, y, stretch, what, span);
+  if (!(path.frame.turn > 0)) return;
+  asked &= needs_reach<end>(path, stretch);
+  if (!any(asked)) return;
+  const Lanes best = end == End::kLower ? span.lo : span.hi;
+  const Gap gap = gap_after<end>(side, path, x, y, stretch, found, asked, best);
+  close_gap<end>(side, path, x, y, stretch.to - stretch.from, gap, asked & gap.open(), span);
 }
 
 }  // namespace kerf

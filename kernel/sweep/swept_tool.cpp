@@ -28,7 +28,7 @@ struct PiecePlan {
   std::int64_t parts;
   double top_mm;            ///< of the block
   double bend_mm = 0;       ///< κ of a slice
-  double bare_bend_mm = 0;  ///< κ of it and of its discs, hidden or not
+  double disc_bend_mm = 0;  ///< κ of its discs, hidden or not
   bool round = false;       ///< the curvature of the slice exceeds the bend
   ShownDiscs shown = {true, true};
   bool shows_edge = true;       ///< a disc that shows makes an edge with the side
@@ -59,27 +59,48 @@ bool covers(const ToolPiece* neighbor, double z_mm, double radius_mm) {
          radius_at(*neighbor, z_mm) >= radius_mm * (1 - kHiddenDiscShare) - kEdgeEpsilonMm;
 }
 
-/// Speeds of a slice during a motion, in the frame of its middle: greatest along the axis, greatest
-/// and least across it (mm per motion).
-struct SliceSpeeds {
-  double along, across, across_least;
+/// Speeds of the axis during a motion, in the frame of its middle: greatest along the axis,
+/// greatest across it (mm per motion).
+struct AxisSpeeds {
+  double along, across;
 
-  SliceSpeeds(const Extent& e, const ToolMotion& m) {
+  explicit AxisSpeeds(const ToolMotion& m) {
     const Vec3 u = normalized(m.from.axis + m.to.axis);
     const Vec3 v = m.to.tip_mm - m.from.tip_mm;
-    const Vec3 du = m.to.axis - m.from.axis;
     const double along0 = std::abs(dot(v, u));
     const Vec3 across0 = v - u * dot(v, u);
     // The frame itself turns by half the turn to either side.
     const double half_turn = m.turn_rad / 2;
     along = along0 + length(across0) * half_turn;
     across = length(across0) + along0 * half_turn;
-    const double du2 = dot(du, du);
-    const double still = du2 > 0 ? -dot(across0, du) / du2 : 0;
-    const double nearest = std::clamp(still, e.z0_mm, e.z1_mm);
-    across_least = std::max(0.0, length(across0 + du * nearest) - along0 * half_turn);
   }
 };
+
+/// Returns the least speed across the axis of its points from height z0 to z1 (mm per motion).
+double least_across(const ToolMotion& m, double z0_mm, double z1_mm) {
+  const Vec3 u = normalized(m.from.axis + m.to.axis);
+  const Vec3 v = m.to.tip_mm - m.from.tip_mm, du = m.to.axis - m.from.axis;
+  const Vec3 across = v - u * dot(v, u);
+  const double du2 = dot(du, du);
+  const double still = du2 > 0 ? -dot(across, du) / du2 : 0;
+  const double least = length(across + du * std::clamp(still, z0_mm, z1_mm));
+  return std::max(0.0, least - std::abs(dot(v, u)) * m.turn_rad / 2);
+}
+
+/// Returns whether the curvature of a cone exceeds the bend κ of the paths, so that each ray has a
+/// single outermost end on it (kernel/sweep/README.md, "Stations"). A point that the slice holds at
+/// any pose is considered at all poses, as long as it is inside the side, continued beyond the
+/// discs: it moves along the axis by `drift` at most.
+bool is_round(const FrustumPiece& f, const ToolMotion& m, double along_mm, double bend_mm) {
+  const Extent e = extent(f);
+  const double k = std::abs(slope(f)), widens = k * m.turn_rad;
+  if (widens >= 0.5) return false;
+  const double drift = (along_mm + m.turn_rad * e.radius_mm) / (1 - widens);
+  const double radius = e.radius_mm + k * drift;
+  const double across = least_across(m, e.z0_mm - drift, e.z1_mm + drift);
+  const double along = along_mm + m.turn_rad * radius;
+  return across * across - k * k * along * along >= bend_mm * radius * std::sqrt(1 + k * k);
+}
 
 /// Returns the number of parts of a slice whose ends may bend by `bend_mm`.
 std::int64_t parts_of(double bend_mm, double tolerance_mm) {
@@ -90,19 +111,15 @@ std::int64_t parts_of(double bend_mm, double tolerance_mm) {
 /// model").
 void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
   const Extent e = extent(plan.piece);
-  const SliceSpeeds v(e, m);
+  const AxisSpeeds v(m);
   const double nu = axial_normal(plan.piece);
   plan.bend_mm = 2 * m.turn_rad * (v.across * nu + v.along) +
                  m.turn_rad * m.turn_rad * (e.radius_mm + e.z1_mm * nu);
-  const double bend_of_disc = 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.z1_mm;
-  plan.bare_bend_mm = std::max(plan.bend_mm, bend_of_disc);
+  plan.disc_bend_mm = 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.z1_mm;
   if (plan.shows_edge) {
-    plan.bend_mm = plan.bare_bend_mm;
+    plan.bend_mm = std::max(plan.bend_mm, plan.disc_bend_mm);
   } else if (const auto* f = std::get_if<FrustumPiece>(&plan.piece)) {
-    // If the slice is round, each ray has a single local extremum.
-    const double k = slope(*f);
-    const double round2 = v.across_least * v.across_least - k * k * v.along * v.along;
-    plan.round = round2 >= plan.bend_mm * e.radius_mm * std::sqrt(1 + k * k);
+    plan.round = is_round(*f, m, v.along, plan.bend_mm);
   }
   if (!plan.round) plan.parts = parts_of(plan.bend_mm, tolerance_mm);
 }
@@ -118,9 +135,15 @@ SliceSearch search_of(const PiecePlan& plan, const ToolMotion& m, double toleran
   double bend = plan.bend_mm / (double(plan.parts) * double(plan.parts));
   int halvings = 0;
   for (; halvings < kHalvingsMax && bend > 2 * missed; bend /= 4) ++halvings;
-  return {
-      static_cast<int>(plan.parts), halvings,       !plan.round, plan.bend_mm, missed, plan.top_mm,
-      kSearchShare * tolerance_mm,  plan.shows_edge};
+  return {.parts = static_cast<int>(plan.parts),
+          .halvings = halvings,
+          .checked = !plan.round,
+          .bend_mm = plan.bend_mm,
+          .disc_bend_mm = plan.disc_bend_mm,
+          .missed_mm = missed,
+          .top_mm = plan.top_mm,
+          .search_mm = kSearchShare * tolerance_mm,
+          .shows_disc = plan.shows_edge};
 }
 
 /// Returns the height of the point of the axis that stays at rest, if it is within the slice. The
@@ -198,7 +221,7 @@ SweptPiece sweep_slice(const ToolPiece& piece, ShownDiscs shown, const PiecePlan
     // Without a trail no neighbor is left out.
     if (settings.start_is_cut && plan.hides_edge && !plan.shows_edge) {
       PiecePlan bare = plan;
-      bare.bend_mm = plan.bare_bend_mm;
+      bare.bend_mm = std::max(plan.bend_mm, plan.disc_bend_mm);
       bare.parts = std::max(plan.parts, parts_of(bare.bend_mm, settings.tolerance_mm));
       bare.shows_edge = true;
       bare.round = false;

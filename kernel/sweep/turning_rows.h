@@ -18,13 +18,10 @@ KERF_INLINE void add_span(ColumnBlock& block, int row, double z, const LaneSpan&
 }
 
 /// Returns a lower bound of the share between a station that misses a ray and a hit below `top`.
-/// `advance` is the speed at which the piece approaches the ray.
-KERF_INLINE Lanes least_share(const SlicePath& path, const Meeting& m, Lanes advance, double top,
+/// `closing` is the speed at which the piece approaches the ray.
+KERF_INLINE Lanes least_share(const SlicePath& path, const Meeting& m, Lanes closing, double top,
                               Lanes length) {
-  const Lanes along_ray = greater(magnitude(m.lo - path.lowest_mm), magnitude(top - m.lo));
-  const Lanes closing = greater(advance, Lanes(0)) / square_root(m.normal2) +
-                        path.frame.turn * along_ray + 0.5 * path.search.bend_mm * length;
-  return greater(m.off_side / closing, m.clearance / path.speed_max_mm);
+  return reach_of_miss(path, FoundEnd::of<End::kLower>(Lanes(0), m), closing, 0, top, length);
 }
 
 /// A row of eight rays.
@@ -98,8 +95,13 @@ KERF_INLINE Division divide(const Side& side, const SlicePath& path, const RayRo
   const Lanes length = stretch.to - stretch.from;
   const Lanes from_first = least_share(path, first, first.advance, top, length);
   const Lanes from_last = least_share(path, last, -last.advance, top, length);
-  const LaneMask reached = from_first + from_last <= length;
-  return {gap & reached, asked & (~gap | first.hit | last.hit) & ~(gap & reached)};
+  LaneMask reached = gap & (from_first + from_last <= length);
+  const LaneMask missed = reached & ~first.hit & ~last.hit;
+  if (any(missed)) {
+    const Gap open = gap_beside(side, path, row.x, row.y, stretch);
+    reached &= ~missed | open.open();
+  }
+  return {reached, asked & (~gap | first.hit | last.hit) & ~reached};
 }
 
 /// Intersections of a row at a share, and the rays that are evaluated between the previous station
@@ -169,19 +171,24 @@ KERF_INLINE void sweep_stretch(const Side& side, const SlicePath& path, const Ra
   include_hits(span, stretch.last);
   add_span(block, row.number, z, span, asked);
   const LaneMask none = ~every_lane();
-  const LaneMask hidden_entry = row.hides_entry ? enters_by_disc(stretch) : none;
-  const LaneMask hidden = row.hides_exit ? leaves_by_disc(stretch) : none;
-  const LaneMask both = needs_search<End::kLower>(path, stretch, asked & ~hidden_entry, span);
+  const LaneMask hidden_entry = row.hides_entry ? enters_by_disc(path, stretch) : none;
+  const LaneMask hidden = row.hides_exit ? leaves_by_disc(path, stretch) : none;
+  const LaneMask both =
+      needs_search<End::kLower>(side, path, row.x, row.y, stretch, asked & ~hidden_entry, span);
   const LaneMask empty = span.lo > span.hi;
   LaneMask upper =
       asked & ~hidden & ~block.loses_all_above(row.number) & (empty | (span.hi < block.top_mm - z));
+  // The upper end of a ray that both stations miss is searched if the lower one is found.
+  const LaneMask unknown = upper & empty;
+  upper &= ~empty;
   if (any(upper)) {
     const Meeting first = at_upper_end(side, path, row.x, row.y, stretch.from, stretch.first);
     const Meeting last = at_upper_end(side, path, row.x, row.y, stretch.to, stretch.last);
-    upper = needs_search<End::kUpper>(path, {stretch.from, stretch.to, first, last}, upper, span);
+    upper = needs_search<End::kUpper>(side, path, row.x, row.y,
+                                      {stretch.from, stretch.to, first, last}, upper, span);
   }
-  const LaneMask settled = ~upper;
-  upper &= ~both & ~empty;
+  const LaneMask settled = ~(upper | unknown);
+  upper &= ~both;
   for (unsigned left = bits(both | upper); left != 0; left &= left - 1) {
     const int lane = __builtin_ctz(left);
     RayBatch& batch = (bits(both) >> lane & 1) != 0 ? packed.both : packed.upper_batch();

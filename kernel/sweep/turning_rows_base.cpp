@@ -40,6 +40,13 @@ template <class Side>
 }
 
 template <class Side>
+[[gnu::noinline]] Lanes reach_beside(const OutOfLine<Side>& outer, const SlicePath& path,
+                                     const Lanes& x, const Lanes& y, const FoundEnd& e, double sign,
+                                     const Lanes& length) {
+  return kerf::reach_beside(outer.side, path, x, y, e, sign, length);
+}
+
+template <class Side>
 void search_rays(const OutOfLine<Side>& outer, const SlicePath& path, PackedRays& rays, bool finish,
                  ColumnBlock& block) {
   kerf::search_rays(outer.side, path, rays, finish, block);

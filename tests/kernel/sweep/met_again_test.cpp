@@ -106,7 +106,7 @@ ToolShape thin_shape(int k, Random& random) {
 TEST(MetAgain, ThinToolsAreMetAFewTimesInAnyMotion) {
   Random random(11);
   int met = 0;
-  for (int k = 0; k < 1200; ++k) {
+  for (int k = 0; k < 300; ++k) {
     const auto tool = make_tool(thin_shape(k, random));
     if (!tool) continue;
     const double pitch = random.power(-2.3, 0), tolerance = pitch * random.power(-4, 1);
@@ -127,7 +127,7 @@ TEST(MetAgain, ThinToolsAreMetAFewTimesInAnyMotion) {
     EXPECT_LE(work.most_apart, 64U) << k;
     met += work.most > 0 ? 1 : 0;
   }
-  EXPECT_GT(met, 150);
+  EXPECT_GT(met, 40);
 }
 
 /// Returns how deep a point is inside a frustum at a pose; below zero: its distance, or less.

@@ -167,6 +167,9 @@ TEST(MovingSlice, ABottomThatSinksAndRisesNeedsNoSearch) {
   s.from = {{-0.5, 0, 0}, normalized(Vec3{-0.05, 0, 1})};
   s.to = {{0.5, 0, 0}, normalized(Vec3{0.05, 0, 1})};
   s.search.search_mm = 1e-3;
+  // The bend of its path, 2 turn * 1 mm, and a tolerance for which one part suffices.
+  s.search.bend_mm = s.search.disc_bend_mm = 0.2;
+  s.search.missed_mm = 0.03;
   for (int i = 0; i < kLanes; ++i) s.block.x_mm.set(i, -0.1 + i * 0.025);
   for (int j = 0; j < kBlockSide; ++j) s.block.y_mm[j] = j * 0.1;
   ColumnBlock block = s.block;
