@@ -50,13 +50,13 @@ std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_
   const std::string extension =
       to_lower(std::string(dot == std::string_view::npos ? "" : file_name.substr(dot + 1)));
   if (extension == "apt" || extension == "cls") return ProgramFormat::kApt;
-  for (const std::string_view known : {"ngc", "nc", "tap", "gcode", "cnc", "eia", "iso", "din",
-                                       "min", "gc", "g", "txt", "mpf", "h"})
+  for (const std::string_view known :
+       {"ngc", "nc", "tap", "gcode", "cnc", "eia", "iso", "din", "min", "gc", "g", "mpf", "h"})
     if (extension == known) return ProgramFormat::kGcode;
   return std::unexpected(
       ProgramError{std::string(file_name), 0, "",
                    "the extension must be ngc, nc, cnc, tap, gcode, eia, iso, din, "
-                   "min, gc, g or txt for G-code, or apt or cls for APT"});
+                   "min, gc or g for G-code, or apt or cls for APT"});
 }
 
 std::expected<Program, ProgramError> parse_program(const std::string& name, std::string_view text,

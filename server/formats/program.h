@@ -56,7 +56,7 @@ struct Program {
 /// Languages of programs.
 enum class ProgramFormat { kGcode, kApt };
 /// Returns the format by file extension, ignoring case: .ngc, .nc, .cnc, .tap, .gcode, .eia,
-/// .iso, .din, .min, .gc, .g, .txt, .mpf and .h are G-code, .apt and .cls are APT. Any other
+/// .iso, .din, .min, .gc, .g, .mpf and .h are G-code, .apt and .cls are APT. Any other
 /// extension is an error.
 std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_name);
 
