@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <set>
 
+#include "server/formats/letter_case.h"
+
 namespace kerf {
 namespace {
 
@@ -15,8 +17,6 @@ constexpr FlatShape kThinTool{0.1, 100};
 constexpr std::size_t kToolsMax = 64, kDigitsMax = 6;
 /// 1 less the cosine of the angle by which a retraction may lean from the tool's axis.
 constexpr double kLean = 1e-6;
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// Every number behind a T or "LOADTL/", also in comments: a tool that is not used does no harm.
 std::set<ToolId> numbered_tools(std::string_view text) {

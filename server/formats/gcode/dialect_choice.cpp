@@ -87,8 +87,6 @@ constexpr std::array kNames{std::pair{"linuxcnc", Tongue::kLinuxcnc},
                             std::pair{"heidenhain", Tongue::kHeidenhain}};
 constexpr int kNameWeight = 9;
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 struct Evidence {
   int score = 0;
   std::string first;  ///< "line 3 has G154"

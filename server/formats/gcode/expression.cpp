@@ -15,8 +15,6 @@
 namespace kerf {
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 bool equal(double a, double b) { return std::abs(a - b) < kGcodeEqualTolerance; }
 
 struct BinaryOperator {

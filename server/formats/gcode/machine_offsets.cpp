@@ -15,7 +15,7 @@ using namespace gcode_parameter;
 // LinuxCNC has 9 systems, Macro B 6; systems from 10 are the additional ones of Macro B.
 int system_parameter(int system) {
   return system < 10 ? kSystem + kSystemStride * system
-                     : kMoreSystems + kSystemStride * (system - 10);
+                     : kMoreSystemsFirst + kSystemStride * (system - 10);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-constexpr double kSamePlaceMm = 1e-9;
+constexpr double kSameCenterMm = 1e-9;
 // A factor without a point counts thousandths, and is refused where that is unlikely.
 constexpr double kThousandthsMin = 100;
 
@@ -56,7 +56,7 @@ void GcodeMachine::set_transform(const GcodeFrame& frame) {
   const GcodeAxes before = at_;
   change_frame(frame);
   transform_moved_ =
-      std::abs(at_[0] - before[0]) > kSamePlaceMm || std::abs(at_[1] - before[1]) > kSamePlaceMm;
+      std::abs(at_[0] - before[0]) > kSameCenterMm || std::abs(at_[1] - before[1]) > kSameCenterMm;
 }
 
 void GcodeMachine::rotate_program(GcodeBlock& block, int code) {

@@ -5,11 +5,10 @@
 #include <charconv>
 
 #include "server/formats/gcode/block.h"
+#include "server/formats/letter_case.h"
 
 namespace kerf {
 namespace {
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // The number after the last `word` of a code that is followed by digits only.
 std::optional<int> number_after(std::string_view code, std::string_view word) {

@@ -20,7 +20,7 @@ bool is_macro_variable(int number, bool assigned) {
   if (within(1, kMacroLocalParameters) || within(100, 999)) return true;
   if (within(10000, kMacroParameterMax)) return true;  // more common ones of Haas
   if (within(kSystem + kSystemStride, kSystem + 7 * kSystemStride - 1)) return true;
-  if (within(kMoreSystems, kMoreSystems + 99 * kSystemStride - 1)) return true;
+  if (within(kMoreSystemsFirst, kMoreSystemsFirst + 99 * kSystemStride - 1)) return true;
   if (assigned) return false;
   return number == 0 || within(kModal + 1, kModal + 130) || within(kMacroEnd, kMacroEnd + 5) ||
          within(kMacroPosition, kMacroPosition + 5);

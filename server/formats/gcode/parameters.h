@@ -39,7 +39,7 @@ inline constexpr int kMacroEnd = 5001;
 inline constexpr int kMacroPosition = 5041;
 /// Macro B: offsets of the additional coordinate systems (G54.1 P1: number 10), stride
 /// kSystemStride.
-inline constexpr int kMoreSystems = 7001;
+inline constexpr int kMoreSystemsFirst = 7001;
 inline constexpr int kMoreSystemsMax = 99;
 inline constexpr int kTool = 5400;
 inline constexpr int kToolOffset = 5401;
