@@ -7,6 +7,7 @@
 import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { checkAccessible } from './support/axe.mjs';
 import { launchBrowser, openViewer } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
@@ -125,6 +126,7 @@ async function checkSculptor(browser, server, folder) {
   await page.locator('main[data-carve=ready]').waitFor();
   await page.getByRole('button', { name: /Grace \(you\).*sculptor · ball 6 mm/ }).waitFor();
   assert.equal(await page.getByText('Grace (you)').count(), 1, 'one person is listed twice');
+  await checkAccessible(page, 'the page while one carves');
   await dragAcross(viewer);
   const cut = await settled(server, 'a cut', ({ removed_volume_mm3: mm3 }) => mm3 > 0);
   const volume = await stlVolume(server);
