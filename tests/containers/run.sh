@@ -70,8 +70,7 @@ in_image() {
 
 # until_answers URL: waits until a server answers.
 until_answers() {
-  local n
-  for n in {1..100}; do
+  for _ in {1..100}; do
     if curl -fsS "$1" >/dev/null 2>&1; then return; fi
     sleep 0.2
   done
@@ -100,6 +99,7 @@ in_image kerf-server --volume "$scratch/blocks:/var/lib/kerf" --env KERF_LISTEN=
 children+=($!)
 until_answers "http://127.0.0.1:$port/healthz"
 curl -fsS "http://127.0.0.1:$port/" | grep -qi '<html' || fail "the page is missing"
+# shellcheck disable=SC2016
 in_image kerf-server --env KERF_LISTEN=127.0.0.1:$port -- sh -c 'curl -fsS "http://127.0.0.1:${KERF_LISTEN##*:}/healthz"' ||
   fail "the health check"
 stat -c %u "$scratch"/blocks/*.kerf | grep -qx 10001 || fail "the journal does not belong to uid 10001"
