@@ -294,7 +294,15 @@ class BadHttp(LiveTest):
         self.error(400, "bad_program", "POST", url + "?name=x.doc", "G0")
         self.error(400, "bad_pace", "POST", url + "?pace=warp", "G0")
         self.error(400, "bad_rate", "POST", url + "?rate=nan", "G0")
+        self.error(400, "bad_dialect", "POST", url + "?dialect=klartext", "G0")
         self.assertEqual(self.server.info()["motions"], 0)
+
+    def test_a_program_is_read_in_the_dialect_that_is_named(self):
+        url = "/v1/sessions/block/programs?name=jump.nc&dialect="
+        text = "G21 G90 T1 M6\nIF [1 EQ 1] GOTO 10\nN10 G1 X1 F100\nM30\n"
+        self.assertEqual(self.error(400, "bad_program", "POST", url + "linuxcnc", text)["line"], 2)
+        status, program = self.server.http.json("POST", url + "fanuc", text)
+        self.assertEqual(status, 202, program)
 
     def test_oversize_scene_is_413(self):
         self.error(413, "too_large", "POST", "/v1/sessions", " " * (1 << 20) + "{}")

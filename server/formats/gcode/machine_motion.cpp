@@ -234,7 +234,10 @@ void GcodeMachine::arc(GcodeBlock& block, bool clockwise) {
   const GcodeAxes to = read_target(block);
   modes_.motion = clockwise ? 20 : 30;
   const std::string_view ends = plane_letters(modes_.plane);
-  if (std::abs(frame_.scale[ends[0] - 'x']) != std::abs(frame_.scale[ends[1] - 'x']))
+  const auto scale = [&](char axis) {
+    return std::abs(frame_.scale[static_cast<std::size_t>(axis - 'x')]);
+  };
+  if (scale(ends[0]) != scale(ends[1]))
     throw GcodeFault{"", "an arc with unequal scale factors is no circle, which is not supported"};
   const double tolerance = modes_.unit_mm == 1 ? kSpiralToleranceMm : kSpiralToleranceInchMm;
   if (compensation_.active()) {
