@@ -216,9 +216,16 @@ MissCase MissSearch::varied(MissCase c) {
   return c;
 }
 
-MissCase MissSearch::climb(double& depth) {
-  constexpr int kFirst = 12, kFailures = 45, kStride = 9;
-  MissCase best = any_case();
+MissCase MissSearch::near(MissCase c) {
+  constexpr double kStep = 0.01;
+  for (double& g : c.genes) g = std::clamp(g + kStep * (share() * 2 - 1), 0.0, 1.0);
+  return c;
+}
+
+template <class Start>
+MissCase MissSearch::climb_from(const Start& start, double& depth) {
+  constexpr int kFirst = 12, kFailures = 30, kStride = 9;
+  MissCase best = start();
   depth = missed_depth(best, kStride);
   const auto take = [&](const MissCase& c) {
     const double d = missed_depth(c, kStride);
@@ -227,11 +234,19 @@ MissCase MissSearch::climb(double& depth) {
     depth = d;
     return true;
   };
-  for (int k = 1; k < kFirst; ++k) take(any_case());
+  for (int k = 1; k < kFirst; ++k) take(start());
   if (depth < 0.05) return best;
   for (int failures = 0; failures < kFailures;) failures = take(varied(best)) ? 0 : failures + 1;
   depth = missed_depth(best);
   return best;
+}
+
+MissCase MissSearch::climb(double& depth) {
+  return climb_from([&] { return any_case(); }, depth);
+}
+
+MissCase MissSearch::climb_near(const MissCase& c, double& depth) {
+  return climb_from([&] { return near(c); }, depth);
 }
 
 }  // namespace kerf::test

@@ -30,12 +30,17 @@ double missed_depth(const MissCase& c, int stride = 1);
 class MissSearch {
  public:
   explicit MissSearch(std::uint64_t seed) : random_(seed) {}
-  /// Returns the worst case of one climb, and its depth.
+  /// Returns the worst case of one climb from random cases, and its depth.
   MissCase climb(double& depth);
+  /// The same from cases that differ little from `c`.
+  MissCase climb_near(const MissCase& c, double& depth);
 
  private:
+  template <class Start>
+  MissCase climb_from(const Start& start, double& depth);
   double share() { return static_cast<double>(random_()) / 18446744073709551616.0; }
   MissCase any_case();
+  MissCase near(MissCase c);
   MissCase varied(MissCase c);
 
   std::mt19937_64 random_;
