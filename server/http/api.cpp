@@ -14,6 +14,9 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// Of the data folder; nobody else has a reason to write there.
+constexpr const char* kCacheFolder = ".kerf-cache";
+
 /// 401, with the reason.
 ApiResponse needs_token(const Caller& caller) {
   auto response = error_response(
@@ -101,8 +104,8 @@ Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& m
       registry_(registry),
       metrics_(metrics),
       access_(access),
-      downloads_(options.data_folder / "downloads"),
-      pictures_(options.data_folder / "pictures"),
+      downloads_(options.data_folder / kCacheFolder / "downloads"),
+      pictures_(options.data_folder / kCacheFolder / "pictures"),
       uploads_(options.upload_bytes),
       programs_(options.program_bytes) {}
 

@@ -11,6 +11,17 @@
 #include <new>
 
 namespace kerf::net {
+namespace {
+
+/// Whether this is a file as a cache names them: by a number.
+bool is_own(const std::filesystem::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  std::error_code gone;
+  return entry.symlink_status(gone).type() == std::filesystem::file_type::regular &&
+         name.find_first_not_of("0123456789") == std::string::npos;
+}
+
+}  // namespace
 
 std::expected<std::shared_ptr<const OpenFile>, std::string> OpenFile::open(
     const std::filesystem::path& path) {
@@ -33,9 +44,14 @@ std::size_t OpenFile::read(std::uint64_t offset, char* to, std::size_t size) con
 }
 
 DownloadCache::DownloadCache(std::filesystem::path folder) : folder_(std::move(folder)) {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);  // left by a crash
-  std::filesystem::create_directories(folder_, ignored);
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  std::vector<std::filesystem::path> left;  // by a crash
+  for (auto entry = std::filesystem::directory_iterator(folder_, error);
+       !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    if (is_own(*entry)) left.push_back(entry->path());
+  }
+  for (const auto& file : left) std::filesystem::remove(file, error);
 }
 
 DownloadCache::File DownloadCache::wait(const std::shared_ptr<Job>& job,

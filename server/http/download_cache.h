@@ -49,6 +49,7 @@ struct MakeError {
 /// Thread-safe.
 class DownloadCache {
  public:
+  /// The folder should hold nothing else. Numbered files that a crash left in it are deleted.
   explicit DownloadCache(std::filesystem::path folder);
   using File = std::expected<std::shared_ptr<const OpenFile>, MakeError>;
   using Progress = std::function<void(double)>;  ///< receives the completed share, 0 to 1

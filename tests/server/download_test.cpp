@@ -91,6 +91,18 @@ class DownloadCacheTest : public ::testing::Test {
   std::atomic<bool> hold_ = false, begun_ = false;
 };
 
+TEST_F(DownloadCacheTest, DeletesOnlyTheFilesThatACrashHasLeft) {
+  const auto folder = folder_.path() / "downloads";
+  std::filesystem::create_directories(folder / "12");
+  for (const char* name : {"7", "notes.txt", "12/3"}) std::ofstream(folder / name) << "text";
+  std::filesystem::create_symlink(folder / "notes.txt", folder / "8");
+  const DownloadCache cache(folder);
+  EXPECT_FALSE(std::filesystem::exists(folder / "7"));
+  for (const char* name : {"notes.txt", "12/3", "8"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+  }
+}
+
 TEST_F(DownloadCacheTest, RequestsForAFileBeingWrittenWaitForIt) {
   DownloadCache cache(folder_.path() / "downloads");
   hold_ = true;

@@ -136,6 +136,22 @@ TEST_F(PictureRoute, ServesAPngOfTheGivenSize) {
   EXPECT_NE(etag(response), etag(ask("?width=64&height=41")));
 }
 
+TEST_F(PictureRoute, LeavesTheFilesOfOthersInTheDataFolder) {
+  std::vector<std::filesystem::path> files;
+  for (const char* name : {"pictures", "downloads"}) {
+    const auto folder = folder_.path() / name;
+    EXPECT_FALSE(std::filesystem::exists(folder)) << "the caches have a folder of their own";
+    std::filesystem::create_directories(folder / "holiday");
+    for (const auto& file : {folder / "1", folder / "holiday" / "2"}) {
+      files.push_back(file);
+      std::ofstream(file) << "text";
+    }
+  }
+  Api again(options_, registry_, metrics_, *access_);
+  EXPECT_EQ(ask("?width=64&height=40").status, 200U);
+  for (const auto& file : files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
+}
+
 TEST_F(PictureRoute, AnUnchangedPictureIsNotSentAgain) {
   const ApiResponse first = ask("?width=32&height=24");
   const ApiResponse again = ask("?width=32&height=24", etag(first));
