@@ -2,47 +2,78 @@
 #include "server/http/picture_cache.h"
 
 #include <algorithm>
-#include <optional>
+#include <exception>
 #include <utility>
 
 namespace kerf::net {
 
-PictureCache::PictureCache(std::filesystem::path folder, std::chrono::milliseconds pause)
-    : files_(std::move(folder)), pause_(pause) {}
+/// A place in the list of pictures that are being made, until its end.
+class PictureCache::Turn {
+ public:
+  /// The mutex of the cache must be held.
+  Turn(PictureCache& cache, Making making)
+      : cache_(cache), at_(cache.making_.insert(cache.making_.end(), std::move(making))) {}
+  ~Turn() {
+    const std::lock_guard lock(cache_.mutex_);
+    cache_.making_.erase(at_);
+  }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  PictureCache& cache_;
+  std::list<Making>::iterator at_;
+};
+
+PictureCache::PictureCache(std::filesystem::path folder, std::chrono::milliseconds pause,
+                           std::function<Clock::time_point()> now)
+    : files_(std::move(folder)), pause_(pause), now_(std::move(now)) {}
 
 std::expected<PictureCache::Picture, MakeError> PictureCache::get(
     const std::string& name, const std::function<Present()>& present, const std::stop_token& gone) {
-  const auto now = Clock::now();
-  std::optional<Picture> newest;
+  std::promise<Present> asked;
+  Making making{name, {}, {}};
+  std::optional<Turn> turn;
   {
     const std::lock_guard lock(mutex_);
     const auto found = std::ranges::find(entries_, name, &Entry::name);
     if (found != entries_.end()) {
-      if (now - found->shown_at < pause_) return found->picture;
-      newest = found->picture;
+      if (now_() - found->made_at < pause_) return found->picture;
+      making.newest = found->picture;
+    }
+    const auto other = std::ranges::find(making_, name, &Making::name);
+    if (other != making_.end()) {
+      making = *other;
+    } else {
+      making.state = asked.get_future().share();
+      turn.emplace(*this, making);
     }
   }
-  const Present state = present();
-  Picture picture{state.tag, nullptr};
-  if (newest && newest->tag == state.tag) {
-    picture = *newest;
-  } else {
-    const auto file = files_.get(name + "/" + state.tag, state.make, gone);
-    if (!file) return std::unexpected(file.error());
-    picture.file = *file;
+  if (!turn) return make(making, gone);
+  try {
+    asked.set_value(present());
+  } catch (...) {
+    asked.set_exception(std::current_exception());
   }
-  keep(name, picture, now);
+  auto picture = make(making, gone);
+  if (picture) keep(name, *picture);
   return picture;
 }
 
-void PictureCache::keep(const std::string& name, const Picture& picture, Clock::time_point at) {
+/// DownloadCache lets calls for the same state share its file.
+std::expected<PictureCache::Picture, MakeError> PictureCache::make(const Making& making,
+                                                                   const std::stop_token& gone) {
+  const Present& state = making.state.get();
+  if (making.newest && making.newest->tag == state.tag) return *making.newest;
+  const auto file = files_.get(making.name + "/" + state.tag, state.make, gone);
+  if (!file) return std::unexpected(file.error());
+  return Picture{state.tag, *file};
+}
+
+void PictureCache::keep(const std::string& name, const Picture& picture) {
   const std::lock_guard lock(mutex_);
-  const auto found = std::ranges::find(entries_, name, &Entry::name);
-  if (found != entries_.end()) {
-    if (found->shown_at > at) return;
-    entries_.erase(found);
-  }
-  entries_.push_front({name, picture, at});
+  std::erase_if(entries_, [&](const Entry& entry) { return entry.name == name; });
+  entries_.push_front({name, picture, now_()});
   if (entries_.size() > kPicturesMax) entries_.pop_back();
 }
 

@@ -5,9 +5,11 @@
 #include <expected>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -15,12 +17,14 @@
 
 namespace kerf::net {
 
-/// The newest picture of each session and size, at most 64. While a block changes, a picture is
-/// made no more often than every `pause`, however many ask. Thread-safe.
+/// The newest picture of each session and size, at most 64. While a block changes, between two of
+/// its pictures nothing is made for `pause`, however many ask. Thread-safe.
 class PictureCache {
  public:
+  using Clock = std::chrono::steady_clock;
   explicit PictureCache(std::filesystem::path folder,
-                        std::chrono::milliseconds pause = std::chrono::seconds(2));
+                        std::chrono::milliseconds pause = std::chrono::seconds(2),
+                        std::function<Clock::time_point()> now = Clock::now);
   struct Picture {
     std::string tag;  ///< of the state that it shows
     std::shared_ptr<const OpenFile> file;
@@ -30,8 +34,9 @@ class PictureCache {
     std::string tag;
     DownloadCache::Make make;
   };
-  /// Returns the picture `name`. `present` is called unless the newest one is younger than the
-  /// pause. Stops as DownloadCache::get does.
+  /// Returns the picture `name`: the newest one until the pause after it is over, else the one that
+  /// another call is making. If there is none, calls `present` and makes it. Stops as
+  /// DownloadCache::get does.
   std::expected<Picture, MakeError> get(const std::string& name,
                                         const std::function<Present()>& present,
                                         const std::stop_token& gone = {});
@@ -40,18 +45,27 @@ class PictureCache {
 
  private:
   static constexpr std::size_t kPicturesMax = 64;
-  using Clock = std::chrono::steady_clock;
   struct Entry {
     std::string name;
     Picture picture;
-    Clock::time_point shown_at;  ///< the block was in that state
+    Clock::time_point made_at;  ///< the end of making it
   };
-  void keep(const std::string& name, const Picture& picture, Clock::time_point at);
+  /// A picture that is being made, of a state that its first call asks for.
+  struct Making {
+    std::string name;
+    std::shared_future<Present> state;
+    std::optional<Picture> newest;  ///< the one before
+  };
+  class Turn;
+  std::expected<Picture, MakeError> make(const Making& making, const std::stop_token& gone);
+  void keep(const std::string& name, const Picture& picture);
 
   DownloadCache files_;
   std::chrono::milliseconds pause_;
-  std::mutex mutex_;          ///< guards entries_
+  std::function<Clock::time_point()> now_;
+  std::mutex mutex_;          ///< guards entries_ and making_
   std::list<Entry> entries_;  ///< newest first
+  std::list<Making> making_;
 };
 
 }  // namespace kerf::net

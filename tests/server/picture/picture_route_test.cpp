@@ -2,8 +2,10 @@
 // Pictures over HTTP, and the cache behind them.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "server/http/api.h"
 #include "server/http/picture_cache.h"
@@ -62,6 +64,54 @@ TEST_F(PictureCacheTest, ShowsTheNewStateAfterThePauseAndAnOldOneWithoutWork) {
   char text = 0;
   EXPECT_EQ(newer->file->read(0, &text, 1), 1U);
   EXPECT_EQ(text, 'b');
+}
+
+TEST_F(PictureCacheTest, ThePauseBeginsWhenThePictureIsDone) {
+  PictureCache::Clock::time_point now{};
+  PictureCache cache(folder_.path() / "pictures", std::chrono::seconds(2), [&] { return now; });
+  const auto slowly = [&] {
+    PictureCache::Present state = present();
+    now += std::chrono::seconds(3);
+    return state;
+  };
+  ASSERT_TRUE(cache.get("block/64x48", slowly));
+  tag_ = "b";
+  now += std::chrono::milliseconds(1999);
+  EXPECT_EQ(get(cache)->tag, "a");
+  now += std::chrono::milliseconds(1);
+  EXPECT_EQ(get(cache)->tag, "b");
+}
+
+TEST_F(PictureCacheTest, RequestsShareThePictureThatIsBeingMade) {
+  PictureCache cache(folder_.path() / "pictures", std::chrono::hours(1));
+  std::atomic<int> asked = 0, made = 0;
+  std::atomic<bool> hold = true;
+  const auto ask = [&] {
+    // Each request would find the block in another state.
+    return PictureCache::Present{std::to_string(++asked),
+                                 [&](const std::filesystem::path& path, const auto&,
+                                     const auto&) -> std::expected<void, MakeError> {
+                                   ++made;
+                                   while (hold) std::this_thread::yield();
+                                   std::ofstream(path) << "text";
+                                   return {};
+                                 }};
+  };
+  std::vector<std::string> tags(8);
+  {
+    std::vector<std::jthread> threads;
+    for (std::string& tag : tags) {
+      threads.emplace_back([&] { tag = cache.get("block/64x48", ask)->tag; });
+    }
+    // Time for those that would make one of their own.
+    for (int n = 0; n < 50 && asked < 8; ++n) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    hold = false;
+  }
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(made, 1);
+  EXPECT_EQ(tags, std::vector<std::string>(8, "1"));
 }
 
 TEST_F(PictureCacheTest, AnErrorIsNotKept) {
