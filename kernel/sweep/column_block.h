@@ -42,8 +42,8 @@ struct ColumnBlock {
   unsigned raised_rows = 0;
   LaneMask raised[kBlockSide];
   unsigned filled = 0;  ///< bit r: row r holds intervals
-  /// Rows of eight rays that were met at a station in the middle of a stretch: the work beyond that
-  /// of a motion's own stations. Only added to.
+  /// Times that eight rays were met in the middle of a stretch, without those of the search: the
+  /// work beyond that of a motion's own stations. Only added to.
   std::int64_t stations = 0;
 
   /// Empties all rows.

@@ -69,19 +69,19 @@ KERF_INLINE double fastest_point(const SlicePath& path) {
 }
 
 /// Returns the share after an end, or with −advance for `outwards` before it, in which no point of
-/// the ray at `best` or farther out gets deeper into the slice than the tolerance. `best` is the
+/// the ray at `best` or farther out gets deeper into the slice than `depth_mm`. `best` is the
 /// outermost end known, `length` the length of the stretch.
 template <End end>
 KERF_INLINE Lanes reach_of_hit(const SlicePath& path, const FoundEnd& e, Lanes outwards, Lanes best,
-                               Lanes length) {
-  const double turn = path.frame.turn, tolerance = tolerance_of(path);
+                               Lanes length, double depth_mm) {
+  const double turn = path.frame.turn;
   const Lanes scale = 1 / square_root(e.normal2);
   const Lanes slope = magnitude(e.upright) * scale, speed = outwards * scale;
   const Lanes bend =
       select(e.on_side, Lanes(path.search.bend_mm), Lanes(path.search.disc_bend_mm)) +
       outer_bend(path, length);
   const auto within = [&](Lanes rise) __attribute__((always_inline)) {
-    const Lanes off = slope * rise + tolerance;
+    const Lanes off = slope * rise + depth_mm;
     const Lanes fall = greater(speed + turn * rise, Lanes(0));
     return 2 * off / (fall + square_root(fall * fall + 2 * bend * off));
   };

@@ -109,7 +109,8 @@ KERF_INLINE void search_packed(const Side& side, const SlicePath& path, PackedRa
   RayBatch& b = rays.both;
   if (b.count == kLanes || (finish && b.count > 0)) {
     b.fill_up();
-    search_stretch<End::kLower>(side, path, b.x, b.y, b.stretch(), b.used(), b.span);
+    block.stations +=
+        search_stretch<End::kLower>(side, path, b.x, b.y, b.stretch(), b.used(), b.span);
     b.add_to(block, z, every_lane());
     const LaneMask inside = b.used() & ~b.settled & (b.span.lo <= b.span.hi) & (b.span.hi < top);
     for (unsigned left = bits(inside); left != 0; left &= left - 1) {
@@ -124,8 +125,8 @@ KERF_INLINE void search_packed(const Side& side, const SlicePath& path, PackedRa
     u.fill_up();
     const Meeting first = meet<End::kUpper>(side, path, u.x, u.y, u.from);
     const Meeting last = meet<End::kUpper>(side, path, u.x, u.y, u.to);
-    search_stretch<End::kUpper>(side, path, u.x, u.y, {u.from, u.to, first, last}, u.used(),
-                                u.span);
+    block.stations += search_stretch<End::kUpper>(side, path, u.x, u.y, {u.from, u.to, first, last},
+                                                  u.used(), u.span);
     u.add_to(block, z, every_lane());
     u.count = 0;
     if (rays.spare.count > 0) std::swap(u, rays.spare);

@@ -198,27 +198,31 @@ KERF_INLINE LaneMask needs_search(const Side& side, const SlicePath& path, Lanes
   return searched | (doubtful & gap_of<end>(side, path, x, y, stretch, best, doubtful).open());
 }
 
-/// Maximum number of ends by which a gap is closed.
-constexpr int kGapSteps = 1 << 12;
+/// Number of ends by which a gap is closed before the depth that may be missed is doubled, and the
+/// maximum, which is never reached (kernel/sweep/README.md, "It ends").
+constexpr int kGapSteps = 64, kGapStepsMax = 1 << 12;
 
 /// Meets the rays `open` at shares within a gap until the reaches of their ends cover it, and
 /// includes these ends in `span`. Each end that joins what is covered closes the gap by its reach;
-/// the share asked for approaches what is covered until one does.
+/// the share asked for approaches what is covered until one does. Returns the number of meetings.
 template <End end, class Side>
-KERF_INLINE void close_gap(const Side& side, const SlicePath& path, Lanes x, Lanes y, Lanes length,
-                           Gap gap, LaneMask open, LaneSpan& span) {
+KERF_INLINE int close_gap(const Side& side, const SlicePath& path, Lanes x, Lanes y, Lanes length,
+                          Gap gap, LaneMask open, LaneSpan& span) {
   Lanes at = (gap.low + gap.high) * 0.5;
-  for (int i = 0; i < kGapSteps && any(open); ++i) {
+  double depth = tolerance_of(path);
+  int steps = 0;
+  for (; steps < kGapStepsMax && any(open); ++steps) {
+    if (steps > 0 && steps % kGapSteps == 0) depth *= 2;
     Meeting m = meet<end>(side, path, x, y, at);
-    Meeting asked_only = m;
-    asked_only.hit &= open;
-    include_end<end>(span, asked_only);
+    const FoundEnd found = FoundEnd::of<end>(at, m);
+    m.hit &= open;
+    include_end<end>(span, m);
     const Lanes best = end == End::kLower ? span.lo : span.hi;
-    const LaneMask closed =
-        close<end>(side, path, x, y, gap, FoundEnd::of<end>(at, m), best, length);
+    const LaneMask closed = close<end>(side, path, x, y, gap, found, best, length, depth);
     at = select(closed, gap.low + gap.high, gap.low + at) * 0.5;
     open &= gap.open();
   }
+  return steps;
 }
 
 /// Returns what the stations and the search leave open of the rays `asked`.
@@ -230,24 +234,25 @@ KERF_INLINE Gap gap_after(const Side& side, const SlicePath& path, Lanes x, Lane
   Gap gap = gap_of<end>(side, path, x, y, stretch, best, asked);
   // The second end of the bracket may join what the first one could not.
   for (int k = 0; k < 3 && any(asked & gap.open()); ++k) {
-    close<end>(side, path, x, y, gap, k == 1 ? found.later : found.earlier, best, length);
+    close<end>(side, path, x, y, gap, k == 1 ? found.later : found.earlier, best, length,
+               tolerance_of(path));
   }
   return gap;
 }
 
 /// Widens `span` by the outermost end between two stations, up to the tolerance. Where the ends
-/// found do not exclude that another lies farther out, more are met.
+/// found do not exclude that another lies farther out, more are met: their number is returned.
 template <End end, class Side>
-KERF_INLINE void search_stretch(const Side& side, const SlicePath& path, Lanes x, Lanes y,
-                                const Stretch& stretch, LaneMask asked, LaneSpan& span) {
+KERF_INLINE int search_stretch(const Side& side, const SlicePath& path, Lanes x, Lanes y,
+                               const Stretch& stretch, LaneMask asked, LaneSpan& span) {
   const Searches what = searches_of(path, stretch, asked);
   const Bracket found = search<end>(side, path, x, y, stretch, what, span);
-  if (!(path.frame.turn > 0)) return;
+  if (!(path.frame.turn > 0)) return 0;
   asked &= needs_reach<end>(path, stretch);
-  if (!any(asked)) return;
+  if (!any(asked)) return 0;
   const Lanes best = end == End::kLower ? span.lo : span.hi;
   const Gap gap = gap_after<end>(side, path, x, y, stretch, found, asked, best);
-  close_gap<end>(side, path, x, y, stretch.to - stretch.from, gap, asked & gap.open(), span);
+  return close_gap<end>(side, path, x, y, stretch.to - stretch.from, gap, asked & gap.open(), span);
 }
 
 }  // namespace kerf

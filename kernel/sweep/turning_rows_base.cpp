@@ -42,8 +42,8 @@ template <class Side>
 template <class Side>
 [[gnu::noinline]] Lanes reach_beside(const OutOfLine<Side>& outer, const SlicePath& path,
                                      const Lanes& x, const Lanes& y, const FoundEnd& e, double sign,
-                                     const Lanes& length) {
-  return kerf::reach_beside(outer.side, path, x, y, e, sign, length);
+                                     const Lanes& length, double depth_mm) {
+  return kerf::reach_beside(outer.side, path, x, y, e, sign, length, depth_mm);
 }
 
 template <class Side>
