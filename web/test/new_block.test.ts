@@ -71,6 +71,21 @@ test.each([
   );
 });
 
+test.each([
+  ['G20\n(T1 D=0.25 CR=0. - FLAT END MILL)', 'flat', 6.35, 0],
+  ['N10G90G20(T1 D=.5 CR=.0625)', 'bull_nose', 12.7, 1.5875],
+  ['G20\n(T1 D=6MM CR=.0625 IN)', 'bull_nose', 6, 1.5875],
+  ['G20\n(T1 6MM BALL)', 'ball', 6, 0],
+  ['G21\n(T1 0.25 IN END MILL)', 'flat', 6.35, 0],
+  ['G21\n(T1 0.25" BALL)', 'ball', 6.35, 0],
+  ['(G20 IS NOT USED)\nG21\n(T1 D=6)', 'flat', 6, 0],
+  ['G200\n(T1 D=6)', 'flat', 6, 0],
+  ['(T1 D=6)\nG21\nG20', 'flat', 6, 0],
+  ['UNITS/INCHES\n(T1 D=1)', 'flat', 25.4, 0],
+])('%s: sizes without a unit are in that of the program', (text, shape, diameterMm, cornerMm) => {
+  expect(toolsInComments(text).get(1)).toEqual({ shape, diameterMm, cornerMm });
+});
+
 test.each(['(T1)', 'T1 D6', '(T1 D=0)', '(5 AXIS, TOOLS 1 AND 2)', '(TOP OF PART D=5)'])(
   'the line %s describes none',
   (text) => {

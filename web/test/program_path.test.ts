@@ -40,6 +40,31 @@ describe('the path of a program', () => {
     expect(reached(PATH, 4, 0.4)).toBe(1);
   });
 
+  it('knows where the tool is, however far the share of the motions is from the place', () => {
+    const lines = [10, 11, 12, 13, 3, 4, 5, 14, 3, 4, 5, 15]; // 13 and 14 call a subprogram
+    const zeros = lines.map(() => 0);
+    const columns = { x_mm: zeros, y_mm: zeros, z_mm: zeros, kind: 'f'.repeat(lines.length) };
+    const path = pathOfAnswer({ ...columns, line: lines });
+    for (const share of [0, 0.005, 0.5, 0.99]) {
+      expect(reached(path, 13, share)).toBe(3);
+      expect(reached(path, 12, share)).toBe(2);
+      expect(reached(path, 10, share)).toBe(0);
+    }
+    expect(reached(path, 4, 0.005)).toBe(5);
+    expect(reached(path, 4, 0.99)).toBe(9);
+    // Line 7, which has no points: the start, or the end of the subprogram.
+    expect(reached(path, 7, 0.005)).toBe(0);
+    expect(reached(path, 7, 0.5)).toBe(6);
+    const sparse = pathOfAnswer({
+      ...columns,
+      line: lines.map((line) => (line === 12 ? 11 : line)),
+    });
+    expect(pointsOfLine(sparse, 12)).toEqual([2, 2]);
+    expect(reached(sparse, 12, 0.005)).toBe(2);
+    expect(pointsOfLine(path, 7)).toEqual([0, 0]);
+    expect(pointsOfLine(path, 99)).toEqual([11, 11]);
+  });
+
   it('has the points of a line, or the place before one that has none', () => {
     expect(pointsOfLine(PATH, 20)).toEqual([2, 2]);
     expect(pointsOfLine(PATH, 2)).toEqual([0, 0]);

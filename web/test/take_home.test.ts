@@ -115,15 +115,17 @@ test('an error of the server is a sentence, and cancelling is none', async () =>
 
 test('a picture is asked for after each change and once at rest', () => {
   const versions = new PictureVersions();
-  expect([0, 0, 0, 5, 6, 6, 6].map((motions) => versions.next(motions))).toEqual([
-    '0',
-    '0-at-rest',
+  expect([0, 0, 0, 5, 6, 6, 6].map((motions) => versions.next(motions, 2 * motions))).toEqual([
+    '0-0',
+    '0-0-at-rest',
     null,
-    '5',
-    '6',
-    '6-at-rest',
+    '5-10',
+    '6-12',
+    '6-12-at-rest',
     null,
   ]);
+  expect(versions.next(6, 4)).toBe('6-4'); // an undo
+  expect(versions.next(6, 12)).toBe('6-12'); // and a redo
   expect(pictureUrl('a/b', '5', 480, 300)).toBe(
     '/v1/sessions/a%2Fb/picture.png?width=480&height=300&version=5',
   );

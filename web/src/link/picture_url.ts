@@ -17,15 +17,16 @@ export function pictureUrl(
  * because a picture of a block that changes may be older than its request.
  */
 export class PictureVersions {
-  private motions_ = -1;
+  private state_ = '';
   private atRest_ = false;
 
-  /** The version to ask for, now that the block has had so many motions; null: none. */
-  next(motions: number): string | null {
-    const changed = motions !== this.motions_;
+  /** The version to ask for, now that the block is in this state; null: none. Undo adds no motion. */
+  next(motions: number, removedMm3: number): string | null {
+    const state = `${motions}-${removedMm3}`;
+    const changed = state !== this.state_;
     if (!changed && this.atRest_) return null;
     this.atRest_ = !changed;
-    this.motions_ = motions;
-    return changed ? `${motions}` : `${motions}-at-rest`;
+    this.state_ = state;
+    return changed ? state : `${state}-at-rest`;
   }
 }

@@ -116,24 +116,44 @@ function shapeIn(comment: string): ToolChoice['shape'] | null {
   return /flat|end\s*mill|square/i.test(comment) ? 'flat' : null;
 }
 
+const MM_PER_INCH = 25.4;
+const NUMBER = String.raw`(\d+\.?\d*|\.\d+)`;
+const UNIT = String.raw`(?:\s*(MM|INCH(?:ES)?|IN|")(?![A-Z]))`;
+const DIAMETER = new RegExp(String.raw`\bD(?:IA(?:METER)?)?\s*[=:]?\s*${NUMBER}${UNIT}?`, 'i');
+const SIZE = new RegExp(NUMBER + UNIT, 'i');
+const CORNER = new RegExp(String.raw`\bCR?\s*=\s*${NUMBER}${UNIT}?`, 'i');
+
+/** The length, mm, that a pattern has found: in the unit behind it, or in that of the program. */
+function lengthMm(found: RegExpExecArray, programUnitMm: number): number {
+  const unit = found[2];
+  const unitMm = unit === undefined ? programUnitMm : /mm/i.test(unit) ? 1 : MM_PER_INCH;
+  return Number((Number(found[1]) * unitMm).toFixed(6));
+}
+
+/** The unit of a program, mm: inches after G20 or UNITS/INCHES, whichever unit comes first. */
+export function unitOf(text: string): number {
+  const words = text.replace(/\([^)\r\n]*\)|;.*/g, ' ');
+  const first = /(?<![A-Z])G0*2([01])(?![\d.])|\bUNITS\s*\/\s*(INCH|MM)/i.exec(words);
+  return first?.[1] === '0' || first?.[2]?.toUpperCase() === 'INCH' ? MM_PER_INCH : 1;
+}
+
 /**
- * Tools as comments of post-processors describe them: "(T1 D=6. CR=0. - flat end mill)" or
- * "(T2 3MM BALL NOSE)".
+ * Tools as comments of post-processors describe them: "(T1 D=6. CR=0. - flat end mill)",
+ * "(T2 3MM BALL NOSE)" or "(T3 0.25 IN END MILL)". Sizes without a unit have that of the program.
  */
 export function toolsInComments(text: string): Map<number, Partial<ToolChoice>> {
+  const programUnitMm = unitOf(text);
   const found = new Map<number, Partial<ToolChoice>>();
   for (const [, comment = ''] of text.matchAll(/[(;]\s*([^)\r\n]*)/g)) {
     const head = /^T(?:OOL)?\s*#?\s*(\d{1,6})\b[:\s=|-]*(.*)$/i.exec(comment);
     if (!head) continue;
     const id = Number(head[1]);
     const rest = head[2]!;
-    const diameter =
-      /\bD(?:IA(?:METER)?)?\s*[=:]?\s*(\d+\.?\d*|\.\d+)/i.exec(rest) ??
-      /(\d+\.?\d*|\.\d+)\s*MM\b/i.exec(rest);
-    const corner = /\bCR?\s*=\s*(\d+\.?\d*|\.\d+)/i.exec(rest);
+    const diameter = DIAMETER.exec(rest) ?? SIZE.exec(rest);
+    const corner = CORNER.exec(rest);
     if (!diameter || found.has(id)) continue;
-    const diameterMm = Number(diameter[1]);
-    const cornerMm = corner ? Number(corner[1]) : 0;
+    const diameterMm = lengthMm(diameter, programUnitMm);
+    const cornerMm = corner ? lengthMm(corner, programUnitMm) : 0;
     if (!(diameterMm > 0)) continue;
     let shape = shapeIn(rest) ?? 'flat';
     if (cornerMm > 0) shape = cornerMm >= diameterMm / 2 - 1e-6 ? 'ball' : 'bull_nose';

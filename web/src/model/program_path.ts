@@ -48,25 +48,33 @@ export function pointOf({ points }: ProgramPath, n: number): Vec3 {
   return [points[3 * n]!, points[3 * n + 1]!, points[3 * n + 2]!];
 }
 
+/** Whether a line that has no point of its own comes behind the point `n`, or the path begins later. */
+function isBefore(lines: Uint32Array, n: number, line: number): boolean {
+  if (lines[n]! > line) return n === 0;
+  return n === lines.length - 1 || lines[n + 1]! > line;
+}
+
 /**
- * The number of the point that the tool has reached. Where lines repeat, as in subprograms, the share
- * of the motions that are done says which time it is.
+ * The number of the point that the tool has reached; for a line without points, that of a place
+ * before it. Where lines repeat, as in subprograms, the share of the motions that are done says which
+ * time it is.
  */
 export function reached({ lines }: ProgramPath, line: number, share: number): number {
   if (share >= 1) return lines.length - 1;
   const expected = share * (lines.length - 1);
+  const hasPoints = lines.includes(line);
   let best = -1;
-  let last = 0;
   for (let n = 0; n < lines.length; n += 1) {
-    if (lines[n] === line && Math.abs(n - expected) <= Math.abs(best - expected)) best = n;
-    if (best < 0 && lines[n]! <= line) last = n;
+    const fits = hasPoints ? lines[n] === line : isBefore(lines, n, line);
+    if (!fits) continue;
+    if (best < 0 || Math.abs(n - expected) <= Math.abs(best - expected)) best = n;
   }
-  return best < 0 ? last : best;
+  return Math.max(0, best);
 }
 
 /**
  * The points, from the first to the last, to which a line of the text leads: of a line that moves
- * nothing, or whose points were left out, the place before. Null: there is no path.
+ * nothing, or whose points were left out, the first place before it. Null: there is no path.
  */
 export function pointsOfLine({ lines }: ProgramPath, line: number): [number, number] | null {
   if (lines.length === 0) return null;
@@ -76,8 +84,7 @@ export function pointsOfLine({ lines }: ProgramPath, line: number): [number, num
     while (lines[last + 1] === line) last += 1;
     return [first, last];
   }
-  let before = 0;
-  for (let n = 0; n < lines.length; n += 1) if (lines[n]! < line) before = n;
+  const before = lines.findIndex((_, n) => isBefore(lines, n, line));
   return [before, before];
 }
 

@@ -26,7 +26,7 @@ export class History {
   private list_: StrokeList | null = null;
   private selected_: number | null = null;
   private busy_ = false;
-  private shownMotions_ = -1;
+  private shownState_ = '';
   private shownMs_ = -Infinity;
 
   constructor(
@@ -54,10 +54,10 @@ export class History {
         button.setAttribute('aria-disabled', isDisabled);
     }
     if (reason !== '') setText(this.note_, reason);
-    const motions = state?.motions ?? 0;
-    const isDue = motions !== this.shownMotions_ && nowMs - this.shownMs_ > REFRESH_MS;
+    const now = `${state?.motions} ${state?.removed_volume_mm3}`; // undo adds no motion
+    const isDue = now !== this.shownState_ && nowMs - this.shownMs_ > REFRESH_MS;
     if (this.body_.hidden || !isDue) return;
-    this.shownMotions_ = motions;
+    this.shownState_ = now;
     this.shownMs_ = nowMs;
     void this.refresh_();
   }

@@ -20,11 +20,11 @@ export class Poster {
   constructor(private readonly session: string) {}
 
   /** Shows the block as it was a few seconds ago at most. */
-  update(motions: number, nowMs: number): void {
+  update(motions: number, removedMm3: number, nowMs: number): void {
     this.element.hidden = false;
     if (nowMs - this.askedMs_ < RENEW_MS) return;
     this.askedMs_ = nowMs;
-    const version = this.versions_.next(motions);
+    const version = this.versions_.next(motions, removedMm3);
     if (version !== null) this.element.src = pictureUrl(this.session, version, WIDTH, HEIGHT);
   }
 }

@@ -285,7 +285,10 @@ export class SessionPage {
     if (followed !== null && !participants.get(followed)) this.picture.follow(null);
     this.panel_.update(this.selected_, followed, nowMs);
     this.bar_.update(this.model, nowMs);
-    if (this.picture.problem) this.poster_.update(this.model.state?.motions ?? 0, nowMs);
+    if (this.picture.problem) {
+      const { motions = 0, removed_volume_mm3 = 0 } = this.model.state ?? {};
+      this.poster_.update(motions, removed_volume_mm3, nowMs);
+    }
     this.toolbar_.update({
       hasPicture: this.picture.viewer !== null,
       canFollow: participants.carvers().length > 0,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sessions as cards: picture, name, people, age, size. They follow what happens on the server.
+// The sessions as cards: picture, name, people, age, size, the one that changed last first.
+// They follow what happens on the server.
 
 import type { SessionSummary } from '../../link/api';
 import { sessionDetails } from '../../link/lobby_requests';
@@ -64,7 +65,6 @@ class Card {
       h('span', { class: 'card-text' }, this.name_, this.facts_, this.size_),
     );
     this.element = h('li', { class: 'card-place' }, link, this.people_, this.close_);
-    this.update(summary, this.actions_);
   }
 
   update(summary: SessionSummary, actions: CardActions): void {
@@ -72,7 +72,7 @@ class Card {
     this.actions_ = actions;
     this.close_.hidden = actions.close === null;
     setText(this.name_, summary.name);
-    const version = this.versions_.next(summary.motions);
+    const version = this.versions_.next(summary.motions, summary.removedVolumeMm3);
     if (version !== null) this.picture_.src = pictureUrl(summary.id, version, 480, 300);
     const { activeMs } = summary;
     const age = activeMs === null ? '' : `changed ${ageText(activeMs, Date.now())} · `;
@@ -111,17 +111,27 @@ export class Cards {
       if (!sessions.some((session) => session.id === id)) this.remove_(id);
     }
     const newest = [...sessions].sort((a, b) => (b.activeMs ?? 0) - (a.activeMs ?? 0));
-    for (const session of newest) {
-      const card = this.cards_.get(session.id);
-      if (card) card.update(session, actions);
-      else this.add_(session, actions);
-    }
+    newest.forEach((session, place) => {
+      const card = this.cards_.get(session.id) ?? this.make_(session, actions);
+      card.update(session, actions);
+      this.put_(card.element, place);
+    });
   }
 
-  private add_(session: SessionSummary, actions: CardActions): void {
+  private make_(session: SessionSummary, actions: CardActions): Card {
     const card = new Card(session, actions);
     this.cards_.set(session.id, card);
-    this.element.append(card.element);
+    return card;
+  }
+
+  /** A card that moves keeps the focus. */
+  private put_(card: HTMLElement, place: number): void {
+    const there = this.element.children[place] ?? null;
+    if (there === card) return;
+    const focused = document.activeElement;
+    this.element.insertBefore(card, there);
+    if (focused instanceof HTMLElement && card.contains(focused))
+      focused.focus({ preventScroll: true });
   }
 
   private remove_(id: string): void {

@@ -23,6 +23,7 @@ export class Lobby {
   private readonly note_ = h('p', { class: 'fault', role: 'alert', hidden: '' });
   private readonly main_: HTMLElement;
   private mayManage_ = false;
+  private pollFault_ = ''; // what the note says of the list, if it is that
 
   constructor(app: HTMLElement, sessions: readonly SessionSummary[]) {
     this.sessions_ = sessions;
@@ -87,10 +88,11 @@ export class Lobby {
     if (document.hidden) return;
     try {
       this.sessions_ = await listSessions();
-      this.tell_('');
+      if (this.note_.textContent === this.pollFault_) this.tell_(''); // no other fault
       this.draw_();
     } catch (problem) {
-      this.tell_((problem as Error).message);
+      this.pollFault_ = (problem as Error).message;
+      this.tell_(this.pollFault_);
     }
   }
 

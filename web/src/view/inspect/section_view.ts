@@ -122,16 +122,6 @@ export class SectionView implements Layer {
     renderer.autoClear = true;
   }
 
-  dispose(): void {
-    this.set(null, { min: [0, 0, 0], max: [0, 0, 0] });
-    this.viewer.layers.delete(this);
-    this.counting_.dispose();
-    for (const { geometry, material } of [this.cap_, this.outline_]) {
-      geometry.dispose();
-      material.dispose();
-    }
-  }
-
   private get uniforms_(): Record<string, THREE.IUniform> {
     return this.cap_.material.uniforms;
   }
