@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "server/formats/gcode/dialect_choice.h"
+#include "server/formats/gcode/macro_index.h"
 #include "tests/formats/canon_record.h"
 #include "tests/formats/scene_fixture.h"
 
@@ -45,10 +46,23 @@ TEST(DialectChoice, IsJudgedByWordsThatOneControllerHas) {
 TEST(DialectChoice, LanguagesThatAreNotReadAreNamed) {
   const auto klartext = choose_dialect("p.h", "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S1000\n");
   ASSERT_FALSE(klartext.has_value());
-  EXPECT_THAT(to_string(klartext.error()), HasSubstr("HEIDENHAIN Klartext (line 1 has BEGINPGM)"));
+  EXPECT_THAT(to_string(klartext.error()), HasSubstr("HEIDENHAIN Klartext (line 1 has BEGIN PGM)"));
   const auto siemens = choose_dialect("p.mpf", "TRAORI\nG0 X1\n");
   ASSERT_FALSE(siemens.has_value());
   EXPECT_THAT(to_string(siemens.error()), HasSubstr("SINUMERIK"));
+}
+
+TEST(DialectChoice, CommentsAndNamesOfProgramsAreNoMarks) {
+  EXPECT_EQ(judged("%\nO1000 (CUSTOMER MCALLISTER)\nG0 X1\n"), Dialect::kFanuc);
+  EXPECT_EQ(judged("%\nO1000\n(MCALL AND SINUMERIK)\nG0 X1\n"), Dialect::kFanuc);
+  EXPECT_EQ(judged("%\nO1000\n(STEP RATIO<5 PERCENT)\nG0 X1\n"), Dialect::kFanuc);
+  EXPECT_EQ(judged("%\nO1000\n(HAASE GMBH)\nG0 X1\n"), Dialect::kFanuc);
+  EXPECT_EQ(judged("%\nO1000 DOVETAIL\nG0 X1\n"), Dialect::kFanuc);
+  EXPECT_EQ(judged("%\nO1000 SUPA PART\nG0 X1\n"), Dialect::kFanuc);
+  EXPECT_EQ(judged("o100 do\no100 while [#1 LT 2]\n"), Dialect::kLinuxcnc);
+  EXPECT_FALSE(choose_dialect("p", "N10 MCALL CYCLE81(1,2)\n").has_value());
+  EXPECT_FALSE(choose_dialect("p", ";$PATH=/_N_MPF\nG0 X1\n").has_value());
+  EXPECT_FALSE(choose_dialect("p", "MSG(\"A\")\nG0 X1\n").has_value());
 }
 
 TEST(DialectChoice, AProgramThatLinuxcncRejectsIsReadAsFanucIfNothingSpeaksAgainstIt) {
@@ -92,6 +106,28 @@ TEST(MacroFlow, BranchesAndLoops) {
   EXPECT_THAT(refused("IF[1EQ1]\nM30\n"), testing::EndsWith("(read as Fanuc)"));
 }
 
+TEST(MacroIndex, FindsALineWithAFewComparisons) {
+  std::string text = "O1\nN1 DO1\nEND1\n";
+  for (int i = 0; i < 50'000; ++i) text += "N9\n";
+  text += "O2\nN1\nDO1\nDO1\nEND1\nEND1\nN1\nO2\nN3\n";
+  const GcodeFile file("p", text);
+  const MacroIndex index(file);
+  const std::size_t second = 50'003;
+  EXPECT_EQ(index.program(2), second);
+  EXPECT_EQ(index.program(3), std::nullopt);
+  EXPECT_EQ(index.sequence(1, 40'000), 1u);
+  EXPECT_EQ(index.sequence(9, 20'000), 20'001u);
+  EXPECT_EQ(index.sequence(1, second), second + 1);
+  EXPECT_EQ(index.sequence(1, second + 1), second + 6);
+  EXPECT_EQ(index.sequence(1, second + 6), second + 1);
+  EXPECT_EQ(index.sequence(3, second), std::nullopt);
+  EXPECT_EQ(index.end_of(1, second + 4), second + 5);
+  EXPECT_EQ(index.end_of(1, second + 5), std::nullopt);
+  EXPECT_EQ(index.start_of(1, second + 4), second + 3);
+  EXPECT_EQ(index.start_of(1, second + 2), std::nullopt);
+  EXPECT_LT(index.comparisons(), 12u * 2 * 20);
+}
+
 TEST(MacroFlow, MacroCallsHaveArgumentsAndVacantVariables) {
   EXPECT_EQ(fanuc("O1\nG65 P9010 X1 Y2 I3\nM30\nO9010\nG0 X#24 Y#25 Z#4\nIF[#1EQ#0]GOTO5\nG0 "
                   "X99\nN5 M99\n"),
@@ -103,6 +139,11 @@ TEST(MacroFlow, MacroCallsHaveArgumentsAndVacantVariables) {
             "R 1 0 0, R 1 1 0, R 2 1 0, R 2 2 0, R 3 2 0");
   EXPECT_EQ(fanuc("#1=#4003\nG91\nG#1 G0 X1\nX1.\n#2=#5001\nG0 Y#2\nM30\n"),
             "R 1 0 0, R 1 0 0, R 1 1 0");
+  EXPECT_EQ(fanuc("O1\nG65 P2 I1 J2 K3 I4 J5 K6 I7\nM30\nO2\nG0 X#4 Y#5 Z#6\nX#7 Y#8 Z#9\n"
+                  "X#10 Y0 Z0\nM99\n"),
+            "R 1 2 3, R 4 5 6, R 7 0 0");
+  EXPECT_EQ(fanuc("O1\nG65 P2 I1 I2 E5 J9\nM30\nO2\nG0 X#7 Y#8\nM99\n"), "R 2 9 0");
+  EXPECT_THAT(refused("O1\nG65 P2 J1 I2\nM30\nO2\nM99\n"), HasSubstr("out of order"));
   EXPECT_THAT(refused("#3000=1(NO TOOL)\n"), HasSubstr("raises an alarm"));
   EXPECT_THAT(refused("G0 X#2001\n"), HasSubstr("system variable"));
 }

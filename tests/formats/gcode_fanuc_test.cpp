@@ -73,6 +73,57 @@ TEST(FanucBlock, ScalesAndMirrors) {
               HasSubstr("unequal scale"));
 }
 
+TEST(FanucBlock, TheEndOfAnotherTransformationChangesNothing) {
+  EXPECT_EQ(fanuc("G51.1 X0\nG69\nG50\nG0 X10 Y0\nG50.1 X0\nX20 Y1\nM30\n"), "R -10 0 0, R 20 1 0");
+  EXPECT_EQ(haas("G68 X0 Y0 R90\nG50\nG50.1 X0\nG0 X20 Y0\nG69\nX1 Y2\nM30\n"),
+            "R 0 20 0, R 1 2 0");
+  EXPECT_EQ(fanuc("G51 X0 Y0 I2. J2.\nG69\nG100\nG0 X1 Y1\nG50\nX1 Y1\nM30\n"), "R 2 2 0, R 1 1 0");
+  EXPECT_THAT(refused("G50.1 G0 X5\n"), HasSubstr("without a motion code"));
+}
+
+TEST(FanucBlock, ScalingDoesNotScaleTheTool) {
+  // A tool of 2 mm left of the line Y-20 is at Y-19.
+  EXPECT_THAT(fanuc("G0 X0 Y-20\nG51 X0 Y0 I2. J2.\nG1 X-20 Y-20 F9\nG41 D1 X-10 Y-10\nX10\n"
+                    "G40 X20 Y-10\nM30\n"),
+              HasSubstr("F 20 -19 0"));
+  EXPECT_THAT(refused("T1\nG51 X0 Y0 I2. J1.\nG41 D1 X1 Y1 F9\n"), HasSubstr("ellipse"));
+}
+
+TEST(FanucBlock, AssigningTheActiveWorkOffsetMovesTheWorkZero) {
+  EXPECT_EQ(fanuc("#5221=50. #5222=20.\nG54 G0 X0 Y0\nX10\nM30\n"), "R 50 20 0, R 60 20 0");
+  EXPECT_EQ(fanuc("#7001=50.\nG54.1 P1\n#7001=30.\nG0 X0 Y0\nM30\n"), "R 30 0 0");
+  EXPECT_THAT(refused("G68 X0 Y0 R90\n#5221=5.\nG0 X1 Y0\n"), HasSubstr("#5221"));
+  EXPECT_THAT(refused("T1\nG41 D1 G1 X9 Y9 F9\n#5221=5.\nX10\n"), HasSubstr("#5221"));
+}
+
+TEST(FanucBlock, ACompensatedPathKeepsItsCoordinateSystem) {
+  const std::string start = "T1\nG10 L2 P2 Y40\nG41 D1 G1 X-20 Y0 F9\n";
+  EXPECT_THAT(refused(start + "G55\nX10\n"), HasSubstr("'G55' is not allowed while cutter"));
+  EXPECT_THAT(refused(start + "G54.1 P1\nX10\n"), HasSubstr("'G54.1' is not allowed while"));
+  EXPECT_THAT(refused(start + "G54 P1\nX10\n"), HasSubstr("'G54' is not allowed while cutter"));
+  EXPECT_THAT(fanuc(start + "G54\nX30\nG40 X50\nM30\n"), HasSubstr("F 50 0 0"));
+}
+
+TEST(FanucBlock, PBesideG54IsAnAdditionalSystem) {
+  EXPECT_EQ(fanuc("G10 L20 P2 X5\nG54 P2\nG0 X1\nG54\nX1\nM30\n"), "R 6 0 0, R 1 0 0");
+  EXPECT_THAT(refused("G54 P2 M131\n"), HasSubstr("write them in two blocks"));
+  EXPECT_EQ(fanuc("G10 L20 P2 X5\nG54.1 P2 M131\nG0 X1\nM30\n"), "R 6 0 0");
+}
+
+TEST(FanucBlock, KOfHaasPecksIsNoRepeatCount) {
+  EXPECT_EQ(haas("G91 G98 G83 X10 Z-5 R-1 I2. J0.5 K2. F9\nG80\nM30\n"),
+            fanuc("G91 G98 G83 X10 Z-5 R-1 F9\nG80\nM30\n"));
+}
+
+TEST(GrblBlock, G10L20GivesTheCurrentPositionItsCoordinates) {
+  EXPECT_EQ(test::moves_of("G0 X10 Y10\nG10 L20 P1 X0 Y0\nG0 X5 Y0\nM30\n", as(Dialect::kGrbl)),
+            "R 10 10 0, R 15 10 0");
+  EXPECT_EQ(test::moves_of("G91 G10 L2 P1 X3\nG10 L2 P1 X3\nG90 G0 X1\nM30\n", as(Dialect::kGrbl)),
+            "R 4 0 0");
+  EXPECT_THAT(refused("G10 L20 P1 X0\n", Dialect::kMach3), HasSubstr("'L20' of G10"));
+  EXPECT_THAT(refused("G10 L2 P1 R30\n", Dialect::kGrbl), HasSubstr("R30"));
+}
+
 TEST(FanucBlock, AMirroredArcBulgesToTheOtherSide) {
   const Scene scene = test::scene_for("xyz");
   const auto lowest_and_highest = [&](const std::string& mirror) {

@@ -24,6 +24,9 @@ struct DialectRules {
   bool vacant = false;       ///< variables are vacant until they are assigned, not 0
   bool retract_to_r = true;  ///< starts in G99
   double dwell_unit_s = 1;   ///< seconds of G4 P1, written without a point
+
+  /// Whether the codes are Fanuc's or those that Haas has in common with it.
+  bool of_fanuc() const { return dialect == Dialect::kFanuc || dialect == Dialect::kHaas; }
 };
 
 /// Returns the rules of a dialect; those of LinuxCNC for kAuto.

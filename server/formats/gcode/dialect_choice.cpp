@@ -16,8 +16,9 @@ constexpr std::size_t kLinesMax = 20'000;
 enum class Tongue { kLinuxcnc, kGrbl, kMach3, kFanuc, kHaas, kSiemens, kHeidenhain };
 constexpr std::size_t kTongues = 7;
 
-// A mark of a tongue in a line of lower case without blanks. `code`: a word of a block, which must
-// not be followed by a digit or a point; otherwise any part of the line.
+// A mark of a tongue outside of comments. `code`: a word of a block, which must not be followed by
+// a digit or a point. The marks of Siemens and HEIDENHAIN are whole words of a line with single
+// blanks, the others are parts of a line without blanks.
 struct Mark {
   std::string_view text;
   Tongue tongue;
@@ -26,10 +27,10 @@ struct Mark {
 };
 
 constexpr std::array kMarks{
-    Mark{"beginpgm", Tongue::kHeidenhain, 20, false},
-    Mark{"toolcall", Tongue::kHeidenhain, 10, false},
-    Mark{"blkform", Tongue::kHeidenhain, 10, false},
-    Mark{"cycldef", Tongue::kHeidenhain, 10, false},
+    Mark{"begin pgm", Tongue::kHeidenhain, 20, false},
+    Mark{"tool call", Tongue::kHeidenhain, 10, false},
+    Mark{"blk form", Tongue::kHeidenhain, 10, false},
+    Mark{"cycl def", Tongue::kHeidenhain, 10, false},
     Mark{"%_n_", Tongue::kSiemens, 20, false},
     Mark{";$path=", Tongue::kSiemens, 20, false},
     Mark{"traori", Tongue::kSiemens, 10, false},
@@ -75,7 +76,7 @@ constexpr std::array kMarks{
     Mark{",c", Tongue::kFanuc, 5, true},
 };
 
-// Marks within comments: names of controllers.
+// Names of controllers, in comments too, those of Siemens and HEIDENHAIN in theirs: after ";".
 constexpr std::array kNames{std::pair{"linuxcnc", Tongue::kLinuxcnc},
                             std::pair{"emc2", Tongue::kLinuxcnc},
                             std::pair{"grbl", Tongue::kGrbl},
@@ -90,6 +91,55 @@ constexpr int kNameWeight = 9;
 struct Evidence {
   int score = 0;
   std::string first;  ///< "line 3 has G154"
+};
+
+bool is_foreign(Tongue tongue) {
+  return tongue == Tongue::kSiemens || tongue == Tongue::kHeidenhain;
+}
+
+bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
+
+// A line in lower case, divided into code and comments: (…) and what follows ";".
+class LineText {
+ public:
+  enum class Part { kCode, kSemicolon, kParentheses };
+
+  explicit LineText(std::string_view line) {
+    Part part = Part::kCode;
+    for (const char written : line) {
+      const char c = written == '\t' || written == '\r' ? ' ' : to_lower(written);
+      if (c == '(' && part == Part::kCode) part = Part::kParentheses;
+      if (c != ' ' && part != Part::kParentheses) code += c;
+      if (c != ' ' || (!words_.empty() && words_.back() != ' ')) {
+        words_ += c;
+        // What ";" or "(" begin with it still belongs to the code: ;$path=.
+        parts_.push_back(part);
+      }
+      if (c == ';' && part == Part::kCode) part = Part::kSemicolon;
+      if (c == ')' && part == Part::kParentheses) part = Part::kCode;
+    }
+    named_ = code.size() > 1 && (code[0] == 'o' || code[0] == ':') && is_digit(code[1]);
+  }
+
+  /// Whether the line has a word, not within a longer one, that begins in `last` or a part before.
+  bool has_word(std::string_view word, Part last) const {
+    if (last == Part::kCode && named_) return false;  // the rest is the name of a program
+    for (std::size_t at = words_.find(word); at != std::string::npos;
+         at = words_.find(word, at + 1)) {
+      const std::size_t end = at + word.size();
+      const bool joined = (at > 0 && is_letter(words_[at - 1]) && is_letter(word.front())) ||
+                          (end < words_.size() && is_letter(words_[end]) && is_letter(word.back()));
+      if (!joined && parts_[at] <= last) return true;
+    }
+    return false;
+  }
+
+  std::string code;  ///< without comments in parentheses and blanks
+
+ private:
+  std::string words_;  ///< with single blanks
+  std::vector<Part> parts_;
+  bool named_ = false;
 };
 
 class Judge {
@@ -108,27 +158,22 @@ class Judge {
 
  private:
   void weigh(std::string_view line, std::size_t number) {
-    std::string code;
-    std::string comment;
-    bool within = false;
-    for (const char c : line) {
-      if (c == ' ' || c == '\t' || c == '\r') continue;
-      if (c == '(') within = true;
-      (within ? comment : code) += to_lower(c);
-      if (c == ')') within = false;
-    }
-    // Siemens and HEIDENHAIN use parentheses for arguments: words count in the whole line.
-    const std::string all = to_lower(std::string(line));
+    const LineText text(line);
+    const std::string& code = text.code;
     const std::string place = "line " + std::to_string(number) + " has ";
     for (std::size_t i = 0; i < kMarks.size(); ++i) {
       const Mark& mark = kMarks[i];
       if (seen_mark_[i]) continue;
-      if (!has(code, mark) && (mark.code || mark.weight < 10 || !has(all, mark))) continue;
+      const bool found = is_foreign(mark.tongue) ? text.has_word(mark.text, LineText::Part::kCode)
+                                                 : has(code, mark);
+      if (!found) continue;
       seen_mark_[i] = true;
       once(mark.tongue, mark.weight, place, mark.text);
     }
     for (const auto& [name, tongue] : kNames)
-      if (all.find(name) != std::string::npos) once(tongue, kNameWeight, place, name);
+      if (text.has_word(
+              name, is_foreign(tongue) ? LineText::Part::kSemicolon : LineText::Part::kParentheses))
+        once(tongue, kNameWeight, place, name);
     if (starts_program(code)) once(Tongue::kFanuc, 4, place, "a program number");
     if (is_o_word(code)) once(Tongue::kLinuxcnc, 20, place, "an O word");
     if (code.starts_with('$')) once(Tongue::kGrbl, 8, place, "a $ command");
@@ -150,17 +195,23 @@ class Judge {
     }
     return false;
   }
+  // O1000, also with the program's name behind the number.
   static bool starts_program(const std::string& code) {
-    return code.size() > 1 && (code[0] == 'o' || code[0] == ':') && is_digit(code[1]) &&
-           code.find_first_not_of("0123456789;", 1) == std::string::npos;
+    if (code.size() < 2 || (code[0] != 'o' && code[0] != ':') || !is_digit(code[1])) return false;
+    const auto end = code.find_first_not_of("0123456789;", 1);
+    return end == std::string::npos || (is_letter(code[end]) && !is_o_word(code));
   }
   static bool is_o_word(const std::string& code) {
     if (code.size() < 3 || code[0] != 'o' || !is_digit(code[1])) return false;
     const auto end = code.find_first_not_of("0123456789", 1);
     if (end == std::string::npos) return false;
-    for (const std::string_view word : {"sub", "endsub", "call", "return", "do", "while",
-                                        "endwhile", "repeat", "endrepeat", "if", "else", "endif"})
-      if (code.substr(end).starts_with(word)) return true;
+    // The word is followed by nothing or by arguments in brackets.
+    const std::string_view rest = std::string_view(code).substr(end);
+    const std::string_view word = rest.substr(0, rest.find_first_of("[;#"));
+    for (const std::string_view known :
+         {"sub", "endsub", "call", "return", "do", "while", "endwhile", "repeat", "endrepeat", "if",
+          "elseif", "else", "endif", "break", "continue"})
+      if (word == known) return true;
     return false;
   }
 

@@ -44,7 +44,10 @@ void GcodeMachine::at_line(std::size_t file, std::size_t line) {
 
 bool GcodeMachine::execute(GcodeBlock& block) {
   const int modal = modes_.motion;
-  if (setup_.rules.macros) prepare(block);
+  if (setup_.rules.macros) {
+    follow_assigned_origin();
+    prepare(block);
+  }
   reject_foreign_axes(block);
   decide_motion(block);
   set_spindle_and_feed(block);
@@ -227,8 +230,9 @@ void GcodeMachine::set_modes(GcodeBlock& block) {
     offset_tool(block, code->code);
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kCoordinateSystem)) {
-    if (!setup_.rules.macros) reject_compensated(*code);
-    select_system(code->code <= 590 ? code->code / 10 - 53 : code->code - 584);
+    const int system = code->code <= 590 ? code->code / 10 - 53 : code->code - 584;
+    if (!setup_.rules.macros || system != modes_.system) reject_compensated(*code);
+    select_system(system);
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kPathControl)) {
     reject_compensated(*code);

@@ -103,6 +103,7 @@ class GcodeMachine {
   GcodeAxes applied_shift() const;
   void change_frame(const GcodeFrame& frame);
   void select_system(int system);
+  void follow_assigned_origin();
   void set_system(GcodeBlock& block);
   void shift_origin(GcodeBlock& block, int code);
   void restore_shift(int code);
@@ -115,6 +116,7 @@ class GcodeMachine {
   void warn_of_ambiguity(const GcodeBlock& block);
   void ignore_codes(GcodeBlock& block);
   bool block_uses_cycle(const GcodeBlock& block) const;
+  bool takes_more_systems(const GcodeBlock& block) const;
   void prepare_dwell(GcodeBlock& block) const;
   void prepare_home(GcodeBlock& block);
   void prepare_offsets(GcodeBlock& block);
@@ -127,8 +129,10 @@ class GcodeMachine {
 
   // machine_transform.cpp: rotation, scaling and mirror images of the program
   void transform(GcodeBlock& block);
-  void rotate_program(GcodeBlock& block, int code);
-  void scale_program(GcodeBlock& block, int code);
+  void end_transform();
+  void rotate_program(GcodeBlock& block);
+  void scale_program(GcodeBlock& block);
+  void take_mirror_end(GcodeBlock& block, const GcodeCode& code);
   void mirror_program(GcodeBlock& block, int code);
   void set_transform(const GcodeFrame& frame);
   void check_after_transform(const GcodeBlock& block);
@@ -196,6 +200,7 @@ class GcodeMachine {
   bool polar_ = false;                       ///< G16
   bool block_is_machine_ = false;            ///< G53: the modal motion is kept
   std::optional<GcodeFrame> untransformed_;  ///< the frame without rotation, scaling and mirror
+  GcodeGroup transform_group_{};             ///< that changed it: kRotation, kScaling or kMirror
   bool transform_moved_ = false;             ///< since then X and Y have not both been programmed
   std::optional<Corner> corner_;
   bool unit_given_ = false;  ///< G20 or G21

@@ -99,8 +99,11 @@ void GcodeMachine::ignore_codes(GcodeBlock& block) {
     }
   }
   if (ignored) {
-    const bool cycle = block_uses_cycle(block);
-    remove_words(block, cycle ? "e" : "pqe");
+    if (takes_more_systems(block))
+      throw GcodeFault{block.find('p')->text,
+                       "may belong to G54 or to another code; write them in two blocks"};
+    const bool keeps_p = block_uses_cycle(block) || block.code(GcodeGroup::kMoreSystems) != nullptr;
+    remove_words(block, keeps_p ? "e" : "pqe");
     if (!block.has_any(kAxisLetters)) remove_words(block, "ijklr");
   }
 }
@@ -148,6 +151,7 @@ void GcodeMachine::prepare_offsets(GcodeBlock& block) {
   GcodeWord* number = word_of(block, 'p');
   if (kind == nullptr) throw GcodeFault{"G10", "requires L"};
   const int l = integer_of(*kind, 0, 100);
+  const bool grbl = setup_.rules.dialect == Dialect::kGrbl;
   if (l == 10 || l == 11 || l == 1) {
     if (!setup_.tools_of_scene)
       throw GcodeFault{kind->text, "changes a tool length, which the tool table given here holds"};
@@ -155,9 +159,16 @@ void GcodeMachine::prepare_offsets(GcodeBlock& block) {
     block.drop(GcodeGroup::kNonModal);
     return remove_words(block, "lprxyzabc");
   }
-  if (l != 2 && l != 20)
-    throw GcodeFault{kind->text, "of G10 is not supported; L2, L20, L10 and L11 are"};
+  if (l != 2 && (l != 20 || setup_.rules.dialect == Dialect::kMach3))
+    throw GcodeFault{kind->text, "of G10 is not supported"};
   if (number == nullptr) throw GcodeFault{"G10", "requires P, the number of the coordinate system"};
+  if (const GcodeWord* turn = word_of(block, 'r'))
+    throw GcodeFault{turn->text, "of G10 " + kind->text + " is not supported"};
+  if (!setup_.rules.of_fanuc()) {
+    // As in LinuxCNC: L20 gives the current position these coordinates, P0 is the active system.
+    integer_of(*number, grbl ? 0 : 1, 6);
+    return;
+  }
   const int p = integer_of(*number, l == 2 ? 0 : 1, l == 2 ? 6 : gcode_parameter::kMoreSystemsMax);
   if (p == 0) throw GcodeFault{number->text, "sets the external offset, which is not supported"};
   const int system = l == 2 ? p : kFirstMoreSystem + p - 1;
@@ -168,6 +179,15 @@ void GcodeMachine::prepare_offsets(GcodeBlock& block) {
   for (std::size_t i = 0; i < before.size(); ++i)
     if (GcodeWord* word = word_of(block, kAxisLetters[i]))
       word->value += before[i] / (i < 3 ? modes_.unit_mm : 1);
+}
+
+// Whether P of a block with G54 belongs to it.
+bool GcodeMachine::takes_more_systems(const GcodeBlock& block) const {
+  if (!setup_.rules.of_fanuc() || block.find('p') == nullptr || block_uses_cycle(block))
+    return false;
+  const GcodeCode* special = block.code(GcodeGroup::kNonModal);
+  return block.has_code(GcodeGroup::kCoordinateSystem, 540) &&
+         (special == nullptr || special->code == 530);
 }
 
 // G54 P, G54.1 P, G154 P, G110 to G129.
@@ -183,6 +203,11 @@ void GcodeMachine::prepare_systems(GcodeBlock& block) {
       throw GcodeFault{more->text, "requires P, the number of the coordinate system"};
     system = kFirstMoreSystem + integer_of(*number, 1, gcode_parameter::kMoreSystemsMax) - 1;
     remove_words(block, "p");
+  } else if (six != nullptr && takes_more_systems(block)) {
+    more = six;
+    system = kFirstMoreSystem +
+             integer_of(*word_of(block, 'p'), 1, gcode_parameter::kMoreSystemsMax) - 1;
+    remove_words(block, "p");
   } else if (six != nullptr) {
     if (six->code > 590) throw GcodeFault{six->text, "is not a code of this control"};
     system = six->code / 10 - 53;
@@ -191,7 +216,11 @@ void GcodeMachine::prepare_systems(GcodeBlock& block) {
   if (untransformed_ && system != modes_.system)
     throw GcodeFault{more != nullptr ? more->text : six->text,
                      "is not allowed while the program is rotated, scaled or mirrored"};
-  if (more != nullptr) select_system(system);
+  if (more != nullptr) {
+    if (system != modes_.system) reject_compensated(*more);
+    select_system(system);
+    if (more == six) block.drop(GcodeGroup::kCoordinateSystem);
+  }
   systems_.insert(system);
   if (systems_.size() > 1 && !setup_.machine_zero_known && system_origin(system) == GcodeAxes{})
     warn_once("systems",
@@ -229,6 +258,9 @@ void GcodeMachine::prepare_motion(GcodeBlock& block) {
     return;
   }
   if (!block_uses_cycle(block)) return;
+  // K of Haas is the least peck of I, J and K; L repeats.
+  const int cycle = motion != nullptr ? motion->code : modes_.motion;
+  if (setup_.rules.dialect == Dialect::kHaas && (cycle == 730 || cycle == 830)) return;
   GcodeWord* repeats = word_of(block, 'k');
   if (repeats != nullptr && word_of(block, 'l') == nullptr && is_gcode_integer(repeats->value))
     repeats->letter = 'l';

@@ -59,6 +59,19 @@ void GcodeMachine::select_system(int system) {
   change_frame({system_origin(system), frame_.shift, system_rotation(system)});
 }
 
+// Macro B: the program has assigned #5221 to #5326 or #7001 and following ones.
+void GcodeMachine::follow_assigned_origin() {
+  const GcodeAxes origin = system_origin(modes_.system);
+  if (origin == frame_.origin) return;
+  const std::string name = "#" + std::to_string(system_parameter(modes_.system));
+  if (compensation_.on() || untransformed_)
+    throw GcodeFault{name,
+                     "and its neighbors hold the active work offset, which may not be assigned "
+                     "while cutter compensation, rotation, scaling or a mirror image is on"};
+  require_no_corner();
+  change_frame({origin, frame_.shift, frame_.rotation_deg});
+}
+
 // Returns the current position in another coordinate system.
 GcodeAxes GcodeMachine::in_system(int system) const {
   const GcodeFrame frame{system_origin(system), applied_shift(), system_rotation(system)};

@@ -212,7 +212,13 @@ void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
   if (orientation != 0 && orientation != 9)
     throw GcodeFault{written.text, "is not supported for a lathe tool of orientation " +
                                        std::to_string(orientation)};
-  compensation_.start(code < 420 ? 1 : -1, diameter_mm / 2, modes_.plane);
+  // The path is compensated in programmed coordinates: the tool is not scaled with them.
+  const std::size_t second = modes_.plane == ArcPlane::kXy ? 1 : 2;
+  const double scale = std::abs(frame_.scale[0]);
+  if (scale != std::abs(frame_.scale[second]))
+    throw GcodeFault{written.text,
+                     "is not supported with unequal scale factors: the tool would be an ellipse"};
+  compensation_.start(code < 420 ? 1 : -1, diameter_mm / 2 / scale, modes_.plane);
 }
 
 }  // namespace kerf

@@ -21,12 +21,12 @@ double factor_of(const GcodeWord& word) {
   return word.value / 1000;
 }
 
+// G69, G50, G50.1, G100.
+bool ends_transform(int code) { return code == 690 || code == 500 || code == 501 || code == 1000; }
+
 }  // namespace
 
 void GcodeMachine::transform(GcodeBlock& block) {
-  const GcodeCode* rotation = block.code(GcodeGroup::kRotation);
-  const GcodeCode* scaling = block.code(GcodeGroup::kScaling);
-  const GcodeCode* mirror = block.code(GcodeGroup::kMirror);
   if (untransformed_) {
     const GcodeCode* special = block.code(GcodeGroup::kNonModal);
     if (special == nullptr || special->code == 40 || special->code == 530 || special->code == 280 ||
@@ -36,19 +36,34 @@ void GcodeMachine::transform(GcodeBlock& block) {
       throw GcodeFault{special->text,
                        "is not allowed while the program is rotated, scaled or mirrored"};
   }
-  for (const GcodeCode* code : {rotation, scaling, mirror}) {
+  for (const GcodeGroup group :
+       {GcodeGroup::kRotation, GcodeGroup::kScaling, GcodeGroup::kMirror}) {
+    const GcodeCode* code = block.code(group);
     if (code == nullptr) continue;
-    const bool ends =
-        code->code == 690 || code->code == 500 || code->code == 501 || code->code == 1000;
-    if (ends && !untransformed_) continue;
-    if (setup_.rules.dialect != Dialect::kFanuc && setup_.rules.dialect != Dialect::kHaas)
+    const bool ends = ends_transform(code->code);
+    if (ends && group == GcodeGroup::kMirror) take_mirror_end(block, *code);
+    // The end of another transformation leaves the active one as it is.
+    if (ends && (!untransformed_ || transform_group_ != group)) continue;
+    if (!setup_.rules.of_fanuc())
       throw GcodeFault{code->text, "is not supported; its words differ between controls"};
     reject_compensated(*code);
     require_no_corner();
+    if (ends && group != GcodeGroup::kMirror) {
+      end_transform();
+    } else if (group == GcodeGroup::kRotation) {
+      rotate_program(block);
+    } else if (group == GcodeGroup::kScaling) {
+      scale_program(block);
+    } else {
+      mirror_program(block, code->code);
+    }
+    if (!ends) transform_group_ = group;
   }
-  if (rotation != nullptr) rotate_program(block, rotation->code);
-  if (scaling != nullptr) scale_program(block, scaling->code);
-  if (mirror != nullptr) mirror_program(block, mirror->code);
+}
+
+void GcodeMachine::end_transform() {
+  set_transform(*untransformed_);
+  untransformed_.reset();
 }
 
 // Installs a frame. The machine does not move; the coordinates of its position change.
@@ -59,11 +74,7 @@ void GcodeMachine::set_transform(const GcodeFrame& frame) {
       std::abs(at_[0] - before[0]) > kSameCenterMm || std::abs(at_[1] - before[1]) > kSameCenterMm;
 }
 
-void GcodeMachine::rotate_program(GcodeBlock& block, int code) {
-  if (code == 690) {
-    if (untransformed_) set_transform(*untransformed_);
-    return untransformed_.reset();
-  }
+void GcodeMachine::rotate_program(GcodeBlock& block) {
   const GcodeCode& written = *block.code(GcodeGroup::kRotation);
   if (modes_.plane != ArcPlane::kXy)
     throw GcodeFault{written.text, "is supported in the plane XY (G17) only"};
@@ -92,11 +103,7 @@ void GcodeMachine::rotate_program(GcodeBlock& block, int code) {
   block_motion_ = -1;
 }
 
-void GcodeMachine::scale_program(GcodeBlock& block, int code) {
-  if (code == 500) {
-    if (untransformed_) set_transform(*untransformed_);
-    return untransformed_.reset();
-  }
+void GcodeMachine::scale_program(GcodeBlock& block) {
   const GcodeCode& written = *block.code(GcodeGroup::kScaling);
   if (untransformed_)
     throw GcodeFault{written.text,
@@ -125,23 +132,28 @@ void GcodeMachine::scale_program(GcodeBlock& block, int code) {
   block_motion_ = -1;
 }
 
+// The axes of G50.1 and G100 are no target.
+void GcodeMachine::take_mirror_end(GcodeBlock& block, const GcodeCode& code) {
+  if (!block.has_any("xyzabc")) return;
+  if (block.code(GcodeGroup::kMotion) != nullptr)
+    throw GcodeFault{code.text, "with axes requires a block without a motion code"};
+  block.take('x');
+  block.take('y');
+  block_motion_ = -1;
+}
+
 // G51.1 X0: X is mirrored at X0. G50.1 and G100 cancel the mirror of their axes, or of all.
 void GcodeMachine::mirror_program(GcodeBlock& block, int code) {
   const GcodeCode& written = *block.code(GcodeGroup::kMirror);
-  const bool ends = code == 501 || code == 1000;
   if (block.has_any("zabc")) throw GcodeFault{written.text, "is supported for X and Y only"};
-  if (ends) {
+  if (ends_transform(code)) {
     const bool x = block.find('x') != nullptr, y = block.find('y') != nullptr;
-    block.take('x');
-    block.take('y');
-    if (!untransformed_) return;
     const bool keeps_x = frame_.scale[0] < 0 && !x && y, keeps_y = frame_.scale[1] < 0 && !y && x;
     if (keeps_x && frame_.scale[1] > 0) return;
     if (keeps_y && frame_.scale[0] > 0) return;
     if (keeps_x || keeps_y)
       throw GcodeFault{written.text, "is supported for all mirrored axes at once only"};
-    set_transform(*untransformed_);
-    untransformed_.reset();
+    end_transform();
   } else {
     if (untransformed_)
       throw GcodeFault{written.text,
@@ -157,8 +169,8 @@ void GcodeMachine::mirror_program(GcodeBlock& block, int code) {
     const GcodeFrame base = frame_;
     set_transform(frame);
     untransformed_ = base;
+    block_motion_ = -1;
   }
-  block_motion_ = -1;
 }
 
 // The controls disagree about the coordinate that the next block leaves out.

@@ -2,6 +2,7 @@
 #include "server/formats/gcode/macro_flow.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -29,6 +30,29 @@ int argument_variable(char letter) {
   const auto at = kLetters.find(letter);
   return at == std::string_view::npos || letter == ' ' ? 0 : static_cast<int>(at) + 1;
 }
+
+// I, J and K may be repeated: I1 is #4, J1 #5, K1 #6, I2 #7, … K10 #33.
+class IjkArguments {
+ public:
+  int variable_of(char letter, const std::string& text) {
+    const std::size_t place = static_cast<std::size_t>(letter - 'i');
+    if (given_[place]) {
+      ++group_;
+      given_ = {};
+    }
+    for (std::size_t later = place + 1; later < given_.size(); ++later)
+      if (given_[later])
+        throw GcodeFault{text, "is out of order: arguments I, J and K must have this order"};
+    given_[place] = true;
+    const int variable = 4 + 3 * group_ + static_cast<int>(place);
+    if (variable > kMacroLocalParameters) throw GcodeFault{text, "is one argument too many"};
+    return variable;
+  }
+
+ private:
+  int group_ = 0;
+  std::array<bool, 3> given_{};  ///< in this group
+};
 
 }  // namespace
 
@@ -201,7 +225,7 @@ std::optional<MacroFlow::Call> MacroFlow::read_macro_call(std::string_view code)
             .text = to_upper(std::string(code.substr(0, 3)))};
   GcodeValueReader reader(code, parameters_, listener_.position_readable());
   reader.accept(code.substr(0, 3));
-  int ijk = 0;
+  IjkArguments ijk;
   while (!reader.done()) {
     const std::size_t start = reader.position();
     reader.begin_word();
@@ -214,13 +238,8 @@ std::optional<MacroFlow::Call> MacroFlow::read_macro_call(std::string_view code)
     } else if (letter == 'l') {
       call.repeats = integer(value, text, 0, kRepeatsMax);
     } else if (const int variable = argument_variable(letter)) {
-      // I, J and K may be repeated: then they are #4 to #33 in groups of three.
-      const bool again = variable >= 4 && variable <= 6 &&
-                         !std::isnan(call.arguments[static_cast<std::size_t>(variable - 1)]);
-      if (again) ijk += 3;
-      const bool grouped = variable >= 4 && variable <= 6;
-      const int at = grouped ? variable + ijk : variable;
-      if (at > kMacroLocalParameters) throw GcodeFault{text, "is one argument too many"};
+      const bool grouped = letter >= 'i' && letter <= 'k';
+      const int at = grouped ? ijk.variable_of(letter, text) : variable;
       call.arguments[static_cast<std::size_t>(at - 1)] = value;
     } else {
       throw GcodeFault{text, "is not an argument of a macro call"};

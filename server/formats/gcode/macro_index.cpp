@@ -39,59 +39,68 @@ MacroIndex::MacroIndex(const GcodeFile& file) {
   for (std::size_t i = 0; i < file.lines.size(); ++i) {
     const GcodeLine line = split_gcode_line(file.lines[i], rules);
     std::string_view code = line.code;
-    if (const auto number = leading_number(code, "o:", code))
-      marks_.push_back({i, Kind::kProgram, *number});
+    if (const auto number = leading_number(code, "o:", code)) {
+      marks_.push_back({0, Kind::kProgram, *number, i});
+      programs_.push_back(i);
+    }
+    const std::size_t program = programs_.size();
     if (const auto number = leading_number(code, "n", code))
-      marks_.push_back({i, Kind::kSequence, *number});
+      marks_.push_back({program, Kind::kSequence, *number, i});
     if (code.starts_with("while") || code.starts_with("wh[") || code.starts_with("do")) {
-      if (const auto number = number_after(code, "do")) marks_.push_back({i, Kind::kDo, *number});
+      if (const auto number = number_after(code, "do"))
+        marks_.push_back({program, Kind::kDo, *number, i});
     } else if (code.starts_with("end")) {
-      if (const auto number = number_after(code, "end")) marks_.push_back({i, Kind::kEnd, *number});
+      if (const auto number = number_after(code, "end"))
+        marks_.push_back({program, Kind::kEnd, *number, i});
     }
   }
+  std::ranges::sort(marks_);
 }
 
-std::pair<std::size_t, std::size_t> MacroIndex::program_around(std::size_t line) const {
-  const auto after = std::ranges::upper_bound(marks_, line, {}, &Mark::line);
-  auto first = after;
-  while (first != marks_.begin() && (first - 1)->kind != Kind::kProgram) --first;
-  const auto last = std::find_if(after, marks_.end(),
-                                 [](const Mark& mark) { return mark.kind == Kind::kProgram; });
-  return {static_cast<std::size_t>(first - marks_.begin()),
-          static_cast<std::size_t>(last - marks_.begin())};
+std::size_t MacroIndex::program_around(std::size_t line) const {
+  const auto after = std::ranges::upper_bound(programs_, line, [this](auto a, auto b) {
+    ++comparisons_;
+    return a < b;
+  });
+  return static_cast<std::size_t>(after - programs_.begin());
+}
+
+std::vector<MacroIndex::Mark>::const_iterator MacroIndex::first_from(const Mark& least) const {
+  return std::ranges::lower_bound(marks_, least, [this](const Mark& a, const Mark& b) {
+    ++comparisons_;
+    return a < b;
+  });
+}
+
+std::optional<std::size_t> MacroIndex::line_of(std::vector<Mark>::const_iterator mark,
+                                               const Mark& wanted) const {
+  if (mark == marks_.end() || mark->program != wanted.program || mark->kind != wanted.kind ||
+      mark->number != wanted.number)
+    return std::nullopt;
+  return mark->line;
 }
 
 std::optional<std::size_t> MacroIndex::program(int number) const {
-  for (const Mark& mark : marks_)
-    if (mark.kind == Kind::kProgram && mark.number == number) return mark.line;
-  return std::nullopt;
+  const Mark wanted{0, Kind::kProgram, number, 0};
+  return line_of(first_from(wanted), wanted);
 }
 
 std::optional<std::size_t> MacroIndex::sequence(int number, std::size_t line) const {
-  const auto [first, last] = program_around(line);
-  std::optional<std::size_t> found;
-  for (std::size_t i = first; i < last; ++i) {
-    if (marks_[i].kind != Kind::kSequence || marks_[i].number != number) continue;
-    if (marks_[i].line > line) return marks_[i].line;
-    if (!found) found = marks_[i].line;
-  }
-  return found;
+  Mark wanted{program_around(line), Kind::kSequence, number, line + 1};
+  if (const auto next = line_of(first_from(wanted), wanted)) return next;
+  wanted.line = 0;
+  return line_of(first_from(wanted), wanted);
 }
 
 std::optional<std::size_t> MacroIndex::end_of(int number, std::size_t line) const {
-  const auto [first, last] = program_around(line);
-  for (std::size_t i = first; i < last; ++i)
-    if (marks_[i].kind == Kind::kEnd && marks_[i].number == number && marks_[i].line > line)
-      return marks_[i].line;
-  return std::nullopt;
+  const Mark wanted{program_around(line), Kind::kEnd, number, line + 1};
+  return line_of(first_from(wanted), wanted);
 }
 
 std::optional<std::size_t> MacroIndex::start_of(int number, std::size_t line) const {
-  const auto [first, last] = program_around(line);
-  std::optional<std::size_t> found;
-  for (std::size_t i = first; i < last && marks_[i].line < line; ++i)
-    if (marks_[i].kind == Kind::kDo && marks_[i].number == number) found = marks_[i].line;
-  return found;
+  const Mark wanted{program_around(line), Kind::kDo, number, line};
+  const auto after = first_from(wanted);
+  return after == marks_.begin() ? std::nullopt : line_of(after - 1, wanted);
 }
 
 }  // namespace kerf

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <optional>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "server/formats/gcode/source.h"
 
 namespace kerf {
 
-/// Where the programs, sequence numbers and loops of a file with Macro B begin and end.
+/// Where the programs, sequence numbers and loops of a file with Macro B begin and end. A search
+/// takes the logarithm of their number.
 class MacroIndex {
  public:
   explicit MacroIndex(const GcodeFile& file);
@@ -24,18 +25,29 @@ class MacroIndex {
   /// The line of END`number` after `line`, and of DO`number` before it, in the same program.
   std::optional<std::size_t> end_of(int number, std::size_t line) const;
   std::optional<std::size_t> start_of(int number, std::size_t line) const;
+  /// Comparisons that all searches have made.
+  std::size_t comparisons() const { return comparisons_; }
 
  private:
   enum class Kind { kProgram, kSequence, kDo, kEnd };
   struct Mark {
-    std::size_t line;
+    std::size_t program;  ///< how many headers precede it; of a header 0
     Kind kind;
     int number;
+    std::size_t line;
+    auto operator<=>(const Mark&) const = default;
   };
-  /// The marks of the program around a line.
-  std::pair<std::size_t, std::size_t> program_around(std::size_t line) const;
+  /// How many headers precede a line or are in it.
+  std::size_t program_around(std::size_t line) const;
+  /// The first mark that is not less than another one.
+  std::vector<Mark>::const_iterator first_from(const Mark& least) const;
+  /// The line of a mark if it has the program, kind and number of `wanted`.
+  std::optional<std::size_t> line_of(std::vector<Mark>::const_iterator mark,
+                                     const Mark& wanted) const;
 
-  std::vector<Mark> marks_;  ///< ascending lines
+  std::vector<Mark> marks_;            ///< ascending
+  std::vector<std::size_t> programs_;  ///< lines of all headers, ascending
+  mutable std::size_t comparisons_ = 0;
 };
 
 /// The number of a sequence or program at the beginning of a code, after its letter: "n10g0" gives
