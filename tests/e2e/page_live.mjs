@@ -42,11 +42,16 @@ async function openCounted(browser, url) {
     viewer.bytes += encodedDataLength;
   });
   await viewer.page.goto(url);
-  await until('picture', SETTLE_S, async () => {
-    const marks = await viewer.page.evaluate(() => window.kerf?.marks);
-    return marks?.picture && (await viewer.state()).snapshotComplete;
-  });
+  await untilWhole(viewer);
   return viewer;
+}
+
+/** Waits until all of the block is drawn. */
+async function untilWhole({ page, state }) {
+  await until('picture', SETTLE_S, async () => {
+    const marks = await page.evaluate(() => window.kerf?.marks);
+    return marks?.picture && (await state()).snapshotComplete;
+  });
 }
 
 function checkStart(viewer, marks) {
@@ -113,7 +118,7 @@ async function checkSides(viewer) {
   await page.setViewportSize({ width: 640, height: 480 });
   await page.emulateMedia({ reducedMotion: 'reduce' });
   await page.reload();
-  await until('picture', SETTLE_S, () => page.evaluate(() => window.kerf?.marks.picture));
+  await untilWhole(viewer);
   await page.locator('.canvas').focus();
   const luminances = [];
   for (const side of SIDES) {
