@@ -123,7 +123,8 @@ void AgentConversation::on_message(const wire::Message& message, Clock::time_poi
   if (const auto* batch = std::get_if<wire::MotionBatch>(&message.body)) {
     if (!self_) return reject_without_hello();
     assert(!batch_);
-    if (const auto answer = apply(*batch, arrived)) queue_answer(*answer, arrived);
+    const auto answer = apply(*batch, {.arrived = arrived, .over_udp = false});
+    if (answer) queue_answer(*answer, arrived);
     return;
   }
   if (std::holds_alternative<wire::Ack>(message.body)) {
@@ -136,12 +137,12 @@ void AgentConversation::on_message(const wire::Message& message, Clock::time_poi
 }
 
 std::optional<MotionAnswer> AgentConversation::apply(const wire::MotionBatch& batch,
-                                                     Clock::time_point arrived) {
+                                                     const InProgress& from) {
   auto answer = session().begin_move(self_->id, batch.view());
   if (answer) {
-    complete(*answer, arrived);
+    complete(*answer, from.arrived);
   } else {
-    batch_ = arrived;
+    batch_ = from;
   }
   return answer;
 }
@@ -165,9 +166,11 @@ void AgentConversation::work() {
   if (!batch_) return;
   auto answer = session().go_on(self_->id);
   if (!answer) return;
-  const Clock::time_point arrived = *std::exchange(batch_, std::nullopt);
-  complete(*answer, arrived);
-  queue_answer(*answer, arrived);
+  const InProgress done = *std::exchange(batch_, std::nullopt);
+  complete(*answer, done.arrived);
+  if (!done.over_udp) return queue_answer(*answer, done.arrived);
+  datagrams_queued_ = datagrams_taken_ = 0;
+  if (!finishing() && !broken()) queue_answer_datagrams(*answer, done.arrived);
 }
 
 /// Once no tool is near any more, one empty frame says so.
@@ -217,10 +220,9 @@ void AgentConversation::on_datagram_motion(const wire::MotionBatch& batch,
                                            Clock::time_point arrived) {
   const Arrival arrival = gate_.judge(batch);
   if (arrival == Arrival::kNew) {
-    const auto answer = apply(batch, arrived);
-    if (!answer) return;
-    if (answer->felt) queue_datagram(++felts_, wire::ToolStates{{*answer->felt}});
-    return queue_datagram(++results_, answer->result, arrived);
+    const auto answer = apply(batch, {.arrived = arrived, .over_udp = true});
+    if (answer) queue_answer_datagrams(*answer, arrived);
+    return;
   }
   wire::Result repeated = last_answer_;
   if (arrival == Arrival::kGap) {
@@ -228,6 +230,12 @@ void AgentConversation::on_datagram_motion(const wire::MotionBatch& batch,
     repeated.status |= wire::kStatusGap;
   }
   queue_datagram(++results_, repeated);
+}
+
+void AgentConversation::queue_answer_datagrams(const MotionAnswer& answer,
+                                               Clock::time_point arrived) {
+  if (answer.felt) queue_datagram(++felts_, wire::ToolStates{{*answer.felt}});
+  queue_datagram(++results_, answer.result, arrived);
 }
 
 template <typename Body>

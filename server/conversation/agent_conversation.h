@@ -52,15 +52,16 @@ class AgentConversation final : public Conversation {
 
   /// Handles one frame that has come over the UDP connection. Call refresh() afterwards.
   void receive_datagram(std::span<const std::byte> frame, Clock::time_point arrived);
-  /// The next datagram to send, valid until the next call of a receive function; null if there is
-  /// none.
+  /// The next datagram to send, valid until the next call of a receive function or of work(); null
+  /// if there is none.
   const OutDatagram* take_datagram();
 
   void refresh() override;
   /// A batch is more work than one turn of the executor: no frame may be passed on before work()
   /// has completed it.
   bool has_action() const override { return batch_.has_value(); }
-  /// Works on the batch for one turn, and queues the answer once it is complete.
+  /// Works on the batch for one turn. Once it is complete, queues the answer as a frame, or as
+  /// datagrams if the batch came over UDP.
   void work();
   /// Whether another agent of the session is moving.
   bool has_rival() const { return self_ && session().has_other_agent(self_->id); }
@@ -69,6 +70,12 @@ class AgentConversation final : public Conversation {
   void end() override;
 
  private:
+  /// A batch that goes on in later turns.
+  struct InProgress {
+    Clock::time_point arrived;
+    bool over_udp;
+  };
+
   void on_hello(const HelloMessage& hello) override;
   void on_control(const ControlMessage& message) override;
   void on_message(const wire::Message& message, Clock::time_point arrived) override;
@@ -84,9 +91,10 @@ class AgentConversation final : public Conversation {
   /// What results and pongs state; 0 unless the agent has asked for it.
   std::uint64_t durable_sequence() const;
   /// The answer, unless the batch goes on in later turns.
-  std::optional<MotionAnswer> apply(const wire::MotionBatch& batch, Clock::time_point arrived);
+  std::optional<MotionAnswer> apply(const wire::MotionBatch& batch, const InProgress& from);
   void complete(MotionAnswer& answer, Clock::time_point arrived);
   void queue_answer(const MotionAnswer& answer, Clock::time_point arrived);
+  void queue_answer_datagrams(const MotionAnswer& answer, Clock::time_point arrived);
   void on_datagram_motion(const wire::MotionBatch& batch, Clock::time_point arrived);
   template <typename Body>
   void queue_datagram(std::uint64_t sequence, const Body& body,
@@ -111,7 +119,7 @@ class AgentConversation final : public Conversation {
   bool has_near_ = false;     ///< the last intent frame listed a tool
   Clock::time_point next_intents_;
 
-  std::optional<Clock::time_point> batch_;  ///< arrival of the batch in progress
+  std::optional<InProgress> batch_;
 
   bool has_udp_ = false;
   SampleGate gate_;

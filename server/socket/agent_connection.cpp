@@ -56,6 +56,7 @@ class AgentConnection final : public PeerSocket {
   std::optional<datagram::Offer> open_udp();
   void close_udp();
   void receive_datagram(std::span<const std::byte> frame, Clock::time_point arrived);
+  void send_datagrams();
 
   PeerContext& context_;
   Executor& executor_;
@@ -90,6 +91,7 @@ asio::awaitable<void> AgentConnection::act() {
   while (conversation_.has_action() && !has_failed()) {
     const auto start = Clock::now();
     conversation_.work();
+    send_datagrams();
     pump();
     if (!conversation_.has_action()) break;
     pause.expires_after(conversation_.has_rival() ? Clock::now() - start : Clock::duration{});
@@ -106,16 +108,21 @@ void AgentConnection::close_udp() {
   udp_.reset();
 }
 
-void AgentConnection::receive_datagram(std::span<const std::byte> frame,
-                                       Clock::time_point arrived) {
-  if (!udp_ || has_failed()) return;
-  conversation_.receive_datagram(frame, arrived);
+void AgentConnection::send_datagrams() {
+  if (!udp_) return;
   while (const OutDatagram* datagram = conversation_.take_datagram()) {
     udp_->send(datagram->frame());
     if (!datagram->arrived) continue;
     const std::chrono::duration<double> turnaround = Clock::now() - *datagram->arrived;
     context_.metrics.motion_answered(turnaround.count());
   }
+}
+
+void AgentConnection::receive_datagram(std::span<const std::byte> frame,
+                                       Clock::time_point arrived) {
+  if (!udp_ || has_failed()) return;
+  conversation_.receive_datagram(frame, arrived);
+  send_datagrams();
   conversation_.refresh();
   pump();
   if (!conversation_.has_action() || works_) return;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kernel/cut/workers.h"
 #include "tests/server/conversation_fixture.h"
 
 namespace kerf::net {
@@ -331,6 +332,53 @@ TEST_F(AgentDatagramTest, TheForceOfAnotherParticipantLeavesBeforeTheResult) {
   ASSERT_NE(result, nullptr);
   EXPECT_TRUE(std::holds_alternative<wire::Result>(wire::decode(result->frame())->body));
   EXPECT_TRUE(result->arrived);
+  EXPECT_EQ(bob->take_datagram(), nullptr);
+}
+
+TEST_F(AgentDatagramTest, AMotionThatWaitsForThoseOfOthersIsAnsweredOverItsTransport) {
+  SerialWorkers carvers;
+  session->carve_on(carvers);
+  const auto bob = agent();
+  join_agent(*bob, R"({"type":"hello","name":"Bob"})");
+  send(*bob, encoded(batch()));
+  const auto answers = [&] {
+    EXPECT_TRUE(ada->has_action());
+    while (ada->has_action()) ada->work();
+    std::vector<std::string> list;
+    while (const OutDatagram* datagram = ada->take_datagram()) {
+      const auto message = wire::decode(datagram->frame());
+      const bool is_answer = result_of(*message).agent_sequence == sequence && datagram->arrived;
+      list.emplace_back(is_answer ? "datagram" : "something else");
+    }
+    for (const OutFrame& frame : drain(*ada)) {
+      if (frame.kind == Kind::kResult) list.emplace_back("frame");
+    }
+    return list;
+  };
+  for (int n = 0; n < 2; ++n) {
+    send(*ada, encoded(batch()));
+    EXPECT_EQ(answers(), std::vector<std::string>{"frame"});
+    ada->receive_datagram(encoded(batch()), now);
+    EXPECT_EQ(ada->take_datagram(), nullptr);
+    EXPECT_EQ(answers(), std::vector<std::string>{"datagram"});
+  }
+}
+
+TEST_F(AgentDatagramTest, APingDuringABatchLeavesSpaceForItsAnswer) {
+  SerialWorkers carvers;
+  session->carve_on(carvers);
+  const auto bob = agent();
+  join_agent(*bob, R"({"type":"hello","name":"Bob","udp":true,"feel_of":1})");
+  send(*ada, encoded(batch()));
+  send(*bob, encoded(batch()));
+  while (bob->has_action()) bob->work();
+  bob->receive_datagram(encoded(batch()), now);
+  bob->receive_datagram(encoded(wire::Ping{42}), now);
+  ASSERT_NE(bob->take_datagram(), nullptr);
+  ASSERT_TRUE(bob->has_action());
+  while (bob->has_action()) bob->work();
+  EXPECT_NE(bob->take_datagram(), nullptr) << "the force of Ada";
+  EXPECT_NE(bob->take_datagram(), nullptr) << "the result";
   EXPECT_EQ(bob->take_datagram(), nullptr);
 }
 

@@ -270,6 +270,12 @@ class Turns(LiveTest):
         self.assertEqual(plain[0], 4 + 3)
         self.assertEqual(self.carve("udp", True), plain)
 
+    def test_the_answer_comes_over_udp_as_well(self):
+        self.server.create("answer", self.WIDE)
+        agent = UdpAgent(self.port, "answer")
+        agent.udp.send(motion_frame([sample(2, agent.time_us + 1000, (-9, 0, -2))]))
+        self.assertEqual(agent.answer()["agent_sequence"], 2)
+
 
 class RealAgent(LiveTest):
     """Tests the messages of kerf-agent about UDP."""
