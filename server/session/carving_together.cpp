@@ -46,7 +46,12 @@ void Carving::carve_waiting(Workers& workers) {
     const double share_s = (CpuCosts::thread_s() - start_s) /
                            static_cast<double>(std::max<std::size_t>(1, round.of.size()));
     for (const Recorded& motion : round.of) costs_.add(motion.state->participant.id, share_s);
-    if (round.last) begin_pieces(round.last->first, round.last->second, tiles);
+    if (round.last) {
+      // One thread cuts it while the others wait.
+      std::int64_t alone = std::max<std::int64_t>(1, tiles / workers.count());
+      tiles -= workers.count() * alone;
+      begin_pieces(round.last->first, round.last->second, alone);
+    }
     std::erase_if(waiting_, [this](ParticipantId id) {
       const auto found = batches_.find(id);
       ParticipantState* state = participants_.find(id);

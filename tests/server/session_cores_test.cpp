@@ -238,6 +238,17 @@ TEST_F(SessionOnTwoCores, CutALongMotionInPiecesAfterTheOthers) {
   EXPECT_EQ(session->solid().hash(), replayed_hash(*session));
 }
 
+TEST_F(SessionOnTwoCores, AWideMotionTakesATurnsWorkOfOneThread) {
+  test::ThreadWorkers eight(8);  // in whose turn they could cut all of its 625 tiles
+  session->carve_on(eight);
+  std::array wide = {next(0, 0, 1), next(0, 0, -1)};
+  for (wire::MotionSample& sample : wide) sample.tool_id = 3;
+  ASSERT_FALSE(session->begin_move(agents[0], wide));
+  int turns = 1;
+  while (!session->go_on(agents[0])) ++turns;
+  EXPECT_GE(turns, 625 / kTilesPerTurn);
+}
+
 TEST_F(SessionOnTwoCores, DropWhatWaitsWhenItsAgentLeaves) {
   const std::array first = {next(-20, 0, -2), next(-19, 0, -2)};
   const std::array second = {next(20, 0, -2), next(21, 0, -2)};
