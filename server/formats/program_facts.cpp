@@ -57,7 +57,10 @@ ProgramFacts facts_of(const Program& program, MachineKinematics kinematics) {
   for (const ProgramMotion& motion : program.motions) {
     tools.insert(motion.tool);
     facts.duration_s += motion.duration_s;
-    if (!motion.rapid && !is_retraction(motion)) add(facts.feed_mm, motion.to.tip_mm);
+    if (motion.rapid || is_retraction(motion)) continue;
+    const Vec3 from = motion.from.tip_mm, to = motion.to.tip_mm;
+    add(facts.feed_mm, to);
+    add(facts.feed_mm, {from.x, from.y, to.z});  // where a rapid may have plunged to
   }
   facts.tools.assign(tools.begin(), tools.end());
   facts.motions = program.motions.size();

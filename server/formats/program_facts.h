@@ -16,8 +16,10 @@ namespace kerf {
 struct ProgramFacts {
   /// The first of xyz, xyzac-trt, xyzbc-trt and tool-vector as whose program it can be read.
   MachineKinematics kinematics = MachineKinematics::kXyz;
-  std::vector<ToolId> tools;        ///< those that move, ascending
-  std::optional<BoxStock> feed_mm;  ///< box of the tip at the ends of feeds, but for retractions
+  std::vector<ToolId> tools;  ///< those that move, ascending
+  /// Box of the tip in feeds but retractions: in Z at their ends only, for they may begin in the
+  /// air.
+  std::optional<BoxStock> feed_mm;
   std::size_t motions = 0;
   double duration_s = 0;  ///< at feed rate
 };

@@ -30,6 +30,17 @@ TEST(ProgramFacts, TheBoxIsThatOfTheFeeds) {
   EXPECT_GT(read.duration_s, 3);
 }
 
+TEST(ProgramFacts, RowsThatBeginWhereARapidHasPlungedAreInTheBox) {
+  std::string rows = "G21 G90\nT1 M6\n";
+  for (const char* y : {"0", "10", "20"}) {
+    rows += std::string("G0 X-5 Y") + y + "\nG0 Z-2\nG1 X105 F500\nG0 Z5\n";
+  }
+  const auto read = facts(rows);
+  ASSERT_TRUE(read.feed_mm);
+  EXPECT_EQ(read.feed_mm->min_mm, (Vec3{-5, 0, -2}));
+  EXPECT_EQ(read.feed_mm->max_mm, (Vec3{105, 20, -2}));
+}
+
 TEST(ProgramFacts, FindsTheMachine) {
   const std::string head = "G21 G90\nT1 M6\nG0 X0 Y0 Z5\n";
   EXPECT_EQ(facts(head + "G1 X5 A10 C20 F500\n").kinematics, MachineKinematics::kXyzacTrt);
