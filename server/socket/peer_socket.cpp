@@ -59,6 +59,7 @@ asio::awaitable<void> PeerSocket::run(UpgradeRequest request) {
     const auto arrived = Clock::now();
     // An agent's batch that came over UDP meanwhile precedes this frame.
     if (conversation().has_action()) co_await act();
+    if (failed_) break;  // act() has left the batch as it is
     conversation().receive(socket_.message(), socket_.is_text(), arrived);
     pump();
     conversation().refresh();
