@@ -16,6 +16,7 @@ import type { AimMode } from './aim';
 import { CarveBar } from './carve_bar';
 import { CarveLink } from './carve_link';
 import type { CarveStatus } from './carve_link';
+import { Delivery } from './delivery';
 import { Gauge } from './gauge';
 import { Hand } from './hand';
 import { listenToCarveKeys } from './keys';
@@ -24,7 +25,7 @@ import { Pointers } from './pointers';
 import type { Place } from './pointers';
 import { Rumble } from './rumble';
 
-const SAMPLE_EVERY_MS = 8;
+const TICK_MS = 8;
 const NOTE_MS = 6000;
 const TURN_RAD_PER_PX = 0.006;
 const DEPTH_OF_RADIUS = 0.5; // at the start, of the tool's radius
@@ -44,6 +45,7 @@ export class CarveMode {
   private readonly rumble_ = new Rumble();
   private readonly link_: CarveLink;
   private readonly hand_: Hand;
+  private readonly delivery_: Delivery;
   private welcome_: Welcome | null = null; // for which the rack was filled
   private tool_: ToolInfo | null = null;
   private depthMm_ = 1;
@@ -62,6 +64,7 @@ export class CarveMode {
     this.hand_ = new Hand(viewer, (place) => this.gauge_.place(place));
     this.bar_ = this.makeBar_();
     this.link_ = this.makeLink_();
+    this.delivery_ = new Delivery(this.link_, this.hand_.sampler, () => this.hasEnded_());
     new ResizeObserver(() => this.laidOut_()).observe(this.bar_.element);
     document.addEventListener('visibilitychange', () => {
       if (document.hidden) this.pointers_?.cancel();
@@ -87,18 +90,17 @@ export class CarveMode {
     this.mouseButtons_ = { ...mouseButtons };
     // The left button turns with Space.
     Object.assign(mouseButtons, { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.ROTATE });
-    this.link_.join();
-    this.timer_ = setInterval(() => this.tick_(), SAMPLE_EVERY_MS);
+    this.viewer.hiddenCarver = this.link_.participant; // who may still be there
+    this.delivery_.join();
+    this.timer_ = setInterval(() => this.tick_(), TICK_MS);
   }
 
   leave(): void {
     if (!this.pointers_) return;
     this.pointers_.dispose();
     this.pointers_ = null;
-    this.send_(); // that the tool has left the cut
     clearInterval(this.timer_);
-    this.link_.leave();
-    this.hand_.forget();
+    this.delivery_.leave();
     this.hand_.hide();
     this.stopKeys_();
     this.viewer.hiddenCarver = null;
@@ -121,7 +123,7 @@ export class CarveMode {
       toggleLean: () => this.toggleLean_(),
       setDepth: (mm) => this.setDepth_(mm),
       undo: () => this.undo_(),
-      redo: () => this.link_.ask({ type: 'redo' }),
+      redo: () => this.redo_(),
       done: () => this.leave(),
     });
   }
@@ -140,7 +142,7 @@ export class CarveMode {
         joined: (welcome) => this.joined_(welcome),
         result: (result) => this.felt_(result),
         rejected: (code, reason) => this.rejected_(code, reason),
-        changed: (undone) => this.say_(`Your stroke was ${undone ? 'undone' : 'redone'}.`),
+        changed: (undone) => this.changed_(undone),
       },
     );
   }
@@ -160,7 +162,7 @@ export class CarveMode {
       },
       pan: (dx, dy) => rig.pan(-dx / height(), dy / height()),
       undo: () => this.undo_(),
-      redo: () => this.link_.ask({ type: 'redo' }),
+      redo: () => this.redo_(),
     });
   }
 
@@ -170,7 +172,7 @@ export class CarveMode {
         if (!this.pointers_?.cancel()) this.leave();
       },
       undo: () => this.undo_(),
-      redo: () => this.link_.ask({ type: 'redo' }),
+      redo: () => this.redo_(),
       nextTool: (step) => this.nextTool_(step),
       togglePlane: () =>
         this.chooseMode_(this.hand_.settings.mode === 'plane' ? 'surface' : 'plane'),
@@ -197,15 +199,22 @@ export class CarveMode {
 
   private end_(): void {
     this.hand_.end(this.depthMm_);
-    this.send_();
+    this.delivery_.step();
     if (isTouched()) this.hand_.hide(); // no pointer is left over the picture
   }
 
   private undo_(): void {
     this.pointers_?.cancel();
-    this.send_();
-    this.hand_.forget(); // what would come after it is not to be cut
-    this.link_.ask({ type: 'undo' });
+    if (this.hand_.sampler.undo()) this.changed_(true);
+  }
+
+  private redo_(): void {
+    this.pointers_?.cancel();
+    if (this.hand_.sampler.redo()) this.changed_(false);
+  }
+
+  private changed_(undone: boolean): void {
+    this.say_(`Your stroke was ${undone ? 'undone' : 'redone'}.`);
   }
 
   private whyNotNow_(): string {
@@ -215,6 +224,10 @@ export class CarveMode {
     return this.isJoined_() ? '' : 'Not connected yet: wait a moment.';
   }
 
+  private hasEnded_(): boolean {
+    return this.host.model.status === 'stopped';
+  }
+
   private isJoined_(): boolean {
     return this.link_.status === 'ready';
   }
@@ -222,16 +235,15 @@ export class CarveMode {
   private tick_(): void {
     const { welcome, state } = this.host.model;
     const now = performance.now();
+    if (this.hasEnded_()) {
+      this.leave(); // the link would try for ever
+      return;
+    }
     if (welcome && welcome !== this.welcome_) this.prepare_(welcome);
     if (this.hand_.isCutting && state?.at) this.pointers_?.cancel();
     this.hand_.settle(this.depthMm_, now);
-    this.send_();
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
     if (now > this.noteUntilMs_ && this.isJoined_()) this.bar_.say(isTouched() ? HELP_TOUCH : HELP);
-  }
-
-  private send_(): void {
-    if (this.link_.takes) this.link_.send(this.hand_.take(Math.round(performance.now() * 1000)));
   }
 
   // Settings
@@ -260,10 +272,10 @@ export class CarveMode {
     const tool = this.welcome_?.tools.find((one) => one.id === id);
     if (!tool) return;
     this.pointers_?.cancel();
-    this.send_();
+    // The hello names the first one.
+    if (this.tool_ && id !== this.tool_.id) this.hand_.sampler.ask({ type: 'tool', tool: id });
     this.tool_ = tool;
     this.hand_.takeTool(tool, this.who_().color, this.welcome_!);
-    this.link_.ask({ type: 'tool', tool: id });
     this.bar_.setTool(id);
     this.setDepth_(this.depthMm_);
   }
@@ -327,7 +339,7 @@ export class CarveMode {
   }
 
   private joined_({ participant, speedMmPerS, samplesPerS }: AgentWelcome): void {
-    this.hand_.limits = { speedMmPerS, samplesPerS };
+    this.hand_.sampler.limits = { speedMmPerS, samplesPerS };
     this.viewer.hiddenCarver = participant;
   }
 

@@ -8,11 +8,10 @@ import type { Viewer } from '../view/viewer';
 import type { ToolInfo, Welcome } from '../wire/types';
 import { Aim } from './aim';
 import type { AimSettings } from './aim';
+import type { Pose } from './path_queue';
 import { PointerPath } from './pointer_path';
 import type { Place } from './pointers';
-import type { Draft } from './sample_log';
 import { Sampler } from './sampler';
-import type { Pose, SamplerLimits } from './sampler';
 import { bounded, Surface } from './surface';
 import type { Ray } from './surface';
 
@@ -22,7 +21,8 @@ const OUT_OF_REACH =
 
 export class Hand {
   readonly settings: AimSettings = { mode: 'surface', depthMm: 1, leanMaxRad: 0 };
-  private readonly sampler_ = new Sampler(0);
+  /** Its path, as the server gets it. */
+  readonly sampler = new Sampler(0);
   private aim_: Aim | null = null;
   private tool_: ToolView | null = null;
   private welcome_: Welcome | null = null;
@@ -37,16 +37,12 @@ export class Hand {
     private readonly moved: (place: Place | null) => void,
   ) {}
 
-  set limits(limits: SamplerLimits) {
-    this.sampler_.limits = limits;
-  }
-
-  /** Takes a tool of the session. A stroke must have ended. */
+  /** Takes a tool of the session. A stroke must have ended; it is sent with its own tool. */
   takeTool(tool: ToolInfo, color: string, welcome: Welcome): void {
     if (welcome !== this.welcome_) this.surface_ = null;
     this.welcome_ = welcome;
     this.aim_ = new Aim(toolProfile(tool), stockBounds(welcome.stock), this.settings);
-    this.sampler_.tool = tool.id;
+    this.sampler.tool = tool.id;
     this.hide();
     this.tool_?.dispose();
     this.tool_ = new ToolView(tool, color, welcome.pivot_mm);
@@ -60,18 +56,19 @@ export class Hand {
 
   /** Shows where the tool would cut; `isSent`: others see it too. */
   hover(place: Place | null, isSent: boolean): void {
+    if (this.stroke_) return; // of another pointer: the stroke goes on
     const pose = place && this.aim_?.hover(this.current_(), this.ray_(place));
     if (!place || !pose) {
       this.hide();
       return;
     }
     this.show_(place, pose);
-    if (isSent) this.sampler_.push(this.aim_!.lifted(pose), false);
+    if (isSent) this.sampler.push(this.aim_!.lifted(pose), false);
   }
 
   /** Shows it again where it is, after a change of the settings. */
   hoverAgain(isSent: boolean): void {
-    if (this.last_ && !this.stroke_) this.hover(this.last_.place, isSent);
+    if (this.last_) this.hover(this.last_.place, isSent);
   }
 
   /** Begins a stroke; returns why there is none, as a sentence for the user, or nothing. */
@@ -82,7 +79,7 @@ export class Hand {
     const pose = this.aim_?.begin(surface, ray);
     if (!this.aim_ || !pose) return surface.hit(ray) ? OUT_OF_REACH : '';
     this.stroke_ = { surface, path: new PointerPath(place), movedMs: performance.now() };
-    this.sampler_.push(this.aim_.lifted(pose), false);
+    this.sampler.push(this.aim_.lifted(pose), false);
     this.cutTo_(place, pose);
     return '';
   }
@@ -108,7 +105,7 @@ export class Hand {
   end(depthMm: number): void {
     if (this.stroke_) this.follow_(this.stroke_.path.end(), depthMm);
     if (this.stroke_ && this.aim_ && this.last_) {
-      this.sampler_.push(this.aim_.lifted(this.last_.pose), false);
+      this.sampler.push(this.aim_.lifted(this.last_.pose), false);
     }
     this.stroke_ = null;
     this.aim_?.end();
@@ -122,16 +119,6 @@ export class Hand {
     this.viewer.touchAll();
   }
 
-  /** Drops what is not sent yet. */
-  forget(): void {
-    this.sampler_.forget();
-  }
-
-  /** The samples that are due. */
-  take(nowUs: number): Draft[] {
-    return this.sampler_.take(nowUs);
-  }
-
   private follow_(places: readonly Place[], depthMm: number): void {
     for (const place of places) {
       this.press_(place, depthMm);
@@ -142,7 +129,7 @@ export class Hand {
 
   private cutTo_(place: Place, pose: Pose): void {
     this.show_(place, pose);
-    this.sampler_.push(pose, true);
+    this.sampler.push(pose, true);
   }
 
   /** A pen that is pressed lightly cuts less deep. */

@@ -6,13 +6,9 @@ import { BUTTON_CUTTING, BUTTON_DEADMAN } from '../wire/types';
 import type { Vec3 } from '../wire/types';
 import type { Draft } from './sample_log';
 import { distance } from '../model/vector';
+import { PathQueue } from './path_queue';
+import type { PathRequest, Pose, Waiting } from './path_queue';
 import { lerp, slerp } from './vectors';
-
-export interface Pose {
-  tip: Vec3;
-  /** From the tip to the spindle, unit length. */
-  axis: Vec3;
-}
 
 export interface SamplerLimits {
   speedMmPerS: number;
@@ -24,17 +20,12 @@ const HAND_MM_PER_S = 1000; // faster sweeps follow later
 const BURST_S = 0.1; // unused time that may be made up for
 const GRID_PER_MM = 1e6; // the server rounds poses to six decimals
 
-interface Waiting {
-  pose: Pose;
-  cuts: boolean;
-}
-
 function onGrid(tip: Vec3): Vec3 {
   return tip.map((value) => Math.round(value * GRID_PER_MM) / GRID_PER_MM) as Vec3;
 }
 
 export class Sampler {
-  private waiting_: Waiting[] = [];
+  private readonly queue_ = new PathQueue();
   private at_: Waiting | null = null; // the newest sample
   private atUs_ = 0;
   private speed_ = HAND_MM_PER_S;
@@ -47,32 +38,49 @@ export class Sampler {
     this.ratePerUs_ = (OF_LIMIT * samplesPerS) / 1e6;
   }
 
-  /** Changes the tool. What waits is dropped: it was of the tool before. */
+  /** The tool of the poses from now on. What waits keeps the tool it was pushed with. */
   set tool(id: number) {
     this.tool_ = id;
-    this.forget();
   }
 
   /** Where the tool goes next; `cuts`: on its path there. */
-  push(pose: Pose, cuts: boolean): void {
-    const last = this.waiting_.at(-1);
-    // Through the air only the newest place counts.
-    if (last && !last.cuts && !cuts) this.waiting_.pop();
-    this.waiting_.push({ pose: { tip: onGrid(pose.tip), axis: pose.axis }, cuts });
+  push({ tip, axis }: Pose, cuts: boolean): void {
+    this.queue_.push({ pose: { tip: onGrid(tip), axis }, cuts, tool: this.tool_ });
+  }
+
+  /** Asks the server, after all that waits. */
+  ask(request: PathRequest): void {
+    this.queue_.ask(request);
+  }
+
+  /** Undoes the newest stroke. Returns whether it had only waited: else the server is asked. */
+  undo(): boolean {
+    return this.queue_.undo(this.at_);
+  }
+
+  /** Redoes the stroke that was undone last. Returns whether it waits again: else as undo(). */
+  redo(): boolean {
+    return this.queue_.redo();
   }
 
   /** Drops what waits, and the place of the tool: the next pose is reached without a motion. */
   forget(): void {
-    this.waiting_ = [];
+    this.queue_.clear();
     this.at_ = null;
   }
 
+  /** How many poses and requests wait. */
   get waiting(): number {
-    return this.waiting_.length;
+    return this.queue_.size;
+  }
+
+  /** The requests that follow what was taken. They are to be sent before more is taken. */
+  takeRequests(): PathRequest[] {
+    return this.queue_.takeRequests();
   }
 
   /**
-   * Returns the samples that are due. A tool that is held in the cut is sent at rest, so that its
+   * Returns the samples that are due, up to the next request. A tool that is held in the cut is sent at rest, so that its
    * next motion does not seem to have lasted since the last one.
    */
   take(nowUs: number): Draft[] {
@@ -80,7 +88,7 @@ export class Sampler {
     const count = Math.floor(sinceUs * this.ratePerUs_);
     if (count < 1) return [];
     if (!this.at_) return this.place_(nowUs);
-    if (this.waiting_.length === 0) return this.at_.cuts ? [this.sample_(this.at_, nowUs)] : [];
+    if (!this.queue_.next) return this.at_.cuts ? [this.sample_(this.at_, nowUs)] : [];
     const startUs = nowUs - sinceUs;
     const steps = this.walk_(count, (this.speed_ * sinceUs) / 1e6);
     const length = steps.at(-1)!.reached || 1;
@@ -92,20 +100,29 @@ export class Sampler {
   }
 
   private place_(nowUs: number): Draft[] {
-    const first = this.waiting_.shift();
-    return first ? [this.sample_({ pose: first.pose, cuts: false }, nowUs)] : [];
+    const first = this.queue_.shift();
+    return first ? [this.sample_({ ...first, cuts: false }, nowUs)] : [];
   }
 
   /** Takes up to `count` poses within `reachMm` along the path, and divides the one beyond. */
   private walk_(count: number, reachMm: number): { waiting: Waiting; reached: number }[] {
     const steps: { waiting: Waiting; reached: number }[] = [];
     let from = this.at_!.pose;
+    let { tool } = this.at_!;
     let reached = 0;
-    while (this.waiting_.length > 0 && steps.length < count) {
-      const next = this.waiting_[0]!;
+    while (steps.length < count) {
+      const { next } = this.queue_;
+      if (!next) break;
+      if (next.tool !== tool) {
+        // Another tool begins at its first place.
+        this.queue_.shift();
+        steps.push({ waiting: { ...next, cuts: false }, reached });
+        ({ pose: from, tool } = next);
+        continue;
+      }
       const length = distance(from.tip, next.pose.tip);
       if (reached + length <= reachMm || !next.cuts) {
-        this.waiting_.shift();
+        this.queue_.shift();
         if (next.cuts) reached += length;
         steps.push({ waiting: next, reached });
         from = next.pose;
@@ -116,7 +133,7 @@ export class Sampler {
         tip: onGrid(lerp(from.tip, next.pose.tip, part)),
         axis: slerp(from.axis, next.pose.axis, part),
       };
-      steps.push({ waiting: { pose, cuts: true }, reached: reachMm });
+      steps.push({ waiting: { pose, cuts: true, tool }, reached: reachMm });
       break;
     }
     return steps;
@@ -130,7 +147,7 @@ export class Sampler {
       time_us: BigInt(time),
       tip_mm: waiting.pose.tip,
       axis: waiting.pose.axis,
-      tool_id: this.tool_,
+      tool_id: waiting.tool,
       buttons: waiting.cuts ? BUTTON_CUTTING | BUTTON_DEADMAN : 0,
       felt_share: 0,
     };

@@ -37,7 +37,7 @@ describe('hand', () => {
       },
     };
     hand = new Hand(viewer as unknown as Viewer, (place) => shown.push(place));
-    hand.limits = { speedMmPerS: 5000, samplesPerS: 1250 };
+    hand.sampler.limits = { speedMmPerS: 5000, samplesPerS: 1250 };
     hand.takeTool(BALL, '#d9541e', WELCOME);
   });
 
@@ -46,7 +46,7 @@ describe('hand', () => {
     const all: Draft[] = [];
     for (let n = 0; n < 60; ++n) {
       nowUs += 8000;
-      all.push(...hand.take(nowUs));
+      all.push(...hand.sampler.take(nowUs));
     }
     return all;
   }

@@ -125,13 +125,21 @@ describe('sampler', () => {
     expect(sampler.take(1_008_000)[0]!.tip_mm[0]).toBeCloseTo(0.333333, 9);
   });
 
-  it('begins again without a motion after the tool was changed', () => {
+  it('sends what waits with the tool that drew it, and begins without a motion with another', () => {
     const sampler = placed();
-    sampler.push(at(3), true);
+    sampler.push(at(0), true);
+    sampler.push(at(90), true);
+    sampler.push(at(90, 0, 5), false);
+    sampler.tool = 7;
     sampler.tool = 8;
-    expect(sampler.waiting).toBe(0);
+    sampler.push(at(40, 0, 5), false);
     sampler.push(at(40), true);
-    expect(sampler.take(1_008_000)).toMatchObject([{ tool_id: 8, buttons: 0, tip_mm: [40, 0, 0] }]);
+    const samples = drain(sampler, 1008);
+    const drawn = samples.filter(cuts);
+    expect(drawn.filter(({ tool_id }) => tool_id === 7).at(-1)!.tip_mm).toEqual([90, 0, 0]);
+    expect(drawn.at(-1)).toMatchObject({ tool_id: 8, tip_mm: [40, 0, 0] });
+    const [first] = samples.filter(({ tool_id }) => tool_id === 8);
+    expect(first).toMatchObject({ buttons: 0, tip_mm: [40, 0, 5] });
   });
 });
 
