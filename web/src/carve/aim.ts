@@ -83,6 +83,7 @@ export class Aim {
   private normal_: Vec3 | null = null; // smoothed along the path
   private last_: Vec3 | null = null; // the last place on the surface
   private axis_: Vec3 = UP;
+  private touched_: { point: Vec3; normal: Vec3 } | null = null; // by the newest pose
   private stroke_: Stroke | null = null;
 
   constructor(
@@ -110,7 +111,10 @@ export class Aim {
   move(surface: Probed, ray: Ray): Pose | null {
     const stroke = this.stroke_;
     if (!stroke) return null;
-    if (this.settings.mode === 'plane') return this.onPlane_(ray, stroke);
+    if (this.settings.mode === 'plane') {
+      this.touched_ = null;
+      return this.onPlane_(ray, stroke);
+    }
     const hit = surface.hit(ray);
     // Beside the block the tool goes on level, so that a stroke may run over the edge.
     return hit
@@ -120,9 +124,9 @@ export class Aim {
 
   /** The pose to which move() would lead, without going there. */
   peek(surface: Probed, ray: Ray): Pose | null {
-    const { normal_, last_, axis_ } = this;
+    const { normal_, last_, axis_, touched_ } = this;
     const pose = this.move(surface, ray);
-    Object.assign(this, { normal_, last_, axis_ });
+    Object.assign(this, { normal_, last_, axis_, touched_ });
     return pose;
   }
 
@@ -132,9 +136,15 @@ export class Aim {
     this.last_ = null;
   }
 
-  /** The same pose, clear of the surface. */
+  /** The same pose, clear of the surface: along its normal, or along the axis out of a plane. */
   lifted({ tip, axis }: Pose): Pose {
-    return { tip: plus(tip, axis, this.settings.depthMm + LIFT_MM), axis };
+    if (!this.touched_) return { tip: plus(tip, axis, this.settings.depthMm + LIFT_MM), axis };
+    const { point, normal } = this.touched_;
+    const { pieces, body } = this.profile;
+    const outline = [...pieces, ...body.pieces].flat();
+    const reach = reachBelow(outline, angleBetween(axis, normal));
+    const below = reach - dot(minus(tip, point), normal);
+    return { tip: plus(tip, normal, Math.max(0, below) + LIFT_MM), axis };
   }
 
   private onSurface_(surface: Probed, hit: Hit): Pose | null {
@@ -145,6 +155,7 @@ export class Aim {
     const tip = tipOn(hit.point, normal, axis, depthMm, this.profile);
     if (!tip) return null;
     this.last_ = hit.point;
+    this.touched_ = { point: hit.point, normal };
     this.axis_ = axis;
     return { tip, axis };
   }

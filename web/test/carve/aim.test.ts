@@ -209,9 +209,19 @@ describe('aim', () => {
     expect(angleBetween(before.axis, tilted(40))).toBeLessThan(0.05);
   });
 
-  it('lifts clear of the surface', () => {
-    const aim = aimOf(BALL);
-    const pose = aim.hover(slope([0, 0, 1]), down(0, 0))!;
-    expect(aim.lifted(pose).tip[2]).toBeGreaterThan(0.5);
+  it.each([0, 45, 60, 75, 90])('waits 1 mm clear of a slope of %d°', (degrees) => {
+    const normal = tilted(degrees);
+    const ray: Ray = { origin: [50, 0, 50], direction: unitOf([-1, 0, -1]) };
+    for (const mode of ['surface', 'plane'] as const)
+      for (const tool of TOOLS)
+        for (const leanMaxRad of [0, LEAN_MAX_RAD]) {
+          const aim = aimOf(tool, { mode, leanMaxRad });
+          const { pieces, body } = toolProfile(tool);
+          for (const pose of [aim.hover(slope(normal), ray)!, aim.begin(slope(normal), ray)!]) {
+            const { tip, axis } = aim.lifted(pose);
+            const least = lowest([...pieces, ...body.pieces], tip, axis, normal);
+            expect(least).toBeCloseTo(1, 2);
+          }
+        }
   });
 });
