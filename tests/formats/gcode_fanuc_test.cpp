@@ -44,6 +44,8 @@ TEST(FanucBlock, HomesDwellsAndCodesWithoutMotion) {
             "R 1 0 0");
   EXPECT_EQ(fanuc("G1 X1 F10\nG53 Z0\nX2\nM30\n"), "F 1 0 0, R 1 0 0, F 2 0 0");
   EXPECT_THAT(refused("G150 X1\n"), HasSubstr("G150"));
+  EXPECT_THAT(refused("#5230=30.\n"), HasSubstr("5230"));  // LinuxCNC's rotation of G54
+  EXPECT_THAT(refused("#7007=1.\n"), HasSubstr("7007"));
   EXPECT_THAT(refused("G31 X1 F1\n"), HasSubstr("probing"));
   EXPECT_THAT(refused("G68.2 X0 Y0 Z0 I0 J30 K0\n"), HasSubstr("tilts the working plane"));
 }

@@ -19,8 +19,12 @@ bool is_macro_variable(int number, bool assigned) {
   const auto within = [number](int first, int last) { return number >= first && number <= last; };
   if (within(1, kMacroLocalParameters) || within(100, 999)) return true;
   if (within(10000, kMacroParameterMax)) return true;  // more common ones of Haas
-  if (within(kSystem + kSystemStride, kSystem + 7 * kSystemStride - 1)) return true;
-  if (within(kMoreSystemsFirst, kMoreSystemsFirst + 99 * kSystemStride - 1)) return true;
+  // Six axes of each system; what follows them is LinuxCNC's, such as a rotation.
+  const auto is_axis = [&](int first, int systems) {
+    return within(first, first + systems * kSystemStride - 1) &&
+           (number - first) % kSystemStride < 6;
+  };
+  if (is_axis(kSystem + kSystemStride, 6) || is_axis(kMoreSystemsFirst, 99)) return true;
   if (assigned) return false;
   return number == 0 || within(kModal + 1, kModal + 130) || within(kMacroEnd, kMacroEnd + 5) ||
          within(kMacroPosition, kMacroPosition + 5);
