@@ -3,25 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/formats/canon_record.h"
-#include "tests/formats/scene_fixture.h"
+#include "tests/formats/dialect_runs.h"
 
 namespace kerf {
 namespace {
 
+using test::as;
+using test::fanuc;
+using test::haas;
+using test::refused;
 using testing::Contains;
 using testing::HasSubstr;
-
-GcodeEnvironment as(Dialect dialect) {
-  GcodeEnvironment environment;
-  environment.dialect = dialect;
-  return environment;
-}
-std::string fanuc(const std::string& text) { return test::moves_of(text, as(Dialect::kFanuc)); }
-std::string haas(const std::string& text) { return test::moves_of(text, as(Dialect::kHaas)); }
-std::string refused(const std::string& text, Dialect dialect = Dialect::kFanuc) {
-  return to_string(test::run_error_of(text, as(dialect)));
-}
 
 TEST(FanucBlock, StartsInRapidAndTheLastCodeOfAGroupCounts) {
   EXPECT_EQ(fanuc("X1 Y2\nM30\n"), "R 1 2 0");

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "kernel/dexel/dexel_field.h"
-#include "kernel/tool/tool_bounds.h"
+#include "tests/agent/replica/equal_near.h"
 #include "tests/server/session_fixture.h"
 
 namespace kerf {
@@ -109,24 +109,7 @@ class ReplicaTest : public SessionTest, public testing::WithParamInterface<const
     EXPECT_TRUE(session_->move(other_, {&sample, 1}).rejections.empty());
   }
   void expect_equal_near(Vec3 tip) {
-    const SolidSnapshot solid = session_->solid();
-    std::vector<Dexel> local, remote;
-    for (const DexelSnapshot& field : solid.fields) {
-      const DexelField* own = replica_->block().field(field.grid().axis);
-      const Bounds box = grown(tool_bounds(*replica_->block().tool(1), {tip, {0, 0, 1}}), 3);
-      tiles_through(field.grid(), box.lo_mm, box.hi_mm).all_of([&](TileIndex at) {
-        const auto tile = own->fresh(at);
-        for (int n = 0; n < kTileColumns; ++n) {
-          tile->read(n, local);
-          const auto column = field.column(at.x * kTileSide + n % kTileSide,
-                                           at.y * kTileSide + n / kTileSide, remote);
-          const bool equal = std::ranges::equal(local, column);
-          EXPECT_TRUE(equal) << "column " << n << " of tile " << at.x << ' ' << at.y;
-          if (!equal) return false;
-        }
-        return true;
-      });
-    }
+    test::expect_equal_near(*replica_, session_->solid(), tip, 3);
   }
 
   std::shared_ptr<Session> session_;

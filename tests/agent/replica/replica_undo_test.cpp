@@ -8,7 +8,7 @@
 
 #include "haptic_agent/replica/replica.h"
 #include "kernel/dexel/dexel_field.h"
-#include "kernel/tool/tool_bounds.h"
+#include "tests/agent/replica/equal_near.h"
 #include "tests/server/undo_fixture.h"
 
 namespace kerf {
@@ -101,26 +101,7 @@ class ReplicaUndo : public SessionUndo, public testing::WithParamInterface<const
   void expect_equal_at(Vec3 tip) {
     for (int n = 0; n < 3; ++n) ada(tip, false);
     arrive_all();
-    const SolidSnapshot solid = session_->solid();
-    std::vector<Dexel> local, remote;
-    for (const DexelSnapshot& field : solid.fields) {
-      const DexelField* own = replica_->block().field(field.grid().axis);
-      const Bounds box = grown(tool_bounds(*replica_->block().tool(1), {tip, {0, 0, 1}}), 5);
-      const TileRegion near = tiles_through(field.grid(), box.lo_mm, box.hi_mm);
-      EXPECT_GT(near.count(), 0);
-      near.all_of([&](TileIndex at) {
-        const auto tile = own->fresh(at);
-        for (int n = 0; n < kTileColumns; ++n) {
-          tile->read(n, local);
-          const auto column = field.column(at.x * kTileSide + n % kTileSide,
-                                           at.y * kTileSide + n / kTileSide, remote);
-          const bool equal = std::ranges::equal(local, column);
-          EXPECT_TRUE(equal) << "column " << n << " of tile " << at.x << ' ' << at.y;
-          if (!equal) return false;
-        }
-        return true;
-      });
-    }
+    test::expect_equal_near(*replica_, session_->solid(), tip, 5);
   }
   void expect_equal() {
     for (int n = -5; n <= 5; ++n) expect_equal_at({11.0 * n, 0, 4});

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "server/formats/program_error.h"
+#include "tests/formats/canon_record.h"
+#include "tests/formats/scene_fixture.h"
+
+namespace kerf::test {
+
+/// An environment in which a program is read as one of a controller.
+inline GcodeEnvironment as(Dialect dialect) {
+  GcodeEnvironment environment;
+  environment.dialect = dialect;
+  return environment;
+}
+
+/// The moves of a program of Fanuc, and of Haas, as moves_of() writes them.
+inline std::string fanuc(const std::string& text) { return moves_of(text, as(Dialect::kFanuc)); }
+inline std::string haas(const std::string& text) { return moves_of(text, as(Dialect::kHaas)); }
+
+/// The error for which a program is refused.
+inline std::string refused(const std::string& text, Dialect dialect = Dialect::kFanuc) {
+  return to_string(run_error_of(text, as(dialect)));
+}
+
+}  // namespace kerf::test
