@@ -4,6 +4,7 @@
 import type { SessionModel } from '../../model/session';
 import { iconButton } from '../dom';
 import { ICONS } from '../icons';
+import { lazyPanel } from '../lazy_panel';
 import type { Picture } from '../picture';
 
 /** What the panel needs of the page. */
@@ -20,26 +21,12 @@ export interface InspectHost {
 
 /** Adds the button to the toolbar; returns what it does. */
 export function mountInspect(host: InspectHost): () => void {
-  let panel: { toggle: () => void } | null = null;
-  let loading = false;
+  const open = lazyPanel('panel', async () => {
+    const { InspectPanel } = await import('./inspect_panel');
+    return new InspectPanel(host, host.picture.viewer!, button);
+  });
   const toggle = (): void => {
-    const { viewer } = host.picture;
-    if (!viewer) return; // without a picture there is nothing to inspect
-    if (panel) {
-      panel.toggle();
-    } else if (!loading) {
-      loading = true;
-      import('./inspect_panel').then(
-        ({ InspectPanel }) => {
-          panel = new InspectPanel(host, viewer, button);
-          panel.toggle();
-        },
-        (problem: unknown) => {
-          loading = false; // the next press tries again
-          console.warn('The panel did not load:', problem);
-        },
-      );
-    }
+    if (host.picture.viewer) open(); // without a picture there is nothing to inspect
   };
   const button = iconButton(ICONS.inspect, 'Sections and measures', 'I', toggle);
   button.setAttribute('aria-expanded', 'false');

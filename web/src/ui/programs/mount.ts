@@ -4,6 +4,7 @@
 import type { SessionModel } from '../../model/session';
 import { iconButton } from '../dom';
 import { ICONS } from '../icons';
+import { lazyPanel } from '../lazy_panel';
 import type { PathHost } from './path_control';
 
 /**
@@ -18,25 +19,11 @@ export function mountPrograms(
   host: PathHost,
   layoutChanged: () => void,
 ): void {
-  let panel: { toggle: () => void } | null = null;
-  let loading = false;
-  const button = iconButton(ICONS.program, 'NC programs', '', () => {
-    if (panel) {
-      panel.toggle();
-    } else if (!loading) {
-      loading = true;
-      import('./programs_panel').then(
-        ({ ProgramsPanel }) => {
-          panel = new ProgramsPanel(model, session, button, host, layoutChanged);
-          panel.toggle();
-        },
-        (problem: unknown) => {
-          loading = false; // the next press tries again
-          console.warn('The programs panel did not load:', problem);
-        },
-      );
-    }
+  const toggle = lazyPanel('programs panel', async () => {
+    const { ProgramsPanel } = await import('./programs_panel');
+    return new ProgramsPanel(model, session, button, host, layoutChanged);
   });
+  const button = iconButton(ICONS.program, 'NC programs', '', toggle);
   button.setAttribute('aria-expanded', 'false');
   toolbar.prepend(button);
 }

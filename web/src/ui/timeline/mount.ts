@@ -5,6 +5,7 @@ import type { SessionModel } from '../../model/session';
 import type { Seek } from '../../wire/types';
 import { iconButton } from '../dom';
 import { ICONS } from '../icons';
+import { lazyPanel } from '../lazy_panel';
 
 /** What the timeline needs of the page. */
 export interface TimelineHost {
@@ -18,25 +19,10 @@ export interface TimelineHost {
 
 /** Adds the button to the toolbar; returns what it does. */
 export function mountTimeline(host: TimelineHost): () => void {
-  let timeline: { toggle: () => void } | null = null;
-  let loading = false;
-  const toggle = (): void => {
-    if (timeline) {
-      timeline.toggle();
-    } else if (!loading) {
-      loading = true;
-      import('./timeline').then(
-        ({ Timeline }) => {
-          timeline = new Timeline(host, button);
-          timeline.toggle();
-        },
-        (problem: unknown) => {
-          loading = false; // the next press tries again
-          console.warn('The timeline did not load:', problem);
-        },
-      );
-    }
-  };
+  const toggle = lazyPanel('timeline', async () => {
+    const { Timeline } = await import('./timeline');
+    return new Timeline(host, button);
+  });
   const button = iconButton(ICONS.timeline, 'Timeline', 'T', toggle);
   button.setAttribute('aria-expanded', 'false');
   host.toolbar.firstElementChild?.after(button);
