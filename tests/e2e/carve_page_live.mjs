@@ -114,6 +114,16 @@ async function checkExport(server, folder, { state_hash: hash }) {
   assert.equal(report.state_hash, hash, 'kerf-carve makes another block of the export');
 }
 
+/** A section would hide what is carved: its panel and carving close each other. */
+async function checkExcludesSections({ page }) {
+  await page.keyboard.press('i');
+  await page.getByRole('region', { name: 'Sections and measures' }).waitFor();
+  assert.equal(await page.locator('.carve-bar').count(), 0, 'one carves beside a section');
+  await page.keyboard.press('c');
+  await page.locator('main[data-carve=ready]').waitFor();
+  assert.equal(await page.locator('.inspect:visible').count(), 0, 'a section stays');
+}
+
 async function checkSculptor(browser, server, folder) {
   const viewer = await openInvited(browser, server, 'sculptor', 'Grace');
   const { page, problems } = viewer;
@@ -145,6 +155,7 @@ async function checkSculptor(browser, server, folder) {
   await settled(server, 'redo', ({ state_hash: hash }) => hash === cut.state_hash);
 
   await checkLayouts(viewer);
+  await checkExcludesSections(viewer);
   await page.keyboard.press('Escape');
   await until('no agent', 10, async () => {
     const { participants } = await session(server);

@@ -115,6 +115,14 @@ describe('view link', () => {
     );
   });
 
+  it('knows the name under which it joins, which may be too long', () => {
+    const { link } = join(server.port, 'demo', undefined, undefined, 5, 'x'.repeat(70));
+    expect(link.name).toBe('x'.repeat(64));
+    link.rename('Ada');
+    expect(link.name).toBe('Ada');
+    link.stop();
+  });
+
   it('joins again under another name, and keeps it', async () => {
     const { link, statuses } = join(server.port, 'demo');
     const joined = (count: number) =>

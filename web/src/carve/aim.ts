@@ -6,7 +6,8 @@ import type { Bounds } from '../model/session';
 import type { OutlinePoint, ToolProfile } from '../model/tool_profile';
 import type { Vec3 } from '../wire/types';
 import type { Pose } from './path_queue';
-import type { Hit, Ray } from './surface';
+import type { Hit } from '../model/surface';
+import type { Ray } from './surface';
 import { across, distance, dot, minus, plus, unitOf } from '../model/vector';
 import { angleBetween, lerp, turned } from './vectors';
 

@@ -3,6 +3,7 @@
 // after a loss continues as the same participant, without a gap in its path.
 
 import { Backoff } from '../link/backoff';
+import { Silence } from '../link/silence';
 import type { Socket } from '../link/view_link';
 import { parseAgentControl } from '../wire/agent_control';
 import type { AgentHello, AgentMessage, AgentRequest, AgentWelcome } from '../wire/agent_control';
@@ -36,7 +37,6 @@ export interface CarveLinkOptions {
 }
 
 const PING_EVERY_MS = 1000; // pongs state what is durable, also while the tool rests
-const SILENCE_MAX_MS = 10_000;
 const UNANSWERED_MAX = 512; // half a second at full rate: a slow server is not flooded
 
 export class CarveLink {
@@ -46,7 +46,7 @@ export class CarveLink {
   private welcome_: AgentWelcome | null = null;
   private token_ = '';
   private sequence_ = 0n;
-  private heardMs_ = 0;
+  private readonly silence_ = new Silence(PING_EVERY_MS);
   private byeReason_ = '';
   private timer_: ReturnType<typeof setInterval> | undefined;
   private retry_: ReturnType<typeof setTimeout> | undefined;
@@ -105,7 +105,7 @@ export class CarveLink {
     const generation = ++this.generation_;
     this.become_('joining', reason);
     this.byeReason_ = '';
-    this.heardMs_ = this.options.nowMs();
+    this.silence_.begin(this.options.nowMs());
     const socket = this.options.open(this.options.url, AGENT_PROTOCOL);
     socket.binaryType = 'arraybuffer';
     this.socket_ = socket;
@@ -150,8 +150,7 @@ export class CarveLink {
   }
 
   private tick_(): void {
-    const now = this.options.nowMs();
-    if (now - this.heardMs_ > SILENCE_MAX_MS) {
+    if (this.silence_.tick(this.options.nowMs())) {
       this.lost_('The server stopped answering.');
       return;
     }
@@ -179,7 +178,7 @@ export class CarveLink {
   }
 
   private received_(data: unknown): void {
-    this.heardMs_ = this.options.nowMs();
+    this.silence_.heard(this.options.nowMs());
     if (typeof data === 'string') {
       const message = parseAgentControl(data);
       if (message.ok && message.value) this.heard_(message.value);

@@ -7,7 +7,6 @@ import { pathOf } from '../link/strokes';
 import type { Socket } from '../link/view_link';
 import { toolProfile } from '../model/tool_profile';
 import { sentence } from '../ui/format';
-import { recall } from '../ui/memory';
 import type { Viewer } from '../view/viewer';
 import type { AgentWelcome } from '../wire/agent_control';
 import type { Result, ToolInfo, Welcome } from '../wire/types';
@@ -23,6 +22,7 @@ import { listenToCarveKeys } from './keys';
 import type { CarveHost } from './mount';
 import { Pointers } from './pointers';
 import type { Place } from './pointers';
+import { whyNotNow } from './reasons';
 import { Rumble } from './rumble';
 
 const TICK_MS = 8;
@@ -33,7 +33,6 @@ const DEEPEST_RADII = 4;
 const HELP =
   'Drag on the block to carve. Right drag, or Space and drag, turns; the wheel zooms; Esc ends.';
 const HELP_TOUCH = 'One finger carves, two turn and zoom, three pan. Tap with two to undo.';
-const DISK_FULL = 'The server cannot write: nothing is carved until it can.';
 
 function isTouched(): boolean {
   return matchMedia('(pointer: coarse)').matches;
@@ -43,6 +42,7 @@ export class CarveMode {
   private readonly bar_: CarveBar;
   private readonly gauge_ = new Gauge();
   private readonly rumble_ = new Rumble();
+  private readonly close_ = (): void => this.leave();
   private readonly link_: CarveLink;
   private readonly hand_: Hand;
   private readonly delivery_: Delivery;
@@ -79,6 +79,7 @@ export class CarveMode {
   enter(): void {
     const { welcome } = this.host.model;
     if (this.isActive || !welcome) return;
+    this.host.oneOpen.opens(this.close_); // a section would hide what is carved
     this.main_.classList.add('carving');
     this.main_.append(this.bar_.element);
     this.host.overlay.append(this.gauge_.element);
@@ -97,6 +98,7 @@ export class CarveMode {
 
   leave(): void {
     if (!this.pointers_) return;
+    this.host.oneOpen.closed(this.close_);
     this.pointers_.dispose();
     this.pointers_ = null;
     clearInterval(this.timer_);
@@ -187,7 +189,7 @@ export class CarveMode {
   // -----------------------------------------------------------------------------------------------
 
   private begin_(place: Place): void {
-    const reason = this.whyNotNow_();
+    const reason = whyNotNow(this.host.model, this.isJoined_());
     if (reason !== '') {
       this.say_(reason, true);
       return;
@@ -215,13 +217,6 @@ export class CarveMode {
 
   private changed_(undone: boolean): void {
     this.say_(`Your stroke was ${undone ? 'undone' : 'redone'}.`);
-  }
-
-  private whyNotNow_(): string {
-    const { state } = this.host.model;
-    if (state?.at) return 'This is the past: go back to live to carve.';
-    if (state?.paused) return DISK_FULL;
-    return this.isJoined_() ? '' : 'Not connected yet: wait a moment.';
   }
 
   private hasEnded_(): boolean {
@@ -262,10 +257,7 @@ export class CarveMode {
 
   /** Name and color of the watcher: others see one person. */
   private who_(): { name: string; color: string } {
-    const { participants, welcome } = this.host.model;
-    const self = participants.get(welcome?.participant ?? -1)?.info;
-    const name = self?.name ?? recall('name') ?? 'Guest';
-    return { name, color: self?.color ?? welcome!.color };
+    return { name: this.host.name(), color: this.host.model.welcome!.color };
   }
 
   private chooseTool_(id: number): void {

@@ -12,7 +12,7 @@ import type { Pose } from './path_queue';
 import { PointerPath } from './pointer_path';
 import type { Place } from './pointers';
 import { Sampler } from './sampler';
-import { bounded, Surface } from './surface';
+import { Surface } from './surface';
 import type { Ray } from './surface';
 
 const RESTS_MS = 40; // a pointer from which nothing comes for so long
@@ -25,7 +25,6 @@ export class Hand {
   readonly sampler = new Sampler(0);
   private aim_: Aim | null = null;
   private tool_: ToolView | null = null;
-  private welcome_: Welcome | null = null;
   private surface_: { changes: number; surface: Surface } | null = null;
   /** While it lasts: the surface as it was when it began. */
   private stroke_: { surface: Surface; path: PointerPath; movedMs: number } | null = null;
@@ -39,8 +38,6 @@ export class Hand {
 
   /** Takes a tool of the session. A stroke must have ended; it is sent with its own tool. */
   takeTool(tool: ToolInfo, color: string, welcome: Welcome): void {
-    if (welcome !== this.welcome_) this.surface_ = null;
-    this.welcome_ = welcome;
     this.aim_ = new Aim(toolProfile(tool), stockBounds(welcome.stock), this.settings);
     this.sampler.tool = tool.id;
     this.hide();
@@ -144,10 +141,10 @@ export class Hand {
 
   /** The surface as it is displayed now. */
   private current_(): Surface {
-    const { tiles } = this.viewer;
-    const { changes } = tiles;
+    const { displayed } = this.viewer;
+    const { changes } = displayed;
     if (this.surface_?.changes !== changes) {
-      this.surface_ = { changes, surface: new Surface(bounded(tiles.tiles(), this.welcome_!)) };
+      this.surface_ = { changes, surface: new Surface(displayed.pieces) };
     }
     return this.surface_.surface;
   }

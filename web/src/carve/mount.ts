@@ -4,19 +4,23 @@
 import { iconButton } from '../ui/dom';
 import { ICONS } from '../ui/icons';
 import type { SessionModel } from '../model/session';
+import type { OneOpen } from '../ui/one_open';
 import type { Picture } from '../ui/picture';
-import type { Welcome } from '../wire/types';
 import type { CarveMode } from './carve_mode';
+import { whyNotCarve } from './reasons';
 
 /** What carving needs of the page. */
 export interface CarveHost {
   model: SessionModel;
   session: string;
+  /** Under which this viewer is in the session, also where the list of people leaves viewers out. */
+  name: () => string;
   picture: Picture;
   canvas: HTMLElement;
   /** Over the picture; does not take the pointer. */
   overlay: HTMLElement;
   toolbar: HTMLElement;
+  oneOpen: OneOpen;
   /** The bar was opened or closed, and covers another part of the picture. */
   layoutChanged: () => void;
   /** Says why something is not done. */
@@ -27,12 +31,6 @@ export interface CarveSwitch {
   toggle: () => void;
   /** Shows whether this viewer may carve. */
   update: () => void;
-}
-
-/** Returns why this viewer may not carve, as a sentence for the user; empty: it may. */
-export function whyNotCarve({ may, role }: Pick<Welcome, 'may' | 'role'>): string {
-  if (may === undefined || may.includes('carve')) return '';
-  return `Your role${role === undefined ? '' : `, ${role},`} may not carve.`;
 }
 
 const LABEL = 'Carve';

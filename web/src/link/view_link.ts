@@ -10,6 +10,7 @@ import { nameThatFits } from '../wire/names';
 import { FrameType, VIEW_PROTOCOL } from '../wire/types';
 import type { Frame, Header, Look, Seek, ServerMessage, ToolState } from '../wire/types';
 import { Backoff } from './backoff';
+import { Silence } from './silence';
 
 export type LinkStatus = 'connecting' | 'connected' | 'reconnecting' | 'stopped';
 
@@ -74,7 +75,6 @@ export interface LinkOptions {
 /** After so many failed connections a server that named its successor counts as gone. */
 const ATTEMPTS_BEFORE_FOLLOWING = 3;
 const PING_EVERY_MS = 2000;
-const SILENCE_MAX_MS = 10000; // without any message for so long, the connection counts as lost
 
 export class ViewLink {
   private socket_: Socket | null = null;
@@ -82,8 +82,7 @@ export class ViewLink {
   private applying_: Promise<void> = Promise.resolve();
   private epoch_ = 0;
   private sequence_ = 0n;
-  private lastReceivedMs_ = 0;
-  private lastTickMs_ = 0;
+  private readonly silence_ = new Silence(PING_EVERY_MS);
   private byeReason_ = '';
   private redirect_ = ''; // named by the last bye; empty after a welcome
   private failures_ = 0; // connections since then that were not accepted
@@ -123,6 +122,11 @@ export class ViewLink {
     return this.retryAtMs_;
   }
 
+  /** Under which the viewer joins. */
+  get name(): string {
+    return this.name_;
+  }
+
   /** Joins again under another name: participants keep theirs as long as they are connected. */
   rename(name: string): void {
     this.name_ = nameThatFits(name);
@@ -157,8 +161,7 @@ export class ViewLink {
     this.welcomed_ = false;
     this.retryAtMs_ = null;
     this.byeReason_ = '';
-    this.lastReceivedMs_ = this.options.nowMs();
-    this.lastTickMs_ = this.lastReceivedMs_;
+    this.silence_.begin(this.options.nowMs());
     this.events.status(status, reason);
     const socket = this.options.open(this.options.url, VIEW_PROTOCOL);
     socket.binaryType = 'arraybuffer';
@@ -215,11 +218,7 @@ export class ViewLink {
 
   private tick_(): void {
     const now = this.options.nowMs();
-    // A page that was suspended has unread messages: restart the silence timeout, so that they are
-    // read before it expires.
-    if (now - this.lastTickMs_ > 2 * PING_EVERY_MS) this.lastReceivedMs_ = now;
-    this.lastTickMs_ = now;
-    if (now - this.lastReceivedMs_ > SILENCE_MAX_MS) {
+    if (this.silence_.tick(now)) {
       void this.lost_('The server stopped answering.');
     } else if (this.welcomed_) {
       this.events.pinged();
@@ -244,7 +243,7 @@ export class ViewLink {
   }
 
   private received_(data: unknown, current: () => boolean): void {
-    this.lastReceivedMs_ = this.options.nowMs();
+    this.silence_.heard(this.options.nowMs());
     if (typeof data === 'string') {
       this.receivedText_(data);
     } else if (data instanceof ArrayBuffer) {

@@ -3,6 +3,7 @@
 // which most need not be looked at.
 
 import type { Vec3 } from '../wire/types';
+import { Line } from './line';
 import { cross, dot, minus, plus, unitOf } from './vector';
 
 /** A part of the surface. */
@@ -39,74 +40,12 @@ export function normalOf(corners: Float64Array, at: number): Vec3 {
   return unitOf(cross(minus(b, a), minus(c, a)));
 }
 
-function meetsBox(origin: Vec3, direction: Vec3, { min, max }: Piece): boolean {
-  let near = -Infinity;
-  let far = Infinity;
-  for (const n of [0, 1, 2] as const) {
-    if (direction[n] === 0) {
-      if (origin[n] < min[n] || origin[n] > max[n]) return false;
-    } else {
-      const a = (min[n] - origin[n]) / direction[n];
-      const b = (max[n] - origin[n]) / direction[n];
-      near = Math.max(near, Math.min(a, b));
-      far = Math.min(far, Math.max(a, b));
-    }
-  }
-  return near <= far;
-}
-
-/** A line in coordinates in which it is the third axis. */
-class Line {
-  private readonly z_: 0 | 1 | 2;
-  private readonly x_: 0 | 1 | 2;
-  private readonly y_: 0 | 1 | 2;
-  private readonly shearX_: number;
-  private readonly shearY_: number;
-
-  constructor(
-    private readonly origin: Vec3,
-    private readonly direction: Vec3,
-  ) {
-    const size = direction.map(Math.abs) as Vec3;
-    this.z_ = size[0] > size[1] ? (size[0] > size[2] ? 0 : 2) : size[1] > size[2] ? 1 : 2;
-    this.x_ = ((this.z_ + 1) % 3) as 0 | 1 | 2;
-    this.y_ = ((this.z_ + 2) % 3) as 0 | 1 | 2;
-    this.shearX_ = direction[this.x_] / direction[this.z_];
-    this.shearY_ = direction[this.y_] / direction[this.z_];
-  }
-
-  /**
-   * Where the line meets a triangle; NaN: nowhere. Neighboring triangles compute the same numbers
-   * for their edge, so that no line passes between them (Woop, Benthin, Wald 2013).
-   */
-  meets(corners: Float64Array, at: number): number {
-    const [ax, ay, az] = this.sheared_(corners, at);
-    const [bx, by, bz] = this.sheared_(corners, at + 3);
-    const [cx, cy, cz] = this.sheared_(corners, at + 6);
-    const u = cx * by - cy * bx;
-    const v = ax * cy - ay * cx;
-    const w = bx * ay - by * ax;
-    if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return Number.NaN;
-    const sum = u + v + w;
-    return sum === 0 ? Number.NaN : (u * az + v * bz + w * cz) / sum;
-  }
-
-  private sheared_(corners: Float64Array, at: number): Vec3 {
-    const z = corners[at + this.z_]! - this.origin[this.z_];
-    return [
-      corners[at + this.x_]! - this.origin[this.x_] - this.shearX_ * z,
-      corners[at + this.y_]! - this.origin[this.y_] - this.shearY_ * z,
-      z / this.direction[this.z_],
-    ];
-  }
-}
-
 /** Where a line, in both directions of its origin, meets the surface, in its order. */
 export function hitsOf(pieces: readonly Piece[], origin: Vec3, direction: Vec3): Hit[] {
   const line = new Line(origin, direction);
   const hits: Hit[] = [];
   for (const piece of pieces) {
-    if (!meetsBox(origin, direction, piece)) continue;
+    if (line.enters(piece.min, piece.max, 0, -Infinity) === Infinity) continue;
     const corners = piece.corners();
     for (let n = 0; n < corners.length; n += 9) {
       const at = line.meets(corners, n);

@@ -25,6 +25,7 @@ import { listenToKeys } from './keyboard';
 import { remember } from './memory';
 import { failurePage, Notice } from './notice';
 import type { NoticeText } from './notice';
+import { OneOpen } from './one_open';
 import { Panel } from './panel';
 import { Picture } from './picture';
 import { Poster } from './poster';
@@ -115,7 +116,10 @@ export class SessionPage {
       ),
     );
     const pathHost = { picture: this.picture, canvas: this.canvas_, overlay: this.overlay_ };
-    mountPrograms(this.model, session, this.toolbar_.element, pathHost, () => this.resize_());
+    const oneOpen = new OneOpen();
+    mountPrograms(this.model, session, this.toolbar_.element, pathHost, oneOpen, () =>
+      this.resize_(),
+    );
     this.toggleTimeline_ = mountTimeline({
       model: this.model,
       session,
@@ -129,15 +133,18 @@ export class SessionPage {
       canvas: this.canvas_,
       overlay: this.overlay_,
       toolbar: this.toolbar_.element,
+      oneOpen,
       layoutChanged: () => this.resize_(),
     });
     this.carve_ = mountCarve({
       model: this.model,
       session,
+      name: () => this.link_.name,
       picture: this.picture,
       canvas: this.canvas_,
       overlay: this.overlay_,
       toolbar: this.toolbar_.element,
+      oneOpen,
       layoutChanged: () => this.resize_(),
       say: (text) => this.flash_(text),
     });

@@ -16,6 +16,7 @@ import { MESH_SNAPSHOT_LAST } from '../wire/types';
 import type { Header, Welcome } from '../wire/types';
 import { CameraRig } from './camera_rig';
 import { CarverViews } from './carver_views';
+import { DisplayedSurface } from './displayed_surface';
 import { TileParser } from './glb_tiles';
 import type { ParsedTile } from './glb_tiles';
 import { Stage } from './stage';
@@ -39,6 +40,8 @@ export class Viewer {
   readonly stage: Stage;
   readonly stockMaterial = new StockMaterial();
   readonly tiles = new TileView(this.stockMaterial.material);
+  /** The triangles of the tiles, for rays. */
+  readonly displayed = new DisplayedSurface(this.tiles);
   private readonly parser_ = new TileParser();
   private readonly carvers_: CarverViews;
   private readonly quality_: Quality;

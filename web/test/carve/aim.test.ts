@@ -2,7 +2,8 @@
 import { describe, expect, it } from 'vitest';
 import { Aim, LEAN_MAX_RAD, leaned, tipOn } from '../../src/carve/aim';
 import type { AimSettings, Probed } from '../../src/carve/aim';
-import type { Hit, Ray } from '../../src/carve/surface';
+import type { Ray } from '../../src/carve/surface';
+import type { Hit } from '../../src/model/surface';
 import { across, dot, minus, unitOf } from '../../src/model/vector';
 import { angleBetween } from '../../src/carve/vectors';
 import { toolProfile } from '../../src/model/tool_profile';
@@ -26,7 +27,7 @@ function slope(normal: Vec3): Probed {
     hit: ({ origin, direction }) => {
       const at = -dot(origin, normal) / dot(direction, normal);
       const point = [0, 1, 2].map((i) => origin[i]! + at * direction[i]!) as Vec3;
-      return { point, normal, distance: at };
+      return { at, point, normal, enters: true };
     },
     smoothNormal: (hit) => hit.normal,
   };
@@ -40,7 +41,7 @@ const globe: Probed = {
     if (root < 0) return null;
     const at = -along - Math.sqrt(root);
     const point = [0, 1, 2].map((i) => origin[i]! + at * direction[i]!) as Vec3;
-    return { point, normal: unitOf(point), distance: at };
+    return { at, point, normal: unitOf(point), enters: true };
   },
   smoothNormal: (hit) => hit.normal,
 };
@@ -194,7 +195,7 @@ describe('aim', () => {
         const x = ray.origin[0];
         const normal = x < 0 ? tilted(-40) : tilted(40);
         const z = -Math.abs(x) * Math.tan((40 * Math.PI) / 180);
-        return { point: [x, 0, z], normal, distance: 100 - z };
+        return { at: 100 - z, point: [x, 0, z], normal, enters: true };
       },
       smoothNormal: (hit) => hit.normal,
     };

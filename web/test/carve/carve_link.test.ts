@@ -2,13 +2,14 @@
 import { readFileSync } from 'node:fs';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { CarveLink } from '../../src/carve/carve_link';
-import { whyNotCarve } from '../../src/carve/mount';
+import { whyNotCarve, whyNotNow } from '../../src/carve/reasons';
 import type { Draft } from '../../src/carve/sample_log';
 import { Backoff } from '../../src/link/backoff';
 import type { Socket } from '../../src/link/view_link';
 import { parseAgentControl } from '../../src/wire/agent_control';
 import { decodeFrame } from '../../src/wire/decode';
 import { FrameType } from '../../src/wire/types';
+import type { StateMessage } from '../../src/wire/types';
 
 const golden = new URL('../../../tests/wire/golden/', import.meta.url);
 
@@ -219,6 +220,15 @@ describe('carve link', () => {
     vi.advanceTimersByTime(3000);
     expect(log).toContain('lost The server stopped answering.');
   });
+
+  it('is not lost while the browser lets a hidden page run once a minute', () => {
+    join();
+    for (let minute = 0; minute < 5; ++minute) {
+      vi.setSystemTime(Date.now() + 60_000);
+      vi.advanceTimersByTime(1000);
+    }
+    expect(log.at(-1)).toBe('joined 500');
+  });
 });
 
 describe('messages to an agent', () => {
@@ -245,6 +255,25 @@ describe('messages to an agent', () => {
     });
     for (const text of ['', '[]', '{"type":"bye"}', JSON.stringify({ ...WELCOME, limits: 1 })])
       expect(parseAgentControl(text).ok).toBe(false);
+  });
+});
+
+describe('whyNotNow', () => {
+  it('asks for both connections, the present, and a server that can write', () => {
+    const state: StateMessage = {
+      type: 'state',
+      motions: 1,
+      removed_volume_mm3: 0,
+      state_hash: '',
+      settled: true,
+    };
+    const at = { record: 1, time_ms: 0, rate: 0 };
+    expect(whyNotNow({ state, status: 'connected' }, true)).toBe('');
+    expect(whyNotNow({ state, status: 'connected' }, false)).toContain('Not connected');
+    expect(whyNotNow({ state, status: 'reconnecting' }, true)).toContain('Not connected');
+    expect(whyNotNow({ state: { ...state, at }, status: 'connected' }, true)).toContain('past');
+    const paused = { ...state, paused: 'disk' as const };
+    expect(whyNotNow({ state: paused, status: 'connected' }, true)).toContain('cannot write');
   });
 });
 

@@ -4,6 +4,7 @@ import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { Hand } from '../../src/carve/hand';
 import type { Place } from '../../src/carve/pointers';
 import type { Draft } from '../../src/carve/sample_log';
+import { DisplayedSurface } from '../../src/view/displayed_surface';
 import type { TileView } from '../../src/view/tile_view';
 import type { Viewer } from '../../src/view/viewer';
 import type { ToolInfo } from '../../src/wire/types';
@@ -28,7 +29,7 @@ describe('hand', () => {
     nowUs = 1e6;
     eye = new THREE.Vector3(0, 0, 500);
     const viewer = {
-      tiles,
+      displayed: new DisplayedSurface(tiles),
       stage: { scene },
       touchAll: vi.fn(),
       ray: (x: number, y: number) => {

@@ -4,23 +4,18 @@
 import * as THREE from 'three';
 import { bench, describe } from 'vitest';
 import { Aim } from '../../src/carve/aim';
-import { bounded, Surface } from '../../src/carve/surface';
+import { Surface } from '../../src/carve/surface';
 import type { Ray } from '../../src/carve/surface';
 import { unitOf } from '../../src/model/vector';
 import { toolProfile } from '../../src/model/tool_profile';
-import type { DisplayedTile } from '../../src/view/tile_view';
-import type { Vec3, Welcome } from '../../src/wire/types';
+import { DisplayedSurface } from '../../src/view/displayed_surface';
+import type { DisplayedTile, TileView } from '../../src/view/tile_view';
+import type { Vec3 } from '../../src/wire/types';
 
 const TILES = 64;
 const CELLS = 32;
 const PITCH = 0.1;
 const SIDE = CELLS * PITCH;
-const WELCOME = {
-  pitch_mm: PITCH,
-  grid: { origin_mm: [0, 0, -30], columns: [2048, 2048], tile: CELLS },
-  stock: { shape: 'box', min_mm: [0, 0, -30], max_mm: [TILES * SIDE, TILES * SIDE, 0] },
-} as unknown as Welcome;
-
 function tile(x: number, y: number): DisplayedTile {
   const words = new Int16Array(3 * (CELLS + 1) ** 2);
   const index: number[] = [];
@@ -46,8 +41,9 @@ describe('a block of 4,194,304 columns', () => {
   const tiles = Array.from({ length: TILES * TILES }, (_, n) =>
     tile(n % TILES, Math.floor(n / TILES)),
   );
-  const shown = bounded(tiles, WELCOME);
-  const surface = new Surface(shown);
+  const view = { changes: 0, tiles: () => tiles };
+  const displayed = new DisplayedSurface(view as unknown as TileView);
+  const surface = new Surface(displayed.pieces);
   const profile = toolProfile({ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 });
   const bounds = { min: [0, 0, -30] as Vec3, max: [205, 205, 0] as Vec3 };
   const aim = new Aim(profile, bounds, { mode: 'surface', depthMm: 1, leanMaxRad: 0.7 });
@@ -60,7 +56,8 @@ describe('a block of 4,194,304 columns', () => {
     return { origin, direction: unitOf([0, 1, 2].map((i) => target[i]! - origin[i]!) as Vec3) };
   };
   bench('the tiles of a stroke', () => {
-    new Surface(bounded(tiles, WELCOME));
+    view.changes += 1; // all are as before
+    new Surface(displayed.pieces);
   });
   bench('a ray', () => void surface.hit(next()));
   bench('a pose', () => void aim.hover(surface, next()));

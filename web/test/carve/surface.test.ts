@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
-import { bounded, Surface } from '../../src/carve/surface';
+import { Surface } from '../../src/carve/surface';
 import type { Ray } from '../../src/carve/surface';
 import { tileAt, tileKey } from '../../src/model/tiles';
+import { DisplayedSurface } from '../../src/view/displayed_surface';
 import type { TileView } from '../../src/view/tile_view';
 import type { Vec3 } from '../../src/wire/types';
-import { block, SIDE, tileOf, TILES, WELCOME } from '../support/tiles';
+import { block, SIDE, tileOf, TILES } from '../support/tiles';
 
 function random(seed: number): () => number {
   let state = seed;
@@ -17,7 +18,7 @@ function random(seed: number): () => number {
 }
 
 function surfaceOf(view: TileView): Surface {
-  return new Surface(bounded(view.tiles(), WELCOME));
+  return new Surface(new DisplayedSurface(view).pieces);
 }
 
 const bumpy = (x: number, y: number): number => -4 + 3 * Math.sin(x / 3) * Math.cos(y / 4);
@@ -44,7 +45,7 @@ describe('surface', () => {
       met += 1;
       expect(new THREE.Vector3(...hit.point).distanceTo(expected)).toBeLessThan(1e-3);
       expect(Math.hypot(...hit.normal)).toBeCloseTo(1);
-      expect(hit.distance).toBeCloseTo(origin.distanceTo(expected), 2);
+      expect(hit.at).toBeCloseTo(origin.distanceTo(expected), 2);
     }
     expect(met).toBeGreaterThan(150);
   });

@@ -5,7 +5,6 @@ import '../style/inspect.css';
 import type { LengthUnit } from '../../model/measure';
 import type { Bounds } from '../../model/session';
 import { stockBounds } from '../../model/session';
-import { DisplayedSurface } from '../../view/inspect/displayed_surface';
 import type { Layer, Viewer } from '../../view/viewer';
 import type { Preset } from '../../view/camera_rig';
 import { h } from '../dom';
@@ -22,9 +21,9 @@ const TAP_PX = 5;
 const NARROW = '(max-width: 1100px), (max-height: 560px)';
 
 export class InspectPanel implements Layer {
-  private readonly surface_: DisplayedSurface;
   private readonly sectioning_: Sectioning;
   private readonly measuring_: Measuring;
+  private readonly close_ = (): void => this.setOpen_(false);
   private readonly cube_ = new ViewCube((preset) => this.view_(preset));
   private readonly element_: HTMLElement;
   private readonly parallel_ = this.toggleButton_('Parallel', () => this.project_());
@@ -39,11 +38,11 @@ export class InspectPanel implements Layer {
     private readonly viewer: Viewer,
     private readonly opener: HTMLElement,
   ) {
-    this.surface_ = new DisplayedSurface(viewer.tiles);
-    const picker = new Picker(viewer, this.surface_);
+    const { displayed } = viewer;
+    const picker = new Picker(viewer, displayed);
     const bounds = (): Bounds => stockBounds(host.model.welcome!.stock);
-    this.sectioning_ = new Sectioning(viewer, this.surface_, bounds);
-    this.measuring_ = new Measuring(viewer, this.surface_, host, (x, y) =>
+    this.sectioning_ = new Sectioning(viewer, displayed, bounds);
+    this.measuring_ = new Measuring(viewer, displayed, host, (x, y) =>
       picker.at(x, y, this.sectioning_.plane, this.sectioning_.outline, 2 * this.pitch_),
     );
     this.sectioning_.chosen = () => this.measuring_.choose(null);
@@ -74,7 +73,14 @@ export class InspectPanel implements Layer {
 
   toggle(): void {
     const open = this.element_.hidden;
-    if (open) this.closeOthers_();
+    this.setOpen_(open);
+    if (!open) this.opener.focus();
+  }
+
+  private setOpen_(open: boolean): void {
+    if (open) this.host.oneOpen.opens(this.close_);
+    else this.host.oneOpen.closed(this.close_);
+    if (open && matchMedia(NARROW).matches) this.closeTimeline_();
     this.element_.hidden = !open;
     this.opener.setAttribute('aria-expanded', String(open));
     this.element_.parentElement?.classList.toggle('has-inspect', open);
@@ -92,7 +98,6 @@ export class InspectPanel implements Layer {
       this.sectioning_.choose('none');
       this.measuring_.clear();
       this.measuring_.choose(null);
-      this.opener.focus();
     }
   }
 
@@ -114,12 +119,10 @@ export class InspectPanel implements Layer {
     this.hover_ = null;
   }
 
-  /** One panel at the side, and on phones one below. */
-  private closeOthers_(): void {
-    const main = this.opener.closest('main');
-    const isNarrow = matchMedia(NARROW).matches;
-    for (const name of isNarrow ? ['NC programs', 'Timeline'] : ['NC programs'])
-      main?.querySelector<HTMLElement>(`[aria-label="${name}"][aria-expanded="true"]`)?.click();
+  /** It lies where the panel does. */
+  private closeTimeline_(): void {
+    const timeline = '[aria-label="Timeline"][aria-expanded="true"]';
+    this.opener.closest('main')?.querySelector<HTMLElement>(timeline)?.click();
   }
 
   private listen_(main: Element): void {
@@ -149,13 +152,9 @@ export class InspectPanel implements Layer {
       this.sectioning_.waitForFace(false);
       this.measuring_.choose(null);
     });
-    // The others that lie where this panel does close it.
-    for (const button of main.querySelectorAll('.toolbar [aria-expanded]'))
-      button.addEventListener('click', () => {
-        const isProgram = button.getAttribute('aria-label') === 'NC programs';
-        if (button === this.opener || !isOpen()) return;
-        if (isProgram || matchMedia(NARROW).matches) this.toggle();
-      });
+    main.querySelector('[aria-label="Timeline"]')?.addEventListener('click', () => {
+      if (isOpen() && matchMedia(NARROW).matches) this.toggle();
+    });
   }
 
   private get isPicking_(): boolean {

@@ -13,7 +13,7 @@ import {
 import type { LengthUnit, Measure, MeasureKind } from '../../model/measure';
 import { stockBounds } from '../../model/session';
 import { thicknessAt } from '../../model/surface';
-import type { DisplayedSurface } from '../../view/inspect/displayed_surface';
+import type { DisplayedSurface } from '../../view/displayed_surface';
 import { MeasureView } from '../../view/inspect/measure_view';
 import type { Viewer } from '../../view/viewer';
 import { Vector3 } from 'three';

@@ -5,6 +5,7 @@ import type { SessionModel } from '../../model/session';
 import { iconButton } from '../dom';
 import { ICONS } from '../icons';
 import { lazyPanel } from '../lazy_panel';
+import type { OneOpen } from '../one_open';
 import type { Picture } from '../picture';
 
 /** What the panel needs of the page. */
@@ -15,6 +16,7 @@ export interface InspectHost {
   /** Over the picture, for what follows the block. */
   overlay: HTMLElement;
   toolbar: HTMLElement;
+  oneOpen: OneOpen;
   /** It was opened or closed, and covers another part of the picture. */
   layoutChanged: () => void;
 }

@@ -8,7 +8,7 @@ import { snapTo } from '../../model/snap';
 import type { Snapped } from '../../model/snap';
 import { hitsOf, normalAround, trianglesNear } from '../../model/surface';
 import { dot } from '../../model/vector';
-import type { DisplayedSurface } from '../../view/inspect/displayed_surface';
+import type { DisplayedSurface } from '../../view/displayed_surface';
 import type { Viewer } from '../../view/viewer';
 import type { Vec3 } from '../../wire/types';
 import { Vector3 } from 'three';

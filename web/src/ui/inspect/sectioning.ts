@@ -9,7 +9,7 @@ import { footOf, offsetsOf, sectionOf } from '../../model/section';
 import type { Plane, Section } from '../../model/section';
 import type { Bounds } from '../../model/session';
 import { dot, scaled } from '../../model/vector';
-import type { DisplayedSurface } from '../../view/inspect/displayed_surface';
+import type { DisplayedSurface } from '../../view/displayed_surface';
 import { SectionView } from '../../view/inspect/section_view';
 import type { Viewer } from '../../view/viewer';
 import type { Vec3 } from '../../wire/types';

@@ -5,11 +5,13 @@ import type { SessionModel } from '../../model/session';
 import { iconButton } from '../dom';
 import { ICONS } from '../icons';
 import { lazyPanel } from '../lazy_panel';
+import type { OneOpen } from '../one_open';
 import type { PathHost } from './path_control';
 
 /**
  * Adds the button to a toolbar; the panel goes beside it when it is opened first.
  * @param host the picture, into which it draws the path
+ * @param oneOpen closes it when another part opens
  * @param layoutChanged it was opened or closed
  */
 export function mountPrograms(
@@ -17,11 +19,12 @@ export function mountPrograms(
   session: string,
   toolbar: HTMLElement,
   host: PathHost,
+  oneOpen: OneOpen,
   layoutChanged: () => void,
 ): void {
   const toggle = lazyPanel('programs panel', async () => {
     const { ProgramsPanel } = await import('./programs_panel');
-    return new ProgramsPanel(model, session, button, host, layoutChanged);
+    return new ProgramsPanel(model, session, button, host, oneOpen, layoutChanged);
   });
   const button = iconButton(ICONS.program, 'NC programs', '', toggle);
   button.setAttribute('aria-expanded', 'false');

@@ -8,6 +8,7 @@ import type { SessionModel } from '../../model/session';
 import type { ProgramInfo } from '../../wire/types';
 import { h, setText } from '../dom';
 import { count, figure, sentence, volume } from '../format';
+import { OneOpen } from '../one_open';
 import { AlarmList } from './alarm_list';
 import { Controls } from './controls';
 import { ProgramList } from './program_list';
@@ -41,6 +42,7 @@ export class ProgramsPanel {
     { type: 'button', class: 'button quiet-button program-follow', hidden: '' },
     'Show the live line',
   );
+  private readonly close_ = (): void => this.toggle();
   private readonly one_: HTMLElement;
   private readonly element_: HTMLElement;
   private timer_: ReturnType<typeof setInterval> | undefined;
@@ -59,6 +61,7 @@ export class ProgramsPanel {
     session: string,
     private readonly opener: HTMLElement,
     pathHost: PathHost | null = null,
+    private readonly oneOpen = new OneOpen(),
     private readonly layoutChanged: () => void = () => undefined,
   ) {
     this.requests_ = new ProgramRequests(session);
@@ -108,6 +111,8 @@ export class ProgramsPanel {
     const open = this.element_.hidden;
     this.element_.hidden = !open;
     this.opener.setAttribute('aria-expanded', String(open));
+    if (open) this.oneOpen.opens(this.close_);
+    else this.oneOpen.closed(this.close_);
     this.path_?.setOpen(open);
     this.layoutChanged();
     clearInterval(this.timer_);

@@ -3,8 +3,8 @@
 // asked of them, and kept while the tile stays.
 
 import * as THREE from 'three';
-import type { Piece } from '../../model/surface';
-import type { DisplayedTile, TileView } from '../tile_view';
+import type { Piece } from '../model/surface';
+import type { DisplayedTile, TileView } from './tile_view';
 
 function cornersOf({ geometry, matrix }: DisplayedTile): Float64Array {
   const { index, attributes } = geometry;

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Why one may not carve, as sentences for the user; empty: one may.
+
+import type { SessionModel } from '../model/session';
+import type { Welcome } from '../wire/types';
+
+const DISK_FULL = 'The server cannot write: nothing is carved until it can.';
+
+/** Why this viewer may not. */
+export function whyNotCarve({ may, role }: Pick<Welcome, 'may' | 'role'>): string {
+  if (may === undefined || may.includes('carve')) return '';
+  return `Your role${role === undefined ? '' : `, ${role},`} may not carve.`;
+}
+
+/**
+ * Why no stroke may begin now. Without the watcher's connection nobody would see what is cut.
+ * `isJoined`: as an agent.
+ */
+export function whyNotNow(
+  { state, status }: Pick<SessionModel, 'state' | 'status'>,
+  isJoined: boolean,
+): string {
+  if (status !== 'connected' || !isJoined) return 'Not connected yet: wait a moment.';
+  if (state?.at) return 'This is the past: go back to live to carve.';
+  return state?.paused ? DISK_FULL : '';
+}
