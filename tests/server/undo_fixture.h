@@ -6,10 +6,12 @@
 #include <chrono>
 #include <functional>
 #include <future>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -60,7 +62,7 @@ class SessionUndo : public testing::Test {
   void restart() {
     session_.reset();
     registry_.emplace(
-        RegistryOptions{folder_->path(), 4, limits_, {}, {}},
+        RegistryOptions{folder_->path(), 4, limits_, {}, snapshots_, {}, carvers_},
         [this](const std::string&) { return executor_; }, workers_);
   }
   /// Forgets everything.
@@ -79,12 +81,21 @@ class SessionUndo : public testing::Test {
   }
   Session& reload() {
     executor_->run();
+    const std::string id = session_ ? session_->id() : "block";
     session_.reset();
     restart();
     EXPECT_TRUE(registry_->load_all().failures.empty());
-    session_ = registry_->find("block");
+    session_ = registry_->find(id);
     EXPECT_TRUE(session_);
     return *session_;
+  }
+  /// Deletes a session.
+  void close(const std::string& id) {
+    auto closed = std::async(std::launch::async, [&] { return registry_->close(id, true); });
+    while (closed.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
+      executor_->run();
+    }
+    EXPECT_TRUE(closed.get());
   }
   ParticipantId join(const std::string& name, bool stock = false) {
     JoinRequest request{ParticipantKind::kAgent, name, "", 1, true};
@@ -93,14 +104,19 @@ class SessionUndo : public testing::Test {
     EXPECT_TRUE(joined);
     return joined->id;
   }
-  /// Moves the tool of a participant, which cuts, or with `cuts` false only moves.
-  MotionAnswer move(ParticipantId id, Vec3 tip, bool cuts = true) {
+  /// The next sample of a participant, whose tool is tool 1 and upright.
+  wire::MotionSample next(ParticipantId id, Vec3 tip, bool cuts) {
     wire::MotionSample sample;
     sample.agent_sequence = ++sequences_[id];
     sample.time_us = 1000 * ++time_ms_;
     sample.tip_mm = tip;
     sample.tool_id = 1;
     sample.buttons = cuts ? wire::kButtonCutting : 0;
+    return sample;
+  }
+  /// Moves the tool of a participant, which cuts, or with `cuts` false only moves.
+  MotionAnswer move(ParticipantId id, Vec3 tip, bool cuts = true) {
+    const wire::MotionSample sample = next(id, tip, cuts);
     return session_->move(id, {&sample, 1});
   }
   /// A stroke along a line at a depth; returns its number.
@@ -122,7 +138,7 @@ class SessionUndo : public testing::Test {
     if (request.author == 0) request.caller = Caller::local();
     auto answer = std::async(std::launch::async, [&] {
       test::ThreadWorkers two(2);
-      return session_->change_strokes(request, two, stop);
+      return session_->change_strokes(request, carvers_ != nullptr ? *carvers_ : two, stop);
     });
     while (answer.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
       executor_->run();
@@ -141,22 +157,36 @@ class SessionUndo : public testing::Test {
     EXPECT_TRUE(done) << done.error().reason;
     return done.value_or(StrokesChanged{});
   }
-  /// The hash of a block in which the strokes that are undone have never happened.
-  std::uint64_t never_happened() {
+  /// The hash of a block in which the strokes that were undone after a record, by default the
+  /// last one, have never happened.
+  std::uint64_t never_happened(std::uint64_t record = std::numeric_limits<std::uint64_t>::max()) {
     EXPECT_TRUE(session_->flush());
-    const auto undone = undone_strokes(session_->journal_file());
-    EXPECT_TRUE(undone);
     auto reader = JournalReader::open(session_->journal_file());
+    std::vector<JournalRecord> records;
+    std::set<StrokeId> undone;
+    for (auto next = reader->next(); next && *next && (*next)->sequence <= record;
+         next = reader->next()) {
+      records.push_back(**next);
+      const auto* change = std::get_if<StrokeChange>(&(*next)->command);
+      if (change == nullptr) continue;
+      if (change->undone) {
+        undone.insert(change->stroke);
+      } else {
+        undone.erase(change->stroke);
+      }
+    }
     Sculpture block = Sculpture::create(session_->scene().settings).value();
-    for (auto record = reader->next(); record && *record; record = reader->next()) {
-      const auto command = kernel_command((*record)->command);
-      if (command && !undone->contains((*record)->stroke)) block.apply(*command).value();
+    for (const JournalRecord& past : records) {
+      const auto command = kernel_command(past.command);
+      if (command && !undone.contains(past.stroke)) block.apply(*command).value();
     }
     return block.state_hash();
   }
   std::uint64_t hash() { return session_->solid().hash(); }
 
   SessionLimits limits_ = {};
+  SnapshotOptions snapshots_ = {};  ///< none by default
+  Workers* carvers_ = nullptr;      ///< help to carve, and undo; null: two threads undo
   std::optional<test::TemporaryFolder> folder_{std::in_place};
   std::shared_ptr<SharedExecutor> executor_ = std::make_shared<SharedExecutor>();
   SharedExecutor workers_;

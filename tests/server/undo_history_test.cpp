@@ -1,67 +1,184 @@
 // SPDX-License-Identifier: Apache-2.0
+// Histories at random: strokes of every tool by several hands, alone and at the same time, undo,
+// redo, branches, restarts with and without a snapshot, and looks back, each followed by a
+// comparison with the block that is carved from the surviving strokes alone.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <random>
 
 #include "tests/server/undo_fixture.h"
+#include "tests/support/shuffled_workers.h"
 
 namespace kerf {
 namespace {
 
-/// Strokes, undo, redo and restarts at random, each followed by a comparison.
+/// Every kind of cutter; number 11 has a shank and a holder, which do not cut.
+constexpr const char* kRackScene = R"({
+  "name": "Rack",
+  "stock": {"shape": "box", "min_mm": [-20, -20, -20], "max_mm": [20, 20, 0]},
+  "accuracy": {"rays": "RAYS", "pitch_mm": 0.6, "tolerance_mm": 0.02, "motion": "MOTION"},
+  "tools": [
+    {"id": 1, "shape": "ball", "diameter_mm": 8, "length_mm": 30},
+    {"id": 2, "shape": "flat", "diameter_mm": 6, "length_mm": 30},
+    {"id": 3, "shape": "taper", "diameter_mm": 2, "half_angle_deg": 8, "length_mm": 20},
+    {"id": 4, "shape": "taper", "diameter_mm": 3, "half_angle_deg": 6, "length_mm": 20,
+     "tip": "ball"},
+    {"id": 5, "shape": "cone_end", "diameter_mm": 6, "tip_angle_deg": 90, "length_mm": 20},
+    {"id": 6, "shape": "bull_nose", "diameter_mm": 8, "corner_radius_mm": 2, "length_mm": 30},
+    {"id": 7, "shape": "apt", "d_mm": 10, "r_mm": 1.5, "e_mm": 3.630717035815369,
+     "f_mm": 2.0250053615596113, "alpha_deg": 8, "beta_deg": 6, "h_mm": 25},
+    {"id": 8, "shape": "profile",
+     "profile_mm": [[0, 0], {"to": [1.5, 7], "radius": 3.75}, [1.5, 25]]},
+    {"id": 9, "shape": "profile", "profile_mm": [[0, 0], [4, 0], [4, 2], [1.5, 2], [1.5, 25]]},
+    {"id": 10, "shape": "profile", "profile_mm": [[0, 0], [4, 0], [2, 4], [2, 25]]},
+    {"id": 11, "shape": "profile",
+     "profile_mm": [[0, 0], {"to": [3, 8], "radius": 18}, [3, 12]],
+     "shank": {"diameter_mm": 5, "length_mm": 10},
+     "holder": [{"diameter_mm": 12, "length_mm": 6}]}],
+  "machine": {"kinematics": "tool-vector"}})";
+constexpr std::uint32_t kTools = 11;
+
+/// One of several schedules, which can be changed at any time.
+class ChosenWorkers final : public Workers {
+ public:
+  void choose(unsigned number) { chosen_ = all_[number % all_.size()]; }
+  int count() const override { return chosen_->count(); }
+  void run(int jobs, const std::function<void(int)>& job) override { chosen_->run(jobs, job); }
+
+ private:
+  SerialWorkers one_;
+  test::ThreadWorkers two_{2}, five_{5};
+  test::ShuffledWorkers shuffled_;
+  std::array<Workers*, 4> all_{&one_, &two_, &five_, &shuffled_};
+  Workers* chosen_ = &one_;
+};
+
 class RandomHistory : public SessionUndo {
  protected:
-  void run(unsigned seed, const char* rays) {
+  void run(unsigned seed, int rounds) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
     random_.seed(seed);
-    done_.clear();
-    undone_.clear();
-    std::string scene = kScene;
-    scene.replace(scene.find("\"dexel\""), 7, rays);
+    carvers_ = &schedule_;
+    schedule_.choose(one_of(4));
+    snapshots_.writer = one_of(2) == 0 ? &writer_ : nullptr;
+    snapshots_.limits = {.replay_time = {}, .age = std::chrono::hours(1), .pause = {}};
+    renew();
+    std::string scene = kRackScene;
+    scene.replace(scene.find("RAYS"), 4, one_of(2) == 0 ? "dexel" : "tri-dexel");
+    scene.replace(scene.find("MOTION"), 6, one_of(8) == 0 ? "paper" : "tight");
     create(scene);
     join_hands();
-    for (int round = 0; round < 60; ++round) {
+    for (int round = 0; round < rounds; ++round) {
+      SCOPED_TRACE("round " + std::to_string(round));
       step();
-      ASSERT_EQ(hash(), never_happened()) << "seed " << seed << " round " << round;
+      ASSERT_EQ(hash(), never_happened());
+      if (HasFailure()) return;
     }
+    const std::uint64_t record = one_of(session_->sequence() + 1);
+    EXPECT_EQ(session_->solid_at(record, schedule_).value().value().hash(), never_happened(record));
   }
 
  private:
   void step() {
-    const auto kind = random_() % 8;
-    if (kind < 4 || (done_.empty() && undone_.empty())) {
-      const Vec3 from{uniform(-18, 18), uniform(-18, 18), uniform(-6, 0)};
-      const Vec3 to = from + Vec3{uniform(-10, 10), uniform(-10, 10), uniform(-2, 2)};
-      const ParticipantId hand = hands_[random_() % hands_.size()];
-      done_.push_back(stroke(hand, from, to, 3 + static_cast<int>(random_() % 20)));
-    } else if (kind < 6 && !done_.empty()) {
-      undo(shift(done_, undone_));
-    } else if (kind < 7 && !undone_.empty()) {
-      redo(shift(undone_, done_));
-    } else {
+    const auto kind = one_of(16);
+    if (kind < 5) {
+      carve({hands_[one_of(hands_.size())]});
+    } else if (kind < 8) {
+      carve(hands_);
+    } else if (kind < 12) {
+      change_some(true);
+    } else if (kind < 14) {
+      change_some(false);
+    } else if (kind < 15) {
+      writer_.run();
       reload();
-      sequences_.clear();
       join_hands();
+    } else {
+      branch_off();
     }
   }
-  void join_hands() { hands_ = {join("Ada"), join("Bo"), join("Cy")}; }
-  std::vector<StrokeId> shift(std::vector<StrokeId>& from, std::vector<StrokeId>& to) {
-    std::vector<StrokeId> some;
-    for (std::size_t n = 1 + random_() % 3; n > 0 && !from.empty(); --n) {
-      const auto at = from.begin() + static_cast<std::ptrdiff_t>(random_() % from.size());
-      some.push_back(*at);
-      to.push_back(*at);
-      from.erase(at);
-    }
-    return some;
+
+  void join_hands() {
+    sequences_.clear();
+    hands_ = {join("Ada"), join("Bo"), join("Cy")};
   }
+
+  /// A stroke of each hand, sample by sample at the same time.
+  void carve(const std::vector<ParticipantId>& hands) {
+    struct Line {
+      Vec3 from, to;
+      Vec3 axis_from, axis_to;
+      std::uint32_t tool;
+    };
+    std::vector<Line> lines;
+    for (std::size_t n = 0; n < hands.size(); ++n) {
+      const Vec3 from{uniform(-18, 18), uniform(-18, 18), uniform(-6, 0)};
+      const Vec3 axis = tilted();
+      lines.push_back({from, from + Vec3{uniform(-8, 8), uniform(-8, 8), uniform(-2, 2)}, axis,
+                       one_of(2) == 0 ? axis : tilted(),
+                       1 + static_cast<std::uint32_t>(one_of(kTools))});
+    }
+    const int steps = 2 + static_cast<int>(one_of(10));
+    for (int n = -2; n <= steps + 1; ++n) {
+      const double share = std::clamp(double(n) / steps, 0.0, 1.0);
+      const double lift = n == -2 || n == steps + 1 ? 30 : 0;
+      std::vector<std::optional<MotionAnswer>> answers(hands.size());
+      for (std::size_t hand = 0; hand < hands.size(); ++hand) {
+        const Line& line = lines[hand];
+        const Vec3 tip = line.from + (line.to - line.from) * share + Vec3{0, 0, lift};
+        const Vec3 axis = normalized(line.axis_from + (line.axis_to - line.axis_from) * share);
+        wire::MotionSample sample = next(hands[hand], tip, n > 0 && n <= steps);
+        sample.axis = {float(axis.x), float(axis.y), float(axis.z)};
+        sample.tool_id = line.tool;
+        answers[hand] = session_->begin_move(hands[hand], {&sample, 1});
+      }
+      for (std::size_t hand = 0; hand < hands.size(); ++hand) {
+        while (!answers[hand]) answers[hand] = session_->go_on(hands[hand]);
+      }
+    }
+  }
+
+  /// Undoes or redoes up to three of the strokes for which that is possible.
+  void change_some(bool undone) {
+    std::vector<StrokeId> possible;
+    const auto strokes = session_->strokes(0);
+    for (const ListedStroke& listed : strokes.value()) {
+      if (listed.is_undone != undone) possible.push_back(listed.stroke.id);
+    }
+    std::ranges::shuffle(possible, random_);
+    possible.resize(std::min(possible.size(), 1 + one_of(3)));
+    if (possible.empty()) return;
+    schedule_.choose(one_of(4));
+    const auto done = change({.undone = undone, .strokes = std::move(possible)});
+    EXPECT_TRUE(done) << done.error().reason;
+  }
+
+  /// Goes on in a branch from some record of the block; the block itself is deleted.
+  void branch_off() {
+    const std::uint64_t record = one_of(session_->sequence() + 1);
+    const std::uint64_t expected = never_happened(record);
+    auto branch = registry_->branch("", *session_, record);
+    ASSERT_TRUE(branch) << branch.error().reason;
+    const std::string left = session_->id();
+    session_ = *branch;
+    EXPECT_EQ(hash(), expected);
+    close(left);
+    join_hands();
+  }
+
+  Vec3 tilted() { return normalized({uniform(-0.5, 0.5), uniform(-0.5, 0.5), 1}); }
+  std::size_t one_of(std::size_t count) { return random_() % count; }
   double uniform(double low, double high) {
     return low + (high - low) * (static_cast<double>(random_()) / 4294967296.0);
   }
 
+  test::ManualExecutor writer_;
+  ChosenWorkers schedule_;
   std::mt19937 random_;
   std::vector<ParticipantId> hands_;
-  std::vector<StrokeId> done_, undone_;
 };
 
 TEST_F(RandomHistory, EqualsTheSurvivingSetToTheBit) {
@@ -73,9 +190,8 @@ TEST_F(RandomHistory, EqualsTheSurvivingSetToTheBit) {
   };
   const unsigned first = setting("KERF_SEED", 11), histories = setting("KERF_EFFORT", 1);
   for (unsigned seed = first; seed < first + histories; ++seed) {
-    if (seed > first) renew();
-    run(seed, seed % 2 == 1 ? "\"tri-dexel\"" : "\"dexel\"");
-    if (HasFatalFailure()) return;
+    run(seed, 40);
+    if (HasFailure()) return;
   }
 }
 
