@@ -43,18 +43,18 @@ Check check_stock(const StockShape& stock) {
 Check check_milling(const MillingSettings& m) {
   using enum SculptureErrorCode;
   const auto within = [](double v, double most) { return v >= 0 && v <= most; };
-  const auto usable = [&](const EdgeCoefficients& k) {
-    return within(k.tangential, kForceCoefficientMax) && within(k.radial, kForceCoefficientMax) &&
-           within(k.axial, kForceCoefficientMax);
+  const auto usable = [&](const EdgeCoefficients& k, double most) {
+    return within(k.tangential, most) && within(k.radial, most) && within(k.axial, most);
   };
   if (!(m.spindle_rpm >= kSpindleMinRpm && m.spindle_rpm <= kSpindleMaxRpm))
     return reject(kBadForce, "spindle_rpm must be from 1 to 1e6");
   if (m.teeth < 1 || m.teeth > kTeethMax) return reject(kBadForce, "teeth must be from 1 to 100");
   if (!within(m.helix_deg, kHelixMaxDeg))
     return reject(kBadForce, "helix_deg must be from 0 to 80");
-  if (!within(m.chip_exponent, kChipExponentMax))
-    return reject(kBadForce, "chip_exponent must be from 0 to 0.9");
-  if (!usable(m.cut_n_per_mm2) || !usable(m.edge_n_per_mm) ||
+  if (!usable(m.chip_exponents, kChipExponentMax))
+    return reject(kBadForce, "every chip exponent must be from 0 to 0.9");
+  if (!usable(m.cut_n_per_mm2, kForceCoefficientMax) ||
+      !usable(m.edge_n_per_mm, kForceCoefficientMax) ||
       !within(m.feed_per_tooth_mm, kFeedPerToothMaxMm) || !within(m.runout_mm, kRunoutMaxMm) ||
       !within(m.ripple_hz, kForceCoefficientMax) || !within(m.scale, 1))
     return reject(kBadForce, "every coefficient of milling must be from 0 to its maximum");

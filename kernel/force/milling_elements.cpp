@@ -85,6 +85,28 @@ struct ToolFrame {
   Vec3 field(Vec3 v) const { return zero * v.x + quarter * v.y + axis * v.z; }
 };
 
+/// Coefficients of eight elements, times what they apply to.
+struct EdgeLanes {
+  Lanes tangential, radial, axial;
+
+  KERF_INLINE EdgeLanes operator*(const EdgeCoefficients& k) const {
+    return {tangential * k.tangential, radial * k.radial, axial * k.axial};
+  }
+  KERF_INLINE EdgeLanes operator*(const Lanes& scale) const {
+    return {tangential * scale, radial * scale, axial * scale};
+  }
+};
+
+/// Returns (h / 1 mm)^−m in each direction.
+KERF_INLINE EdgeLanes thinned(const Lanes& chip_mm, const EdgeCoefficients& m) {
+  if (m == EdgeCoefficients{}) return {Lanes(1), Lanes(1), Lanes(1)};
+  const Lanes chip = greater(chip_mm, Lanes(kChipMinMm));
+  const Lanes tangential = power(chip, -m.tangential);
+  const Lanes radial = m.radial == m.tangential ? tangential : power(chip, -m.radial);
+  const Lanes axial = m.axial == m.radial ? radial : power(chip, -m.axial);
+  return {tangential, radial, axial};
+}
+
 /// Inputs of the sums over a sub-motion, and its tool's frame.
 struct ElementSums {
   const MillingPass& pass;
@@ -98,10 +120,9 @@ struct ElementSums {
 
   ElementSums(const DexelGrid& grid, const MillingPass& p);
   KERF_INLINE PathLanes path_of(const Vec3Lanes& at) const;
-  KERF_INLINE Pushes push(const EdgeCoefficients& k, const MillingContact& c,
-                          const Lanes& scale) const;
+  KERF_INLINE Pushes push(const EdgeLanes& k, const MillingContact& c) const;
   KERF_INLINE void add_ripple(const MillingContact& c, const Pushes& cut, const Pushes& edge,
-                              const Lanes& runout_scale, MillingSums& sums) const;
+                              const EdgeLanes& thinner, MillingSums& sums) const;
   KERF_INLINE void add_part(const Vec3Lanes& middle, const Lanes& length, ContactSearch& search,
                             MillingSums& sums) const;
   KERF_INLINE int parts_of(const Lanes& quanta) const;
@@ -145,12 +166,11 @@ KERF_INLINE PathLanes ElementSums::path_of(const Vec3Lanes& at) const {
   return {path * select(length_mm > 0.0, 1.0 / length_mm, Lanes()), length_mm};
 }
 
-KERF_INLINE Pushes ElementSums::push(const EdgeCoefficients& k, const MillingContact& c,
-                                     const Lanes& scale) const {
+KERF_INLINE Pushes ElementSums::push(const EdgeLanes& k, const MillingContact& c) const {
   // Along the radius, across it against the tooth's motion, and along the axis.
-  const Lanes out = scale * (k.axial * c.side.axial - k.radial * c.side.radial);
-  const Lanes across = scale * k.tangential;
-  const Lanes axial = -scale * (k.axial * c.side.radial + k.radial * c.side.axial);
+  const Lanes out = k.axial * c.side.axial - k.radial * c.side.radial;
+  const Lanes across = k.tangential;
+  const Lanes axial = -(k.axial * c.side.radial + k.radial * c.side.axial);
   const Lanes lever = c.at.z - pivot_mm;
   const Lanes turn_out = -lever * across;
   const Lanes rho = c.at.x * c.cosine + c.at.y * c.sine;
@@ -159,14 +179,19 @@ KERF_INLINE Pushes ElementSums::push(const EdgeCoefficients& k, const MillingCon
           turn_out * c.cosine + turn_across * c.sine, turn_out * c.sine - turn_across * c.cosine};
 }
 
+/// `thinner`: of an element's edge, (h / 1 mm)^−m times its length.
 KERF_INLINE void ElementSums::add_ripple(const MillingContact& c, const Pushes& cut,
-                                         const Pushes& edge, const Lanes& runout_scale,
+                                         const Pushes& edge, const EdgeLanes& thinner,
                                          MillingSums& sums) const {
   const PhaseLanes angle = PhaseLanes{c.cosine, c.sine} * phase_of_turns(c.at.z * turns_per_mm);
   for (int n = 0; n < pass.harmonics.count; ++n) {
     const PhaseLanes phase = raised(angle, pass.harmonics.multiple[std::size_t(n)]);
     if (n == 0 && pass.harmonics.runout_mm > 0) {
-      sums.edge.add(n, push(pass.settings.cut_n_per_mm2, c, runout_scale), phase);
+      // The derivative of K h^(1 − m) by h.
+      const EdgeCoefficients& m = pass.settings.chip_exponents;
+      const EdgeCoefficients slope{1 - m.tangential, 1 - m.radial, 1 - m.axial};
+      const EdgeLanes k = thinner * slope * pass.settings.cut_n_per_mm2;
+      sums.edge.add(n, push(k * Lanes(pass.harmonics.runout_mm), c), phase);
     } else {
       sums.cut.add(n, cut, phase);
       sums.edge.add(n, edge, phase);
@@ -190,23 +215,18 @@ KERF_INLINE void ElementSums::add_part(const Vec3Lanes& middle, const Lanes& len
     volume = volume * (along * along);
   }
   const Lanes sine = greater(c.normal_along(path.forward), Lanes(kGrazingSine));
-  const double m = pass.settings.chip_exponent;
-  Lanes scale = volume * c.inverse_rho;
-  const Lanes edge_scale = scale / sine;
-  Lanes thinner(1);
-  if (m > 0) {
-    const Lanes chip_mm = pass.feed_per_mm * path.length_mm * sine;
-    thinner = power(greater(chip_mm, Lanes(kChipMinMm)), -m);
-    scale = scale * thinner;
-  }
-  const Pushes cut = push(pass.settings.cut_n_per_mm2, c, scale);
-  const Pushes edge = push(pass.settings.edge_n_per_mm, c, edge_scale);
+  const Lanes scale = volume * c.inverse_rho, edge_scale = scale / sine;
+  const EdgeLanes thinner =
+      thinned(pass.feed_per_mm * path.length_mm * sine, pass.settings.chip_exponents);
+  const Pushes cut = push(thinner * scale * pass.settings.cut_n_per_mm2, c);
+  const EdgeLanes edges{edge_scale, edge_scale, edge_scale};
+  const Pushes edge = push(edges * pass.settings.edge_n_per_mm, c);
   sums.volume = sums.volume + volume;
   sums.length = sums.length + length_mm;
   sums.cut.mean.add(cut, Lanes(1));
   sums.edge.mean.add(edge, Lanes(1));
   if (pass.harmonics.count == 0) return;
-  add_ripple(c, cut, edge, edge_scale * thinner * ((1 - m) * pass.harmonics.runout_mm), sums);
+  add_ripple(c, cut, edge, thinner * edge_scale, sums);
 }
 
 /// Returns into how many parts elements are divided.

@@ -8,7 +8,10 @@ namespace kerf {
 /// the tip.
 struct EdgeCoefficients {
   double tangential = 0, radial = 0, axial = 0;
+
+  bool operator==(const EdgeCoefficients&) const = default;
 };
+constexpr EdgeCoefficients in_all_directions(double value) { return {value, value, value}; }
 
 /// Parameters of ForceLaw::kMechanistic (kernel/force/README.md, "Mechanistic law"). The spindle
 /// turns clockwise as seen along the axis towards the tip (M3).
@@ -23,7 +26,7 @@ struct MillingSettings {
   EdgeCoefficients cut_n_per_mm2;
   EdgeCoefficients edge_n_per_mm;
   /// m of Kienzle's law: a chip of thickness h has cut_n_per_mm2 · (h / 1 mm)^−m; in [0, 0.9].
-  double chip_exponent = 0;
+  EdgeCoefficients chip_exponents;
 };
 
 /// Greatest coefficient, in its unit, and greatest ripple_hz.

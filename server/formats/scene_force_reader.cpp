@@ -23,7 +23,10 @@ constexpr const char* kMillingFields[] = {"material",
                                           "tangential_edge_n_per_mm",
                                           "radial_edge_n_per_mm",
                                           "axial_edge_n_per_mm",
-                                          "chip_exponent"};
+                                          "chip_exponent",
+                                          "tangential_chip_exponent",
+                                          "radial_chip_exponent",
+                                          "axial_chip_exponent"};
 
 /// Reads an optional number, from 0 to `most`.
 double up_to(SceneFields& fields, const std::string& field, double standard, double most) {
@@ -52,7 +55,16 @@ void read_material(SceneFields& fields, MillingSettings& milling) {
   }
   milling.cut_n_per_mm2 = found->cut_n_per_mm2;
   milling.edge_n_per_mm = found->edge_n_per_mm;
-  milling.chip_exponent = found->chip_exponent;
+  milling.chip_exponents = in_all_directions(found->chip_exponent);
+}
+
+/// One exponent for all directions, and others for some.
+void read_exponents(SceneFields& fields, EdgeCoefficients& m) {
+  if (fields.find("chip_exponent"))
+    m = in_all_directions(up_to(fields, "chip_exponent", 0, kChipExponentMax));
+  m.tangential = up_to(fields, "tangential_chip_exponent", m.tangential, kChipExponentMax);
+  m.radial = up_to(fields, "radial_chip_exponent", m.radial, kChipExponentMax);
+  m.axial = up_to(fields, "axial_chip_exponent", m.axial, kChipExponentMax);
 }
 
 MillingSettings read_milling(SceneFields& fields) {
@@ -81,7 +93,7 @@ MillingSettings read_milling(SceneFields& fields) {
   read("tangential_edge_n_per_mm", m.edge_n_per_mm.tangential);
   read("radial_edge_n_per_mm", m.edge_n_per_mm.radial);
   read("axial_edge_n_per_mm", m.edge_n_per_mm.axial);
-  m.chip_exponent = up_to(fields, "chip_exponent", m.chip_exponent, kChipExponentMax);
+  read_exponents(fields, m.chip_exponents);
   return m;
 }
 

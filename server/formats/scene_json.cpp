@@ -157,7 +157,14 @@ Json to_json(const ForceSettings& force) {
   json["tangential_edge_n_per_mm"] = m.edge_n_per_mm.tangential;
   json["radial_edge_n_per_mm"] = m.edge_n_per_mm.radial;
   json["axial_edge_n_per_mm"] = m.edge_n_per_mm.axial;
-  json["chip_exponent"] = m.chip_exponent;
+  const EdgeCoefficients& exponents = m.chip_exponents;
+  if (exponents == in_all_directions(exponents.tangential)) {
+    json["chip_exponent"] = exponents.tangential;
+    return json;
+  }
+  json["tangential_chip_exponent"] = exponents.tangential;
+  json["radial_chip_exponent"] = exponents.radial;
+  json["axial_chip_exponent"] = exponents.axial;
   return json;
 }
 

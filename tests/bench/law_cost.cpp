@@ -24,13 +24,13 @@ struct Variant {
   ForceSettings force;
 };
 
-ForceSettings mechanistic(double rpm, double exponent) {
+ForceSettings mechanistic(double rpm, const EdgeCoefficients& exponents) {
   ForceSettings f;
   f.law = ForceLaw::kMechanistic;
   f.milling.spindle_rpm = rpm;
   f.milling.cut_n_per_mm2 = {767, 169, 222};
   f.milling.edge_n_per_mm = {27.7, 26.6, 0.7};
-  f.milling.chip_exponent = exponent;
+  f.milling.chip_exponents = exponents;
   return f;
 }
 
@@ -42,9 +42,10 @@ std::vector<Variant> variants() {
   return {{"specific_energy", true, none},
           {"no force", false, none},
           {"drr", true, drr},
-          {"mechanistic, means", true, mechanistic(12000, 0)},
-          {"mechanistic, Kienzle", true, mechanistic(12000, 0.3)},
-          {"mechanistic, 3 harmonics", true, mechanistic(2400, 0)}};
+          {"mechanistic, means", true, mechanistic(12000, {})},
+          {"mechanistic, Kienzle", true, mechanistic(12000, in_all_directions(0.3))},
+          {"mechanistic, 3 exponents", true, mechanistic(12000, {0.25, 0.4, 0.1})},
+          {"mechanistic, 3 harmonics", true, mechanistic(2400, {})}};
 }
 
 /// Returns microseconds of CPU per tick.

@@ -123,6 +123,24 @@ TEST(Scene, MaterialSetsTheCoefficientsThatAreNotGiven) {
   EXPECT_THAT(force_json(*scene), HasSubstr("\"radial_edge_n_per_mm\":26.6"));
 }
 
+TEST(Scene, ChipExponentsAreOfAllDirectionsOrOfEach) {
+  const auto exponents_of = [](const std::string& fields) {
+    const auto scene = parse_scene(with("\"specific_energy\"", "\"mechanistic\", " + fields), {});
+    EXPECT_TRUE(scene) << to_string(scene.error());
+    const auto again = parse_scene(scene_json(*scene), {});
+    EXPECT_EQ(force_json(*again), force_json(*scene));
+    return again->settings.force.milling.chip_exponents;
+  };
+  const std::string oak = R"("material": "oak")";
+  EXPECT_EQ(exponents_of(oak), in_all_directions(0.5));
+  EXPECT_EQ(exponents_of(oak + R"(, "chip_exponent": 0.2)"), in_all_directions(0.2));
+  EXPECT_EQ(exponents_of(oak + R"(, "radial_chip_exponent": 0.6)"),
+            (EdgeCoefficients{0.5, 0.6, 0.5}));
+  EXPECT_EQ(exponents_of(oak + R"(, "chip_exponent": 0.2, "tangential_chip_exponent": 0.3,
+                                    "axial_chip_exponent": 0.1)"),
+            (EdgeCoefficients{0.3, 0.2, 0.1}));
+}
+
 TEST(Scene, ForcesOfTheReadmeAreRead) {
   std::ifstream file(KERF_SOURCE_DIR "/server/formats/README.md");
   std::string readme(std::istreambuf_iterator<char>(file), {});
@@ -140,8 +158,8 @@ TEST(Scene, ForcesOfTheReadmeAreRead) {
   }
   ASSERT_EQ(read.size(), 2U);
   EXPECT_EQ(read[0].cut_n_per_mm2.tangential, 33);  // beech
-  EXPECT_EQ(read[1].cut_n_per_mm2.tangential, 958.9);
-  EXPECT_EQ(read[1].edge_n_per_mm.axial, 18.21);
+  EXPECT_EQ(read[1].cut_n_per_mm2.tangential, 625.1);
+  EXPECT_EQ(read[1].chip_exponents, (EdgeCoefficients{0.25, 0.55, 0.7}));
   EXPECT_EQ(read[1].scale, 0.05);
 }
 
@@ -197,6 +215,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"\"specific_energy\"",
                  "\"mechanistic\", \"material\": \"oak\", \"chip_exponent\": 1",
                  "force.chip_exponent", "0.9"},
+        BadScene{"\"specific_energy\"",
+                 "\"mechanistic\", \"material\": \"oak\", \"axial_chip_exponent\": 1",
+                 "force.axial_chip_exponent", "0.9"},
         BadScene{"\"specific_energy\"",
                  "\"mechanistic\", \"material\": \"oak\", \"runout_mm\": -0.1", "force.runout_mm",
                  "negative"},

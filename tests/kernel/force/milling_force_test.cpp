@@ -86,10 +86,11 @@ Vec3 model(const MillingSettings& m, double from_rad, double to_rad, double dept
   for (int i = 0; i < kSteps; ++i) {
     const double phi = from_rad + (to_rad - from_rad) * (i + 0.5) / kSteps;
     const double chip = feed * std::sin(phi);
-    const double c = chip * std::pow(std::max(chip, 1e-3), -m.chip_exponent);
-    const double t = m.cut_n_per_mm2.tangential * c + m.edge_n_per_mm.tangential;
-    const double r = m.cut_n_per_mm2.radial * c + m.edge_n_per_mm.radial;
-    const double a = m.cut_n_per_mm2.axial * c + m.edge_n_per_mm.axial;
+    const auto c = [chip](double m) { return chip * std::pow(std::max(chip, 1e-3), -m); };
+    const EdgeCoefficients &k = m.cut_n_per_mm2, &e = m.chip_exponents;
+    const double t = k.tangential * c(e.tangential) + m.edge_n_per_mm.tangential;
+    const double r = k.radial * c(e.radial) + m.edge_n_per_mm.radial;
+    const double a = k.axial * c(e.axial) + m.edge_n_per_mm.axial;
     sum = sum +
           Vec3{-t * std::cos(phi) - r * std::sin(phi), t * std::sin(phi) - r * std::cos(phi), -a};
   }
@@ -140,8 +141,17 @@ TEST(MillingForce, EdgesPushWithoutAChip) {
 
 TEST(MillingForce, KienzlesChipsAreHarderWhereTheyAreThin) {
   MillingSettings m = milling();
-  m.chip_exponent = 0.3;
+  m.chip_exponents = in_all_directions(0.3);
   expect_near(mean(forces_of({m})), model(m, 0, M_PI), 0.015, "slot");
+}
+
+TEST(MillingForce, EachDirectionHasAnExponentOfItsOwn) {
+  MillingSettings m = milling();
+  for (const EdgeCoefficients& exponents :
+       {EdgeCoefficients{0.6, 0, 0}, {0, 0.6, 0}, {0, 0, 0.6}, {0.25, 0.55, 0.7}}) {
+    m.chip_exponents = exponents;
+    expect_near(mean(forces_of({m})), model(m, 0, M_PI), 0.015, "slot");
+  }
 }
 
 TEST(MillingForce, FixedFeedPerToothDoesNotDependOnTheSpeed) {
@@ -234,6 +244,23 @@ TEST(MillingForce, HelixOfAToothPitchOverTheDepthHasNoRipple) {
   const auto [least, most] = ripple_of(cut);
   EXPECT_NEAR(least, 1, 0.04);
   EXPECT_NEAR(most, 1, 0.04);
+}
+
+TEST(MillingForce, RunoutOfThinChipsCountsByTheSlopeOfTheirForce) {
+  Cut cut = straight_teeth();
+  cut.milling.ripple_hz = 150;
+  cut.ticks = 280;
+  cut.milling.runout_mm = 0.005;
+  cut.milling.chip_exponents = {0.3, 0, 0.6};
+  const std::vector<Vec3> forces = forces_of(cut);
+  const auto [least, most] = std::ranges::minmax(forces, {}, &Vec3::y);
+  // The first harmonic of K (1 - m) f^-m sin^(1-m) phi 2 e a, with the other sign on each half
+  // turn.
+  const double feed = kStep / (cut.tick_s * 200), m = 0.3;
+  const double turned =
+      std::sqrt(M_PI) * std::tgamma((3 - m) / 2) / std::tgamma((2 - m) / 2 + 1) * 2 / M_PI;
+  const double wanted = 800 * (1 - m) * std::pow(feed, -m) * 0.01 * kDepth * turned;
+  EXPECT_NEAR((most.y - least.y) / 2, wanted, 0.1 * wanted);
 }
 
 TEST(MillingForce, RunoutAddsTheSpindlesFrequencyAndKeepsTheMean) {

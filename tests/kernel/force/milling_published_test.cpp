@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "kernel/sculpture.h"
+#include "tests/kernel/force/slot_fit.h"
 
 namespace kerf {
 namespace {
@@ -52,97 +54,113 @@ Vec3 computed(const Slot& slot, MillingSettings milling) {
 /// A mean of a recording, and the greatest errors of the law: of the resultant's length, and of the
 /// force as a vector, over the measured resultant.
 struct Measured {
-  double at;  ///< depth of cut, or feed per tooth, mm
-  Vec3 force_n;
+  test::SlotMean mean;
   double length_error, vector_error;
 };
 
-void expect_within(const Measured& m, Vec3 got, const char* tool) {
-  const double wanted = length(m.force_n);
-  EXPECT_LT(std::abs(length(got) - wanted), m.length_error * wanted)
-      << tool << " " << m.at << " mm: " << got.x << " " << got.y << " " << got.z;
-  EXPECT_LT(length(got - m.force_n), m.vector_error * wanted)
-      << tool << " " << m.at << " mm: " << got.x << " " << got.y << " " << got.z;
+/// Recordings with one tool at one speed of the spindle.
+struct Series {
+  const char* name;
+  Tool tool;
+  double corner_mm;  ///< of the edge's arc
+  double rpm;
+  double pitch_mm;
+};
+
+void expect_within(const Series& series, const Measured& m, MillingSettings milling) {
+  milling.spindle_rpm = series.rpm;
+  const double feed_mm_per_min = m.mean.feed_per_tooth_mm * 2 * series.rpm;
+  const Vec3 got =
+      computed({series.tool, m.mean.depth_mm, feed_mm_per_min, series.pitch_mm}, milling);
+  const double wanted = length(m.mean.force_n);
+  const double length_error = length(got) / wanted - 1;
+  const double vector_error = length(got - m.mean.force_n) / wanted;
+  const std::string which = std::string(series.name) + ", " + std::to_string(m.mean.depth_mm) +
+                            " mm deep, " + std::to_string(m.mean.feed_per_tooth_mm) +
+                            " mm per tooth";
+  EXPECT_LT(std::abs(length_error), m.length_error) << which;
+  EXPECT_LT(vector_error, m.vector_error) << which;
 }
 
 /// Recordings of 2017-08-22, 20170822.mat: slots at 800 rpm and 0.1 mm per tooth; means of 13
-/// turns. The coefficients are those of CommonCutterFull.m. They were not fitted to these
-/// recordings; three of the six are those of Al7075-T6 in the review that milling_presets.cpp
-/// quotes. The workpiece is not named.
-MillingSettings of_2017() {
+/// turns.
+Series bull_nose() { return {"bull nose", *make_tool(BullNoseShape{16, 3, 30}), 3, 800, 0.25}; }
+const Vec3 kBullNose[] = {{-26.9, 72.2, 46.1},
+                          {-60.8, 137.9, 57.5},
+                          {-93.4, 199.8, 47.5},
+                          {-107.3, 253.4, 28.4},
+                          {-123.4, 310.3, 11.1}};
+/// The diameter is the width of cut in the titles of CommonCutterFull.m's figures.
+Series ball() { return {"ball", *make_tool(BallShape{16, 30}), 8, 800, 0.25}; }
+const Vec3 kBall[] = {{-24.9, 93.5, 90.3},
+                      {-57.7, 169.0, 136.9},
+                      {-94.0, 243.7, 183.0},
+                      {-142.0, 318.6, 215.9},
+                      {-194.6, 382.1, 235.5}};
+/// Recordings of 2018-03-15, "General/Flat end milling": slots with a flat mill of 25 mm, 3 mm deep
+/// at 6000 rpm; means of 100 turns. The axial force has the sign of the repository's coefficients.
+Series flat() { return {"flat", *make_tool(FlatShape{25, 30}), 0, 6000, 0.5}; }
+const Vec3 kFlat[] = {{-39.80, 63.02, -55.72},
+                      {-60.05, 107.14, -70.91},
+                      {-71.60, 137.67, -82.57},
+                      {-76.75, 171.27, -85.23},
+                      {-78.49, 210.74, -83.50}};
+
+/// Means at depths of 1 to 5 mm, with the greatest error of each in percent: length, vector.
+std::vector<Measured> at_depths(const Vec3 (&forces)[5], const double (&percent)[5][2]) {
+  std::vector<Measured> all;
+  for (int i = 0; i < 5; ++i)
+    all.push_back({{1.0 + i, 0.1, forces[i]}, percent[i][0] / 100, percent[i][1] / 100});
+  return all;
+}
+std::vector<Measured> at_feeds(const Vec3 (&forces)[5], const double (&percent)[5][2]) {
+  std::vector<Measured> all;
+  for (int i = 0; i < 5; ++i)
+    all.push_back({{3, 0.025 * (i + 1), forces[i]}, percent[i][0] / 100, percent[i][1] / 100});
+  return all;
+}
+
+/// The coefficients of CommonCutterFull.m. They were not fitted to these recordings; three of the
+/// six are those of Al7075-T6 in the review that milling_presets.cpp quotes. The workpiece is not
+/// named.
+MillingSettings of_another_source() {
   MillingSettings m;
-  m.spindle_rpm = 800;
   m.cut_n_per_mm2 = {796.1, 168.8, 222};
   m.edge_n_per_mm = {27.7, 30.8, 1.4};
   return m;
 }
 
-TEST(MillingPublished, BullNoseSlotsOfOtherDepthsThanTheCoefficients) {
-  // 16 mm with a corner of 3 mm, as in CommonCutterFull.m. At 1 mm the bottom cuts most, where
-  // the coefficients of a side do not hold.
-  const Tool tool = *make_tool(BullNoseShape{16, 3, 30});
-  for (const Measured& m :
-       {Measured{1, {-26.9, 72.2, 46.1}, 0.23, 0.25}, Measured{2, {-60.8, 137.9, 57.5}, 0.09, 0.12},
-        Measured{3, {-93.4, 199.8, 47.5}, 0.05, 0.09},
-        Measured{4, {-107.3, 253.4, 28.4}, 0.07, 0.12},
-        Measured{5, {-123.4, 310.3, 11.1}, 0.08, 0.13}}) {
-    expect_within(m, computed({tool, m.at, 160, 0.25}, of_2017()), "bull nose");
+TEST(MillingPublished, SlotsWithCoefficientsOfAnotherSource) {
+  // At 1 mm the bottom cuts most, where the coefficients of a side do not hold.
+  for (const Measured& m : at_depths(kBullNose, {{23, 25}, {9, 12}, {5, 9}, {7, 12}, {8, 13}}))
+    expect_within(bull_nose(), m, of_another_source());
+  for (const Measured& m : at_depths(kBall, {{20, 21}, {9, 10}, {3, 6}, {8, 9}, {10, 12}}))
+    expect_within(ball(), m, of_another_source());
+}
+
+/// Expects each mean within its errors, with the coefficients that fit the others best.
+void expect_each_from_the_others(const Series& series, const std::vector<Measured>& all) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    std::vector<test::SlotMean> others;
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      if (j != i) others.push_back(all[j].mean);
+    }
+    const test::SlotFit fit = test::SlotFitter(2, series.corner_mm).fit(others);
+    MillingSettings milling;
+    milling.cut_n_per_mm2 = fit.cut_n_per_mm2;
+    milling.chip_exponents = fit.exponents;
+    expect_within(series, all[i], milling);
   }
 }
 
-TEST(MillingPublished, BallSlotsOfOtherDepthsThanTheCoefficients) {
-  // The diameter is the width of cut in the titles of CommonCutterFull.m's figures.
-  const Tool tool = *make_tool(BallShape{16, 30});
-  for (const Measured& m : {Measured{1, {-24.9, 93.5, 90.3}, 0.20, 0.21},
-                            Measured{2, {-57.7, 169.0, 136.9}, 0.09, 0.10},
-                            Measured{3, {-94.0, 243.7, 183.0}, 0.03, 0.06},
-                            Measured{4, {-142.0, 318.6, 215.9}, 0.08, 0.09},
-                            Measured{5, {-194.6, 382.1, 235.5}, 0.10, 0.12}}) {
-    expect_within(m, computed({tool, m.at, 160, 0.25}, of_2017()), "ball");
-  }
-}
-
-/// Recordings of 2018-03-15, "General/Flat end milling": slots with a flat mill of 25 mm, 3 mm deep
-/// at 6000 rpm; means of 100 turns. The axial force has the sign of the repository's coefficients.
-const std::vector<Measured> k2018{{0.025, {-39.80, 63.02, -55.72}, 0.24, 0.26},
-                                  {0.050, {-60.05, 107.14, -70.91}, 0.08, 0.08},
-                                  {0.075, {-71.60, 137.67, -82.57}, 0.05, 0.08},
-                                  {0.100, {-76.75, 171.27, -85.23}, 0.02, 0.04},
-                                  {0.125, {-78.49, 210.74, -83.50}, 0.05, 0.10}};
-
-/// Returns the coefficients of the line through all means but one, by least squares over the feed
-/// per tooth (Y. Altintas, Manufacturing Automation, mean forces of a slot).
-MillingSettings fitted_without(std::size_t left_out) {
-  double n = 0, feeds = 0, squares = 0;
-  Vec3 forces, products;
-  for (std::size_t i = 0; i < k2018.size(); ++i) {
-    if (i == left_out) continue;
-    const double f = k2018[i].at;
-    n += 1;
-    feeds += f;
-    squares += f * f;
-    forces = forces + k2018[i].force_n;
-    products = products + k2018[i].force_n * f;
-  }
-  const Vec3 slope = (products * n - forces * feeds) * (1 / (n * squares - feeds * feeds));
-  const Vec3 base = (forces - slope * feeds) * (1 / n);
-  constexpr double kTeethDepth = 2 * 3;
-  MillingSettings m;
-  m.spindle_rpm = 6000;
-  m.cut_n_per_mm2 = {4 * slope.y / kTeethDepth, -4 * slope.x / kTeethDepth,
-                     -M_PI * slope.z / kTeethDepth};
-  m.edge_n_per_mm = {M_PI * base.y / kTeethDepth, -M_PI * base.x / kTeethDepth,
-                     -2 * base.z / kTeethDepth};
-  return m;
-}
-
-TEST(MillingPublished, FlatSlotsOfOtherFeedsThanTheCoefficients) {
-  // Each feed from the four others of the same series. The lowest is beyond the linear law.
-  const Tool tool = *make_tool(FlatShape{25, 30});
-  for (std::size_t i = 0; i < k2018.size(); ++i) {
-    const double feed_mm_per_min = k2018[i].at * 2 * 6000;
-    expect_within(k2018[i], computed({tool, 3, feed_mm_per_min, 0.5}, fitted_without(i)), "flat");
-  }
+TEST(MillingPublished, EachSlotFromTheOthersWithAnExponentForEachDirection) {
+  // The directions are less exact where a point lies beyond the others.
+  const double bull_nose_errors[5][2] = {{10, 12}, {10, 10}, {10, 10}, {10, 10}, {10, 10}};
+  const double ball_errors[5][2] = {{10, 10}, {10, 10}, {10, 10}, {10, 10}, {10, 10}};
+  const double flat_errors[5][2] = {{10, 15}, {10, 10}, {10, 10}, {10, 10}, {10, 10}};
+  expect_each_from_the_others(bull_nose(), at_depths(kBullNose, bull_nose_errors));
+  expect_each_from_the_others(ball(), at_depths(kBall, ball_errors));
+  expect_each_from_the_others(flat(), at_feeds(kFlat, flat_errors));
 }
 
 }  // namespace
