@@ -61,6 +61,7 @@ class Relay:
     def __init__(self, target_port, line, seed=1):
         self.up, self.down = Direction(line, seed), Direction(line, seed + 1)
         self.connections = 0
+        self._is_cut = False
         self._target_port = target_port
         self._loop = asyncio.new_event_loop()
         self._tasks = set()
@@ -79,14 +80,28 @@ class Relay:
         self._thread.join()
         self._loop.close()
 
+    def cut(self):
+        """Ends all connections and relays no further ones until mend(): the network is gone."""
+        self._is_cut = True
+        asyncio.run_coroutine_threadsafe(self._end_connections(), self._loop).result(30)
+
+    def mend(self):
+        self._is_cut = False
+
     async def _end(self):
         self._server.close()
+        await self._end_connections()
+
+    async def _end_connections(self):
         for task in list(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
     async def _relay(self, reader, writer):
         """Relays both directions of one connection until both have ended."""
+        if self._is_cut:
+            writer.close()
+            return
         self._tasks.add(asyncio.current_task())
         self.connections += 1
         target = None
