@@ -133,6 +133,7 @@ class Api {
   ApiResponse redo(const ApiCall& call);
   ApiResponse list_versions(const ApiCall& call);
   ApiResponse name_version(const ApiCall& call);
+  ApiResponse rename_version(const ApiCall& call);
   ApiResponse remove_version(const ApiCall& call);
   ApiResponse list_invitations(const ApiCall& call);
   ApiResponse invite(const ApiCall& call);

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The route that serves pictures of blocks.
+#include <algorithm>
+#include <iterator>
+
 #include "server/http/api.h"
 #include "server/http/number.h"
 #include "server/picture/block_picture.h"
@@ -9,14 +12,16 @@
 namespace kerf::net {
 namespace {
 
-constexpr int kWidth = 480, kHeight = 360;
+/// Every size is a rendering of its own, so there are few.
+constexpr int kWidths[] = {240, 480, 960};
+constexpr int kWidthDefault = 480;
 
-std::optional<int> side_of(const ApiRequest& request, const char* name, int otherwise) {
-  const std::string* text = request.query_value(name);
-  if (text == nullptr) return otherwise;
-  const auto side = parse_number<int>(*text);
-  if (!side || *side < kPictureSideMin || *side > kPictureSideMax) return std::nullopt;
-  return side;
+std::optional<int> width_of(const ApiRequest& request) {
+  const std::string* text = request.query_value("width");
+  if (text == nullptr) return kWidthDefault;
+  const auto width = parse_number<int>(*text);
+  const bool is_one = width && std::ranges::find(kWidths, *width) != std::end(kWidths);
+  return is_one ? width : std::nullopt;
 }
 
 PictureCache::Present present_state(Session& session, int width, int height) {
@@ -38,19 +43,14 @@ PictureCache::Present present_state(Session& session, int width, int height) {
 }  // namespace
 
 ApiResponse Api::picture(const ApiCall& call) {
-  const auto width = side_of(call.request, "width", kWidth);
-  const auto height = side_of(call.request, "height", kHeight);
-  if (!width || !height) {
-    return error_response(400, "bad_size",
-                          "width and height must be integers from " +
-                              std::to_string(kPictureSideMin) + " to " +
-                              std::to_string(kPictureSideMax));
-  }
+  const auto width = width_of(call.request);
+  if (!width) return error_response(400, "bad_size", "width must be 240, 480 or 960");
+  const int height = *width * 3 / 4;
   Session& session = *call.session;
-  const std::string size = std::to_string(*width) + "x" + std::to_string(*height);
+  const std::string size = std::to_string(*width) + "x" + std::to_string(height);
   const auto picture = pictures_.get(
       session.id() + "/" + std::to_string(session.epoch()) + "/" + size,
-      [&] { return present_state(session, *width, *height); }, call.request.stop);
+      [&] { return present_state(session, *width, height); }, call.request.stop);
   if (!picture) return error_response(500, "export_failed", picture.error().reason);
   const std::string etag = '"' + picture->tag + "-" + size + '"';
   ApiResponse response;

@@ -43,6 +43,17 @@ ApiResponse version_failure(const VersionError& error) {
   return not_found();
 }
 
+/// Nothing if a version may have the name.
+std::optional<ApiResponse> name_failure(const std::string* name) {
+  if (name != nullptr && is_version_name(*name) && *name != kLive &&
+      std::holds_alternative<std::string>(*parse_point(*name))) {
+    return std::nullopt;
+  }
+  return error_response(400, "bad_name",
+                        "name must be 1 to 64 bytes of text without control characters and /, "
+                        "and no number, time or \"live\"");
+}
+
 std::int64_t now_ms() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
@@ -54,19 +65,18 @@ ApiResponse Api::list_versions(const ApiCall& call) {
   Json list = Json::array();
   const auto versions =
       run_and_wait(call.session->executor(), [&] { return call.session->versions(); });
-  for (const NamedVersion& version : versions) list.push_back(version_json(version));
+  for (const NamedVersion& version : versions) {
+    Json json = version_json(version);
+    json["may_change"] = Session::may_change(version, call.caller);
+    list.push_back(std::move(json));
+  }
   return json_response(200, version_text({{"versions", list}}));
 }
 
 ApiResponse Api::name_version(const ApiCall& call) {
   Session& session = *call.session;
   const std::string* name = call.request.query_value("name");
-  if (name == nullptr || !is_version_name(*name) || *name == kLive ||
-      !std::holds_alternative<std::string>(*parse_point(*name))) {
-    return error_response(400, "bad_name",
-                          "name must be 1 to 64 bytes of text without control characters and /, "
-                          "and no number, time or \"live\"");
-  }
+  if (auto failure = name_failure(name)) return *std::move(failure);
   const auto record = find_requested(session, call.request.query_value("at"));
   if (!record) return record.error();
   if (const auto flushed = session.flush(); !flushed) {
@@ -85,6 +95,20 @@ ApiResponse Api::name_version(const ApiCall& call) {
     return error_response(503, "busy", describe(flushed.error()));
   }
   return json_response(201, version_text(version_json(version)));
+}
+
+ApiResponse Api::rename_version(const ApiCall& call) {
+  Session& session = *call.session;
+  const std::string* name = call.request.query_value("name");
+  if (auto failure = name_failure(name)) return *std::move(failure);
+  const auto renamed = run_and_wait(session.executor(), [&] {
+    return session.rename_version(call.captured, *name, call.caller);
+  });
+  if (!renamed) return version_failure(renamed.error());
+  if (const auto flushed = session.flush(); !flushed) {
+    return error_response(503, "busy", describe(flushed.error()));
+  }
+  return json_response(200, version_text(version_json(*renamed)));
 }
 
 ApiResponse Api::remove_version(const ApiCall& call) {

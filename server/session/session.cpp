@@ -47,6 +47,7 @@ Session::~Session() = default;
 void Session::show_figures() {
   const auto relaxed = std::memory_order_relaxed;
   if (shown_motions_.load(relaxed) != sculpture_.motions() ||
+      shown_removed_mm3_.load(relaxed) != sculpture_.removed_volume_mm3() ||  // after an undo
       shown_participants_.load(relaxed) != participants_.count()) {
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     active_ms_.store(std::chrono::duration_cast<std::chrono::milliseconds>(now).count(), relaxed);

@@ -226,6 +226,13 @@ class Session : public std::enable_shared_from_this<Session> {
 
   /// Names a version; its name is one (is_version_name).
   std::expected<void, VersionError> name_version(NamedVersion version);
+  /// Whether the caller may rename and delete a version: one's own, or any as an owner.
+  static bool may_change(const NamedVersion& version, const Caller& caller);
+  /// Gives a version, one's own or any as an owner, another name, which is one (is_version_name).
+  /// All else of it stays. Returns it with that name.
+  std::expected<NamedVersion, VersionError> rename_version(const std::string& name,
+                                                           const std::string& to,
+                                                           const Caller& caller);
   /// Deletes a version: one's own, or any as an owner.
   std::expected<void, VersionError> remove_version(const std::string& name, const Caller& caller);
   /// The versions, by name.

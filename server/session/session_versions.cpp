@@ -5,6 +5,12 @@
 
 namespace kerf {
 
+bool Session::may_change(const NamedVersion& version, const Caller& caller) {
+  const bool is_own =
+      caller.is_personal && !version.person.empty() && version.person == caller.grant;
+  return is_own || may(caller.role, Action::kModerate);
+}
+
 std::expected<void, VersionError> Session::name_version(NamedVersion version) {
   using enum VersionFault;
   if (const auto error = journal_.pause()) {
@@ -29,6 +35,35 @@ std::expected<void, VersionError> Session::name_version(NamedVersion version) {
   return {};
 }
 
+std::expected<NamedVersion, VersionError> Session::rename_version(const std::string& name,
+                                                                  const std::string& to,
+                                                                  const Caller& caller) {
+  using enum VersionFault;
+  if (const auto error = journal_.pause()) {
+    return std::unexpected(VersionError{kPaused, "paused: disk: " + error->reason});
+  }
+  if (closed_) return std::unexpected(VersionError{kPaused, "the session is closed"});
+  const auto found = versions_.find(name);
+  if (found == versions_.end()) {
+    return std::unexpected(VersionError{kUnknown, "there is no version of this name"});
+  }
+  if (!may_change(found->second, caller)) {
+    return std::unexpected(
+        VersionError{kNotAllowed, "the version is another's: an owner may rename it"});
+  }
+  if (to == name) return found->second;
+  if (versions_.contains(to)) {
+    return std::unexpected(VersionError{kTaken, "there is a version of this name; choose another"});
+  }
+  NamedVersion renamed = found->second;
+  renamed.name = to;
+  journal_.append(VersionChange{renamed});
+  journal_.append(VersionChange{found->second, true});
+  versions_.erase(found);
+  versions_.emplace(to, renamed);
+  return renamed;
+}
+
 std::expected<void, VersionError> Session::remove_version(const std::string& name,
                                                           const Caller& caller) {
   using enum VersionFault;
@@ -36,14 +71,11 @@ std::expected<void, VersionError> Session::remove_version(const std::string& nam
   if (found == versions_.end()) {
     return std::unexpected(VersionError{kUnknown, "there is no version of this name"});
   }
-  const NamedVersion& version = found->second;
-  const bool is_own =
-      caller.is_personal && !version.person.empty() && version.person == caller.grant;
-  if (!is_own && !may(caller.role, Action::kModerate)) {
+  if (!may_change(found->second, caller)) {
     return std::unexpected(
         VersionError{kNotAllowed, "the version is another's: an owner may delete it"});
   }
-  journal_.append(VersionChange{version, true});
+  journal_.append(VersionChange{found->second, true});
   versions_.erase(found);
   return {};
 }

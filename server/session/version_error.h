@@ -14,7 +14,7 @@ enum class VersionFault : std::uint8_t {
   kNotAllowed,  ///< it is another's
   kPaused       ///< the journal cannot be written
 };
-/// Why a version was not named or deleted; one sentence.
+/// Why a version was not named, renamed or deleted; one sentence.
 struct VersionError {
   VersionFault fault = VersionFault::kUnknown;
   std::string reason;

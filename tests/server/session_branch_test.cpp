@@ -52,6 +52,39 @@ TEST_F(Versions, OutlastARestartAndAreNotReplaced) {
   }
 }
 
+TEST_F(Versions, ARenamedOneKeepsItsAuthorAndTimes) {
+  create();
+  NamedVersion first = named("first", 1);
+  first.person = "ada's pass";
+  ASSERT_TRUE(session_->name_version(first));
+  ASSERT_TRUE(session_->name_version(named("other", 1)));
+  Caller bo, ada;
+  bo.role = ada.role = Role::kSculptor;
+  bo.is_personal = ada.is_personal = true;
+  bo.grant = "bo's pass";
+  ada.grant = first.person;
+  using enum VersionFault;
+  EXPECT_FALSE(Session::may_change(first, bo));
+  EXPECT_EQ(session_->rename_version("first", "mine", bo).error().fault, kNotAllowed);
+  EXPECT_EQ(session_->rename_version("none", "mine", ada).error().fault, kUnknown);
+  EXPECT_EQ(session_->rename_version("first", "other", ada).error().fault, kTaken);
+  EXPECT_TRUE(session_->rename_version("first", "first", ada));
+  EXPECT_TRUE(Session::may_change(first, ada));
+  ASSERT_TRUE(session_->rename_version("first", "second", ada));
+  ASSERT_TRUE(session_->rename_version("other", "zeroth", Caller::local()));
+  for (int round = 0; round < 2; ++round) {
+    const auto versions = session_->versions();
+    ASSERT_EQ(versions.size(), 2U);
+    EXPECT_EQ(versions[0].name, "second");
+    EXPECT_EQ(versions[0].author, first.author);
+    EXPECT_EQ(versions[0].person, first.person);
+    EXPECT_EQ(versions[0].record_ms, first.record_ms);
+    EXPECT_EQ(versions[0].created_ms, first.created_ms);
+    EXPECT_EQ(versions[1].name, "zeroth");
+    reload();
+  }
+}
+
 TEST_F(Versions, AreLimitedInNumber) {
   create();
   for (std::size_t n = 0; n < kVersionsMax; ++n) {

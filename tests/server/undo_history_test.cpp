@@ -195,5 +195,16 @@ TEST_F(RandomHistory, EqualsTheSurvivingSetToTheBit) {
   }
 }
 
+TEST_F(SessionUndo, UndoAndRedoAreActivity) {
+  create();
+  const StrokeId only = stroke(join("Ada"), {-15, 0, -2}, {15, 0, -2});
+  session_->note_times(1, 1);
+  undo({only});
+  EXPECT_GT(session_->figures().active_ms, 1);
+  session_->note_times(1, 1);
+  redo({only});
+  EXPECT_GT(session_->figures().active_ms, 1);
+}
+
 }  // namespace
 }  // namespace kerf

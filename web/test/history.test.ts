@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, describe, expect, it, vi } from 'vitest';
-import { branch, deleteVersion, forceCurve, listVersions, nameVersion } from '../src/link/history';
+import {
+  branch,
+  deleteVersion,
+  forceCurve,
+  listVersions,
+  nameVersion,
+  renameVersion,
+} from '../src/link/history';
 
 function answer(status: number, body: unknown) {
   const fetched = vi.fn(() => Promise.resolve(new Response(JSON.stringify(body), { status })));
@@ -12,20 +19,24 @@ afterEach(() => vi.unstubAllGlobals());
 
 describe('history', () => {
   it('lists versions by their records and leaves out what is none', async () => {
-    const version = (name: string, record: number) => ({ name, record, time_ms: 5, author: '' });
+    const version = (name: string, record: number) => ({
+      ...{ name, record, time_ms: 5, author: '', may_change: false },
+    });
     answer(200, { versions: [version('late', 9), { name: 'none' }, null, version('early', 2)] });
     const names = (await listVersions('demo')).map(({ name }) => name);
     expect(names).toEqual(['early', 'late']);
   });
 
-  it('names the block of a record, or the present one, and deletes a name', async () => {
+  it('names the block of a record, or the present one, renames and deletes a name', async () => {
     const fetched = answer(201, {});
     await nameVersion('a b', 'half & half', 7);
     await nameVersion('demo', 'now', null);
+    await renameVersion('demo', 'half & half', 'a & b');
     await deleteVersion('demo', 'half & half');
     expect(fetched.mock.calls).toEqual([
       ['/v1/sessions/a%20b/versions?name=half%20%26%20half&at=7', { method: 'POST' }],
       ['/v1/sessions/demo/versions?name=now', { method: 'POST' }],
+      ['/v1/sessions/demo/versions/half%20%26%20half?name=a%20%26%20b', { method: 'PATCH' }],
       ['/v1/sessions/demo/versions/half%20%26%20half', { method: 'DELETE' }],
     ]);
   });

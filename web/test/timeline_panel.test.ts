@@ -80,7 +80,7 @@ describe('the records of the timeline', () => {
 });
 
 describe('the versions of the timeline', () => {
-  const HALF = { name: 'Half done', record: 12, time_ms: 0, author: 'Ada' };
+  const HALF = { name: 'Half done', record: 12, time_ms: 0, author: 'Ada', may_change: true };
 
   function open(): { calls: unknown[][]; element: FakeElement; bookmarks: Bookmarks } {
     stubPage();
@@ -122,9 +122,20 @@ describe('the versions of the timeline', () => {
     button(element, 'Delete').click();
     expect(calls).toEqual([
       ['go', 12],
-      ['rename', HALF, 'Roughed'],
+      ['rename', 'Half done', 'Roughed'],
       ['remove', 'Half done'],
     ]);
+  });
+
+  it('of others can only be gone to', () => {
+    const { calls, element, bookmarks } = open();
+    bookmarks.show([{ ...HALF, may_change: false }]);
+    const list = element.all('timeline-versions')[0]!;
+    list.value = 'Half done';
+    list.dispatch('change');
+    expect(calls).toEqual([['go', 12]]);
+    expect(button(element, 'Rename').disabled).toBe(true);
+    expect(button(element, 'Delete').disabled).toBe(true);
   });
 
   it('cannot be changed without the right', () => {

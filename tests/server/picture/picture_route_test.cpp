@@ -175,15 +175,16 @@ class PictureRoute : public ::testing::Test {
 };
 
 TEST_F(PictureRoute, ServesAPngOfTheGivenSize) {
-  const ApiResponse response = ask("?width=64&height=40");
+  const ApiResponse response = ask("?width=240");
   ASSERT_EQ(response.status, 200U) << response.body;
   EXPECT_EQ(response.content_type, "image/png");
   ASSERT_TRUE(response.file);
   unsigned char head[24];
   ASSERT_EQ(response.file->read(0, reinterpret_cast<char*>(head), sizeof head), sizeof head);
-  EXPECT_EQ(head[19], 64);  // of the IHDR chunk: width, then height, big-endian
-  EXPECT_EQ(head[23], 40);
-  EXPECT_NE(etag(response), etag(ask("?width=64&height=41")));
+  EXPECT_EQ(head[19], 240);  // of the IHDR chunk: width, then height, big-endian
+  EXPECT_EQ(head[23], 180);
+  EXPECT_NE(etag(response), etag(ask("?width=480")));
+  EXPECT_EQ(etag(ask("")), etag(ask("?width=480")));
 }
 
 TEST_F(PictureRoute, LeavesTheFilesOfOthersInTheDataFolder) {
@@ -198,25 +199,33 @@ TEST_F(PictureRoute, LeavesTheFilesOfOthersInTheDataFolder) {
     }
   }
   Api again(options_, registry_, metrics_, *access_);
-  EXPECT_EQ(ask("?width=64&height=40").status, 200U);
+  EXPECT_EQ(ask("?width=240").status, 200U);
   for (const auto& file : files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
 }
 
 TEST_F(PictureRoute, AnUnchangedPictureIsNotSentAgain) {
-  const ApiResponse first = ask("?width=32&height=24");
-  const ApiResponse again = ask("?width=32&height=24", etag(first));
+  const ApiResponse first = ask("?width=240");
+  const ApiResponse again = ask("?width=240", etag(first));
   EXPECT_EQ(again.status, 304U);
   EXPECT_FALSE(again.file);
   EXPECT_EQ(etag(again), etag(first));
-  EXPECT_EQ(ask("?width=32&height=24", "\"other\"").status, 200U);
+  EXPECT_EQ(ask("?width=240", "\"other\"").status, 200U);
 }
 
 TEST_F(PictureRoute, RejectsOtherSizes) {
-  for (const char* size : {"?width=15", "?height=1281", "?width=x", "?width=64.5", "?height="}) {
+  for (const char* size : {"?width=241", "?width=0", "?width=x", "?width=240.5", "?width="}) {
     const ApiResponse response = ask(size);
     EXPECT_EQ(response.status, 400U) << size;
     EXPECT_TRUE(response.body.contains("bad_size")) << size;
-    EXPECT_TRUE(response.body.contains("16 to 1280")) << size;
+    EXPECT_TRUE(response.body.contains("240, 480 or 960")) << size;
+  }
+}
+
+TEST_F(PictureRoute, TheHeightFollowsTheWidth) {
+  const std::string tag = etag(ask("?width=240"));
+  for (int height = 100; height < 104; ++height) {
+    EXPECT_EQ(etag(ask("?width=240&height=" + std::to_string(height))), tag)
+        << "nobody makes the server draw a picture for each of many sizes";
   }
 }
 

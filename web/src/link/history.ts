@@ -11,6 +11,8 @@ export interface Version {
   time_ms: number;
   /** Empty: unknown. */
   author: string;
+  /** Whether this viewer may rename and delete it. */
+  may_change: boolean;
 }
 
 /** Forces of equal spans of records: columns of equal length. */
@@ -24,10 +26,11 @@ export interface ForceCurve {
 
 function isVersion(value: unknown): value is Version {
   if (typeof value !== 'object' || value === null) return false;
-  const { name, record, time_ms, author } = value as Record<string, unknown>;
+  const { name, record, time_ms, author, may_change } = value as Record<string, unknown>;
   return (
     typeof name === 'string' &&
     typeof author === 'string' &&
+    typeof may_change === 'boolean' &&
     Number.isFinite(record) &&
     Number.isFinite(time_ms)
   );
@@ -48,6 +51,12 @@ export async function nameVersion(
 ): Promise<void> {
   const at = record === null ? '' : `&at=${record}`;
   await ask(pathOf(session, `versions?name=${encodeURIComponent(name)}${at}`), 'POST');
+}
+
+/** Gives a version another name; its author and times stay. */
+export async function renameVersion(session: string, name: string, to: string): Promise<void> {
+  const path = `versions/${encodeURIComponent(name)}?name=${encodeURIComponent(to)}`;
+  await ask(pathOf(session, path), 'PATCH');
 }
 
 export async function deleteVersion(session: string, name: string): Promise<void> {

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Addresses of pictures of blocks, which the server draws.
 
+/** The widths of which the server draws pictures, pixels; the height is 3/4 of it. */
+export type PictureWidth = 240 | 480 | 960;
+
 /** `version` tells the states of the block apart for the browser. */
-export function pictureUrl(
-  session: string,
-  version: string,
-  width: number,
-  height: number,
-): string {
-  const query = `width=${width}&height=${height}&version=${version}`;
+export function pictureUrl(session: string, version: string, width: PictureWidth): string {
+  const query = `width=${width}&version=${version}`;
   return `/v1/sessions/${encodeURIComponent(session)}/picture.png?${query}`;
 }
 

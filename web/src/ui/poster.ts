@@ -5,8 +5,7 @@ import { pictureUrl, PictureVersions } from '../link/picture_url';
 import { h } from './dom';
 
 const RENEW_MS = 3000;
-const WIDTH = 640;
-const HEIGHT = 480;
+const WIDTH = 960;
 
 export class Poster {
   readonly element = h('img', {
@@ -25,6 +24,6 @@ export class Poster {
     if (nowMs - this.askedMs_ < RENEW_MS) return;
     this.askedMs_ = nowMs;
     const version = this.versions_.next(motions, removedMm3);
-    if (version !== null) this.element.src = pictureUrl(this.session, version, WIDTH, HEIGHT);
+    if (version !== null) this.element.src = pictureUrl(this.session, version, WIDTH);
   }
 }

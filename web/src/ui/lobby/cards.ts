@@ -35,7 +35,7 @@ class Card {
     class: 'card-picture',
     alt: '',
     width: '480',
-    height: '300',
+    height: '360',
   });
   private readonly name_ = h('strong');
   private readonly people_ = h('ul', { class: 'chips', 'aria-label': 'People', hidden: '' });
@@ -73,7 +73,7 @@ class Card {
     this.close_.hidden = actions.close === null;
     setText(this.name_, summary.name);
     const version = this.versions_.next(summary.motions, summary.removedVolumeMm3);
-    if (version !== null) this.picture_.src = pictureUrl(summary.id, version, 480, 300);
+    if (version !== null) this.picture_.src = pictureUrl(summary.id, version, 480);
     const { activeMs } = summary;
     const age = activeMs === null ? '' : `changed ${ageText(activeMs, Date.now())} · `;
     setText(this.facts_, `${age}${count(summary.motions)} motions`);

@@ -9,7 +9,7 @@ import { count } from '../format';
 export interface BookmarkActions {
   go: (record: number) => void;
   name: (name: string) => void;
-  rename: (version: Version, name: string) => void;
+  rename: (old: string, name: string) => void;
   remove: (name: string) => void;
   branch: (id: string) => void;
 }
@@ -77,8 +77,8 @@ export class Bookmarks {
       this.ask_(null);
       if (text === '') return;
       if (what === 'branch') actions.branch(text);
-      else if (what === 'rename' && this.version_) actions.rename(this.version_, text);
-      else actions.name(text);
+      else if (what === 'version') actions.name(text);
+      else if (this.version_) actions.rename(this.version_.name, text);
     });
   }
 
@@ -106,8 +106,10 @@ export class Bookmarks {
     this.branch_.hidden = !branches;
   }
 
+  /** Versions of others may be visited, and changed by those whom the server lets. */
   private update_(): void {
-    for (const button of [this.rename_, this.delete_]) button.disabled = !this.version_;
+    const isFixed = this.version_?.may_change !== true;
+    for (const button of [this.rename_, this.delete_]) button.disabled = isFixed;
   }
 
   /** The one that is chosen. */

@@ -3,8 +3,7 @@
 // motion of the past and back to the present.
 
 import '../style/timeline.css';
-import { branch, deleteVersion, nameVersion } from '../../link/history';
-import type { Version } from '../../link/history';
+import { branch, deleteVersion, nameVersion, renameVersion } from '../../link/history';
 import { changeStroke } from '../../link/strokes';
 import type { Stroke, StrokeChange } from '../../link/strokes';
 import { Seeker } from '../../model/seeker';
@@ -75,7 +74,8 @@ export class Timeline {
         go: (record) => this.seek_(record, 0),
         name: (name) =>
           void this.keep_(nameVersion(session, name, this.record_), `“${name}” is kept.`),
-        rename: (version, name) => void this.rename_(version, name),
+        rename: (old, name) =>
+          void this.keep_(renameVersion(session, old, name), `“${old}” is now “${name}”.`),
         remove: (name) => void this.keep_(deleteVersion(session, name), `“${name}” is deleted.`),
         branch: (id) => void this.branch_(id),
       },
@@ -262,14 +262,6 @@ export class Timeline {
       changeStroke(this.host.session, change, stroke.id),
       `A stroke of ${name} was ${done}.`,
     );
-  }
-
-  /** The server knows no renaming: the new name is given before the old one is deleted. */
-  private async rename_({ name: old, record }: Version, name: string): Promise<void> {
-    if (name === old) return;
-    const { session } = this.host;
-    const renamed = nameVersion(session, name, record).then(() => deleteVersion(session, old));
-    await this.keep_(renamed, `“${old}” is now “${name}”.`);
   }
 
   private async branch_(id: string): Promise<void> {
