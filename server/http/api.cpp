@@ -107,7 +107,8 @@ Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& m
       downloads_(options.data_folder / kCacheFolder / "downloads"),
       pictures_(options.data_folder / kCacheFolder / "pictures"),
       uploads_(options.upload_bytes),
-      programs_(options.program_bytes) {}
+      programs_(options.program_bytes),
+      upload_folder_(options.data_folder / "uploads") {}
 
 ApiResponse Api::handle(const ApiRequest& request) {
   RouteMatch match = match_route(request.method, request.path);

@@ -16,6 +16,7 @@
 #include "server/http/download_cache.h"
 #include "server/http/http_options.h"
 #include "server/http/picture_cache.h"
+#include "server/http/upload_folder.h"
 #include "server/metrics/metrics.h"
 #include "server/rights/access.h"
 #include "server/session/session_registry.h"
@@ -163,9 +164,6 @@ class Api {
   /// A share of the memory for programs. If it is used up, the texts of programs that have ended
   /// are dropped, in all sessions. Nothing if that does not suffice.
   std::optional<MemoryBudget::Share> program_memory(std::size_t bytes);
-  /// The uploaded files that a scene names.
-  std::map<std::string, std::string> uploads_named_in(std::string_view scene_text) const;
-  std::filesystem::path upload_folder() const { return options_.data_folder / "uploads"; }
 
   const HttpOptions& options_;
   SessionRegistry& registry_;
@@ -174,6 +172,7 @@ class Api {
   DownloadCache downloads_;
   PictureCache pictures_;
   MemoryBudget uploads_, programs_;
+  UploadFolder upload_folder_;
   std::once_flag carvers_made_;
   std::unique_ptr<ThreadPool> carvers_;  ///< carve tiles for undo, redo and the past
   mutable std::mutex drain_mutex_;       ///< guards drain_to_

@@ -148,7 +148,7 @@ ApiResponse Api::create_session(const ApiCall& call) {
   // A scene from the network must not read the server's files: it has no base folder and may name
   // uploaded files only.
   SceneSource source;
-  source.files = uploads_named_in(call.request.body);
+  source.files = upload_folder_.named_in(call.request.body);
   if (is_dry) {
     const auto scene = registry_.check(id, call.request.body, source);
     if (!scene) return registry_failure(scene.error());

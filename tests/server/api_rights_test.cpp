@@ -122,6 +122,31 @@ TEST_F(ApiRightsTest, RoutesWithoutATokenAreThoseOfTheTable) {
             (std::set<std::string>{"/healthz", "/readyz", "/v1/sessions/{id}/join", "/{file...}"}));
 }
 
+TEST_F(ApiRightsTest, UploadsFromAnotherNetworkDoNotDeleteOnesOwn) {
+  const auto upload = [&](const std::string& network, int n) {
+    ApiRequest request = *parse_target("/v1/files?name=Part.OBJ");
+    request.method = "POST";
+    request.token = kAdmin;
+    request.network = network;
+    request.body = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 " + std::to_string(9 + n) +
+                   "\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    return Json::parse(api->handle(request).body).at("file").get<std::string>();
+  };
+  const std::string mine = upload("192.0.2.1", 0);
+  EXPECT_EQ(mine.substr(16), ".obj");
+  for (int n = 1; n < 18; ++n) upload("192.0.2.2", n);
+  std::string scene = kScene;
+  const auto at = scene.find("\"stock\"");
+  scene.replace(at, scene.find('}', at) + 1 - at,
+                R"("stock":{"shape":"mesh","file":")" + mine + "\"}");
+  ApiRequest request = *parse_target("/v1/sessions?id=mine");
+  request.method = "POST";
+  request.token = kAdmin;
+  request.body = scene;
+  const ApiResponse made = api->handle(request);
+  EXPECT_EQ(made.status, 201U) << made.body;
+}
+
 TEST_F(ApiRightsTest, AStrangerLearnsNothingOfTheSessions) {
   for (const char* path : {"/v1/sessions/block", "/v1/sessions/other", "/v1/sessions/block/x",
                            "/v1/sessions/other/join", "/v1/sessions"}) {
