@@ -2,6 +2,7 @@
 #include "kernel/cut/reach.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <variant>
 
@@ -40,7 +41,12 @@ SweepBounds bounds_of(const SweptTool& swept) {
 Lanes lower_bound(const SweptTool& swept, const Discs& discs) {
   Lanes z = Lanes(std::numeric_limits<double>::infinity());
   for (const SweptPiece& piece : swept.pieces) {
-    std::visit([&](const auto& s) { s.lower_bound(discs, z); }, piece);
+    const Lanes others = z;
+    const LeftOut left = std::visit([&](const auto& s) { return s.lower_bound(discs, z); }, piece);
+    for (unsigned gone = left.gone; gone != 0; gone &= gone - 1) {
+      const int i = std::countr_zero(gone);
+      z.set(i, others[i]);
+    }
   }
   return z;
 }

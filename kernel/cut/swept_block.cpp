@@ -12,18 +12,24 @@
 namespace kerf {
 namespace {
 
-/// Lower bounds of a piece's sweep in eight rows; bit r of `behind`: row r is left out because it
-/// is behind the piece.
+/// Lower bounds of a piece's sweep in eight rows.
 struct RowBounds {
-  Lanes lowest_mm;
-  unsigned behind = 0;
+  Lanes lowest_mm = Lanes(std::numeric_limits<double>::infinity());
+  LeftOut left_out = {};
+  unsigned reached = 0;  ///< rows (bit r: row r) in which there is stock above the bound
+
+  /// Returns the rows in which the piece may change the stock.
+  unsigned changed() const { return reached & ~left_out.gone; }
 };
 
-RowBounds bounds_of(const std::vector<SweptPiece>& pieces, std::size_t k, const Discs& discs) {
-  RowBounds bounds{Lanes(std::numeric_limits<double>::infinity())};
+/// The bounds of piece k; none if there is no such piece.
+RowBounds bounds_of(const std::vector<SweptPiece>& pieces, std::size_t k, const Discs& discs,
+                    const Lanes& stock_below) {
+  RowBounds bounds;
   if (k >= pieces.size()) return bounds;
   const auto bound = [&](const auto& s) { return s.lower_bound(discs, bounds.lowest_mm); };
-  bounds.behind = std::visit(bound, pieces[k]);
+  bounds.left_out = std::visit(bound, pieces[k]);
+  bounds.reached = lanes_below(bounds.lowest_mm, stock_below);
   return bounds;
 }
 
@@ -48,19 +54,21 @@ void sweep_block(const SweptTool& swept, const DexelGrid& grid, const DexelTile*
   // A piece just above the stock may close a gap to one that reaches into it.
   const Lanes matters_below =
       swept.pieces.size() > 1 ? reached_below + swept.join_mm : reached_below;
-  unsigned behind_below = 0;
-  RowBounds bounds = bounds_of(swept.pieces, 0, discs);
+  const unsigned rows = (1U << in_grid) - 1;
+  RowBounds below, bounds = bounds_of(swept.pieces, 0, discs, matters_below);
   for (std::size_t k = 0; k < swept.pieces.size(); ++k) {
-    const RowBounds above = bounds_of(swept.pieces, k + 1, discs);
+    const RowBounds above = bounds_of(swept.pieces, k + 1, discs, matters_below);
     block.lowest_mm = bounds.lowest_mm;
-    block.below_is_swept = ~behind_below;
-    block.above_is_swept = ~above.behind;
-    block.rows = lanes_below(block.lowest_mm, matters_below) & ((1U << in_grid) - 1);
+    block.below_is_swept = ~below.left_out.behind;
+    block.above_is_swept = ~above.left_out.behind;
+    // What a piece has lost already is joined to what a neighbor removes now.
+    block.rows =
+        bounds.reached & (~bounds.left_out.gone | below.changed() | above.changed()) & rows;
     block.drop_closed_rows();
     block.raised_rows = 0;
     if (block.rows != 0 && swept.above[k].covers_any()) swept.above[k].find_covered(block);
     if (block.rows != 0) std::visit([&](const auto& s) { s.evaluate(block); }, swept.pieces[k]);
-    behind_below = bounds.behind;
+    below = bounds;
     bounds = above;
   }
 }

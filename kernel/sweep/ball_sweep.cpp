@@ -100,8 +100,8 @@ SweepBounds BallSweep::bounds() const {
   return b;
 }
 
-unsigned BallSweep::lower_bound(const Discs& discs, Lanes& z_mm) const {
-  return bound_chain(capsules_, discs, radius_, start_is_cut_, z_mm);
+LeftOut BallSweep::lower_bound(const Discs& discs, Lanes& z_mm) const {
+  return {.behind = bound_chain(capsules_, discs, radius_, start_is_cut_, z_mm)};
 }
 
 void BallSweep::evaluate(ColumnBlock& block) const { evaluate_chain(capsules_, block); }

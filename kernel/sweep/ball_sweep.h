@@ -19,7 +19,7 @@ class BallSweep {
   SweepBounds bounds() const;
   /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc. Returns the
   /// discs (bit i: disc i) that are left out because they are behind the ball.
-  unsigned lower_bound(const Discs& discs, Lanes& z_mm) const;
+  LeftOut lower_bound(const Discs& discs, Lanes& z_mm) const;
   void evaluate(ColumnBlock& block) const;
 
  private:

@@ -112,4 +112,11 @@ struct Discs {
   double reach_mm;
 };
 
+/// The discs (bit i: disc i) over which a piece of the tool has nothing left to remove, because its
+/// first pose has been removed already.
+struct LeftOut {
+  unsigned behind = 0;  ///< it moves away from them; no lower bound was computed
+  unsigned gone = 0;    ///< they are inside of its first pose all along its height
+};
+
 }  // namespace kerf

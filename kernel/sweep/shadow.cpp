@@ -60,7 +60,8 @@ KERF_FOR_EACH_TARGET(void, keep_lower, (const Lanes& a, Lanes& b), (a, b))
 }  // namespace
 
 Shadow::Shadow(const ToolPiece& slice, const std::vector<ToolPose>& poses, double margin_mm)
-    : underside_(slice, poses.front(), poses.back()) {
+    : underside_(slice, poses.front(), poses.back()),
+      level_(LevelBound::make(slice, poses.front(), poses.back())) {
   const FrustumPiece e = enclosing_frustum(slice);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   support_lo_ = Lanes(kInfinity);
@@ -97,20 +98,26 @@ Shadow::Shadow(const ToolPiece& slice, const std::vector<ToolPose>& poses, doubl
   plane_ = {(support - margin_mm) / n.z, -n.x / n.z, -n.y / n.z, u.z / lean};
 }
 
-unsigned Shadow::lower_bound(const Discs& discs, Lanes& z_mm) const {
+void Shadow::set_trail(const Trail& trail) {
+  trail_ = trail;
+  if (level_) level_->set_start_is_cut();
+}
+
+LeftOut Shadow::lower_bound(const Discs& discs, Lanes& z_mm) const {
+  if (level_) return {.gone = level_->lower_bound(discs, z_mm)};
   const Lanes none = Lanes(std::numeric_limits<double>::infinity());
   Lanes z;
   bound_discs(discs, support_lo_, support_hi_, bounds_.min_mm.z, plane_.at_origin_mm, plane_.by_x,
               plane_.by_y, plane_.steepness, z);
   const unsigned reached = lanes_below(z, none);
-  if (reached == 0) return 0;
+  if (reached == 0) return {};
   underside_.raise(discs, z);
   const unsigned behind = trail_ ? trail_->behind(discs) & reached : 0;
   for (unsigned left = behind; left != 0; left &= left - 1) {
     z.set(std::countr_zero(left), std::numeric_limits<double>::infinity());
   }
   keep_lower(z, z_mm);
-  return behind;
+  return {.behind = behind};
 }
 
 }  // namespace kerf

@@ -6,6 +6,7 @@
 
 #include "kernel/piece/tool_piece.h"
 #include "kernel/sweep/column_block.h"
+#include "kernel/sweep/level_bound.h"
 #include "kernel/sweep/trail.h"
 #include "kernel/sweep/underside.h"
 #include "kernel/tool/tool_pose.h"
@@ -21,12 +22,11 @@ class Shadow {
 
   /// Call this if the piece at its first pose has been removed from the stock already: then the
   /// region behind the piece is excluded too.
-  void set_trail(const Trail& trail) { trail_ = trail; }
+  void set_trail(const Trail& trail);
 
   const SweepBounds& bounds() const { return bounds_; }
-  /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc. Returns the
-  /// discs (bit i: disc i) that are left out because they are behind the piece.
-  unsigned lower_bound(const Discs& discs, Lanes& z_mm) const;
+  /// Lowers `z_mm` to a lower bound of the heights that the slice sweeps within each disc.
+  LeftOut lower_bound(const Discs& discs, Lanes& z_mm) const;
 
  private:
   Lanes support_lo_, support_hi_;  ///< extent along eight directions, 22.5 degrees apart
@@ -37,6 +37,7 @@ class Shadow {
   } plane_;
   Underside underside_;
   std::optional<Trail> trail_;
+  std::optional<LevelBound> level_;  ///< in place of all others
 };
 
 }  // namespace kerf

@@ -19,7 +19,7 @@ class TurningSweep {
   void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   void set_bare_search(const SliceSearch& search) { slice_.set_bare_search(search); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
-  unsigned lower_bound(const Discs& discs, Lanes& z_mm) const {
+  LeftOut lower_bound(const Discs& discs, Lanes& z_mm) const {
     return shadow_.lower_bound(discs, z_mm);
   }
   void evaluate(ColumnBlock& block) const;

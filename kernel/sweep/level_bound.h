@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "kernel/piece/tool_piece.h"
+#include "kernel/sweep/column_block.h"
+#include "kernel/tool/tool_pose.h"
+
+namespace kerf {
+
+/// Lower bounds of what an upright slice removes that moves level. At every height a disc is moved
+/// then, so the distance from the tip's path decides alone, and one test replaces those of Shadow,
+/// Underside and Trail (kernel/sweep/README.md, "Upright and level").
+class LevelBound {
+ public:
+  /// Returns the bound of a frustum or an arc that moves between two poses; nothing if the axis
+  /// leans or the motion is not level.
+  static std::optional<LevelBound> make(const ToolPiece& slice, const ToolPose& from,
+                                        const ToolPose& to);
+
+  /// Call this if the slice at its first pose has been removed from the stock already.
+  void set_start_is_cut() { b_.start_is_cut = true; }
+  /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc, without the
+  /// discs behind the tool. Returns the discs (bit i: disc i) that are inside of the slice at its
+  /// first pose, all along its height: there is nothing left for it.
+  unsigned lower_bound(const Discs& discs, Lanes& z_mm) const;
+
+  struct Parameters {
+    double x, y;          ///< of the first tip
+    double dir_x, dir_y;  ///< unit direction of the motion; 0 if it is at rest
+    double travel;        ///< mm
+    double lowest;        ///< height of the slice's lower end
+    double radius;        ///< greatest radius of the slice
+    double inner_radius;  ///< least radius of the slice
+    bool is_arc;
+    double center_r, center_z, arc_radius;  ///< of an arc
+    double lower_radius;                    ///< of a frustum, like the next
+    double by_slope;                        ///< 1 / slope; 0 if it does not widen
+    bool start_is_cut;
+  };
+
+ private:
+  explicit LevelBound(const Parameters& b) : b_(b) {}
+
+  Parameters b_;
+};
+
+}  // namespace kerf
