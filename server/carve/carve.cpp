@@ -21,6 +21,7 @@
 #include "server/carve/model_outputs.h"
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
+#include "server/carve/scene_choice.h"
 #include "server/carve/simulation_json.h"
 #include "server/carve/stop_signal.h"
 #include "server/formats/forces_csv.h"
@@ -77,16 +78,15 @@ class Carving {
   using Result = std::expected<void, Failure>;
 
   Result read_scene() {
-    auto scene = load_scene(options_.scene);
-    if (!scene) return bad_input(to_string(scene.error()));
+    auto scene = choose_scene(options_);
+    if (!scene) return std::unexpected(scene.error());
     scene_ = *std::move(scene);
-    SculptureSettings& settings = scene_.settings;
-    if (options_.law)
-      settings.force.law =
-          *options_.law == "drr" ? ForceLaw::kDexelRemovalRate : ForceLaw::kSpecificEnergy;
-    if (auto settled = settle_options(); !settled) return settled;
-    // Only meshing uses normals.
-    settings.keep_normals = !options_.models.empty() || options_.surface.reference;
+    if (options_.write_scene) {
+      OutputFile& file = output(*options_.write_scene);
+      std::ofstream stream(file.temporary(), std::ios::binary);
+      stream << scene_json(scene_) << '\n';
+      if (!stream.flush()) return bad_output(file.target().string() + ": cannot be written");
+    }
     if (options_.surface.reference) {
       auto reference = load_reference(*options_.surface.reference);
       if (!reference) return bad_input(reference.error());
@@ -100,7 +100,7 @@ class Carving {
     const SculptureSettings& settings = scene_.settings;
     progress_.show("preparing the stock", 0);
     auto sculpture = Sculpture::create(settings);
-    if (!sculpture) return bad_input(options_.scene.string() + ": " + sculpture.error().reason);
+    if (!sculpture) return bad_input(scene_label(options_) + ": " + sculpture.error().reason);
     sculpture_ = std::make_unique<Sculpture>(*std::move(sculpture));
     for (const auto& [id, tool] : scene_.tools)
       if (auto defined = sculpture_->apply(DefineTool{id, tool.tool}); !defined)
@@ -126,7 +126,7 @@ class Carving {
     if (!scene_.accuracy || stop_.stop_requested()) return;
     const double before_mm = scene_.settings.pitch_mm;
     const auto settled = walls_->refine(scene_, stop_);
-    if (!settled) report_.warnings.push_back(options_.scene.string() + ": " + settled.error());
+    if (!settled) report_.warnings.push_back(scene_label(options_) + ": " + settled.error());
     if (scene_.settings.pitch_mm < before_mm)
       std::cerr << "accuracy: " << scene_.accuracy->reason << '\n';
   }
@@ -140,40 +140,6 @@ class Carving {
     report_.walls = walls_->json(found);
     report_.walls_s += watch_.lap();
     return {};
-  }
-
-  // The command line overrides the scene; if the scene has a target, the other values are chosen to
-  // meet it.
-  Result settle_options() {
-    AccuracyRequest request;
-    if (scene_.accuracy) request = scene_.accuracy->request;
-    if (options_.pitch_mm) request.pitch_mm = options_.pitch_mm;
-    if (options_.tolerance_mm) request.tolerance_mm = options_.tolerance_mm;
-    if (options_.rays)
-      request.rays = *options_.rays == "tri-dexel" ? Rays::kTriDexel : Rays::kDexel;
-    if (options_.motion)
-      request.motion = *options_.motion == "paper" ? MotionModel::kPaper : MotionModel::kTight;
-    if (scene_.accuracy) {
-      const auto settled = resolve_accuracy(scene_, request);
-      if (!settled)
-        return bad_input(options_.scene.string() + ": accuracy." + settled.error().field + " " +
-                         settled.error().reason);
-      std::cerr << "accuracy: " << scene_.accuracy->reason << '\n';
-      return settle_tools();
-    }
-    SculptureSettings& settings = scene_.settings;
-    settings.pitch_mm = request.pitch_mm.value_or(settings.pitch_mm);
-    settings.tolerance_mm = request.tolerance_mm.value_or(settings.tolerance_mm);
-    settings.rays = request.rays.value_or(settings.rays);
-    settings.motion = request.motion.value_or(settings.motion);
-    return settle_tools();
-  }
-
-  Result settle_tools() {
-    const auto resolved = resolve_chords(scene_);
-    if (resolved) return {};
-    return bad_input(options_.scene.string() + ": tool " + std::to_string(resolved.error().tool) +
-                     ": " + resolved.error().error.field + " " + resolved.error().error.reason);
   }
 
   Result read_program() {
@@ -307,7 +273,7 @@ class Carving {
     bar(0);
     auto made = CarvedSurface::make(sculpture_->solid(), request,
                                     reference_ ? &*reference_ : nullptr, bar, stop_);
-    if (!made) return bad_input(options_.scene.string() + ": " + made.error());
+    if (!made) return bad_input(scene_label(options_) + ": " + made.error());
     surface_ = *std::move(made);
     report_.surface = surface_->report();
     return {};

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <iostream>
 
+#include "server/formats/model/mesh_reader.h"
+#include "server/formats/tool_words.h"
 #include "server/threads/thread_pool.h"
 
 namespace kerf {
@@ -74,11 +76,74 @@ std::vector<ModelChoice> chosen_models(const std::vector<ModelOption>& models) {
   return choices;
 }
 
+// "x,y,z": three lengths above 0.
+std::optional<Vec3> size_of(const std::string& text) {
+  std::vector<double> sides;
+  for (const std::string& part : CLI::detail::split(text, ',')) {
+    double side = 0;
+    if (!CLI::detail::lexical_cast(part, side) || !std::isfinite(side) || side <= 0) return {};
+    sides.push_back(side);
+  }
+  if (sides.size() != 3) return std::nullopt;
+  return Vec3{sides[0], sides[1], sides[2]};
+}
+
+std::string check_stock(const std::string& text) {
+  if (size_of(text) || mesh_file_format(text)) return {};
+  return "must be X,Y,Z in mm, each above 0, or a .stl, .ply or .obj file, not " + text;
+}
+
+void read_stock(const std::string& text, SceneWishes& wishes) {
+  wishes.stock_size_mm = size_of(text);
+  wishes.stock_file = wishes.stock_size_mm ? std::string() : text;
+}
+
+// "1=6mm ball"; a number alone is a diameter.
+std::optional<std::pair<ToolId, ToolShape>> tool_of(const std::string& text) {
+  const std::size_t sign = text.find('=');
+  ToolId id = 0;
+  if (sign == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, sign), id) || id == 0)
+    return std::nullopt;
+  const std::string words = text.substr(sign + 1);
+  auto shape = tool_of_words(words, 1);
+  if (!shape) shape = tool_of_words("D=" + words, 1);
+  if (!shape) return std::nullopt;
+  return std::pair{id, *shape};
+}
+
+std::string check_tool(const std::string& text) {
+  return tool_of(text) ? "" : "must be NUMBER=DIAMETER and a kind, such as 1=6mm ball, not " + text;
+}
+
+void read_tool(const std::string& text, SceneWishes& wishes) {
+  if (const auto tool = tool_of(text)) wishes.tools.insert_or_assign(tool->first, tool->second);
+}
+
+void declare_scene(CLI::App& app, CarveOptions& options) {
+  app.add_option("program,--program", options.program,
+                 "NC program: .ngc .nc .tap .gcode, or .apt .cls");
+  app.add_option("--scene", options.scene,
+                 "scene: stock, tools, accuracy (JSON; default: derived from the program)");
+  app.add_option_function<std::string>(
+         "--stock", [&options](const std::string& text) { read_stock(text, options.wishes); },
+         "stock of a derived scene: its size X,Y,Z in mm, or a model (.stl .ply .obj)")
+      ->check(check_stock);
+  app.add_option_function<std::vector<std::string>>(
+         "--tool",
+         [&options](const std::vector<std::string>& tools) {
+           for (const std::string& text : tools) read_tool(text, options.wishes);
+         },
+         "tool of a derived scene, as 1=6 or \"2=1/4 in ball\": number, diameter in mm and kind "
+         "(ball, drill, 60 deg v-bit); repeatable")
+      ->check(check_tool)
+      ->allow_extra_args(false);
+  app.add_option("--write-scene", options.write_scene, "write the scene that is carved (JSON)");
+}
+
 void declare(CLI::App& app, CarveOptions& options) {
   app.footer("kerf-carve tradeoff --help: compare error and time of many accuracy settings.");
   app.set_version_flag("--version", std::string("kerf-carve ") + kVersion);
-  app.add_option("--scene", options.scene, "scene: stock, tools, accuracy (JSON)");
-  app.add_option("--program", options.program, "NC program: .ngc .nc .tap .gcode, or .apt .cls");
+  declare_scene(app, options);
   app.add_option("--reference", options.reference,
                  "report gouges: material removed below the surface of this mesh (STL, PLY, OBJ)");
   app.add_option("--gouge-tolerance", options.gouge_tolerance_mm,
@@ -106,7 +171,8 @@ void declare(CLI::App& app, CarveOptions& options) {
   app.add_option("--parameters", options.environment.parameters,
                  "LinuxCNC parameter file (.var): work offsets, home positions, machine zero");
   app.add_option("--subroutines", options.environment.subroutine_folders,
-                 "folder of subroutines (NAME.ngc), searched after the program's own; repeatable");
+                 "folder of subroutines (NAME.ngc), searched after the program's own; repeatable")
+      ->allow_extra_args(false);
   app.add_flag("--inch-machine", options.environment.inch_machine,
                "the tool table and parameters are in inches, and the program starts in G20");
   app.add_option("--explain", options.explain, "print every field of a scene and exit");
@@ -174,8 +240,11 @@ std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
   }
   options.models = chosen_models(models);
   if (options.explain) return options;
-  if (options.scene.empty()) return reject("--scene is required");
-  if (options.program.empty()) return reject("--program is required");
+  if (options.program.empty()) return reject("a program is required");
+  const SceneWishes& wishes = options.wishes;
+  const bool wished = wishes.stock_size_mm || !wishes.stock_file.empty() || !wishes.tools.empty();
+  if (!options.scene.empty() && wished)
+    return reject("--stock and --tool are for a derived scene; --scene states stock and tools");
   if (options.device_limits && !options.forces)
     return reject("--device-limits needs --forces, whose columns it adds");
   return options;

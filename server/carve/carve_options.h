@@ -10,12 +10,16 @@
 #include "kernel/math/wrench.h"
 #include "server/carve/environment_files.h"
 #include "server/carve/model_outputs.h"
+#include "server/formats/derived_scene.h"
 
 namespace kerf {
 
 /// The command line of kerf-carve.
 struct CarveOptions {
-  std::filesystem::path scene, program;
+  std::filesystem::path scene;  ///< empty: derived from the program
+  std::filesystem::path program;
+  SceneWishes wishes;                                ///< --stock, --tool, of a derived scene
+  std::optional<std::filesystem::path> write_scene;  ///< the scene that is carved
   EnvironmentFiles environment;
   std::optional<std::filesystem::path> reference;  ///< gouges into this mesh are reported
   std::optional<double> gouge_tolerance_mm;        ///< default: the tolerance of the scene

@@ -51,12 +51,14 @@ std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_
       to_lower(std::string(dot == std::string_view::npos ? "" : file_name.substr(dot + 1)));
   if (extension == "apt" || extension == "cls") return ProgramFormat::kApt;
   for (const std::string_view known :
-       {"ngc", "nc", "tap", "gcode", "cnc", "eia", "iso", "din", "min", "gc", "g", "mpf", "h"})
+       {"ngc", "nc",  "tap", "gcode", "cnc", "eia", "iso", "din", "min", "gc",  "g",   "mpf",
+        "h",   "txt", "fnc", "nct",   "ncc", "ptp", "pim", "anc", "spf", "pgm", "prg", "hnc"})
     if (extension == known) return ProgramFormat::kGcode;
   return std::unexpected(
       ProgramError{std::string(file_name), 0, "",
-                   "the extension must be ngc, nc, cnc, tap, gcode, eia, iso, din, "
-                   "min, gc or g for G-code, or apt or cls for APT"});
+                   "the extension must be nc, ngc, cnc, tap, gcode, txt, eia, iso, din, min, gc, "
+                   "g, mpf, spf, h, hnc, fnc, nct, ncc, ptp, pim, anc, pgm or prg for G-code, or "
+                   "apt or cls for APT"});
 }
 
 std::expected<Program, ProgramError> parse_program(const std::string& name, std::string_view text,

@@ -55,8 +55,8 @@ struct Program {
 
 /// Languages of programs.
 enum class ProgramFormat { kGcode, kApt };
-/// Returns the format by file extension, ignoring case: .ngc, .nc, .cnc, .tap, .gcode, .eia,
-/// .iso, .din, .min, .gc, .g, .mpf and .h are G-code, .apt and .cls are APT. Any other
+/// Returns the format by file extension, ignoring case: .apt and .cls are APT, those that
+/// controllers and post-processors use (.nc, .ngc, .tap, .txt and others) are G-code. Any other
 /// extension is an error.
 std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_name);
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/formats/cut_extents.h"
 #include "server/formats/program.h"
 
 namespace kerf {
@@ -16,10 +17,9 @@ namespace kerf {
 struct ProgramFacts {
   /// The first of xyz, xyzac-trt, xyzbc-trt and tool-vector as whose program it can be read.
   MachineKinematics kinematics = MachineKinematics::kXyz;
-  std::vector<ToolId> tools;  ///< those that move, ascending
-  /// Box of the tip in feeds but retractions: in Z at their ends only, for they may begin in the
-  /// air.
-  std::optional<BoxStock> feed_mm;
+  std::vector<ToolId> tools;        ///< those that move, ascending
+  std::vector<ToolId> named_tools;  ///< those that its text numbers, ascending, at least one
+  std::optional<CutExtents> cuts;
   std::size_t motions = 0;
   double duration_s = 0;  ///< at feed rate
 };
@@ -28,6 +28,7 @@ struct ProgramFacts {
 /// thin, so that offsets for their radius are always possible. Errors: as of parse_program, for the
 /// machine as whose program it can be read farthest.
 std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
-                                                        std::string_view text);
+                                                        std::string_view text,
+                                                        const GcodeEnvironment& environment = {});
 
 }  // namespace kerf

@@ -259,8 +259,8 @@ ApiResponse Api::describe_program(const ApiCall& call) {
   const auto facts = program_facts(name, call.request.body);
   if (!facts) return program_failure(facts.error());
   Json box;
-  if (facts->feed_mm) {
-    const auto& [low, high] = *facts->feed_mm;
+  if (facts->cuts) {
+    const auto& [low, high] = facts->cuts->tip_mm;
     box = {{"min_mm", {low.x, low.y, low.z}}, {"max_mm", {high.x, high.y, high.z}}};
   }
   return json_response(200, text(Json{{"kinematics", to_string(facts->kinematics)},

@@ -161,6 +161,29 @@ TEST_F(KerfCarve, BytesDoNotDependOnTheThreadCount) {
   EXPECT_EQ(content("a.ngc"), content("b.ngc"));
 }
 
+TEST_F(KerfCarve, NeedsNoScene) {
+  write("part.nc",
+        "G21 G90\n(T1 D=4. CR=0. - flat end mill)\nT1 M6\nG0 X-5 Y10 Z8\nZ-2\nG1 X25 F600\nM2\n");
+  ASSERT_EQ(run("part.nc --stl a.stl --write-scene derived.json"), 0) << content("err");
+  EXPECT_THAT(content("err"), HasSubstr("scene: tool 1: flat, diameter 4 mm"));
+  EXPECT_THAT(content("err"), HasSubstr("scene: stock: X -7 to 27, Y 8 to 12, Z -4 to 0 mm"));
+  ASSERT_EQ(run("--scene derived.json --program part.nc --stl b.stl"), 0) << content("err");
+  EXPECT_EQ(content("a.stl"), content("b.stl"));
+  ASSERT_EQ(run("--stock 20,20,10 --tool '1=2 mm ball' part.nc"), 0) << content("err");
+  EXPECT_THAT(content("err"), HasSubstr("scene: stock: X 0 to 20, Y 0 to 20, Z -10 to 0 mm"));
+  EXPECT_THAT(content("err"), HasSubstr("scene: tool 1: ball, diameter 2 mm"));
+}
+
+TEST_F(KerfCarve, AScenesStockMayBeAModelInAnotherFolder) {
+  write("part.nc", "G21\nT1 M6\nG0 X-5 Y10 Z20\nZ8\nG1 X25 F600\nM2\n");
+  ASSERT_EQ(run("--scene scene.json --program p.ngc --stl stock.stl"), 0);
+  std::filesystem::create_directories(folder_ / "sub");
+  ASSERT_EQ(run("part.nc --stock stock.stl --stl a.stl --write-scene sub/s.json"), 0)
+      << content("err");
+  ASSERT_EQ(run("--scene sub/s.json --program part.nc --stl b.stl"), 0) << content("err");
+  EXPECT_EQ(content("a.stl"), content("b.stl"));
+}
+
 TEST_F(KerfCarve, SaysLastThatNothingWasCut) {
   write("p.ngc", "T1 M6\nG0 X-5 Y10 Z90\nG1 X25 F100\nM2\n");
   ASSERT_EQ(run(kInput), 0);
@@ -243,8 +266,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"NoScene", "", "", "--scene none.json --program p.ngc", "none.json: cannot"},
         BadInput{"NoProgram", "", "", "--scene scene.json --program none.ngc", "none.ngc: cannot"},
         BadInput{"Folder", "", "", "--scene scene.json --program .", ".: "},
-        BadInput{"Extension", "p.txt", "G0 X1\n", "--scene scene.json --program p.txt", "p.txt: "},
-        BadInput{"Usage", "", "", "--program p.ngc", "kerf-carve: --scene is required"},
+        BadInput{"Extension", "p.doc", "G0 X1\n", "--scene scene.json --program p.doc", "p.doc: "},
+        BadInput{"Usage", "", "", "--scene scene.json", "kerf-carve: a program is required"},
+        BadInput{"TwoStocks", "", "", "--scene scene.json --program p.ngc --stock 1,2,3",
+                 "kerf-carve: --stock and --tool are"},
+        BadInput{"StockSize", "", "", "p.ngc --stock 1,2", "kerf-carve: --stock: must be X,Y,Z"},
+        BadInput{"ToolWords", "", "", "p.ngc --tool ball", "kerf-carve: --tool: must be NUMBER"},
+        BadInput{"CutsNothing", "p.ngc", "G0 X1\nM2\n", "p.ngc", "p.ngc: cuts nothing"},
         BadInput{"Option", "", "", "--scene scene.json --program p.ngc --wobble 3", "kerf-carve: "},
         BadInput{"Pitch", "", "", "--scene scene.json --program p.ngc --pitch nan", "kerf-carve: "},
         BadInput{"TinyPitch", "", "", "--scene scene.json --program p.ngc --pitch 1e-9",

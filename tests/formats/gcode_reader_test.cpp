@@ -116,6 +116,16 @@ TEST(GcodeReader, OnlyToolOfASceneNeedsNoToolChange) {
   EXPECT_THAT(program.warnings, ElementsAre(HasSubstr("only tool")));
 }
 
+TEST(GcodeReader, AProgramThatChangesToNoToolButT0UsesTheOnlyOne) {
+  Scene scene = scene_for("xyz");
+  scene.tools.erase(2);
+  const std::string body = "G0 X0 Y0 Z5\nG1 Z-1 F100\nX9\nM2\n";
+  EXPECT_TRUE(gcode(scene, "G21\nT0 M6\n" + body).motions ==
+              gcode(scene, "G21\nT1 M6\n" + body).motions);
+  EXPECT_THAT(error_of(scene, "p.ngc", "G21\nT1 M6\nT0 M6\n" + body).reason,
+              HasSubstr("no tool is loaded"));
+}
+
 TEST(GcodeReader, PercentSignsFrameTheProgram) {
   const Scene scene = scene_for("xyz");
   EXPECT_THAT(gcode(scene, "%\n" + kStart + "G1 Z0 F10\n%\nnonsense\n").warnings,

@@ -19,13 +19,13 @@ TEST(ProgramFacts, TheBoxIsThatOfTheFeeds) {
       "G1 X40 Y20\nG1 Z25\nT11 M6\nG0 X0 Y0\nG1 Z-1\nG3 X20 Y0 I10 J0\nG0 Z40\nM30\n");
   EXPECT_EQ(read.kinematics, MachineKinematics::kXyz);
   EXPECT_THAT(read.tools, testing::ElementsAre(2, 11));
-  ASSERT_TRUE(read.feed_mm);
-  EXPECT_NEAR(read.feed_mm->min_mm.x, 0, 1e-6);
-  EXPECT_NEAR(read.feed_mm->min_mm.y, -10, 0.02) << "of the arc, not of its ends";
-  EXPECT_NEAR(read.feed_mm->min_mm.z, -3, 1e-6);
-  EXPECT_NEAR(read.feed_mm->max_mm.x, 40, 1e-6);
-  EXPECT_NEAR(read.feed_mm->max_mm.y, 20, 1e-6);
-  EXPECT_NEAR(read.feed_mm->max_mm.z, -1, 1e-6) << "a retraction at feed rate does not count";
+  ASSERT_TRUE(read.cuts);
+  EXPECT_NEAR(read.cuts->tip_mm.min_mm.x, 0, 1e-6);
+  EXPECT_NEAR(read.cuts->tip_mm.min_mm.y, -10, 0.02) << "of the arc, not of its ends";
+  EXPECT_NEAR(read.cuts->tip_mm.min_mm.z, -3, 1e-6);
+  EXPECT_NEAR(read.cuts->tip_mm.max_mm.x, 40, 1e-6);
+  EXPECT_NEAR(read.cuts->tip_mm.max_mm.y, 20, 1e-6);
+  EXPECT_NEAR(read.cuts->tip_mm.max_mm.z, -1, 1e-6) << "a retraction at feed rate does not count";
   EXPECT_GT(read.motions, 10U);
   EXPECT_GT(read.duration_s, 3);
 }
@@ -36,9 +36,9 @@ TEST(ProgramFacts, RowsThatBeginWhereARapidHasPlungedAreInTheBox) {
     rows += std::string("G0 X-5 Y") + y + "\nG0 Z-2\nG1 X105 F500\nG0 Z5\n";
   }
   const auto read = facts(rows);
-  ASSERT_TRUE(read.feed_mm);
-  EXPECT_EQ(read.feed_mm->min_mm, (Vec3{-5, 0, -2}));
-  EXPECT_EQ(read.feed_mm->max_mm, (Vec3{105, 20, -2}));
+  ASSERT_TRUE(read.cuts);
+  EXPECT_EQ(read.cuts->tip_mm.min_mm, (Vec3{-5, 0, -2}));
+  EXPECT_EQ(read.cuts->tip_mm.max_mm, (Vec3{105, 20, -2}));
 }
 
 TEST(ProgramFacts, FindsTheMachine) {
@@ -53,8 +53,8 @@ TEST(ProgramFacts, ReadsApt) {
       facts("UNITS/MM\nLOADTL/7\nFROM/0,0,20\nFEDRAT/500,MMPM\nGOTO/0,0,-2\nGOTO/30,0,-2\nFINI\n",
             "part.apt");
   EXPECT_THAT(read.tools, testing::ElementsAre(7));
-  ASSERT_TRUE(read.feed_mm);
-  EXPECT_EQ(read.feed_mm->max_mm, (Vec3{30, 0, -2}));
+  ASSERT_TRUE(read.cuts);
+  EXPECT_EQ(read.cuts->tip_mm.max_mm, (Vec3{30, 0, -2}));
 }
 
 TEST(ProgramFacts, OffsetsForTheRadiusArePossible) {
@@ -66,7 +66,7 @@ TEST(ProgramFacts, OffsetsForTheRadiusArePossible) {
 
 TEST(ProgramFacts, AProgramWithoutFeedsHasNoBox) {
   const auto read = facts("G21\nT1 M6\nG0 X0 Y0 Z5\nG0 X9\n");
-  EXPECT_FALSE(read.feed_mm);
+  EXPECT_FALSE(read.cuts);
   EXPECT_TRUE(facts("M30\n").tools.empty());
 }
 
@@ -75,7 +75,7 @@ TEST(ProgramFacts, TheErrorIsThatOfTheMachineThatReadsFarthest) {
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().line, 5U);
   EXPECT_EQ(failed.error().word, "G77");
-  EXPECT_EQ(program_facts("part.txt", "").error().line, 0U);
+  EXPECT_EQ(program_facts("part.doc", "").error().line, 0U);
 }
 
 }  // namespace

@@ -222,7 +222,7 @@ void GcodeToolPath::dwell(double seconds) { check(sink_.dwell(seconds, line_)); 
 void GcodeToolPath::change_tool(std::optional<ToolId> tool) {
   if (tool && !scene_.tools.contains(*tool))
     throw GcodeFault{"", "the scene has no tool " + std::to_string(*tool)};
-  changed_tool_ = true;
+  changed_tool_ = changed_tool_ || tool.has_value();  // T0 M6 alone names no tool of a scene
   sink_.change_tool(tool, line_);
   if (!tool) sink_.lift();
   if (table_ == nullptr) return;

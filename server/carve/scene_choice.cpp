@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/carve/scene_choice.h"
+
+#include <iostream>
+
+#include "server/carve/environment_files.h"
+#include "server/formats/derived_scene.h"
+#include "server/formats/text_file.h"
+
+namespace kerf {
+namespace {
+
+using Result = std::expected<void, Failure>;
+
+Result settle_tools(const CarveOptions& options, Scene& scene) {
+  const auto resolved = resolve_chords(scene);
+  if (resolved) return {};
+  return bad_input(scene_label(options) + ": tool " + std::to_string(resolved.error().tool) + ": " +
+                   resolved.error().error.field + " " + resolved.error().error.reason);
+}
+
+// The command line overrides the scene; if the scene has a target, the other values are chosen to
+// meet it.
+Result settle_options(const CarveOptions& options, Scene& scene) {
+  AccuracyRequest request;
+  if (scene.accuracy) request = scene.accuracy->request;
+  if (options.pitch_mm) request.pitch_mm = options.pitch_mm;
+  if (options.tolerance_mm) request.tolerance_mm = options.tolerance_mm;
+  if (options.rays) request.rays = *options.rays == "tri-dexel" ? Rays::kTriDexel : Rays::kDexel;
+  if (options.motion)
+    request.motion = *options.motion == "paper" ? MotionModel::kPaper : MotionModel::kTight;
+  if (scene.accuracy) {
+    const auto settled = resolve_accuracy(scene, request);
+    if (!settled)
+      return bad_input(scene_label(options) + ": accuracy." + settled.error().field + " " +
+                       settled.error().reason);
+    std::cerr << "accuracy: " << scene.accuracy->reason << '\n';
+    return settle_tools(options, scene);
+  }
+  SculptureSettings& settings = scene.settings;
+  settings.pitch_mm = request.pitch_mm.value_or(settings.pitch_mm);
+  settings.tolerance_mm = request.tolerance_mm.value_or(settings.tolerance_mm);
+  settings.rays = request.rays.value_or(settings.rays);
+  settings.motion = request.motion.value_or(settings.motion);
+  return settle_tools(options, scene);
+}
+
+std::expected<Scene, Failure> derived(const CarveOptions& options) {
+  const std::string name = options.program.string();
+  const auto text = read_file(options.program);
+  if (!text) return bad_input(name + ": cannot be read");
+  const auto environment = load_environment(options.environment, options.program);
+  if (!environment) return bad_input(environment.error());
+  SceneWishes wishes = options.wishes;
+  // A scene that is written names its stock relative to its own folder.
+  if (options.write_scene && !wishes.stock_file.empty()) {
+    wishes.folder = std::filesystem::absolute(*options.write_scene).parent_path();
+    wishes.stock_file = std::filesystem::proximate(wishes.stock_file, wishes.folder).string();
+  }
+  auto derived = derive_scene(name, *text, *environment, wishes);
+  if (!derived) return bad_input(derived.error());
+  for (const std::string& note : derived->notes) std::cerr << "scene: " << note << '\n';
+  return std::move(derived->scene);
+}
+
+std::expected<Scene, Failure> loaded(const CarveOptions& options) {
+  auto scene = load_scene(options.scene);
+  if (!scene) return bad_input(to_string(scene.error()));
+  return *std::move(scene);
+}
+
+}  // namespace
+
+std::string scene_label(const CarveOptions& options) {
+  return options.scene.empty() ? options.program.string() : options.scene.string();
+}
+
+std::expected<Scene, Failure> choose_scene(const CarveOptions& options) {
+  auto scene = options.scene.empty() ? derived(options) : loaded(options);
+  if (!scene) return scene;
+  if (options.law)
+    scene->settings.force.law =
+        *options.law == "drr" ? ForceLaw::kDexelRemovalRate : ForceLaw::kSpecificEnergy;
+  if (auto settled = settle_options(options, *scene); !settled)
+    return std::unexpected(settled.error());
+  // Only meshing uses normals.
+  scene->settings.keep_normals = !options.models.empty() || options.surface.reference;
+  return scene;
+}
+
+}  // namespace kerf

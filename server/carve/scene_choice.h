@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <expected>
+#include <string>
+
+#include "server/carve/carve_options.h"
+#include "server/carve/failure.h"
+#include "server/formats/scene.h"
+
+namespace kerf {
+
+/// Returns the scene that is carved: that of --scene or one derived from the program, with the
+/// accuracy and the force law of the command line. What was assumed or chosen goes to stderr.
+std::expected<Scene, Failure> choose_scene(const CarveOptions& options);
+
+/// Names the scene in errors: its file, or the program that it was derived from.
+std::string scene_label(const CarveOptions& options);
+
+}  // namespace kerf

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/derived_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "server/formats/number_text.h"
+#include "server/formats/stated_stock.h"
+#include "server/formats/stated_tools.h"
+#include "server/formats/tool_text.h"
+#include "server/formats/tool_words.h"
+
+namespace kerf {
+namespace {
+
+/// Stock below the deepest cut, and the step to which the sides of a box are rounded.
+constexpr double kFloorMm = 2, kRoundMm = 1;
+/// Greatest surface errors to choose from, mm, and the share of the stock's length that is enough.
+constexpr std::array kTargetsMm{0.02, 0.05, 0.1, 0.2, 0.5, 1.0};
+constexpr double kTargetShare = 1e-3;
+/// Where no target can be met in memory: the tolerance as a share of the pitch.
+constexpr double kToleranceShare = 0.1;
+/// Cuts may begin this much outside of a stated stock beyond the tool's diameter, mm.
+constexpr double kOutsideMm = 1;
+
+constexpr double kAssumedLengthMm = 30;
+constexpr double kForceNPerMm2 = 0.05, kPivotMm = 20;
+
+double down(double mm) { return std::floor(mm / kRoundMm + 1e-9) * kRoundMm + 0; }
+double up(double mm) { return std::ceil(mm / kRoundMm - 1e-9) * kRoundMm + 0; }
+
+std::string range_text(double from, double to) {
+  return exact_text(from) + " to " + exact_text(to);
+}
+
+class Derivation {
+ public:
+  Derivation(const std::string& name, std::string_view program, const GcodeEnvironment& environment,
+             const SceneWishes& wishes)
+      : name_(name), program_(program), environment_(environment), wishes_(wishes) {}
+
+  std::expected<DerivedScene, std::string> run() {
+    const auto facts = program_facts(name_, program_, environment_);
+    if (!facts) return std::unexpected(to_string(facts.error()));
+    if (!facts->cuts)
+      return std::unexpected(name_ + ": cuts nothing, so no stock can be derived from it; state " +
+                             "it in a scene");
+    Scene draft;
+    draft.name = std::filesystem::path(name_).stem().string();
+    draft.machine.kinematics = facts->kinematics;
+    draft.settings.force.law = ForceLaw::kSpecificEnergy;
+    draft.settings.force.specific_force_n_per_mm2 = kForceNPerMm2;
+    draft.settings.force.pivot_mm = kPivotMm;
+    note("machine: " + std::string(to_string(facts->kinematics)));
+    choose_tools(*facts);
+    choose_stock(*facts->cuts, draft);
+    if (auto added = add_tools(stock_bounds(draft.settings.stock), *facts->cuts, draft); !added)
+      return std::unexpected(added.error());
+    draft.stock_file = wishes_.stock_file;
+    auto scene = parse_scene(
+        scene_json(draft), {.name = name_ + ": the derived scene", .base_folder = wishes_.folder});
+    if (!scene) return std::unexpected(to_string(scene.error()));
+    choose_accuracy_of(*scene);
+    return DerivedScene{*std::move(scene), std::move(notes_)};
+  }
+
+ private:
+  void note(std::string text) { notes_.push_back(std::move(text)); }
+
+  void choose_tools(const ProgramFacts& facts) {
+    const auto stated = stated_tools(program_);
+    std::vector<ToolId> ids = facts.named_tools;
+    ids.insert(ids.end(), facts.tools.begin(), facts.tools.end());
+    for (const ToolId id : ids) {
+      if (tools_.contains(id)) continue;
+      const bool used = std::ranges::find(facts.tools, id) != facts.tools.end();
+      std::string source;
+      const ToolShape shape = shape_of(id, stated, source);
+      tools_.emplace(id, shape);
+      if (used) {
+        note("tool " + std::to_string(id) + ": " + tool_text(shape) + " (" + source + ")");
+        radius_mm_ = std::max(radius_mm_, radius_of(shape));
+      }
+    }
+  }
+
+  ToolShape shape_of(ToolId id, const std::map<ToolId, StatedTool>& stated, std::string& source) {
+    const auto wish = wishes_.tools.find(id);
+    if (wish != wishes_.tools.end()) return source = "as asked for", wish->second;
+    const auto comment = stated.find(id);
+    if (environment_.tools) {
+      const auto entry = environment_.tools->find(static_cast<int>(id));
+      if (entry != environment_.tools->end() && entry->second.diameter_mm > 0) {
+        const double d = entry->second.diameter_mm;
+        source = "diameter of the tool table";
+        const bool same = comment != stated.end() &&
+                          std::abs(2 * radius_of(comment->second.shape) - d) < 0.01 * d;
+        return same ? comment->second.shape : ToolShape(FlatShape{d, kAssumedLengthMm});
+      }
+    }
+    if (comment != stated.end()) {
+      source = "comment in line " + std::to_string(comment->second.line);
+      return comment->second.shape;
+    }
+    source = "assumed: nothing describes it; --tool " + std::to_string(id) + "=6 states it";
+    return FlatShape{kToolAssumedMm, kAssumedLengthMm};
+  }
+
+  static double radius_of(const ToolShape& shape) {
+    const auto tool = make_tool(shape);
+    return tool ? tool->radius_mm : 0;
+  }
+
+  // The cutting part reaches from the deepest cut to the top, so that it leaves nothing above.
+  std::expected<void, std::string> add_tools(const BoxStock& stock, const CutExtents& cuts,
+                                             Scene& draft) const {
+    const double depth_mm = stock.max_mm.z - std::min(cuts.tip_mm.min_mm.z, stock.min_mm.z);
+    for (const auto& [id, given] : tools_) {
+      const double length = std::max(cutting_length_mm(given), up(depth_mm + kRoundMm));
+      const ToolShape shape = with_cutting_length(given, length);
+      auto tool = make_tool(shape);
+      if (!tool)
+        return std::unexpected(name_ + ": tool " + std::to_string(id) + ": " + tool.error().field +
+                               " " + tool.error().reason);
+      draft.tools[id] = {.shape = shape, .body = {}, .tool = *std::move(tool)};
+    }
+    return {};
+  }
+
+  void choose_stock(const CutExtents& cuts, Scene& draft) {
+    if (!wishes_.stock_file.empty()) {
+      note("stock: " + wishes_.stock_file);
+      draft.settings.stock = cuts_box(cuts);
+      return;
+    }
+    std::string source = "the cuts of the program";
+    BoxStock box = cuts_box(cuts);
+    if (wishes_.stock_size_mm) {
+      box = placed(*wishes_.stock_size_mm, cuts);
+      source = "--stock, placed around the cuts";
+    } else if (const auto stated = stated_stock(program_)) {
+      const BoxStock of_comment = placed(stated->size_mm, cuts);
+      const std::string line = "comment in line " + std::to_string(stated->line);
+      if (holds(of_comment, cuts)) {
+        box = of_comment;
+        source = line;
+      } else {
+        note("stock: the size in the " + line + " does not hold the cuts and is not used");
+      }
+    }
+    note("stock: X " + range_text(box.min_mm.x, box.max_mm.x) + ", Y " +
+         range_text(box.min_mm.y, box.max_mm.y) + ", Z " + range_text(box.min_mm.z, box.max_mm.z) +
+         " mm (" + source + ")");
+    draft.settings.stock = box;
+  }
+
+  double top_of(const CutExtents& cuts) const {
+    const double top = cuts.top_mm <= 0 && cuts.tip_mm.min_mm.z < 0 ? 0 : up(cuts.top_mm);
+    return top;
+  }
+
+  BoxStock cuts_box(const CutExtents& cuts) const {
+    const auto& [low, high] = cuts.tip_mm;
+    const double bottom = cuts.zero_at_table && low.z > -kFloorMm ? std::min(0.0, down(low.z))
+                                                                  : down(low.z - kFloorMm);
+    return {{down(low.x - radius_mm_), down(low.y - radius_mm_), bottom},
+            {up(high.x + radius_mm_), up(high.y + radius_mm_),
+             std::max(top_of(cuts), bottom + kRoundMm)}};
+  }
+
+  double slack() const { return 2 * radius_mm_ + kOutsideMm; }
+
+  bool holds(const BoxStock& box, const CutExtents& cuts) const {
+    const auto& [low, high] = cuts.tip_mm;
+    return box.min_mm.x <= low.x + slack() && box.max_mm.x >= high.x - slack() &&
+           box.min_mm.y <= low.y + slack() && box.max_mm.y >= high.y - slack() &&
+           box.min_mm.z <= low.z + slack();
+  }
+
+  // The side from `low` to `high` is that of the cuts.
+  double begin_of(double side, double low, double high) const {
+    for (const double begin : {0.0, -side / 2, -side})
+      if (begin <= low + slack() && begin + side >= high - slack()) return begin;
+    return (low + high - side) / 2;
+  }
+
+  BoxStock placed(Vec3 size, const CutExtents& cuts) const {
+    const auto& [low, high] = cuts.tip_mm;
+    const Vec3 begin{begin_of(size.x, low.x, high.x), begin_of(size.y, low.y, high.y),
+                     cuts.zero_at_table ? 0 : top_of(cuts) - size.z};
+    return {begin, begin + size};
+  }
+
+  void choose_accuracy_of(Scene& scene) {
+    const BoxStock box = stock_bounds(scene.settings.stock);
+    const Vec3 size = box.max_mm - box.min_mm;
+    const double enough = kTargetShare * std::max({size.x, size.y, size.z});
+    for (const double target : kTargetsMm) {
+      if (target < enough && target < kTargetsMm.back()) continue;
+      if (resolve_accuracy(scene, {.target_mm = target})) return;
+    }
+    scene.settings.pitch_mm = std::clamp(enough, kTargetsMm.front(), kTargetsMm.back());
+    scene.settings.tolerance_mm = kToleranceShare * scene.settings.pitch_mm;
+    note("pitch: " + exact_text(scene.settings.pitch_mm) +
+         " mm, which is coarser than the smallest tool needs");
+  }
+
+  const std::string& name_;
+  std::string_view program_;
+  const GcodeEnvironment& environment_;
+  const SceneWishes& wishes_;
+  std::vector<std::string> notes_;
+  std::map<ToolId, ToolShape> tools_;
+  double radius_mm_ = 0;  ///< of the largest tool that moves
+};
+
+}  // namespace
+
+std::expected<DerivedScene, std::string> derive_scene(const std::string& name,
+                                                      std::string_view program,
+                                                      const GcodeEnvironment& environment,
+                                                      const SceneWishes& wishes) {
+  return Derivation(name, program, environment, wishes).run();
+}
+
+}  // namespace kerf

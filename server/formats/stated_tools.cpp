@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/stated_tools.h"
+
+#include <optional>
+#include <vector>
+
+#include "server/formats/letter_case.h"
+#include "server/formats/text_lines.h"
+#include "server/formats/tool_words.h"
+#include "server/formats/units.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::size_t kDigitsMax = 6;
+
+// A line divided into its code, in upper case without blanks, and its comments.
+struct Parts {
+  std::string code;
+  std::vector<std::string_view> comments;
+};
+
+Parts parts_of(std::string_view line) {
+  Parts parts;
+  std::size_t from = 0;
+  int depth = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (c == ';' && depth == 0) {
+      parts.comments.push_back(line.substr(i + 1));
+      return parts;
+    }
+    if (c == '(' && depth++ == 0) from = i + 1;
+    if (c == ')' && depth > 0 && --depth == 0)
+      parts.comments.push_back(line.substr(from, i - from));
+    if (depth == 0 && c > ' ' && c != ')') parts.code += to_upper(c);
+  }
+  if (depth > 0) parts.comments.push_back(line.substr(from));
+  return parts;
+}
+
+// Reads "T1", "TOOL 1", "TOOL NO. 1:", "TOOLS: T9", "#3": a number that is not the size.
+class Head {
+ public:
+  explicit Head(std::string_view text) : text_(text) {}
+
+  std::optional<ToolId> number() {
+    skip(" \t*-");
+    const bool named = word("TOOLS") || word("TOOL");
+    if (named) skip(" \t:-");
+    if (word("NUMBER") || word("NO") || word("NR")) skip(" \t.:#-");
+    const bool t = word("T") || at() == '#';
+    if (!named && !t) return std::nullopt;
+    skip(" \t:#-.=[");
+    ToolId id = 0;
+    const std::size_t from = at_;
+    for (; is_digit(at()) && at_ - from < kDigitsMax; ++at_)
+      id = 10 * id + static_cast<ToolId>(at() - '0');
+    if (id == 0 || at_ == from) return std::nullopt;
+    // "TOOL 6MM", "TOOL 1/4", "TOOL 6.35": a size.
+    if (at() == '/' || at() == '"' || at() == '\'' || is_size_after()) return std::nullopt;
+    return id;
+  }
+  std::string_view rest() const { return text_.substr(at_); }
+
+ private:
+  char at(std::size_t more = 0) const {
+    return at_ + more < text_.size() ? to_upper(text_[at_ + more]) : '\0';
+  }
+  void skip(std::string_view any) {
+    while (at() != '\0' && any.find(at()) != std::string_view::npos) ++at_;
+  }
+  bool word(std::string_view upper) {
+    for (std::size_t i = 0; i < upper.size(); ++i)
+      if (at(i) != upper[i]) return false;
+    const char next = at(upper.size());
+    if (next >= 'A' && next <= 'Z') return false;
+    at_ += upper.size();
+    return true;
+  }
+  bool is_size_after() const {
+    if (at() == '.') return is_digit(at(1));
+    std::size_t more = 0;
+    while (at(more) == ' ') ++more;
+    return (at(more) == 'M' && at(more + 1) == 'M') ||
+           (at(more) == 'I' && at(more + 1) == 'N' && (at(more + 2) < 'A' || at(more + 2) == 'C'));
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+};
+
+// The number behind a T of the code, the last one of the line.
+std::optional<ToolId> tool_word(const std::string& code) {
+  for (std::size_t i = code.size(); i-- > 0;) {
+    if (code[i] != 'T' || (i > 0 && code[i - 1] >= 'A' && code[i - 1] <= 'Z')) continue;
+    ToolId id = 0;
+    std::size_t end = i + 1;
+    for (; end < code.size() && is_digit(code[end]) && end - i <= kDigitsMax; ++end)
+      id = 10 * id + static_cast<ToolId>(code[end] - '0');
+    if (end > i + 1 && id > 0) return id;
+  }
+  return std::nullopt;
+}
+
+bool has_feed(const std::string& code) {
+  for (std::size_t i = 0; i + 1 < code.size(); ++i) {
+    if (code[i] != 'G') continue;
+    const std::size_t digit = code[i + 1] == '0' && i + 2 < code.size() ? i + 2 : i + 1;
+    const char next = digit + 1 < code.size() ? code[digit + 1] : ' ';
+    if (code[digit] >= '1' && code[digit] <= '3' && !is_digit(next) && next != '.') return true;
+  }
+  return false;
+}
+
+class Finder {
+ public:
+  explicit Finder(std::string_view program) : unit_mm_(program_unit_mm(program)) {
+    TextLines walk(program);
+    while (walk.next()) read(walk.line(), walk.number());
+    if (tool_) return;
+    if (loose_ && !found_.contains(1)) found_.emplace(1, *loose_);
+  }
+  std::map<ToolId, StatedTool> take() { return std::move(found_); }
+
+ private:
+  void read(std::string_view line, std::size_t number) {
+    const Parts parts = parts_of(line);
+    for (const std::string_view comment : parts.comments) describe(comment, number);
+    if (const auto id = tool_word(parts.code)) {
+      tool_ = id;
+      open_ = true;
+    }
+    if (open_ && loose_) {
+      found_.try_emplace(*tool_, *loose_);
+      loose_.reset();
+    }
+    if (has_feed(parts.code)) open_ = false;
+  }
+
+  void describe(std::string_view comment, std::size_t line) {
+    Head head(comment);
+    if (const auto id = head.number()) {
+      if (const auto shape = tool_of_words(head.rest(), unit_mm_))
+        found_.try_emplace(*id, StatedTool{*shape, line});
+      return;
+    }
+    if (!names_tool(comment) && !mentions_size(comment)) return;
+    if (const auto shape = tool_of_words(comment, unit_mm_)) loose_ = StatedTool{*shape, line};
+  }
+
+  static bool mentions_size(std::string_view comment) {
+    const std::string upper = to_upper(std::string(comment));
+    const bool tool = upper.find("TOOL") != std::string::npos;
+    return tool &&
+           (upper.find("DIA") != std::string::npos || upper.find("MILL") != std::string::npos);
+  }
+
+  double unit_mm_;
+  std::map<ToolId, StatedTool> found_;
+  std::optional<StatedTool> loose_;
+  std::optional<ToolId> tool_;
+  bool open_ = false;
+};
+
+}  // namespace
+
+double program_unit_mm(std::string_view program) {
+  TextLines walk(program);
+  while (walk.next()) {
+    const std::string code = parts_of(walk.line()).code;
+    if (code.starts_with("UNITS/")) return code.starts_with("UNITS/INCH") ? kMmPerInch : 1;
+    for (std::size_t i = 0; i + 2 < code.size(); ++i) {
+      if (code[i] != 'G') continue;
+      const char next = i + 3 < code.size() ? code[i + 3] : ' ';
+      if (is_digit(next) || next == '.') continue;
+      const std::string_view digits = std::string_view(code).substr(i + 1, 2);
+      if (digits == "20" || digits == "70") return kMmPerInch;
+      if (digits == "21" || digits == "71") return 1;
+    }
+  }
+  return 1;
+}
+
+std::map<ToolId, StatedTool> stated_tools(std::string_view program) {
+  return Finder(program).take();
+}
+
+}  // namespace kerf

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/derived_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace kerf {
+namespace {
+
+DerivedScene derived(const std::string& program, const SceneWishes& wishes = {},
+                     const GcodeEnvironment& environment = {}) {
+  auto scene = derive_scene("part.nc", program, environment, wishes);
+  EXPECT_TRUE(scene) << scene.error();
+  return scene ? *std::move(scene) : DerivedScene{};
+}
+
+BoxStock box(const DerivedScene& derived) { return stock_bounds(derived.scene.settings.stock); }
+
+double diameter(const DerivedScene& derived, ToolId id) {
+  return 2 * derived.scene.tools.at(id).tool.radius_mm;
+}
+
+// A pocket floor from (10, 10) to (60, 40), 3 mm deep, reached through the air at feed rate.
+constexpr const char* kPocket =
+    "G21 G90\n(T1 D=8. CR=0. - flat end mill)\nT1 M6\nG0 Z15\nG0 X-40 Y-30\nG1 X10 Y10 F900\n"
+    "G1 Z1\nG1 X14 Z-3\nG1 X60\nY40\nX10\nY10\nG1 Z15\nG1 X90 Y90\nM30\n";
+
+TEST(DerivedScene, IsTheBoxOfTheCutsAndTheToolsOfTheComments) {
+  const DerivedScene scene = derived(kPocket);
+  EXPECT_EQ(box(scene).min_mm, (Vec3{6, 6, -5})) << "not the traverses at the height of Z15";
+  EXPECT_EQ(box(scene).max_mm, (Vec3{64, 44, 0})) << "not where the tool comes down through air";
+  EXPECT_EQ(diameter(scene, 1), 8);
+  EXPECT_THAT(scene.notes, testing::Contains(testing::HasSubstr("comment in line 2")));
+  EXPECT_THAT(scene.notes, testing::Contains(testing::HasSubstr("X 6 to 64, Y 6 to 44")));
+  EXPECT_EQ(scene.scene.machine.kinematics, MachineKinematics::kXyz);
+  ASSERT_TRUE(scene.scene.accuracy);
+  EXPECT_EQ(scene.scene.accuracy->request.target_mm, 0.1) << "at least a thousandth of 58 mm";
+}
+
+TEST(DerivedScene, WishesComeFirst) {
+  SceneWishes wishes;
+  wishes.stock_size_mm = Vec3{70, 50, 10};
+  wishes.tools = {{1, BallShape{4, 20}}};
+  const DerivedScene scene = derived(kPocket, wishes);
+  EXPECT_EQ(box(scene).min_mm, (Vec3{0, 0, -10})) << "a corner at the origin holds the cuts";
+  EXPECT_EQ(box(scene).max_mm, (Vec3{70, 50, 0}));
+  EXPECT_EQ(diameter(scene, 1), 4);
+  GcodeEnvironment table;
+  table.tools = ToolTable{{1, {.number = 1, .diameter_mm = 5}}};
+  EXPECT_EQ(diameter(derived(kPocket, {}, table), 1), 5);
+}
+
+TEST(DerivedScene, AnUnknownToolIsNamedInTheNotes) {
+  const DerivedScene scene = derived("G21\nT5 M6\nG0 X0 Y0 Z5\nG1 Z-1 F100\nX30\nM30\n");
+  EXPECT_EQ(diameter(scene, 5), kToolAssumedMm);
+  EXPECT_THAT(scene.notes, testing::Contains(testing::HasSubstr("--tool 5=")));
+}
+
+TEST(DerivedScene, ToolsReachFromTheDeepestCutToTheTop) {
+  const DerivedScene scene = derived("G21\nG0 X0 Y0 Z5\nG1 Z-80 F100\nX30\nM30\n");
+  EXPECT_GE(scene.scene.tools.at(1).tool.length_mm, 80);
+}
+
+TEST(DerivedScene, AStatedSizeThatDoesNotHoldTheCutsIsNotUsed) {
+  const std::string body = "G21\nG0 X0 Y0 Z5\nG1 Z-1 F100\nX300\nM30\n";
+  const DerivedScene far = derived("(STOCK X100 Y50 Z20)\n" + body);
+  EXPECT_GE(box(far).max_mm.x, 300);
+  EXPECT_THAT(far.notes, testing::Contains(testing::HasSubstr("does not hold the cuts")));
+  const DerivedScene held = derived("(STOCK X310 Y50 Z20)\n" + body);
+  EXPECT_EQ(box(held).min_mm, (Vec3{0, 0, -20}));
+  EXPECT_EQ(box(held).max_mm, (Vec3{310, 50, 0}));
+}
+
+TEST(DerivedScene, CountsFromTheTableWhereMostCutsAreAboveIt) {
+  const DerivedScene scene =
+      derived("G21\nG0 X0 Y0 Z40\nG1 Z18.5 F300\nX50\nY9\nX0\nZ12\nX50\nZ-0.2\nX0\nG0 Z40\nM30\n");
+  EXPECT_EQ(box(scene).min_mm.z, -1) << "cut through into the table";
+  EXPECT_EQ(box(scene).max_mm.z, 19);
+}
+
+TEST(DerivedScene, OfAProgramThatOnlyDrillsHoldsTheHoles) {
+  const DerivedScene scene =
+      derived("G21\nT1 M6\nG0 X0 Y0 Z20\nG98 G81 X5 Y5 Z-8 R2 F90\nX25\nG80\nM30\n");
+  EXPECT_EQ(box(scene).max_mm, (Vec3{28, 8, 0}));
+  EXPECT_EQ(box(scene).min_mm.z, -10);
+}
+
+TEST(DerivedScene, ErrorsAreThoseOfTheProgram) {
+  EXPECT_THAT(derive_scene("p.nc", "G21\nG0 X1\nM30\n", {}, {}).error(),
+              testing::HasSubstr("cuts nothing"));
+  EXPECT_THAT(derive_scene("p.nc", "G21\nG77\n", {}, {}).error(), testing::HasSubstr("p.nc:2"));
+  SceneWishes wishes;
+  wishes.stock_file = "none.stl";
+  EXPECT_THAT(derive_scene("p.nc", kPocket, {}, wishes).error(),
+              testing::HasSubstr("cannot be read"));
+}
+
+}  // namespace
+}  // namespace kerf

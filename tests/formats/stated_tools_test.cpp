@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/stated_tools.h"
+
+#include <gtest/gtest.h>
+
+#include "server/formats/stated_stock.h"
+#include "server/formats/tool_text.h"
+#include "server/formats/tool_words.h"
+
+namespace kerf {
+namespace {
+
+std::string words(const std::string& text, double unit_mm = 1) {
+  const auto shape = tool_of_words(text, unit_mm);
+  return shape ? tool_text(*shape) : "none";
+}
+
+TEST(ToolWords, AreThoseOfPostProcessors) {
+  EXPECT_EQ(words("D=6. CR=0. - ZMIN=-5. - flat end mill"), "flat, diameter 6 mm, length 30 mm");
+  EXPECT_EQ(words("D=0.25 CR=0.125 - ball", 25.4), "ball, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(words("D=10 CR=1. - bull nose end mill"),
+            "bull nose, diameter 10 mm, length 50 mm, corner radius 1 mm");
+  EXPECT_EQ(words("D=5. CR=0. TAPER=118deg - ZMIN=-13 - drill"),
+            "cone end, diameter 5 mm, length 25 mm, tip angle 118 degrees");
+  EXPECT_EQ(words("D=6. CR=0. TAPER=45deg - ZMIN=-1 - chamfer mill"),
+            "cone end, diameter 6 mm, length 30 mm, tip angle 90 degrees");
+  EXPECT_EQ(words(" | 1/2 FLAT ENDMILL | H1 | D1 | DIA. - .5", 25.4),
+            "flat, diameter 12.7 mm, length 63.5 mm");
+  EXPECT_EQ(words("DIA. OFF. - 1 LEN. - 1 DIA. - 12."), "flat, diameter 12 mm, length 60 mm");
+  EXPECT_EQ(words("ID=2 DIA-0.5 1/2 ENDMILL", 25.4), "flat, diameter 12.7 mm, length 63.5 mm");
+  EXPECT_EQ(words("TOOL/MILL,3.18, 0.00, 20.00, 0.0"), "flat, diameter 3.18 mm, length 20 mm");
+  EXPECT_EQ(words("TOOL/MILL,6, 0, 20, 30"),
+            "cone end, diameter 6 mm, length 30 mm, tip angle 60 degrees");
+}
+
+TEST(ToolWords, AreThoseOfPeople) {
+  EXPECT_EQ(words("5mm Endmill001"), "flat, diameter 5 mm, length 25 mm");
+  EXPECT_EQ(words("1/4\" ball nose, 2 flute"), "ball, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(words("1-1/4 face mill"), "flat, diameter 31.75 mm, length 158.75 mm");
+  EXPECT_EQ(words("face a 9.9x9in block with a 1/4 endmill"),
+            "flat, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(words("- SIDE MILL D10 L35 SD10"), "flat, diameter 10 mm, length 50 mm");
+  EXPECT_EQ(words("3 mm drill"), "cone end, diameter 3 mm, length 20 mm, tip angle 118 degrees");
+  EXPECT_EQ(words("V-Bit 60 deg 10mm"),
+            "cone end, diameter 10 mm, length 50 mm, tip angle 60 degrees");
+  EXPECT_EQ(words("M10x1.5 TAP"), "flat, diameter 10 mm, length 50 mm");
+}
+
+TEST(ToolWords, WithoutASizeAreNone) {
+  for (const char* text : {"FLAT END MILL", "ENDMILL | H1 | D1", "2 flutes", "feed 300", "", "D="})
+    EXPECT_EQ(words(text), "none") << text;
+}
+
+TEST(StatedTools, ComeWithTheirNumbers) {
+  const auto tools = stated_tools(
+      "%\nO1\n(T1 D=6. CR=0. - flat end mill)\n(TOOL - 2 DIA. - 4.)\n(Tools: T3 2mm drill)\n"
+      "(T4 3MM BALL (NEW))\n(TOOL 6MM ENDMILL IS NOT A NUMBER)\nG21\nT1 M6\nG1 X1\nT9 M6\n");
+  ASSERT_EQ(tools.size(), 4U);
+  EXPECT_EQ(tool_text(tools.at(1).shape), "flat, diameter 6 mm, length 30 mm");
+  EXPECT_EQ(tools.at(1).line, 3U);
+  EXPECT_EQ(tool_text(tools.at(2).shape), "flat, diameter 4 mm, length 20 mm");
+  EXPECT_EQ(tool_text(tools.at(4).shape), "ball, diameter 3 mm, length 20 mm");
+  EXPECT_EQ(tool_text(tools.at(3).shape),
+            "cone end, diameter 2 mm, length 20 mm, tip angle 118 degrees");
+}
+
+TEST(StatedTools, WithoutANumberAreThoseOfTheNextOrTheLoadedTool) {
+  const auto tools = stated_tools(
+      "G21\n(TC: 5mm Endmill)\n(Begin toolchange)\nM5\nM6 T2\nG1 X3\n(2mm drill here)\n"
+      "T7 M6\nG1 X4\nT8 M6\n(1/8 ENDMILL)\nG1 X5\n(4mm drill at the end)\n");
+  ASSERT_EQ(tools.size(), 3U);
+  EXPECT_EQ(tool_text(tools.at(2).shape), "flat, diameter 5 mm, length 25 mm");
+  EXPECT_EQ(tool_text(tools.at(7).shape),
+            "cone end, diameter 2 mm, length 20 mm, tip angle 118 degrees");
+  EXPECT_EQ(tool_text(tools.at(8).shape), "flat, diameter 3.175 mm, length 20 mm");
+}
+
+TEST(StatedTools, OfAProgramWithoutNumbersIsTheOnlyTool) {
+  const auto tools = stated_tools("G20\n(Tool diameter: 0.125)\nG1 X1\n");
+  ASSERT_TRUE(tools.contains(1));
+  EXPECT_EQ(tool_text(tools.at(1).shape), "flat, diameter 3.175 mm, length 20 mm");
+}
+
+TEST(StatedStock, IsReadFromComments) {
+  const auto size = [](const std::string& text) {
+    const auto stated = stated_stock(text);
+    return stated ? stated->size_mm : Vec3{0, 0, 0};
+  };
+  EXPECT_EQ(size("(STOCK SIZE X100. Y50. Z20.)\n"), (Vec3{100, 50, 20}));
+  EXPECT_EQ(size("(stock/block,152.4,76.2, 12.7,0,0,0)\n"), (Vec3{152.4, 76.2, 12.7}));
+  EXPECT_EQ(size("( Material Size)\n( X= 300.000 Y= 200.000 Z= 18.000)\n"), (Vec3{300, 200, 18}));
+  EXPECT_EQ(size("G20\n(stock 2 x 1 x .5)\n"), (Vec3{50.8, 25.4, 12.7}));
+  EXPECT_EQ(size("G20\n(stock 50mm x 20mm x 10mm)\n"), (Vec3{50, 20, 10}));
+  for (const char* none : {"(leave stock 0.5)", "(X1 Y2 Z3)", "(STOCK X1 Y0 Z3)", "STOCK X1 Y1 Z1"})
+    EXPECT_FALSE(stated_stock(none)) << none;
+}
+
+}  // namespace
+}  // namespace kerf
