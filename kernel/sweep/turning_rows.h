@@ -236,29 +236,40 @@ KERF_INLINE void add_last_pose(const Side& side, const SlicePath& path, const Ra
   add_span(block, row.number, path.frame.tip.z, span, open & c.hit);
 }
 
-/// Returns the hits at the last pose whose end lay nowhere farther out before: it moves outwards
-/// faster than the bend can make up for (kernel/sweep/README.md, "Stations").
-KERF_INLINE LaneMask outermost_at_end(const SlicePath& path, const Meeting& m) {
+/// Returns the hits at the first (`sign` −1) or the last pose (1) whose end lies nowhere farther
+/// out at any other: it moves outwards faster towards that pose than the bend can make up for
+/// (kernel/sweep/README.md, "Stations").
+KERF_INLINE LaneMask outermost_at(const SlicePath& path, const Meeting& m, double sign) {
   const Lanes scale = 1 / square_root(m.normal2);
   const double turn = path.frame.turn;
   const double bend = path.search.bend_mm + turn * turn * path.speed_max_mm;
   const LaneMask bound = m.on_side | (path.search.shows_disc ? every_lane() : ~every_lane());
-  return m.hit & bound & (m.advance * scale >= 0.5 * bend) & (magnitude(m.upright) * scale >= turn);
+  return m.hit & bound & (sign * m.advance * scale >= 0.5 * bend) &
+         (magnitude(m.upright) * scale >= turn);
 }
 
-/// Returns the rays of a row for which the slice at its last pose, met in `end`, is all that it
-/// sweeps. Whether it is must not depend on the stock.
+/// Returns the rays of a row for which the slice at its first or its last pose, met in `station`,
+/// is all that it sweeps. Whether it is must not depend on the stock.
 template <class Side>
-KERF_INLINE LaneMask settled_at_end(const Side& side, const SlicePath& path, const RayRow& row,
-                                    const Meeting& end, const ColumnBlock& block) {
-  LaneMask settled = outermost_at_end(path, end);
+KERF_INLINE LaneMask settled_at(const Side& side, const SlicePath& path, const RayRow& row,
+                                const Station& station, const ColumnBlock& block) {
+  const double sign = station.share > 0 ? 1 : -1;
+  const Meeting& m = station.met;
+  LaneMask settled = outermost_at(path, m, sign);
   const LaneMask above =
-      (end.hi >= path.search.top_mm - path.frame.tip.z) | block.loses_all_above(row.number);
+      (m.hi >= path.search.top_mm - path.frame.tip.z) | block.loses_all_above(row.number);
   if (any(settled & ~above)) {
-    const Meeting upper = at_upper_end(side, path, row.x, row.y, 1, end);
-    settled &= above | outermost_at_end(path, upper);
+    const Meeting upper = at_upper_end(side, path, row.x, row.y, station.share, m);
+    settled &= above | outermost_at(path, upper, sign);
   }
   return settled;
+}
+
+/// Returns whether a row is rather ahead of the slice than behind it: then its last pose is more
+/// likely to be all that it sweeps there than its first one.
+KERF_INLINE bool is_ahead(const SlicePath& path, const RayRow& row) {
+  const double x = (row.x[0] + row.x[kLanes - 1]) * 0.5, y = row.y[0];
+  return x * path.frame.v.x + y * path.frame.v.y >= 0;
 }
 
 /// Adds the intervals that a slice removes along its path to a row.
@@ -268,22 +279,29 @@ KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const Ray
   const int parts = path.search.parts;
   const double top = block.top_mm + block.join_mm - path.frame.tip.z;
   Stations stations;
-  Station& end = stations.add(side, path, row, 1, 0, open);
-  const LaneMask settled = open & settled_at_end(side, path, row, end.met, block);
-  if (any(settled)) {
-    add_span(block, row.number, path.frame.tip.z, {end.met.lo, end.met.hi}, settled);
-  }
-  open &= ~settled & (end.met.hit | (least_share(path, end.met, -end.met.advance, top, 1) <= 1.0));
-  if (!any(open)) return;
-  Station* first = &stations.add(side, path, row, 0, 0, open);
-  if (!any(open & first->met.hit)) {
-    open &= least_share(path, first->met, first->met.advance, top, 1) <= 1.0;
+  Station* ends[2];
+  bool at_last = is_ahead(path, row);
+  for (const bool is_other : {false, true}) {
+    Station& met = stations.add(side, path, row, at_last ? 1 : 0, 0, open);
+    ends[at_last] = &met;
+    const LaneMask settled = open & settled_at(side, path, row, met, block);
+    if (any(settled)) {
+      add_span(block, row.number, path.frame.tip.z, {met.met.lo, met.met.hi}, settled);
+      open &= ~settled;
+    }
+    const LaneMask missed = open & ~met.met.hit;
+    if (any(missed) && (!is_other || !any(open & met.met.hit))) {
+      const Lanes closing = at_last ? -met.met.advance : met.met.advance;
+      open &= met.met.hit | (least_share(path, met.met, closing, top, 1) <= 1.0);
+    }
     if (!any(open)) return;
+    at_last = !at_last;
   }
-  end.asked = open;
+  Station* first = ends[0];
+  ends[1]->asked = open;
   for (int part = 1; part <= parts; ++part) {
     const double share = double(part) / parts;
-    stations.push(part == parts ? end : stations.add(side, path, row, share, 0, open));
+    stations.push(part == parts ? *ends[1] : stations.add(side, path, row, share, 0, open));
     first = &evaluate_stretch(side, path, row, first, stations, packed, block);
   }
 }
@@ -324,8 +342,8 @@ KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, const Ro
   search_rays(side, path, packed, true, block);
 }
 
-/// evaluate_rows and add_simple_rows, compiled for each instruction set. The versions are divided
-/// over two units, because together they would be by far the slowest unit of the kernel to compile.
+/// evaluate_rows and add_simple_rows, compiled for each instruction set, each in a unit of its own
+/// (turning_unit.h).
 KERF_DECLARE_TARGETS(void, evaluate_cone,
                      (const ConeSide& side, const SlicePath& path, const RowBits& known,
                       ColumnBlock& block))

@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernel/math/targets.h"
+
+#define KERF_UNIT_TARGET KERF_TARGET_AVX512
+#define KERF_FOR_UNIT_TARGET KERF_FOR_AVX512_TARGET
+#include "kernel/sweep/turning_unit.h"
