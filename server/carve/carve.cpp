@@ -81,12 +81,6 @@ class Carving {
     auto scene = choose_scene(options_);
     if (!scene) return std::unexpected(scene.error());
     scene_ = *std::move(scene);
-    if (options_.write_scene) {
-      OutputFile& file = output(*options_.write_scene);
-      std::ofstream stream(file.temporary(), std::ios::binary);
-      stream << scene_json(scene_) << '\n';
-      if (!stream.flush()) return bad_output(file.target().string() + ": cannot be written");
-    }
     if (options_.surface.reference) {
       auto reference = load_reference(*options_.surface.reference);
       if (!reference) return bad_input(reference.error());
@@ -311,8 +305,19 @@ class Carving {
     return all;
   }
 
+  // With the accuracy that was carved, which thin walls may have refined.
+  Result write_scene() {
+    if (!options_.write_scene) return {};
+    OutputFile& file = output(*options_.write_scene);
+    std::ofstream stream(file.temporary(), std::ios::binary);
+    stream << scene_json(scene_) << '\n';
+    if (!stream.flush()) return bad_output(file.target().string() + ": cannot be written");
+    return {};
+  }
+
   Result write_report() {
     warn_of_idle_run(report_);
+    if (auto kept = write_scene(); !kept) return kept;
     if (!options_.report) return {};
     OutputFile& file = output(*options_.report);
     std::ofstream stream(file.temporary(), std::ios::binary);
