@@ -12,6 +12,9 @@ namespace {
 
 using Result = std::expected<void, Failure>;
 
+/// Tolerance of a derived scene whose pitch is given, as a share of it.
+constexpr double kToleranceShare = 0.1;
+
 Result settle_tools(const CarveOptions& options, Scene& scene) {
   const auto resolved = resolve_chords(scene);
   if (resolved) return {};
@@ -60,6 +63,11 @@ std::expected<Scene, Failure> derived(const CarveOptions& options) {
   auto derived = derive_scene(name, *text, *environment, wishes);
   if (!derived) return bad_input(derived.error());
   for (const std::string& note : derived->notes) std::cerr << "scene: " << note << '\n';
+  // A pitch that is asked for is kept: the target was only assumed.
+  if (options.pitch_mm) {
+    derived->scene.accuracy.reset();
+    derived->scene.settings.tolerance_mm = kToleranceShare * *options.pitch_mm;
+  }
   return std::move(derived->scene);
 }
 
