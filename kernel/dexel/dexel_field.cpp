@@ -13,6 +13,7 @@ DexelField::DexelField(const StockShape& stock, double pitch_mm, RayAxis axis, b
       grid_(make_grid(stock, pitch_mm, axis)),
       keep_normals_(keep_normals),
       tiles_(grid_.tiles_x(), grid_.tiles_y()),
+      untouched_(tiles_),
       stock_volume_mm3_(stock_quanta(stock_, grid_) * grid_.quantum_mm3()) {}
 
 DexelField::DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, bool keep_normals)
@@ -21,7 +22,8 @@ DexelField::DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, 
     tile->era = era_;
     put(at, std::move(tile));
   });
-  stock_volume_mm3_ = snapshot().volume_mm3();
+  if (keep_normals) untouched_ = tiles_;
+  stock_volume_mm3_ = snapshot().volume_mm3();  // and from now on the tiles are shared
 }
 
 std::shared_ptr<DexelTile> DexelField::fresh(TileIndex tile) const {
@@ -53,7 +55,7 @@ std::shared_ptr<DexelTile> DexelField::take(TileIndex tile) {
 
 DexelSnapshot DexelField::snapshot() {
   ++era_;
-  return {grid_, stock_, tiles_};
+  return {grid_, stock_, tiles_, untouched_};
 }
 
 void DexelField::restore(const DexelSnapshot& state) {
@@ -64,6 +66,9 @@ void DexelField::restore(const DexelSnapshot& state) {
 std::size_t DexelField::memory_bytes() const {
   std::size_t bytes = sizeof *this + tiles_.bytes();
   tiles_.for_each([&](TileIndex, const DexelTile& tile) { bytes += tile.bytes(); });
+  untouched_.for_each([&](TileIndex at, const DexelTile& tile) {
+    if (tiles_.find(at) != &tile) bytes += tile.bytes();
+  });
   return bytes;
 }
 

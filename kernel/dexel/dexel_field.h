@@ -64,6 +64,9 @@ class DexelField {
   DexelGrid grid_;
   bool keep_normals_;
   TileDirectory tiles_;
+  /// The tiles before the first cut, if the block began as a mesh and keeps normals; otherwise
+  /// empty: the stock's shape says what was there.
+  TileDirectory untouched_;
   double stock_volume_mm3_ = 0;
   std::uint64_t era_ = 1;  ///< incremented by each snapshot; nodes of earlier eras are shared
 };

@@ -60,8 +60,9 @@ void add(Hash& hash, const DexelGrid& grid, const StockShape& stock) {
 
 }  // namespace
 
-DexelSnapshot::DexelSnapshot(const DexelGrid& grid, const StockShape& stock, TileDirectory tiles)
-    : grid_(grid), stock_(stock), tiles_(std::move(tiles)) {}
+DexelSnapshot::DexelSnapshot(const DexelGrid& grid, const StockShape& stock, TileDirectory tiles,
+                             TileDirectory untouched)
+    : grid_(grid), stock_(stock), tiles_(std::move(tiles)), untouched_(std::move(untouched)) {}
 
 std::span<const Dexel> DexelSnapshot::column(std::int32_t i, std::int32_t j,
                                              std::vector<Dexel>& scratch) const {
@@ -75,14 +76,26 @@ std::span<const Dexel> DexelSnapshot::column(std::int32_t i, std::int32_t j,
   return scratch;
 }
 
-ColumnView DexelSnapshot::view(std::int32_t i, std::int32_t j) const {
+ColumnView DexelSnapshot::view_in(const TileDirectory& tiles, std::int32_t i,
+                                  std::int32_t j) const {
   ColumnView v;
   if (i < 0 || j < 0 || i >= grid_.columns_x || j >= grid_.columns_y) return v;
-  if (const DexelTile* tile = tiles_.find({i / kTileSide, j / kTileSide})) {
+  if (const DexelTile* tile = tiles.find({i / kTileSide, j / kTileSide})) {
     return tile->view((j % kTileSide) * kTileSide + i % kTileSide);
   }
   v.topmost = stock_column(stock_, grid_, i, j);
   return v;
+}
+
+bool DexelSnapshot::is_original(std::int32_t i, std::int32_t j, std::int32_t depth, bool is_top,
+                                NormalCode code) const {
+  if (code == kStockNormal) return true;
+  if (untouched_.find({i / kTileSide, j / kTileSide}) == nullptr) return false;
+  const ColumnView column = untouched_view(i, j);
+  const auto ends_there = [&](const Dexel& element) {
+    return element.bottom < element.top && (is_top ? element.top : element.bottom) == depth;
+  };
+  return ends_there(column.topmost) || std::ranges::any_of(column.lower, ends_there);
 }
 
 double DexelSnapshot::volume_mm3() const {

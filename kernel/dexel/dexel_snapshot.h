@@ -18,7 +18,9 @@ namespace kerf {
 /// copy-on-write; safe to read on any thread while the field changes.
 class DexelSnapshot {
  public:
-  DexelSnapshot(const DexelGrid& grid, const StockShape& stock, TileDirectory tiles);
+  /// `untouched`: the tiles before the first cut, of a block that began as a mesh.
+  DexelSnapshot(const DexelGrid& grid, const StockShape& stock, TileDirectory tiles,
+                TileDirectory untouched);
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }
@@ -36,7 +38,14 @@ class DexelSnapshot {
   std::span<const Dexel> column(std::int32_t i, std::int32_t j, std::vector<Dexel>& scratch) const;
   /// Returns a column as its tile stores it, with normal codes; empty outside the grid. Valid as
   /// long as this snapshot.
-  ColumnView view(std::int32_t i, std::int32_t j) const;
+  ColumnView view(std::int32_t i, std::int32_t j) const { return view_in(tiles_, i, j); }
+  /// Returns a column as view() did before the first cut.
+  ColumnView untouched_view(std::int32_t i, std::int32_t j) const {
+    return view_in(untouched_, i, j);
+  }
+  /// Returns whether an end of column (i, j) is one of the untouched stock. `code` is the end's.
+  bool is_original(std::int32_t i, std::int32_t j, std::int32_t depth, bool is_top,
+                   NormalCode code) const;
   /// Returns the surface normal at an end of column (i, j): unit, outward, in the field's frame.
   /// `code` is the end's; where it is kStockNormal the normal is that of the stock's shape.
   Vec3 normal(std::int32_t i, std::int32_t j, std::int32_t depth, bool is_top,
@@ -53,9 +62,11 @@ class DexelSnapshot {
   std::uint64_t hash() const;
 
  private:
+  ColumnView view_in(const TileDirectory& tiles, std::int32_t i, std::int32_t j) const;
+
   DexelGrid grid_;
   StockShape stock_;
-  TileDirectory tiles_;
+  TileDirectory tiles_, untouched_;
 };
 
 }  // namespace kerf

@@ -53,7 +53,9 @@ void ColumnWindow::append_column(const DexelSnapshot& field, std::int32_t i, std
   const auto append = [&](const Dexel& d, const EndCodes& codes) {
     append_run({first_sample_at_or_above(d.bottom), first_sample_at_or_above(d.top), d.bottom,
                 d.top, end_normal(field, i, j, d.bottom, false, codes.bottom),
-                end_normal(field, i, j, d.top, true, codes.top)});
+                end_normal(field, i, j, d.top, true, codes.top),
+                field.is_original(i, j, d.bottom, false, codes.bottom),
+                field.is_original(i, j, d.top, true, codes.top)});
   };
   for (std::size_t n = 0; n < view.lower.size(); ++n) {
     append(view.lower[n], view.lower_codes.empty() ? EndCodes{} : view.lower_codes[n]);
@@ -67,6 +69,7 @@ void ColumnWindow::append_run(const SolidRun& run) {
     runs_->back().end = run.end;  // the gap contains no sample
     runs_->back().top = run.top;
     runs_->back().top_normal = run.top_normal;
+    runs_->back().top_original = run.top_original;
   } else {
     runs_->push_back(run);
   }

@@ -14,9 +14,10 @@ namespace kerf {
 /// A solid element of a column, sampled on the lattice that the mesh is built on: samples
 /// [first, end) are solid, and the exact ends lie at most one sample step outside of them.
 struct SolidRun {
-  std::int32_t first = 0, end = 0;   ///< samples; first < end
-  std::int32_t bottom = 0, top = 0;  ///< quanta
-  Vec3 bottom_normal, top_normal;    ///< of the surface at the ends: unit, outward
+  std::int32_t first = 0, end = 0;                   ///< samples; first < end
+  std::int32_t bottom = 0, top = 0;                  ///< quanta
+  Vec3 bottom_normal, top_normal;                    ///< of the surface at the ends: unit, outward
+  bool bottom_original = true, top_original = true;  ///< whether it is the untouched stock's
 };
 
 /// A copy of the columns along Z of one tile and a margin around it, sampled one pitch apart.

@@ -105,6 +105,7 @@ void FaceFan::append(StockFace face, const FaceNode& node, TileMesh& mesh) {
   std::array<float, 3> normal{};
   normal[face.axis] = face.high ? 1.0F : -1.0F;
   mesh.normals.resize(mesh.positions_mm.size(), normal);
+  mesh.original.resize(mesh.positions_mm.size(), 1);
 }
 
 FaceFan::Position FaceFan::position(const LatticePoint& vertex) {

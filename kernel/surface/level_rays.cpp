@@ -66,6 +66,7 @@ std::optional<Crossing> LevelRays::find(std::int32_t i, std::int32_t j, std::int
   Crossing c;
   c.point = along_x ? Vec3{place, double(j), double(k)} : Vec3{double(i), place, double(k)};
   c.normal = from_frame(grid.axis, field.normal(ray_i, ray_j, end->depth, leaves, end->code));
+  c.original = field.is_original(ray_i, ray_j, end->depth, leaves, end->code);
   return c;
 }
 

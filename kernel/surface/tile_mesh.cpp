@@ -79,6 +79,7 @@ class TileMesher {
     mesh.positions_mm.assign(positions_->begin(), positions_->end());
     mesh.normals.assign(normals_->begin(), normals_->end());
     mesh.indices.assign(indices_->begin(), indices_->end());
+    mesh.original.assign(original_->begin(), original_->end());
     return mesh;
   }
 
@@ -234,10 +235,12 @@ class TileMesher {
       if (renumbered[v] == kNoVertex) continue;
       (*positions_)[kept] = (*positions_)[v];
       (*normals_)[kept] = (*normals_)[v];
+      (*original_)[kept] = (*original_)[v];
       renumbered[v] = kept++;
     }
     positions_->resize(kept);
     normals_->resize(kept);
+    original_->resize(kept);
     for (std::uint32_t& index : *indices_) index = renumbered[index];
   }
 
@@ -271,6 +274,7 @@ class TileMesher {
   std::uint32_t add_vertex(const SurfaceVertex& vertex, std::size_t group) {
     positions_->push_back(vertex.position_mm);
     normals_->push_back(vertex.normals[group]);
+    original_->push_back(vertex.original[group] ? 1 : 0);
     sharp_.push_back(vertex.sharp);
     return static_cast<std::uint32_t>(positions_->size() - 1);
   }
@@ -290,6 +294,7 @@ class TileMesher {
   Scratch<std::array<float, 3>, 0> positions_;
   Scratch<std::array<float, 3>, 1> normals_;
   Scratch<std::uint32_t> indices_;
+  Scratch<std::uint8_t> original_;
 };
 
 }  // namespace

@@ -18,6 +18,9 @@ struct TileMesh {
       positions_mm;  ///< relative to the block's minimum corner (DexelGrid::origin_mm)
   std::vector<std::array<float, 3>> normals;  ///< unit, outward; one per position
   std::vector<std::uint32_t> indices;  ///< three per triangle, counter-clockwise seen from outside
+  /// One per position: 1 where the surface is that of the untouched stock, 0 where it was cut. At
+  /// the side of a cut in a block with one field, 1 may reach a pitch too far.
+  std::vector<std::uint8_t> original = {};
 };
 
 /// Extracts the part of the surface that one tile of the field along Z owns, from the rays of all

@@ -31,6 +31,7 @@ void group_normals(std::span<const Crossing> crossings, std::span<const std::uin
     for (const Crossing& c : crossings) all = all + c.normal;
     vertex.normal_count = 1;
     vertex.normals[0] = unit_float(all);
+    vertex.original[0] = std::ranges::all_of(crossings, &Crossing::original);
     return;
   }
   std::array<Vec3, kVertexNormalsMax> first, sum;
@@ -52,8 +53,12 @@ void group_normals(std::span<const Crossing> crossings, std::span<const std::uin
         group = count++;
         first[group] = c.normal;
         sum[group] = {};
+        vertex.original[group] = true;
       }
-      if (!guesses || !fits) sum[group] = sum[group] + c.normal;
+      if (!guesses || !fits) {
+        sum[group] = sum[group] + c.normal;
+        vertex.original[group] = vertex.original[group] && c.original;
+      }
       vertex.group_of_edge[edges[n]] = static_cast<std::uint8_t>(group);
     }
   }

@@ -17,14 +17,15 @@ inline constexpr int kVertexNormalsMax = 3;
 struct SurfaceVertex {
   std::array<float, 3> position_mm{};  ///< relative to DexelGrid::origin_mm
   std::array<std::array<float, 3>, kVertexNormalsMax> normals{};
+  std::array<bool, kVertexNormalsMax> original{};  ///< by normal: of the untouched stock
   int normal_count = 0;
   std::array<std::uint8_t, 12> group_of_edge{};
   bool sharp = false;
 };
 
 /// Sets a vertex's normals: one for each side of a crease, the mean of the crossings on it.
-/// Estimated crossings form a group of their own only if all are estimates. `edges`: the lattice
-/// edge of each crossing.
+/// Estimated crossings form a group of their own only if all are estimates. A side is original if
+/// all crossings that make its normal are. `edges`: the lattice edge of each crossing.
 void group_normals(std::span<const Crossing> crossings, std::span<const std::uint8_t> edges,
                    SurfaceVertex& vertex);
 

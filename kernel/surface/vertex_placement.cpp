@@ -69,7 +69,8 @@ std::uint8_t cell_configuration(const ColumnWindow& window, const LatticeCell& c
 }
 
 VertexPlacement::VertexPlacement(const SolidSnapshot& solid, const ColumnWindow& window)
-    : window_(window),
+    : field_(solid.fields.front()),
+      window_(window),
       guess_(window, solid.fields.front().stock()),
       steps_per_mm_(1 / window.grid().pitch_mm) {
   seen_->resize(kEdgesSeen);
@@ -104,6 +105,7 @@ void VertexPlacement::upright(const LatticeCell& cell, int dx, int dy, Crossing&
   crossing.normal = top ? run.top_normal : run.bottom_normal;
   crossing.weight = 1;
   crossing.wall = false;
+  crossing.original = top ? run.top_original : run.bottom_original;
 }
 
 /// Returns the lowest run of a column that ends at or above a layer.
@@ -113,7 +115,15 @@ const SolidRun& VertexPlacement::run_at(std::int32_t i, std::int32_t j, std::int
   return *run;
 }
 
-SurfaceVertex VertexPlacement::flat_vertex(Vec3 place, Vec3 normal) const {
+/// Returns whether a sample was solid before the first cut.
+bool VertexPlacement::was_solid(std::int32_t i, std::int32_t j, std::int32_t k) const {
+  const ColumnView column = field_.untouched_view(i, j);
+  const std::int64_t level = window_.level(k);
+  const auto holds = [level](const Dexel& e) { return e.bottom <= level && level < e.top; };
+  return holds(column.topmost) || std::ranges::any_of(column.lower, holds);
+}
+
+SurfaceVertex VertexPlacement::flat_vertex(Vec3 place, Vec3 normal, bool original) const {
   const double pitch = window_.grid().pitch_mm;
   SurfaceVertex vertex;
   vertex.position_mm = {static_cast<float>((place.x + 0.5) * pitch),
@@ -121,6 +131,7 @@ SurfaceVertex VertexPlacement::flat_vertex(Vec3 place, Vec3 normal) const {
                         static_cast<float>((place.z + window_.level_zero()) * pitch)};
   vertex.normals[0] = {static_cast<float>(normal.x), static_cast<float>(normal.y),
                        static_cast<float>(normal.z)};
+  vertex.original[0] = original;
   vertex.normal_count = 1;
   return vertex;
 }
@@ -129,6 +140,7 @@ SurfaceVertex VertexPlacement::flat_vertex(Vec3 place, Vec3 normal) const {
 std::optional<SurfaceVertex> VertexPlacement::place_on_floor(const LatticeCell& cell) const {
   std::int32_t depth = 0;
   Vec3 normal;
+  bool original = true;
   for (int c = 0; c < 4; ++c) {
     const SolidRun& run = run_at(cell.x + (c & 1), cell.y + (c >> 1), cell.layer);
     const bool top = run.end == cell.layer;
@@ -137,8 +149,9 @@ std::optional<SurfaceVertex> VertexPlacement::place_on_floor(const LatticeCell& 
     if (std::abs(n.z) != 1 || (c > 0 && (here != depth || n.z != normal.z))) return std::nullopt;
     depth = here;
     normal = n;
+    original = original && (top ? run.top_original : run.bottom_original);
   }
-  return flat_vertex({cell.x + 0.5, cell.y + 0.5, window_.steps(depth)}, normal);
+  return flat_vertex({cell.x + 0.5, cell.y + 0.5, window_.steps(depth)}, normal, original);
 }
 
 /// For a sheet that crosses exactly the four edges of a cell along X (or Y).
@@ -164,7 +177,7 @@ std::optional<SurfaceVertex> VertexPlacement::place_on_side(const LatticeCell& c
     place.y += low ? limits.low.y : limits.high.y;
   }
   const double side = low ? -1 : 1;
-  return flat_vertex(place, along_x ? Vec3{side, 0, 0} : Vec3{0, side, 0});
+  return flat_vertex(place, along_x ? Vec3{side, 0, 0} : Vec3{0, side, 0}, true);
 }
 
 const Crossing& VertexPlacement::level(std::int32_t i, std::int32_t j, std::int32_t k,
@@ -178,6 +191,11 @@ const Crossing& VertexPlacement::level(std::int32_t i, std::int32_t j, std::int3
   std::optional<Crossing> exact;
   if (rays_) exact = rays_->find(i, j, k, along_x, window_.solid(i, j, k));
   seen = {i, j, k, axis, exact ? *exact : guess_.find(i, j, k, along_x)};
+  if (!exact) {
+    const bool leaves = window_.solid(i, j, k);
+    seen.crossing.original =
+        !was_solid(i + (leaves && along_x ? 1 : 0), j + (leaves && !along_x ? 1 : 0), k);
+  }
   return seen.crossing;
 }
 
@@ -192,7 +210,7 @@ SurfaceVertex VertexPlacement::place_on_edge(const LatticeEdge& edge) {
   const double share = std::clamp(along.x + along.y + along.z, edge_margin(), 1 - edge_margin());
   Vec3 place{double(edge.i), double(edge.j), double(edge.k)};
   (edge.axis == 0 ? place.x : edge.axis == 1 ? place.y : place.z) += share;
-  return flat_vertex(place, crossing.normal);
+  return flat_vertex(place, crossing.normal, crossing.original);
 }
 
 SurfaceVertex VertexPlacement::place_center(const LatticeEdge& edge,

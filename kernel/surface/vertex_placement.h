@@ -86,13 +86,15 @@ class VertexPlacement {
   /// are, without computing crossings; nothing for any other cell.
   std::optional<SurfaceVertex> place_on_floor(const LatticeCell& cell) const;
   std::optional<SurfaceVertex> place_on_side(const LatticeCell& cell, bool along_x) const;
-  SurfaceVertex flat_vertex(Vec3 place, Vec3 normal) const;
+  SurfaceVertex flat_vertex(Vec3 place, Vec3 normal, bool original) const;
   const SolidRun& run_at(std::int32_t i, std::int32_t j, std::int32_t layer) const;
+  bool was_solid(std::int32_t i, std::int32_t j, std::int32_t k) const;
   void find_crossings(const LatticeCell& cell, std::uint16_t edges);
   void upright(const LatticeCell& cell, int dx, int dy, Crossing& crossing) const;
   const Crossing& level(std::int32_t i, std::int32_t j, std::int32_t k, bool along_x);
   CellLimits limits_of(const LatticeCell& cell) const;
 
+  const DexelSnapshot& field_;  ///< along Z
   const ColumnWindow& window_;
   std::optional<LevelRays> rays_;  ///< set if there are three fields
   LevelGuess guess_;

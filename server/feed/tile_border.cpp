@@ -231,7 +231,7 @@ TileMesh with_coarser_borders(const TileMesh& mesh, const DexelGrid& grid,
     const bool stays = place == kNone || collapse.target(place) == place;
     moved[v] = stays ? v : like(mesh, border, collapse.target(place), v);
   }
-  TileMesh out{mesh.tile, mesh.positions_mm, mesh.normals, {}};
+  TileMesh out{mesh.tile, mesh.positions_mm, mesh.normals, {}, mesh.original};
   out.indices.reserve(mesh.indices.size());
   for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
     const std::array<std::uint32_t, 3> corners{moved[mesh.indices[t]], moved[mesh.indices[t + 1]],

@@ -58,10 +58,12 @@ void compact(TileMesh& mesh) {
     if (place[v] == kUnused) continue;
     mesh.positions_mm[kept] = mesh.positions_mm[v];
     mesh.normals[kept] = mesh.normals[v];
+    mesh.original[kept] = mesh.original[v];
     place[v] = kept++;
   }
   mesh.positions_mm.resize(kept);
   mesh.normals.resize(kept);
+  mesh.original.resize(kept);
   for (std::uint32_t& index : mesh.indices) index = place[index];
 }
 

@@ -138,6 +138,7 @@ void encode_normals(const TileMesh& mesh, const SendOrder& order, EncodedTile& o
       const auto rounded = static_cast<int>(scaled + (kNormalScale + 0.5F));
       put(at + axis, static_cast<std::int8_t>(rounded - static_cast<int>(kNormalScale)));
     }
+    put(at + 3, mesh.original[v]);
     at += EncodedTile::kNormalStride;
   }
 }

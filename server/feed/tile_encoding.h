@@ -27,7 +27,8 @@ enum class TileCompression : std::uint8_t {
 
 /// An encoded tile, which can be copied into any number of frames.
 struct EncodedTile {
-  /// Bytes per vertex before compression: int16 x, y, z, padding; int8 x, y, z, padding.
+  /// Bytes per vertex before compression: int16 x, y, z, padding; int8 x, y, z of the normal, and
+  /// TileMesh::original.
   static constexpr std::size_t kPositionStride = 8, kNormalStride = 4;
 
   TileIndex tile;

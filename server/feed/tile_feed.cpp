@@ -32,6 +32,7 @@ std::uint64_t hash_of(const TileMesh& mesh) {
     }
   }
   for (const std::uint32_t index : mesh.indices) mix(index);
+  for (const std::uint8_t original : mesh.original) mix(original);
   return hash;
 }
 

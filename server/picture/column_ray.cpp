@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "kernel/dexel/stock_column.h"
-
 namespace kerf {
 namespace {
 
@@ -194,11 +192,10 @@ double step_mm(const DexelSnapshot& field, std::int32_t i, std::int32_t j, std::
   return (top - below) * field.grid().z_quantum_mm;
 }
 
-bool is_outside_stock(const DexelSnapshot& field, std::int32_t i, std::int32_t j) {
-  const DexelGrid& grid = field.grid();
-  if (i < 0 || j < 0 || i >= grid.columns_x || j >= grid.columns_y) return true;
-  const Dexel whole = stock_column(field.stock(), grid, i, j);
-  return whole.bottom == whole.top;
+bool was_empty(const DexelSnapshot& field, std::int32_t i, std::int32_t j, double depth) {
+  const ColumnView column = field.untouched_view(i, j);
+  const auto holds = [depth](const Dexel& e) { return depth >= e.bottom && depth < e.top; };
+  return !holds(column.topmost) && std::ranges::none_of(column.lower, holds);
 }
 
 /// Normal and kind of the surface where the ray enters a column through its side: of the slope that
@@ -213,15 +210,16 @@ void describe_side(const DexelSnapshot& field, const Walk& walk, Vec3 towards, c
       step_mm(field, i, j, met.element.top) * top.z <=
           pitch * (kSlopeSpare * run + kSlopeSparePitches * top.z)) {
     hit.normal = top;
-    hit.is_cut = true;
+    hit.is_cut = !field.is_original(walk.i, walk.j, met.element.top, true, met.codes.top);
     return;
   }
   const Vec3 side =
       met.face == Face::kX ? Vec3{-1.0 * walk.step_x, 0, 0} : Vec3{0, -1.0 * walk.step_y, 0};
   const bool at_border =
       i < 0 || j < 0 || i >= field.grid().columns_x || j >= field.grid().columns_y;
-  hit.normal = at_border ? side : wall_normal(field, walk, towards, walk.depth_at(met.t), side);
-  hit.is_cut = !is_outside_stock(field, i, j);
+  const double depth = walk.depth_at(met.t);
+  hit.normal = at_border ? side : wall_normal(field, walk, towards, depth, side);
+  hit.is_cut = !was_empty(field, i, j, depth);
 }
 
 }  // namespace
@@ -236,7 +234,7 @@ std::optional<RayHit> first_hit(const DexelSnapshot& field, Vec3 from_mm, Vec3 t
     const std::int32_t depth = met.at_top ? met.element.top : met.element.bottom;
     const NormalCode code = met.at_top ? met.codes.top : met.codes.bottom;
     hit.normal = field.normal(walk->i, walk->j, depth, met.at_top, code);
-    hit.is_cut = code != kStockNormal;
+    hit.is_cut = !field.is_original(walk->i, walk->j, depth, met.at_top, code);
   } else {
     describe_side(field, *walk, towards, met, hit);
   }

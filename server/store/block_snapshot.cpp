@@ -176,7 +176,10 @@ std::expected<SolidSnapshot, SnapshotError> read_solid(ChunkReader& in, const Sc
   if (!in.at_end()) return damaged("bytes follow its end");
   SolidSnapshot solid;
   for (std::size_t n = 0; n < fields.size(); ++n) {
-    solid.fields.emplace_back(fields[n]->grid(), fields[n]->stock(), std::move(directories[n]));
+    const DexelGrid& grid = fields[n]->grid();
+    // The block that is restored from this knows its untouched tiles.
+    solid.fields.emplace_back(grid, fields[n]->stock(), std::move(directories[n]),
+                              TileDirectory(grid.tiles_x(), grid.tiles_y()));
   }
   return solid;
 }

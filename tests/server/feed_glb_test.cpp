@@ -71,6 +71,7 @@ TEST(MeshGlb, DecodedMeshDiffersByAtMostHalfAStep) {
     EXPECT_EQ(tile.version, 7U);
     ASSERT_EQ(tile.positions_mm.size(), mesh.positions_mm.size());
     EXPECT_EQ(tile.indices, mesh.indices);
+    EXPECT_EQ(tile.original, mesh.original);
     for (std::size_t v = 0; v < mesh.positions_mm.size(); ++v) {
       const auto& p = mesh.positions_mm[v];
       const Vec3 world = origin + Vec3{double(p[0]), double(p[1]), double(p[2])};
@@ -161,12 +162,14 @@ TEST(MeshGlbTile, LargeTilesHaveWideIndices) {
   for (int n = 0; n < 70000; ++n) {
     mesh.positions_mm.push_back({float(n % 251), float(n / 251), 0});
     mesh.normals.push_back({0, 0, 1});
+    mesh.original.push_back(1);
   }
   mesh.indices = {0, 69999, 1, 2, 3, 69998};
   TileMesh small;
   small.tile = {1, 0};
   small.positions_mm = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   small.normals.assign(3, {0, 0, 1});
+  small.original.assign(3, 1);
   small.indices = {0, 1, 2};
   DexelGrid grid;
   grid.pitch_mm = 10;

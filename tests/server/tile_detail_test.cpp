@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
+#include <tuple>
 
 #include "tests/support/carvings.h"
 #include "tests/support/mesh_check.h"
@@ -94,6 +97,31 @@ TEST_P(TileDetailOfRays, CoarserLevelsHaveFewerTrianglesWithinTheirError) {
     EXPECT_NEAR(report.volume_mm3, volume, area * detail_error_mm(level, grid.pitch_mm));
     finer = report;
   }
+}
+
+TEST_P(TileDetailOfRays, CoarserLevelsKeepWhatIsOriginalOfTheirVertices) {
+  Sculpture sculpture = carved_block(3, GetParam(), 4);
+  const auto exact = test::mesh_all(sculpture.solid());
+  std::size_t original = 0, all = 0;
+  for (const std::uint8_t level : {std::uint8_t{1}, std::uint8_t{3}}) {
+    const auto coarse = mesh_at(exact, sculpture.grid(), [level](TileIndex) { return level; });
+    for (std::size_t tile = 0; tile < coarse.size(); ++tile) {
+      using Vertex = std::tuple<std::array<float, 3>, std::array<float, 3>, std::uint8_t>;
+      const auto vertices_of = [](const TileMesh& mesh) {
+        std::set<Vertex> vertices;
+        for (std::size_t v = 0; v < mesh.positions_mm.size(); ++v) {
+          vertices.emplace(mesh.positions_mm[v], mesh.normals[v], mesh.original.at(v));
+        }
+        return vertices;
+      };
+      const auto kept = vertices_of(coarse[tile]), whole = vertices_of(exact[tile]);
+      EXPECT_TRUE(std::ranges::includes(whole, kept)) << "level " << int{level};
+      for (const Vertex& vertex : kept) original += std::get<2>(vertex);
+      all += kept.size();
+    }
+  }
+  EXPECT_GT(original, 20U);
+  EXPECT_GT(all - original, 20U);
 }
 
 INSTANTIATE_TEST_SUITE_P(, TileDetailOfRays, testing::Values(Rays::kDexel, Rays::kTriDexel));

@@ -23,6 +23,7 @@ struct DecodedTile {
   int level = 0;
   std::vector<Vec3> positions_mm, normals;
   std::vector<std::uint32_t> indices;
+  std::vector<std::uint8_t> original;  ///< the fourth bytes of the normals
 };
 struct DecodedFrame {
   std::uint64_t from = 0, to = 0;
@@ -98,6 +99,7 @@ inline void decode_mesh(const GlbParts& glb, const nlohmann::json& node, Decoded
     const auto q = element<std::int8_t, 3>(normals, 4, n);
     out.positions_mm.push_back({at[0] + p[0] * scale, at[1] + p[1] * scale, at[2] + p[2] * scale});
     out.normals.push_back(Vec3{double(q[0]), double(q[1]), double(q[2])} * (1.0 / 127));
+    out.original.push_back(element<std::uint8_t, 4>(normals, 4, n)[3]);
   }
   const auto index = accessor(primitive["indices"]);
   const auto indices = bytes_of(index);
@@ -138,16 +140,17 @@ inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb_bytes, doubl
   return frame;
 }
 
-/// Returns the tile's triangles, corners with their normals, in an order that does not depend on
-/// the encoding.
-inline std::vector<std::array<std::array<double, 6>, 3>> triangles_of(const DecodedTile& tile) {
-  std::vector<std::array<std::array<double, 6>, 3>> triangles;
+/// Returns the tile's triangles, corners with their normals and whether they are original, in an
+/// order that does not depend on the encoding.
+inline std::vector<std::array<std::array<double, 7>, 3>> triangles_of(const DecodedTile& tile) {
+  std::vector<std::array<std::array<double, 7>, 3>> triangles;
   for (std::size_t t = 0; t + 2 < tile.indices.size(); t += 3) {
     auto& triangle = triangles.emplace_back();
     for (std::size_t c = 0; c < 3; ++c) {
       const Vec3 p = tile.positions_mm.at(tile.indices[t + c]);
       const Vec3 n = tile.normals.at(tile.indices[t + c]);
-      triangle[c] = {p.x, p.y, p.z, n.x, n.y, n.z};
+      const double original = tile.original.at(tile.indices[t + c]);
+      triangle[c] = {p.x, p.y, p.z, n.x, n.y, n.z, original};
     }
     // The smallest of its three rotations: two corners may have the same lattice point.
     auto turned = triangle;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeAll, describe, expect, it, vi } from 'vitest';
 import * as THREE from 'three';
-import { TileParser } from '../src/view/glb_tiles';
+import { ORIGINAL_ATTRIBUTE, TileParser } from '../src/view/glb_tiles';
 import type { ParsedTile } from '../src/view/glb_tiles';
 import { TileView } from '../src/view/tile_view';
 import { tileKey } from '../src/model/tiles';
@@ -48,6 +48,20 @@ describe('mesh frames', () => {
     expect(corner.x).toBeCloseTo(8, 3);
     expect(corner.y).toBeCloseTo(8, 3);
     expect(corner.z).toBeCloseTo(-3, 3);
+  });
+
+  it('state of each vertex whether it is of the original surface', async () => {
+    const cut = { ...triangle(0, 0, 1), original: [1, 0, 1] };
+    const [whole, part] = await parser.parse(writeMeshGlb([triangle(1, 0, 1), cut], STEP_MM, 0, 1));
+    const bits = (tile: ParsedTile): number[] => {
+      const original = tile.geometry!.getAttribute(ORIGINAL_ATTRIBUTE);
+      return [0, 1, 2].map((n) => original.getX(n));
+    };
+    expect(bits(whole!)).toEqual([1, 1, 1]);
+    expect(bits(part!)).toEqual([1, 0, 1]);
+    expect(part!.shape).not.toBe(
+      (await parser.parse(writeMeshGlb([triangle(0, 0, 1)], STEP_MM, 0, 1)))[0]!.shape,
+    );
   });
 
   it('may contain an empty tile', async () => {

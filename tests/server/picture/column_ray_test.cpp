@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <random>
 
 #include "kernel/sculpture.h"
@@ -74,6 +75,34 @@ TEST(ColumnRay, ASlopeSeenFromTheSideHasTheSlopesNormal) {
     ++hits;
   }
   EXPECT_GT(hits, 100);
+}
+
+TEST(ColumnRay, OriginalSurfacesOfAMeshAreNotCut) {
+  TriangleMesh mesh;  // |x| + |y| + |z| <= 10
+  mesh.vertices_mm = {{10, 0, 0}, {0, 10, 0}, {0, 0, 10}, {-10, 0, 0}, {0, -10, 0}, {0, 0, -10}};
+  mesh.triangles = {{0, 1, 2}, {1, 3, 2}, {3, 4, 2}, {4, 0, 2},
+                    {1, 0, 5}, {3, 1, 5}, {4, 3, 5}, {0, 4, 5}};
+  SculptureSettings settings;
+  settings.stock_mesh = std::make_shared<const TriangleMesh>(mesh);
+  settings.pitch_mm = 0.1;
+  Sculpture block = *Sculpture::create(settings);
+  carve(block, BallShape{4, 40}, {-20, 0, 4}, {20, 0, 4});  // its axis runs at z = 6
+  const DexelSnapshot field = block.snapshot();
+  const auto meet = [&](Vec3 at, Vec3 towards) {
+    return first_hit(field, at - towards * 30, towards);
+  };
+  for (const double lean : {-0.5, 0.0, 0.5}) {
+    const Vec3 down = normalized({lean, 0, -1});
+    const auto groove = meet({0, 0.3, 4}, down), flank = meet({1, 4, 5}, down);
+    ASSERT_TRUE(groove && flank);
+    EXPECT_TRUE(groove->is_cut) << lean;
+    EXPECT_FALSE(flank->is_cut) << lean;
+  }
+  for (const double z : {-4.03, -1.01, 1.03}) {
+    const auto side = meet({9, 0.05, z}, {-1, 0, 0});
+    ASSERT_TRUE(side) << z;
+    EXPECT_FALSE(side->is_cut) << z;
+  }
 }
 
 TEST(ColumnRay, OriginalSurfacesAreNotCut) {

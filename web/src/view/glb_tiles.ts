@@ -23,6 +23,17 @@ export interface ParsedTile {
   matrix: THREE.Matrix4;
 }
 
+/** Of a vertex: 1 where the surface is that of the untouched stock, 0 where it was cut. */
+export const ORIGINAL_ATTRIBUTE = 'stockOriginal';
+
+/** Gives the fourth byte of each normal a name of its own. */
+function nameOriginal(geometry: THREE.BufferGeometry): void {
+  const normal = geometry.getAttribute('normal');
+  if (!(normal instanceof THREE.InterleavedBufferAttribute)) return;
+  const original = new THREE.InterleavedBufferAttribute(normal.data, 1, 3);
+  geometry.setAttribute(ORIGINAL_ATTRIBUTE, original);
+}
+
 function isCoordinatePair(value: unknown): value is [x: number, y: number] {
   return Array.isArray(value) && value.length === 2 && value.every(Number.isInteger);
 }
@@ -60,6 +71,7 @@ function tileOf(node: THREE.Object3D): ParsedTile | null {
     return null;
   node.updateWorldMatrix(true, false);
   const geometry = node instanceof THREE.Mesh ? (node as THREE.Mesh).geometry : null;
+  if (geometry) nameOriginal(geometry);
   const corners = geometry ? (geometry.index?.count ?? geometry.getAttribute('position').count) : 0;
   return {
     x: tile[0],

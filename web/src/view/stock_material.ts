@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The block's material: three's standard material with two additions in the shader. Fragments on
-// the stock's original outside get the skin color, all others the core color, and growth rings run
-// through the solid.
+// The block's material: three's standard material with two additions in the shader. Where the
+// surface is that of the untouched stock, as the tiles say, it has the skin color, elsewhere the
+// core color; and growth rings run through the solid.
 
 import * as THREE from 'three';
 import type { StockMaterialPreset } from '../model/materials';
-import type { Stock } from '../wire/types';
+import { ORIGINAL_ATTRIBUTE } from './glb_tiles';
 import { withMirroredLight } from './ambient_light';
 
 const VERTEX_HEAD = /* glsl */ `
+attribute float ${ORIGINAL_ATTRIBUTE};
+varying float vStockOriginal;
 varying vec3 vStockPosition;
 varying vec3 vStockNormal;
 `;
@@ -18,46 +20,22 @@ mat4 stockMatrix = modelMatrix;
 #ifdef USE_INSTANCING
 stockMatrix = modelMatrix * instanceMatrix;
 #endif
+vStockOriginal = ${ORIGINAL_ATTRIBUTE};
 vStockPosition = (stockMatrix * vec4(transformed, 1.0)).xyz;
 vStockNormal = normalize(mat3(stockMatrix) * objectNormal);
 `;
 
 const FRAGMENT_HEAD = /* glsl */ `
+varying float vStockOriginal;
 varying vec3 vStockPosition;
 varying vec3 vStockNormal;
 uniform vec3 stockMin;
 uniform vec3 stockMax;
-uniform vec3 stockReach; // a fragment this near to a side (x, y) or end (z) is on it, mm
-uniform float stockRound; // radius of a cylinder, 0 for a box
 uniform vec3 stockSkin;
 uniform vec3 stockCore;
 uniform vec3 stockRing;
 uniform float stockGrain;
 uniform float stockDetail; // radius of curvature of a fully shaded valley, mm
-
-float onFace(float distanceMm, float reach, float facing) {
-  return (1.0 - smoothstep(reach, reach * 1.6, distanceMm)) * smoothstep(0.55, 0.8, facing);
-}
-
-vec3 onFaces(vec3 distanceMm, vec3 facing) {
-  return vec3(
-    onFace(distanceMm.x, stockReach.x, facing.x),
-    onFace(distanceMm.y, stockReach.y, facing.y),
-    onFace(distanceMm.z, stockReach.z, facing.z));
-}
-
-float stockOutside(vec3 p, vec3 n) {
-  vec3 atMax = onFaces(abs(stockMax - p), n);
-  vec3 atMin = onFaces(abs(p - stockMin), -n);
-  float ends = max(atMax.z, atMin.z);
-  if (stockRound > 0.0) {
-    vec2 fromAxis = p.xy - 0.5 * (stockMin.xy + stockMax.xy);
-    float r = length(fromAxis);
-    float facing = dot(n.xy, fromAxis / max(r, 1e-6));
-    return max(ends, onFace(abs(stockRound - r), stockReach.x * 1.4, facing));
-  }
-  return max(ends, max(max(atMax.x, atMin.x), max(atMax.y, atMin.y)));
-}
 
 // Growth rings of a log whose pith lies beside the block, unevenly spaced; they fade where they
 // would be finer than a pixel.
@@ -86,7 +64,7 @@ float ridge(vec3 p, vec3 n) {
 
 const FRAGMENT_COLOR = /* glsl */ `
 vec3 stockNormal = normalize(vStockNormal);
-float stockOuter = stockOutside(vStockPosition, stockNormal);
+float stockOuter = smoothstep(0.4, 0.6, vStockOriginal);
 float stockRings = stockGrain > 0.0 ? growthRing(vStockPosition) * stockGrain : 0.0;
 vec3 stockInner = mix(stockCore, stockRing, stockRings * 0.5);
 vec3 stockOuterColor = stockSkin * (1.0 - 0.22 * stockRings);
@@ -104,8 +82,6 @@ export class StockMaterial {
   private readonly uniforms_ = {
     stockMin: { value: new THREE.Vector3() },
     stockMax: { value: new THREE.Vector3(1, 1, 1) },
-    stockReach: { value: new THREE.Vector3(0.1, 0.1, 0.01) },
-    stockRound: { value: 0 },
     stockSkin: { value: new THREE.Color() },
     stockCore: { value: new THREE.Color() },
     stockRing: { value: new THREE.Color() },
@@ -127,13 +103,10 @@ export class StockMaterial {
     };
   }
 
-  setStock(stock: Stock, pitchMm: number, min: THREE.Vector3, max: THREE.Vector3): void {
+  setBounds(pitchMm: number, min: THREE.Vector3, max: THREE.Vector3): void {
     this.uniforms_.stockMin.value.copy(min);
     this.uniforms_.stockMax.value.copy(max);
-    this.uniforms_.stockRound.value = stock.shape === 'cylinder' ? stock.radius_mm : 0;
     this.uniforms_.stockDetail.value = Math.max(2.5 * pitchMm, min.distanceTo(max) / 90);
-    // The mesh's side walls are up to one column off the true side; its top and bottom are exact.
-    this.uniforms_.stockReach.value.set(1.1 * pitchMm, 1.1 * pitchMm, 0.04 * pitchMm);
   }
 
   /** Hides what is in front of a plane; null: nothing. */

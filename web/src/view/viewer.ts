@@ -80,8 +80,7 @@ export class Viewer {
     const bounds = stockBounds(welcome.stock);
     this.stage.setBounds(bounds, welcome.pitch_mm);
     this.rig.setBounds(viewBounds(welcome));
-    this.stockMaterial.setStock(
-      welcome.stock,
+    this.stockMaterial.setBounds(
       welcome.pitch_mm,
       new THREE.Vector3(...bounds.min),
       new THREE.Vector3(...bounds.max),

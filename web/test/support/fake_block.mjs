@@ -70,7 +70,10 @@ export class FakeBlock {
    */
   mesh(key) {
     const [x, y] = key.split(',').map(Number);
-    const mesh = { x, y, version: this.versions.get(key), positions: [], normals: [], indices: [] };
+    const mesh = {
+      ...{ x, y, version: this.versions.get(key) },
+      ...{ positions: [], normals: [], indices: [], original: [] },
+    };
     const i0 = x * this.tile;
     const j0 = y * this.tile;
     const i1 = Math.min(this.columns, i0 + this.tile);
@@ -83,6 +86,7 @@ export class FakeBlock {
         const length = Math.hypot(nx, ny, 2 * this.pitchMm);
         mesh.positions.push(mm(i), mm(j), this.height(i, j));
         mesh.normals.push(nx / length, ny / length, (2 * this.pitchMm) / length);
+        mesh.original.push(this.height(i, j) === 0 ? 1 : 0);
       }
     }
     const width = i1 - i0 + 1;

@@ -5,6 +5,7 @@ export interface TestTile {
   positions: number[];
   normals: number[];
   indices: number[];
+  original?: number[];
   repeat?: [columns: number, rows: number];
 }
 export function writeMeshGlb(

@@ -11,7 +11,7 @@ function pad4(bytes, fill) {
 
 /**
  * @param tiles [{x, y, version, positions: Float64Array (mm, world), normals: Float64Array,
- * indices: number[], repeat?: [columns, rows]}]; no indices: an empty tile
+ * indices: number[], original?: number[], repeat?: [columns, rows]}]; no indices: an empty tile
  */
 export function writeMeshGlb(tiles, stepMm, from, to) {
   const parts = [];
@@ -80,6 +80,7 @@ function addTile(gltf, node, tile, stepMm, view) {
       max[k] = Math.max(max[k], steps);
       normals.setInt8(4 * i + k, Math.round(tile.normals[3 * i + k] * 127));
     }
+    normals.setInt8(4 * i + 3, tile.original?.[i] ?? 1);
   }
   const wide = count > 65535;
   const indices = wide ? new Uint32Array(tile.indices) : new Uint16Array(tile.indices);
