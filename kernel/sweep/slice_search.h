@@ -198,9 +198,10 @@ KERF_INLINE LaneMask needs_search(const Side& side, const SlicePath& path, Lanes
   return searched | (doubtful & gap_of<end>(side, path, x, y, stretch, best, doubtful).open());
 }
 
-/// Number of ends by which a gap is closed before the depth that may be missed is doubled, and the
-/// maximum, which is never reached (kernel/sweep/README.md, "It ends").
-constexpr int kGapSteps = 64, kGapStepsMax = 1 << 12;
+/// Number of ends by which a gap is closed before the depth that may be missed is doubled, number
+/// of further ones before it is doubled again, and the maximum of all, which is never reached
+/// (kernel/sweep/README.md, "It ends").
+constexpr int kGapSteps = 32, kMoreGapSteps = 4, kGapStepsMax = 1 << 12;
 
 /// Meets the rays `open` at shares within a gap until the reaches of their ends cover it, and
 /// includes these ends in `span`. Each end that joins what is covered closes the gap by its reach;
@@ -212,7 +213,7 @@ KERF_INLINE int close_gap(const Side& side, const SlicePath& path, Lanes x, Lane
   double depth = tolerance_of(path);
   int steps = 0;
   for (; steps < kGapStepsMax && any(open); ++steps) {
-    if (steps > 0 && steps % kGapSteps == 0) depth *= 2;
+    if (steps >= kGapSteps && (steps - kGapSteps) % kMoreGapSteps == 0) depth *= 2;
     Meeting m = meet<end>(side, path, x, y, at);
     const FoundEnd found = FoundEnd::of<end>(at, m);
     m.hit &= open;

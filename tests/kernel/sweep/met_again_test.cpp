@@ -68,6 +68,9 @@ Work work_of(const Tool& tool, const ToolPose& from, const ToolPose& to, double 
 
 /// Grazing rows took up to 2^16 stations for each of their rays, and 4,096 shares in each gap.
 constexpr std::int64_t kMeetingsMax = 1 << 14;
+/// Of a block whose rays the tool grazes for long. With 64 shares before every doubling of the
+/// depth that may be missed the motions below took 3,354 to 6,714.
+constexpr std::int64_t kGrazedMeetingsMax = 1200;
 
 TEST(MetAgain, APlungePastAThinShelfIsMetAFewTimes) {
   const auto tool = make_tool(
@@ -82,6 +85,40 @@ TEST(MetAgain, APlungePastAThinShelfIsMetAFewTimes) {
     const Work work = work_of(*tool, from, to, 0.0162465, tolerance);
     EXPECT_LE(work.most, kMeetingsMax) << tolerance;
     EXPECT_LE(work.most_apart, 64U) << tolerance;
+  }
+}
+
+TEST(MetAgain, AnArcThatGrazesRaysForAThousandTolerancesIsMetSeldom) {
+  struct Graze {
+    ToolShape shape;
+    double pitch_mm, tolerance_mm;
+    ToolPose from, to;
+  };
+  // Found by a search for motions that take long.
+  const double r = 7.96363796, w = 0.497950018;
+  const Graze grazes[] = {
+      {BullNoseShape{7.97693892, 1.99758287, 30},
+       0.00149548002,
+       5.40901935e-06,
+       {{-2.706706967812655, -3.4874613128254701, 0},
+        {0.97355533696222352, -0.20062120596416352, 0.10927551230653668}},
+       {{-2.2501528447013026, -2.9600148838894711, -1.1475384665822668},
+        {0.97355596018669877, -0.20061427156186493, 0.10928269044390047}}},
+      {ProfileShape{{ProfilePoint{r, 0}, ProfileArc{{r, w}, w}, ProfilePoint{0.5, w},
+                     ProfilePoint{0.5, 20}}},
+       0.0375548199,
+       7.81497405e-05,
+       {{3.0026903390543307, 0.34965334835201622, 0},
+        {0.14233856283720922, -0.98981424692648412, 0.002736806678387574}},
+       {{-1.4429085116810239, 0.38938846526865833, -4.2805017980021356},
+        {0.14233674615965888, -0.98981455484891412, 0.0027198716746887658}}},
+  };
+  for (const Graze& g : grazes) {
+    const auto tool = make_tool(g.shape);
+    ASSERT_TRUE(tool);
+    const Work work = work_of(*tool, g.from, g.to, g.pitch_mm, g.tolerance_mm);
+    EXPECT_GT(work.most, 0);
+    EXPECT_LE(work.most, kGrazedMeetingsMax);
   }
 }
 
@@ -116,7 +153,7 @@ TEST(MetAgain, AShelfThatGrazesRaysForAThousandTolerancesIsMetSeldom) {
     ASSERT_TRUE(tool);
     const Work work = work_of(*tool, g.from, g.to, g.pitch_mm, g.tolerance_mm);
     EXPECT_GT(work.most, 0);
-    EXPECT_LE(work.most, kMeetingsMax / 2);
+    EXPECT_LE(work.most, kGrazedMeetingsMax);
   }
 }
 
