@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/formats/dialect_runs.h"
 
 namespace kerf {
@@ -107,6 +109,56 @@ TEST(FanucBlock, PBesideG54IsAnAdditionalSystem) {
 TEST(FanucBlock, KOfHaasPecksIsNoRepeatCount) {
   EXPECT_EQ(haas("G91 G98 G83 X10 Z-5 R-1 I2. J0.5 K2. F9\nG80\nM30\n"),
             fanuc("G91 G98 G83 X10 Z-5 R-1 F9\nG80\nM30\n"));
+}
+
+TEST(FanucBlock, G70AndG71AreUnitsUnlessTheyDescribeAPattern) {
+  EXPECT_EQ(fanuc("G70\nG1 X1. F1.\nG71\nX2.\nM30\n"), "F 25.4 0 0, F 2 0 0");
+  EXPECT_THAT(refused("G70 I1. J0 L4\n"), HasSubstr("pattern of holes"));
+}
+
+TEST(FanucBlock, MessagesAndSpindlePowerAreLeftOut) {
+  EXPECT_EQ(fanuc("MSG\"Tool: #1 (3 mm)\"\nM3 P100\nG1 X1 F9\nM5 P0\nM30\n"), "F 1 0 0");
+}
+
+TEST(MacroPrograms, CompensationMayBeRepeatedOnItsSide) {
+  const Scene scene = test::scene_for("xyz");
+  const std::string start = "G21\nT1 M6\nG0 X-40 Y0 Z5\nG41 D1 G1 X-20 F9\nX0\n";
+  const auto read = [&](const std::string& rest) {
+    return parse_program("p.nc", start + rest, scene, as(Dialect::kFanuc));
+  };
+  const auto repeated = read("G41 X9\nX20\nM30\n"), once = read("X9\nX20\nM30\n");
+  ASSERT_TRUE(repeated) << to_string(repeated.error());
+  EXPECT_TRUE(repeated->motions == once->motions);
+  EXPECT_NE(repeated->motions.back().to.tip_mm.y, 0) << "beside the path";
+}
+
+TEST(MacroPrograms, CentersAreCoordinatesWhereNothingElseMakesAnArc) {
+  const Scene scene = test::scene_for("xyz");
+  const std::string start = "G21\nT1 M6\nG0 X-40 Y50 Z5\nG1 Z-1 F100\n";
+  const auto read = [&](const std::string& arcs) {
+    return parse_program("p.nc", start + arcs + "M30\n", scene, as(Dialect::kFanuc));
+  };
+  const auto program = read("G3 X-50 Y40 I-40 J40\n");
+  ASSERT_TRUE(program) << to_string(program.error());
+  EXPECT_THAT(program->warnings, Contains(HasSubstr("p.nc:5: I, J and K of all arcs")));
+  for (const ProgramMotion& motion : program->motions) {
+    if (motion.line != 5) continue;
+    EXPECT_NEAR(std::hypot(motion.to.tip_mm.x + 40, motion.to.tip_mm.y - 40), 10, 1e-5);
+    EXPECT_GE(motion.to.tip_mm.y, 40 - 1e-9) << "a quarter, counterclockwise";
+  }
+  EXPECT_THAT(read("G3 X-50 Y40 I0 J-10\nG3 X-40 Y30 I-40 J40\n").error().reason,
+              HasSubstr("the radius of the arc"))
+      << "one kind of center in a program";
+}
+
+TEST(MacroPrograms, OffsetsAreZeroWhereTheRadiusOfTheToolIsNotPossible) {
+  const Scene scene = test::scene_for("xyz");
+  const std::string text =
+      "G21\nT1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F100\nG41 D1 X0.5\nX30\nY1\nX0\nG40 Y2\nM30\n";
+  const auto program = parse_program("p.nc", text, scene, as(Dialect::kFanuc));
+  ASSERT_TRUE(program) << to_string(program.error());
+  EXPECT_THAT(program->warnings, Contains(HasSubstr("the offsets D are read as 0")));
+  EXPECT_EQ(program->motions.at(2).to.tip_mm, (Vec3{30, 0, -1}));
 }
 
 TEST(GrblBlock, G10L20GivesTheCurrentPositionItsCoordinates) {

@@ -158,7 +158,8 @@ constexpr std::array kMacroGCodes{
     Codes{680, 680, kRotation},
     Codes{682, 684, kRotation, kTilted},
     Codes{690, 690, kRotation},
-    Codes{700, 720, kMotion, kPattern},
+    Codes{700, 710, kUnits},
+    Codes{720, 720, kMotion, kPattern},
     Codes{760, 760, kMotion},  // fine boring: the shift at the bottom is left out
     Codes{770, 770, kMotion, "is back boring, which is not supported"},
     Codes{870, 870, kMotion, "is back boring, which is not supported"},

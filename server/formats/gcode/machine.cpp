@@ -25,6 +25,7 @@ GcodeMachine::GcodeMachine(GcodeSetup setup, GcodeParameters& parameters, GcodeC
   modes_.system = system >= 1 && system < 10 ? static_cast<int>(system + 1e-4) : 1;
   parameters_.set(kSelectedSystem, modes_.system);
   if (setup_.rules.macros) modes_.motion = path_motion_;
+  modes_.arc_absolute = setup_.absolute_centers;
   cycle_.lenient = setup_.rules.macros;
   modes_.retract_to_r = setup_.rules.retract_to_r;
   frame_ = {system_origin(modes_.system), applied_shift(), system_rotation(modes_.system)};

@@ -113,6 +113,8 @@ class GcodeMachine {
 
   // machine_macro.cpp: words of the controls with Macro B
   void prepare(GcodeBlock& block);
+  void prepare_units(GcodeBlock& block);
+  void ignore_power(GcodeBlock& block);
   void warn_of_ambiguity(const GcodeBlock& block);
   void ignore_codes(GcodeBlock& block);
   bool block_uses_cycle(const GcodeBlock& block) const;

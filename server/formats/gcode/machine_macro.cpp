@@ -44,8 +44,10 @@ void GcodeMachine::prepare(GcodeBlock& block) {
   for (const GcodeGroup group : {kNonModal, kToolChange, kCutterCompensation, kToolLength, kUnits,
                                  kCoordinateSystem, kMoreSystems, kShiftApplied, kPlane})
     if (block.code(group) != nullptr) require_no_corner();
+  prepare_units(block);
   warn_of_ambiguity(block);
   ignore_codes(block);
+  ignore_power(block);
   prepare_dwell(block);
   prepare_systems(block);
   prepare_offsets(block);
@@ -60,6 +62,27 @@ void GcodeMachine::prepare(GcodeBlock& block) {
     warn_once("T", "T changes the tool at once, because the program has no M6");
     block.codes.emplace_back(GcodeGroup::kToolChange, GcodeCode{6, block.find('t')->text});
   }
+}
+
+// G70 and G71 are the units of some controls, and patterns of holes, with I and L, of others.
+void GcodeMachine::prepare_units(GcodeBlock& block) {
+  for (auto& [group, code] : block.codes) {
+    if (group != GcodeGroup::kUnits || code.code < 700) continue;
+    if (block.has_any("ijl"))
+      throw GcodeFault{code.text,
+                       "is a pattern of holes, which is not supported; use single holes"};
+    code.code = code.code == 700 ? 200 : 210;
+  }
+}
+
+// P and E beside M3, M4 and M5 are the power of spindles without a speed.
+void GcodeMachine::ignore_power(GcodeBlock& block) {
+  if (block.code(GcodeGroup::kSpindle) == nullptr || block.code(GcodeGroup::kNonModal) != nullptr ||
+      block.code(GcodeGroup::kMoreSystems) != nullptr || !block.has_any("pe") ||
+      block_uses_cycle(block) || takes_more_systems(block))
+    return;
+  warn_once("M3 P", "P and E beside a spindle code are left out");
+  remove_words(block, "pe");
 }
 
 // What the control's settings decide and the program does not say.
@@ -269,6 +292,7 @@ void GcodeMachine::prepare_motion(GcodeBlock& block) {
 // The radius of D is not in the program; without a tool table the tool's own is taken.
 double GcodeMachine::offset_register_mm(const GcodeWord* d) {
   if (d != nullptr && integer_of(*d, 0, 999) == 0) return 0;
+  if (setup_.offsets_are_wear) return 0;
   const ToolTableEntry* loaded = tool(loaded_tool_);
   if (loaded == nullptr) {
     if (setup_.tools.size() != 1)

@@ -190,6 +190,8 @@ void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
     return;
   }
   const GcodeCode& written = *block.code(GcodeGroup::kCutterCompensation);
+  const bool repeated = compensation_.on() && (compensation_.side() > 0) == (code < 420);
+  if (setup_.rules.macros && setup_.tools_of_scene && repeated) return;
   reject_compensated(written);
   if (modes_.plane == ArcPlane::kYz)
     throw GcodeFault{written.text, "requires the plane XY (G17) or ZX (G18)"};

@@ -124,6 +124,7 @@ class GcodeRunner {
     machine_.at_line(flow_->file(), flow_->line());
     std::string_view code = line.code;
     leading_number(code, "n", code);
+    if (code == "msg" || code.starts_with("msg\"")) return false;  // shown to the operator
     if (const auto call = macro_flow_->read_macro_call(code)) return macro_flow_->execute(*call);
     GcodeBlock block = parse_gcode_block(code, parameters_, machine_.position_readable(), rules_);
     const auto call = MacroFlow::take_call(block);
@@ -187,6 +188,8 @@ GcodeSetup setup_of(const Scene& scene, const GcodeEnvironment& environment) {
           .tools_of_scene = !environment.tools.has_value(),
           .rules = {},
           .changes_by_t = false,
+          .absolute_centers = false,
+          .offsets_are_wear = false,
           .machine_zero_known = environment.parameters.has_value()};
 }
 
@@ -201,13 +204,21 @@ std::expected<GcodeRun, ProgramError> run_gcode(const std::string& name, std::st
 
 namespace {
 
+// What the settings of a control decide and a program shows only by being impossible otherwise.
+struct Assumptions {
+  bool absolute_centers = false, offsets_are_wear = false;
+  std::vector<std::string> notes;
+};
+
 std::expected<Program, ProgramError> read_as(Dialect dialect, const std::string& name,
                                              std::string_view text, const Scene& scene,
                                              const GcodeEnvironment& environment,
-                                             const std::string& note) {
+                                             const std::string& note,
+                                             const Assumptions& assumed = {}) {
   Program program;
   program.name = name;
   if (!note.empty()) program.warnings.push_back(note);
+  program.warnings.insert(program.warnings.end(), assumed.notes.begin(), assumed.notes.end());
   MotionSink sink(program);
   const Warn warn = [&](const std::string& warning) {
     if (program.warnings.size() < kProgramWarningsMax) program.warnings.push_back(warning);
@@ -216,6 +227,8 @@ std::expected<Program, ProgramError> read_as(Dialect dialect, const std::string&
   GcodeSetup setup = setup_of(scene, environment);
   setup.rules = rules_of(dialect);
   setup.changes_by_t = setup.rules.macros && !has_tool_change(text, setup.rules);
+  setup.absolute_centers = assumed.absolute_centers;
+  setup.offsets_are_wear = assumed.offsets_are_wear;
   auto run = run_gcode(name, text, environment, std::move(setup), path, warn);
   if (!run) return std::unexpected(std::move(run.error()));
   program.lines = run->lines;
@@ -228,24 +241,69 @@ std::string note_of(const std::string& name, Dialect dialect, const std::string&
          "; --dialect names another one";
 }
 
+bool contains(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+// Adds the assumption without which a program has this error; false if there is none.
+bool assume(const ProgramError& error, Assumptions& assumed) {
+  const std::string place = error.file + ":" + std::to_string(error.line) + ": ";
+  const bool centers = contains(error.reason, "the radius of the arc is") ||
+                       contains(error.reason, "the center of the arc is");
+  if (centers && !assumed.absolute_centers && !assumed.offsets_are_wear) {
+    assumed.absolute_centers = true;
+    assumed.notes.push_back(place +
+                            "I, J and K of all arcs are read as coordinates: relative to "
+                            "their starts this is no arc");
+    return true;
+  }
+  const bool offset = contains(error.reason, "cutter compensation") ||
+                      contains(error.reason, "gouging") ||
+                      contains(error.reason, "the tool on its inside") ||
+                      contains(error.reason, "on the side of the tool");
+  if (!offset || assumed.offsets_are_wear) return false;
+  assumed.offsets_are_wear = true;
+  assumed.notes.push_back(place +
+                          "the offsets D are read as 0, as for a path of the tool's center: "
+                          "the tool's radius is not possible here");
+  return true;
+}
+
+// Reads for a control with Macro B, if need be with assumptions that its settings may hold.
+std::expected<Program, ProgramError> read_macros(Dialect dialect, const std::string& name,
+                                                 std::string_view text, const Scene& scene,
+                                                 const GcodeEnvironment& environment,
+                                                 const std::string& note) {
+  Assumptions assumed;
+  auto program = read_as(dialect, name, text, scene, environment, note);
+  if (!rules_of(dialect).macros || environment.tools) return program;
+  while (!program && assume(program.error(), assumed)) {
+    auto again = read_as(dialect, name, text, scene, environment, note, assumed);
+    if (!again && again.error().line <= program.error().line) return program;
+    program = std::move(again);
+  }
+  return program;
+}
+
 }  // namespace
 
 std::expected<Program, ProgramError> read_gcode(const std::string& name, std::string_view text,
                                                 const Scene& scene,
                                                 const GcodeEnvironment& environment) {
   if (environment.dialect != Dialect::kAuto)
-    return read_as(environment.dialect, name, text, scene, environment, {});
+    return read_macros(environment.dialect, name, text, scene, environment, {});
   const auto choice = choose_dialect(name, text);
   if (!choice) return std::unexpected(choice.error());
   const bool plain = choice->dialect == Dialect::kLinuxcnc;
-  auto program = read_as(choice->dialect, name, text, scene, environment,
-                         plain ? std::string() : note_of(name, choice->dialect, choice->reason));
+  auto program =
+      read_macros(choice->dialect, name, text, scene, environment,
+                  plain ? std::string() : note_of(name, choice->dialect, choice->reason));
   if (program || !choice->open) return program;
   // Nothing points to LinuxCNC, and it does not take the program: a plain Fanuc program.
-  auto again = read_as(Dialect::kFanuc, name, text, scene, environment,
-                       note_of(name, Dialect::kFanuc,
-                               choice->reason + ", and LinuxCNC rejects line " +
-                                   std::to_string(program.error().line)));
+  auto again = read_macros(Dialect::kFanuc, name, text, scene, environment,
+                           note_of(name, Dialect::kFanuc,
+                                   choice->reason + ", and LinuxCNC rejects line " +
+                                       std::to_string(program.error().line)));
   // The reading that went further names the error.
   return again || again.error().line > program.error().line ? again : program;
 }
