@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/formats/heidenhain/blocks.h"
 #include "server/formats/number_text.h"
 #include "server/formats/stated_stock.h"
 #include "server/formats/stated_tools.h"
@@ -137,9 +138,13 @@ class Derivation {
     }
     std::string source = "the cuts of the program";
     BoxStock box = cuts_box(cuts);
+    const auto blank = is_klartext(program_) ? klartext_blank(program_) : std::nullopt;
     if (wishes_.stock_size_mm) {
       box = placed(*wishes_.stock_size_mm, cuts);
       source = "--stock, placed around the cuts";
+    } else if (blank) {
+      box = stock_bounds(*blank);
+      source = "BLK FORM";
     } else if (const auto stated = stated_stock(program_)) {
       const BoxStock of_comment = placed(stated->size_mm, cuts);
       const std::string line = "comment in line " + std::to_string(stated->line);

@@ -6,6 +6,8 @@
 
 #include "server/formats/apt_reader.h"
 #include "server/formats/gcode/reader.h"
+#include "server/formats/heidenhain/blocks.h"
+#include "server/formats/heidenhain/reader.h"
 #include "server/formats/letter_case.h"
 
 namespace kerf {
@@ -68,8 +70,10 @@ std::expected<Program, ProgramError> parse_program(const std::string& name, std:
   if (!format) return std::unexpected(format.error());
   // Some editors write a byte order mark before the first word.
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const bool klartext = environment.dialect == Dialect::kAuto && is_klartext(text);
   auto program = *format == ProgramFormat::kApt ? read_apt(name, text, scene)
-                                                : read_gcode(name, text, scene, environment);
+                 : klartext ? read_klartext(name, text, scene, environment.lines_max)
+                            : read_gcode(name, text, scene, environment);
   if (program) warn_of_idle_program(*program);
   return program;
 }

@@ -14,6 +14,7 @@ constexpr MachineKinematics kMachines[] = {MachineKinematics::kXyz, MachineKinem
                                            MachineKinematics::kToolVector};
 constexpr FlatShape kThinTool{0.1, 100};
 /// The most tools of a program, and the digits of their numbers.
+constexpr std::string_view kToolCall = "TOOL CALL";  ///< of Klartext
 constexpr std::size_t kToolsMax = 64, kDigitsMax = 6;
 
 /// Every number behind a T or "LOADTL/" outside of comments: a tool that is not used does no harm.
@@ -21,6 +22,7 @@ std::set<ToolId> numbered_tools(std::string_view text) {
   std::set<ToolId> tools;
   int depth = 0;
   bool remark = false;
+  ToolId named = 0;  // tools called by name are numbered in this order
   for (std::size_t at = 0; at < text.size() && tools.size() < kToolsMax; ++at) {
     const char c = text[at];
     if (c == '\n') remark = false, depth = 0;
@@ -29,9 +31,12 @@ std::set<ToolId> numbered_tools(std::string_view text) {
     if (c == ')' && depth > 0) --depth;
     if (remark || depth > 0 || (c != 'T' && c != 't')) continue;
     std::size_t from = at + 1;
+    if (to_upper(std::string(text.substr(at, kToolCall.size()))) == kToolCall)
+      from = at + kToolCall.size();
     if (from + 1 < text.size() && (text[from] == 'L' || text[from] == 'l')) ++from;
     if (from > at + 1 && text[from] == '/') ++from;
     while (from < text.size() && text[from] == ' ') ++from;
+    if (from < text.size() && text[from] == '"') tools.insert(++named);
     std::size_t end = from;
     ToolId id = 0;
     for (; end < text.size() && end - from < kDigitsMax && is_digit(text[end]); ++end) {

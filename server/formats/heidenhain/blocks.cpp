@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/heidenhain/blocks.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "server/formats/letter_case.h"
+#include "server/formats/text_lines.h"
+#include "server/formats/units.h"
+
+namespace kerf {
+namespace {
+
+bool is_letter(char c) { return c >= 'A' && c <= 'Z'; }
+bool is_value(char c) { return is_digit(c) || c == '.' || c == ',' || c == '+' || c == '-'; }
+
+// "+10,5", "-Q3", "QL12": a sign, then digits or a parameter; also a sign alone, as of DR+.
+std::string read_value(std::string_view text, std::size_t& at) {
+  std::string value;
+  if (text[at] == '+' || text[at] == '-') value += text[at++];
+  if (at < text.size() && text[at] == 'Q') {
+    value += text[at++];
+    if (at < text.size() && (text[at] == 'L' || text[at] == 'R')) value += text[at++];
+  }
+  for (; at < text.size() && (is_digit(text[at]) || text[at] == '.' || text[at] == ','); ++at)
+    value += text[at] == ',' ? '.' : text[at];
+  return value;
+}
+
+// Without comment and block number, in upper case with single blanks; names in quotes are kept.
+std::string clean(std::string_view line) {
+  std::string text;
+  bool quoted = false;
+  for (const char written : line) {
+    const char c = static_cast<unsigned char>(written) < ' ' ? ' ' : written;
+    if (c == '"') quoted = !quoted;
+    if (c == ';' && !quoted) break;
+    if (c == ' ' && (text.empty() || text.back() == ' ')) continue;
+    text += quoted ? c : to_upper(c);
+  }
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+std::string without_number(const std::string& text) {
+  std::size_t end = 0;
+  while (end < text.size() && is_digit(text[end])) ++end;
+  if (end == 0 || (end < text.size() && text[end] != ' ')) return text;
+  return end < text.size() ? text.substr(end + 1) : std::string();
+}
+
+// "LBL 5", "LBL "NAME"", not LBL 0.
+std::string label_of(const std::string& text) {
+  if (!text.starts_with("LBL")) return {};
+  const std::size_t from = text.find_first_not_of(' ', 3);
+  const std::string name = from == std::string::npos ? "" : text.substr(from);
+  return name == "0" ? "" : name;
+}
+
+double number_of(const KlartextWord& word) {
+  std::string text = word.value;
+  std::ranges::replace(text, ',', '.');
+  return std::strtod(text.c_str(), nullptr);
+}
+
+}  // namespace
+
+bool is_klartext(std::string_view program) {
+  TextLines walk(program);
+  while (walk.next()) {
+    const std::string text = without_number(clean(walk.line()));
+    if (!text.empty() && text != "%") return text.starts_with("BEGIN PGM");
+  }
+  return false;
+}
+
+KlartextBlocks split_klartext(std::string_view program) {
+  KlartextBlocks result;
+  TextLines walk(program);
+  bool joined = false;
+  while (walk.next()) {
+    std::string text = clean(walk.line());
+    if (!joined) text = without_number(text);
+    // The mark of a line that goes on may stand behind its comment.
+    const std::size_t last = walk.line().find_last_not_of(" \t\r");
+    const bool more = last != std::string_view::npos && walk.line()[last] == '~';
+    while (!text.empty() && (text.back() == ' ' || text.back() == '~')) text.pop_back();
+    if (joined && !result.blocks.empty()) {
+      result.blocks.back().text += ' ' + text;
+    } else if (more || !(text.empty() || text[0] == '*' || text[0] == '/')) {
+      result.blocks.push_back({text, walk.number()});
+      const std::string label = label_of(text);
+      if (!label.empty()) result.labels.emplace(label, result.blocks.size() - 1);
+    }
+    joined = more;
+  }
+  result.lines = walk.number();
+  return result;
+}
+
+std::vector<KlartextWord> klartext_words(std::string_view text) {
+  std::vector<KlartextWord> words;
+  std::size_t at = 0;
+  const auto skip = [&] {
+    while (at < text.size() && text[at] == ' ') ++at;
+  };
+  for (skip(); at < text.size(); skip()) {
+    KlartextWord word;
+    while (at < text.size() && is_letter(text[at]) && text[at] != 'Q') word.name += text[at++];
+    std::size_t value = at;
+    while (value < text.size() && text[value] == ' ') ++value;
+    if (value < text.size() && (is_value(text[value]) || text[value] == 'Q')) {
+      at = value;
+      word.value = read_value(text, at);
+    }
+    if (word.name.empty() && word.value.empty()) word.name = text[at++];
+    words.push_back(std::move(word));
+  }
+  return words;
+}
+
+std::optional<StockShape> klartext_blank(std::string_view program) {
+  BoxStock box;
+  bool first = false, second = false;
+  double unit = 1;
+  for (const KlartextBlock& block : split_klartext(program).blocks) {
+    if (block.text.starts_with("BEGIN PGM") && block.text.ends_with(" INCH")) unit = kMmPerInch;
+    if (!block.text.starts_with("BLK FORM")) continue;
+    const bool low = block.text.starts_with("BLK FORM 0.1");
+    if (!low && !block.text.starts_with("BLK FORM 0.2")) return std::nullopt;
+    Vec3& corner = low ? box.min_mm : box.max_mm;
+    for (const KlartextWord& word : klartext_words(std::string_view(block.text).substr(12))) {
+      if (word.value.empty()) continue;
+      const bool incremental = word.name.starts_with('I');
+      const char axis = word.name.empty() ? ' ' : word.name.back();
+      const double mm = unit * number_of(word);
+      if (axis == 'X') corner.x = mm + (incremental ? box.min_mm.x : 0);
+      if (axis == 'Y') corner.y = mm + (incremental ? box.min_mm.y : 0);
+      if (axis == 'Z') corner.z = mm + (incremental ? box.min_mm.z : 0);
+    }
+    (low ? first : second) = true;
+    if (!first || !second) continue;
+    const bool valid =
+        box.min_mm.x < box.max_mm.x && box.min_mm.y < box.max_mm.y && box.min_mm.z < box.max_mm.z;
+    return valid ? std::optional<StockShape>(box) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace kerf

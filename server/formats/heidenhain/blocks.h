@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kernel/dexel/stock_shape.h"
+
+namespace kerf {
+
+/// The exception of this folder: the word that is wrong and why. read_klartext adds file and line.
+struct KlartextFault {
+  std::string word, reason;
+};
+
+/// A block of a Klartext program: lines joined by "~", in upper case with single blanks, without
+/// block number and comment.
+struct KlartextBlock {
+  std::string text;
+  std::size_t line = 0;  ///< of its first line, from 1
+};
+
+/// A program as blocks. Structure comments ("* - …"), empty blocks and those with "/" are left out.
+struct KlartextBlocks {
+  std::vector<KlartextBlock> blocks;
+  std::map<std::string, std::size_t> labels;  ///< name to the index of its LBL block
+  std::size_t lines = 0;
+};
+
+/// Whether a text is a Klartext program: its first block is BEGIN PGM.
+bool is_klartext(std::string_view program);
+
+/// Divides a program into blocks.
+KlartextBlocks split_klartext(std::string_view program);
+
+/// A word of a block: letters and what follows them, as "IX" and "+Q5", "F" and "MAX", "DR" and
+/// "-". Blanks between sign or name and number belong to no word.
+struct KlartextWord {
+  std::string name;
+  std::string value;  ///< number, Q parameter with its sign, or rest of the name
+};
+
+/// Divides "X+10 IY-5.5 R0 FMAX M3" into words. Commas are decimal points.
+std::vector<KlartextWord> klartext_words(std::string_view text);
+
+/// Returns the stock of BLK FORM 0.1 and 0.2, or of BLK FORM CYLINDER Z, in mm; nullopt where a
+/// program has none.
+std::optional<StockShape> klartext_blank(std::string_view program);
+
+}  // namespace kerf

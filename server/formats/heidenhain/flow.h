@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "server/formats/heidenhain/blocks.h"
+#include "server/formats/heidenhain/values.h"
+
+namespace kerf {
+
+/// The next block to execute: labels, CALL LBL, REP and the jumps of FN 9 to FN 12.
+class KlartextFlow {
+ public:
+  /// `blocks` and `values` must outlive the flow.
+  KlartextFlow(const KlartextBlocks& blocks, KlartextValues& values, std::size_t executed_max)
+      : blocks_(blocks), values_(values), executed_max_(executed_max) {}
+
+  /// Moves to the next block; nullptr at the end. Throws KlartextFault above the limit of blocks.
+  const KlartextBlock* next();
+  /// Executes the current block if it is one of control flow or assigns a parameter.
+  bool execute();
+  /// The text of the block behind the current one; "" at the end.
+  std::string following() const;
+  std::size_t line() const { return current_ < blocks_.blocks.size() ? at().line : 0; }
+  std::string text() const { return current_ < blocks_.blocks.size() ? at().text : std::string(); }
+
+ private:
+  const KlartextBlock& at() const { return blocks_.blocks[current_]; }
+  void call(const std::string& rest);
+  void jump(const std::string& label);
+  bool function(const std::string& text);
+  void jump_if(const std::string& text);
+
+  const KlartextBlocks& blocks_;
+  KlartextValues& values_;
+  std::size_t executed_max_, executed_ = 0;
+  std::size_t next_ = 0, current_ = 0;
+  std::vector<std::size_t> returns_;
+  std::map<std::size_t, int> repeats_;  ///< done, by the block of CALL LBL … REP
+};
+
+}  // namespace kerf

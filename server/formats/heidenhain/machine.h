@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/formats/heidenhain/blocks.h"
+#include "server/formats/heidenhain/path.h"
+#include "server/formats/heidenhain/values.h"
+
+namespace kerf {
+
+/// Executes the blocks of a Klartext program that move, change a tool or the coordinates. Errors
+/// are KlartextFault and, of arcs, GcodeFault.
+class KlartextMachine {
+ public:
+  using Warn = std::function<void(const std::string&)>;
+  KlartextMachine(const Scene& scene, MotionSink& sink, KlartextValues& values, Warn warn);
+
+  /// Executes a block; `following` is the text of the next one, because a corner (RND, CHF) changes
+  /// the line before it. Returns true at the end of the program.
+  bool execute(const KlartextBlock& block, const std::string& following);
+  /// Throws if a corner was begun and not ended.
+  void finish() const;
+
+ private:
+  using Words = std::vector<KlartextWord>;
+  struct Corner {
+    Vec3 at;
+    double feed = 0;
+    double radius_mm = 0, chamfer_mm = 0;
+  };
+  // What M words and FMAX say of a block.
+  struct Extras {
+    bool rapid = false, in_machine = false, calls_cycle = false, ends = false;
+    std::optional<double> retract_mm;  ///< M140 MB; infinite for MAX
+  };
+
+  void begin(const std::string& text);
+  void call_tool(std::string text);
+  void cycle_definition(const std::string& text);
+  void datum_shift(const Words& words);
+  void rotate(const Words& words);
+  void tilt(const std::string& text);
+  void miscellaneous(const Words& words);
+
+  void linear(const Words& words, const Extras& extras, bool corner_follows);
+  void polar_line(const Words& words, const Extras& extras);
+  void pole(const Words& words);
+  void circle(const Words& words);
+  void polar_circle(const Words& words);
+  void circle_by_radius(const Words& words);
+  void tangent_circle(const Words& words);
+  void corner(const Words& words, bool chamfer);
+  void cut_corner(Vec3 next);
+  void drill();
+
+  Extras read_extras(Words& words);
+  void m_code(int code, const Words& words, std::size_t at, Extras& extras);
+  double mm(const KlartextWord& word) const;
+  Vec3 target(const Words& words, std::array<bool, 3>& named) const;
+  RotaryAngles rotary_target(const Words& words, bool& turns) const;
+  double feed() const;
+  void move(Vec3 to, std::optional<double> feed, std::array<bool, 3> named);
+  void move_arc(Vec3 to, ArcPlane plane, Vec3 center, int turns);
+  static bool clockwise(const Words& words);
+  static const KlartextWord* find(const Words& words, const std::string& name);
+
+  const Scene& scene_;
+  KlartextValues& values_;
+  Warn warn_;
+  KlartextPath path_;
+  double unit_mm_ = 1;
+  std::optional<double> feed_;
+  std::map<std::string, ToolId> named_tools_;
+  Vec3 pole_{0, 0, 0};
+  ArcPlane pole_plane_ = ArcPlane::kXy;
+  bool pole_known_ = false;
+  std::optional<Vec3> direction_;  ///< of the path at its end
+  std::optional<Corner> corner_;
+  std::map<std::string, double> cycle_;  ///< of CYCL DEF 2xx: "Q200"; empty: none
+  int cycle_number_ = 0;
+  bool cycle_modal_ = false;
+};
+
+}  // namespace kerf

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/heidenhain/path.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/formats/gcode/arc.h"
+#include "server/formats/heidenhain/blocks.h"
+#include "server/formats/units.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kSampleStepDeg = 5;
+constexpr double kTurnInBlockMaxDeg = 36000;
+
+}  // namespace
+
+Vec3 KlartextFrame::in_workpiece(Vec3 p) const {
+  const double c = std::cos(kRadPerDeg * rotation_deg), s = std::sin(kRadPerDeg * rotation_deg);
+  const Vec3 turned = rotation_deg == 0 ? p : Vec3{c * p.x - s * p.y, s * p.x + c * p.y, p.z};
+  if (!is_tilted) return datum_mm + turned;
+  return datum_mm + tilted[0] * turned.x + tilted[1] * turned.y + tilted[2] * turned.z;
+}
+
+Vec3 KlartextFrame::programmed(Vec3 in_workpiece) const {
+  Vec3 p = in_workpiece - datum_mm;
+  if (is_tilted) p = Vec3{dot(p, tilted[0]), dot(p, tilted[1]), dot(p, tilted[2])};
+  if (rotation_deg == 0) return p;
+  const double c = std::cos(kRadPerDeg * rotation_deg), s = std::sin(kRadPerDeg * rotation_deg);
+  return {c * p.x + s * p.y, -s * p.x + c * p.y, p.z};
+}
+
+void KlartextPath::check(const MotionSink::Result& result) {
+  if (!result) throw KlartextFault{"", result.error()};
+}
+
+void KlartextPath::change_tool(std::optional<ToolId> tool) {
+  if (tool && !scene_.tools.contains(*tool))
+    throw KlartextFault{"TOOL CALL", "the scene has no tool " + std::to_string(*tool)};
+  changed_tool_ = changed_tool_ || tool.has_value();
+  sink_.change_tool(tool, line_);
+  if (!tool) sink_.lift();
+}
+
+void KlartextPath::retract() {
+  sink_.lift();
+  known_ =
+      frame_.is_tilted ? std::array{false, false, false} : std::array{known_[0], known_[1], false};
+}
+
+void KlartextPath::lose(std::size_t axis) {
+  sink_.lift();
+  known_[axis] = false;
+}
+
+void KlartextPath::align() {
+  sink_.lift();
+  known_ = {false, false, false};
+  plane_axis_ = frame_.is_tilted ? frame_.tilted[2] : Vec3{0, 0, 1};
+  if (has_rotary_table(scene_.machine.kinematics))
+    angles_ = angles_from_axis(scene_.machine.kinematics, plane_axis_, angles_);
+}
+
+ToolPose KlartextPath::pose(Vec3 tip_mm, const RotaryAngles& angles) const {
+  const MachineKinematics kind = scene_.machine.kinematics;
+  if (frame_.is_tilted || !has_rotary_table(kind)) return {tip_mm, plane_axis_};
+  return {tip_from_programmed(kind, tool_center_, tip_mm, angles), table_axis(kind, angles)};
+}
+
+// Rapids before all axes are known only say where the tool will be.
+bool KlartextPath::approach(const ToolPose& to, bool rapid, std::array<bool, 3> named) {
+  const bool known = known_[0] && known_[1] && known_[2];
+  for (std::size_t i = 0; i < 3; ++i) known_[i] = known_[i] || named[i];
+  if (sink_.placed() && sink_.tool()) return false;
+  if (!sink_.tool() && !changed_tool_ && scene_.tools.size() == 1) {
+    warn_("no tool is called; the scene's only tool is used");
+    sink_.set_tool(scene_.tools.begin()->first);
+  }
+  if (rapid) {
+    if (sink_.tool() && known_[0] && known_[1] && known_[2]) check(sink_.place(to));
+    return true;
+  }
+  if (!sink_.tool()) throw KlartextFault{"", "no tool is called for this motion"};
+  if (!known)
+    warn_(
+        "X, Y and Z were not all programmed before this cut; the missing ones keep their last "
+        "values, initially 0");
+  check(sink_.place(pose(tip_mm_, angles_)));
+  known_ = {true, true, true};
+  return false;
+}
+
+void KlartextPath::line(Vec3 to, const RotaryAngles& angles, std::optional<double> feed,
+                        std::array<bool, 3> named) {
+  const Vec3 from = tip_mm_, target = frame_.in_workpiece(to);
+  const RotaryAngles before = angles_;
+  for (const double turn : {angles.a - before.a, angles.b - before.b, angles.c - before.c})
+    if (!(std::abs(turn) <= kTurnInBlockMaxDeg))
+      throw KlartextFault{"", "a rotary axis turns by more than 36000 degrees in one block"};
+  const bool stays = target == from && angles == before;
+  if (!(stays && !sink_.placed() && feed)) {
+    if (!approach(pose(target, angles), !feed, named)) {
+      const double deg = std::hypot(angles.a - before.a, angles.b - before.b, angles.c - before.c);
+      const double mm = length(target - from);
+      const double per_min = feed.value_or(scene_.machine.rapid_mm_per_min);
+      const double seconds = 60 * (mm > 0 ? mm : deg) / per_min;
+      if (angles == before) {
+        check(sink_.line(pose(target, angles), seconds, !feed, line_));
+      } else {
+        const auto at = [&](double s) {
+          const RotaryAngles turned{before.a + (angles.a - before.a) * s,
+                                    before.b + (angles.b - before.b) * s,
+                                    before.c + (angles.c - before.c) * s};
+          return s >= 1 ? pose(target, angles) : pose(from + (target - from) * s, turned);
+        };
+        const double tool_mm = scene_.tools.at(*sink_.tool()).tool.length_mm;
+        check(sink_.path(at, tool_mm, scene_.settings.tolerance_mm,
+                         4 + static_cast<int>(deg / kSampleStepDeg), seconds, !feed, line_));
+      }
+    }
+  }
+  tip_mm_ = target;
+  angles_ = angles;
+}
+
+void KlartextPath::arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double feed) {
+  const Vec3 start = position();
+  const Arc arc = arc_about(start, to, plane, in_plane(center, plane), turns);
+  const int chords = arc.chords(scene_.settings.tolerance_mm);
+  if (chords > kPiecesMax) throw KlartextFault{"", "the arc has too many turns"};
+  const Vec3 end = frame_.in_workpiece(to);
+  approach(pose(end, angles_), false, {true, true, true});
+  const double seconds = 60 * arc.length_mm() / feed / chords;
+  for (int i = 1; i <= chords; ++i) {
+    const double s = static_cast<double>(i) / chords;
+    const Vec3 tip = i == chords ? end : frame_.in_workpiece(arc.at(s));
+    check(sink_.line(pose(tip, angles_), seconds, false, line_));
+  }
+  tip_mm_ = end;
+}
+
+void KlartextPath::dwell(double seconds) { check(sink_.dwell(seconds, line_)); }
+
+}  // namespace kerf

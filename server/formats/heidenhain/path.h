@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "server/formats/gcode/plane.h"
+#include "server/formats/machine_kinematics.h"
+#include "server/formats/motion_sink.h"
+
+namespace kerf {
+
+/// The coordinates in which a Klartext program counts: a datum shift, a rotation in XY about the
+/// datum (cycle 10), and the tilted plane about the datum.
+struct KlartextFrame {
+  Vec3 datum_mm{0, 0, 0};
+  double rotation_deg = 0;
+  std::array<Vec3, 3> tilted{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< axes of the plane
+  bool is_tilted = false;
+
+  Vec3 in_workpiece(Vec3 programmed) const;
+  Vec3 programmed(Vec3 in_workpiece) const;
+};
+
+/// The tool of a Klartext program: its motions in the workpiece. Errors are KlartextFault.
+class KlartextPath {
+ public:
+  using Warn = std::function<void(const std::string&)>;
+  KlartextPath(const Scene& scene, MotionSink& sink, Warn warn)
+      : scene_(scene), sink_(sink), warn_(std::move(warn)) {}
+
+  KlartextFrame& frame() { return frame_; }
+  bool is_tilted() const { return frame_.is_tilted; }
+  void at_line(std::size_t line) { line_ = line; }
+  void change_tool(std::optional<ToolId> tool);
+  /// The tool leaves the workpiece along its axis, as far as the machine goes.
+  void retract();
+  /// An axis goes to a place of the machine, which is not known: 0 to 2.
+  void lose(std::size_t axis);
+  void set_tool_center(bool on) { tool_center_ = on; }
+  /// The tool axis becomes the normal of the tilted plane, or vertical.
+  void align();
+
+  Vec3 position() const { return frame_.programmed(tip_mm_); }
+  RotaryAngles angles() const { return angles_; }
+  /// Moves to programmed coordinates; `named` are the linear axes that the block names.
+  void line(Vec3 to, const RotaryAngles& angles, std::optional<double> feed_mm_per_min,
+            std::array<bool, 3> named);
+  /// Moves on an arc about a center; `turns` as for arc_about (gcode/arc.h).
+  void arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double feed_mm_per_min);
+  void dwell(double seconds);
+
+ private:
+  ToolPose pose(Vec3 tip_mm, const RotaryAngles& angles) const;
+  bool approach(const ToolPose& to, bool rapid, std::array<bool, 3> named);
+  static void check(const MotionSink::Result& result);
+
+  const Scene& scene_;
+  MotionSink& sink_;
+  Warn warn_;
+  KlartextFrame frame_;
+  Vec3 tip_mm_{0, 0, 0};  ///< in the workpiece, as far as it is known
+  RotaryAngles angles_;
+  Vec3 plane_axis_{0, 0, 1};  ///< of the tool, where the plane is tilted
+  std::array<bool, 3> known_{};
+  bool tool_center_ = false, changed_tool_ = false;
+  std::size_t line_ = 0;
+};
+
+}  // namespace kerf

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// HEIDENHAIN Klartext, against paths that were computed by hand.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/formats/derived_scene.h"
+#include "server/formats/heidenhain/blocks.h"
+#include "tests/formats/scene_fixture.h"
+
+namespace kerf {
+namespace {
+
+using test::scene_for;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const std::string kHead = "0 BEGIN PGM T MM\n1 TOOL CALL 1 Z S1000\n2 L X+0 Y+0 Z+5 R0 FMAX M3\n";
+
+std::expected<Program, ProgramError> read(const std::string& text, const char* machine = "xyz") {
+  return parse_program("p.h", text, scene_for(machine));
+}
+
+// Ends of the motions behind the head, rounded to 0.001 mm.
+std::vector<Vec3> ends(const std::string& body, const char* machine = "xyz") {
+  const auto program = read(kHead + body + "END PGM T MM\n", machine);
+  EXPECT_TRUE(program) << to_string(program.error());
+  std::vector<Vec3> tips;
+  if (!program) return tips;
+  const auto rounded = [](double v) { return std::round(v * 1000) / 1000 + 0; };
+  for (const ProgramMotion& motion : program->motions) {
+    const Vec3 p = motion.to.tip_mm;
+    tips.push_back({rounded(p.x), rounded(p.y), rounded(p.z)});
+  }
+  return tips;
+}
+
+std::string refused(const std::string& body) {
+  const auto program = read(kHead + body);
+  return program ? "" : to_string(program.error());
+}
+
+TEST(Klartext, LinesAreAbsoluteOrIncremental) {
+  EXPECT_THAT(ends("3 L Z-1 F100\n4 L IX+10 Y+5.5 R0\n5 L IX-2,5 IZ+1 FMAX ; back\n* - title\n"),
+              ElementsAre(Vec3{0, 0, -1}, Vec3{10, 5.5, -1}, Vec3{7.5, 5.5, 0}));
+  const auto program = read("BEGIN PGM T INCH\nTOOL CALL 1 Z\nL X0 Y0 Z1 FMAX\nL X+2 F10\n");
+  ASSERT_TRUE(program) << to_string(program.error());
+  EXPECT_NEAR(program->motions.at(0).to.tip_mm.x, 50.8, 1e-6);
+  EXPECT_NEAR(program->motions.at(0).duration_s, 12, 1e-6);
+}
+
+TEST(Klartext, ArcsGoAboutThePole) {
+  const auto quarter = ends("L X+10 F100\nCC X+0 Y+0\nC X+0 Y+10 DR+\n");
+  EXPECT_EQ(quarter.back(), (Vec3{0, 10, 5}));
+  for (const Vec3& p : quarter) EXPECT_NEAR(std::hypot(p.x, p.y), 10, 2e-3);
+  EXPECT_EQ(ends("L X+10 F100\nCC X+0 Y+0\nCP IPA-90 DR-\n").back(), (Vec3{0, -10, 5}));
+  EXPECT_EQ(ends("L X+10 F100\nCC X+0 Y+0\nCP PA+180 IZ-2 DR+\n").back(), (Vec3{-10, 0, 3}));
+  EXPECT_EQ(ends("L X+10 F100\nCR X+0 Y+10 R+10 DR+\n").back(), (Vec3{0, 10, 5}));
+  const auto most = ends("L X+10 F100\nCR X+0 Y+10 R-10 DR+\n");
+  EXPECT_TRUE(std::ranges::any_of(most, [](Vec3 p) { return p.x > 15 && p.y > 10; }))
+      << "about (10, 10)";
+  EXPECT_EQ(ends("L X+10 F100\nCT X+20 Y+10\n").back(), (Vec3{20, 10, 5}));
+  EXPECT_EQ(ends("L X+10 F100\nCC X+0 Y+0\nLP PR+20 PA+90\n").back(), (Vec3{0, 20, 5}));
+  EXPECT_THAT(refused("L X+10 F100\nCC X+0 Y+0\nC X+0 Y+11 DR+\n"), HasSubstr("radius"));
+  EXPECT_THAT(refused("L X+10 F100\nCC X+0 Y+0\nCP IPA+90 DR-\n"), HasSubstr("against DR"));
+}
+
+TEST(Klartext, ARampOfAPostRollsIntoTheCut) {
+  // The center lies below in the plane of X and Z: from (8, 7) down to (0, -1).
+  const auto path = ends("L X+8 Z+7 FMAX\nCC X+0 Z+7\nCP IPA+90 DR+ F1000\n");
+  EXPECT_EQ(path.back(), (Vec3{0, 0, -1}));
+  for (std::size_t i = 1; i < path.size(); ++i)
+    EXPECT_NEAR(std::hypot(path[i].x, path[i].z - 7), 8, 2e-3);
+}
+
+TEST(Klartext, HelixTurnsWholeTurns) {
+  const auto path = ends("L X+10 F100\nCC X+0 Y+0\nCP IPA+720 IZ-4 DR+\n");
+  EXPECT_EQ(path.back(), (Vec3{10, 0, 1}));
+  int crossings = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) crossings += path[i - 1].y < 0 && path[i].y >= 0;
+  EXPECT_EQ(crossings, 2);
+}
+
+TEST(Klartext, RoundsAndCutsCorners) {
+  const auto round = ends("L X+20 F100\nRND R5\nL Y+20\n");
+  EXPECT_EQ(round.front(), (Vec3{15, 0, 5}));
+  EXPECT_EQ(round.back(), (Vec3{20, 20, 5}));
+  EXPECT_EQ(round.at(round.size() - 2), (Vec3{20, 5, 5}));
+  EXPECT_THAT(ends("L X+20 F100\nCHF 5\nL Y+20\n"),
+              ElementsAre(Vec3{15, 0, 5}, Vec3{20, 5, 5}, Vec3{20, 20, 5}));
+  EXPECT_THAT(refused("L X+20 F100\nRND R5\nEND PGM T MM\n"), HasSubstr("followed by a straight"));
+  EXPECT_THAT(refused("L X+2 F100\nRND R5\nL Y+20\n"), HasSubstr("does not fit"));
+}
+
+TEST(Klartext, LabelsAreCalledAndRepeated) {
+  EXPECT_THAT(ends("LBL 1\nL IX+1 F100\nLBL 0\nCALL LBL 1 REP 2/2\nL Y+1\n"),
+              ElementsAre(Vec3{1, 0, 5}, Vec3{2, 0, 5}, Vec3{3, 0, 5}, Vec3{3, 1, 5}));
+  EXPECT_THAT(ends("L Z+1 F9\nCALL LBL \"A\"\nCALL LBL \"A\"\nM30\nLBL \"A\"\nL IX+1\nLBL 0\n"),
+              ElementsAre(Vec3{0, 0, 1}, Vec3{1, 0, 1}, Vec3{2, 0, 1}));
+  EXPECT_THAT(refused("CALL LBL 7\n"), HasSubstr("does not exist"));
+  EXPECT_THAT(refused("LBL 1\nCALL LBL 1\n"), HasSubstr("nested deeper"));
+  GcodeEnvironment bounded;
+  bounded.lines_max = 1000;
+  const auto endless = parse_program(
+      "p.h", kHead + "LBL 1\nQ1 = 1\nFN 9: IF +Q1 EQU +1 GOTO LBL 1\n", scene_for("xyz"), bounded);
+  EXPECT_THAT(endless.error().reason, HasSubstr("more than 1000 blocks"));
+}
+
+TEST(Klartext, ParametersAndFunctionsCompute) {
+  EXPECT_THAT(ends("FN 0: Q1 = +10\nFN 2: Q2 = +Q1 - +4\nQ3 = SQRT ( Q1 * 2 + 5 ) / 5 ^ 1\n"
+                   "Q4 = 3 + 4 * SIN 30 - -1\nL X+Q1 Y-Q2 FQ1\nL X+Q3 Y+Q4\n"),
+              ElementsAre(Vec3{10, -6, 5}, Vec3{1, 6, 5}));
+  EXPECT_THAT(ends("Q1 = 0\nLBL 5\nQ1 = Q1 + 1\nL X+Q1 F9\nFN 12: IF +Q1 LT +3 GOTO LBL 5\n"),
+              ElementsAre(Vec3{1, 0, 5}, Vec3{2, 0, 5}, Vec3{3, 0, 5}));
+  EXPECT_THAT(refused("L X+Q9 F9\n"), HasSubstr("'Q9' has no value"));
+  EXPECT_THAT(refused("Q1 = 1 / 0\n"), HasSubstr("finite"));
+}
+
+TEST(Klartext, DatumShiftAndRotationMoveTheProgram) {
+  EXPECT_THAT(ends("CYCL DEF 7.0 DATUM SHIFT\nCYCL DEF 7.1 X+10\nCYCL DEF 7.2 Y+20\nL X+1 Y+0 F9\n"
+                   "CYCL DEF 10.0 ROTATION\nCYCL DEF 10.1 ROT+90\nL X+1 Y+0\n"
+                   "CYCL DEF 10.1 ROT+0\nCYCL DEF 7.1 IX-10 Y+0\nL X+1 Y+0\n"),
+              ElementsAre(Vec3{11, 20, 5}, Vec3{10, 21, 5}, Vec3{1, 0, 5}));
+}
+
+TEST(Klartext, DrillsWhereACycleIsCalled) {
+  EXPECT_THAT(ends("CYCL DEF 200 DRILLING ~\n  Q200=+2 ;SET-UP ~\n  Q201=-7 ;DEPTH ~\n"
+                   "  Q206=+30 ;FEED ~\n  Q203=+1 ;SURFACE ~\n  Q204=+11 ;2ND\nL X+10 FMAX M99\n"
+                   "L Y+3 FMAX\n"),
+              ElementsAre(Vec3{10, 0, 5}, Vec3{10, 0, 3}, Vec3{10, 0, -6}, Vec3{10, 0, 12},
+                          Vec3{10, 3, 12}));
+  EXPECT_THAT(refused("L X+1 FMAX M99\n"), HasSubstr("not defined"));
+  EXPECT_THAT(refused("CYCL DEF 251 POCKET ~\n Q218=10\n"), HasSubstr("CYCL DEF 251"));
+}
+
+TEST(Klartext, TheToolIsAwayAfterMachineCoordinates) {
+  const auto path = ends("L Z-1 F100\nL Z-1 R0 FMAX M91\nL X+50 R0 FMAX\nL Z+2 FMAX\nL Z-1\n");
+  EXPECT_THAT(path, ElementsAre(Vec3{0, 0, -1}, Vec3{50, 0, -1}));
+  EXPECT_THAT(ends("L Z-1 F100\nL M140 MB MAX\nL X+50 FMAX\nL Z+2 FMAX\nL Z-1\n"),
+              ElementsAre(Vec3{0, 0, -1}, Vec3{50, 0, -1}));
+}
+
+TEST(Klartext, PlaneSpatialTurnsTheCoordinatesAndTheTool) {
+  const auto program = read(kHead +
+                                "L Z+50 FMAX\nPLANE SPATIAL SPA+90 SPB+0 SPC+0 TURN MB MAX FMAX\n"
+                                "L X+1 Y+2 Z+3 FMAX\nL Z+0 F9\nPLANE RESET TURN\nL X0 Y0 Z9 FMAX\n"
+                                "L Z+8 F9\nEND PGM T MM\n",
+                            "xyzac-trt");
+  ASSERT_TRUE(program) << to_string(program.error());
+  const ProgramMotion& tilted = program->motions.at(1);
+  // X stays, Y of the plane is Z, Z of the plane is -Y.
+  EXPECT_NEAR(tilted.from.tip_mm.x, 1, 1e-6);
+  EXPECT_NEAR(tilted.from.tip_mm.y, -3, 1e-6);
+  EXPECT_NEAR(tilted.from.tip_mm.z, 2, 1e-6);
+  EXPECT_NEAR(tilted.to.tip_mm.y, 0, 1e-6);
+  EXPECT_NEAR(tilted.to.axis.y, -1, 1e-9);
+  EXPECT_EQ(program->motions.back().to.axis, (Vec3{0, 0, 1}));
+  EXPECT_THAT(refused("PLANE SPATIAL SPA+0 SPB+30 SPC+0 TURN\n"), HasSubstr("machine xyz"));
+}
+
+TEST(Klartext, M128KeepsTheTipWhileAxesTurn) {
+  const auto program = read(kHead + "M128\nL A+30 F100\nEND PGM T MM\n", "xyzac-trt");
+  ASSERT_TRUE(program) << to_string(program.error());
+  EXPECT_EQ(program->motions.back().to.tip_mm, (Vec3{0, 0, 5}));
+  EXPECT_NEAR(program->motions.back().to.axis.z, std::cos(std::acos(-1.0) / 6), 1e-9);
+}
+
+TEST(Klartext, WhatIsNotCertainIsRefusedByName) {
+  EXPECT_THAT(refused("L X+1 RL F9\n"), HasSubstr("p.h:4: 'RL' radius compensation"));
+  for (const char* text : {"APPR LT X+1 LEN15 RL\n", "FL X+1\n", "TCH PROBE 413 D ~\n Q1=1\n",
+                           "CALL PGM X\n", "LN X+1 NX0 NY0 NZ1 F9\n", "FN 18: SYSREAD Q1 = ID1\n",
+                           "PLANE VECTOR BX1\n", "CYCL DEF 8.1 X\n", "L C+10 F9\n", "L U+1 F9\n"})
+    EXPECT_NE(refused(text), "") << text;
+  EXPECT_THAT(refused("L X+1\n"), HasSubstr("feed is missing"));
+}
+
+TEST(Klartext, TheBlankIsTheStock) {
+  const auto scene = derive_scene(
+      "p.h",
+      "0 BEGIN PGM T MM\n1 BLK FORM 0.1 Z X-10 Y-20 Z-30\n2 BLK FORM 0.2 X+40 IY+50 Z+1\n"
+      "3 ;T2 D=+8 CR=+0 - ZMIN=-15 - flat end mill\n4 TOOL CALL 2 Z S1000\n"
+      "5 L X+0 Y+0 Z+5 FMAX\n6 L Z-1 F100\n7 L X+30\n8 END PGM T MM\n",
+      {}, {});
+  ASSERT_TRUE(scene) << scene.error();
+  const BoxStock box = stock_bounds(scene->scene.settings.stock);
+  EXPECT_EQ(box.min_mm, (Vec3{-10, -20, -30}));
+  EXPECT_EQ(box.max_mm, (Vec3{40, 30, 1}));
+  EXPECT_EQ(scene->scene.tools.at(2).tool.radius_mm, 4);
+  EXPECT_THAT(scene->notes, Contains(HasSubstr("BLK FORM")));
+}
+
+}  // namespace
+}  // namespace kerf
