@@ -9,6 +9,7 @@
 #include "kernel/cut/imprint.h"
 #include "kernel/cut/lazy_normals.h"
 #include "kernel/dexel/dexel_field.h"
+#include "kernel/dexel/estimated_normals.h"
 #include "kernel/dexel/mesh_stock.h"
 #include "kernel/dexel/stock_column.h"
 #include "kernel/force/collision.h"
@@ -85,12 +86,18 @@ const DexelField* Sculpture::field(RayAxis axis) const {
 void Sculpture::keep_common(FieldTile at, const TileColumns& other) {
   const auto found = std::ranges::find(fields_, at.axis, [](auto& f) { return f.grid().axis; });
   if (found == fields_.end() || !found->grid().has(at.tile)) return;
+  const auto keep = [&](DexelTile& tile) {
+    const bool changed = kerf::keep_common(tile, other);
+    if (changed && tile.keeps_normals())
+      estimate_normals(tile, at.tile, found->stock(), found->grid());
+    return changed;
+  };
   if (DexelTile* tile = found->editable(at.tile)) {
-    kerf::keep_common(*tile, other);
+    keep(*tile);
     return;
   }
   const std::shared_ptr<DexelTile> fresh = found->fresh(at.tile);
-  if (kerf::keep_common(*fresh, other)) found->put(at.tile, fresh);
+  if (keep(*fresh)) found->put(at.tile, fresh);
 }
 
 const Tool* Sculpture::tool(ToolId id) const {

@@ -101,8 +101,8 @@ class Sculpture {
 
   /// Removes from a tile everything that another copy of the block no longer holds
   /// (tile_columns.h). This is not a motion: it changes no volume counter and produces no force.
-  /// Ignored where the tile is outside the grid. Ends that it creates get the stock's normals, so
-  /// it suits blocks that keep none.
+  /// Ignored where the tile is outside the grid. Where normals are kept, ends that it creates get
+  /// estimated ones (estimated_normals.h).
   void keep_common(FieldTile at, const TileColumns& other);
 
   /// Replaces tiles of existing fields, within their grids, and cuts them with the motions `since`:
