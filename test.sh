@@ -87,7 +87,7 @@ run_web_tests() {
 
 main() {
   parse_options "$@"
-  install_sections build test run
+  install_sections build test wasm run
   fetch_linuxcnc
   use_node
   build_all "$PRESET" -DKERF_TESTS=ON ${CI:+-DKERF_WERROR=ON} -- web all

@@ -2,14 +2,27 @@
 # The images of kerf-server, with its page, and of kerf-agent. Build from the repository's root:
 #   docker build -f docker/kerf.Dockerfile --target server -t kerf-server .
 #   docker build -f docker/kerf.Dockerfile --target agent -t kerf-agent .
-# Both take their programs from one stage, and the page is a stage of its own: an edit of the page compiles no C++.
+# Both take their programs from one stage, and the page and its kernel are stages of their own: an edit of the page
+# compiles no C++.
+
+FROM debian:12-slim AS wasm
+WORKDIR /kerf
+COPY docker/machine.sh docker/packages.txt docker/
+RUN docker/machine.sh install build wasm
+COPY CMakeLists.txt CMakePresets.json ./
+COPY kernel kernel
+COPY server server
+COPY haptic_agent haptic_agent
+COPY web/wasm web/wasm
+RUN cmake --preset wasm && cmake --build --preset wasm
 
 FROM debian:12-slim AS web
 WORKDIR /kerf
 COPY docker/machine.sh docker/packages.txt docker/
 RUN docker/machine.sh install node
 COPY web web
-RUN docker/machine.sh web
+COPY --from=wasm /kerf/web/public/kerf.wasm web/public/
+RUN docker/machine.sh page
 
 FROM debian:12-slim AS programs
 WORKDIR /kerf

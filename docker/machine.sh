@@ -96,7 +96,20 @@ install_web() {
   fi
 }
 
-build_web() {
+# Builds the kernel for pages where its packages are. What an older build has left would not be the server's kernel.
+build_wasm() {
+  local missing
+  mapfile -t missing < <(packages_missing wasm)
+  if [ ${#missing[@]} = 0 ]; then
+    build_all wasm -- kerf_page
+    return
+  fi
+  rm -f "$KERF_ROOT/web/public/kerf.wasm"
+  echo "The page gets no copy of the block and shows cuts when the server has made them, because kerf.wasm needs Debian" \
+    "packages that are missing: ${missing[*]}. To install them: docker/machine.sh install wasm"
+}
+
+build_page() {
   install_web
   step "Building the web viewer" web npm --prefix "$KERF_ROOT/web" run build
 }
@@ -129,8 +142,9 @@ if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   case "${1:-}" in
     install) shift; install_sections "$@" ;;
     packages) shift; packages_of "$@" ;;
-    web) build_web ;;
+    web) build_wasm && build_page ;;
+    page) build_page ;;
     libraries) libraries_of "$2" ;;
-    *) fail "usage: docker/machine.sh install|packages SECTION... | web | libraries PROGRAM" ;;
+    *) fail "usage: docker/machine.sh install|packages SECTION... | web | page | libraries PROGRAM" ;;
   esac
 fi

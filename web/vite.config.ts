@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { brotliCompressSync, constants, gzipSync } from 'node:zlib';
-import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { existsSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { HtmlTagDescriptor, Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
@@ -27,7 +27,7 @@ function preloadView(): Plugin {
   };
 }
 
-/** Puts FILE.gz and FILE.br beside each file of text, which the server sends to those who ask. */
+/** Puts FILE.gz and FILE.br beside each file that shrinks, which the server sends to those who ask. */
 function compress(): Plugin {
   let folder = '';
   return {
@@ -38,7 +38,7 @@ function compress(): Plugin {
     },
     closeBundle: () => {
       for (const name of readdirSync(folder, { recursive: true, encoding: 'utf8' })) {
-        if (!/\.(js|css|html|svg)$/.test(name)) continue;
+        if (!/\.(js|css|html|svg|wasm)$/.test(name)) continue;
         const file = join(folder, name);
         const bytes = readFileSync(file);
         writeFileSync(`${file}.gz`, gzipSync(bytes, { level: 9 }));
@@ -54,6 +54,9 @@ function compress(): Plugin {
 
 export default defineConfig({
   base: './',
+  define: {
+    KERF_HAS_KERNEL: JSON.stringify(existsSync(join(import.meta.dirname, 'public/kerf.wasm'))),
+  },
   plugins: [preloadView(), compress()],
   build: {
     target: 'es2022',

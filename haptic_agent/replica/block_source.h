@@ -16,6 +16,9 @@ class BlockSource {
   /// Parses the text of a welcome. The error is one sentence.
   static std::expected<BlockSource, std::string> read(std::string_view welcome);
 
+  /// Lets the block keep the normals that meshes need (mesh_tile). A replica for forces needs none.
+  void keep_normals() { settings_.keep_normals = true; }
+
   /// Returns the uncut block with the session's tools, without obstacles: contact with those is
   /// rendered from the server's contact planes (ContactModel). A mesh stock is replaced by its
   /// bounding box; the server sends which parts of it are empty.

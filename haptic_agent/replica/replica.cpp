@@ -10,6 +10,7 @@
 
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/dexel_tile.h"
+#include "kernel/dexel/estimated_normals.h"
 #include "kernel/dexel/stock_column.h"
 #include "kernel/motion_reach.h"
 #include "kernel/sculpture_check.h"
@@ -56,6 +57,20 @@ bool Replica::is_known(const MoveTool& motion) {
     if (!is_known(*field, n, tiles_through(field->grid(), box.lo_mm, box.hi_mm))) return false;
   }
   return true;
+}
+
+bool Replica::knows_around(TileIndex tile) const {
+  const DexelGrid& grid = block().grid();
+  const double side_mm = kTileSide * grid.pitch_mm, pitch_mm = grid.pitch_mm;
+  const Vec3 corner_mm = grid.origin_mm + Vec3{tile.x * side_mm, tile.y * side_mm, 0};
+  const Vec3 lo_mm = corner_mm - Vec3{pitch_mm, pitch_mm, 0};
+  const Vec3 hi_mm = corner_mm + Vec3{side_mm + pitch_mm, side_mm + pitch_mm,
+                                      grid.z_mm(grid.height_quanta) - grid.origin_mm.z};
+  return std::ranges::all_of(axes_of(block().settings().rays), [&](RayAxis axis) {
+    return tiles_through(block().field(axis)->grid(), lo_mm, hi_mm).all_of([&](TileIndex at) {
+      return known_.contains({axis, at});
+    });
+  });
 }
 
 /// Returns whether the force of this motion is independent of unknown stock.
@@ -193,7 +208,10 @@ std::expected<void, std::string_view> Replica::take_returned(const wire::StockPa
     if (columns->columns.empty()) continue;
     const auto content = std::make_shared<DexelTile>();
     fill_from_stock((*field)->stock(), (*field)->grid(), at.tile, *content);
+    const bool keeps_normals = (*field)->keeps_normals();
+    if (keeps_normals) content->topmost_codes.resize(kTileColumns);
     keep_common(*content, *columns);
+    if (keeps_normals) estimate_normals(*content, at.tile, (*field)->stock(), (*field)->grid());
     tiles.back().tile = content;
   }
   forget_others();

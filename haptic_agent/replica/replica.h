@@ -48,6 +48,11 @@ class Replica {
   std::uint64_t tiles_known() const { return known_.size(); }
   /// Returns the replica of the server's block, without what others are expected to cut. For tests.
   const Sculpture& block() const { return stock_ ? *stock_ : block_; }
+  /// Returns a view of that block.
+  SolidSnapshot solid() { return (stock_ ? *stock_ : block_).solid(); }
+  /// Returns whether the server has sent all tiles on which the surface of a tile of the field
+  /// along Z depends: of each field, those through its columns and one pitch around.
+  bool knows_around(TileIndex tile) const;
 
  private:
   struct Cut {

@@ -107,7 +107,9 @@ const std::vector<Module>& other_modules() {
         "server/session", "server/metrics", "server/rights", "server/socket", "server/tls",
         "server/websocket", "server/threads"}},
       {"server", {"kernel"}},
-      {"tests", {"kernel", "server", "haptic_agent"}},
+      // The replica of an agent, for pages.
+      {"web/wasm", {"kernel", "server/wire", "server/formats", "haptic_agent/replica"}},
+      {"tests", {"kernel", "server", "haptic_agent", "web/wasm"}},
   };
   return kModules;
 }

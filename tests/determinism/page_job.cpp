@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs a job (page_bytes.mjs) on the functions that kerf.wasm exports, compiled for this machine,
+// and prints what they return: a line for each welcome and frame. Usage: page_job FILE
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <vector>
+
+#include "web/wasm/exports.h"
+#include "web/wasm/page_block.h"
+
+namespace {
+
+/// FNV-1a.
+std::uint32_t hash_of(const std::byte* bytes, std::size_t count) {
+  std::uint32_t hash = 0x811c9dc5U;
+  for (std::size_t n = 0; n < count; ++n) {
+    hash = (hash ^ std::to_integer<std::uint32_t>(bytes[n])) * 0x01000193U;
+  }
+  return hash;
+}
+
+void print_changed() {
+  using kerf::page::ChangedTile;
+  std::vector<ChangedTile> tiles(kerf_changed());
+  if (!tiles.empty()) std::memcpy(tiles.data(), kerf_output(), tiles.size() * sizeof(ChangedTile));
+  for (const ChangedTile& tile : tiles) {
+    const std::size_t vertices = kerf_mesh(tile.at.x, tile.at.y);
+    std::uint32_t indices = 0;
+    std::memcpy(&indices, kerf_output(), sizeof indices);
+    std::printf("tile %d %d %d: %zu %08x\n", tile.at.x, tile.at.y, tile.by_page, vertices,
+                hash_of(kerf_output(), 4 + 25 * vertices + 4 * std::size_t{indices}));
+  }
+}
+
+void run(char kind, std::span<const char> bytes) {
+  std::memcpy(kerf_input(static_cast<std::uint32_t>(bytes.size())), bytes.data(), bytes.size());
+  if (kind == 'w') {
+    std::printf("open %u\n", kerf_open());
+  } else {
+    const bool taken = kerf_take();
+    std::printf("take %d %016llx\n", int{taken}, static_cast<unsigned long long>(kerf_hash()));
+    print_changed();
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::ifstream file(argc > 1 ? argv[1] : "", std::ios::binary);
+  const std::vector<char> job{std::istreambuf_iterator<char>(file), {}};
+  for (std::size_t at = 0; at + 5 <= job.size();) {
+    std::uint32_t bytes = 0;
+    std::memcpy(&bytes, &job[at + 1], sizeof bytes);
+    run(job[at], std::span(job).subspan(at + 5, bytes));
+    at += 5 + bytes;
+  }
+  return job.empty() ? 1 : 0;
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page's copy of the block, in a worker: what the page carves is cut there at once, by the
+// server's own kernel.
+
+import type { TileTriangles } from './kernel';
+import type { FromWorker, ToWorker } from './messages';
+
+export interface CopyEvents {
+  /** Tiles as they are with the page's samples up to `newest`. */
+  tiles(tiles: TileTriangles[], newest: bigint): void;
+  /** The server must send its stock again. */
+  lacks(): void;
+  /** The copy has ended: cuts are shown when the server's mesh comes. */
+  failed(reason: string): void;
+}
+
+/** The part of Worker that is used. */
+export interface WorkerPort {
+  onmessage: ((event: { data: FromWorker }) => void) | null;
+  postMessage(message: ToWorker): void;
+}
+
+export class BlockCopy {
+  /** Whether there is a kernel for pages. */
+  readonly isThere: Promise<boolean>;
+  private works_ = false;
+  private asked_ = 0;
+  private readonly hashes_ = new Map<number, (hash: string) => void>();
+
+  /** `module` is kerf.wasm, or null where there is none. */
+  constructor(
+    module: Promise<WebAssembly.Module | null>,
+    private readonly worker: WorkerPort,
+    private readonly events: CopyEvents,
+  ) {
+    let tell: (isThere: boolean) => void;
+    this.isThere = new Promise((resolve) => (tell = resolve));
+    worker.onmessage = ({ data }) => {
+      if (data.type === 'loaded') this.works_ = true;
+      if (data.type === 'failed') this.works_ = false;
+      if (data.type === 'loaded' || data.type === 'failed') tell(this.works_);
+      this.received_(data);
+    };
+    module.then(
+      (compiled) => {
+        if (compiled) worker.postMessage({ type: 'load', module: compiled });
+        else tell(false);
+      },
+      (problem: unknown) => {
+        tell(false);
+        events.failed((problem as Error).message);
+      },
+    );
+  }
+
+  /** Whether it takes frames. */
+  get works(): boolean {
+    return this.works_;
+  }
+
+  /** A block begins: the text of an agent's welcome. */
+  open(welcome: string): void {
+    this.worker.postMessage({ type: 'open', welcome });
+  }
+
+  /** Takes a frame of the server. */
+  take(frame: Uint8Array): void {
+    if (this.works_) this.worker.postMessage({ type: 'take', frame });
+  }
+
+  /** Cuts the motions of a frame that is sent; `newest` is its last sample. */
+  cut(frame: Uint8Array, newest: bigint): void {
+    if (this.works_) this.worker.postMessage({ type: 'cut', frame, newest });
+  }
+
+  /** The server's meshes of these tiles are displayed again. */
+  hidden(keys: number[]): void {
+    if (this.works_ && keys.length > 0) this.worker.postMessage({ type: 'hidden', keys });
+  }
+
+  /** The hash of its state. */
+  hash(): Promise<string> {
+    const id = ++this.asked_;
+    return new Promise((resolve) => {
+      this.hashes_.set(id, resolve);
+      this.worker.postMessage({ type: 'hash', id });
+    });
+  }
+
+  private received_(message: FromWorker): void {
+    switch (message.type) {
+      case 'loaded':
+        return;
+      case 'tiles':
+        this.events.tiles(message.tiles, message.newest);
+        return;
+      case 'lacks':
+        this.events.lacks();
+        return;
+      case 'failed':
+        this.events.failed(message.reason);
+        return;
+      case 'hash':
+        this.hashes_.get(message.id)?.(message.hash);
+        this.hashes_.delete(message.id);
+    }
+  }
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page and the worker with its copy of the block say to each other.
+
+import type { TileTriangles } from './kernel';
+
+export type ToWorker =
+  /** kerf.wasm, compiled. */
+  | { type: 'load'; module: WebAssembly.Module }
+  /** A block begins: the text of an agent's welcome. */
+  | { type: 'open'; welcome: string }
+  /** A frame of the server. */
+  | { type: 'take'; frame: Uint8Array }
+  /** A frame with motions of the page, which is cut at once. `newest` is its last sample. */
+  | { type: 'cut'; frame: Uint8Array; newest: bigint }
+  /** The server's meshes of these tiles are displayed again. */
+  | { type: 'hidden'; keys: number[] }
+  | { type: 'hash'; id: number };
+
+export type FromWorker =
+  /** The module runs. */
+  | { type: 'loaded' }
+  /** Tiles that the page has cut, and later changes of those that it displays. */
+  | { type: 'tiles'; tiles: TileTriangles[]; newest: bigint }
+  /** The server must send its stock again. */
+  | { type: 'lacks' }
+  /** The copy has ended. */
+  | { type: 'failed'; reason: string }
+  | { type: 'hash'; id: number; hash: string };

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// The worker of the page's copy of the block.
+
+import { CopyKeeper } from './copy_keeper';
+import { Kernel } from './kernel';
+import type { ToWorker } from './messages';
+
+const keeper = new CopyKeeper(
+  (message) => postMessage(message),
+  (module) => Kernel.of(module),
+  (act) => setTimeout(act),
+);
+let last = Promise.resolve();
+onmessage = ({ data }: MessageEvent<ToWorker>) => {
+  if (data.type === 'load') last = keeper.receive(data);
+  else void last.then(() => keeper.receive(data));
+};

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+import { beforeEach, describe, expect, it } from 'vitest';
+import { BlockCopy } from '../../src/kernel/block_copy';
+import type { WorkerPort } from '../../src/kernel/block_copy';
+import { CopyKeeper } from '../../src/kernel/copy_keeper';
+import type { ChangedTile, Kernel, TileTriangles } from '../../src/kernel/kernel';
+import type { FromWorker } from '../../src/kernel/messages';
+import { tileKey } from '../../src/model/tiles';
+
+const MOTION = new Uint8Array([0, 0, 0, 0, 1]);
+const STOCK = new Uint8Array([0, 0, 0, 0, 8]);
+
+/** The smallest module. */
+const EMPTY = new WebAssembly.Module(new Uint8Array([0, 0x61, 0x73, 0x6d, 1, 0, 0, 0]));
+
+/** A kernel that changes the tiles that the test sets. */
+class FakeKernel {
+  next: ChangedTile[] = [];
+  accepts = true;
+  opened = 0;
+  open(welcome: string): void {
+    if (welcome === '') throw new Error('no stock');
+    this.opened += 1;
+  }
+  take(): boolean {
+    return this.accepts;
+  }
+  changed(): ChangedTile[] {
+    return this.next.splice(0);
+  }
+  mesh(x: number, y: number): TileTriangles {
+    const none = {
+      normals: new Float32Array(),
+      index: new Uint32Array(),
+      original: new Uint8Array(),
+    };
+    return { x, y, positions: new Float32Array(), ...none };
+  }
+  hash(): string {
+    return 'abc';
+  }
+}
+
+describe('the copy in a worker', () => {
+  let kernel: FakeKernel;
+  let copy: BlockCopy;
+  let log: string[];
+  let later: (() => void)[];
+
+  /** Page and worker, whose messages pass at once. */
+  function make(
+    load: () => Promise<Kernel>,
+    module: Promise<WebAssembly.Module | null> = Promise.resolve(EMPTY),
+  ): void {
+    log = [];
+    later = [];
+    const port: WorkerPort = { onmessage: null, postMessage: (message) => receive(message) };
+    const keeper = new CopyKeeper(
+      (data: FromWorker) => port.onmessage?.({ data }),
+      load,
+      (act) => later.push(act),
+    );
+    const receive = (message: Parameters<WorkerPort['postMessage']>[0]): void => {
+      void keeper.receive(message);
+    };
+    copy = new BlockCopy(module, port, {
+      tiles: (tiles, newest) =>
+        log.push(`tiles ${tiles.map(({ x, y }) => `${x},${y}`).join(' ')} to ${newest}`),
+      lacks: () => log.push('lacks'),
+      failed: (reason) => log.push(`failed ${reason}`),
+    });
+  }
+
+  function rest(): void {
+    for (const act of later.splice(0)) act();
+  }
+
+  beforeEach(async () => {
+    kernel = new FakeKernel();
+    make(() => Promise.resolve(kernel as unknown as Kernel));
+    expect(await copy.isThere).toBe(true);
+    copy.open('{}');
+  });
+
+  it('meshes what the page has cut, many motions at once', () => {
+    copy.cut(MOTION, 3n);
+    copy.cut(MOTION, 4n);
+    kernel.next = [{ x: 1, y: 2, byPage: true }];
+    expect(log).toEqual([]);
+    rest();
+    expect(log).toEqual(['tiles 1,2 to 4']);
+    rest();
+    expect(log).toHaveLength(1);
+  });
+
+  it('meshes what others have cut only where the page displays its own', () => {
+    kernel.next = [{ x: 1, y: 2, byPage: false }];
+    copy.take(STOCK);
+    rest();
+    expect(log).toEqual([]);
+    copy.cut(MOTION, 5n);
+    kernel.next = [{ x: 1, y: 2, byPage: true }];
+    rest();
+    kernel.next = [
+      { x: 1, y: 2, byPage: false },
+      { x: 7, y: 2, byPage: false },
+    ];
+    copy.take(STOCK);
+    rest();
+    expect(log).toEqual(['tiles 1,2 to 5', 'tiles 1,2 to 5']);
+    copy.hidden([tileKey(1, 2)]);
+    kernel.next = [{ x: 1, y: 2, byPage: false }];
+    copy.take(STOCK);
+    rest();
+    expect(log).toHaveLength(2);
+  });
+
+  it('asks for the stock when it is wrong, and tells its hash', async () => {
+    kernel.accepts = false;
+    copy.take(STOCK);
+    expect(log).toEqual(['lacks']);
+    expect(await copy.hash()).toBe('abc');
+  });
+
+  it('ends when the kernel does', () => {
+    copy.open('');
+    expect(log).toEqual(['failed no stock']);
+    expect(copy.works).toBe(false);
+    copy.cut(MOTION, 1n);
+    expect(later).toEqual([]);
+  });
+
+  it('is not there without kerf.wasm, or where that does not run', async () => {
+    const load = (): Promise<Kernel> => Promise.reject(new Error('no memory'));
+    make(load, Promise.resolve(null));
+    expect(await copy.isThere).toBe(false);
+    expect(log).toEqual([]);
+    make(load, Promise.reject(new Error('no SIMD')));
+    expect(await copy.isThere).toBe(false);
+    expect(log).toEqual(['failed no SIMD']);
+    make(load);
+    expect(await copy.isThere).toBe(false);
+    expect(log).toEqual(['failed no memory']);
+    expect(kernel.opened).toBe(1);
+  });
+});
