@@ -66,6 +66,7 @@ void AgentConversation::on_hello(const HelloMessage& hello) {
   request.feel_of = hello.feel_of;
   request.stock = hello.stock;
   request.returned = hello.returned;
+  request.whole = has_whole_ = hello.whole;
   request.intent = hello.intent;
   request.durable = hello.durable;
   request.token = hello.resume;
@@ -186,8 +187,9 @@ void AgentConversation::send_intents(Clock::time_point now) {
 
 void AgentConversation::refresh() {
   if (self_ && !batch_ && !finishing() && !broken()) send_intents(now_());
-  if (batch_ || !std::exchange(stock_due_, false) || finishing() || broken() || out_.has_stock())
-    return;
+  // A copy of the whole block changes while its tool rests, too: its pings ask for it.
+  const bool is_due = std::exchange(stock_due_, false) || has_whole_;
+  if (!self_ || batch_ || !is_due || finishing() || broken() || out_.has_stock()) return;
   const auto now = now_();
   if (now < next_stock_) return;
   next_stock_ = now + kStockInterval;

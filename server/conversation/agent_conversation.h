@@ -114,6 +114,7 @@ class AgentConversation final : public Conversation {
   std::shared_ptr<bool> changes_ = std::make_shared<bool>(false);
 
   bool stock_due_ = false;  ///< samples have been applied since the replica was last updated
+  bool has_whole_ = false;  ///< the replica is of the whole block
   Clock::time_point next_stock_;
   bool intents_due_ = false;  ///< as stock_due_
   bool has_near_ = false;     ///< the last intent frame listed a tool

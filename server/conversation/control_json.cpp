@@ -105,7 +105,7 @@ std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
        {std::pair{"feel", &HelloMessage::feel}, std::pair{"stock", &HelloMessage::stock},
         std::pair{"changes", &HelloMessage::changes}, std::pair{"durable", &HelloMessage::durable},
         std::pair{"udp", &HelloMessage::udp}, std::pair{"repeat", &HelloMessage::repeat},
-        std::pair{"intent", &HelloMessage::intent},
+        std::pair{"intent", &HelloMessage::intent}, std::pair{"whole", &HelloMessage::whole},
         std::pair{"returned", &HelloMessage::returned}}) {
     const auto found = object.find(key);
     if (found == object.end()) continue;

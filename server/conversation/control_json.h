@@ -23,6 +23,7 @@ struct HelloMessage {
   ParticipantId feel_of = 0;  ///< participant whose force is sent too; 0: none
   bool udp = false;           ///< requests a UDP connection
   bool stock = false;         ///< requests stock frames
+  bool whole = false;         ///< agent: wants stock frames of the whole block
   bool returned = false;      ///< agent: takes stock frames with tiles that begin again
   bool intent = false;        ///< requests intent frames
   bool changes = false;       ///< viewer: understands participants_changed

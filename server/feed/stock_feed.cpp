@@ -20,6 +20,8 @@ constexpr double kAheadS = 0.4;
 constexpr double kAheadMaxMm = 60;
 /// Number of patches between two clean-ups of the stored copies of distant tiles.
 constexpr std::uint64_t kDropFarEvery = 64;
+/// Limit of the tiles of a field of which all are sent: each patch looks at them until they are.
+constexpr std::int64_t kWholeTilesMax = 1024;
 
 }  // namespace
 
@@ -62,10 +64,24 @@ void StockFeed::reset() {
   reset_ = true;
 }
 
+/// Returns all tiles if the replica is to have them and there are not too many.
+std::optional<StockFeed::Regions> StockFeed::everything(const Sculpture& sculpture) const {
+  if (!whole_) return std::nullopt;
+  Regions all;
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const DexelField* field = sculpture.field(kAxes[n]);
+    if (field == nullptr) continue;
+    all[n] = {{0, 0}, {field->grid().tiles_x(), field->grid().tiles_y()}};
+    if (all[n].count() > kWholeTilesMax) return std::nullopt;
+  }
+  return all;
+}
+
 /// Returns the tiles that the tool may reach before the next patches arrive; nullopt if there are
 /// more than kTilesMax.
 std::optional<StockFeed::Regions> StockFeed::reach(const Sculpture& sculpture,
                                                    const TrackedTool& tracked) {
+  if (auto all = everything(sculpture)) return all;
   constexpr double kSPerUs = 1e-6;
   ToolPose later = tracked.pose;
   if (last_us_ != 0 && tracked.time_us > last_us_) {

@@ -55,7 +55,10 @@ class StockFeed {
 
   /// `takes_returned`: the agent understands patches with `returned`; otherwise its replica begins
   /// again when stock comes back.
-  explicit StockFeed(bool takes_returned = false) : takes_returned_(takes_returned) {}
+  /// `whole`: the replica is to be correct everywhere, unless a field has more than 1,024
+  /// tiles.
+  explicit StockFeed(bool takes_returned = false, bool whole = false)
+      : takes_returned_(takes_returned), whole_(whole) {}
 
   /// Marks tiles that another participant cut.
   void note_cut(std::span<const FieldTile> tiles);
@@ -80,9 +83,10 @@ class StockFeed {
     double distance_mm;
     FieldTile at;
   };
-  /// The tiles of each field that the tool may reach; empty for an absent field.
+  /// The tiles of each field at which the replica must be correct; empty for an absent field.
   using Regions = std::array<TileRegion, 3>;
 
+  std::optional<Regions> everything(const Sculpture& sculpture) const;
   std::optional<Regions> reach(const Sculpture& sculpture, const TrackedTool& tracked);
   std::vector<MissingTile> missing(const Sculpture& sculpture, const Regions& near,
                                    Vec3 tip_mm) const;
@@ -105,6 +109,7 @@ class StockFeed {
   Vec3 last_tip_mm_;           ///< at the previous call of next()
   std::uint64_t last_us_ = 0;  ///< time of that call
   bool takes_returned_ = false;
+  bool whole_ = false;
   bool reset_ = true;
 };
 

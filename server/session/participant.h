@@ -32,6 +32,7 @@ struct JoinRequest {
   bool feel = true;           ///< false: no force is computed for this participant
   ParticipantId feel_of = 0;  ///< participant whose force it receives too; 0: none
   bool stock = false;         ///< keeps a replica of the block near its tool (StockFeed)
+  bool whole = false;         ///< of all of it
   bool returned = false;      ///< its replica takes stock back, tile by tile
   bool intent = false;        ///< receives the poses of tools near its own
   bool durable = false;       ///< an agent that sends again what is not durable; gets a token

@@ -115,7 +115,7 @@ std::expected<ParticipantState, Rejection> Participants::make_state(const JoinRe
   if (participant.color.empty()) participant.color = default_color(participant.id - 1);
   state.feel = request.feel;
   state.feel_of = request.feel_of;
-  if (request.stock) state.stock.emplace(request.returned);
+  if (request.stock) state.stock.emplace(request.returned, request.whole);
   state.intent = request.intent;
   state.samples = RateLimit(limits_.samples_per_s, limits_.samples_burst);
   state.speed_mm_per_s =

@@ -138,6 +138,19 @@ TEST_P(StockFeedTest, DoesNotSendDistantCuts) {
   expect_equal_near({360, 90, -1});
 }
 
+TEST_P(StockFeedTest, SendsTheWholeBlockWhereItIsWanted) {
+  feed_ = StockFeed(true, true);
+  cut_other({350, 90, -4}, {380, 90, -4});
+  follow({30, 30, 2});
+  EXPECT_EQ(replica_.state_hash(), server_.state_hash());
+  cut_other({200, 50, -4}, {220, 50, -4});
+  follow({30, 30, 2});
+  EXPECT_EQ(replica_.state_hash(), server_.state_hash());
+  undo_near({360, 90, -2});
+  follow({30, 30, 2});
+  EXPECT_EQ(replica_.state_hash(), server_.state_hash());
+}
+
 TEST_P(StockFeedTest, SendsTilesAlongThePredictedPath) {
   cut_other({150, 50, -4}, {200, 50, -4});
   tip_ = {100, 50, -1};
