@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // End-to-end test of carving in the page: a newcomer opens an invitation, carves a stroke with the
-// mouse, undoes and redoes it; a watcher cannot. See README.md.
+// mouse over a slow line, undoes and redoes it; a watcher cannot. See README.md.
 //
 // node carve_page_live.mjs --server PROGRAM --carve PROGRAM --web FOLDER --out FOLDER
 
@@ -12,10 +12,12 @@ import { launchBrowser, openViewer } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
 import { optionsOf, runTest } from './support/session.mjs';
+import { slowLine } from './support/slow_line.mjs';
 import { stlCorners, volumeOf } from './support/surface.mjs';
 
 const options = optionsOf(['server', 'carve', 'web', 'out']);
 
+const ONE_WAY_MS = 125;
 const SETTLE_S = 60; // software WebGL on a busy machine
 const SIZES = [
   [390, 844],
@@ -101,6 +103,28 @@ async function checkLayouts(viewer) {
   }
 }
 
+/** How deep the block is cut that the page displays. */
+function depthDisplayed(page) {
+  return page.evaluate(() => {
+    const corners = window.kerf.surface();
+    let depth = 0;
+    for (let n = 0; n < corners.length; n += 3) {
+      const [x, y, z] = corners.slice(n, n + 3);
+      const isInside = Math.abs(x) < 19 && Math.abs(y) < 14 && z > -9;
+      if (isInside) depth = Math.max(depth, -z);
+    }
+    return depth;
+  });
+}
+
+/** The page's copy is the server's block, and the server's meshes are displayed again. */
+async function checkCopy({ page, state }, { state_hash: hash }, what) {
+  await until(`the copy ${what}`, SETTLE_S, async () => {
+    const copy = await page.evaluate(() => window.kerf.copyHash());
+    return copy === hash && (await state()).copyTiles === 0;
+  });
+}
+
 /** The export of the session, carved by kerf-carve, is the block. */
 async function checkExport(server, folder, { state_hash: hash }) {
   const response = await server.ask('/v1/sessions/e2e/program.ngc');
@@ -124,8 +148,30 @@ async function checkExcludesSections({ page }) {
   assert.equal(await page.locator('.inspect:visible').count(), 0, 'a section stays');
 }
 
-async function checkSculptor(browser, server, folder) {
-  const viewer = await openInvited(browser, server, 'sculptor', 'Grace');
+/**
+ * A second stroke in the groove is displayed though nothing of the server comes. Then the connection
+ * breaks, which leaves no difference.
+ */
+async function checkAlone(viewer, server, line) {
+  const { page, state } = viewer;
+  const { motions } = await session(server);
+  const before = (await state()).tiles;
+  line.hold();
+  await dragAcross(viewer);
+  await until('the cut', SETTLE_S, async () => (await depthDisplayed(page)) > 1.5 * DEPTH_MM);
+  assert.deepEqual((await state()).tiles, before, "a mesh of the server's has come");
+  assert((await state()).copyTiles > 0);
+  await writeFile(join(options.out, 'carve-alone.png'), await page.screenshot());
+  line.cut();
+  await page.locator('main[data-carve=lost]').waitFor();
+  await page.locator('main[data-carve=ready]').waitFor();
+  const now = await settled(server, 'a stroke again', (block) => block.motions > motions);
+  await checkCopy(viewer, now, 'after a loss');
+}
+
+async function checkSculptor(browser, server, line, folder) {
+  const near = { ...server, base: line.base };
+  const viewer = await openInvited(browser, near, 'sculptor', 'Grace');
   const { page, problems } = viewer;
   await until('picture', SETTLE_S, async () => {
     const marks = await page.evaluate(() => window.kerf?.marks);
@@ -145,14 +191,22 @@ async function checkSculptor(browser, server, folder) {
   const length = (BLOCK_MM3 - volume) / section;
   assert(length > 12 && length < 30, `${length} mm`);
   await checkExport(server, folder, cut);
+  await checkCopy(viewer, cut, 'after a stroke');
   console.log(`a stroke of ${cut.motions} motions and ${length.toFixed(1)} mm: ${cut.state_hash}`);
 
   await page.keyboard.press('Control+z');
-  await settled(server, 'undo', ({ removed_volume_mm3: mm3 }) => Math.abs(mm3) < 1e-6);
+  const undone = await settled(
+    server,
+    'undo',
+    ({ removed_volume_mm3: mm3 }) => Math.abs(mm3) < 1e-6,
+  );
+  await checkCopy(viewer, undone, 'after an undo');
   assert(Math.abs((await stlVolume(server)) - BLOCK_MM3) < 0.01);
   await page.getByText('Your stroke was undone.').waitFor();
   await page.getByRole('button', { name: 'Redo' }).last().click();
   await settled(server, 'redo', ({ state_hash: hash }) => hash === cut.state_hash);
+  await checkCopy(viewer, cut, 'after a redo');
+  await checkAlone(viewer, server, line);
 
   await checkLayouts(viewer);
   await checkExcludesSections(viewer);
@@ -177,12 +231,14 @@ async function checkWatcher(browser, server) {
 
 async function test(folder) {
   const server = await startServer(folder);
+  const line = await slowLine(server.base, ONE_WAY_MS);
   const browser = await launchBrowser();
   try {
-    await checkSculptor(browser, server, folder);
+    await checkSculptor(browser, server, line, folder);
     await checkWatcher(browser, server);
   } finally {
     await browser.close();
+    line.close();
   }
   assert.equal(await stop(server.server), 0, server.server.errors);
 }

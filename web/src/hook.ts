@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Publishes window.kerf for tests: state(), a read-only snapshot of the page's state, surface(), the
-// triangles it displays, and marks, the times of its start.
+// triangles it displays, copyHash(), that of its copy of the block while one carves, and marks, the
+// times of its start.
 
 import { marks } from './marks';
 import type { SessionPage } from './ui/session_page';
@@ -33,15 +34,17 @@ export function installHook(page: SessionPage): void {
       forceSamples: forces.count,
     })),
     hasPicture: page.picture.viewer !== null,
+    copyTiles: page.picture.viewer?.local.size ?? 0,
     blockBox: page.picture.viewer?.blockBox ?? null,
     drawCalls: page.picture.viewer?.drawCalls ?? 0,
     meshBytes: model.meshBytes,
     followed: page.picture.followed,
     sound: page.sound.state,
   });
+  const copyHash = () => page.carve.copyHash();
   const surface = () => page.picture.viewer?.surface() ?? [];
   Object.defineProperty(window, 'kerf', {
-    value: Object.freeze({ state, surface, marks }),
+    value: Object.freeze({ state, surface, marks, copyHash }),
     writable: false,
   });
 }

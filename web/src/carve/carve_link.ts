@@ -2,6 +2,7 @@
 // The page's connection as an agent of the session: joins, sends samples, delivers results, and
 // after a loss continues as the same participant, without a gap in its path.
 
+import type { BlockCopy } from '../kernel/block_copy';
 import { Backoff } from '../link/backoff';
 import { Silence } from '../link/silence';
 import type { Socket } from '../link/view_link';
@@ -9,8 +10,8 @@ import { parseAgentControl } from '../wire/agent_control';
 import type { AgentHello, AgentMessage, AgentRequest, AgentWelcome } from '../wire/agent_control';
 import { decodeFrame } from '../wire/decode';
 import { encodeFrame } from '../wire/encode';
-import { AGENT_PROTOCOL, FrameType } from '../wire/types';
-import type { Payload, Result, Sample } from '../wire/types';
+import { AGENT_PROTOCOL, FrameType, STOCK_RESET } from '../wire/types';
+import type { Header, Payload, Result, Sample } from '../wire/types';
 import { SampleLog } from './sample_log';
 import type { Draft } from './sample_log';
 
@@ -33,6 +34,8 @@ export interface CarveLinkOptions {
   /** Who joins: name and color of the watcher, and the tool. */
   who(): Pick<AgentHello, 'name' | 'color' | 'tool'>;
   nowMs(): number;
+  /** The page's copy of the block, which takes what passes this link. */
+  copy: Pick<BlockCopy, 'works' | 'open' | 'cut' | 'take'>;
   backoff?: Backoff;
 }
 
@@ -48,6 +51,11 @@ export class CarveLink {
   private sequence_ = 0n;
   private readonly silence_ = new Silence(PING_EVERY_MS);
   private byeReason_ = '';
+  /**
+   * The copy forgets its own motions after four seconds (haptic_agent/replica), so that it cuts no
+   * more after a loss until it has the server's stock again.
+   */
+  private awaitsStock_ = false;
   private timer_: ReturnType<typeof setInterval> | undefined;
   private retry_: ReturnType<typeof setTimeout> | undefined;
   private readonly log_ = new SampleLog();
@@ -71,7 +79,7 @@ export class CarveLink {
 
   /** Whether samples may be sent now. */
   get takes(): boolean {
-    return this.status_ === 'ready' && this.log_.unanswered < UNANSWERED_MAX;
+    return this.status_ === 'ready' && !this.awaitsStock_ && this.log_.unanswered < UNANSWERED_MAX;
   }
 
   /** Joins, as the participant of before if there was one. */
@@ -94,7 +102,7 @@ export class CarveLink {
   }
 
   send(drafts: readonly Draft[]): void {
-    if (drafts.length > 0) this.sendSamples_(this.log_.add(drafts));
+    if (drafts.length > 0) this.sendSamples_(this.log_.add(drafts), true);
   }
 
   ask(request: AgentRequest): void {
@@ -128,7 +136,9 @@ export class CarveLink {
 
   private hello_(): AgentHello {
     const token = this.token_ === '' ? {} : { resume: this.token_ };
-    return { type: 'hello', ...this.options.who(), durable: true, ...token };
+    const wish = { stock: true, whole: true, returned: true } as const;
+    const stock = this.options.copy.works ? wish : {};
+    return { type: 'hello', ...this.options.who(), durable: true, ...stock, ...token };
   }
 
   private drop_(): void {
@@ -162,18 +172,23 @@ export class CarveLink {
     return BigInt(Math.round(this.options.nowMs() * 1000));
   }
 
-  private sendFrame_(type: FrameType, payload: Payload): void {
-    if (!this.socket_ || !this.welcome_) return;
+  private sendFrame_(type: FrameType, payload: Payload, sequence?: bigint): Uint8Array | null {
+    if (!this.socket_ || !this.welcome_) return null;
     this.sequence_ += 1n;
     const { epoch } = this.welcome_;
-    const header = { type, flags: 0, epoch, sequence: this.sequence_, time_us: this.nowUs_() };
-    this.socket_.send(encodeFrame({ header, ...payload }));
+    const numbers = { sequence: sequence ?? this.sequence_, time_us: this.nowUs_() };
+    const frame = encodeFrame({ header: { type, flags: 0, epoch, ...numbers }, ...payload });
+    this.socket_.send(frame);
+    return frame;
   }
 
-  private sendSamples_(samples: Sample[]): void {
+  /** `isNew`: to the copy too, which cuts them. */
+  private sendSamples_(all: Sample[], isNew: boolean): void {
     const most = this.welcome_?.samplesPerMessage ?? 1;
-    for (let at = 0; at < samples.length; at += most) {
-      this.sendFrame_(FrameType.Motion, { kind: 'motion', samples: samples.slice(at, at + most) });
+    for (let at = 0; at < all.length; at += most) {
+      const samples = all.slice(at, at + most);
+      const frame = this.sendFrame_(FrameType.Motion, { kind: 'motion', samples });
+      if (frame && isNew) this.options.copy.cut(frame, samples.at(-1)!.agent_sequence);
     }
   }
 
@@ -181,7 +196,7 @@ export class CarveLink {
     this.silence_.heard(this.options.nowMs());
     if (typeof data === 'string') {
       const message = parseAgentControl(data);
-      if (message.ok && message.value) this.heard_(message.value);
+      if (message.ok && message.value) this.heard_(message.value, data);
     } else if (data instanceof ArrayBuffer) {
       this.receivedFrame_(data);
     }
@@ -192,15 +207,23 @@ export class CarveLink {
     if (!frame.ok) return;
     const { header } = frame.value;
     if (header.durable_sequence !== undefined) this.log_.durable(header.durable_sequence);
+    if (frame.value.kind === 'stock') this.receivedStock_(header, bytes);
     if (frame.value.kind !== 'result') return;
+    this.options.copy.take(new Uint8Array(bytes));
     this.log_.answered(frame.value.result.agent_sequence);
     this.events.result(frame.value.result);
   }
 
-  private heard_(message: AgentMessage): void {
+  private receivedStock_({ sequence, flags }: Header, bytes: ArrayBuffer): void {
+    this.options.copy.take(new Uint8Array(bytes));
+    this.sendFrame_(FrameType.Ack, { kind: 'ack' }, sequence);
+    if (flags & STOCK_RESET) this.awaitsStock_ = false;
+  }
+
+  private heard_(message: AgentMessage, text: string): void {
     switch (message.type) {
       case 'welcome': {
-        this.joined_(message);
+        this.joined_(message, text);
         return;
       }
       case 'stroke':
@@ -217,10 +240,14 @@ export class CarveLink {
     }
   }
 
-  private joined_(welcome: AgentWelcome): void {
+  private joined_(welcome: AgentWelcome, text: string): void {
+    const { token, resumed, agentSequence } = welcome.resume;
     this.welcome_ = welcome;
-    this.token_ = welcome.resume.token;
-    this.sendSamples_(this.log_.toResend(welcome.resume.agentSequence));
+    this.token_ = token;
+    if (!resumed) this.options.copy.open(text);
+    const again = this.log_.toResend(agentSequence);
+    this.awaitsStock_ = resumed && this.options.copy.works && again.length > 0;
+    this.sendSamples_(again, !resumed);
     this.backoff_.reset();
     this.become_('ready', '');
     this.events.joined(welcome);

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carving in the page: takes pointer and keys, draws the tool where it would cut, and sends its path
-// to the server as any agent does. The cut is shown when the server's mesh comes.
+// to the server as any agent does. The cut is made in the page's copy of the block at once, and shown
+// from there until the server's mesh comes.
 
 import { MOUSE } from 'three';
+import type { BlockCopy } from '../kernel/block_copy';
 import { pathOf } from '../link/strokes';
 import type { Socket } from '../link/view_link';
 import { toolProfile } from '../model/tool_profile';
 import { sentence } from '../ui/format';
 import type { Viewer } from '../view/viewer';
 import type { AgentWelcome } from '../wire/agent_control';
-import type { Result, ToolInfo, Welcome } from '../wire/types';
+import type { Result, StateMessage, ToolInfo, Welcome } from '../wire/types';
 import { LEAN_MAX_RAD } from './aim';
 import type { AimMode } from './aim';
 import { CarveBar } from './carve_bar';
@@ -23,10 +25,12 @@ import type { CarveHost } from './mount';
 import { Pointers } from './pointers';
 import type { Place } from './pointers';
 import { whyNotNow } from './reasons';
+import { makeCopy, NO_COPY } from './local_copy';
 import { Rumble } from './rumble';
 
 const TICK_MS = 8;
 const NOTE_MS = 6000;
+const SETTLE_MS = 1000; // until the server's meshes that were sent are displayed
 const TURN_RAD_PER_PX = 0.006;
 const DEPTH_OF_RADIUS = 0.5; // at the start, of the tool's radius
 const DEEPEST_RADII = 4;
@@ -43,6 +47,7 @@ export class CarveMode {
   private readonly gauge_ = new Gauge();
   private readonly rumble_ = new Rumble();
   private readonly close_ = (): void => this.leave();
+  private readonly copy_: BlockCopy;
   private readonly link_: CarveLink;
   private readonly hand_: Hand;
   private readonly delivery_: Delivery;
@@ -53,6 +58,8 @@ export class CarveMode {
   private inHand_ = false; // the device is touched: it vibrates
   private stopKeys_: () => void = () => undefined;
   private timer_: ReturnType<typeof setInterval> | undefined;
+  private stateAtRest_: StateMessage | null = null;
+  private restsSinceMs_ = 0;
   private noteUntilMs_ = 0;
   private mouseButtons_: object = {};
 
@@ -63,6 +70,11 @@ export class CarveMode {
   ) {
     this.hand_ = new Hand(viewer, (place) => this.gauge_.place(place));
     this.bar_ = this.makeBar_();
+    this.copy_ = makeCopy(
+      viewer,
+      () => this.link_.ask({ type: 'stock' }),
+      (reason) => console.warn('The copy of the block has ended:', reason),
+    );
     this.link_ = this.makeLink_();
     this.delivery_ = new Delivery(this.link_, this.hand_.sampler, () => this.hasEnded_());
     new ResizeObserver(() => this.laidOut_()).observe(this.bar_.element);
@@ -92,8 +104,13 @@ export class CarveMode {
     // The left button turns with Space.
     Object.assign(mouseButtons, { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.ROTATE });
     this.viewer.hiddenCarver = this.link_.participant; // who may still be there
-    this.delivery_.join();
+    void this.join_();
     this.timer_ = setInterval(() => this.tick_(), TICK_MS);
+  }
+
+  /** The hash of the page's copy of the block; null: it has none. */
+  copyHash(): Promise<string> | null {
+    return this.copy_.works ? this.copy_.hash() : null;
   }
 
   leave(): void {
@@ -118,6 +135,15 @@ export class CarveMode {
     return this.host.toolbar.parentElement!;
   }
 
+  /** Joins with the copy, if there can be one. */
+  private async join_(): Promise<void> {
+    this.bar_.say('Joining…');
+    const hasCopy = await this.copy_.isThere;
+    if (!this.isActive) return;
+    this.delivery_.join();
+    if (!hasCopy) this.say_(NO_COPY);
+  }
+
   private makeBar_(): CarveBar {
     return new CarveBar({
       chooseTool: (id) => this.chooseTool_(id),
@@ -138,6 +164,7 @@ export class CarveMode {
         open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
         who: () => ({ ...this.who_(), tool: this.tool_?.id ?? 0 }),
         nowMs: () => performance.now(),
+        copy: this.copy_,
       },
       {
         status: (status, reason) => this.linkChanged_(status, reason),
@@ -236,9 +263,21 @@ export class CarveMode {
     }
     if (welcome && welcome !== this.welcome_) this.prepare_(welcome);
     if (this.hand_.isCutting && state?.at) this.pointers_?.cancel();
+    this.settleCopy_(now);
     this.hand_.settle(this.depthMm_, now);
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
     if (now > this.noteUntilMs_ && this.isJoined_()) this.bar_.say(isTouched() ? HELP_TOUCH : HELP);
+  }
+
+  /** A block at rest is displayed as the server has it. */
+  private settleCopy_(nowMs: number): void {
+    const { state } = this.host.model;
+    if (state !== this.stateAtRest_) {
+      this.stateAtRest_ = state?.settled ? state : null;
+      this.restsSinceMs_ = nowMs;
+    } else if (state && nowMs - this.restsSinceMs_ > SETTLE_MS) {
+      this.viewer.local.settled(state.motions);
+    }
   }
 
   // Settings
@@ -324,7 +363,9 @@ export class CarveMode {
       this.bar_.say('Joining…');
     } else if (status === 'ready') {
       this.noteUntilMs_ = 0;
-    } else if (status === 'off' && reason !== '') {
+    } else if (status === 'off') {
+      setTimeout(() => this.viewer.local.clear(), SETTLE_MS);
+      if (reason === '') return;
       this.host.say(sentence(reason));
       this.leave();
     }
@@ -335,7 +376,8 @@ export class CarveMode {
     this.viewer.hiddenCarver = participant;
   }
 
-  private felt_({ force_n }: Result): void {
+  private felt_({ force_n, agent_sequence, motions_applied }: Result): void {
+    this.viewer.local.answered(agent_sequence, Number(motions_applied));
     const now = performance.now();
     const forceN = Math.hypot(...force_n);
     this.gauge_.feel(forceN, now);

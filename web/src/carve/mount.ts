@@ -31,6 +31,8 @@ export interface CarveSwitch {
   toggle: () => void;
   /** Shows whether this viewer may carve. */
   update: () => void;
+  /** The hash of the page's copy of the block; null: it has none. */
+  copyHash: () => Promise<string> | null;
 }
 
 const LABEL = 'Carve';
@@ -85,5 +87,5 @@ export function mountCarve(host: CarveHost): CarveSwitch {
     button.setAttribute('aria-disabled', String(reason !== ''));
     button.setAttribute('aria-description', reason);
   };
-  return { toggle, update };
+  return { toggle, update, copyHash: () => mode?.copyHash() ?? null };
 }

@@ -18,7 +18,7 @@ export interface Waiting {
   tool: number;
 }
 
-export type PathRequest = Exclude<AgentRequest, AgentHello>;
+export type PathRequest = Exclude<AgentRequest, AgentHello | { type: 'stock' }>;
 type Item = Waiting | PathRequest;
 
 function isPose(item: Item | null | undefined): item is Waiting {

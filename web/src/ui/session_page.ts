@@ -64,7 +64,7 @@ export class SessionPage {
   private readonly link_: ViewLink;
   private readonly toggleTimeline_: () => void;
   private readonly toggleInspect_: () => void;
-  private readonly carve_: CarveSwitch;
+  readonly carve: CarveSwitch;
   private readonly lookPolicy_ = new LookPolicy();
   private selected_: number | null = null;
   private panelMs_ = 0;
@@ -136,7 +136,7 @@ export class SessionPage {
       oneOpen,
       layoutChanged: () => this.resize_(),
     });
-    this.carve_ = mountCarve({
+    this.carve = mountCarve({
       model: this.model,
       session,
       name: () => this.link_.name,
@@ -253,7 +253,7 @@ export class SessionPage {
       toggleTimeline: () => this.toggleTimeline_(),
       toggleInspect: () => this.toggleInspect_(),
       toggleParallel: () => this.toggleParallel_(),
-      toggleCarve: () => this.carve_.toggle(),
+      toggleCarve: () => this.carve.toggle(),
       undo: () => void this.panel_.history.change('undo'),
       redo: () => void this.panel_.history.change('redo'),
       help: () => this.help_.showModal(),
@@ -302,7 +302,7 @@ export class SessionPage {
       follows: this.picture.followed !== null,
       arrowsVisible: this.picture.arrowsVisible,
     });
-    this.carve_.update();
+    this.carve.update();
     this.updateScale_();
     this.notice_.show(this.noticeText_(nowMs));
   }

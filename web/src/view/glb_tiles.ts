@@ -16,6 +16,8 @@ export interface ParsedTile {
   /** Level of detail; 0 is exact. */
   level: number;
   triangles: number;
+  /** Motions of the block that are in it. */
+  motions: number;
   /** Equal for tiles of the same shape. */
   shape: string;
   /** null if no material is left in the tile */
@@ -60,7 +62,7 @@ function shapeOf(geometry: THREE.BufferGeometry): string {
   return `${one >>> 0} ${other >>> 0}`;
 }
 
-function tileOf(node: THREE.Object3D): ParsedTile | null {
+function tileOf(node: THREE.Object3D, motions: number): ParsedTile | null {
   const { tile, version, level = 0, repeat = [1, 1] } = node.userData as Record<string, unknown>;
   if (
     !isCoordinatePair(tile) ||
@@ -81,6 +83,7 @@ function tileOf(node: THREE.Object3D): ParsedTile | null {
     version,
     level,
     triangles: corners / 3,
+    motions,
     shape: geometry ? shapeOf(geometry) : '',
     geometry,
     matrix: node.matrixWorld.clone(),
@@ -95,9 +98,11 @@ export class TileParser {
   async parse(glb: Uint8Array): Promise<ParsedTile[]> {
     const buffer = glb.slice().buffer; // GLTFLoader requires a separate ArrayBuffer
     const gltf = await this.loader_.parseAsync(buffer, '');
+    const { to } = gltf.scene.userData;
+    const motions = typeof to === 'number' ? to : 0;
     const tiles: ParsedTile[] = [];
     for (const node of gltf.scene.children) {
-      const tile = tileOf(node);
+      const tile = tileOf(node, motions);
       if (!tile) throw new Error(`node "${node.name}" has no valid tile, version or level`);
       tiles.push(tile);
     }

@@ -4,7 +4,7 @@
 // buffers of a shape are released with its last tile.
 
 import * as THREE from 'three';
-import { tileKey } from '../model/tiles';
+import { tileAt, tileKey } from '../model/tiles';
 import type { ParsedTile } from './glb_tiles';
 
 /** A displayed tile. */
@@ -54,6 +54,12 @@ class Batch {
       this.at_.set(last, at);
     }
     this.changed_();
+  }
+
+  matrixOf(key: number): THREE.Matrix4 {
+    const matrix = new THREE.Matrix4();
+    this.mesh.getMatrixAt(this.at_.get(key)!, matrix);
+    return matrix;
   }
 
   tiles(): DisplayedTile[] {
@@ -152,6 +158,17 @@ export class TileView {
     if (batch.size > 0) return;
     this.batches_.delete(batch.shape);
     batch.dispose();
+  }
+
+  /** The tile that is displayed at a key, as it would be set again; null: none. */
+  get(key: number): ParsedTile | null {
+    const batch = this.batchOf_.get(key);
+    if (!batch) return null;
+    const [x, y] = tileAt(key);
+    const { geometry } = batch.mesh;
+    const matrix = batch.matrixOf(key);
+    const one = { columns: 1, rows: 1, version: 0, level: 0, motions: 0, triangles: 0 };
+    return { x, y, ...one, shape: batch.shape, geometry, matrix };
   }
 
   tiles(): DisplayedTile[] {

@@ -11,6 +11,7 @@ import type { Viewport } from '../model/fit';
 import { drawnRatio, Quality } from '../model/quality';
 import { stockBounds } from '../model/session';
 import type { SessionModel } from '../model/session';
+import type { TileTriangles } from '../kernel/kernel';
 import { mark } from '../marks';
 import { MESH_SNAPSHOT_LAST } from '../wire/types';
 import type { Header, Welcome } from '../wire/types';
@@ -19,6 +20,7 @@ import { CarverViews } from './carver_views';
 import { DisplayedSurface } from './displayed_surface';
 import { TileParser } from './glb_tiles';
 import type { ParsedTile } from './glb_tiles';
+import { LocalTiles } from './local_tiles';
 import { Stage } from './stage';
 import { StockMaterial } from './stock_material';
 import { TileView } from './tile_view';
@@ -40,6 +42,8 @@ export class Viewer {
   readonly stage: Stage;
   readonly stockMaterial = new StockMaterial();
   readonly tiles = new TileView(this.stockMaterial.material);
+  /** Where the page's copy of the block is ahead of the server's meshes. */
+  readonly local = new LocalTiles(this.tiles);
   /** The triangles of the tiles, for rays. */
   readonly displayed = new DisplayedSurface(this.tiles);
   private readonly parser_ = new TileParser();
@@ -89,6 +93,7 @@ export class Viewer {
       new THREE.Vector3(...bounds.max),
     );
     this.carvers_.reset(welcome.pivot_mm, ARROW_FRACTION * diagonalMm);
+    this.local.clear();
     this.shadowsDirty_ = true;
     if (!this.fitted_) this.rig.preset('iso', performance.now());
     this.fitted_ = true;
@@ -104,7 +109,7 @@ export class Viewer {
     if (generation !== this.model.tiles.generation) return;
     for (const tile of tiles) this.offer_(tile);
     if (header.flags & MESH_SNAPSHOT_LAST) {
-      for (const key of this.model.tiles.finishSnapshot()) this.tiles.remove(key);
+      for (const key of this.model.tiles.finishSnapshot()) this.local.remove(key);
     }
     this.shadowsDirty_ = true;
     this.touch();
@@ -115,9 +120,17 @@ export class Viewer {
     for (let y = tile.y; y < tile.y + tile.rows; ++y) {
       for (let x = tile.x; x < tile.x + tile.columns; ++x) {
         if (this.model.tiles.offer(x, y, tile.version, tile.triangles, tile.level))
-          this.tiles.set(tile, x, y, grid.tile * pitch_mm);
+          this.local.set(tile, x, y, grid.tile * pitch_mm);
       }
     }
+  }
+
+  /** Displays tiles of the page's copy, which has its samples up to `newest`. */
+  applyCopy(tiles: readonly TileTriangles[], newest: bigint): void {
+    const { state, welcome } = this.model;
+    if (!welcome || state?.at) return; // the past is the server's
+    this.local.cover(tiles, newest, welcome.grid.origin_mm);
+    this.touchAll();
   }
 
   /** Returns the camera position, with the acceptable error. */

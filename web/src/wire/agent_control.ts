@@ -13,12 +13,20 @@ export interface AgentHello {
   tool: number;
   /** Results state the newest sample that is on the server's disk. */
   durable: true;
+  /** Stock frames of the whole block, also those with the flag returned: for a copy of it. */
+  stock?: true;
+  whole?: true;
+  returned?: true;
   /** The token of an earlier welcome: continues as the same participant. */
   resume?: string;
 }
 
 export type AgentRequest =
-  AgentHello | { type: 'tool'; tool: number } | { type: 'undo' } | { type: 'redo' };
+  | AgentHello
+  | { type: 'tool'; tool: number }
+  | { type: 'stock' }
+  | { type: 'undo' }
+  | { type: 'redo' };
 
 export interface AgentWelcome {
   type: 'welcome';

@@ -8,6 +8,7 @@ import { Backoff } from '../../src/link/backoff';
 import type { Socket } from '../../src/link/view_link';
 import { parseAgentControl } from '../../src/wire/agent_control';
 import { decodeFrame } from '../../src/wire/decode';
+import { encodeFrame } from '../../src/wire/encode';
 import { FrameType } from '../../src/wire/types';
 import type { StateMessage } from '../../src/wire/types';
 
@@ -48,6 +49,24 @@ class FakeSocket implements Socket {
   }
 }
 
+/** Writes down what a copy of the block hears. */
+class FakeCopy {
+  works = false;
+  readonly heard: string[] = [];
+  open(welcome: string): void {
+    this.heard.push(`open ${(JSON.parse(welcome) as { participant: number }).participant}`);
+  }
+  cut(frame: Uint8Array, newest: bigint): void {
+    const decoded = decodeFrame(frame);
+    if (decoded.ok && decoded.value.kind === 'motion')
+      this.heard.push(`cut ${decoded.value.samples.length} to ${newest}`);
+  }
+  take(frame: Uint8Array): void {
+    const decoded = decodeFrame(frame);
+    this.heard.push(`take ${decoded.ok ? decoded.value.kind : 'nothing'}`);
+  }
+}
+
 const WELCOME = {
   type: 'welcome',
   participant: 3,
@@ -72,11 +91,13 @@ describe('carve link', () => {
   let sockets: FakeSocket[];
   let log: string[];
   let link: CarveLink;
+  let copy: FakeCopy;
 
   beforeEach(() => {
     vi.useFakeTimers();
     sockets = [];
     log = [];
+    copy = new FakeCopy();
     link = new CarveLink(
       {
         url: 'ws://host/v1/sessions/s/agent',
@@ -86,6 +107,7 @@ describe('carve link', () => {
         },
         who: () => ({ name: 'Grace', color: '#d9541e', tool: 2 }),
         nowMs: () => Date.now(),
+        copy,
         backoff: new Backoff(100, 100),
       },
       {
@@ -219,6 +241,51 @@ describe('carve link', () => {
     expect(log.at(-1)).toBe('joined 500');
     vi.advanceTimersByTime(3000);
     expect(log).toContain('lost The server stopped answering.');
+  });
+
+  /** A stock frame without tiles. */
+  function stock(socket: FakeSocket, flags: number, sequence: bigint): void {
+    const header = { type: FrameType.Stock, flags, epoch: 5, sequence, time_us: 1n };
+    const flagged = { reset: flags === 1, returned: false };
+    const frame = encodeFrame({ header, kind: 'stock', ...flagged, agent_time_us: 0n, tiles: [] });
+    socket.onmessage?.({ data: frame.buffer });
+  }
+
+  it('tells the copy of what it sends and gets, once, and acknowledges stock', () => {
+    copy.works = true;
+    const first = join();
+    expect(first.texts[0]).toMatchObject({ stock: true, whole: true, returned: true });
+    link.send(drafts(20));
+    stock(first, 1, 7n);
+    answer(first, 9n, 7n);
+    const joined = ['open 3', 'cut 16 to 16', 'cut 4 to 20', 'take stock', 'take result'];
+    expect(copy.heard).toEqual(joined);
+    const ack = decodeFrame(first.frames.at(-1)!);
+    expect(ack.ok && ack.value.header).toMatchObject({ type: FrameType.Ack, sequence: 7n });
+    first.onclose?.({ code: 1006, reason: '' });
+    vi.advanceTimersByTime(150);
+    const second = sockets.at(-1)!;
+    second.onopen?.();
+    second.say({ ...WELCOME, resume: { token: 'ab12', resumed: true, agent_sequence: 9 } });
+    // What is sent again has been cut, and no more is until the server's stock has come.
+    expect(copy.heard).toEqual(joined);
+    expect(link.takes).toBe(false);
+    stock(second, 0, 1n);
+    expect(link.takes).toBe(false);
+    stock(second, 1, 2n);
+    expect(link.takes).toBe(true);
+  });
+
+  it('opens the copy again in a block that does not know it, and cuts what it sends there', () => {
+    copy.works = true;
+    const first = join();
+    link.send(drafts(3));
+    first.onclose?.({ code: 1006, reason: '' });
+    vi.advanceTimersByTime(150);
+    sockets.at(-1)!.onopen?.();
+    sockets.at(-1)!.say(WELCOME);
+    expect(copy.heard).toEqual(['open 3', 'cut 3 to 3', 'open 3', 'cut 3 to 3']);
+    expect(link.takes).toBe(true);
   });
 
   it('is not lost while the browser lets a hidden page run once a minute', () => {

@@ -47,6 +47,7 @@ export function tileOf(
     rows: 1,
     version: 1,
     level: 0,
+    motions: 0,
     triangles: 128,
     shape,
     geometry,

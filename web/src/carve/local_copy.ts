@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page's copy of the block, its cuts in the picture.
+
+import { BlockCopy } from '../kernel/block_copy';
+import type { WorkerPort } from '../kernel/block_copy';
+import type { Viewer } from '../view/viewer';
+
+/** Whether kerf.wasm was there when the page was built (vite.config.ts). */
+declare const KERF_HAS_KERNEL: boolean;
+
+export const NO_COPY =
+  'This server has no kernel for pages: a cut is shown when the server has made it.';
+
+/** The page compiles it, because the policy of a worker's file forbids that (server/http). */
+async function compiled(): Promise<WebAssembly.Module | null> {
+  if (!KERF_HAS_KERNEL) return null;
+  return WebAssembly.compileStreaming(fetch(new URL('kerf.wasm', document.baseURI)));
+}
+
+/** `lacks`: the server must send its stock again; `ended`: the copy has, for a reason. */
+export function makeCopy(
+  viewer: Viewer,
+  lacks: () => void,
+  ended: (reason: string) => void,
+): BlockCopy {
+  const worker = new Worker(new URL('../kernel/worker.ts', import.meta.url), { type: 'module' });
+  const copy = new BlockCopy(compiled(), worker as WorkerPort, {
+    tiles: (tiles, newest) => viewer.applyCopy(tiles, newest),
+    lacks,
+    failed: (reason) => {
+      viewer.local.clear();
+      ended(reason);
+    },
+  });
+  viewer.local.hidden = (keys) => copy.hidden(keys);
+  return copy;
+}
