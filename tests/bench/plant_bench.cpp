@@ -2,9 +2,10 @@
 // Measures passivity and stability of the agent as the motors and the hand see them: the work of
 // the wrench that acts, which is the one written a latency ago.
 //
-//   plant_bench [all | surfaces | guides | traces] [TRACES]        default: all, 100000
+//   plant_bench [all | traces] [TRACES]                            default: all, 100000
+//   plant_bench surfaces | guides [MS]                             one latency, or each
 //
-// The parts can be run separately, each for minutes.
+// The parts can be run separately, each for minutes; the latencies of a table at the same time.
 //
 // First table: the tool is pressed against stock and obstacles by hands of 0.02 to 2 N/mm with 0.05
 // to 2 kg and 1e-5 or 2e-4 kg m², through a device with 0 to 3 ms of latency, 2 % of the ticks lost
@@ -92,7 +93,8 @@ Worst press_guides(std::uint64_t latency_us) {
   return worst;
 }
 
-bool contact_table(bool surfaces, bool guides) {
+/// `only_ms`: the latency of the rows to run; negative: all.
+bool contact_table(bool surfaces, bool guides, int only_ms) {
   bool holds = true;
   std::printf("%-26s %6s %14s %20s %6s\n", "latency ms", "runs", "mJ returned", "rms mm/s at rest",
               "trips");
@@ -101,18 +103,21 @@ bool contact_table(bool surfaces, bool guides) {
                 worst.buzz_mm_per_s, static_cast<unsigned long long>(worst.trips));
     std::fflush(stdout);
   };
+  const auto runs = [only_ms](std::uint64_t latency_us) {
+    return only_ms < 0 || latency_us == static_cast<std::uint64_t>(only_ms) * 1000;
+  };
   for (const std::uint64_t latency_us : {0U, 1000U, 2000U, 3000U}) {
-    if (!surfaces) break;
+    if (!surfaces || !runs(latency_us)) continue;
     const Worst worst = press_all(latency_us, false);
     char name[32];
     std::snprintf(name, sizeof name, "%llu", static_cast<unsigned long long>(latency_us / 1000));
     row(name, worst);
     holds = holds && worst.returned_mj <= kTankMj && worst.buzz_mm_per_s <= kMostBuzz;
   }
-  if (surfaces) row("3, but none declared", press_all(3000, true));
-  if (surfaces) row("3, no limit from inertia", press_all(3000, false, true));
+  if (surfaces && only_ms < 0) row("3, but none declared", press_all(3000, true));
+  if (surfaces && only_ms < 0) row("3, no limit from inertia", press_all(3000, false, true));
   for (const std::uint64_t latency_us : {0U, 3000U}) {
-    if (!guides) break;
+    if (!guides || !runs(latency_us)) continue;
     const Worst worst = press_guides(latency_us);
     row(latency_us == 0 ? "0, guides" : "3, guides", worst);
     holds = holds && worst.returned_mj <= kTankMj && worst.buzz_mm_per_s <= kMostBuzz;
@@ -149,14 +154,17 @@ bool adversary_table(std::uint32_t traces) {
 
 int main(int argc, char** argv) {
   const std::string_view part = argc > 1 ? argv[1] : "all";
-  const auto traces = static_cast<std::uint32_t>(argc > 2 ? std::atoi(argv[2]) : 100'000);
+  const int number = argc > 2 ? std::atoi(argv[2]) : -1;
   const auto runs = [&](std::string_view name) { return part == "all" || part == name; };
   if (!runs("surfaces") && !runs("guides") && !runs("traces")) {
-    std::fprintf(stderr, "plant_bench [all | surfaces | guides | traces] [TRACES]\n");
+    std::fprintf(stderr,
+                 "plant_bench [all | traces] [TRACES]\nplant_bench surfaces | guides [MS]\n");
     return 2;
   }
   bool holds = true;
-  if (runs("surfaces") || runs("guides")) holds = contact_table(runs("surfaces"), runs("guides"));
-  if (runs("traces")) holds = adversary_table(traces) && holds;
+  if (runs("surfaces") || runs("guides"))
+    holds = contact_table(runs("surfaces"), runs("guides"), part == "all" ? -1 : number);
+  if (runs("traces"))
+    holds = adversary_table(number < 0 ? 100'000 : static_cast<std::uint32_t>(number)) && holds;
   return holds ? 0 : 1;
 }
