@@ -47,8 +47,8 @@ struct KlartextWord {
 /// Divides "X+10 IY-5.5 R0 FMAX M3" into words. Commas are decimal points.
 std::vector<KlartextWord> klartext_words(std::string_view text);
 
-/// Returns the stock of BLK FORM 0.1 and 0.2, or of BLK FORM CYLINDER Z, in mm; nullopt where a
-/// program has none.
+/// Returns the stock of BLK FORM 0.1 and 0.2, in mm; nullopt where a program has none, or has
+/// another form of it.
 std::optional<StockShape> klartext_blank(std::string_view program);
 
 }  // namespace kerf
