@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::size_t kDigitsMax = 6;
+constexpr std::size_t kStatedDigitsMax = 6;
 
 // A line divided into its code, in upper case without blanks, and its comments.
 struct Parts {
@@ -54,7 +54,7 @@ class Head {
     skip(" \t:#-.=[");
     ToolId id = 0;
     const std::size_t from = at_;
-    for (; is_digit(at()) && at_ - from < kDigitsMax; ++at_)
+    for (; is_digit(at()) && at_ - from < kStatedDigitsMax; ++at_)
       id = 10 * id + static_cast<ToolId>(at() - '0');
     if (id == 0 || at_ == from) return std::nullopt;
     // "TOOL 6MM", "TOOL 1/4", "TOOL 6.35": a size.
@@ -96,7 +96,7 @@ std::optional<ToolId> tool_word(const std::string& code) {
     if (code[i] != 'T' || (i > 0 && code[i - 1] >= 'A' && code[i - 1] <= 'Z')) continue;
     ToolId id = 0;
     std::size_t end = i + 1;
-    for (; end < code.size() && is_digit(code[end]) && end - i <= kDigitsMax; ++end)
+    for (; end < code.size() && is_digit(code[end]) && end - i <= kStatedDigitsMax; ++end)
       id = 10 * id + static_cast<ToolId>(code[end] - '0');
     if (end > i + 1 && id > 0) return id;
   }

@@ -46,7 +46,7 @@ std::optional<Target> find_target(Session& session, const std::string& number) {
   });
 }
 
-std::optional<Vec3> parse_point(const std::string* text) {
+std::optional<Vec3> parse_corner(const std::string* text) {
   if (text == nullptr) return std::nullopt;
   std::array<double, 3> values{};
   std::size_t count = 0;
@@ -161,8 +161,8 @@ ApiResponse Api::list_regions(const ApiCall& call) {
 
 ApiResponse Api::reserve(const ApiCall& call) {
   Session& session = *call.session;
-  const auto low = parse_point(call.request.query_value("min_mm"));
-  const auto high = parse_point(call.request.query_value("max_mm"));
+  const auto low = parse_corner(call.request.query_value("min_mm"));
+  const auto high = parse_corner(call.request.query_value("max_mm"));
   if (!low || !high || !(low->x < high->x && low->y < high->y && low->z < high->z)) {
     return error_response(400, "bad_region",
                           "min_mm and max_mm must be X,Y,Z with each min below its max");

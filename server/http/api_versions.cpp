@@ -44,7 +44,7 @@ ApiResponse version_failure(const VersionError& error) {
 }
 
 /// Nothing if a version may have the name.
-std::optional<ApiResponse> name_failure(const std::string* name) {
+std::optional<ApiResponse> version_name_failure(const std::string* name) {
   if (name != nullptr && is_version_name(*name) && *name != kLive &&
       std::holds_alternative<std::string>(*parse_point(*name))) {
     return std::nullopt;
@@ -76,7 +76,7 @@ ApiResponse Api::list_versions(const ApiCall& call) {
 ApiResponse Api::name_version(const ApiCall& call) {
   Session& session = *call.session;
   const std::string* name = call.request.query_value("name");
-  if (auto failure = name_failure(name)) return *std::move(failure);
+  if (auto failure = version_name_failure(name)) return *std::move(failure);
   const auto record = find_requested(session, call.request.query_value("at"));
   if (!record) return record.error();
   if (const auto flushed = session.flush(); !flushed) {
@@ -100,7 +100,7 @@ ApiResponse Api::name_version(const ApiCall& call) {
 ApiResponse Api::rename_version(const ApiCall& call) {
   Session& session = *call.session;
   const std::string* name = call.request.query_value("name");
-  if (auto failure = name_failure(name)) return *std::move(failure);
+  if (auto failure = version_name_failure(name)) return *std::move(failure);
   const auto renamed = run_and_wait(session.executor(), [&] {
     return session.rename_version(call.captured, *name, call.caller);
   });

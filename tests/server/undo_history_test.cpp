@@ -44,7 +44,7 @@ constexpr std::uint32_t kTools = 11;
 /// One of several schedules, which can be changed at any time.
 class ChosenWorkers final : public Workers {
  public:
-  void choose(unsigned number) { chosen_ = all_[number % all_.size()]; }
+  void choose(std::size_t number) { chosen_ = all_[number % all_.size()]; }
   int count() const override { return chosen_->count(); }
   void run(int jobs, const std::function<void(int)>& job) override { chosen_->run(jobs, job); }
 
