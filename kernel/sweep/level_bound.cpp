@@ -59,13 +59,13 @@ std::optional<LevelBound> LevelBound::make(const ToolPiece& slice, const ToolPos
   b.travel = travel;
   b.lowest = from.tip_mm.z + e.z0_mm;
   b.radius = e.radius_mm;
-  b.inner_radius = std::min(r0, r1);
   if (const auto* arc = std::get_if<ArcPiece>(&slice)) {
     b.is_arc = true;
     b.center_r = arc->center_r_mm;
     b.center_z = from.tip_mm.z + arc->center_z_mm;
     b.arc_radius = arc->radius_mm;
   } else {
+    b.inner_radius = std::min(r0, r1);
     b.lower_radius = r0;
     b.by_slope = r1 > r0 ? (e.z1_mm - e.z0_mm) / (r1 - r0) : 0;
   }

@@ -22,7 +22,7 @@ class LevelBound {
   /// Call this if the slice at its first pose has been removed from the stock already.
   void set_start_is_cut() { b_.start_is_cut = true; }
   /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc, without the
-  /// discs behind the tool. Returns the discs (bit i: disc i) that are inside of the slice at its
+  /// discs behind the tool. Returns the discs (bit i: disc i) that are inside of a frustum at its
   /// first pose, all along its height: there is nothing left for it.
   unsigned lower_bound(const Discs& discs, Lanes& z_mm) const;
 
@@ -32,7 +32,7 @@ class LevelBound {
     double travel;        ///< mm
     double lowest;        ///< height of the slice's lower end
     double radius;        ///< greatest radius of the slice
-    double inner_radius;  ///< least radius of the slice
+    double inner_radius;  ///< least radius of a frustum; 0 for an arc, of which nothing is inside
     bool is_arc;
     double center_r, center_z, arc_radius;  ///< of an arc
     double lower_radius;                    ///< of a frustum, like the next

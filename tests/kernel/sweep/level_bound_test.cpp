@@ -87,7 +87,7 @@ TEST(LevelBound, EveryPointOfTheMovingSliceIsAboveItOrGone) {
     return std::uniform_real_distribution<double>(a, b)(random);
   };
   int bounded = 0, left_out = 0, gone = 0;
-  for (int trial = 0; trial < 4000; ++trial) {
+  for (int trial = 0; trial < 6000; ++trial) {
     const ToolPiece& slice = kSlices[trial % std::size(kSlices)];
     const Extent e = extent(slice);
     const Vec3 from{in(-1, 1), in(-1, 1), in(-1, 1)};
