@@ -137,6 +137,7 @@ async function checkMeasures(viewer) {
 async function checkPath(viewer) {
   const { page } = viewer;
   await page.getByRole('button', { name: 'NC programs' }).click();
+  await page.locator('.programs').waitFor(); // a chunk of its own
   assert.equal(await page.locator('.inspect').isVisible(), false, 'two panels at one place');
   await page.locator('.program-row[data-line="10"]').click(); // to X8 Y1
   await page.locator('.canvas').focus();
