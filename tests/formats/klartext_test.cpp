@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "server/formats/derived_scene.h"
 #include "server/formats/heidenhain/blocks.h"
@@ -17,6 +18,7 @@ using test::scene_for;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::SizeIs;
 
 const std::string kHead = "0 BEGIN PGM T MM\n1 TOOL CALL 1 Z S1000\n2 L X+0 Y+0 Z+5 R0 FMAX M3\n";
 
@@ -38,8 +40,8 @@ std::vector<Vec3> ends(const std::string& body, const char* machine = "xyz") {
   return tips;
 }
 
-std::string refused(const std::string& body) {
-  const auto program = read(kHead + body);
+std::string refused(const std::string& body, const char* machine = "xyz") {
+  const auto program = read(kHead + body, machine);
   return program ? "" : to_string(program.error());
 }
 
@@ -166,6 +168,121 @@ TEST(Klartext, M128KeepsTheTipWhileAxesTurn) {
   ASSERT_TRUE(program) << to_string(program.error());
   EXPECT_EQ(program->motions.back().to.tip_mm, (Vec3{0, 0, 5}));
   EXPECT_NEAR(program->motions.back().to.axis.z, std::cos(std::acos(-1.0) / 6), 1e-9);
+}
+
+// By how much the tool axis turns about Z at feed on a trunnion, deg.
+double turned(const std::string& body) {
+  const auto program = read(kHead + body + "END PGM T MM\n", "xyzac-trt");
+  EXPECT_TRUE(program) << to_string(program.error());
+  double sum = 0;
+  if (program)
+    for (const ProgramMotion& motion : program->motions) {
+      const Vec3 a = motion.from.axis, b = motion.to.axis;
+      if (motion.rapid) continue;
+      const double turn = std::atan2(b.y, b.x) - std::atan2(a.y, a.x);
+      sum += std::remainder(turn, 2 * std::numbers::pi) * 180 / std::numbers::pi;
+    }
+  return sum;
+}
+
+TEST(Klartext, M126TurnsTheShorterPath) {
+  // The axis of the tool turns against the table, here beside C only.
+  const std::string from = "L A+30 C+350 FMAX\nM128\nL Z+1 F100\n";
+  EXPECT_NEAR(turned(from + "L C+10\n"), 340, 1e-3) << "the other sign of C";
+  EXPECT_NEAR(turned(from + "M126\nL C+10\n"), -20, 1e-3);
+  EXPECT_NEAR(turned(from + "M126\nL C+10\nL C+340\n"), 10, 1e-3);
+  EXPECT_NEAR(turned(from + "M126\nL C+10\nM127\nL C+340\n"), -350, 1e-3);
+  EXPECT_NEAR(turned(from + "M126\nL IC+20\n"), -20, 1e-3);
+  EXPECT_THAT(refused(from + "M126\nL IC+270\n", "xyzac-trt"), HasSubstr("M126"));
+}
+
+TEST(Klartext, M94TakesWholeTurnsFromAnAngle) {
+  const std::string from = "L A+30 C+538 FMAX\nM128\nL Z+1 F100\n";
+  EXPECT_NEAR(turned(from + "L C+180\n"), 358, 1e-3);
+  for (const char* reduced : {"M94\nL C+180\n", "M94 C\nL C+180\n", "L C+180 M94\n"})
+    EXPECT_NEAR(turned(from + reduced), -2, 1e-3) << reduced;
+  EXPECT_NEAR(turned(from + "M94 A\nL C+180\n"), 358, 1e-3);
+  EXPECT_NEAR(turned("L A+30 C-182 FMAX\nM128\nL Z+1 F100\nM94\nL C+180\n"), -2, 1e-3);
+}
+
+TEST(Klartext, TablesTurnInMachineCoordinates) {
+  for (const char* turn : {"L A+30 C+0 FMAX M91\n", "L Z+0 A+30 FMAX M91\nL Z+5 FMAX\n"}) {
+    const auto program = read(kHead + turn + "M128\nL Z-1 F100\n", "xyzac-trt");
+    ASSERT_TRUE(program) << to_string(program.error());
+    EXPECT_NEAR(program->motions.back().to.axis.z, std::cos(std::numbers::pi / 6), 1e-9) << turn;
+  }
+  for (const char* turn : {"L A+30 FMAX M92\n", "L IA+30 FMAX M91\n"})
+    EXPECT_THAT(refused(turn, "xyzac-trt"), HasSubstr("is not supported")) << turn;
+  EXPECT_THAT(refused("L A+30 FMAX M91\n"), HasSubstr("has no A axis"));
+  EXPECT_THAT(refused("L X+9 F9\nRND R1\nL Z+0 FMAX M91\nL Y+9\n"), HasSubstr("'M91'"));
+}
+
+const std::string kDrill =
+    "CYCL DEF 200 DRILLING ~\nQ200=2 ~\nQ201=-7 ~\nQ206=30 ~\nQ203=0 ~\nQ204=2\n";
+
+// The places that are drilled.
+std::vector<double> holes(const std::string& body) {
+  std::vector<double> at;
+  for (const Vec3& p : ends(kDrill + body))
+    if (p.z == -7) at.push_back(p.x);
+  return at;
+}
+
+TEST(Klartext, ACycleIsCalledUntilItsCallEnds) {
+  EXPECT_THAT(holes("L X+10 FMAX\nM99\nL X+30 FMAX M99\nL X+40 FMAX\n"), ElementsAre(10, 30));
+  EXPECT_THAT(holes("L X+1 FMAX\nM89\nL X+2 FMAX\nCC X+0 Y+0\nLP PR+3 PA+0 FMAX\n"
+                    "L X+4 FMAX M99\nL X+5 FMAX\n"),
+              ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(holes("L X+1 FMAX M89\nL X+2 FMAX\nCYCL CALL\nL X+3 FMAX\n"), ElementsAre(1, 2, 2));
+  EXPECT_THAT(holes("L X+1 FMAX M89\n" + kDrill + "L X+2 FMAX\n"), ElementsAre(1));
+  EXPECT_THAT(refused(kDrill + "L X+1 FMAX M91 M99\n"), HasSubstr("beside M91"));
+  EXPECT_THAT(refused(kDrill + "L X+9 F9\nRND R1\nCYCL CALL\nL Y+9\n"), HasSubstr("RND"));
+}
+
+TEST(Klartext, WordsOfToolCallThatChangeTheToolAreRefused) {
+  EXPECT_THAT(ends("TOOL CALL 1 Z S900 F50 DL+0 DR-0,0 DR2:+0\nL X+1\n"), SizeIs(1));
+  EXPECT_THAT(ends("TOOL CALL 1 Z DR2+0\nL X+1 F9\n"), SizeIs(1));
+  for (const char* word : {"DL+0.5", "DR-0.1", "DR2:+0.2", "DR2+0.1", "DR2", "DL", "U", "X", "FU1"})
+    EXPECT_NE(refused(std::string("TOOL CALL 1 Z S1000 ") + word + "\nL X+1 F9\n"), "") << word;
+}
+
+TEST(Klartext, TcpmIsReadAsM128Only) {
+  const std::string tcpm = "FUNCTION TCPM F TCP AXIS ";
+  EXPECT_EQ(refused(tcpm + "POS PATHCTRL AXIS REFPNT TIP-TIP\nL X+1 F9\n"), "");
+  EXPECT_THAT(refused(tcpm + "SPAT PATHCTRL AXIS\n"), HasSubstr("AXIS SPAT"));
+  EXPECT_THAT(refused(tcpm + "POS PATHCTRL VECTOR\n"), HasSubstr("PATHCTRL VECTOR"));
+  EXPECT_THAT(refused(tcpm + "POS PATHCTRL AXIS REFPNT CENTER-CENTER\n"), HasSubstr("CENTER"));
+}
+
+TEST(Klartext, AFeedBesideACornerHoldsInTheCorner) {
+  const auto program = read(kHead + "L X+20 F1000\nCHF 5 F50\nL Y+20\n");
+  ASSERT_TRUE(program) << to_string(program.error());
+  std::vector<double> feeds;
+  for (const ProgramMotion& motion : program->motions)
+    feeds.push_back(
+        std::round(60 * length(motion.to.tip_mm - motion.from.tip_mm) / motion.duration_s));
+  EXPECT_THAT(feeds, ElementsAre(1000, 50, 1000));
+  EXPECT_THAT(refused("L X+20 F9\nRND R5 FMAX\nL Y+20\n"), HasSubstr("FMAX"));
+}
+
+TEST(Klartext, PolarLinesHaveCorners) {
+  const auto path = ends("CC X+0 Y+0\nLP PR+20 PA+0 F500\nCHF 5\nLP IPR+0 IPA+90\n");
+  const double back = std::round(5000 / std::sqrt(2)) / 1000;
+  EXPECT_THAT(path, ElementsAre(Vec3{15, 0, 5}, Vec3{20 - back, back, 5}, Vec3{0, 20, 5}));
+  EXPECT_THAT(refused("L X+20 F9\nRND R5\nTOOL CALL 1 Z\nL Y+20\n"), HasSubstr("between"));
+  EXPECT_THAT(refused("L X+20 F9\nRND R5\nM140 MB5\nL Y+20\n"), HasSubstr("between"));
+  EXPECT_THAT(refused("L X+20 A+9 F9\nRND R5\nL Y+20\n", "xyzac-trt"), HasSubstr("RND"));
+}
+
+TEST(Klartext, WordsMayStandApart) {
+  const auto program = read(kHead + "L X+1 R0 F MAX M3\nL X+2 F AUTO F9\n");
+  ASSERT_TRUE(program) << to_string(program.error());
+  EXPECT_TRUE(program->motions.at(0).rapid);
+  for (const char* name : {"V.ZEIT 1.5", "DWELL 1,5"}) {
+    const auto waits = read(kHead + "L X+1 F60\nCYCL DEF 9.0 X\nCYCL DEF 9.1 " + name + "\n");
+    ASSERT_TRUE(waits) << to_string(waits.error());
+    EXPECT_EQ(waits->motions.back().duration_s, 1.5) << name;
+  }
 }
 
 TEST(Klartext, WhatIsNotCertainIsRefusedByName) {

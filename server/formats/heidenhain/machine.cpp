@@ -41,6 +41,12 @@ void check_words(const std::vector<KlartextWord>& words) {
       throw KlartextFault{word.name + word.value, "is not a word of this path function"};
 }
 
+// "C" behind "M94".
+bool is_reduced_axis(const KlartextWord& before, const KlartextWord& word) {
+  return before.name == "M" && before.value == "94" && word.value.empty() &&
+         (word.name == "A" || word.name == "B" || word.name == "C");
+}
+
 }  // namespace
 
 KlartextMachine::KlartextMachine(const Scene& scene, MotionSink& sink, KlartextValues& values,
@@ -53,10 +59,12 @@ bool KlartextMachine::execute(const KlartextBlock& block, const std::string& fol
   if (text.starts_with("END PGM")) return true;
   if (is_idle(text) || text.empty()) return false;
   if (text.starts_with("BEGIN PGM")) return begin(text), false;
+  if (text[0] != 'L' && text[0] != 'C' && text[0] != 'R') refuse_in_corner(text);
   if (text.starts_with("TOOL CALL")) return call_tool(after(text, "TOOL CALL")), false;
+  if (text.starts_with("CYCL")) refuse_in_corner(text);
   if (text.starts_with("CYCL DEF")) return cycle_definition(after(text, "CYCL DEF")), false;
   if (begins(text, "PLANE")) return tilt(after(text, "PLANE")), false;
-  if (text.starts_with("FUNCTION TCPM")) return path_.set_tool_center(true), false;
+  if (text.starts_with("FUNCTION TCPM")) return tool_center(text), false;
   if (text.starts_with("FUNCTION RESET TCPM")) return path_.set_tool_center(false), false;
   if (begins(text, "CYCL CALL")) {
     Words words = klartext_words(after(text, "CYCL CALL"));
@@ -64,42 +72,21 @@ bool KlartextMachine::execute(const KlartextBlock& block, const std::string& fol
     if (!words.empty())
       throw KlartextFault{"CYCL CALL", "is supported without PAT and POS; use L … M99"};
     drill();
+    cycle_modal_ = false;
     return extras.ends;
   }
   const std::string_view path_words[] = {"LN", "LP",  "LT", "L", "CC",  "CP",
                                          "CR", "CTP", "CT", "C", "RND", "CHF"};
-  for (const std::string_view word : path_words) {
-    if (!begins(text, word)) continue;
-    Words words = klartext_words(after(text, word));
-    const Extras extras = read_extras(words);
-    check_words(words);
-    if (word == "CC") {
-      pole(words);
-    } else if (word == "L") {
-      const bool corner_follows = begins(following, "RND") || begins(following, "CHF") ||
-                                  following.starts_with("RND") || following.starts_with("CHF");
-      linear(words, extras, corner_follows);
-    } else if (word == "LP") {
-      polar_line(words, extras);
-    } else if (word == "C") {
-      circle(words);
-    } else if (word == "CP") {
-      polar_circle(words);
-    } else if (word == "CR") {
-      circle_by_radius(words);
-    } else if (word == "CT") {
-      tangent_circle(words);
-    } else if (word == "RND" || word == "CHF") {
-      corner(words, word == "CHF");
-    } else {
-      throw KlartextFault{std::string(word), "is not supported; post with L, CC, C, CP, CR and CT"};
-    }
-    if (extras.calls_cycle || (cycle_modal_ && word == "L" && cycle_number_ != 0)) drill();
-    return extras.ends;
-  }
+  for (const std::string_view word : path_words)
+    if (begins(text, word))
+      return path_function(word, klartext_words(after(text, word)), following);
   if (text[0] == 'M' && text.size() > 1 && is_digit(text[1])) {
     Words words = klartext_words(text);
-    return read_extras(words).ends;
+    const Extras extras = read_extras(words);
+    if (!words.empty())
+      throw KlartextFault{words[0].name + words[0].value, "is not a word beside M"};
+    if (extras.calls_cycle) drill();
+    return extras.ends;
   }
   const std::string word = text.substr(0, text.find(' '));
   throw KlartextFault{word, word == "APPR" || word == "DEP"
@@ -108,8 +95,50 @@ bool KlartextMachine::execute(const KlartextBlock& block, const std::string& fol
                                 : "is not a supported statement"};
 }
 
+bool KlartextMachine::path_function(std::string_view word, Words words,
+                                    const std::string& following) {
+  const bool corners = word == "RND" || word == "CHF";
+  const std::optional<double> feed_before = feed_;
+  const Extras extras = read_extras(words);
+  check_words(words);
+  const bool corner_follows = following.starts_with("RND") || following.starts_with("CHF");
+  if (word == "CC") {
+    pole(words);
+  } else if (word == "L") {
+    linear(words, extras, corner_follows);
+  } else if (word == "LP") {
+    polar_line(words, extras, corner_follows);
+  } else if (word == "C") {
+    circle(words);
+  } else if (word == "CP") {
+    polar_circle(words);
+  } else if (word == "CR") {
+    circle_by_radius(words);
+  } else if (word == "CT") {
+    tangent_circle(words);
+  } else if (corners) {
+    if (extras.rapid) throw KlartextFault{"FMAX", "beside RND and CHF is not supported"};
+    corner(words, word == "CHF");
+    // F beside RND and CHF holds in the corner only.
+    if (feed_ != feed_before) corner_->own_feed = feed();
+    feed_ = feed_before;
+  } else {
+    throw KlartextFault{std::string(word), "is not supported; post with L, CC, C, CP, CR and CT"};
+  }
+  if (extras.calls_cycle || (cycle_modal_ && word != "CC" && !corners)) {
+    if (extras.in_machine)
+      throw KlartextFault{"M99", "beside M91 and M92 is not supported: the place is not known"};
+    drill();
+  }
+  return extras.ends;
+}
+
 void KlartextMachine::finish() const {
   if (corner_) throw KlartextFault{"RND", "must be followed by a straight line"};
+}
+
+void KlartextMachine::refuse_in_corner(const std::string& word) const {
+  if (corner_) throw KlartextFault{word, "between the lines of RND or CHF is not supported"};
 }
 
 void KlartextMachine::begin(const std::string& text) {
@@ -141,115 +170,48 @@ void KlartextMachine::call_tool(std::string text) {
   } else if (!tool) {
     changes = false;
   }
-  for (const KlartextWord& word : words) {
-    if (word.name == "F" && !word.value.empty()) feed_ = values_.of(word.value) * unit_mm_;
-    const bool axis = word.value.empty() && (word.name == "X" || word.name == "Y");
-    if (axis) throw KlartextFault{word.name, "as tool axis is not supported; Z is"};
-  }
+  for (std::size_t i = 0; i < words.size(); ++i) tool_word(words, i);
   if (changes) path_.change_tool(tool);
   direction_.reset();
 }
 
-void KlartextMachine::cycle_definition(const std::string& text) {
-  std::size_t end = 0;
-  while (end < text.size() && (is_digit(text[end]) || text[end] == '.')) ++end;
-  const std::string number = text.substr(0, end);
-  const std::string rest = text.substr(end);
-  const int cycle = number.empty() ? 0 : std::atoi(number.c_str());
-  const bool title = number.ends_with(".0");
-  if (cycle == 7 || cycle == 10 || cycle == 9) {
-    if (title) return;
-    if (cycle == 7) return datum_shift(klartext_words(rest));
-    if (cycle == 10) return rotate(klartext_words(rest));
-    for (const KlartextWord& word : klartext_words(rest))
-      if (!word.value.empty()) path_.dwell(std::max(0.0, values_.of(word.value)));
+// Z, S, F and oversizes of 0; advances `at` to the value of "DR2:+0".
+void KlartextMachine::tool_word(const Words& words, std::size_t& at) {
+  KlartextWord word = words[at];
+  if (word.value.empty() && (word.name == "X" || word.name == "Y"))
+    throw KlartextFault{word.name, "as tool axis is not supported; Z is"};
+  if (word.value.empty() && word.name == "Z") return;
+  if (word.name == "S" && !word.value.empty()) return;
+  if (word.name == "F" && !word.value.empty()) {
+    feed_ = values_.of(word.value) * unit_mm_;
     return;
   }
-  const bool holes = cycle == 200 || cycle == 201 || cycle == 202 || cycle == 203 || cycle == 205 ||
-                     cycle == 206 || cycle == 207 || cycle == 209 || cycle == 240 || cycle == 241;
-  if (!holes)
-    throw KlartextFault{"CYCL DEF " + number,
-                        "is not supported; 7, 9, 10, 32, 200 to 203, 205 to 207, 209, 240, 241 and "
-                        "247 are: post the motions of others as L and C"};
-  cycle_.clear();
-  for (std::size_t at = rest.find('Q'); at != std::string::npos; at = rest.find('Q', at + 1)) {
-    std::size_t stop = at + 1;
-    while (stop < rest.size() && is_digit(rest[stop])) ++stop;
-    const std::string name = rest.substr(at, stop - at);
-    while (stop < rest.size() && rest[stop] == ' ') ++stop;
-    if (name.size() < 2 || stop >= rest.size() || rest[stop] != '=') continue;
-    const std::size_t from = rest.find_first_not_of(' ', stop + 1);
-    if (from == std::string::npos) continue;
-    const std::string value = rest.substr(from, rest.find(' ', from) - from);
-    if (value.find_first_of("0123456789Q") == std::string::npos) continue;  // FMAX, AUTO
-    std::string plain = value;
-    std::ranges::replace(plain, ',', '.');
-    cycle_[name] = values_.of(plain);
-    values_.set(name, cycle_[name]);
-    at = from;
+  if (word.name == "DR" && word.value == "2") {
+    if (at + 1 < words.size() && words[at + 1].name == ":") ++at;
+    word = {.name = "DR2", .value = {}};
+    if (at + 1 < words.size() && words[at + 1].name.empty()) word.value = words[++at].value;
   }
-  for (const char* needed : {"Q200", "Q201", "Q203"})
-    if (!cycle_.contains(needed))
-      throw KlartextFault{"CYCL DEF " + number, std::string("requires ") + needed};
-  if (cycle == 240 && cycle_.contains("Q343") && cycle_["Q343"] != 0)
-    throw KlartextFault{"Q343", "selects a depth by the diameter, which is not supported"};
-  cycle_number_ = cycle;
+  const bool oversize = word.name == "DL" || word.name == "DR" || word.name == "DR2";
+  if (!oversize || word.value.empty())
+    throw KlartextFault{word.name + word.value, "is not a supported word of TOOL CALL"};
+  if (values_.of(word.value) != 0)
+    throw KlartextFault{word.name + word.value,
+                        "is an oversize, which is not supported; state the tool as it is"};
 }
 
-// The hole at the current place: down to Q203 + Q201 and up to the second clearance Q204.
-void KlartextMachine::drill() {
-  if (cycle_number_ == 0) throw KlartextFault{"M99", "calls a cycle that is not defined"};
-  const auto value = [this](const char* name, double missing) {
-    const auto it = cycle_.find(name);
-    return it == cycle_.end() ? missing : it->second;
+// FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS, which is M128.
+void KlartextMachine::tool_center(const std::string& text) {
+  struct Refused {
+    std::string_view words, reason;
   };
-  const double surface = value("Q203", 0) * unit_mm_;
-  const double clearance = surface + value("Q200", 0) * unit_mm_;
-  const double high = std::max(clearance, surface + value("Q204", 0) * unit_mm_);
-  const double bottom = surface + value("Q201", 0) * unit_mm_;
-  const double plunge = value("Q206", feed_.value_or(0) / unit_mm_) * unit_mm_;
-  const bool taps = cycle_number_ == 206 || cycle_number_ == 207 || cycle_number_ == 209;
-  const double feed = plunge > 0 ? plunge : taps ? feed_.value_or(1000) : 0;
-  if (!(feed > 0)) throw KlartextFault{"Q206", "requires a feed above 0"};
-  if (bottom > clearance) throw KlartextFault{"Q201", "is a depth above the clearance"};
-  Vec3 at = path_.position();
-  const std::array named{false, false, true};
-  at.z = clearance;
-  move(at, std::nullopt, named);
-  at.z = bottom;
-  move(at, feed, named);
-  const double seconds = value("Q211", 0);
-  if (seconds > 0) path_.dwell(seconds);
-  at.z = high;
-  move(at, std::nullopt, named);
-}
-
-void KlartextMachine::datum_shift(const Words& words) {
-  KlartextFrame& frame = path_.frame();
-  if (frame.is_tilted)
-    throw KlartextFault{"CYCL DEF 7", "in a tilted plane is not supported; shift before PLANE"};
-  for (const KlartextWord& word : words) {
-    const bool incremental = word.name.size() == 2 && word.name[0] == 'I';
-    const char axis = word.name.empty() ? ' ' : word.name.back();
-    if (axis == '#') throw KlartextFault{"#", "names a datum table, which is not known here"};
-    double* const part = axis == 'X'   ? &frame.datum_mm.x
-                         : axis == 'Y' ? &frame.datum_mm.y
-                         : axis == 'Z' ? &frame.datum_mm.z
-                                       : nullptr;
-    if (part == nullptr || word.value.empty())
-      throw KlartextFault{word.name + word.value, "is not a shift along X, Y or Z"};
-    *part = mm(word) + (incremental ? *part : 0);
-  }
-}
-
-void KlartextMachine::rotate(const Words& words) {
-  KlartextFrame& frame = path_.frame();
-  for (const KlartextWord& word : words) {
-    if (word.name != "ROT" && word.name != "IROT")
-      throw KlartextFault{word.name + word.value, "must be ROT, the angle"};
-    const double before = word.name == "IROT" ? frame.rotation_deg : 0;
-    frame.rotation_deg = before + values_.of(word.value);
-  }
+  static constexpr Refused kRefused[] = {
+      {"AXIS SPAT", "takes A, B and C as spatial angles, which is not supported; use AXIS POS"},
+      {"PATHCTRL VECTOR", "is not supported; use PATHCTRL AXIS"},
+      {"CENTER", "as the point that is guided is not supported; use REFPNT TIP-TIP"}};
+  for (const Refused& refused : kRefused)
+    if (text.find(refused.words) != std::string::npos)
+      throw KlartextFault{std::string(refused.words), std::string(refused.reason)};
+  path_.set_tool_center(true);
 }
 
 // PLANE RESET and PLANE SPATIAL SPA SPB SPC, whose angles turn about the fixed X, Y and Z in turn.
@@ -297,12 +259,13 @@ KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
   Words rest;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const KlartextWord& word = words[i];
-    if (word.name == "FMAX" || (word.name == "F" && word.value == "MAX")) {
+    const bool apart = word.name == "F" && word.value.empty() && i + 1 < words.size();
+    if (word.name == "FMAX" || (apart && words[i + 1].name == "MAX")) {
       extras.rapid = true;
     } else if (word.name == "F" && !word.value.empty()) {
       feed_ = values_.of(word.value) * unit_mm_;
-    } else if (word.name == "FAUTO") {
-      continue;
+    } else if (word.name == "FAUTO" || (apart && words[i + 1].name == "AUTO")) {
+      if (apart) ++i;
     } else if (word.name == "RL" || word.name == "RR") {
       throw KlartextFault{word.name,
                           "radius compensation is not supported; post the path of the "
@@ -311,6 +274,8 @@ KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
       continue;
     } else if (word.name == "M" && !word.value.empty()) {
       m_code(static_cast<int>(values_.of(word.value)), words, i, extras);
+    } else if (i > 0 && is_reduced_axis(words[i - 1], word)) {
+      continue;
     } else if (word.name == "MB" || word.name == "MBMAX" || word.name == "MAX" ||
                (word.name == "S" && !word.value.empty())) {
       continue;
@@ -320,6 +285,7 @@ KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
   }
   words = std::move(rest);
   if (extras.retract_mm) {
+    refuse_in_corner("M140");
     if (std::isinf(*extras.retract_mm)) {
       path_.retract();
     } else {
@@ -343,15 +309,24 @@ void KlartextMachine::m_code(int code, const Words& words, std::size_t at, Extra
     case 91:
     case 92:
       extras.in_machine = true;
+      extras.datum_of_builder = code == 92;
       return;
     case 99:
       extras.calls_cycle = true;
       cycle_modal_ = false;
       return;
+    case 94: {
+      const bool one = at + 1 < words.size() && is_reduced_axis(words[at], words[at + 1]);
+      return path_.reduce_angles(one ? words[at + 1].name : "ABC");
+    }
+    case 126:
+    case 127:
+      shortest_ = code == 126;
+      return;
     case 128:
-      return path_.set_tool_center(true);
     case 129:
-      return path_.set_tool_center(false);
+      refuse_in_corner("M" + std::to_string(code));
+      return path_.set_tool_center(code == 128);
     case 140: {
       const KlartextWord* next = at + 1 < words.size() ? &words[at + 1] : nullptr;
       const bool most = next != nullptr && next->name == "MB" && next->value.empty();
@@ -367,7 +342,7 @@ void KlartextMachine::m_code(int code, const Words& words, std::size_t at, Extra
     case 144:
       throw KlartextFault{"M" + std::to_string(code), "is not supported"};
     default:
-      if (code > 9 && code != 13 && code != 14 && code != 126 && code != 127 && code != 120)
+      if (code > 9 && code != 13 && code != 14 && code != 120)
         warn_("M" + std::to_string(code) + " is taken as a function that moves nothing");
   }
 }

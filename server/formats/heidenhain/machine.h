@@ -31,16 +31,22 @@ class KlartextMachine {
   struct Corner {
     Vec3 at;
     double feed = 0;
+    std::optional<double> own_feed;  ///< of the corner
     double radius_mm = 0, chamfer_mm = 0;
   };
   // What M words and FMAX say of a block.
   struct Extras {
     bool rapid = false, in_machine = false, calls_cycle = false, ends = false;
+    bool datum_of_builder = false;     ///< M92
     std::optional<double> retract_mm;  ///< M140 MB; infinite for MAX
   };
 
   void begin(const std::string& text);
+  bool path_function(std::string_view word, Words words, const std::string& following);
   void call_tool(std::string text);
+  void tool_word(const Words& words, std::size_t& at);
+  void tool_center(const std::string& text);
+  void refuse_in_corner(const std::string& word) const;
   void cycle_definition(const std::string& text);
   void datum_shift(const Words& words);
   void rotate(const Words& words);
@@ -48,7 +54,9 @@ class KlartextMachine {
   void miscellaneous(const Words& words);
 
   void linear(const Words& words, const Extras& extras, bool corner_follows);
-  void polar_line(const Words& words, const Extras& extras);
+  void polar_line(const Words& words, const Extras& extras, bool corner_follows);
+  void straight(Vec3 to, const Extras& extras, std::array<bool, 3> named, bool corner_follows);
+  void to_machine(const Words& words, const Extras& extras);
   void pole(const Words& words);
   void circle(const Words& words);
   void polar_circle(const Words& words);
@@ -62,7 +70,8 @@ class KlartextMachine {
   void m_code(int code, const Words& words, std::size_t at, Extras& extras);
   double mm(const KlartextWord& word) const;
   Vec3 target(const Words& words, std::array<bool, 3>& named) const;
-  RotaryAngles rotary_target(const Words& words, bool& turns) const;
+  Vec3 place() const;
+  RotaryAngles rotary_target(const Words& words, bool& turns);
   double feed() const;
   void move(Vec3 to, std::optional<double> feed, std::array<bool, 3> named);
   void move_arc(Vec3 to, ArcPlane plane, Vec3 center, int turns);
@@ -84,6 +93,7 @@ class KlartextMachine {
   std::map<std::string, double> cycle_;  ///< of CYCL DEF 2xx: "Q200"; empty: none
   int cycle_number_ = 0;
   bool cycle_modal_ = false;
+  bool shortest_ = false;  ///< M126: tables turn the shorter path
 };
 
 }  // namespace kerf

@@ -44,9 +44,12 @@ bool KlartextMachine::clockwise(const Words& words) {
   return word->value == "-";
 }
 
+// The end of the path, also of a line that is held back.
+Vec3 KlartextMachine::place() const { return corner_ ? corner_->at : path_.position(); }
+
 // X, Y, Z and IX, IY, IZ; other axes keep their values.
 Vec3 KlartextMachine::target(const Words& words, std::array<bool, 3>& named) const {
-  const Vec3 at = corner_ ? corner_->at : path_.position();
+  const Vec3 at = place();
   Vec3 to = at;
   for (const KlartextWord& word : words) {
     const bool incremental = word.name.size() == 2 && word.name[0] == 'I';
@@ -60,7 +63,7 @@ Vec3 KlartextMachine::target(const Words& words, std::array<bool, 3>& named) con
   return to;
 }
 
-RotaryAngles KlartextMachine::rotary_target(const Words& words, bool& turns) const {
+RotaryAngles KlartextMachine::rotary_target(const Words& words, bool& turns) {
   RotaryAngles to = path_.angles();
   for (const KlartextWord& word : words) {
     const bool incremental = word.name.size() == 2 && word.name[0] == 'I';
@@ -79,7 +82,12 @@ RotaryAngles KlartextMachine::rotary_target(const Words& words, bool& turns) con
       throw KlartextFault{word.name + word.value,
                           "turns an axis in a tilted plane, which is not "
                           "supported"};
-    *angle = values_.of(word.value) + (incremental ? *angle : 0);
+    const double value = values_.of(word.value);
+    if (shortest_ && incremental && std::abs(value) > 180)
+      throw KlartextFault{word.name + word.value, "turns by more than 180 degrees with M126"};
+    // With M126 the angle before counts from where the shorter path begins.
+    if (shortest_ && !incremental) path_.count_angle(axis, value);
+    *angle = value + (incremental ? *angle : 0);
     turns = true;
   }
   return to;
@@ -110,29 +118,53 @@ void KlartextMachine::linear(const Words& words, const Extras& extras, bool corn
     if (!axis || word.value.empty())
       throw KlartextFault{word.name + word.value, "is not a word of L"};
   }
+  if (extras.in_machine) return to_machine(words, extras);
   std::array<bool, 3> named{};
-  if (extras.in_machine) {
-    target(words, named);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      if (named[axis]) path_.lose(axis);
-    return;
-  }
   bool turns = false;
   const RotaryAngles angles = rotary_target(words, turns);
   const Vec3 to = target(words, named);
-  const std::optional<double> speed =
-      extras.rapid ? std::nullopt : std::optional(feed_.value_or(0));
-  const bool moves = named[0] || named[1] || named[2] || turns;
-  if (!moves) return;
-  if (!extras.rapid) feed();
-  if (corner_) cut_corner(to);
-  if (corner_follows && !extras.rapid && !turns) {
-    corner_ = Corner{.at = to, .feed = *speed};
+  if (!turns) {
+    if (named[0] || named[1] || named[2]) straight(to, extras, named, corner_follows);
     return;
   }
-  if (!turns) return move(to, speed, named);
+  refuse_in_corner("A, B and C");
+  if (corner_follows && !extras.rapid)
+    throw KlartextFault{"RND", "behind a line that turns an axis is not supported"};
   direction_.reset();
-  path_.line(to, angles, speed, named);
+  path_.line(to, angles, extras.rapid ? std::nullopt : std::optional(feed()), named);
+}
+
+// Moves to `to`, or holds the line back because a corner follows.
+void KlartextMachine::straight(Vec3 to, const Extras& extras, std::array<bool, 3> named,
+                               bool corner_follows) {
+  const std::optional<double> speed = extras.rapid ? std::nullopt : std::optional(feed());
+  if (corner_) cut_corner(to);
+  if (corner_follows && speed) {
+    corner_ = Corner{.at = to, .feed = *speed, .own_feed = {}};
+  } else {
+    move(to, speed, named);
+  }
+}
+
+// Linear axes of M91 and M92 are lost: the workpiece's place in the machine is not known. Tables
+// count from the zero of the machine, because no datum shift turns them.
+void KlartextMachine::to_machine(const Words& words, const Extras& extras) {
+  refuse_in_corner("M91");
+  for (const KlartextWord& word : words)
+    if (std::string_view("ABC").find(word.name.back()) != std::string_view::npos &&
+        (extras.datum_of_builder || word.name.size() > 1))
+      throw KlartextFault{word.name + word.value,
+                          "beside M92, or incremental beside M91, is not supported"};
+  std::array<bool, 3> named{};
+  target(words, named);
+  bool turns = false;
+  const RotaryAngles angles = rotary_target(words, turns);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (named[axis]) path_.lose(axis);
+  if (!turns) return;
+  const bool rapid = extras.rapid || named[0] || named[1] || named[2];
+  direction_.reset();
+  path_.line(path_.position(), angles, rapid ? std::nullopt : std::optional(feed()), {});
 }
 
 // RND and CHF stand between two lines; the line before them is held back.
@@ -165,10 +197,11 @@ void KlartextMachine::cut_corner(Vec3 next) {
     throw KlartextFault{"RND", "does not fit between its lines"};
   if (cut <= 0) return move(corner.at, corner.feed, named);
   move(corner.at + u * cut, corner.feed, named);
-  if (corner.chamfer_mm > 0) return move(corner.at + v * cut, corner.feed, named);
+  const double feed_in_corner = corner.own_feed.value_or(corner.feed);
+  if (corner.chamfer_mm > 0) return move(corner.at + v * cut, feed_in_corner, named);
   const Vec3 center = corner.at + normalized(u + v) * (corner.radius_mm / std::sin(half));
   const bool left = u.x * v.y - u.y * v.x < 0;  // the path turns left
-  path_.arc(corner.at + v * cut, ArcPlane::kXy, center, left ? 1 : -1, corner.feed);
+  path_.arc(corner.at + v * cut, ArcPlane::kXy, center, left ? 1 : -1, feed_in_corner);
 }
 
 void KlartextMachine::pole(const Words& words) {
@@ -176,7 +209,7 @@ void KlartextMachine::pole(const Words& words) {
   const Vec3 at = target(words, named);
   const int count = named[0] + named[1] + named[2];
   if (count == 0) {
-    pole_ = path_.position();  // the place of the tool
+    pole_ = place();
     pole_plane_ = ArcPlane::kXy;
   } else if (count == 2) {
     pole_ = at;
@@ -240,9 +273,9 @@ void KlartextMachine::polar_circle(const Words& words) {
   move_arc(from_plane(end, pole_plane_), pole_plane_, pole_, right ? -turns : turns);
 }
 
-void KlartextMachine::polar_line(const Words& words, const Extras& extras) {
+void KlartextMachine::polar_line(const Words& words, const Extras& extras, bool corner_follows) {
   if (!pole_known_) throw KlartextFault{"LP", "requires CC, the pole"};
-  const PlanePoint a = in_plane(path_.position(), pole_plane_), m = in_plane(pole_, pole_plane_);
+  const PlanePoint a = in_plane(place(), pole_plane_), m = in_plane(pole_, pole_plane_);
   const double x = a.first - m.first, y = a.second - m.second;
   double radius = std::hypot(x, y), angle = kDegPerRad * std::atan2(y, x);
   for (const KlartextWord& word : words) {
@@ -257,9 +290,7 @@ void KlartextMachine::polar_line(const Words& words, const Extras& extras) {
       {m.first + radius * std::cos(kRadPerDeg * angle),
        m.second + radius * std::sin(kRadPerDeg * angle), in_plane(lifted, pole_plane_).normal},
       pole_plane_);
-  if (corner_) cut_corner(to);
-  named = {true, true, named[2]};
-  move(to, extras.rapid ? std::nullopt : std::optional(feed()), named);
+  straight(to, extras, {true, true, named[2]}, corner_follows);
 }
 
 // CR X Y R+10 DR-: R above 0 is the arc of at most 180 degrees.

@@ -62,6 +62,23 @@ void KlartextPath::align() {
     angles_ = angles_from_axis(scene_.machine.kinematics, plane_axis_, angles_);
 }
 
+double& KlartextPath::angle(char axis) {
+  return axis == 'A' ? angles_.a : axis == 'B' ? angles_.b : angles_.c;
+}
+
+void KlartextPath::count_angle(char axis, double near_deg) {
+  double& deg = angle(axis);
+  if (std::abs(deg - near_deg) > 180) deg = near_deg + std::remainder(deg - near_deg, 360.0);
+}
+
+void KlartextPath::reduce_angles(std::string_view axes) {
+  for (const char axis : axes) {
+    double& deg = angle(axis);
+    deg = std::fmod(deg, 360.0);
+    if (axis == 'C' && deg < 0) deg += 360;
+  }
+}
+
 ToolPose KlartextPath::pose(Vec3 tip_mm, const RotaryAngles& angles) const {
   const MachineKinematics kind = scene_.machine.kinematics;
   if (frame_.is_tilted || !has_rotary_table(kind)) return {tip_mm, plane_axis_};

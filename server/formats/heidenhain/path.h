@@ -5,6 +5,8 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "server/formats/gcode/plane.h"
 #include "server/formats/machine_kinematics.h"
@@ -45,6 +47,11 @@ class KlartextPath {
 
   Vec3 position() const { return frame_.programmed(tip_mm_); }
   RotaryAngles angles() const { return angles_; }
+  /// Adds whole turns to the angle of A, B or C, so that it is within 180 degrees of `near_deg`.
+  void count_angle(char axis, double near_deg);
+  /// Takes whole turns from the angles of `axes`: C is then from 0 to 360 degrees, A and B, which
+  /// tilt, keep their sign.
+  void reduce_angles(std::string_view axes);
   /// Moves to programmed coordinates; `named` are the linear axes that the block names.
   void line(Vec3 to, const RotaryAngles& angles, std::optional<double> feed_mm_per_min,
             std::array<bool, 3> named);
@@ -53,6 +60,7 @@ class KlartextPath {
   void dwell(double seconds);
 
  private:
+  double& angle(char axis);
   ToolPose pose(Vec3 tip_mm, const RotaryAngles& angles) const;
   bool approach(const ToolPose& to, bool rapid, std::array<bool, 3> named);
   static void check(const MotionSink::Result& result);

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cycles of KlartextMachine: holes, dwells and the cycles that shift and rotate coordinates.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "server/formats/heidenhain/machine.h"
+#include "server/formats/letter_case.h"
+
+namespace kerf {
+
+void KlartextMachine::cycle_definition(const std::string& text) {
+  std::size_t end = 0;
+  while (end < text.size() && (is_digit(text[end]) || text[end] == '.')) ++end;
+  const std::string number = text.substr(0, end);
+  const std::string rest = text.substr(end);
+  const int cycle = number.empty() ? 0 : std::atoi(number.c_str());
+  const bool title = number.ends_with(".0");
+  if (cycle == 7 || cycle == 10 || cycle == 9) {
+    if (title) return;
+    if (cycle == 7) return datum_shift(klartext_words(rest));
+    if (cycle == 10) return rotate(klartext_words(rest));
+    for (const KlartextWord& word : klartext_words(rest))  // DWELL 1.5, V.ZEIT 1.5
+      if (word.value.find_first_of("0123456789Q") != std::string::npos)
+        path_.dwell(std::max(0.0, values_.of(word.value)));
+    return;
+  }
+  const bool holes = cycle == 200 || cycle == 201 || cycle == 202 || cycle == 203 || cycle == 205 ||
+                     cycle == 206 || cycle == 207 || cycle == 209 || cycle == 240 || cycle == 241;
+  if (!holes)
+    throw KlartextFault{"CYCL DEF " + number,
+                        "is not supported; 7, 9, 10, 32, 200 to 203, 205 to 207, 209, 240, 241 and "
+                        "247 are: post the motions of others as L and C"};
+  cycle_.clear();
+  for (std::size_t at = rest.find('Q'); at != std::string::npos; at = rest.find('Q', at + 1)) {
+    std::size_t stop = at + 1;
+    while (stop < rest.size() && is_digit(rest[stop])) ++stop;
+    const std::string name = rest.substr(at, stop - at);
+    while (stop < rest.size() && rest[stop] == ' ') ++stop;
+    if (name.size() < 2 || stop >= rest.size() || rest[stop] != '=') continue;
+    const std::size_t from = rest.find_first_not_of(' ', stop + 1);
+    if (from == std::string::npos) continue;
+    const std::string value = rest.substr(from, rest.find(' ', from) - from);
+    if (value.find_first_of("0123456789Q") == std::string::npos) continue;  // FMAX, AUTO
+    std::string plain = value;
+    std::ranges::replace(plain, ',', '.');
+    cycle_[name] = values_.of(plain);
+    values_.set(name, cycle_[name]);
+    at = from;
+  }
+  for (const char* needed : {"Q200", "Q201", "Q203"})
+    if (!cycle_.contains(needed))
+      throw KlartextFault{"CYCL DEF " + number, std::string("requires ") + needed};
+  if (cycle == 240 && cycle_.contains("Q343") && cycle_["Q343"] != 0)
+    throw KlartextFault{"Q343", "selects a depth by the diameter, which is not supported"};
+  cycle_number_ = cycle;
+  cycle_modal_ = false;
+}
+
+// The hole at the current place: down to Q203 + Q201 and up to the second clearance Q204.
+void KlartextMachine::drill() {
+  if (cycle_number_ == 0) throw KlartextFault{"M99", "calls a cycle that is not defined"};
+  refuse_in_corner("M99");
+  const auto value = [this](const char* name, double missing) {
+    const auto it = cycle_.find(name);
+    return it == cycle_.end() ? missing : it->second;
+  };
+  const double surface = value("Q203", 0) * unit_mm_;
+  const double clearance = surface + value("Q200", 0) * unit_mm_;
+  const double high = std::max(clearance, surface + value("Q204", 0) * unit_mm_);
+  const double bottom = surface + value("Q201", 0) * unit_mm_;
+  const double plunge = value("Q206", feed_.value_or(0) / unit_mm_) * unit_mm_;
+  const bool taps = cycle_number_ == 206 || cycle_number_ == 207 || cycle_number_ == 209;
+  const double feed = plunge > 0 ? plunge : taps ? feed_.value_or(1000) : 0;
+  if (!(feed > 0)) throw KlartextFault{"Q206", "requires a feed above 0"};
+  if (bottom > clearance) throw KlartextFault{"Q201", "is a depth above the clearance"};
+  Vec3 at = path_.position();
+  const std::array named{false, false, true};
+  at.z = clearance;
+  move(at, std::nullopt, named);
+  at.z = bottom;
+  move(at, feed, named);
+  const double seconds = value("Q211", 0);
+  if (seconds > 0) path_.dwell(seconds);
+  at.z = high;
+  move(at, std::nullopt, named);
+}
+
+void KlartextMachine::datum_shift(const Words& words) {
+  KlartextFrame& frame = path_.frame();
+  if (frame.is_tilted)
+    throw KlartextFault{"CYCL DEF 7", "in a tilted plane is not supported; shift before PLANE"};
+  for (const KlartextWord& word : words) {
+    const bool incremental = word.name.size() == 2 && word.name[0] == 'I';
+    const char axis = word.name.empty() ? ' ' : word.name.back();
+    if (axis == '#') throw KlartextFault{"#", "names a datum table, which is not known here"};
+    double* const part = axis == 'X'   ? &frame.datum_mm.x
+                         : axis == 'Y' ? &frame.datum_mm.y
+                         : axis == 'Z' ? &frame.datum_mm.z
+                                       : nullptr;
+    if (part == nullptr || word.value.empty())
+      throw KlartextFault{word.name + word.value, "is not a shift along X, Y or Z"};
+    *part = mm(word) + (incremental ? *part : 0);
+  }
+}
+
+void KlartextMachine::rotate(const Words& words) {
+  KlartextFrame& frame = path_.frame();
+  for (const KlartextWord& word : words) {
+    if (word.name != "ROT" && word.name != "IROT")
+      throw KlartextFault{word.name + word.value, "must be ROT, the angle"};
+    const double before = word.name == "IROT" ? frame.rotation_deg : 0;
+    frame.rotation_deg = before + values_.of(word.value);
+  }
+}
+
+}  // namespace kerf
