@@ -150,6 +150,7 @@ std::expected<std::optional<MoveTool>, Rejection> Carving::read_sample(
   if (sample.agent_sequence <= state.last_sequence) {  // a resent sample
     // From it the motions to new ones begin. It was judged when it came for the first time.
     if (state.has_resumed) {
+      state.newest_us = sample.time_us;
       (void)state.track.take(sample, sculpture_, state.speed_mm_per_s);
       state.in_stroke = state.in_stroke && cuts(sample);
     }

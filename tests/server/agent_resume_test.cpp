@@ -81,6 +81,26 @@ TEST_F(AgentResumeTest, ATokenContinuesAfterTheLastSampleWithoutAGapOrASecondCut
   EXPECT_EQ(session->sequence(), before + 1) << "the motion from the last known sample";
 }
 
+TEST_F(AgentResumeTest, TheFirstStockStatesTheNewestSampleThatTheSessionKnows) {
+  auto ada = agent();
+  const std::string token = hello(*ada)["resume"]["token"];
+  const wire::MotionBatch path = batch(4);
+  move(*ada, path);
+  ada->end();
+  ada = agent();
+  send_text(*ada, nlohmann::json{{"type", "hello"}, {"stock", true}, {"resume", token}}.dump());
+  drain(*ada);
+  send(*ada, encoded(path));
+  // The replica cuts what is later again. All of these are in the stock, unless they were undone.
+  std::vector<std::uint64_t> times_us;
+  for (const OutFrame& frame : drain(*ada)) {
+    const auto message = wire::decode(frame.bytes);
+    const auto* stock = message ? std::get_if<wire::StockPatch>(&message->body) : nullptr;
+    if (stock != nullptr) times_us.push_back(stock->agent_time_us);
+  }
+  EXPECT_EQ(times_us, std::vector{path.samples[3].time_us});
+}
+
 TEST_F(AgentResumeTest, ANewConnectionEndsTheOneThatIsStillOpen) {
   const auto old = agent(), ada = agent();
   const std::string token = hello(*old)["resume"]["token"];
