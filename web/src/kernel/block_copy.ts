@@ -17,6 +17,10 @@ export interface CopyEvents {
 /** The part of Worker that is used. */
 export interface WorkerPort {
   onmessage: ((event: { data: FromWorker }) => void) | null;
+  /** Its code did not load, or ended in an error. */
+  onerror: ((event: { message?: string }) => void) | null;
+  /** What it sent cannot be read. */
+  onmessageerror: (() => void) | null;
   postMessage(message: ToWorker): void;
 }
 
@@ -41,15 +45,19 @@ export class BlockCopy {
       if (data.type === 'loaded' || data.type === 'failed') tell(this.works_);
       this.received_(data);
     };
+    const end = (reason: string): void => {
+      this.works_ = false;
+      tell(false);
+      events.failed(reason);
+    };
+    worker.onerror = ({ message }) => end(message ?? 'Its worker did not load.');
+    worker.onmessageerror = () => end('A message of its worker cannot be read.');
     module.then(
       (compiled) => {
         if (compiled) worker.postMessage({ type: 'load', module: compiled });
         else tell(false);
       },
-      (problem: unknown) => {
-        tell(false);
-        events.failed((problem as Error).message);
-      },
+      (problem: unknown) => end((problem as Error).message),
     );
   }
 

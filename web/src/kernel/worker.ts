@@ -10,6 +10,8 @@ const keeper = new CopyKeeper(
   (module) => Kernel.of(module),
   (act) => setTimeout(act),
 );
+// Such as a module that this browser does not pass to workers.
+onmessageerror = () => postMessage({ type: 'failed', reason: 'A message cannot be read.' });
 let last = Promise.resolve();
 onmessage = ({ data }: MessageEvent<ToWorker>) => {
   if (data.type === 'load') last = keeper.receive(data);

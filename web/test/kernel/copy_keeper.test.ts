@@ -46,6 +46,7 @@ describe('the copy in a worker', () => {
   let copy: BlockCopy;
   let log: string[];
   let later: (() => void)[];
+  let port: WorkerPort;
 
   /** Page and worker, whose messages pass at once. */
   function make(
@@ -54,9 +55,14 @@ describe('the copy in a worker', () => {
   ): void {
     log = [];
     later = [];
-    const port: WorkerPort = { onmessage: null, postMessage: (message) => receive(message) };
+    port = {
+      onmessage: null,
+      onerror: null,
+      onmessageerror: null,
+      postMessage: (message) => receive(message),
+    };
     const keeper = new CopyKeeper(
-      (data: FromWorker) => port.onmessage?.({ data }),
+      (data: FromWorker) => port.onmessage!({ data }),
       load,
       (act) => later.push(act),
     );
@@ -128,6 +134,22 @@ describe('the copy in a worker', () => {
     expect(copy.works).toBe(false);
     copy.cut(MOTION, 1n);
     expect(later).toEqual([]);
+  });
+
+  it('is not there where its worker does not load', async () => {
+    const never = new Promise<never>(() => undefined);
+    make(() => never);
+    port.onerror!({});
+    expect(await copy.isThere).toBe(false);
+    make(() => never);
+    port.onmessageerror!();
+    expect(await copy.isThere).toBe(false);
+    expect(log).toEqual(['failed A message of its worker cannot be read.']);
+  });
+
+  it('ends when its worker does', () => {
+    port.onerror!({ message: 'out of memory' });
+    expect([copy.works, log]).toEqual([false, ['failed out of memory']]);
   });
 
   it('is not there without kerf.wasm, or where that does not run', async () => {
