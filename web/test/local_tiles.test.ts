@@ -29,6 +29,7 @@ describe('tiles of the copy', () => {
   beforeEach(() => {
     view = block(() => -1);
     local = new LocalTiles(view);
+    local.open();
     hidden = [];
     local.hidden = (keys) => hidden.push(...keys);
   });
@@ -108,5 +109,31 @@ describe('tiles of the copy', () => {
     local.clear();
     expect(heights()).toEqual([]);
     expect(hidden).toEqual([KEY, KEY]);
+  });
+
+  it('come too late with samples that were answered before only the server was displayed', () => {
+    local.answered(41n, 130);
+    local.clear();
+    local.cover([triangle(9)], 41n, ORIGIN);
+    expect([local.size, hidden]).toEqual([0, [KEY]]);
+    expect(heights()).toEqual([-1]);
+    local.clear(); // without an answer since
+    local.cover([triangle(9)], 41n, ORIGIN);
+    expect(local.size).toBe(0);
+    local.cover([triangle(8)], 42n, ORIGIN);
+    expect(heights()).toEqual([-4]);
+  });
+
+  it('are not displayed while nobody carves: their answer does not come', () => {
+    local.cover([triangle(9)], 40n, ORIGIN);
+    local.close();
+    expect(heights()).toEqual([-1]);
+    local.cover([triangle(8)], 41n, ORIGIN);
+    expect([local.size, hidden]).toEqual([0, [KEY, KEY]]);
+    serve(-3.1, 200);
+    expect(heights()).toEqual([-3.1]);
+    local.open();
+    local.cover([triangle(8)], 42n, ORIGIN);
+    expect(heights()).toEqual([-4]);
   });
 });

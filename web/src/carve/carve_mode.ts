@@ -364,7 +364,9 @@ export class CarveMode {
     } else if (status === 'ready') {
       this.noteUntilMs_ = 0;
     } else if (status === 'off') {
-      setTimeout(() => this.viewer.local.clear(), SETTLE_MS);
+      setTimeout(() => {
+        if (this.link_.status === 'off') this.viewer.local.close();
+      }, SETTLE_MS);
       if (reason === '') return;
       this.host.say(sentence(reason));
       this.leave();
@@ -374,6 +376,7 @@ export class CarveMode {
   private joined_({ participant, speedMmPerS, samplesPerS }: AgentWelcome): void {
     this.hand_.sampler.limits = { speedMmPerS, samplesPerS };
     this.viewer.hiddenCarver = participant;
+    this.viewer.local.open();
   }
 
   private felt_({ force_n, agent_sequence, motions_applied }: Result): void {

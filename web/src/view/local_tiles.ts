@@ -27,6 +27,9 @@ export class LocalTiles {
   /** With how many motions of the block the server had answered a sample, in order. */
   private results_: { sequence: bigint; motions: number }[] = [];
   private count_ = 0;
+  private isOpen_ = false;
+  /** The newest sample that was answered when the server's tiles only were displayed last. */
+  private cleared_ = 0n;
 
   constructor(private readonly tiles: TileView) {}
 
@@ -35,8 +38,26 @@ export class LocalTiles {
     return this.covered_.size;
   }
 
-  /** Displays tiles of the copy, which has the page's samples up to `newest`. */
+  /** The page carves: tiles of its copy are displayed. */
+  open(): void {
+    this.isOpen_ = true;
+  }
+
+  /** Displays the server's tiles only, also instead of those that the copy makes later. */
+  close(): void {
+    this.clear();
+    this.isOpen_ = false;
+  }
+
+  /**
+   * Displays tiles of the copy, which has the page's samples up to `newest`; not those that would
+   * wait for an answer that has come, or does not come.
+   */
   cover(tiles: readonly TileTriangles[], newest: bigint, originMm: Vec3): void {
+    if (!this.isOpen_ || newest <= this.cleared_) {
+      this.hidden(tiles.map(({ x, y }) => tileKey(x, y)));
+      return;
+    }
     for (const tile of tiles) {
       const key = tileKey(tile.x, tile.y);
       const before = this.covered_.get(key);
@@ -78,6 +99,7 @@ export class LocalTiles {
   /** Displays the server's tiles only. */
   clear(): void {
     this.uncover_([...this.covered_.keys()]);
+    this.cleared_ = this.results_.at(-1)?.sequence ?? this.cleared_;
     this.results_ = [];
   }
 
