@@ -120,7 +120,7 @@ export class CarveMode {
     this.pointers_ = null;
     clearInterval(this.timer_);
     this.delivery_.leave();
-    this.hand_.hide();
+    this.hand_.rest();
     this.stopKeys_();
     this.viewer.hiddenCarver = null;
     Object.assign(this.viewer.rig.controls.mouseButtons, this.mouseButtons_);

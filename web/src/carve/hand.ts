@@ -116,6 +116,13 @@ export class Hand {
     this.viewer.touchAll();
   }
 
+  /** Nobody carves: hides it, and lets the surface go. */
+  rest(): void {
+    this.hide();
+    this.surface_ = null;
+    this.viewer.displayed.forget();
+  }
+
   private follow_(places: readonly Place[], depthMm: number): void {
     for (const place of places) {
       this.press_(place, depthMm);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The displayed tiles as pieces of a surface. Their corners are computed when something is first
-// asked of them, and kept while the tile stays.
+// asked of them, and kept while the tile stays, until forget().
 
 import * as THREE from 'three';
 import type { Piece } from '../model/surface';
@@ -46,6 +46,13 @@ export class DisplayedSurface {
   /** Counts up whenever the pieces change. */
   get changes(): number {
     return this.tiles.changes;
+  }
+
+  /** Lets the corners go, 72 bytes a triangle, until something is asked of the surface again. */
+  forget(): void {
+    this.known_.clear();
+    this.pieces_ = [];
+    this.changes_ = -1;
   }
 
   get pieces(): readonly Piece[] {

@@ -15,6 +15,7 @@ const at = (x: number, y = 0, pressure: number | null = null): Place => ({ x, y,
 
 describe('hand', () => {
   let tiles: TileView;
+  let displayed: DisplayedSurface;
   let scene: THREE.Scene;
   let shown: (Place | null)[];
   let hand: Hand;
@@ -28,8 +29,9 @@ describe('hand', () => {
     shown = [];
     nowUs = 1e6;
     eye = new THREE.Vector3(0, 0, 500);
+    displayed = new DisplayedSurface(tiles);
     const viewer = {
-      displayed: new DisplayedSurface(tiles),
+      displayed,
       stage: { scene },
       touchAll: vi.fn(),
       ray: (x: number, y: number) => {
@@ -67,6 +69,18 @@ describe('hand', () => {
     expect(cutting[0]!.tip_mm[0]).toBeCloseTo(-6);
     expect(cutting.at(-1)!.tip_mm[0]).toBeCloseTo(6);
     expect(hand.isCutting).toBe(false);
+  });
+
+  it('lets the surface go when it rests', () => {
+    hand.hover(at(0), true);
+    const known = displayed.pieces;
+    expect(displayed.pieces).toBe(known);
+    hand.rest();
+    expect(shown.at(-1)).toBeNull();
+    const asked = vi.spyOn(displayed, 'pieces', 'get');
+    hand.hover(at(0), true);
+    expect(asked).toHaveBeenCalledOnce();
+    expect(displayed.pieces).not.toBe(known);
   });
 
   it('does not dig when it goes over its own cut again', () => {

@@ -27,6 +27,15 @@ const bumpy = (x: number, y: number): number => -4 + 3 * Math.sin(x / 3) * Math.
 const grooved = (x: number, y: number): number => -6 + 5 * Math.sin(2.2 * x + 0.3 * y);
 
 describe('surface', () => {
+  it('keeps the corners of its tiles until it forgets them', () => {
+    const displayed = new DisplayedSurface(block(() => -2));
+    const known = displayed.pieces[0]!.corners();
+    expect(displayed.pieces[0]!.corners()).toBe(known);
+    displayed.forget();
+    expect(displayed.pieces[0]!.corners()).not.toBe(known);
+    expect(displayed.pieces[0]!.corners()).toEqual(known);
+  });
+
   it.each([bumpy, grooved])('hits what three.js hits', (height) => {
     const view = block(height);
     const surface = surfaceOf(view);

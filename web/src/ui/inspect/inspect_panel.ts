@@ -98,6 +98,7 @@ export class InspectPanel implements Layer {
       this.sectioning_.choose('none');
       this.measuring_.clear();
       this.measuring_.choose(null);
+      this.viewer.displayed.forget();
     }
   }
 
