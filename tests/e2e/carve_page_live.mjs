@@ -138,6 +138,14 @@ async function checkExport(server, folder, { state_hash: hash }) {
   assert.equal(report.state_hash, hash, 'kerf-carve makes another block of the export');
 }
 
+/** Leaves, as all is sent, and joins again as the same participant. */
+async function comeBack(page) {
+  await page.keyboard.press('Escape');
+  await page.locator('main[data-carve=off]').waitFor();
+  await page.keyboard.press('c');
+  await page.locator('main[data-carve=ready]').waitFor();
+}
+
 /** A section would hide what is carved: its panel and carving close each other. */
 async function checkExcludesSections({ page }) {
   await page.keyboard.press('i');
@@ -203,6 +211,8 @@ async function checkSculptor(browser, server, line, folder) {
   await checkCopy(viewer, undone, 'after an undo');
   assert(Math.abs((await stlVolume(server)) - BLOCK_MM3) < 0.01);
   await page.getByText('Your stroke was undone.').waitFor();
+  await comeBack(page);
+  await checkCopy(viewer, undone, 'of one who has left and come back');
   await page.getByRole('button', { name: 'Redo' }).last().click();
   await settled(server, 'redo', ({ state_hash: hash }) => hash === cut.state_hash);
   await checkCopy(viewer, cut, 'after a redo');
