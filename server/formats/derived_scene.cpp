@@ -227,6 +227,7 @@ std::expected<DerivedScene, std::string> derive_scene(const std::string& name,
                                                       std::string_view program,
                                                       const GcodeEnvironment& environment,
                                                       const SceneWishes& wishes) {
+  if (program.starts_with("\xEF\xBB\xBF")) program.remove_prefix(3);
   return Derivation(name, program, environment, wishes).run();
 }
 

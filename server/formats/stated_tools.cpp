@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/formats/heidenhain/blocks.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/text_lines.h"
 #include "server/formats/tool_words.h"
@@ -36,6 +37,24 @@ Parts parts_of(std::string_view line) {
     if (depth == 0 && c > ' ' && c != ')') parts.code += to_upper(c);
   }
   if (depth > 0) parts.comments.push_back(line.substr(from));
+  return parts;
+}
+
+// The same of a line of Klartext, where only ";" and "* -" begin a comment. The code has no block
+// number; blanks between quotes are kept.
+Parts klartext_parts_of(std::string_view line) {
+  Parts parts;
+  std::size_t at = line.find_first_not_of(" \t0123456789");
+  bool quoted = false;
+  for (; at < line.size(); ++at) {
+    const char c = line[at];
+    if (c == '"') quoted = !quoted;
+    if (!quoted && (c == ';' || (c == '*' && parts.code.empty()))) {
+      parts.comments.push_back(line.substr(at + 1));
+      break;
+    }
+    if (c > ' ' || quoted) parts.code += quoted ? c : to_upper(c);
+  }
   return parts;
 }
 
@@ -113,9 +132,23 @@ bool has_feed(const std::string& code) {
   return false;
 }
 
+// A path of Klartext that is not a rapid.
+bool feeds_klartext(const std::string& code) {
+  if (code.find("FMAX") != std::string::npos) return false;
+  if (code.starts_with("CYCLCALL")) return true;
+  for (const std::string_view path : {"LP", "L", "CP", "CR", "CT", "C", "RND", "CHF"}) {
+    if (!code.starts_with(path)) continue;
+    const char next = code.size() > path.size() ? code[path.size()] : ' ';
+    return std::string_view("XYZABCIPQRF+-0123456789").find(next) != std::string_view::npos &&
+           !code.starts_with("CC") && !code.starts_with("CALL");
+  }
+  return false;
+}
+
 class Finder {
  public:
-  explicit Finder(std::string_view program) : unit_mm_(program_unit_mm(program)) {
+  explicit Finder(std::string_view program)
+      : klartext_(is_klartext(program)), unit_mm_(program_unit_mm(program)) {
     TextLines walk(program);
     while (walk.next()) read(walk.line(), walk.number());
     if (tool_) return;
@@ -125,17 +158,35 @@ class Finder {
 
  private:
   void read(std::string_view line, std::size_t number) {
-    const Parts parts = parts_of(line);
+    const Parts parts = klartext_ ? klartext_parts_of(line) : parts_of(line);
     for (const std::string_view comment : parts.comments) describe(comment, number);
-    if (const auto id = tool_word(parts.code)) {
+    if (const auto id = klartext_ ? called_tool(parts.code) : tool_word(parts.code)) {
       tool_ = id;
       open_ = true;
     }
     if (open_ && loose_) {
-      found_.try_emplace(*tool_, *loose_);
+      if (*tool_ > 0) found_.try_emplace(*tool_, *loose_);
       loose_.reset();
     }
-    if (has_feed(parts.code)) open_ = false;
+    if (klartext_ ? feeds_klartext(parts.code) : has_feed(parts.code)) open_ = false;
+  }
+
+  // The tool of a TOOL CALL: its number, or the rank of its name; 0 for one that is not known from
+  // the text. nullopt: the line calls none.
+  std::optional<ToolId> called_tool(const std::string& code) {
+    constexpr std::string_view kCall = "TOOLCALL";
+    if (!code.starts_with(kCall)) return std::nullopt;
+    const std::string_view tool = std::string_view(code).substr(kCall.size());
+    if (tool.starts_with('"')) {
+      const std::string name(tool.substr(0, tool.find('"', 1)));
+      return names_.try_emplace(name, static_cast<ToolId>(names_.size() + 1)).first->second;
+    }
+    if (tool.starts_with('Q')) return ToolId{0};
+    ToolId id = 0;
+    std::size_t digits = 0;
+    for (; digits < tool.size() && digits < kStatedDigitsMax && is_digit(tool[digits]); ++digits)
+      id = 10 * id + static_cast<ToolId>(tool[digits] - '0');
+    return digits > 0 ? std::optional(id) : std::nullopt;
   }
 
   void describe(std::string_view comment, std::size_t line) {
@@ -156,7 +207,9 @@ class Finder {
            (upper.find("DIA") != std::string::npos || upper.find("MILL") != std::string::npos);
   }
 
+  bool klartext_;
   double unit_mm_;
+  std::map<std::string, ToolId> names_;  ///< of TOOL CALL "NAME", in order
   std::map<ToolId, StatedTool> found_;
   std::optional<StatedTool> loose_;
   std::optional<ToolId> tool_;
@@ -166,6 +219,7 @@ class Finder {
 }  // namespace
 
 double program_unit_mm(std::string_view program) {
+  if (is_klartext(program)) return klartext_unit_mm(program);
   TextLines walk(program);
   while (walk.next()) {
     const std::string code = parts_of(walk.line()).code;

@@ -19,11 +19,12 @@ struct StatedTool {
 
 /// Returns the tools that the comments of a program describe (tool_words.h), by number: a comment
 /// with a number, such as "(T1 D=6. CR=0. - flat end mill)" or "(TOOL 2 - 1/4 BALL)"; otherwise one
-/// that names a tool before the T word that selects it, or after it and before the next feed. The
-/// first description of a number counts. Lengths without a unit are in the program's.
+/// that names a tool before the T word (TOOL CALL) that selects it, or after it and before the next
+/// feed. The first description of a number counts. Lengths without a unit are in the program's.
 std::map<ToolId, StatedTool> stated_tools(std::string_view program);
 
-/// Returns the unit of a program in mm: 25.4 if G20 (G70) or UNITS/INCHES come before G21, else 1.
+/// Returns the unit of a program in mm: 25.4 if G20 (G70) or UNITS/INCHES come before G21, or if
+/// the first block of Klartext ends with INCH, else 1.
 double program_unit_mm(std::string_view program);
 
 }  // namespace kerf

@@ -87,6 +87,22 @@ TEST(DerivedScene, OfAProgramThatOnlyDrillsHoldsTheHoles) {
   EXPECT_EQ(box(scene).min_mm.z, -10);
 }
 
+TEST(DerivedScene, TakesTheBlankOfKlartextOnlyFromNumbers) {
+  const auto stock = [](const std::string& head, const std::string& second) {
+    return box(derived(head +
+                       "BEGIN PGM T MM\nQ1 = 100\nBLK FORM 0.1 Z X-10 Y-10 Z-20\n"
+                       "BLK FORM 0.2 " +
+                       second +
+                       "\nTOOL CALL 1 Z S1000\nL X+0 Y+0 Z+5 R0 FMAX M3\nL Z-1 F100\nL X+80\n"
+                       "END PGM T MM\n"));
+  };
+  const BoxStock stated{{-10, -10, -20}, {100, 90, 0}};
+  EXPECT_EQ(stock("", "X+100 IY+100,0 Z+0").max_mm, stated.max_mm);
+  EXPECT_EQ(stock("\xEF\xBB\xBF", "X+100 Y+90 Z+0").max_mm, stated.max_mm) << "byte order mark";
+  for (const char* other : {"X+Q1 Y+Q1 Z+0", "X+100 Y+90", "X+100 Y+90 Z+ Q1", "X+100 Y+90 Z+0 W5"})
+    EXPECT_EQ(stock("", other).max_mm, (Vec3{83, 3, 0})) << other << ": the box of the cuts";
+}
+
 TEST(DerivedScene, ErrorsAreThoseOfTheProgram) {
   EXPECT_THAT(derive_scene("p.nc", "G21\nG0 X1\nM30\n", {}, {}).error(),
               testing::HasSubstr("cuts nothing"));

@@ -81,6 +81,41 @@ TEST(StatedTools, OfAProgramWithoutNumbersIsTheOnlyTool) {
   EXPECT_EQ(tool_text(tools.at(1).shape), "flat, diameter 3.175 mm, length 20 mm");
 }
 
+TEST(StatedTools, OfKlartextAreInTheUnitOfItsFirstBlock) {
+  const auto flat = [](const std::string& head) {
+    const auto tools =
+        stated_tools(head + "\n; T1 D=0.25 - flat end mill\nTOOL CALL 1 Z\nL X1 F9\n");
+    return tools.contains(1) ? tool_text(tools.at(1).shape) : "none";
+  };
+  EXPECT_EQ(flat("0 BEGIN PGM T INCH"), "flat, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(flat("BEGIN PGM G20 MM"), "flat, diameter 0.25 mm, length 20 mm") << "G20 is a name";
+  EXPECT_EQ(flat("%\n0 BEGIN PGM INCH MM"), "flat, diameter 0.25 mm, length 20 mm");
+}
+
+TEST(StatedTools, OfKlartextBelongToTheNextOrTheCalledTool) {
+  const auto tools = stated_tools(
+      "0 BEGIN PGM T MM\n; FLAT END MILL D=10\n1 TOOL CALL 1 Z S1000\n2 L X+0 Y+0 R0 FMAX M3\n"
+      "3 L Z-1 F100\n* - BALL END MILL D=4\n4 TOOL CALL 2 Z\n5 TOOL CALL S3000\n6 L X+9 F100\n"
+      "7 TOOL CALL 3 Z ; 2mm drill\n8 CYCL CALL\n; 3mm drill\n9 TOOL CALL Q1 Z\n10 L X+0 F50\n"
+      "; END MILL D=8\n11 TOOL CALL 7 Z\n12 L Z+5 FMAX\n; END MILL D=5\n13 L Z-1 F9\n");
+  ASSERT_EQ(tools.size(), 4U);
+  EXPECT_EQ(tool_text(tools.at(1).shape), "flat, diameter 10 mm, length 50 mm");
+  EXPECT_EQ(tool_text(tools.at(2).shape), "ball, diameter 4 mm, length 20 mm");
+  EXPECT_EQ(tool_text(tools.at(3).shape),
+            "cone end, diameter 2 mm, length 20 mm, tip angle 118 degrees");
+  EXPECT_EQ(tool_text(tools.at(7).shape), "flat, diameter 8 mm, length 40 mm");
+}
+
+TEST(StatedTools, OfNamesInKlartextHaveTheRankOfTheirNames) {
+  const auto tools = stated_tools(
+      "BEGIN PGM T MM\n; END MILL D=8\nTOOL CALL \"A B\" Z\nL X+1 F9\nTOOL CALL \"C\" Z\n"
+      "L X+2 F9\n; BALL END MILL D=4\nTOOL CALL \"D\" Z\nL X+1 F9\n; 2mm drill\n"
+      "TOOL CALL \"A B\" Z\nL X+3 F9\n");
+  ASSERT_EQ(tools.size(), 2U);
+  EXPECT_EQ(tool_text(tools.at(1).shape), "flat, diameter 8 mm, length 40 mm");
+  EXPECT_EQ(tool_text(tools.at(3).shape), "ball, diameter 4 mm, length 20 mm");
+}
+
 TEST(StatedStock, IsReadFromComments) {
   const auto size = [](const std::string& text) {
     const auto stated = stated_stock(text);

@@ -57,21 +57,49 @@ std::string label_of(const std::string& text) {
   return name == "0" ? "" : name;
 }
 
-double number_of(const KlartextWord& word) {
-  std::string text = word.value;
-  std::ranges::replace(text, ',', '.');
-  return std::strtod(text.c_str(), nullptr);
+// nullopt for a parameter, and for a sign alone.
+std::optional<double> number_of(const KlartextWord& word) {
+  if (std::ranges::none_of(word.value, is_digit)) return std::nullopt;
+  char* end = nullptr;
+  const double value = std::strtod(word.value.c_str(), &end);
+  return *end == '\0' ? std::optional(value) : std::nullopt;
+}
+
+std::string first_block(std::string_view program) {
+  TextLines walk(program);
+  while (walk.next()) {
+    const std::string text = without_number(clean(walk.line()));
+    if (!text.empty() && text != "%") return text;
+  }
+  return {};
+}
+
+// The corner that the words of a BLK FORM state; `from` is that of incremental coordinates.
+std::optional<Vec3> blank_corner(const std::vector<KlartextWord>& words, Vec3 from, double unit) {
+  Vec3 corner;
+  bool stated[3] = {};
+  for (const KlartextWord& word : words) {
+    const bool incremental = word.name.size() == 2 && word.name[0] == 'I';
+    const char axis = word.name.empty() ? ' ' : word.name.back();
+    if ((word.name.size() != 1 && !incremental) || axis < 'X' || axis > 'Z') return std::nullopt;
+    if (word.value.empty() && &word == words.data()) continue;  // the axis of the tool
+    const auto number = number_of(word);
+    if (!number) return std::nullopt;
+    const int at = axis - 'X';
+    double& side = at == 0 ? corner.x : at == 1 ? corner.y : corner.z;
+    const double base = at == 0 ? from.x : at == 1 ? from.y : from.z;
+    side = unit * *number + (incremental ? base : 0);
+    stated[at] = true;
+  }
+  return stated[0] && stated[1] && stated[2] ? std::optional(corner) : std::nullopt;
 }
 
 }  // namespace
 
-bool is_klartext(std::string_view program) {
-  TextLines walk(program);
-  while (walk.next()) {
-    const std::string text = without_number(clean(walk.line()));
-    if (!text.empty() && text != "%") return text.starts_with("BEGIN PGM");
-  }
-  return false;
+bool is_klartext(std::string_view program) { return first_block(program).starts_with("BEGIN PGM"); }
+
+double klartext_unit_mm(std::string_view program) {
+  return first_block(program).ends_with(" INCH") ? kMmPerInch : 1;
 }
 
 KlartextBlocks split_klartext(std::string_view program) {
@@ -122,22 +150,15 @@ std::vector<KlartextWord> klartext_words(std::string_view text) {
 std::optional<StockShape> klartext_blank(std::string_view program) {
   BoxStock box;
   bool first = false, second = false;
-  double unit = 1;
+  const double unit = klartext_unit_mm(program);
   for (const KlartextBlock& block : split_klartext(program).blocks) {
-    if (block.text.starts_with("BEGIN PGM") && block.text.ends_with(" INCH")) unit = kMmPerInch;
     if (!block.text.starts_with("BLK FORM")) continue;
     const bool low = block.text.starts_with("BLK FORM 0.1");
     if (!low && !block.text.starts_with("BLK FORM 0.2")) return std::nullopt;
-    Vec3& corner = low ? box.min_mm : box.max_mm;
-    for (const KlartextWord& word : klartext_words(std::string_view(block.text).substr(12))) {
-      if (word.value.empty()) continue;
-      const bool incremental = word.name.starts_with('I');
-      const char axis = word.name.empty() ? ' ' : word.name.back();
-      const double mm = unit * number_of(word);
-      if (axis == 'X') corner.x = mm + (incremental ? box.min_mm.x : 0);
-      if (axis == 'Y') corner.y = mm + (incremental ? box.min_mm.y : 0);
-      if (axis == 'Z') corner.z = mm + (incremental ? box.min_mm.z : 0);
-    }
+    const auto words = klartext_words(std::string_view(block.text).substr(12));
+    const auto corner = blank_corner(words, low ? Vec3{} : box.min_mm, unit);
+    if (!corner) return std::nullopt;
+    (low ? box.min_mm : box.max_mm) = *corner;
     (low ? first : second) = true;
     if (!first || !second) continue;
     const bool valid =

@@ -33,6 +33,8 @@ struct KlartextBlocks {
 
 /// Whether a text is a Klartext program: its first block is BEGIN PGM.
 bool is_klartext(std::string_view program);
+/// Returns the unit of a Klartext program in mm: 25.4 if its first block ends with INCH, else 1.
+double klartext_unit_mm(std::string_view program);
 
 /// Divides a program into blocks.
 KlartextBlocks split_klartext(std::string_view program);
@@ -47,8 +49,8 @@ struct KlartextWord {
 /// Divides "X+10 IY-5.5 R0 FMAX M3" into words. Commas are decimal points.
 std::vector<KlartextWord> klartext_words(std::string_view text);
 
-/// Returns the stock of BLK FORM 0.1 and 0.2, in mm; nullopt where a program has none, or has
-/// another form of it.
+/// Returns the stock of BLK FORM 0.1 and 0.2, in mm; nullopt where a program has none, has another
+/// form of it, or states a corner otherwise than by three numbers.
 std::optional<StockShape> klartext_blank(std::string_view program);
 
 }  // namespace kerf
