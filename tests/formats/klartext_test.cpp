@@ -239,6 +239,14 @@ TEST(Klartext, ACycleIsCalledUntilItsCallEnds) {
   EXPECT_THAT(refused(kDrill + "L X+9 F9\nRND R1\nCYCL CALL\nL Y+9\n"), HasSubstr("RND"));
 }
 
+TEST(Klartext, HolesAreDrilledAlongTheAxisOrRefused) {
+  const std::string turn = kDrill + "L A+30 FMAX\n";
+  EXPECT_EQ(refused(turn + "L X+1 FMAX M99\n", "xyzac-trt"), "");
+  EXPECT_EQ(refused(kDrill + "M128\nL X+1 C+90 FMAX M99\n", "xyzac-trt"), "");
+  EXPECT_THAT(refused(turn + "M128\nL X+1 FMAX M99\n", "xyzac-trt"), HasSubstr("M128"));
+  EXPECT_THAT(refused(turn + "M128\nM140 MB50\n", "xyzac-trt"), HasSubstr("M128"));
+}
+
 TEST(Klartext, WordsOfToolCallThatChangeTheToolAreRefused) {
   EXPECT_THAT(ends("TOOL CALL 1 Z S900 F50 DL+0 DR-0,0 DR2:+0\nL X+1\n"), SizeIs(1));
   EXPECT_THAT(ends("TOOL CALL 1 Z DR2+0\nL X+1 F9\n"), SizeIs(1));
@@ -289,7 +297,8 @@ TEST(Klartext, WhatIsNotCertainIsRefusedByName) {
   EXPECT_THAT(refused("L X+1 RL F9\n"), HasSubstr("p.h:4: 'RL' radius compensation"));
   for (const char* text : {"APPR LT X+1 LEN15 RL\n", "FL X+1\n", "TCH PROBE 413 D ~\n Q1=1\n",
                            "CALL PGM X\n", "LN X+1 NX0 NY0 NZ1 F9\n", "FN 18: SYSREAD Q1 = ID1\n",
-                           "PLANE VECTOR BX1\n", "CYCL DEF 8.1 X\n", "L C+10 F9\n", "L U+1 F9\n"})
+                           "PLANE VECTOR BX1\n", "CYCL DEF 8.1 X\n", "L C+10 F9\n", "L U+1 F9\n",
+                           "M99999999999\n", "CC X+0 Y+0\nLP PR+9 PA+9 FMAX M91\n"})
     EXPECT_NE(refused(text), "") << text;
   EXPECT_THAT(refused("L X+1\n"), HasSubstr("feed is missing"));
 }

@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-constexpr double kToolMax = 1e9;
+constexpr double kToolMax = 1e9, kCodeMax = 999;
 
 bool begins(const std::string& text, std::string_view word) {
   return text.starts_with(word) && (text.size() == word.size() || text[word.size()] == ' ');
@@ -101,6 +101,8 @@ bool KlartextMachine::path_function(std::string_view word, Words words,
   const std::optional<double> feed_before = feed_;
   const Extras extras = read_extras(words);
   check_words(words);
+  if (extras.in_machine && word != "L")
+    throw KlartextFault{std::string(word), "in machine coordinates (M91, M92) is not supported"};
   const bool corner_follows = following.starts_with("RND") || following.starts_with("CHF");
   if (word == "CC") {
     pole(words);
@@ -139,6 +141,13 @@ void KlartextMachine::finish() const {
 
 void KlartextMachine::refuse_in_corner(const std::string& word) const {
   if (corner_) throw KlartextFault{word, "between the lines of RND or CHF is not supported"};
+}
+
+void KlartextMachine::refuse_off_axis(const std::string& word) const {
+  if (!path_.is_axis_z())
+    throw KlartextFault{word,
+                        "along a tool axis that M128 turned away from Z is not supported; use "
+                        "PLANE SPATIAL"};
 }
 
 void KlartextMachine::begin(const std::string& text) {
@@ -273,7 +282,10 @@ KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
     } else if (word.name == "R" && word.value == "0") {
       continue;
     } else if (word.name == "M" && !word.value.empty()) {
-      m_code(static_cast<int>(values_.of(word.value)), words, i, extras);
+      const double code = values_.of(word.value);
+      if (!(code >= 0 && code <= kCodeMax && code == std::floor(code)))
+        throw KlartextFault{word.name + word.value, "is not an M function"};
+      m_code(static_cast<int>(code), words, i, extras);
     } else if (i > 0 && is_reduced_axis(words[i - 1], word)) {
       continue;
     } else if (word.name == "MB" || word.name == "MBMAX" || word.name == "MAX" ||
@@ -289,6 +301,7 @@ KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
     if (std::isinf(*extras.retract_mm)) {
       path_.retract();
     } else {
+      refuse_off_axis("M140");
       Vec3 to = path_.position();
       to.z += *extras.retract_mm;
       move(to, std::nullopt, {false, false, true});

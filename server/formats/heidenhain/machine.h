@@ -47,6 +47,7 @@ class KlartextMachine {
   void tool_word(const Words& words, std::size_t& at);
   void tool_center(const std::string& text);
   void refuse_in_corner(const std::string& word) const;
+  void refuse_off_axis(const std::string& word) const;
   void cycle_definition(const std::string& text);
   void datum_shift(const Words& words);
   void rotate(const Words& words);

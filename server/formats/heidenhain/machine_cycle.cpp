@@ -61,6 +61,7 @@ void KlartextMachine::cycle_definition(const std::string& text) {
 void KlartextMachine::drill() {
   if (cycle_number_ == 0) throw KlartextFault{"M99", "calls a cycle that is not defined"};
   refuse_in_corner("M99");
+  refuse_off_axis("CYCL DEF " + std::to_string(cycle_number_));
   const auto value = [this](const char* name, double missing) {
     const auto it = cycle_.find(name);
     return it == cycle_.end() ? missing : it->second;

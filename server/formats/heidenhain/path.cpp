@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kSampleStepDeg = 5;
 constexpr double kTurnInBlockMaxDeg = 36000;
+constexpr double kVerticalShare = 1e-12;  ///< of the axis' length
 
 }  // namespace
 
@@ -83,6 +84,12 @@ ToolPose KlartextPath::pose(Vec3 tip_mm, const RotaryAngles& angles) const {
   const MachineKinematics kind = scene_.machine.kinematics;
   if (frame_.is_tilted || !has_rotary_table(kind)) return {tip_mm, plane_axis_};
   return {tip_from_programmed(kind, tool_center_, tip_mm, angles), table_axis(kind, angles)};
+}
+
+bool KlartextPath::is_axis_z() const {
+  const MachineKinematics kind = scene_.machine.kinematics;
+  if (frame_.is_tilted || !tool_center_ || !has_rotary_table(kind)) return true;
+  return table_axis(kind, angles_).z > 1 - kVerticalShare;
 }
 
 // Rapids before all axes are known only say where the tool will be.

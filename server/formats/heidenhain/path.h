@@ -35,6 +35,8 @@ class KlartextPath {
 
   KlartextFrame& frame() { return frame_; }
   bool is_tilted() const { return frame_.is_tilted; }
+  /// Whether Z of the program is the axis of the tool.
+  bool is_axis_z() const;
   void at_line(std::size_t line) { line_ = line; }
   void change_tool(std::optional<ToolId> tool);
   /// The tool leaves the workpiece along its axis, as far as the machine goes.
