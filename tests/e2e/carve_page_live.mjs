@@ -18,6 +18,7 @@ import { stlCorners, volumeOf } from './support/surface.mjs';
 const options = optionsOf(['server', 'carve', 'web', 'out']);
 
 const ONE_WAY_MS = 125;
+const STOCK_MS = 1500; // in which the server's stock comes again
 const SETTLE_S = 60; // software WebGL on a busy machine
 const SIZES = [
   [390, 844],
@@ -138,12 +139,13 @@ async function checkExport(server, folder, { state_hash: hash }) {
   assert.equal(report.state_hash, hash, 'kerf-carve makes another block of the export');
 }
 
-/** Leaves, as all is sent, and joins again as the same participant. */
+/** Leaves, and joins again as the same participant, whose copy gets the server's stock. */
 async function comeBack(page) {
   await page.keyboard.press('Escape');
   await page.locator('main[data-carve=off]').waitFor();
   await page.keyboard.press('c');
   await page.locator('main[data-carve=ready]').waitFor();
+  await new Promise((resolve) => setTimeout(resolve, STOCK_MS));
 }
 
 /** A section would hide what is carved: its panel and carving close each other. */
