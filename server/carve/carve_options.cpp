@@ -104,15 +104,16 @@ std::optional<std::pair<ToolId, ToolShape>> tool_of(const std::string& text) {
   ToolId id = 0;
   if (sign == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, sign), id) || id == 0)
     return std::nullopt;
-  const std::string words = text.substr(sign + 1);
-  auto shape = tool_of_words(words, 1);
-  if (!shape) shape = tool_of_words("D=" + words, 1);
+  const auto shape = tool_of_exact_words(std::string_view(text).substr(sign + 1));
   if (!shape) return std::nullopt;
   return std::pair{id, *shape};
 }
 
 std::string check_tool(const std::string& text) {
-  return tool_of(text) ? "" : "must be NUMBER=DIAMETER and a kind, such as 1=6mm ball, not " + text;
+  if (tool_of(text)) return {};
+  return "must be NUMBER=DIAMETER and a kind, such as 1=6mm ball, 2=1/4 in or 3=90 deg v-bit, "
+         "without other words and numbers, not " +
+         text;
 }
 
 void read_tool(const std::string& text, SceneWishes& wishes) {

@@ -56,6 +56,8 @@ class Derivation {
     draft.settings.force.pivot_mm = kPivotMm;
     note("machine: " + std::string(to_string(facts->kinematics)));
     choose_tools(*facts);
+    for (const auto& [id, shape] : wishes_.tools)
+      if (!tools_.contains(id)) return std::unexpected(unknown_tool(id));
     choose_stock(*facts->cuts, draft);
     if (auto added = add_tools(stock_bounds(draft.settings.stock), *facts->cuts, draft); !added)
       return std::unexpected(added.error());
@@ -85,6 +87,14 @@ class Derivation {
         radius_mm_ = std::max(radius_mm_, radius_of(shape));
       }
     }
+  }
+
+  std::string unknown_tool(ToolId id) const {
+    std::string known;
+    for (const auto& [tool, shape] : tools_)
+      known += (known.empty() ? "" : ", ") + std::to_string(tool);
+    return name_ + ": has no tool " + std::to_string(id) + ", which --tool states; its tools are " +
+           known;
   }
 
   ToolShape shape_of(ToolId id, const std::map<ToolId, StatedTool>& stated, std::string& source) {

@@ -38,7 +38,8 @@ inline constexpr double kToolAssumedMm = 6;
 /// size is placed where the cuts lie in it: with a corner or the center at the origin, else around
 /// the cuts; its top at Z 0, or its bottom if the program counts from the table. Accuracy: the
 /// greatest surface error is a thousandth of the stock, between 0.02 and 1 mm. Errors, as one line:
-/// those of the program, a program that cuts nothing, a stock file that cannot be read.
+/// those of the program, a program that cuts nothing, a wish for a tool that the program does not
+/// name, a stock file that cannot be read.
 std::expected<DerivedScene, std::string> derive_scene(const std::string& name,
                                                       std::string_view program,
                                                       const GcodeEnvironment& environment,

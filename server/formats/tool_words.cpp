@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "server/formats/letter_case.h"
+#include "server/formats/tool_tokens.h"
 #include "server/formats/units.h"
 
 namespace kerf {
@@ -18,93 +18,7 @@ constexpr double kLengthDiameters = 5, kLengthMinMm = 20;
 /// Greatest diameter that is believed, mm: face mills and fly cutters.
 constexpr double kDiameterMaxMm = 500;
 
-// A word of letters, a number with its unit, or a sign.
-struct Token {
-  std::string word;  ///< upper case; empty for a number
-  double value = 0;
-  double unit_mm = 0;  ///< 0: none is written
-  bool degrees = false;
-  bool is_number() const { return word.empty(); }
-};
-
-bool is_letter(char c) {
-  const char low = to_lower(c);
-  return (low >= 'a' && low <= 'z') || static_cast<unsigned char>(c) >= 0x80;
-}
-
-class Tokens {
- public:
-  explicit Tokens(std::string_view text) : text_(text) {
-    while (at_ < text_.size()) next();
-  }
-  std::vector<Token> take() { return std::move(tokens_); }
-
- private:
-  char at(std::size_t i) const { return i < text_.size() ? text_[i] : '\0'; }
-
-  void next() {
-    const char c = at(at_);
-    if (is_letter(c)) return word();
-    if (is_digit(c) || (c == '.' && is_digit(at(at_ + 1)))) return number();
-    if (c != ' ' && c != '\t') tokens_.push_back({std::string(1, c)});
-    ++at_;
-  }
-
-  void word() {
-    const std::size_t from = at_;
-    while (is_letter(at(at_))) ++at_;
-    tokens_.push_back({to_upper(std::string(text_.substr(from, at_ - from)))});
-  }
-
-  double digits() {
-    const std::size_t from = at_;
-    while (is_digit(at(at_))) ++at_;
-    if (at(at_) == '.') ++at_;
-    while (is_digit(at(at_))) ++at_;
-    return std::strtod(std::string(text_.substr(from, at_ - from)).c_str(), nullptr);
-  }
-
-  // 6, 6.35, .25, 1/4 and 1-1/4, each with its unit.
-  void number() {
-    Token token;
-    token.value = digits();
-    if (at(at_) == '/' && is_digit(at(at_ + 1))) {
-      ++at_;
-      const double divisor = digits();
-      token.value = divisor > 0 ? token.value / divisor : 0;
-      token.unit_mm = kMmPerInch;
-      const std::size_t n = tokens_.size();
-      if (n >= 2 && tokens_[n - 1].word == "-" && tokens_[n - 2].is_number()) {
-        token.value += tokens_[n - 2].value;
-        tokens_.resize(n - 2);
-      }
-    }
-    unit(token);
-    tokens_.push_back(token);
-  }
-
-  void unit(Token& token) {
-    std::size_t from = at_;
-    while (at(from) == ' ') ++from;
-    if (at(from) == '"' || (at(from) == '\'' && at(from + 1) == '\'')) {
-      token.unit_mm = kMmPerInch;
-      at_ = from + (at(from) == '"' ? 1 : 2);
-      return;
-    }
-    std::size_t end = from;
-    while (is_letter(at(end))) ++end;
-    const std::string word = to_upper(std::string(text_.substr(from, end - from)));
-    token.degrees = word == "DEG" || word == "DEGREE" || word == "DEGREES" || word == "\xC2\xB0";
-    const bool mm = word == "MM" || word == "MILLIMETERS";
-    const bool inch = word == "IN" || word == "INCH" || word == "INCHES";
-    if (mm || inch) token.unit_mm = mm ? 1 : kMmPerInch;
-    if (mm || inch || token.degrees) at_ = end;
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-  std::vector<Token> tokens_;
-};
+using Token = ToolToken;
 
 constexpr std::string_view kBall[] = {"BALL",  "BALLNOSE", "BALLNOSED", "BALLMILL", "SPHERICAL",
                                       "KUGEL", "KUGELFR",  "ESFERICA",  "SPHERE"};
@@ -145,18 +59,49 @@ bool is_noun(const Token& token) {
          any_of(one, kEngraver) || any_of(one, kFlat);
 }
 
+// Whether a word or sign says something of a tool that tool_of_words reads, or nothing of it.
+bool is_understood(const std::vector<Token>& tokens, std::size_t i) {
+  const Token& token = tokens[i];
+  if (token.is_number() || is_noun(token)) return true;
+  const bool between = i > 0 && i + 1 < tokens.size();
+  if (token.word == ",") return between;
+  if (token.word == "-") return between && !tokens[i - 1].is_number() && !tokens[i + 1].is_number();
+  if (token.word == "=") return between && tokens[i + 1].is_number() && !tokens[i - 1].is_number();
+  if (token.word == "M") return any_of(tokens, kTap);
+  const auto words = {"D",     "DIA",    "DIAM", "DIAMETER", "\xC3\x98", "CR",
+                      "RE",    "CORNER", "TIP",  "R",        "RAD",      "RADIUS",
+                      "TAPER", "V",      "NOSE", "FLUTE",    "FLUTES",   "TOOL"};
+  return std::ranges::find(words, std::string_view(token.word)) != words.end();
+}
+
 class Description {
  public:
   Description(std::vector<Token> tokens, double unit_mm)
       : tokens_(std::move(tokens)), unit_mm_(unit_mm) {}
 
-  std::optional<ToolShape> shape() {
+  std::optional<ToolShape> shape() const {
     if (const auto carbide = of_carbide()) return carbide;
     const bool engraves = is_v_bit(tokens_);
     const auto diameter = engraves && !diameter_mm() ? std::optional(kEngraverMm) : diameter_mm();
     if (!diameter || !(*diameter > 0) || *diameter > kDiameterMaxMm) return std::nullopt;
     if (engraves && !any_of(tokens_, kEngraver) && !angle_deg()) return std::nullopt;
     return of(*diameter, engraves);
+  }
+
+  // Whether every number has a meaning: the size, the corner, the angle or the flutes.
+  bool uses_all_numbers(const ToolShape& shape) const {
+    std::size_t meant = diameter_mm() ? 1 : 0;
+    const bool round =
+        !std::holds_alternative<FlatShape>(shape) && !std::holds_alternative<ConeEndShape>(shape);
+    const bool sloped =
+        std::holds_alternative<TaperShape>(shape) || std::holds_alternative<ConeEndShape>(shape);
+    const bool taper = after({"TAPER"}, true).has_value();
+    if (round && corner_mm()) ++meant;
+    if (sloped && (taper || angle_deg())) ++meant;
+    for (std::size_t i = 0; i + 1 < tokens_.size(); ++i)
+      if (tokens_[i].is_number() && tokens_[i + 1].word.starts_with("FLUTE")) ++meant;
+    const auto numbers = std::ranges::count_if(tokens_, &Token::is_number);
+    return std::cmp_equal(meant, numbers);
   }
 
  private:
@@ -205,13 +150,16 @@ class Description {
     return std::round(token.value * unit * 1e6) / 1e6;
   }
 
+  static bool is_sign(const Token& token) {
+    return token.word.size() == 1 &&
+           std::string_view("=:.-+").find(token.word) != std::string_view::npos;
+  }
+
   // The number behind a word and signs such as "=", ":" and "-".
   const Token* number_after(std::size_t i) const {
     for (++i; i < tokens_.size(); ++i) {
       if (tokens_[i].is_number()) return &tokens_[i];
-      if (tokens_[i].word.size() != 1 ||
-          std::string_view("=:.-+").find(tokens_[i].word) == std::string_view::npos)
-        return nullptr;
+      if (!is_sign(tokens_[i])) return nullptr;
     }
     return nullptr;
   }
@@ -219,7 +167,8 @@ class Description {
   std::optional<double> after(std::initializer_list<std::string_view> keys, bool plain) const {
     for (std::size_t i = 0; i < tokens_.size(); ++i) {
       if (std::ranges::find(keys, std::string_view(tokens_[i].word)) == keys.end()) continue;
-      if (const Token* number = number_after(i)) return plain ? number->value : mm(*number);
+      const Token* const number = number_after(i);
+      if (number && (plain || !number->degrees)) return plain ? number->value : mm(*number);
     }
     return std::nullopt;
   }
@@ -246,7 +195,7 @@ class Description {
     if (const auto stated = after(keys, false)) return stated;
     for (std::size_t i = 0; i + 2 < tokens_.size(); ++i)
       if (tokens_[i].word == "D" && (tokens_[i + 1].word == "=" || tokens_[i + 1].word == ":"))
-        if (const Token* number = number_after(i)) return mm(*number);
+        if (const Token* number = number_after(i); number && !number->degrees) return mm(*number);
     if (const auto thread = thread_mm()) return thread;
     for (std::size_t i = 0; i + 1 < tokens_.size(); ++i)
       if (is_size(i) && is_noun(tokens_[i + 1])) return mm(tokens_[i]);
@@ -267,7 +216,28 @@ class Description {
     return std::nullopt;
   }
 
-  bool is_size(std::size_t i) const { return tokens_[i].is_number() && !tokens_[i].degrees; }
+  // Not an angle, a length, the 30 of "6x30" or the 16 of "3/8-16 TAP".
+  bool is_size(std::size_t i) const {
+    if (!tokens_[i].is_number() || tokens_[i].degrees || is_length(i)) return false;
+    if (i < 2 || !tokens_[i - 2].is_number()) return true;
+    const std::string& between = tokens_[i - 1].word;
+    const bool pitch = between == "-" && tokens_[i].unit_mm == 0 && any_of(tokens_, kTap);
+    return between != "X" && !pitch;
+  }
+
+  // "L=75", "LEN. - 75", "75 LONG".
+  bool is_length(std::size_t i) const {
+    const bool named = i + 1 < tokens_.size() && is_length_word(tokens_[i + 1]);
+    if (named && !number_after(i + 1)) return true;
+    for (std::size_t before = i; before-- > 0;)
+      if (!is_sign(tokens_[before])) return is_length_word(tokens_[before]);
+    return false;
+  }
+
+  static bool is_length_word(const Token& token) {
+    const auto words = {"L", "LG", "LEN", "LENGTH", "LONG", "LOC", "OAL"};
+    return std::ranges::find(words, std::string_view(token.word)) != words.end();
+  }
 
   std::vector<Token> tokens_;
   double unit_mm_;
@@ -276,11 +246,23 @@ class Description {
 }  // namespace
 
 std::optional<ToolShape> tool_of_words(std::string_view words, double unit_mm) {
-  return Description(Tokens(words).take(), unit_mm).shape();
+  return Description(tool_tokens(words), unit_mm).shape();
+}
+
+std::optional<ToolShape> tool_of_exact_words(std::string_view words) {
+  for (const char* diameter : {"", "D="}) {
+    const std::vector<Token> tokens = tool_tokens(diameter + std::string(words));
+    for (std::size_t i = 0; i < tokens.size(); ++i)
+      if (!is_understood(tokens, i)) return std::nullopt;
+    const Description description(tokens, 1);
+    if (const auto shape = description.shape())
+      return description.uses_all_numbers(*shape) ? shape : std::nullopt;
+  }
+  return std::nullopt;
 }
 
 bool names_tool(std::string_view words) {
-  const std::vector<Token> tokens = Tokens(words).take();
+  const std::vector<Token> tokens = tool_tokens(words);
   return is_v_bit(tokens) || std::ranges::any_of(tokens, is_noun);
 }
 

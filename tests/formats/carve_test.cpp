@@ -172,6 +172,10 @@ TEST_F(KerfCarve, NeedsNoScene) {
   ASSERT_EQ(run("--stock 20,20,10 --tool '1=2 mm ball' part.nc"), 0) << content("err");
   EXPECT_THAT(content("err"), HasSubstr("scene: stock: X 0 to 20, Y 0 to 20, Z -10 to 0 mm"));
   EXPECT_THAT(content("err"), HasSubstr("scene: tool 1: ball, diameter 2 mm"));
+  EXPECT_EQ(run("part.nc --tool 1=1e9"), 2);
+  EXPECT_THAT(content("err"), HasSubstr("must be NUMBER=DIAMETER and a kind"));
+  EXPECT_EQ(run("part.nc --tool 99=6"), 2);
+  EXPECT_THAT(content("err"), HasSubstr("part.nc: has no tool 99"));
 }
 
 TEST_F(KerfCarve, AScenesStockMayBeAModelInAnotherFolder) {

@@ -108,6 +108,10 @@ TEST(DerivedScene, ErrorsAreThoseOfTheProgram) {
               testing::HasSubstr("cuts nothing"));
   EXPECT_THAT(derive_scene("p.nc", "G21\nG77\n", {}, {}).error(), testing::HasSubstr("p.nc:2"));
   SceneWishes wishes;
+  wishes.tools = {{99, FlatShape{6, 30}}};
+  EXPECT_EQ(derive_scene("p.nc", kPocket, {}, wishes).error(),
+            "p.nc: has no tool 99, which --tool states; its tools are 1");
+  wishes = {};
   wishes.stock_file = "none.stl";
   EXPECT_THAT(derive_scene("p.nc", kPocket, {}, wishes).error(),
               testing::HasSubstr("cannot be read"));

@@ -46,6 +46,62 @@ TEST(ToolWords, AreThoseOfPeople) {
   EXPECT_EQ(words("M10x1.5 TAP"), "flat, diameter 10 mm, length 50 mm");
 }
 
+TEST(ToolWords, StateTheDiameterAndNotAnotherLength) {
+  EXPECT_EQ(words("6,35mm ball"), "ball, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(words("D6,35 ball"), "ball, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(words("1/4,2 flute"), "flat, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(words("TOOL/MILL,6,0,20,30"), words("TOOL/MILL,6, 0, 20, 30"));
+  EXPECT_EQ(words("3/8-16 TAP"), "flat, diameter 9.525 mm, length 47.625 mm");
+  EXPECT_EQ(words("#10-32 TAP"), "none");
+  EXPECT_EQ(words("- 1 1/4 FACE MILL", 25.4), "flat, diameter 31.75 mm, length 158.75 mm");
+  EXPECT_EQ(words("DIA 1 1/4", 25.4), "flat, diameter 31.75 mm, length 158.75 mm");
+  EXPECT_EQ(words("H1 D1 1/4 ENDMILL", 25.4), "flat, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(words("TOOL 1 1/4 ENDMILL", 25.4), "flat, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(words("L=75mm END MILL D8"), "flat, diameter 8 mm, length 40 mm");
+  EXPECT_EQ(words("75mm LONG END MILL D8"), "flat, diameter 8 mm, length 40 mm");
+  EXPECT_EQ(words("END MILL 8mm LENGTH 75"), "flat, diameter 8 mm, length 40 mm");
+  EXPECT_EQ(words("6mm x 30mm endmill"), "flat, diameter 6 mm, length 30 mm");
+}
+
+TEST(ToolWords, OfAnOptionAreAllUnderstood) {
+  const auto exact = [](const char* text) {
+    const auto shape = tool_of_exact_words(text);
+    return shape ? tool_text(*shape) : "none";
+  };
+  EXPECT_EQ(exact("6"), "flat, diameter 6 mm, length 30 mm");
+  EXPECT_EQ(exact("6,35 mm ball"), "ball, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(exact("1/4 in ball nose, 2 flutes"), "ball, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(exact("1 1/4"), "flat, diameter 31.75 mm, length 158.75 mm");
+  EXPECT_EQ(exact("D=10 CR=1 bull nose"),
+            "bull nose, diameter 10 mm, length 50 mm, corner radius 1 mm");
+  EXPECT_EQ(exact("60 deg v-bit"), "cone end, diameter 10 mm, length 50 mm, tip angle 60 degrees");
+  EXPECT_EQ(exact("3 mm drill"), "cone end, diameter 3 mm, length 20 mm, tip angle 118 degrees");
+  EXPECT_EQ(exact("M10 tap"), "flat, diameter 10 mm, length 50 mm");
+  for (const char* text : {"6x30 endmill",
+                           "1e9",
+                           "-6",
+                           "+6",
+                           "60 deg",
+                           "#7 drill",
+                           "3/8-16 TAP",
+                           "6 mm ball 60 deg",
+                           "6 8 ball",
+                           "6 ball of steel",
+                           "0",
+                           "",
+                           "ball",
+                           "6-8",
+                           "6,7,8",
+                           "L=75mm mill D8",
+                           "M6 ball",
+                           "D=6 CR=9 drill",
+                           "6 ft",
+                           "6=",
+                           "6;",
+                           "501"})
+    EXPECT_EQ(exact(text), "none") << text;
+}
+
 TEST(ToolWords, WithoutASizeAreNone) {
   for (const char* text : {"FLAT END MILL", "ENDMILL | H1 | D1", "2 flutes", "feed 300", "", "D="})
     EXPECT_EQ(words(text), "none") << text;

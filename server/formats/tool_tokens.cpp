@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/tool_tokens.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "server/formats/letter_case.h"
+#include "server/formats/units.h"
+
+namespace kerf {
+namespace {
+
+bool is_word_letter(char c) {
+  const char low = to_lower(c);
+  return (low >= 'a' && low <= 'z') || static_cast<unsigned char>(c) >= 0x80;
+}
+
+class ToolTokens {
+ public:
+  explicit ToolTokens(std::string_view text)
+      : text_(text), list_(to_upper(std::string(text)).find("TOOL/") != std::string::npos) {
+    while (at_ < text_.size()) next();
+  }
+  std::vector<ToolToken> take() { return std::move(tokens_); }
+
+ private:
+  char at(std::size_t i) const { return i < text_.size() ? text_[i] : '\0'; }
+
+  void next() {
+    const char c = at(at_);
+    if (is_word_letter(c)) return word();
+    if (is_digit(c) || (c == '.' && is_digit(at(at_ + 1)))) return number();
+    if (c != ' ' && c != '\t') tokens_.push_back({std::string(1, c)});
+    ++at_;
+  }
+
+  void word() {
+    const std::size_t from = at_;
+    while (is_word_letter(at(at_))) ++at_;
+    tokens_.push_back({to_upper(std::string(text_.substr(from, at_ - from)))});
+  }
+
+  double digits() {
+    const std::size_t from = at_;
+    while (is_digit(at(at_))) ++at_;
+    const bool comma = is_decimal_comma();
+    if (at(at_) == '.' || comma) ++at_;
+    while (is_digit(at(at_))) ++at_;
+    std::string text(text_.substr(from, at_ - from));
+    std::ranges::replace(text, ',', '.');
+    return std::strtod(text.c_str(), nullptr);
+  }
+
+  // One comma between digits, not that of a list ("6,0,20", TOOL/MILL,6,0).
+  bool is_decimal_comma() const {
+    if (list_ || at(at_) != ',' || !is_digit(at(at_ + 1))) return false;
+    std::size_t end = at_ + 1;
+    while (is_digit(at(end))) ++end;
+    const bool ends =
+        at(end) != '.' && at(end) != '/' && !(at(end) == ',' && is_digit(at(end + 1)));
+    std::size_t begin = at_;
+    while (begin > 0 && is_digit(at(begin - 1))) --begin;
+    return ends && (begin == 0 || at(begin - 1) != ',');
+  }
+
+  // Whether the last token is the 1 of "1 1/4": not the number of a tool, as in "T1 1/4".
+  bool is_whole_before() const {
+    const std::size_t n = tokens_.size();
+    if (n == 0 || !tokens_[n - 1].whole) return false;
+    if (n == 1) return true;
+    const std::string_view before = tokens_[n - 2].word;
+    const auto numbers = {"T", "TOOL", "NO", "NR", "NUMBER", "H"};
+    return !tokens_[n - 2].is_number() && std::ranges::find(numbers, before) == numbers.end();
+  }
+
+  // 6, 6.35, 6,35, .25, 1/4, 1-1/4 and 1 1/4, each with its unit.
+  void number() {
+    ToolToken token;
+    const std::size_t from = at_;
+    token.value = digits();
+    const bool begins =
+        from == 0 || std::string_view(" \t=:-(").find(at(from - 1)) != std::string_view::npos;
+    token.whole = begins && (at(at_) == ' ' || at(at_) == '\t') && token.value >= 1 &&
+                  token.value == std::floor(token.value);
+    if (at(at_) == '/' && is_digit(at(at_ + 1))) {
+      ++at_;
+      double divisor = 0;
+      for (; is_digit(at(at_)); ++at_) divisor = 10 * divisor + (at(at_) - '0');
+      token.value = divisor > 0 ? token.value / divisor : 0;
+      token.unit_mm = kMmPerInch;
+      const std::size_t n = tokens_.size();
+      if (n >= 2 && tokens_[n - 1].word == "-" && tokens_[n - 2].is_number()) {
+        token.value += tokens_[n - 2].value;
+        tokens_.resize(n - 2);
+      } else if (token.value < 1 && is_whole_before()) {
+        token.value += tokens_[n - 1].value;
+        tokens_.pop_back();
+      }
+      token.whole = false;
+    }
+    unit(token);
+    token.whole = token.whole && token.unit_mm == 0 && !token.degrees;
+    tokens_.push_back(token);
+  }
+
+  void unit(ToolToken& token) {
+    std::size_t from = at_;
+    while (at(from) == ' ') ++from;
+    if (at(from) == '"' || (at(from) == '\'' && at(from + 1) == '\'')) {
+      token.unit_mm = kMmPerInch;
+      at_ = from + (at(from) == '"' ? 1 : 2);
+      return;
+    }
+    std::size_t end = from;
+    while (is_word_letter(at(end))) ++end;
+    const std::string word = to_upper(std::string(text_.substr(from, end - from)));
+    token.degrees = word == "DEG" || word == "DEGREE" || word == "DEGREES" || word == "\xC2\xB0";
+    const bool mm = word == "MM" || word == "MILLIMETERS";
+    const bool inch = word == "IN" || word == "INCH" || word == "INCHES";
+    if (mm || inch) token.unit_mm = mm ? 1 : kMmPerInch;
+    if (mm || inch || token.degrees) at_ = end;
+  }
+
+  std::string_view text_;
+  bool list_;  ///< numbers are divided by commas
+  std::size_t at_ = 0;
+  std::vector<ToolToken> tokens_;
+};
+
+}  // namespace
+
+std::vector<ToolToken> tool_tokens(std::string_view words) { return ToolTokens(words).take(); }
+
+}  // namespace kerf
