@@ -262,7 +262,7 @@ TEST(Klartext, TcpmIsReadAsM128Only) {
   EXPECT_THAT(refused(tcpm + "POS PATHCTRL AXIS REFPNT CENTER-CENTER\n"), HasSubstr("CENTER"));
 }
 
-TEST(Klartext, AFeedBesideACornerHoldsInTheCorner) {
+TEST(Klartext, AFeedBesideACornerOrM128IsNotThatOfThePath) {
   const auto program = read(kHead + "L X+20 F1000\nCHF 5 F50\nL Y+20\n");
   ASSERT_TRUE(program) << to_string(program.error());
   std::vector<double> feeds;
@@ -270,6 +270,9 @@ TEST(Klartext, AFeedBesideACornerHoldsInTheCorner) {
     feeds.push_back(
         std::round(60 * length(motion.to.tip_mm - motion.from.tip_mm) / motion.duration_s));
   EXPECT_THAT(feeds, ElementsAre(1000, 50, 1000));
+  const auto compensated = read(kHead + "L X+20 F60 M128 F1000\nL X+21\nM128 F500\nL X+22\n");
+  ASSERT_TRUE(compensated) << to_string(compensated.error());
+  for (const std::size_t i : {1U, 2U}) EXPECT_EQ(compensated->motions.at(i).duration_s, 1);
   EXPECT_THAT(refused("L X+20 F9\nRND R5 FMAX\nL Y+20\n"), HasSubstr("FMAX"));
 }
 

@@ -41,6 +41,8 @@ void check_words(const std::vector<KlartextWord>& words) {
       throw KlartextFault{word.name + word.value, "is not a word of this path function"};
 }
 
+bool is_m128(const KlartextWord& word) { return word.name == "M" && word.value == "128"; }
+
 // "C" behind "M94".
 bool is_reduced_axis(const KlartextWord& before, const KlartextWord& word) {
   return before.name == "M" && before.value == "94" && word.value.empty() &&
@@ -271,6 +273,8 @@ KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
     const bool apart = word.name == "F" && word.value.empty() && i + 1 < words.size();
     if (word.name == "FMAX" || (apart && words[i + 1].name == "MAX")) {
       extras.rapid = true;
+    } else if (word.name == "F" && i > 0 && is_m128(words[i - 1])) {
+      continue;  // the greatest feed of the axes that compensate
     } else if (word.name == "F" && !word.value.empty()) {
       feed_ = values_.of(word.value) * unit_mm_;
     } else if (word.name == "FAUTO" || (apart && words[i + 1].name == "AUTO")) {
