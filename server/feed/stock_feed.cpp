@@ -143,8 +143,9 @@ bool StockFeed::add_tile(const DexelField& field, FieldTile at, StockUpdate& upd
   if (tile != nullptr) {
     columns = encode_columns(*tile, known->second.get());
     known->second = std::make_unique<DexelTile>(*tile);
-    known->second->topmost_codes = {};  // normals are not sent
-    known->second->lower_codes = {};
+    // Normals are not sent. An empty list in braces would keep the vector's memory.
+    known->second->topmost_codes = std::vector<EndCodes>();
+    known->second->lower_codes = LowerElements<EndCodes>();
   }
   if (columns.empty() && !is_new) return false;
   update.tiles.push_back({at, std::move(columns)});
@@ -208,6 +209,12 @@ std::optional<StockUpdate> StockFeed::next(const Sculpture& sculpture, const Tra
   bytes_in_flight_ += bytes;
   if (sent_ % kDropFarEvery == 0) drop_far(*near);
   return update;
+}
+
+std::size_t StockFeed::bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& [at, sent] : known_) bytes += sent ? sent->bytes() : 0;
+  return bytes;
 }
 
 bool StockFeed::ack(std::uint64_t sequence) {

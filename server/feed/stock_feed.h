@@ -73,6 +73,8 @@ class StockFeed {
   /// The agent applied every patch up to `sequence`. Returns false, without effect, if that patch
   /// was not sent.
   bool ack(std::uint64_t sequence);
+  /// Returns the bytes of the stored copies of tiles, their heap memory included.
+  std::size_t bytes() const;
 
  private:
   /// Limit of the tiles of a region, per field, to bound the time taken from other participants.

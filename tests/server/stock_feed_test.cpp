@@ -328,6 +328,30 @@ TEST_P(StockFeedTest, ReplicaStaysCorrectOnALongPathAmongOthers) {
   expect_equal_near(tip_);
 }
 
+TEST_P(StockFeedTest, StoresTilesWithoutNormals) {
+  const auto stored_bytes = [](bool keep_normals) {
+    SculptureSettings settings;
+    settings.stock = BoxStock{{0, 0, -20}, {100, 100, 0}};
+    settings.pitch_mm = 0.5;
+    settings.rays = GetParam();
+    settings.keep_normals = keep_normals;
+    auto server = *Sculpture::create(settings);
+    server.apply(DefineTool{1, *make_tool(BallShape{6, 40})}).value();
+    for (double y = 10; y < 100; y += 20) {
+      server.apply(MoveTool{1, {{0, y, -8}, kUp}, {{100, y, -8}, kUp}, 0, false}).value();
+    }
+    StockFeed feed(true, true);
+    const ToolPose above{{50, 50, 5}, kUp};
+    for (std::uint64_t us = 1; const auto update = feed.next(server, {*server.tool(1), above, us});
+         ++us) {
+      EXPECT_TRUE(feed.ack(update->sequence));
+    }
+    return feed.bytes();
+  };
+  EXPECT_GE(stored_bytes(false), 42 * sizeof(DexelTile)) << "seven by six tiles of 16 mm";
+  EXPECT_EQ(stored_bytes(true), stored_bytes(false));
+}
+
 TEST(StockFeed, LimitsTheTilesOfARegion) {
   SculptureSettings settings;
   settings.stock = BoxStock{{0, 0, -20}, {400, 400, 0}};
