@@ -26,38 +26,63 @@ struct Upload {
   std::uintmax_t bytes = 0;
 };
 
-/// The files of one owner, oldest last.
+/// The files of one owner.
 struct Holding {
   fs::path folder;
-  std::vector<Upload> uploads;
-  std::uintmax_t bytes = 0;
+  std::vector<Upload> uploads;  ///< those that may be deleted, oldest last
+  std::size_t files = 0;        ///< these and the one that may not
+  std::uintmax_t bytes = 0;     ///< of all of them
 
   void remove_oldest() {
     std::error_code ignored;
     fs::remove(uploads.back().path, ignored);
     bytes -= uploads.back().bytes;
     uploads.pop_back();
-    if (uploads.empty()) fs::remove(folder, ignored);
+    if (--files == 0) fs::remove(folder, ignored);
   }
 };
 
-/// Files that lie in the folder itself, as older versions stored them, count as those of one owner.
-std::vector<Holding> holdings_in(const fs::path& folder) {
+/// What lies in a folder itself; nothing of a folder that has gone.
+std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
+  std::vector<fs::directory_entry> entries;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator();
+       at.increment(error)) {
+    entries.push_back(*at);
+  }
+  return entries;
+}
+
+/// Each owner's files, and those in the folder itself, which older versions have stored.
+std::vector<fs::directory_entry> files_in(const fs::path& folder) {
+  std::vector<fs::directory_entry> files;
   std::error_code ignored;
+  for (const fs::directory_entry& entry : entries_of(folder)) {
+    if (!entry.is_directory(ignored)) {
+      files.push_back(entry);
+      continue;
+    }
+    for (const fs::directory_entry& file : entries_of(entry.path())) files.push_back(file);
+  }
+  std::erase_if(files, [&](const auto& file) { return !file.is_regular_file(ignored); });
+  return files;
+}
+
+/// Files that lie in the folder itself count as those of one owner. `stored` may not be deleted.
+std::vector<Holding> holdings_in(const fs::path& folder, const fs::path& stored) {
   std::map<fs::path, Holding> by_owner;
-  for (const auto& entry : fs::recursive_directory_iterator(folder, ignored)) {
-    if (!entry.is_regular_file(ignored)) continue;
-    Holding& holding = by_owner[entry.path().parent_path()];
+  for (const auto& entry : files_in(folder)) {
     std::error_code time_error, size_error;
     const Upload upload{entry.path(), entry.last_write_time(time_error),
                         entry.file_size(size_error)};
     if (time_error || size_error) continue;
+    Holding& holding = by_owner[entry.path().parent_path()];
+    ++holding.files;
     holding.bytes += upload.bytes;
-    holding.uploads.push_back(upload);
+    if (upload.path != stored) holding.uploads.push_back(upload);
   }
   std::vector<Holding> holdings;
   for (auto& [owner, holding] : by_owner) {
-    if (holding.uploads.empty()) continue;
     holding.folder = owner;
     std::ranges::sort(holding.uploads, std::greater(), &Upload::time);
     holdings.push_back(std::move(holding));
@@ -83,23 +108,27 @@ std::string UploadFolder::keep(const std::string& owner, const std::string& exte
     fs::remove(part, error);
     return {};
   }
-  delete_beyond_limits();
+  delete_beyond_limits(own / name);
   return name;
 }
 
-void UploadFolder::delete_beyond_limits() {
-  auto holdings = holdings_in(folder_);
+void UploadFolder::delete_beyond_limits(const fs::path& stored) {
+  auto holdings = holdings_in(folder_, stored);
   std::size_t files = 0;
   std::uintmax_t bytes = 0;
   for (Holding& holding : holdings) {
-    while (holding.uploads.size() > limits_.files_of_owner) holding.remove_oldest();
-    files += holding.uploads.size();
+    while (holding.files > limits_.files_of_owner && !holding.uploads.empty()) {
+      holding.remove_oldest();
+    }
+    files += holding.files;
     bytes += holding.bytes;
   }
-  const auto files_of = [](const Holding& holding) { return holding.uploads.size(); };
-  while (files > 1 && (files > limits_.files || bytes > limits_.bytes)) {
-    Holding& most = bytes > limits_.bytes ? *std::ranges::max_element(holdings, {}, &Holding::bytes)
-                                          : *std::ranges::max_element(holdings, {}, files_of);
+  while (files > limits_.files || bytes > limits_.bytes) {
+    std::erase_if(holdings, [](const Holding& holding) { return holding.uploads.empty(); });
+    if (holdings.empty()) return;
+    Holding& most = bytes > limits_.bytes
+                        ? *std::ranges::max_element(holdings, {}, &Holding::bytes)
+                        : *std::ranges::max_element(holdings, {}, &Holding::files);
     bytes -= most.uploads.back().bytes;
     --files;
     most.remove_oldest();
@@ -107,9 +136,13 @@ void UploadFolder::delete_beyond_limits() {
 }
 
 std::map<std::string, std::string> UploadFolder::named_in(std::string_view text) const {
+  std::vector<fs::directory_entry> stored;
+  {
+    const std::lock_guard lock(mutex_);
+    stored = files_in(folder_);
+  }
   std::map<std::string, std::string> files;
-  std::error_code ignored;
-  for (const auto& entry : fs::recursive_directory_iterator(folder_, ignored)) {
+  for (const auto& entry : stored) {
     const std::string name = entry.path().filename().string();
     if (files.contains(name) || text.find('"' + name + '"') == text.npos) continue;
     if (auto contents = read_file(entry.path())) files[name] = *std::move(contents);

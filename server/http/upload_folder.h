@@ -28,18 +28,19 @@ class UploadFolder {
 
   /// Stores a file. `owner` tells clients apart; `extension` begins with a dot and is part of a
   /// file name. Returns the name that scenes use, a hash of the contents: equal files have equal
-  /// names. Empty if the file could not be written.
+  /// names. Empty if the file could not be written. The file outlasts the call whatever the limits.
   std::string keep(const std::string& owner, const std::string& extension,
                    const std::string& bytes);
   /// Returns the contents of the files whose names stand in a text, in quotes, by name.
   std::map<std::string, std::string> named_in(std::string_view text) const;
 
  private:
-  void delete_beyond_limits();
+  /// Deletes what exceeds the limits, but never the file that was just stored.
+  void delete_beyond_limits(const std::filesystem::path& stored);
 
   std::filesystem::path folder_;
   UploadLimits limits_;
-  std::mutex mutex_;  ///< of those that store and delete
+  mutable std::mutex mutex_;  ///< of those that store, delete and list
 };
 
 }  // namespace kerf::net

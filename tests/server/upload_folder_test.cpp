@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <fstream>
+#include <thread>
 
 #include "tests/server/temporary_folder.h"
 
@@ -75,6 +77,41 @@ TEST_F(Uploads, AboveTheNumberOfAllTheOneWithMostFilesLosesItsOldest) {
   for (int n = 0; n < 3; ++n) keep("cy", "c" + std::to_string(n));
   EXPECT_TRUE(is_kept(mine)) << "though it is the largest";
   EXPECT_EQ(files(), 6U);
+}
+
+TEST_F(Uploads, JustStoredAreKeptThoughTheirOwnerHasMost) {
+  for (const char* owner : {"ada", "bo", "cy"}) keep(owner, std::string(25, *owner));
+  const std::string largest = keep("dee", std::string(50, 'd'));
+  EXPECT_TRUE(is_kept(largest));
+  EXPECT_EQ(files(), 3U) << "one of the others went";
+}
+
+TEST_F(Uploads, LargerThanTheLimitOfAllTakeThePlaceOfAll) {
+  keep("ada", "a");
+  keep("bo", "");
+  EXPECT_TRUE(is_kept(keep("cy", std::string(101, 'c'))));
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(Uploads, JustStoredAreKeptAfterTheClockWasSetBack) {
+  start_ += std::chrono::hours(2);
+  for (int n = 0; n < 3; ++n) keep("ada", "a" + std::to_string(n));
+  start_ -= std::chrono::hours(3);
+  EXPECT_TRUE(is_kept(keep("ada", "newest")));
+  EXPECT_EQ(files(), 3U);
+}
+
+TEST_F(Uploads, AreFoundWhileFoldersOfOthersGo) {
+  const std::string mine = keep("ada", "mine");
+  std::atomic<bool> is_done = false;
+  std::jthread others([&] {
+    for (int n = 0; n < 300; ++n) {
+      const std::string owner = std::to_string(n);
+      uploads_.keep(owner, ".stl", std::string(30, 'x') + owner);  // deletes another's only file
+    }
+    is_done = true;
+  });
+  while (!is_done) EXPECT_TRUE(is_kept(mine));
 }
 
 TEST_F(Uploads, ThatOlderVersionsHaveStoredAreFound) {
