@@ -30,7 +30,7 @@ std::expected<void, VersionError> Session::name_version(NamedVersion version) {
         kLimit,
         "a session has at most " + std::to_string(kVersionsMax) + " versions; delete some"});
   }
-  journal_.append(VersionChange{version});
+  journal_.append(VersionChange{version, false, {}});
   versions_.emplace(version.name, std::move(version));
   return {};
 }
@@ -57,8 +57,8 @@ std::expected<NamedVersion, VersionError> Session::rename_version(const std::str
   }
   NamedVersion renamed = found->second;
   renamed.name = to;
-  journal_.append(VersionChange{renamed});
-  journal_.append(VersionChange{found->second, true});
+  // One change, so one transaction: a crash leaves the old name or the new one.
+  journal_.append(VersionChange{renamed, false, name});
   versions_.erase(found);
   versions_.emplace(to, renamed);
   return renamed;
@@ -75,7 +75,7 @@ std::expected<void, VersionError> Session::remove_version(const std::string& nam
     return std::unexpected(
         VersionError{kNotAllowed, "the version is another's: an owner may delete it"});
   }
-  journal_.append(VersionChange{found->second, true});
+  journal_.append(VersionChange{found->second, true, {}});
   versions_.erase(found);
   return {};
 }

@@ -106,7 +106,7 @@ SqlResult<void> copy_tables(SqlDatabase& from, SqlDatabase& to, std::uint64_t la
   const auto versions = read_versions(from, last);
   if (!versions) return std::unexpected(versions.error());
   for (const NamedVersion& version : *versions) {
-    if (auto ok = store_version(to, {version}); !ok) return ok;
+    if (auto ok = store_version(to, {version, false, {}}); !ok) return ok;
   }
   return {};
 }

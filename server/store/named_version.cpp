@@ -37,6 +37,14 @@ std::size_t character_bytes(std::string_view text) {
   return is_outside ? 0 : bytes;
 }
 
+SqlResult<void> delete_row(SqlDatabase& database, const std::string& name) {
+  auto statement = database.prepare("DELETE FROM versions WHERE name=?");
+  if (!statement) return std::unexpected(statement.error());
+  statement->bind(1, name);
+  if (auto row = statement->step(); !row) return std::unexpected(row.error());
+  return {};
+}
+
 }  // namespace
 
 bool is_version_name(std::string_view name) {
@@ -63,19 +71,19 @@ SqlResult<void> create_version_table(SqlDatabase& database) {
 
 SqlResult<void> store_version(SqlDatabase& database, const VersionChange& change) {
   const NamedVersion& version = change.version;
-  auto statement =
-      database.prepare(change.is_removed ? "DELETE FROM versions WHERE name=?"
-                                         : "INSERT OR REPLACE INTO versions VALUES(?,?,?,?,?,?,?)");
+  if (!change.old_name.empty()) {
+    if (auto ok = delete_row(database, change.old_name); !ok) return ok;
+  }
+  if (change.is_removed) return delete_row(database, version.name);
+  auto statement = database.prepare("INSERT OR REPLACE INTO versions VALUES(?,?,?,?,?,?,?)");
   if (!statement) return std::unexpected(statement.error());
   statement->bind(1, version.name);
-  if (!change.is_removed) {
-    statement->bind(2, static_cast<std::int64_t>(version.record));
-    statement->bind(3, version.record_ms);
-    statement->bind(4, version.created_ms);
-    statement->bind(5, version.author);
-    statement->bind(6, version.person);
-    statement->bind(7, checksum(version));
-  }
+  statement->bind(2, static_cast<std::int64_t>(version.record));
+  statement->bind(3, version.record_ms);
+  statement->bind(4, version.created_ms);
+  statement->bind(5, version.author);
+  statement->bind(6, version.person);
+  statement->bind(7, checksum(version));
   if (auto row = statement->step(); !row) return std::unexpected(row.error());
   return {};
 }

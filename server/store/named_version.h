@@ -22,10 +22,11 @@ struct NamedVersion {
   std::string person;           ///< its grant; empty: none
 };
 
-/// A version that is stored, or removed.
+/// A version that is stored, renamed, or removed.
 struct VersionChange {
   NamedVersion version;
   bool is_removed = false;
+  std::string old_name;  ///< of a version that is renamed: its row goes; empty: there is none
 };
 
 inline constexpr std::size_t kVersionNameBytesMax = 64;
@@ -37,6 +38,7 @@ bool is_version_name(std::string_view name);
 
 /// Creates the table unless it is there.
 SqlResult<void> create_version_table(SqlDatabase& database);
+/// To be called in a transaction: a rename takes two statements.
 SqlResult<void> store_version(SqlDatabase& database, const VersionChange& change);
 /// The versions up to a record, by name; a row that is damaged is left out. None if there is no
 /// table.

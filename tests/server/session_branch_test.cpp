@@ -85,6 +85,22 @@ TEST_F(Versions, ARenamedOneKeepsItsAuthorAndTimes) {
   }
 }
 
+TEST_F(Versions, AreRenamedInOneTransaction) {
+  create();
+  ASSERT_TRUE(session_->name_version(named("first", 1)));
+  ASSERT_TRUE(session_->flush());
+  ASSERT_TRUE(session_->rename_version("first", "second", Caller::local()));
+  EXPECT_LE(session_->journal_lag(), 1U) << "a crash between two changes leaves both names";
+  reload();
+  EXPECT_EQ(session_->versions().size(), 1U);
+  EXPECT_EQ(session_->versions()[0].name, "second");
+  // And back: the row of that name may be an old one.
+  ASSERT_TRUE(session_->rename_version("second", "first", Caller::local()));
+  reload();
+  ASSERT_EQ(session_->versions().size(), 1U);
+  EXPECT_EQ(session_->versions()[0].name, "first");
+}
+
 TEST_F(Versions, AreLimitedInNumber) {
   create();
   for (std::size_t n = 0; n < kVersionsMax; ++n) {
