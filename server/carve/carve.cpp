@@ -310,7 +310,7 @@ class Carving {
     if (!options_.write_scene) return {};
     OutputFile& file = output(*options_.write_scene);
     std::ofstream stream(file.temporary(), std::ios::binary);
-    stream << scene_json(scene_) << '\n';
+    stream << scene_text(scene_, options_, *options_.write_scene);
     if (!stream.flush()) return bad_output(file.target().string() + ": cannot be written");
     return {};
   }

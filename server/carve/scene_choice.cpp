@@ -54,13 +54,7 @@ std::expected<Scene, Failure> derived(const CarveOptions& options) {
   if (!text) return bad_input(name + ": cannot be read");
   const auto environment = load_environment(options.environment, options.program);
   if (!environment) return bad_input(environment.error());
-  SceneWishes wishes = options.wishes;
-  // A scene that is written names its stock relative to its own folder.
-  if (options.write_scene && !wishes.stock_file.empty()) {
-    wishes.folder = std::filesystem::absolute(*options.write_scene).parent_path();
-    wishes.stock_file = std::filesystem::proximate(wishes.stock_file, wishes.folder).string();
-  }
-  auto derived = derive_scene(name, *text, *environment, wishes);
+  auto derived = derive_scene(name, *text, *environment, options.wishes);
   if (!derived) return bad_input(derived.error());
   for (const std::string& note : derived->notes) std::cerr << "scene: " << note << '\n';
   // A pitch that is asked for is kept: the target was only assumed.
@@ -77,10 +71,29 @@ std::expected<Scene, Failure> loaded(const CarveOptions& options) {
   return *std::move(scene);
 }
 
+// The name, relative to `to`, of a file that is named relative to `from`.
+void rebase_file(std::string& file, const std::filesystem::path& from,
+                 const std::filesystem::path& to) {
+  if (file.empty() || std::filesystem::path(file).is_absolute()) return;
+  file = std::filesystem::proximate(std::filesystem::absolute(from / file), to).string();
+}
+
 }  // namespace
 
 std::string scene_label(const CarveOptions& options) {
   return options.scene.empty() ? options.program.string() : options.scene.string();
+}
+
+std::string scene_text(Scene scene, const CarveOptions& options,
+                       const std::filesystem::path& target) {
+  const std::filesystem::path from =
+      options.scene.empty() ? options.wishes.folder : options.scene.parent_path();
+  const std::filesystem::path to = std::filesystem::absolute(target).parent_path();
+  rebase_file(scene.stock_file, from, to);
+  for (std::string& file : scene.obstacle_files) rebase_file(file, from, to);
+  for (Guide& guide : scene.guides)
+    if (auto* path = std::get_if<PathGuide>(&guide.shape)) rebase_file(path->file, from, to);
+  return scene_json(scene) + '\n';
 }
 
 std::expected<Scene, Failure> choose_scene(const CarveOptions& options) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <expected>
+#include <filesystem>
 #include <string>
 
 #include "server/carve/carve_options.h"
@@ -13,6 +14,11 @@ namespace kerf {
 /// Returns the scene that is carved: that of --scene or one derived from the program, with the
 /// accuracy and the force law of the command line. What was assumed or chosen goes to stderr.
 std::expected<Scene, Failure> choose_scene(const CarveOptions& options);
+
+/// Returns the text of a scene of choose_scene for the file `target`: files that it names relative
+/// to its own folder (that of --scene, or the current one) are named relative to target's.
+std::string scene_text(Scene scene, const CarveOptions& options,
+                       const std::filesystem::path& target);
 
 /// Names the scene in errors: its file, or the program that it was derived from.
 std::string scene_label(const CarveOptions& options);

@@ -188,6 +188,31 @@ TEST_F(KerfCarve, AScenesStockMayBeAModelInAnotherFolder) {
   EXPECT_TRUE(content("a.stl") == content("b.stl"));
 }
 
+TEST_F(KerfCarve, AWrittenSceneNamesTheFilesOfAGivenOne) {
+  ASSERT_EQ(run(kInput + " --stl stock.stl"), 0);
+  auto scene = nlohmann::json::parse(kScene);
+  scene["stock"] = {{"shape", "mesh"}, {"file", "stock.stl"}};
+  const auto facet = [](const char* a, const char* b, const char* c) {
+    return std::string("facet normal 0 0 0\nouter loop\nvertex ") + a + "\nvertex " + b +
+           "\nvertex " + c + "\nendloop\nendfacet\n";
+  };
+  const char *o = "90 0 0", *x = "95 0 0", *y = "90 5 0", *z = "90 0 5";
+  write("wall.stl", "solid w\n" + facet(o, y, x) + facet(o, x, z) + facet(o, z, y) +
+                        facet(x, y, z) + "endsolid w\n");
+  scene["obstacles"] = {{{"shape", "stl"}, {"file", "wall.stl"}}};
+  scene["guides"] = {{{"kind", "path"}, {"file", "p.ngc"}}};
+  write("m.json", scene.dump());
+  fs::create_directories(folder_ / "sub");
+  const std::string rest = " --program p.ngc --wall-samples 0 --stl ";
+  ASSERT_EQ(run("--scene m.json --write-scene sub/s.json" + rest + "a.stl"), 0) << content("err");
+  ASSERT_EQ(run("--scene sub/s.json --write-scene t.json" + rest + "b.stl"), 0) << content("err");
+  EXPECT_TRUE(content("a.stl") == content("b.stl"));
+  const auto back = nlohmann::json::parse(content("t.json"));
+  EXPECT_EQ(back["stock"]["file"], "stock.stl");
+  EXPECT_EQ(back["obstacles"][0]["file"], "wall.stl");
+  EXPECT_EQ(back["guides"][0]["file"], "p.ngc");
+}
+
 TEST_F(KerfCarve, SaysLastThatNothingWasCut) {
   write("p.ngc", "T1 M6\nG0 X-5 Y10 Z90\nG1 X25 F100\nM2\n");
   ASSERT_EQ(run(kInput), 0);
