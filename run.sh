@@ -50,6 +50,7 @@ build() {
   local tests=ON programs=(kerf-server)
   if [ -n "$(packages_missing test)" ]; then tests=OFF; fi # test.sh installs the packages that only tests need
   install_sections build run
+  (install_sections wasm) || true # without it there is a page all the same, and build_wasm says what it lacks
   use_node
   if $DEMO; then programs+=(kerf-agent kerf-demo); fi
   if $BUILD_ONLY; then programs=(kerf-server kerf-agent kerf-demo kerf-carve kerf_agent); fi
