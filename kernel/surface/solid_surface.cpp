@@ -68,11 +68,17 @@ void SolidSurface::plan() {
 }
 
 bool SolidSurface::next(TileMesh& piece) {
+  if (!begin(piece)) return false;
+  finish(piece);
+  return true;
+}
+
+bool SolidSurface::begin(TileMesh& piece) {
   const bool tile_left = next_tile_ < tiles_.size();
   const bool square_left = next_square_ < squares_.size();
   if (!tile_left && !square_left) return false;
   if (!square_left || (tile_left && tiles_[next_tile_].y < squares_[next_square_].row)) {
-    piece = mesh_tile(solid_, tiles_[next_tile_++], cover_);
+    piece = {tiles_[next_tile_++], {}, {}, {}};
     return true;
   }
   const std::int32_t row = squares_[next_square_].row;
@@ -83,6 +89,11 @@ bool SolidSurface::next(TileMesh& piece) {
     fan_.append(square.face, square.node, piece);
   }
   return true;
+}
+
+void SolidSurface::finish(TileMesh& piece) const {
+  // Squares have vertices from the beginning.
+  if (piece.positions_mm.empty()) piece = mesh_tile(solid_, piece.tile, cover_);
 }
 
 double SolidSurface::share() const {

@@ -26,6 +26,11 @@ class SolidSurface {
   /// Replaces `piece` by the next one, which may be without triangles: a tile, or up to some
   /// thousand triangles of squares that begin in one row of tiles. Returns false at the end.
   bool next(TileMesh& piece);
+  /// Replaces `piece` by the next one, of which finish() may have to make the mesh. Returns false
+  /// at the end.
+  bool begin(TileMesh& piece);
+  /// Completes a piece that begin() has returned. Thread-safe, so that several threads can mesh.
+  void finish(TileMesh& piece) const;
   /// Returns the fraction of the pieces that have been read, 0 to 1.
   double share() const;
 

@@ -266,7 +266,7 @@ class Carving {
     const ModelProgress bar = [this](double share) { progress_.show("measuring", share); };
     bar(0);
     auto made = CarvedSurface::make(sculpture_->solid(), request,
-                                    reference_ ? &*reference_ : nullptr, bar, stop_);
+                                    reference_ ? &*reference_ : nullptr, bar, stop_, pool_);
     if (!made) return bad_input(scene_label(options_) + ": " + made.error());
     surface_ = *std::move(made);
     report_.surface = surface_->report();
@@ -319,6 +319,8 @@ class Carving {
     warn_of_idle_run(report_);
     if (auto kept = write_scene(); !kept) return kept;
     if (!options_.report) return {};
+    report_.threads = options_.threads;
+    report_.total_s = whole_.lap();
     OutputFile& file = output(*options_.report);
     std::ofstream stream(file.temporary(), std::ios::binary);
     stream << report_json(report_, scene_, program_);
@@ -332,7 +334,7 @@ class Carving {
   OutputFiles& outputs_;
   std::stop_token stop_;
   ThreadPool pool_;
-  Stopwatch watch_;
+  Stopwatch watch_, whole_;
   Progress progress_;
   Scene scene_;
   Program program_;

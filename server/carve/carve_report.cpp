@@ -85,6 +85,8 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"wall_seconds", report.walls_s},
                   {"mesh_seconds", report.mesh_s},
                   {"write_seconds", report.write_s},
+                  {"total_seconds", report.total_s},
+                  {"threads", report.threads},
                   {"triangles", triangles},
                   {"simplified", simplified_json(report.surface)},
                   {"deviation", deviation_json(report.surface)},

@@ -19,6 +19,8 @@ struct CarveReport {
   double machining_s = 0;  ///< sum of the durations of all motions
   double stock_volume_mm3 = 0, removed_volume_mm3 = 0, imprint_volume_mm3 = 0;
   double read_s = 0, cut_s = 0, simulate_s = 0, mesh_s = 0, write_s = 0;
+  double total_s = 0;  ///< from the start of the program to this report
+  int threads = 1;
   std::optional<std::uint64_t> triangles;  ///< empty if no model was requested
   SurfaceReport surface;
   std::uint64_t state_hash = 0;

@@ -46,18 +46,18 @@ std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::pa
 std::unique_ptr<MeshSource> CarvedSurface::plain() const {
   if (simplified_) return std::make_unique<WholeMesh>(*simplified_);
   // Deviations vary along a face that no cut has reached.
-  return std::make_unique<SnapshotMesh>(snapshot_,
-                                        compared_ ? FlatFaces::kByTile : FlatFaces::kMerged);
+  return std::make_unique<SnapshotMesh>(
+      snapshot_, compared_ ? FlatFaces::kByTile : FlatFaces::kMerged, &workers_);
 }
 
 std::expected<std::unique_ptr<CarvedSurface>, std::string> CarvedSurface::make(
     const SolidSnapshot& snapshot, const SurfaceRequest& request, const IndexedMesh* reference,
-    const ModelProgress& progress, const std::stop_token& stop) {
-  std::unique_ptr<CarvedSurface> surface(new CarvedSurface(snapshot));
+    const ModelProgress& progress, const std::stop_token& stop, Workers& workers) {
+  std::unique_ptr<CarvedSurface> surface(new CarvedSurface(snapshot, workers));
   SurfaceReport& report = surface->report_;
   surface->compared_ = reference != nullptr;
   if (request.simplify.triangles || request.simplify.error_mm) {
-    SnapshotMesh exact(snapshot);
+    SnapshotMesh exact(snapshot, FlatFaces::kMerged, &workers);
     auto simplified = simplify_mesh(exact, request.simplify, progress, stop);
     if (!simplified) return std::unexpected(simplified.error().reason);
     report.exact_triangles = simplified->original_triangles;

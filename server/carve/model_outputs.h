@@ -46,11 +46,11 @@ std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::pa
 /// The processed surface of a carved block, which any number of threads may write concurrently.
 class CarvedSurface {
  public:
-  /// `reference` may be null. The error is one sentence. Ends early if a stop is requested; the
-  /// result is then of no use.
+  /// `reference` may be null; `workers` mesh, and must outlive the surface. The error is one
+  /// sentence. Ends early if a stop is requested; the result is then of no use.
   static std::expected<std::unique_ptr<CarvedSurface>, std::string> make(
       const SolidSnapshot& snapshot, const SurfaceRequest& request, const IndexedMesh* reference,
-      const ModelProgress& progress, const std::stop_token& stop);
+      const ModelProgress& progress, const std::stop_token& stop, Workers& workers);
 
   const SurfaceReport& report() const { return report_; }
   /// Writes a model file and returns its number of triangles. The error is one sentence.
@@ -61,10 +61,12 @@ class CarvedSurface {
                                                   const std::stop_token& stop) const;
 
  private:
-  explicit CarvedSurface(const SolidSnapshot& snapshot) : snapshot_(snapshot) {}
+  CarvedSurface(const SolidSnapshot& snapshot, Workers& workers)
+      : snapshot_(snapshot), workers_(workers) {}
   std::unique_ptr<MeshSource> plain() const;
 
   SolidSnapshot snapshot_;
+  Workers& workers_;
   bool compared_ = false;  ///< with a reference
   std::optional<IndexedMesh> simplified_;
   std::optional<Deviation> deviation_;

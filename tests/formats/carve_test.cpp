@@ -23,9 +23,9 @@ TEST_F(KerfCarve, WritesEveryRequestedOutput) {
       report(kInput +
              " --stl m.stl --glb m.glb --3mf m.3mf --ply m.ply --obj m.obj --ngc o.ngc"
              " --apt o.apt --forces f.csv");
-  for (const char* field :
-       {"stock_volume_mm3", "removed_volume_mm3", "motions", "sub_motions", "cut_seconds",
-        "mesh_seconds", "triangles", "peak_memory_bytes", "state_hash", "warnings"})
+  for (const char* field : {"stock_volume_mm3", "removed_volume_mm3", "motions", "sub_motions",
+                            "cut_seconds", "mesh_seconds", "total_seconds", "threads", "triangles",
+                            "peak_memory_bytes", "state_hash", "warnings"})
     EXPECT_TRUE(json.contains(field)) << field;
   EXPECT_EQ(json["stock_volume_mm3"], 4000);
   EXPECT_GT(json["removed_volume_mm3"], 160);

@@ -8,6 +8,9 @@
 namespace kerf {
 namespace {
 
+/// Pieces per thread that are meshed at the same time: some milliseconds of work.
+constexpr std::size_t kPiecesAhead = 8;
+
 std::int64_t tile_count(const DexelGrid& grid) {
   return std::int64_t{grid.tiles_x()} * grid.tiles_y();
 }
@@ -21,8 +24,9 @@ Vec3 SnapshotMesh::size_mm() const {
 }
 
 bool SnapshotMesh::next(MeshPiece& piece) {
-  TileMesh mesh;
-  if (!next_mesh(mesh)) return false;
+  if (read_ == ahead_.size()) mesh_ahead();
+  if (ahead_.empty()) return false;
+  TileMesh& mesh = ahead_[read_++];
   piece.positions_mm = std::move(mesh.positions_mm);
   piece.normals = std::move(mesh.normals);
   piece.indices = std::move(mesh.indices);
@@ -31,17 +35,37 @@ bool SnapshotMesh::next(MeshPiece& piece) {
   return true;
 }
 
-bool SnapshotMesh::next_mesh(TileMesh& mesh) {
+void SnapshotMesh::mesh_ahead() {
+  ahead_.clear();
+  read_ = 0;
+  const int threads = workers_ == nullptr ? 1 : workers_->count();
+  const std::size_t wanted = threads == 1 ? 1 : static_cast<std::size_t>(threads) * kPiecesAhead;
+  TileMesh mesh;
+  while (ahead_.size() < wanted && begin(mesh)) ahead_.push_back(std::move(mesh));
+  const auto job = [this](int n) { finish(ahead_[static_cast<std::size_t>(n)]); };
+  const auto jobs = static_cast<int>(ahead_.size());
+  workers_ == nullptr ? SerialWorkers().run(jobs, job) : workers_->run(jobs, job);
+}
+
+bool SnapshotMesh::begin(TileMesh& mesh) {
   if (faces_ == FlatFaces::kMerged) {
     if (!merged_) merged_ = std::make_unique<SolidSurface>(snapshot_);
-    return merged_->next(mesh);
+    return merged_->begin(mesh);
   }
   const DexelGrid& grid = snapshot_.grid();
   if (next_tile_ == tile_count(grid)) return false;
-  mesh = mesh_tile(snapshot_, {static_cast<std::int32_t>(next_tile_ % grid.tiles_x()),
-                               static_cast<std::int32_t>(next_tile_ / grid.tiles_x())});
+  mesh.tile = {static_cast<std::int32_t>(next_tile_ % grid.tiles_x()),
+               static_cast<std::int32_t>(next_tile_ / grid.tiles_x())};
   ++next_tile_;
   return true;
+}
+
+void SnapshotMesh::finish(TileMesh& mesh) const {
+  if (merged_) {
+    merged_->finish(mesh);
+  } else {
+    mesh = mesh_tile(snapshot_, mesh.tile);
+  }
 }
 
 double SnapshotMesh::share() const {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernel/cut/workers.h"
 #include "kernel/dexel/solid_snapshot.h"
 #include "kernel/math/vec3.h"
 #include "kernel/surface/solid_surface.h"
@@ -43,22 +44,29 @@ class MeshSource {
 /// for values that vary along a face.
 enum class FlatFaces : std::uint8_t { kMerged, kByTile };
 
-/// The surface of a snapshot, meshed piece by piece on demand.
+/// The surface of a snapshot, meshed piece by piece on demand; with `workers`, which must outlive
+/// it, some pieces ahead on several threads. The pieces do not depend on them.
 class SnapshotMesh final : public MeshSource {
  public:
-  explicit SnapshotMesh(SolidSnapshot snapshot, FlatFaces faces = FlatFaces::kMerged)
-      : snapshot_(std::move(snapshot)), faces_(faces) {}
+  explicit SnapshotMesh(SolidSnapshot snapshot, FlatFaces faces = FlatFaces::kMerged,
+                        Workers* workers = nullptr)
+      : snapshot_(std::move(snapshot)), faces_(faces), workers_(workers) {}
   Vec3 origin_mm() const override { return snapshot_.grid().origin_mm; }
   Vec3 size_mm() const override;
   bool next(MeshPiece& piece) override;
   double share() const override;
 
  private:
-  bool next_mesh(TileMesh& mesh);
+  bool begin(TileMesh& mesh);
+  void finish(TileMesh& mesh) const;
+  void mesh_ahead();
 
   SolidSnapshot snapshot_;
   FlatFaces faces_;
+  Workers* workers_;
   std::unique_ptr<SolidSurface> merged_;  ///< made by the first next() if faces are merged
+  std::vector<TileMesh> ahead_;           ///< meshed at the same time
+  std::size_t read_ = 0;                  ///< of these
   std::int64_t next_tile_ = 0;
 };
 

@@ -7,6 +7,8 @@ namespace kerf {
 namespace {
 
 constexpr std::size_t kTitleBytes = 80;
+/// Twelve floats and two bytes that are zero.
+constexpr std::size_t kFacetBytes = 50;
 
 std::vector<std::byte> make_header(std::string_view title) {
   // The text does not begin with the scene's name: a file that begins with "solid" is read as
@@ -35,6 +37,15 @@ std::array<float, 3> normal_of(const MeshPiece& piece, std::size_t first) {
   return facet_normal({p[i[first]], p[i[first + 1]], p[i[first + 2]]});
 }
 
+/// Writes three floats, little-endian, and returns the place after them.
+std::byte* put_floats(std::byte* to, const std::array<float, 3>& values) {
+  for (const float value : values) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    for (unsigned n = 0; n < 4; ++n) *to++ = static_cast<std::byte>(bits >> (8 * n));
+  }
+  return to;
+}
+
 }  // namespace
 
 ModelResult write_stl(const ModelOutput& output) {
@@ -43,13 +54,12 @@ ModelResult write_stl(const ModelOutput& output) {
   MeshPiece piece;
   std::vector<std::byte> bytes;
   while (output.next(piece)) {
-    bytes.clear();
+    bytes.assign(piece.indices.size() / 3 * kFacetBytes, std::byte{});
+    std::byte* facet = bytes.data();
     for (std::size_t first = 0; first + 2 < piece.indices.size(); first += 3) {
-      for (const float c : normal_of(piece, first)) put_float(bytes, c);
-      for (const auto& corner : corners_of(output, piece, first)) {
-        for (const float c : corner) put_float(bytes, c);
-      }
-      bytes.resize(bytes.size() + 2);
+      std::byte* to = put_floats(facet, normal_of(piece, first));
+      for (const auto& corner : corners_of(output, piece, first)) to = put_floats(to, corner);
+      facet += kFacetBytes;
     }
     output.sink.write(bytes);
     summary.triangles += piece.indices.size() / 3;

@@ -13,6 +13,7 @@
 #include "server/formats/model/vertex_welder.h"
 #include "tests/support/carvings.h"
 #include "tests/support/model_files.h"
+#include "tests/support/thread_workers.h"
 
 namespace kerf {
 namespace {
@@ -161,6 +162,26 @@ TEST(ModelWriter, EmptyStockGivesAnEmptyModelInEveryFormat) {
     }
   }
   EXPECT_TRUE(load(write(gone, ModelFormat::kGlb).bytes).meshes.empty());
+}
+
+TEST(SnapshotMesh, SeveralThreadsGiveThePiecesOfOne) {
+  const SolidSnapshot snapshot = carved_block(3);
+  test::ThreadWorkers workers(3);
+  for (const FlatFaces faces : {FlatFaces::kMerged, FlatFaces::kByTile}) {
+    SnapshotMesh alone(snapshot, faces), together(snapshot, faces, &workers);
+    MeshPiece one, other;
+    int pieces = 0;
+    while (alone.next(one)) {
+      ++pieces;
+      ASSERT_TRUE(together.next(other));
+      EXPECT_EQ(one.positions_mm, other.positions_mm);
+      EXPECT_EQ(one.normals, other.normals);
+      EXPECT_EQ(one.indices, other.indices);
+    }
+    EXPECT_GT(pieces, 1);
+    EXPECT_FALSE(together.next(other));
+    EXPECT_EQ(together.share(), 1);
+  }
 }
 
 TEST(ModelWriter, ReportsAnUnwritablePathAndLeavesNoFile) {
