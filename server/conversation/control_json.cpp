@@ -9,6 +9,7 @@
 #include "server/formats/guide_json.h"
 #include "server/rights/rights.h"
 #include "server/session/hash_text.h"
+#include "server/session/pin_json.h"
 #include "server/session/program_json.h"
 
 namespace kerf::net {
@@ -52,19 +53,25 @@ std::expected<double, Rejection> number_of(const Json& value, const char* field,
   return number;
 }
 
-std::expected<ViewerLook, Rejection> look_of(const Json& object) {
-  ViewerLook look;
-  const auto eye = object.find("eye_mm");
-  if (eye == object.end() || !eye->is_array() || eye->size() != 3) {
-    return std::unexpected(bad_field("eye_mm", "must be three numbers"));
+std::expected<Vec3, Rejection> place_field(const Json& object, const char* field) {
+  const auto found = object.find(field);
+  if (found == object.end() || !found->is_array() || found->size() != 3) {
+    return std::unexpected(bad_field(field, "must be three numbers"));
   }
   std::array<double, 3> at{};
   for (std::size_t n = 0; n < at.size(); ++n) {
-    const auto number = number_of((*eye)[n], "eye_mm", -kEyeMaxMm, kEyeMaxMm);
+    const auto number = number_of((*found)[n], field, -kEyeMaxMm, kEyeMaxMm);
     if (!number) return std::unexpected(number.error());
     at[n] = *number;
   }
-  look.eye_mm = {at[0], at[1], at[2]};
+  return Vec3{at[0], at[1], at[2]};
+}
+
+std::expected<ViewerLook, Rejection> look_of(const Json& object) {
+  ViewerLook look;
+  const auto eye = place_field(object, "eye_mm");
+  if (!eye) return std::unexpected(eye.error());
+  look.eye_mm = *eye;
   const auto error = object.find("error_rad");
   if (error == object.end()) return std::unexpected(bad_field("error_rad", "is missing"));
   const auto angle = number_of(*error, "error_rad", 0, 1);
@@ -143,6 +150,24 @@ std::expected<ControlMessage, Rejection> parse_seek(const Json& object) {
   return seek;
 }
 
+std::expected<ControlMessage, Rejection> parse_camera(const Json& object) {
+  if (!object.contains("eye_mm") && !object.contains("target_mm")) return CameraMessage{};
+  ViewerCamera camera;
+  const auto eye = place_field(object, "eye_mm");
+  if (!eye) return std::unexpected(eye.error());
+  const auto target = place_field(object, "target_mm");
+  if (!target) return std::unexpected(target.error());
+  camera.eye_mm = *eye;
+  camera.target_mm = *target;
+  if (const auto found = object.find("parallel"); found != object.end()) {
+    if (!found->is_boolean()) return std::unexpected(bad_field("parallel", kMustBeBool));
+    camera.is_parallel = found->get<bool>();
+  }
+  return CameraMessage{camera};
+}
+
+Json place_json(Vec3 place) { return {place.x, place.y, place.z}; }
+
 Json participants_json(const std::vector<Participant>& participants) {
   Json list = Json::array();
   for (const Participant& participant : participants) {
@@ -210,13 +235,14 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view frame) {
     return LookMessage{*look};
   }
   if (*type == wire::kTypeSeek) return parse_seek(object);
+  if (*type == wire::kTypeCamera) return parse_camera(object);
   if (*type == wire::kTypeStock) return StockMessage{};
   if (*type == wire::kTypeUndo) return ChangeMessage{.undone = true};
   if (*type == wire::kTypeRedo) return ChangeMessage{.undone = false};
   return std::unexpected(
       Rejection{wire::ErrorCode::kBadMessage,
-                "field \"type\" must be \"hello\", \"tool\", \"look\", \"seek\", \"stock\", "
-                "\"undo\" or \"redo\""});
+                "field \"type\" must be \"hello\", \"tool\", \"look\", \"seek\", \"camera\", "
+                "\"stock\", \"undo\" or \"redo\""});
 }
 
 std::string agent_welcome(const Session& session, const Admission& admission,
@@ -288,6 +314,25 @@ std::string programs_message(const std::vector<ProgramGlance>& programs) {
   Json list = Json::array();
   for (const ProgramGlance& program : programs) list.push_back(Json::parse(program_json(program)));
   return text({{"type", wire::kTypePrograms}, {"programs", list}});
+}
+
+std::string pins_message(const std::vector<Pin>& pins) {
+  Json list = Json::array();
+  for (const Pin& pin : pins) list.push_back(Json::parse(pin_json(pin)));
+  return text({{"type", wire::kTypePins}, {"pins", std::move(list)}});
+}
+
+std::string cameras_message(const std::vector<ShownCamera>& cameras) {
+  Json list = Json::array();
+  for (const auto& [participant, name, color, camera] : cameras) {
+    list.push_back({{"participant", participant},
+                    {"name", name},
+                    {"color", color},
+                    {"eye_mm", place_json(camera.eye_mm)},
+                    {"target_mm", place_json(camera.target_mm)},
+                    {"parallel", camera.is_parallel}});
+  }
+  return text({{"type", wire::kTypeCameras}, {"cameras", std::move(list)}});
 }
 
 std::string error_message(const Rejection& rejection, bool fatal) {

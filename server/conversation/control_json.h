@@ -46,6 +46,21 @@ struct SeekMessage {
   std::optional<std::uint64_t> record;  ///< nothing: where the viewer is
   double rate = 0;                      ///< of the journal's time; 0: it rests
 };
+/// The camera of a viewer: coordinates of at most 1000 m.
+struct ViewerCamera {
+  Vec3 eye_mm, target_mm;
+  bool is_parallel = false;
+};
+/// Shows the camera to the other viewers; nothing: no longer.
+struct CameraMessage {
+  std::optional<ViewerCamera> camera;
+};
+/// A camera that a viewer shows.
+struct ShownCamera {
+  ParticipantId participant = 0;
+  std::string name, color;  ///< of the participant
+  ViewerCamera camera;
+};
 /// Where a viewer is that looks at the past.
 struct PastPlace {
   std::uint64_t record = 0;
@@ -59,8 +74,8 @@ struct StockMessage {};
 struct ChangeMessage {
   bool undone = true;
 };
-using ControlMessage =
-    std::variant<HelloMessage, ToolMessage, LookMessage, SeekMessage, StockMessage, ChangeMessage>;
+using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage, SeekMessage,
+                                    CameraMessage, StockMessage, ChangeMessage>;
 /// Rates of a seek but 0.
 inline constexpr double kRateMin = 0.25, kRateMax = 64;
 
@@ -81,6 +96,10 @@ std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64
                           const std::optional<PastPlace>& past = std::nullopt);
 /// The programs of a session, for viewers: each message replaces the one before.
 std::string programs_message(const std::vector<ProgramGlance>& programs);
+/// The pins of a session, for viewers: each message replaces the one before.
+std::string pins_message(const std::vector<Pin>& pins);
+/// The cameras that viewers show: each message replaces the one before.
+std::string cameras_message(const std::vector<ShownCamera>& cameras);
 std::string error_message(const Rejection& rejection, bool fatal);
 /// What has come of a ChangeMessage.
 std::string stroke_message(bool undone, const std::expected<StrokesChanged, Rejection>& changed);

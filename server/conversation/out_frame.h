@@ -29,7 +29,9 @@ struct OutFrame {
     kMesh,
     kState,
     kParticipants,
-    kPrograms
+    kPrograms,
+    kPins,
+    kCameras
   };
   Kind kind = Kind::kText;
   std::vector<std::byte> bytes = {};
@@ -38,7 +40,7 @@ struct OutFrame {
 
   bool is_text() const {
     return kind == Kind::kText || kind == Kind::kState || kind == Kind::kParticipants ||
-           kind == Kind::kPrograms;
+           kind == Kind::kPrograms || kind == Kind::kPins || kind == Kind::kCameras;
   }
 };
 

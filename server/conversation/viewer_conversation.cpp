@@ -46,10 +46,17 @@ void ViewerConversation::on_control(const ControlMessage& message) {
     actions_.emplace_back(*seek);
     return;
   }
+  if (const auto* camera = std::get_if<CameraMessage>(&message)) {
+    if (!cameras_.allow(now_())) {
+      return reject({wire::ErrorCode::kTooFast, "'camera' is limited to 20 per second"});
+    }
+    actions_.emplace_back(*camera);
+    return;
+  }
   const auto* look = std::get_if<LookMessage>(&message);
   if (look == nullptr) {
-    return reject(
-        {wire::ErrorCode::kBadMessage, "viewers may send only 'hello', 'look' and 'seek'"});
+    return reject({wire::ErrorCode::kBadMessage,
+                   "viewers may send only 'hello', 'look', 'seek' and 'camera'"});
   }
   if (!looks_.allow(now_())) {
     return reject({wire::ErrorCode::kTooFast, "'look' is limited to 5 per second"});
@@ -116,13 +123,23 @@ void ViewerConversation::send_programs(SharedText programs) {
   wake();
 }
 
+void ViewerConversation::send_pins(SharedText pins) {
+  out_.put_pins(std::move(pins));
+  wake();
+}
+
+void ViewerConversation::send_cameras(SharedText cameras) {
+  out_.put_cameras(std::move(cameras));
+  wake();
+}
+
 void ViewerConversation::reject_ack() {
   if (finishing()) return;
   reject({wire::ErrorCode::kBadSequence, "ack of a mesh frame that was never sent"});
   wake();
 }
 
-void ViewerConversation::reject_seek(const Rejection& rejection) {
+void ViewerConversation::reject_request(const Rejection& rejection) {
   if (finishing()) return;
   reject(rejection);
   wake();

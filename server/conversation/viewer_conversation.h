@@ -39,8 +39,8 @@ struct FirstLook {
 };
 
 /// What a viewer's owner must do elsewhere: join the session on the session's executor and pass the
-/// result to joined(), forward a view or an ack to the TileFeed, seek.
-using ViewerAction = std::variant<JoinRequest, ViewerLook, MeshAck, SeekMessage>;
+/// result to joined(), forward a view or an ack to the TileFeed, seek, show its camera.
+using ViewerAction = std::variant<JoinRequest, ViewerLook, MeshAck, SeekMessage, CameraMessage>;
 
 /// The server's side of one viewer's protocol. It lives on the viewers' thread, not on the
 /// session's executor, so a hello becomes an action and the answer waits for joined().
@@ -53,6 +53,9 @@ class ViewerConversation final : public Conversation {
   /// A seek ends the one before it; a page that scrubs sends what its screen shows.
   static constexpr double kSeeksPerS = 20;
   static constexpr double kSeeksBurst = 40;
+  /// Where the camera of a viewer is who shows it to others.
+  static constexpr double kCamerasPerS = 20;
+  static constexpr double kCamerasBurst = 40;
   /// The state message is sent at most this often, except when it says that the surface has
   /// settled.
   static constexpr std::chrono::milliseconds kStateInterval{250};
@@ -68,6 +71,8 @@ class ViewerConversation final : public Conversation {
   void joined(const std::expected<Participant, Rejection>& self, const Roster& roster);
   /// 0 before the viewer has joined.
   ParticipantId id() const { return self_ ? self_->id : 0; }
+  /// Once the viewer has joined.
+  const Participant& self() const { return *self_; }
   /// As the hello states it.
   const FirstLook& first_look() const { return first_look_; }
 
@@ -85,10 +90,12 @@ class ViewerConversation final : public Conversation {
   /// and has been sent that list.
   void send_participants(const SharedText& all, const SharedText& change);
   void send_programs(SharedText programs);  ///< replaces a message that has not left
+  void send_pins(SharedText pins);          ///< likewise
+  void send_cameras(SharedText cameras);    ///< likewise
   /// The viewer has acknowledged a frame that was never sent.
   void reject_ack();
-  /// The viewer cannot be where it has asked to be.
-  void reject_seek(const Rejection& rejection);
+  /// The viewer cannot be where it has asked to be, or not show its camera.
+  void reject_request(const Rejection& rejection);
   /// An owner has removed the viewer.
   void remove(const std::string& reason);
   /// The session ends, and goes on at the server `redirect` unless that is empty: sends bye and
@@ -110,6 +117,7 @@ class ViewerConversation final : public Conversation {
   void discard_updates() override { out_.close(); }
 
   RateLimit looks_{kLooksPerS, kLooksBurst}, seeks_{kSeeksPerS, kSeeksBurst};
+  RateLimit cameras_{kCamerasPerS, kCamerasBurst};
   ViewerOutbox out_;
   std::deque<ViewerAction> actions_;
   FirstLook first_look_;

@@ -22,6 +22,8 @@ void ViewerOutbox::close() {
   drop_surface();
   participants_.reset();
   programs_.reset();
+  pins_.reset();
+  cameras_.reset();
 }
 
 void ViewerOutbox::drop_surface() {
@@ -38,7 +40,9 @@ bool ViewerOutbox::take(const wire::FrameStamp& stamp, OutFrame& out) {
     return true;
   }
   if (take_shared(participants_, OutFrame::Kind::kParticipants, out) ||
-      take_shared(programs_, OutFrame::Kind::kPrograms, out)) {
+      take_shared(programs_, OutFrame::Kind::kPrograms, out) ||
+      take_shared(pins_, OutFrame::Kind::kPins, out) ||
+      take_shared(cameras_, OutFrame::Kind::kCameras, out)) {
     return true;
   }
   if (!mesh_.empty()) {

@@ -10,9 +10,9 @@
 namespace kerf::net {
 
 /// Frames that wait to leave for one viewer, in order of priority: control messages, tool poses,
-/// the participants, the programs, mesh frames, the state message. Newer tool poses, participants,
-/// programs and a newer state replace older ones that have not left; mesh frames keep their order
-/// (TileFeed bounds their number).
+/// the participants, the programs, the pins, the cameras, mesh frames, the state message. Newer
+/// ones of each but control messages and mesh frames replace older ones that have not left; mesh
+/// frames keep their order (TileFeed bounds their number).
 class ViewerOutbox {
  public:
   /// Returns false if the viewer reads so little that the control queue is full.
@@ -28,6 +28,12 @@ class ViewerOutbox {
   }
   void put_programs(SharedText text) {
     if (!closed_) programs_ = std::move(text);
+  }
+  void put_pins(SharedText text) {
+    if (!closed_) pins_ = std::move(text);
+  }
+  void put_cameras(SharedText text) {
+    if (!closed_) cameras_ = std::move(text);
   }
   /// Whether a message on the participants waits to leave.
   bool has_participants() const { return participants_ != nullptr; }
@@ -51,7 +57,7 @@ class ViewerOutbox {
  private:
   ControlQueue control_;
   SharedBytes tools_;
-  SharedText participants_, programs_;
+  SharedText participants_, programs_, pins_, cameras_;
   std::deque<FeedFrame> mesh_;
   std::string state_;
   bool closed_ = false;

@@ -136,6 +136,9 @@ class Api {
   ApiResponse name_version(const ApiCall& call);
   ApiResponse rename_version(const ApiCall& call);
   ApiResponse remove_version(const ApiCall& call);
+  ApiResponse list_pins(const ApiCall& call);
+  ApiResponse set_pin(const ApiCall& call);
+  ApiResponse remove_pin(const ApiCall& call);
   ApiResponse list_invitations(const ApiCall& call);
   ApiResponse invite(const ApiCall& call);
   ApiResponse revoke(const ApiCall& call);

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The routes by which owners decide about participants and reserve regions.
-#include <array>
-#include <charconv>
-#include <cmath>
 #include <nlohmann/json.hpp>
-#include <ranges>
 
 #include "server/http/access_errors.h"
 #include "server/http/api.h"
 #include "server/http/number.h"
+#include "server/http/place.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
@@ -17,7 +14,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kReasonBytesMax = 200;
-constexpr double kRegionMaxMm = 1e6;
 
 ApiResponse no_participant(const std::string& number) {
   return error_response(404, "unknown_participant",
@@ -44,21 +40,6 @@ std::optional<Target> find_target(Session& session, const std::string& number) {
     if (!participant) return std::nullopt;
     return Target{*participant, session.person(*id)};
   });
-}
-
-std::optional<Vec3> parse_corner(const std::string* text) {
-  if (text == nullptr) return std::nullopt;
-  std::array<double, 3> values{};
-  std::size_t count = 0;
-  for (const auto part : std::views::split(*text, ',')) {
-    const auto number = parse_number<double>(std::string_view(part.begin(), part.end()));
-    if (!number || !(std::abs(*number) <= kRegionMaxMm) || count == values.size()) {
-      return std::nullopt;
-    }
-    values.at(count++) = *number;
-  }
-  if (count != values.size()) return std::nullopt;
-  return Vec3{values[0], values[1], values[2]};
 }
 
 Json point_json(Vec3 point) { return {point.x, point.y, point.z}; }
@@ -161,8 +142,8 @@ ApiResponse Api::list_regions(const ApiCall& call) {
 
 ApiResponse Api::reserve(const ApiCall& call) {
   Session& session = *call.session;
-  const auto low = parse_corner(call.request.query_value("min_mm"));
-  const auto high = parse_corner(call.request.query_value("max_mm"));
+  const auto low = parse_place(call.request.query_value("min_mm"));
+  const auto high = parse_place(call.request.query_value("max_mm"));
   if (!low || !high || !(low->x < high->x && low->y < high->y && low->z < high->z)) {
     return error_response(400, "bad_region",
                           "min_mm and max_mm must be X,Y,Z with each min below its max");

@@ -28,12 +28,13 @@ constexpr std::array kRows = {
     Row{Action::kUndo, "undo", "...xxx", "undo and redo one's own strokes"},
     Row{Action::kNameVersions, "name_versions", "...xxx",
         "name versions of the block; rename and delete one's own"},
+    Row{Action::kPlacePins, "place_pins", "...xxx", "set pins on the block; remove one's own"},
     Row{Action::kRunPrograms, "run_programs", "...xxx",
         "start, pause, step, pace and cancel NC programs"},
     Row{Action::kInvite, "invite", "....xx", "make, list and revoke invitations"},
     Row{Action::kModerate, "moderate", "....xx",
         "remove and mute participants, change their roles; reserve regions, and cut in them; undo "
-        "strokes of others, rename and delete their versions"},
+        "strokes of others, rename and delete their versions, remove their pins"},
     Row{Action::kCloseSession, "close_session", "....xx", "close the session, or delete it"},
     Row{Action::kAdminister, "administer", ".....x", "create sessions, upload meshes, `/metrics`"},
 };

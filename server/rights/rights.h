@@ -21,6 +21,7 @@ enum class Action : std::uint8_t {
   kCarve,
   kUndo,
   kNameVersions,
+  kPlacePins,
   kRunPrograms,
   kInvite,
   kModerate,

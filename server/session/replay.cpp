@@ -53,6 +53,7 @@ std::expected<Replayed, JournalError> untouched(const JournalReader& reader,
                   .last_participant = last_participant,
                   .resumable = Resumable(reader.participants()),
                   .versions = reader.versions(),
+                  .pins = reader.pins(),
                   .parent = reader.parent(),
                   .hash = {},
                   .dropped_hashes = reader.dropped_hashes()};

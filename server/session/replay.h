@@ -25,6 +25,7 @@ struct Replayed {
   ParticipantId last_participant = 0;
   Resumable resumable;
   std::vector<NamedVersion> versions = {};
+  std::vector<Pin> pins = {};
   JournalParent parent = {};
   StateHash hash;  ///< of the solid after the last record
   /// Stored hashes beyond the last record, which were ignored: the journal has lost its end.

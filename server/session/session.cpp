@@ -38,6 +38,10 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
     std::string name = version.name;
     versions_.emplace(std::move(name), std::move(version));
   }
+  for (Pin& pin : replayed.pins) {
+    last_pin_ = pin.number;
+    pins_.emplace(pin.number, std::move(pin));
+  }
   participants_.defer_changes([this] { report_changes(); });
   show_figures();
 }
@@ -170,6 +174,7 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.hash_is_current = current_hash().has_value();
   frame.paused = pause().has_value();
   frame.programs = program_update(with_snapshot);
+  frame.pins = pin_update(with_snapshot);
   frame.tools.tools = participants_.tool_states();
   frame.changed = carving_.take_changed();
   if (!frame.changed.empty() || with_snapshot) frame.snapshot = sculpture_.solid();

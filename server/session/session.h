@@ -22,6 +22,7 @@
 #include "server/session/disk_limits.h"
 #include "server/session/history_turns.h"
 #include "server/session/participants.h"
+#include "server/session/pin_error.h"
 #include "server/session/program_runs.h"
 #include "server/session/replay.h"
 #include "server/session/session_journal.h"
@@ -50,6 +51,7 @@ struct SessionFrame {
   /// The programs that have not ended and the newest that have, if one has changed since the
   /// previous frame that had them; at most every kProgramUpdateInterval.
   std::optional<std::vector<ProgramGlance>> programs;
+  std::optional<std::vector<Pin>> pins;  ///< all of them, if one has been set or removed since
 };
 
 struct SessionInfo {
@@ -239,6 +241,15 @@ class Session : public std::enable_shared_from_this<Session> {
   std::vector<NamedVersion> versions() const;
   std::optional<std::uint64_t> record_of_version(const std::string& name) const;
 
+  /// Sets a pin; its text is plain (is_plain_text), its normal of unit length. Returns it with its
+  /// number and record.
+  std::expected<Pin, PinError> set_pin(Pin pin);
+  /// Whether the caller may remove a pin: one's own, or any as an owner.
+  static bool may_remove(const Pin& pin, const Caller& caller);
+  std::expected<void, PinError> remove_pin(std::uint32_t number, const Caller& caller);
+  /// The pins, by number.
+  std::vector<Pin> pins() const;
+
   SessionInfo info() const;
   std::vector<Participant> participants() const { return participants_.list(); }
   /// The participants as viewers see them.
@@ -293,6 +304,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<ProgramId, Rejection> predecessor(ProgramId after) const;
   void schedule_programs();
   std::optional<std::vector<ProgramGlance>> program_update(bool all);
+  std::optional<std::vector<Pin>> pin_update(bool all);
   void run_programs();
   void retire_programs();
   void forget_batch(ParticipantId id);
@@ -358,6 +370,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t history_read_ = 0;         ///< record up to which it was read ahead
   bool reads_ahead_ = false;
   std::map<std::string, NamedVersion> versions_;
+  std::map<std::uint32_t, Pin> pins_;
+  std::uint32_t last_pin_ = 0;  ///< number of the newest one since the server started
+  std::uint64_t pin_changes_ = 0, pin_changes_sent_ = 0;
   JournalParent parent_;
   StrokeSet unsettled_;  ///< whose change is in the journal and not yet in the block
   std::atomic<std::uint64_t> shown_motions_ = 0;

@@ -48,6 +48,7 @@ class SessionJournal {
   /// Makes a participant unable to resume, also after a restart.
   void append_removal(const Participant& participant);
   void append(const VersionChange& change) { writer_.append(change); }
+  void append(const PinChange& change) { writer_.append(change); }
   /// Fails with kBusy while the journal is paused, or more records wait than programs may cause:
   /// the rest of the buffer is for agents, which cannot wait.
   std::expected<void, Rejection> check_space_for_programs() const;

@@ -148,7 +148,7 @@ void PastViewer::serve(Side& side, const Job& job, Result& result) {
 
 void PastViewer::reject(const Result& result) {
   rate_ = 0;
-  viewer_->reject_seek(
+  viewer_->reject_request(
       result.has_no_record
           ? Rejection{wire::ErrorCode::kBadMessage, "the session has no record of this number yet"}
           : Rejection{wire::ErrorCode::kBusy, result.error});

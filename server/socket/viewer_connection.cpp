@@ -61,6 +61,8 @@ asio::awaitable<void> ViewerConnection::act() {
       hub_->acknowledge(conversation_.id(), ack->sequence);
     } else if (const auto* seek = std::get_if<SeekMessage>(&*action)) {
       hub_->seek(conversation_.id(), *seek);
+    } else if (const auto* camera = std::get_if<CameraMessage>(&*action)) {
+      hub_->show_camera(conversation_.id(), *camera);
     }
   }
 }

@@ -52,6 +52,7 @@ void ViewerHub::remove(ParticipantId id) {
   if (viewer == nullptr) return;
   if (viewer->past) viewer->past->end();
   viewers_.erase(id);
+  if (shown_.erase(id) > 0) cameras_are_new_ = true;
   leave_feed(id);
   if (viewers_.empty()) {
     tick_.cancel();  // the loop ends now
@@ -101,7 +102,7 @@ void ViewerHub::seek(ParticipantId id, const SeekMessage& seek) {
   if (viewer == nullptr) return;
   if (seek.is_live) return show_present(id, *viewer);
   if (!viewer->past && !seek.record) {
-    return viewer->conversation->reject_seek(
+    return viewer->conversation->reject_request(
         {wire::ErrorCode::kBadMessage, "field \"at\" is missing: the viewer is live"});
   }
   show_past(id, *viewer, seek);
@@ -112,7 +113,7 @@ void ViewerHub::show_past(ParticipantId id, Viewer& viewer, const SeekMessage& s
     const auto others = std::ranges::count_if(
         viewers_, [](const auto& other) { return other.second.past != nullptr; });
     if (static_cast<std::size_t>(others) >= kPastViewersMax) {
-      return viewer.conversation->reject_seek(
+      return viewer.conversation->reject_request(
           {wire::ErrorCode::kBusy, "other viewers look at the past; at most " +
                                        std::to_string(kPastViewersMax) + " of a session do"});
     }
@@ -133,7 +134,7 @@ void ViewerHub::leave_present(ParticipantId id, bool reached) {
   leave_feed(id);
   viewer->look_due.reset();
   viewer->conversation->begin_again(roster_);
-  viewer->has_programs = false;
+  viewer->has_programs = viewer->has_pins = viewer->has_cameras = false;
   start_job();
 }
 
@@ -145,7 +146,7 @@ void ViewerHub::show_present(ParticipantId id, Viewer& viewer) {
   if (!was_shown) return;
   viewer.conversation->begin_again(roster_);
   viewer.sent.reset();
-  viewer.has_tools = viewer.has_programs = false;
+  viewer.has_tools = viewer.has_programs = viewer.has_pins = viewer.has_cameras = false;
   last_tools_.clear();  // its tools come again
   join_feed(id, viewer.look);
   start_job();
@@ -170,26 +171,6 @@ void ViewerHub::listen() {
       if (const auto hub = weak.lock()) hub->on_event({}, std::move(roster));
     });
   });
-}
-
-void ViewerHub::on_event(const SessionEvent& event, Roster roster) {
-  if (event.removed != 0) {
-    if (Viewer* viewer = find(event.removed)) viewer->conversation->remove(event.closing);
-    return;
-  }
-  if (!event.closing.empty()) {
-    for (auto& [id, viewer] : viewers_) {
-      viewer.conversation->close(event.closing, event.redirect);
-    }
-    return;
-  }
-  if (is_same(roster_, roster)) return;
-  // Encoded once for all viewers.
-  const auto all = std::make_shared<const std::string>(participants_message(roster));
-  const auto change =
-      std::make_shared<const std::string>(change_message(difference(roster_, roster)));
-  roster_ = std::move(roster);
-  for (auto& [id, viewer] : viewers_) viewer.conversation->send_participants(all, change);
 }
 
 asio::awaitable<void> ViewerHub::run() {
@@ -227,17 +208,14 @@ void ViewerHub::take_frame(SessionFrame frame) {
     frame.snapshot.reset();
     next_job_.is_for_all = true;
   }
-  if (frame.programs) {
-    programs_ = std::make_shared<const std::string>(programs_message(*frame.programs));
-    for (auto& [id, viewer] : viewers_) viewer.has_programs = false;
-  }
+  take_lists(frame);
   newest_ = std::move(frame);
   has_newest_ = true;
   // The poses before these have waited for tiles long enough.
   send_tools();
   encode_tools();
   if (!is_crowd() || !next_job_.is_for_all) send_tools();
-  send_programs();
+  send_lists();
   send_states();
 }
 
@@ -266,13 +244,6 @@ void ViewerHub::send_tools() {
   for (auto& [id, viewer] : viewers_) {
     if (viewer.is_past()) continue;
     if (!std::exchange(viewer.has_tools, false)) viewer.conversation->send_tools(tools);
-  }
-}
-
-void ViewerHub::send_programs() {
-  if (!programs_) return;
-  for (auto& [id, viewer] : viewers_) {
-    if (!std::exchange(viewer.has_programs, true)) viewer.conversation->send_programs(programs_);
   }
 }
 

@@ -35,7 +35,13 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void look(ParticipantId id, const ViewerLook& look);
   /// Shows a viewer the past, or the present again.
   void seek(ParticipantId id, const SeekMessage& seek);
+  /// Shows the viewer's camera to the others, or no longer; only the newest counts.
+  void show_camera(ParticipantId id, const CameraMessage& message);
   static constexpr std::chrono::seconds kLookWait{1};
+  /// Viewers of one session who show their cameras.
+  static constexpr std::size_t kCamerasMax = 8;
+  /// The least time between two messages with cameras; more for a crowd.
+  static constexpr std::chrono::milliseconds kCameraInterval{60}, kCrowdCameraInterval{500};
   /// Viewers of the past of one session: each has a copy of the block.
   static constexpr std::size_t kPastViewersMax = 4;
   /// With more viewers than these it reads the session 20 times a second instead of 30, and sends
@@ -64,6 +70,8 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     std::optional<Clock::time_point> look_due;  ///< the first snapshot awaits a look until then
     bool has_tools = false;                     ///< has been sent `tools_` already
     bool has_programs = false;                  ///< has been sent `programs_` already
+    bool has_pins = false;                      ///< the same of `pins_`
+    bool has_cameras = false;                   ///< the same of `cameras_`
     std::optional<std::uint64_t> sent;  ///< every tile of this revision of the feed was sent
   };
   /// Requests that have come since the last job.
@@ -112,7 +120,9 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void show_present(ParticipantId id, Viewer& viewer);
   void encode_tools();
   void send_tools();
-  void send_programs();
+  void take_lists(const SessionFrame& frame);
+  void send_lists();
+  void encode_cameras();
   void send_states();
   bool is_crowd() const { return viewers_.size() > kCrowd; }
   void start_job();
@@ -132,7 +142,11 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   std::vector<std::byte> last_tools_;  ///< encoded without sequence and time, to detect changes
   SharedBytes tools_;                  ///< tool poses that have not been passed on yet
   std::uint64_t tools_sent_ = 0;
-  SharedText programs_;  ///< the newest message on the programs; null: there are none
+  SharedText programs_;        ///< the newest message on the programs; null: there are none
+  SharedText pins_, cameras_;  ///< the same
+  std::map<ParticipantId, ShownCamera> shown_;
+  bool cameras_are_new_ = false;
+  Clock::time_point cameras_sent_at_{};
   SessionFrame newest_;  ///< of the session, without its snapshot
   bool has_newest_ = false;
   std::uint64_t revision_ = 0;  ///< newest one of the feed: the motions that its tiles include

@@ -13,6 +13,7 @@
 #include "server/store/journal_file.h"
 #include "server/store/journal_reader.h"
 #include "server/store/named_version.h"
+#include "server/store/pin.h"
 #include "server/store/record_batch.h"
 #include "server/store/record_rows.h"
 
@@ -107,6 +108,11 @@ SqlResult<void> copy_tables(SqlDatabase& from, SqlDatabase& to, std::uint64_t la
   if (!versions) return std::unexpected(versions.error());
   for (const NamedVersion& version : *versions) {
     if (auto ok = store_version(to, {version, false, {}}); !ok) return ok;
+  }
+  const auto pins = read_pins(from, last);
+  if (!pins) return std::unexpected(pins.error());
+  for (const Pin& pin : *pins) {
+    if (auto ok = store_pin(to, {pin, false}); !ok) return ok;
   }
   return {};
 }

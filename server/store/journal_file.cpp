@@ -10,6 +10,7 @@
 
 #include "server/store/crc32.h"
 #include "server/store/named_version.h"
+#include "server/store/pin.h"
 
 namespace kerf {
 namespace {
@@ -128,6 +129,7 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
     const std::string begin = "PRAGMA journal_mode=" + log + "; PRAGMA synchronous=FULL; BEGIN;";
     if (auto ok = database->execute(begin + kTables); !ok) return ok;
     if (auto ok = create_version_table(*database); !ok) return ok;
+    if (auto ok = create_pin_table(*database); !ok) return ok;
     // The table of the records has the last page: a file without its end is damaged.
     const std::string setup = std::string(kTables2) +
                               "PRAGMA application_id=" + std::to_string(kJournalApplicationId) +
@@ -194,6 +196,9 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
       return std::unexpected(to_journal_error(file, ok.error()));
     }
     if (auto ok = create_version_table(*database); !ok) {
+      return std::unexpected(to_journal_error(file, ok.error()));
+    }
+    if (auto ok = create_pin_table(*database); !ok) {
       return std::unexpected(to_journal_error(file, ok.error()));
     }
   }

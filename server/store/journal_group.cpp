@@ -118,6 +118,7 @@ SqlResult<void> JournalGroups::insert(const Pending& pending) {
   if (const auto* change = std::get_if<VersionChange>(&pending)) {
     return store_version(database_, *change);
   }
+  if (const auto* change = std::get_if<PinChange>(&pending)) return store_pin(database_, *change);
   return insert_hash(inserts_.hash, std::get<StateHash>(pending));
 }
 

@@ -9,6 +9,7 @@
 #include "server/store/journal_reader.h"
 #include "server/store/journal_record.h"
 #include "server/store/named_version.h"
+#include "server/store/pin.h"
 #include "server/store/record_batch.h"
 #include "server/store/sqlite.h"
 
@@ -32,8 +33,8 @@ struct RecarvedHash {
   StateHash state;
 };
 /// One row of a journal that has not been committed.
-using Pending =
-    std::variant<PendingCommand, JournalParticipant, StateHash, RecarvedHash, VersionChange>;
+using Pending = std::variant<PendingCommand, JournalParticipant, StateHash, RecarvedHash,
+                             VersionChange, PinChange>;
 
 /// Commits groups of rows to the tables of a journal, each in one transaction. The commands of a
 /// group are one batch.

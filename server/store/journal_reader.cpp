@@ -91,6 +91,9 @@ std::expected<void, JournalError> JournalReader::read_head() {
   auto versions = read_versions(*database_, rows_->last());
   if (!versions) return std::unexpected(to_journal_error(file_, versions.error()));
   versions_ = *std::move(versions);
+  auto pins = read_pins(*database_, rows_->last());
+  if (!pins) return std::unexpected(to_journal_error(file_, pins.error()));
+  pins_ = *std::move(pins);
   auto parent = read_parent(*database_);
   if (!parent) return std::unexpected(to_journal_error(file_, parent.error()));
   parent_ = *std::move(parent);

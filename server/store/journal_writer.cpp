@@ -207,6 +207,7 @@ std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId p
 
 void JournalWriter::append(const JournalParticipant& participant) { impl_->push(participant); }
 void JournalWriter::append(const VersionChange& change) { impl_->push(change); }
+void JournalWriter::append(const PinChange& change) { impl_->push(change); }
 void JournalWriter::append(StateHash state) { impl_->push(state); }
 void JournalWriter::append_recarved(StateHash state) { impl_->push(RecarvedHash{state}); }
 

@@ -64,6 +64,7 @@ class JournalWriter {
   void append(StateHash state);
   /// Stores or removes a named version.
   void append(const VersionChange& change);
+  void append(const PinChange& change);
   /// Appends the hash of a block that this kernel has carved from the records of another one, and
   /// the version of this kernel, in one transaction.
   void append_recarved(StateHash state);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/named_version.h"
 
-#include <algorithm>
 #include <array>
 #include <span>
 
 #include "server/store/crc32.h"
+#include "server/store/plain_text.h"
 
 namespace kerf {
 namespace {
@@ -20,23 +20,6 @@ std::int64_t checksum(const NamedVersion& version) {
   return crc32(std::as_bytes(std::span(numbers)), crc);
 }
 
-/// Bytes of the UTF-8 character at the front; 0: malformed.
-std::size_t character_bytes(std::string_view text) {
-  const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(text[n]); };
-  const unsigned first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t bytes = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() < bytes) return 0;
-  for (std::size_t n = 1; n < bytes; ++n) {
-    if ((byte(n) & 0xC0U) != 0x80) return 0;
-  }
-  // Overlong forms, surrogates, and what is beyond the last character.
-  const unsigned second = byte(1);
-  const bool is_outside = (first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
-                          (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F);
-  return is_outside ? 0 : bytes;
-}
-
 SqlResult<void> delete_row(SqlDatabase& database, const std::string& name) {
   auto statement = database.prepare("DELETE FROM versions WHERE name=?");
   if (!statement) return std::unexpected(statement.error());
@@ -48,18 +31,7 @@ SqlResult<void> delete_row(SqlDatabase& database, const std::string& name) {
 }  // namespace
 
 bool is_version_name(std::string_view name) {
-  if (name.empty() || name.size() > kVersionNameBytesMax) return false;
-  const auto is_plain = [](char c) {
-    const auto byte = static_cast<unsigned char>(c);
-    return byte >= 0x20 && byte != 0x7F && c != '/';
-  };
-  if (!std::ranges::all_of(name, is_plain)) return false;
-  while (!name.empty()) {
-    const std::size_t bytes = character_bytes(name);
-    if (bytes == 0) return false;
-    name.remove_prefix(bytes);
-  }
-  return true;
+  return is_plain_text(name, kVersionNameBytesMax) && !name.contains('/');
 }
 
 SqlResult<void> create_version_table(SqlDatabase& database) {

@@ -18,6 +18,7 @@ inline constexpr std::string_view kTypeHello = "hello";
 inline constexpr std::string_view kTypeTool = "tool";
 inline constexpr std::string_view kTypeLook = "look";
 inline constexpr std::string_view kTypeSeek = "seek";
+inline constexpr std::string_view kTypeCamera = "camera";
 inline constexpr std::string_view kTypeStock = "stock";
 inline constexpr std::string_view kTypeUndo = "undo";
 inline constexpr std::string_view kTypeRedo = "redo";
@@ -27,6 +28,8 @@ inline constexpr std::string_view kTypeParticipants = "participants";
 inline constexpr std::string_view kTypeParticipantsChanged = "participants_changed";
 inline constexpr std::string_view kTypeState = "state";
 inline constexpr std::string_view kTypePrograms = "programs";
+inline constexpr std::string_view kTypePins = "pins";
+inline constexpr std::string_view kTypeCameras = "cameras";
 inline constexpr std::string_view kTypeError = "error";
 inline constexpr std::string_view kTypeBye = "bye";
 

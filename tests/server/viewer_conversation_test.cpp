@@ -125,6 +125,37 @@ TEST_F(ViewerConversationTest, ASeekIsAnAction) {
   EXPECT_EQ(messages(*eve).back().at("code"), "too_fast");
 }
 
+TEST_F(ViewerConversationTest, ACameraIsAnAction) {
+  join_viewer(*eve);
+  const auto shown = [&](const std::string& fields) {
+    send_text(*eve, R"({"type":"camera")" + fields + "}");
+    const auto action = eve->take_action();
+    EXPECT_TRUE(action) << fields;
+    return action ? std::get<CameraMessage>(*action).camera : std::nullopt;
+  };
+  const std::string pose = R"(,"eye_mm":[1,2,3],"target_mm":[4,5,6])";
+  EXPECT_EQ(shown(pose)->eye_mm.y, 2);
+  EXPECT_EQ(shown(pose)->target_mm.z, 6);
+  EXPECT_FALSE(shown(pose)->is_parallel);
+  EXPECT_TRUE(shown(pose + R"(,"parallel":true)")->is_parallel);
+  EXPECT_FALSE(shown(""));
+  for (const char* fields :
+       {R"(,"eye_mm":[1,2,3])", R"(,"target_mm":[1,2,3])", R"(,"eye_mm":[1,2],"target_mm":[4,5,6])",
+        R"(,"eye_mm":[1,2,"3"],"target_mm":[4,5,6])", R"(,"eye_mm":[1,2,1e7],"target_mm":[4,5,6])",
+        R"(,"eye_mm":[1,2,3],"target_mm":[4,5,6],"parallel":1)"}) {
+    send_text(*eve, std::string(R"({"type":"camera")") + fields + "}");
+    EXPECT_EQ(error_code(*eve), "bad_message") << fields;
+    EXPECT_FALSE(eve->has_action());
+  }
+  int accepted = 0;
+  for (int n = 0; n < 50; ++n) {
+    send_text(*eve, R"({"type":"camera")" + pose + "}");
+    while (eve->take_action()) ++accepted;
+  }
+  EXPECT_EQ(accepted, 40 - 5);
+  EXPECT_EQ(messages(*eve).back().at("code"), "too_fast");
+}
+
 TEST_F(ViewerConversationTest, AnotherBlockBeginsWithAWelcomeAndNumbersItsFramesOn) {
   join_viewer(*eve);
   const auto sequence_of = [](const OutFrame& frame) {
@@ -184,18 +215,23 @@ TEST_F(ViewerConversationTest, FramesLeaveInTheOrderOfTheirPriority) {
   eve->send_tools(shared(30));
   eve->send_programs(shared("old"));
   eve->send_programs(shared("{}"));
+  eve->send_cameras(shared("old"));
+  eve->send_cameras(shared("{}"));
+  eve->send_pins(shared("{}"));
   eve->send_participants(shared("{}"), shared("{}"));
   eve->reject_ack();
   const auto frames = drain(*eve);
-  ASSERT_EQ(frames.size(), 7U);
-  const std::vector<Kind> kinds = {Kind::kText, Kind::kTools, Kind::kParticipants, Kind::kPrograms,
-                                   Kind::kMesh, Kind::kMesh,  Kind::kState};
+  ASSERT_EQ(frames.size(), 9U);
+  const std::vector<Kind> kinds = {Kind::kText,     Kind::kTools, Kind::kParticipants,
+                                   Kind::kPrograms, Kind::kPins,  Kind::kCameras,
+                                   Kind::kMesh,     Kind::kMesh,  Kind::kState};
   for (std::size_t n = 0; n < kinds.size(); ++n) EXPECT_EQ(frames[n].kind, kinds[n]) << n;
   EXPECT_EQ(text_of(frames[3]), "{}");
-  EXPECT_TRUE(frames[3].is_text());
-  EXPECT_EQ(frames[4].bytes.size(), std::size_t{wire::kHeaderBytes});
-  EXPECT_EQ(frames[4].shared->size(), 10U);
-  EXPECT_EQ(frames[5].shared->size(), 20U);
+  EXPECT_EQ(text_of(frames[5]), "{}");
+  for (const int n : {3, 4, 5}) EXPECT_TRUE(frames[n].is_text());
+  EXPECT_EQ(frames[6].bytes.size(), std::size_t{wire::kHeaderBytes});
+  EXPECT_EQ(frames[6].shared->size(), 10U);
+  EXPECT_EQ(frames[7].shared->size(), 20U);
 }
 
 TEST(ProgramsMessage, IsTheGoldenOne) {
