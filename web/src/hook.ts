@@ -6,6 +6,12 @@
 import { marks } from './marks';
 import type { SessionPage } from './ui/session_page';
 
+function cameraOf({ picture }: SessionPage) {
+  const { camera, controls } = picture.viewer?.rig ?? {};
+  if (!camera || !controls) return null;
+  return { eye: camera.position.toArray(), target: controls.target.toArray() };
+}
+
 export function installHook(page: SessionPage): void {
   const { model } = page;
   const state = () => ({
@@ -38,6 +44,7 @@ export function installHook(page: SessionPage): void {
     blockBox: page.picture.viewer?.blockBox ?? null,
     drawCalls: page.picture.viewer?.drawCalls ?? 0,
     meshBytes: model.meshBytes,
+    camera: cameraOf(page),
     followed: page.picture.followed,
     sound: page.sound.state,
   });

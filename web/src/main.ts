@@ -23,7 +23,8 @@ function viewerName(parameters: URLSearchParams): string {
 function openSession(app: HTMLElement, session: string, parameters: URLSearchParams): void {
   document.title = `${session} · Kerf`;
   const fullQuality = parameters.get('quality') === 'full';
-  const page = new SessionPage(app, session, viewerName(parameters), fullQuality);
+  const embedded = parameters.has('embed');
+  const page = new SessionPage(app, session, viewerName(parameters), fullQuality, embedded);
   installHook(page);
   page.start();
 }

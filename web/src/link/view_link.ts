@@ -8,7 +8,15 @@ import { encodeFrame } from '../wire/encode';
 import { parseControl } from '../wire/control';
 import { nameThatFits } from '../wire/names';
 import { FrameType, VIEW_PROTOCOL } from '../wire/types';
-import type { Frame, Header, Look, Seek, ServerMessage, ToolState } from '../wire/types';
+import type {
+  CameraPose,
+  Frame,
+  Header,
+  Look,
+  Seek,
+  ServerMessage,
+  ToolState,
+} from '../wire/types';
 import { Backoff } from './backoff';
 import { Silence } from './silence';
 
@@ -154,6 +162,11 @@ export class ViewLink {
   /** Asks for the block of a point in the past. Does nothing before the welcome. */
   seek(seek: Seek): void {
     if (this.welcomed_) this.socket_?.send(JSON.stringify(seek));
+  }
+
+  /** Shows the camera to the other viewers; null: no longer. Does nothing before the welcome. */
+  showCamera(pose: CameraPose | null): void {
+    if (this.welcomed_) this.socket_?.send(JSON.stringify({ type: 'camera', ...pose }));
   }
 
   private connect_(status: LinkStatus, reason: string): void {

@@ -17,6 +17,7 @@ import { Liveness } from './liveness';
 import { Participants } from './participants';
 import { Programs } from './programs';
 import { TileTable } from './tiles';
+import { Together } from './together';
 
 export interface Bounds {
   min: Vec3;
@@ -34,6 +35,7 @@ export class SessionModel {
   readonly tiles = new TileTable();
   readonly participants = new Participants();
   readonly programs = new Programs();
+  readonly together = new Together();
   readonly clock = new ServerClock();
   readonly frames = new RateMeter();
   readonly liveness = new Liveness();
@@ -64,6 +66,7 @@ export class SessionModel {
         this.participants.setList(message.participants, message.viewers);
         this.participants.forgetPoses();
         this.programs.clear();
+        this.together.clear();
         break;
       case 'participants':
         this.participants.setList(message.participants, message.viewers);
@@ -76,6 +79,12 @@ export class SessionModel {
         break;
       case 'programs':
         this.programs.apply(message.programs);
+        break;
+      case 'pins':
+        this.together.setPins(message.pins);
+        break;
+      case 'cameras':
+        this.together.setCameras(message.cameras);
         break;
       case 'error':
         this.addProblem(`${message.reason} (${message.code})`);

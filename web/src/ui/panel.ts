@@ -73,6 +73,7 @@ export class Panel {
     private readonly model: SessionModel,
     session: string,
     colors: { force: string; torque: string },
+    together: HTMLElement,
     private readonly actions: PanelActions,
   ) {
     this.material_ = new MaterialChoice(actions.materialChosen);
@@ -98,6 +99,7 @@ export class Panel {
         { class: 'panel-scroll' },
         figures,
         section('Participants', this.people_.root),
+        together,
         forces,
         section('History', this.history.element),
         section('Downloads', takeHomeButton(model, session)),

@@ -24,7 +24,7 @@ import { inviteDialog } from './invite';
 import { listenToKeys } from './keyboard';
 import { remember } from './memory';
 import { failurePage, Notice } from './notice';
-import type { NoticeText } from './notice';
+import { Flash, noticeText, SESSION_CLOSED } from './notice_text';
 import { OneOpen } from './one_open';
 import { Panel } from './panel';
 import { Picture } from './picture';
@@ -33,11 +33,10 @@ import { mountPrograms } from './programs/mount';
 import { SoundToggle } from './sound';
 import { mountTimeline } from './timeline/mount';
 import { TitleBar } from './title_bar';
+import { mountTogether } from './together/mount';
+import type { Together } from './together/mount';
 import { Toolbar } from './toolbar';
 
-const SESSION_CLOSED = 'The server closed the session';
-const NO_PICTURE =
-  'No picture: this browser has no WebGL 2. Turn on hardware acceleration to see the block; the rest works.';
 const PANEL_EVERY_MS = 100;
 const SHEET_MS = 240; // duration of the bottom sheet's transition (style/phone.css)
 
@@ -69,17 +68,32 @@ export class SessionPage {
   private selected_: number | null = null;
   private panelMs_ = 0;
   private contextLost_ = false;
+  private readonly flash_ = new Flash();
+  private readonly together_: Together;
 
   constructor(
     private readonly app: HTMLElement,
     private readonly session: string,
     name: string,
     fullQuality: boolean,
+    embedded: boolean,
   ) {
     this.picture = new Picture(this.canvas_, this.overlay_, this.model, fullQuality);
     this.link_ = this.makeLink_(name);
     this.link_.start(); // first: the server answers while the page is built
-    this.panel_ = new Panel(this.model, session, this.colors_, {
+    const oneOpen = new OneOpen();
+    this.together_ = mountTogether({
+      model: this.model,
+      session,
+      name: () => this.link_.name,
+      picture: this.picture,
+      canvas: this.canvas_,
+      overlay: this.overlay_,
+      oneOpen,
+      showCamera: (pose) => this.link_.showCamera(pose),
+      say: (text) => this.flash_.say(text),
+    });
+    this.panel_ = new Panel(this.model, session, this.colors_, this.together_.element, {
       personPressed: (id) => this.personPressed_(id),
       renamed: (name) => this.link_.rename(name),
       materialChosen: (preset) => this.picture.setMaterial(preset),
@@ -95,14 +109,14 @@ export class SessionPage {
     this.bar_ = new TitleBar(session, {
       copyLink: () => {
         const clipboard = navigator.clipboard as Clipboard | undefined; // undefined on plain HTTP
-        void clipboard?.writeText(location.href).then(() => this.flash_('Link copied.'));
+        void clipboard?.writeText(location.href).then(() => this.flash_.say('Link copied.'));
       },
       invite: () => this.inviteDialog_.showModal(),
     });
     app.replaceChildren(
       h(
         'main',
-        { class: 'viewer' },
+        { class: embedded ? 'viewer embedded' : 'viewer' },
         this.canvas_,
         this.poster_.element,
         this.overlay_,
@@ -116,7 +130,6 @@ export class SessionPage {
       ),
     );
     const pathHost = { picture: this.picture, canvas: this.canvas_, overlay: this.overlay_ };
-    const oneOpen = new OneOpen();
     mountPrograms(this.model, session, this.toolbar_.element, pathHost, oneOpen, () =>
       this.resize_(),
     );
@@ -146,7 +159,7 @@ export class SessionPage {
       toolbar: this.toolbar_.element,
       oneOpen,
       layoutChanged: () => this.resize_(),
-      say: (text) => this.flash_(text),
+      say: (text) => this.flash_.say(text),
     });
     this.listen_();
     this.resize_();
@@ -303,8 +316,13 @@ export class SessionPage {
       arrowsVisible: this.picture.arrowsVisible,
     });
     this.carve.update();
+    this.together_.update();
     this.updateScale_();
-    this.notice_.show(this.noticeText_(nowMs));
+    const { model, contextLost_: contextLost, flash_: flash } = this;
+    const { retryAtMs } = this.link_;
+    const hasNoPicture = this.picture.problem !== '';
+    const state = { model, retryAtMs, contextLost, hasNoPicture, flash };
+    this.notice_.show(noticeText(state, nowMs));
   }
 
   /** The sound of the followed tool, or of the one nearest to the camera. */
@@ -331,39 +349,6 @@ export class SessionPage {
     }
     setText(this.scale_.children[0] as HTMLElement, `${figure(forceFullN)} N`);
     setText(this.scale_.children[1] as HTMLElement, `${figure(torqueFullNmm)} N·mm`);
-  }
-
-  private flashText_ = '';
-  private flashUntilMs_ = 0;
-
-  private flash_(text: string): void {
-    this.flashText_ = text;
-    this.flashUntilMs_ = performance.now() + 2500;
-  }
-
-  private noticeText_(nowMs: number): NoticeText {
-    const { status, statusReason, tiles } = this.model;
-    if (status === 'reconnecting') return this.reconnecting_(nowMs);
-    if (status === 'stopped')
-      return {
-        text: `${sentence(statusReason || SESSION_CLOSED)} The last picture stays on screen.`,
-      };
-    if (status === 'connecting') return { text: 'Connecting…' };
-    if (this.contextLost_)
-      return {
-        text: 'The graphics device was lost. Drawing resumes when the browser restores it.',
-      };
-    if (nowMs < this.flashUntilMs_) return { text: this.flashText_ };
-    if (this.picture.problem) return { text: NO_PICTURE };
-    return { text: tiles.complete ? '' : 'Loading the block…' };
-  }
-
-  private reconnecting_(nowMs: number): NoticeText {
-    const text = sentence(this.model.statusReason || 'The connection was lost');
-    const { retryAtMs } = this.link_;
-    if (retryAtMs === null) return { text: `${text} Reconnecting…` };
-    const seconds = Math.max(1, Math.ceil((retryAtMs - nowMs) / 1000));
-    return { text, wait: `Reconnecting in ${seconds} s`, action: 'Now' };
   }
 
   private showStopped_(reason: string): void {

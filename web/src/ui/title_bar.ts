@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bar at the top: the scene's name, the viewer's role, the link, the connection.
+// The bar at the top: the scene's name and who does what to it, the viewer's role, the link, the
+// connection.
 
+import { headlineOf } from '../model/headline';
 import type { SessionModel } from '../model/session';
 import { Badge } from './badge';
 import { h, iconButton, setText } from './dom';
@@ -15,6 +17,9 @@ export class TitleBar {
   readonly element: HTMLElement;
   private readonly badge_ = new Badge();
   private readonly name_: HTMLElement;
+  private readonly who_ = h('span', { class: 'headline-who' });
+  private readonly far_ = h('span', { class: 'headline-far' });
+  private readonly headline_ = h('p', { class: 'headline', hidden: '' }, this.who_, this.far_);
   private readonly role_ = h('span', { class: 'role', hidden: '' });
   private readonly invite_: HTMLElement;
 
@@ -35,7 +40,7 @@ export class TitleBar {
       'header',
       { class: 'bar' },
       home,
-      this.name_,
+      h('div', { class: 'titles' }, this.name_, this.headline_),
       this.role_,
       iconButton(ICONS.link, 'Copy a link to this session', '', actions.copyLink),
       this.invite_,
@@ -51,6 +56,11 @@ export class TitleBar {
       this.name_.textContent = name;
       document.title = `${name} · Kerf`;
     }
+    const { who, far } = headlineOf(model, this.session, nowMs);
+    this.headline_.hidden = who === '' || model.state?.at !== undefined;
+    setText(this.who_, who);
+    setText(this.far_, far);
+    this.headline_.title = far === '' ? who : `${who}, ${far}`;
     const own = welcome ? participants.get(welcome.participant)?.info.role : undefined;
     const role = own ?? welcome?.role;
     this.role_.hidden = role === undefined;

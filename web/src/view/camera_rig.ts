@@ -20,6 +20,7 @@ const DIRECTIONS: Record<Preset, readonly [number, number, number]> = {
   bottom: [0, -0.0002, -1],
 };
 const FLIGHT_MS = 450;
+const TRACK_MS = 90;
 
 interface Flight {
   startMs: number;
@@ -47,6 +48,8 @@ export class CameraRig {
   private flight_: Flight | null = null;
   private readonly follow_ = new THREE.Vector3();
   private following_ = false;
+  /** The view to which the camera keeps, eye and target; null: none. */
+  private tracked_: { eye: THREE.Vector3; target: THREE.Vector3 } | null = null;
   private changed_ = true;
   /** Direction from which the block fills the view; null: the user has moved the camera. */
   private fittedFrom_: THREE.Vector3 | null = null;
@@ -67,7 +70,7 @@ export class CameraRig {
       if (isHeld) this.fittedFrom_ = null;
     });
     this.controls.addEventListener('start', () => {
-      this.flight_ = null;
+      this.flight_ = this.tracked_ = null;
       isHeld = true;
     });
     this.controls.addEventListener('end', () => (isHeld = false));
@@ -88,11 +91,27 @@ export class CameraRig {
   resize(width: number, height: number, insets: Insets): void {
     this.view_ = { width, height, insets };
     this.camera.aspect = width / height;
-    // Shifts the picture's center to the center of the area that no panel covers.
-    const { left, right, top, bottom } = insets;
-    this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
+    this.shift_();
     this.changed_ = true;
     if (this.fittedFrom_) this.lookFrom_(this.fittedFrom_, -Infinity);
+  }
+
+  /** Shifts the picture's center to the center of the area that no panel covers. */
+  private shift_(): void {
+    const { width, height, insets } = this.view_;
+    const { left, right, top, bottom } = insets;
+    this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
+    this.placeParallel_();
+  }
+
+  /** Calls `draw` while the camera's target is in the middle of the whole picture. */
+  centered(draw: () => void): void {
+    const { insets } = this.view_;
+    this.view_.insets = { left: 0, right: 0, top: 0, bottom: 0 };
+    this.shift_();
+    draw();
+    this.view_.insets = insets;
+    this.shift_();
   }
 
   /** The camera that draws. The one in perspective is what the controls move. */
@@ -141,8 +160,30 @@ export class CameraRig {
     if (point) this.follow_.set(...point);
   }
 
-  orbit(aroundRad: number, upRad: number): void {
+  /** Moves the camera to a place from which it looks at a point. */
+  view(eye: THREE.Vector3, target: THREE.Vector3, nowMs: number): void {
     this.fittedFrom_ = null;
+    this.fly_(eye, target, nowMs);
+  }
+
+  /** Keeps to a view that may move, until the camera is moved otherwise; null ends it. */
+  track(view: { eye: THREE.Vector3; target: THREE.Vector3 } | null): void {
+    this.tracked_ = view;
+    if (!view) return;
+    this.fittedFrom_ = this.flight_ = null;
+  }
+
+  /** A distance from which a detail of the block is seen with what is around it. */
+  get closeMm(): number {
+    return 1.6 * this.radius_;
+  }
+
+  get tracks(): boolean {
+    return this.tracked_ !== null;
+  }
+
+  orbit(aroundRad: number, upRad: number): void {
+    this.fittedFrom_ = this.tracked_ = null;
     const arm = this.offset_.copy(this.camera.position).sub(this.controls.target);
     const polar = Math.acos(THREE.MathUtils.clamp(arm.z / arm.length(), -1, 1));
     const toPolar = THREE.MathUtils.clamp(polar - upRad, 0.001, Math.PI - 0.001);
@@ -159,7 +200,7 @@ export class CameraRig {
 
   /** Pans by fractions of the view's height. */
   pan(right: number, up: number): void {
-    this.fittedFrom_ = null;
+    this.fittedFrom_ = this.tracked_ = null;
     const reach =
       this.camera.position.distanceTo(this.controls.target) *
       Math.tan((this.camera.fov * Math.PI) / 360) *
@@ -176,7 +217,7 @@ export class CameraRig {
   }
 
   zoom(factor: number): void {
-    this.fittedFrom_ = null;
+    this.fittedFrom_ = this.tracked_ = null;
     const arm = this.offset_.copy(this.camera.position).sub(this.controls.target);
     const length = THREE.MathUtils.clamp(
       arm.length() * factor,
@@ -190,6 +231,7 @@ export class CameraRig {
   /** Advances animation, following and damping. Returns true if the picture changed. */
   update(nowMs: number, sinceMs: number): boolean {
     if (this.flight_) this.advance_(this.flight_, nowMs);
+    else if (this.tracked_) this.keepTo_(this.tracked_, sinceMs);
     else if (this.following_) this.chase_(sinceMs);
     this.controls.update();
     const changed = this.changed_;
@@ -214,6 +256,19 @@ export class CameraRig {
     eye.updateMatrixWorld();
   }
 
+  private keepTo_(
+    { eye, target }: { eye: THREE.Vector3; target: THREE.Vector3 },
+    sinceMs: number,
+  ): void {
+    const { camera, controls } = this;
+    const far = camera.position.distanceTo(eye) + controls.target.distanceTo(target);
+    if (far < 1e-5 * this.radius_) return;
+    const part = this.reducedMotion ? 1 : 1 - Math.exp(-sinceMs / TRACK_MS);
+    camera.position.lerp(eye, part);
+    controls.target.lerp(target, part);
+    this.changed_ = true;
+  }
+
   private chase_(sinceMs: number): void {
     const step = this.offset_
       .copy(this.follow_)
@@ -233,6 +288,7 @@ export class CameraRig {
   }
 
   private fly_(position: THREE.Vector3, target: THREE.Vector3, nowMs: number): void {
+    this.tracked_ = null;
     this.flight_ = {
       startMs: this.reducedMotion ? -Infinity : nowMs,
       fromPosition: this.camera.position.clone().sub(this.controls.target),

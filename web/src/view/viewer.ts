@@ -215,6 +215,17 @@ export class Viewer {
     if (participant === null) this.rig.followPoint(null);
   }
 
+  /**
+   * Draws the picture with so many pixels on its longer side, centered, and returns the canvas. It
+   * has to be read at once: the next frame has the old size.
+   */
+  drawLarge(pixels: number): HTMLCanvasElement {
+    this.stage.setSize(this.width_, this.height_, pixels / Math.max(this.width_, this.height_));
+    this.rig.centered(() => this.draw_(true));
+    this.touch();
+    return this.stage.renderer.domElement;
+  }
+
   resize({ width, height, insets }: Viewport): void {
     this.width_ = width;
     this.height_ = height;

@@ -9,9 +9,11 @@ import type {
   Decoded,
   ParticipantInfo,
   PastPlace,
+  Pin,
   ProgramInfo,
   ProgramState,
   ServerMessage,
+  ShownCamera,
   Stock,
   ToolInfo,
   Vec3,
@@ -172,6 +174,31 @@ export function programOf(value: unknown): ProgramInfo {
   };
 }
 
+/** A pin of a `pins` message. */
+function pinOf(value: unknown): Pin {
+  const from = object(value, 'pin');
+  return {
+    pin: number(from, 'pin'),
+    text: text(from, 'text'),
+    at_mm: numbers(from, 'at_mm', 3) as Vec3,
+    normal: numbers(from, 'normal', 3) as Vec3,
+    author: text(from, 'author'),
+    created_ms: number(from, 'created_ms'),
+  };
+}
+
+function cameraOf(value: unknown): ShownCamera {
+  const from = object(value, 'camera');
+  return {
+    participant: number(from, 'participant'),
+    name: text(from, 'name'),
+    color: colorOf(from['color']),
+    eye_mm: numbers(from, 'eye_mm', 3) as Vec3,
+    target_mm: numbers(from, 'target_mm', 3) as Vec3,
+    parallel: from['parallel'] === true,
+  };
+}
+
 function messageOf(from: Json): ServerMessage | null {
   switch (from['type']) {
     case 'welcome':
@@ -201,6 +228,10 @@ function messageOf(from: Json): ServerMessage | null {
       };
     case 'programs':
       return { type: 'programs', programs: list(from['programs'], 'programs').map(programOf) };
+    case 'pins':
+      return { type: 'pins', pins: list(from['pins'], 'pins').map(pinOf) };
+    case 'cameras':
+      return { type: 'cameras', cameras: list(from['cameras'], 'cameras').map(cameraOf) };
     case 'error':
       return {
         type: 'error',

@@ -350,7 +350,37 @@ export interface ProgramsMessage {
   programs: ProgramInfo[];
 }
 
+/** A text at a place of the surface. */
+export interface Pin {
+  pin: number;
+  text: string;
+  at_mm: Vec3;
+  /** Unit vector out of the material. */
+  normal: Vec3;
+  /** Empty: unknown. */
+  author: string;
+  /** ms since 1970. */
+  created_ms: number;
+}
+
+/** Where a camera is and what it looks at. */
+export interface CameraPose {
+  eye_mm: Vec3;
+  target_mm: Vec3;
+  /** It shows a parallel projection. */
+  parallel: boolean;
+}
+
+/** The camera of a viewer who shows it to others. */
+export interface ShownCamera extends CameraPose {
+  participant: number;
+  name: string;
+  color: string;
+}
+
 export type ServerMessage =
+  | { type: 'pins'; pins: Pin[] }
+  | { type: 'cameras'; cameras: ShownCamera[] }
   | ProgramsMessage
   | Welcome
   | { type: 'participants'; participants: ParticipantInfo[]; viewers?: number }

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the notice over the picture says: the most important of what is wrong or happens.
+
+import type { SessionModel } from '../model/session';
+import { sentence } from './format';
+import type { NoticeText } from './notice';
+
+export const SESSION_CLOSED = 'The server closed the session';
+const NO_PICTURE =
+  'No picture: this browser has no WebGL 2. Turn on hardware acceleration to see the block; the rest works.';
+const FLASH_MS = 2500;
+
+/** A sentence that is shown for a short time. */
+export class Flash {
+  private text_ = '';
+  private untilMs_ = 0;
+
+  say(text: string): void {
+    this.text_ = text;
+    this.untilMs_ = performance.now() + FLASH_MS;
+  }
+
+  /** Empty: none now. */
+  text(nowMs: number): string {
+    return nowMs < this.untilMs_ ? this.text_ : '';
+  }
+}
+
+export interface NoticeState {
+  model: SessionModel;
+  /** When the next attempt to connect begins; null: none waits. */
+  retryAtMs: number | null;
+  contextLost: boolean;
+  hasNoPicture: boolean;
+  flash: Flash;
+}
+
+function reconnecting({ model, retryAtMs }: NoticeState, nowMs: number): NoticeText {
+  const text = sentence(model.statusReason || 'The connection was lost');
+  if (retryAtMs === null) return { text: `${text} Reconnecting…` };
+  const seconds = Math.max(1, Math.ceil((retryAtMs - nowMs) / 1000));
+  return { text, wait: `Reconnecting in ${seconds} s`, action: 'Now' };
+}
+
+export function noticeText(state: NoticeState, nowMs: number): NoticeText {
+  const { status, statusReason, tiles } = state.model;
+  if (status === 'reconnecting') return reconnecting(state, nowMs);
+  if (status === 'stopped')
+    return {
+      text: `${sentence(statusReason || SESSION_CLOSED)} The last picture stays on screen.`,
+    };
+  if (status === 'connecting') return { text: 'Connecting…' };
+  if (state.contextLost)
+    return { text: 'The graphics device was lost. Drawing resumes when the browser restores it.' };
+  const flash = state.flash.text(nowMs);
+  if (flash !== '') return { text: flash };
+  if (state.hasNoPicture) return { text: NO_PICTURE };
+  return { text: tiles.complete ? '' : 'Loading the block…' };
+}

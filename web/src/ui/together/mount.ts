@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// The section of the panel for pins, shown views and pictures. Its code is a chunk of its own, loaded
+// when there is something to show or a button is pressed.
+
+import type { SessionModel } from '../../model/session';
+import type { CameraPose } from '../../wire/types';
+import { h } from '../dom';
+import type { OneOpen } from '../one_open';
+import type { Picture } from '../picture';
+import type { TogetherPanel } from './together_panel';
+
+/** What the section needs of the page. */
+export interface TogetherHost {
+  model: SessionModel;
+  session: string;
+  /** The viewer's name. */
+  name: () => string;
+  picture: Picture;
+  canvas: HTMLCanvasElement;
+  /** Over the picture, for what follows the block. */
+  overlay: HTMLElement;
+  oneOpen: OneOpen;
+  /** Shows the viewer's camera to others; null: no longer. */
+  showCamera: (pose: CameraPose | null) => void;
+  /** Shows a sentence for some seconds. */
+  say: (text: string) => void;
+}
+
+/** The parts of the section that the chunk fills and changes. */
+export interface TogetherParts {
+  pin: HTMLButtonElement;
+  share: HTMLButtonElement;
+  cameras: HTMLElement;
+  pins: HTMLElement;
+}
+
+export interface Together {
+  element: HTMLElement;
+  /** Called about ten times a second. */
+  update: () => void;
+}
+
+type Action = 'setPin' | 'share' | 'savePicture';
+
+export function mountTogether(host: TogetherHost): Together {
+  let panel: TogetherPanel | null = null;
+  let loading: Promise<void> | null = null;
+  const load = async (): Promise<void> => {
+    const { TogetherPanel: Panel } = await import('./together_panel');
+    if (host.picture.viewer) panel = new Panel(host, host.picture.viewer, parts);
+    loading = null;
+  };
+  const start = (): Promise<void> =>
+    (loading ??= load().catch((problem: unknown) => {
+      loading = null;
+      console.warn('The section “Together” did not load:', problem);
+    }));
+  const button = (label: string, title: string, action: Action): HTMLButtonElement => {
+    const made = h('button', { type: 'button', class: 'history-button', title }, label);
+    made.addEventListener('click', () => {
+      if (made.getAttribute('aria-disabled') === 'true' || !host.picture.viewer) return;
+      if (panel) panel[action]();
+      else void start().then(() => panel?.[action]());
+    });
+    return made;
+  };
+  const parts: TogetherParts = {
+    pin: button('Set a pin', 'A text at a place of the block, for everybody', 'setPin'),
+    share: button('Show my view', 'Others can follow what you look at', 'share'),
+    cameras: h('ul', { class: 'shown-cameras', 'aria-label': 'Shown views' }),
+    pins: h('ul', { class: 'pins', 'aria-label': 'Pins' }),
+  };
+  parts.share.setAttribute('aria-pressed', 'false');
+  const picture = button('Save picture', 'PNG, 3840 pixels wide', 'savePicture');
+  const element = h(
+    'section',
+    { 'aria-label': 'Together' },
+    h('h2', {}, 'Together'),
+    h('div', { class: 'history-actions together-actions' }, parts.pin, parts.share, picture),
+    parts.cameras,
+    parts.pins,
+  );
+  const update = (): void => {
+    const { welcome, together } = host.model;
+    const maySet = welcome?.may === undefined || welcome.may.includes('place_pins');
+    parts.pin.hidden = !maySet;
+    for (const made of [parts.pin, parts.share, picture]) {
+      const isDisabled = String(!host.picture.viewer);
+      if (made.getAttribute('aria-disabled') !== isDisabled)
+        made.setAttribute('aria-disabled', isDisabled);
+    }
+    if (panel) panel.update();
+    else if (host.picture.viewer && together.pins.length + together.cameras.length > 0)
+      void start();
+  };
+  return { element, update };
+}
