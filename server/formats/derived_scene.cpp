@@ -65,6 +65,8 @@ class Derivation {
     auto scene = parse_scene(
         scene_json(draft), {.name = name_ + ": the derived scene", .base_folder = wishes_.folder});
     if (!scene) return std::unexpected(to_string(scene.error()));
+    for (auto& [id, tool] : scene->tools)
+      tool.idle = std::ranges::find(facts->tools, id) == facts->tools.end();
     choose_accuracy_of(*scene);
     return DerivedScene{*std::move(scene), std::move(notes_)};
   }

@@ -41,7 +41,8 @@ std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const Accuracy
                   .tools = {},
                   .turns = scene.machine.kinematics != MachineKinematics::kXyz,
                   .wall_pitch_mm = wall_pitch_mm};
-  for (const auto& [id, tool] : scene.tools) use.tools.push_back(tool.tool);
+  for (const auto& [id, tool] : scene.tools)
+    if (!tool.idle) use.tools.push_back(tool.tool);
   auto choice = choose_accuracy(request, use);
   if (!choice) return std::unexpected(choice.error());
   const Accuracy& a = choice->accuracy;

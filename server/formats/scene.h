@@ -36,6 +36,9 @@ struct SceneTool {
   /// Whether the chord tolerance of the profile, and of the holder's, follows the scene's
   /// tolerance_mm (resolve_chords), because the scene gives none.
   bool chords_follow = false, holder_chords_follow = false;
+  /// Of a derived scene: the program names it and never moves it, so that it does not count for
+  /// the accuracy. Not in the canonical text.
+  bool idle = false;
 };
 
 /// Chord tolerance of profiles that give none, as a share of the scene's tolerance_mm. If it grows,

@@ -58,6 +58,16 @@ TEST(DerivedScene, AnUnknownToolIsNamedInTheNotes) {
   EXPECT_THAT(scene.notes, testing::Contains(testing::HasSubstr("--tool 5=")));
 }
 
+TEST(DerivedScene, AToolThatNeverMovesDoesNotCountForTheAccuracy) {
+  const std::string program = "G21 G90\n(T1 D=10 end mill)\nT1 M6\nG0 X0 Y0 Z5\nG1 Z-2 F100\nX50\n";
+  const Scene alone = derived(program + "X60\nM2\n").scene;
+  const Scene spare = derived("(T2 D=0.01 ball end mill)\n" + program + "T2\nX60\nM2\n").scene;
+  EXPECT_EQ(spare.tools.at(2).tool.radius_mm, 0.005);
+  EXPECT_EQ(spare.settings.pitch_mm, alone.settings.pitch_mm);
+  const Scene used = derived("(T2 D=0.01 ball end mill)\n" + program + "T2 M6\nX60\nM2\n").scene;
+  EXPECT_LE(used.settings.pitch_mm, 0.05);
+}
+
 TEST(DerivedScene, ToolsReachFromTheDeepestCutToTheTop) {
   const DerivedScene scene = derived("G21\nG0 X0 Y0 Z5\nG1 Z-80 F100\nX30\nM30\n");
   EXPECT_GE(scene.scene.tools.at(1).tool.length_mm, 80);
