@@ -33,7 +33,7 @@ double diameter_mm(const SceneTool& tool) {
 constexpr std::array kSpindleWords{"ON", "OFF", "CLW", "CCLW", "RPM", "NEUTRL", "LOCK"};
 constexpr std::array kCoolantWords{"ON", "OFF", "MIST", "FLOOD", "THRU"};
 
-// Thrown for an invalid statement; AptReader::read adds file and line. Never leaves this file.
+// Thrown for an invalid statement; AptReader::step adds file and line. Never leaves this file.
 struct Fault {
   std::string word, reason;
 };
@@ -81,26 +81,27 @@ double number(const std::string& word) {
 
 enum class FeedUnit { kPerMinute, kPerRevolution };
 
-class AptReader {
+class AptReader final : public ProgramReader {
  public:
-  AptReader(std::string name, const Scene& scene) : scene_(scene), sink_(program_) {
+  AptReader(std::string name, std::string_view text, const Scene& scene)
+      : scene_(scene), sink_(program_), lines_(text) {
     program_.name = std::move(name);
     program_.files = {program_.name};
   }
 
-  std::expected<Program, ProgramError> read(std::string_view text) {
+  std::expected<bool, ProgramError> step() override {
     try {
-      TextLines lines(text);
-      while (!finished_ && lines.next()) {
-        line_ = lines.number();
-        read_line(lines);
+      if (lines_.next()) {
+        line_ = lines_.number();
+        read_line(lines_);
+        if (!finished_) return true;
       }
       if (!finished_) warn("the program ends without FINI");
     } catch (const Fault& fault) {
       return std::unexpected(ProgramError{program_.name, line_, fault.word, fault.reason});
     }
     program_.lines = line_;
-    return std::move(program_);
+    return false;
   }
 
  private:
@@ -321,8 +322,8 @@ class AptReader {
   static const std::array<std::pair<std::string_view, Handler>, 16> kStatements;
 
   const Scene& scene_;
-  Program program_;
   MotionSink sink_;
+  TextLines lines_;
   std::size_t line_ = 0;
   bool finished_ = false;
   double unit_mm_ = 1;
@@ -356,9 +357,10 @@ const std::array<std::pair<std::string_view, AptReader::Handler>, 16> AptReader:
 
 }  // namespace
 
-std::expected<Program, ProgramError> read_apt(const std::string& name, std::string_view text,
-                                              const Scene& scene) {
-  return AptReader(name, scene).read(text);
+std::expected<ReadProgram, ProgramError> read_apt(const std::string& name, std::string_view text,
+                                                  const Scene& scene, ProgramVisitor& visitor) {
+  return read_to_end(
+      [name, text, &scene] { return std::make_unique<AptReader>(name, text, scene); }, visitor);
 }
 
 }  // namespace kerf

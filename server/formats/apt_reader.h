@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/formats/program.h"
+#include "server/formats/program_reader.h"
 
 namespace kerf {
 
-/// Reads APT CL data for a scene; parse_program calls it for .apt and .cls. `name` is the file name
+/// Reads APT CL data for a scene; read_program calls it for .apt and .cls. `name` is the file name
 /// for errors. README.md lists the supported statements; any other statement is an error.
-std::expected<Program, ProgramError> read_apt(const std::string& name, std::string_view text,
-                                              const Scene& scene);
+std::expected<ReadProgram, ProgramError> read_apt(const std::string& name, std::string_view text,
+                                                  const Scene& scene, ProgramVisitor& visitor);
 
 }  // namespace kerf

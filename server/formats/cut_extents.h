@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
-#include <span>
 
 #include "server/formats/program.h"
 
@@ -17,9 +17,26 @@ struct CutExtents {
   bool zero_at_table = false;  ///< most of the path lies above Z 0, which is then the table's
 };
 
-/// Returns the extents of the feeds, or nullopt if there are none. Retractions do not count, nor do
-/// feeds at one level that follow them: on a machine whose tool is upright these are traverses. In
-/// Z a feed counts at its end only, because it may begin in the air.
-std::optional<CutExtents> cut_extents(std::span<const ProgramMotion> motions);
+/// Finds the extents of the feeds: look() at all motions of a program, then add() all. Retractions
+/// do not count, nor do feeds at one level that follow them: on a machine whose tool is upright
+/// these are traverses. In Z a feed counts at its end only, because it may begin in the air.
+class CutExtentsFinder {
+ public:
+  void look(const ProgramMotion& motion);
+  void add(const ProgramMotion& motion);
+  /// Nullopt if there are no feeds.
+  std::optional<CutExtents> result() const;
+
+ private:
+  static constexpr double kNone = -std::numeric_limits<double>::infinity();
+  void extend(Vec3 tip);
+
+  BoxStock box_{{-kNone, -kNone, -kNone}, {kNone, kNone, kNone}};
+  Vec3 last_mm_{kNone, kNone, kNone};
+  double highest_ = kNone, lowest_ = -kNone;
+  bool in_air_ = false;
+  double level_ = kNone, slope_ = kNone;
+  double path_mm_ = 0, above_mm_ = 0, slope_mm_ = 0;
+};
 
 }  // namespace kerf

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/formats/feed_sampler.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,7 +9,6 @@
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/number_text.h"
 #include "server/formats/pose_grid.h"
-#include "server/formats/program.h"
 
 namespace kerf {
 namespace {
@@ -27,90 +28,98 @@ double distance_mm(Vec3 point, Vec3 from, Vec3 to) {
   return length(point - (from + along * s));
 }
 
-// A run of motions of one tool, each starting where the last one ended.
-struct Chain {
-  const ProgramMotion* first;
-  const ProgramMotion* last;  ///< past the end
-};
-
-class ChainSampler {
- public:
-  ChainSampler(Chain chain, Program& out) : chain_(chain), out_(out) {
-    double end = 0;
-    for (const ProgramMotion* m = chain.first; m != chain.last; ++m)
-      ends_.push_back(end += m->duration_s);
-    last_ = chain.first->from;
-  }
-
-  /// Greatest distance of a corner of the path from the sample that spans it, mm.
-  double corner_cut_mm() const { return corner_cut_mm_; }
-
-  void run(double rate_hz) {
-    const double duration = ends_.back();
-    double from = 0;
-    for (std::uint64_t tick = 1; from < duration; ++tick) {
-      // The last sample ends with the chain; a remainder within rounding belongs to it.
-      double to = static_cast<double>(tick) / rate_hz;
-      if (to >= duration * (1 - 1e-12)) to = duration;
-      sample(from, to, 0);
-      from = to;
-    }
-  }
-
- private:
-  std::size_t motion_at(double time_s) const {
-    const auto it = std::lower_bound(ends_.begin(), ends_.end(), time_s);
-    return std::min(static_cast<std::size_t>(it - ends_.begin()), ends_.size() - 1);
-  }
-
-  ToolPose pose_at(double time_s) const {
-    const std::size_t i = motion_at(time_s);
-    const ProgramMotion& motion = chain_.first[i];
-    const double start = i == 0 ? 0 : ends_[i - 1];
-    const double s = std::clamp((time_s - start) / motion.duration_s, 0.0, 1.0);
-    if (time_s >= ends_[i]) return motion.to;
-    return admit_pose({motion.from.tip_mm + (motion.to.tip_mm - motion.from.tip_mm) * s,
-                       turned_axis(motion.from.axis, motion.to.axis, s)});
-  }
-
-  void sample(double from_s, double to_s, int halvings) {
-    const ToolPose to = pose_at(to_s);
-    if (halvings < kSampleHalvingsMax &&
-        angle_between(normalized(last_.axis), normalized(to.axis)) > kSampleTurnMaxRad) {
-      const double middle = (from_s + to_s) / 2;
-      sample(from_s, middle, halvings + 1);
-      sample(middle, to_s, halvings + 1);
-      return;
-    }
-    const std::size_t last = motion_at(to_s);
-    for (std::size_t i = motion_at(from_s); i < last; ++i)
-      corner_cut_mm_ =
-          std::max(corner_cut_mm_, distance_mm(chain_.first[i].to.tip_mm, last_.tip_mm, to.tip_mm));
-    const ProgramMotion& motion = chain_.first[last];
-    out_.motions.push_back({.tool = motion.tool,
-                            .from = last_,
-                            .to = to,
-                            .duration_s = to_s - from_s,
-                            .line = motion.line,
-                            .rapid = motion.rapid,
-                            .file = motion.file});
-    last_ = to;
-  }
-
-  Chain chain_;
-  Program& out_;
-  std::vector<double> ends_;
-  ToolPose last_;
-  double corner_cut_mm_ = 0;
-};
-
-void warn_of_corners(Program& sampled, double corner_cut_mm) {
-  if (corner_cut_mm <= kCornerWarnMm) return;
-  sampled.warnings.push_back(sampled.name + ": at this rate corners are cut off by up to " +
-                             significant_text(corner_cut_mm, 3) + " mm");
-}
+// A remainder of a chain within rounding belongs to its last sample.
+constexpr double kWhole = 1 - 1e-12;
 
 }  // namespace
+
+void FeedSampler::begin(const ProgramMotion& motion) {
+  closed_ = ended_;
+  tick_ = 1;
+  from_s_ = 0;
+  last_ = motion.from;
+  chain_.push_back({motion, 0, motion.duration_s});
+}
+
+void FeedSampler::add(const ProgramMotion& motion) {
+  if (chain_.empty()) return begin(motion);
+  const Part& last = chain_.back();
+  if (motion.from == last.motion.to && motion.tool == last.motion.tool) {
+    const double begin_s = last.end_s;
+    chain_.push_back({motion, begin_s, begin_s + motion.duration_s});
+  } else {
+    closed_ = true;
+    next_chain_ = motion;
+  }
+}
+
+bool FeedSampler::can_sample() const {
+  if (chain_.empty()) return false;
+  return closed_ || chain_.size() >= kWindow || next_s() < chain_.back().end_s * kWhole;
+}
+
+void FeedSampler::sample(std::vector<ProgramMotion>& out) {
+  const double end_s = chain_.back().end_s;
+  double to_s = next_s();
+  if (closed_ ? to_s >= end_s * kWhole : to_s > end_s) to_s = end_s;
+  sample(from_s_, to_s, 0, out);
+  from_s_ = to_s;
+  if (to_s >= next_s()) ++tick_;
+  if (!closed_ || from_s_ < end_s) {
+    while (chain_.size() > 1 && chain_.front().end_s < from_s_) chain_.pop_front();
+    return;
+  }
+  chain_.clear();
+  if (!next_chain_) return;
+  const ProgramMotion first = *next_chain_;
+  next_chain_.reset();
+  begin(first);
+}
+
+std::size_t FeedSampler::part_at(double time_s) const {
+  const auto it = std::ranges::lower_bound(chain_, time_s, {}, &Part::end_s);
+  return std::min(static_cast<std::size_t>(it - chain_.begin()), chain_.size() - 1);
+}
+
+ToolPose FeedSampler::pose_at(double time_s) const {
+  const Part& part = chain_[part_at(time_s)];
+  const ProgramMotion& motion = part.motion;
+  const double s = std::clamp((time_s - part.begin_s) / motion.duration_s, 0.0, 1.0);
+  if (time_s >= part.end_s) return motion.to;
+  return admit_pose({motion.from.tip_mm + (motion.to.tip_mm - motion.from.tip_mm) * s,
+                     turned_axis(motion.from.axis, motion.to.axis, s)});
+}
+
+void FeedSampler::sample(double from_s, double to_s, int halvings,
+                         std::vector<ProgramMotion>& out) {
+  const ToolPose to = pose_at(to_s);
+  if (halvings < kSampleHalvingsMax &&
+      angle_between(normalized(last_.axis), normalized(to.axis)) > kSampleTurnMaxRad) {
+    const double middle = (from_s + to_s) / 2;
+    sample(from_s, middle, halvings + 1, out);
+    sample(middle, to_s, halvings + 1, out);
+    return;
+  }
+  const std::size_t last = part_at(to_s);
+  for (std::size_t i = part_at(from_s); i < last; ++i)
+    corner_cut_mm_ =
+        std::max(corner_cut_mm_, distance_mm(chain_[i].motion.to.tip_mm, last_.tip_mm, to.tip_mm));
+  const ProgramMotion& motion = chain_[last].motion;
+  out.push_back({.tool = motion.tool,
+                 .from = last_,
+                 .to = to,
+                 .duration_s = to_s - from_s,
+                 .line = motion.line,
+                 .rapid = motion.rapid,
+                 .file = motion.file});
+  last_ = to;
+}
+
+std::optional<std::string> warning_of_corners(const std::string& program, double corner_cut_mm) {
+  if (corner_cut_mm <= kCornerWarnMm) return std::nullopt;
+  return program + ": at this rate corners are cut off by up to " +
+         significant_text(corner_cut_mm, 3) + " mm";
+}
 
 double sample_count(const Program& program, double rate_hz) {
   double duration_s = 0;
@@ -125,17 +134,15 @@ Program sample_program(const Program& program, double rate_hz) {
                   .lines = program.lines,
                   .files = program.files,
                   .tool_changes = program.tool_changes};
-  double corner_cut_mm = 0;
-  const ProgramMotion* const end = program.motions.data() + program.motions.size();
-  for (const ProgramMotion* first = program.motions.data(); first != end;) {
-    const ProgramMotion* last = first + 1;
-    while (last != end && last->from == (last - 1)->to && last->tool == first->tool) ++last;
-    ChainSampler sampler({first, last}, sampled);
-    sampler.run(rate_hz);
-    corner_cut_mm = std::max(corner_cut_mm, sampler.corner_cut_mm());
-    first = last;
+  FeedSampler sampler(rate_hz);
+  for (const ProgramMotion& motion : program.motions) {
+    while (sampler.can_sample()) sampler.sample(sampled.motions);
+    sampler.add(motion);
   }
-  warn_of_corners(sampled, corner_cut_mm);
+  sampler.end();
+  while (sampler.can_sample()) sampler.sample(sampled.motions);
+  if (auto warning = warning_of_corners(program.name, sampler.corner_cut_mm()))
+    sampled.warnings.push_back(*std::move(warning));
   return sampled;
 }
 

@@ -66,77 +66,141 @@ void MotionSink::change_tool(std::optional<ToolId> tool, std::size_t line) {
     program_.tool_changes.push_back({tool.value_or(0), static_cast<std::uint32_t>(line), file_});
 }
 
-MotionSink::Result MotionSink::emit(const ToolPose& to, double duration_s, bool rapid,
-                                    std::size_t line) {
+// A motion from the current pose.
+std::expected<ProgramMotion, std::string> MotionSink::next_motion(bool rapid,
+                                                                  std::size_t line) const {
   if (!tool_) return std::unexpected("no tool is loaded for this motion");
+  return ProgramMotion{.tool = *tool_,
+                       .from = *last_,
+                       .to = *last_,
+                       .line = static_cast<std::uint32_t>(line),
+                       .rapid = rapid,
+                       .file = file_};
+}
+
+MotionSink::Result MotionSink::append(ProgramMotion& next, const ToolPose& to, double duration_s) {
   if (!std::isfinite(duration_s) || duration_s > kDurationMaxS)
     return std::unexpected("the motion would take longer than " + decimal_text(kDurationMaxS, 0) +
                            " s; the feed is too low");
-  if (program_.motions.size() >= kProgramMotionsMax)
+  if (++made_ > kProgramMotionsMax)
     return std::unexpected("the program exceeds the limit of " +
                            std::to_string(kProgramMotionsMax) + " motions");
-  program_.motions.push_back({.tool = *tool_,
-                              .from = *last_,
-                              .to = to,
-                              .duration_s = std::max(duration_s, kDurationMinS),
-                              .line = static_cast<std::uint32_t>(line),
-                              .rapid = rapid,
-                              .file = file_});
-  last_ = to;
+  next.to = to;
+  next.duration_s = std::max(duration_s, kDurationMinS);
+  program_.motions.push_back(next);
+  next.from = to;
   return {};
 }
 
-MotionSink::Result MotionSink::line(const ToolPose& target, double duration_s, bool rapid,
-                                    std::size_t line) {
+MotionSink::Result MotionSink::straight(ProgramMotion& next, const ToolPose& target,
+                                        double duration_s) {
   if (!in_range(target.tip_mm)) return std::unexpected(out_of_range(target.tip_mm));
   const ToolPose to = admit_pose(target);
-  if (to == *last_) return {};
-  const double turn = angle_between(normalized(last_->axis), normalized(to.axis));
-  if (turn <= kTurnSplitRad) return emit(to, duration_s, rapid, line);
+  if (to == next.from) return {};
+  const double turn = angle_between(normalized(next.from.axis), normalized(to.axis));
+  if (turn <= kTurnSplitRad) return append(next, to, duration_s);
   if (turn > std::numbers::pi - kOppositeRad)
     return std::unexpected(
         "the tool axis turns to its opposite in one motion, so its path is undefined; add a pose "
         "in between");
-  const ToolPose middle = admit_pose(between(*last_, to, 0.5));
-  if (Result first = emit(middle, duration_s / 2, rapid, line); !first) return first;
-  return emit(to, duration_s / 2, rapid, line);
+  const ToolPose middle = admit_pose(between(next.from, to, 0.5));
+  if (Result first = append(next, middle, duration_s / 2); !first) return first;
+  return append(next, to, duration_s / 2);
 }
 
-MotionSink::Result MotionSink::path(const Path& path, double tool_length_mm, double tolerance_mm,
-                                    int samples, double duration_s, bool rapid, std::size_t line) {
-  // A stack of pieces still to be appended, the next one last.
-  struct Piece {
-    double s0, s1;
-    int halvings;
-  };
-  std::vector<Piece> pending{{0, 1, 0}};
-  int pieces = 0;
-  while (!pending.empty()) {
-    const Piece piece = pending.back();
-    pending.pop_back();
-    const int points = std::max(4, samples >> piece.halvings);
-    const bool turns_far =
-        angle_between(path(piece.s0).axis, path(piece.s1).axis) > std::numbers::pi / 2;
-    if (piece.halvings < kHalvingsMax &&
-        (turns_far ||
-         straightness_mm(path, piece.s0, piece.s1, tool_length_mm, points) > tolerance_mm)) {
-      const double middle = (piece.s0 + piece.s1) / 2;
-      pending.push_back({middle, piece.s1, piece.halvings + 1});
-      pending.push_back({piece.s0, middle, piece.halvings + 1});
-      continue;
-    }
-    if (++pieces > kPiecesMax)
-      return std::unexpected("the block exceeds the limit of " + std::to_string(kPiecesMax) +
-                             " straight pieces");
-    Result moved = this->line(path(piece.s1), duration_s * (piece.s1 - piece.s0), rapid, line);
-    if (!moved) return moved;
+MotionSink::Result MotionSink::line(const ToolPose& target, double duration_s, bool rapid,
+                                    std::size_t line) {
+  if (waits()) return chords([target](double) { return target; }, 1, duration_s, rapid, line);
+  if (!in_range(target.tip_mm)) return std::unexpected(out_of_range(target.tip_mm));
+  if (admit_pose(target) == *last_) return {};
+  auto next = next_motion(rapid, line);
+  if (!next) return std::unexpected(next.error());
+  const Result moved = straight(*next, target, duration_s);
+  last_ = next->from;
+  return moved;
+}
+
+MotionSink::Result MotionSink::wait(Waiting waiting) {
+  auto next = next_motion(waiting.next.rapid, waiting.next.line);
+  if (!next) return std::unexpected(next.error());
+  waiting.next = *next;
+  if (waiting.path) {
+    const ToolPose end = waiting.path(1);
+    last_ = in_range(end.tip_mm) ? admit_pose(end) : end;  // then go_on() ends the program
   }
+  waiting_.push_back(std::move(waiting));
   return {};
+}
+
+MotionSink::Result MotionSink::path(Path path, double tool_length_mm, double tolerance_mm,
+                                    int samples, double duration_s, bool rapid, std::size_t line) {
+  return wait({.next = {.line = static_cast<std::uint32_t>(line), .rapid = rapid},
+               .path = std::move(path),
+               .tool_length_mm = tool_length_mm,
+               .tolerance_mm = tolerance_mm,
+               .samples = samples,
+               .duration_s = duration_s,
+               .pieces = {{0, 1, 0}}});
+}
+
+MotionSink::Result MotionSink::chords(Path path, int count, double duration_s, bool rapid,
+                                      std::size_t line) {
+  return wait({.next = {.line = static_cast<std::uint32_t>(line), .rapid = rapid},
+               .path = std::move(path),
+               .chords = count,
+               .duration_s = duration_s});
 }
 
 MotionSink::Result MotionSink::dwell(double duration_s, std::size_t line) {
   if (!last_ || !tool_ || duration_s == 0) return {};
-  return emit(*last_, duration_s, false, line);
+  if (waits()) {
+    return wait({.next = {.line = static_cast<std::uint32_t>(line)}, .duration_s = duration_s});
+  }
+  auto next = next_motion(false, line);
+  if (!next) return std::unexpected(next.error());
+  return append(*next, *last_, duration_s);
+}
+
+std::expected<bool, std::string> MotionSink::follow(Waiting& w) {
+  const auto done = [](const Result& moved, bool at_end) -> std::expected<bool, std::string> {
+    if (!moved) return std::unexpected(moved.error());
+    return at_end;
+  };
+  if (!w.path) return done(append(w.next, w.next.from, w.duration_s), true);
+  if (w.chords > 0) {
+    const double s = static_cast<double>(++w.made) / w.chords;
+    return done(straight(w.next, w.path(s), w.duration_s / w.chords), w.made == w.chords);
+  }
+  const Piece piece = w.pieces.back();
+  w.pieces.pop_back();
+  const int points = std::max(4, w.samples >> piece.halvings);
+  const bool turns_far =
+      angle_between(w.path(piece.s0).axis, w.path(piece.s1).axis) > std::numbers::pi / 2;
+  if (piece.halvings < kHalvingsMax &&
+      (turns_far ||
+       straightness_mm(w.path, piece.s0, piece.s1, w.tool_length_mm, points) > w.tolerance_mm)) {
+    const double middle = (piece.s0 + piece.s1) / 2;
+    w.pieces.push_back({middle, piece.s1, piece.halvings + 1});
+    w.pieces.push_back({piece.s0, middle, piece.halvings + 1});
+    return false;
+  }
+  if (++w.made > kPiecesMax)
+    return std::unexpected("the block exceeds the limit of " + std::to_string(kPiecesMax) +
+                           " straight pieces");
+  return done(straight(w.next, w.path(piece.s1), w.duration_s * (piece.s1 - piece.s0)),
+              w.pieces.empty());
+}
+
+MotionSink::Result MotionSink::go_on(int steps) {
+  for (; steps > 0 && waits(); --steps) {
+    const auto is_done = follow(waiting_.front());
+    if (!is_done) {
+      waiting_.clear();
+      return std::unexpected(is_done.error());
+    }
+    if (*is_done) waiting_.pop_front();
+  }
+  return {};
 }
 
 }  // namespace kerf

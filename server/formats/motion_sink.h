@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <expected>
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/formats/program.h"
 
@@ -19,13 +21,14 @@ inline constexpr double kDurationMaxS = 1e9;
 inline constexpr int kPiecesMax = 1 << 20;
 
 /// Appends motions to a Program for the readers of programs. Keeps the current tool and pose,
-/// rounds poses to the pose grid and divides paths that are not one straight motion. A function
-/// that fails appends no further motion; its error is one sentence, to which the caller adds file
-/// and line.
+/// rounds poses to the pose grid and divides paths that are not one straight motion. The motions of
+/// a path, and those that follow it, wait until go_on(), so that none of them needs memory before.
+/// A function that fails appends no further motion; its error is one sentence, to which the caller
+/// adds file and line.
 class MotionSink {
  public:
   using Result = std::expected<void, std::string>;
-  /// A path: the pose at s, from 0 (start) to 1 (end).
+  /// A path: the pose at s, from 0 (start) to 1 (end). It is kept until its motions are made.
   using Path = std::function<ToolPose(double)>;
 
   /// `program` must outlive the sink.
@@ -51,22 +54,59 @@ class MotionSink {
   /// kTurnMaxRad; nothing if `to` is the current pose. Precondition: placed(). Errors: no tool, tip
   /// out of range, axis turned to its opposite, duration above kDurationMaxS, too many motions.
   Result line(const ToolPose& to, double duration_s, bool rapid, std::size_t line);
-  /// Appends straight motions along a path: pieces are halved until no point of a tool of the given
-  /// length deviates by more than `tolerance_mm` from the path at the same time. `samples` points
-  /// are compared on the whole path, at least four per piece. Errors as of line(), and more than
-  /// kPiecesMax pieces.
-  Result path(const Path& path, double tool_length_mm, double tolerance_mm, int samples,
-              double duration_s, bool rapid, std::size_t line);
+  /// Straight motions along a path: pieces are halved until no point of a tool of the given length
+  /// deviates by more than `tolerance_mm` from the path at the same time. `samples` points are
+  /// compared on the whole path, at least four per piece. Errors, of go_on() too: as of line(), and
+  /// more than kPiecesMax pieces.
+  Result path(Path path, double tool_length_mm, double tolerance_mm, int samples, double duration_s,
+              bool rapid, std::size_t line);
+  /// Straight motions between `count` + 1 poses of a path at equal distances of s, `count` > 0.
+  Result chords(Path path, int count, double duration_s, bool rapid, std::size_t line);
   /// Appends a rest at the current pose; nothing if the tool is away, absent or the duration is 0.
   Result dwell(double duration_s, std::size_t line);
 
+  /// Whether motions wait.
+  bool waits() const { return !waiting_.empty(); }
+  /// Line and file of the motion that waits first. Precondition: waits().
+  struct Place {
+    std::uint32_t line, file;
+  };
+  Place place_of_waiting() const {
+    return {waiting_.front().next.line, waiting_.front().next.file};
+  }
+  /// Appends motions that wait: `steps` pieces of paths at most. Errors: those of the calls that
+  /// wait; none of their motions follows then.
+  Result go_on(int steps);
+
  private:
-  Result emit(const ToolPose& to, double duration_s, bool rapid, std::size_t line);
+  struct Piece {
+    double s0, s1;
+    int halvings;
+  };
+  /// A path that has been followed in part.
+  struct Waiting {
+    ProgramMotion next;  ///< begins where the path has been followed to
+    Path path = {};      ///< none: `next` is a rest
+    int chords = 0;      ///< 0: halved as tolerance and samples require
+    double tool_length_mm = 0, tolerance_mm = 0;
+    int samples = 0;
+    double duration_s = 0;
+    std::vector<Piece> pieces = {};  ///< still to be followed, the next one last
+    int made = 0;
+  };
+  std::expected<ProgramMotion, std::string> next_motion(bool rapid, std::size_t line) const;
+  Result wait(Waiting waiting);
+  Result straight(ProgramMotion& next, const ToolPose& target, double duration_s);
+  Result append(ProgramMotion& next, const ToolPose& to, double duration_s);
+  /// Follows a path by a piece; true at its end.
+  std::expected<bool, std::string> follow(Waiting& waiting);
 
   Program& program_;
   std::uint32_t file_ = 0;
   std::optional<ToolId> tool_;
-  std::optional<ToolPose> last_;
+  std::optional<ToolPose> last_;  ///< behind all that waits
+  std::deque<Waiting> waiting_;
+  std::size_t made_ = 0;  ///< motions
 };
 
 }  // namespace kerf

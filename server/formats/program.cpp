@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/program.h"
 
-#include <algorithm>
 #include <cctype>
 
-#include "server/formats/apt_reader.h"
-#include "server/formats/gcode/reader.h"
-#include "server/formats/heidenhain/blocks.h"
-#include "server/formats/heidenhain/reader.h"
 #include "server/formats/letter_case.h"
 
 namespace kerf {
@@ -23,17 +18,6 @@ std::string quoted(const std::string& word) {
     if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
   text += word.size() > kQuoteMax ? "…'" : "'";
   return text;
-}
-
-// A program that cuts nothing is rarely meant: it comes first among the warnings.
-void warn_of_idle_program(Program& program) {
-  const bool cuts = std::ranges::any_of(program.motions, [](const ProgramMotion& motion) {
-    return !motion.rapid && !(motion.from == motion.to);
-  });
-  if (cuts) return;
-  program.warnings.insert(program.warnings.begin(),
-                          program.name + ": THE PROGRAM CUTS NOTHING: it ends after " +
-                              std::to_string(program.lines) + " lines without a cutting motion");
 }
 
 }  // namespace
@@ -61,21 +45,6 @@ std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_
                    "the extension must be nc, ngc, cnc, tap, gcode, txt, eia, iso, din, min, gc, "
                    "g, mpf, spf, h, hnc, fnc, nct, ncc, ptp, pim, anc, pgm or prg for G-code, or "
                    "apt or cls for APT"});
-}
-
-std::expected<Program, ProgramError> parse_program(const std::string& name, std::string_view text,
-                                                   const Scene& scene,
-                                                   const GcodeEnvironment& environment) {
-  const auto format = program_format(name);
-  if (!format) return std::unexpected(format.error());
-  // Some editors write a byte order mark before the first word.
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  const bool klartext = environment.dialect == Dialect::kAuto && is_klartext(text);
-  auto program = *format == ProgramFormat::kApt ? read_apt(name, text, scene)
-                 : klartext ? read_klartext(name, text, scene, environment.lines_max)
-                            : read_gcode(name, text, scene, environment);
-  if (program) warn_of_idle_program(*program);
-  return program;
 }
 
 std::string place_of(const Program& program, std::uint32_t file, std::uint32_t line) {

@@ -21,15 +21,15 @@ namespace kerf {
 /// at `from` without cutting.
 struct ProgramMotion {
   ToolId tool = 0;
-  ToolPose from, to;       ///< on the pose grid (pose_grid.h)
-  double duration_s = 0;   ///< > 0
-  std::uint32_t line = 0;  ///< line of the program text, from 1; 0 if unknown
-  bool rapid = false;      ///< a traverse: G0, RAPID
-  std::uint32_t file = 0;  ///< file of `line`: index into Program::files
+  ToolPose from = {}, to = {};  ///< on the pose grid (pose_grid.h)
+  double duration_s = 0;        ///< > 0
+  std::uint32_t line = 0;       ///< line of the program text, from 1; 0 if unknown
+  bool rapid = false;           ///< a traverse: G0, RAPID
+  std::uint32_t file = 0;       ///< file of `line`: index into Program::files
   friend bool operator==(const ProgramMotion&, const ProgramMotion&) = default;
 };
 
-/// Most motions of a program, 112 bytes each. A few lines of hostile text can request any number.
+/// Most motions of a program. A few lines of hostile text can request any number.
 inline constexpr std::size_t kProgramMotionsMax = 10'000'000;
 /// Most tool changes that Program::tool_changes records; later ones are omitted.
 inline constexpr std::size_t kProgramToolChangesMax = 1'000'000;
@@ -83,7 +83,7 @@ Program sample_program(const Program& program, double rate_hz);
 
 /// Returns the approximate number of motions that sample_program makes.
 double sample_count(const Program& program, double rate_hz);
-/// Recommended limit for sample_count; a motion takes about 100 bytes.
+/// Limit for sample_count: two days at 100 Hz.
 inline constexpr double kSamplesMax = 2e7;
 
 }  // namespace kerf

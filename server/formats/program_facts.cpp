@@ -5,6 +5,7 @@
 #include <set>
 
 #include "server/formats/letter_case.h"
+#include "server/formats/program_reader.h"
 
 namespace kerf {
 namespace {
@@ -48,20 +49,41 @@ std::set<ToolId> numbered_tools(std::string_view text) {
   return tools;
 }
 
-ProgramFacts facts_of(const Program& program, MachineKinematics kinematics,
-                      const std::set<ToolId>& named) {
-  ProgramFacts facts{.kinematics = kinematics, .tools = {}, .named_tools = {}, .cuts = {}};
-  std::set<ToolId> tools;
-  for (const ProgramMotion& motion : program.motions) {
-    tools.insert(motion.tool);
-    facts.duration_s += motion.duration_s;
+class FactsVisitor final : public ProgramVisitor {
+ public:
+  void begin() override { *this = {}; }
+  void visit(std::span<const ProgramMotion> motions) override {
+    for (const ProgramMotion& motion : motions) {
+      tools_.insert(motion.tool);
+      duration_s_ += motion.duration_s;
+      extents_.look(motion);
+    }
+    motions_ += motions.size();
   }
-  facts.tools.assign(tools.begin(), tools.end());
-  facts.named_tools.assign(named.begin(), named.end());
-  facts.cuts = cut_extents(program.motions);
-  facts.motions = program.motions.size();
-  return facts;
-}
+  /// The extents need a second reading.
+  std::expected<ProgramFacts, ProgramError> facts(const OpenProgram& open) {
+    const auto reader = open();
+    for (bool more = true; more;) {
+      const auto step = reader->step();
+      if (!step) return std::unexpected(step.error());
+      for (const ProgramMotion& motion : reader->program().motions) extents_.add(motion);
+      reader->program().motions.clear();
+      more = *step;
+    }
+    return ProgramFacts{.kinematics = {},
+                        .tools = {tools_.begin(), tools_.end()},
+                        .named_tools = {},
+                        .cuts = extents_.result(),
+                        .motions = motions_,
+                        .duration_s = duration_s_};
+  }
+
+ private:
+  std::set<ToolId> tools_;
+  double duration_s_ = 0;
+  std::size_t motions_ = 0;
+  CutExtentsFinder extents_;
+};
 
 }  // namespace
 
@@ -76,9 +98,16 @@ std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
   std::optional<ProgramError> farthest;
   for (const MachineKinematics kinematics : kMachines) {
     scene.machine.kinematics = kinematics;
-    const auto program = parse_program(name, text, scene, environment);
-    if (program) return facts_of(*program, kinematics, named);
-    if (!farthest || program.error().line > farthest->line) farthest = program.error();
+    FactsVisitor visitor;
+    const auto read = read_program(name, text, scene, environment, visitor);
+    if (read) {
+      auto facts = visitor.facts(read->open);
+      if (!facts) return facts;
+      facts->kinematics = kinematics;
+      facts->named_tools.assign(named.begin(), named.end());
+      return facts;
+    }
+    if (!farthest || read.error().line > farthest->line) farthest = read.error();
   }
   return std::unexpected(*farthest);
 }

@@ -92,6 +92,26 @@ std::optional<std::vector<PathPoint>> joined(const Points& points, double tolera
   return joiner.take();
 }
 
+/// Every step-th of `count` points, and the last one.
+std::vector<PathPoint> every(const Points& points, std::size_t step, std::size_t count) {
+  std::vector<PathPoint> kept;
+  std::size_t n = 0;
+  bool jumps = false;
+  points([&](const PathPoint& point) {
+    jumps = jumps || point.kind == PathKind::kStart;
+    if (n++ % step != 0 && n != count) return true;
+    kept.push_back(point);
+    if (std::exchange(jumps, false)) kept.back().kind = PathKind::kStart;
+    return true;
+  });
+  return kept;
+}
+
+/// The points of a list.
+Points all_of(const std::vector<PathPoint>& list) {
+  return [&list](const auto& pass_on) { (void)std::ranges::all_of(list, pass_on); };
+}
+
 ProgramPath thinned(const Points& points, std::size_t points_max) {
   points_max = std::max<std::size_t>(points_max, 2);
   std::optional<Vec3> low, high;
@@ -111,47 +131,70 @@ ProgramPath thinned(const Points& points, std::size_t points_max) {
       return {*std::move(fewer), kPathErrorPerTolerance * tolerance_mm};
     }
   }
-  ProgramPath path{{}, extent_mm};
   const std::size_t step = (count + points_max - 2) / (points_max - 1);
-  std::size_t n = 0;
-  bool jumps = false;
-  points([&](const PathPoint& point) {
-    jumps = jumps || point.kind == PathKind::kStart;
-    if (n++ % step != 0 && n != count) return true;
-    path.points.push_back(point);
-    if (std::exchange(jumps, false)) path.points.back().kind = PathKind::kStart;
-    return true;
-  });
-  return path;
+  return {every(points, step, count), extent_mm};
 }
 
 }  // namespace
 
+void PathCollector::add(const ProgramMotion& motion) {
+  if (!at_ || *at_ != motion.from)
+    add(PathPoint{motion.from.tip_mm, motion.line, motion.tool, PathKind::kStart});
+  at_ = motion.to;
+  add(PathPoint{motion.to.tip_mm, motion.line, motion.tool,
+                motion.rapid ? PathKind::kRapid : PathKind::kFeed});
+}
+
+void PathCollector::add(const PathPoint& point) {
+  const Vec3 p = point.tip_mm;
+  if (!extents_) extents_ = {p, p};
+  Vec3 &low = extents_->min_mm, &high = extents_->max_mm;
+  low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+  high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  held_.push_back(point);
+  if (held_.size() >= kHeld) join_held();
+}
+
+/// Joins the points that are held to the path before them.
+void PathCollector::join_held() {
+  const double extent_mm = length(extents_->max_mm - extents_->min_mm);
+  const auto join = [this](const std::vector<PathPoint>& points) {
+    return *joined(all_of(points), tolerance_mm_, points.size() + 1);
+  };
+  const std::vector<PathPoint> next = join(held_);
+  joined_.insert(joined_.end(), next.begin(), next.end());
+  held_.clear();
+  while (joined_.size() > kHeld / 2) {
+    tolerance_mm_ = std::max(kToleranceStep * tolerance_mm_, kFirstTolerance * extent_mm);
+    if (tolerance_mm_ < kLastTolerance * extent_mm) {
+      error_mm_ += kPathErrorPerTolerance * tolerance_mm_;
+      joined_ = join(joined_);
+    } else {
+      joined_ = every(all_of(joined_), 2, joined_.size());
+      error_mm_ = extent_mm;
+    }
+  }
+}
+
+ProgramPath PathCollector::take() {
+  if (!joined_.empty()) {
+    join_held();
+    held_ = std::exchange(joined_, {});
+  }
+  ProgramPath path = drawn_path(ProgramPath{std::move(held_), error_mm_}, points_max_);
+  if (extents_)
+    path.error_mm = std::min(path.error_mm, length(extents_->max_mm - extents_->min_mm));
+  return path;
+}
+
 ProgramPath drawn_path(const Program& program, std::size_t points_max) {
-  return thinned(
-      [&](const auto& pass_on) {
-        const ToolPose* at = nullptr;
-        for (const ProgramMotion& motion : program.motions) {
-          if ((at == nullptr || *at != motion.from) &&
-              !pass_on({motion.from.tip_mm, motion.line, motion.tool, PathKind::kStart})) {
-            return;
-          }
-          at = &motion.to;
-          const PathKind kind = motion.rapid ? PathKind::kRapid : PathKind::kFeed;
-          if (!pass_on({motion.to.tip_mm, motion.line, motion.tool, kind})) return;
-        }
-      },
-      points_max);
+  PathCollector collector(points_max);
+  for (const ProgramMotion& motion : program.motions) collector.add(motion);
+  return collector.take();
 }
 
 ProgramPath drawn_path(const ProgramPath& path, std::size_t points_max) {
-  ProgramPath fewer = thinned(
-      [&](const auto& pass_on) {
-        for (const PathPoint& point : path.points) {
-          if (!pass_on(point)) return;
-        }
-      },
-      points_max);
+  ProgramPath fewer = thinned(all_of(path.points), points_max);
   fewer.error_mm += path.error_mm;
   return fewer;
 }

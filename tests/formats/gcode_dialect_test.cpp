@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "server/formats/gcode/dialect_choice.h"
-#include "server/formats/gcode/macro_index.h"
+#include "server/formats/gcode/source.h"
 #include "tests/formats/dialect_runs.h"
 
 namespace kerf {
@@ -103,7 +103,7 @@ TEST(MacroIndex, FindsALineWithAFewComparisons) {
   for (int i = 0; i < 50'000; ++i) text += "N9\n";
   text += "O2\nN1\nDO1\nDO1\nEND1\nEND1\nN1\nO2\nN3\n";
   const GcodeFile file("p", text);
-  const MacroIndex index(file);
+  const MacroIndex& index = file.marks();
   const std::size_t second = 50'003;
   EXPECT_EQ(index.program(2), second);
   EXPECT_EQ(index.program(3), std::nullopt);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
+#include <deque>
 #include <optional>
 
 #include "server/formats/gcode/arc.h"
@@ -35,11 +35,46 @@ struct CycleStep {
   double seconds = 0;  ///< kDwell
 };
 
-/// Expands the canned cycles G73, G74 and G81 to G89 as LinuxCNC does; `code` is times ten. Starts
-/// at `at` and returns the final position. Words missing in the block are taken from `memory`,
-/// which is updated. Throws GcodeFault for a missing word, an R plane below the bottom of the hole,
-/// or a spindle that is stopped or turns in the wrong direction.
-PlanePoint expand_cycle(int code, const GcodeModes& modes, PlanePoint at, const CycleWords& words,
-                        CycleMemory& memory, const std::function<void(const CycleStep&)>& step);
+/// A canned cycle, G73, G74 or G81 to G89, in steps as LinuxCNC makes them.
+class Cycle {
+ public:
+  /// Starts at `at`; `code` is times ten. Words missing in the block are taken from `memory`, which
+  /// is updated and outlives the cycle. Throws GcodeFault for a missing word, an R plane below the
+  /// bottom of the hole, or a spindle that is stopped or turns in the wrong direction.
+  Cycle(int code, const GcodeModes& modes, PlanePoint at, const CycleWords& words,
+        CycleMemory& memory);
+
+  /// Returns the next step; nullopt at the end. Throws GcodeFault for polar increments at the
+  /// origin.
+  std::optional<CycleStep> next();
+  /// The position after the last step.
+  PlanePoint end() const { return end_; }
+
+ private:
+  void recall();
+  void set_heights(double initial);
+  void set_hole();
+  void advance_hole();
+  void begin_hole();
+  void drill();
+  void peck();
+  void bore_back();
+  void rapid(PlanePoint to) { steps_.push_back({.kind = CycleStep::Kind::kRapid, .to = to}); }
+  void rapid_to(double normal) { rapid({hole_.first, hole_.second, normal}); }
+  void feed_to(double normal);
+  void dwell();
+
+  int code_;
+  GcodeModes modes_;
+  CycleWords words_;
+  CycleMemory* memory_;
+  bool repeated_;
+  PlanePoint hole_, end_;
+  double r_ = 0, bottom_ = 0, middle_ = 0, clear_ = 0;
+  double level_ = 0;             ///< before the first hole
+  int holes_ = 0;                ///< begun
+  std::optional<double> peck_;   ///< depth of the next peck, while the hole is pecked
+  std::deque<CycleStep> steps_;  ///< of the current hole or peck, not yet returned
+};
 
 }  // namespace kerf

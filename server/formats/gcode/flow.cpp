@@ -39,7 +39,8 @@ void GcodeFlow::count_line() {
 }
 
 std::optional<GcodeLine> GcodeFlow::next() {
-  while (!ended_) {
+  for (std::size_t passed = 0; !ended_; ++passed) {
+    if (passed == kGcodeLinesPerStep) return GcodeLine{};
     const GcodeFile& file = source_.file(at_.file);
     if (at_.line >= file.lines.size()) {
       if (frames_.size() == 1) return std::nullopt;

@@ -43,8 +43,8 @@ void GcodeMachine::at_line(std::size_t file, std::size_t line) {
                     i < 3 ? at_[i] / modes_.unit_mm : at_[i]);
 }
 
-bool GcodeMachine::execute(GcodeBlock& block) {
-  const int modal = modes_.motion;
+void GcodeMachine::begin(GcodeBlock& block) {
+  modal_motion_ = modes_.motion;
   if (setup_.rules.macros) {
     follow_assigned_origin();
     prepare(block);
@@ -73,7 +73,10 @@ bool GcodeMachine::execute(GcodeBlock& block) {
   }
   if (block_motion_ >= 0 && block_motion_ != 10) require_no_corner();
   move(block);
-  if (block_is_machine_) modes_.motion = modal;
+}
+
+bool GcodeMachine::end(const GcodeBlock& block) {
+  if (block_is_machine_) modes_.motion = modal_motion_;
   for (const GcodeWord& word : block.words)
     if (!word.used) throw GcodeFault{word.text, "is not used by any code of this block"};
   return stop(block);

@@ -34,8 +34,13 @@ class GcodeMachine {
   void at_line(std::size_t file, std::size_t line);
   /// Whether #5420 to #5428 may be read.
   bool position_readable() const { return !compensation_.on(); }
-  /// Executes a block. Returns true if it ends the program (M2, M30, M99).
-  bool execute(GcodeBlock& block);
+  /// Executes a block until its motion has been begun. The steps of a canned cycle follow: call
+  /// go_on() until it returns false, then end().
+  void begin(GcodeBlock& block);
+  /// Makes the next step of a cycle; false, without effect, if there is none.
+  bool go_on();
+  /// Completes a block. Returns true if it ends the program (M2, M30, M99).
+  bool end(const GcodeBlock& block);
   /// Whether a motion or a dwell has been made since at_line().
   bool moved() const { return calls_ != calls_before_; }
   /// Emits the move that cutter compensation delays.
@@ -189,6 +194,14 @@ class GcodeMachine {
   int block_motion_ = -1;  ///< motion code of the current block; -1: no motion
   CutterCompensation compensation_;
   CycleMemory cycle_;
+  struct RunningCycle {
+    Cycle cycle;
+    ArcPlane plane;
+    Named named;
+    GcodeFeed speed;
+  };
+  std::optional<RunningCycle> running_;
+  int modal_motion_ = 0;                ///< before the block
   double spline_i_ = 0, spline_j_ = 0;  ///< first control point that continues the last G5
   bool arc_rejected_ = false;           ///< G40 left the tool beside the path: no arc may follow
   std::optional<int> selected_tool_;

@@ -346,20 +346,32 @@ void GcodeMachine::cycle(GcodeBlock& block, int code) {
   named[plane == ArcPlane::kXy ? 2 : plane == ArcPlane::kZx ? 1 : 0] = true;
   const GcodeFeed speed =
       words.repeats == 0 ? GcodeFeed{.mm_per_min = 1, .deg_per_min = 1} : feed_of(block);
-  const auto step = [&](const CycleStep& s) {
-    if (s.kind == CycleStep::Kind::kDwell) {
-      count_call();
-      return canon_.dwell(s.seconds);
-    }
-    GcodeAxes to = at_;
-    set_linear(to, from_plane(s.to, plane));
-    if (s.kind == CycleStep::Kind::kRapid) return rapid(to, GcodeRapid::kPlain, named);
-    feed(to, speed, named);
-  };
-  const PlanePoint end =
-      expand_cycle(code, modes_, in_plane(linear(at_), plane), words, cycle_, step);
-  set_linear(at_, from_plane(end, plane));
+  running_ = RunningCycle{Cycle(code, modes_, in_plane(linear(at_), plane), words, cycle_), plane,
+                          named, speed};
   modes_.motion = code;
+}
+
+bool GcodeMachine::go_on() {
+  if (!running_) return false;
+  const auto step = running_->cycle.next();
+  if (!step) {
+    set_linear(at_, from_plane(running_->cycle.end(), running_->plane));
+    running_.reset();
+    return false;
+  }
+  if (step->kind == CycleStep::Kind::kDwell) {
+    count_call();
+    canon_.dwell(step->seconds);
+    return true;
+  }
+  GcodeAxes to = at_;
+  set_linear(to, from_plane(step->to, running_->plane));
+  if (step->kind == CycleStep::Kind::kRapid) {
+    rapid(to, GcodeRapid::kPlain, running_->named);
+  } else {
+    feed(to, running_->speed, running_->named);
+  }
+  return true;
 }
 
 void GcodeMachine::go_home(GcodeBlock& block, int code) {

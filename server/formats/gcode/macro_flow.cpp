@@ -78,7 +78,8 @@ void MacroFlow::count_line() {
 }
 
 std::optional<GcodeLine> MacroFlow::next() {
-  while (!ended_) {
+  for (std::size_t passed = 0; !ended_; ++passed) {
+    if (passed == kGcodeLinesPerStep) return GcodeLine{};
     const GcodeFile& file = source_.file(at_.file);
     if (at_.line >= file.lines.size()) {
       if (frames_.empty()) return std::nullopt;
@@ -160,7 +161,7 @@ void MacroFlow::loop(const std::string& code) {
   const std::size_t here = at_.line - 1;
   if (reader.accept("end")) {
     const int number = integer(reader.value(), text, 1, 9);
-    const auto start = index(at_.file).start_of(number, here);
+    const auto start = source_.file(at_.file).marks().start_of(number, here);
     if (!start) throw GcodeFault{text, "has no matching DO"};
     at_.line = *start;
     return;
@@ -169,13 +170,13 @@ void MacroFlow::loop(const std::string& code) {
   if (reader.accept("while") || reader.accept("wh")) holds = reader.bracket() == 1;
   if (!reader.accept("do")) throw GcodeFault{text, "requires DO with a number"};
   const int number = integer(reader.value(), text, 1, 9);
-  const auto end = index(at_.file).end_of(number, here);
+  const auto end = source_.file(at_.file).marks().end_of(number, here);
   if (!end) throw GcodeFault{text, "has no matching END"};
   if (!holds) at_.line = *end + 1;
 }
 
 void MacroFlow::jump(int sequence, const std::string& text) {
-  const auto line = index(at_.file).sequence(sequence, at_.line - 1);
+  const auto line = source_.file(at_.file).marks().sequence(sequence, at_.line - 1);
   if (!line)
     throw GcodeFault{text, "jumps to N" + std::to_string(sequence) +
                                ", which the program "
@@ -264,7 +265,7 @@ bool MacroFlow::execute(const Call& call) {
     throw GcodeFault{call.text, "calls are nested deeper than " +
                                     std::to_string(kMacroCallDepthMax) + " levels"};
   if (call.kind == Call::Kind::kLocal) {
-    const auto line = index(at_.file).sequence(call.number, at_.line - 1);
+    const auto line = source_.file(at_.file).marks().sequence(call.number, at_.line - 1);
     if (!line)
       throw GcodeFault{
           call.text, "calls N" + std::to_string(call.number) + ", which the program does not have"};
@@ -323,22 +324,16 @@ bool MacroFlow::leave(const Call& call) {
 
 std::optional<MacroFlow::Place> MacroFlow::find_program(int number) {
   for (const std::size_t file : {at_.file, std::size_t{0}})
-    if (const auto line = index(file).program(number)) return Place{file, *line + 1};
+    if (const auto line = source_.file(file).marks().program(number)) return Place{file, *line + 1};
   const std::string digits = std::to_string(number);
   const std::string four = std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
   for (const std::string& name : {"O" + four, "o" + four, four, "O" + digits, digits}) {
     const std::size_t file = source_.find(name);
     if (file == 0) continue;
-    if (const auto line = index(file).program(number)) return Place{file, *line + 1};
+    if (const auto line = source_.file(file).marks().program(number)) return Place{file, *line + 1};
     return Place{file, 0};  // a file without a program number is named after it
   }
   return std::nullopt;
-}
-
-const MacroIndex& MacroFlow::index(std::size_t file) {
-  if (indices_.size() <= file) indices_.resize(file + 1);
-  if (!indices_[file]) indices_[file] = std::make_unique<MacroIndex>(source_.file(file));
-  return *indices_[file];
 }
 
 }  // namespace kerf

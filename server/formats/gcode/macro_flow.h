@@ -2,12 +2,10 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "server/formats/gcode/macro_index.h"
 #include "server/formats/gcode/parameters.h"
 #include "server/formats/gcode/program_flow.h"
 #include "server/formats/gcode/source.h"
@@ -77,7 +75,6 @@ class MacroFlow final : public ProgramFlow {
   bool leave(const Call& call);
   /// The first line after the header of a program.
   std::optional<Place> find_program(int number);
-  const MacroIndex& index(std::size_t file);
   void count_line();
 
   GcodeSource& source_;
@@ -90,7 +87,6 @@ class MacroFlow final : public ProgramFlow {
   std::vector<Frame> frames_;
   std::optional<Call> modal_;  ///< G66
   std::size_t modal_depth_ = 0;
-  std::vector<std::unique_ptr<MacroIndex>> indices_;  ///< by file
   std::size_t passed_ = 0, idle_ = 0;
   bool started_ = false, ended_ = false, header_seen_ = false, skips_said_ = false;
 };

@@ -34,16 +34,16 @@ std::optional<int> leading_number(std::string_view code, std::string_view letter
   return number;
 }
 
-MacroIndex::MacroIndex(const GcodeFile& file) {
+MacroIndex::MacroIndex(const LineIndex& lines) {
   const DialectRules& rules = rules_of(Dialect::kFanuc);
-  for (std::size_t i = 0; i < file.lines.size(); ++i) {
-    const GcodeLine line = split_gcode_line(file.lines[i], rules);
+  for (std::uint32_t i = 0; i < lines.size(); ++i) {
+    const GcodeLine line = split_gcode_line(lines[i], rules);
     std::string_view code = line.code;
     if (const auto number = leading_number(code, "o:", code)) {
       marks_.push_back({0, Kind::kProgram, *number, i});
       programs_.push_back(i);
     }
-    const std::size_t program = programs_.size();
+    const auto program = static_cast<std::uint32_t>(programs_.size());
     if (const auto number = leading_number(code, "n", code))
       marks_.push_back({program, Kind::kSequence, *number, i});
     if (code.starts_with("while") || code.starts_with("wh[") || code.starts_with("do")) {
@@ -57,12 +57,12 @@ MacroIndex::MacroIndex(const GcodeFile& file) {
   std::ranges::sort(marks_);
 }
 
-std::size_t MacroIndex::program_around(std::size_t line) const {
+std::uint32_t MacroIndex::program_around(std::size_t line) const {
   const auto after = std::ranges::upper_bound(programs_, line, [this](auto a, auto b) {
     ++comparisons_;
     return a < b;
   });
-  return static_cast<std::size_t>(after - programs_.begin());
+  return static_cast<std::uint32_t>(after - programs_.begin());
 }
 
 std::vector<MacroIndex::Mark>::const_iterator MacroIndex::first_from(const Mark& least) const {
@@ -86,19 +86,19 @@ std::optional<std::size_t> MacroIndex::program(int number) const {
 }
 
 std::optional<std::size_t> MacroIndex::sequence(int number, std::size_t line) const {
-  Mark wanted{program_around(line), Kind::kSequence, number, line + 1};
+  Mark wanted{program_around(line), Kind::kSequence, number, static_cast<std::uint32_t>(line + 1)};
   if (const auto next = line_of(first_from(wanted), wanted)) return next;
   wanted.line = 0;
   return line_of(first_from(wanted), wanted);
 }
 
 std::optional<std::size_t> MacroIndex::end_of(int number, std::size_t line) const {
-  const Mark wanted{program_around(line), Kind::kEnd, number, line + 1};
+  const Mark wanted{program_around(line), Kind::kEnd, number, static_cast<std::uint32_t>(line + 1)};
   return line_of(first_from(wanted), wanted);
 }
 
 std::optional<std::size_t> MacroIndex::start_of(int number, std::size_t line) const {
-  const Mark wanted{program_around(line), Kind::kDo, number, line};
+  const Mark wanted{program_around(line), Kind::kDo, number, static_cast<std::uint32_t>(line)};
   const auto after = first_from(wanted);
   return after == marks_.begin() ? std::nullopt : line_of(after - 1, wanted);
 }

@@ -3,11 +3,12 @@
 
 #include <compare>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <vector>
 
-#include "server/formats/gcode/source.h"
+#include "server/formats/gcode/line_index.h"
 
 namespace kerf {
 
@@ -15,7 +16,7 @@ namespace kerf {
 /// takes the logarithm of their number.
 class MacroIndex {
  public:
-  explicit MacroIndex(const GcodeFile& file);
+  explicit MacroIndex(const LineIndex& lines);
 
   /// The line (from 0) of the header O`number`.
   std::optional<std::size_t> program(int number) const;
@@ -29,24 +30,24 @@ class MacroIndex {
   std::size_t comparisons() const { return comparisons_; }
 
  private:
-  enum class Kind { kProgram, kSequence, kDo, kEnd };
+  enum class Kind : std::uint8_t { kProgram, kSequence, kDo, kEnd };
   struct Mark {
-    std::size_t program;  ///< how many headers precede it; of a header 0
+    std::uint32_t program;  ///< how many headers precede it; of a header 0
     Kind kind;
     int number;
-    std::size_t line;
+    std::uint32_t line;
     auto operator<=>(const Mark&) const = default;
   };
   /// How many headers precede a line or are in it.
-  std::size_t program_around(std::size_t line) const;
+  std::uint32_t program_around(std::size_t line) const;
   /// The first mark that is not less than another one.
   std::vector<Mark>::const_iterator first_from(const Mark& least) const;
   /// The line of a mark if it has the program, kind and number of `wanted`.
   std::optional<std::size_t> line_of(std::vector<Mark>::const_iterator mark,
                                      const Mark& wanted) const;
 
-  std::vector<Mark> marks_;            ///< ascending
-  std::vector<std::size_t> programs_;  ///< lines of all headers, ascending
+  std::vector<Mark> marks_;              ///< ascending
+  std::vector<std::uint32_t> programs_;  ///< lines of all headers, ascending
   mutable std::size_t comparisons_ = 0;
 };
 

@@ -13,6 +13,8 @@ namespace kerf {
 
 /// Most consecutive lines without a motion (kGcodeLinesMax limits all lines).
 inline constexpr std::size_t kGcodeIdleLinesMax = 1'000'000;
+/// Lines of control flow that are executed at a time, so that the caller can do something else.
+inline constexpr std::size_t kGcodeLinesPerStep = 256;
 
 /// Control flow of a program: returns its lines in order of execution. Throws GcodeFault; file()
 /// and line() are the position of the error.
@@ -24,7 +26,7 @@ class ProgramFlow {
   ProgramFlow& operator=(const ProgramFlow&) = delete;
 
   /// Returns the next line to execute that is not control flow, or nullopt at the end of the text
-  /// or at the closing '%'.
+  /// or at the closing '%'. A line without code and comment: call it again.
   virtual std::optional<GcodeLine> next() = 0;
   /// Reports that the last line has moved the tool, which resets the limit kGcodeIdleLinesMax.
   virtual void moved() = 0;

@@ -7,158 +7,26 @@
 
 #include "server/formats/gcode/dialect_choice.h"
 #include "server/formats/gcode/fault.h"
-#include "server/formats/gcode/flow.h"
-#include "server/formats/gcode/machine.h"
-#include "server/formats/gcode/macro_flow.h"
+#include "server/formats/gcode/runner.h"
 #include "server/formats/gcode/tool_path.h"
-#include "server/formats/letter_case.h"
 #include "server/formats/motion_sink.h"
 #include "server/formats/text_lines.h"
 
 namespace kerf {
 namespace {
 
-using Warn = std::function<void(const std::string&)>;
-
-std::string trimmed(std::string_view line) {
-  const auto first = line.find_first_not_of(" \t\r");
-  const auto last = line.find_last_not_of(" \t\r");
-  return first == std::string_view::npos ? std::string()
-                                         : std::string(line.substr(first, last - first + 1));
-}
-
-bool is_blank(std::string_view line) {
-  return line.find_first_not_of(" \t\r%") == std::string_view::npos;
-}
-
 const std::vector<std::string> kMacroExtensions{".nc", ".cnc", ".ngc", ".tap", ".txt", ""};
 
-class GcodeRunner {
- public:
-  GcodeRunner(const std::string& name, std::string_view text, const GcodeEnvironment& environment,
-              GcodeSetup setup, GcodeCanon& canon, const Warn& warn)
-      : name_(name),
-        rules_(setup.rules),
-        source_(name, text, environment.subroutine_folders,
-                rules_.macros ? kMacroExtensions : std::vector<std::string>{".ngc"}),
-        warn_(warn),
-        parameters_(initial(environment, rules_)),
-        flow_(make_flow(environment.lines_max)),
-        machine_(std::move(setup), parameters_, canon,
-                 [this](const std::string& note) { warn_here(note); }) {
-    canon.set_warn([this](const std::string& note) { warn_here(note); });
-    if (!rules_.macros)
-      parameters_.set_predefined(
-          [this](const std::string& word) { return machine_.predefined(word); });
-  }
+/// Pieces of a path that are followed in a step.
+constexpr int kPiecesPerStep = 64;
 
-  std::expected<GcodeRun, ProgramError> run() {
-    try {
-      bool ended = false;
-      while (!ended) {
-        machine_.at_line(flow_->file(), flow_->line());
-        const auto line = flow_->next();
-        if (!line) break;
-        ended = rules_.macros ? execute_macro(*line) : execute(*line);
-      }
-      machine_.finish();
-      if (!ended && !flow_->ended()) warn_here("the program ends without M2, M30 or %");
-      warn_of_trailing_lines();
-    } catch (const GcodeFault& fault) {
-      return std::unexpected(
-          ProgramError{source_.file(flow_->file()).name, flow_->line(),
-                       fault.word.empty() ? trimmed(flow_->line_text()) : fault.word, fault.reason,
-                       std::string(rules_.label)});
-    }
-    GcodeRun run{.lines = flow_->line(), .files = {}};
-    for (std::size_t i = 0; i < source_.size(); ++i) run.files.push_back(source_.file(i).name);
-    return run;
-  }
-
- private:
-  static GcodeParameters initial(const GcodeEnvironment& environment, const DialectRules& rules) {
-    GcodeParameters parameters =
-        rules.macros ? GcodeParameters::of_macros(rules.vacant) : GcodeParameters();
-    if (environment.parameters)
-      for (const auto& [number, value] : *environment.parameters) parameters.set(number, value);
-    return parameters;
-  }
-
-  std::unique_ptr<ProgramFlow> make_flow(std::size_t lines_max) {
-    const auto entered = [this] { machine_.enter_subroutine(); };
-    const auto left = [this] { machine_.leave_subroutine(); };
-    const auto readable = [this] { return machine_.position_readable(); };
-    if (rules_.macros) {
-      auto flow = std::make_unique<MacroFlow>(
-          source_, parameters_, rules_, lines_max,
-          MacroFlow::Listener{.entered = entered,
-                              .left = left,
-                              .position_readable = readable,
-                              .warn = [this](const std::string& note) { warn_here(note); }});
-      macro_flow_ = flow.get();
-      return flow;
-    }
-    return std::make_unique<GcodeFlow>(
-        source_, parameters_, lines_max,
-        GcodeFlow::Listener{.entered = entered,
-                            .left = left,
-                            .returned = [this](auto value) { machine_.set_returned(value); },
-                            .position_readable = readable});
-  }
-
-  bool execute(const GcodeLine& line) {
-    const std::string comment = to_lower(trimmed(line.comment));
-    machine_.at_line(flow_->file(), flow_->line());
-    GcodeBlock block = parse_gcode_block(line.code, parameters_, machine_.position_readable());
-    if (comment.starts_with("abort,"))
-      throw GcodeFault{"(" + line.comment + ")", "aborts the program"};
-    if (comment.starts_with("py,") || comment.starts_with("pyrun,"))
-      throw GcodeFault{"(" + line.comment + ")", "runs Python, which is not supported"};
-    const bool ended = machine_.execute(block);
-    if (machine_.moved()) flow_->moved();
-    return ended;
-  }
-
-  // A block of Macro B may move first and call a subprogram then.
-  bool execute_macro(const GcodeLine& line) {
-    machine_.at_line(flow_->file(), flow_->line());
-    std::string_view code = line.code;
-    leading_number(code, "n", code);
-    if (code == "msg" || code.starts_with("msg\"")) return false;  // shown to the operator
-    if (const auto call = macro_flow_->read_macro_call(code)) return macro_flow_->execute(*call);
-    GcodeBlock block = parse_gcode_block(code, parameters_, machine_.position_readable(), rules_);
-    const auto call = MacroFlow::take_call(block);
-    for (const auto& [group, word] : block.codes)
-      if (group == GcodeGroup::kNoEffect && word.code == 670) macro_flow_->end_modal();
-    if (machine_.execute(block)) return true;
-    if (machine_.moved()) macro_flow_->moved();
-    return call && macro_flow_->execute(*call);
-  }
-
-  void warn_of_trailing_lines() {
-    const GcodeFile& file = source_.file(0);
-    if (flow_->file() != 0 || rules_.macros) return;
-    for (std::size_t i = flow_->line(); i < file.lines.size(); ++i) {
-      if (is_blank(file.lines[i])) continue;
-      warn_(name_ + ":" + std::to_string(i + 1) +
-            ": lines after the end of the program are not read");
-      return;
-    }
-  }
-
-  void warn_here(const std::string& warning) {
-    warn_(source_.file(flow_->file()).name + ":" + std::to_string(flow_->line()) + ": " + warning);
-  }
-
-  std::string name_;
-  DialectRules rules_;
-  GcodeSource source_;
-  const Warn& warn_;
-  GcodeParameters parameters_;
-  MacroFlow* macro_flow_ = nullptr;  ///< flow_, if it is one
-  std::unique_ptr<ProgramFlow> flow_;
-  GcodeMachine machine_;
-};
+std::shared_ptr<GcodeSource> source_of(const std::string& name, std::string_view text,
+                                       const GcodeEnvironment& environment,
+                                       const DialectRules& rules) {
+  return std::make_shared<GcodeSource>(
+      name, text, environment.subroutine_folders,
+      rules.macros ? kMacroExtensions : std::vector<std::string>{".ngc"});
+}
 
 // Whether the program has a tool change (M6, M16) outside of comments.
 bool has_tool_change(std::string_view text, const DialectRules& rules) {
@@ -195,11 +63,17 @@ GcodeSetup setup_of(const Scene& scene, const GcodeEnvironment& environment) {
 
 }  // namespace
 
-std::expected<GcodeRun, ProgramError> run_gcode(const std::string& name, std::string_view text,
-                                                const GcodeEnvironment& environment,
-                                                GcodeSetup setup, GcodeCanon& canon,
-                                                const Warn& warn) {
-  return GcodeRunner(name, text, environment, std::move(setup), canon, warn).run();
+std::expected<GcodeRun, ProgramError> run_gcode(
+    const std::string& name, std::string_view text, const GcodeEnvironment& environment,
+    GcodeSetup setup, GcodeCanon& canon, const std::function<void(const std::string&)>& warn) {
+  const auto source = source_of(name, text, environment, setup.rules);
+  GcodeRunner runner(source, environment, std::move(setup), canon, warn);
+  try {
+    while (runner.step()) continue;
+  } catch (const GcodeFault& fault) {
+    return std::unexpected(runner.error_of(fault));
+  }
+  return GcodeRun{.lines = runner.line(), .files = source->names()};
 }
 
 namespace {
@@ -210,30 +84,96 @@ struct Assumptions {
   std::vector<std::string> notes;
 };
 
-std::expected<Program, ProgramError> read_as(Dialect dialect, const std::string& name,
-                                             std::string_view text, const Scene& scene,
-                                             const GcodeEnvironment& environment,
-                                             const std::string& note,
-                                             const Assumptions& assumed = {}) {
-  Program program;
-  program.name = name;
-  if (!note.empty()) program.warnings.push_back(note);
-  program.warnings.insert(program.warnings.end(), assumed.notes.begin(), assumed.notes.end());
-  MotionSink sink(program);
-  const Warn warn = [&](const std::string& warning) {
-    if (program.warnings.size() < kProgramWarningsMax) program.warnings.push_back(warning);
-  };
-  GcodeToolPath path(scene, environment, sink);
-  GcodeSetup setup = setup_of(scene, environment);
+/// A program of which nothing is known yet.
+struct GcodeText {
+  const std::string& name;
+  std::string_view text;
+  const Scene& scene;
+  const GcodeEnvironment& environment;
+  ProgramVisitor& visitor;
+};
+
+/// What is the same whenever a program is read again.
+struct Reading {
+  std::shared_ptr<GcodeSource> source;
+  const Scene& scene;
+  GcodeEnvironment environment;
+  GcodeSetup setup;
+  std::vector<std::string> notes;
+};
+
+class GcodeReader final : public ProgramReader {
+ public:
+  explicit GcodeReader(std::shared_ptr<const Reading> reading)
+      : reading_(std::move(reading)),
+        sink_(program_),
+        path_(reading_->scene, reading_->environment, sink_),
+        runner_(reading_->source, reading_->environment, reading_->setup, path_,
+                [this](const std::string& warning) {
+                  if (program_.warnings.size() < kProgramWarningsMax)
+                    program_.warnings.push_back(warning);
+                }) {
+    program_.name = reading_->source->file(0).name;
+    program_.warnings = reading_->notes;
+  }
+
+  std::expected<bool, ProgramError> step() override {
+    if (sink_.waits()) {
+      if (auto error = follow_path()) return std::unexpected(*std::move(error));
+    } else {
+      try {
+        runs_ = runner_.step();
+      } catch (const GcodeFault& fault) {
+        return std::unexpected(error_of(fault));
+      }
+    }
+    if (runs_ || sink_.waits()) return true;
+    program_.lines = runner_.line();
+    program_.files = reading_->source->names();
+    return false;
+  }
+
+ private:
+  // What waits comes before the fault, and may be wrong, too.
+  ProgramError error_of(const GcodeFault& fault) {
+    while (sink_.waits()) {
+      if (auto error = follow_path()) return *std::move(error);
+      program_.motions.clear();
+    }
+    return runner_.error_of(fault);
+  }
+
+  std::optional<ProgramError> follow_path() {
+    const auto [line, file] = sink_.place_of_waiting();
+    const auto followed = sink_.go_on(kPiecesPerStep);
+    if (followed) return std::nullopt;
+    const GcodeFile& source = reading_->source->file(file);
+    return ProgramError{source.name, line, trimmed_line(source.lines[line - 1]), followed.error(),
+                        std::string(reading_->setup.rules.label)};
+  }
+
+  std::shared_ptr<const Reading> reading_;
+  MotionSink sink_;
+  GcodeToolPath path_;
+  GcodeRunner runner_;
+  bool runs_ = true;
+};
+
+std::expected<ReadProgram, ProgramError> read_as(Dialect dialect, const GcodeText& program,
+                                                 const std::string& note,
+                                                 const Assumptions& assumed = {}) {
+  const GcodeEnvironment& environment = program.environment;
+  GcodeSetup setup = setup_of(program.scene, environment);
   setup.rules = rules_of(dialect);
-  setup.changes_by_t = setup.rules.macros && !has_tool_change(text, setup.rules);
+  setup.changes_by_t = setup.rules.macros && !has_tool_change(program.text, setup.rules);
   setup.absolute_centers = assumed.absolute_centers;
   setup.offsets_are_wear = assumed.offsets_are_wear;
-  auto run = run_gcode(name, text, environment, std::move(setup), path, warn);
-  if (!run) return std::unexpected(std::move(run.error()));
-  program.lines = run->lines;
-  program.files = std::move(run->files);
-  return program;
+  std::vector<std::string> notes = assumed.notes;
+  if (!note.empty()) notes.insert(notes.begin(), note);
+  const auto source = source_of(program.name, program.text, environment, setup.rules);
+  const auto reading = std::make_shared<const Reading>(source, program.scene, environment,
+                                                       std::move(setup), std::move(notes));
+  return read_to_end([reading] { return std::make_unique<GcodeReader>(reading); }, program.visitor);
 }
 
 std::string note_of(const std::string& name, Dialect dialect, const std::string& reason) {
@@ -270,42 +210,40 @@ bool assume(const ProgramError& error, Assumptions& assumed) {
 }
 
 // Reads for a control with Macro B, if need be with assumptions that its settings may hold.
-std::expected<Program, ProgramError> read_macros(Dialect dialect, const std::string& name,
-                                                 std::string_view text, const Scene& scene,
-                                                 const GcodeEnvironment& environment,
-                                                 const std::string& note) {
+std::expected<ReadProgram, ProgramError> read_macros(Dialect dialect, const GcodeText& program,
+                                                     const std::string& note) {
   Assumptions assumed;
-  auto program = read_as(dialect, name, text, scene, environment, note);
-  if (!rules_of(dialect).macros || environment.tools) return program;
-  while (!program && assume(program.error(), assumed)) {
-    auto again = read_as(dialect, name, text, scene, environment, note, assumed);
-    if (!again && again.error().line <= program.error().line) return program;
-    program = std::move(again);
+  auto read = read_as(dialect, program, note);
+  if (!rules_of(dialect).macros || program.environment.tools) return read;
+  while (!read && assume(read.error(), assumed)) {
+    auto again = read_as(dialect, program, note, assumed);
+    if (!again && again.error().line <= read.error().line) return read;
+    read = std::move(again);
   }
-  return program;
+  return read;
 }
 
 }  // namespace
 
-std::expected<Program, ProgramError> read_gcode(const std::string& name, std::string_view text,
-                                                const Scene& scene,
-                                                const GcodeEnvironment& environment) {
-  if (environment.dialect != Dialect::kAuto)
-    return read_macros(environment.dialect, name, text, scene, environment, {});
+std::expected<ReadProgram, ProgramError> read_gcode(const std::string& name, std::string_view text,
+                                                    const Scene& scene,
+                                                    const GcodeEnvironment& environment,
+                                                    ProgramVisitor& visitor) {
+  const GcodeText program{name, text, scene, environment, visitor};
+  if (environment.dialect != Dialect::kAuto) return read_macros(environment.dialect, program, {});
   const auto choice = choose_dialect(name, text);
   if (!choice) return std::unexpected(choice.error());
   const bool plain = choice->dialect == Dialect::kLinuxcnc;
-  auto program =
-      read_macros(choice->dialect, name, text, scene, environment,
-                  plain ? std::string() : note_of(name, choice->dialect, choice->reason));
-  if (program || !choice->open) return program;
+  auto read = read_macros(choice->dialect, program,
+                          plain ? std::string() : note_of(name, choice->dialect, choice->reason));
+  if (read || !choice->open) return read;
   // Nothing points to LinuxCNC, and it does not take the program: a plain Fanuc program.
-  auto again = read_macros(Dialect::kFanuc, name, text, scene, environment,
-                           note_of(name, Dialect::kFanuc,
-                                   choice->reason + ", and LinuxCNC rejects line " +
-                                       std::to_string(program.error().line)));
+  auto again = read_macros(
+      Dialect::kFanuc, program,
+      note_of(name, Dialect::kFanuc,
+              choice->reason + ", and LinuxCNC rejects line " + std::to_string(read.error().line)));
   // The reading that went further names the error.
-  return again || again.error().line > program.error().line ? again : program;
+  return again || again.error().line > read.error().line ? std::move(again) : std::move(read);
 }
 
 }  // namespace kerf

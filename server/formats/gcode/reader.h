@@ -6,16 +6,17 @@
 #include "server/formats/gcode/canon.h"
 #include "server/formats/gcode/environment.h"
 #include "server/formats/gcode/setup.h"
-#include "server/formats/program.h"
+#include "server/formats/program_reader.h"
 
 namespace kerf {
 
 /// Reads a G-code program in the dialect of `environment` as motions of a scene's tools;
-/// parse_program calls it for files of G-code. `name` is the file name for errors.
+/// read_program calls it for files of G-code. `name` is the file name for errors.
 /// README.md in this folder lists the supported codes; any other code is an error.
-std::expected<Program, ProgramError> read_gcode(const std::string& name, std::string_view text,
-                                                const Scene& scene,
-                                                const GcodeEnvironment& environment = {});
+std::expected<ReadProgram, ProgramError> read_gcode(const std::string& name, std::string_view text,
+                                                    const Scene& scene,
+                                                    const GcodeEnvironment& environment,
+                                                    ProgramVisitor& visitor);
 
 /// Result of run_gcode.
 struct GcodeRun {

@@ -7,7 +7,6 @@
 #include "server/formats/gcode/fault.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/text_file.h"
-#include "server/formats/text_lines.h"
 
 namespace kerf {
 namespace {
@@ -33,20 +32,29 @@ bool may_hold_o_word(std::string_view line) {
 
 }  // namespace
 
-GcodeFile::GcodeFile(std::string file_name, std::string file_text)
-    : name(std::move(file_name)), text(std::move(file_text)) {
-  TextLines walk(text);
-  while (walk.next()) {
-    if (may_hold_o_word(walk.line())) o_word_lines.push_back(lines.size());
-    lines.push_back(walk.line());
+GcodeFile::GcodeFile(std::string file_name, std::string_view file_text)
+    : name(std::move(file_name)), lines(file_text) {
+  for (std::size_t n = 0; n < lines.size(); ++n) {
+    if (may_hold_o_word(lines[n])) o_word_lines.push_back(static_cast<std::uint32_t>(n));
   }
+}
+
+const MacroIndex& GcodeFile::marks() const {
+  if (!marks_) marks_.emplace(lines);
+  return *marks_;
 }
 
 GcodeSource::GcodeSource(std::string name, std::string_view text,
                          std::vector<std::filesystem::path> folders,
                          std::vector<std::string> extensions)
     : folders_(std::move(folders)), extensions_(std::move(extensions)) {
-  files_.push_back(std::make_unique<GcodeFile>(std::move(name), std::string(text)));
+  files_.push_back(std::make_unique<GcodeFile>(std::move(name), text));
+}
+
+std::vector<std::string> GcodeSource::names() const {
+  std::vector<std::string> names;
+  for (const auto& file : files_) names.push_back(file->name);
+  return names;
 }
 
 std::size_t GcodeSource::find(const std::string& subroutine) {
@@ -73,7 +81,8 @@ std::size_t GcodeSource::find(const std::string& subroutine) {
     if (!text) continue;
     bytes_ += text->size();
     found_[subroutine] = files_.size();
-    files_.push_back(std::make_unique<GcodeFile>(path.string(), *std::move(text)));
+    texts_.push_back(*std::move(text));
+    files_.push_back(std::make_unique<GcodeFile>(path.string(), texts_.back()));
     return files_.size() - 1;
   }
   return 0;

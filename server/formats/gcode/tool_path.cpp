@@ -141,7 +141,7 @@ void GcodeToolPath::straight(const GcodePlace& to, double duration, bool rapid) 
   if (same_angles(to.axes, at_.axes)) return check(sink_.line(pose(to), duration, rapid, line_));
   // Rotary axes move uniformly in their angles, which follows the great circle only approximately.
   const GcodePlace from = at_;
-  const auto path = [&](double s) {
+  const auto path = [to, from, pose = poses()](double s) {
     if (s >= 1) return pose(to);
     GcodePlace place = from;
     for (std::size_t i = 0; i < place.axes.size(); ++i)
@@ -166,22 +166,20 @@ void GcodeToolPath::arc(const Arc& arc, const GcodeFrame& frame, const GcodePlac
     throw GcodeFault{"", "the arc exceeds the limit of " + std::to_string(kPiecesMax) +
                              " chords; raise tolerance_mm or reduce the turns (P)"};
   const GcodePlace from = at_;
-  const auto place_at = [&](double s) {
-    if (s >= 1) return to;
+  const auto path = [this, arc, frame, from, to, pose = poses()](double s) {
+    if (s >= 1) return pose(to);
     GcodeAxes programmed{};
     set_linear(programmed, arc.at(s));
     GcodePlace place = in_workpiece({frame.absolute(programmed), from.tool_axis});
     for (std::size_t i = 3; i < 6; ++i)
       place.axes[i] = from.axes[i] + (to.axes[i] - from.axes[i]) * s;
-    return place;
+    return pose(place);
   };
   if (same_angles(to.axes, from.axes)) {
-    for (int i = 1; i <= chords; ++i)
-      check(sink_.line(pose(place_at(static_cast<double>(i) / chords)), duration / chords, false,
-                       line_));
+    check(sink_.chords(path, chords, duration, false, line_));
   } else {
     const double travel = rotary_travel_deg(from.axes, to.axes);
-    check(sink_.path([&](double s) { return pose(place_at(s)); }, tool_length_mm(), tolerance,
+    check(sink_.path(path, tool_length_mm(), tolerance,
                      4 * chords + static_cast<int>(travel / kSampleStepDeg), duration, false,
                      line_));
   }
@@ -194,7 +192,7 @@ void GcodeToolPath::spline(const std::vector<Vec3>& points, const GcodeFrame& fr
   const GcodePlace to = in_workpiece(absolute);
   approach(to, false, named);
   const GcodePlace from = at_;
-  const auto place_at = [&](double s) {
+  const auto place_at = [this, points, frame, from, to](double s) {
     if (s >= 1) return to;
     GcodeAxes start = frame.programmed(workpiece_.absolute(from.axes));
     std::vector<Vec3> level{linear(start)};
@@ -211,9 +209,9 @@ void GcodeToolPath::spline(const std::vector<Vec3>& points, const GcodeFrame& fr
   for (int i = 0; i < kSplineSamples; ++i)
     travel_mm += length(linear(place_at(static_cast<double>(i + 1) / kSplineSamples).axes) -
                         linear(place_at(static_cast<double>(i) / kSplineSamples).axes));
-  check(sink_.path([&](double s) { return pose(place_at(s)); }, tool_length_mm(),
-                   scene_.settings.tolerance_mm, kSplineSamples, duration_s(feed, travel_mm, 0),
-                   false, line_));
+  check(sink_.path([place_at, pose = poses()](double s) { return pose(place_at(s)); },
+                   tool_length_mm(), scene_.settings.tolerance_mm, kSplineSamples,
+                   duration_s(feed, travel_mm, 0), false, line_));
   at_ = to;
 }
 
@@ -255,13 +253,12 @@ double GcodeToolPath::tool_length_mm() const {
   return tool ? scene_.tools.at(*tool).tool.length_mm : 0;
 }
 
-ToolPose GcodeToolPath::pose(const GcodePlace& place) const {
-  const MachineKinematics kind = scene_.machine.kinematics;
-  ToolPose pose{tip_from_programmed(kind, tool_center_, linear(place.axes), rotary(place.axes)),
-                kind == MachineKinematics::kToolVector ? place.tool_axis
-                                                       : table_axis(kind, rotary(place.axes))};
+ToolPose GcodeToolPath::PoseRule::operator()(const GcodePlace& place) const {
+  ToolPose pose{
+      tip_from_programmed(kinematics, tool_center, linear(place.axes), rotary(place.axes)),
+      kinematics == MachineKinematics::kToolVector ? place.tool_axis
+                                                   : table_axis(kinematics, rotary(place.axes))};
   // If the active offset is not that of the loaded tool, the tip is beside the controlled point.
-  const GcodeAxes excess = offset_ - loaded_;
   if (excess == GcodeAxes{}) return pose;
   pose.tip_mm = pose.tip_mm + Vec3{excess[0], excess[1], 0} + normalized(pose.axis) * excess[2];
   return pose;

@@ -37,7 +37,15 @@ class GcodeToolPath final : public GcodeCanon {
   void straight(const GcodePlace& to, double duration_s, bool rapid);
   double turn_deg(const GcodePlace& to) const;
   static double duration_s(const GcodeFeed& feed, double travel_mm, double turn_deg);
-  ToolPose pose(const GcodePlace& place) const;
+  /// The pose at a place with the offsets and the control of a block. Paths keep a copy.
+  struct PoseRule {
+    MachineKinematics kinematics;
+    bool tool_center;
+    GcodeAxes excess;  ///< of the active offset over that of the loaded tool
+    ToolPose operator()(const GcodePlace& place) const;
+  };
+  PoseRule poses() const { return {scene_.machine.kinematics, tool_center_, offset_ - loaded_}; }
+  ToolPose pose(const GcodePlace& place) const { return poses()(place); }
   GcodePlace in_workpiece(const GcodePlace& place) const;
   double tool_length_mm() const;
   static void check(const MotionSink::Result& result);

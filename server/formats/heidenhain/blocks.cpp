@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 #include "server/formats/letter_case.h"
 #include "server/formats/text_lines.h"
@@ -94,6 +95,52 @@ std::optional<Vec3> blank_corner(const std::vector<KlartextWord>& words, Vec3 fr
   return stated[0] && stated[1] && stated[2] ? std::optional(corner) : std::nullopt;
 }
 
+/// The blocks of a text, one after the other.
+class BlockWalk {
+ public:
+  /// `line` is the number of the first one.
+  explicit BlockWalk(std::string_view text, std::size_t line = 1)
+      : text_(text), lines_(text), first_line_(line) {}
+
+  /// Moves to the next block; false at the end.
+  bool next() {
+    bool more = false;
+    do {
+      if (!lines_.next()) return false;
+      block_ = {read_line(more, true), first_line_ + lines_.number() - 1};
+      at_ = static_cast<std::size_t>(lines_.line().data() - text_.data());
+    } while (!more && is_left_out(block_.text));
+    first_size_ = block_.text.size();
+    while (more && lines_.next()) block_.text += ' ' + read_line(more, false);
+    return true;
+  }
+  KlartextBlock& block() { return block_; }
+  /// The place of its first line in the text, and what that line says.
+  std::size_t at() const { return at_; }
+  std::string first_line() const { return block_.text.substr(0, first_size_); }
+  std::size_t lines() const { return lines_.number(); }
+
+ private:
+  static bool is_left_out(const std::string& text) {
+    return text.empty() || text[0] == '*' || text[0] == '/';
+  }
+  std::string read_line(bool& more, bool first) const {
+    std::string text = clean(lines_.line());
+    if (first) text = without_number(text);
+    // The mark of a line that goes on may stand behind its comment.
+    const std::size_t last = lines_.line().find_last_not_of(" \t\r");
+    more = last != std::string_view::npos && lines_.line()[last] == '~';
+    while (!text.empty() && (text.back() == ' ' || text.back() == '~')) text.pop_back();
+    return text;
+  }
+
+  std::string_view text_;
+  TextLines lines_;
+  std::size_t first_line_;
+  KlartextBlock block_;
+  std::size_t at_ = 0, first_size_ = 0;
+};
+
 }  // namespace
 
 bool is_klartext(std::string_view program) { return first_block(program).starts_with("BEGIN PGM"); }
@@ -102,28 +149,29 @@ double klartext_unit_mm(std::string_view program) {
   return first_block(program).ends_with(" INCH") ? kMmPerInch : 1;
 }
 
-KlartextBlocks split_klartext(std::string_view program) {
-  KlartextBlocks result;
-  TextLines walk(program);
-  bool joined = false;
-  while (walk.next()) {
-    std::string text = clean(walk.line());
-    if (!joined) text = without_number(text);
-    // The mark of a line that goes on may stand behind its comment.
-    const std::size_t last = walk.line().find_last_not_of(" \t\r");
-    const bool more = last != std::string_view::npos && walk.line()[last] == '~';
-    while (!text.empty() && (text.back() == ' ' || text.back() == '~')) text.pop_back();
-    if (joined && !result.blocks.empty()) {
-      result.blocks.back().text += ' ' + text;
-    } else if (more || !(text.empty() || text[0] == '*' || text[0] == '/')) {
-      result.blocks.push_back({text, walk.number()});
-      const std::string label = label_of(text);
-      if (!label.empty()) result.labels.emplace(label, result.blocks.size() - 1);
-    }
-    joined = more;
+KlartextBlocks::KlartextBlocks(std::string_view program) : program_(program) {
+  BlockWalk walk(program);
+  for (; walk.next();) {
+    const std::string label = label_of(walk.first_line());
+    if (!label.empty()) labels_.emplace(label, size());
+    if (labels_.size() > kKlartextLabelsMax)
+      throw KlartextFault{walk.block().text, "is one label too many: a program may have " +
+                                                 std::to_string(kKlartextLabelsMax)};
+    places_.push_back(walk.at());
+    lines_.push_back(static_cast<std::uint32_t>(walk.block().line));
   }
-  result.lines = walk.number();
-  return result;
+  line_count_ = walk.lines();
+}
+
+KlartextBlock KlartextBlocks::operator[](std::size_t n) const {
+  BlockWalk walk(program_.substr(places_[n]), lines_[n]);
+  walk.next();
+  return std::move(walk.block());
+}
+
+std::optional<std::size_t> KlartextBlocks::label(const std::string& name) const {
+  const auto it = labels_.find(name);
+  return it == labels_.end() ? std::nullopt : std::optional(it->second);
 }
 
 std::vector<KlartextWord> klartext_words(std::string_view text) {
@@ -151,7 +199,8 @@ std::optional<StockShape> klartext_blank(std::string_view program) {
   BoxStock box;
   bool first = false, second = false;
   const double unit = klartext_unit_mm(program);
-  for (const KlartextBlock& block : split_klartext(program).blocks) {
+  for (BlockWalk walk(program); walk.next();) {
+    const KlartextBlock& block = walk.block();
     if (!block.text.starts_with("BLK FORM")) continue;
     const bool low = block.text.starts_with("BLK FORM 0.1");
     if (!low && !block.text.starts_with("BLK FORM 0.2")) return std::nullopt;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -24,20 +25,36 @@ struct KlartextBlock {
   std::size_t line = 0;  ///< of its first line, from 1
 };
 
-/// A program as blocks. Structure comments ("* - …"), empty blocks and those with "/" are left out.
-struct KlartextBlocks {
-  std::vector<KlartextBlock> blocks;
-  std::map<std::string, std::size_t> labels;  ///< name to the index of its LBL block
-  std::size_t lines = 0;
+/// Most labels of a program: HEIDENHAIN numbers them up to 65,535.
+inline constexpr std::size_t kKlartextLabelsMax = 65'536;
+
+/// A program divided into blocks, of which it holds the places only. Structure comments ("* - …"),
+/// empty blocks and those with "/" are left out.
+class KlartextBlocks {
+ public:
+  /// `program` must outlive it. Throws KlartextFault for too many labels.
+  explicit KlartextBlocks(std::string_view program);
+
+  std::size_t size() const { return lines_.size(); }
+  /// Reads a block. Precondition: n < size().
+  KlartextBlock operator[](std::size_t n) const;
+  /// The number of the block LBL with this name.
+  std::optional<std::size_t> label(const std::string& name) const;
+  /// The number of lines of the program.
+  std::size_t lines() const { return line_count_; }
+
+ private:
+  std::string_view program_;
+  std::vector<std::size_t> places_;   ///< of the first line of each block
+  std::vector<std::uint32_t> lines_;  ///< its number
+  std::map<std::string, std::size_t> labels_;
+  std::size_t line_count_ = 0;
 };
 
 /// Whether a text is a Klartext program: its first block is BEGIN PGM.
 bool is_klartext(std::string_view program);
 /// Returns the unit of a Klartext program in mm: 25.4 if its first block ends with INCH, else 1.
 double klartext_unit_mm(std::string_view program);
-
-/// Divides a program into blocks.
-KlartextBlocks split_klartext(std::string_view program);
 
 /// A word of a block: letters and what follows them, as "IX" and "+Q5", "F" and "MAX", "DR" and
 /// "-". Blanks between sign or name and number belong to no word.

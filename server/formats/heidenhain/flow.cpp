@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/heidenhain/flow.h"
 
+#include <utility>
+
 #include "server/formats/letter_case.h"
 
 namespace kerf {
@@ -20,23 +22,29 @@ std::string trimmed(const std::string& text) {
 }  // namespace
 
 const KlartextBlock* KlartextFlow::next() {
-  if (next_ >= blocks_.blocks.size()) return nullptr;
-  executed_ += 1 + blocks_.blocks[next_].text.size() / kBlockBytes;
-  if (executed_ > executed_max_) {
-    current_ = next_;
+  if (next_ >= blocks_.size()) return nullptr;
+  current_ = next_++;
+  block_ = current_ == following_ && current_ > 0 ? std::move(following_block_) : blocks_[current_];
+  following_ = 0;
+  executed_ += 1 + block_.text.size() / kBlockBytes;
+  if (executed_ > executed_max_)
     throw KlartextFault{
         "", "the program executes more than " + std::to_string(executed_max_) + " blocks"};
-  }
-  current_ = next_++;
-  return &blocks_.blocks[current_];
+  return &block_;
 }
 
-std::string KlartextFlow::following() const {
-  return next_ < blocks_.blocks.size() ? blocks_.blocks[next_].text : std::string();
+const std::string& KlartextFlow::following() const {
+  static const std::string kNone;
+  if (next_ >= blocks_.size()) return kNone;
+  if (following_ != next_) {
+    following_block_ = blocks_[next_];
+    following_ = next_;
+  }
+  return following_block_.text;
 }
 
 bool KlartextFlow::execute() {
-  const std::string& text = at().text;
+  const std::string& text = block_.text;
   if (text.starts_with("LBL")) {
     if (trimmed(text.substr(3)) == "0" && !returns_.empty()) {
       next_ = returns_.back();
@@ -73,9 +81,9 @@ void KlartextFlow::call(const std::string& rest) {
 }
 
 void KlartextFlow::jump(const std::string& label) {
-  const auto it = blocks_.labels.find(label);
-  if (it == blocks_.labels.end()) throw KlartextFault{label, "is a label that does not exist"};
-  next_ = it->second;
+  const auto block = blocks_.label(label);
+  if (!block) throw KlartextFault{label, "is a label that does not exist"};
+  next_ = *block;
 }
 
 // FN 0 to FN 8 assign, FN 9 to FN 12 jump.

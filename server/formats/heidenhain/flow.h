@@ -23,12 +23,11 @@ class KlartextFlow {
   /// Executes the current block if it is one of control flow or assigns a parameter.
   bool execute();
   /// The text of the block behind the current one; "" at the end.
-  std::string following() const;
-  std::size_t line() const { return current_ < blocks_.blocks.size() ? at().line : 0; }
-  std::string text() const { return current_ < blocks_.blocks.size() ? at().text : std::string(); }
+  const std::string& following() const;
+  std::size_t line() const { return block_.line; }
+  const std::string& text() const { return block_.text; }
 
  private:
-  const KlartextBlock& at() const { return blocks_.blocks[current_]; }
   void call(const std::string& rest);
   void jump(const std::string& label);
   bool function(const std::string& text);
@@ -38,6 +37,9 @@ class KlartextFlow {
   KlartextValues& values_;
   std::size_t executed_max_, executed_ = 0;
   std::size_t next_ = 0, current_ = 0;
+  KlartextBlock block_;                    ///< the current one
+  mutable std::size_t following_ = 0;      ///< the number of
+  mutable KlartextBlock following_block_;  ///< this one, which was read ahead; 0: none
   std::vector<std::size_t> returns_;
   std::map<std::size_t, int> repeats_;  ///< done, by the block of CALL LBL … REP
 };

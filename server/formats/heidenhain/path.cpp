@@ -80,10 +80,15 @@ void KlartextPath::reduce_angles(std::string_view axes) {
   }
 }
 
-ToolPose KlartextPath::pose(Vec3 tip_mm, const RotaryAngles& angles) const {
+KlartextPath::PoseRule KlartextPath::poses() const {
   const MachineKinematics kind = scene_.machine.kinematics;
-  if (frame_.is_tilted || !has_rotary_table(kind)) return {tip_mm, plane_axis_};
-  return {tip_from_programmed(kind, tool_center_, tip_mm, angles), table_axis(kind, angles)};
+  return {kind, !frame_.is_tilted && has_rotary_table(kind), tool_center_, plane_axis_};
+}
+
+ToolPose KlartextPath::PoseRule::operator()(Vec3 tip_mm, const RotaryAngles& angles) const {
+  if (!follows_tables) return {tip_mm, plane_axis};
+  return {tip_from_programmed(kinematics, tool_center, tip_mm, angles),
+          table_axis(kinematics, angles)};
 }
 
 bool KlartextPath::is_axis_z() const {
@@ -132,7 +137,7 @@ void KlartextPath::line(Vec3 to, const RotaryAngles& angles, std::optional<doubl
       if (angles == before) {
         check(sink_.line(pose(target, angles), seconds, !feed, line_));
       } else {
-        const auto at = [&](double s) {
+        const auto at = [before, angles, from, target, pose = poses()](double s) {
           const RotaryAngles turned{before.a + (angles.a - before.a) * s,
                                     before.b + (angles.b - before.b) * s,
                                     before.c + (angles.c - before.c) * s};
@@ -155,12 +160,10 @@ void KlartextPath::arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double f
   if (chords > kPiecesMax) throw KlartextFault{"", "the arc has too many turns"};
   const Vec3 end = frame_.in_workpiece(to);
   approach(pose(end, angles_), false, {true, true, true});
-  const double seconds = 60 * arc.length_mm() / feed / chords;
-  for (int i = 1; i <= chords; ++i) {
-    const double s = static_cast<double>(i) / chords;
-    const Vec3 tip = i == chords ? end : frame_.in_workpiece(arc.at(s));
-    check(sink_.line(pose(tip, angles_), seconds, false, line_));
-  }
+  const auto at = [arc, end, frame = frame_, angles = angles_, pose = poses()](double s) {
+    return pose(s >= 1 ? end : frame.in_workpiece(arc.at(s)), angles);
+  };
+  check(sink_.chords(at, chords, 60 * arc.length_mm() / feed, false, line_));
   tip_mm_ = end;
 }
 

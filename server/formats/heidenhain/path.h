@@ -63,7 +63,15 @@ class KlartextPath {
 
  private:
   double& angle(char axis);
-  ToolPose pose(Vec3 tip_mm, const RotaryAngles& angles) const;
+  /// The pose at a tip in the workpiece with the control of a block. Paths keep a copy.
+  struct PoseRule {
+    MachineKinematics kinematics;
+    bool follows_tables, tool_center;
+    Vec3 plane_axis;
+    ToolPose operator()(Vec3 tip_mm, const RotaryAngles& angles) const;
+  };
+  PoseRule poses() const;
+  ToolPose pose(Vec3 tip_mm, const RotaryAngles& angles) const { return poses()(tip_mm, angles); }
   bool approach(const ToolPose& to, bool rapid, std::array<bool, 3> named);
   static void check(const MotionSink::Result& result);
 

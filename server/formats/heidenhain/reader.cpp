@@ -2,54 +2,107 @@
 #include "server/formats/heidenhain/reader.h"
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "server/formats/gcode/fault.h"
 #include "server/formats/heidenhain/flow.h"
 #include "server/formats/heidenhain/machine.h"
+#include "server/formats/motion_sink.h"
 
 namespace kerf {
 namespace {
 
 /// Most blocks that are executed beyond the size of a program, in repeats and calls.
 constexpr std::size_t kRepeatedMax = 1'000'000;
+constexpr std::string_view kLanguage = "HEIDENHAIN";
+
+/// Pieces of a path that are followed in a step.
+constexpr int kPiecesPerStep = 64;
+
+class KlartextReader final : public ProgramReader {
+ public:
+  KlartextReader(const std::string& name, std::shared_ptr<const KlartextBlocks> blocks,
+                 const Scene& scene, std::size_t executed_max)
+      : blocks_(std::move(blocks)),
+        sink_(program_),
+        flow_(*blocks_, values_, executed_max),
+        machine_(scene, sink_, values_, [this](const std::string& text) { warn(text); }) {
+    program_.name = name;
+    program_.files = {name};
+    program_.lines = blocks_->lines();
+  }
+
+  std::expected<bool, ProgramError> step() override {
+    if (sink_.waits()) {
+      if (auto error = follow_path()) return std::unexpected(*std::move(error));
+    } else if (auto error = execute()) {
+      while (sink_.waits()) {  // what waits comes before the fault, and may be wrong, too
+        if (auto earlier = follow_path()) return std::unexpected(*std::move(earlier));
+        program_.motions.clear();
+      }
+      return std::unexpected(*std::move(error));
+    }
+    return runs_ || sink_.waits();
+  }
+
+ private:
+  std::optional<ProgramError> execute() {
+    try {
+      const KlartextBlock* block = flow_.next();
+      runs_ = block != nullptr && (flow_.execute() || !machine_.execute(*block, flow_.following()));
+      if (!runs_) machine_.finish();
+    } catch (const KlartextFault& fault) {
+      return error(fault.word, fault.reason);
+    } catch (const GcodeFault& fault) {
+      return error(fault.word, fault.reason);
+    }
+    return std::nullopt;
+  }
+
+  std::optional<ProgramError> follow_path() {
+    const auto followed = sink_.go_on(kPiecesPerStep);
+    return followed ? std::nullopt : std::optional(error({}, followed.error()));
+  }
+
+  ProgramError error(const std::string& word, std::string reason) const {
+    return {program_.name, flow_.line(), word.empty() ? flow_.text() : word, std::move(reason),
+            std::string(kLanguage)};
+  }
+
+  void warn(const std::string& text) {
+    if (program_.warnings.size() >= kProgramWarningsMax || !warned_.insert(text).second) return;
+    program_.warnings.push_back(program_.name + ":" + std::to_string(flow_.line()) + ": " + text);
+  }
+
+  std::shared_ptr<const KlartextBlocks> blocks_;
+  MotionSink sink_;
+  KlartextValues values_;
+  KlartextFlow flow_;
+  std::set<std::string> warned_;
+  KlartextMachine machine_;
+  bool runs_ = true;
+};
 
 }  // namespace
 
-std::expected<Program, ProgramError> read_klartext(const std::string& name, std::string_view text,
-                                                   const Scene& scene, std::size_t lines_max) {
-  Program program;
-  program.name = name;
-  program.files = {name};
-  const KlartextBlocks blocks = split_klartext(text);
-  program.lines = blocks.lines;
-  MotionSink sink(program);
-  KlartextValues values;
-  KlartextFlow flow(blocks, values, std::min(lines_max, text.size() + kRepeatedMax));
-  std::set<std::string> warned;
-  const auto warn = [&](const std::string& warning) {
-    if (!warned.insert(warning).second || program.warnings.size() >= kProgramWarningsMax) return;
-    program.warnings.push_back(name + ":" + std::to_string(flow.line()) + ": " + warning);
-  };
-  KlartextMachine machine(scene, sink, values, warn);
-  const auto fail = [&](std::string word, std::string reason) {
-    if (word.empty()) word = flow.text();
-    return std::unexpected(
-        ProgramError{name, flow.line(), std::move(word), std::move(reason), "HEIDENHAIN"});
-  };
+std::expected<ReadProgram, ProgramError> read_klartext(const std::string& name,
+                                                       std::string_view text, const Scene& scene,
+                                                       std::size_t lines_max,
+                                                       ProgramVisitor& visitor) {
   try {
-    while (const KlartextBlock* block = flow.next()) {
-      if (flow.execute()) continue;
-      if (machine.execute(*block, flow.following())) break;
-    }
-    machine.finish();
+    const auto blocks = std::make_shared<const KlartextBlocks>(text);
+    const std::size_t executed_max = std::min(lines_max, text.size() + kRepeatedMax);
+    return read_to_end(
+        [name, blocks, &scene, executed_max] {
+          return std::make_unique<KlartextReader>(name, blocks, scene, executed_max);
+        },
+        visitor);
   } catch (const KlartextFault& fault) {
-    return fail(fault.word, fault.reason);
-  } catch (const GcodeFault& fault) {
-    return fail(fault.word, fault.reason);
+    return std::unexpected(ProgramError{name, 0, fault.word, fault.reason, std::string(kLanguage)});
   }
-  return program;
 }
 
 }  // namespace kerf

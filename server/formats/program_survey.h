@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/formats/feed_sampler.h"
+#include "server/formats/program_path.h"
+#include "server/formats/program_reader.h"
+
+namespace kerf {
+
+/// What must be known of a program before it is carved.
+struct ProgramTotals {
+  std::size_t motions = 0;
+  double duration_s = 0;  ///< at feed rate
+  struct Use {
+    ToolId tool = 0;
+    std::uint32_t line = 0;  ///< of its first motion
+  };
+  std::vector<Use> tools;  ///< in the order of their first motions
+
+  void add(const ProgramMotion& motion);
+};
+
+/// Collects totals and path of a program, with or without sampling, while it is read to its end.
+class ProgramSurvey final : public ProgramVisitor {
+ public:
+  /// `rate_hz`: the motions that count are samples, as of sample_program.
+  ProgramSurvey(std::size_t path_points_max, std::optional<double> rate_hz)
+      : points_max_(path_points_max), rate_hz_(rate_hz), path_(path_points_max) {}
+
+  void begin() override;
+  void visit(std::span<const ProgramMotion> motions) override;
+  /// Incomplete if there are kSamplesMax samples or more. Call once, at the end.
+  ProgramTotals totals();
+  /// The path without sampling. Call once.
+  ProgramPath path() { return path_.take(); }
+  /// The duration without sampling.
+  double duration_s() const { return duration_s_; }
+  /// Greatest distance of a corner from the sample that spans it.
+  double corner_cut_mm() const { return sampler_ ? sampler_->corner_cut_mm() : 0; }
+
+ private:
+  void take_samples();
+
+  std::size_t points_max_;
+  std::optional<double> rate_hz_;
+  ProgramTotals totals_;
+  PathCollector path_;
+  std::optional<FeedSampler> sampler_;
+  std::vector<ProgramMotion> samples_;
+  double duration_s_ = 0;
+};
+
+/// The motions of a program, or their samples, one after the other, read when they are needed.
+class MotionStream {
+ public:
+  /// `rate_hz` as of ProgramSurvey.
+  MotionStream(std::unique_ptr<ProgramReader> reader, std::optional<double> rate_hz);
+
+  /// The next motion; null if it must be read first, and at the end.
+  const ProgramMotion* next() const { return taken_ < ready_.size() ? &ready_[taken_] : nullptr; }
+  /// Reads a little, if no motion is ready. Returns false at the end.
+  std::expected<bool, ProgramError> read();
+  /// Drops the next motion. Precondition: next() is not null.
+  void pop() { ++taken_; }
+
+ private:
+  void sample();
+
+  std::unique_ptr<ProgramReader> reader_;
+  std::optional<FeedSampler> sampler_;
+  std::vector<ProgramMotion> ready_, read_;  ///< to be taken; to be sampled
+  std::size_t taken_ = 0, sampled_ = 0;      ///< of them
+  bool more_ = true;                         ///< to read
+};
+
+}  // namespace kerf
