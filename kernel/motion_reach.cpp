@@ -2,7 +2,9 @@
 #include "kernel/motion_reach.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+#include <variant>
 
 #include "kernel/dexel/tile_region.h"
 #include "kernel/sculpture_motion.h"
@@ -15,22 +17,67 @@ constexpr std::int64_t kTilesUndivided = 16;
 /// Divisions of a motion into halves, at most.
 constexpr int kDepthMax = 12;
 
-/// Returns a box around what a cylinder on the tool's axis passes.
-Bounds swept_box(const Extent& whole, const ToolMotion& motion) {
-  const auto [from, to] = std::pair(motion.from, motion.to);
-  if (motion.turn_rad == 0) {
-    return joined(cylinder_bounds(whole, from.tip_mm, from.axis),
-                  cylinder_bounds(whole, to.tip_mm, to.axis));
+/// More pieces are bounded by one cylinder around the tool.
+constexpr std::size_t kPiecesBounded = 8;
+
+/// Returns a box around the path of the point of the axis at a height above the tip. Along each
+/// direction the height is a sine of the angle, so it leaves the line between its ends by at most
+/// an eighth of its greatest second derivative.
+Bounds swept_point(double height_mm, const ToolMotion& motion) {
+  const Vec3 first = motion.from.tip_mm + motion.from.axis * height_mm;
+  const Vec3 last = motion.to.tip_mm + motion.to.axis * height_mm;
+  return grown(joined({first, first}, {last, last}),
+               std::abs(height_mm) * motion.turn_rad * motion.turn_rad / 8);
+}
+
+/// Returns the greatest support of a disc along a direction while its normal turns by less than 180
+/// degrees; the arguments are components of the normal at both ends. Between ends of one sign the
+/// component is nowhere nearer to 0 than at an end.
+double turning_half_width(double radius_mm, double first, double last) {
+  if (first * last <= 0 && first != last) return radius_mm;
+  return std::max(disc_half_width(radius_mm, first), disc_half_width(radius_mm, last));
+}
+
+/// Returns a box around what a disc across the axis passes.
+Bounds swept_disc(double height_mm, double radius_mm, const ToolMotion& motion) {
+  const Vec3 first = motion.from.axis, last = motion.to.axis;
+  const Vec3 half{turning_half_width(radius_mm, first.x, last.x),
+                  turning_half_width(radius_mm, first.y, last.y),
+                  turning_half_width(radius_mm, first.z, last.z)};
+  const Bounds center = swept_point(height_mm, motion);
+  return {center.lo_mm - half, center.hi_mm + half};
+}
+
+Bounds swept_cylinder(const Extent& whole, const ToolMotion& motion) {
+  return joined(swept_disc(whole.z0_mm, whole.radius_mm, motion),
+                swept_disc(whole.z1_mm, whole.radius_mm, motion));
+}
+
+struct SweptBox {
+  const ToolMotion& motion;
+  Bounds operator()(const BallPiece& ball) const {
+    return grown(swept_point(ball.center_mm, motion), ball.radius_mm);
   }
-  // Between its poses an axis that turns leaves the hull of both by the sagitta of its arc at most.
-  const double sagitta_mm = whole.z1_mm * motion.turn_rad * motion.turn_rad / 8;
-  Bounds box{from.tip_mm + from.axis * whole.z0_mm, from.tip_mm + from.axis * whole.z0_mm};
-  for (const ToolPose& pose : {from, to}) {
-    const Vec3 low_mm = pose.tip_mm + pose.axis * whole.z0_mm;
-    const Vec3 top_mm = pose.tip_mm + pose.axis * whole.z1_mm;
-    box = joined(box, joined({low_mm, low_mm}, {top_mm, top_mm}));
+  Bounds operator()(const FrustumPiece& p) const {
+    return joined(swept_disc(p.z0_mm, p.r0_mm, motion), swept_disc(p.z1_mm, p.r1_mm, motion));
   }
-  return grown(box, whole.radius_mm + sagitta_mm);
+  Bounds operator()(const ArcPiece& arc) const {
+    const Bounds cylinder = swept_cylinder(extent(arc), motion);
+    if (arc.center_r_mm < 0) return cylinder;
+    // Every point of the arc is within its radius of the disc that its center sweeps.
+    return common(cylinder,
+                  grown(swept_disc(arc.center_z_mm, arc.center_r_mm, motion), arc.radius_mm));
+  }
+};
+
+/// Returns a box around what pieces of a tool, of which there must be one, pass.
+Bounds swept_box(std::span<const ToolPiece> pieces, const Extent& whole, const ToolMotion& motion) {
+  if (pieces.size() > kPiecesBounded) return swept_cylinder(whole, motion);
+  Bounds box = std::visit(SweptBox{motion}, pieces.front());
+  for (const ToolPiece& piece : pieces.subspan(1)) {
+    box = joined(box, std::visit(SweptBox{motion}, piece));
+  }
+  return box;
 }
 
 void add_reach(const Tool& tool, const ToolMotion& motion, const DexelGrid& grid, double margin_mm,
@@ -57,17 +104,13 @@ void add_reach(const Tool& tool, const ToolMotion& motion, const DexelGrid& grid
 }  // namespace
 
 Bounds reach_of(const Tool& tool, const ToolMotion& motion) {
-  return swept_box({0, tool.length_mm, tool.radius_mm}, motion);
+  return swept_box(tool.pieces, {0, tool.length_mm, tool.radius_mm}, motion);
 }
 
 Bounds non_cutting_reach(const Tool& tool, const ToolMotion& motion) {
-  Extent whole = extent(tool.non_cutting.front());
-  for (const ToolPiece& piece : tool.non_cutting) {
-    const Extent e = extent(piece);
-    whole = {std::min(whole.z0_mm, e.z0_mm), std::max(whole.z1_mm, e.z1_mm),
-             std::max(whole.radius_mm, e.radius_mm)};
-  }
-  return swept_box(whole, motion);
+  const Extent first = extent(tool.non_cutting.front());
+  return swept_box(tool.non_cutting, {first.z0_mm, tool.whole_length_mm, tool.whole_radius_mm},
+                   motion);
 }
 
 Bounds reach_of(const Tool& tool, const MoveTool& motion) {

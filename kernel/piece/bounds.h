@@ -22,6 +22,14 @@ inline Bounds joined(const Bounds& a, const Bounds& b) {
            std::max(a.hi_mm.z, b.hi_mm.z)}};
 }
 
+/// Returns what two boxes have in common, which must be something.
+inline Bounds common(const Bounds& a, const Bounds& b) {
+  return {{std::max(a.lo_mm.x, b.lo_mm.x), std::max(a.lo_mm.y, b.lo_mm.y),
+           std::max(a.lo_mm.z, b.lo_mm.z)},
+          {std::min(a.hi_mm.x, b.hi_mm.x), std::min(a.hi_mm.y, b.hi_mm.y),
+           std::min(a.hi_mm.z, b.hi_mm.z)}};
+}
+
 /// Returns the box enlarged by `mm` on every side.
 inline Bounds grown(const Bounds& box, double mm) {
   return {box.lo_mm - Vec3{mm, mm, mm}, box.hi_mm + Vec3{mm, mm, mm}};

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
+#include <vector>
 
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
@@ -61,6 +63,84 @@ TEST(MotionReach, HoldsEveryTileThatAMotionCuts) {
   }
   EXPECT_GT(cut, 1000U);
   EXPECT_LT(reached, 4 * cut);
+}
+
+/// Calls `visit` with points on the cutting part at poses along a motion.
+template <class Visit>
+void for_each_point(const Tool& tool, const ToolMotion& motion, const Visit& visit) {
+  constexpr int kPoses = 16, kHeights = 12, kAngles = 48;
+  for (int pose = 0; pose <= kPoses; ++pose) {
+    const ToolPose at = motion.at(double(pose) / kPoses);
+    const Vec3 aside =
+        normalized(cross(at.axis, std::abs(at.axis.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+    const Vec3 third = cross(at.axis, aside);
+    for (const ToolPiece& piece : tool.pieces) {
+      const Extent e = extent(piece);
+      for (int h = 0; h <= kHeights; ++h) {
+        const double z = e.z0_mm + (e.z1_mm - e.z0_mm) * h / kHeights;
+        const double radius = std::max(0.0, radius_at(piece, z));
+        for (int n = 0; n < kAngles; ++n) {
+          const double angle = 2 * 3.14159265358979 * n / kAngles;
+          visit(at.tip_mm + at.axis * z +
+                (aside * std::cos(angle) + third * std::sin(angle)) * radius);
+        }
+      }
+    }
+  }
+}
+
+TEST(MotionReach, ABoxHoldsWhatTheToolPassesAndLittleElse) {
+  std::mt19937 random(3);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution(low, high)(random);
+  };
+  std::vector<ProfilePoint> steps{{0, 0}};
+  for (int n = 1; n < 20; ++n) steps.push_back({1.0 + n % 2 + 0.1 * n, 1.0 * n});
+  const Tool tools[] = {
+      *make_tool(BallShape{.diameter_mm = 6, .length_mm = 20}),
+      *make_tool(FlatShape{.diameter_mm = 9, .length_mm = 25}),
+      *make_tool(BullNoseShape{.diameter_mm = 10, .corner_radius_mm = 3, .length_mm = 20}),
+      *make_tool(ConeEndShape{.diameter_mm = 6, .tip_angle_deg = 90, .length_mm = 30}),
+      *make_tool(AptShape{12, 21, -15, 10, 0, 0, 20}),
+      *make_tool(ProfileShape{{steps.begin(), steps.end()}})};
+  for (int n = 0; n < 300; ++n) {
+    const Tool& tool = tools[std::size_t(n) % std::size(tools)];
+    const bool turns_little = n % 2 == 0;
+    const Vec3 first = normalized({uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)});
+    const Vec3 turn =
+        Vec3{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)} * (turns_little ? 0.05 : 1.4);
+    const ToolPose from{{uniform(-9, 9), uniform(-9, 9), uniform(-9, 9)}, first};
+    const ToolPose to{from.tip_mm + Vec3{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)},
+                      normalized(first + turn)};
+    const ToolMotion motion = make_motion(from, n % 5 == 0 ? from : to, tool.length_mm);
+    const Bounds box = reach_of(tool, motion);
+    Bounds seen{from.tip_mm, from.tip_mm};
+    for_each_point(tool, motion, [&](Vec3 p) { seen = joined(seen, {p, p}); });
+    constexpr double kRoundingMm = 1e-9;
+    const Vec3 below = seen.lo_mm - box.lo_mm, above = box.hi_mm - seen.hi_mm;
+    for (const double gap : {below.x, below.y, below.z, above.x, above.y, above.z}) {
+      EXPECT_GE(gap, -kRoundingMm) << "motion " << n;
+      if (turns_little && std::size_t(n) % std::size(tools) < 4) {
+        EXPECT_LE(gap, 0.3) << "motion " << n;
+      }
+    }
+  }
+}
+
+TEST(MotionReach, ABoxHoldsTheMiddleOfATurn) {
+  // A needle passes the vertical, and a disc the horizontal, in the middle of the turn only.
+  const Tool needle = *make_tool(FlatShape{.diameter_mm = 0.01, .length_mm = 20});
+  const double half = std::sqrt(0.5);
+  const Bounds over = reach_of(
+      needle, make_motion({{}, {half, 0, half}}, {{}, {-half, 0, half}}, needle.length_mm));
+  EXPECT_GE(over.hi_mm.z, 20);
+  EXPECT_LE(over.hi_mm.z, 21);
+  const Tool disc = *make_tool(FlatShape{.diameter_mm = 10, .length_mm = 0.1});
+  const double most = std::sqrt(0.75);
+  const Bounds through =
+      reach_of(disc, make_motion({{}, {most, 0, 0.5}}, {{}, {most, 0, -0.5}}, disc.length_mm));
+  EXPECT_LE(through.lo_mm.z, -5);
+  EXPECT_GE(through.lo_mm.z, -5.1);
 }
 
 TEST(MotionReach, ADiagonalReachesTilesInProportionToItsLength) {
