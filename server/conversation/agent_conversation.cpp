@@ -132,6 +132,7 @@ void AgentConversation::on_message(const wire::Message& message, Clock::time_poi
     if (!self_) return reject_without_hello();
     const auto taken = session().ack_stock(self_->id, message.header.stamp.sequence);
     if (!taken) reject(taken.error());
+    stock_due_ = true;  // the frames in flight may have been as many as are allowed
     return;
   }
   reject_frame_type(message, "agents");
@@ -188,14 +189,14 @@ void AgentConversation::send_intents(Clock::time_point now) {
 void AgentConversation::refresh() {
   if (self_ && !batch_ && !finishing() && !broken()) send_intents(now_());
   // A copy of the whole block changes while its tool rests, too: its pings ask for it.
-  const bool is_due = std::exchange(stock_due_, false) || has_whole_;
+  const bool is_due = stock_due_ || has_whole_;
   if (!self_ || batch_ || !is_due || finishing() || broken() || out_.has_stock()) return;
   const auto now = now_();
   if (now < next_stock_) return;
   next_stock_ = now + kStockInterval;
-  if (const auto update = session().stock_update(self_->id)) {
-    out_.put_stock(stamp(update->sequence), update->patch());
-  }
+  const auto update = session().stock_update(self_->id);
+  stock_due_ = update.has_value();  // it may lack more than one frame holds
+  if (update) out_.put_stock(stamp(update->sequence), update->patch());
 }
 
 void AgentConversation::receive_datagram(std::span<const std::byte> frame,

@@ -113,10 +113,10 @@ class AgentConversation final : public Conversation {
   /// Whether a stroke is being undone or redone; expires with the conversation.
   std::shared_ptr<bool> changes_ = std::make_shared<bool>(false);
 
-  bool stock_due_ = false;  ///< samples have been applied since the replica was last updated
+  bool stock_due_ = false;  ///< the replica may lack something
   bool has_whole_ = false;  ///< the replica is of the whole block
   Clock::time_point next_stock_;
-  bool intents_due_ = false;  ///< as stock_due_
+  bool intents_due_ = false;  ///< samples have been applied since the last ones
   bool has_near_ = false;     ///< the last intent frame listed a tool
   Clock::time_point next_intents_;
 

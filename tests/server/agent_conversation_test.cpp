@@ -223,33 +223,6 @@ TEST_F(AgentConversationTest, ToolChangesAreLimitedToTenPerSecond) {
   EXPECT_LE(errors, 41U);
 }
 
-TEST_F(AgentConversationTest, TheReplicaIsUpdatedAtMostEveryTwentyMilliseconds) {
-  const auto ada = agent();
-  join_agent(*ada, R"({"type":"hello","stock":true})");
-  const ParticipantId other = join(*session, "Bob");
-  drain(*ada);
-  std::size_t patches = 0;
-  std::uint64_t acked = 0;
-  for (int ms = 0; ms < 400; ++ms) {
-    now += milliseconds(1);
-    // Without the other participant the replica would soon be complete.
-    move(*session, other, -15 + 0.09 * ms, 1 + std::sin(0.3 * ms), -1.5 - 0.002 * ms);
-    wire::MotionBatch moves;
-    moves.samples.at(moves.count++) = next(-19 + 0.09 * ms, 0, -1);
-    send(*ada, encoded(moves));
-    for (const OutFrame& frame : drain(*ada)) {
-      if (frame.kind != Kind::kStock) continue;
-      ++patches;
-      acked = wire::decode(frame.bytes)->header.stamp.sequence;
-      send(*ada, encoded(wire::Ack{}, acked));
-    }
-  }
-  EXPECT_GE(patches, 10U);
-  EXPECT_LE(patches, 21U);
-  send(*ada, encoded(wire::Ack{}, acked + 5));
-  EXPECT_EQ(error_code(*ada), "bad_sequence");
-}
-
 class AgentDatagramTest : public ConversationTest {
  protected:
   void SetUp() override {
