@@ -18,9 +18,9 @@ namespace {
 GuidePose guide_pose(const ToolPose& pose) { return {.tip_mm = pose.tip_mm, .axis = pose.axis}; }
 
 /// Collects the cutting motions of a program as paths.
-class PathCollector final : public ProgramWriter {
+class PathWriter final : public ProgramWriter {
  public:
-  explicit PathCollector(std::vector<GuidePath>& paths) : paths_(paths) {}
+  explicit PathWriter(std::vector<GuidePath>& paths) : paths_(paths) {}
 
   void note(const std::string& /*line*/) override {}
   WriteResult add(const ProgramMotion& motion) override {
@@ -149,7 +149,7 @@ std::expected<std::vector<GuidePath>, std::string> paths_of_program(const std::s
   const auto program = parse_program(name, text, scene);
   if (!program) return std::unexpected(to_string(program.error()));
   std::vector<GuidePath> paths;
-  ProgramDecimator decimator(std::make_unique<PathCollector>(paths), scene, join_mm);
+  ProgramDecimator decimator(std::make_unique<PathWriter>(paths), scene, join_mm);
   for (const ProgramMotion& motion : program->motions) {
     if (auto added = decimator.add(motion); !added) return std::unexpected(added.error());
   }

@@ -32,7 +32,7 @@ std::int64_t checksum(const Pin& pin) {
   return crc32(std::as_bytes(std::span(numbers)), crc);
 }
 
-SqlResult<void> run(SqlStatement& statement) {
+SqlResult<void> run_to_end(SqlStatement& statement) {
   if (auto row = statement.step(); !row) return std::unexpected(row.error());
   return {};
 }
@@ -65,7 +65,7 @@ SqlResult<void> store_pin(SqlDatabase& database, const PinChange& change) {
     auto statement = database.prepare("DELETE FROM pins WHERE number=?");
     if (!statement) return std::unexpected(statement.error());
     statement->bind(1, std::int64_t{pin.number});
-    return run(*statement);
+    return run_to_end(*statement);
   }
   auto statement =
       database.prepare("INSERT OR REPLACE INTO pins VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?)");
@@ -76,7 +76,7 @@ SqlResult<void> store_pin(SqlDatabase& database, const PinChange& change) {
     statement->bind(++column, *text);
   }
   statement->bind(++column, checksum(pin));
-  return run(*statement);
+  return run_to_end(*statement);
 }
 
 SqlResult<std::vector<Pin>> read_pins(SqlDatabase& database, std::uint64_t last) {
