@@ -142,7 +142,7 @@ void MotionWindow::plan_field(Motion& motion, std::size_t n) {
   sweep_tool(*motion.tool, in_frame(grid.axis, motion.motion), settings, [&](SubMotion&& part) {
     const bool is_full = cuts_used_ == kSweepsMax || window_.touches().size() >= kTouchesMax;
     if (is_full || normals.is_full()) cut_all();
-    if (normals.is_full()) normals.resolve(field, *workers_);
+    if (normals.is_full()) normals.begin_batch(field, *workers_);
     if (cuts_used_ == cuts_.size()) cuts_.push_back(std::make_unique<Cut>());
     Cut& cut = *cuts_[cuts_used_++];
     cut = {&motion, n, std::move(part), parts == 0, {}};
@@ -190,6 +190,9 @@ void MotionWindow::cut_all() {
   }
   window_.clear();
   cuts_used_ = 0;
+  for (std::size_t n = 0; n < block_->fields_.size(); ++n) {
+    block_->normals_[n].resolve_some(block_->fields_[n], *workers_);
+  }
 }
 
 /// Runs on any thread.

@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <utility>
 
 namespace kerf {
 namespace {
 
-/// The codes 1 to kPendingMax name the sweep that made an end whose normal is not yet computed.
+/// Codes up to this name the sweep that made an end whose normal is not yet computed.
 /// Codes of normals are at least 2¹⁶ (normal_code.h).
 constexpr NormalCode kPendingMax = 0xffff;
 
@@ -17,7 +18,8 @@ constexpr std::size_t kTilesForThreads = 16;
 /// Jobs per thread balance the varying number of ends in a tile.
 constexpr std::size_t kJobsPerThread = 2;
 
-constexpr bool is_pending(NormalCode code) { return code - 1 < kPendingMax; }
+/// Tiles that are resolved at a time while a batch is collected: about 0.1 ms.
+constexpr std::size_t kTilesAtOnce = 32;
 
 /// Marks, of the topmost elements of eight columns from `first` on, the ends that now lie at an end
 /// of the removed element.
@@ -67,66 +69,94 @@ void mark_ends(DexelTile& tile, std::span<const RemovedGroup> removed, NormalCod
 }
 
 NormalCode LazyNormals::add_sweep(DexelField& field, const Tool& tool, const ToolMotion& part) {
-  static_assert(kSweepsMax <= kPendingMax);
+  static_assert(2 * kSweepsMax <= kPendingMax);
   if (!field.keeps_normals()) return kStockNormal;
-  if (is_full()) resolve(field);
-  sweeps_.emplace_back(tool, part);
-  return static_cast<NormalCode>(sweeps_.size());
+  if (is_full()) {
+    SerialWorkers alone;
+    begin_batch(field, alone);
+  }
+  now_.sweeps.emplace_back(tool, part);
+  return now_.first_code + static_cast<NormalCode>(now_.sweeps.size() - 1);
+}
+
+void LazyNormals::begin_batch(DexelField& field, Workers& workers) {
+  finish(field, workers, before_);
+  std::swap(now_, before_);
+  std::ranges::sort(before_.tiles);
+  before_.tiles.erase(std::ranges::unique(before_.tiles).begin(), before_.tiles.end());
+}
+
+void LazyNormals::resolve_some(DexelField& field, Workers& workers) {
+  const std::size_t due = before_.tiles.size() * now_.sweeps.size() / kSweepsMax;
+  if (due >= before_.resolved + kTilesAtOnce) resolve_until(field, workers, before_, due);
 }
 
 void LazyNormals::resolve(DexelField& field, Workers& workers) {
-  if (sweeps_.empty()) return;
-  std::ranges::sort(tiles_);
-  tiles_.erase(std::ranges::unique(tiles_).begin(), tiles_.end());
-  const std::span<const TileIndex> all = tiles_;
+  begin_batch(field, workers);
+  finish(field, workers, before_);
+}
+
+void LazyNormals::finish(DexelField& field, Workers& workers, Batch& batch) {
+  resolve_until(field, workers, batch, batch.tiles.size());
+  batch.sweeps.clear();
+  batch.tiles.clear();
+  batch.resolved = 0;
+}
+
+/// Resolves the tiles of a batch before the one with this number.
+void LazyNormals::resolve_until(DexelField& field, Workers& workers, Batch& batch,
+                                std::size_t end) {
+  const std::span all = std::span<const TileIndex>(batch.tiles).first(end).subspan(batch.resolved);
+  batch.resolved = end;
+  if (all.empty()) return;
   const bool divides = workers.count() > 1 && all.size() >= kTilesForThreads;
   const std::size_t jobs = divides ? std::size_t(workers.count()) * kJobsPerThread : 1;
   if (jobs_.size() < jobs) jobs_.resize(jobs);
   const auto run_job = [&](int n) {
-    const std::size_t first = all.size() * std::size_t(n) / jobs;
-    const std::size_t end = all.size() * std::size_t(n + 1) / jobs;
-    resolve_tiles(field, all.subspan(first, end - first), jobs_[std::size_t(n)]);
+    const std::size_t from = all.size() * std::size_t(n) / jobs;
+    const std::size_t to = all.size() * std::size_t(n + 1) / jobs;
+    resolve_tiles(field, batch, all.subspan(from, to - from), jobs_[std::size_t(n)]);
   };
   if (divides) {
     workers.run(static_cast<int>(jobs), run_job);
   } else {
     run_job(0);
   }
-  sweeps_.clear();
-  tiles_.clear();
 }
 
-void LazyNormals::resolve_tiles(DexelField& field, std::span<const TileIndex> tiles,
-                                Job& job) const {
-  if (job.size() < sweeps_.size()) job.resize(sweeps_.size());
+void LazyNormals::resolve_tiles(DexelField& field, const Batch& batch,
+                                std::span<const TileIndex> tiles, Job& job) {
+  if (job.size() < batch.sweeps.size()) job.resize(batch.sweeps.size());
   for (const TileIndex at : tiles) {
     DexelTile* tile = field.editable(at);
     assert(tile != nullptr);  // It was changed after the last snapshot, so it is not shared.
-    collect(*tile, at, field.grid(), job);
+    collect(*tile, at, field.grid(), batch, job);
   }
-  for (std::size_t n = 0; n < sweeps_.size(); ++n) {
-    resolve_ends(sweeps_[n], job[n].tops, 1);
-    resolve_ends(sweeps_[n], job[n].bottoms, -1);
+  for (std::size_t n = 0; n < batch.sweeps.size(); ++n) {
+    resolve_ends(batch.sweeps[n], job[n].tops, 1);
+    resolve_ends(batch.sweeps[n], job[n].bottoms, -1);
     job[n].tops.clear();
     job[n].bottoms.clear();
   }
 }
 
-void LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid, Job& job) {
+void LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid, const Batch& batch,
+                          Job& job) {
   const auto take = [&](int column, EndCodes& codes, Dexel element) {
     const double x = grid.x_mm(at.x * kTileSide + column % kTileSide);
     const double y = grid.y_mm(at.y * kTileSide + column / kTileSide);
-    if (is_pending(codes.top)) {
-      job[codes.top - 1].tops.push_back({&codes.top, x, y, grid.z_mm(element.top)});
+    if (batch.has(codes.top)) {
+      job[codes.top - batch.first_code].tops.push_back({&codes.top, x, y, grid.z_mm(element.top)});
     }
-    if (is_pending(codes.bottom)) {
-      job[codes.bottom - 1].bottoms.push_back({&codes.bottom, x, y, grid.z_mm(element.bottom)});
+    if (batch.has(codes.bottom)) {
+      job[codes.bottom - batch.first_code].bottoms.push_back(
+          {&codes.bottom, x, y, grid.z_mm(element.bottom)});
     }
   };
   for (int column = 0; column < kTileColumns; ++column) {
     const auto c = std::size_t(column);
     EndCodes& codes = tile.topmost_codes[c];
-    if (is_pending(codes.top) || is_pending(codes.bottom)) {
+    if (batch.has(codes.top) || batch.has(codes.bottom)) {
       take(column, codes, {tile.bottom[c], tile.top[c]});
     }
     if (!tile.is_split(column)) continue;

@@ -15,7 +15,8 @@ namespace kerf {
 /// Surface normals of dexel ends, computed lazily. A moving tool cuts the same column dozens of
 /// times, and only the last end remains, so each new end first stores the number of the sweep that
 /// made it in place of its normal; resolve() replaces the numbers of the ends that still exist by
-/// normals. The result does not depend on when it runs.
+/// normals. While a batch of sweeps is collected, the tiles of the batch before it are resolved
+/// bit by bit, so that no motion waits for all of them. The result does not depend on when it runs.
 ///
 /// Ends that a sweep does not move keep their normals. Where two motions leave an end at the same
 /// depth, the normal of the first is kept: normals depend on the order of the commands, and the
@@ -24,14 +25,19 @@ class LazyNormals {
  public:
   /// Registers a part of a tool's motion that is about to cut the field, in the field's frame.
   /// Returns the code with which to mark the ends that it makes (mark_ends): kStockNormal, and
-  /// nothing is registered, if the field keeps no normals. Resolves first if is_full().
+  /// nothing is registered, if the field keeps no normals. Begins a batch first if is_full().
   NormalCode add_sweep(DexelField& field, const Tool& tool, const ToolMotion& part);
-  /// Whether as many sweeps are pending as are kept.
-  bool is_full() const { return sweeps_.size() == kSweepsMax; }
+  /// Whether the batch has as many sweeps as it may.
+  bool is_full() const { return now_.sweeps.size() == kSweepsMax; }
+  /// Begins a batch. The sweeps before must have cut, and the tiles that they changed must be
+  /// registered.
+  void begin_batch(DexelField& field, Workers& workers);
   /// Registers a tile that a sweep changed.
   void add_tile(TileIndex tile) {
-    if (!sweeps_.empty()) tiles_.push_back(tile);
+    if (!now_.sweeps.empty()) now_.tiles.push_back(tile);
   }
+  /// Resolves as much of the batch before as the present one is full.
+  void resolve_some(DexelField& field, Workers& workers);
   /// Computes all pending normals. Must run before the field's normals are read, and before a
   /// snapshot is taken, because it edits tiles in place. The tiles are divided among the workers.
   void resolve(DexelField& field, Workers& workers);
@@ -41,7 +47,7 @@ class LazyNormals {
   }
 
  private:
-  /// Few enough that resolving them does not delay a haptic tick noticeably, many enough that most
+  /// Few enough that a snapshot does not delay a haptic tick noticeably, many enough that most
   /// marked ends have been cut away by then.
   static constexpr std::size_t kSweepsMax = 256;
   struct End {
@@ -54,12 +60,22 @@ class LazyNormals {
   };
   /// Those of some tiles, per sweep; reuses its memory.
   using Job = std::vector<Ends>;
+  struct Batch {
+    NormalCode first_code = 1;  ///< of its first sweep
+    std::vector<SweptSurface> sweeps = {};
+    std::vector<TileIndex> tiles = {};  ///< that it changed
+    std::size_t resolved = 0;           ///< of the tiles
+    bool has(NormalCode code) const { return code - first_code < sweeps.size(); }
+  };
 
-  static void collect(DexelTile& tile, TileIndex at, const DexelGrid& grid, Job& job);
-  void resolve_tiles(DexelField& field, std::span<const TileIndex> tiles, Job& job) const;
+  static void collect(DexelTile& tile, TileIndex at, const DexelGrid& grid, const Batch& batch,
+                      Job& job);
+  static void resolve_tiles(DexelField& field, const Batch& batch, std::span<const TileIndex> tiles,
+                            Job& job);
+  void resolve_until(DexelField& field, Workers& workers, Batch& batch, std::size_t end);
+  void finish(DexelField& field, Workers& workers, Batch& batch);
 
-  std::vector<SweptSurface> sweeps_;
-  std::vector<TileIndex> tiles_;
+  Batch now_, before_{.first_code = 1 + kSweepsMax};  ///< the tiles of before_ are sorted
   std::vector<Job> jobs_;
 };
 

@@ -176,13 +176,17 @@ INSTANTIATE_TEST_SUITE_P(All, MotionWindows,
                                           testing::Values(ForceLaw::kSpecificEnergy,
                                                           ForceLaw::kMechanistic)));
 
-// Normals are resolved once so many sweeps wait, and their tiles are divided among the threads.
+// Normals are resolved in batches of sweeps, bit by bit, and the tiles are divided among the
+// threads.
 TEST(MotionWindow, NormalsOfManyMotionsAreThoseOfOneThread) {
   const SculptureSettings settings = settings_of(Rays::kDexel, ForceLaw::kSpecificEnergy);
   std::mt19937 random(3);
-  const std::vector<MoveTool> moves = random_motions(random, 5, 400, 12);
+  const std::vector<MoveTool> moves = random_motions(random, 5, 800, 12);
   Sculpture expected = block(settings);
-  for (const MoveTool& move : moves) expected.apply(move).value();
+  for (std::size_t n = 0; n < moves.size(); ++n) {
+    expected.apply(moves[n]).value();
+    if (n % 50 == 0) (void)expected.solid();
+  }
   (void)expected.solid();
   test::ThreadWorkers two(2);
   test::ShuffledWorkers shuffled;

@@ -99,7 +99,7 @@ std::vector<NormalCode> codes_looked_at_every(int motions) {
   EXPECT_TRUE(sculpture.apply(DefineTool{1, *make_tool(FlatShape{4, 20})}));
   Numbers numbers(5);
   ToolPose at = any_pose(numbers);
-  for (int n = 1; n <= 300; ++n) {
+  for (int n = 1; n <= 700; ++n) {
     ToolPose next{at.tip_mm + numbers.vec(0.4), normalized(at.axis + numbers.vec(0.02))};
     if (n % 40 == 0) {
       next = any_pose(numbers);
