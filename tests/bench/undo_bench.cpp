@@ -101,6 +101,7 @@ struct Times {
 };
 
 void print(const char* name, std::vector<double> times) {
+  if (times.empty()) return;  // No tile changed.
   std::ranges::sort(times);
   std::printf("  %-34s median %8.1f  p95 %8.1f  worst %8.1f ms\n", name, times[times.size() / 2],
               times[times.size() * 95 / 100], times.back());
