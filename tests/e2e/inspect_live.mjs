@@ -116,6 +116,27 @@ async function measure({ page, state }, name, places) {
   return value;
 }
 
+/** The colors of the curvature take the place of the material's, which is blue where it is original. */
+async function checkCurvature({ page, state }) {
+  await page.getByRole('button', { name: 'Off', exact: true }).click();
+  await page.locator('.canvas').focus();
+  await page.keyboard.press('0');
+  const [left, top, right, bottom] = await blockBox({ page, state });
+  const box = [left, top, right - left, bottom - top].map(Math.round);
+  const original = async () => {
+    await nextFrames(page);
+    const others = await countPixels(page, box, { leastRedOverBlue: -25 });
+    return box[2] * box[3] - others;
+  };
+  const before = await original();
+  await page.getByRole('button', { name: 'Curvature' }).click();
+  await page.getByText('full up to a radius of').waitFor();
+  const after = await original(); // the hole in the middle is hollow, so blue
+  assert(after > 0 && after < 0.5 * before, `${after} blue pixels, ${before} before`);
+  await page.getByRole('button', { name: 'Curvature' }).click();
+  assert.equal(await original(), before);
+}
+
 async function checkMeasures(viewer) {
   const { page } = viewer;
   await areaAt(page, 'Section across Y', -6); // through the first groove
@@ -178,6 +199,7 @@ async function test(folder) {
     await checkAreas(page, corners);
     await checkCap(viewer);
     await checkMeasures(viewer);
+    await checkCurvature(viewer);
     await checkAccessible(page, 'the panel of sections and measures');
     for (const size of SIZES) {
       await checkFreeBlock(viewer, size, ['.bar', '.toolbar', '.panel', '.inspect']);

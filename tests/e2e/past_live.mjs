@@ -7,7 +7,7 @@
 import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { countPixels, launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
@@ -60,14 +60,18 @@ async function checkBlock({ page, state }, session, record) {
   return facts;
 }
 
+function playhead(page) {
+  return page.getByRole('slider', { name: 'Point in time' });
+}
+
 async function scrub(page, parts) {
-  const box = await page.getByRole('slider').boundingBox();
+  const box = await playhead(page).boundingBox();
   const y = box.y + 18;
   await page.mouse.move(box.x + parts[0] * box.width, y);
   await page.mouse.down();
   for (const part of parts) await page.mouse.move(box.x + part * box.width, y, { steps: 4 });
   await page.mouse.up();
-  return Number(await page.getByRole('slider').getAttribute('aria-valuenow'));
+  return Number(await playhead(page).getAttribute('aria-valuenow'));
 }
 
 /** Timeline and banner cover neither the block nor anything else. */
@@ -87,17 +91,17 @@ async function checkTimeline(viewer, session) {
   await page.keyboard.press('t');
   await page.getByRole('group', { name: 'Play and step' }).waitFor();
   await until('strokes', SETTLE_S, async () => {
-    const last = await page.getByRole('slider').getAttribute('aria-valuemax');
+    const last = await playhead(page).getAttribute('aria-valuemax');
     return Number(last) > 20;
   });
   const record = await scrub(page, [0.8, 0.3]);
   const past = await checkBlock(viewer, session, record);
   assert(past.volume > now.volume + 10, 'the past has as little material as the present');
   await page.getByText('The past', { exact: true }).waitFor();
-  await page.getByRole('slider').press('Shift+ArrowLeft'); // 100 motions, to the beginning at most
-  await page.getByRole('slider').press('ArrowRight');
+  await playhead(page).press('Shift+ArrowLeft'); // 100 motions, to the beginning at most
+  await playhead(page).press('ArrowRight');
   await checkBlock(viewer, session, Math.max(0, record - 100) + 1);
-  await page.getByRole('slider').press('Home');
+  await playhead(page).press('Home');
   await page.getByLabel('Speed of playing').selectOption('0.25');
   await page.getByRole('button', { name: 'Play', exact: true }).click();
   await until('a tool of the past', SETTLE_S, async () => {
@@ -107,6 +111,41 @@ async function checkTimeline(viewer, session) {
   await scrub(page, [0.3]);
   await checkBlock(viewer, session, record);
   return record;
+}
+
+/** Both states are in one picture: right of the border the kept one, left of it the one that is shown. */
+async function checkCompare(viewer, session, record) {
+  const { page, state } = viewer;
+  await page.locator('input[name="material"]').nth(2).check({ force: true }); // cuts are not blue
+  const [left, top, right, bottom] = (await state()).blockBox.map(Math.round);
+  const cut = () =>
+    countPixels(page, [left, top, right - left, bottom - top], { leastRedOverBlue: -35 });
+  const border = page.getByRole('slider', { name: 'Border between the two states' });
+  const drag = async (x) => {
+    const box = await border.boundingBox();
+    await page.mouse.move(box.x + box.width / 2, (top + bottom) / 2);
+    await page.mouse.down();
+    await page.mouse.move(x, (top + bottom) / 2);
+    await page.mouse.up();
+    await nextFrames(page);
+  };
+  const past = await cut();
+  await page.getByRole('button', { name: 'Compare' }).click();
+  await playhead(page).press('End');
+  await checkBlock(viewer, session, null);
+  await drag(left - 40);
+  assert(Math.abs((await cut()) / past - 1) < 0.05, 'the kept state is not the one of before');
+  await drag(right + 40);
+  const now = await cut();
+  assert(now > 1.1 * past, `${now} pixels of cuts now, ${past} then`);
+  await drag((left + right) / 2);
+  const both = await cut();
+  assert(both > past && both < now, `${both} pixels with both states`);
+  await writeFile(join(options.out, 'compare.png'), await page.screenshot());
+  await page.getByRole('button', { name: 'Compare' }).click();
+  assert.equal(await border.isVisible(), false);
+  await scrub(page, [0.3]);
+  await checkBlock(viewer, session, record);
 }
 
 /** Names the block that is shown, and undoes the stroke that was pressed. */
@@ -149,6 +188,7 @@ async function test(folder) {
       height,
     });
     const record = await checkTimeline(viewer, session);
+    await checkCompare(viewer, session, record);
     await checkLayouts(viewer);
     await checkChanges(viewer, session, record);
     await viewer.page.locator('.past-back').click();

@@ -136,6 +136,7 @@ export class SessionPage {
     this.toggleTimeline_ = mountTimeline({
       model: this.model,
       session,
+      picture: this.picture,
       toolbar: this.toolbar_.element,
       seek: (seek) => this.link_.seek(seek),
       layoutChanged: () => this.resize_(),

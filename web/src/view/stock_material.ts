@@ -36,6 +36,7 @@ uniform vec3 stockCore;
 uniform vec3 stockRing;
 uniform float stockGrain;
 uniform float stockDetail; // radius of curvature of a fully shaded valley, mm
+uniform float stockCurvature; // 1: colors show the curvature
 
 // Growth rings of a log whose pith lies beside the block, unevenly spaced; they fade where they
 // would be finer than a pixel.
@@ -74,6 +75,11 @@ float stockRelief = clamp(ridge(vStockPosition, stockNormal) * stockDetail, -1.0
 float stockDepth = (stockMax.z - vStockPosition.z) / (stockMax.z - stockMin.z);
 float stockSky = 1.0 - 0.22 * smoothstep(0.0, 0.6, stockDepth) * (1.0 - stockOuter);
 diffuseColor.rgb *= stockSky * (1.0 + 0.42 * stockRelief);
+// Hollow blue, raised red; full color at six times the radius of a fully shaded valley.
+float stockBend = clamp(6.0 * ridge(vStockPosition, stockNormal) * stockDetail, -1.0, 1.0);
+vec3 stockBent = stockBend < 0.0 ? vec3(0.03, 0.13, 0.62) : vec3(0.62, 0.05, 0.03);
+diffuseColor.rgb =
+    mix(diffuseColor.rgb, mix(vec3(0.62), stockBent, abs(stockBend)), stockCurvature);
 `;
 
 /** The material shared by all tiles of one block. */
@@ -87,6 +93,7 @@ export class StockMaterial {
     stockRing: { value: new THREE.Color() },
     stockGrain: { value: 0 },
     stockDetail: { value: 1 },
+    stockCurvature: { value: 0 },
   };
 
   constructor() {
@@ -113,6 +120,16 @@ export class StockMaterial {
   setClip(plane: THREE.Plane | null): void {
     this.material.clippingPlanes = plane ? [plane] : null;
     this.material.clipShadows = true;
+  }
+
+  /** Colors show the curvature instead of the material. */
+  set curvature(shown: boolean) {
+    this.uniforms_.stockCurvature.value = shown ? 1 : 0;
+  }
+
+  /** The greatest radius of curvature, mm, at which the color is full. */
+  get curvatureMm(): number {
+    return 6 * this.uniforms_.stockDetail.value;
   }
 
   setPreset(preset: StockMaterialPreset): void {

@@ -2,6 +2,7 @@
 // The panel for sections and measures, and what they do in the picture.
 
 import '../style/inspect.css';
+import { lengthText } from '../../model/measure';
 import type { LengthUnit } from '../../model/measure';
 import type { Bounds } from '../../model/session';
 import { stockBounds } from '../../model/session';
@@ -27,6 +28,10 @@ export class InspectPanel implements Layer {
   private readonly cube_ = new ViewCube((preset) => this.view_(preset));
   private readonly element_: HTMLElement;
   private readonly parallel_ = this.toggleButton_('Parallel', () => this.project_());
+  private readonly curvature_ = this.toggleButton_('Curvature', () =>
+    this.setCurvature_(this.curvature_.getAttribute('aria-pressed') !== 'true'),
+  );
+  private readonly legend_ = h('p', { class: 'curvature-legend', hidden: '' });
   private readonly inches_ = this.toggleButton_('Inches', () => this.setInches_());
   private units_: LengthUnit = recall('units') === 'in' ? 'in' : 'mm';
   private timer_: ReturnType<typeof setInterval> | undefined;
@@ -59,8 +64,9 @@ export class InspectPanel implements Layer {
         'div',
         { class: 'inspect-foot' },
         this.cube_.element,
-        h('div', { class: 'inspect-toggles' }, this.parallel_, this.inches_),
+        h('div', { class: 'inspect-toggles' }, this.parallel_, this.curvature_, this.inches_),
       ),
+      this.legend_,
     );
     const main = opener.closest('main') ?? document.body;
     main.append(this.element_, this.sectioning_.handle);
@@ -98,6 +104,7 @@ export class InspectPanel implements Layer {
       this.sectioning_.choose('none');
       this.measuring_.clear();
       this.measuring_.choose(null);
+      this.setCurvature_(false);
       this.viewer.displayed.forget();
     }
   }
@@ -178,6 +185,20 @@ export class InspectPanel implements Layer {
     this.update_();
   }
 
+  private setCurvature_(shown: boolean): void {
+    this.curvature_.setAttribute('aria-pressed', String(shown));
+    this.legend_.hidden = !shown;
+    const { stockMaterial } = this.viewer;
+    stockMaterial.curvature = shown;
+    const radius = lengthText(stockMaterial.curvatureMm, this.units_);
+    this.legend_.replaceChildren(
+      h('span', { class: 'hollow' }, 'hollow'),
+      h('span', { class: 'raised' }, 'raised'),
+      `full up to a radius of ${radius}`,
+    );
+    this.viewer.touch();
+  }
+
   private setInches_(): void {
     this.setUnits_(this.units_ === 'mm' ? 'in' : 'mm');
     remember('units', this.units_);
@@ -188,6 +209,7 @@ export class InspectPanel implements Layer {
     this.inches_.setAttribute('aria-pressed', String(units === 'in'));
     this.sectioning_.setUnits(units);
     this.measuring_.setUnits(units);
+    this.setCurvature_(!this.legend_.hidden);
     this.update_();
   }
 

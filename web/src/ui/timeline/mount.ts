@@ -6,11 +6,13 @@ import type { Seek } from '../../wire/types';
 import { iconButton } from '../dom';
 import { ICONS } from '../icons';
 import { lazyPanel } from '../lazy_panel';
+import type { Picture } from '../picture';
 
 /** What the timeline needs of the page. */
 export interface TimelineHost {
   model: SessionModel;
   session: string;
+  picture: Picture;
   toolbar: HTMLElement;
   seek: (seek: Seek) => void;
   /** It was opened or closed, and covers another part of the picture. */

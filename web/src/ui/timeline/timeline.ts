@@ -15,6 +15,7 @@ import { count, sentence } from '../format';
 import { Authors } from './authors';
 import { Banner } from './banner';
 import { Bookmarks } from './bookmarks';
+import { Compare } from './compare';
 import type { TimelineHost } from './mount';
 import { Records } from './records';
 import { CLOCK, Selection } from './selection';
@@ -49,6 +50,7 @@ export class Timeline {
     live: () => this.seek_('live', 0),
   });
   private readonly bookmarks_: Bookmarks;
+  private readonly compare_: Compare;
   private readonly where_ = h('p', { class: 'timeline-where' });
   private readonly element_: HTMLElement;
   private selected_: Stroke | null = null;
@@ -81,6 +83,9 @@ export class Timeline {
       },
       () => `${session.slice(0, 50)}-${this.record_ ?? this.records_.end}`,
     );
+    const main = opener.closest('main') ?? document.body;
+    this.compare_ = new Compare(host.picture, main);
+    this.bookmarks_.element.append(this.compare_.button);
     this.element_ = h(
       'section',
       { class: 'timeline', 'aria-label': 'Timeline', hidden: '' },
@@ -88,7 +93,6 @@ export class Timeline {
       this.strip_.element,
       h('div', { class: 'timeline-foot' }, this.selection_.element, this.bookmarks_.element),
     );
-    const main = opener.closest('main') ?? document.body;
     main.append(this.banner_.element, this.element_);
     new ResizeObserver(() => {
       main.style.setProperty('--timeline', `${this.element_.offsetHeight}px`);
@@ -109,6 +113,7 @@ export class Timeline {
       this.update_();
       this.strip_.slider.focus();
     } else {
+      this.compare_.end();
       this.opener.focus();
     }
   }
@@ -212,6 +217,7 @@ export class Timeline {
     this.shownAt_ = key;
     if (this.banner_.show(isPast ? place : null)) this.host.layoutChanged();
     this.transport_.update(isPast ? rate : 0, !isPast);
+    this.compare_.show(isPast && record !== null ? `Record ${count(record)}` : 'Now');
     setText(this.where_, isPast ? '' : `${count(this.records_.end)} records`);
     this.strip_.place(record ?? this.records_.end, isPast ? place : 'live', rate > 0 && !wish);
     if (
