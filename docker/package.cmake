@@ -52,7 +52,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_NAME libkerf-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-  "libkerf-agent1 (= ${PROJECT_VERSION}), libmeshoptimizer-dev, libminizip-dev, pkg-config")
+  "libkerf-agent1 (= ${PROJECT_VERSION}), libexpat1-dev, libmeshoptimizer-dev, libminizip-dev, libtinygltf-dev, pkg-config")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "kernel, file formats and agent of Kerf, for other programs\n\
  kerf::kernel removes the sweeps of tools from dexel stock and computes cutting\n\
  force and torque; kerf::formats reads and writes scenes, G-code, APT and meshes;\n\

@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
   if (argc > 3) {
     const std::string bytes = read(argv[3]);
     const auto format = kerf::mesh_file_format(argv[3]);
-    if (!format) return fail(std::string(argv[3]) + " is not an .stl, .ply or .obj file");
+    if (!format) return fail(std::string(argv[3]) + " is not a " + kerf::kMeshFileNames + " file");
     const auto part = kerf::read_mesh(*format, std::as_bytes(std::span(bytes)));
     if (!part) return fail(std::string(argv[3]) + ": " + part.error().reason);
     const double gouge_mm = deepest_gouge_mm(*block, *part);

@@ -90,7 +90,8 @@ std::optional<Vec3> size_of(const std::string& text) {
 
 std::string check_stock(const std::string& text) {
   if (size_of(text) || mesh_file_format(text)) return {};
-  return "must be X,Y,Z in mm, each above 0, or a .stl, .ply or .obj file, not " + text;
+  return "must be X,Y,Z in mm, each above 0, or a " + std::string(kMeshFileNames) + " file, not " +
+         text;
 }
 
 void read_stock(const std::string& text, SceneWishes& wishes) {

@@ -35,7 +35,7 @@ IndexedMesh to_indexed(const TriangleMesh& mesh) {
 std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::path& file) {
   const auto format = mesh_file_format(file.string());
   if (!format)
-    return std::unexpected(file.string() + ": the file name must end in .stl, .ply or .obj");
+    return std::unexpected(file.string() + ": the file name must end in " + kMeshFileNames);
   const auto bytes = read_file(file);
   if (!bytes) return std::unexpected(file.string() + ": cannot be read");
   const auto mesh = read_mesh(*format, std::as_bytes(std::span(*bytes)));

@@ -68,6 +68,9 @@ std::expected<Scene, Failure> derived(const CarveOptions& options) {
 std::expected<Scene, Failure> loaded(const CarveOptions& options) {
   auto scene = load_scene(options.scene);
   if (!scene) return bad_input(to_string(scene.error()));
+  if (scene->stock_repair != MeshRepair{})
+    std::cerr << "scene: " << scene->stock_file.file << ": " << to_string(scene->stock_repair)
+              << '\n';
   return *std::move(scene);
 }
 
@@ -89,8 +92,8 @@ std::string scene_text(Scene scene, const CarveOptions& options,
   const std::filesystem::path from =
       options.scene.empty() ? options.wishes.folder : options.scene.parent_path();
   const std::filesystem::path to = std::filesystem::absolute(target).parent_path();
-  rebase_file(scene.stock_file, from, to);
-  for (std::string& file : scene.obstacle_files) rebase_file(file, from, to);
+  rebase_file(scene.stock_file.file, from, to);
+  for (MeshFile& mesh : scene.obstacle_files) rebase_file(mesh.file, from, to);
   for (Guide& guide : scene.guides)
     if (auto* path = std::get_if<PathGuide>(&guide.shape)) rebase_file(path->file, from, to);
   return scene_json(scene) + '\n';

@@ -61,9 +61,10 @@ class Derivation {
     choose_stock(*facts->cuts, draft);
     if (auto added = add_tools(stock_bounds(draft.settings.stock), *facts->cuts, draft); !added)
       return std::unexpected(added.error());
-    draft.stock_file = wishes_.stock_file;
-    auto scene = parse_scene(
-        scene_json(draft), {.name = name_ + ": the derived scene", .base_folder = wishes_.folder});
+    draft.stock_file.file = wishes_.stock_file;
+    auto scene = parse_scene(scene_json(draft), {.name = name_ + ": the derived scene",
+                                                 .base_folder = wishes_.folder,
+                                                 .load_mesh = load_mesh});
     if (!scene) return std::unexpected(to_string(scene.error()));
     for (auto& [id, tool] : scene->tools)
       tool.idle = std::ranges::find(facts->tools, id) == facts->tools.end();

@@ -17,7 +17,7 @@ namespace kerf {
 /// What the user states of a scene that is derived; the rest is taken from the program.
 struct SceneWishes {
   std::optional<Vec3> stock_size_mm;
-  std::string stock_file;  ///< a mesh (.stl, .ply, .obj) in program coordinates; "" for none
+  std::string stock_file;  ///< a mesh (kMeshFileNames) in program coordinates; "" for none
   std::filesystem::path folder = ".";  ///< that stock_file is relative to
   std::map<ToolId, ToolShape> tools;
 };

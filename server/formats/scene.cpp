@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "server/formats/number_text.h"
-#include "server/formats/text_file.h"
 
 namespace kerf {
 
@@ -73,14 +72,6 @@ std::expected<void, SceneToolError> resolve_chords(Scene& scene) {
     tool.tool = *std::move(made);
   }
   return {};
-}
-
-std::expected<Scene, SceneError> load_scene(const std::filesystem::path& path) {
-  const SceneSource source{.name = path.string(), .base_folder = path.parent_path()};
-  const auto text = read_file(path);
-  if (!text)
-    return std::unexpected(SceneError{.file = source.name, .path = {}, .reason = "cannot be read"});
-  return parse_scene(*text, source);
 }
 
 }  // namespace kerf

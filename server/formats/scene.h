@@ -14,6 +14,7 @@
 #include "kernel/tool/tool.h"
 #include "server/formats/accuracy_choice.h"
 #include "server/formats/guide.h"
+#include "server/formats/mesh_file.h"
 
 namespace kerf {
 
@@ -61,10 +62,11 @@ struct Scene {
   Machine machine;
   /// Set if the scene requested a target; its `accuracy` equals the values in `settings`.
   std::optional<AccuracyChoice> accuracy;
-  /// File name of each of settings.obstacles as written in the scene; "" unless it is an STL mesh.
-  std::vector<std::string> obstacle_files;
+  /// The file of each of settings.obstacles as written in the scene; "" unless it is a mesh.
+  std::vector<MeshFile> obstacle_files;
   std::vector<Guide> guides;  ///< virtual fixtures that haptic devices feel
-  std::string stock_file;     ///< file name of a mesh stock as written in the scene; "" otherwise
+  MeshFile stock_file;        ///< of a mesh stock as written in the scene; "" otherwise
+  MeshRepair stock_repair;    ///< what was repaired in it, if the scene asks for repair
   std::map<std::string, std::string> files;  ///< name to content, if SceneSource::keep_files
 };
 
@@ -86,6 +88,7 @@ struct SceneSource {
   std::optional<std::filesystem::path> base_folder;
   std::map<std::string, std::string> files = {};  ///< name to content; searched before the folder
   bool keep_files = false;                        ///< store the content of every file in the scene
+  LoadMesh load_mesh = nullptr;                   ///< without it a scene may name no mesh
 };
 
 /// Reads and validates a scene (JSON, at most 1 MiB):

@@ -35,6 +35,11 @@ std::string SceneValue::text() const {
   return node(json_).get<std::string>();
 }
 
+bool SceneValue::flag() const {
+  if (!node(json_).is_boolean()) reject("must be true or false");
+  return node(json_).get<bool>();
+}
+
 std::vector<SceneValue> SceneValue::items(std::size_t most) const {
   if (!is_list()) reject("must be a list […]");
   if (node(json_).size() > most) {

@@ -39,6 +39,7 @@ class SceneValue {
   /// A finite number, > `above` and <= `most`.
   double number(double above = -kInfinity, double most = kInfinity) const;
   std::string text() const;
+  bool flag() const;
   /// The items of a list; at most `most`.
   std::vector<SceneValue> items(std::size_t most = kItemsMax) const;
   /// A list of exactly N finite numbers.

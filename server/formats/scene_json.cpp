@@ -168,26 +168,47 @@ Json to_json(const ForceSettings& force) {
   return json;
 }
 
-Json to_json(const Obstacle& obstacle, const std::string& file) {
-  Json json = std::visit(
-      Overloaded{[](const BoxObstacle& box) {
-                   return Json{{"shape", "box"},
-                               {"min_mm", to_json(box.min_mm)},
-                               {"max_mm", to_json(box.max_mm)}};
-                 },
-                 [](const CylinderObstacle& c) {
-                   return Json{{"shape", "cylinder"},
-                               {"from_mm", to_json(c.from_mm)},
-                               {"to_mm", to_json(c.to_mm)},
-                               {"radius_mm", c.radius_mm}};
-                 },
-                 [](const SphereObstacle& s) {
-                   return Json{{"shape", "sphere"},
-                               {"center_mm", to_json(s.center_mm)},
-                               {"radius_mm", s.radius_mm}};
-                 },
-                 [&file](const MeshObstacle&) { return Json{{"shape", "stl"}, {"file", file}}; }},
-      obstacle.shape);
+const char* unit_name(double unit_mm) {
+  if (unit_mm == 1) return "mm";
+  if (unit_mm == 10) return "cm";
+  return unit_mm == 1000 ? "m" : "inch";
+}
+
+// What has its default is left out, as in scenes before these fields came.
+Json to_json(const MeshFile& file) {
+  Json json{{"shape", "mesh"}, {"file", file.file}};
+  if (file.repair) json["repair"] = true;
+  const MeshPlacement standard;
+  Json placement = Json::object();
+  if (file.unit_mm) placement["unit"] = unit_name(*file.unit_mm);
+  if (file.placement.scale != standard.scale) placement["scale"] = to_json(file.placement.scale);
+  if (file.placement.rotate_deg != standard.rotate_deg)
+    placement["rotate_deg"] = to_json(file.placement.rotate_deg);
+  if (file.placement.translate_mm != standard.translate_mm)
+    placement["translate_mm"] = to_json(file.placement.translate_mm);
+  if (!placement.empty()) json["placement"] = placement;
+  return json;
+}
+
+Json to_json(const Obstacle& obstacle, const MeshFile& file) {
+  Json json = std::visit(Overloaded{[](const BoxObstacle& box) {
+                                      return Json{{"shape", "box"},
+                                                  {"min_mm", to_json(box.min_mm)},
+                                                  {"max_mm", to_json(box.max_mm)}};
+                                    },
+                                    [](const CylinderObstacle& c) {
+                                      return Json{{"shape", "cylinder"},
+                                                  {"from_mm", to_json(c.from_mm)},
+                                                  {"to_mm", to_json(c.to_mm)},
+                                                  {"radius_mm", c.radius_mm}};
+                                    },
+                                    [](const SphereObstacle& s) {
+                                      return Json{{"shape", "sphere"},
+                                                  {"center_mm", to_json(s.center_mm)},
+                                                  {"radius_mm", s.radius_mm}};
+                                    },
+                                    [&file](const MeshObstacle&) { return to_json(file); }},
+                         obstacle.shape);
   json["stiffness_n_per_mm"] = obstacle.stiffness_n_per_mm;
   return json;
 }
@@ -214,8 +235,8 @@ std::string text_of(const Json& json) {
 
 std::string scene_json(const Scene& scene) {
   const SculptureSettings& settings = scene.settings;
-  const Json stock = scene.stock_file.empty() ? to_json(settings.stock)
-                                              : Json{{"shape", "mesh"}, {"file", scene.stock_file}};
+  const Json stock =
+      scene.stock_file.file.empty() ? to_json(settings.stock) : to_json(scene.stock_file);
   Json obstacles = Json::array();
   for (std::size_t i = 0; i < settings.obstacles.size(); ++i)
     obstacles.push_back(to_json(settings.obstacles[i], scene.obstacle_files[i]));

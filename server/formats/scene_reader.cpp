@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -7,8 +9,6 @@
 #include "server/formats/guide_paths.h"
 #include "server/formats/guide_reader.h"
 #include "server/formats/json_location.h"
-#include "server/formats/model/mesh_reader.h"
-#include "server/formats/model/stl_reader.h"
 #include "server/formats/scene.h"
 #include "server/formats/scene_fields.h"
 #include "server/formats/scene_force_reader.h"
@@ -40,18 +40,56 @@ std::string read_scene_file(SceneFields& fields, const std::string& name, const 
   return *std::move(bytes);
 }
 
+MeshFile read_mesh_file(SceneFields& fields) {
+  static const std::map<std::string, double> kUnits = {
+      {"mm", 1}, {"cm", 10}, {"m", 1000}, {"inch", 25.4}};
+  MeshFile file;
+  file.file = fields.text("file");
+  if (const auto repair = fields.find("repair")) file.repair = repair->flag();
+  const auto value = fields.find("placement");
+  if (!value) return file;
+  SceneFields placement(*value);
+  if (placement.find("unit")) {
+    const auto unit = kUnits.find(placement.text("unit"));
+    if (unit == kUnits.end()) placement.reject("unit", "must be mm, cm, m or inch");
+    file.unit_mm = unit->second;
+  }
+  if (placement.find("scale")) {
+    file.placement.scale = placement.vec3("scale");
+    const Vec3 scale = file.placement.scale;
+    if (!(scale.x > 0 && scale.y > 0 && scale.z > 0))
+      placement.reject("scale", "must be three numbers above 0");
+  }
+  if (placement.find("rotate_deg")) {
+    file.placement.rotate_deg = placement.vec3("rotate_deg");
+    const Vec3 turn = file.placement.rotate_deg;
+    if (!(std::abs(turn.x) <= 360 && std::abs(turn.y) <= 360 && std::abs(turn.z) <= 360))
+      placement.reject("rotate_deg", "must be three angles within 360 degrees");
+  }
+  if (placement.find("translate_mm")) file.placement.translate_mm = placement.vec3("translate_mm");
+  placement.reject_unknown();
+  return file;
+}
+
+LoadedMesh read_scene_mesh(SceneFields& fields, const MeshFile& file, const SceneSource& source,
+                           Scene& scene) {
+  const std::string bytes = read_scene_file(fields, file.file, source, scene);
+  if (source.load_mesh == nullptr) fields.reject("file", "may not name a mesh here");
+  auto loaded = source.load_mesh(file, std::as_bytes(std::span(bytes)));
+  if (!loaded) fields.reject("file", "\"" + file.file + "\": " + loaded.error());
+  return *std::move(loaded);
+}
+
 void read_mesh_stock(SceneFields& fields, const SceneSource& source, Scene& scene) {
-  scene.stock_file = fields.text("file");
-  const auto format = mesh_file_format(scene.stock_file);
-  if (!format)
-    fields.reject("file", "\"" + scene.stock_file + "\" must be a .stl, .ply or .obj file");
-  const std::string bytes = read_scene_file(fields, scene.stock_file, source, scene);
-  auto mesh = read_mesh(*format, std::as_bytes(std::span(bytes)));
-  if (!mesh) fields.reject("file", "\"" + scene.stock_file + "\": " + mesh.error().reason);
-  const std::string fault = mesh_stock_fault(*mesh);
-  if (!fault.empty()) fields.reject("file", "\"" + scene.stock_file + "\": " + fault);
-  scene.settings.stock = mesh_bounds(*mesh);
-  scene.settings.stock_mesh = std::make_shared<const TriangleMesh>(*std::move(mesh));
+  scene.stock_file = read_mesh_file(fields);
+  LoadedMesh loaded = read_scene_mesh(fields, scene.stock_file, source, scene);
+  const std::string fault = mesh_stock_fault(loaded.mesh);
+  if (!fault.empty())
+    fields.reject("file", "\"" + scene.stock_file.file + "\": " + fault +
+                              "; \"repair\": true closes holes and orients triangles");
+  scene.stock_repair = loaded.repair;
+  scene.settings.stock = mesh_bounds(loaded.mesh);
+  scene.settings.stock_mesh = std::make_shared<const TriangleMesh>(std::move(loaded.mesh));
 }
 
 void read_stock(const SceneValue& value, const SceneSource& source, Scene& scene) {
@@ -138,19 +176,21 @@ Machine read_machine(const SceneValue& value) {
   return machine;
 }
 
-MeshObstacle read_mesh_obstacle(SceneFields& fields, const SceneSource& source, Scene& scene) {
-  const std::string name = fields.text("file");
-  const std::string bytes = read_scene_file(fields, name, source, scene);
-  auto triangles = read_stl(std::as_bytes(std::span(bytes)));
-  if (!triangles) fields.reject("file", "\"" + name + "\": " + triangles.error().reason);
-  return MeshObstacle{*std::move(triangles)};
+MeshObstacle read_mesh_obstacle(SceneFields& fields, const MeshFile& file,
+                                const SceneSource& source, Scene& scene) {
+  const TriangleMesh mesh = read_scene_mesh(fields, file, source, scene).mesh;
+  MeshObstacle obstacle;
+  for (const auto& t : mesh.triangles)
+    obstacle.triangles.push_back(
+        {mesh.vertices_mm[t[0]], mesh.vertices_mm[t[1]], mesh.vertices_mm[t[2]]});
+  return obstacle;
 }
 
 void read_obstacle(const SceneValue& value, const SceneSource& source, Scene& scene) {
   SceneFields fields(value);
   const std::string shape = fields.text("shape");
   Obstacle obstacle;
-  std::string file;
+  MeshFile file;
   if (shape == "box") {
     const BoxObstacle box{fields.vec3("min_mm"), fields.vec3("max_mm")};
     check_box(fields, box.min_mm, box.max_mm);
@@ -162,12 +202,12 @@ void read_obstacle(const SceneValue& value, const SceneSource& source, Scene& sc
     obstacle.shape = cylinder;
   } else if (shape == "sphere") {
     obstacle.shape = SphereObstacle{fields.vec3("center_mm"), fields.positive("radius_mm")};
-  } else if (shape == "stl") {
-    file = fields.text("file");
-    obstacle.shape = read_mesh_obstacle(fields, source, scene);
+  } else if (shape == "stl" || shape == "mesh") {
+    file = read_mesh_file(fields);
+    obstacle.shape = read_mesh_obstacle(fields, file, source, scene);
   } else {
     fields.reject("shape",
-                  "\"" + shape + "\" is not an obstacle shape; use box, cylinder, sphere or stl");
+                  "\"" + shape + "\" is not an obstacle shape; use box, cylinder, sphere or mesh");
   }
   obstacle.stiffness_n_per_mm = fields.positive("stiffness_n_per_mm", obstacle.stiffness_n_per_mm);
   fields.reject_unknown();

@@ -6,6 +6,7 @@
 
 #include "kernel/dexel/mesh_stock.h"
 #include "server/formats/model/mesh_reader.h"
+#include "server/formats/model/repair_mesh.h"
 #include "server/http/api.h"
 
 namespace kerf::net {
@@ -27,11 +28,19 @@ ApiResponse Api::upload_file(const ApiCall& call) {
   const std::string name = given ? *given : std::string();
   const auto format = mesh_file_format(name);
   if (!format) {
-    return error_response(400, "bad_name",
-                          "name must end in .stl, .ply or .obj, e.g. ?name=part.stl");
+    return error_response(
+        400, "bad_name",
+        std::string("name must end in ") + kMeshFileNames + ", e.g. ?name=part.stl");
   }
-  const auto mesh = read_mesh(*format, std::as_bytes(std::span(request.body)));
+  auto mesh = read_mesh(*format, std::as_bytes(std::span(request.body)));
   if (!mesh) return error_response(400, to_string(mesh.error().code), mesh.error().reason);
+  const std::string* wanted = request.query_value("repair");
+  MeshRepair repair;
+  if (wanted != nullptr && *wanted == "1") {
+    const auto repaired = repair_mesh(*mesh);
+    if (!repaired) return error_response(400, "not_repairable", repaired.error());
+    repair = *repaired;
+  }
   const std::string fault = mesh_stock_fault(*mesh);
   if (!fault.empty()) return error_response(400, "not_closed", fault);
   if (const auto full = registry_.disk_obstacle()) {
@@ -41,11 +50,12 @@ ApiResponse Api::upload_file(const ApiCall& call) {
       upload_folder_.keep(call.caller.network, extension_of(name), request.body);
   if (stored.empty()) return error_response(500, "disk", "the file could not be stored");
   const BoxStock box = mesh_bounds(*mesh);
-  const nlohmann::json json{{"file", stored},
-                            {"vertices", mesh->vertices_mm.size()},
-                            {"triangles", mesh->triangles.size()},
-                            {"min_mm", {box.min_mm.x, box.min_mm.y, box.min_mm.z}},
-                            {"max_mm", {box.max_mm.x, box.max_mm.y, box.max_mm.z}}};
+  nlohmann::json json{{"file", stored},
+                      {"vertices", mesh->vertices_mm.size()},
+                      {"triangles", mesh->triangles.size()},
+                      {"min_mm", {box.min_mm.x, box.min_mm.y, box.min_mm.z}},
+                      {"max_mm", {box.max_mm.x, box.max_mm.y, box.max_mm.z}}};
+  if (repair != MeshRepair{}) json["repaired"] = to_string(repair);
   return json_response(201, json.dump());
 }
 

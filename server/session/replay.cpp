@@ -24,6 +24,7 @@ std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
   source.name = reader.header().session;
   if (!reader.header().base_folder.empty()) source.base_folder = reader.header().base_folder;
   source.files = reader.header().files;
+  source.load_mesh = load_mesh;
   auto scene = parse_scene(reader.header().scene_json, source);
   if (!scene) {
     return std::unexpected(

@@ -130,6 +130,7 @@ std::expected<Scene, RegistryError> SessionRegistry::check_scene(std::string_vie
   // The journal stores the contents of the scene's files: these may change before a restart.
   SceneSource source_with_files = source;
   source_with_files.keep_files = true;
+  source_with_files.load_mesh = load_mesh;
   auto scene = parse_scene(scene_text, source_with_files);
   if (!scene) {
     return std::unexpected(RegistryError{kBadScene, to_string(scene.error()), scene.error().path});

@@ -111,7 +111,7 @@ std::string WallCheck::place_text(const ThinWall& wall) const {
                             mm(wall.thickness_mm) + " at X" + number(wall.mm.x) + " Y" +
                             number(wall.mm.y) + " Z" + number(wall.mm.z);
   if (wall.sweep >= motions)
-    return (scene_.stock_file.empty() ? "the stock" : scene_.stock_file) + shape;
+    return (scene_.stock_file.file.empty() ? "the stock" : scene_.stock_file.file) + shape;
   const ProgramMotion& motion = program_.motions[wall.sweep];
   std::string text = place_of(program_, motion.file, motion.line) + shape;
   if (wall.other_sweep >= motions) return text + ", at the border of the stock";

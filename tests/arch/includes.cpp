@@ -134,6 +134,7 @@ const std::vector<Library>& libraries() {
         "server/feed", "server/conversation", "server/http", "haptic_agent"},
        "JSON stays inside the .cpp files that read and write it"},
       {{"tiny_gltf.h", "tinygltf/"}, false, {"server/formats"}, "glTF is a file format"},
+      {{"expat.h"}, false, {"server/formats"}, "3MF is a file format"},
       {{"minizip/", "zlib.h"},
        false,
        {"server/formats"},

@@ -73,6 +73,12 @@ async function checkFaults(page, base) {
     .getByRole('alert')
     .getByText(/open edge/)
     .waitFor();
+  await page.getByRole('button', { name: 'Close its holes' }).click();
+  await page.getByText('Repaired: closed 1 hole (the longest boundary: 42.4 mm).').waitFor();
+  await page.getByLabel('Unit of its numbers').selectOption('inch');
+  await page.getByText('254.0 × 254.0 × 254.0 mm, from X 0.0', { exact: false }).waitFor();
+  await page.getByText(/^0\.1 mm: .* a motion, up to .*B$/).waitFor();
+  await keep(page, 'lobby-repaired');
   await page.getByLabel('Carve a model').setInputFiles(file('a.step', 'ISO-10303-21;'));
   await page
     .getByRole('alert')

@@ -204,7 +204,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Guides, OfAMeshStockNeedASurfaceToSnapTo) {
   const std::string tetrahedron =
       "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
-  const SceneSource source{.base_folder = {}, .files = {{"t.obj", tetrahedron}}};
+  const SceneSource source{
+      .base_folder = {}, .files = {{"t.obj", tetrahedron}}, .load_mesh = load_mesh};
   const std::string stock = R"({"shape": "mesh", "file": "t.obj"})";
   const auto none = parse_scene(scene_with(R"([{"kind": "snap"}])", stock), source);
   ASSERT_FALSE(none.has_value());

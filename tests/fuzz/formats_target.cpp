@@ -2,9 +2,11 @@
 // Programs, tables, scenes and meshes that people upload.
 #include <string>
 
+#include "kernel/dexel/mesh_stock.h"
 #include "server/formats/gcode/parameter_file.h"
 #include "server/formats/gcode/tool_table.h"
 #include "server/formats/model/mesh_reader.h"
+#include "server/formats/model/repair_mesh.h"
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
 #include "tests/fuzz/targets.h"
@@ -67,15 +69,17 @@ void read_scene(Bytes input) {
 void read_mesh(Bytes input) {
   if (input.empty()) return;
   constexpr MeshFileFormat kFormats[] = {MeshFileFormat::kStl, MeshFileFormat::kPly,
-                                         MeshFileFormat::kObj};
+                                         MeshFileFormat::kObj, MeshFileFormat::k3mf,
+                                         MeshFileFormat::kGlb};
   const auto format = kFormats[std::to_integer<unsigned>(input[0]) % std::size(kFormats)];
-  const auto mesh = kerf::read_mesh(format, input.subspan(1), 100'000);
+  auto mesh = kerf::read_mesh(format, input.subspan(1), 100'000);
   if (!mesh) return;
   for (const auto& triangle : mesh->triangles) {
     for (const std::uint32_t corner : triangle) {
       require(corner < mesh->vertices_mm.size(), "the corners of a triangle exist");
     }
   }
+  if (repair_mesh(*mesh)) require(mesh_stock_fault(*mesh).empty(), "a repaired mesh is closed");
 }
 
 }  // namespace kerf::fuzz

@@ -476,9 +476,18 @@ class Restarts(LiveTest):
         self.server.create("posted", posted)
         self.assertEqual(self.server.info("posted")["stock_volume_mm3"],
                          again["stock_volume_mm3"])
+        leaky = b"v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\n"
+        status, body = self.server.http.json("POST", "/v1/files?name=leaky.obj&repair=1", leaky)
+        self.assertEqual(status, 201, body)
+        self.assertIn("closed 1 hole", body["repaired"])
+        stock = {"shape": "mesh", "file": body["file"], "repair": True}
+        self.server.create("closed", dict(SCENE, name="closed", stock=stock))
+        self.assertAlmostEqual(self.server.info("closed")["stock_volume_mm3"], 9 ** 3 / 6, delta=9)
         for name, sent, code in (("model.ply", model[:-20], "truncated"),
                                  ("model.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
                                   "not_closed"),
+                                 ("model.obj&repair=1", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+                                  "not_repairable"),
                                  ("model.step", model, "bad_name"), ("", model, "bad_name")):
             status, body = self.server.http.json("POST", f"/v1/files?name={name}", sent)
             self.assertEqual((status, body["error"]["code"]), (400, code), body)

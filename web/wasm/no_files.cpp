@@ -6,25 +6,12 @@
 #include "server/formats/accuracy_choice.h"
 #include "server/formats/guide_paths.h"
 #include "server/formats/guide_reader.h"
-#include "server/formats/model/mesh_reader.h"
-#include "server/formats/model/stl_reader.h"
 #include "server/formats/number_text.h"
 #include "server/formats/text_file.h"
 
 namespace kerf {
 
 std::optional<std::string> read_file(const std::filesystem::path&) { return std::nullopt; }
-
-std::optional<MeshFileFormat> mesh_file_format(std::string_view) { return std::nullopt; }
-
-MeshFileResult read_mesh(MeshFileFormat, std::span<const std::byte>, std::uint64_t) {
-  return std::unexpected(MeshFileError{});
-}
-
-std::expected<std::vector<StlTriangle>, MeshFileError> read_stl(std::span<const std::byte>,
-                                                                std::uint64_t) {
-  return std::unexpected(MeshFileError{});
-}
 
 std::expected<AccuracyChoice, AccuracyError> choose_accuracy(const AccuracyRequest&,
                                                              const AccuracyUse&) {

@@ -49,6 +49,10 @@ MeshFileResult read_unmerged(MeshFileFormat format, std::span<const std::byte> b
       return read_ply(bytes, triangles_max);
     case MeshFileFormat::kObj:
       return read_obj({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, triangles_max);
+    case MeshFileFormat::k3mf:
+      return read_threemf(bytes, triangles_max);
+    case MeshFileFormat::kGlb:
+      return read_gltf(bytes, triangles_max);
     case MeshFileFormat::kStl:
       break;
   }
@@ -94,6 +98,8 @@ std::optional<MeshFileFormat> mesh_file_format(std::string_view file_name) {
   if (equal_ignoring_case(extension, "stl")) return MeshFileFormat::kStl;
   if (equal_ignoring_case(extension, "ply")) return MeshFileFormat::kPly;
   if (equal_ignoring_case(extension, "obj")) return MeshFileFormat::kObj;
+  if (equal_ignoring_case(extension, "3mf")) return MeshFileFormat::k3mf;
+  if (equal_ignoring_case(extension, "glb")) return MeshFileFormat::kGlb;
   return std::nullopt;
 }
 

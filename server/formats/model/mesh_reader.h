@@ -16,20 +16,26 @@ namespace kerf {
 /// Default limit of triangles in a mesh file.
 inline constexpr std::uint64_t kMeshTrianglesMax = 20'000'000;
 
-enum class MeshFileFormat { kStl, kPly, kObj };
+enum class MeshFileFormat { kStl, kPly, kObj, k3mf, kGlb };
+/// The extensions as an error lists them.
+inline constexpr const char* kMeshFileNames = ".stl, .ply, .obj, .3mf or .glb";
 /// Returns the format by the extension of a file name, ignoring case; empty for other extensions.
 std::optional<MeshFileFormat> mesh_file_format(std::string_view file_name);
 
 using MeshFileResult = std::expected<TriangleMesh, MeshFileError>;
 
-/// Reads a mesh: STL (binary, ASCII), PLY (ASCII, both byte orders), OBJ. Polygons are split into
-/// fans of triangles; colors, normals, textures and other attributes are ignored. Vertices with
-/// equal coordinates are merged, and triangles with two equal corners are dropped.
+/// Reads a mesh: STL (binary, ASCII), PLY (ASCII, both byte orders), OBJ (8-bit, UTF-16), 3MF,
+/// binary glTF. Coordinates are the file's numbers, in 3MF and GLB mm by the file's unit and +Z up.
+/// Polygons are split into fans of triangles; colors, normals, textures and other attributes are
+/// ignored. Vertices with equal coordinates are merged, and triangles with two equal corners are
+/// dropped.
 MeshFileResult read_mesh(MeshFileFormat format, std::span<const std::byte> bytes,
                          std::uint64_t triangles_max = kMeshTrianglesMax);
 
 /// Read one format without merging vertices.
 MeshFileResult read_ply(std::span<const std::byte> bytes, std::uint64_t triangles_max);
 MeshFileResult read_obj(std::string_view text, std::uint64_t triangles_max);
+MeshFileResult read_threemf(std::span<const std::byte> bytes, std::uint64_t triangles_max);
+MeshFileResult read_gltf(std::span<const std::byte> bytes, std::uint64_t triangles_max);
 
 }  // namespace kerf

@@ -120,9 +120,25 @@ class ObjReader {
   std::optional<MeshFileError> error_;
 };
 
+/// Returns text in UTF-16 with a byte order mark as bytes; empty for other text. Only comments and
+/// names have characters beyond ASCII: each becomes a question mark.
+std::optional<std::string> narrow_text(std::string_view text) {
+  const bool little = text.starts_with("\xff\xfe"), big = text.starts_with("\xfe\xff");
+  if (!little && !big) return std::nullopt;
+  std::string narrow;
+  narrow.reserve(text.size() / 2);
+  for (std::size_t at = 2; at + 1 < text.size(); at += 2) {
+    const char low = text[at + (little ? 0 : 1)], high = text[at + (little ? 1 : 0)];
+    narrow += high == 0 && static_cast<unsigned char>(low) < 0x80 ? low : '?';
+  }
+  return narrow;
+}
+
 }  // namespace
 
 MeshFileResult read_obj(std::string_view text, std::uint64_t triangles_max) {
+  if (const auto narrow = narrow_text(text)) return ObjReader(*narrow, triangles_max).read();
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   return ObjReader(text, triangles_max).read();
 }
 

@@ -137,7 +137,7 @@ class PlyReader {
   }
 
   void read_element(const Element& element) {
-    const bool vertices = element.name == "vertex", faces = element.name == "face";
+    const bool vertices = element.name == "vertex";
     if (element.properties.empty()) return;
     if (vertices) check_vertex(element);
     for (std::uint64_t n = 0; n < element.count && !error_; ++n) {
@@ -145,7 +145,7 @@ class PlyReader {
       Vec3 position;
       for (const Property& property : element.properties) {
         if (property.count_type != nullptr) {
-          read_list(property, faces);
+          read_list(property, element.name);
           continue;
         }
         const double value = number(*property.type);
@@ -171,39 +171,55 @@ class PlyReader {
     }
   }
 
-  void read_list(const Property& property, bool faces) {
+  void read_list(const Property& property, std::string_view element) {
     const double announced = number(*property.count_type);
     if (error_) return;
-    if (!(announced >= 0 && announced <= double(kListMax))) {
+    const bool corners = property.name == "vertex_indices" || property.name == "vertex_index";
+    const bool strips = element == "tristrips" && corners;
+    if (!(announced >= 0 && (strips || announced <= double(kListMax)))) {
       fail(MeshFileErrorCode::kSyntax, place_ + " has a list of invalid length");
       return;
     }
-    const bool corners =
-        faces && (property.name == "vertex_indices" || property.name == "vertex_index");
     list_.clear();
     for (std::uint64_t n = 0; n < std::uint64_t(announced) && !error_; ++n) {
       list_.push_back(number(*property.type));
     }
-    if (corners && !error_) add_face();
+    if (error_) return;
+    if (strips) add_strips();
+    if (element == "face" && corners) add_face();
   }
 
   void add_face() {
+    for (std::size_t c = 2; c < list_.size() && !error_; ++c) {
+      add_triangle(list_[0], list_[c - 1], list_[c]);
+    }
+  }
+
+  /// Adds strips of triangles, as files of the Stanford repository have them: -1 begins the next.
+  void add_strips() {
+    std::size_t first = 0;
+    for (std::size_t c = 0; c < list_.size() && !error_; ++c) {
+      if (list_[c] < 0) first = c + 1;
+      if (c < first + 2) continue;
+      const bool odd = (c - first) % 2 != 0;
+      add_triangle(list_[c - 2], list_[odd ? c : c - 1], list_[odd ? c - 1 : c]);
+    }
+  }
+
+  void add_triangle(double a, double b, double c) {
     const auto count = static_cast<double>(mesh_.vertices_mm.size());
-    for (const double corner : list_) {
+    for (const double corner : {a, b, c}) {
       if (!(corner >= 0 && corner < count && corner == std::floor(corner))) {
         fail(MeshFileErrorCode::kBadIndex, place_ + " has a vertex index out of range");
         return;
       }
     }
-    for (std::size_t c = 2; c < list_.size(); ++c) {
-      if (mesh_.triangles.size() == triangles_max_) {
-        fail(MeshFileErrorCode::kTooLarge,
-             "the file has more than " + std::to_string(triangles_max_) + " triangles, the limit");
-        return;
-      }
-      mesh_.triangles.push_back(
-          {std::uint32_t(list_[0]), std::uint32_t(list_[c - 1]), std::uint32_t(list_[c])});
+    if (mesh_.triangles.size() == triangles_max_) {
+      fail(MeshFileErrorCode::kTooLarge,
+           "the file has more than " + std::to_string(triangles_max_) + " triangles, the limit");
+      return;
     }
+    mesh_.triangles.push_back({std::uint32_t(a), std::uint32_t(b), std::uint32_t(c)});
   }
 
   double number(const Type& type) {

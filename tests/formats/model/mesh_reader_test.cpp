@@ -6,6 +6,7 @@
 
 #include <random>
 
+#include "kernel/dexel/mesh_stock.h"
 #include "server/formats/model/model_writer.h"
 #include "tests/support/carvings.h"
 #include "tests/support/model_files.h"
@@ -79,6 +80,9 @@ TEST(MeshReader, ReadsBackWrittenFiles) {
   EXPECT_EQ(corners(*ascii), corners(*stl));
   EXPECT_EQ(corners(*obj), corners(*stl));
   EXPECT_EQ(corners(*ply), corners(*stl));
+  const auto threemf = read(MeshFileFormat::k3mf, written(ModelFormat::k3mf, ModelEncoding::kXml));
+  ASSERT_TRUE(threemf) << threemf.error().reason;
+  EXPECT_EQ(corners(*threemf), corners(*stl));
   EXPECT_EQ(ply->vertices_mm.size(), stl->vertices_mm.size());
 }
 
@@ -105,10 +109,63 @@ TEST(MeshReader, ReadsForeignPlyAndObj) {
   EXPECT_EQ(read_big->vertices_mm[2], (Vec3{0, 1, 0}));
 }
 
+TEST(MeshReader, ReadsBackWrittenGlb) {
+  const auto stl = read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary));
+  ASSERT_TRUE(stl);
+  for (const ModelEncoding encoding : {ModelEncoding::kFloat, ModelEncoding::kQuantized}) {
+    auto glb = read(MeshFileFormat::kGlb, written(ModelFormat::kGlb, encoding));
+    ASSERT_TRUE(glb) << glb.error().reason;
+    EXPECT_EQ(mesh_stock_fault(*glb), "");
+    const BoxStock box = mesh_bounds(*glb), expected = mesh_bounds(*stl);
+    EXPECT_LT(length(box.min_mm - expected.min_mm), 1e-3);
+    EXPECT_LT(length(box.max_mm - expected.max_mm), 1e-3);
+  }
+  const auto packed =
+      read(MeshFileFormat::kGlb, written(ModelFormat::kGlb, ModelEncoding::kMeshopt));
+  ASSERT_FALSE(packed);
+  EXPECT_EQ(packed.error().code, MeshFileErrorCode::kUnsupported);
+  EXPECT_NE(packed.error().reason.find("EXT_meshopt_compression"), std::string::npos);
+}
+
+TEST(MeshReader, ReadsStripsOfPly) {
+  const std::string head =
+      "ply\ncomment first\nformat ascii 1.0\nelement vertex 6\nproperty float x\n"
+      "property float y\nproperty float z\nelement tristrips 1\n"
+      "property list int int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n";
+  const auto mesh = read(MeshFileFormat::kPly, head + "8 0 1 2 3 -1 3 5 4\n");
+  ASSERT_TRUE(mesh) << mesh.error().reason;
+  const std::vector<std::array<std::uint32_t, 3>> expected{{0, 1, 2}, {1, 3, 2}, {3, 5, 4}};
+  EXPECT_EQ(mesh->triangles, expected);
+  EXPECT_EQ(code_of(MeshFileFormat::kPly, head + "3 0 1 6\n"), MeshFileErrorCode::kBadIndex);
+}
+
+TEST(MeshReader, ReadsObjInUtf16) {
+  const auto plain = read(MeshFileFormat::kObj, kObj);
+  ASSERT_TRUE(plain);
+  for (const bool little : {true, false}) {
+    std::string wide = little ? "\xff\xfe" : "\xfe\xff";
+    const auto put = [&](char high, char low) {
+      wide += little ? low : high;
+      wide += little ? high : low;
+    };
+    put(0, '#');
+    put('\x0a', '\x0a');  // a character of Gurmukhi, whose bytes are line feeds
+    put(0, '\n');
+    for (const char c : kObj) put(0, c);
+    const auto mesh = read(MeshFileFormat::kObj, wide);
+    ASSERT_TRUE(mesh) << mesh.error().reason;
+    EXPECT_EQ(*mesh, *plain);
+  }
+  EXPECT_TRUE(read(MeshFileFormat::kObj, "\xef\xbb\xbf" + kObj));
+}
+
 TEST(MeshReader, DetectsTheFormatByExtension) {
   EXPECT_EQ(mesh_file_format("a/b.STL"), MeshFileFormat::kStl);
   EXPECT_EQ(mesh_file_format("b.ply"), MeshFileFormat::kPly);
   EXPECT_EQ(mesh_file_format("b.stl.obj"), MeshFileFormat::kObj);
+  EXPECT_EQ(mesh_file_format("b.3MF"), MeshFileFormat::k3mf);
+  EXPECT_EQ(mesh_file_format("b.glb"), MeshFileFormat::kGlb);
   EXPECT_FALSE(mesh_file_format("b.step"));
   EXPECT_FALSE(mesh_file_format("stl"));
 }

@@ -31,6 +31,8 @@ export interface UploadedMesh {
   file: string;
   triangles: number;
   box: Box;
+  /** What was repaired in it; '' for nothing. */
+  repaired: string;
 }
 
 function listOf(value: unknown): Json[] {
@@ -87,10 +89,16 @@ export async function closeSession(id: string, forever = false): Promise<void> {
   await ask('DELETE', sessionPath(id) + (forever ? '?purge=1' : ''));
 }
 
-export async function uploadMesh(file: File): Promise<UploadedMesh> {
-  const response = await ask('POST', `/v1/files?name=${encodeURIComponent(file.name)}`, file);
-  const body = (await response.json()) as Json;
-  return { file: String(body['file']), triangles: Number(body['triangles']), box: boxOf(body) };
+/** Stores a mesh; `repair` closes its holes and orients its triangles, as a scene's does. */
+export async function uploadMesh(file: File, repair: boolean): Promise<UploadedMesh> {
+  const query = `name=${encodeURIComponent(file.name)}${repair ? '&repair=1' : ''}`;
+  const body = (await (await ask('POST', `/v1/files?${query}`, file)).json()) as Json;
+  return {
+    file: String(body['file']),
+    triangles: Number(body['triangles']),
+    box: boxOf(body),
+    repaired: String(body['repaired'] ?? ''),
+  };
 }
 
 /** What a program needs; `name` as uploadName gives it. */

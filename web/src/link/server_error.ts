@@ -11,6 +11,8 @@ export class ServerError extends Error {
     readonly status = 0,
     /** Of a scene, e.g. "tools[0].diameter_mm". */
     readonly path = '',
+    /** What kind of error it is, e.g. "not_closed". */
+    readonly code = '',
   ) {
     super(message);
   }
@@ -33,6 +35,7 @@ export async function errorOf(response: Response): Promise<ServerError> {
     textOf(error['word']),
     status,
     textOf(error['path']),
+    textOf(error['code']),
   );
 }
 

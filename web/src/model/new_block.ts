@@ -73,10 +73,20 @@ function toolJson({ id, shape, diameterMm, cornerMm }: ToolChoice): Scene {
   return { id, shape, diameter_mm: diameterMm, ...corner, length_mm: length };
 }
 
+/** Units of the numbers in a model, mm. */
+export const UNITS_MM: Readonly<Record<string, number>> = { mm: 1, cm: 10, m: 1000, inch: 25.4 };
+
+/** Whether the format of a model states no unit. */
+export function lacksUnit(name: string): boolean {
+  return !/\.(3mf|glb)$/i.test(name);
+}
+
 /** A scene whose stock is an uploaded mesh, to be carved by hand. */
-export function meshScene(file: string): Scene {
+export function meshScene(file: string, repaired: boolean, unit: string): Scene {
+  const repair = repaired ? { repair: true } : {};
+  const placement = unit === 'mm' ? {} : { placement: { unit } };
   return {
-    stock: { shape: 'mesh', file },
+    stock: { shape: 'mesh', file, ...repair, ...placement },
     tools: HAND_TOOLS.map(toolJson),
     force: FORCE,
     machine: { kinematics: 'tool-vector' },

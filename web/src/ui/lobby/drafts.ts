@@ -5,6 +5,7 @@
 import { describeProgram, uploadMesh } from '../../link/lobby_requests';
 import type { Template, UploadedMesh } from '../../link/lobby_requests';
 import {
+  lacksUnit,
   meshScene,
   programScene,
   stockFor,
@@ -12,10 +13,11 @@ import {
   targetOf,
   toolsOf,
   toolsText,
+  UNITS_MM,
 } from '../../model/new_block';
 import type { Scene } from '../../model/new_block';
-import { h } from '../dom';
-import { count } from '../format';
+import { h, setText } from '../dom';
+import { count, sentence } from '../format';
 import { uploadName } from '../programs/requests';
 import { duration } from '../programs/texts';
 import { boxTable, toolTable } from './tool_table';
@@ -30,7 +32,7 @@ export interface Draft {
   program: File | null;
 }
 
-export const MESH_ENDINGS = ['.stl', '.ply', '.obj'];
+export const MESH_ENDINGS = ['.stl', '.ply', '.obj', '.3mf', '.glb'];
 export const PROGRAM_ENDINGS = ['.ngc', '.nc', '.tap', '.gcode', '.apt', '.cls'];
 
 function endsIn(name: string, endings: readonly string[]): boolean {
@@ -53,23 +55,39 @@ export function fromTemplate({ title, scene }: Template): Draft {
   };
 }
 
-function meshText({ triangles, box }: UploadedMesh): string {
-  const side = (n: number): string => (box.max[n]! - box.min[n]!).toFixed(1);
-  const place = (n: number): string => box.min[n]!.toFixed(1);
+function meshText({ triangles, box }: UploadedMesh, unitMm: number): string {
+  const side = (n: number): string => ((box.max[n]! - box.min[n]!) * unitMm).toFixed(1);
+  const place = (n: number): string => (box.min[n]! * unitMm).toFixed(1);
   return (
     `${side(0)} × ${side(1)} × ${side(2)} mm, from X ${place(0)} Y ${place(1)} Z ${place(2)}, ` +
-    `${count(triangles)} triangles. Its numbers are taken as millimetres.`
+    `${count(triangles)} triangles.`
   );
 }
 
-async function fromMesh(file: File): Promise<Draft> {
-  const mesh = await uploadMesh(file);
-  const scene = meshScene(mesh.file);
+function unitChoice(): HTMLSelectElement {
+  const options = Object.keys(UNITS_MM).map((unit) => h('option', { value: unit }, unit));
+  return h('select', { class: 'text-input' }, ...options);
+}
+
+async function fromMesh(file: File, changed: () => void, repair: boolean): Promise<Draft> {
+  const mesh = await uploadMesh(file, repair);
+  const unit = unitChoice();
+  const text = h('p', {}, meshText(mesh, 1));
+  unit.addEventListener('change', () => {
+    setText(text, meshText(mesh, UNITS_MM[unit.value]!));
+    changed();
+  });
+  const element = h('div', {}, text);
+  if (mesh.repaired !== '') element.append(h('p', {}, sentence(`Repaired: ${mesh.repaired}`)));
+  if (lacksUnit(file.name)) {
+    const name = h('span', { class: 'field-name' }, 'Unit of its numbers');
+    element.append(h('label', { class: 'field' }, name, unit));
+  }
   return {
     name: nameOf(file),
     targetMm: null,
-    element: h('p', {}, meshText(mesh)),
-    scene: () => scene,
+    element,
+    scene: () => meshScene(mesh.file, repair, unit.value),
     program: null,
   };
 }
@@ -95,9 +113,12 @@ async function fromProgram(file: File, changed: () => void): Promise<Draft> {
   };
 }
 
-/** Reads a file as model or program; `changed` is called when its part of the form is edited. */
-export function fromFile(file: File, changed: () => void): Promise<Draft> {
-  if (endsIn(file.name, MESH_ENDINGS)) return fromMesh(file);
+/**
+ * Reads a file as model or program; `changed` is called when its part of the form is edited.
+ * `repair` closes the holes of a model.
+ */
+export function fromFile(file: File, changed: () => void, repair: boolean): Promise<Draft> {
+  if (endsIn(file.name, MESH_ENDINGS)) return fromMesh(file, changed, repair);
   if (endsIn(file.name, PROGRAM_ENDINGS)) return fromProgram(file, changed);
   const known = [...MESH_ENDINGS, ...PROGRAM_ENDINGS].join(', ');
   return Promise.reject(new Error(`${file.name} cannot be read: its name must end in ${known}`));

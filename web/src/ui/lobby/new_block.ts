@@ -66,7 +66,7 @@ export class NewBlock {
         'div',
         { class: 'drops' },
         this.drop_('Run an NC program', 'Drop or choose G-code or APT', PROGRAM_ENDINGS),
-        this.drop_('Carve a model', 'Drop or choose STL, PLY or OBJ', MESH_ENDINGS),
+        this.drop_('Carve a model', 'Drop or choose STL, 3MF, GLB, PLY or OBJ', MESH_ENDINGS),
       ),
       h('p', { class: 'quiet' }, 'or begin with'),
       this.choices_,
@@ -139,13 +139,13 @@ export class NewBlock {
     });
   }
 
-  private async read_(file: File): Promise<void> {
+  private async read_(file: File, repair = false): Promise<void> {
     this.press_(null);
     this.form_.hidden = true;
     this.tell_('');
     const reading = ++this.reading_;
     try {
-      const draft = await fromFile(file, () => this.changed_());
+      const draft = await fromFile(file, () => this.changed_(), repair);
       if (reading === this.reading_) this.show_(draft);
     } catch (problem) {
       if (reading === this.reading_) await this.tellFault_(file, problem as Error);
@@ -209,10 +209,18 @@ export class NewBlock {
     }
   }
 
-  /** Tells what is wrong with a file, and shows the line. */
+  private repairButton_(file: File): HTMLElement {
+    const button = h('button', { type: 'button', class: 'button' }, 'Close its holes');
+    button.addEventListener('click', () => void this.read_(file, true));
+    return button;
+  }
+
+  /** Tells what is wrong with a file, shows the line, and offers to repair a model. */
   private async tellFault_(file: File, problem: Error): Promise<void> {
     this.tell_(sentence(problem.message));
-    if (!(problem instanceof ServerError) || problem.line === 0) return;
+    if (!(problem instanceof ServerError)) return;
+    if (problem.code === 'not_closed') this.fault_.append(this.repairButton_(file));
+    if (problem.line === 0) return;
     const line = (await file.text()).split('\n')[problem.line - 1]?.trim() ?? '';
     this.fault_.append(h('code', {}, `${problem.line}: ${line.slice(0, LINE_CHARACTERS_MAX)}`));
   }

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <expected>
+#include <string>
+
+#include "kernel/dexel/triangle_mesh.h"
+
+namespace kerf {
+
+/// What repair_mesh changed.
+struct MeshRepair {
+  std::size_t vertices_joined = 0;
+  std::size_t triangles_dropped = 0;  ///< without area, or stated twice
+  std::size_t triangles_turned = 0;   ///< against most of their shell
+  std::size_t shells_turned = 0;      ///< that were inside out
+  std::size_t holes_closed = 0;
+  double longest_hole_mm = 0;  ///< length of the longest boundary that was closed
+  friend bool operator==(const MeshRepair&, const MeshRepair&) = default;
+};
+/// Returns a repair as one clause, e.g. "closed 2 holes (the longest boundary: 12.3 mm), turned 1
+/// shell"; empty if nothing was changed.
+std::string to_string(const MeshRepair& repair);
+
+/// Makes a mesh bound a solid (mesh_stock_fault), by this rule. A mesh that does so already is left
+/// as it is.
+///   1. Vertices on open edges are joined to others that are closer than 1e-5 of the mesh's
+///      diagonal.
+///   2. Triangles without area are dropped, and those stated repeatedly, except one; pairs that
+///      face each other are dropped whole.
+///   3. A shell is what is connected across edges of exactly two triangles. Inside a shell all
+///      triangles are oriented as the larger part of its area is.
+///   4. Every boundary of a shell is closed by triangles to the mean point of its edges.
+///   5. A shell is turned if its volume is negative, unless it is a cavity: it lies inside another
+///      shell, and step 3 changed nothing in it.
+/// Equal meshes give equal bytes. Errors, as one clause: a shell with one side only (a Moebius
+/// strip), no enclosed volume, more shells in one another than a bounded time allows to compare.
+std::expected<MeshRepair, std::string> repair_mesh(TriangleMesh& mesh);
+
+}  // namespace kerf
