@@ -85,6 +85,10 @@ void LocalModel::take_cut(const ServerWrench& answer, const PastGrip& then) noex
   trend_.take(then.path_mm, strength, kept);
 }
 
+Vec3 LocalModel::arm(const PastGrip& now) const noexcept {
+  return rotated(arm_mm_, between(then_.grip, now.grip).angular);
+}
+
 Wrench LocalModel::cut(const PastGrip& now, double& rendered) const noexcept {
   rendered = 1;
   const double answered_n = length(cut_.force_n);
@@ -94,11 +98,14 @@ Wrench LocalModel::cut(const PastGrip& now, double& rendered) const noexcept {
   const Vec3 turn = turn_between(then_.heading, now.heading);
   const double cosine = dot(then_.heading, now.heading) / (length_now * length_then);
   const double kept = std::clamp((cosine - kNoneCos) / (kFullCos - kNoneCos), 0.0, 1.0);
-  const Vec3 arm = rotated(arm_mm_, between(then_.grip, now.grip).angular);
+  const Vec3 arm = this->arm(now);
 
   double newtons = trend_.at(now.path_mm);
   if (settings_.law == CutLaw::kRemovalRate) {
-    if (newtons > settings_.max_damping) rendered = settings_.max_damping / newtons;
+    ContactLimits limits = settings_.contact;
+    limits.max_damping = settings_.max_damping;
+    const double most = gains_across(limits, arm).damping;
+    if (newtons > most) rendered = most / newtons;
     newtons *= length(now.velocity.at(arm));
   }
   newtons *= kept * std::min(1.0, length_now / length_then);
@@ -127,12 +134,15 @@ Wrench LocalModel::at(const PastGrip& now, bool cutting, double dt_s) noexcept {
   computed_ = stock_.computed() + obstacles_.computed();
   if (!cutting) {
     in_band_ = {};
+    coupling_.release(now);
     return touched;
   }
   double rendered = 1;
   const Wrench cutting_wrench = cut(now, rendered);
   computed_ = computed_ + cutting_wrench;
-  return touched + within_band(cutting_wrench * rendered, dt_s);
+  // The law of a damper is limited by itself.
+  if (settings_.law == CutLaw::kRemovalRate) return touched + cutting_wrench * rendered;
+  return touched + coupling_.at(within_band(cutting_wrench, dt_s), arm(now), now, dt_s);
 }
 
 }  // namespace kerf::agent

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "haptic_agent/servo/contact_model.h"
+#include "haptic_agent/servo/cut_coupling.h"
 #include "haptic_agent/servo/engagement_trend.h"
 #include "haptic_agent/servo/grip_history.h"
 
@@ -35,7 +36,8 @@ class LocalModel {
   explicit LocalModel(const ModelSettings& settings) noexcept
       : settings_(settings),
         stock_(settings.contact, wire::kContactStock),
-        obstacles_(settings.contact, wire::kContactObstacle) {}
+        obstacles_(settings.contact, wire::kContactObstacle),
+        coupling_(settings.contact) {}
 
   /// Takes an answer of the server. `then`: the grip when the answered pose was measured. If the
   /// replica has already answered a newer pose, only the obstacles of this answer are used.
@@ -56,12 +58,15 @@ class LocalModel {
  private:
   /// Returns the cutting wrench as computed; `rendered` is the share that the device can render.
   Wrench cut(const PastGrip& now, double& rendered) const noexcept;
+  /// Returns the arm from the pivot to the middle of the cut.
+  Vec3 arm(const PastGrip& now) const noexcept;
   Wrench within_band(const Wrench& cutting, double dt_s) noexcept;
   void take_stock(const ServerWrench& answer, const PastGrip& then, const PastGrip& now) noexcept;
   void take_cut(const ServerWrench& answer, const PastGrip& then) noexcept;
 
   ModelSettings settings_;
   ContactModel stock_, obstacles_;
+  CutCoupling coupling_;
   EngagementTrend trend_;
   /// Cutting wrench of the newest answer.
   Wrench cut_;

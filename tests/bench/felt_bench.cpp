@@ -3,20 +3,26 @@
 // against what the server computes: the real session and servo in virtual time, the programs of
 // kerf-demo and the figure that `--device sim` carves.
 //
-//   felt_bench [seconds=60]
+//   felt_bench [seconds=60]          every scene, then cuts by hands that yield
+//   felt_bench hands                 the latter only
 //
 // Means and maxima of the magnitudes, felt of computed; error: rms of the difference of the vectors
 // over rms of the computed one, which the server computes for the pose of that tick alone. reduced:
 // share of the ticks with a force in which the device outputs less than 95 % of what the agent's
-// own replica computes.
+// own replica computes. chatter: rms of the tip's velocity less that of the hand's target, of which
+// up to 14 mm/s is how the hand yields to 1 N that turns along the circle.
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
 
+#include "tests/agent/stability/held_cut.h"
 #include "tests/agent/stability/shipped_scenes.h"
 
-int main(int argc, char** argv) {
-  using namespace kerf::agent;
-  const double seconds = argc > 1 ? std::atof(argv[1]) : 60;
+namespace {
+
+using namespace kerf::agent;
+
+void print_scenes(double seconds) {
   std::printf("%-36s %-8s %18s %18s %6s %20s %20s %6s %8s %5s\n", "scene", "path", "mean force N",
               "max force N", "error", "mean torque N mm", "max torque N mm", "error", "reduced",
               "trips");
@@ -35,5 +41,46 @@ int main(int argc, char** argv) {
         static_cast<unsigned long long>(feel.trips));
     std::fflush(stdout);
   }
+}
+
+/// What acts on hands that yield, as they cut a slot along a line and a circle.
+void print_hands(bool mechanistic, double newtons, double mm_per_s) {
+  std::printf("\n%s, %.0f N, %.0f mm/s\n%-8s %8s %8s %8s %18s %7s %7s %14s %6s %6s\n",
+              mechanistic ? "mechanistic" : "specific_energy", newtons, mm_per_s, "latency", "kg",
+              "kg m2", "N/mm", "mean force N", "error", "torque", "chatter mm/s", "mJ", "trips");
+  const auto row = [=](const PlantMechanics& hand) {
+    const HeldCutOutcome cut = cut_by_hand(
+        {.mechanics = hand, .newtons = newtons, .mm_per_s = mm_per_s, .mechanistic = mechanistic});
+    std::printf("%5.0f ms %8.2f %8.0e %8.1f %8.2f of %6.2f %6.1f%% %6.1f%% %14.1f %6.2f %6llu\n",
+                static_cast<double>(hand.latency_us) / 1000, hand.mass_kg, hand.inertia_kg_m2,
+                hand.hand_n_per_mm, cut.force.felt_mean(), cut.force.computed_mean(),
+                100 * cut.force.error(), 100 * cut.torque.error(), cut.chatter_mm_per_s,
+                cut.returned_mj, static_cast<unsigned long long>(cut.trips));
+    std::fflush(stdout);
+  };
+  for (const std::uint64_t latency_us : {0U, 1000U, 3000U}) {
+    for (const double inertia_kg_m2 : {1e-5, 3e-5, 2e-4}) {
+      for (const double mass_kg : {0.05, 0.3}) {
+        for (const double n_per_mm : {0.5, 2.0}) {
+          row({.mass_kg = mass_kg,
+               .inertia_kg_m2 = inertia_kg_m2,
+               .hand_n_per_mm = n_per_mm,
+               .hand_nmm_per_rad = 670 * n_per_mm,
+               .latency_us = latency_us});
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string_view part = argc > 1 ? argv[1] : "60";
+  if (part != "hands") print_scenes(std::atof(part.data()));
+  print_hands(false, 1, 20);
+  print_hands(true, 1, 20);
+  print_hands(false, 1, 5);
+  print_hands(false, 3, 20);
   return 0;
 }

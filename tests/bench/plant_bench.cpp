@@ -3,7 +3,8 @@
 // the wrench that acts, which is the one written a latency ago.
 //
 //   plant_bench [all | traces] [TRACES]                            default: all, 100000
-//   plant_bench surfaces | guides [MS]                             one latency, or each
+//   plant_bench surfaces [0 | 1 | 2 | 3]                           one latency, ms, or each
+//   plant_bench guides [0 | 3]
 //
 // The parts can be run separately, each for minutes; the latencies of a table at the same time.
 //
@@ -21,6 +22,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <span>
+#include <string>
 #include <string_view>
 
 #include "tests/agent/servo/adversary.h"
@@ -31,6 +34,9 @@ namespace {
 using namespace kerf::agent;
 
 constexpr double kMostBuzz = 5;
+/// Latencies of the rows, ms.
+constexpr int kSurfaceMs[] = {0, 1, 2, 3};
+constexpr int kGuideMs[] = {0, 3};
 constexpr double kTankMj = PassivitySettings{}.tank_mj;
 
 struct Worst {
@@ -98,28 +104,25 @@ bool contact_table(bool surfaces, bool guides, int only_ms) {
   bool holds = true;
   std::printf("%-26s %6s %14s %20s %6s\n", "latency ms", "runs", "mJ returned", "rms mm/s at rest",
               "trips");
-  const auto row = [](const char* name, const Worst& worst) {
-    std::printf("%-26s %6d %14.2f %20.2f %6llu\n", name, worst.runs, worst.returned_mj,
+  const auto row = [](const std::string& name, const Worst& worst) {
+    std::printf("%-26s %6d %14.2f %20.2f %6llu\n", name.c_str(), worst.runs, worst.returned_mj,
                 worst.buzz_mm_per_s, static_cast<unsigned long long>(worst.trips));
     std::fflush(stdout);
   };
-  const auto runs = [only_ms](std::uint64_t latency_us) {
-    return only_ms < 0 || latency_us == static_cast<std::uint64_t>(only_ms) * 1000;
-  };
-  for (const std::uint64_t latency_us : {0U, 1000U, 2000U, 3000U}) {
-    if (!surfaces || !runs(latency_us)) continue;
-    const Worst worst = press_all(latency_us, false);
-    char name[32];
-    std::snprintf(name, sizeof name, "%llu", static_cast<unsigned long long>(latency_us / 1000));
-    row(name, worst);
+  const auto runs = [only_ms](int ms) { return only_ms < 0 || ms == only_ms; };
+  const auto us = [](int ms) { return static_cast<std::uint64_t>(ms) * 1000; };
+  for (const int ms : kSurfaceMs) {
+    if (!surfaces || !runs(ms)) continue;
+    const Worst worst = press_all(us(ms), false);
+    row(std::to_string(ms), worst);
     holds = holds && worst.returned_mj <= kTankMj && worst.buzz_mm_per_s <= kMostBuzz;
   }
   if (surfaces && only_ms < 0) row("3, but none declared", press_all(3000, true));
   if (surfaces && only_ms < 0) row("3, no limit from inertia", press_all(3000, false, true));
-  for (const std::uint64_t latency_us : {0U, 3000U}) {
-    if (!guides || !runs(latency_us)) continue;
-    const Worst worst = press_guides(latency_us);
-    row(latency_us == 0 ? "0, guides" : "3, guides", worst);
+  for (const int ms : kGuideMs) {
+    if (!guides || !runs(ms)) continue;
+    const Worst worst = press_guides(us(ms));
+    row(std::to_string(ms) + ", guides", worst);
     holds = holds && worst.returned_mj <= kTankMj && worst.buzz_mm_per_s <= kMostBuzz;
   }
   return holds;
@@ -156,9 +159,13 @@ int main(int argc, char** argv) {
   const std::string_view part = argc > 1 ? argv[1] : "all";
   const int number = argc > 2 ? std::atoi(argv[2]) : -1;
   const auto runs = [&](std::string_view name) { return part == "all" || part == name; };
-  if (!runs("surfaces") && !runs("guides") && !runs("traces")) {
+  const bool of_latency = part == "surfaces" || part == "guides";
+  const std::span<const int> rows = part == "guides" ? std::span<const int>(kGuideMs) : kSurfaceMs;
+  const bool has_rows = number < 0 || std::ranges::find(rows, number) != rows.end();
+  if ((!of_latency && part != "all" && part != "traces") || (of_latency && !has_rows)) {
     std::fprintf(stderr,
-                 "plant_bench [all | traces] [TRACES]\nplant_bench surfaces | guides [MS]\n");
+                 "plant_bench [all | traces] [TRACES]\nplant_bench surfaces [0 | 1 | 2 | 3]\n"
+                 "plant_bench guides [0 | 3]\n");
     return 2;
   }
   bool holds = true;

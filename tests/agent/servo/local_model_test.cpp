@@ -166,6 +166,18 @@ TEST(LocalModel, RemovalRateLawIsADamperWithinTheDeviceLimit) {
   EXPECT_NEAR(rendered.torque_nmm.y, factor * model.computed().torque_nmm.y, 1e-9);
 }
 
+TEST(LocalModel, RemovalRateLawIsAWeakerDamperOnAPenThatTurnsEasily) {
+  const auto rendered_n = [](double inertia_kg_m2) {
+    LocalModel model(
+        {.law = CutLaw::kRemovalRate, .contact = {.mass_kg = 0.1, .inertia_kg_m2 = inertia_kg_m2}});
+    const PastGrip now = move_along_x(start(), 200);
+    model.take(cut_of(now, 0.9), now, now);
+    return -model.at(now, true, kDt).force_n.x;
+  };
+  EXPECT_NEAR(rendered_n(1), 0.83, 0.01) << "half of 0.1 kg / 3 ms, at 50 mm/s";
+  EXPECT_LT(rendered_n(1e-5), 0.05);
+}
+
 TEST(LocalModel, TorqueNotDueToTheCutCenterIsKept) {
   LocalModel model({});
   const PastGrip now = move_along_x(start(), 200);

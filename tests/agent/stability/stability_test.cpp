@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/agent/stability/experiments.h"
+#include "tests/agent/stability/held_cut.h"
 #include "tests/agent/stability/shipped_scenes.h"
 
 namespace kerf::agent {
@@ -73,6 +74,30 @@ TEST(Stability, PressedToolBuzzesIfTheDeviceDeclaresNoLatency) {
     worst = std::max(worst, press(p).buzz_mm_per_s);
   }
   EXPECT_GT(worst, 10);
+}
+
+HeldCut held(double mass_kg, double inertia_kg_m2, double n_per_mm, std::uint64_t latency_us) {
+  return {.mechanics = {.mass_kg = mass_kg,
+                        .inertia_kg_m2 = inertia_kg_m2,
+                        .hand_n_per_mm = n_per_mm,
+                        .hand_nmm_per_rad = 670 * n_per_mm,
+                        .latency_us = latency_us}};
+}
+
+TEST(Stability, HandsThatYieldFeelTheCutAsItIs) {
+  HeldCut milling = held(0.05, 1e-5, 2, 0);
+  milling.mechanistic = true;
+  for (const HeldCut& cut : {held(0.05, 1e-5, 2, 0), held(0.05, 2e-4, 0.5, 0),
+                             held(0.05, 1e-5, 2, 1000), held(0.3, 2e-4, 0.5, 3000), milling}) {
+    const HeldCutOutcome outcome = cut_by_hand(cut);
+    const std::string which = std::to_string(cut.mechanics.mass_kg) + " kg, " +
+                              std::to_string(cut.mechanics.inertia_kg_m2) + " kg m2";
+    EXPECT_LE(outcome.force.error(), 0.05) << which;
+    EXPECT_LE(outcome.torque.error(), 0.05) << which;
+    EXPECT_LE(outcome.returned_mj, 0.1) << which;
+    EXPECT_EQ(outcome.trips, 0U) << which;
+    EXPECT_GT(outcome.force.computed_mean(), 0.6) << which << ": the test requires a cut";
+  }
 }
 
 TEST(Stability, EveryGuideIsPassiveAndRestsAtAnyLatencyOfTheDevice) {

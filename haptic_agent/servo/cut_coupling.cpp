@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptic_agent/servo/cut_coupling.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::agent {
+namespace {
+
+constexpr double kTickS = 0.001;
+/// Time constants of the high passes, 16 Hz, of the means of power and squares, and of the earlier
+/// mean with which trembling is compared.
+constexpr double kFastS = 0.01;
+constexpr double kMeanS = 0.015;
+constexpr double kEarlierS = 0.03;
+/// Ratio to the earlier mean square from which on trembling grows.
+constexpr double kGrows = 1.2;
+/// Speed below which trembling counts little, mm/s: encoders of a few micrometers tremble as fast.
+constexpr double kLeastSpeed = 1;
+/// Share of the power from which on a force counts as driving. A force that is a quarter of a
+/// period late has none; noise has less than this.
+constexpr double kDriven = 0.2;
+/// Time in which the compliance grows by a factor e where the force only drives, and in which it
+/// falls by it.
+constexpr double kGrowS = 0.01;
+constexpr double kFallS = 0.5;
+/// The heading with which the force turns follows over this share of the force's own path: over a
+/// longer one, it would be late for a circle; over none, it would tremble with the tool.
+constexpr double kHeadingShare = 0.5;
+/// Aside, the force follows by 1 / c, and its heading by two more: what the device renders stably
+/// may be shared among them.
+constexpr double kStiffnesses = 1 + 1 / kHeadingShare;
+/// Length below which a heading has no direction: the tool turned back.
+constexpr double kLeastHeading = 0.5;
+
+double part_of(double dt_s, double time_s) noexcept { return 1 - std::exp(-dt_s / time_s); }
+
+}  // namespace
+
+ContactGains gains_across(const ContactLimits& limits, Vec3 arm_mm) noexcept {
+  const Vec3 other = std::abs(arm_mm.x) < std::abs(arm_mm.y) ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 normal = cross(arm_mm, other);
+  const double size = length(normal);
+  return stable_gains(limits, limits.max_stiffness, arm_mm, size > 0 ? normal * (1 / size) : other,
+                      1);
+}
+
+Vec3 Trembling::Fast::take(Vec3 value, double part) noexcept {
+  mean = mean + (value - mean) * part;
+  const Vec3 rest = value - mean;
+  mean_of_rest = mean_of_rest + (rest - mean_of_rest) * part;
+  return rest - mean_of_rest;
+}
+
+void Trembling::take(Vec3 force_n, Vec3 moved_mm, double dt_s) noexcept {
+  if (!(dt_s > 0)) return;
+  const double fast = part_of(dt_s, kFastS), mean = part_of(dt_s, kMeanS);
+  const Vec3 force = force_.take(force_n, fast);
+  const Vec3 velocity = velocity_.take(moved_mm * (1 / dt_s), fast);
+  power_ += (dot(force, velocity) - power_) * mean;
+  force_square_ += (dot(force, force) - force_square_) * mean;
+  speed_square_ += (dot(velocity, velocity) - speed_square_) * mean;
+  earlier_square_ += (speed_square_ - earlier_square_) * part_of(dt_s, kEarlierS);
+}
+
+double Trembling::driven() const noexcept {
+  const double most = std::sqrt(force_square_ * (speed_square_ + kLeastSpeed * kLeastSpeed));
+  return most > 0 ? power_ / most : 0;
+}
+
+bool Trembling::grows() const noexcept { return speed_square_ > kGrows * earlier_square_; }
+
+double Trembling::compliance() const noexcept {
+  return force_square_ > 0 ? kFastS * std::sqrt(speed_square_ / force_square_) : 0;
+}
+
+CutCoupling::CutCoupling(const ContactLimits& limits) noexcept : limits_(limits) {
+  const double ticks = std::round(limits.force_delay_s / kTickS) - 1;
+  latency_ticks_ = static_cast<std::size_t>(std::clamp(ticks, 0.0, kKept - 1.0));
+}
+
+void CutCoupling::adapt(Vec3 moved_mm, Vec3 arm_mm, double dt_s) noexcept {
+  trembling_.take(forces_[(newest_ + kKept - latency_ticks_) % kKept], moved_mm, dt_s);
+  compliance_ *= std::exp(-dt_s / kFallS);
+  const double driven = (trembling_.driven() - kDriven) / (1 - kDriven);
+  if (!(driven > 0) || !trembling_.grows()) return;
+  compliance_ += (compliance_ + trembling_.compliance()) * driven * dt_s / kGrowS;
+  compliance_ = std::min(compliance_, kStiffnesses / gains_across(limits_, arm_mm).stiffness);
+}
+
+/// Returns the rotation of the heading over this displacement.
+Vec3 CutCoupling::turn(Vec3 moved_mm, double memory_mm) noexcept {
+  const Vec3 before = heading_;
+  const double over_mm = kHeadingShare * memory_mm + length(moved_mm);
+  if (!(length(moved_mm) > 0)) return {};
+  heading_ = (heading_ * (kHeadingShare * memory_mm) + moved_mm) * (1 / over_mm);
+  if (length(before) < kLeastHeading || length(heading_) < kLeastHeading) return {};
+  const Vec3 normal = cross(before, heading_);
+  const double sine = length(normal);
+  return sine > 0 ? normal * (std::atan2(sine, dot(before, heading_)) / sine) : Vec3{};
+}
+
+void CutCoupling::remember(Vec3 force_n) noexcept {
+  newest_ = (newest_ + 1) % kKept;
+  forces_[newest_] = force_n;
+}
+
+Wrench CutCoupling::at(const Wrench& target, Vec3 arm_mm, const PastGrip& now,
+                       double dt_s) noexcept {
+  const Vec3 moved = has_grip_ ? between(grip_, now.grip).at(arm_mm) : Vec3{};
+  grip_ = now.grip;
+  has_grip_ = true;
+  adapt(moved, arm_mm, dt_s);
+
+  const double newtons = std::max(length(rendered_.force_n), length(target.force_n));
+  const double memory_mm = newtons * compliance_;
+  const Vec3 turned = turn(moved, memory_mm);
+  const double part = memory_mm > 0 ? 1 - std::exp(-length(moved) / memory_mm) : 1;
+  const Wrench about_middle{target.force_n, target.torque_nmm - cross(arm_mm, target.force_n)};
+  const Wrench before{rotated(rendered_.force_n, turned), rotated(rendered_.torque_nmm, turned)};
+  rendered_ = before + (about_middle - before) * part;
+  remember(rendered_.force_n);
+  if (part == 1) return target;
+  Vec3 torque = rendered_.torque_nmm + cross(arm_mm, rendered_.force_n);
+  torque = torque - now.grip.axis * dot(torque, now.grip.axis);
+  return {rendered_.force_n, torque};
+}
+
+void CutCoupling::release(const PastGrip& now) noexcept {
+  grip_ = now.grip;
+  has_grip_ = true;
+  rendered_ = {};
+  remember({});
+}
+
+}  // namespace kerf::agent

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "haptic_agent/servo/contact_model.h"
+#include "haptic_agent/servo/grip_history.h"
+
+namespace kerf::agent {
+
+/// Returns the gains of a contact across the arm from pivot to cut, where a push moves least mass.
+ContactGains gains_across(const ContactLimits& limits, Vec3 arm_mm) noexcept;
+
+/// Watches whether a force drives the trembling of a point or brakes it. Trembling: what varies
+/// faster than a hand moves willingly, above about 16 Hz.
+class Trembling {
+ public:
+  /// Takes the force that acted over the last `dt_s`, and the displacement in that time.
+  void take(Vec3 force_n, Vec3 moved_mm, double dt_s) noexcept;
+  /// Mean power over what force and speed could have at most, -1 (brakes) to 1 (drives). Trembling
+  /// of less than about 1 mm/s counts little.
+  double driven() const noexcept;
+  /// Whether it has become stronger over the last hundredths of a second.
+  bool grows() const noexcept;
+  /// Displacement over force, rms, mm/N.
+  double compliance() const noexcept;
+
+ private:
+  /// What varies fast of a vector: two high passes of first order.
+  struct Fast {
+    Vec3 mean{}, mean_of_rest{};
+    Vec3 take(Vec3 value, double part) noexcept;
+  };
+  Fast force_, velocity_;
+  double power_ = 0, force_square_ = 0, speed_square_ = 0, earlier_square_ = 0;
+};
+
+/// Couples the device to the force of a cut as softly as the hand requires.
+///
+/// A cut opposes the motion at any speed, so it brakes every trembling of the tool. Rendered late,
+/// the force of a tool that trembles in a hand that yields may drive it instead: it chatters. No
+/// chatter can last unless the force drives it. So the power that the force puts into the trembling
+/// is measured; while it is positive and the trembling grows, the compliance c grows, mm/N, and the
+/// rendered wrench F follows the computed one over F c of the path of the tool, as if through an
+/// elastic tool of stiffness 1 / c, after it was turned with the heading. Otherwise c falls slowly.
+/// In a hand that does not yield it is zero, and the wrench is the computed one. At most, it is as
+/// soft as the device alone renders it stably (stable_gains). All components of the wrench are
+/// scaled and turned together.
+class CutCoupling {
+ public:
+  explicit CutCoupling(const ContactLimits& limits) noexcept;
+
+  /// Returns the wrench to render instead of `target` at the newest grip, `dt_s` after the last.
+  /// `arm_mm`: from the pivot to the middle of the cut.
+  Wrench at(const Wrench& target, Vec3 arm_mm, const PastGrip& now, double dt_s) noexcept;
+  /// Forgets the force of the cut; call it in each tick without one.
+  void release(const PastGrip& now) noexcept;
+  double compliance_mm_per_n() const noexcept { return compliance_; }
+
+ private:
+  void adapt(Vec3 moved_mm, Vec3 arm_mm, double dt_s) noexcept;
+  Vec3 turn(Vec3 moved_mm, double memory_mm) noexcept;
+  void remember(Vec3 force_n) noexcept;
+
+  static constexpr std::size_t kKept = 32;
+
+  ContactLimits limits_;
+  double compliance_ = 0;
+  Trembling trembling_;
+  /// About the middle of the cut.
+  Wrench rendered_;
+  /// As LocalModel::heading, over the path over which the force follows.
+  Vec3 heading_{};
+  Grip grip_{};
+  bool has_grip_ = false;
+  /// The last forces; the one that acted was rendered `latency_ticks_` before the newest.
+  std::array<Vec3, kKept> forces_{};
+  std::size_t newest_ = 0, latency_ticks_ = 0;
+};
+
+}  // namespace kerf::agent

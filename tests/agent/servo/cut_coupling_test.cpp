@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptic_agent/servo/cut_coupling.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerf::agent {
+namespace {
+
+constexpr double kTickS = 0.001;
+constexpr double kPi = std::numbers::pi;
+const Vec3 kArm{0, 0, -60};
+
+/// The mean share of the power of a force that leads the trembling by `lead_rad`.
+double driven(double hz, double mm_per_s, double lead_rad) {
+  Trembling trembling;
+  double sum = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double angle = 2 * kPi * hz * kTickS * i;
+    trembling.take({std::cos(angle + lead_rad), 0, 0}, {mm_per_s * kTickS * std::cos(angle), 0, 0},
+                   kTickS);
+    if (i >= 1000) sum += trembling.driven() / 1000;
+  }
+  return sum;
+}
+
+TEST(Trembling, IsDrivenByTheCosineOfTheForcesPhase) {
+  for (const double hz : {20.0, 50.0, 125.0}) {
+    for (int eighth = 0; eighth < 8; ++eighth) {
+      EXPECT_NEAR(driven(hz, 30, eighth * kPi / 4), std::cos(eighth * kPi / 4), 0.02) << hz;
+    }
+  }
+}
+
+TEST(Trembling, NeitherWillingNorTinyMotionCounts) {
+  EXPECT_LT(driven(1, 30, 0), 0.15) << "a hand that swings once per second";
+  EXPECT_LT(driven(50, 0.1, 0), 0.15) << "noise of an encoder";
+}
+
+/// A device; `force_delay_s` of none is one tick.
+ContactLimits pen(double inertia_kg_m2, double latency_s = 0) {
+  return {.mass_kg = 0.1,
+          .inertia_kg_m2 = inertia_kg_m2,
+          .force_delay_s = latency_s + 0.001,
+          .velocity_delay_s = latency_s + 0.003};
+}
+
+/// A tool that moves along x at 30 mm/s and trembles along y, with a cut of 1.5 N that turns with
+/// the tremor: against it, or some time after.
+struct Cutting {
+  explicit Cutting(const ContactLimits& limits) : coupling(limits) {}
+
+  /// The tremor doubles in `doubles_s`, up to 20 mm/s.
+  void tremble(int ticks, double late_s, double doubles_s = 0.02) {
+    for (int i = 0; i < ticks; ++i) {
+      const auto velocity = [this](double at_s) {
+        return Vec3{30, mm_per_s * std::cos(2 * kPi * 50 * at_s), 0};
+      };
+      time_s += kTickS;
+      mm_per_s = std::min(20.0, mm_per_s * std::exp2(kTickS / doubles_s));
+      move(velocity(time_s) * kTickS, velocity(time_s - late_s));
+    }
+  }
+  void move(Vec3 step, Vec3 against) {
+    now.grip.pivot_mm = now.grip.pivot_mm + step;
+    const Vec3 force = against * (-1.5 / length(against));
+    computed = {force, cross(kArm, force)};
+    felt = coupling.at(computed, kArm, now, kTickS);
+    most_computed_n = std::max(most_computed_n, std::abs(computed.force_n.y));
+    most_felt_n = std::max(most_felt_n, std::abs(felt.force_n.y));
+  }
+
+  CutCoupling coupling;
+  PastGrip now{};
+  Wrench computed, felt;
+  double time_s = 0, mm_per_s = 0.02, most_computed_n = 0, most_felt_n = 0;
+};
+
+TEST(CutCoupling, WithoutTremblingTheForceIsTheComputedOne) {
+  Cutting tool(pen(1e-5));
+  for (int i = 0; i < 3000; ++i) {
+    const double angle = i / 1000 * kPi / 2 + 0.002 * (i % 1000);  // arcs with sharp corners
+    const Vec3 velocity{30 * std::cos(angle), 30 * std::sin(angle), 0};
+    tool.move(velocity * kTickS, velocity);
+    EXPECT_EQ(tool.felt, tool.computed);
+  }
+}
+
+TEST(CutCoupling, ForceThatBrakesTheTremblingIsTheComputedOne) {
+  Cutting tool(pen(1e-5));
+  for (const double late_s : {0.0, 0.001, 0.002}) {
+    tool.tremble(1000, late_s);
+    EXPECT_EQ(tool.felt, tool.computed) << late_s;
+  }
+}
+
+TEST(CutCoupling, ForceThatDrivesTheTremblingFollowsItSoftly) {
+  Cutting tool(pen(1e-5, 0.003));
+  tool.tremble(200, 0.006);
+  tool.most_computed_n = tool.most_felt_n = 0;
+  tool.tremble(20, 0.006);
+  EXPECT_GT(tool.most_computed_n, 0.7);
+  EXPECT_LT(tool.most_felt_n, 0.1 * tool.most_computed_n);
+  EXPECT_NEAR(tool.felt.torque_nmm.x, cross(kArm, tool.felt.force_n).x, 1e-9) << "one wrench";
+  EXPECT_NEAR(tool.felt.torque_nmm.y, cross(kArm, tool.felt.force_n).y, 1e-9);
+}
+
+TEST(CutCoupling, ForceDoesNotBecomeSofterWhereTheTremblingFades) {
+  Cutting tool(pen(1e-5, 0.003));
+  tool.tremble(200, 0.006);
+  double compliance = tool.coupling.compliance_mm_per_n();
+  EXPECT_GT(compliance, 0.1);
+  tool.tremble(30, 0.006, -0.02);  // what is a few hundredths old may still have grown
+  compliance = tool.coupling.compliance_mm_per_n();
+  tool.tremble(100, 0.006, -0.02);
+  EXPECT_LT(tool.coupling.compliance_mm_per_n(), compliance);
+}
+
+TEST(CutCoupling, ForceIsJudgedWhenItActs) {
+  Cutting prompt(pen(1e-5)), late(pen(1e-5, 0.009));
+  prompt.tremble(500, 0);
+  late.tremble(500, 0);
+  EXPECT_EQ(prompt.coupling.compliance_mm_per_n(), 0);
+  EXPECT_GT(late.coupling.compliance_mm_per_n(), 1) << "half a period late, it drives";
+}
+
+TEST(CutCoupling, IsNoSofterThanTheDeviceAloneRequires) {
+  for (const double inertia : {1e-5, 2e-4}) {
+    Cutting tool(pen(inertia, 0.003));
+    tool.tremble(500, 0.006);
+    const double softest = 3 / gains_across(pen(inertia, 0.003), kArm).stiffness;
+    EXPECT_LE(tool.coupling.compliance_mm_per_n(), softest);
+    EXPECT_GT(tool.coupling.compliance_mm_per_n(), 0.5 * softest);
+  }
+}
+
+TEST(CutCoupling, BecomesStiffAgainAfterTheTrembling) {
+  Cutting tool(pen(2e-4, 0.003));
+  tool.tremble(500, 0.006);
+  EXPECT_GT(tool.coupling.compliance_mm_per_n(), 0.5);
+  for (int i = 0; i < 3000; ++i) tool.move({0.03, 0, 0}, {1, 0, 0});
+  EXPECT_LT(tool.coupling.compliance_mm_per_n(), 0.02);
+  EXPECT_NEAR(tool.felt.force_n.x, -1.5, 1e-3);
+}
+
+TEST(CutCoupling, NextCutHasNoDirectionOfTheLast) {
+  Cutting tool(pen(2e-4, 0.003));
+  tool.tremble(500, 0.006);
+  tool.coupling.release(tool.now);
+  tool.move({0, 0.03, 0}, {0, 1, 0});
+  EXPECT_LT(tool.felt.force_n.y, 0);
+  EXPECT_NEAR(tool.felt.force_n.x, 0, 1e-12);
+}
+
+}  // namespace
+}  // namespace kerf::agent
