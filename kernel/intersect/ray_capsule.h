@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kernel/math/span.h"
+#include "kernel/math/tolerance.h"
 #include "kernel/math/vec3.h"
 
 namespace kerf {
@@ -17,7 +18,8 @@ namespace kerf {
 /// start of the next give the same bits.
 struct RayCapsule {
   Vec3 from, to, d;
-  double radius2, along_x, along_y, inverse_h, lean;
+  double radius2, along_x, along_y, inverse_h, lean, inverse_length;
+  double arrival;  ///< share from which on the end of the path is taken
 
   RayCapsule(Vec3 from_mm, Vec3 to_mm, double radius_mm)
       : from(from_mm), to(to_mm), d(to_mm - from_mm), radius2(radius_mm * radius_mm) {
@@ -28,6 +30,8 @@ struct RayCapsule {
     // A plunge has no horizontal path: a huge 1 / h selects the lower and the upper position.
     inverse_h = h > 0 ? 1 / h : 1e300;
     lean = length_mm > 0 ? d.z / length_mm : 0;
+    inverse_length = length_mm > 0 ? 1 / length_mm : 1e300;
+    arrival = 1 - kArrivalMm * std::sqrt(radius_mm) * inverse_length;
   }
 
   /// Widens `span` by both ends of the swept interval.
@@ -48,7 +52,7 @@ struct RayCapsule {
       const Real rho = square_root(select(rho2 > 0.0, rho2, splat_like(x, 0)));
       s = (along + side * rho * lean) * inverse_h;
     }
-    const auto starts = s <= 0.0, ends = s >= 1.0;
+    const auto starts = s <= 0.0, ends = s >= arrival;
     const Real ex = select(starts, px, select(ends, qx, px - s * d.x));
     const Real ey = select(starts, py, select(ends, qy, py - s * d.y));
     Real z = splat_like(x, from.z);

@@ -38,6 +38,17 @@ inline constexpr double kRotationShare = 1e-2;
 /// lost; if it shrinks to kEdgeEpsilonMm, hits at edges are lost.
 inline constexpr double kRectangleMarginMm = 1e-6;
 
+/// mm per motion. Where a tool's surface recedes, it does so at least at this speed: then what its
+/// last pose removes lies within its first pose by more than kEdgeEpsilonMm and all rounding.
+/// Owner: sweep. If it grows, only time is lost; at 0 an undone block may differ in a bit
+/// (kernel/sweep/README.md, "A pose").
+inline constexpr double kRecedingMm = 4e-9;
+
+/// mm of travel. A ball that comes as near as this to the end of its path takes the
+/// end for the place: times the root of its radius. The end errs by half the square of it over the
+/// radius. Owner: intersect/ray_capsule. If it grows, ends of balls err by its square.
+inline constexpr double kArrivalMm = 1e-5;
+
 /// Share of a piece's height by which a clipped piece reaches out of the block, so that its new
 /// upper disc stays clear of it. Owner: sweep/clip_to_block. If it grows, only time is lost.
 inline constexpr double kClipMarginShare = 1e-3;

@@ -3,6 +3,7 @@
 
 #include "kernel/math/tolerance.h"
 #include "kernel/piece/tool_piece.h"
+#include "kernel/sweep/slice_meeting.h"
 
 namespace kerf {
 namespace {
@@ -12,13 +13,14 @@ using Surfaces = ArcTranslation::Surfaces;
 /// The lane of each surface in the rectangles.
 enum Surface { kStart, kEnd, kContour, kLower, kUpper };
 
-Surfaces make_surfaces(const ArcPiece& p, const ToolPose& from, const ToolPose& to) {
+Surfaces make_surfaces(const ArcPiece& p, const ArcPiece& whole, const ToolPose& from,
+                       const ToolPose& to) {
   const Vec3 d = to.tip_mm - from.tip_mm;
   const auto rim = [&](double z) {
     return RayPipe(from.tip_mm + from.axis * z, from.axis, radius_at(p, z), d);
   };
-  return {RayArc(p, from.tip_mm, from.axis), RayArc(p, to.tip_mm, to.axis),
-          RayContour(p, from.tip_mm, from.axis, d), rim(p.z0_mm), rim(p.z1_mm)};
+  return {ArcSide(whole), from,        to, RayContour(p, from.tip_mm, from.axis, d),
+          rim(p.z0_mm),   rim(p.z1_mm)};
 }
 
 SurfaceRectangles rectangles_of(const ArcPiece& p, const Surfaces& s, const ToolPose& from,
@@ -49,8 +51,8 @@ KERF_INLINE void evaluate_arc_surfaces_in_lanes(const Surfaces& s, const Surface
     const auto may_meet = [&](Surface surface) { return (over >> surface & 1) != 0; };
     LaneSpan span;
     const Lanes y = Lanes(block.y_mm[row]);
-    if (may_meet(kStart)) s.start.extend(span, x, y);
-    if (may_meet(kEnd)) s.end.extend(span, x, y);
+    if (may_meet(kStart)) include_pose(span, s.arc, s.from, x, y);
+    if (may_meet(kEnd)) include_pose(span, s.arc, s.to, x, y);
     if (may_meet(kContour)) s.contour.extend(span, x, y);
     if (may_meet(kLower)) s.lower.extend(span, x, y);
     if (may_meet(kUpper)) s.upper.extend(span, x, y);
@@ -63,12 +65,12 @@ KERF_FOR_EACH_TARGET(void, evaluate_arc_surfaces,
 
 }  // namespace
 
-ArcTranslation::ArcTranslation(const ArcPiece& p, const ToolPose& from, const ToolPose& to,
-                               ShownDiscs shown, const SliceSearch& search)
-    : surfaces_(make_surfaces(p, from, to)),
+ArcTranslation::ArcTranslation(const ArcPiece& p, const ArcPiece& whole, const ToolPose& from,
+                               const ToolPose& to, ShownDiscs shown, const SliceSearch& search)
+    : surfaces_(make_surfaces(p, whole, from, to)),
       rectangles_(rectangles_of(p, surfaces_, from, to)),
       shadow_(p, {from, to}, kEdgeEpsilonMm),
-      slice_(p, from, to, shown, search) {}
+      slice_(p, whole, from, to, shown, search) {}
 
 void ArcTranslation::evaluate(ColumnBlock& block) const {
   slice_.add_simple_rows(block);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "kernel/intersect/ray_arc.h"
 #include "kernel/intersect/ray_contour.h"
 #include "kernel/intersect/ray_pipe.h"
 #include "kernel/sweep/moving_slice.h"
@@ -14,9 +13,10 @@ namespace kerf {
 /// bounded by the swept contour of its side and by the pipes of its two rims (paper Eq. 11).
 class ArcTranslation {
  public:
-  /// `shown`: the discs of the piece that are not hidden within its neighbors.
-  ArcTranslation(const ArcPiece& piece, const ToolPose& from, const ToolPose& to, ShownDiscs shown,
-                 const SliceSearch& search);
+  /// `shown`: the discs of the piece that are not hidden within its neighbors. It is the part of
+  /// `whole` that can reach into the block.
+  ArcTranslation(const ArcPiece& piece, const ArcPiece& whole, const ToolPose& from,
+                 const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
   void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
@@ -26,7 +26,8 @@ class ArcTranslation {
   void evaluate(ColumnBlock& block) const;
 
   struct Surfaces {
-    RayArc start, end;
+    ArcSide arc;
+    ToolPose from, to;
     RayContour contour;
     RayPipe lower, upper;
   };

@@ -31,7 +31,7 @@ KERF_INLINE CapsuleBound bound_capsule(const RayCapsule& c, const Discs& discs, 
   const Lanes off = greater(square_root(ex * ex + ey * ey) - discs.reach_mm, Lanes(0));
   const Lanes w2 = c.radius2 - off * off;
   const double lowest = c.from.z < c.to.z ? c.from.z : c.to.z;
-  const double away = radius * (c.lean < 0 ? c.lean : -c.lean);
+  const double away = radius * ((c.lean < 0 ? c.lean : -c.lean) - kRecedingMm * c.inverse_length);
   const LaneMask reached = w2 >= 0.0;
   const LaneMask advances = start_is_cut ? along + discs.reach_mm > away : w2 == w2;
   return {select(reached & advances, lowest - square_root(w2),

@@ -15,8 +15,8 @@
 
 namespace kerf {
 
-/// Eight rays and a slice at one pose. Heights are relative to the middle tip. Unless all rays
-/// enter through the lower disc only `usable` is set.
+/// Eight rays and a slice at one pose. Unless all rays enter through the lower disc only `usable`
+/// is set.
 struct DiscMeeting {
   Lanes lo, hi;  ///< heights in the planes of the lower and the upper disc; `hi` is at least
                  ///< `top` where the ray is inside there
@@ -35,7 +35,7 @@ KERF_INLINE DiscMeeting meet_discs(const Side& side, const DiscPose& pose, Lanes
   const DiscPlanes& discs = pose.discs;
   DiscMeeting m;
   const Lanes t0 = (discs.low - along) * pose.inverse_uz;
-  const LaneMask enters = p2 + t0 * t0 - discs.low * discs.low < pose.low_radius2;
+  const LaneMask enters = p2 + t0 * t0 - discs.low * discs.low < discs.low_radius2;
   m.usable = enters;
   if (any(~enters)) return m;
   m.lo = pose.center.z + t0;
@@ -48,7 +48,7 @@ KERF_INLINE DiscMeeting meet_discs(const Side& side, const DiscPose& pose, Lanes
   m.usable = m.covers;
   if (!any(~m.covers)) return m;
   const Lanes t1 = (discs.high - along) * pose.inverse_uz;
-  m.usable = m.covers | (p2 + t1 * t1 - discs.high * discs.high < pose.high_radius2);
+  m.usable = m.covers | (p2 + t1 * t1 - discs.high * discs.high < discs.high_radius2);
   m.hi = select(m.covers, m.hi, pose.center.z + t1);
   m.out_hi = speed + t1 * pose.by_place.z;
   return m;
@@ -91,13 +91,13 @@ KERF_INLINE DiscTurn turn_on_disc(const SlicePath& path, Lanes x, Lanes y, doubl
   const bool lower = end == End::kLower;
   const double height = lower ? first.discs.low : first.discs.high;
   const Lanes after = length * (ends.out_from / (ends.out_from - ends.out_to));
-  const TurningFrame::Poses pose = path.frame.at(from + after);
+  const TurningFrame::Poses pose = path.frame.placed(from + after);
   const Vec3Lanes& u = pose.u;
   const Vec3Lanes anchor = u * Lanes(path.discs.anchor);
   const Lanes px = x - (pose.tip.x + anchor.x), py = y - (pose.tip.y + anchor.y);
   const Lanes t = (height - px * u.x - py * u.y) / u.z;
   const Lanes speed = dot(u, path.frame.velocity(anchor + Vec3Lanes{px, py, t}));
-  const double radius2 = lower ? first.low_radius2 : first.high_radius2;
+  const double radius2 = lower ? first.discs.low_radius2 : first.discs.high_radius2;
   const LaneMask within = px * px + py * py + t * t - height * height < radius2;
   const LaneMask settled = magnitude(speed) * length <= path.search.search_mm * u.z;
   const double covered =
@@ -114,13 +114,13 @@ KERF_INLINE DiscTurn turn_on_disc(const SlicePath& path, Lanes x, Lanes y, doubl
 template <class Side>
 KERF_INLINE bool add_disc_row(const Side& side, const SlicePath& path, Lanes y, int row,
                               LaneMask open, const RowBits& known, ColumnBlock& block) {
-  const Lanes x = block.x_mm - path.frame.tip.x, none = std::numeric_limits<double>::infinity();
-  const double z = path.frame.tip.z, top = path.search.top_mm - z;
+  const Lanes x = block.x_mm, none = std::numeric_limits<double>::infinity();
+  const double top = path.search.top_mm;
   const std::vector<DiscPose>& poses = path.discs.poses;
   if ((known.ahead >> row & 1) != 0) {
     const DiscMeeting m = meet_discs(side, poses.back(), x, y, top);
     if (any(~m.usable)) return false;
-    block.add(row, select(open, m.lo + z, none), select(open, m.hi + z, -none));
+    block.add(row, select(open, m.lo, none), select(open, m.hi, -none));
     return true;
   }
   if (poses.size() == 1) return false;
@@ -156,7 +156,7 @@ KERF_INLINE bool add_disc_row(const Side& side, const SlicePath& path, Lanes y, 
       }
     }
     if (any(bad)) return false;
-    block.add(row, select(open, lo + z, none), select(open, hi + z, -none));
+    block.add(row, select(open, lo, none), select(open, hi, -none));
     first = last;
   }
   return true;

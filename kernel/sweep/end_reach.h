@@ -90,7 +90,7 @@ KERF_INLINE Lanes reach_of_hit(const SlicePath& path, const FoundEnd& e, Lanes o
   // A wall that tips past the ray: points farther out may be reached earlier than that at `best`.
   const LaneMask tips = e.hit & ~(slope >= turn * lesser(reach, length));
   if (!any(tips)) return reach;
-  const double top = path.search.top_mm - path.frame.tip.z;
+  const double top = path.search.top_mm;
   const Lanes beyond = end == End::kLower ? best - path.lowest_mm : top - best;
   return select(tips, lesser(within(rise + greater(beyond, Lanes(0))), reach), reach);
 }
@@ -102,7 +102,7 @@ KERF_INLINE Lanes reach_of_miss(const SlicePath& path, const FoundEnd& e, Lanes 
   const Lanes along_ray = greater(magnitude(e.z - path.lowest_mm), magnitude(top - e.z));
   const Lanes bend =
       std::max(path.search.bend_mm, path.search.disc_bend_mm) + outer_bend(path, length);
-  const Lanes off = select(e.off_side > 0.0, e.off_side + depth_mm, Lanes(0));
+  const Lanes off = select(e.off_side > 0.0, greater(e.off_side + depth_mm, Lanes(0)), Lanes(0));
   const Lanes fall =
       greater(closing, Lanes(0)) / square_root(e.normal2) + path.frame.turn * along_ray;
   return greater(2 * off / (fall + square_root(fall * fall + 2 * bend * off)),

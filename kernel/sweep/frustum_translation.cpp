@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kernel/math/tolerance.h"
+#include "kernel/sweep/slice_meeting.h"
 
 namespace kerf {
 namespace {
@@ -31,32 +32,33 @@ CuttingProfile cutting_profile(Vec3 u, double slope, Vec3 d) {
   return {{a * cosine + b * sine, a * cosine - b * sine}, true};
 }
 
-Surfaces make_surfaces(const FrustumPiece& piece, const ToolPose& from, const ToolPose& to) {
-  const RayCone start(piece, from.tip_mm, from.axis);
-  const Vec3 d = to.tip_mm - from.tip_mm;
-  const CuttingProfile profile = cutting_profile(start.axis, start.slope, d);
+Surfaces make_surfaces(const FrustumPiece& piece, const FrustumPiece& whole, const ToolPose& from,
+                       const ToolPose& to) {
+  const Vec3 base = from.tip_mm + from.axis * piece.z0_mm, d = to.tip_mm - from.tip_mm;
+  const double slope = kerf::slope(piece), height = piece.z1_mm - piece.z0_mm;
+  const CuttingProfile profile = cutting_profile(from.axis, slope, d);
   const auto side = [&](Vec3 e) {
     // Without a cutting profile the parallelogram is degenerate and never hit.
-    if (!profile.exist) return RayParallelogram(start.base, {}, {});
-    return RayParallelogram(start.base + e * start.r0,
-                            (start.axis + e * start.slope) * start.height, d);
+    if (!profile.exist) return RayParallelogram(base, {}, {});
+    return RayParallelogram(base + e * piece.r0_mm, (from.axis + e * slope) * height, d);
   };
-  return {start,
-          RayCone(piece, to.tip_mm, to.axis),
+  return {ConeSide(whole),
+          from,
+          to,
           side(profile.radial[0]),
           side(profile.radial[1]),
-          RayPipe(start.base, start.axis, piece.r0_mm, d),
-          RayPipe(start.base + start.axis * start.height, start.axis, piece.r1_mm, d)};
+          RayPipe(base, from.axis, piece.r0_mm, d),
+          RayPipe(base + from.axis * height, from.axis, piece.r1_mm, d)};
 }
 
 /// The lane of each surface in the rectangles.
 enum Surface { kStart, kEnd, kLeft, kRight, kLower, kUpper };
 
-SurfaceRectangles rectangles_of(const Surfaces& s) {
+SurfaceRectangles rectangles_of(const FrustumPiece& piece, const Surfaces& s) {
   SurfaceRectangles all;
-  const auto cone = [&](int i, const RayCone& c) {
-    all.include(i, c.base, c.axis, c.r0);
-    all.include(i, c.base + c.axis * c.height, c.axis, c.r0 + c.slope * c.height);
+  const auto cone = [&](int i, const ToolPose& pose) {
+    all.include(i, pose.tip_mm + pose.axis * piece.z0_mm, pose.axis, piece.r0_mm);
+    all.include(i, pose.tip_mm + pose.axis * piece.z1_mm, pose.axis, piece.r1_mm);
   };
   const auto parallelogram = [&](int i, const RayParallelogram& p) {
     for (const Vec3& corner :
@@ -64,8 +66,8 @@ SurfaceRectangles rectangles_of(const Surfaces& s) {
       all.include(i, corner, {}, 0);
     }
   };
-  cone(kStart, s.start);
-  cone(kEnd, s.end);
+  cone(kStart, s.from);
+  cone(kEnd, s.to);
   parallelogram(kLeft, s.left);
   parallelogram(kRight, s.right);
   all.include(kLower, s.lower);
@@ -85,8 +87,8 @@ KERF_INLINE void evaluate_surfaces_in_lanes(const Surfaces& s, const SurfaceRect
     const auto may_meet = [&](Surface surface) { return (over >> surface & 1) != 0; };
     LaneSpan span;
     const Lanes y = Lanes(row_y);
-    if (may_meet(kStart)) s.start.extend(span, x, y);
-    if (may_meet(kEnd)) s.end.extend(span, x, y);
+    if (may_meet(kStart)) include_pose(span, s.cone, s.from, x, y);
+    if (may_meet(kEnd)) include_pose(span, s.cone, s.to, x, y);
     if (may_meet(kLeft)) s.left.extend(span, x, y);
     if (may_meet(kRight)) s.right.extend(span, x, y);
     if (may_meet(kLower)) s.lower.extend(span, x, y);
@@ -100,13 +102,13 @@ KERF_FOR_EACH_TARGET(void, evaluate_surfaces,
 
 }  // namespace
 
-FrustumTranslation::FrustumTranslation(const FrustumPiece& p, const ToolPose& from,
-                                       const ToolPose& to, ShownDiscs shown,
+FrustumTranslation::FrustumTranslation(const FrustumPiece& p, const FrustumPiece& whole,
+                                       const ToolPose& from, const ToolPose& to, ShownDiscs shown,
                                        const SliceSearch& search)
-    : surfaces_(make_surfaces(p, from, to)),
-      rectangles_(rectangles_of(surfaces_)),
+    : surfaces_(make_surfaces(p, whole, from, to)),
+      rectangles_(rectangles_of(p, surfaces_)),
       shadow_(p, {from, to}, kEdgeEpsilonMm),
-      slice_(p, from, to, shown, search) {}
+      slice_(p, whole, from, to, shown, search) {}
 
 void FrustumTranslation::evaluate(ColumnBlock& block) const {
   slice_.add_simple_rows(block);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "kernel/intersect/ray_cone.h"
 #include "kernel/intersect/ray_parallelogram.h"
 #include "kernel/intersect/ray_pipe.h"
 #include "kernel/sweep/moving_slice.h"
@@ -15,9 +14,10 @@ namespace kerf {
 /// by two parallelograms of the side and the pipes of the two rims (paper Eq. 11).
 class FrustumTranslation {
  public:
-  /// `shown`: the discs of the piece that are not hidden within its neighbors.
-  FrustumTranslation(const FrustumPiece& piece, const ToolPose& from, const ToolPose& to,
-                     ShownDiscs shown, const SliceSearch& search);
+  /// `shown`: the discs of the piece that are not hidden within its neighbors. It is the part of
+  /// `whole` that can reach into the block.
+  FrustumTranslation(const FrustumPiece& piece, const FrustumPiece& whole, const ToolPose& from,
+                     const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
   void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
@@ -27,7 +27,8 @@ class FrustumTranslation {
   void evaluate(ColumnBlock& block) const;
 
   struct Surfaces {
-    RayCone start, end;
+    ConeSide cone;
+    ToolPose from, to;
     RayParallelogram left, right;
     RayPipe lower, upper;
   };

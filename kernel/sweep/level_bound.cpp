@@ -29,9 +29,10 @@ KERF_INLINE unsigned bound_level_in_lanes(const LevelBound::Parameters& b, const
   LaneMask changed = off <= b.radius;
   unsigned inside = 0;
   if (b.start_is_cut) {
-    // Behind the first axis no pose is nearer than the first.
-    changed &= along >= -reach;
-    const double inner = b.inner_radius - reach;
+    // Behind the first axis no pose is nearer than the first; the last is farther by more than
+    // rounding.
+    changed &= along >= -(reach + b.behind);
+    const double inner = b.inner_radius - reach - kEdgeEpsilonMm;
     if (inner > 0) inside = bits(px * px + py * py < inner * inner);
   }
   const Lanes none = std::numeric_limits<double>::infinity();
@@ -57,6 +58,8 @@ std::optional<LevelBound> LevelBound::make(const ToolPiece& slice, const ToolPos
   b.dir_x = dx * share;
   b.dir_y = dy * share;
   b.travel = travel;
+  b.behind = kRecedingMm * e.radius_mm * share;
+  if (!(travel > 0)) b.behind = std::numeric_limits<double>::infinity();
   b.lowest = from.tip_mm.z + e.z0_mm;
   b.radius = e.radius_mm;
   if (const auto* arc = std::get_if<ArcPiece>(&slice)) {

@@ -30,6 +30,7 @@ class LevelBound {
     double x, y;          ///< of the first tip
     double dir_x, dir_y;  ///< unit direction of the motion; 0 if it is at rest
     double travel;        ///< mm
+    double behind;        ///< mm behind the first axis, from which on the slice recedes
     double lowest;        ///< height of the slice's lower end
     double radius;        ///< greatest radius of the slice
     double inner_radius;  ///< least radius of a frustum; 0 for an arc, of which nothing is inside

@@ -14,7 +14,7 @@ namespace kerf {
 template <class Side>
 KERF_INLINE Lanes reach_beside(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                                const FoundEnd& e, double sign, Lanes length, double depth_mm) {
-  const TurningFrame::Poses pose = path.frame.at(e.share);
+  const TurningFrame::Poses pose = path.frame.placed(e.share);
   const double turn = path.frame.turn;
   const Vec3Lanes& u = pose.u;
   const Vec3Lanes anchor = u * Lanes(side.anchor);
@@ -80,7 +80,7 @@ KERF_INLINE Lanes reach_of(const Side& side, const SlicePath& path, Lanes x, Lan
     reach = select(e.hit & (of_hit > reach), of_hit, reach);
   }
   if (!any(~e.hit)) return reach;
-  const double top = path.search.top_mm - path.frame.tip.z;
+  const double top = path.search.top_mm;
   Lanes of_miss = reach_of_miss(path, e, outwards, depth_mm, top, length);
   if (beside) of_miss = greater(reach_beside(side, path, x, y, e, sign, length, depth_mm), of_miss);
   return select(e.hit, reach, of_miss);

@@ -32,31 +32,11 @@ SlicePath make_path(const Extent& e, const ToolPose& from, const ToolPose& to,
 constexpr int kDiscPartsMax = 16;
 constexpr double kDiscUprightMin = 0.3;
 
-DiscPlanes disc_planes(const ToolPiece& slice) {
-  const auto radius_or_none = [](double r) { return r > kTipMm ? r : -1; };
-  if (const auto* f = std::get_if<FrustumPiece>(&slice)) {
-    return {0, radius_or_none(f->r0_mm), f->z1_mm - f->z0_mm, radius_or_none(f->r1_mm)};
-  }
-  const auto& a = std::get<ArcPiece>(slice);
-  const double r0 = is_level_below(a) ? a.center_r_mm : radius_at(a, a.z0_mm);
-  const double r1 = is_level_above(a) ? a.center_r_mm : radius_at(a, a.z1_mm);
-  return {std::max(a.z0_mm - a.center_z_mm, -a.radius_mm), radius_or_none(r0),
-          std::min(a.z1_mm - a.center_z_mm, a.radius_mm), radius_or_none(r1)};
-}
-
 DiscPose disc_pose(const TurningFrame& frame, double anchor, const DiscPlanes& discs,
                    double share) {
-  const TurningFrame::Poses at = frame.at(Lanes(share));
+  const TurningFrame::Poses at = frame.placed(Lanes(share));
   const Vec3 u{at.u.x[0], at.u.y[0], at.u.z[0]}, tip{at.tip.x[0], at.tip.y[0], at.tip.z[0]};
-  const auto square = [](double r) { return r > 0 ? r * r * (1 - kHiddenDiscShare) : -1; };
-  return {tip + u * anchor,
-          u,
-          1 / u.z,
-          dot(u, frame.v),
-          cross(u, frame.k * frame.turn),
-          discs,
-          square(discs.low_radius),
-          square(discs.high_radius)};
+  return {tip + u * anchor, u, 1 / u.z, dot(u, frame.v), cross(u, frame.k * frame.turn), discs};
 }
 
 DiscPath disc_path(const DiscPlanes& discs, double anchor, const SlicePath& path) {
@@ -84,13 +64,16 @@ Discs rows_of(const ColumnBlock& block) {
 
 MovingSlice::MovingSlice(const ToolPiece& slice, const ToolPose& from, const ToolPose& to,
                          ShownDiscs shown, const SliceSearch& search)
-    : side_(side_of(slice)),
-      disc_planes_(disc_planes(slice)),
+    : MovingSlice(slice, slice, from, to, shown, search) {}
+
+MovingSlice::MovingSlice(const ToolPiece& slice, const ToolPiece& whole, const ToolPose& from,
+                         const ToolPose& to, ShownDiscs shown, const SliceSearch& search)
+    : side_(side_of(whole)),
       path_(make_path(extent(slice), from, to, search)),
       shown_(shown),
       ahead_(slice, to, from, {true, !shown.upper_is_outside}) {
-  const double anchor = std::visit([](const auto& side) { return side.anchor; }, side_);
-  path_.discs = disc_path(disc_planes_, anchor, path_);
+  std::visit([this](const auto& side) { path_.discs = disc_path(side.planes, side.anchor, path_); },
+             side_);
 }
 
 RowBits MovingSlice::know(const ColumnBlock& block) const {
@@ -98,7 +81,8 @@ RowBits MovingSlice::know(const ColumnBlock& block) const {
   if (!shown_.lower) hidden.lower = block.below_is_swept;
   if (!shown_.upper) hidden.upper = shown_.upper_is_outside ? 0xFF : block.above_is_swept;
   RowBits known;
-  known.ahead = ahead_.behind(rows_of(block), hidden) & block.rows;
+  const bool rests = path_.frame.from == path_.frame.to;
+  known.ahead = rests ? block.rows : ahead_.behind(rows_of(block), hidden) & block.rows;
   const double uz = path_.frame.u.z, turn = path_.frame.turn;
   if (uz > turn) {
     known.hides_entry = hidden.lower;
@@ -110,45 +94,25 @@ RowBits MovingSlice::know(const ColumnBlock& block) const {
   return known;
 }
 
-void MovingSlice::set_bare_search(const SliceSearch& search) {
-  bare_path_ = path_;
-  bare_path_->search = search;
-  bare_path_->discs = disc_path(disc_planes_, path_.discs.anchor, *bare_path_);
-}
-
-void MovingSlice::add_simple_rows(const SlicePath& path, ColumnBlock& block,
-                                  const RowBits& known) const {
+void MovingSlice::add_simple_rows(ColumnBlock& block, const RowBits& known) const {
   if (const auto* cone = std::get_if<ConeSide>(&side_)) {
-    add_simple_cone_rows(*cone, path, known, block);
+    add_simple_cone_rows(*cone, path_, known, block);
   } else {
-    add_simple_arc_rows(std::get<ArcSide>(side_), path, known, block);
+    add_simple_arc_rows(std::get<ArcSide>(side_), path_, known, block);
   }
 }
 
-void MovingSlice::add_simple_rows(ColumnBlock& block) const {
-  add_simple_rows(path_, block, know(block));
-}
-
-void MovingSlice::evaluate(const SlicePath& path, ColumnBlock& block, const RowBits& known) const {
-  add_simple_rows(path, block, known);
-  if (block.rows == 0) return;
-  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
-    evaluate_cone(*cone, path, known, block);
-  } else {
-    evaluate_arc(std::get<ArcSide>(side_), path, known, block);
-  }
-}
+void MovingSlice::add_simple_rows(ColumnBlock& block) const { add_simple_rows(block, know(block)); }
 
 void MovingSlice::evaluate(ColumnBlock& block) const {
   const RowBits known = know(block);
-  unsigned bare = 0;
-  if (bare_path_ && !shown_.lower) bare |= ~block.below_is_swept;
-  if (bare_path_ && !shown_.upper && !shown_.upper_is_outside) bare |= ~block.above_is_swept;
-  bare &= block.rows;
-  block.rows &= ~bare;
-  if (block.rows != 0) evaluate(path_, block, known);
-  block.rows = bare;
-  if (bare != 0) evaluate(*bare_path_, block, known);
+  add_simple_rows(block, known);
+  if (block.rows == 0) return;
+  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
+    evaluate_cone(*cone, path_, known, block);
+  } else {
+    evaluate_arc(std::get<ArcSide>(side_), path_, known, block);
+  }
 }
 
 }  // namespace kerf

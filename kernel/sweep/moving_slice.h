@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <variant>
 
 #include "kernel/sweep/column_block.h"
@@ -20,17 +19,14 @@ class MovingSlice {
   /// are left to the neighbors, in rows in which these are swept too.
   MovingSlice(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown,
               const SliceSearch& search);
-
-  /// Sets the search for rows in which a neighbor that hides a disc is left out as behind the tool:
-  /// there the disc shows, and its bend counts (kernel/sweep/README.md, "Ahead of a tool").
-  void set_bare_search(const SliceSearch& search);
+  /// The same, of a slice that is the part of `whole` that can reach into the block: beyond it no
+  /// ray of the block is met.
+  MovingSlice(const ToolPiece& slice, const ToolPiece& whole, const ToolPose& from,
+              const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
   const SlicePath& path() const { return path_; }
   /// Sets a lower bound of the slice's heights (mm).
-  void set_lowest(double z_mm) {
-    path_.lowest_mm = z_mm - path_.frame.tip.z;
-    if (bare_path_) bare_path_->lowest_mm = path_.lowest_mm;
-  }
+  void set_lowest(double z_mm) { path_.lowest_mm = z_mm; }
 
   /// Adds the intervals of the rows of a block that are ahead of the slice, so that it sweeps no
   /// more there than what its last pose takes, and of those whose rays all cross its discs
@@ -42,13 +38,10 @@ class MovingSlice {
 
  private:
   RowBits know(const ColumnBlock& block) const;
-  void add_simple_rows(const SlicePath& path, ColumnBlock& block, const RowBits& known) const;
-  void evaluate(const SlicePath& path, ColumnBlock& block, const RowBits& known) const;
+  void add_simple_rows(ColumnBlock& block, const RowBits& known) const;
 
   std::variant<ConeSide, ArcSide> side_;
-  DiscPlanes disc_planes_;
   SlicePath path_;
-  std::optional<SlicePath> bare_path_;
   ShownDiscs shown_;
   Trail ahead_;  ///< of the motion back
 };

@@ -50,16 +50,16 @@ struct RayBatch {
   KERF_INLINE void fill_up() {
     for (int k = count; k < kLanes; ++k) copy(0, x, y, stretch(), span, settled, k);
   }
-  /// Adds the intervals in `span` to the rows of a block whose heights are relative to z.
-  KERF_INLINE void add_to(ColumnBlock& block, double z, LaneMask which) const {
+  /// Adds the intervals in `span` to the rows of a block.
+  KERF_INLINE void add_to(ColumnBlock& block, LaneMask which) const {
     const Lanes none = std::numeric_limits<double>::infinity();
     for (int k = 0; k < count;) {
       Lanes lo = none, hi = -none;
       const int of_row = row[k];
       for (; k < count && row[k] == of_row && !(lo[lane[k]] <= hi[lane[k]]); ++k) {
         if ((bits(which) >> k & 1) == 0) continue;
-        lo.set(lane[k], span.lo[k] + z);
-        hi.set(lane[k], span.hi[k] + z);
+        lo.set(lane[k], span.lo[k]);
+        hi.set(lane[k], span.hi[k]);
       }
       block.add(of_row, lo, hi);
     }
@@ -105,13 +105,13 @@ class PackedMemory {
 template <class Side>
 KERF_INLINE void search_packed(const Side& side, const SlicePath& path, PackedRays& rays,
                                bool finish, ColumnBlock& block) {
-  const double z = path.frame.tip.z, top = block.top_mm - z;
+  const double top = block.top_mm;
   RayBatch& b = rays.both;
   if (b.count == kLanes || (finish && b.count > 0)) {
     b.fill_up();
     block.stations +=
         search_stretch<End::kLower>(side, path, b.x, b.y, b.stretch(), b.used(), b.span);
-    b.add_to(block, z, every_lane());
+    b.add_to(block, every_lane());
     const LaneMask inside = b.used() & ~b.settled & (b.span.lo <= b.span.hi) & (b.span.hi < top);
     for (unsigned left = bits(inside); left != 0; left &= left - 1) {
       const int k = __builtin_ctz(left);
@@ -127,7 +127,7 @@ KERF_INLINE void search_packed(const Side& side, const SlicePath& path, PackedRa
     const Meeting last = meet<End::kUpper>(side, path, u.x, u.y, u.to);
     block.stations += search_stretch<End::kUpper>(side, path, u.x, u.y, {u.from, u.to, first, last},
                                                   u.used(), u.span);
-    u.add_to(block, z, every_lane());
+    u.add_to(block, every_lane());
     u.count = 0;
     if (rays.spare.count > 0) std::swap(u, rays.spare);
   }

@@ -36,6 +36,26 @@ struct SideTilt {
   Lanes radius, gain;
 };
 
+/// The planes of the discs of a slice, or of the level ends of an arc: a ray that crosses one well
+/// within its radius enters or leaves the slice there. Heights from the anchor of the side.
+struct DiscPlanes {
+  double low, low_radius2, high, high_radius2;  ///< squares, less an allowance; −1: there is none
+
+  static double square(double radius_mm) {
+    const double within = radius_mm - kEdgeEpsilonMm;
+    return radius_mm > kTipMm ? within * within : -1;
+  }
+  static DiscPlanes of(const FrustumPiece& p) {
+    return {0, square(p.r0_mm), p.z1_mm - p.z0_mm, square(p.r1_mm)};
+  }
+  static DiscPlanes of(const ArcPiece& a) {
+    const double r0 = is_level_below(a) ? a.center_r_mm : radius_at(a, a.z0_mm);
+    const double r1 = is_level_above(a) ? a.center_r_mm : radius_at(a, a.z1_mm);
+    return {std::max(a.z0_mm - a.center_z_mm, -a.radius_mm), square(r0),
+            std::min(a.z1_mm - a.center_z_mm, a.radius_mm), square(r1)};
+  }
+};
+
 /// The side of a frustum (paper Eq. 2; a cylinder when the slope is 0), anchored at the center of
 /// its lower disc. With p = (x, y, t) from the anchor and l = p·u the side is |p|² − l² = (r0 + k
 /// l)², quadratic in t with A = u_x² + u_y² − k² u_z². A > 0: the inside is between the roots. A ≤
@@ -44,6 +64,7 @@ struct SideTilt {
 struct ConeSide {
   double anchor, low, high;
   FrustumSide side;
+  DiscPlanes planes;
   double by_chord2;  ///< estimated depth of a ray in the side, per squared length of its chord
 
   explicit ConeSide(const FrustumPiece& p)
@@ -51,6 +72,7 @@ struct ConeSide {
         low(p.r0_mm > kTipMm ? 0 : p.z0_mm - p.z1_mm),
         high((p.r1_mm > kTipMm ? 1 : 2) * (p.z1_mm - p.z0_mm)),
         side(p),
+        planes(DiscPlanes::of(p)),
         by_chord2(0.125 / extent(p).radius_mm) {}
 
   /// `along` = x u_x + y u_y.
@@ -106,9 +128,9 @@ struct ConeSide {
     const double cosine2 = 1 / (1 + side.slope * side.slope);
     return {rho, magnitude(u.x * radial.y - u.y * radial.x) * std::sqrt(cosine2) / rho};
   }
-  /// Returns where a point at the squared distance `rho2` from the axis, at l, is inside the side.
+  /// Returns where a point at the squared distance `rho2` from the axis, at l, is well inside.
   KERF_INLINE LaneMask holds(Lanes rho2, Lanes l) const {
-    const Lanes r = side.r0_mm + side.slope * l;
+    const Lanes r = side.r0_mm + side.slope * l - kEdgeEpsilonMm;
     return (r > 0.0) & (rho2 <= r * r);
   }
 
@@ -132,6 +154,7 @@ struct ConeSide {
 /// already.
 struct ArcSide {
   double anchor, low, high, center_r, radius, reach, half_height;
+  DiscPlanes planes;
 
   explicit ArcSide(const ArcPiece& p)
       : anchor(p.center_z_mm),
@@ -144,7 +167,8 @@ struct ArcSide {
         reach(p.center_r_mm >= 0 ? p.center_r_mm + p.radius_mm
                                  : std::sqrt(std::max(0.0, p.radius_mm * p.radius_mm -
                                                                p.center_r_mm * p.center_r_mm))),
-        half_height(std::min(radius, reach)) {}
+        half_height(std::min(radius, reach)),
+        planes(DiscPlanes::of(p)) {}
 
   /// Computes `end` of the intervals; the other end only up to the disc there.
   template <End end>
@@ -193,10 +217,10 @@ struct ArcSide {
     return {radius + std::max(center_r, 0.0) / across + off,
             square_root(greater(1 - n.z * n.z, Lanes(0)))};
   }
-  /// Returns where a point at the squared distance `rho2` from the axis, at l, is inside the side.
+  /// Returns where a point at the squared distance `rho2` from the axis, at l, is well inside.
   KERF_INLINE LaneMask holds(Lanes rho2, Lanes l) const {
     const Lanes m = greater(square_root(greater(rho2, Lanes(0))) - center_r, Lanes(0));
-    return m * m + l * l <= radius * radius;
+    return m * m + l * l <= (radius - kEdgeEpsilonMm) * (radius - kEdgeEpsilonMm);
   }
 
  private:

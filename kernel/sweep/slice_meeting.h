@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "kernel/math/span.h"
 #include "kernel/sweep/piece_side.h"
 #include "kernel/sweep/slice_path.h"
 
@@ -14,7 +15,7 @@ constexpr double kSteep = 0.5;
 
 /// Intersection of eight rays with a piece, each at its own share of the motion.
 struct Meeting {
-  Lanes lo, hi;  ///< heights of the interval, relative to the middle tip; where the ray misses,
+  Lanes lo, hi;  ///< heights of the interval; where the ray misses,
                  ///< both are the height of the deciding point
   LaneMask hit;
   Lanes side_lo, side_hi;  ///< of the side, continued beyond the discs; lo > hi where it is missed
@@ -72,7 +73,8 @@ struct Crossing {
 };
 
 /// Intersects eight rays with a piece. `end` is computed exactly, the other end up to the disc
-/// there. `x`, `y` are relative to the middle tip.
+/// there. The interval depends on the piece, the pose and the ray alone: it is what
+/// the pose removes (kernel/sweep/README.md, "A pose").
 template <End end, class Side>
 KERF_INLINE Crossing cross_piece(const Side& side, const TurningFrame::Poses& pose, Lanes x,
                                  Lanes y) {
@@ -94,14 +96,34 @@ KERF_INLINE Crossing cross_piece(const Side& side, const TurningFrame::Poses& po
   c.hit = c.span.exists & ~c.below & ~c.above;
   c.in = greater(c.span.in, c.disc_in);
   c.out = lesser(c.span.out, c.disc_out);
+  // As in meet_discs, to the bit.
+  const DiscPlanes& d = side.planes;
+  const Lanes p2 = c.px * c.px + c.py * c.py;
+  const Lanes t0 = (d.low - c.along) * c.inverse_uz, t1 = (d.high - c.along) * c.inverse_uz;
+  const LaneMask upright = c.hit & (u.z > 0.0);
+  c.in = select(upright & (p2 + t0 * t0 - d.low * d.low < d.low_radius2), t0, c.in);
+  c.out = select(upright & (p2 + t1 * t1 - d.high * d.high < d.high_radius2), t1, c.out);
   return c;
 }
 
-/// Intersects eight rays with a piece at eight shares of its path. `x`, `y` are relative to the
-/// middle tip. `end` is the end for which the speeds are computed.
+/// Includes what a piece at a pose removes of eight rays.
+template <class Side>
+KERF_INLINE void include_pose(LaneSpan& span, const Side& side, const ToolPose& pose, Lanes x,
+                              Lanes y) {
+  const Vec3 &t = pose.tip_mm, &u = pose.axis;
+  const TurningFrame::Poses at{{Lanes(t.x), Lanes(t.y), Lanes(t.z)},
+                               {Lanes(u.x), Lanes(u.y), Lanes(u.z)}};
+  const Crossing c = cross_piece<End::kLower>(side, at, x, y);
+  const Lanes middle = at.tip.z + c.anchor.z, lo = middle + c.in, hi = middle + c.out;
+  span.lo = select(c.hit & (lo < span.lo), lo, span.lo);
+  span.hi = select(c.hit & (hi > span.hi), hi, span.hi);
+}
+
+/// Intersects eight rays with a piece at eight shares of its path. `end` is the end for which the
+/// speeds are computed.
 template <End end, class Side>
 KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes y, Lanes share) {
-  const TurningFrame::Poses pose = path.frame.at(share);
+  const TurningFrame::Poses pose = path.frame.placed(share);
   const Crossing crossing = cross_piece<end>(side, pose, x, y);
   const Vec3Lanes &u = pose.u, &anchor = crossing.anchor;
   const SideSpan& span = crossing.span;
@@ -164,7 +186,7 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
 template <class Side>
 KERF_INLINE Meeting at_upper_end(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                                  Lanes share, const Meeting& m) {
-  const TurningFrame::Poses pose = path.frame.at(share);
+  const TurningFrame::Poses pose = path.frame.placed(share);
   const Vec3Lanes& u = pose.u;
   const Vec3Lanes anchor = u * Lanes(side.anchor);
   const Vec3Lanes p{x - (pose.tip.x + anchor.x), y - (pose.tip.y + anchor.y),

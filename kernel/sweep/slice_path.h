@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "kernel/sweep/piece_side.h"
 #include "kernel/sweep/turning_frame.h"
 
 namespace kerf {
@@ -32,22 +33,14 @@ struct RowBits {
   unsigned hides_entry = 0, hides_exit = 0;
 };
 
-/// The planes of the discs of a slice, or of the level ends of an arc: a ray that crosses one
-/// within its radius enters or leaves the slice there. Heights from the anchor of the side; a
-/// negative radius: there is none.
-struct DiscPlanes {
-  double low, low_radius, high, high_radius;
-};
-
 /// A slice at one pose, for rays that cross its discs.
 struct DiscPose {
-  Vec3 center;  ///< the anchor, relative to the middle tip
+  Vec3 center;  ///< the anchor
   Vec3 u;
   double inverse_uz;
   double speed;   ///< u·V of the anchor
   Vec3 by_place;  ///< u·V at the place p from the anchor: speed + by_place·p
   DiscPlanes discs;
-  double low_radius2, high_radius2;  ///< squares, less an allowance for rounding
 };
 
 /// The discs of an upright or leaning slice at its stations.
@@ -64,7 +57,7 @@ struct SlicePath {
   SliceSearch search;
   double reach_mm;      ///< greatest distance of a point of the slice from the tip
   double speed_max_mm;  ///< greatest speed of a point of the slice, per unit of share
-  double lowest_mm;     ///< lower bound of the slice's heights, relative to the middle tip
+  double lowest_mm;     ///< lower bound of the slice's heights
   DiscPath discs;
 };
 

@@ -23,7 +23,8 @@ std::int64_t parts(double count) {
 
 /// A piece of the tool during a motion that turns little, and how it is swept.
 struct PiecePlan {
-  ToolPiece piece;
+  ToolPiece piece;    ///< the part that can reach into the block
+  ToolPiece whole;    ///< all of it
   std::size_t which;  ///< of the tool's pieces
   std::int64_t parts;
   double top_mm;            ///< of the block
@@ -32,7 +33,6 @@ struct PiecePlan {
   bool round = false;       ///< the curvature of the slice exceeds the bend
   ShownDiscs shown = {true, true};
   bool shows_edge = true;       ///< a disc that shows makes an edge with the side
-  bool hides_edge = false;      ///< so does one that a neighbor hides, where it is not swept
   std::optional<double> still;  ///< height of the point of the axis that stays at rest
 };
 
@@ -164,8 +164,12 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
     const ToolPiece& whole = tool.pieces[i];
     const auto piece = clip_to_block(whole, m, settings.block);
     if (!piece) continue;
-    PiecePlan plan{
-        .piece = *piece, .which = i, .parts = 1, .top_mm = settings.block.max_mm.z, .still = {}};
+    PiecePlan plan{.piece = *piece,
+                   .whole = whole,
+                   .which = i,
+                   .parts = 1,
+                   .top_mm = settings.block.max_mm.z,
+                   .still = {}};
     if (const auto* ball = std::get_if<BallPiece>(&*piece)) {
       plan.parts = parts(m.turn_rad * std::sqrt(ball->center_mm / (8 * settings.tolerance_mm)));
     } else {
@@ -179,12 +183,9 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
       const bool edge_below = radius_at(whole, e.z0_mm) > kTipMm && !(arc && is_level_below(*arc));
       const bool edge_above = radius_at(whole, e.z1_mm) > kTipMm && !(arc && is_level_above(*arc));
       plan.shows_edge = (plan.shown.lower && edge_below) || (plan.shown.upper && edge_above);
-      plan.hides_edge =
-          (!plan.shown.lower && edge_below) || (!plan.shown.upper && !clipped && edge_above);
       if (m.turn_rad > 0) {
         plan_slice(plan, m, settings.tolerance_mm);
         plan.still = still_point(extent(*piece), m);
-        plan.hides_edge |= plan.still.has_value();
       }
     }
     plans.push_back(plan);
@@ -207,32 +208,34 @@ ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, doub
   return make_motion(m.at(from_share), m.at(to_share), reach_mm);
 }
 
-/// Sweeps a slice. `piece` is the plan's, or the part of it on one side of its point at rest, and
-/// `shown` its discs that no neighbor and no other part hides.
-SweptPiece sweep_slice(const ToolPiece& piece, ShownDiscs shown, const PiecePlan& plan,
-                       const ToolMotion& m, const SweepSettings& settings) {
+/// Returns all discs of a slice within the block, also those that neighbors hide: where one moves
+/// outwards, points enter the slice from a neighbor.
+ShownDiscs all_discs(const ToolPiece& slice, const ShownDiscs& shown) {
+  const Extent e = extent(slice);
+  return {radius_at(slice, e.z0_mm) > kTipMm,
+          !shown.upper_is_outside && radius_at(slice, e.z1_mm) > kTipMm, shown.upper_is_outside};
+}
+
+/// Sweeps a slice. `piece` is the plan's, or the part of it on one side of its point at rest, of
+/// `whole`, and `shown` its discs that no neighbor and no other part hides.
+SweptPiece sweep_slice(const ToolPiece& piece, const ToolPiece& whole, ShownDiscs shown,
+                       const PiecePlan& plan, const ToolMotion& m, const SweepSettings& settings) {
   const SliceSearch search = search_of(plan, m, settings.tolerance_mm);
   const auto trailing = [&](auto sweep) -> SweptPiece {
-    if (settings.start_is_cut) sweep.set_trail(Trail(piece, m.from, m.to, shown));
+    if (settings.start_is_cut) {
+      sweep.set_trail(Trail(piece, m.from, m.to, all_discs(piece, shown)));
+    }
     return sweep;
   };
   if (m.turn_rad > 0) {
-    TurningSweep sweep(piece, m.from, m.to, shown, search);
-    // Without a trail no neighbor is left out.
-    if (settings.start_is_cut && plan.hides_edge && !plan.shows_edge) {
-      PiecePlan bare = plan;
-      bare.bend_mm = std::max(plan.bend_mm, plan.disc_bend_mm);
-      bare.parts = std::max(plan.parts, parts_of(bare.bend_mm, settings.tolerance_mm));
-      bare.shows_edge = true;
-      bare.round = false;
-      sweep.set_bare_search(search_of(bare, m, settings.tolerance_mm));
-    }
-    return trailing(std::move(sweep));
+    return trailing(TurningSweep(piece, whole, m.from, m.to, shown, search));
   }
   if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    return trailing(FrustumTranslation(*f, m.from, m.to, shown, search));
+    return trailing(
+        FrustumTranslation(*f, std::get<FrustumPiece>(whole), m.from, m.to, shown, search));
   }
-  return trailing(ArcTranslation(std::get<ArcPiece>(piece), m.from, m.to, shown, search));
+  return trailing(ArcTranslation(std::get<ArcPiece>(piece), std::get<ArcPiece>(whole), m.from, m.to,
+                                 shown, search));
 }
 
 SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n,
@@ -246,8 +249,9 @@ SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n
 }
 
 SweptTool sweep_pieces(const Tool& tool, const std::vector<PiecePlan>& plans, const ToolMotion& m,
-                       const SweepSettings& settings) {
+                       SweepSettings settings) {
   SweptTool swept;
+  if (m.from == m.to) settings.start_is_cut = false;
   if (m.turn_rad > 0) swept.join_mm = std::max(swept.join_mm, settings.tolerance_mm);
   for (const PiecePlan& plan : plans) {
     // Above the last piece there is nothing that could be left out.
@@ -263,17 +267,22 @@ SweptTool sweep_pieces(const Tool& tool, const std::vector<PiecePlan>& plans, co
       continue;
     }
     if (!plan.still) {
-      add(sweep_slice(plan.piece, plan.shown, plan, m, settings), above);
+      add(sweep_slice(plan.piece, plan.whole, plan.shown, plan, m, settings), above);
       continue;
     }
     const Extent e = extent(plan.piece);
     const double rest = *plan.still;
-    add(sweep_slice(slice_of(plan.piece, e.z0_mm, rest), {plan.shown.lower, false}, plan, m,
+    const ToolPiece lower = slice_of(plan.piece, e.z0_mm, rest);
+    const ToolPiece upper = slice_of(plan.piece, rest, e.z1_mm);
+    add(sweep_slice(lower, lower, {plan.shown.lower, false}, plan, m, settings), above);
+    add(sweep_slice(upper, upper, {false, plan.shown.upper, plan.shown.upper_is_outside}, plan, m,
                     settings),
         above);
-    add(sweep_slice(slice_of(plan.piece, rest, e.z1_mm),
-                    {false, plan.shown.upper, plan.shown.upper_is_outside}, plan, m, settings),
-        above);
+    // What the last pose removes is computed for the whole piece.
+    const ToolMotion arrived = make_motion(m.to, m.to, tool.length_mm);
+    SweepSettings at_rest = settings;
+    at_rest.start_is_cut = false;
+    add(sweep_slice(plan.piece, plan.whole, plan.shown, plan, arrived, at_rest), ToolAbove());
   }
   return swept;
 }
@@ -380,8 +389,14 @@ std::int64_t count_sub_motions(const Tool& tool, const ToolMotion& motion,
   return paper_parts(tool, motion, settings) * (both ? 2 : 1);
 }
 
-void sweep_tool(const Tool& tool, const ToolMotion& motion, const SweepSettings& settings,
+void sweep_tool(const Tool& tool, const ToolMotion& motion, const SweepSettings& given,
                 const std::function<void(SubMotion&&)>& visit) {
+  SweepSettings settings = given;
+  if (!settings.start_is_cut && !(motion.from == motion.to)) {
+    const ToolMotion rest = make_motion(motion.from, motion.from, tool.length_mm);
+    visit({sweep_pieces(tool, plan_pieces(tool, rest, settings), rest, settings), rest, 1, 0});
+  }
+  settings.start_is_cut = true;
   if (settings.model == MotionModel::kTight) {
     TightSweep(tool, motion, settings).run(visit);
   } else {

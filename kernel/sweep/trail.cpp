@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/math/tolerance.h"
+
 namespace kerf {
 namespace {
 
@@ -128,6 +130,9 @@ KERF_INLINE unsigned behind_discs_in_lanes(const Trail::Motion& m, const Discs& 
   if (!any(recedes)) return 0;
   return bits(recedes & discs_recede(m, dx, dy, reach, untested));
 }
+/// Returns whether a unit vector lies along one of the coordinates.
+bool is_coordinate(const Vec3& u) { return (u.x != 0) + (u.y != 0) + (u.z != 0) == 1; }
+
 KERF_FOR_EACH_TARGET(unsigned, behind_discs,
                      (const Trail::Motion& m, const Discs& discs, const UntestedDiscs& untested),
                      (m, discs, untested))
@@ -198,7 +203,7 @@ void Trail::set_side(const TurningFrame& f, const FrustumPiece& p) {
   const double swerve = turning * f.turn * half_turn;
   const double r = m_.radius, fastest = speed + swerve;
   m_.margin = (m_.half_travel + (p.z1_mm + r) * half_turn) * fastest + 2 * r * swerve +
-              std::abs(slope) * r * half_turn * length(f.v);
+              std::abs(slope) * r * half_turn * length(f.v) + kRecedingMm * r * std::sqrt(m_.m1);
   m_.margin_per_mm = 2 * swerve;
 }
 
@@ -212,9 +217,11 @@ void Trail::set_axial_speed(const TurningFrame& f) {
   m_.axial = dot(f.u, f.v);
   m_.axial_x = m_.axial_y = m_.axial_l = m_.axial_per_mm = 0;
   if (f.turn == 0) {
-    m_.axial_margin = 0;
+    // Of a level motion across an axis along one of the coordinates, the discs meet each ray at the
+    // same height, to the bit, at every pose.
+    m_.axial_margin = m_.axial == 0 && is_coordinate(f.u) ? 0 : kRecedingMm;
   } else if (upright < kAxialUprightMin) {
-    m_.axial_margin = half_turn * speed + f.turn * m_.radius;
+    m_.axial_margin = half_turn * speed + f.turn * m_.radius + kRecedingMm;
   } else {
     const double per_mm = f.turn * std::sqrt(gx * gx + gy * gy) / upright;
     m_.axial_x = f.turn * gx / f.u.z;
@@ -222,7 +229,7 @@ void Trail::set_axial_speed(const TurningFrame& f) {
     m_.axial_l = f.turn * f.w.z / f.u.z;
     m_.axial_per_mm = per_mm;
     m_.axial_margin = half_turn * speed + per_mm * m_.half_travel +
-                      f.turn * half_turn * (m_.high + m_.radius) / upright;
+                      f.turn * half_turn * (m_.high + m_.radius) / upright + kRecedingMm;
   }
 }
 

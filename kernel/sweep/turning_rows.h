@@ -11,17 +11,18 @@
 
 namespace kerf {
 
-KERF_INLINE void add_span(ColumnBlock& block, int row, double z, const LaneSpan& span,
-                          LaneMask where) {
+KERF_INLINE void add_span(ColumnBlock& block, int row, const LaneSpan& span, LaneMask where) {
   const Lanes none = std::numeric_limits<double>::infinity();
-  block.add(row, select(where, span.lo + z, none), select(where, span.hi + z, -none));
+  block.add(row, select(where, span.lo, none), select(where, span.hi, -none));
 }
 
 /// Returns a lower bound of the share between a station that misses a ray and a hit below `top`.
-/// `closing` is the speed at which the piece approaches the ray.
+/// `closing` is the speed at which the piece approaches the ray. A hit up to kRecedingMm off the
+/// piece counts.
 KERF_INLINE Lanes least_share(const SlicePath& path, const Meeting& m, Lanes closing, double top,
                               Lanes length) {
-  return reach_of_miss(path, FoundEnd::of<End::kLower>(Lanes(0), m), closing, 0, top, length);
+  return reach_of_miss(path, FoundEnd::of<End::kLower>(Lanes(0), m), closing, -kRecedingMm, top,
+                       length);
 }
 
 /// A row of eight rays.
@@ -40,7 +41,7 @@ struct Division {
 template <class Side>
 KERF_INLINE Lanes depth_at(const Side& side, const SlicePath& path, const RayRow& row, Lanes share,
                            const Meeting& m) {
-  const TurningFrame::Poses pose = path.frame.at(share);
+  const TurningFrame::Poses pose = path.frame.placed(share);
   const Vec3Lanes& u = pose.u;
   const Vec3Lanes anchor = u * Lanes(side.anchor);
   const Vec3Lanes p{row.x - (pose.tip.x + anchor.x), row.y - (pose.tip.y + anchor.y),
@@ -78,7 +79,7 @@ KERF_INLINE Division divide(const Side& side, const SlicePath& path, const RayRo
                             const Stretch& stretch, LaneMask asked, int level,
                             const ColumnBlock& block) {
   const Meeting &first = stretch.first, &last = stretch.last;
-  const double top = block.top_mm + block.join_mm - path.frame.tip.z;
+  const double top = block.top_mm + block.join_mm;
   const LaneMask inside = first.hit & last.hit;
   const LaneMask overlap = (first.lo <= last.hi) & (last.lo <= first.hi);
   if (level >= path.search.halvings) {
@@ -165,11 +166,10 @@ template <class Side>
 KERF_INLINE void sweep_stretch(const Side& side, const SlicePath& path, const RayRow& row,
                                const Stretch& stretch, LaneMask asked, PackedRays& packed,
                                ColumnBlock& block) {
-  const double z = path.frame.tip.z;
   LaneSpan span;
   include_hits(span, stretch.first);
   include_hits(span, stretch.last);
-  add_span(block, row.number, z, span, asked);
+  add_span(block, row.number, span, asked);
   const LaneMask none = ~every_lane();
   const LaneMask hidden_entry = row.hides_entry ? enters_by_disc(path, stretch) : none;
   const LaneMask hidden = row.hides_exit ? leaves_by_disc(path, stretch) : none;
@@ -177,7 +177,7 @@ KERF_INLINE void sweep_stretch(const Side& side, const SlicePath& path, const Ra
       needs_search<End::kLower>(side, path, row.x, row.y, stretch, asked & ~hidden_entry, span);
   const LaneMask empty = span.lo > span.hi;
   LaneMask upper =
-      asked & ~hidden & ~block.loses_all_above(row.number) & (empty | (span.hi < block.top_mm - z));
+      asked & ~hidden & ~block.loses_all_above(row.number) & (empty | (span.hi < block.top_mm));
   // The upper end of a ray that both stations miss is searched if the lower one is found.
   const LaneMask unknown = upper & empty;
   upper &= ~empty;
@@ -229,11 +229,11 @@ KERF_INLINE Station& evaluate_stretch(const Side& side, const SlicePath& path, c
 template <class Side>
 KERF_INLINE void add_last_pose(const Side& side, const SlicePath& path, const RayRow& row,
                                LaneMask open, ColumnBlock& block) {
-  const TurningFrame::Poses pose = path.frame.at(Lanes(1));
+  const TurningFrame::Poses pose = path.frame.placed(Lanes(1));
   const Crossing c = cross_piece<End::kLower>(side, pose, row.x, row.y);
   const Lanes middle = pose.tip.z + c.anchor.z;
   const LaneSpan span{middle + c.in, middle + c.out};
-  add_span(block, row.number, path.frame.tip.z, span, open & c.hit);
+  add_span(block, row.number, span, open & c.hit);
 }
 
 /// Returns the hits at the first (`sign` −1) or the last pose (1) whose end lies nowhere farther
@@ -244,7 +244,7 @@ KERF_INLINE LaneMask outermost_at(const SlicePath& path, const Meeting& m, doubl
   const double turn = path.frame.turn;
   const double bend = path.search.bend_mm + turn * turn * path.speed_max_mm;
   const LaneMask bound = m.on_side | (path.search.shows_disc ? every_lane() : ~every_lane());
-  return m.hit & bound & (sign * m.advance * scale >= 0.5 * bend) &
+  return m.hit & bound & (sign * m.advance * scale >= 0.5 * bend + kRecedingMm) &
          (magnitude(m.upright) * scale >= turn);
 }
 
@@ -256,8 +256,7 @@ KERF_INLINE LaneMask settled_at(const Side& side, const SlicePath& path, const R
   const double sign = station.share > 0 ? 1 : -1;
   const Meeting& m = station.met;
   LaneMask settled = outermost_at(path, m, sign);
-  const LaneMask above =
-      (m.hi >= path.search.top_mm - path.frame.tip.z) | block.loses_all_above(row.number);
+  const LaneMask above = (m.hi >= path.search.top_mm) | block.loses_all_above(row.number);
   if (any(settled & ~above)) {
     const Meeting upper = at_upper_end(side, path, row.x, row.y, station.share, m);
     settled &= above | outermost_at(path, upper, sign);
@@ -268,8 +267,9 @@ KERF_INLINE LaneMask settled_at(const Side& side, const SlicePath& path, const R
 /// Returns whether a row is rather ahead of the slice than behind it: then its last pose is more
 /// likely to be all that it sweeps there than its first one.
 KERF_INLINE bool is_ahead(const SlicePath& path, const RayRow& row) {
-  const double x = (row.x[0] + row.x[kLanes - 1]) * 0.5, y = row.y[0];
-  return x * path.frame.v.x + y * path.frame.v.y >= 0;
+  const TurningFrame& f = path.frame;
+  const double x = (row.x[0] + row.x[kLanes - 1]) * 0.5 - f.tip.x, y = row.y[0] - f.tip.y;
+  return x * f.v.x + y * f.v.y >= 0;
 }
 
 /// Adds the intervals that a slice removes along its path to a row.
@@ -277,7 +277,7 @@ template <class Side>
 KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const RayRow& row,
                               LaneMask open, PackedRays& packed, ColumnBlock& block) {
   const int parts = path.search.parts;
-  const double top = block.top_mm + block.join_mm - path.frame.tip.z;
+  const double top = block.top_mm + block.join_mm;
   Stations stations;
   Station* ends[2];
   bool at_last = is_ahead(path, row);
@@ -286,7 +286,7 @@ KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const Ray
     ends[at_last] = &met;
     const LaneMask settled = open & settled_at(side, path, row, met, block);
     if (any(settled)) {
-      add_span(block, row.number, path.frame.tip.z, {met.met.lo, met.met.hi}, settled);
+      add_span(block, row.number, {met.met.lo, met.met.hi}, settled);
       open &= ~settled;
     }
     const LaneMask missed = open & ~met.met.hit;
@@ -311,11 +311,11 @@ KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const Ray
 template <class Side>
 KERF_INLINE void add_simple_rows(const Side& side, const SlicePath& path, const RowBits& known,
                                  ColumnBlock& block) {
-  const Lanes x = block.x_mm - path.frame.tip.x;
+  const Lanes x = block.x_mm;
   const bool has_discs = !path.discs.poses.empty();
   for (unsigned left = has_discs ? block.rows : known.ahead; left != 0; left &= left - 1) {
     const int row = __builtin_ctz(left);
-    const Lanes y = block.y_mm[row] - path.frame.tip.y;
+    const Lanes y = block.y_mm[row];
     const LaneMask open = block.open(row);
     if (!has_discs || !add_disc_row(side, path, y, row, open, known, block)) {
       if ((known.ahead >> row & 1) == 0) continue;
@@ -329,12 +329,12 @@ KERF_INLINE void add_simple_rows(const Side& side, const SlicePath& path, const 
 template <class Side>
 KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, const RowBits& known,
                                ColumnBlock& block) {
-  const Lanes x = block.x_mm - path.frame.tip.x;
+  const Lanes x = block.x_mm;
   PackedMemory memory;
   PackedRays& packed = memory.empty();
   for (unsigned left = block.rows; left != 0; left &= left - 1) {
     const int row = __builtin_ctz(left);
-    const Lanes y = block.y_mm[row] - path.frame.tip.y;
+    const Lanes y = block.y_mm[row];
     const bool hides_entry = (known.hides_entry >> row & 1) != 0;
     const bool hides_exit = (known.hides_exit >> row & 1) != 0;
     evaluate_row(side, path, {x, y, row, hides_entry, hides_exit}, block.open(row), packed, block);

@@ -11,9 +11,9 @@ std::vector<ToolPose> stations(const SlicePath& path, const ToolPose& from, cons
   const TurningFrame& f = path.frame;
   std::vector<ToolPose> poses{from};
   for (int i = 1; i < path.search.parts; ++i) {
-    const TurningFrame::Poses at = f.at(Lanes(double(i) / path.search.parts));
-    poses.push_back({f.tip + Vec3{at.tip.x[0], at.tip.y[0], at.tip.z[0]},
-                     Vec3{at.u.x[0], at.u.y[0], at.u.z[0]}});
+    const TurningFrame::Poses at = f.placed(Lanes(double(i) / path.search.parts));
+    poses.push_back(
+        {Vec3{at.tip.x[0], at.tip.y[0], at.tip.z[0]}, Vec3{at.u.x[0], at.u.y[0], at.u.z[0]}});
   }
   poses.push_back(to);
   return poses;
@@ -28,9 +28,9 @@ double bulge(const SlicePath& path, const Extent& e) {
 
 }  // namespace
 
-TurningSweep::TurningSweep(const ToolPiece& slice, const ToolPose& from, const ToolPose& to,
-                           ShownDiscs shown, const SliceSearch& search)
-    : slice_(slice, from, to, shown, search),
+TurningSweep::TurningSweep(const ToolPiece& slice, const ToolPiece& whole, const ToolPose& from,
+                           const ToolPose& to, ShownDiscs shown, const SliceSearch& search)
+    : slice_(slice, whole, from, to, shown, search),
       shadow_(slice, stations(slice_.path(), from, to), bulge(slice_.path(), extent(slice))) {
   slice_.set_lowest(shadow_.bounds().min_mm.z);
 }

@@ -12,12 +12,12 @@ namespace kerf {
 /// "The tight model").
 class TurningSweep {
  public:
-  /// `slice` is a frustum or an arc, and `shown` its discs that are not hidden within neighbors.
-  TurningSweep(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown,
-               const SliceSearch& search);
+  /// `slice` is a frustum or an arc, and `shown` its discs that are not hidden within neighbors. It
+  /// is the part of `whole` that can reach into the block.
+  TurningSweep(const ToolPiece& slice, const ToolPiece& whole, const ToolPose& from,
+               const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
   void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
-  void set_bare_search(const SliceSearch& search) { slice_.set_bare_search(search); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
   LeftOut lower_bound(const Discs& discs, Lanes& z_mm) const {
     return shadow_.lower_bound(discs, z_mm);

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "kernel/intersect/ray_capsule.h"
-#include "kernel/intersect/ray_cone.h"
 #include "kernel/intersect/ray_parallelogram.h"
 #include "kernel/intersect/ray_pipe.h"
 
@@ -68,37 +67,6 @@ TEST(RayCapsule, EndOfAMotionAndStartOfTheNextGiveTheSameBits) {
     EXPECT_LE(s.lo, ball.lo);
     EXPECT_GE(s.hi, ball.hi);
   }
-}
-
-TEST(RayCone, UprightCylinderEndsAtItsDiscs) {
-  const RayCone c({0, 5, 30, 5}, {0, 0, 2}, {0, 0, 1});
-  const Span s = hit(c, 3, 3.9);
-  EXPECT_DOUBLE_EQ(s.lo, 2);
-  EXPECT_DOUBLE_EQ(s.hi, 32);
-  EXPECT_TRUE(misses(hit(c, 3, 4.1)));
-}
-
-TEST(RayCone, UprightConeStartsOnItsSide) {
-  const Span s = hit(RayCone({0, 0, 10, 10}, {0, 0, 0}, {0, 0, 1}), 3, 4);
-  EXPECT_DOUBLE_EQ(s.lo, 5);
-  EXPECT_DOUBLE_EQ(s.hi, 10);
-}
-
-TEST(RayCone, LyingCylinderIsHitAcross) {
-  const Span s = hit(RayCone({0, 5, 20, 5}, {0, 0, 0}, {1, 0, 0}), 7, 4);
-  EXPECT_DOUBLE_EQ(s.lo, -3);
-  EXPECT_DOUBLE_EQ(s.hi, 3);
-}
-
-TEST(RayCone, RayParallelToAGeneratorStillEnters) {
-  // Half angle 45 degrees, leaning by 45 degrees: the quadratic's leading coefficient is exactly
-  // zero.
-  const double h = std::sqrt(0.5);
-  const RayCone c({0, 0, 10, 10}, {0, 0, 0}, {h, 0, h});
-  const Span s = hit(c, 2, 1);
-  ASSERT_FALSE(misses(s));
-  // On the cone, (x + z)^2 / 2 = (z - x)^2 / 2 + y^2, so z = y^2 / (2 x).
-  EXPECT_NEAR(s.lo, 1.0 / 4, 1e-12);
 }
 
 TEST(RayParallelogram, IsHitWithinItsBordersOnly) {

@@ -66,7 +66,8 @@ void expect_exact(const Reference& sweep, std::mt19937_64& random, const std::st
   block.rows = 0xFF;
   block.top_mm = 1e300;
   block.clear();
-  ArcTranslation(sweep.piece, sweep.from, sweep.to, {true, true}, {.top_mm = block.top_mm})
+  ArcTranslation(sweep.piece, sweep.piece, sweep.from, sweep.to, {true, true},
+                 {.top_mm = block.top_mm})
       .evaluate(block);
   for (int j = 0; j < kBlockSide; j += 2) {
     for (int i = 0; i < kLanes; i += 2) {

@@ -33,10 +33,10 @@ TEST(Trail, ADiscThatShowsCountsOnlyWhereItMovesOutwards) {
     return Trail(mill, {{0, 0, 0}, {0, 0, 1}}, {to_tip, normalized(to_axis)}, shown).behind(behind);
   };
   EXPECT_EQ(test({1, 0, 0}, {0, 0, 1}, {true, false}), 0xFFU);
-  EXPECT_EQ(test({1, 0, -1e-9}, {0, 0, 1}, {true, false}), 0U);
-  EXPECT_EQ(test({1, 0, -1e-9}, {0, 0, 1}, {false, true}), 0xFFU);
-  EXPECT_EQ(test({1, 0, 1e-9}, {0, 0, 1}, {true, false}), 0xFFU);
-  EXPECT_EQ(test({1, 0, 1e-9}, {0, 0, 1}, {false, true}), 0U);
+  EXPECT_EQ(test({1, 0, -1e-8}, {0, 0, 1}, {true, false}), 0U);
+  EXPECT_EQ(test({1, 0, -1e-8}, {0, 0, 1}, {false, true}), 0xFFU);
+  EXPECT_EQ(test({1, 0, 1e-8}, {0, 0, 1}, {true, false}), 0xFFU);
+  EXPECT_EQ(test({1, 0, 1e-8}, {0, 0, 1}, {false, true}), 0U);
   // The rear of the bottom rises if the axis turns forwards about the tip's axis, and sinks if it
   // turns backwards.
   EXPECT_EQ(test({1, 0, 0.03}, {0.01, 0, 1}, {true, false}), 0xFFU);
@@ -51,7 +51,7 @@ TEST(Trail, ArcRecedesWhereBothItsEndsDo) {
   };
   EXPECT_EQ(test({1, 0, 0}), 0xFFU);
   EXPECT_EQ(test({1, 0, 0.3}), 0xFFU);
-  EXPECT_EQ(test({1, 0, -1e-9}), 0U);  // its lower border is level
+  EXPECT_EQ(test({1, 0, -1e-8}), 0U);  // its lower border is level
   EXPECT_EQ(test({-1, 0, 0}), 0U);
 }
 
