@@ -110,9 +110,8 @@ KERF_INLINE Crossing cross_piece(const Side& side, const TurningFrame::Poses& po
 template <class Side>
 KERF_INLINE void include_pose(LaneSpan& span, const Side& side, const ToolPose& pose, Lanes x,
                               Lanes y) {
-  const Vec3 &t = pose.tip_mm, &u = pose.axis;
-  const TurningFrame::Poses at{{Lanes(t.x), Lanes(t.y), Lanes(t.z)},
-                               {Lanes(u.x), Lanes(u.y), Lanes(u.z)}};
+  TurningFrame::Poses at{};
+  TurningFrame::put(at, every_lane(), pose);
   const Crossing c = cross_piece<End::kLower>(side, at, x, y);
   const Lanes middle = at.tip.z + c.anchor.z, lo = middle + c.in, hi = middle + c.out;
   span.lo = select(c.hit & (lo < span.lo), lo, span.lo);

@@ -59,7 +59,7 @@ struct TurningFrame {
     return v + cross(omega, from_tip);
   }
 
- private:
+  /// Replaces the poses in the lanes `where`.
   KERF_INLINE static void put(Poses& p, LaneMask where, const ToolPose& pose) {
     p.tip.x = select(where, Lanes(pose.tip_mm.x), p.tip.x);
     p.tip.y = select(where, Lanes(pose.tip_mm.y), p.tip.y);
