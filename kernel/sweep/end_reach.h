@@ -68,6 +68,15 @@ KERF_INLINE double fastest_point(const SlicePath& path) {
   return path.speed_max_mm * (1 + path.frame.turn);
 }
 
+/// Returns the share up to which a distance, off − fall x − bend x²/2 after the share x, does not
+/// fall below zero: 0 unless `off` is above it.
+KERF_INLINE Lanes root_of(Lanes off, Lanes fall, Lanes bend) {
+  const Lanes root = square_root(fall * fall + 2 * bend * off);
+  const LaneMask falls = fall > 0.0;
+  const Lanes share = select(falls, 2 * off, root - fall) / select(falls, fall + root, bend);
+  return select(off > 0.0, share, Lanes(0));
+}
+
 /// Returns the share after an end, or with −advance for `outwards` before it, in which no point of
 /// the ray at `best` or farther out gets deeper into the slice than `depth_mm`. `best` is the
 /// outermost end known, `length` the length of the stretch.
@@ -81,9 +90,7 @@ KERF_INLINE Lanes reach_of_hit(const SlicePath& path, const FoundEnd& e, Lanes o
       select(e.on_side, Lanes(path.search.bend_mm), Lanes(path.search.disc_bend_mm)) +
       outer_bend(path, length);
   const auto within = [&](Lanes rise) __attribute__((always_inline)) {
-    const Lanes off = slope * rise + depth_mm;
-    const Lanes fall = greater(speed + turn * rise, Lanes(0));
-    return 2 * off / (fall + square_root(fall * fall + 2 * bend * off));
+    return root_of(slope * rise + depth_mm, speed + turn * rise, bend);
   };
   const Lanes rise = magnitude(e.z - best);
   const Lanes reach = within(rise);
@@ -105,8 +112,7 @@ KERF_INLINE Lanes reach_of_miss(const SlicePath& path, const FoundEnd& e, Lanes 
   const Lanes off = select(e.off_side > 0.0, greater(e.off_side + depth_mm, Lanes(0)), Lanes(0));
   const Lanes fall =
       greater(closing, Lanes(0)) / square_root(e.normal2) + path.frame.turn * along_ray;
-  return greater(2 * off / (fall + square_root(fall * fall + 2 * bend * off)),
-                 (e.clearance + depth_mm) / fastest_point(path));
+  return greater(root_of(off, fall, bend), (e.clearance + depth_mm) / fastest_point(path));
 }
 
 /// Returns the rays whose ends, `apart` along the ray, lie on one disc at both stations of a
@@ -134,9 +140,10 @@ struct Gap {
   }
 };
 
-/// Returns the rays of which it is plain that the reaches of both stations cover the stretch: an
-/// end that moves inwards has the reach of the bend, and that of the other station covers the rest;
-/// or the piece is too far from the ray at both. All stretches have the same length.
+/// Returns the rays of which it is plain that the reaches of the stations cover the stretch: that
+/// of one is long enough; or its end moves inwards, which has the reach of the bend, and that of
+/// the other station covers the rest; or the piece is too far from the ray at both. All stretches
+/// have the same length.
 template <End end>
 KERF_INLINE LaneMask plainly_covered(const SlicePath& path, const Stretch& stretch, Lanes best) {
   const Meeting &first = stretch.first, &last = stretch.last;
@@ -147,20 +154,23 @@ KERF_INLINE LaneMask plainly_covered(const SlicePath& path, const Stretch& stret
   const Lanes covered = std::sqrt(2 * tolerance / bend[0]);
   const Lanes rest = greater(length - covered, Lanes(0));
   struct Covers {
-    LaneMask upright, rest;  // the wall does not tip past the ray
+    LaneMask upright;  // the wall does not tip past the ray
+    LaneMask rest, whole;
   };
   const auto covers = [&](const Meeting& m, Lanes outwards) __attribute__((always_inline)) {
     const Lanes normal = square_root(m.normal2), slope = magnitude(m.upright);
     const Lanes rise = magnitude((end == End::kLower ? m.lo : m.hi) - best);
-    const Lanes fall = greater(outwards, Lanes(0)) + (turn * rise + 0.5 * bend * rest) * normal;
-    return Covers{m.hit & (slope >= turn * length * normal),
-                  slope * rise + tolerance * normal >= fall * rest};
+    const Lanes off = slope * rise + tolerance * normal, fall = outwards + turn * rise * normal;
+    const Lanes curve = 0.5 * bend * normal;
+    return Covers{m.hit & (slope >= turn * length * normal), off >= (fall + curve * rest) * rest,
+                  off >= (fall + curve * length) * length};
   };
   const Covers by_first = covers(first, first.advance), by_last = covers(last, -last.advance);
   const LaneMask all = rest <= 0.0, far = first.clearance + last.clearance + 2 * tolerance >=
                                           fastest_point(path) * length;
   return (by_first.upright & (first.advance <= 0.0) & (all | (by_last.upright & by_last.rest))) |
          (by_last.upright & (last.advance >= 0.0) & (all | (by_first.upright & by_first.rest))) |
+         (by_first.upright & by_first.whole) | (by_last.upright & by_last.whole) |
          (~first.hit & ~last.hit & far);
 }
 

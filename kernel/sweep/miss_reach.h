@@ -7,6 +7,52 @@
 
 namespace kerf {
 
+/// The deciding point of a ray that misses a slice.
+struct MissedAt {
+  Vec3Lanes anchor, p;  ///< the side's anchor from the tip; the point from the anchor
+  Vec3Lanes u, n;       ///< the axis; the unit normal of the side below the point
+  Lanes l, off;         ///< height on the axis, distance from the side
+};
+
+/// Returns the heights from a point on the ray between which the ray is within the distance `far`
+/// from the axis; any if the ray is parallel to it.
+KERF_INLINE LaneSpan near_axis(const MissedAt& at, Lanes far) {
+  const Lanes lean2 = 1 - at.u.z * at.u.z;
+  const Lanes radial_z = at.p.z - at.l * at.u.z;
+  const Lanes middle = -radial_z / lean2;
+  const Lanes rho2 = dot(at.p, at.p) - at.l * at.l + radial_z * middle;
+  const Lanes half = square_root(greater(far * far - rho2, Lanes(0)) / lean2);
+  return {middle - half, middle + half};
+}
+
+/// Returns the same as reach_beside for rays that pass a disc: the bound is the distance from its
+/// plane, or that and the distance from the side, weighted so that their sum does not change along
+/// the ray. Both are linear along the ray, so they are taken at the ends of the part of it which
+/// the slice can come to hold within the stretch.
+template <class Side>
+KERF_INLINE Lanes reach_past_disc(const Side& side, const SlicePath& path, const MissedAt& at,
+                                  double sign, Lanes length, double depth_mm) {
+  const LaneSpan part = near_axis(at, side.widest + fastest_point(path) * length);
+  const LaneMask below = at.l < (side.low + side.high) * 0.5;
+  const Lanes off_disc = select(below, side.low - at.l, at.l - side.high);
+  const Lanes out = select(below, Lanes(-1), Lanes(1));
+  const Lanes outer = outer_bend(path, length);
+  const Lanes disc_bend = path.search.disc_bend_mm + outer, side_bend = path.search.bend_mm + outer;
+  Lanes by_disc = length, by_rim = length;
+  const Lanes share = magnitude(at.n.z), weight = magnitude(at.u.z);
+  for (const Lanes& t : {part.lo, part.hi}) {
+    const Vec3Lanes v = path.frame.velocity(at.anchor + at.p + Vec3Lanes{Lanes(0), Lanes(0), t});
+    const Lanes disc = off_disc + out * at.u.z * t, disc_fall = sign * out * dot(at.u, v);
+    const Lanes rim = share * disc + weight * (at.off + at.n.z * t);
+    const Lanes rim_fall = share * disc_fall + weight * sign * dot(at.n, v);
+    by_disc = lesser(root_of(disc + depth_mm, disc_fall, disc_bend), by_disc);
+    by_rim = lesser(root_of(rim + (share + weight) * depth_mm, rim_fall,
+                            share * disc_bend + weight * side_bend),
+                    by_rim);
+  }
+  return greater(by_disc, by_rim);
+}
+
 /// Returns the share after a station that misses a ray, or before it with `sign` −1, in which no
 /// point of the ray gets deeper into the slice than `depth_mm`. Unlike reach_of_miss, the bound
 /// does not fall along the ray: the supporting plane is tilted towards points farther along it, and
@@ -27,31 +73,33 @@ KERF_INLINE Lanes reach_beside(const Side& side, const SlicePath& path, Lanes x,
   const Lanes off = side.clearance(p, l, u), slope = magnitude(n.z);
   const Lanes bend =
       std::max(path.search.bend_mm, path.search.disc_bend_mm) + outer_bend(path, length);
-  const auto reach = [&](Lanes depth, Lanes fall, Lanes curve) __attribute__((always_inline)) {
-    fall = greater(fall, Lanes(0));
-    return 2 * depth / (fall + square_root(fall * fall + 2 * curve * depth));
-  };
 
   // The tilt at the share s makes the plane rise along the ray by what the turn takes from it.
   const SideTilt tilt = side.tilt(p, l, u, n, off);
   const Lanes angle = turn / tilt.gain, first = slope / tilt.gain;
   const Lanes speed = square_root(dot(v, v)), side_speed = sign * dot(n, v);
-  const Lanes tilted = reach(off + depth_mm - tilt.radius * first * first,
-                             greater(side_speed, Lanes(0)) + first * (speed + tilt.radius * angle),
-                             bend + angle * (1.25 * tilt.radius * angle + 2 * speed));
+  const Lanes tilted =
+      root_of(off + depth_mm - tilt.radius * first * first,
+              greater(side_speed, Lanes(0)) + first * (speed + tilt.radius * angle),
+              bend + angle * (1.25 * tilt.radius * angle + 2 * speed));
   const LaneMask rises = slope >= turn * length;
   const LaneMask tilts = (slope <= kFlatSlope) & (angle * length <= 0.4);
   const LaneMask inside = (l > side.low + kEdgeEpsilonMm) & (l < side.high - kEdgeEpsilonMm);
-  Lanes least = select(rises & ~inside, reach(off + depth_mm, side_speed, bend), tilted);
+  Lanes least = select(rises & ~inside, root_of(off + depth_mm, side_speed, bend), tilted);
 
   // Beyond a disc that the ray passes: the sum of both distances that does not fall along the ray.
   const Lanes weight = slope / magnitude(u.z), share = 1 / (1 + weight);
   const Lanes past = (side_speed - sign * n.z * dot(u, v) / u.z) * share +
                      turn * fastest_point(path) * length / magnitude(u.z);
-  least = select(inside, least, lesser(least, reach(off * share + depth_mm, past, bend)));
+  least = select(inside, least, lesser(least, root_of(off * share + depth_mm, past, bend)));
   const LaneMask known =
       (off > 0.0) & (tilts | (rises & ~inside)) & (inside | (magnitude(u.z) >= kSteep));
-  return select(known & (least > 0.0), least, Lanes(0));
+  least = select(known & (least > 0.0), least, Lanes(0));
+  const LaneMask across = magnitude(u.z) < kSteep;
+  if (!any(across)) return least;
+  const Lanes past_disc =
+      reach_past_disc(side, path, {anchor, p, u, n, l, off}, sign, length, depth_mm);
+  return select(across & (past_disc > least), past_disc, least);
 }
 
 /// Returns what stations that both miss a ray leave open.

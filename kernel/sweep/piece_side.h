@@ -65,6 +65,7 @@ struct ConeSide {
   double anchor, low, high;
   FrustumSide side;
   DiscPlanes planes;
+  double widest;     ///< greatest radius of the piece
   double by_chord2;  ///< estimated depth of a ray in the side, per squared length of its chord
 
   explicit ConeSide(const FrustumPiece& p)
@@ -73,6 +74,7 @@ struct ConeSide {
         high((p.r1_mm > kTipMm ? 1 : 2) * (p.z1_mm - p.z0_mm)),
         side(p),
         planes(DiscPlanes::of(p)),
+        widest(extent(p).radius_mm),
         by_chord2(0.125 / extent(p).radius_mm) {}
 
   /// `along` = x u_x + y u_y.
@@ -155,6 +157,7 @@ struct ConeSide {
 struct ArcSide {
   double anchor, low, high, center_r, radius, reach, half_height;
   DiscPlanes planes;
+  double widest;  ///< greatest radius of the piece
 
   explicit ArcSide(const ArcPiece& p)
       : anchor(p.center_z_mm),
@@ -168,7 +171,8 @@ struct ArcSide {
                                  : std::sqrt(std::max(0.0, p.radius_mm * p.radius_mm -
                                                                p.center_r_mm * p.center_r_mm))),
         half_height(std::min(radius, reach)),
-        planes(DiscPlanes::of(p)) {}
+        planes(DiscPlanes::of(p)),
+        widest(extent(p).radius_mm) {}
 
   /// Computes `end` of the intervals; the other end only up to the disc there.
   template <End end>
