@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/formats/program_facts.h"
+#include "server/formats/program_survey.h"
 #include "server/http/api.h"
 #include "server/http/number.h"
 #include "server/session/program_json.h"
@@ -18,8 +19,6 @@ using Json = nlohmann::json;
 /// the paper's force loop.
 constexpr double kFeedRateHz = 100;
 constexpr double kRateMinHz = 1, kRateMaxHz = 2000;
-/// The most motions of one program: about two days at 100 Hz.
-constexpr std::size_t kMotionsMax = 20'000'000;
 
 Json status_json(const Session& session, const ProgramStatus& status) {
   Json json = Json::parse(program_json(status));
@@ -216,32 +215,27 @@ ApiResponse Api::start_program(const ApiCall& call) {
   if (auto failure = name_failure(name)) return *std::move(failure);
   const auto environment = parse_environment(request);
   if (!environment) return environment.error();
-  auto program = parse_program(name, request.body, session.scene(), *environment);
-  if (!program) return program_failure(program.error());
-  ProgramPath path = drawn_path(*program, kPathPointsMax);
-  if (rate_hz) {
-    double duration_s = 0;
-    for (const ProgramMotion& motion : program->motions) duration_s += motion.duration_s;
-    if (!(duration_s * *rate_hz < static_cast<double>(kMotionsMax))) {
-      return error_response(413, "too_large", "the program has too many motions at this rate");
-    }
-    const auto sampled =
-        program_memory(static_cast<std::size_t>(duration_s * *rate_hz) * sizeof(ProgramMotion));
-    if (!sampled) return out_of_memory();
-    program = sample_program(*program, *rate_hz);
-  }
-  program->motions.shrink_to_fit();
-  auto memory = program_memory(program->motions.size() * sizeof(ProgramMotion));
-  auto text_memory = program_memory(request.body.size() + path.points.size() * sizeof(PathPoint));
+  auto memory = program_memory(reading_memory_bytes(request.body));
+  auto text_memory = program_memory(request.body.size() + kPathPointsMax * sizeof(PathPoint));
   if (!memory || !text_memory) return out_of_memory();
+  const auto kept =
+      std::make_shared<ProgramText>(request.body, ProgramPath{}, *std::move(text_memory));
+  ProgramSurvey survey(kPathPointsMax, rate_hz);
+  auto read = read_program(name, kept->text, session.scene(), *environment, survey);
+  if (!read) return program_failure(read.error());
+  if (rate_hz && survey.duration_s() * *rate_hz >= kSamplesMax) {
+    return error_response(413, "too_large", "the program has too many motions at this rate");
+  }
+  kept->path = survey.path();
+  kept->memory.reduce(kept->text.size() + kept->path.points.size() * sizeof(PathPoint));
+  ProgramJob job(*std::move(read), survey, rate_hz);
   ProgramOptions order{.pace = *pace, .speed = *speed, .after = *after};
   order.force_limit_n = *limit_n;
-  order.text =
-      std::make_shared<const ProgramText>(request.body, std::move(path), *std::move(text_memory));
+  order.text = kept;
   order.memory = *std::move(memory);
   auto started = run_and_wait(session.executor(), [&] {
     session.reserve(access_.regions(session.id()));
-    return session.start_program(*std::move(program), std::move(order), call.caller);
+    return session.start_program(std::move(job), std::move(order), call.caller);
   });
   if (!started) {
     const unsigned status = started.error().code == wire::ErrorCode::kBusy ? 503 : 400;

@@ -6,6 +6,12 @@
 #include <utility>
 
 namespace kerf {
+namespace {
+
+/// Steps of reading that follow each other: more than most programs have between two motions.
+constexpr int kReads = 16;
+
+}  // namespace
 
 const char* to_string(ProgramState state) {
   switch (state) {
@@ -25,7 +31,7 @@ const char* to_string(ProgramState state) {
   return "failed";
 }
 
-ProgramStatus ProgramRuns::start(ParticipantId participant, Program program, ProgramOptions options,
+ProgramStatus ProgramRuns::start(ParticipantId participant, ProgramJob job, ProgramOptions options,
                                  Clock::time_point now) {
   drop_oldest();
   ++changes_;
@@ -33,21 +39,16 @@ ProgramStatus ProgramRuns::start(ParticipantId participant, Program program, Pro
   ProgramStatus& status = run.status;
   status.id = ++last_id_;
   status.participant = participant;
-  status.name = program.name;
+  status.name = std::move(job.name);
   status.pace = options.pace;
   status.speed = options.speed;
-  status.motions = program.motions.size();
-  status.warnings = program.warnings;
-  for (const ProgramMotion& motion : program.motions) {
-    status.programmed_s += motion.duration_s;
-    if (!status.tools.empty() && status.tools.back() == motion.tool) continue;
-    if (std::ranges::find(status.tools, motion.tool) == status.tools.end()) {
-      status.tools.push_back(motion.tool);
-    }
-  }
+  status.motions = job.totals.motions;
+  status.warnings = std::move(job.warnings);
+  status.programmed_s = job.totals.duration_s;
+  for (const ProgramTotals::Use& use : job.totals.tools) status.tools.push_back(use.tool);
   if (!status.tools.empty()) status.tool = status.tools.front();
-  run.program = std::move(program);
   run.text = std::move(options.text);
+  run.motions.emplace(job.open(), job.rate_hz);
   run.alarms = ProgramAlarms(options.force_limit_n);
   run.memory = std::move(options.memory);
   run.clock.set_speed(options.speed, now);
@@ -63,7 +64,19 @@ ProgramStatus ProgramRuns::start(ParticipantId participant, Program program, Pro
 void ProgramRuns::begin(Run& run, Clock::time_point now) {
   run.status.state = ProgramState::kRunning;
   run.clock.run(now);
-  if (run.status.motions == 0) end(run, ProgramState::kFinished);
+  if (run.status.motions == 0) return end(run, ProgramState::kFinished);
+  read_on(run);
+}
+
+void ProgramRuns::read_on(Run& run) {
+  for (int reads = 0; run.next() == nullptr && reads < kReads; ++reads) {
+    const auto more = run.motions->read();
+    if (!more) run.status.error = to_string(more.error());
+    if (!more || !*more) return end(run, more ? ProgramState::kFinished : ProgramState::kFailed);
+  }
+  if (!run.steps || run.next() == nullptr || run.status.state != ProgramState::kRunning) return;
+  if (!run.only_line) run.only_line = run.next()->line;
+  if (*run.only_line != run.next()->line) pause(run, Clock::now());
 }
 
 void ProgramRuns::drop_oldest() {
@@ -78,9 +91,8 @@ void ProgramRuns::end(Run& run, ProgramState state) {
   run.status.state = state;
   run.status.waiting = false;
   ended_.push_back(run.status.participant);
-  // A run that has ended keeps its status and text only. Assigning {} to the vector would keep its
-  // memory.
-  run.program = Program();
+  // A run that has ended keeps its status and text only.
+  run.motions.reset();
   run.memory = MemoryBudget::Share();
   drop_ended_texts(kEndedTextBytesMax);
   end_wait(run.status);
@@ -115,7 +127,7 @@ std::shared_ptr<const ProgramText> ProgramRuns::text(ProgramId id) const {
 
 void ProgramRuns::pause(Run& run, Clock::time_point now) {
   ++changes_;
-  run.pauses = false;
+  run.pauses = run.steps = false;
   run.only_line.reset();
   run.status.waiting = false;
   run.status.state = ProgramState::kPaused;
@@ -139,7 +151,8 @@ bool ProgramRuns::order(ProgramId id, ProgramOrder order, Clock::time_point now)
   ++changes_;
   run.pauses = false;
   run.only_line.reset();
-  if (order == ProgramOrder::kStep) run.only_line = run.next().line;
+  run.steps = order == ProgramOrder::kStep;
+  if (run.steps && run.next() != nullptr) run.only_line = run.next()->line;
   run.align(now);
   run.clock.run(now);
   state = ProgramState::kRunning;
@@ -205,25 +218,21 @@ std::size_t ProgramRuns::running() const {
   }));
 }
 
-std::size_t ProgramRuns::memory_bytes() const {
-  std::size_t bytes = 0;
-  for (const auto& run : runs_ | std::views::values) {
-    bytes += run.program.motions.capacity() * sizeof(ProgramMotion);
-  }
-  return bytes;
-}
-
 std::vector<ParticipantId> ProgramRuns::take_ended() { return std::exchange(ended_, {}); }
 
 bool ProgramRuns::due(const Run& run, Clock::time_point now) const {
   if (run.status.state != ProgramState::kRunning) return false;
-  if (run.status.pace == ProgramPace::kFast) return true;
+  if (run.status.pace == ProgramPace::kFast || run.next() == nullptr) return true;
   // A motion is carved when its time has passed, as for an agent.
-  return run.clock.now_s(now) >= run.status.elapsed_s + run.next().duration_s;
+  return run.clock.now_s(now) >= run.status.elapsed_s + run.next()->duration_s;
 }
 
 bool ProgramRuns::step(Run& run, const Carve& carve) {
-  const ProgramMotion& motion = run.next();
+  if (run.next() == nullptr) {
+    read_on(run);
+    return true;
+  }
+  const ProgramMotion& motion = *run.next();
   ProgramStatus& status = run.status;
   const auto carved = carve({status.participant, motion, status.pace == ProgramPace::kFeed,
                              status.motions_done + 1 == status.motions});
@@ -243,7 +252,7 @@ bool ProgramRuns::step(Run& run, const Carve& carve) {
 }
 
 void ProgramRuns::advance(Run& run, const CarvedMotion& carved) {
-  const ProgramMotion& motion = run.next();
+  const ProgramMotion& motion = *run.next();
   ProgramStatus& status = run.status;
   run.alarms.follow(motion, carved);
   status.alarm_count = run.alarms.count();
@@ -251,7 +260,9 @@ void ProgramRuns::advance(Run& run, const CarvedMotion& carved) {
   status.elapsed_s += motion.duration_s;
   status.feed_mm_per_min = length(motion.to.tip_mm - motion.from.tip_mm) / motion.duration_s * 60;
   if (++status.motions_done == status.motions) return end(run, ProgramState::kFinished);
-  if (run.pauses || (run.only_line && run.next().line != *run.only_line)) pause(run, Clock::now());
+  run.motions->pop();
+  if (run.pauses) pause(run, Clock::now());
+  read_on(run);
 }
 
 std::optional<std::chrono::microseconds> ProgramRuns::slice(const Carve& carve) {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "server/convert/rejection.h"
-#include "server/formats/program.h"
 #include "server/session/program_clock.h"
+#include "server/session/program_job.h"
 #include "server/session/program_status.h"
 
 namespace kerf {
@@ -44,7 +44,7 @@ class ProgramRuns {
   static constexpr std::size_t kEndedTextBytesMax = std::size_t{64} << 20;
 
   /// `options.after` names a program that has not ended, or 0.
-  ProgramStatus start(ParticipantId participant, Program program, ProgramOptions options,
+  ProgramStatus start(ParticipantId participant, ProgramJob job, ProgramOptions options,
                       Clock::time_point now);
   /// False if the program has ended or is still queued.
   bool order(ProgramId id, ProgramOrder order, Clock::time_point now);
@@ -69,8 +69,6 @@ class ProgramRuns {
   /// Drops the texts of programs that have ended, oldest first, until they have `bytes_max` bytes.
   void drop_ended_texts(std::size_t bytes_max);
   std::size_t running() const;
-  /// Bytes of the motions that are kept.
-  std::size_t memory_bytes() const;
   /// Returns the participants whose programs ended since the previous call.
   std::vector<ParticipantId> take_ended();
 
@@ -82,26 +80,32 @@ class ProgramRuns {
  private:
   struct Run {
     ProgramStatus status;
-    Program program;
     std::shared_ptr<const ProgramText> text;
+    std::optional<MotionStream> motions = {};  ///< until it ends; reads `text`
     MemoryBudget::Share memory = {};
     ProgramClock clock = {};
     ProgramAlarms alarms;
     bool in_pieces = false;  ///< the next motion is cut in part: it is completed before a pause
     bool pauses = false;     ///< as soon as possible
-    std::optional<std::uint32_t> only_line = {};  ///< pauses before the first motion of another one
+    bool steps = false;      ///< pauses before the first motion of another line than
+    std::optional<std::uint32_t> only_line = {};  ///< this one, once it is known
     ProgramStatus status_now() const {
       ProgramStatus now = status;
       now.alarms = alarms.list();
       return now;
     }
-    const ProgramMotion& next() const { return program.motions[status.motions_done]; }
+    /// Null if it must be read first.
+    const ProgramMotion* next() const { return motions ? motions->next() : nullptr; }
     /// What the program is behind its time, because the server was busy, is not made up for.
     void align(Clock::time_point now) {
-      clock.clamp(status.elapsed_s, status.elapsed_s + next().duration_s, now);
+      const double duration_s = next() == nullptr ? 0 : next()->duration_s;
+      clock.clamp(status.elapsed_s, status.elapsed_s + duration_s, now);
     }
   };
   bool due(const Run& run, Clock::time_point now) const;
+  /// Reads the next motion, unless that takes long: then it is called again. An error, which the
+  /// reading before the start has not met, ends the program.
+  void read_on(Run& run);
   /// Returns false if the motion must be tried again later.
   bool step(Run& run, const Carve& carve);
   /// Counts the motion that was carved, and pauses or ends the program if that is due.

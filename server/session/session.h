@@ -215,7 +215,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   /// Carves a program as a further participant, at once or after another one. Rejects tools that
   /// the scene lacks, and an `after` that is unknown or has ended without having finished.
-  std::expected<ProgramStatus, Rejection> start_program(Program program, ProgramOptions request,
+  std::expected<ProgramStatus, Rejection> start_program(ProgramJob job, ProgramOptions request,
                                                         const Caller& caller = Caller::local());
   std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
   std::vector<ProgramStatus> programs() const { return programs_.list(); }

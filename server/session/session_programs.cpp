@@ -32,19 +32,18 @@ std::expected<ProgramId, Rejection> Session::predecessor(ProgramId after) const 
                                    name + " has not finished and never will: no program follows"});
 }
 
-std::expected<ProgramStatus, Rejection> Session::start_program(Program program,
+std::expected<ProgramStatus, Rejection> Session::start_program(ProgramJob job,
                                                                ProgramOptions options,
                                                                const Caller& caller) {
   const auto after = predecessor(options.after);
   if (!after) return std::unexpected(after.error());
   options.after = *after;
   // Reject unknown tools before the first motion is carved.
-  for (const ProgramMotion& motion : program.motions) {
-    if (sculpture_.tool(motion.tool) != nullptr) continue;
-    const Rejection rejection = unknown_tool(motion.tool);
-    return std::unexpected(
-        Rejection{rejection.code,
-                  program.name + ":" + std::to_string(motion.line) + ": " + rejection.reason});
+  for (const ProgramTotals::Use& use : job.totals.tools) {
+    if (sculpture_.tool(use.tool) != nullptr) continue;
+    const Rejection rejection = unknown_tool(use.tool);
+    return std::unexpected(Rejection{
+        rejection.code, job.name + ":" + std::to_string(use.line) + ": " + rejection.reason});
   }
   JoinRequest request;
   request.kind = ParticipantKind::kProgram;
@@ -52,12 +51,12 @@ std::expected<ProgramStatus, Rejection> Session::start_program(Program program,
   request.grant = caller.grant;
   request.is_personal = caller.is_personal;
   request.is_muted = caller.is_muted;
-  request.name = program.name.substr(0, wire::kMaxNameBytes);
-  if (!program.motions.empty()) request.tool = program.motions.front().tool;
+  request.name = job.name.substr(0, wire::kMaxNameBytes);
+  if (!job.totals.tools.empty()) request.tool = job.totals.tools.front().tool;
   const auto joined = join(request);
   if (!joined) return std::unexpected(joined.error());
   ProgramStatus status =
-      programs_.start(joined->id, std::move(program), std::move(options), Clock::now());
+      programs_.start(joined->id, std::move(job), std::move(options), Clock::now());
   schedule_programs();
   return status;
 }

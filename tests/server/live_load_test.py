@@ -85,6 +85,25 @@ class Uploads(LiveTest):
             time.sleep(0.05)
 
 
+class Programs(LiveTest):
+    def memory_mb(self):
+        with open(f"/proc/{self.server.process.pid}/status", encoding="ascii") as status:
+            return next(int(line.split()[1]) for line in status if line.startswith("VmHWM")) / 1000
+
+    def test_a_short_program_with_many_motions_takes_little_memory(self):
+        self.server.create("holes")
+        before = self.memory_mb()
+        for text in ("F1 G91 G81 X.1 Z-1 R1 L200000\nM2",
+                     "#1=1\no1 while [#1 lt 200000]\n#1=[#1+1]\ng1 f9 x[sin[#1]]\no1 endwhile\nM2"):
+            status, program = self.server.http.json(
+                "POST", "/v1/sessions/holes/programs?pace=fast&name=p.ngc", text)
+            self.assertEqual(status, 202, program)
+            self.assertGreater(program["motions"], 150_000)
+            self.server.http.json("DELETE", program["url"])
+        # Each motion took 112 bytes or more when all were kept: 90 MB.
+        self.assertLess(self.memory_mb() - before, 45)
+
+
 class LongMotions(LiveTest):
     def test_an_agent_is_answered_while_a_motion_of_another_sweeps_the_whole_block(self):
         scene = {**SCENE, "name": "wide",

@@ -88,20 +88,16 @@ TEST(ProgramRuns, AProgramThatHasEndedGivesItsMemoryBack) {
         .id;
   };
   start();
-  EXPECT_GE(runs.memory_bytes(), 1000 * sizeof(ProgramMotion));
   EXPECT_EQ(budget.taken(), 300'000U);
   while (runs.slice(quick_cut)) {
   }
-  EXPECT_EQ(runs.memory_bytes(), 0U);
   EXPECT_EQ(budget.taken(), 0U);
   runs.cancel(start());
-  EXPECT_EQ(runs.memory_bytes(), 0U);
   EXPECT_EQ(budget.taken(), 0U);
   start();
   runs.slice([](const ProgramStep&) -> Carved {
     return std::unexpected(Rejection{wire::ErrorCode::kBadPose, "too far"});
   });
-  EXPECT_EQ(runs.memory_bytes(), 0U);
   EXPECT_EQ(budget.taken(), 0U);
 }
 

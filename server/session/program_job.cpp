@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/program_job.h"
+
+#include <memory>
+#include <span>
+#include <utility>
+
+namespace kerf {
+namespace {
+
+/// Reads motions from a list.
+class ListReader final : public ProgramReader {
+ public:
+  explicit ListReader(std::shared_ptr<const Program> list) : list_(std::move(list)) {}
+
+  std::expected<bool, ProgramError> step() override {
+    if (read_ < list_->motions.size()) program_.motions.push_back(list_->motions[read_++]);
+    return read_ < list_->motions.size();
+  }
+
+ private:
+  std::shared_ptr<const Program> list_;
+  std::size_t read_ = 0;
+};
+
+}  // namespace
+
+ProgramJob::ProgramJob(ReadProgram read, ProgramSurvey& survey, std::optional<double> rate)
+    : name(std::move(read.notes.name)),
+      warnings(std::move(read.notes.warnings)),
+      totals(survey.totals()),
+      open(std::move(read.open)),
+      rate_hz(rate) {
+  if (auto warning = warning_of_corners(name, survey.corner_cut_mm()))
+    warnings.push_back(*std::move(warning));
+}
+
+ProgramJob::ProgramJob(Program program) : name(program.name), warnings(program.warnings) {
+  for (const ProgramMotion& motion : program.motions) totals.add(motion);
+  open = [list = std::make_shared<const Program>(std::move(program))] {
+    return std::make_unique<ListReader>(list);
+  };
+}
+
+}  // namespace kerf
