@@ -126,13 +126,14 @@ void Carving::apply_together(const Together& round, Workers& workers) {
   if (round.moves.empty()) return;
   const auto start = std::chrono::steady_clock::now();
   SerialWorkers alone;
-  sculpture_.apply(round.moves, round.moves.size() > 1 ? workers : alone,
-                   [&](std::size_t n, const MotionResult& result) {
-                     const auto [state, batch] = round.of[n];
-                     note(state->participant.id, result);
-                     add_motion(batch->sum, sculpture_, round.moves[n], result);
-                   });
-  work_time_ += std::chrono::steady_clock::now() - start;
+  Workers& used = round.moves.size() > 1 ? workers : alone;
+  sculpture_.apply(round.moves, used, [&](std::size_t n, const MotionResult& result) {
+    const auto [state, batch] = round.of[n];
+    note(state->participant.id, result);
+    add_motion(batch->sum, sculpture_, round.moves[n], result);
+  });
+  // A replay has one thread.
+  work_time_ += used.count() * (std::chrono::steady_clock::now() - start);
 }
 
 }  // namespace kerf

@@ -13,7 +13,7 @@ struct SnapshotLimits {
   std::chrono::microseconds replay_time{1'000'000};
   /// Age of a snapshot after which any further record makes it due.
   std::chrono::microseconds age{600'000'000};
-  /// Least time between two snapshots.
+  /// Least time between two snapshots, unless a restart would take kUrgent times `replay_time`.
   std::chrono::microseconds pause{2'000'000};
 };
 
@@ -22,8 +22,11 @@ class SnapshotSchedule {
  public:
   using Clock = std::chrono::steady_clock;
   using Micros = std::chrono::microseconds;
-  /// Writing takes at most this part of the time.
+  /// Writing takes at most this part of the time, unless it is urgent.
   static constexpr int kShare = 10;
+  /// From so many times the limit on, a snapshot is due at once. A restart takes what it takes to
+  /// replay this, and what the session has done since while that snapshot was written.
+  static constexpr int kUrgent = 2;
   /// Reading one record from the journal, without applying it.
   static constexpr std::chrono::nanoseconds kRecordTime{1000};
 
@@ -37,8 +40,10 @@ class SnapshotSchedule {
   /// Whether a snapshot is due after record `sequence`, when the session has worked on motions for
   /// `work` since it was started.
   bool is_due(std::uint64_t sequence, Micros work, Clock::time_point now) const {
-    if (is_writing_ || now < next_ || sequence == written_.sequence) return false;
-    return replay_time(sequence, work) >= limits_.replay_time || now - written_.at >= limits_.age;
+    if (is_writing_ || sequence == written_.sequence) return false;
+    const Micros replay = replay_time(sequence, work);
+    if (now < next_) return !has_failed_ && replay >= kUrgent * limits_.replay_time;
+    return replay >= limits_.replay_time || now - written_.at >= limits_.age;
   }
   /// What a restart would spend on the records after the snapshot.
   Micros replay_time(std::uint64_t sequence, Micros work) const {
@@ -51,6 +56,7 @@ class SnapshotSchedule {
   }
   void end(bool is_written, Clock::time_point now) {
     is_writing_ = false;
+    has_failed_ = !is_written;
     next_ = now + std::max<Clock::duration>(limits_.pause, kShare * (now - begun_.at));
     if (is_written) written_ = begun_;
   }
@@ -64,7 +70,7 @@ class SnapshotSchedule {
   SnapshotLimits limits_;
   Snapshot written_, begun_ = {};
   Clock::time_point next_;
-  bool is_writing_ = false;
+  bool is_writing_ = false, has_failed_ = false;
 };
 
 }  // namespace kerf
