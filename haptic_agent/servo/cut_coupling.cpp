@@ -7,7 +7,7 @@
 namespace kerf::agent {
 namespace {
 
-constexpr double kTickS = 0.001;
+constexpr double kDelayTickS = 0.001;
 /// Time constants of the high passes, 16 Hz, of the means of power and squares, and of the earlier
 /// mean with which trembling is compared.
 constexpr double kFastS = 0.01;
@@ -75,7 +75,7 @@ double Trembling::compliance() const noexcept {
 }
 
 CutCoupling::CutCoupling(const ContactLimits& limits) noexcept : limits_(limits) {
-  const double ticks = std::round(limits.force_delay_s / kTickS) - 1;
+  const double ticks = std::round(limits.force_delay_s / kDelayTickS) - 1;
   latency_ticks_ = static_cast<std::size_t>(std::clamp(ticks, 0.0, kKept - 1.0));
 }
 
