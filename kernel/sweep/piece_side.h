@@ -90,8 +90,9 @@ struct ConeSide {
     const Lanes root = square_root(greater(inside, Lanes(0)));
     const Lanes q = select(b < 0.0, root - b, -b - root);
     const Lanes inverse_a = 1 / a;
-    const Lanes t0 = q * inverse_a;
-    const Lanes t1 = select(q == 0.0, t0, c / q);
+    // A ray parallel to a generator has one root.
+    const Lanes by_a = q * inverse_a, t1 = select(q == 0.0, by_a, c / q);
+    const Lanes t0 = select(a == 0.0, t1, by_a);
     const Lanes first = select(t1 < t0, t1, t0), second = select(t1 < t0, t0, t1);
     const LaneMask convex = a > 0.0;
     const LaneMask upwards = u.z * slope > 0.0;
