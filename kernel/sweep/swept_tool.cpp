@@ -194,16 +194,9 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
 }
 
 std::int64_t most_parts(const std::vector<PiecePlan>& plans) {
-  std::int64_t most = 1;
-  for (const PiecePlan& plan : plans) most = std::max(most, plan.parts);
-  return most;
+  return plans.empty() ? 1 : std::ranges::max(plans, {}, &PiecePlan::parts).parts;
 }
 
-bool any_at_rest(const std::vector<PiecePlan>& plans) {
-  return std::ranges::any_of(plans, [](const PiecePlan& p) { return p.still.has_value(); });
-}
-
-/// Returns the part of a motion between two shares.
 ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, double reach_mm) {
   return make_motion(m.at(from_share), m.at(to_share), reach_mm);
 }
@@ -255,9 +248,9 @@ SweptTool sweep_pieces(const Tool& tool, const std::vector<PiecePlan>& plans, co
   if (m.turn_rad > 0) swept.join_mm = std::max(swept.join_mm, settings.tolerance_mm);
   for (const PiecePlan& plan : plans) {
     // Above the last piece there is nothing that could be left out.
-    const bool is_last = &plan == &plans.back();
-    const ToolAbove above =
-        is_last ? ToolAbove() : ToolAbove(tool, plan.which, m, settings.block.max_mm.z);
+    const ToolAbove above = &plan == &plans.back()
+                                ? ToolAbove()
+                                : ToolAbove(tool, plan.which, m, settings.block.max_mm.z);
     const auto add = [&](SweptPiece piece, const ToolAbove& over) {
       swept.pieces.push_back(std::move(piece));
       swept.above.push_back(over);
@@ -311,7 +304,7 @@ class TightSweep {
       const std::vector<PiecePlan> plans = plan_pieces(tool_, m, settings_);
       const std::int64_t n = most_parts(plans);
       // The point at rest moves along the axis, so each part is divided at its own.
-      if (any_at_rest(plans) && n > 1) {
+      if (n > 1 && std::ranges::any_of(plans, [](auto& p) { return p.still.has_value(); })) {
         for (std::int64_t j = 0; j < n; ++j) {
           const ToolMotion part =
               part_of(m, double(j) / double(n), double(j + 1) / double(n), tool_.length_mm);

@@ -93,8 +93,8 @@ class Programs(LiveTest):
     def test_a_short_program_with_many_motions_takes_little_memory(self):
         self.server.create("holes")
         before = self.memory_mb()
-        for text in ("F1 G91 G81 X.1 Z-1 R1 L200000\nM2",
-                     "#1=1\no1 while [#1 lt 200000]\n#1=[#1+1]\ng1 f9 x[sin[#1]]\no1 endwhile\nM2"):
+        for text in ("T1 M6\nF1 G91 G81 X.1 Z-1 R1 L200000\nM2",
+                     "T1 M6\n#1=1\no1 while [#1 lt 200000]\n#1=[#1+1]\ng1 f9 x[sin[#1]]\no1 endwhile\nM2"):
             status, program = self.server.http.json(
                 "POST", "/v1/sessions/holes/programs?pace=fast&name=p.ngc", text)
             self.assertEqual(status, 202, program)

@@ -97,7 +97,7 @@ export async function uploadMesh(file: File, repair: boolean): Promise<UploadedM
     file: String(body['file']),
     triangles: Number(body['triangles']),
     box: boxOf(body),
-    repaired: String(body['repaired'] ?? ''),
+    repaired: typeof body['repaired'] === 'string' ? body['repaired'] : '',
   };
 }
 
