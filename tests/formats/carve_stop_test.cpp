@@ -176,7 +176,7 @@ TEST_F(CarveStop, WhileModelsAreWritten) {
   for (const char* format : {"stl", "glb", "3mf", "ply", "obj"}) {
     const std::string name = std::string("m.") + format;
     const std::vector<std::string> before = files();
-    Process process(folder_, {"--scene", "scene.json", "--program", "cone.ngc", "--pitch", "0.08",
+    Process process(folder_, {"--scene", "scene.json", "--program", "cone.ngc", "--pitch", "0.05",
                               std::string("--") + format, name, "--threads", "1"});
     ASSERT_TRUE(process.wait_until([&](const std::string&) { return is_written(name); }))
         << process.shown();
