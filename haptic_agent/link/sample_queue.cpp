@@ -62,6 +62,7 @@ wire::MotionBatch SampleQueue::take(std::size_t most) {
     } else {
       ++resent_;
     }
+    connection_has_ = std::max(connection_has_, sample.agent_sequence);
     batch.samples[batch.count++] = sample;
   }
   return batch;
@@ -74,15 +75,19 @@ SampleQueue::Repeating SampleQueue::take_repeating(std::size_t most, std::uint32
   const std::size_t start = next_;
   while (out.batch.count < kNewPerDatagram && next_ < samples_.size()) {
     wire::MotionSample& sample = samples_[next_];
-    const bool fresh = sample.agent_sequence == 0;
+    const bool numbered = sample.agent_sequence != 0;
+    const bool fresh = !numbered || sample.agent_sequence > connection_has_;
     if (fresh && out.fresh == most) break;
     if (!in_window(sample) || sample.tool_id != tool_id) break;
     ++next_;
-    if (fresh) {
-      sample.agent_sequence = ++last_number_;
-      ++out.fresh;
-    } else {
+    if (numbered) {
       ++resent_;
+    } else {
+      sample.agent_sequence = ++last_number_;
+    }
+    if (fresh) {
+      connection_has_ = sample.agent_sequence;
+      ++out.fresh;
     }
     out.batch.samples[out.batch.count++] = sample;
   }
@@ -158,6 +163,7 @@ void SampleQueue::durable(std::uint64_t agent_sequence) {
 
 void SampleQueue::rewind(std::uint64_t server_has) {
   const std::uint64_t from = std::max(server_has, durable_);
+  connection_has_ = 0;
   next_ = samples_.size();
   answered(from);
   next_ = 0;

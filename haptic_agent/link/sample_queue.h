@@ -44,13 +44,14 @@ class SampleQueue {
   struct Repeating {
     wire::MotionBatch batch;
     /// `due`: number of samples at the end of the batch that must be delivered; `fresh`: how many
-    /// of those were never sent before. The samples before them are repetitions.
+    /// of those were never sent on this connection. The samples before them are repetitions.
     std::uint32_t due = 0, fresh = 0;
   };
   /// Maximum number of due samples per datagram, so that even a backlog is sent in two datagrams.
   static constexpr std::size_t kNewPerDatagram = 8;
-  /// As take, for a datagram: at most `most` samples that were never sent, preceded by as many sent
-  /// but unanswered ones as fit. All of this tool; empty if no sample is due.
+  /// As take, for a datagram: at most `most` samples that were never sent on this connection,
+  /// preceded by as many sent but unanswered ones as fit. All of this tool; empty if no sample is
+  /// due.
   Repeating take_repeating(std::size_t most, std::uint32_t tool_id);
   /// Schedules all unanswered samples to be sent again on the same connection.
   void go_back() noexcept;
@@ -121,6 +122,7 @@ class SampleQueue {
   std::size_t fresh_ = 0;
   std::uint64_t rtt_us_ = 0;
   std::uint64_t last_number_ = 0;
+  std::uint64_t connection_has_ = 0;  ///< newest number sent on this connection
   std::uint64_t answered_ = 0;
   std::uint64_t resent_ = 0;
   std::uint64_t repeated_ = 0;

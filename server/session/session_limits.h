@@ -13,7 +13,10 @@ struct SessionLimits {
   std::size_t programs_max = 16;  ///< running at the same time
   /// Of one agent, on average: 1 kHz and a clock that runs a little fast.
   double samples_per_s = 1250;
-  double samples_burst = 1000;   ///< one second of a stalled network
+  /// At once. An agent that follows the protocol (wire/README, "limits") sends 900 at once, and
+  /// those that it had sent before a pause of the network, at most 0.42 s of its time, may arrive
+  /// together with them: 900 + 515.
+  double samples_burst = 1500;
   double speed_mm_per_s = 5000;  ///< of the tip while cutting
   /// Of all agents and programs together, and of all viewers: an audience that arrives at the same
   /// time is let in, one that joins and leaves all the time is not.

@@ -8,7 +8,6 @@
 
 #include "haptic_agent/link/clock_sync.h"
 #include "haptic_agent/link/control_message.h"
-#include "haptic_agent/link/pace.h"
 #include "haptic_agent/link/server_url.h"
 #include "haptic_agent/link/traffic.h"
 #include "server/wire/codec.h"
@@ -327,22 +326,6 @@ TEST_F(TrafficTest, WritesStatusUpdates) {
   ASSERT_TRUE(status.read(now));
   EXPECT_EQ(now.rtt_us, 30'000U);
   EXPECT_EQ(now.connections, 1U);
-}
-
-TEST(Pace, SendsABacklogSlightlyFasterThanItGrows) {
-  Pace pace;
-  std::uint64_t now_us = 1'000'000;
-  std::size_t sent = pace.allowed(now_us);
-  EXPECT_EQ(sent, 900U);
-  pace.sent(sent);
-  EXPECT_EQ(pace.allowed(now_us), 0U);
-  for (int i = 0; i < 1000; ++i) {
-    now_us += 10'000;
-    const std::size_t now = pace.allowed(now_us);
-    pace.sent(now);
-    sent += now;
-  }
-  EXPECT_NEAR(static_cast<double>(sent), 900 + 12'250, 2);
 }
 
 TEST(ClockSync, ShortestRoundTripGivesTheOffset) {
