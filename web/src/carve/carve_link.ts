@@ -12,6 +12,7 @@ import { decodeFrame } from '../wire/decode';
 import { encodeFrame } from '../wire/encode';
 import { AGENT_PROTOCOL, FrameType, STOCK_RESET } from '../wire/types';
 import type { Header, Payload, Result, Sample } from '../wire/types';
+import { Pace } from './pace';
 import { SampleLog } from './sample_log';
 import type { Draft } from './sample_log';
 
@@ -41,6 +42,7 @@ export interface CarveLinkOptions {
 
 const PING_EVERY_MS = 1000; // pongs state what is durable, also while the tool rests
 const UNANSWERED_MAX = 512; // half a second at full rate: a slow server is not flooded
+const AGAIN_EVERY_MS = 20;
 
 export class CarveLink {
   private socket_: Socket | null = null;
@@ -59,6 +61,8 @@ export class CarveLink {
   private timer_: ReturnType<typeof setInterval> | undefined;
   private retry_: ReturnType<typeof setTimeout> | undefined;
   private readonly log_ = new SampleLog();
+  private again_: Sample[] = []; // to be sent again before new ones
+  private againTimer_: ReturnType<typeof setTimeout> | undefined;
   private readonly backoff_: Backoff;
 
   constructor(
@@ -79,7 +83,13 @@ export class CarveLink {
 
   /** Whether samples may be sent now. */
   get takes(): boolean {
-    return this.status_ === 'ready' && !this.awaitsStock_ && this.log_.unanswered < UNANSWERED_MAX;
+    const isReady = this.status_ === 'ready' && !this.awaitsStock_ && this.again_.length === 0;
+    return isReady && this.log_.unanswered < UNANSWERED_MAX;
+  }
+
+  /** How many samples wait to be sent again. */
+  get waiting(): number {
+    return this.again_.length;
   }
 
   /** Joins, as the participant of before if there was one. */
@@ -144,6 +154,8 @@ export class CarveLink {
   private drop_(): void {
     this.generation_ += 1;
     clearInterval(this.timer_);
+    clearTimeout(this.againTimer_);
+    this.again_ = [];
     this.socket_?.close();
     this.socket_ = null;
   }
@@ -190,6 +202,13 @@ export class CarveLink {
       const frame = this.sendFrame_(FrameType.Motion, { kind: 'motion', samples });
       if (frame && isNew) this.options.copy.cut(frame, samples.at(-1)!.agent_sequence);
     }
+  }
+
+  private sendAgain_(pace: Pace, isNew: boolean): void {
+    const count = pace.take(this.again_.length, this.options.nowMs());
+    this.sendSamples_(this.again_.splice(0, count), isNew);
+    if (this.again_.length === 0) return;
+    this.againTimer_ = setTimeout(() => this.sendAgain_(pace, isNew), AGAIN_EVERY_MS);
   }
 
   private received_(data: unknown): void {
@@ -245,9 +264,9 @@ export class CarveLink {
     this.welcome_ = welcome;
     this.token_ = token;
     if (!resumed) this.options.copy.open(text);
-    const again = this.log_.toResend(agentSequence);
-    this.awaitsStock_ = resumed && this.options.copy.works && again.length > 0;
-    this.sendSamples_(again, !resumed);
+    this.again_ = this.log_.toResend(agentSequence);
+    this.awaitsStock_ = resumed && this.options.copy.works && this.again_.length > 0;
+    this.sendAgain_(new Pace(welcome.samplesPerS, this.options.nowMs()), !resumed);
     this.backoff_.reset();
     this.become_('ready', '');
     this.events.joined(welcome);

@@ -13,7 +13,10 @@ export class Delivery {
 
   /** `hasEnded`: the session has, so that nothing more can be sent. */
   constructor(
-    private readonly link: Pick<CarveLink, 'takes' | 'status' | 'send' | 'ask' | 'join' | 'leave'>,
+    private readonly link: Pick<
+      CarveLink,
+      'takes' | 'waiting' | 'status' | 'send' | 'ask' | 'join' | 'leave'
+    >,
     private readonly path: Pick<Sampler, 'take' | 'takeRequests' | 'waiting' | 'forget'>,
     private readonly hasEnded: () => boolean,
   ) {}
@@ -38,7 +41,8 @@ export class Delivery {
       link.send(path.take(Math.round(performance.now() * 1000)));
       for (const request of path.takeRequests()) link.ask(request);
     }
-    const isDone = path.waiting === 0 || link.status === 'off' || this.hasEnded();
+    const isSent = path.waiting === 0 && link.waiting === 0;
+    const isDone = isSent || link.status === 'off' || this.hasEnded();
     if (this.leaves_ && isDone) this.stop_();
   }
 

@@ -171,6 +171,40 @@ describe('carve link', () => {
     expect(log.at(-1)).toBe('joined 500');
   });
 
+  it('sends a long path again no faster than the server takes it', () => {
+    const first = join();
+    link.send(drafts(3000));
+    first.onclose?.({ code: 1006, reason: '' });
+    vi.advanceTimersByTime(150);
+    const second = sockets.at(-1)!;
+    second.onopen?.();
+    second.say(WELCOME);
+    expect(second.motions.flat()).toHaveLength(900);
+    expect(link.takes).toBe(false);
+    expect(link.waiting).toBe(2100);
+    vi.advanceTimersByTime(1000);
+    expect(second.motions.flat().length).toBeGreaterThan(900 + 1100);
+    expect(second.motions.flat().length).toBeLessThanOrEqual(900 + 1250);
+    vi.advanceTimersByTime(1000);
+    expect(second.motions.flat()).toEqual(Array.from({ length: 3000 }, (_, n) => n + 1));
+    expect(link.waiting).toBe(0);
+  });
+
+  it('starts again with the whole path if the connection breaks in the middle of it', () => {
+    join();
+    link.send(drafts(3000));
+    for (let n = 0; n < 2; ++n) {
+      sockets.at(-1)!.onclose?.({ code: 1006, reason: '' });
+      vi.advanceTimersByTime(150);
+      sockets.at(-1)!.onopen?.();
+      sockets.at(-1)!.say(WELCOME);
+    }
+    vi.advanceTimersByTime(2000);
+    expect(sockets).toHaveLength(3);
+    expect(sockets[1]!.motions.flat()).toHaveLength(900);
+    expect(sockets[2]!.motions.flat()).toHaveLength(3000);
+  });
+
   it('drops what is on the disk, as results state it', () => {
     const socket = join();
     link.send(drafts(10));

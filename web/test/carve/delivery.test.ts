@@ -9,6 +9,7 @@ import type { Vec3 } from '../../src/wire/types';
 
 class FakeLink {
   takes = true;
+  waiting = 0;
   status: CarveStatus = 'off';
   /** Samples as `x,y` where they cut, else `up`; requests by their type. */
   readonly log: string[] = [];
@@ -126,6 +127,16 @@ describe('delivery', () => {
     vi.advanceTimersByTime(2000);
     expect(ends()).toEqual(['join', '100,1', '100,2', 'leave']);
     expect(link.log.slice(-2)).toEqual(['up', 'leave']);
+  });
+
+  it('leaves only when the link has sent again what the server may lack', () => {
+    link.waiting = 40;
+    delivery.leave();
+    vi.advanceTimersByTime(800);
+    expect(link.log).toEqual(['join']);
+    link.waiting = 0;
+    vi.advanceTimersByTime(20);
+    expect(link.log.at(-1)).toBe('leave');
   });
 
   it('stays when it is joined again before that', () => {
