@@ -8,7 +8,8 @@
 //
 //   disk_soak [--rounds N] [--seed N] [--server PATH]
 //
-// Prints the totals by fault; exits with 1 if something is lost, cut twice, or a hash differs.
+// Prints the totals by fault, and what was rejected; exits with 1 if something is lost, cut twice,
+// or a hash differs.
 #include <fcntl.h>
 #include <sys/mman.h>
 
@@ -178,7 +179,11 @@ class Soak {
       check_cut(journal, hands, totals);
       if (info(id, "state_hash") != journal.hash()) ++totals.unequal;
     }
-    for (Hand& hand : hands) hand.carver.finish();
+    for (Hand& hand : hands) {
+      for (const auto& [code, complaint] : hand.carver.finish().complaints) {
+        complaints_[code] += complaint.count;
+      }
+    }
   }
 
   bool print() const {
@@ -195,6 +200,8 @@ class Soak {
                   print_of(totals.cut_lost), print_of(totals.cut_twice), print_of(totals.unequal));
       failed = failed || totals.failed();
     }
+    for (const auto& [code, count] : complaints_)
+      std::printf("rejected, %s: %llu\n", code.c_str(), print_of(count));
     return !failed;
   }
 
@@ -254,6 +261,7 @@ class Soak {
   bench::ServerProcess server_;
   std::mt19937_64 random_;
   std::array<Totals, kFaults.size()> totals_;
+  std::map<std::string, std::uint64_t> complaints_;  ///< of the server, by their codes
 };
 
 }  // namespace
