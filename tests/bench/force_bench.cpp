@@ -2,9 +2,10 @@
 // Measures the force at constant engagement: slots of constant depth and plunges at 30 mm/s with
 // ball and flat end mills, in several directions of the grid. An ideal force is constant over the
 // ticks, and independent of the tick rate and of the pitch. Then the force of motions that start
-// inside stock, the work of swivels about points of the tool's axis, light side cuts, and the cost
-// of the force laws. Prints five tables. Usage: force_bench [pitch_mm=0.1]
-// [steady|starts|swivels|light|cost]
+// inside stock, the work of swivels about points of the tool's axis, light side cuts, the cost of
+// the force laws, and the mechanistic law against published recordings, which has pitches of its
+// own. Prints six tables. Usage: force_bench [pitch_mm=0.1]
+// [steady|starts|swivels|light|cost|published]
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +19,7 @@
 #include "tests/bench/buried_start.h"
 #include "tests/bench/law_cost.h"
 #include "tests/bench/light_cut.h"
+#include "tests/bench/published_force.h"
 #include "tests/kernel/extremes/carving.h"
 #include "tests/support/swivel.h"
 
@@ -202,5 +204,6 @@ int main(int argc, char** argv) {
   if (wants("swivels")) print_swivels(pitch_mm);
   if (wants("light")) kerf::bench::print_light_cuts(pitch_mm);
   if (wants("cost")) kerf::bench::print_law_costs(pitch_mm);
+  if (wants("published")) kerf::bench::print_published_forces();
   return 0;
 }
