@@ -113,6 +113,12 @@ async function checkHeadline({ page }, session) {
     const text = await headline.textContent();
     return /slow\.ngc carves Wall · flat 6 mm\d+ %, 0:\d\d left/.test(text);
   });
+  // The plots are loaded when there is something to plot.
+  await until(
+    'two plots',
+    SETTLE_S,
+    async () => (await page.locator('.plots .uplot').count()) === 2,
+  );
   await fetch(new URL(url, session), { method: 'DELETE' });
 }
 

@@ -9,7 +9,7 @@ import { count, duration, figure, volume } from './format';
 import { History } from './history';
 import { MaterialChoice } from './material_choice';
 import { People } from './people';
-import { Plots } from './plots';
+import { PlotSpot } from './plot_spot';
 import { takeHomeButton } from './take_home/mount';
 
 const SILENT_MS = 1500; // without a tool state for so long, there is no newest force
@@ -67,7 +67,7 @@ export class Panel {
   private readonly material_: MaterialChoice;
   private readonly people_: People;
   readonly history: History;
-  private readonly plots_: Plots;
+  private readonly plots_: PlotSpot;
 
   constructor(
     private readonly model: SessionModel,
@@ -79,7 +79,7 @@ export class Panel {
     this.material_ = new MaterialChoice(actions.materialChosen);
     this.people_ = new People(model, actions.personPressed, actions.renamed);
     this.history = new History(model, session);
-    this.plots_ = new Plots(colors.force, colors.torque);
+    this.plots_ = new PlotSpot(colors);
     const figures = h(
       'dl',
       { class: 'figures' },
@@ -111,8 +111,12 @@ export class Panel {
     new ResizeObserver(() => actions.layoutChanged()).observe(this.element);
   }
 
-  /** Updates the panel from the model; called about ten times a second. */
-  update(selected: number | null, followed: number | null, nowMs: number): void {
+  /**
+   * Updates the panel from the model; called about ten times a second.
+   * @param started the first picture is drawn, or there is none, so that what is not needed for it
+   * may be loaded
+   */
+  update(selected: number | null, followed: number | null, nowMs: number, started: boolean): void {
     const { state, welcome, tiles } = this.model;
     this.motions_.set(state ? count(state.motions) : '–');
     this.removed_.set(
@@ -127,7 +131,7 @@ export class Panel {
     this.history.update(selected, nowMs);
     const { participants } = this.model;
     this.plotted_ = (selected === null ? undefined : participants.get(selected)) ?? this.plotted_;
-    if (this.plotted_) this.plot_(this.plotted_, nowMs);
+    if (this.plotted_ && started) this.plot_(this.plotted_, nowMs);
   }
 
   /** Plots the forces of a participant, also after it has left. */

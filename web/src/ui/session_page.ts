@@ -14,7 +14,7 @@ import { SessionModel } from '../model/session';
 import { nearestCut, soundOf } from '../model/sound';
 import type { SoundLevels } from '../model/sound';
 import type { CameraRig } from '../view/camera_rig';
-import { mark } from '../marks';
+import { mark, marks } from '../marks';
 import { h, setText } from './dom';
 import { figure, sentence } from './format';
 import { helpDialog } from './help';
@@ -304,7 +304,8 @@ export class SessionPage {
     }
     const { followed } = this.picture;
     if (followed !== null && !participants.get(followed)) this.picture.follow(null);
-    this.panel_.update(this.selected_, followed, nowMs);
+    const started = marks.picture !== undefined || this.picture.problem !== '';
+    this.panel_.update(this.selected_, followed, nowMs, started);
     this.bar_.update(this.model, nowMs);
     if (this.picture.problem) {
       const { motions = 0, removed_volume_mm3 = 0 } = this.model.state ?? {};
