@@ -234,6 +234,19 @@ void describe_proxy(CLI::App& app, Words& line) {
       "-Host count; may be repeated");
 }
 
+void describe_sites(CLI::App& app, Words& line) {
+  app.add_option("--allow-origin", line.server.http.allow_origins,
+                 "origin of other web pages that may connect, e.g. https://kerf.example");
+  const auto check = [](const std::string& origin) {
+    return net::is_server_address(origin) ? std::string()
+                                          : origin + " is not http[s]://HOST[:PORT]";
+  };
+  app.add_option("--embed-origin", line.server.http.embed_origins,
+                 "origin of a site that may show the page /?session=ID&embed, and no other, in a "
+                 "frame, e.g. https://wiki.example; default: none")
+      ->check(CLI::Validator(check, ""));
+}
+
 void describe_rights(CLI::App& app, Words& line) {
   app.add_option("--admin-token-file", line.admin_token_file,
                  "file with the administrator's token; made with a random one if it does not "
@@ -264,8 +277,7 @@ void describe_server(CLI::App& app, Words& line) {
       "--allow-host", line.server.http.allow_hosts,
       "name of the server for its clients, besides IP addresses, localhost and this machine's "
       "host name");
-  app.add_option("--allow-origin", line.server.http.allow_origins,
-                 "origin of other web pages that may connect, e.g. https://kerf.example");
+  describe_sites(app, line);
   describe_disk(app, line);
   describe_rights(app, line);
   describe_tls(app, line);

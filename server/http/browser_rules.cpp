@@ -46,6 +46,23 @@ bool is_listed(std::string_view origin, const HttpOptions& options) {
          std::ranges::find(options.allow_origins, origin) != options.allow_origins.end();
 }
 
+/// Returns whether a target is that of the page as other sites may frame it. The viewer reads the
+/// same parameter and then shows the picture only.
+bool is_embed(std::string_view target) {
+  const auto request = parse_target(target);
+  return request && request->path.empty() && request->query_value("embed") != nullptr;
+}
+
+/// The value of frame-ancestors: who may frame the response.
+std::string frames_of(const BrowserHeaders& headers, const HttpOptions& options, bool is_page) {
+  if (!is_page || options.embed_origins.empty() || !is_embed(headers.target)) return "'none'";
+  std::string origins;
+  for (const std::string& origin : options.embed_origins) {
+    origins.append(origins.empty() ? "" : " ").append(origin);
+  }
+  return origins;
+}
+
 /// The viewer: its decoder of meshes is WebAssembly, and colors are style attributes.
 std::string page_policy(const BrowserHeaders& headers) {
   std::string own = "'self'";
@@ -56,9 +73,7 @@ std::string page_policy(const BrowserHeaders& headers) {
   return "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' "
          "'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; worker-src 'self' "
          "blob:; connect-src " +
-         own +
-         " data: blob:; object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors "
-         "'none'";
+         own + " data: blob:; object-src 'none'; base-uri 'none'; form-action 'self'";
 }
 
 }  // namespace
@@ -88,10 +103,11 @@ void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& optio
     response.headers.emplace_back(name, std::move(value));
   };
   const bool is_page = response.content_type.starts_with("text/html");
+  const std::string frames = frames_of(headers, options, is_page);
   add("Content-Security-Policy",
-      is_page ? page_policy(headers) : "default-src 'none'; frame-ancestors 'none'");
+      (is_page ? page_policy(headers) : "default-src 'none'") + "; frame-ancestors " + frames);
   add("X-Content-Type-Options", "nosniff");
-  add("X-Frame-Options", "DENY");
+  if (frames == "'none'") add("X-Frame-Options", "DENY");  // cannot name origins
   add("Referrer-Policy", "no-referrer");
   if (headers.is_secure && !is_equal(name_of(headers.host), "localhost")) {
     add("Strict-Transport-Security", "max-age=15552000");

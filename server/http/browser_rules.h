@@ -13,6 +13,7 @@ namespace kerf::net {
 struct BrowserHeaders {
   std::string_view host, origin;  ///< empty if missing
   bool is_secure = false;         ///< the page has come over TLS
+  std::string_view target = {};   ///< of the request line
 };
 
 /// Returns whether the Host header names this server: an IP address, localhost, the host of an
@@ -27,8 +28,10 @@ bool origin_allowed(const BrowserHeaders& headers, const HttpOptions& options);
 
 /// Adds the headers that restrict what a browser does with a response: content is what its type
 /// says, nothing frames it, the page loads nothing from elsewhere, and no address is sent to other
-/// sites. Pages of listed origins may read the response (CORS). Over TLS, browsers are asked to use
-/// nothing else for this host (HSTS), but for localhost, where other ports are other programs.
+/// sites. Sites of `embed_origins` may frame the page at `/?embed`, which changes nothing, and
+/// nothing else. Pages of listed origins may read the response (CORS). Over TLS, browsers are asked
+/// to use nothing else for this host (HSTS), but for localhost, where other ports are other
+/// programs.
 void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& options,
                          ApiResponse& response);
 

@@ -22,6 +22,7 @@ struct HttpOptions {
   std::vector<std::string> allow_hosts;
   std::vector<std::string> allow_origins;  ///< besides the server's own host, e.g.
                                            ///< "https://kerf.example"
+  std::vector<std::string> embed_origins;  ///< of sites that may frame the page at `/?embed`
   TrustedProxies proxies;
   /// Makes the process stop, soon; empty: it cannot be stopped by a request.
   std::function<void()> request_stop;

@@ -28,7 +28,7 @@ struct RequestHead {
   std::string_view forwarded_host, forwarded_proto;  ///< X-Forwarded-Host, -Proto
   std::string_view protocols, key;  ///< of an upgrade: sub-protocols offered, Sec-WebSocket-Key
 
-  BrowserHeaders browser() const { return {host, origin, is_secure}; }
+  BrowserHeaders browser() const { return {host, origin, is_secure, target}; }
   bool reads_only() const { return method == "GET" || method == "HEAD"; }
 };
 

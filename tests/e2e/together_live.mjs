@@ -6,6 +6,7 @@
 
 import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
+import { createServer } from 'node:http';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
 import { launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
@@ -134,6 +135,49 @@ async function checkPicture({ page }, out) {
   assert.deepEqual(size, [3840, Math.floor((3840 * DESK.height) / DESK.width)]);
 }
 
+/** Starts a site of another origin. The path of its page, after the first /, is what it frames. */
+async function startSite() {
+  const site = createServer(({ url }, response) => {
+    const framed = decodeURIComponent(url.slice(1)).replaceAll('&', '&amp;');
+    response.setHeader('Content-Type', 'text/html');
+    response.end(`<!doctype html><iframe width="600" height="400" src="${framed}"></iframe>`);
+  });
+  await new Promise((resolve) => site.listen(0, 'localhost', resolve));
+  return { site, origin: `http://localhost:${site.address().port}` };
+}
+
+/** Opens a page of a site that frames an address; returns what is in the frame. */
+async function frameIn(browser, { origin }, address) {
+  const { page } = await openViewer(browser, `${origin}/${encodeURIComponent(address)}`, DESK);
+  return page.frames()[1];
+}
+
+/** The page with ?embed is shown in frames of the named site, and changes nothing there. */
+async function checkFramed(browser, base, named, other) {
+  const address = `${base}/?session=wall&embed`;
+  const frame = await frameIn(browser, named, address);
+  await until('picture in the frame', SETTLE_S, () =>
+    frame.evaluate(() => window.kerf?.marks.picture && window.kerf.state().snapshotComplete),
+  );
+  await frame.locator('.canvas').focus();
+  for (const key of ['c', 't', 'i', '?', '7']) await frame.page().keyboard.press(key);
+  await until('the view from above', SETTLE_S, () =>
+    frame.evaluate(() => window.kerf.state().camera.eye[2] > 20),
+  );
+  for (const part of ['.carve-bar', '.timeline', '.inspect-panel', 'dialog[open]'])
+    assert.equal(await frame.locator(part).count(), 0, part);
+  await writeFile(join(options.out, 'embedded.png'), await frame.page().screenshot());
+  await frame.page().close();
+  for (const [site, refused] of [
+    [other, address],
+    [named, `${base}/?session=wall`],
+  ]) {
+    const blocked = await frameIn(browser, site, refused);
+    assert.match(blocked.url(), /^chrome-error:/, `${site.origin} frames ${refused}`);
+    await blocked.page().close();
+  }
+}
+
 async function checkEmbedded(browser, base) {
   const { page, state } = await openViewer(browser, `${base}/?session=wall&embed`, PHONE);
   await until('picture', SETTLE_S, async () => (await state())?.snapshotComplete);
@@ -144,7 +188,10 @@ async function checkEmbedded(browser, base) {
 }
 
 async function test(folder) {
-  const { server, base, session } = await startServer(options, folder, 'wall', SCENE);
+  const [named, other] = [await startSite(), await startSite()];
+  const others = ['--embed-origin', named.origin];
+  const started = await startServer({ ...options, others }, folder, 'wall', SCENE);
+  const { server, base, session } = started;
   const browser = await launchBrowser();
   try {
     const ada = await open(browser, base, 'Ada', DESK);
@@ -171,12 +218,14 @@ async function test(folder) {
       await writeFile(file, await viewer.page.screenshot());
     }
     await checkEmbedded(browser, base);
+    await checkFramed(browser, base, named, other);
     await grace.page.getByRole('button', { name: 'Show details' }).click();
     await grace.page.getByRole('button', { name: 'Remove the pin “deeper here?”' }).click();
     await ada.page.locator('.pin-mark').waitFor({ state: 'detached' });
     assert.deepEqual([...ada.problems, ...grace.problems], []);
   } finally {
     await browser.close();
+    for (const { site } of [named, other]) site.close();
   }
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }

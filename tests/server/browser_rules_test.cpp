@@ -90,6 +90,31 @@ TEST(BrowserRules, ThePageMayLoadWhatItNeedsFromItsOwnServerOnly) {
   EXPECT_EQ(header(data, "Content-Security-Policy"), "default-src 'none'; frame-ancestors 'none'");
 }
 
+TEST(BrowserRules, NamedSitesMayFrameTheEmbeddedPageAndNothingElse) {
+  HttpOptions options;
+  const auto frames = [&](std::string_view target, const char* type = "text/html") {
+    ApiResponse response;
+    response.content_type = type;
+    add_browser_headers({.host = "localhost", .origin = "", .target = target}, options, response);
+    const std::string policy = header(response, "Content-Security-Policy");
+    const auto begin = policy.find("frame-ancestors ");
+    const bool is_denied = header(response, "X-Frame-Options") == "DENY";
+    const std::string sites = policy.substr(begin + std::string_view("frame-ancestors ").size());
+    EXPECT_EQ(is_denied, sites == "'none'") << target;
+    return sites;
+  };
+  EXPECT_EQ(frames("/?session=a&embed"), "'none'");
+  options.embed_origins = {"https://wiki.example", "http://10.0.0.1:81"};
+  for (const char* target : {"/?session=a&embed", "/?embed=1", "/?%65mbed&session=a"}) {
+    EXPECT_EQ(frames(target), "https://wiki.example http://10.0.0.1:81") << target;
+  }
+  for (const char* target : {"/", "/?session=a", "/?session=embed", "/?Embed", "/?session=a#embed",
+                             "/index.html?embed", "/?embed%", ""}) {
+    EXPECT_EQ(frames(target), "'none'") << target;
+  }
+  EXPECT_EQ(frames("/?embed", "application/json"), "'none'");
+}
+
 TEST(BrowserRules, OnlyPagesOfNamedOriginsMayReadResponses) {
   const HttpOptions named = options_with({}, {"https://kerf.example"});
   const auto allowed = [&](const char* origin) {

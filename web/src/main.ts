@@ -33,6 +33,11 @@ async function main(): Promise<void> {
   const app = document.getElementById('app')!;
   const parameters = new URLSearchParams(location.search);
   const session = parameters.get('session');
+  if (!session && parameters.has('embed')) {
+    const text = 'The address of an embedded page has session=ID and embed.';
+    app.replaceChildren(failurePage('Which session?', text, []));
+    return;
+  }
   const invitation = invitationIn(location.hash);
   // Before anything else: a token does not stay in the address, nor in the history.
   if (invitation !== null) history.replaceState(null, '', location.pathname + location.search);

@@ -113,6 +113,21 @@ function commandOf(event: KeyboardEvent, actions: KeyActions): (() => void) | nu
   return key === 'y' ? actions.redo : null;
 }
 
+const NOTHING = (): void => undefined;
+
+/** Those of a page that shows nothing but the picture, in the frame of another site. */
+export function withoutPanels(actions: KeyActions): KeyActions {
+  return {
+    ...actions,
+    toggleTimeline: NOTHING,
+    toggleInspect: NOTHING,
+    toggleCarve: NOTHING,
+    undo: NOTHING,
+    redo: NOTHING,
+    help: NOTHING,
+  };
+}
+
 /**
  * Handles key presses on the whole page, except in input fields and dialogs, and except browser
  * shortcuts.

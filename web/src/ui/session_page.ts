@@ -21,7 +21,8 @@ import { helpDialog } from './help';
 import { insetsOf } from './insets';
 import { mountInspect } from './inspect/mount';
 import { inviteDialog } from './invite';
-import { listenToKeys } from './keyboard';
+import { listenToKeys, withoutPanels } from './keyboard';
+import type { KeyActions } from './keyboard';
 import { remember } from './memory';
 import { failurePage, Notice } from './notice';
 import { Flash, noticeText, SESSION_CLOSED } from './notice_text';
@@ -162,7 +163,7 @@ export class SessionPage {
       layoutChanged: () => this.resize_(),
       say: (text) => this.flash_.say(text),
     });
-    this.listen_();
+    this.listen_(embedded);
     this.resize_();
   }
 
@@ -252,8 +253,8 @@ export class SessionPage {
     );
   }
 
-  private listen_(): void {
-    listenToKeys({
+  private listen_(embedded: boolean): void {
+    const keys: KeyActions = {
       preset: (preset) => this.rig_?.preset(preset, performance.now()),
       fit: () => this.rig_?.fit(performance.now()),
       orbit: (around, up) => this.rig_?.orbit(around, up),
@@ -271,7 +272,8 @@ export class SessionPage {
       undo: () => void this.panel_.history.change('undo'),
       redo: () => void this.panel_.history.change('redo'),
       help: () => this.help_.showModal(),
-    });
+    };
+    listenToKeys(embedded ? withoutPanels(keys) : keys);
     window.addEventListener('resize', () => this.resize_());
     window.addEventListener('online', () => this.link_.retryNow());
     document.addEventListener('visibilitychange', () => {
