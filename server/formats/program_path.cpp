@@ -139,10 +139,11 @@ ProgramPath thinned(const Points& points, std::size_t points_max) {
 
 void PathCollector::add(const ProgramMotion& motion) {
   if (!at_ || *at_ != motion.from)
-    add(PathPoint{motion.from.tip_mm, motion.line, motion.tool, PathKind::kStart});
+    add(PathPoint{motion.from.tip_mm, motion.line, motion.tool, PathKind::kStart, time_s_});
   at_ = motion.to;
+  time_s_ += motion.duration_s;
   add(PathPoint{motion.to.tip_mm, motion.line, motion.tool,
-                motion.rapid ? PathKind::kRapid : PathKind::kFeed});
+                motion.rapid ? PathKind::kRapid : PathKind::kFeed, time_s_});
 }
 
 void PathCollector::add(const PathPoint& point) {

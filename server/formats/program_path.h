@@ -22,6 +22,7 @@ struct PathPoint {
   std::uint32_t line = 0;  ///< of the motion that ends here
   ToolId tool = 0;
   PathKind kind = PathKind::kStart;
+  double time_s = 0;  ///< at which the tip is there, at feed rate
   friend bool operator==(const PathPoint&, const PathPoint&) = default;
 };
 
@@ -52,6 +53,7 @@ class PathCollector {
 
   std::size_t points_max_;
   std::optional<ToolPose> at_;
+  double time_s_ = 0;
   std::vector<PathPoint> joined_, held_;  ///< within the tolerance; the last points as they are
   std::optional<BoxStock> extents_;
   double tolerance_mm_ = 0, error_mm_ = 0;

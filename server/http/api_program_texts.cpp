@@ -62,7 +62,7 @@ ApiResponse Api::program_path(const ApiCall& call) {
   if (!found) return found.error();
   const ProgramPath path = drawn_path((*found)->path, points_max);
   std::string kinds;
-  std::vector<double> x, y, z;
+  std::vector<double> x, y, z, times;
   std::vector<std::uint32_t> lines;
   std::vector<ToolId> tools;
   for (const PathPoint& point : path.points) {
@@ -70,6 +70,7 @@ ApiResponse Api::program_path(const ApiCall& call) {
     x.push_back(point.tip_mm.x);
     y.push_back(point.tip_mm.y);
     z.push_back(point.tip_mm.z);
+    times.push_back(point.time_s);
     lines.push_back(point.line);
     tools.push_back(point.tool);
   }
@@ -79,6 +80,7 @@ ApiResponse Api::program_path(const ApiCall& call) {
                                            {"x_mm", x},
                                            {"y_mm", y},
                                            {"z_mm", z},
+                                           {"time_s", times},
                                            {"line", lines},
                                            {"tool", tools}}
                                 .dump());

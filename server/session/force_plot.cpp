@@ -30,22 +30,29 @@ void ForcePlot::Range::add(double value, bool is_first) {
   sum += value;
 }
 
-void ForcePlot::add(std::uint64_t record, std::int64_t wall_ms, const Wrench& wrench) {
+void ForcePlot::add(const PlottedMotion& motion) {
+  const std::uint64_t record = motion.record;
   if (record < first_ || record > last_) return;
   const std::uint64_t span = (record - first_) / span_;
   const bool is_first = points_.empty() || points_.back().span != span;
-  if (is_first) points_.push_back({.span = span, .first = record, .time_ms = wall_ms});
+  if (is_first) points_.push_back({.span = span, .first = record, .time_ms = motion.wall_ms});
   Point& point = points_.back();
   point.last = record;
   ++point.motions;
-  point.force_n.add(length(wrench.force_n), is_first);
-  point.torque_nmm.add(length(wrench.torque_nmm), is_first);
+  point.end_s = motion.end_s;
+  point.removed_mm3 += motion.removed_mm3;
+  point.force_n.add(length(motion.wrench.force_n), is_first);
+  point.torque_nmm.add(length(motion.wrench.torque_nmm), is_first);
 }
 
 void ForcePlot::write(std::ostream& out) const {
   const std::size_t count = points_.size();
   const auto whole = [&](const char* name, auto Point::* member) {
     write_array(out, name, count, [&](std::size_t n) { return points_[n].*member; });
+    out << ',';
+  };
+  const auto exact = [&](const char* name, double Point::* member) {
+    write_array(out, name, count, [&](std::size_t n) { return exact_text(points_[n].*member); });
     out << ',';
   };
   const auto range = [&](const char* name, Range Point::* member) {
@@ -66,6 +73,8 @@ void ForcePlot::write(std::ostream& out) const {
   whole("last", &Point::last);
   whole("time_ms", &Point::time_ms);
   whole("motions", &Point::motions);
+  exact("end_s", &Point::end_s);
+  exact("removed_mm3", &Point::removed_mm3);
   range("force_n", &Point::force_n);
   out << ',';
   range("torque_nmm", &Point::torque_nmm);

@@ -10,19 +10,29 @@
 
 namespace kerf {
 
+/// A motion as a plot shows it.
+struct PlottedMotion {
+  std::uint64_t record = 0;
+  std::int64_t wall_ms = 0;
+  double end_s = 0;  ///< on a clock that runs while the tool moves
+  double removed_mm3 = 0;
+  Wrench wrench;
+};
+
 /// Forces of motions, decimated for a plot: least, mean and greatest magnitude in each of a number
-/// of equal spans of records.
+/// of equal spans of records, and the volume removed in it.
 class ForcePlot {
  public:
   /// Divides the records `first` to `last` into at most `points` spans; none if `first` is greater.
   ForcePlot(std::uint64_t first, std::uint64_t last, std::size_t points);
   /// Adds a motion; its record ascends. Those outside the plot have no effect.
-  void add(std::uint64_t record, std::int64_t wall_ms, const Wrench& wrench);
+  void add(const PlottedMotion& motion);
   /// Writes an object whose arrays have one value for each span with a motion:
-  /// {"span":N,"first":[…],"last":[…],"time_ms":[…],"motions":[…],
+  /// {"span":N,"first":[…],"last":[…],"time_ms":[…],"motions":[…],"end_s":[…],"removed_mm3":[…],
   ///  "force_n":{"min":[…],"mean":[…],"max":[…]},"torque_nmm":{…}}
   /// `span` is the number of records of a span, `first` and `last` are those of its first and last
-  /// motion, `time_ms` is when the first one was recorded. Means are over the motions.
+  /// motion, `time_ms` is when the first one was recorded, `end_s` when the last one ends. Means
+  /// are over the motions.
   void write(std::ostream& out) const;
 
  private:
@@ -33,6 +43,7 @@ class ForcePlot {
   struct Point {
     std::uint64_t span = 0, first = 0, last = 0, motions = 0;
     std::int64_t time_ms = 0;
+    double end_s = 0, removed_mm3 = 0;
     Range force_n{}, torque_nmm{};
   };
   std::uint64_t first_, last_, span_ = 1;

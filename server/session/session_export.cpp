@@ -59,6 +59,7 @@ struct FeltMotion {
   const JournalRecord& record;
   const MoveTool& move;
   const MotionResult& result;
+  double end_s = 0;  ///< of all motions so far, or of those of the one participant; undone ones too
 };
 
 /// Carves the records up to `last`, without the strokes that are undone, and calls `use` with each
@@ -66,14 +67,17 @@ struct FeltMotion {
 template <typename Use>
 ExportResult for_each_felt(const FeltJournal& journal, std::optional<ParticipantId> only,
                            std::uint64_t last, const std::stop_token& stop, Use&& use) {
+  double end_s = 0;
   const auto apply = [&](const JournalRecord& record) -> ExportResult {
     auto command = kernel_command(record.command);
-    if (!command || journal.undone.contains(record.stroke)) return {};
+    if (!command) return {};
     auto* move = std::get_if<MoveTool>(&*command);
     if (move != nullptr) move->feel = !only || *only == record.participant;
+    if (move != nullptr && move->feel) end_s += move->duration_s;
+    if (journal.undone.contains(record.stroke)) return {};
     const auto result = journal.block->apply(*command);
     if (!result) return std::unexpected(result.error().reason);
-    if (move != nullptr && move->feel) use(FeltMotion{record, *move, *result});
+    if (move != nullptr && move->feel) use(FeltMotion{record, *move, *result, end_s});
     return {};
   };
   return for_each_record(*journal.reader, last, stop, apply);
@@ -132,7 +136,11 @@ ExportResult export_force_plot(const std::filesystem::path& journal,
   const std::uint64_t last = std::min(request.last, opened->reader->last_sequence());
   ForcePlot plot(request.first, last, request.points);
   auto ok = for_each_felt(*opened, request.only, last, stop, [&](const FeltMotion& felt) {
-    plot.add(felt.record.sequence, felt.record.wall_ms, felt.result.wrench);
+    plot.add({.record = felt.record.sequence,
+              .wall_ms = felt.record.wall_ms,
+              .end_s = felt.end_s,
+              .removed_mm3 = felt.result.removed_mm3,
+              .wrench = felt.result.wrench});
   });
   if (!ok) return ok;
   plot.write(out);

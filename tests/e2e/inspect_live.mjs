@@ -12,7 +12,7 @@ import { checkAccessible } from './support/axe.mjs';
 import { countPixels, launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
-import { carveProgram, optionsOf, runTest, startServer } from './support/session.mjs';
+import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { sectionArea, stlCorners } from './support/surface.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
@@ -51,6 +51,10 @@ G1 Z-6
 G0 Z5
 M30
 `;
+const GROOVE_CM3_PER_MIN = (4 * 5 * 900) / 1000;
+/** Beside what the plots of a program plot, CSS pixels. */
+const PLOT_LEFT = 44;
+const PLOT_RIGHT = 12;
 const WALL_MM = 3;
 /** Tiles have vertices of 16 bits. */
 const QUANTUM_MM = 0.001;
@@ -180,6 +184,28 @@ async function checkPath(viewer) {
   });
 }
 
+/** A press on the plot over the program's time leads to the line and to the place. */
+async function checkCut({ page }, session) {
+  const { line, time_s: times } = await getJson(`${session}/programs/1/path`);
+  const slider = page.getByRole('slider', { name: 'Place along the program' });
+  await slider.waitFor();
+  const total = Number(await slider.getAttribute('aria-valuemax'));
+  const n = line.indexOf(10); // the second groove, to X8 Y1
+  const share = (times[n - 1] + times[n]) / 2 / total;
+  await slider.scrollIntoViewIfNeeded();
+  const { x, y, width } = await slider.boundingBox();
+  await page.mouse.click(x + PLOT_LEFT + share * (width - PLOT_LEFT - PLOT_RIGHT), y + 40);
+  await until('the line in the text', SETTLE_S, async () => {
+    const placed = await page.locator('.program-row.placed').getAttribute('data-line');
+    return placed === '10';
+  });
+  const text = await page.locator('.cut-text').textContent();
+  const [, force, removal] = /line 10: ([\d.]+) N, ([\d.]+) cm³\/min/.exec(text) ?? [];
+  assert(Number(force) > 1 && Math.abs(Number(removal) - GROOVE_CM3_PER_MIN) < 1, text);
+  await slider.press('Home');
+  assert.match(await page.locator('.cut-text').textContent(), /^0 s, line 4/);
+}
+
 async function test(folder) {
   const { server, base, session } = await startServer(options, folder, 'wall', SCENE);
   await carveProgram(session, PROGRAM, 'name=wall.ngc&pace=fast');
@@ -208,6 +234,7 @@ async function test(folder) {
     }
     await page.setViewportSize({ width, height });
     await checkPath(viewer);
+    await checkCut(viewer, session);
     await checkAccessible(page, 'the panel of programs');
     await writeFile(join(options.out, 'path.png'), await page.screenshot());
     assert.deepEqual(problems, []);

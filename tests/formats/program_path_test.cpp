@@ -53,7 +53,7 @@ TEST(ProgramPath, AStraightLineKeepsItsEnds) {
   const ProgramPath path = drawn_path(through(points), 10);
   ASSERT_EQ(path.points.size(), 2U);
   EXPECT_EQ(path.points[0], (PathPoint{{0, 0, 0}, 1, 1, PathKind::kStart}));
-  EXPECT_EQ(path.points[1], (PathPoint{{500, 0, 0}, 1000, 1, PathKind::kFeed}));
+  EXPECT_EQ(path.points[1], (PathPoint{{500, 0, 0}, 1000, 1, PathKind::kFeed, 1000}));
   EXPECT_EQ(path.error_mm, 0);
 }
 

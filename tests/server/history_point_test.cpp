@@ -76,11 +76,11 @@ class ForcePlots : public SessionUndo {
     EXPECT_TRUE(export_force_plot(session_->journal_file(), request, out));
     return nlohmann::json::parse(out.str());
   }
-  /// Magnitudes of force and torque in the lines of forces.csv.
-  std::vector<std::array<double, 2>> lines(const ForcesRequest& request) {
+  /// Magnitudes of force and torque, removed volume and time in the lines of forces.csv.
+  std::vector<std::array<double, 4>> lines(const ForcesRequest& request) {
     std::stringstream csv;
     EXPECT_TRUE(export_forces(session_->journal_file(), request, csv));
-    std::vector<std::array<double, 2>> magnitudes;
+    std::vector<std::array<double, 4>> magnitudes;
     std::string line;
     std::getline(csv, line);
     while (std::getline(csv, line)) {
@@ -88,7 +88,7 @@ class ForcePlots : public SessionUndo {
       std::stringstream cells(line);
       for (std::string cell; std::getline(cells, cell, ',');) values.push_back(std::stod(cell));
       magnitudes.push_back({std::hypot(values[7], values[8], values[9]),
-                            std::hypot(values[10], values[11], values[12])});
+                            std::hypot(values[10], values[11], values[12]), values[13], values[0]});
     }
     return magnitudes;
   }
@@ -110,8 +110,14 @@ TEST_F(ForcePlots, HoldTheExtremesAndMeansOfForcesCsv) {
     const std::size_t spans = json["first"].size();
     EXPECT_LE(spans, points);
     std::size_t line = 0;
-    double greatest = 0;
+    double greatest = 0, removed_most = 0;
     for (std::size_t n = 0; n < spans; ++n) {
+      double removed = 0;
+      for (std::size_t m = line; m < line + json["motions"][n].get<std::size_t>(); ++m) {
+        removed += all.at(m)[2];
+      }
+      EXPECT_NEAR(json["removed_mm3"][n], removed, 1e-6 * (1 + removed));
+      removed_most = std::max(removed_most, removed);
       const char* names[] = {"force_n", "torque_nmm"};
       for (std::size_t kind = 0; kind < 2; ++kind) {
         double least = INFINITY, most = 0, sum = 0;
@@ -132,6 +138,7 @@ TEST_F(ForcePlots, HoldTheExtremesAndMeansOfForcesCsv) {
     }
     EXPECT_EQ(line, all.size());
     EXPECT_GT(greatest, 0.1);
+    EXPECT_GT(removed_most, 1);
   }
 }
 
@@ -148,7 +155,27 @@ TEST_F(ForcePlots, AreOfASpanAndOfOneParticipant) {
   EXPECT_EQ(span["last"].back(), to);
   EXPECT_EQ(span["motions"].size(), lines({.only = bo}).size());
   EXPECT_EQ(plot({.only = bo, .points = 5000})["force_n"], span["force_n"]);
+  const auto of_bo = lines({.only = bo});
+  const auto times = plot({.only = bo, .points = 5000})["end_s"];
+  ASSERT_EQ(times.size(), of_bo.size());
+  for (std::size_t n = 0; n < times.size(); ++n) EXPECT_NEAR(times[n], of_bo[n][3], 1e-5) << n;
+  EXPECT_GT(span["end_s"].back(), times.back());  // Ada's first stroke came before
   EXPECT_EQ(plot({.first = to + 1000})["first"].size(), 0U);
+}
+
+TEST_F(ForcePlots, UndoneStrokesTakeTheirTime) {
+  create();
+  const ParticipantId ada = join("Ada");
+  const StrokeId gone = stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  stroke(ada, {-15, 8, -2}, {15, 8, -2});
+  ASSERT_TRUE(session_->flush());
+  const ForcePlotRequest request{.only = ada, .points = 5000};
+  const auto before = plot(request)["end_s"];
+  undo({gone});
+  ASSERT_TRUE(session_->flush());
+  const auto after = plot(request)["end_s"];
+  ASSERT_LT(after.size(), before.size());
+  EXPECT_EQ(after.back(), before.back());
 }
 
 }  // namespace

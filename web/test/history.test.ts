@@ -57,9 +57,17 @@ describe('history', () => {
   });
 
   it('has columns of equal length of the forces, also of an answer without them', async () => {
-    answer(200, { first: [1, 5], last: [4, 8], force_n: { min: [0, 1], mean: [1, 2], max: [3] } });
+    answer(200, {
+      first: [1, 5],
+      last: [4, 8],
+      force_n: { min: [0, 1], mean: [1, 2], max: [3] },
+      end_s: [0.5, 1],
+      removed_mm3: [7, 8],
+      motions: [4, 4],
+    });
     const curve = { first: [1], last: [4], minN: [0], meanN: [1], maxN: [3] };
-    expect(await forceCurve('demo', 100)).toEqual(curve);
+    const more = { endS: [0.5], removedMm3: [7], motions: [4] };
+    expect(await forceCurve('demo', 100)).toEqual({ ...curve, ...more });
     answer(200, {});
     expect((await forceCurve('demo', 100)).first).toEqual([]);
   });

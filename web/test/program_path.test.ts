@@ -2,6 +2,7 @@
 import { describe, expect, it } from 'vitest';
 import {
   nearestInPicture,
+  placeAt,
   pathOfAnswer,
   pointOf,
   pointsOfLine,
@@ -19,14 +20,30 @@ const PATH = pathOfAnswer({
   z_mm: [5, 5, -4, 5, 5, -4, 5, 5],
   line: [1, 3, 20, 21, 5, 20, 21, 9],
   tool: [1, 1, 1, 1, 1, 1, 1, 1],
+  time_s: [0, 1, 3, 4, 6, 8, 9, 9],
 });
 
 describe('the path of a program', () => {
+  it('has a place and a line at every time', () => {
+    const at = (timeS: number) => {
+      const { point, tip } = placeAt(PATH, timeS)!;
+      return [PATH.lines[point], ...tip];
+    };
+    expect(at(-1)).toEqual([1, 0, 0, 5]);
+    expect(at(0.5)).toEqual([3, 5, 0, 5]);
+    expect(at(2)).toEqual([20, 10, 0, 0.5]); // the first time through the subprogram
+    expect(at(7)).toEqual([20, 30, 0, 0.5]); // the second
+    expect(at(9)).toEqual([21, 30, 0, 5]);
+    expect(at(99)).toEqual([9, 50, 0, 5]);
+    expect(placeAt(pathOfAnswer({}), 1)).toBeNull();
+  });
+
   it('is read as the server writes it', () => {
     expect(PATH.lines).toHaveLength(8);
     expect(PATH.kinds.slice(0, 3)).toEqual(['placed', 'rapid', 'feed']);
     expect(pointOf(PATH, 2)).toEqual([10, 0, -4]);
     expect(PATH.errorMm).toBe(0.002);
+    expect([...PATH.timesS]).toEqual([0, 1, 3, 4, 6, 8, 9, 9]);
     expect(pathOfAnswer({ x_mm: [1, 2], kind: 'sf' }).lines).toHaveLength(0);
     expect(pathOfAnswer(null).lines).toHaveLength(0);
   });

@@ -38,7 +38,15 @@ export async function runTest(test, out) {
 /** Starts a server without sessions on a free port, with data in `folder`; `others` are options. */
 export async function startEmptyServer({ server: program, web, others = [] }, folder) {
   const data = join(folder, 'data');
-  const server = start(program, ['--listen', '127.0.0.1:0', '--data', data, '--web', web, ...others]);
+  const server = start(program, [
+    '--listen',
+    '127.0.0.1:0',
+    '--data',
+    data,
+    '--web',
+    web,
+    ...others,
+  ]);
   const base = await until('server address', 20, () => {
     assert.equal(server.code, undefined, `the server exited: ${server.errors}`);
     return server.lines.find((line) => line.startsWith('http'));

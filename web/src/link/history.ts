@@ -22,6 +22,17 @@ export interface ForceCurve {
   minN: number[];
   meanN: number[];
   maxN: number[];
+  /** When the last motion of the span ends, on a clock that runs while the tools move, s. */
+  endS: number[];
+  removedMm3: number[];
+  motions: number[];
+}
+
+/** Motions of one participant. */
+export interface MotionsOf {
+  participant: number;
+  from: number;
+  to: number;
 }
 
 function isVersion(value: unknown): value is Version {
@@ -72,24 +83,32 @@ export async function branch(session: string, record: number | null, id: string)
   return typeof made.id === 'string' ? made.id : id;
 }
 
-/** The forces of the whole journal in at most `points` spans. */
-export async function forceCurve(session: string, points: number): Promise<ForceCurve> {
-  const body = (await ask(pathOf(session, `forces?points=${points}`), 'GET')) as Record<
+/** The forces of the whole journal, or of some motions, in at most `points` spans. */
+export async function forceCurve(
+  session: string,
+  points: number,
+  of?: MotionsOf,
+): Promise<ForceCurve> {
+  const only = of ? `&participant=${of.participant}&from=${of.from}&to=${of.to}` : '';
+  const body = (await ask(pathOf(session, `forces?points=${points}${only}`), 'GET')) as Record<
     string,
     unknown
   >;
   const force = (body['force_n'] ?? {}) as Record<string, unknown>;
-  const columns = [body['first'], body['last'], force['min'], force['mean'], force['max']];
-  const [first = [], last = [], minN = [], meanN = [], maxN = []] = columns.map((column) =>
+  const given = [body['first'], body['last'], force['min'], force['mean'], force['max']];
+  const columns = [...given, body['end_s'], body['removed_mm3'], body['motions']].map((column) =>
     Array.isArray(column) ? column.map(Number) : [],
   );
-  const count = Math.min(...[first, last, minN, meanN, maxN].map(({ length }) => length));
-  const cut = (column: number[]): number[] => column.slice(0, count);
+  const count = Math.min(...columns.map(({ length }) => length));
+  const cut = (n: number): number[] => columns[n]!.slice(0, count);
   return {
-    first: cut(first),
-    last: cut(last),
-    minN: cut(minN),
-    meanN: cut(meanN),
-    maxN: cut(maxN),
+    first: cut(0),
+    last: cut(1),
+    minN: cut(2),
+    meanN: cut(3),
+    maxN: cut(4),
+    endS: cut(5),
+    removedMm3: cut(6),
+    motions: cut(7),
   };
 }

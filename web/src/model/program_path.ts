@@ -13,6 +13,8 @@ export interface ProgramPath {
   lines: Uint32Array;
   /** How the tool came to each point. */
   kinds: PathKind[];
+  /** When the tool is at each point, at feed rate, s. */
+  timesS: Float64Array;
   /** No point of the real path is farther from the drawn one. */
   errorMm: number;
 }
@@ -26,7 +28,8 @@ export function pathOfAnswer(answer: unknown): ProgramPath {
     const values = from[name];
     return Array.isArray(values) ? values.map(Number) : [];
   };
-  const [x, y, z, line] = ['x_mm', 'y_mm', 'z_mm', 'line'].map(column) as [
+  const [x, y, z, line, time] = ['x_mm', 'y_mm', 'z_mm', 'line', 'time_s'].map(column) as [
+    number[],
     number[],
     number[],
     number[],
@@ -40,8 +43,32 @@ export function pathOfAnswer(answer: unknown): ProgramPath {
     points,
     lines: Uint32Array.from(line.slice(0, count)),
     kinds: Array.from({ length: count }, (_, n) => KINDS[letters[n]!] ?? 'feed'),
+    timesS: Float64Array.from({ length: count }, (_, n) => time[n] ?? 0),
     errorMm: Number(from['error_mm'] ?? 0),
   };
+}
+
+/**
+ * Where the tool is at a time of the program, and the number of the point to which it moves then;
+ * null: there is no path.
+ */
+export function placeAt(path: ProgramPath, timeS: number): { point: number; tip: Vec3 } | null {
+  const { timesS } = path;
+  const last = timesS.length - 1;
+  if (last < 0) return null;
+  let [low, high] = [0, last];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (timesS[middle]! < timeS) low = middle + 1;
+    else high = middle;
+  }
+  const to = pointOf(path, low);
+  const [beganS, endsS] = [timesS[Math.max(0, low - 1)]!, timesS[low]!];
+  if (low === 0 || path.kinds[low] === 'placed' || endsS <= beganS) return { point: low, tip: to };
+  const part = Math.min(1, (timeS - beganS) / (endsS - beganS));
+  const from = pointOf(path, low - 1);
+  const [x, y, z] = from.map((value, k) => value + part * (to[k]! - value)) as Vec3;
+  return { point: low, tip: [x, y, z] };
 }
 
 export function pointOf({ points }: ProgramPath, n: number): Vec3 {

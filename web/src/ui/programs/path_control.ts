@@ -3,7 +3,13 @@
 // a line in both directions.
 
 import { Matrix4 } from 'three';
-import { nearestInPicture, pointOf, pointsOfLine, reached } from '../../model/program_path';
+import {
+  nearestInPicture,
+  placeAt,
+  pointOf,
+  pointsOfLine,
+  reached,
+} from '../../model/program_path';
 import type { ProgramPath } from '../../model/program_path';
 import { PATH_COLORS, PathView } from '../../view/path_view';
 import type { ProgramInfo, Vec3 } from '../../wire/types';
@@ -98,6 +104,14 @@ export class PathControl {
   markLine(line: number, place?: Vec3): void {
     const points = this.path_ && pointsOfLine(this.path_, line);
     if (this.path_ && points) this.view_?.mark(points, place ?? pointOf(this.path_, points[1]));
+  }
+
+  /** Marks where the tool is at a time of the program. Returns the line; null: there is no path. */
+  markTime(timeS: number): number | null {
+    const place = this.path_ && placeAt(this.path_, timeS);
+    if (!this.path_ || !place) return null;
+    this.view_?.mark([place.point, place.point], place.tip);
+    return this.path_.lines[place.point]!;
   }
 
   private get isShown_(): boolean {

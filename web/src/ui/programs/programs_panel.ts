@@ -11,6 +11,7 @@ import { count, figure, sentence, volume } from '../format';
 import { OneOpen } from '../one_open';
 import { AlarmList } from './alarm_list';
 import { Controls } from './controls';
+import { CutControl } from './cut_control';
 import { ProgramList } from './program_list';
 import { PathControl } from './path_control';
 import type { PathHost } from './path_control';
@@ -37,6 +38,7 @@ export class ProgramsPanel {
     this.path_?.markLine(fromLine, tip);
   });
   private readonly path_: PathControl | null;
+  private readonly cut_: CutControl;
   private readonly follow_ = h(
     'button',
     { type: 'button', class: 'button quiet-button program-follow', hidden: '' },
@@ -66,6 +68,10 @@ export class ProgramsPanel {
   ) {
     this.requests_ = new ProgramRequests(session);
     this.path_ = pathHost && new PathControl(pathHost, (id) => this.requests_.path(id));
+    this.cut_ = new CutControl(
+      (participant) => this.requests_.cut(participant),
+      (timeS) => this.markTime_(timeS),
+    );
     this.text_ = new TextView(
       (follows) => (this.follow_.hidden = follows),
       (line) => this.markPlace_(line),
@@ -84,6 +90,7 @@ export class ProgramsPanel {
       this.progress_,
       this.figures_,
       ...(this.path_ ? [this.path_.element] : []),
+      this.cut_.element,
       this.alarms_.element,
     );
     this.element_ = h(
@@ -123,9 +130,9 @@ export class ProgramsPanel {
     this.update_();
   }
 
-  private get may_(): boolean {
+  private may_(what: 'run_programs' | 'download'): boolean {
     const may = this.model.welcome?.may;
-    return may === undefined || may.includes('run_programs');
+    return may === undefined || may.includes(what);
   }
 
   private update_(): void {
@@ -134,9 +141,10 @@ export class ProgramsPanel {
       programs.incomplete = false;
       void this.load_();
     }
-    this.upload_.element.hidden = !this.may_;
+    this.upload_.element.hidden = !this.may_('run_programs');
     if (programs.changes !== this.drawn_) this.draw_();
     const program = this.program_;
+    if (program && this.may_('download')) this.cut_.update(program, performance.now());
     if (program && isOutdated(this.details_.get(program.id), program)) void this.ask_(program.id);
   }
 
@@ -164,7 +172,7 @@ export class ProgramsPanel {
   private show_(program: ProgramInfo): void {
     const done = program.motions === 0 ? 1 : program.motions_done / program.motions;
     this.progress_.value = done;
-    this.controls_.update(program, this.may_);
+    this.controls_.update(program, this.may_('run_programs'));
     const removed = volume(program.removed_volume_mm3).join(' ');
     const details = this.details_.get(program.id);
     const tools = details && details.tools.length > 1 ? ` of ${details.tools.join(', ')}` : '';
@@ -187,6 +195,13 @@ export class ProgramsPanel {
     this.path_?.markLine(line);
   }
 
+  /** Marks the line that is carved at a time of the program, and its place; returns the line. */
+  private markTime_(timeS: number): number | null {
+    const line = this.path_?.markTime(timeS) ?? null;
+    if (line !== null && this.textOf_ !== null) this.text_.mark({ line, word: '', isPlace: true });
+    return line;
+  }
+
   private select_(id: number | null): void {
     if (id === this.selected_ && this.textOf_ === id) return;
     this.selected_ = id;
@@ -194,6 +209,7 @@ export class ProgramsPanel {
     this.textOf_ = null;
     this.alarms_.update([]);
     this.path_?.select(id);
+    this.cut_.select(id);
     this.text_.show('');
     if (id === null) return;
     this.requests_.source(id).then(

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // HTTP requests about the programs of a session.
 
+import { forceCurve } from '../../link/history';
+import type { ForceCurve } from '../../link/history';
 import { ask } from '../../link/server_error';
+import { listStrokes } from '../../link/strokes';
 import { pathOfAnswer } from '../../model/program_path';
 import type { ProgramPath } from '../../model/program_path';
 import { programOf } from '../../wire/control';
@@ -10,6 +13,7 @@ import type { ProgramInfo, Vec3 } from '../../wire/types';
 
 /** As many as the server gives. */
 const PATH_POINTS = 20_000;
+const CUT_POINTS = 600;
 
 /** Consecutive motions with something that should not happen. */
 export interface Alarm {
@@ -74,7 +78,7 @@ function detailsOf(value: unknown): ProgramDetails {
 export class ProgramRequests {
   private readonly folder_: string;
 
-  constructor(session: string) {
+  constructor(private readonly session: string) {
     this.folder_ = `/v1/sessions/${encodeURIComponent(session)}/programs`;
   }
 
@@ -93,6 +97,16 @@ export class ProgramRequests {
 
   async path(id: number): Promise<ProgramPath> {
     return pathOfAnswer(await this.json_('GET', `/${id}/path?points=${PATH_POINTS}`));
+  }
+
+  /** Forces and removal along what a participant has carved; null: nothing yet. */
+  async cut(participant: number): Promise<ForceCurve | null> {
+    const strokes = await listStrokes(this.session);
+    const own = strokes.filter((stroke) => stroke.participant === participant);
+    const from = own[0]?.id;
+    if (from === undefined) return null;
+    const to = own.reduce((last, stroke) => Math.max(last, stroke.last), from);
+    return forceCurve(this.session, CUT_POINTS, { participant, from, to });
   }
 
   /** `query`: as in server/http/README.md, e.g. `do=pause`. */

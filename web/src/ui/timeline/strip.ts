@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The journal as a picture: a row of bars for each participant, the forces below, flags of the named
+// The journal as a picture: a row of bars for each participant, forces and removal below, flags of the named
 // versions above, and the playhead, which is a slider for pointer, keyboard and screen readers.
 
 import type { ForceCurve, Version } from '../../link/history';
@@ -32,7 +32,12 @@ const ROWS_PX = 75; // of all rows together, unless there are too many
 const ROW_MIN_PX = 4;
 const FLAGS_PX = 12;
 const FORCE_PX = 34;
+const REMOVAL_PX = 22;
 const GRAB_PX = 4; // a stroke so near to the pointer is meant
+const PLOTS = [
+  { name: 'Force', color: '--force', height: FORCE_PX },
+  { name: 'Removal', color: '--removal', height: REMOVAL_PX },
+];
 const EMPTY: StripContent = {
   rows: [],
   end: 0,
@@ -166,7 +171,7 @@ export class Strip {
   private draw_(): void {
     const { rows, nameOf, colorOf } = this.content_;
     const rowPx = this.rowPx_;
-    const height = FLAGS_PX + Math.max(1, rows.length) * rowPx + FORCE_PX;
+    const height = FLAGS_PX + Math.max(1, rows.length) * rowPx + FORCE_PX + REMOVAL_PX;
     this.slider.style.height = `${height}px`;
     this.names_.replaceChildren(
       ...rows.map(({ participant }) =>
@@ -176,6 +181,7 @@ export class Strip {
           rowPx > 10 ? h('span', {}, nameOf(participant)) : '',
         ),
       ),
+      ...(this.content_.forces ? PLOTS.map(plotName) : []),
     );
     const context = this.canvas_.getContext('2d');
     if (context && this.width_ > 0) this.paint_(context, height, rowPx);
@@ -193,8 +199,10 @@ export class Strip {
     this.content_.rows.forEach((row, n) => {
       this.paintRow_(context, row, FLAGS_PX + n * rowPx, rowPx, style);
     });
-    const top = height - FORCE_PX + 4;
+    const top = height - FORCE_PX - REMOVAL_PX + 4;
     this.paintForces_(context, top, FORCE_PX - 5, style.getPropertyValue('--force'));
+    const below = top + FORCE_PX;
+    this.paintRemoval_(context, below, REMOVAL_PX - 6, style.getPropertyValue('--removal'));
     context.fillStyle = style.getPropertyValue('--accent');
     for (const { record } of this.content_.versions) {
       const x = xOf(record, this.view_, width);
@@ -254,6 +262,32 @@ export class Strip {
       context.fillRect(left, y(forces.meanN[n]!) - 0.75, wide, 1.5);
     });
   }
+
+  /** The volume of a motion, as the mean of each span. */
+  private paintRemoval_(
+    context: CanvasRenderingContext2D,
+    top: number,
+    height: number,
+    color: string,
+  ): void {
+    const { forces } = this.content_;
+    if (!forces || forces.first.length === 0) return;
+    const means = forces.removedMm3.map((mm3, n) => mm3 / Math.max(1, forces.motions[n]!));
+    const greatest = Math.max(...means, 1e-9);
+    context.fillStyle = color;
+    forces.first.forEach((first, n) => {
+      const left = xOf(first - 1, this.view_, this.width_);
+      const right = xOf(forces.last[n]!, this.view_, this.width_);
+      if (right < 0 || left > this.width_) return;
+      const high = (height * Math.max(0, means[n]!)) / greatest;
+      context.fillRect(left, top + height - high, Math.max(1, right - left), high);
+    });
+  }
+}
+
+/** A name beside a plot. */
+function plotName({ name, color, height }: (typeof PLOTS)[number]): HTMLElement {
+  return h('div', { style: `height:${height}px;--who:var(${color})` }, h('span', {}, name));
 }
 
 /** Diagonal lines in a color. */

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import type { ForceCurve } from '../src/link/history';
+import { cutCurveOf, spanAt } from '../src/model/cut_curve';
+import { CutControl } from '../src/ui/programs/cut_control';
+import type { CutPlot } from '../src/ui/programs/cut_plot';
+import type { ProgramInfo } from '../src/wire/types';
+import { stubPage } from './support/fake_dom';
+
+const FORCES: ForceCurve = {
+  first: [1, 3, 4],
+  last: [2, 3, 9],
+  minN: [0, 1, 2],
+  meanN: [1, 2, 3],
+  maxN: [5, 6, 7],
+  endS: [2, 2, 4.5],
+  removedMm3: [100, 0, 250],
+  motions: [2, 1, 6],
+};
+
+describe('force and removal along a program', () => {
+  it('are of the time since the span before; one without time is left out', () => {
+    const curve = cutCurveOf(FORCES);
+    expect(curve.timesS).toEqual([0, 2, 4.5]);
+    expect(curve.forcesN).toEqual([5, 5, 7]);
+    expect(curve.removals).toEqual([3, 3, 6]); // 50 and 100 mm³/s
+    expect([0, 1, 2, 2.1, 4.5, 5, -1].map((timeS) => spanAt(curve, timeS))).toEqual([
+      1, 1, 1, 2, 2, -1, -1,
+    ]);
+  });
+});
+
+describe('the plot of the selected program', () => {
+  const program = (motions_done: number): ProgramInfo =>
+    ({ id: 3, participant: 7, motions_done, elapsed_s: 1, programmed_s: 9 }) as ProgramInfo;
+  let asked: number[];
+  let shown: number;
+  let control: CutControl;
+
+  beforeEach(() => {
+    stubPage();
+    vi.useFakeTimers();
+    asked = [];
+    shown = 0;
+    class FakePlot {
+      readonly element = document.createElement('div');
+      readonly setNow = (): void => undefined;
+      show(): void {
+        shown += 1;
+      }
+    }
+    control = new CutControl(
+      (participant) => {
+        asked.push(participant);
+        return Promise.resolve(asked.length === 1 ? null : FORCES);
+      },
+      () => null,
+      () => Promise.resolve({ CutPlot: FakePlot as unknown as typeof CutPlot }),
+    );
+    control.select(3);
+  });
+  afterEach(() => {
+    vi.useRealTimers();
+    vi.unstubAllGlobals();
+  });
+
+  async function update(motions: number, afterMs: number): Promise<void> {
+    await vi.advanceTimersByTimeAsync(afterMs);
+    control.update(program(motions), performance.now());
+    await vi.advanceTimersByTimeAsync(0);
+  }
+
+  it('is asked for when the program has moved, at most every 2 s, and shown once there is one', async () => {
+    await update(0, 0);
+    expect(asked).toEqual([]);
+    await update(10, 100);
+    expect(asked).toEqual([7]);
+    expect(control.element.hidden).toBe(true); // nothing yet
+    await update(20, 100);
+    expect(asked).toHaveLength(1);
+    await update(20, 2000);
+    expect(asked).toHaveLength(2);
+    expect(control.element.hidden).toBe(false);
+    await update(20, 5000); // it has not moved
+    expect(shown).toBe(1);
+    control.select(4);
+    expect(control.element.hidden).toBe(true);
+    await update(30, 5000); // of another program
+    expect(asked).toHaveLength(2);
+  });
+});
