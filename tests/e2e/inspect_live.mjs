@@ -203,7 +203,7 @@ async function checkCut({ page }, session) {
   const [, force, removal] = /line 10: ([\d.]+) N, ([\d.]+) cm³\/min/.exec(text) ?? [];
   assert(Number(force) > 1 && Math.abs(Number(removal) - GROOVE_CM3_PER_MIN) < 1, text);
   await slider.press('Home');
-  assert.match(await page.locator('.cut-text').textContent(), /^0 s, line 4/);
+  assert.match(await page.locator('.cut-text').textContent(), /^0 s, line 5/);
 }
 
 async function test(folder) {
