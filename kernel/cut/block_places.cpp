@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/cut/block_places.h"
 
+#include <bit>
 #include <cstddef>
 #include <cstring>
 
-#include "kernel/dexel/dexel_tile.h"
 #include "kernel/math/int_lanes.h"
 
 namespace kerf {
@@ -82,6 +82,24 @@ KERF_INLINE void rows_in_lanes(const DexelGrid& grid, std::int32_t i, std::int32
   reached_below = below_which(grid, top);
 }
 
+KERF_INLINE void stock_in_lanes(const DexelGrid& grid, const DexelTile& tile, int column,
+                                ColumnBlock& block) {
+  for (std::size_t row = 0; row < kBlockSide; ++row, column += kTileSide) {
+    const auto at = std::size_t(column);
+    IntLanes bottom = load_ints(&tile.bottom[at]);
+    const unsigned split = tile.split[at / kTileSide] >> (at % kTileSide) & 0xFFU;
+    for (unsigned left = split; left != 0; left &= left - 1) {
+      const int k = std::countr_zero(left);
+      bottom[k] = tile.lower.of(column + k).front().bottom;
+    }
+    const auto height = [&](IntLanes depth) __attribute__((always_inline)) {
+      return grid.origin_mm.z + to_lanes(depth) * grid.z_quantum_mm;
+    };
+    block.stock_lo_mm[row] = height(bottom);
+    block.stock_hi_mm[row] = height(load_ints(&tile.top[at]));
+  }
+}
+
 KERF_FOR_EACH_TARGET(void, tiles,
                      (const DexelGrid& grid, TileIndex first, Discs& discs, Lanes& reached_below),
                      (grid, first, discs, reached_below))
@@ -94,6 +112,10 @@ KERF_FOR_EACH_TARGET(void, rows,
                       const std::int32_t* tops, ColumnBlock& block, Discs& discs,
                       Lanes& reached_below),
                      (grid, i, j, tops, block, discs, reached_below))
+
+KERF_FOR_EACH_TARGET(void, stock,
+                     (const DexelGrid& grid, const DexelTile& tile, int column, ColumnBlock& block),
+                     (grid, tile, column, block))
 
 }  // namespace
 
@@ -109,6 +131,12 @@ void place_blocks(const DexelGrid& grid, TileIndex tile, int half, const std::in
 void place_rows(const DexelGrid& grid, std::int32_t i, std::int32_t j, const std::int32_t* tops,
                 ColumnBlock& block, Discs& discs, Lanes& reached_below) {
   rows(grid, i, j, tops, block, discs, reached_below);
+}
+
+void place_stock(const DexelGrid& grid, const DexelTile* tile, int column, ColumnBlock& block) {
+  if (tile != nullptr) return stock(grid, *tile, column, block);
+  block.stock_lo_mm.fill(Lanes(grid.z_mm(0)));
+  block.stock_hi_mm.fill(Lanes(grid.z_mm(grid.height_quanta)));
 }
 
 }  // namespace kerf

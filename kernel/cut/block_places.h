@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernel/dexel/dexel_grid.h"
+#include "kernel/dexel/dexel_tile.h"
 #include "kernel/dexel/tile_index.h"
 #include "kernel/sweep/column_block.h"
 
@@ -24,5 +25,9 @@ void place_blocks(const DexelGrid& grid, TileIndex tile, int half, const std::in
 /// untouched.
 void place_rows(const DexelGrid& grid, std::int32_t i, std::int32_t j, const std::int32_t* tops,
                 ColumnBlock& block, Discs& discs, Lanes& reached_below);
+
+/// Sets in `block` the heights between which the stock of its columns lies. `column`: the first of
+/// them in the tile; null: the tile is untouched.
+void place_stock(const DexelGrid& grid, const DexelTile* tile, int column, ColumnBlock& block);
 
 }  // namespace kerf

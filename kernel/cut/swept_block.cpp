@@ -55,6 +55,7 @@ void sweep_block(const SweptTool& swept, const DexelGrid& grid, const DexelTile*
   const Lanes matters_below =
       swept.pieces.size() > 1 ? reached_below + swept.join_mm : reached_below;
   const unsigned rows = (1U << in_grid) - 1;
+  bool has_stock = false;  // place_stock has been called
   RowBounds below, bounds = bounds_of(swept.pieces, 0, discs, matters_below);
   for (std::size_t k = 0; k < swept.pieces.size(); ++k) {
     const RowBounds above = bounds_of(swept.pieces, k + 1, discs, matters_below);
@@ -67,7 +68,13 @@ void sweep_block(const SweptTool& swept, const DexelGrid& grid, const DexelTile*
     block.drop_closed_rows();
     block.raised_rows = 0;
     if (block.rows != 0 && swept.above[k].covers_any()) swept.above[k].find_covered(block);
-    if (block.rows != 0) std::visit([&](const auto& s) { s.evaluate(block); }, swept.pieces[k]);
+    if (block.rows != 0) {
+      if (!has_stock && std::holds_alternative<TurningSweep>(swept.pieces[k])) {
+        place_stock(grid, stored, row * kTileSide + column, block);
+        has_stock = true;
+      }
+      std::visit([&](const auto& s) { s.evaluate(block); }, swept.pieces[k]);
+    }
     below = bounds;
     bounds = above;
   }

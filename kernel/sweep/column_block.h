@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -23,12 +24,16 @@ struct ColumnBlock {
     Lanes lo_mm, hi_mm;
   };
 
-  Lanes x_mm;                ///< of the columns, equal in every row
-  double y_mm[kBlockSide];   ///< of the rows
-  unsigned rows = 0;         ///< bit r: row r is to be evaluated
-  double join_mm = 0;        ///< intervals of a column that are no farther apart are joined
-  double top_mm = 0;         ///< upper bound of the stock: ends above it need not be exact
-  double grid_top_mm = 0;    ///< top of the grid, which no stock exceeds
+  Lanes x_mm;               ///< of the columns, equal in every row
+  double y_mm[kBlockSide];  ///< of the rows
+  unsigned rows = 0;        ///< bit r: row r is to be evaluated
+  double join_mm = 0;       ///< intervals of a column that are no farther apart are joined
+  double top_mm = 0;        ///< upper bound of the stock: ends above it need not be exact
+  double grid_top_mm = 0;   ///< top of the grid, which no stock exceeds
+  /// Of each column: heights between which all of its stock lies; ends beyond need not be exact.
+  /// lo ≥ hi: it has none.
+  std::array<Lanes, kBlockSide> stock_lo_mm = every_row(-std::numeric_limits<double>::infinity());
+  std::array<Lanes, kBlockSide> stock_hi_mm = every_row(std::numeric_limits<double>::infinity());
   Lanes lo_mm[kBlockSide];   ///< out: lower end of the interval; +inf where nothing is removed
   Lanes hi_mm[kBlockSide];   ///< out: upper end of the interval; −inf where nothing is removed
   std::vector<Apart> apart;  ///< out: further intervals; empty lanes have lo > hi
@@ -93,6 +98,11 @@ struct ColumnBlock {
   }
 
  private:
+  static std::array<Lanes, kBlockSide> every_row(double mm) {
+    std::array<Lanes, kBlockSide> rows;
+    rows.fill(Lanes(mm));
+    return rows;
+  }
   void add_among(int row, const LaneMask& adds, const Lanes& lo, const Lanes& hi);
   void keep_apart(int row, const LaneMask& which, const Lanes& lo, const Lanes& hi);
 };

@@ -47,9 +47,11 @@ KERF_INLINE LaneMask discs_recede(const Trail::Motion& m, Lanes dx, Lanes dy, do
   for (int i = 0; i < m.face_count; ++i) {
     const Trail::Face& face = m.faces[i];
     const Lanes ax = dx - face.height * m.axis.x, ay = dy - face.height * m.axis.y;
-    const double over = face.radius + reach + m.half_travel + face.height * m.half_turn;
+    const double moved = reach + m.half_travel + face.height * m.half_turn;
+    const double over = face.radius + moved, beside = face.radius * m.thickness + moved;
+    const Lanes along = magnitude(ax * m.axis.x + ay * m.axis.y) * m.by_level;
     const AxialSpeed speed = axial_speed(m, dx, dy, reach, Lanes(face.height));
-    recede &= (ax * ax + ay * ay > over * over) |
+    recede &= (ax * ax + ay * ay > over * over) | (along > beside) |
               (face.sign > 0 ? speed.most <= 0.0 : speed.least >= 0.0) |
               mask_of(face.sign > 0 ? untested.upper : untested.lower);
   }
@@ -185,7 +187,9 @@ void Trail::set_side(const TurningFrame& f, const FrustumPiece& p) {
   m_.level_min = m_.level - half_turn;
   m_.level_max = m_.level + half_turn;
   m_.whole = !(m_.level_min > kLevelMin);
-  m_.aside = m_.radius * std::sqrt(std::max(0.0, 1 - m_.level_min * m_.level_min));
+  m_.thickness = std::sqrt(std::max(0.0, 1 - m_.level_min * m_.level_min));
+  m_.aside = m_.radius * m_.thickness;
+  m_.by_level = m_.whole ? 0 : 1 / m_.level;
   m_.half_travel = std::sqrt(f.v.x * f.v.x + f.v.y * f.v.y) / 2;
   m_.bend = m_.m1 * std::max(0.0, f.u.x * m_.w.x + f.u.y * m_.w.y) / 4;
 

@@ -46,6 +46,8 @@ class Trail {
     double m0, m1, climb0, climb1;
     double radius, lean;  ///< greatest radius; sine of the angle between axis and rays
     double level, level_min, level_max;  ///< horizontal length of the axis; least and greatest
+    double by_level;                     ///< 1/level; 0 if the axis may become upright
+    double thickness;                    ///< horizontal, along the axis, of half a disc of radius 1
     double aside;        ///< horizontal distance of the side from the axis, along the axis
     double half_travel;  ///< horizontal, of the tip
     double level_speed;  ///< greatest horizontal length of v′

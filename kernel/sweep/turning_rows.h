@@ -30,6 +30,7 @@ struct RayRow {
   Lanes x, y;
   int number;
   bool hides_entry, hides_exit;  ///< as in RowBits
+  Lanes stock_lo, stock_hi;      ///< as in ColumnBlock
 };
 
 /// The rays of a stretch that are bisected, and those that are searched.
@@ -248,20 +249,30 @@ KERF_INLINE LaneMask outermost_at(const SlicePath& path, const Meeting& m, doubl
          (magnitude(m.upright) * scale >= turn);
 }
 
-/// Returns the rays of a row for which the slice at its first or its last pose, met in `station`,
-/// is all that it sweeps. Whether it is must not depend on the stock.
+/// The rays of a row of which an end is known after its first or its last pose has been met.
+struct KnownEnds {
+  LaneMask lower, upper;
+
+  KERF_INLINE LaneMask both() const { return lower & upper; }
+};
+
+/// Returns the ends that lie, at the first or the last pose met in `station`, farther out than at
+/// any other, and those of rays without stock beyond them. Which ends are found elsewhere, and
+/// where, must not depend on the stock.
 template <class Side>
-KERF_INLINE LaneMask settled_at(const Side& side, const SlicePath& path, const RayRow& row,
-                                const Station& station, const ColumnBlock& block) {
+KERF_INLINE KnownEnds known_at(const Side& side, const SlicePath& path, const RayRow& row,
+                               const Station& station, LaneMask asked, const ColumnBlock& block) {
   const double sign = station.share > 0 ? 1 : -1;
   const Meeting& m = station.met;
-  LaneMask settled = outermost_at(path, m, sign);
-  const LaneMask above = (m.hi >= path.search.top_mm) | block.loses_all_above(row.number);
-  if (any(settled & ~above)) {
+  KnownEnds known;
+  known.lower = m.hit & (outermost_at(path, m, sign) | (m.lo <= row.stock_lo));
+  known.upper = m.hit & ((m.hi >= path.search.top_mm) | block.loses_all_above(row.number) |
+                         (m.hi >= row.stock_hi));
+  if (any(asked & m.hit & ~known.upper)) {
     const Meeting upper = at_upper_end(side, path, row.x, row.y, station.share, m);
-    settled &= above | outermost_at(path, upper, sign);
+    known.upper |= outermost_at(path, upper, sign);
   }
-  return settled;
+  return known;
 }
 
 /// Returns whether a row is rather ahead of the slice than behind it: then its last pose is more
@@ -280,22 +291,40 @@ KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const Ray
   const double top = block.top_mm + block.join_mm;
   Stations stations;
   Station* ends[2];
+  KnownEnds known{~every_lane(), ~every_lane()};
+  Lanes reach = Lanes(0);  // the share in which no missed ray is hit, from the first pose met on
   bool at_last = is_ahead(path, row);
-  for (const bool is_other : {false, true}) {
+  for (int k = 0; k < 2; ++k, at_last = !at_last) {
     Station& met = stations.add(side, path, row, at_last ? 1 : 0, 0, open);
     ends[at_last] = &met;
-    const LaneMask settled = open & settled_at(side, path, row, met, block);
+    const KnownEnds here = known_at(side, path, row, met, open, block);
+    const LaneMask settled = open & here.both();
     if (any(settled)) {
       add_span(block, row.number, {met.met.lo, met.met.hi}, settled);
       open &= ~settled;
     }
     const LaneMask missed = open & ~met.met.hit;
-    if (any(missed) && (!is_other || !any(open & met.met.hit))) {
-      const Lanes closing = at_last ? -met.met.advance : met.met.advance;
-      open &= met.met.hit | (least_share(path, met.met, closing, top, 1) <= 1.0);
+    const double sign = at_last ? -1 : 1;
+    Lanes beside = Lanes(0);
+    if (any(missed)) {
+      const FoundEnd end = FoundEnd::of<End::kLower>(Lanes(met.share), met.met);
+      beside = reach_beside(side, path, row.x, row.y, end, sign, Lanes(1), -kRecedingMm);
+      const Lanes least = least_share(path, met.met, sign * met.met.advance, top, 1);
+      beside = select(missed, greater(beside, least), Lanes(0));
+      open &= ~(beside + reach > 1.0);
     }
     if (!any(open)) return;
-    at_last = !at_last;
+    reach = beside;
+    known = {known.lower | here.lower, known.upper | here.upper};
+  }
+  // Both ends are known, and the intervals of both poses overlap: nothing else is swept.
+  const Meeting &from = ends[0]->met, &to = ends[1]->met;
+  const LaneMask ends_known =
+      open & known.both() & from.hit & to.hit & (from.lo <= to.hi) & (to.lo <= from.hi);
+  if (any(ends_known)) {
+    add_span(block, row.number, {lesser(from.lo, to.lo), greater(from.hi, to.hi)}, ends_known);
+    open &= ~ends_known;
+    if (!any(open)) return;
   }
   Station* first = ends[0];
   ends[1]->asked = open;
@@ -319,7 +348,7 @@ KERF_INLINE void add_simple_rows(const Side& side, const SlicePath& path, const 
     const LaneMask open = block.open(row);
     if (!has_discs || !add_disc_row(side, path, y, row, open, known, block)) {
       if ((known.ahead >> row & 1) == 0) continue;
-      add_last_pose(side, path, {x, y, row, false, false}, open, block);
+      add_last_pose(side, path, {x, y, row, false, false, {}, {}}, open, block);
     }
     block.rows &= ~(1U << row);
   }
@@ -337,7 +366,11 @@ KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, const Ro
     const Lanes y = block.y_mm[row];
     const bool hides_entry = (known.hides_entry >> row & 1) != 0;
     const bool hides_exit = (known.hides_exit >> row & 1) != 0;
-    evaluate_row(side, path, {x, y, row, hides_entry, hides_exit}, block.open(row), packed, block);
+    const Lanes &lo = block.stock_lo_mm[std::size_t(row)],
+                &hi = block.stock_hi_mm[std::size_t(row)];
+    const LaneMask open = block.open(row) & (lo < hi);
+    if (!any(open)) continue;
+    evaluate_row(side, path, {x, y, row, hides_entry, hides_exit, lo, hi}, open, packed, block);
   }
   search_rays(side, path, packed, true, block);
 }

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace kerf {
 namespace {
@@ -146,6 +148,57 @@ TEST(MovingSlice, ARowDoesNotDependOnTheOthersThatAreEvaluated) {
       }
     }
   }
+}
+
+/// Returns the parts of a column's stock that are removed, from the bottom up.
+std::vector<std::pair<double, double>> removed_stock(const ColumnBlock& block, int row, int lane,
+                                                     double stock_lo, double stock_hi) {
+  std::vector<std::pair<double, double>> parts;
+  const auto take = [&](double lo, double hi) {
+    lo = std::max(lo, stock_lo);
+    hi = std::min(hi, stock_hi);
+    if (lo < hi) parts.push_back({lo, hi});
+  };
+  if (is_removed(block, row, lane)) take(block.lo_mm[row][lane], block.hi_mm[row][lane]);
+  for (const ColumnBlock::Apart& a : block.apart) {
+    if (a.row == row && a.lo_mm[lane] <= a.hi_mm[lane]) take(a.lo_mm[lane], a.hi_mm[lane]);
+  }
+  std::ranges::sort(parts);
+  return parts;
+}
+
+TEST(MovingSlice, EndsBeyondTheStockChangeNoBitOfWhatItLoses) {
+  Random random(9);
+  int shortened = 0;
+  for (int k = 0; k < 2400; ++k) {
+    Sample s = sample(k, random, k % 2 == 0 ? 0.004 : 0.03);
+    s.search.parts = 1 + k % 3;
+    s.search.checked = true;
+    s.search.bend_mm = s.search.disc_bend_mm = 0.2;
+    if (k % 7 == 0) s.from.axis = {1, 0, 0};
+    if (k % 7 == 0) s.to.axis = normalized(s.from.axis + random.vec(1) * 0.02);
+    const MovingSlice moving = s.moving();
+    ColumnBlock whole = s.block, stock = s.block;
+    for (std::size_t row = 0; row < kBlockSide; ++row) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const double lo = random.in(-6, 3), hi = lo + random.in(-0.2, 6);
+        stock.stock_lo_mm[row].set(lane, lo);
+        stock.stock_hi_mm[row].set(lane, hi);
+      }
+    }
+    moving.evaluate(whole);
+    moving.evaluate(stock);
+    for (int row = 0; row < kBlockSide; ++row) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const double lo = stock.stock_lo_mm[std::size_t(row)][lane];
+        const double hi = std::min(stock.stock_hi_mm[std::size_t(row)][lane], kTopMm);
+        const auto lost = removed_stock(stock, row, lane, lo, hi);
+        ASSERT_EQ(lost, removed_stock(whole, row, lane, lo, hi)) << k;
+        if (!lost.empty()) shortened += (lost.front().first > lo) != (lost.back().second < hi);
+      }
+    }
+  }
+  EXPECT_GT(shortened, 5000);
 }
 
 TEST(MovingSlice, AMillThatSinksTakesOnlyItsLastPoseBelowIt) {

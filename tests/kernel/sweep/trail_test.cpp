@@ -69,6 +69,14 @@ TEST(Trail, MotionAlongTheRaysHasNoTrail) {
   for (const double y : {-3.0, 0.0, 3.0}) EXPECT_EQ(trail.behind(discs_at(20, y, 0.5)), 0U);
 }
 
+TEST(Trail, ADiscWhoseAxisLiesAcrossTheRaysIsThin) {
+  // The mill's bottom at x = 0 turns outwards at y < 0, where the side recedes.
+  const ToolPose from{{0, 0, 0}, {1, 0, 0}}, to{{0, 1, 0}, normalized(Vec3{1, -0.02, 0})};
+  const Trail trail(FrustumPiece{0, 4, 8, 4}, from, to, {true, false});
+  EXPECT_EQ(trail.behind(discs_at(2.5, -3, 0.5)), 0xFFU);
+  EXPECT_EQ(trail.behind(discs_at(0.5, -3, 0.5)), 0U);
+}
+
 struct Chain {
   const char* name;
   double step_mm, turn;
