@@ -154,7 +154,7 @@ struct Commands {
     CLI::App* replay =
         app.add_subcommand("replay",
                            "carves a journal from the start and compares it with its state hashes "
-                           "and its snapshot; exits with 1 at the first difference");
+                           "and its snapshots; exits with 1 at the first difference");
     replay->add_option("FILE", journal, "journal, DATA/SESSION.kerf")->required();
     replay
         ->add_option("--without-strokes", without_strokes,
@@ -185,7 +185,7 @@ SnapshotLimits snapshot_limits(double replay_s) {
 void describe_disk(CLI::App& app, Words& line) {
   const CLI::Range megabytes(0.0, 1e9);
   app.add_option("--disk-per-session", line.session_mb,
-                 "MB that the journal and the snapshot of a session may have; then it is paused. "
+                 "MB that the journal and the snapshots of a session may have; then it is paused. "
                  "0: no limit")
       ->check(megabytes)
       ->capture_default_str();

@@ -11,6 +11,7 @@
 #include "server/session/hash_text.h"
 #include "server/session/journal_carve.h"
 #include "server/session/journal_check.h"
+#include "server/store/block_snapshot.h"
 #include "server/store/journal_file.h"
 
 namespace kerf {
@@ -53,6 +54,38 @@ std::expected<void, std::string> copy_rights(const std::filesystem::path& data,
   return {};
 }
 
+/// Copies the snapshots of a journal, before the journal itself, which then holds their records.
+/// The error is one sentence.
+std::expected<void, std::string> copy_snapshots(const std::filesystem::path& journal,
+                                                const std::filesystem::path& copy) {
+  for (const auto& file_of : {snapshot_file, previous_snapshot_file}) {
+    std::error_code error;
+    std::filesystem::copy_file(file_of(journal), file_of(copy), error);
+    if (error && error != std::errc::no_such_file_or_directory) {
+      return std::unexpected(file_of(copy).string() + ": " + error.message());
+    }
+  }
+  return {};
+}
+
+/// Copies a journal and its snapshots, and reports it. A copy that is there already stays.
+bool copy_session(const std::filesystem::path& journal, const std::filesystem::path& copy) {
+  const bool is_new = !std::filesystem::exists(copy);
+  auto copied = is_new ? copy_snapshots(journal, copy) : std::expected<void, std::string>();
+  if (copied) {
+    if (const auto done = copy_journal(journal, copy); !done) {
+      copied = std::unexpected(journal.string() + ": " + describe(done.error()));
+    }
+  }
+  if (!copied) {
+    std::fprintf(stderr, "kerf-server: %s\n", copied.error().c_str());
+    if (is_new) remove_journal(copy);
+    return false;
+  }
+  std::printf("%s\n", copy.c_str());
+  return true;
+}
+
 }  // namespace
 
 int back_up(const std::filesystem::path& data, const std::filesystem::path& to) {
@@ -73,15 +106,7 @@ int back_up(const std::filesystem::path& data, const std::filesystem::path& to) 
   std::ranges::sort(journals);
   bool good = true;
   for (const auto& journal : journals) {
-    const auto copy = to / journal.filename();
-    const auto copied = copy_journal(journal, copy);
-    if (copied) {
-      std::printf("%s\n", copy.c_str());
-    } else {
-      std::fprintf(stderr, "kerf-server: %s: %s\n", journal.c_str(),
-                   describe(copied.error()).c_str());
-      good = false;
-    }
+    good = copy_session(journal, to / journal.filename()) && good;
   }
   if (const auto rights = copy_rights(data, to); !rights) {
     std::fprintf(stderr, "kerf-server: %s\n", rights.error().c_str());
@@ -105,7 +130,9 @@ int replay_journal(const std::filesystem::path& file) {
   std::printf("equal: %llu records, %llu motions, %zu state hashes%s, hash %s\n",
               static_cast<unsigned long long>(verified->records),
               static_cast<unsigned long long>(verified->motions), verified->hashes_compared,
-              verified->snapshot_compared ? " and the snapshot" : "",
+              verified->snapshots_compared == 0   ? ""
+              : verified->snapshots_compared == 1 ? " and the snapshot"
+                                                  : " and two snapshots",
               hash_text(verified->hash).c_str());
   return 0;
 }

@@ -81,7 +81,10 @@ void log_report(const LoadReport& report) {
   }
   for (const IgnoredSnapshot& snapshot : report.ignored) {
     log::warn("session " + snapshot.id + ": its snapshot was ignored: " + snapshot.reason +
-              "; all records were replayed");
+              (snapshot.used_sequence == 0
+                   ? "; all records were replayed"
+                   : "; the one before it, after record " + std::to_string(snapshot.used_sequence) +
+                         ", was used"));
   }
   for (const ShortenedSession& session : report.shortened) {
     log::warn("session " + session.id + ": the journal ends after record " +

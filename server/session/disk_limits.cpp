@@ -46,7 +46,7 @@ DiskUse measure_disk(const std::filesystem::path& folder) {
 }
 
 std::uintmax_t session_bytes(const std::filesystem::path& journal) {
-  std::uintmax_t bytes = size_of(snapshot_file(journal));
+  std::uintmax_t bytes = size_of(snapshot_file(journal)) + size_of(previous_snapshot_file(journal));
   for (const char* suffix : {"", "-wal", "-shm"}) bytes += size_of(journal.string() + suffix);
   return bytes;
 }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <ctime>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include "server/history/recorded_block.h"
@@ -15,7 +16,7 @@
 namespace kerf {
 namespace {
 
-constexpr const char* kSnapshotExtension = ".kerf-snapshot";
+constexpr const char* kSnapshotExtensions[] = {".kerf-snapshot", ".kerf-snapshot-previous"};
 constexpr const char* kDeleteIt = "delete it: it only makes the next start quicker";
 
 /// What an operator can do about a journal that cannot be read.
@@ -132,13 +133,8 @@ class Verification {
       return comparable && hash.sequence >= reader.header().kernel_since;
     });
     skipped_ = static_cast<std::size_t>(next_hash_ - hashes.begin());
-    const auto head = read_snapshot_head(snapshot_file(file));
-    if (head) snapshot_ = *head;
-    if (!head && !head.error().is_missing) note("the snapshot: " + head.error().reason);
-    if (head && head->kernel_version != kKernelVersion) {
-      note("the snapshot: it is of another version of the kernel");
-      snapshot_.reset();
-    }
+    add_snapshot("the snapshot", snapshot_file(file));
+    add_snapshot("the snapshot before it", previous_snapshot_file(file));
     if (skipped_ > 0) {
       note(std::to_string(skipped_) + " state hashes: they are of another version of the kernel");
     }
@@ -150,14 +146,17 @@ class Verification {
     verified_.records = record.sequence;
     const bool has_hash =
         next_hash_ != reader_.state_hashes().end() && next_hash_->sequence == record.sequence;
-    const bool has_snapshot = snapshot_ && snapshot_->sequence == record.sequence;
+    const auto is_here = [&](const Snapshot& s) { return s.head.sequence == record.sequence; };
+    const bool has_snapshot = std::ranges::any_of(snapshots_, is_here);
     if (!has_hash && !has_snapshot) return {};
     if (auto settled = block_.settle(); !settled) return settled;
     const std::uint64_t hash = block_.sculpture().state_hash();
     if (has_hash) compare("the journal stores", (next_hash_++)->hash, hash, record);
     if (has_hash) ++verified_.hashes_compared;
-    if (has_snapshot) compare("the snapshot holds", snapshot_->hash, hash, record);
-    if (has_snapshot) verified_.snapshot_compared = true;
+    for (const Snapshot& snapshot : snapshots_ | std::views::filter(is_here)) {
+      compare(snapshot.name + " holds", snapshot.head.hash, hash, record);
+      ++verified_.snapshots_compared;
+    }
     if (verified_.difference.empty()) last_equal_ = record.sequence;
     return {};
   }
@@ -165,8 +164,9 @@ class Verification {
 
   std::expected<VerifiedJournal, std::string> finish() {
     if (auto settled = block_.settle(); !settled) return std::unexpected(settled.error());
-    if (snapshot_ && snapshot_->sequence > verified_.records) {
-      note("the snapshot: it holds records that the journal does not have");
+    for (const Snapshot& snapshot : snapshots_) {
+      if (snapshot.head.sequence <= verified_.records) continue;
+      note(snapshot.name + ": it holds records that the journal does not have");
     }
     verified_.motions = block_.sculpture().motions();
     verified_.hash = block_.sculpture().state_hash();
@@ -174,10 +174,20 @@ class Verification {
   }
 
  private:
+  struct Snapshot {
+    std::string name;
+    SnapshotHead head;
+  };
+  void add_snapshot(const std::string& name, const std::filesystem::path& file) {
+    const auto head = read_snapshot_head(file);
+    if (head && head->kernel_version == kKernelVersion) return snapshots_.push_back({name, *head});
+    if (head) return note(name + ": it is of another version of the kernel");
+    if (!head.error().is_missing) note(name + ": " + head.error().reason);
+  }
   void note(const std::string& text) {
     verified_.note += (verified_.note.empty() ? "not compared: " : "; ") + text;
   }
-  void compare(const char* whose, std::uint64_t stored, std::uint64_t found,
+  void compare(const std::string& whose, std::uint64_t stored, std::uint64_t found,
                const JournalRecord& record) {
     if (stored == found || differs()) return;
     verified_.difference = "record " + std::to_string(record.sequence) + " of participant " +
@@ -191,7 +201,7 @@ class Verification {
   RecordedBlock block_;
   std::vector<StateHash>::const_iterator next_hash_;
   std::size_t skipped_ = 0;
-  std::optional<SnapshotHead> snapshot_;
+  std::vector<Snapshot> snapshots_;
   std::uint64_t last_equal_ = 0;
   VerifiedJournal verified_;
 };
@@ -204,7 +214,7 @@ std::expected<void, JournalError> check_folder(
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const auto extension = entry.path().extension();
-    if (extension == kJournalExtension || extension == kSnapshotExtension) {
+    if (extension == kJournalExtension || std::ranges::count(kSnapshotExtensions, extension) > 0) {
       files.push_back(entry.path());
     }
   }

@@ -33,14 +33,14 @@ std::expected<void, JournalError> check_folder(
 struct VerifiedJournal {
   std::uint64_t records = 0, motions = 0, hash = 0;
   std::size_t hashes_compared = 0;
-  bool snapshot_compared = false;
+  int snapshots_compared = 0;
   /// The first difference, with the record, its participant and its time; empty: none.
   std::string difference;
   std::string note;  ///< what could not be compared and why; empty: nothing
 };
 
 /// Carves a journal from its first record and compares the solid with each stored hash that this
-/// version of the kernel has computed, and with the snapshot. Changes no file.
+/// version of the kernel has computed, and with the snapshots. Changes no file.
 std::expected<VerifiedJournal, JournalError> verify_journal(const std::filesystem::path& file);
 
 }  // namespace kerf

@@ -108,9 +108,9 @@ std::expected<void, JournalError> apply_records(JournalReader& reader,
 }
 
 /// The error says why the snapshot, or the records after it, cannot be used.
-std::expected<Replayed, std::string> replay_from_snapshot(const std::filesystem::path& file,
-                                                          const SnapshotHead& head,
-                                                          const std::stop_token& stop) {
+std::expected<Replayed, std::string> replay_from_snapshot(
+    const std::filesystem::path& file, const std::filesystem::path& snapshot_path,
+    const SnapshotHead& head, const std::stop_token& stop) {
   auto reader = JournalReader::open(file, RecordOrder::kSequence, stop, head.sequence + 1);
   if (!reader) return std::unexpected(describe(reader.error()));
   if (reader->header().kernel_version != kKernelVersion) {
@@ -124,7 +124,7 @@ std::expected<Replayed, std::string> replay_from_snapshot(const std::filesystem:
   auto block = untouched(*reader, file);
   if (!block) return std::unexpected(describe(block.error()));
   {
-    const auto snapshot = read_snapshot(snapshot_file(file), block->sculpture);
+    const auto snapshot = read_snapshot(snapshot_path, block->sculpture);
     if (!snapshot) return std::unexpected(snapshot.error().reason);
     if (!block->sculpture.restore(snapshot->state)) {
       return std::unexpected("it is of another block");
@@ -135,6 +135,20 @@ std::expected<Replayed, std::string> replay_from_snapshot(const std::filesystem:
     return std::unexpected(describe(ok.error()));
   }
   return *std::move(block);
+}
+
+/// Restores a block from one snapshot. The error says why that cannot be used; empty: there is
+/// none.
+std::expected<Replayed, std::string> try_snapshot(const std::filesystem::path& file,
+                                                  const std::filesystem::path& snapshot,
+                                                  const std::stop_token& stop) {
+  try {
+    const auto head = read_snapshot_head(snapshot);
+    if (head) return replay_from_snapshot(file, snapshot, *head, stop);
+    return std::unexpected(head.error().is_missing ? "" : head.error().reason);
+  } catch (const std::exception& error) {  // e.g. it needs more memory than there is
+    return std::unexpected(std::string("it cannot be used: ") + error.what());
+  }
 }
 
 }  // namespace
@@ -151,18 +165,20 @@ std::expected<Replayed, JournalError> replay(const std::filesystem::path& file,
 
 std::expected<Replayed, JournalError> restore(const std::filesystem::path& file,
                                               const std::stop_token& stop) {
-  std::string fault;
-  try {
-    const auto head = read_snapshot_head(snapshot_file(file));
-    if (head) {
-      auto restored = replay_from_snapshot(file, *head, stop);
-      if (restored) return *std::move(restored);
-      fault = restored.error();
-    } else if (!head.error().is_missing) {
-      fault = head.error().reason;
-    }
-  } catch (const std::exception& error) {  // e.g. it needs more memory than there is
-    fault = std::string("it cannot be used: ") + error.what();
+  auto restored = try_snapshot(file, snapshot_file(file), stop);
+  if (restored) {
+    restored->snapshot = UsedSnapshot::kNewest;
+    return *std::move(restored);
+  }
+  std::string fault = std::move(restored.error());
+  restored = try_snapshot(file, previous_snapshot_file(file), stop);
+  if (restored) {
+    restored->snapshot = UsedSnapshot::kPrevious;
+    restored->snapshot_fault = std::move(fault);
+    return *std::move(restored);
+  }
+  if (!restored.error().empty()) {
+    fault += (fault.empty() ? "" : "; ") + ("the one before it: " + restored.error());
   }
   auto replayed = replay(file, stop);
   if (replayed) replayed->snapshot_fault = std::move(fault);

@@ -15,6 +15,9 @@
 
 namespace kerf {
 
+/// The newest snapshot beside a journal, the one before it, or neither.
+enum class UsedSnapshot : std::uint8_t { kNone, kNewest, kPrevious };
+
 /// The state of a session restored from its journal.
 struct Replayed {
   Scene scene;
@@ -30,9 +33,10 @@ struct Replayed {
   StateHash hash;  ///< of the solid after the last record
   /// Stored hashes beyond the last record, which were ignored: the journal has lost its end.
   std::size_t dropped_hashes = 0;
-  /// The last record of the snapshot from which the replay began; 0: from the start.
+  /// The snapshot from which the replay began, and its last record; 0: from the start.
+  UsedSnapshot snapshot = UsedSnapshot::kNone;
   std::uint64_t snapshot_sequence = 0;
-  /// Why the snapshot was ignored, as one sentence; empty: it was used, or there is none.
+  /// Why the newest snapshot, or both, were ignored, as one sentence; empty: none was.
   std::string snapshot_fault = {};
   std::chrono::microseconds replay_time{0};  ///< of the records after the snapshot
 
@@ -48,9 +52,9 @@ struct Replayed {
 std::expected<Replayed, JournalError> replay(const std::filesystem::path& file,
                                              const std::stop_token& stop = {});
 
-/// The same result, from the snapshot beside the journal and the records after it. A snapshot that
-/// cannot be used is ignored: then all records are replayed. Records before the snapshot are not
-/// verified.
+/// The same result, from a snapshot beside the journal and the records after it: the newest one, or
+/// else the one before it. If neither can be used, all records are replayed. Records before the
+/// snapshot are not verified.
 std::expected<Replayed, JournalError> restore(const std::filesystem::path& file,
                                               const std::stop_token& stop = {});
 

@@ -33,6 +33,7 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
       carving_(limits_, sculpture_, journal_, participants_),
       workers_(workers),
       schedule_({}, replayed.snapshot_sequence, replayed.replay_time, Clock::now()),
+      good_snapshot_(replayed.snapshot),
       parent_(std::move(replayed.parent)) {
   for (NamedVersion& version : replayed.versions) {
     std::string name = version.name;

@@ -124,7 +124,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Nullopt otherwise.
   std::optional<JournalError> pause() const { return journal_.pause(); }
   JournalFigures journal_figures() const { return journal_.figures(); }
-  /// Size of the journal, its side files and the snapshot, bytes.
+  /// Size of the journal, its side files and the snapshots, bytes.
   std::uintmax_t disk_bytes() const { return session_bytes(journal_.file()); }
   /// Waits for nothing, also while the executor is busy.
   SessionFigures figures() const {
@@ -359,8 +359,9 @@ class Session : public std::enable_shared_from_this<Session> {
   SnapshotOptions snapshots_;
   SnapshotSchedule schedule_;
   std::unique_ptr<SculptureState> last_state_;  ///< of a closed session
-  std::mutex snapshot_mutex_;                   ///< held while one is written; guards the next two
+  std::mutex snapshot_mutex_;                   ///< held while one is written; guards the next
   bool snapshots_ended_ = false, snapshots_fail_ = false;
+  UsedSnapshot good_snapshot_;  ///< the newest one that a restart can use
   std::atomic<bool> disk_is_low_ = false;
   DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
   std::optional<JournalErrorCode> reached_;      ///< the limit of the disk

@@ -23,7 +23,7 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(con
   auto journal = JournalWriter::open(file, replayed->last_sequence);
   if (!journal) return std::unexpected(journal.error());
   opened = {replayed->header.kernel_version, replayed->last_sequence, replayed->dropped_hashes > 0,
-            replayed->snapshot_fault};
+            replayed->snapshot_fault, replayed->snapshot_sequence};
   if (options_.on_pause) {
     journal->on_pause([id, report = options_.on_pause](const auto& error) { report(id, error); });
   }
@@ -113,7 +113,9 @@ void SessionRegistry::load(const std::string& id, LoadReport& report) {
     report.recarved.push_back({id, opened.kernel_version});
   }
   if (opened.shortened) report.shortened.push_back({id, opened.last_sequence});
-  if (!opened.snapshot_fault.empty()) report.ignored.push_back({id, opened.snapshot_fault});
+  if (!opened.snapshot_fault.empty()) {
+    report.ignored.push_back({id, opened.snapshot_fault, opened.snapshot_sequence});
+  }
   sessions_[id] = *std::move(session);
 }
 

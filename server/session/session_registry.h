@@ -63,10 +63,11 @@ struct ShortenedSession {
   std::uint64_t last_sequence;  ///< of the last record that is left
 };
 
-/// A session whose snapshot could not be used: all of its records were replayed.
+/// A session whose newest snapshot could not be used.
 struct IgnoredSnapshot {
   std::string id;
   std::string reason;
+  std::uint64_t used_sequence;  ///< last record of the one before it; 0: all records were replayed
 };
 
 /// Outcome of SessionRegistry::load_all or load_next.
@@ -198,6 +199,7 @@ class SessionRegistry {
     std::uint64_t last_sequence = 0;
     bool shortened = false;
     std::string snapshot_fault = {};
+    std::uint64_t snapshot_sequence = 0;
   };
   std::expected<std::shared_ptr<Session>, JournalError> start(const std::string& id,
                                                               Opened& opened);

@@ -69,8 +69,14 @@ std::expected<void, std::string> Session::write_snapshot_locked(std::uint64_t at
                           .sequence = at,
                           .hash = state.solid.hash(),
                           .mark = **mark};
-  const auto written = kerf::write_snapshot(snapshot_file(journal_.file()), head, state);
+  const auto previous = previous_snapshot_file(journal_.file());
+  const bool keeps_newest = good_snapshot_ == UsedSnapshot::kNewest;
+  const auto written = kerf::write_snapshot(snapshot_file(journal_.file()), head, state,
+                                            keeps_newest ? previous : std::filesystem::path());
   if (!written) return std::unexpected(written.error().reason);
+  std::error_code often_absent;
+  if (good_snapshot_ == UsedSnapshot::kNone) std::filesystem::remove(previous, often_absent);
+  good_snapshot_ = UsedSnapshot::kNewest;
   return {};
 }
 

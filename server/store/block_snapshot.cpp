@@ -202,13 +202,18 @@ std::filesystem::path snapshot_file(const std::filesystem::path& journal) {
   return journal.string() + "-snapshot";
 }
 
+std::filesystem::path previous_snapshot_file(const std::filesystem::path& journal) {
+  return snapshot_file(journal).string() + "-previous";
+}
+
 std::expected<std::uint64_t, SnapshotError> write_snapshot(const std::filesystem::path& file,
                                                            const SnapshotHead& head,
-                                                           const SculptureState& state) {
+                                                           const SculptureState& state,
+                                                           const std::filesystem::path& keep_as) {
   ChunkWriter out(file, kSnapshotVersion);
   out.write(encode_head(head, state));
   write_tiles(out, state.solid);
-  const auto written = out.finish();
+  const auto written = out.finish(keep_as);
   if (!written) return damaged(written.error());
   return *written;
 }

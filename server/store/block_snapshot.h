@@ -30,14 +30,16 @@ struct SnapshotError {
   std::string reason;       ///< one sentence
 };
 
-/// The file of the snapshot of a journal, in the same folder.
+/// The files of the newest snapshot of a journal and of the one before it, in the same folder.
 std::filesystem::path snapshot_file(const std::filesystem::path& journal);
+std::filesystem::path previous_snapshot_file(const std::filesystem::path& journal);
 
 /// Writes a snapshot in place of the present one: to a temporary file, which is synchronized with
-/// the disk and renamed. Ignores SnapshotHead::motions. Returns its size in bytes.
-std::expected<std::uint64_t, SnapshotError> write_snapshot(const std::filesystem::path& file,
-                                                           const SnapshotHead& head,
-                                                           const SculptureState& state);
+/// the disk and renamed. The present one gets the name `keep_as`, unless that is empty. Ignores
+/// SnapshotHead::motions. Returns its size in bytes.
+std::expected<std::uint64_t, SnapshotError> write_snapshot(
+    const std::filesystem::path& file, const SnapshotHead& head, const SculptureState& state,
+    const std::filesystem::path& keep_as = {});
 
 /// Reads the head only; it is verified, the columns are not.
 std::expected<SnapshotHead, SnapshotError> read_snapshot_head(const std::filesystem::path& file);

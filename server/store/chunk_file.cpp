@@ -92,8 +92,11 @@ void ChunkWriter::write(std::span<const std::byte> chunk) {
   put(packed);
 }
 
-std::expected<std::uint64_t, std::string> ChunkWriter::finish() {
+std::expected<std::uint64_t, std::string> ChunkWriter::finish(
+    const std::filesystem::path& keep_as) {
   if (error_.empty() && fsync(descriptor_) != 0) fail("cannot be synchronized");
+  // There may be none. Where it cannot be kept it is replaced.
+  if (error_.empty() && !keep_as.empty()) (void)rename(file_.c_str(), keep_as.c_str());
   if (error_.empty() && rename(temporary_.c_str(), file_.c_str()) != 0) fail("cannot be renamed");
   if (!error_.empty()) return std::unexpected(error_);
   close(std::exchange(descriptor_, -1));

@@ -36,9 +36,9 @@ class ChunkWriter {
   /// Appends a chunk of 1 byte to kChunkBytesMax; a longer one is an error. After an error it does
   /// nothing.
   void write(std::span<const std::byte> chunk);
-  /// Synchronizes the file with the disk and renames it. Returns its size, or what failed, as one
-  /// sentence.
-  std::expected<std::uint64_t, std::string> finish();
+  /// Synchronizes the file with the disk and renames it; the present one gets the name `keep_as`,
+  /// unless that is empty. Returns its size, or what failed, as one sentence.
+  std::expected<std::uint64_t, std::string> finish(const std::filesystem::path& keep_as = {});
 
  private:
   void put(std::span<const std::byte> bytes);

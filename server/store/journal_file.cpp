@@ -67,8 +67,9 @@ SqlResult<void> insert_files(SqlDatabase& database,
 }
 
 /// Suffixes of the write-ahead log and its index, which SQLite keeps beside an open database and
-/// leaves after a crash, of the snapshot (block_snapshot.h), and of one that is not complete.
-constexpr const char* kSideFileSuffixes[] = {"-wal", "-shm", "-snapshot", "-snapshot.tmp"};
+/// leaves after a crash, of the snapshots (block_snapshot.h), and of one that is not complete.
+constexpr const char* kSideFileSuffixes[] = {"-wal", "-shm", "-snapshot", "-snapshot-previous",
+                                             "-snapshot.tmp"};
 
 JournalError make_error(JournalErrorCode code, const std::filesystem::path& file,
                         std::string reason) {

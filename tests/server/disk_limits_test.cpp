@@ -20,10 +20,11 @@ TEST(DiskLimits, TheFolderAndASessionAreMeasuredWithAllTheirFiles) {
   write_file(folder / "a.kerf", 1000);
   write_file(folder / "a.kerf-wal", 200);
   write_file(snapshot_file(folder / "a.kerf"), 30);
+  write_file(previous_snapshot_file(folder / "a.kerf"), 7);
   write_file(folder / "closed" / "b-1700000000.kerf", 4);
-  EXPECT_EQ(measure_disk(folder.path()).folder, 1234U);
+  EXPECT_EQ(measure_disk(folder.path()).folder, 1241U);
   EXPECT_GT(measure_disk(folder.path()).free, 0U);
-  EXPECT_EQ(session_bytes(folder / "a.kerf"), 1230U);
+  EXPECT_EQ(session_bytes(folder / "a.kerf"), 1237U);
   EXPECT_EQ(measure_disk(folder / "missing").folder, 0U);
 }
 

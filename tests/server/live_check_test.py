@@ -24,6 +24,7 @@ class Check(LiveTest):
         super().setUp()
         self.journal = os.path.join(self.folder.name, "block.kerf")
         self.snapshot = self.journal + "-snapshot"
+        self.previous = self.snapshot + "-previous"
         self.restart()
 
     def restart(self):
@@ -34,6 +35,8 @@ class Check(LiveTest):
     def carved(self):
         carve(Agent(self.server.port, "block"), 300)
         until(self, lambda: os.path.exists(self.snapshot), True)
+        carve(Agent(self.server.port, "block"), 300, phase=2.0)
+        until(self, lambda: os.path.exists(self.previous), True)
         return self.server.info()
 
     def sql(self, text):
@@ -57,7 +60,8 @@ class Check(LiveTest):
         self.restart()
         self.assertEqual(self.server.hash(), expected["state_hash"])
         self.server.stop()
-        os.remove(self.snapshot)
+        for file in (self.snapshot, self.previous):
+            os.remove(file)
         self.restart()
         self.assertEqual(self.server.http.json("GET", "/v1/sessions/block")[0], 500)
 
@@ -73,6 +77,8 @@ class Check(LiveTest):
         copy = Server(to)
         self.addCleanup(copy.stop)
         self.assertEqual(copy.hash(), expected["state_hash"])
+        for file in (self.snapshot, self.previous):
+            self.assertTrue(os.path.exists(os.path.join(to, os.path.basename(file))))
         status, text = run("backup", self.folder.name, to)
         self.assertEqual(status, 1)
         self.assertIn("block.kerf", text)
@@ -86,11 +92,11 @@ class Check(LiveTest):
         status, text = run("check", self.folder.name)
         self.assertEqual(status, 0, text)
         self.assertEqual([line.split(":")[0] for line in text.splitlines()],
-                         ["block.kerf", "block.kerf-snapshot"])
-        self.assertEqual(text.count(": good"), 2)
+                         ["block.kerf", "block.kerf-snapshot", "block.kerf-snapshot-previous"])
+        self.assertEqual(text.count(": good"), 3)
         status, text = run("replay", self.journal)
         self.assertEqual(status, 0, text)
-        self.assertIn("and the snapshot", text)
+        self.assertIn("and two snapshots", text)
 
     def test_faults_are_named_with_what_to_do(self):
         expected = self.carved()["state_hash"]
@@ -104,7 +110,8 @@ class Check(LiveTest):
         self.restart()
         self.assertEqual(self.server.hash(), expected)
         log = self.server.stop()[1]
-        self.assertIn("session block: its snapshot was ignored: it is truncated", log)
+        self.assertRegex(log, "session block: its snapshot was ignored: it is truncated; "
+                              r"the one before it, after record \d+, was used")
         # A hash that no replay gives, of the last record.
         self.sql("INSERT OR REPLACE INTO state_hashes SELECT max(first+count)-1, 2989 FROM batches")
         status, text = run("replay", self.journal)
@@ -118,7 +125,8 @@ class Check(LiveTest):
         self.assertEqual(run("check", os.path.join(self.folder.name, "none"))[0], 1)
         os.remove(self.journal)
         self.assertIn("there is no journal block.kerf", run("check", self.folder.name)[1])
-        os.remove(self.snapshot)
+        for file in (self.snapshot, self.previous):
+            os.remove(file)
         self.server = Server(self.folder.name)
 
 

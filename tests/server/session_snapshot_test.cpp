@@ -6,7 +6,6 @@
 
 #include "server/formats/pose_grid.h"
 #include "server/session/replay.h"
-#include "server/session/snapshot_schedule.h"
 #include "server/store/block_snapshot.h"
 #include "tests/server/session_fixture.h"
 
@@ -244,6 +243,70 @@ TEST_F(SessionSnapshots, ASnapshotThatDoesNotFitIsIgnoredAndNamed) {
   expect_ignored("records that the journal does not have");
 }
 
+TEST_F(SessionSnapshots, TheOneBeforeADamagedNewestOneIsUsed) {
+  const auto session = start();
+  const auto id = join(*session);
+  for (int n = 0; n <= 300; ++n) {
+    move(*session, id, 0.05 * n, 0.02 * n, -1 - 0.01 * n);
+    if (n % 100 == 50) write_due();
+  }
+  ASSERT_TRUE(session->flush());
+  registry.reset();
+  writer = {};
+  const auto expected = replay(journal());
+  const auto newest = snapshot_file(journal()), previous = previous_snapshot_file(journal());
+  const std::uint64_t last = read_snapshot_head(newest)->sequence;
+  const std::uint64_t before = read_snapshot_head(previous)->sequence;
+  EXPECT_EQ(last, before + 100) << "two are kept, the older one is gone";
+  const auto expect_restored_from = [&](std::uint64_t sequence, const std::string& fault) {
+    auto restored = restore(journal());
+    ASSERT_TRUE(restored);
+    EXPECT_EQ(restored->snapshot_sequence, sequence);
+    EXPECT_EQ(restored->snapshot_fault, fault);
+    EXPECT_EQ(restored->hash.hash, expected->hash.hash);
+    EXPECT_EQ(restored->sculpture.motions(), expected->sculpture.motions());
+  };
+  expect_restored_from(last, "");
+  std::filesystem::resize_file(newest, std::filesystem::file_size(newest) - 1);
+  expect_restored_from(before, "it is truncated");
+
+  // The next one takes the place of the damaged one, and the good one stays.
+  restart();
+  const LoadReport report = registry->load_all();
+  ASSERT_EQ(report.ignored.size(), 1U);
+  EXPECT_EQ(report.ignored[0].used_sequence, before);
+  const auto again = registry->find("block");
+  carve_circle(*again, join(*again), 20);
+  write_due();
+  ASSERT_TRUE(again->flush());
+  registry.reset();
+  EXPECT_EQ(read_snapshot_head(previous)->sequence, before);
+  EXPECT_GT(restore(journal())->snapshot_sequence, last);
+
+  std::filesystem::remove(newest);
+  EXPECT_EQ(restore(journal())->snapshot_sequence, before);
+  EXPECT_EQ(restore(journal())->snapshot_fault, "");
+  std::ofstream(newest) << "nonsense";
+  std::ofstream(previous) << "nonsense";
+  const auto replayed = restore(journal());
+  EXPECT_EQ(replayed->snapshot_sequence, 0U);
+  EXPECT_EQ(replayed->snapshot_fault,
+            "it is not a snapshot of Kerf; the one before it: it is not a snapshot of Kerf");
+}
+
+TEST_F(SessionSnapshots, TheFirstOneAfterAFullReplayRemovesAnOlderOne) {
+  leave(200);
+  std::ofstream(snapshot_file(journal())) << "of another version";
+  std::ofstream(previous_snapshot_file(journal())) << "of another version";
+  restart();
+  registry->load_all();
+  const auto session = registry->find("block");
+  carve_circle(*session, join(*session), 20);
+  write_due();
+  EXPECT_GT(read_snapshot_head(snapshot_file(journal()))->sequence, 200U);
+  EXPECT_FALSE(std::filesystem::exists(previous_snapshot_file(journal())));
+}
+
 TEST_F(SessionSnapshots, TheSnapshotOfAnEarlierSessionOfThatNameIsIgnored) {
   leave(200);
   std::filesystem::rename(snapshot_file(journal()), folder / "old");
@@ -267,13 +330,16 @@ TEST_F(SessionSnapshots, ItFollowsItsJournalWhenTheSessionIsClosed) {
     sequence = 0;
     carve_circle(*session, join(*session), 20);
     EXPECT_TRUE(std::filesystem::exists(snapshot_file(journal())));
+    EXPECT_TRUE(std::filesystem::exists(previous_snapshot_file(journal())));
     EXPECT_TRUE(registry->close("block", purge));
     EXPECT_FALSE(std::filesystem::exists(snapshot_file(journal())));
+    EXPECT_FALSE(std::filesystem::exists(previous_snapshot_file(journal())));
     EXPECT_FALSE(std::filesystem::exists(journal()));
   }
   for (const auto& entry : std::filesystem::directory_iterator(folder / "closed")) {
     if (entry.path().extension() != ".kerf") continue;
     EXPECT_GT(restore(entry.path())->snapshot_sequence, 0U);
+    EXPECT_TRUE(std::filesystem::exists(previous_snapshot_file(entry.path())));
   }
 }
 
@@ -292,56 +358,6 @@ TEST_F(SessionSnapshots, AServerThatEndsWritesALastOne) {
   ASSERT_TRUE(restored);
   EXPECT_EQ(restored->snapshot_sequence, last);
   EXPECT_EQ(restored->hash.hash, replay(journal())->hash.hash);
-}
-
-TEST(SnapshotSchedules, AreDueByReplayTimeAndByAgeButNotTooOften) {
-  using std::chrono::milliseconds, std::chrono::seconds, std::chrono::minutes;
-  const SnapshotSchedule::Clock::time_point start{};
-  SnapshotSchedule schedule({seconds(1), minutes(10), seconds(2)}, 100, milliseconds(400), start);
-  EXPECT_FALSE(schedule.is_due(100, seconds(5), start)) << "nothing is new";
-  EXPECT_FALSE(schedule.is_due(101, milliseconds(590), start));
-  EXPECT_TRUE(schedule.is_due(101, milliseconds(600), start))
-      << "400 ms were replayed at the start";
-  EXPECT_TRUE(schedule.is_due(700'000, milliseconds(0), start)) << "records must be read, too";
-  EXPECT_TRUE(schedule.is_due(101, milliseconds(0), start + minutes(10)));
-  schedule.begin(101, seconds(2), start);
-  EXPECT_FALSE(schedule.is_due(102, seconds(9), start + seconds(1))) << "one is being written";
-  schedule.end(true, start + seconds(1));
-  EXPECT_FALSE(schedule.is_due(102, milliseconds(3990), start + seconds(10)));
-  EXPECT_TRUE(schedule.is_due(102, milliseconds(3990), start + seconds(11)))
-      << "ten times as long after it";
-  EXPECT_TRUE(schedule.is_due(102, seconds(4), start + seconds(2))) << "twice the limit: at once";
-  EXPECT_FALSE(schedule.is_due(102, milliseconds(2990), start + seconds(11)));
-  schedule.begin(102, seconds(9), start + seconds(11));
-  schedule.end(false, start + seconds(11));
-  EXPECT_FALSE(schedule.is_due(102, seconds(9), start + seconds(12))) << "it failed";
-  EXPECT_TRUE(schedule.is_due(102, seconds(9), start + seconds(13))) << "once more";
-}
-
-// A server that is killed at any moment, while its session does nothing but carve and a snapshot
-// takes a second to write.
-TEST(SnapshotSchedules, KeepEveryRestartBelowThreeSeconds) {
-  using std::chrono::milliseconds, std::chrono::seconds, std::chrono::minutes;
-  const SnapshotSchedule::Clock::time_point start{};
-  SnapshotSchedule schedule({seconds(1), minutes(10), seconds(2)}, 0, seconds(0), start);
-  milliseconds written_at{-1};  // of the one being written
-  milliseconds longest{0}, writing{0};
-  for (milliseconds work{0}; work < minutes(2); work += milliseconds(10)) {
-    const auto sequence = static_cast<std::uint64_t>(work.count());
-    if (work == written_at) {
-      schedule.end(true, start + work);
-      written_at = milliseconds(-1);
-    }
-    if (written_at > work) writing += milliseconds(10);
-    if (schedule.is_due(sequence, work, start + work)) {
-      schedule.begin(sequence, work, start + work);
-      written_at = work + seconds(1);
-    }
-    longest = std::max(
-        longest, std::chrono::duration_cast<milliseconds>(schedule.replay_time(sequence, work)));
-  }
-  EXPECT_LE(longest, milliseconds(3050));
-  EXPECT_LT(writing, minutes(1) + seconds(1));
 }
 
 }  // namespace
