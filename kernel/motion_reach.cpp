@@ -101,7 +101,50 @@ void add_reach(const Tool& tool, const ToolMotion& motion, const DexelGrid& grid
   });
 }
 
+/// An axis that rises less is not clipped at a box: its heights there are many.
+constexpr double kRiseMin = 0.25;
+
+/// Returns the square of the distance of two boxes, mm².
+double distance2(const Bounds& a, const Bounds& b) {
+  const auto gap = [](double a_lo, double a_hi, double b_lo, double b_hi) {
+    return std::max({0.0, b_lo - a_hi, a_lo - b_hi});
+  };
+  const Vec3 d{gap(a.lo_mm.x, a.hi_mm.x, b.lo_mm.x, b.hi_mm.x),
+               gap(a.lo_mm.y, a.hi_mm.y, b.lo_mm.y, b.hi_mm.y),
+               gap(a.lo_mm.z, a.hi_mm.z, b.lo_mm.z, b.hi_mm.z)};
+  return dot(d, d);
+}
+
+/// Whether a part of a tool with this extent may come into a box. While the axis rises, a disc of
+/// it leaves its height by at most the radius times the sine of the tilt.
+bool may_meet(Extent part, const ToolMotion& motion, const Bounds& box) {
+  const double rise = std::min(motion.from.axis.z, motion.to.axis.z);
+  if (rise > kRiseMin) {
+    const double low = std::min(motion.from.tip_mm.z, motion.to.tip_mm.z);
+    const double high = std::max(motion.from.tip_mm.z, motion.to.tip_mm.z);
+    const double edge = disc_half_width(part.radius_mm, rise);
+    part.z0_mm = std::max(part.z0_mm, box.lo_mm.z - edge - high);
+    part.z1_mm = std::min(part.z1_mm, (box.hi_mm.z + edge - low) / rise);
+    if (part.z0_mm > part.z1_mm) return false;
+  }
+  const Bounds spine = joined(swept_point(part.z0_mm, motion), swept_point(part.z1_mm, motion));
+  return distance2(spine, box) <= part.radius_mm * part.radius_mm;
+}
+
 }  // namespace
+
+bool may_meet(const Tool& tool, const ToolMotion& motion, const Bounds& box) {
+  if (tool.pieces.size() > kPiecesBounded) {
+    return may_meet(Extent{0, tool.length_mm, tool.radius_mm}, motion, box);
+  }
+  return std::ranges::any_of(tool.pieces, [&](const ToolPiece& piece) {
+    if (const auto* ball = std::get_if<BallPiece>(&piece)) {
+      const Bounds centers = swept_point(ball->center_mm, motion);
+      return distance2(centers, box) <= ball->radius_mm * ball->radius_mm;
+    }
+    return may_meet(extent(piece), motion, box);
+  });
+}
 
 Bounds reach_of(const Tool& tool, const ToolMotion& motion) {
   return swept_box(tool.pieces, {0, tool.length_mm, tool.radius_mm}, motion);
@@ -117,10 +160,14 @@ Bounds reach_of(const Tool& tool, const MoveTool& motion) {
   return reach_of(tool, motion_of(motion, tool));
 }
 
-void find_reach(const Tool& tool, const MoveTool& move, std::span<const DexelGrid> grids,
+void find_reach(const Tool& tool, const MoveTool& motion, std::span<const DexelGrid> grids,
+                double tolerance_mm, std::vector<FieldTile>& tiles) {
+  find_reach(tool, motion_of(motion, tool), grids, tolerance_mm, tiles);
+}
+
+void find_reach(const Tool& tool, const ToolMotion& motion, std::span<const DexelGrid> grids,
                 double tolerance_mm, std::vector<FieldTile>& tiles) {
   tiles.clear();
-  const ToolMotion motion = motion_of(move, tool);
   for (const DexelGrid& grid : grids) {
     // Ends are rounded to a quantum, and lie within the tolerance of the true sweep.
     add_reach(tool, motion, grid, tolerance_mm + grid.z_quantum_mm, 0, tiles);

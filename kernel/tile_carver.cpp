@@ -56,14 +56,15 @@ std::shared_ptr<DexelTile> TileCarver::copy_of_start(FieldTile at) const {
   return tile;
 }
 
-void TileCarver::cut(const Tool& tool, const MoveTool& move, std::span<const FieldTile> tiles) {
-  const ToolMotion motion = motion_of(move, tool);
+void TileCarver::cut(const Tool& tool, const ToolMotion& motion, std::span<const FieldTile> tiles,
+                     bool start_is_cut) {
   for (auto first = tiles.begin(); first != tiles.end();) {
     const RayAxis axis = first->axis;
     tiles_.clear();
     for (; first != tiles.end() && first->axis == axis; ++first) tiles_.push_back(first->tile);
     Layer& at = layer(axis);
-    const SweepSettings settings{motion_model_, tolerance_mm_, ray_bounds(at.field.grid())};
+    const SweepSettings settings{motion_model_, tolerance_mm_, ray_bounds(at.field.grid()),
+                                 start_is_cut};
     sweep_tool(tool, in_frame(axis, motion), settings, [&](const SubMotion& part) {
       cut_tiles(at.field, at.normals, tool, part, tiles_, *removal_);
     });

@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
-#include "kernel/sculpture_command.h"
 #include "kernel/sculpture_result.h"
 #include "kernel/sculpture_settings.h"
+#include "kernel/sweep/tool_motion.h"
+#include "kernel/tool/tool.h"
 
 namespace kerf {
 
@@ -28,8 +29,10 @@ class TileCarver {
   ~TileCarver();
 
   /// Cuts these tiles, of existing fields and within their grids, with the swept volume of a motion
-  /// that a Sculpture has accepted. `tiles` is sorted, without duplicates.
-  void cut(const Tool& tool, const MoveTool& motion, std::span<const FieldTile> tiles);
+  /// that a Sculpture has accepted. `tiles` is sorted, without duplicates. `start_is_cut`: nothing
+  /// of what the tool removes at the motion's first pose is left there, so that is not cut again.
+  void cut(const Tool& tool, const ToolMotion& motion, std::span<const FieldTile> tiles,
+           bool start_is_cut = false);
   /// Goes on with a tile as another block left it, until it is taken.
   void begin(FieldTile at, const std::shared_ptr<const DexelTile>& tile);
   /// Returns a tile as it is now; null: it is untouched stock.

@@ -73,7 +73,7 @@ const DexelGrid& BlockHistory::grid(RayAxis axis) const {
 std::expected<void, std::string> BlockHistory::catch_up(const std::stop_token& stop) {
   auto ok = motions_.catch_up(
       [this](std::uint64_t record, const RecordedMotion& motion) {
-        spans_.add(record, motion.stroke, grown(reach_of(*motion.tool, motion.move), margin_mm_));
+        spans_.add(record, motion.stroke, grown(reach_of(*motion.tool, motion.motion), margin_mm_));
       },
       stop);
   eras_.grow(last());
@@ -95,7 +95,7 @@ std::expected<std::vector<FieldTile>, std::string> BlockHistory::reach(
       for (; record < end; ++record) {
         const RecordedMotion& motion = window.motions[record - first];
         if (motion.tool == nullptr || motion.stroke != id) continue;
-        find_reach(*motion.tool, motion.move, grids_, tolerance_mm_, reached_);
+        find_reach(*motion.tool, motion.motion, grids_, tolerance_mm_, reached_);
         all.insert(all.end(), reached_.begin(), reached_.end());
       }
       sort_unique(all);

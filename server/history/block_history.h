@@ -22,7 +22,7 @@ namespace kerf {
 
 /// What a history keeps for the next question.
 struct HistoryMemory {
-  std::size_t windows = 64;                          ///< of records (RecordedMotions)
+  std::size_t windows = 128;                         ///< of records (RecordedMotions)
   std::size_t tile_bytes = std::size_t{256} << 20U;  ///< of tiles (EraTiles)
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 namespace kerf {
@@ -46,25 +47,30 @@ class Part {
     std::vector<Run> runs = std::exchange(continued_, {});
     for (; next_ < runs_.size() && runs_[next_].first < end; ++next_) runs.push_back(runs_[next_]);
     for (const Run& run : runs) {
+      const RecordedMotion* before = run.before ? &*run.before : nullptr;
       for (auto record = std::max(run.first, window.first); record < std::min(run.last + 1, end);
            ++record) {
         const RecordedMotion& motion = window.motions[record - window.first];
-        if (motion.tool != nullptr && motion.stroke == run.stroke) {
-          touches_.push_back({record, run.job});
-        }
+        if (motion.tool == nullptr || motion.stroke != run.stroke) continue;
+        touches_.push_back({record, run.job, std::exchange(before, &motion)});
       }
-      if (run.last >= end) continued_.push_back(run);
+      if (run.last < end) continue;
+      continued_.push_back(run);
+      if (before != nullptr) continued_.back().before = *before;
     }
-    std::ranges::sort(touches_);
+    std::ranges::sort(touches_, {}, [](const Touch& t) { return std::pair(t.record, t.job); });
     for (auto touch = touches_.begin(); touch != touches_.end();) {
       const std::uint64_t record = touch->record;
       tiles_.clear();
+      // The motion before it is the same one for all tiles whose runs do not begin with this one.
+      const RecordedMotion* before = touch->before;
       for (; touch != touches_.end() && touch->record == record; ++touch) {
         hold(touch->job);
         tiles_.push_back(jobs_[touch->job].at);
+        if (touch->before == nullptr) before = nullptr;
       }
       const RecordedMotion& motion = window.motions[record - window.first];
-      carver_.cut(*motion.tool, motion.move, tiles_);
+      carver_.cut(*motion.tool, motion.motion, tiles_, continues(before, motion));
     }
   }
 
@@ -78,11 +84,12 @@ class Part {
     StrokeId stroke;
     std::uint64_t first, last;
     std::size_t job;
+    std::optional<RecordedMotion> before = {};  ///< the last motion that it has cut
   };
   struct Touch {
     std::uint64_t record;
     std::size_t job;
-    auto operator<=>(const Touch&) const = default;
+    const RecordedMotion* before;  ///< in its run; null: it is the first
   };
 
   void take(std::size_t job) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "kernel/sculpture_motion.h"
 #include "server/store/journal_file.h"
 #include "server/store/record_rows.h"
 
@@ -48,7 +49,8 @@ RecordedMotion RecordedMotions::motion_of(const JournalRecord& record) const {
     return tool.id == move->tool && tool.record < record.sequence;
   });
   if (defined == tools_.rend()) return {};
-  return {&defined->tool, strokes_.stroke_of(record.participant, record.sequence), *move};
+  return {&defined->tool, strokes_.stroke_of(record.participant, record.sequence),
+          kerf::motion_of(*move, defined->tool)};
 }
 
 std::expected<void, std::string> RecordedMotions::catch_up(

@@ -14,18 +14,26 @@
 #include <string>
 #include <vector>
 
+#include "kernel/sweep/tool_motion.h"
+#include "kernel/tool/tool.h"
 #include "server/history/stroke_table.h"
 #include "server/store/sqlite.h"
 
 namespace kerf {
 
-/// A motion as a journal stores it. `tool` is the tool as it was defined then, null for a record
+/// A motion of a journal. `tool` is the tool as it was defined then, null for a record
 /// that is no motion.
 struct RecordedMotion {
   const Tool* tool = nullptr;
   StrokeId stroke = 0;
-  MoveTool move;
+  ToolMotion motion;
 };
+
+/// Whether a motion starts where one before it ended, with the same tool; false if that is null.
+inline bool continues(const RecordedMotion* before, const RecordedMotion& motion) {
+  return before != nullptr && before->tool == motion.tool &&
+         before->motion.to == motion.motion.from;
+}
 
 /// The motions of a journal by record, read from the file in windows of which the newest are kept.
 /// Reads what has been committed, beside a writer of the same file. Not thread-safe.
@@ -38,7 +46,7 @@ class RecordedMotions {
     std::vector<RecordedMotion> motions;
   };
 
-  /// Keeps so many windows, of 150 kB each.
+  /// Keeps so many windows, of 140 kB each.
   RecordedMotions(std::filesystem::path journal, std::size_t windows)
       : file_(std::move(journal)), windows_kept_(windows) {}
 

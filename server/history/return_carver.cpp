@@ -2,6 +2,7 @@
 #include "server/history/return_carver.h"
 
 #include <algorithm>
+#include <functional>
 #include <set>
 #include <utility>
 
@@ -18,6 +19,12 @@ constexpr std::size_t kWindowsOfTurn = 64;
 
 bool meets(std::span<const Bounds> boxes, const Bounds& box) {
   return std::ranges::any_of(boxes, [&](const Bounds& each) { return kerf::meets(each, box); });
+}
+bool meets(std::span<const Bounds> boxes, const RecordedMotion& motion) {
+  const Bounds reach = reach_of(*motion.tool, motion.motion);
+  return std::ranges::any_of(boxes, [&](const Bounds& each) {
+    return kerf::meets(each, reach) && may_meet(*motion.tool, motion.motion, each);
+  });
 }
 
 const RecordedMotions::Window& window_of(const RecordedMotions::Windows& windows,
@@ -72,6 +79,9 @@ std::vector<ReturnCarver::Turn> ReturnCarver::next_turns(std::span<ReturnJob> jo
     }
   }
   firsts.assign(needed.begin(), needed.end());
+  // The longest first, so that no worker waits long for another.
+  std::ranges::stable_sort(turns, std::greater(),
+                           [](const Turn& turn) { return turn.end - turn.job->next; });
   return turns;
 }
 
@@ -96,12 +106,14 @@ void ReturnCarver::work(const Turn& turn, std::uint64_t last,
   for (; job.next < turn.end && !boxes.empty(); ++job.next) {
     const MotionSpan& span = *job.spans[job.next];
     if (!meets(boxes, span.bounds())) continue;
+    const RecordedMotion* before = nullptr;  // has been cut, or does not reach the stock
     for (auto record = span.run.first; record <= std::min(span.run.last, last); ++record) {
       const RecordedMotions::Window& window = window_of(windows, record);
       const RecordedMotion& motion = window.motions[record - window.first];
       if (motion.tool == nullptr || motion.stroke != span.run.stroke) continue;
-      if (!meets(boxes, reach_of(*motion.tool, motion.move))) continue;
-      carver->cut(*motion.tool, motion.move, {&job.at, 1});
+      const RecordedMotion* previous = std::exchange(before, &motion);
+      if (!meets(boxes, motion)) continue;
+      carver->cut(*motion.tool, motion.motion, {&job.at, 1}, continues(previous, motion));
     }
     boxes = boxes_of(*carver->find(job.at), job.at);
   }

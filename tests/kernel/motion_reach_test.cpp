@@ -65,6 +65,11 @@ TEST(MotionReach, HoldsEveryTileThatAMotionCuts) {
   EXPECT_LT(reached, 4 * cut);
 }
 
+bool meets_box(const Bounds& a, const Bounds& b) {
+  const Vec3 lo = a.lo_mm - b.hi_mm, hi = b.lo_mm - a.hi_mm;
+  return lo.x <= 0 && lo.y <= 0 && lo.z <= 0 && hi.x <= 0 && hi.y <= 0 && hi.z <= 0;
+}
+
 /// Calls `visit` with points on the cutting part at poses along a motion.
 template <class Visit>
 void for_each_point(const Tool& tool, const ToolMotion& motion, const Visit& visit) {
@@ -115,7 +120,12 @@ TEST(MotionReach, ABoxHoldsWhatTheToolPassesAndLittleElse) {
     const ToolMotion motion = make_motion(from, n % 5 == 0 ? from : to, tool.length_mm);
     const Bounds box = reach_of(tool, motion);
     Bounds seen{from.tip_mm, from.tip_mm};
-    for_each_point(tool, motion, [&](Vec3 p) { seen = joined(seen, {p, p}); });
+    std::size_t points = 0;
+    for_each_point(tool, motion, [&](Vec3 p) {
+      seen = joined(seen, {p, p});
+      if (points++ % 61 != 0) return;
+      EXPECT_TRUE(may_meet(tool, motion, grown({p, p}, 1e-9))) << "motion " << n;
+    });
     constexpr double kRoundingMm = 1e-9;
     const Vec3 below = seen.lo_mm - box.lo_mm, above = box.hi_mm - seen.hi_mm;
     for (const double gap : {below.x, below.y, below.z, above.x, above.y, above.z}) {
@@ -125,6 +135,29 @@ TEST(MotionReach, ABoxHoldsWhatTheToolPassesAndLittleElse) {
       }
     }
   }
+}
+
+TEST(MotionReach, ARoundToolMeetsNoCornerOfItsBox) {
+  const Tool ball = *make_tool(BallShape{.diameter_mm = 10, .length_mm = 40});
+  const Tool flat = *make_tool(FlatShape{.diameter_mm = 10, .length_mm = 40});
+  const Vec3 lean = normalized({0.2, 0, 1});
+  const ToolMotion upright = make_motion({{0, 0, -4}, {0, 0, 1}}, {{0.2, 0, -4}, {0, 0, 1}}, 40);
+  const ToolMotion tilted = make_motion({{0, 0, -4}, lean}, {{0.2, 0, -4}, lean}, 40);
+  const auto box = [](Vec3 low, double side) { return Bounds{low, low + Vec3{side, side, side}}; };
+  const Bounds under = box({3, 3, -4}, 0.4), aside = box({-5, -5, -2}, 1);
+  const Bounds left = box({-5, -0.5, -0.5}, 0.4);
+  for (const Bounds& each : {under, aside}) {
+    EXPECT_TRUE(meets_box(reach_of(ball, upright), each));
+    EXPECT_FALSE(may_meet(ball, upright, each));
+  }
+  EXPECT_TRUE(may_meet(flat, upright, under)) << "its bottom is level";
+  EXPECT_FALSE(may_meet(flat, upright, aside));
+  EXPECT_TRUE(may_meet(flat, upright, left));
+  // It leans away: near the top of the block its axis is further right.
+  const Bounds high = box({-5, -0.5, 4}, 0.4);
+  EXPECT_TRUE(meets_box(reach_of(flat, tilted), high));
+  EXPECT_FALSE(may_meet(flat, tilted, high));
+  EXPECT_FALSE(may_meet(flat, upright, box({0, 0, -5}, 0.9))) << "below its bottom";
 }
 
 TEST(MotionReach, ABoxHoldsTheMiddleOfATurn) {

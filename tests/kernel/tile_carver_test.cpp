@@ -11,6 +11,7 @@
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/dexel_tile.h"
 #include "kernel/sculpture.h"
+#include "kernel/sculpture_motion.h"
 
 namespace kerf {
 namespace {
@@ -113,7 +114,10 @@ std::vector<SculptureSettings> every_kind() {
 std::vector<TileReplacement> carved(History& history, TileCarver& carver,
                                     const std::vector<MoveTool>& motions) {
   const std::vector<FieldTile> tiles = history.tiles();
-  for (const MoveTool& motion : motions) carver.cut(history.tool(motion), motion, tiles);
+  for (const MoveTool& move : motions) {
+    const Tool& tool = history.tool(move);
+    carver.cut(tool, motion_of(move, tool), tiles);
+  }
   std::vector<TileReplacement> all;
   for (const FieldTile at : tiles) {
     auto tile = carver.take(at);
@@ -181,7 +185,7 @@ TEST(TileCarver, KnowsNoStartsAndLeavesTheSameBytes) {
       for (int n = 0; n < 3; ++n) {
         const MoveTool move{1, {at, up}, {next, up}, 0};
         block.apply(move).value();
-        carver.cut(tool, move, tiles);
+        carver.cut(tool, motion_of(move, tool), tiles);
         at = next;
         next = {in(-2.5, 2.5), in(-2.5, 2.5), at.z};
       }
