@@ -4,6 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "kernel/cut/workers.h"
 #include "server/http/api.h"
 #include "server/http/download_name.h"
 #include "server/http/download_request.h"
@@ -21,6 +22,15 @@ Made reason_only(const Result& result) {
   return {};
 }
 
+/// Carves from the nearest state of the block that its history holds.
+ExportResult write_plot(const ForcePlotRequest& plot, Session& session, std::ostream& out,
+                        const std::stop_token& stop) {
+  SerialWorkers alone;
+  const auto start = session.felt_start(plot.first, plot.only, alone, stop);
+  if (!start) return std::unexpected(start.error());
+  return export_force_plot(session.journal_file(), plot, out, stop, &*start);
+}
+
 Made write_motions(const DownloadRequest& download, Session& session, const SolidSnapshot& solid,
                    const std::filesystem::path& path, const std::stop_token& stop) {
   if (auto ok = session.flush(); !ok) return std::unexpected(MakeError{describe(ok.error())});
@@ -32,7 +42,7 @@ Made write_motions(const DownloadRequest& download, Session& session, const Soli
   const auto written = name == "thin_walls.json"
                            ? export_thin_walls(journal, solid.fields.front(), out, stop)
                        : name == "forces.csv" ? export_forces(journal, download.forces, out, stop)
-                       : name == "forces"     ? export_force_plot(journal, download.plot, out, stop)
+                       : name == "forces"     ? write_plot(download.plot, session, out, stop)
                                           : export_program(journal, download.program, out, stop);
   if (!written) return std::unexpected(MakeError{written.error()});
   out.close();

@@ -7,6 +7,11 @@
 
 namespace kerf {
 
+/// How long a request waits for others of the same session: threads that make files wait with it.
+inline constexpr std::chrono::seconds kHistoryPatience{2};
+inline constexpr const char* kOthersAskHistory =
+    "other requests about the history of the session are running";
+
 /// Who uses the history of a session: one at a time. Looks back, which may take long, stop for
 /// those who ask for a turn, as undo does. Thread-safe.
 class HistoryTurns {

@@ -20,6 +20,7 @@
 #include "server/rights/caller.h"
 #include "server/session/carving.h"
 #include "server/session/disk_limits.h"
+#include "server/session/felt_start.h"
 #include "server/session/history_turns.h"
 #include "server/session/participants.h"
 #include "server/session/pin_error.h"
@@ -285,6 +286,12 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Stops for the requests about strokes that come meanwhile, and goes on after them.
   std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
       std::uint64_t record, Workers& workers, const std::stop_token& stop = {});
+  /// Returns where the carving of the forces of records from `first` on begins (export_force_plot);
+  /// else as solid_at().
+  std::expected<FeltStart, std::string> felt_start(std::uint64_t first,
+                                                   std::optional<ParticipantId> only,
+                                                   Workers& workers,
+                                                   const std::stop_token& stop = {});
   /// Returns the strokes whose last record is `since` or later. Blocks: not on the executor.
   std::expected<std::vector<ListedStroke>, std::string> strokes(std::uint64_t since,
                                                                 const std::stop_token& stop = {});
@@ -321,8 +328,10 @@ class Session : public std::enable_shared_from_this<Session> {
   void keep_last_state();
   std::expected<void, std::string> read_history(const std::stop_token& stop);
   void read_history_ahead();
-  std::expected<std::optional<std::vector<TileReplacement>>, std::string> read_tiles(
-      std::uint64_t record, Workers& workers, const std::stop_token& stop);
+  std::expected<std::optional<std::vector<TileReplacement>>, std::string> look_back(
+      const std::function<std::optional<MotionSet>()>& choose, Workers& workers,
+      const std::stop_token& stop);
+  std::expected<SolidSnapshot, std::string> solid_of(std::span<const TileReplacement> tiles) const;
   std::expected<StrokeSet, Rejection> chosen_strokes(const StrokeRequest& request,
                                                      std::uint64_t at) const;
   bool may_change(const StrokeRequest& request, ParticipantId participant);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <ostream>
 
+#include "kernel/sculpture_state.h"
 #include "server/formats/forces_csv.h"
 #include "server/formats/program_writer.h"
 #include "server/history/recorded_block.h"
@@ -38,21 +39,41 @@ bool is_requested(const JournalRecord& record, const ProgramRequest& request,
 struct FeltJournal {
   std::unique_ptr<JournalReader> reader;
   StrokeSet undone;
-  std::unique_ptr<Sculpture> block;  ///< before the first record
+  std::unique_ptr<Sculpture> block;
+  std::uint64_t last;  ///< record that it holds
 };
 
+/// Makes a block what it was at `start`, with the tools of its scene.
+ExportResult go_to(const FeltStart& start, const Scene& scene, Sculpture& block) {
+  SculptureState state;
+  state.solid = start.solid;
+  if (!block.restore(state)) return std::unexpected("the block is of another size");
+  for (const auto& [id, tool] : scene.tools) {
+    if (auto ok = block.apply(DefineTool{id, tool.tool}); !ok) {
+      return std::unexpected(ok.error().reason);
+    }
+  }
+  return {};
+}
+
 std::expected<FeltJournal, std::string> open_felt(const std::filesystem::path& journal,
+                                                  const FeltStart* start,
                                                   const std::stop_token& stop) {
-  auto undone = undone_strokes(journal, stop);
+  auto undone = start != nullptr ? std::expected<StrokeSet, std::string>(start->undone)
+                                 : undone_strokes(journal, stop);
   if (!undone) return std::unexpected(undone.error());
-  auto reader = JournalReader::open(journal);
+  auto reader = JournalReader::open(journal, RecordOrder::kSequence, stop);
   if (!reader) return std::unexpected(describe(reader.error()));
   const auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
   auto sculpture = Sculpture::create(scene->settings);
   if (!sculpture) return std::unexpected(sculpture.error().reason);
+  if (start != nullptr) {
+    if (auto ok = go_to(*start, *scene, *sculpture); !ok) return std::unexpected(ok.error());
+  }
   return FeltJournal{std::make_unique<JournalReader>(*std::move(reader)), *std::move(undone),
-                     std::make_unique<Sculpture>(*std::move(sculpture))};
+                     std::make_unique<Sculpture>(*std::move(sculpture)),
+                     start != nullptr ? start->last : 0};
 }
 
 struct FeltMotion {
@@ -62,8 +83,8 @@ struct FeltMotion {
   double end_s = 0;  ///< of all motions so far, or of those of the one participant; undone ones too
 };
 
-/// Carves the records up to `last`, without the strokes that are undone, and calls `use` with each
-/// motion, or each of one participant.
+/// Carves the records that the block does not hold up to `last`, without the strokes that are
+/// undone, and calls `use` with each motion, or each of one participant.
 template <typename Use>
 ExportResult for_each_felt(const FeltJournal& journal, std::optional<ParticipantId> only,
                            std::uint64_t last, const std::stop_token& stop, Use&& use) {
@@ -74,7 +95,7 @@ ExportResult for_each_felt(const FeltJournal& journal, std::optional<Participant
     auto* move = std::get_if<MoveTool>(&*command);
     if (move != nullptr) move->feel = !only || *only == record.participant;
     if (move != nullptr && move->feel) end_s += move->duration_s;
-    if (journal.undone.contains(record.stroke)) return {};
+    if (record.sequence <= journal.last || journal.undone.contains(record.stroke)) return {};
     const auto result = journal.block->apply(*command);
     if (!result) return std::unexpected(result.error().reason);
     if (move != nullptr && move->feel) use(FeltMotion{record, *move, *result, end_s});
@@ -116,7 +137,7 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
 
 ExportResult export_forces(const std::filesystem::path& journal, const ForcesRequest& request,
                            std::ostream& out, const std::stop_token& stop) {
-  const auto opened = open_felt(journal, stop);
+  const auto opened = open_felt(journal, nullptr, stop);
   if (!opened) return std::unexpected(opened.error());
   write_forces_header(out, request.device);
   double time_s = 0;
@@ -130,8 +151,8 @@ ExportResult export_forces(const std::filesystem::path& journal, const ForcesReq
 
 ExportResult export_force_plot(const std::filesystem::path& journal,
                                const ForcePlotRequest& request, std::ostream& out,
-                               const std::stop_token& stop) {
-  const auto opened = open_felt(journal, stop);
+                               const std::stop_token& stop, const FeltStart* start) {
+  const auto opened = open_felt(journal, start, stop);
   if (!opened) return std::unexpected(opened.error());
   const std::uint64_t last = std::min(request.last, opened->reader->last_sequence());
   ForcePlot plot(request.first, last, request.points);

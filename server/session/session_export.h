@@ -12,6 +12,7 @@
 
 #include "kernel/math/wrench.h"
 #include "server/formats/program.h"
+#include "server/session/felt_start.h"
 #include "server/store/journal_record.h"
 
 namespace kerf {
@@ -54,9 +55,10 @@ struct ForcePlotRequest {
 inline constexpr std::size_t kForcePointsMax = 5000;
 
 /// Writes the forces that export_forces() would list as JSON with one value for each span of
-/// records (ForcePlot). Carves the journal up to the last record that is plotted.
+/// records (ForcePlot). Carves the journal from `start` (Session::felt_start), or from its first
+/// record, to the last one that is plotted.
 ExportResult export_force_plot(const std::filesystem::path& journal,
                                const ForcePlotRequest& request, std::ostream& out,
-                               const std::stop_token& stop = {});
+                               const std::stop_token& stop = {}, const FeltStart* start = nullptr);
 
 }  // namespace kerf

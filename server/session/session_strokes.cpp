@@ -21,9 +21,6 @@ constexpr std::size_t kSinceMax = 100;
 constexpr int kRoundsMax = 4;
 /// Records after which the journal is read on, so that no undo need read more.
 constexpr std::uint64_t kReadAhead = 20'000;
-/// How long a request waits for others of the same session: threads that make files wait with it.
-constexpr std::chrono::seconds kPatience{2};
-constexpr const char* kOthersAsk = "other requests about the history of the session are running";
 
 Rejection no_stroke(const std::string& reason) { return {wire::ErrorCode::kBadMessage, reason}; }
 
@@ -133,8 +130,8 @@ std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeReq
                                                                  const std::stop_token& stop) {
   const std::uint64_t at =
       request.at ? *request.at : run_and_wait(*executor_, [this] { return sequence(); });
-  const auto lock = history_turns_.ask(kPatience);
-  const auto read = lock ? read_history(stop) : std::unexpected(std::string(kOthersAsk));
+  const auto lock = history_turns_.ask(kHistoryPatience);
+  const auto read = lock ? read_history(stop) : std::unexpected(std::string(kOthersAskHistory));
   if (!read) return std::unexpected(Rejection{wire::ErrorCode::kBusy, read.error()});
   const auto chosen = chosen_strokes(request, at);
   if (!chosen) return std::unexpected(chosen.error());
@@ -237,7 +234,7 @@ void Session::retry_settling() {
     const auto self = weak.lock();
     if (!self || self->closed_ || self->unsettled_.empty()) return;
     self->background().post([self] {
-      const auto lock = self->history_turns_.ask(kPatience);
+      const auto lock = self->history_turns_.ask(kHistoryPatience);
       SerialWorkers alone;
       StrokesChanged ignored;
       if (!lock || !self->settle(alone, {}, ignored)) self->retry_settling();
@@ -251,45 +248,10 @@ void Session::forget_history() {
   if (lock) history_.reset();
 }
 
-std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session::tiles_at(
-    std::uint64_t record, Workers& workers, const std::stop_token& stop) {
-  for (;;) {
-    std::stop_source end;
-    const std::stop_callback by_caller(stop, [&] { end.request_stop(); });
-    const auto lock = history_turns_.look_back(kPatience, end);
-    if (!lock) return std::unexpected(kOthersAsk);
-    auto tiles = read_tiles(record, workers, end.get_token());
-    const bool is_interrupted = end.stop_requested() && !stop.stop_requested();
-    if (tiles || !is_interrupted) return tiles;
-  }
-}
-
-/// Call with the lock.
-std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session::read_tiles(
-    std::uint64_t record, Workers& workers, const std::stop_token& stop) {
-  if (auto read = read_history(stop); !read) return std::unexpected(read.error());
-  if (record > history_->last()) return std::nullopt;
-  return history_->carve(history_->tiles(), history_->strokes().at(record), workers, stop);
-}
-
-std::expected<std::optional<SolidSnapshot>, std::string> Session::solid_at(
-    std::uint64_t record, Workers& workers, const std::stop_token& stop) {
-  const auto tiles = tiles_at(record, workers, stop);
-  if (!tiles) return std::unexpected(tiles.error());
-  if (!*tiles) return std::nullopt;
-  auto block = Sculpture::create(sculpture_.settings());
-  if (!block) return std::unexpected(block.error().reason);
-  SculptureState untouched;
-  untouched.solid = start_;
-  if (!block->restore(untouched)) return std::unexpected("the block is of another size");
-  block->replace(**tiles);
-  return block->solid();
-}
-
 std::expected<std::vector<ListedStroke>, std::string> Session::strokes(
     std::uint64_t since, const std::stop_token& stop) {
-  const auto lock = history_turns_.ask(kPatience);
-  if (!lock) return std::unexpected(kOthersAsk);
+  const auto lock = history_turns_.ask(kHistoryPatience);
+  if (!lock) return std::unexpected(kOthersAskHistory);
   if (auto read = read_history(stop); !read) return std::unexpected(read.error());
   const StrokeSet undone = history_->strokes().at(history_->last()).without;
   std::vector<ListedStroke> list;

@@ -178,5 +178,37 @@ TEST_F(ForcePlots, UndoneStrokesTakeTheirTime) {
   EXPECT_EQ(after.back(), before.back());
 }
 
+TEST_F(ForcePlots, FromTheHistoryAreThoseFromTheFirstRecord) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  std::vector<StrokeId> strokes;
+  for (int n = 0; n < 24; ++n) {
+    const double y = -18 + 1.5 * n, x = -16 + 1.4 * n;
+    strokes.push_back(stroke(ada, {-15, y, -2 - 0.1 * n}, {15, y, -3}));
+    strokes.push_back(stroke(bo, {x, -15, -3}, {x, 15, -2 - 0.05 * n}));
+  }
+  undo({strokes[3], strokes[40]});
+  redo({strokes[3]});
+  ASSERT_TRUE(session_->flush());
+  const std::uint64_t end = session_->sequence();
+  ASSERT_GT(end, 600U);
+  SerialWorkers alone;
+  int later = 0;
+  for (std::uint64_t first = 1; first < end + 50; first += 67) {
+    for (const auto& only : {std::optional<ParticipantId>(), std::optional(bo)}) {
+      const ForcePlotRequest request{.only = only, .first = first, .last = first + 40};
+      const auto start = session_->felt_start(first, only, alone);
+      ASSERT_TRUE(start) << start.error();
+      EXPECT_LT(start->last, first);
+      std::ostringstream all, part;
+      ASSERT_TRUE(export_force_plot(session_->journal_file(), request, all));
+      ASSERT_TRUE(export_force_plot(session_->journal_file(), request, part, {}, &*start));
+      EXPECT_EQ(part.str(), all.str()) << first;
+      later += start->last > 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(later, 10);
+}
+
 }  // namespace
 }  // namespace kerf::net
