@@ -17,8 +17,6 @@ namespace {
 
 /// Sweeps that are cut together, at most: their memory is about 1 MB.
 constexpr std::size_t kSweepsMax = 256;
-/// From so many touches of tiles on no sweep is added: their sums take 3 MB.
-constexpr std::size_t kTouchesMax = 4096;
 
 bool overlap(const Bounds& a, const Bounds& b) {
   return a.lo_mm.x <= b.hi_mm.x && b.lo_mm.x <= a.hi_mm.x && a.lo_mm.y <= b.hi_mm.y &&
@@ -51,7 +49,9 @@ struct MotionWindow::Cut {
   Motion* motion;
   std::size_t field;
   SubMotion part;
-  bool is_first;  ///< of the motion in this field
+  bool is_first;         ///< of the motion in this field
+  bool has_begun;        ///< in the window before
+  bool goes_on = false;  ///< in the next window
   std::optional<CutSummer> summer;
 };
 
@@ -128,7 +128,6 @@ void MotionWindow::plan(const MoveTool& move, MotionResult& result) {
 
 void MotionWindow::plan_field(Motion& motion, std::size_t n) {
   DexelField& field = block_->fields_[n];
-  LazyNormals& normals = block_->normals_[n];
   const DexelGrid& grid = field.grid();
   SweepSettings settings = block_->sweep_settings(field);
   if (!motion.start.continues) {
@@ -140,21 +139,35 @@ void MotionWindow::plan_field(Motion& motion, std::size_t n) {
   settings.start_is_cut = motion.start.is_cut;
   std::int64_t parts = 0;
   sweep_tool(*motion.tool, in_frame(grid.axis, motion.motion), settings, [&](SubMotion&& part) {
-    const bool is_full = cuts_used_ == kSweepsMax || window_.touches().size() >= kTouchesMax;
-    if (is_full || normals.is_full()) cut_all();
-    if (normals.is_full()) normals.begin_batch(field, *workers_);
-    if (cuts_used_ == cuts_.size()) cuts_.push_back(std::make_unique<Cut>());
-    Cut& cut = *cuts_[cuts_used_++];
-    cut = {&motion, n, std::move(part), parts == 0, {}};
-    if (motion.feel) {
-      cut.summer = make_summer(block_->settings_.force, *motion.tool, grid, cut.part.motion,
-                               motion.weight ? &*motion.weight : nullptr);
-    }
-    window_.add(field, cut.part.swept, normals.add_sweep(field, *motion.tool, cut.part.motion));
-    parts += cut.part.count;
+    const bool is_first = parts == 0;
+    parts += part.count;
+    plan_part(motion, n, std::move(part), is_first);
   });
   motion.result->sub_motions =
       std::max(motion.result->sub_motions, static_cast<std::uint32_t>(parts));
+}
+
+/// Plans a sub-motion; one that reaches more tiles than a window holds is cut in several of them.
+void MotionWindow::plan_part(Motion& motion, std::size_t n, SubMotion&& part, bool is_first) {
+  DexelField& field = block_->fields_[n];
+  LazyNormals& normals = block_->normals_[n];
+  if (cuts_used_ == kSweepsMax || window_.is_full() || normals.is_full()) cut_all();
+  if (normals.is_full()) normals.begin_batch(field, *workers_);
+  const NormalCode end_code = normals.add_sweep(field, *motion.tool, part.motion);
+  for (std::int64_t first = 0;;) {
+    if (cuts_used_ == cuts_.size()) cuts_.push_back(std::make_unique<Cut>());
+    Cut& cut = *cuts_[cuts_used_++];
+    cut = {&motion, n, std::move(part), is_first, first > 0, false, {}};
+    if (motion.feel) {
+      cut.summer = make_summer(block_->settings_.force, *motion.tool, field.grid(), cut.part.motion,
+                               motion.weight ? &*motion.weight : nullptr);
+    }
+    first = window_.add(field, cut.part.swept, end_code, first);
+    if (first == 0) return;
+    cut.goes_on = true;
+    cut_all();
+    part = std::move(cut.part);
+  }
 }
 
 /// Finishes all motions that have been planned.
@@ -169,6 +182,7 @@ void MotionWindow::drop() {
   cuts_used_ = 0;
   motions_.clear();
   reads_.clear();
+  felt_ = {};
 }
 
 /// Cuts what has been planned, and adds it to the forces of the motions.
@@ -222,9 +236,8 @@ void MotionWindow::deliver(Cut& cut, std::size_t first, std::size_t end) {
   Motion& motion = *cut.motion;
   const DexelGrid& grid = b.fields_[cut.field].grid();
   Motion::Removed& all = motion.removed[cut.field];
-  RemovedPart& felt = b.removal_->start(1).front();
-  TileSum sums;
-  std::int64_t felt_quanta = 0;
+  RemovedPart& felt = (cut.has_begun ? b.removal_->parts() : b.removal_->start(1)).front();
+  auto [sums, felt_quanta] = std::exchange(felt_, {});
   for (std::size_t n = first; n < end; ++n) {
     const Outcome& outcome = outcomes_[n];
     if (outcome.quanta == 0) continue;
@@ -244,6 +257,10 @@ void MotionWindow::deliver(Cut& cut, std::size_t first, std::size_t end) {
     felt.quanta = felt_quanta;
   }
   if (!motion.feel) return;
+  if (cut.goes_on) {
+    felt_ = {sums, felt_quanta};
+    return;
+  }
   CuttingForce& force = force_of(motion);
   if (felt_quanta > 0) force.add(grid, *cut.summer, sums, *b.removal_, cut.part.share);
 }

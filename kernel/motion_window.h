@@ -39,10 +39,16 @@ class MotionWindow {
   struct Motion;
   struct Cut;
   struct Outcome;
+  /// What a sub-motion removed from a field, for the force.
+  struct Felt {
+    TileSum sums;
+    std::int64_t quanta = 0;
+  };
 
   bool waits(const Tool& tool, const ToolMotion& motion) const;
   void plan(const MoveTool& move, MotionResult& result);
   void plan_field(Motion& motion, std::size_t field);
+  void plan_part(Motion& motion, std::size_t field, SubMotion&& part, bool is_first);
   void flush();
   void drop();
   void cut_all();
@@ -62,6 +68,7 @@ class MotionWindow {
   CutWindow window_;
   std::vector<Outcome> outcomes_;  ///< of each touch
   std::vector<TileSum> sums_;      ///< of each touch, if any motion is felt
+  Felt felt_;                      ///< of a sub-motion whose other tiles are still to be cut
   std::vector<Bounds> reads_;      ///< where motions that are not finished will look at the stock
 };
 

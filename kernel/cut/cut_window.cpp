@@ -24,12 +24,19 @@ struct WorkPerBlock {
 constexpr double kWorkForThreads = 400;
 /// Jobs per thread. More balance the varying cost of tiles; fewer reduce the overhead per job.
 constexpr std::size_t kJobsPerThread = 8;
+/// Tiles of the rectangle around a sweep that are looked at before the window is full.
+constexpr std::int64_t kTilesOfStep = CutWindow::kTouchesMax;
 
 }  // namespace
 
-void CutWindow::add(DexelField& field, const SweptTool& swept, NormalCode end_code) {
+std::int64_t CutWindow::add(DexelField& field, const SweptTool& swept, NormalCode end_code,
+                            std::int64_t first) {
   tiles_.clear();
-  const ReachSize reach = find_tiles(field.grid(), swept, {}, tiles_);
+  ReachSize reach;
+  do {
+    reach = find_tiles(field.grid(), swept, {first, kTilesOfStep}, tiles_);
+    first += kTilesOfStep;
+  } while (first < reach.tiles && touches_.size() + tiles_.size() < kTouchesMax);
   const auto tiles = static_cast<std::int64_t>(tiles_.size());
   const double blocks = double(std::min(reach.blocks, tiles * kTileBlocks));
   double work = 0;
@@ -37,6 +44,7 @@ void CutWindow::add(DexelField& field, const SweptTool& swept, NormalCode end_co
   for (const TileIndex tile : tiles_) touches_.push_back({sweeps_.size(), tile});
   sweeps_.push_back({&field, &swept, end_code, tiles > 0 ? work * blocks / double(tiles) : 0});
   work_ += work * blocks;
+  return first < reach.tiles ? first : 0;
 }
 
 void CutWindow::clear() {

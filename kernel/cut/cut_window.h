@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -29,9 +30,17 @@ class CutWindow {
   /// may change `removed`.
   using Visit = std::function<void(std::size_t touch, RemovedPart& removed)>;
 
-  /// Adds a sweep of a field of the block, which stays where it is until cut(). `end_code`:
+  /// From so many touches on no tile is added: what is kept for them takes 3 MB, and as much again
+  /// for those that one step of the search adds.
+  static constexpr std::size_t kTouchesMax = 4096;
+
+  /// Adds a sweep of a field of the block, which stays where it is until cut(), on its tiles from
+  /// number `first` on, counted in the rectangle that bounds it, until the window is full. Returns
+  /// the number of the tile to go on with in another window; 0: all have been added. `end_code`:
   /// LazyNormals::add_sweep.
-  void add(DexelField& field, const SweptTool& swept, NormalCode end_code);
+  std::int64_t add(DexelField& field, const SweptTool& swept, NormalCode end_code,
+                   std::int64_t first);
+  bool is_full() const { return touches_.size() >= kTouchesMax; }
   std::span<const Touch> touches() const { return touches_; }
   /// Cuts all sweeps. Little work is done on the calling thread.
   void cut(Workers& workers, const Visit& visit);

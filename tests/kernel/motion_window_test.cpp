@@ -3,6 +3,7 @@
 // which part of them, and in which order.
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <memory>
@@ -216,6 +217,50 @@ TEST(MotionWindow, AMotionOfMoreSubMotionsThanAreCutTogetherIsCutInParts) {
     expect_same(results[n], one.apply(moves[n]).value());
   }
   EXPECT_EQ(together.state_hash(), one.state_hash());
+}
+
+/// A plate of a square's side, 1 mm thick, and a cutter that is wider.
+Sculpture plate(double side_mm, double pitch_mm, ForceLaw law) {
+  SculptureSettings settings = settings_of(Rays::kDexel, law);
+  settings.stock = BoxStock{{0, 0, 0}, {side_mm, side_mm, 1}};
+  settings.pitch_mm = pitch_mm;
+  settings.keep_normals = false;
+  auto s = *Sculpture::create(settings);
+  s.apply(DefineTool{1, *make_tool(FlatShape{1000, 50})}).value();
+  return s;
+}
+
+MoveTool plunge(double side_mm, double depth_mm) {
+  const Vec3 middle{side_mm / 2 + 3, side_mm / 2 - 5, 2};
+  return {1, {middle, {0, 0, 1}}, {{middle.x, middle.y, 1 - depth_mm}, {0, 0, 1}}, 0.1, true};
+}
+
+TEST(MotionWindow, ASweepOfMoreTilesThanAWindowHoldsIsFeltAsAWhole) {
+  for (const ForceLaw law : {ForceLaw::kSpecificEnergy, ForceLaw::kMechanistic}) {
+    // 67 x 67 tiles of 3.2 mm, and 34 x 34 of 6.4 mm.
+    Sculpture fine = plate(214.4, 0.1, law), coarse = plate(214.4, 0.2, law);
+    const MotionResult parts = fine.apply(plunge(214.4, 0.25)).value();
+    const MotionResult whole = coarse.apply(plunge(214.4, 0.25)).value();
+    EXPECT_NEAR(parts.removed_mm3, 214.4 * 214.4 * 0.25, 1e-3);
+    EXPECT_EQ(parts.cut_tiles.size(), 67U * 67U);
+    EXPECT_EQ(parts.cutting.engaged_area_mm2 > 0, whole.cutting.engaged_area_mm2 > 0);
+    EXPECT_NEAR(parts.cutting.engaged_area_mm2, whole.cutting.engaged_area_mm2, 1e-3);
+    // The mechanistic law divides the edge, which is as wide as the cut, by the pitch.
+    const double share = law == ForceLaw::kMechanistic ? 0.1 : 1e-6;
+    const double force = length(whole.wrench.force_n), torque = length(whole.wrench.torque_nmm);
+    EXPECT_GT(force, 1);
+    EXPECT_NEAR(length(parts.wrench.force_n - whole.wrench.force_n), 0, share * force);
+    EXPECT_NEAR(length(parts.wrench.torque_nmm - whole.wrench.torque_nmm), 0, share * torque);
+  }
+}
+
+TEST(MotionWindow, KeepsNoMoreForASweepOfManyTilesThanForOneThatFillsAWindow) {
+  // The cutter reaches 157 x 157 tiles by less than a quantum, so that none is made.
+  Sculpture s = plate(500, 0.1, ForceLaw::kSpecificEnergy);
+  const std::size_t before = mallinfo2().uordblks + mallinfo2().hblkhd;
+  const MotionResult result = s.apply(plunge(500, 1e-10)).value();
+  EXPECT_EQ(result.removed_mm3, 0);
+  EXPECT_LT(mallinfo2().uordblks + mallinfo2().hblkhd, before + 10'000'000);
 }
 
 TEST(MotionWindow, IsEmptyWithoutMotions) {
