@@ -35,8 +35,11 @@ class Check(LiveTest):
     def carved(self):
         carve(Agent(self.server.port, "block"), 300)
         until(self, lambda: os.path.exists(self.snapshot), True)
-        carve(Agent(self.server.port, "block"), 300, phase=2.0)
-        until(self, lambda: os.path.exists(self.previous), True)
+        agent = Agent(self.server.port, "block")
+        for phase in range(100):  # until the next one has been written while it carves
+            carve(agent, 30, phase=phase, pace_s=0.003)
+            if os.path.exists(self.previous):
+                break
         return self.server.info()
 
     def sql(self, text):
