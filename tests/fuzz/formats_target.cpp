@@ -8,6 +8,7 @@
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/model/repair_mesh.h"
 #include "server/formats/program.h"
+#include "server/formats/program_survey.h"
 #include "server/formats/scene.h"
 #include "tests/fuzz/targets.h"
 
@@ -26,6 +27,29 @@ const Scene& scene() {
   return kMade;
 }
 
+/// A program that is read again step by step, as a session carves it, has the same motions.
+void check_stream(const std::string& name, Bytes input, const GcodeEnvironment& environment,
+                  const Program& program) {
+  struct Nothing final : ProgramVisitor {
+    void begin() override {}
+    void visit(std::span<const ProgramMotion>) override {}
+  } nothing;
+  const auto read = read_program(name, text_of(input), scene(), environment, nothing);
+  require(read.has_value(), "a program can be read again");
+  MotionStream stream(read->open(), std::nullopt);
+  std::size_t count = 0;
+  for (bool more = true; more;) {
+    const auto step = stream.read();
+    require(step.has_value(), "and once more, step by step");
+    more = *step;
+    for (; stream.next() != nullptr; stream.pop(), ++count) {
+      require(count < program.motions.size() && *stream.next() == program.motions[count],
+              "with the same motions");
+    }
+  }
+  require(count == program.motions.size(), "and all of them");
+}
+
 /// The motions of a program are finite, positive in time, and each starts where it says.
 void check_program(const std::string& name, Bytes input) {
   // A loop of a few bytes may read ten million lines.
@@ -42,6 +66,7 @@ void check_program(const std::string& name, Bytes input) {
     require(dot(length, length) < 1e18, "a motion is finite");
     require(scene().tools.contains(motion.tool), "a motion has a tool of the scene");
   }
+  check_stream(name, input, environment, *program);
 }
 
 }  // namespace
