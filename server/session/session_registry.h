@@ -90,7 +90,7 @@ struct ClosedSession {
   std::string name;           ///< of its file, without the extension
   std::string id;             ///< of the session that it was, and that reopen() makes it
   std::int64_t closed_s = 0;  ///< s since 1970, UTC; 0: unknown
-  std::uintmax_t bytes = 0;   ///< with its snapshot
+  std::uintmax_t bytes = 0;   ///< with its snapshots
 };
 
 /// True for a valid session id: 1 to 64 characters from a–z, 0–9, - and _, which are safe in file

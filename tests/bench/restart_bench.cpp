@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints what a restart costs after an hour of four hands at 1 kHz: size of the files, time until
-// the server listens, CPU time until the session is back, with a snapshot and without one; and how
-// long the thread of a session stands still for a snapshot.
+// the server listens, CPU time until the session is back, without a snapshot, with one, and with
+// the one before a damaged one; and how long the thread of a session stands still for a snapshot.
 //
 //   restart_bench [--minutes N] [--server PATH]
 #include <algorithm>
@@ -148,6 +148,9 @@ int main(int count, char** arguments) {
   restart("without a snapshot", server, snapshot);
   std::printf("snapshot %.1f MB\n", mb(snapshot));
   restart("with a snapshot", server, snapshot);
+  std::filesystem::copy_file(snapshot, previous_snapshot_file(journal));
+  std::filesystem::resize_file(snapshot, std::filesystem::file_size(snapshot) - 1);
+  restart("with a damaged newest one", server, snapshot);
   auto replayed = restore(journal);
   if (!replayed) bench::fail(describe(replayed.error()));
   measure_stalls(replayed->sculpture);
