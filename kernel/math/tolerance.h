@@ -33,6 +33,11 @@ inline constexpr double kAxialSine = 1e-3;
 /// Owner: sweep/tool_motion. If it grows, the force ignores the tip's path more often.
 inline constexpr double kRotationShare = 1e-2;
 
+/// mm². A ray whose squared distance from the axis exceeds that of a disc's rim by less passes the
+/// rim: its end may join that of a neighbor. More than the square of a joining distance for any
+/// radius. Owner: sweep/slice_meeting. If it grows, only time is lost; at 0, seams may stay open.
+inline constexpr double kRimMm2 = 1e-5;
+
 /// mm. Rays this far outside the rectangle that a surface covers still test the surface. Far more
 /// than kEdgeEpsilonMm and rounding. Owner: sweep/frustum_translation. If it grows, only time is
 /// lost; if it shrinks to kEdgeEpsilonMm, hits at edges are lost.

@@ -41,7 +41,7 @@ SurfaceRectangles rectangles_of(const ArcPiece& p, const Surfaces& s, const Tool
 }
 
 KERF_INLINE void evaluate_arc_surfaces_in_lanes(const Surfaces& s, const SurfaceRectangles& r,
-                                                ColumnBlock& block) {
+                                                bool start_is_gone, ColumnBlock& block) {
   const Lanes x = block.x_mm;
   const LaneMask beside = r.beside(x[0], x[kLanes - 1]);
   for (int row = 0; row < kBlockSide; ++row) {
@@ -51,7 +51,10 @@ KERF_INLINE void evaluate_arc_surfaces_in_lanes(const Surfaces& s, const Surface
     const auto may_meet = [&](Surface surface) { return (over >> surface & 1) != 0; };
     LaneSpan span;
     const Lanes y = Lanes(block.y_mm[row]);
-    if (may_meet(kStart)) include_pose(span, s.arc, s.from, x, y);
+    if (may_meet(kStart)) {
+      start_is_gone ? include_gone(span, s.arc, s.from, x, y)
+                    : include_pose(span, s.arc, s.from, x, y);
+    }
     if (may_meet(kEnd)) include_pose(span, s.arc, s.to, x, y);
     if (may_meet(kContour)) s.contour.extend(span, x, y);
     if (may_meet(kLower)) s.lower.extend(span, x, y);
@@ -60,8 +63,9 @@ KERF_INLINE void evaluate_arc_surfaces_in_lanes(const Surfaces& s, const Surface
   }
 }
 KERF_FOR_EACH_TARGET(void, evaluate_arc_surfaces,
-                     (const Surfaces& s, const SurfaceRectangles& r, ColumnBlock& block),
-                     (s, r, block))
+                     (const Surfaces& s, const SurfaceRectangles& r, bool start_is_gone,
+                      ColumnBlock& block),
+                     (s, r, start_is_gone, block))
 
 }  // namespace
 
@@ -74,7 +78,7 @@ ArcTranslation::ArcTranslation(const ArcPiece& p, const ArcPiece& whole, const T
 
 void ArcTranslation::evaluate(ColumnBlock& block) const {
   slice_.add_simple_rows(block);
-  evaluate_arc_surfaces(surfaces_, rectangles_, block);
+  evaluate_arc_surfaces(surfaces_, rectangles_, start_is_gone_, block);
 }
 
 }  // namespace kerf

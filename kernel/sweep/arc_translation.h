@@ -18,7 +18,11 @@ class ArcTranslation {
   ArcTranslation(const ArcPiece& piece, const ArcPiece& whole, const ToolPose& from,
                  const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
-  void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
+  /// Call this if the piece at its first pose has been removed from the stock already.
+  void set_trail(const Trail& trail) {
+    shadow_.set_trail(trail);
+    start_is_gone_ = true;
+  }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
   LeftOut lower_bound(const Discs& discs, Lanes& z_mm) const {
     return shadow_.lower_bound(discs, z_mm);
@@ -37,6 +41,7 @@ class ArcTranslation {
   SurfaceRectangles rectangles_;
   Shadow shadow_;
   MovingSlice slice_;
+  bool start_is_gone_ = false;
 };
 
 }  // namespace kerf

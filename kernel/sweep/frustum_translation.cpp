@@ -76,7 +76,7 @@ SurfaceRectangles rectangles_of(const FrustumPiece& piece, const Surfaces& s) {
 }
 
 KERF_INLINE void evaluate_surfaces_in_lanes(const Surfaces& s, const SurfaceRectangles& r,
-                                            ColumnBlock& block) {
+                                            bool start_is_gone, ColumnBlock& block) {
   const Lanes x = block.x_mm;
   const LaneMask beside = r.beside(x[0], x[kLanes - 1]);
   for (int row = 0; row < kBlockSide; ++row) {
@@ -87,7 +87,10 @@ KERF_INLINE void evaluate_surfaces_in_lanes(const Surfaces& s, const SurfaceRect
     const auto may_meet = [&](Surface surface) { return (over >> surface & 1) != 0; };
     LaneSpan span;
     const Lanes y = Lanes(row_y);
-    if (may_meet(kStart)) include_pose(span, s.cone, s.from, x, y);
+    if (may_meet(kStart)) {
+      start_is_gone ? include_gone(span, s.cone, s.from, x, y)
+                    : include_pose(span, s.cone, s.from, x, y);
+    }
     if (may_meet(kEnd)) include_pose(span, s.cone, s.to, x, y);
     if (may_meet(kLeft)) s.left.extend(span, x, y);
     if (may_meet(kRight)) s.right.extend(span, x, y);
@@ -97,8 +100,9 @@ KERF_INLINE void evaluate_surfaces_in_lanes(const Surfaces& s, const SurfaceRect
   }
 }
 KERF_FOR_EACH_TARGET(void, evaluate_surfaces,
-                     (const Surfaces& s, const SurfaceRectangles& r, ColumnBlock& block),
-                     (s, r, block))
+                     (const Surfaces& s, const SurfaceRectangles& r, bool start_is_gone,
+                      ColumnBlock& block),
+                     (s, r, start_is_gone, block))
 
 }  // namespace
 
@@ -112,7 +116,7 @@ FrustumTranslation::FrustumTranslation(const FrustumPiece& p, const FrustumPiece
 
 void FrustumTranslation::evaluate(ColumnBlock& block) const {
   slice_.add_simple_rows(block);
-  evaluate_surfaces(surfaces_, rectangles_, block);
+  evaluate_surfaces(surfaces_, rectangles_, start_is_gone_, block);
 }
 
 }  // namespace kerf

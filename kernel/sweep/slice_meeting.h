@@ -118,6 +118,42 @@ KERF_INLINE void include_pose(LaneSpan& span, const Side& side, const ToolPose& 
   span.hi = select(c.hit & (hi > span.hi), hi, span.hi);
 }
 
+/// As include_pose, of a piece that has been removed from the stock at this pose: of a ray inside
+/// of it, only its ends on discs, which a neighbor may continue, and a point are included, unless
+/// some ray takes the whole test.
+template <class Side>
+KERF_INLINE void include_gone(LaneSpan& span, const Side& side, const ToolPose& pose, Lanes x,
+                              Lanes y) {
+  const Vec3 u = pose.axis, anchor = pose.tip_mm + u * side.anchor;
+  if (!(u.z >= 0)) return include_pose(span, side, pose, x, y);
+  const Lanes px = x - anchor.x, py = y - anchor.y;
+  const Lanes along = px * u.x + py * u.y, p2 = px * px + py * py;
+  const double inverse_uz = 1 / (u.z > kAxisAlongRayMin ? u.z : kAxisAlongRayMin);
+  const DiscPlanes& d = side.planes;
+  const Lanes t0 = (d.low - along) * inverse_uz, t1 = (d.high - along) * inverse_uz;
+  const Lanes at0 = p2 + t0 * t0 - d.low * d.low - d.low_radius2;
+  const Lanes at1 = p2 + t1 * t1 - d.high * d.high - d.high_radius2;
+  const LaneMask upright = Lanes(u.z) > 0.0;
+  const LaneMask enters = upright & (at0 < 0.0), leaves = upright & (at1 < 0.0);
+  // The height nearest to the anchor, between the discs.
+  const Lanes to_low = (side.low - along) * inverse_uz, to_high = (side.high - along) * inverse_uz;
+  const Lanes t = lesser(greater(Lanes(0), to_low), to_high);
+  const Lanes l = along + u.z * t;
+  const LaneMask inside = side.holds(p2 + t * t - l * l, l);
+  const double level2 = u.x * u.x + u.y * u.y, beyond = side.widest + kRectangleMarginMm;
+  const Lanes aside = px * u.y - py * u.x;
+  const LaneMask far =
+      level2 > 0 ? aside * aside > beyond * beyond * level2 : p2 > Lanes(beyond * beyond);
+  // Next to the end of a ray that passes the rim of a disc, that of a neighbor may lie.
+  const LaneMask at_rim = ((at0 >= 0.0) & (at0 < kRimMm2)) | ((at1 >= 0.0) & (at1 < kRimMm2));
+  if (any(~far & (at_rim | ~(enters | leaves | inside)))) {
+    return include_pose(span, side, pose, x, y);
+  }
+  include(span, inside, anchor.z + t);
+  include(span, enters, anchor.z + t0);
+  include(span, leaves, anchor.z + t1);
+}
+
 /// Intersects eight rays with a piece at eight shares of its path. `end` is the end for which the
 /// speeds are computed.
 template <End end, class Side>

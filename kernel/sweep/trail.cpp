@@ -17,6 +17,9 @@ constexpr double kLevelMin = 0.2;
 constexpr double kAxialUprightMin = 0.3;
 /// Allowance for rounding in the sines of an arc's part.
 constexpr double kLeanMargin = 0x1p-26;
+/// Least sine of the angle between rays and discs at the first and the last pose for which a disc
+/// is known to be thin in the plane: a ray within a disc would meet it all along.
+constexpr double kDiscLeanMin = 0x1p-20;
 
 /// Returns an upper bound of n·V times the radius, at the height l and the offset (dx, dy) from the
 /// tip.
@@ -189,7 +192,8 @@ void Trail::set_side(const TurningFrame& f, const FrustumPiece& p) {
   m_.whole = !(m_.level_min > kLevelMin);
   m_.thickness = std::sqrt(std::max(0.0, 1 - m_.level_min * m_.level_min));
   m_.aside = m_.radius * m_.thickness;
-  m_.by_level = m_.whole ? 0 : 1 / m_.level;
+  const double least_z = std::min(std::abs(f.from.axis.z), std::abs(f.to.axis.z));
+  m_.by_level = m_.whole || least_z <= kDiscLeanMin ? 0 : 1 / m_.level;
   m_.half_travel = std::sqrt(f.v.x * f.v.x + f.v.y * f.v.y) / 2;
   m_.bend = m_.m1 * std::max(0.0, f.u.x * m_.w.x + f.u.y * m_.w.y) / 4;
 

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+
+#include "kernel/sweep/frustum_translation.h"
 
 namespace kerf {
 namespace {
@@ -51,9 +54,8 @@ struct Reference {
   }
 };
 
-/// Expects that every ray of a block around the motion loses exactly what the reference does.
-void expect_exact(const Reference& sweep, std::mt19937_64& random, const std::string& what) {
-  constexpr double kAllowedMm = 2e-8, kFarMm = 80;
+/// Returns a block of rays around a place of the motion.
+ColumnBlock block_near(const Reference& sweep, std::mt19937_64& random) {
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
   };
@@ -66,6 +68,13 @@ void expect_exact(const Reference& sweep, std::mt19937_64& random, const std::st
   block.rows = 0xFF;
   block.top_mm = 1e300;
   block.clear();
+  return block;
+}
+
+/// Expects that every ray of a block around the motion loses exactly what the reference does.
+void expect_exact(const Reference& sweep, std::mt19937_64& random, const std::string& what) {
+  constexpr double kAllowedMm = 2e-8, kFarMm = 80;
+  ColumnBlock block = block_near(sweep, random);
   ArcTranslation(sweep.piece, sweep.piece, sweep.from, sweep.to, {true, true},
                  {.top_mm = block.top_mm})
       .evaluate(block);
@@ -128,6 +137,60 @@ TEST(ArcTranslation, SpecialDirectionsAreExactToo) {
       }
     }
   }
+}
+
+/// What is removed where the first pose has been removed already, and that pose, are together the
+/// whole sweep, to the bit. A piece of the tool may be a cone as well.
+template <class Translation, class Piece>
+void expect_rest(const Piece& piece, const Reference& sweep, std::mt19937_64& random, int& rests) {
+  ColumnBlock all = block_near(sweep, random), left = all, start = all;
+  const ShownDiscs shown{true, true};
+  const SliceSearch search{.top_mm = all.top_mm};
+  Translation translation(piece, piece, sweep.from, sweep.to, shown, search);
+  translation.evaluate(all);
+  translation.set_trail(Trail(piece, sweep.from, sweep.to, shown));
+  translation.evaluate(left);
+  MovingSlice(piece, sweep.from, sweep.from, shown, search).evaluate(start);
+  const auto is_in = [](const ColumnBlock& b, int row, int lane) {
+    return (b.filled >> row & 1) != 0 && b.lo_mm[row][lane] <= b.hi_mm[row][lane];
+  };
+  for (int j = 0; j < kBlockSide; ++j) {
+    for (int i = 0; i < kLanes; ++i) {
+      if (!is_in(all, j, i)) continue;
+      const double lo = all.lo_mm[j][i], hi = all.hi_mm[j][i];
+      if (!is_in(start, j, i)) {
+        EXPECT_EQ(left.lo_mm[j][i], lo);
+        EXPECT_EQ(left.hi_mm[j][i], hi);
+        continue;
+      }
+      ASSERT_TRUE(is_in(left, j, i));
+      EXPECT_EQ(std::min(left.lo_mm[j][i], start.lo_mm[j][i]), lo);
+      EXPECT_EQ(std::max(left.hi_mm[j][i], start.hi_mm[j][i]), hi);
+      EXPECT_LE(left.lo_mm[j][i], start.hi_mm[j][i]);
+      EXPECT_GE(left.hi_mm[j][i], start.lo_mm[j][i]);
+      rests += left.lo_mm[j][i] > lo || left.hi_mm[j][i] < hi;
+    }
+  }
+}
+
+TEST(ArcTranslation, WithoutItsFirstPoseItIsTheRestOfTheSweep) {
+  std::mt19937_64 random(11);
+  const auto in = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  const FrustumPiece cones[] = {{0, 5, 6, 5}, {0, 5, 6, 2}, {1, 0, 5, 4}};
+  int arcs = 0, frusta = 0;
+  for (int k = 0; k < 1200; ++k) {
+    const Vec3 axes[] = {{0, 0, 1}, {1, 0, 0}, normalized(Vec3{in(-1, 1), in(-1, 1), in(-1, 1)})};
+    const Vec3 axis = axes[k / 6 % 3], tip{in(-1, 1), in(-1, 1), in(-1, 1)};
+    const Vec3 d = Vec3{in(-1, 1), in(-1, 1), k % 4 == 0 ? 0 : in(-1, 1)} * (k % 5 == 0 ? 10 : 1);
+    const ArcPiece& arc = kArcs[k % std::size(kArcs)];
+    const Reference sweep{arc, {tip, axis}, {tip + d, axis}};
+    expect_rest<ArcTranslation>(arc, sweep, random, arcs);
+    expect_rest<FrustumTranslation>(cones[k % 3], sweep, random, frusta);
+  }
+  EXPECT_GT(arcs, 1000);
+  EXPECT_GT(frusta, 1000);
 }
 
 }  // namespace
