@@ -37,6 +37,7 @@ export default defineConfig(
       'tests/e2e/support/axe.mjs',
       'tests/e2e/support/browser.mjs',
       'tests/e2e/support/layout.mjs',
+      'tests/e2e/support/texts.mjs',
     ],
     languageOptions: { globals: { ...globals.node, ...globals.browser } },
   },

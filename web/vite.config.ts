@@ -9,7 +9,7 @@ import { defineConfig } from 'vitest/config';
 // fake`). In production the server itself serves dist/.
 const server = process.env['KERF_SERVER'] ?? 'http://127.0.0.1:8080';
 
-/** Fetches the code of the picture beside that of the page, which runs it once it is connected. */
+/** Fetches the code of page and picture at once; it runs when texts and connection are there. */
 function preloadView(): Plugin {
   return {
     name: 'preload-view',
@@ -17,7 +17,7 @@ function preloadView(): Plugin {
       order: 'post',
       handler: (_html, { bundle }) =>
         Object.keys(bundle ?? {})
-          .filter((file) => /^assets\/(viewer|three)-.*\.js$/.test(file))
+          .filter((file) => /^assets\/(page|viewer|three)-.*\.js$/.test(file))
           .map((file): HtmlTagDescriptor => ({
             tag: 'link',
             attrs: { rel: 'modulepreload', crossorigin: true, href: `./${file}` },
@@ -57,6 +57,7 @@ export default defineConfig({
   define: {
     KERF_HAS_KERNEL: JSON.stringify(existsSync(join(import.meta.dirname, 'public/kerf.wasm'))),
   },
+  json: { namedExports: false },
   plugins: [preloadView(), compress()],
   build: {
     target: 'es2022',

@@ -2,68 +2,14 @@
 import './marks';
 import '@fontsource-variable/inter/wght.css';
 import './ui/style/index.css';
-import { installHook } from './hook';
-import { invitationIn, redeemInvitation } from './link/invitation';
-import { sentence } from './ui/format';
-import { recall, remember } from './ui/memory';
-import { failurePage } from './ui/notice';
-import { showSessions } from './ui/session_list';
-import { SessionPage } from './ui/session_page';
-import { nameThatFits } from './wire/names';
+import { language, loadTexts } from './strings';
 
-function viewerName(parameters: URLSearchParams): string {
-  const requested = parameters.get('name')?.trim() ?? '';
-  const known = requested === '' ? recall('name') : requested;
-  if (known) return nameThatFits(known);
-  const name = `Guest ${100 + Math.floor(Math.random() * 900)}`;
-  remember('name', name);
-  return name;
-}
-
-function openSession(app: HTMLElement, session: string, parameters: URLSearchParams): void {
-  document.title = `${session} · Kerf`;
-  const fullQuality = parameters.get('quality') === 'full';
-  const embedded = parameters.has('embed');
-  const page = new SessionPage(app, session, viewerName(parameters), fullQuality, embedded);
-  installHook(page);
-  page.start();
-}
-
+// The code of the page runs when its texts are there: its constants have some of them.
 async function main(): Promise<void> {
-  const app = document.getElementById('app')!;
-  const parameters = new URLSearchParams(location.search);
-  const session = parameters.get('session');
-  if (!session && parameters.has('embed')) {
-    const text = 'The address of an embedded page has session=ID and embed.';
-    app.replaceChildren(failurePage('Which session?', text, []));
-    return;
-  }
-  const invitation = invitationIn(location.hash);
-  // Before anything else: a token does not stay in the address, nor in the history.
-  if (invitation !== null) history.replaceState(null, '', location.pathname + location.search);
-  if (session) {
-    const problem =
-      invitation === null
-        ? null
-        : await redeemInvitation(session, invitation, viewerName(parameters));
-    if (problem !== null) {
-      app.replaceChildren(
-        failurePage(
-          'This invitation does not work',
-          `${sentence(problem)} Ask an owner of the session for a new link.`,
-          [],
-        ),
-      );
-      return;
-    }
-    openSession(app, session, parameters);
-    return;
-  }
-  const only = await showSessions(app, parameters.has('list'));
-  if (only !== null) {
-    history.replaceState(null, '', `?session=${encodeURIComponent(only)}`);
-    openSession(app, only, parameters);
-  }
+  document.documentElement.lang = language;
+  await loadTexts();
+  const { showPage } = await import('./page');
+  await showPage();
 }
 
 void main();

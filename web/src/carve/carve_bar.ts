@@ -2,6 +2,7 @@
 // The bar below the picture while one carves: the rack of tools, how the tool follows, its depth,
 // undo, and what is to be said.
 
+import { t } from '../strings';
 import './carve.css';
 import { toolName, toolProfile } from '../model/tool_profile';
 import { h, setText } from '../ui/dom';
@@ -21,8 +22,8 @@ export interface BarActions {
 }
 
 const MODES: readonly [AimMode, string, string][] = [
-  ['surface', 'Surface', 'The tip follows the surface as it was when the stroke began (P)'],
-  ['plane', 'Plane', 'The tip stays on the plane on which the stroke began (P)'],
+  ['surface', t('Surface'), t('The tip follows the surface as it was when the stroke began (P)')],
+  ['plane', t('Plane'), t('The tip stays on the plane on which the stroke began (P)')],
 ];
 const SLIDER_STEPS = 1000;
 
@@ -36,9 +37,26 @@ function press(element: HTMLElement, is: boolean): void {
   element.setAttribute('aria-pressed', String(is));
 }
 
+export function isTouched(): boolean {
+  return matchMedia('(pointer: coarse)').matches;
+}
+
+/** How to carve, with what the user points with. */
+export function helpText(): string {
+  return isTouched()
+    ? t('One finger carves, two turn and zoom, three pan. Tap with two to undo.')
+    : t(
+        'Drag on the block to carve. Right drag, or Space and drag, turns; the wheel zooms; Esc ends.',
+      );
+}
+
 export class CarveBar {
   readonly element: HTMLElement;
-  private readonly rack_ = h('div', { class: 'carve-rack', role: 'group', 'aria-label': 'Tool' });
+  private readonly rack_ = h('div', {
+    class: 'carve-rack',
+    role: 'group',
+    'aria-label': t('Tool'),
+  });
   private readonly tools_ = new Map<number, HTMLElement>();
   private readonly modes_ = new Map<AimMode, HTMLElement>();
   private readonly lean_: HTMLElement;
@@ -46,8 +64,8 @@ export class CarveBar {
     type: 'range',
     min: '0',
     max: String(SLIDER_STEPS),
-    'aria-label': 'Depth',
-    title: 'Depth below the surface (Ctrl + wheel; pressure of a pen)',
+    'aria-label': t('Depth'),
+    title: t('Depth below the surface (Ctrl + wheel; pressure of a pen)'),
   });
   private readonly depth_ = h('output', { class: 'carve-depth-value' });
   private readonly note_ = h('p', { class: 'carve-note', role: 'status' });
@@ -60,29 +78,33 @@ export class CarveBar {
       return element;
     });
     this.lean_ = button(
-      'Lean',
-      'The axis leans with the surface, up to 45° (L)',
+      t('Lean'),
+      t('The axis leans with the surface, up to 45° (L)'),
       actions.toggleLean,
     );
     this.slider_.addEventListener('input', () => actions.setDepth(this.sliderMm_()));
-    const done = button('Done', 'End carving (Esc)', actions.done);
+    const done = button(t('Done'), t('End carving (Esc)'), actions.done);
     done.classList.add('carve-done');
     this.element = h(
       'section',
-      { class: 'carve-bar', 'aria-label': 'Carve' },
+      { class: 'carve-bar', 'aria-label': t('Carve') },
       this.rack_,
       h(
         'div',
         { class: 'carve-controls' },
         h(
           'div',
-          { class: 'carve-modes', role: 'group', 'aria-label': 'The tip follows' },
+          { class: 'carve-modes', role: 'group', 'aria-label': t('The tip follows') },
           ...modes,
         ),
         this.lean_,
-        h('div', { class: 'carve-depth' }, h('span', {}, 'Depth'), this.slider_, this.depth_),
-        button('Undo', 'Undo your newest stroke (Ctrl+Z, tap with two fingers)', actions.undo),
-        button('Redo', 'Redo (Ctrl+Shift+Z, tap with three fingers)', actions.redo),
+        h('div', { class: 'carve-depth' }, h('span', {}, t('Depth')), this.slider_, this.depth_),
+        button(
+          t('Undo'),
+          t('Undo your newest stroke (Ctrl+Z, tap with two fingers)'),
+          actions.undo,
+        ),
+        button(t('Redo'), t('Redo (Ctrl+Shift+Z, tap with three fingers)'), actions.redo),
         done,
       ),
       this.note_,

@@ -2,6 +2,7 @@
 // The page's connection as an agent of the session: joins, sends samples, delivers results, and
 // after a loss continues as the same participant, without a gap in its path.
 
+import { t } from '../strings';
 import type { BlockCopy } from '../kernel/block_copy';
 import { Backoff } from '../link/backoff';
 import { Silence } from '../link/silence';
@@ -135,7 +136,7 @@ export class CarveLink {
       if (isCurrent()) this.received_(data);
     };
     socket.onclose = ({ reason: why }) => {
-      if (isCurrent()) this.lost_(this.byeReason_ || why || 'The connection was lost.');
+      if (isCurrent()) this.lost_(this.byeReason_ || why || t('The connection was lost.'));
     };
     socket.onerror = () => {
       // A close event always follows.
@@ -173,7 +174,7 @@ export class CarveLink {
 
   private tick_(): void {
     if (this.silence_.tick(this.options.nowMs())) {
-      this.lost_('The server stopped answering.');
+      this.lost_(t('The server stopped answering.'));
       return;
     }
     if (this.status_ === 'ready')

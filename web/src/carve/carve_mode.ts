@@ -3,6 +3,7 @@
 // to the server as any agent does. The cut is made in the page's copy of the block at once, and shown
 // from there until the server's mesh comes.
 
+import { t } from '../strings';
 import { MOUSE } from 'three';
 import type { BlockCopy } from '../kernel/block_copy';
 import { pathOf } from '../link/strokes';
@@ -14,7 +15,7 @@ import type { AgentWelcome } from '../wire/agent_control';
 import type { Result, StateMessage, ToolInfo, Welcome } from '../wire/types';
 import { LEAN_MAX_RAD } from './aim';
 import type { AimMode } from './aim';
-import { CarveBar } from './carve_bar';
+import { CarveBar, helpText, isTouched } from './carve_bar';
 import { CarveLink } from './carve_link';
 import type { CarveStatus } from './carve_link';
 import { Delivery } from './delivery';
@@ -34,13 +35,6 @@ const SETTLE_MS = 1000; // until the server's meshes that were sent are displaye
 const TURN_RAD_PER_PX = 0.006;
 const DEPTH_OF_RADIUS = 0.5; // at the start, of the tool's radius
 const DEEPEST_RADII = 4;
-const HELP =
-  'Drag on the block to carve. Right drag, or Space and drag, turns; the wheel zooms; Esc ends.';
-const HELP_TOUCH = 'One finger carves, two turn and zoom, three pan. Tap with two to undo.';
-
-function isTouched(): boolean {
-  return matchMedia('(pointer: coarse)').matches;
-}
 
 export class CarveMode {
   private readonly bar_: CarveBar;
@@ -137,7 +131,7 @@ export class CarveMode {
 
   /** Joins with the copy, if there can be one. */
   private async join_(): Promise<void> {
-    this.bar_.say('Joining…');
+    this.bar_.say(t('Joining…'));
     const hasCopy = await this.copy_.isThere;
     if (!this.isActive) return;
     this.delivery_.join();
@@ -243,7 +237,7 @@ export class CarveMode {
   }
 
   private changed_(undone: boolean): void {
-    this.say_(`Your stroke was ${undone ? 'undone' : 'redone'}.`);
+    this.say_(undone ? t('Your stroke was undone.') : t('Your stroke was redone.'));
   }
 
   private hasEnded_(): boolean {
@@ -266,7 +260,7 @@ export class CarveMode {
     this.settleCopy_(now);
     this.hand_.settle(this.depthMm_, now);
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
-    if (now > this.noteUntilMs_ && this.isJoined_()) this.bar_.say(isTouched() ? HELP_TOUCH : HELP);
+    if (now > this.noteUntilMs_ && this.isJoined_()) this.bar_.say(helpText());
   }
 
   /** A block at rest is displayed as the server has it. */
@@ -358,9 +352,9 @@ export class CarveMode {
     this.main_.dataset['carve'] = status;
     if (status === 'lost') {
       this.pointers_?.cancel();
-      this.say_(`${sentence(reason)} Reconnecting…`, true);
+      this.say_(t('{0} Reconnecting…', sentence(reason)), true);
     } else if (status === 'joining' && reason === '') {
-      this.bar_.say('Joining…');
+      this.bar_.say(t('Joining…'));
     } else if (status === 'ready') {
       this.noteUntilMs_ = 0;
     } else if (status === 'off') {

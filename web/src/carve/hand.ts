@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tool in the hand: where the pointer puts it, how it is drawn, and the samples of its path.
 
+import { t } from '../strings';
 import { stockBounds } from '../model/session';
 import { toolProfile } from '../model/tool_profile';
 import { ToolView } from '../view/tool_view';
@@ -16,8 +17,9 @@ import { Surface } from './surface';
 import type { Ray } from './surface';
 
 const RESTS_MS = 40; // a pointer from which nothing comes for so long
-const OUT_OF_REACH =
-  'The tool does not get there from above: turn on Lean, or carve from another side.';
+const OUT_OF_REACH = t(
+  'The tool does not get there from above: turn on Lean, or carve from another side.',
+);
 
 export class Hand {
   readonly settings: AimSettings = { mode: 'surface', depthMm: 1, leanMaxRad: 0 };

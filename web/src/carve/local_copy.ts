@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page's copy of the block, its cuts in the picture.
 
+import { t } from '../strings';
 import { BlockCopy } from '../kernel/block_copy';
 import type { WorkerPort } from '../kernel/block_copy';
 import type { Viewer } from '../view/viewer';
@@ -8,8 +9,9 @@ import type { Viewer } from '../view/viewer';
 /** Whether kerf.wasm was there when the page was built (vite.config.ts). */
 declare const KERF_HAS_KERNEL: boolean;
 
-export const NO_COPY =
-  'This server has no kernel for pages: a cut is shown when the server has made it.';
+export const NO_COPY = t(
+  'This server has no kernel for pages: a cut is shown when the server has made it.',
+);
 
 /** The page compiles it, because the policy of a worker's file forbids that (server/http). */
 async function compiled(): Promise<WebAssembly.Module | null> {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The button that begins to carve. All else of it is a chunk of its own.
 
+import { t } from '../strings';
 import { iconButton } from '../ui/dom';
 import { ICONS } from '../ui/icons';
 import type { SessionModel } from '../model/session';
@@ -35,7 +36,7 @@ export interface CarveSwitch {
   copyHash: () => Promise<string> | null;
 }
 
-const LABEL = 'Carve';
+const LABEL = t('Carve');
 const KEY = 'C';
 
 /** Adds the button to the toolbar. */
@@ -44,10 +45,10 @@ export function mountCarve(host: CarveHost): CarveSwitch {
   let loading = false;
   const whyNot = (): string => {
     const { welcome } = host.model;
-    if (!welcome) return 'The session is not open yet.';
+    if (!welcome) return t('The session is not open yet.');
     const reason = whyNotCarve(welcome);
     const hasPicture = host.picture.viewer !== null;
-    return reason !== '' || hasPicture ? reason : 'There is no picture to carve in yet.';
+    return reason !== '' || hasPicture ? reason : t('There is no picture to carve in yet.');
   };
   const toggle = (): void => {
     if (mode?.isActive) {

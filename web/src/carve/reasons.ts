@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Why one may not carve, as sentences for the user; empty: one may.
 
+import { t } from '../strings';
+import { roleName } from '../strings/names';
 import type { SessionModel } from '../model/session';
 import type { Welcome } from '../wire/types';
 
-const DISK_FULL = 'The server cannot write: nothing is carved until it can.';
+const DISK_FULL = t('The server cannot write: nothing is carved until it can.');
 
 /** Why this viewer may not. */
 export function whyNotCarve({ may, role }: Pick<Welcome, 'may' | 'role'>): string {
   if (may === undefined || may.includes('carve')) return '';
-  return `Your role${role === undefined ? '' : `, ${role},`} may not carve.`;
+  return role === undefined
+    ? t('Your role may not carve.')
+    : t('Your role, {0}, may not carve.', roleName(role));
 }
 
 /**
@@ -20,7 +24,7 @@ export function whyNotNow(
   { state, status }: Pick<SessionModel, 'state' | 'status'>,
   isJoined: boolean,
 ): string {
-  if (status !== 'connected' || !isJoined) return 'Not connected yet: wait a moment.';
-  if (state?.at) return 'This is the past: go back to live to carve.';
+  if (status !== 'connected' || !isJoined) return t('Not connected yet: wait a moment.');
+  if (state?.at) return t('This is the past: go back to live to carve.');
   return state?.paused ? DISK_FULL : '';
 }

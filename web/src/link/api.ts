@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // HTTP requests of the viewer: the list of sessions, and whether a session exists.
 
+import { t } from '../strings';
+
 export interface SessionSummary {
   id: string;
   name: string;
@@ -11,7 +13,7 @@ export interface SessionSummary {
   activeMs: number | null;
 }
 
-const INVITATION_NEEDED = 'Open the link of an invitation: this server lets nobody else in.';
+const INVITATION_NEEDED = t('Open the link of an invitation: this server lets nobody else in.');
 
 /** The server tells its sessions only to people who were invited. */
 export class InvitationNeeded extends Error {
@@ -47,17 +49,18 @@ function summaryOf(value: unknown): SessionSummary | null {
 export async function listSessions(): Promise<SessionSummary[]> {
   const response = await fetch('/v1/sessions', { headers: { accept: 'application/json' } }).catch(
     () => {
-      throw new Error('The server did not answer.');
+      throw new Error(t('The server did not answer.'));
     },
   );
   if (response.status === 401) throw new InvitationNeeded();
   if (!response.ok)
-    throw new Error(`The server answered ${response.status} ${response.statusText}.`);
+    throw new Error(t('The server answered {0} {1}.', response.status, response.statusText));
   const body: unknown = await response.json().catch(() => {
-    throw new Error('The server did not answer with a list of sessions.');
+    throw new Error(t('The server did not answer with a list of sessions.'));
   });
   const list = Array.isArray(body) ? body : (body as { sessions?: unknown } | null)?.sessions;
-  if (!Array.isArray(list)) throw new Error('The server did not answer with a list of sessions.');
+  if (!Array.isArray(list))
+    throw new Error(t('The server did not answer with a list of sessions.'));
   return list.map(summaryOf).filter((summary) => summary !== null);
 }
 
@@ -69,7 +72,7 @@ export async function probeSession(id: string): Promise<string | null> {
   try {
     const response = await fetch(`/v1/sessions/${encodeURIComponent(id)}`);
     if (response.status === 401) return INVITATION_NEEDED;
-    return response.status === 404 ? `There is no session “${id}” on this server.` : null;
+    return response.status === 404 ? t('There is no session “{0}” on this server.', id) : null;
   } catch {
     return null; // the server is unreachable, perhaps only for now
   }

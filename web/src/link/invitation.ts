@@ -2,6 +2,8 @@
 // Invitations: taking one from the address, exchanging it for a pass, and making new ones. A pass is
 // a cookie that scripts cannot read, so that no token stays in the page.
 
+import { t } from '../strings';
+
 export type InvitedRole = 'watcher' | 'sculptor' | 'owner';
 
 interface Problem {
@@ -11,7 +13,7 @@ interface Problem {
 async function reasonOf(response: Response): Promise<string> {
   const body = (await response.json().catch(() => null)) as Problem | null;
   const reason = body?.error?.reason;
-  return typeof reason === 'string' ? reason : `the server answered ${response.status}`;
+  return typeof reason === 'string' ? reason : t('the server answered {0}', response.status);
 }
 
 function pathOf(session: string, what: string): string {
@@ -41,7 +43,7 @@ export async function redeemInvitation(
     method: 'POST',
     headers: { authorization: `Bearer ${token}` },
   }).catch(() => null);
-  if (!response) return 'The server did not answer.';
+  if (!response) return t('The server did not answer.');
   return response.ok ? null : reasonOf(response);
 }
 
@@ -56,10 +58,10 @@ export async function makeInvitation(
 ): Promise<string> {
   const address = `${pathOf(session, 'invitations')}?role=${role}&hours=${hours}`;
   const response = await fetch(address, { method: 'POST' }).catch(() => {
-    throw new Error('The server did not answer.');
+    throw new Error(t('The server did not answer.'));
   });
   if (!response.ok) throw new Error(await reasonOf(response));
   const body = (await response.json()) as { link?: unknown };
-  if (typeof body.link !== 'string') throw new Error('The server sent no link.');
+  if (typeof body.link !== 'string') throw new Error(t('The server sent no link.'));
   return new URL(body.link, location.href).href;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Errors of the server's HTTP interface.
 
+import { t } from '../strings';
+
 /** Why the server rejected a request: one sentence, and the place of the fault if it has one. */
 export class ServerError extends Error {
   constructor(
@@ -30,7 +32,7 @@ export async function errorOf(response: Response): Promise<ServerError> {
   const reason = textOf(error['reason']);
   const { status, statusText } = response;
   return new ServerError(
-    reason === '' ? `The server answered ${status} ${statusText}.` : reason,
+    reason === '' ? t('The server answered {0} {1}.', status, statusText) : reason,
     typeof error['line'] === 'number' ? error['line'] : 0,
     textOf(error['word']),
     status,
@@ -48,7 +50,7 @@ export async function ask(
 ): Promise<Response> {
   const response = await fetch(path, { method, body, signal }).catch((problem: unknown) => {
     if (signal?.aborted) throw problem;
-    throw new ServerError('The server did not answer.');
+    throw new ServerError(t('The server did not answer.'));
   });
   if (!response.ok) throw await errorOf(response);
   return response;

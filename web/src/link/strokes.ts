@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests that list strokes, undo and redo them.
 
+import { t } from '../strings';
+
 /** An uninterrupted series of motions of one participant. */
 export interface Stroke {
   /** Number of its first record in the journal. */
@@ -27,13 +29,13 @@ async function reasonOf(response: Response): Promise<string> {
     error?: { reason?: unknown };
   } | null;
   const reason = body?.error?.reason;
-  return typeof reason === 'string' ? reason : `the server answered ${response.status}`;
+  return typeof reason === 'string' ? reason : t('the server answered {0}', response.status);
 }
 
 /** Asks the server; rejects with a sentence that says why it did not answer, or not so. */
 export async function ask(path: string, method: string): Promise<unknown> {
   const response = await fetch(path, { method }).catch(() => {
-    throw new Error('The server did not answer.');
+    throw new Error(t('The server did not answer.'));
   });
   if (!response.ok) throw new Error(await reasonOf(response));
   return response.json();

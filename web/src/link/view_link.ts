@@ -3,6 +3,7 @@
 // mesh frame after it was applied (the acknowledgement is the credit for the next one), measures
 // the round trip, and reconnects after a loss.
 
+import { t } from '../strings';
 import { decodeFrame } from '../wire/decode';
 import { encodeFrame } from '../wire/encode';
 import { parseControl } from '../wire/control';
@@ -141,7 +142,7 @@ export class ViewLink {
     this.chosen_ = this.name_;
     if (this.stopped_ || !this.socket_) return;
     this.drop_();
-    this.connect_('reconnecting', 'You take another name.');
+    this.connect_('reconnecting', t('You take another name.'));
   }
 
   /** Reconnects now instead of after the backoff delay, e.g. when the device is online again. */
@@ -193,7 +194,7 @@ export class ViewLink {
     socket.onclose = (event) => {
       if (current())
         void this.lost_(
-          this.byeReason_ || event.reason || 'The connection to the server was lost.',
+          this.byeReason_ || event.reason || t('The connection to the server was lost.'),
         );
     };
     socket.onerror = () => {
@@ -232,7 +233,7 @@ export class ViewLink {
   private tick_(): void {
     const now = this.options.nowMs();
     if (this.silence_.tick(now)) {
-      void this.lost_('The server stopped answering.');
+      void this.lost_(t('The server stopped answering.'));
     } else if (this.welcomed_) {
       this.events.pinged();
       this.sendFrame_(FrameType.Ping, { kind: 'ping', time_us: BigInt(Math.round(now * 1000)) });
@@ -263,14 +264,16 @@ export class ViewLink {
       const frame = decodeFrame(data);
       if (frame.ok) this.receivedFrame_(frame.value, current);
       else
-        this.events.problem(`A frame was rejected: ${frame.error.reason} (${frame.error.code}).`);
+        this.events.problem(
+          t('A frame was rejected: {0} ({1}).', frame.error.reason, frame.error.code),
+        );
     }
   }
 
   private receivedText_(text: string): void {
     const parsed = parseControl(text);
     if (!parsed.ok) {
-      this.events.problem(`A message was rejected: ${parsed.error.reason}.`);
+      this.events.problem(t('A message was rejected: {0}.', parsed.error.reason));
       return;
     }
     const message = parsed.value;
@@ -334,7 +337,9 @@ export class ViewLink {
       try {
         await this.events.mesh(header, glb);
       } catch (problem) {
-        this.events.problem(`A mesh frame could not be applied: ${(problem as Error).message}`);
+        this.events.problem(
+          t('A mesh frame could not be applied: {0}', (problem as Error).message),
+        );
       }
       // Failed frames are acknowledged too: without credit the stream would stop; their tiles are
       // sent again when they change.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who does what to the block, and how far it is: one sentence for somebody who has just come.
 
+import { t } from '../strings';
 import type { Participant } from './participants';
 import { wallSeconds } from './programs';
 import type { SessionModel } from './session';
@@ -21,8 +22,9 @@ export interface Headline {
 export function namesOf(names: readonly string[]): string {
   const rest = names.length - LISTED;
   if (names.length <= 1) return names.join('');
-  if (rest <= 0) return names.join(' and ');
-  return `${names.slice(0, LISTED).join(', ')} and ${rest === 1 ? '1 other' : `${rest} others`}`;
+  if (rest <= 0) return t('{0} and {1}', names[0]!, names[1]!);
+  const listed = names.slice(0, LISTED).join(', ');
+  return rest === 1 ? t('{0} and 1 other', listed) : t('{0} and {1} others', listed, rest);
 }
 
 function clock(seconds: number): string {
@@ -40,9 +42,9 @@ function farOf({ programs }: SessionModel): string {
     ? program.elapsed_s / program.programmed_s
     : program.motions_done / Math.max(1, program.motions);
   const percent = `${Math.floor(100 * Math.min(1, part))} %`;
-  if (program.state === 'paused') return `${percent}, paused`;
+  if (program.state === 'paused') return t('{0}, paused', percent);
   const left = wallSeconds(program);
-  return Number.isFinite(left) ? `${percent}, ${clock(left)} left` : percent;
+  return Number.isFinite(left) ? t('{0}, {1} left', percent, clock(left)) : percent;
 }
 
 /** @param nowMs by the clock of Participant.seenMs */
@@ -54,12 +56,17 @@ export function headlineOf(model: SessionModel, session: string, nowMs: number):
   const nameOf = ({ info }: Participant): string => info.name;
   if (moving.length === 0) {
     if (carvers.length === 0) return { who: '', far };
-    const are = carvers.length === 1 ? 'is' : 'are';
-    return { who: `${namesOf(carvers.map(nameOf))} ${are} here; no tool moves`, far };
+    const names = namesOf(carvers.map(nameOf));
+    const isAlone = carvers.length === 1;
+    const who = isAlone
+      ? t('{0} is here; no tool moves', names)
+      : t('{0} are here; no tool moves', names);
+    return { who, far };
   }
   const [first] = moving;
   const isOne = moving.length === 1 && first;
   const tool = isOne ? ` · ${toolName(model.tool(first.tool || (first.info.tool ?? 0)))}` : '';
-  const verb = moving.length === 1 ? 'carves' : 'carve';
-  return { who: `${namesOf(moving.map(nameOf))} ${verb} ${what}${tool}`, far };
+  const names = namesOf(moving.map(nameOf));
+  const who = isOne ? t('{0} carves {1}', names, what) : t('{0} carve {1}', names, what);
+  return { who: who + tool, far };
 }

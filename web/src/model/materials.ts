@@ -3,6 +3,7 @@
 // surfaces, so that cuts stand out. `ring` is the color and `grain` the strength (0 to 1) of the
 // growth rings of wood, a solid texture through the whole block.
 
+import { t } from '../strings';
 import type { ParticipantKind } from '../wire/types';
 
 export interface StockMaterialPreset {
@@ -17,7 +18,7 @@ export interface StockMaterialPreset {
 
 export const STOCK_MATERIALS: readonly StockMaterialPreset[] = [
   {
-    name: 'Limewood',
+    name: t('Limewood'),
     skin: '#a06c43',
     core: '#d9bd94',
     ring: '#bd9566',
@@ -26,7 +27,7 @@ export const STOCK_MATERIALS: readonly StockMaterialPreset[] = [
     metalness: 0,
   },
   {
-    name: 'Walnut',
+    name: t('Walnut'),
     skin: '#5a3d2b',
     core: '#a9805c',
     ring: '#7d573b',
@@ -35,7 +36,7 @@ export const STOCK_MATERIALS: readonly StockMaterialPreset[] = [
     metalness: 0,
   },
   {
-    name: 'Tooling board',
+    name: t('Tooling board'),
     skin: '#5f8fa8',
     core: '#d3dde0',
     ring: '#d3dde0',
@@ -44,7 +45,7 @@ export const STOCK_MATERIALS: readonly StockMaterialPreset[] = [
     metalness: 0,
   },
   {
-    name: 'Aluminium',
+    name: t('Aluminium'),
     skin: '#8b949e',
     core: '#d3d9df',
     ring: '#d3d9df',
@@ -53,7 +54,7 @@ export const STOCK_MATERIALS: readonly StockMaterialPreset[] = [
     metalness: 0.6,
   },
   {
-    name: 'Clay',
+    name: t('Clay'),
     skin: '#b5694c',
     core: '#cf8a6b',
     ring: '#cf8a6b',
@@ -69,6 +70,6 @@ export const STOCK_MATERIALS: readonly StockMaterialPreset[] = [
  */
 export function sessionMaterial(kinds: readonly ParticipantKind[]): StockMaterialPreset {
   const isProgram = kinds.length > 0 && kinds.every((kind) => kind === 'program');
-  const name = isProgram ? 'Tooling board' : 'Limewood';
+  const name = isProgram ? t('Tooling board') : t('Limewood');
   return STOCK_MATERIALS.find((preset) => preset.name === name)!;
 }

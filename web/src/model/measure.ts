@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is measured between points of the surface, and how it is written.
 
+import { language } from '../strings';
 import type { Vec3 } from '../wire/types';
 import { cross, distance, dot, minus, plus, scaled, unitOf } from './vector';
 
@@ -101,7 +102,7 @@ export function angleOf(a: Pressed, b: Pressed, armMm: number): Measure {
 }
 
 function fixed(value: number, digits: number): string {
-  return new Intl.NumberFormat('en', {
+  return new Intl.NumberFormat(language, {
     minimumFractionDigits: digits,
     maximumFractionDigits: digits,
   }).format(Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value);

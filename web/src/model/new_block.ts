@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes of new blocks: from a template, around a mesh, or for a program; what they cost, in words.
 
+import { language, t } from '../strings';
 import type { Vec3 } from '../wire/types';
 
 /** A scene as server/formats/README.md describes it. */
@@ -207,15 +208,15 @@ export function bytesText(bytes: number): string {
 
 /** "0.05 mm: 38 µs a motion, up to 120 MB" */
 export function priceText({ usPerMotion, bytes }: Price, targetMm: number): string {
-  return `${targetMm} mm: ${timeText(usPerMotion)} a motion, up to ${bytesText(bytes)}`;
+  return t('{0} mm: {1} a motion, up to {2}', targetMm, timeText(usPerMotion), bytesText(bytes));
 }
 
 /** "⌀ 12, 6 and 3 mm": the tools of a template. */
 export function toolsText(tools: unknown): string {
   const sizes = (Array.isArray(tools) ? (tools as Scene[]) : []).map((tool) =>
-    typeof tool['diameter_mm'] === 'number' ? String(tool['diameter_mm']) : 'profile',
+    typeof tool['diameter_mm'] === 'number' ? String(tool['diameter_mm']) : t('profile'),
   );
-  return sizes.length === 0 ? '' : `⌀ ${new Intl.ListFormat('en').format(sizes)} mm`;
+  return sizes.length === 0 ? '' : `⌀ ${new Intl.ListFormat(language).format(sizes)} mm`;
 }
 
 /** "120 × 80 × 20 mm", or "⌀ 60 × 80 mm" of a cylinder; empty if the stock is neither. */
@@ -249,10 +250,10 @@ export function freeId(name: string, taken: readonly string[]): string {
 /** How long ago a time is, from now on: "just now", "5 min ago", "3 days ago". */
 export function ageText(timeMs: number, nowMs: number): string {
   const minutes = Math.floor((nowMs - timeMs) / 60_000);
-  if (minutes < 1) return 'just now';
-  if (minutes < 60) return `${minutes} min ago`;
+  if (minutes < 1) return t('just now');
+  if (minutes < 60) return t('{0} min ago', minutes);
   const hours = Math.floor(minutes / 60);
-  if (hours < 24) return `${hours} h ago`;
+  if (hours < 24) return t('{0} h ago', hours);
   const days = Math.floor(hours / 24);
-  return days === 1 ? 'a day ago' : `${days} days ago`;
+  return days === 1 ? t('a day ago') : t('{0} days ago', days);
 }

@@ -4,6 +4,7 @@
 // The list creates the entries; tool states of unknown participants are ignored, but in the past, where
 // they are of participants who have left.
 
+import { t } from '../strings';
 import { STATUS_FELT } from '../wire/types';
 import type { ParticipantInfo, ParticipantsChanged, ToolState } from '../wire/types';
 import { ForceHistory } from './forces';
@@ -142,7 +143,7 @@ export class Participants {
 
   private admit_({ participant, tool_id }: ToolState): Participant | undefined {
     if (!this.looksBack) return undefined;
-    const name = `Participant ${participant}`;
+    const name = t('Participant {0}', participant);
     const color = colorOfUnknown(participant);
     this.put_({ participant, name, color, kind: 'agent', tool: tool_id });
     this.revision_ += 1;

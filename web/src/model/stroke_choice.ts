@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which stroke the undo and redo buttons mean.
 
+import { t } from '../strings';
+import { roleName } from '../strings/names';
 import type { Stroke, StrokeChange } from '../link/strokes';
 import type { Welcome } from '../wire/types';
 
@@ -24,5 +26,7 @@ export function nextStroke(
 /** Returns why this viewer may not undo, as a sentence for the user; empty: it may. */
 export function whyNotUndo({ may, role }: Pick<Welcome, 'may' | 'role'>): string {
   if (may === undefined || may.includes('undo')) return '';
-  return `Your role${role === undefined ? '' : `, ${role},`} may not undo.`;
+  return role === undefined
+    ? t('Your role may not undo.')
+    : t('Your role, {0}, may not undo.', roleName(role));
 }

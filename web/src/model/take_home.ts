@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files that can be taken home: for what, in which detail, and about how large they are.
 
+import { language, t } from '../strings';
+
 export type Detail = 'surface' | 'motions' | 'none';
 
 export interface TakeHomeFormat {
@@ -25,11 +27,11 @@ function surface(name: string, file: string, text: string, bytesEach: number): T
 // Sizes: of a milled plate with 2 million triangles, and of journals of hands.
 export const GROUPS: readonly TakeHomeGroup[] = [
   {
-    title: 'Print',
+    title: t('Print'),
     formats: [
-      surface('3MF', 'model.3mf', 'Closed surface in millimetres', 14),
-      surface('STL', 'model.stl', 'Closed surface', 50),
-      surface('STL text', 'model.stl?encoding=ascii', 'Without support for binary STL', 184),
+      surface('3MF', 'model.3mf', t('Closed surface in millimetres'), 14),
+      surface('STL', 'model.stl', t('Closed surface'), 50),
+      surface(t('STL text'), 'model.stl?encoding=ascii', t('Without support for binary STL'), 184),
     ],
   },
   {
@@ -38,14 +40,14 @@ export const GROUPS: readonly TakeHomeGroup[] = [
       {
         name: 'NC',
         file: 'program.ngc',
-        text: 'G-code of every motion',
+        text: t('G-code of every motion'),
         detail: 'motions',
         bytesEach: 82,
       },
       {
         name: 'APT',
         file: 'program.apt',
-        text: 'Tool poses of every motion',
+        text: t('Tool poses of every motion'),
         detail: 'motions',
         bytesEach: 82,
       },
@@ -54,25 +56,25 @@ export const GROUPS: readonly TakeHomeGroup[] = [
   {
     title: 'CAD',
     formats: [
-      surface('OBJ', 'model.obj', 'For modeling programs', 84),
-      surface('PLY', 'model.ply', 'For mesh tools', 19),
+      surface('OBJ', 'model.obj', t('For modeling programs'), 84),
+      surface('PLY', 'model.ply', t('For mesh tools'), 19),
     ],
   },
   {
-    title: 'Web',
+    title: t('Web'),
     formats: [
-      surface('GLB', 'model.glb', 'For viewers and AR', 20),
-      surface('GLB quantized', 'model.glb?encoding=quantized', 'Smaller; most viewers', 13),
-      surface('GLB compressed', 'model.glb?encoding=meshopt', 'Smallest; needs meshopt', 4),
+      surface('GLB', 'model.glb', t('For viewers and AR'), 20),
+      surface(t('GLB quantized'), 'model.glb?encoding=quantized', t('Smaller; most viewers'), 13),
+      surface(t('GLB compressed'), 'model.glb?encoding=meshopt', t('Smallest; needs meshopt'), 4),
     ],
   },
   {
-    title: 'Figures',
+    title: t('Figures'),
     formats: [
       {
         name: 'CSV',
         file: 'forces.csv',
-        text: 'Force and torque of every motion',
+        text: t('Force and torque of every motion'),
         detail: 'none',
         bytesEach: 163,
       },
@@ -95,21 +97,21 @@ export function choicesFor(detail: Detail): readonly DetailChoice[] {
       return [
         EXACT,
         ...[1_000_000, 100_000, 20_000].map((triangles) => ({
-          text: `at most ${new Intl.NumberFormat('en').format(triangles)} triangles`,
+          text: t('at most {0} triangles', new Intl.NumberFormat(language).format(triangles)),
           query: `triangles=${triangles}`,
           triangles,
         })),
         ...[0.01, 0.05, 0.2].map((error) => ({
-          text: `within ${error} mm`,
+          text: t('within {0} mm', error),
           query: `error_mm=${error}`,
           triangles: null,
         })),
       ];
     case 'motions':
       return [
-        { ...EXACT, text: 'every motion' },
+        { ...EXACT, text: t('every motion') },
         ...[0.001, 0.01, 0.1].map((tolerance) => ({
-          text: `joined within ${tolerance} mm`,
+          text: t('joined within {0} mm', tolerance),
           query: `tolerance_mm=${tolerance}`,
           triangles: null,
         })),

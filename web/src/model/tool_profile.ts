@@ -3,6 +3,8 @@
 // and z up the axis. Pieces meet in sharp edges, so each is lathed separately and keeps its own
 // normals. Lengths in mm.
 
+import { t } from '../strings';
+import { shapeName } from '../strings/names';
 import type { ToolInfo } from '../wire/types';
 import { aptOutline, arc, bodyOutline, profileOutline } from './tool_outline';
 import type { BodyOutline, OutlinePoint } from './tool_outline';
@@ -147,8 +149,8 @@ function cutterProfile(tool: ToolInfo): Cutter {
 
 /** Returns the tool's name in the list of participants: shape and diameter. */
 export function toolName(tool: ToolInfo | undefined): string {
-  if (!tool) return 'no tool';
+  if (!tool) return t('no tool');
   const wide = tool.diameter_mm ?? tool.d_mm ?? (tool.profile_mm && 2 * toolProfile(tool).radiusMm);
   const diameter = wide === undefined ? '' : ` ${Number(wide.toFixed(2))} mm`;
-  return `${tool.shape.replace('_', ' ')}${diameter}`;
+  return shapeName(tool.shape) + diameter;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The connection badge: state, round trip, frames per second and age of the picture.
 
+import { t } from '../strings';
 import type { SessionModel } from '../model/session';
 import { h, setText } from './dom';
 import { milliseconds } from './format';
@@ -18,19 +19,19 @@ export function badgeOf(
     return { state: model.status, label: LABELS[model.status], brief: '', more: '' };
   const { overdueMs } = model.liveness;
   if (overdueMs > 0) {
-    const brief = `for ${Math.floor(overdueMs / 1000)} s`;
+    const brief = t('for {0} s', Math.floor(overdueMs / 1000));
     return { state: 'silent', label: LABELS.silent, brief, more: '' };
   }
   const active = model.active(nowMs);
   const staleness = model.stalenessMs(nowMs);
   const isStale = active && staleness > STALE_MS;
   const state = model.state?.at ? 'past' : isStale ? 'stale' : 'connected';
-  const age = active ? `${milliseconds(staleness)} old` : 'still';
+  const age = active ? t('{0} old', milliseconds(staleness)) : t('still');
   return {
     state,
     label: LABELS[state],
     brief: `RTT ${milliseconds(model.clock.rttMs)}`,
-    more: ` · ${model.frames.perSecond(nowMs)} frames/s · ${age}`,
+    more: t(' · {0} frames/s · {1}', model.frames.perSecond(nowMs), age),
   };
 }
 
@@ -51,7 +52,7 @@ export class Badge {
       class: 'badge',
       role: 'status',
       'aria-live': 'polite',
-      title: 'Round trip to the server, frames received per second, age of the picture',
+      title: t('Round trip to the server, frames received per second, age of the picture'),
     },
     h('span', { class: 'badge-dot' }),
     this.state_,
@@ -69,11 +70,11 @@ export class Badge {
 }
 
 const LABELS = {
-  connecting: 'Connecting',
-  connected: 'Live',
-  past: 'Past',
-  stale: 'Behind',
-  silent: 'No answer',
-  reconnecting: 'Reconnecting',
-  stopped: 'Disconnected',
+  connecting: t('Connecting'),
+  connected: t('Live'),
+  past: t('Past'),
+  stale: t('Behind'),
+  silent: t('No answer'),
+  reconnecting: t('Reconnecting'),
+  stopped: t('Disconnected'),
 } as const;

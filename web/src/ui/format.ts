@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Formats numbers and sentences for the user.
 
-const WHOLE = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
+import { language, t } from '../strings';
+
+const WHOLE = new Intl.NumberFormat(language, { maximumFractionDigits: 0 });
 
 /** 1234567 → "1,234,567" */
 export function count(value: number): string {
@@ -14,7 +16,7 @@ export function figure(value: number): string {
   const size = Math.abs(value);
   if (size < 0.0005) return '0';
   const digits = Math.max(0, Math.min(4, 2 - Math.floor(Math.log10(size))));
-  return new Intl.NumberFormat('en', { maximumFractionDigits: digits }).format(value);
+  return new Intl.NumberFormat(language, { maximumFractionDigits: digits }).format(value);
 }
 
 /**
@@ -25,8 +27,8 @@ export function figure(value: number): string {
 export function feltBeside(computed: number, share: number | null, unit: string): string {
   const text = `${figure(computed)} ${unit}`;
   if (share === null || share >= 0.99 || figure(computed) === '0') return text;
-  if (figure(share) === '0') return `${text} · not felt`;
-  return `${text} · felt ${figure(computed * share)} (× ${figure(share)})`;
+  if (figure(share) === '0') return t('{0} · not felt', text);
+  return t('{0} · felt {1} (× {2})', text, figure(computed * share), figure(share));
 }
 
 /** Formats a volume: in mm³, from 1000 mm³ in cm³. */
@@ -34,10 +36,15 @@ export function volume(mm3: number): [value: string, unit: string] {
   return mm3 >= 1000 ? [figure(mm3 / 1000), 'cm³'] : [figure(mm3), 'mm³'];
 }
 
+const TENTHS = new Intl.NumberFormat(language, {
+  minimumFractionDigits: 1,
+  maximumFractionDigits: 1,
+});
+
 export function milliseconds(value: number): string {
   if (Number.isNaN(value)) return '–';
   if (value >= 10000) return `${figure(value / 1000)} s`;
-  return value >= 10 ? `${Math.round(value)} ms` : `${value.toFixed(1)} ms`;
+  return value >= 10 ? `${Math.round(value)} ms` : `${TENTHS.format(value)} ms`;
 }
 
 /** Turns a reason into a sentence: "no hello within 5 s" → "No hello within 5 s." */

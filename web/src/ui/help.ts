@@ -1,48 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
 // The help dialog: keyboard, mouse and touch controls.
 
+import { t } from '../strings';
 import { h } from './dom';
 
 const KEYS: readonly [string, string][] = [
-  ['F', 'Fit the block'],
-  ['0', 'Three-quarter view'],
-  ['1 · 3 · 7', 'Front, right, top'],
-  ['Shift + 1 · 3 · 7', 'Back, left, bottom'],
-  ['Arrow keys', 'Rotate'],
-  ['Shift + arrow keys', 'Pan'],
-  ['+ · −', 'Zoom'],
-  ['N', 'Follow the next tool'],
-  ['Esc', 'Stop following'],
-  ['A', 'Force and torque arrows on or off'],
-  ['G', 'Grid on or off'],
-  ['S', 'Sound on or off'],
-  ['T', 'Timeline: look at the past'],
-  ['C', 'Carve, with mouse, pen or finger'],
-  ['Arrows on the timeline', 'One motion, with Shift 100, Page up and down 1000'],
-  ['I', 'Sections and measures'],
-  ['O', 'Parallel projection or perspective'],
-  ['Ctrl + Z', 'Undo the newest stroke of the selected participant'],
-  ['Ctrl + Shift + Z', 'Redo'],
-  ['?', 'Show this help'],
+  ['F', t('Fit the block')],
+  ['0', t('Three-quarter view')],
+  ['1 · 3 · 7', t('Front, right, top')],
+  [t('Shift + 1 · 3 · 7'), t('Back, left, bottom')],
+  [t('Arrow keys'), t('Rotate')],
+  [t('Shift + arrow keys'), t('Pan')],
+  ['+ · −', t('Zoom')],
+  ['N', t('Follow the next tool')],
+  ['Esc', t('Stop following')],
+  ['A', t('Force and torque arrows on or off')],
+  ['G', t('Grid on or off')],
+  ['S', t('Sound on or off')],
+  ['T', t('Timeline: look at the past')],
+  ['C', t('Carve, with mouse, pen or finger')],
+  [t('Arrows on the timeline'), t('One motion, with Shift 100, Page up and down 1000')],
+  ['I', t('Sections and measures')],
+  ['O', t('Parallel projection or perspective')],
+  [t('Ctrl + Z'), t('Undo the newest stroke of the selected participant')],
+  [t('Ctrl + Shift + Z'), t('Redo')],
+  ['?', t('Show this help')],
 ];
 
 const CARVING: readonly [string, string][] = [
-  ['Drag, one finger', 'Carve'],
-  ['Right drag, Space + drag, two fingers', 'Rotate'],
-  ['Middle drag, three fingers', 'Pan'],
-  ['Ctrl + wheel, pressure of a pen', 'Depth'],
-  ['[ · ]', 'Tool'],
-  ['P · L', 'Follow the surface or a plane; lean with the surface'],
-  ['Ctrl + Z, tap with two fingers', 'Undo your newest stroke'],
-  ['Ctrl + Shift + Z, tap with three', 'Redo'],
-  ['Esc', 'End the stroke, then carving'],
+  [t('Drag, one finger'), t('Carve')],
+  [t('Right drag, Space + drag, two fingers'), t('Rotate')],
+  [t('Middle drag, three fingers'), t('Pan')],
+  [t('Ctrl + wheel, pressure of a pen'), t('Depth')],
+  ['[ · ]', t('Tool')],
+  ['P · L', t('Follow the surface or a plane; lean with the surface')],
+  [t('Ctrl + Z, tap with two fingers'), t('Undo your newest stroke')],
+  [t('Ctrl + Shift + Z, tap with three'), t('Redo')],
+  ['Esc', t('End the stroke, then carving')],
 ];
 
 const POINTERS: readonly [string, string][] = [
-  ['Drag, one finger', 'Rotate'],
-  ['Right drag, two fingers', 'Pan'],
-  ['Wheel, pinch', 'Zoom towards the pointer'],
-  ['Double click', 'Center on that point'],
+  [t('Drag, one finger'), t('Rotate')],
+  [t('Right drag, two fingers'), t('Pan')],
+  [t('Wheel, pinch'), t('Zoom towards the pointer')],
+  [t('Double click'), t('Center on that point')],
 ];
 
 function table(rows: readonly [string, string][]): HTMLElement {
@@ -54,15 +55,15 @@ function table(rows: readonly [string, string][]): HTMLElement {
 }
 
 export function helpDialog(): HTMLDialogElement {
-  const close = h('button', { class: 'button' }, 'Close');
+  const close = h('button', { class: 'button' }, t('Close'));
   const dialog = h(
     'dialog',
-    { class: 'help', 'aria-label': 'Keyboard and pointer' },
-    h('h2', {}, 'Keyboard'),
+    { class: 'help', 'aria-label': t('Keyboard and pointer') },
+    h('h2', {}, t('Keyboard')),
     table(KEYS),
-    h('h2', {}, 'Mouse, pen and touch'),
+    h('h2', {}, t('Mouse, pen and touch')),
     table(POINTERS),
-    h('h2', {}, 'While you carve'),
+    h('h2', {}, t('While you carve')),
     table(CARVING),
     h('form', { method: 'dialog' }, close),
   );

@@ -2,6 +2,7 @@
 // Undo and redo of strokes. The buttons are here; the list of strokes is a chunk of its own, loaded
 // when it is first opened.
 
+import { t } from '../strings';
 import { changeStroke, listStrokes } from '../link/strokes';
 import type { Stroke, StrokeChange } from '../link/strokes';
 import type { SessionModel } from '../model/session';
@@ -14,12 +15,12 @@ const REFRESH_MS = 1500; // while the list is open and the block changes
 
 export class History {
   readonly element: HTMLElement;
-  private readonly undo_ = this.button_('Undo', 'Ctrl+Z', 'undo');
-  private readonly redo_ = this.button_('Redo', 'Ctrl+Shift+Z', 'redo');
+  private readonly undo_ = this.button_(t('Undo'), t('Ctrl+Z'), 'undo');
+  private readonly redo_ = this.button_(t('Redo'), t('Ctrl+Shift+Z'), 'redo');
   private readonly toggle_ = h(
     'button',
     { type: 'button', class: 'quiet-action', 'aria-expanded': 'false' },
-    'Show strokes',
+    t('Show strokes'),
   );
   private readonly note_ = h('p', { class: 'quiet history-note', role: 'status' });
   private readonly body_ = h('div', { hidden: '' });
@@ -66,13 +67,17 @@ export class History {
   async change(change: StrokeChange): Promise<void> {
     await this.attempt_(async () => {
       const stroke = nextStroke(await listStrokes(this.session), change, this.selected_);
-      if (!stroke) return `There is nothing to ${change}.`;
+      if (!stroke)
+        return change === 'undo' ? t('There is nothing to undo.') : t('There is nothing to redo.');
       return this.changeOne_(change, stroke);
     });
   }
 
   private button_(label: string, key: string, change: StrokeChange): HTMLButtonElement {
-    const title = `${label} the newest stroke of the participant that is selected (${key})`;
+    const title =
+      change === 'undo'
+        ? t('Undo the newest stroke of the participant that is selected ({0})', key)
+        : t('Redo the newest stroke of the participant that is selected ({0})', key);
     const button = h('button', { type: 'button', class: 'history-button', title }, label);
     button.addEventListener('click', () => void this.change(change));
     return button;
@@ -81,8 +86,7 @@ export class History {
   private async changeOne_(change: StrokeChange, stroke: Stroke): Promise<string> {
     await changeStroke(this.session, change, stroke.id);
     const name = this.model.participants.get(stroke.participant)?.info.name;
-    const whose = name === undefined ? 'A stroke' : `A stroke of ${name}`;
-    return `${whose} was ${change === 'undo' ? 'undone' : 'redone'}.`;
+    return changedText(change, name ?? '');
   }
 
   /** Runs a change and tells its outcome, also that of a failure. One at a time. */
@@ -102,7 +106,7 @@ export class History {
   private async open_(open: boolean): Promise<void> {
     this.body_.hidden = !open;
     this.toggle_.setAttribute('aria-expanded', String(open));
-    setText(this.toggle_, open ? 'Hide strokes' : 'Show strokes');
+    setText(this.toggle_, open ? t('Hide strokes') : t('Show strokes'));
     if (!open) return;
     if (!this.list_) {
       const { StrokeList } = await import('./stroke_list');
@@ -121,4 +125,12 @@ export class History {
       setText(this.note_, sentence((problem as Error).message));
     }
   }
+}
+
+/** @param name of who has carved the stroke; empty: unknown */
+export function changedText(change: StrokeChange, name: string): string {
+  if (name === '') return change === 'undo' ? t('A stroke was undone.') : t('A stroke was redone.');
+  return change === 'undo'
+    ? t('A stroke of {0} was undone.', name)
+    : t('A stroke of {0} was redone.', name);
 }

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // The dialog by which an owner makes an invitation: a role, a time, and the link to send.
 
+import { language, t } from '../strings';
 import { makeInvitation } from '../link/invitation';
 import type { InvitedRole } from '../link/invitation';
 import { h, setText } from './dom';
 import { sentence } from './format';
 
 const ROLES: readonly [InvitedRole, string, string][] = [
-  ['watcher', 'Watcher', 'sees the block and downloads it'],
-  ['sculptor', 'Sculptor', 'carves too, and runs programs'],
-  ['owner', 'Owner', 'invites, mutes and removes people, closes the session'],
+  ['watcher', t('Watcher'), t('sees the block and downloads it')],
+  ['sculptor', t('Sculptor'), t('carves too, and runs programs')],
+  ['owner', t('Owner'), t('invites, mutes and removes people, closes the session')],
 ];
 const TIMES: readonly [string, number][] = [
-  ['for a day', 24],
-  ['for a week', 7 * 24],
-  ['for a month', 30 * 24],
+  [t('for a day'), 24],
+  [t('for a week'), 7 * 24],
+  [t('for a month'), 30 * 24],
 ];
 
 /** A square code of the link, for the camera of a phone. Its code is loaded when it is needed. */
@@ -25,7 +26,7 @@ async function showCode(place: HTMLElement, address: string): Promise<void> {
 }
 
 function untilText(hours: number): string {
-  const format = new Intl.DateTimeFormat('en', { dateStyle: 'medium', timeStyle: 'short' });
+  const format = new Intl.DateTimeFormat(language, { dateStyle: 'medium', timeStyle: 'short' });
   return format.format(Date.now() + hours * 3_600_000);
 }
 
@@ -39,7 +40,7 @@ export function inviteDialog(session: string): HTMLDialogElement {
   });
   const time = h(
     'select',
-    { class: 'invite-time', 'aria-label': 'The link works' },
+    { class: 'invite-time', 'aria-label': t('The link works') },
     ...TIMES.map(([text, hours]) => h('option', { value: String(hours) }, text)),
   );
   time.value = String(TIMES[1]![1]);
@@ -47,39 +48,39 @@ export function inviteDialog(session: string): HTMLDialogElement {
     class: 'invite-link',
     readonly: '',
     hidden: '',
-    'aria-label': 'The link to send',
+    'aria-label': t('The link to send'),
   });
   const code = h('div', {
     class: 'invite-code',
     role: 'img',
-    'aria-label': 'The link as a QR code',
+    'aria-label': t('The link as a QR code'),
     hidden: '',
   });
   const note = h('p', { class: 'quiet', role: 'status' });
-  const make = h('button', { type: 'button', class: 'button' }, 'Make a link');
+  const make = h('button', { type: 'button', class: 'button' }, t('Make a link'));
   make.addEventListener('click', () => {
     makeInvitation(session, role, Number(time.value)).then(
       (address) => {
         link.value = address;
         link.hidden = false;
         link.select();
-        const end = `It works until ${untilText(Number(time.value))}`;
-        setText(note, `Anyone with this link gets the role. ${end}. It is shown only here.`);
+        const end = t('It works until {0}', untilText(Number(time.value)));
+        setText(note, t('Anyone with this link gets the role. {0}. It is shown only here.', end));
         showCode(code, address).catch((problem: unknown) => console.warn('No QR code:', problem));
         const clipboard = navigator.clipboard as Clipboard | undefined; // undefined on plain HTTP
         void clipboard
           ?.writeText(address)
-          .then(() => setText(note, `Copied. Send it to the person. ${end}.`));
+          .then(() => setText(note, t('Copied. Send it to the person. {0}.', end)));
       },
       (problem: unknown) => setText(note, sentence((problem as Error).message)),
     );
   });
-  const close = h('button', { type: 'button', class: 'button quiet-button' }, 'Close');
+  const close = h('button', { type: 'button', class: 'button quiet-button' }, t('Close'));
   const dialog = h(
     'dialog',
-    { class: 'help invite', 'aria-label': 'Invite' },
-    h('h2', {}, 'Invite'),
-    h('div', { role: 'radiogroup', 'aria-label': 'Role' }, ...choices),
+    { class: 'help invite', 'aria-label': t('Invite') },
+    h('h2', {}, t('Invite')),
+    h('div', { role: 'radiogroup', 'aria-label': t('Role') }, ...choices),
     h('p', { class: 'invite-make' }, make, time, close),
     link,
     code,

@@ -2,17 +2,18 @@
 // The choice of the block's material. What the user chose is kept; until then the kind of session
 // decides.
 
+import { t } from '../strings';
 import { sessionMaterial, STOCK_MATERIALS } from '../model/materials';
 import type { StockMaterialPreset } from '../model/materials';
 import type { ParticipantKind } from '../wire/types';
 import { h } from './dom';
-import { recall, remember } from './memory';
+import { recall, remember } from '../strings/memory';
 
 export class MaterialChoice {
   readonly element = h('div', {
     class: 'materials',
     role: 'radiogroup',
-    'aria-label': 'Material',
+    'aria-label': t('Material'),
   });
   private readonly inputs_ = new Map<StockMaterialPreset, HTMLInputElement>();
   private decided_ = false;

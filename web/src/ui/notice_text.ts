@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the notice over the picture says: the most important of what is wrong or happens.
 
+import { t } from '../strings';
 import type { SessionModel } from '../model/session';
 import { sentence } from './format';
 import type { NoticeText } from './notice';
 
-export const SESSION_CLOSED = 'The server closed the session';
-const NO_PICTURE =
-  'No picture: this browser has no WebGL 2. Turn on hardware acceleration to see the block; the rest works.';
+export const SESSION_CLOSED = t('The server closed the session');
+const NO_PICTURE = t(
+  'No picture: this browser has no WebGL 2. Turn on hardware acceleration to see the block; the rest works.',
+);
 const FLASH_MS = 2500;
 
 /** A sentence that is shown for a short time. */
@@ -36,10 +38,10 @@ export interface NoticeState {
 }
 
 function reconnecting({ model, retryAtMs }: NoticeState, nowMs: number): NoticeText {
-  const text = sentence(model.statusReason || 'The connection was lost');
-  if (retryAtMs === null) return { text: `${text} Reconnecting…` };
+  const text = sentence(model.statusReason || t('The connection was lost'));
+  if (retryAtMs === null) return { text: t('{0} Reconnecting…', text) };
   const seconds = Math.max(1, Math.ceil((retryAtMs - nowMs) / 1000));
-  return { text, wait: `Reconnecting in ${seconds} s`, action: 'Now' };
+  return { text, wait: t('Reconnecting in {0} s', seconds), action: t('Now') };
 }
 
 export function noticeText(state: NoticeState, nowMs: number): NoticeText {
@@ -47,13 +49,15 @@ export function noticeText(state: NoticeState, nowMs: number): NoticeText {
   if (status === 'reconnecting') return reconnecting(state, nowMs);
   if (status === 'stopped')
     return {
-      text: `${sentence(statusReason || SESSION_CLOSED)} The last picture stays on screen.`,
+      text: t('{0} The last picture stays on screen.', sentence(statusReason || SESSION_CLOSED)),
     };
-  if (status === 'connecting') return { text: 'Connecting…' };
+  if (status === 'connecting') return { text: t('Connecting…') };
   if (state.contextLost)
-    return { text: 'The graphics device was lost. Drawing resumes when the browser restores it.' };
+    return {
+      text: t('The graphics device was lost. Drawing resumes when the browser restores it.'),
+    };
   const flash = state.flash.text(nowMs);
   if (flash !== '') return { text: flash };
   if (state.hasNoPicture) return { text: NO_PICTURE };
-  return { text: tiles.complete ? '' : 'Loading the block…' };
+  return { text: tiles.complete ? '' : t('Loading the block…') };
 }

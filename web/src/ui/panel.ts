@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The side panel (a bottom sheet on phones): figures, participants, plots, downloads, material.
 
+import { t } from '../strings';
 import type { StockMaterialPreset } from '../model/materials';
 import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
 import { h, setText } from './dom';
+import { languageChoice } from './language_choice';
 import { count, duration, figure, volume } from './format';
 import { History } from './history';
 import { MaterialChoice } from './material_choice';
@@ -53,14 +55,15 @@ export class Panel {
   private readonly handle_ = h(
     'button',
     { type: 'button', class: 'sheet-handle', 'aria-expanded': 'false' },
-    'Show details',
+    t('Show details'),
   );
-  private readonly motions_ = new Figure('Motions');
-  private readonly removed_ = new Figure('Removed');
-  private readonly triangles_ = new Figure('Triangles');
-  private readonly pitch_ = new Figure('Pitch');
+  private readonly motions_ = new Figure(t('Motions'));
+  private readonly removed_ = new Figure(t('Removed'));
+  private readonly triangles_ = new Figure(t('Triangles'));
+  private readonly pitch_ = new Figure(t('Pitch'));
   private readonly hash_ = h('code', {
-    title: 'State hash: two viewers with the same hash show the same block',
+    title: t('State hash: two viewers with the same hash show the same block'),
+    'data-settled': t('complete'),
   });
   private readonly plotOf_ = h('span', { class: 'plot-of' });
   private plotted_: Participant | null = null; // stays when the participant leaves
@@ -88,23 +91,24 @@ export class Panel {
       this.triangles_.element,
       this.pitch_.element,
     );
-    const forces = section('Forces', this.plots_.element);
+    const forces = section(t('Forces'), this.plots_.element);
     forces.querySelector('h2')?.append(this.plotOf_);
     this.element = h(
       'aside',
-      { class: 'panel', 'aria-label': 'Session details' },
+      { class: 'panel', 'aria-label': t('Session details') },
       this.handle_,
       h(
         'div',
         { class: 'panel-scroll' },
         figures,
-        section('Participants', this.people_.root),
+        section(t('Participants'), this.people_.root),
         together,
         forces,
-        section('History', this.history.element),
-        section('Downloads', takeHomeButton(model, session)),
-        section('Material', this.material_.element),
-        h('p', { class: 'quiet hash' }, 'State ', this.hash_),
+        section(t('History'), this.history.element),
+        section(t('Downloads'), takeHomeButton(model, session)),
+        section(t('Material'), this.material_.element),
+        h('p', { class: 'quiet hash' }, t('State '), this.hash_),
+        languageChoice(),
       ),
     );
     this.handle_.addEventListener('click', () => this.toggle_());
@@ -124,7 +128,7 @@ export class Panel {
     );
     this.triangles_.set(count(tiles.triangles));
     this.pitch_.set(welcome ? figure(welcome.pitch_mm) : '–', 'mm');
-    setText(this.hash_, state ? (state.paused ? 'paused: disk' : state.state_hash) : '–');
+    setText(this.hash_, state ? (state.paused ? t('paused: disk') : state.state_hash) : '–');
     this.hash_.classList.toggle('settled', state?.settled === true);
     this.material_.suggest(this.model.participants.carvers().map(({ info }) => info.kind));
     this.people_.update(selected, followed, nowMs);
@@ -139,7 +143,7 @@ export class Panel {
     const silentMs = nowMs - seenMs;
     const silent = silentMs > SILENT_MS;
     const isGone = !this.model.participants.get(info.participant);
-    const ago = isGone && Number.isFinite(silentMs) ? `, ${duration(silentMs)} ago` : '';
+    const ago = isGone && Number.isFinite(silentMs) ? t(', {0} ago', duration(silentMs)) : '';
     setText(this.plotOf_, info.name + ago);
     this.plots_.show(forces, nowMs / 1000, silent ? 'gone' : feltShare);
   }
@@ -147,7 +151,7 @@ export class Panel {
   private toggle_(): void {
     const open = this.element.classList.toggle('open');
     this.handle_.setAttribute('aria-expanded', String(open));
-    this.handle_.textContent = open ? 'Hide details' : 'Show details';
+    this.handle_.textContent = open ? t('Hide details') : t('Show details');
     this.actions.toggled(open);
   }
 }

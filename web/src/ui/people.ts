@@ -2,6 +2,8 @@
 // The list of participants: color, name, tool, current force; below it those who watch. Pressing a
 // name follows that tool and plots its forces.
 
+import { t } from '../strings';
+import { roleName } from '../strings/names';
 import { toolName } from '../model/tool_profile';
 import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
@@ -18,10 +20,19 @@ interface Row {
   state: HTMLElement;
 }
 
+/** What a participant's tool does. */
+const STATES = {
+  muted: t('muted'),
+  idle: t('idle'),
+  colliding: t('colliding'),
+  cutting: t('cutting'),
+  air: t('in the air'),
+};
+
 /** What stands before the tool of a participant. */
 function marksOf({ kind, role }: ParticipantInfo): string[] {
-  if (kind === 'program') return ['program'];
-  return role === undefined ? [] : [role];
+  if (kind === 'program') return [t('program')];
+  return role === undefined ? [] : [roleName(role)];
 }
 
 export class People {
@@ -54,7 +65,7 @@ export class People {
     const carvers = this.model.participants.carvers();
     this.element.replaceChildren(...carvers.map((participant) => this.row_(participant).element));
     if (carvers.length === 0) {
-      this.element.append(h('li', { class: 'quiet' }, 'No one is carving.'));
+      this.element.append(h('li', { class: 'quiet' }, t('No one is carving.')));
     }
     this.watchers_.update();
   }
@@ -67,12 +78,12 @@ export class People {
     const isSelf = this.model.participants.isAgentOf(this.model.welcome?.participant, participant);
     const button = h(
       'button',
-      { type: 'button', class: 'person', style: `--who:${color}`, title: 'Follow this tool' },
+      { type: 'button', class: 'person', style: `--who:${color}`, title: t('Follow this tool') },
       h('span', { class: 'person-dot' }),
       h(
         'span',
         { class: 'person-name' },
-        isSelf ? `${name} (you)` : name,
+        isSelf ? t('{0} (you)', name) : name,
         h('small', {}, [...marksOf(participant.info), tool].join(' · ')),
       ),
       state,
@@ -100,7 +111,7 @@ export class People {
       row.force,
       fresh ? feltBeside(participant.forces.latest.forceN, participant.feltShare, 'N') : '',
     );
-    const word = participant.info.muted
+    const state = participant.info.muted
       ? 'muted'
       : !fresh
         ? 'idle'
@@ -108,8 +119,9 @@ export class People {
           ? 'colliding'
           : status & STATUS_CUTTING
             ? 'cutting'
-            : 'in the air';
-    setText(row.state, id === followed ? `${word} · followed` : word);
-    row.state.dataset['state'] = word;
+            : 'air';
+    const word = STATES[state];
+    setText(row.state, id === followed ? t('{0} · followed', word) : word);
+    row.state.dataset['state'] = state;
   }
 }

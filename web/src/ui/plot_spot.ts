@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The place of the live plots, a chunk that is loaded when there is something to plot.
 
+import { t } from '../strings';
 import type { ForceHistory } from '../model/forces';
 import { h } from './dom';
 import type { Felt, Plots } from './plots';
@@ -11,7 +12,7 @@ export class PlotSpot {
   readonly element = h(
     'div',
     { class: 'plot-spot' },
-    h('p', { class: 'quiet' }, 'There is nothing to plot yet.'),
+    h('p', { class: 'quiet' }, t('There is nothing to plot yet.')),
   );
   private plots_: Plots | null = null;
   private triedS_ = -Infinity;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Live plots of force and torque magnitude over the last seconds.
 
+import { t } from '../strings';
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { FORCE_WINDOW_S } from '../model/participants';
@@ -32,7 +33,7 @@ class Plot {
       {
         class: 'plot',
         'aria-live': 'off',
-        'aria-label': `${title}, last ${FORCE_WINDOW_S} seconds`,
+        'aria-label': t('{0}, last {1} seconds', title, FORCE_WINDOW_S),
       },
       h('figcaption', {}, swatch, title, this.value_, this.peak_),
       this.frame_,
@@ -77,7 +78,7 @@ class Plot {
     const latest = felt === 'gone' ? undefined : values[values.length - 1];
     const share = felt === 'gone' ? null : felt;
     setText(this.value_, latest === undefined ? '' : feltBeside(latest, share, this.unit));
-    setText(this.peak_, peak > 0 ? `peak ${figure(peak)}` : '');
+    setText(this.peak_, peak > 0 ? t('peak {0}', figure(peak)) : '');
   }
 
   resize(): void {
@@ -92,8 +93,8 @@ export class Plots {
   private readonly torque_: Plot;
 
   constructor(forceColor: string, torqueColor: string) {
-    this.force_ = new Plot('Force', 'N', forceColor);
-    this.torque_ = new Plot('Torque', 'N·mm', torqueColor);
+    this.force_ = new Plot(t('Force'), 'N', forceColor);
+    this.torque_ = new Plot(t('Torque'), 'N·mm', torqueColor);
     this.element = h('div', { class: 'plots' }, this.force_.element, this.torque_.element);
     new ResizeObserver(() => {
       this.force_.resize();

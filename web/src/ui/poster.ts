@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A picture of the block made by the server, where the browser cannot draw it.
 
+import { t } from '../strings';
 import { pictureUrl, PictureVersions } from '../link/picture_url';
 import { h } from './dom';
 
@@ -10,7 +11,7 @@ const WIDTH = 960;
 export class Poster {
   readonly element = h('img', {
     class: 'poster',
-    alt: 'The block, as the server draws it',
+    alt: t('The block, as the server draws it'),
     hidden: '',
   });
   private askedMs_ = -Infinity;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The front page: the list of this server's sessions; skipped if there is only one.
 
+import { t } from '../strings';
 import { InvitationNeeded, listSessions } from '../link/api';
 import type { SessionSummary } from '../link/api';
 import { failurePage } from './notice';
@@ -12,11 +13,16 @@ export async function showSessions(app: HTMLElement, always: boolean): Promise<s
     sessions = await listSessions();
   } catch (problem) {
     if (problem instanceof InvitationNeeded) {
-      app.replaceChildren(failurePage('By invitation', problem.message, []));
+      app.replaceChildren(failurePage(t('By invitation'), problem.message, []));
       return null;
     }
-    const text = `${(problem as Error).message} Check that kerf-server is running at this address.`;
-    app.replaceChildren(failurePage('No connection', text, [{ label: 'Try again', href: '?' }]));
+    const text = t(
+      '{0} Check that kerf-server is running at this address.',
+      (problem as Error).message,
+    );
+    app.replaceChildren(
+      failurePage(t('No connection'), text, [{ label: t('Try again'), href: '?' }]),
+    );
     return null;
   }
   if (sessions.length === 1 && !always) return sessions[0]!.id;

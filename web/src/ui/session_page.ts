@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of one session: connects link, model, view and panels.
 
+import { t } from '../strings';
 import { mountCarve } from '../carve/mount';
 import type { CarveSwitch } from '../carve/mount';
 import { probeSession } from '../link/api';
@@ -23,7 +24,7 @@ import { mountInspect } from './inspect/mount';
 import { inviteDialog } from './invite';
 import { listenToKeys, withoutPanels } from './keyboard';
 import type { KeyActions } from './keyboard';
-import { remember } from './memory';
+import { remember } from '../strings/memory';
 import { failurePage, Notice } from './notice';
 import { Flash, noticeText, SESSION_CLOSED } from './notice_text';
 import { OneOpen } from './one_open';
@@ -47,7 +48,7 @@ export class SessionPage {
     class: 'canvas',
     tabindex: '0',
     role: 'img',
-    'aria-label': 'The block and the tools, in 3D',
+    'aria-label': t('The block and the tools, in 3D'),
   });
   private readonly overlay_ = h('div', { class: 'overlay', 'aria-hidden': 'true' });
   private readonly notice_ = new Notice(() => this.link_.retryNow());
@@ -110,7 +111,7 @@ export class SessionPage {
     this.bar_ = new TitleBar(session, {
       copyLink: () => {
         const clipboard = navigator.clipboard as Clipboard | undefined; // undefined on plain HTTP
-        void clipboard?.writeText(location.href).then(() => this.flash_.say('Link copied.'));
+        void clipboard?.writeText(location.href).then(() => this.flash_.say(t('Link copied.')));
       },
       invite: () => this.inviteDialog_.showModal(),
     });
@@ -358,9 +359,9 @@ export class SessionPage {
   private showStopped_(reason: string): void {
     if (this.model.welcome) return; // the last picture stays; badge and notice explain
     this.app.replaceChildren(
-      failurePage('Session not available', sentence(reason || SESSION_CLOSED), [
-        { label: 'All sessions', href: '?list' },
-        { label: 'Try again', href: location.search },
+      failurePage(t('Session not available'), sentence(reason || SESSION_CLOSED), [
+        { label: t('All sessions'), href: '?list' },
+        { label: t('Try again'), href: location.search },
       ]),
     );
   }

@@ -2,6 +2,7 @@
 // The button that turns sound on and off. Off by default: browsers play nothing without a gesture,
 // and a page must not make noise unasked. Silent while the page is hidden.
 
+import { t } from '../strings';
 import type { SoundLevels } from '../model/sound';
 import type { SoundOutput } from '../view/sound_output';
 import { iconButton } from './dom';
@@ -27,7 +28,7 @@ export class SoundToggle {
     private readonly levels: () => SoundLevels,
     private readonly create = createOutput,
   ) {
-    this.button = iconButton(ICONS.sound, 'Sound', 'S', () => this.toggle());
+    this.button = iconButton(ICONS.sound, t('Sound'), 'S', () => this.toggle());
     this.button.setAttribute('aria-pressed', 'false');
     document.addEventListener('visibilitychange', () => this.follow_());
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The strokes of a session, newest first: author, tool, time, motions; each can be undone or redone.
 
+import { language, t } from '../strings';
 import type { Stroke, StrokeChange } from '../link/strokes';
 import type { SessionModel } from '../model/session';
 import { toolName } from '../model/tool_profile';
@@ -8,7 +9,7 @@ import { h } from './dom';
 import { count } from './format';
 
 const SHOWN_MAX = 200;
-const CLOCK = new Intl.DateTimeFormat('en', { timeStyle: 'medium', hourCycle: 'h23' });
+const CLOCK = new Intl.DateTimeFormat(language, { timeStyle: 'medium', hourCycle: 'h23' });
 
 interface Author {
   name: string;
@@ -16,7 +17,7 @@ interface Author {
 }
 
 export class StrokeList {
-  readonly element = h('ol', { class: 'strokes', 'aria-label': 'Strokes, newest first' });
+  readonly element = h('ol', { class: 'strokes', 'aria-label': t('Strokes, newest first') });
   private readonly authors_ = new Map<number, Author>(); // also of those who have left
 
   constructor(
@@ -31,16 +32,18 @@ export class StrokeList {
     const newest = strokes.slice(-SHOWN_MAX).reverse();
     this.element.replaceChildren(...newest.map((stroke) => this.row_(stroke)));
     const hidden = strokes.length - newest.length;
-    if (hidden > 0) this.element.append(h('li', { class: 'quiet' }, `${count(hidden)} older ones`));
-    if (strokes.length === 0) this.element.append(h('li', { class: 'quiet' }, 'No strokes yet.'));
+    if (hidden > 0)
+      this.element.append(h('li', { class: 'quiet' }, t('{0} older ones', count(hidden))));
+    if (strokes.length === 0)
+      this.element.append(h('li', { class: 'quiet' }, t('No strokes yet.')));
   }
 
   private row_(stroke: Stroke): HTMLElement {
     const author = this.authors_.get(stroke.participant);
-    const name = author?.name ?? `Participant ${stroke.participant}`;
+    const name = author?.name ?? t('Participant {0}', stroke.participant);
     const tool = toolName(this.model.tool(stroke.tool));
     const change: StrokeChange = stroke.undone ? 'redo' : 'undo';
-    const label = change === 'undo' ? 'Undo' : 'Redo';
+    const label = change === 'undo' ? t('Undo') : t('Redo');
     const time = CLOCK.format(stroke.begin_ms);
     const button = h(
       'button',
@@ -53,10 +56,15 @@ export class StrokeList {
       {
         class: stroke.undone ? 'stroke undone' : 'stroke',
         style: `--who:${author?.color ?? '#7a8699'}`,
-        title: `Record ${stroke.id}`,
+        title: t('Record {0}', stroke.id),
       },
       h('span', { class: 'stroke-dot' }),
-      h('span', {}, name, h('small', {}, `${tool} · ${time} · ${count(stroke.motions)} motions`)),
+      h(
+        'span',
+        {},
+        name,
+        h('small', {}, t('{0} · {1} · {2} motions', tool, time, count(stroke.motions))),
+      ),
       button,
     );
   }

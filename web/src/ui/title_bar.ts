@@ -2,6 +2,8 @@
 // The bar at the top: the scene's name and who does what to it, the viewer's role, the link, the
 // connection.
 
+import { t } from '../strings';
+import { roleName } from '../strings/names';
 import { headlineOf } from '../model/headline';
 import type { SessionModel } from '../model/session';
 import { Badge } from './badge';
@@ -28,11 +30,11 @@ export class TitleBar {
     actions: TitleBarActions,
   ) {
     this.name_ = h('h1', { class: 'session-name', title: session }, session);
-    this.invite_ = iconButton(ICONS.invite, 'Invite people', '', actions.invite);
+    this.invite_ = iconButton(ICONS.invite, t('Invite people'), '', actions.invite);
     this.invite_.hidden = true;
     const home = h(
       'a',
-      { class: 'brand', href: '?list', 'aria-label': 'Kerf: all sessions' },
+      { class: 'brand', href: '?list', 'aria-label': t('Kerf: all sessions') },
       h('img', { src: './icon.svg', alt: '', width: '28', height: '28' }),
       h('span', { class: 'brand-name' }, 'Kerf'),
     );
@@ -42,7 +44,7 @@ export class TitleBar {
       home,
       h('div', { class: 'titles' }, this.name_, this.headline_),
       this.role_,
-      iconButton(ICONS.link, 'Copy a link to this session', '', actions.copyLink),
+      iconButton(ICONS.link, t('Copy a link to this session'), '', actions.copyLink),
       this.invite_,
       this.badge_.element,
     );
@@ -64,7 +66,7 @@ export class TitleBar {
     const own = welcome ? participants.get(welcome.participant)?.info.role : undefined;
     const role = own ?? welcome?.role;
     this.role_.hidden = role === undefined;
-    setText(this.role_, role ?? '');
+    setText(this.role_, role === undefined ? '' : roleName(role));
     this.invite_.hidden = welcome?.may?.includes('invite') !== true;
     this.badge_.update(model, nowMs);
   }

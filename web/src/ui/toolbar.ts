@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The buttons over the picture: views, following, arrows, sound, help.
 
+import { t } from '../strings';
 import { iconButton } from './dom';
 import { h } from './dom';
 import { ICONS } from './icons';
@@ -37,19 +38,24 @@ export class Toolbar {
 
   constructor(actions: ToolbarActions, sound: HTMLElement) {
     this.views_ = [
-      iconButton(ICONS.fit, 'Fit', 'F', actions.fit),
-      iconButton(ICONS.iso, 'Three-quarter view', '0', actions.iso),
-      iconButton(ICONS.front, 'Front', '1', actions.front),
-      iconButton(ICONS.right, 'Right', '3', actions.right),
-      iconButton(ICONS.top, 'Top', '7', actions.top),
+      iconButton(ICONS.fit, t('Fit'), 'F', actions.fit),
+      iconButton(ICONS.iso, t('Three-quarter view'), '0', actions.iso),
+      iconButton(ICONS.front, t('Front'), '1', actions.front),
+      iconButton(ICONS.right, t('Right'), '3', actions.right),
+      iconButton(ICONS.top, t('Top'), '7', actions.top),
     ];
-    this.follow_ = iconButton(ICONS.follow, 'Follow the next tool', 'N', actions.followNext);
-    this.arrows_ = iconButton(ICONS.arrows, 'Force and torque arrows', 'A', actions.toggleArrows);
-    const help = iconButton(ICONS.help, 'Keyboard and pointer', '?', actions.help);
+    this.follow_ = iconButton(ICONS.follow, t('Follow the next tool'), 'N', actions.followNext);
+    this.arrows_ = iconButton(
+      ICONS.arrows,
+      t('Force and torque arrows'),
+      'A',
+      actions.toggleArrows,
+    );
+    const help = iconButton(ICONS.help, t('Keyboard and pointer'), '?', actions.help);
     help.classList.add('help-button');
     this.element = h(
       'div',
-      { class: 'toolbar', role: 'toolbar', 'aria-label': 'View' },
+      { class: 'toolbar', role: 'toolbar', 'aria-label': t('View') },
       ...this.views_,
       this.follow_,
       this.arrows_,

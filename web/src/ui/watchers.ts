@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Those who watch, as chips. The viewer's own chip is a button that makes its name editable.
 
+import { t } from '../strings';
 import type { SessionModel } from '../model/session';
 import { NAME_BYTES_MAX } from '../wire/names';
 import { h } from './dom';
 
 export class Watchers {
-  readonly element = h('ul', { class: 'watchers', 'aria-label': 'Watching' });
+  readonly element = h('ul', { class: 'watchers', 'aria-label': t('Watching') });
   private editing_ = false;
 
   constructor(
@@ -25,15 +26,15 @@ export class Watchers {
     const chips: HTMLElement[] = others.map(({ info }) => h('li', { class: 'chip' }, info.name));
     if (self) chips.unshift(this.own_(self.info.name));
     const unlisted = participants.viewers - listed.length;
-    if (unlisted > 0) chips.push(h('li', { class: 'quiet' }, `${unlisted} watching`));
+    if (unlisted > 0) chips.push(h('li', { class: 'quiet' }, t('{0} watching', unlisted)));
     this.element.replaceChildren(...chips);
   }
 
   private own_(name: string): HTMLElement {
     const button = h(
       'button',
-      { type: 'button', class: 'chip own', title: 'Change your name' },
-      `${name} (you)`,
+      { type: 'button', class: 'chip own', title: t('Change your name') },
+      t('{0} (you)', name),
     );
     const item = h('li', {}, button);
     button.addEventListener('click', () => this.edit_(item, name));
@@ -44,7 +45,7 @@ export class Watchers {
     this.editing_ = true;
     const input = h('input', {
       class: 'chip-input',
-      'aria-label': 'Your name',
+      'aria-label': t('Your name'),
       maxlength: String(NAME_BYTES_MAX),
       value: name,
     });

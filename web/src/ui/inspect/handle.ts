@@ -2,6 +2,7 @@
 // The handle of the section plane in the picture: dragged along the plane's normal, or moved by the
 // arrow keys.
 
+import { t } from '../../strings';
 import { Vector3 } from 'three';
 import type { Camera } from 'three';
 import type { Plane } from '../../model/section';
@@ -16,9 +17,9 @@ export class Handle {
     type: 'button',
     class: 'section-handle',
     role: 'slider',
-    'aria-label': 'Section plane',
+    'aria-label': t('Section plane'),
     'aria-orientation': 'vertical',
-    title: 'Drag the section plane',
+    title: t('Drag the section plane'),
     hidden: '',
   });
   private plane_: Plane | null = null;

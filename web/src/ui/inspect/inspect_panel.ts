@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The panel for sections and measures, and what they do in the picture.
 
+import { t } from '../../strings';
 import '../style/inspect.css';
 import { lengthText } from '../../model/measure';
 import type { LengthUnit } from '../../model/measure';
@@ -9,7 +10,7 @@ import { stockBounds } from '../../model/session';
 import type { Layer, Viewer } from '../../view/viewer';
 import type { Preset } from '../../view/camera_rig';
 import { h } from '../dom';
-import { recall, remember } from '../memory';
+import { recall, remember } from '../../strings/memory';
 import { Measuring } from './measuring';
 import type { InspectHost } from './mount';
 import { Picker } from './picker';
@@ -27,12 +28,12 @@ export class InspectPanel implements Layer {
   private readonly close_ = (): void => this.setOpen_(false);
   private readonly cube_ = new ViewCube((preset) => this.view_(preset));
   private readonly element_: HTMLElement;
-  private readonly parallel_ = this.toggleButton_('Parallel', () => this.project_());
-  private readonly curvature_ = this.toggleButton_('Curvature', () =>
+  private readonly parallel_ = this.toggleButton_(t('Parallel'), () => this.project_());
+  private readonly curvature_ = this.toggleButton_(t('Curvature'), () =>
     this.setCurvature_(this.curvature_.getAttribute('aria-pressed') !== 'true'),
   );
   private readonly legend_ = h('p', { class: 'curvature-legend', hidden: '' });
-  private readonly inches_ = this.toggleButton_('Inches', () => this.setInches_());
+  private readonly inches_ = this.toggleButton_(t('Inches'), () => this.setInches_());
   private units_: LengthUnit = recall('units') === 'in' ? 'in' : 'mm';
   private timer_: ReturnType<typeof setInterval> | undefined;
   private pressedAt_: { x: number; y: number } | null = null;
@@ -52,12 +53,12 @@ export class InspectPanel implements Layer {
     );
     this.sectioning_.chosen = () => this.measuring_.choose(null);
     this.measuring_.chosen = () => this.sectioning_.waitForFace(false);
-    const close = h('button', { type: 'button', class: 'inspect-action' }, 'Close');
+    const close = h('button', { type: 'button', class: 'inspect-action' }, t('Close'));
     close.addEventListener('click', () => this.toggle());
     this.element_ = h(
       'section',
-      { class: 'inspect', 'aria-label': 'Sections and measures', hidden: '' },
-      h('header', {}, h('h2', {}, 'Inspect'), close),
+      { class: 'inspect', 'aria-label': t('Sections and measures'), hidden: '' },
+      h('header', {}, h('h2', {}, t('Inspect')), close),
       this.sectioning_.element,
       this.measuring_.element,
       h(
@@ -192,9 +193,9 @@ export class InspectPanel implements Layer {
     stockMaterial.curvature = shown;
     const radius = lengthText(stockMaterial.curvatureMm, this.units_);
     this.legend_.replaceChildren(
-      h('span', { class: 'hollow' }, 'hollow'),
-      h('span', { class: 'raised' }, 'raised'),
-      `full up to a radius of ${radius}`,
+      h('span', { class: 'hollow' }, t('hollow')),
+      h('span', { class: 'raised' }, t('raised')),
+      t('full up to a radius of {0}', radius),
     );
     this.viewer.touch();
   }

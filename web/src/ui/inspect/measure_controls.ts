@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The controls of measuring: what is measured, what to press next, and what was found.
 
+import { t } from '../../strings';
 import { partsText, POINTS_OF, valueText } from '../../model/measure';
 import type { LengthUnit, Measure, MeasureKind } from '../../model/measure';
 import { h, setText } from '../dom';
 
 const KINDS: readonly [MeasureKind, string, string][] = [
-  ['distance', 'Distance', 'Press two points. Corners and edges attract.'],
-  ['thickness', 'Thickness', 'Press a wall: measured straight through it.'],
-  ['depth', 'Depth', 'Press a point: measured below the top of the stock.'],
-  ['radius', 'Radius', 'Press three points of a round.'],
-  ['angle', 'Angle', 'Press two faces: the angle of the material between them.'],
+  ['distance', t('Distance'), t('Press two points. Corners and edges attract.')],
+  ['thickness', t('Thickness'), t('Press a wall: measured straight through it.')],
+  ['depth', t('Depth'), t('Press a point: measured below the top of the stock.')],
+  ['radius', t('Radius'), t('Press three points of a round.')],
+  ['angle', t('Angle'), t('Press two faces: the angle of the material between them.')],
 ];
 const NAMES = new Map(KINDS.map(([kind, name]) => [kind, name]));
 
@@ -24,11 +25,11 @@ export interface MeasureActions {
 export class MeasureControls {
   private readonly kinds_: HTMLButtonElement[];
   private readonly hint_ = h('p', { class: 'quiet inspect-hint', role: 'status' });
-  private readonly list_ = h('ul', { class: 'inspect-list', 'aria-label': 'Measures' });
+  private readonly list_ = h('ul', { class: 'inspect-list', 'aria-label': t('Measures') });
   private readonly clear_ = h(
     'button',
     { type: 'button', class: 'inspect-action', hidden: '' },
-    'Remove all',
+    t('Remove all'),
   );
   readonly element: HTMLElement;
   private kind_: MeasureKind | null = null;
@@ -42,11 +43,11 @@ export class MeasureControls {
     this.clear_.addEventListener('click', () => actions.clear());
     this.element = h(
       'section',
-      { 'aria-label': 'Measure' },
-      h('h3', {}, 'Measure'),
+      { 'aria-label': t('Measure') },
+      h('h3', {}, t('Measure')),
       h(
         'div',
-        { class: 'inspect-choice', role: 'group', 'aria-label': 'What is measured' },
+        { class: 'inspect-choice', role: 'group', 'aria-label': t('What is measured') },
         ...this.kinds_,
       ),
       this.hint_,
@@ -62,7 +63,7 @@ export class MeasureControls {
       button.setAttribute('aria-pressed', String(KINDS[n]![0] === kind)),
     );
     const hint = KINDS.find(([one]) => one === kind)?.[2] ?? '';
-    const of = kind && pressed > 0 ? ` Point ${pressed + 1} of ${POINTS_OF[kind]}.` : '';
+    const of = kind && pressed > 0 ? t(' Point {0} of {1}.', pressed + 1, POINTS_OF[kind]) : '';
     this.say(hint + of);
   }
 
@@ -75,7 +76,7 @@ export class MeasureControls {
     this.list_.replaceChildren(
       ...measures.map((measure) => {
         const name = NAMES.get(measure.kind)!;
-        const label = `Remove this ${name.toLowerCase()}`;
+        const label = t('Remove: {0}', name);
         const remove = h('button', { type: 'button', 'aria-label': label, title: label }, '×');
         remove.addEventListener('click', () => this.actions.remove(measure));
         const parts = partsText(measure, unit);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measuring: points are pressed in the picture until there are enough, and the measure is kept.
 
+import { t } from '../../strings';
 import {
   angleOf,
   depthOf,
@@ -79,7 +80,7 @@ export class Measuring {
       this.pressed_ = [];
       this.controls_.showKind(this.kind_, 0);
       if (measure) this.keep_([...this.measures_, measure]);
-      else this.controls_.say('These points are on a line, or the wall has no other side.');
+      else this.controls_.say(t('These points are on a line, or the wall has no other side.'));
     } else {
       this.controls_.showKind(this.kind_, this.pressed_.length);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The button that opens the panel for sections and measures. The panel is a chunk of its own.
 
+import { t } from '../../strings';
 import type { SessionModel } from '../../model/session';
 import { iconButton } from '../dom';
 import { ICONS } from '../icons';
@@ -30,7 +31,7 @@ export function mountInspect(host: InspectHost): () => void {
   const toggle = (): void => {
     if (host.picture.viewer) open(); // without a picture there is nothing to inspect
   };
-  const button = iconButton(ICONS.inspect, 'Sections and measures', 'I', toggle);
+  const button = iconButton(ICONS.inspect, t('Sections and measures'), 'I', toggle);
   button.setAttribute('aria-expanded', 'false');
   host.toolbar.firstElementChild?.after(button);
   return toggle;

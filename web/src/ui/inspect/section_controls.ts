@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The controls of the section plane: its direction, place and side, and the area it cuts.
 
+import { t } from '../../strings';
 import type { LengthUnit } from '../../model/measure';
 import { areaText, fromUnit, inUnit, lengthText } from '../../model/measure';
 import type { Section } from '../../model/section';
@@ -9,11 +10,11 @@ import { h, setText } from '../dom';
 export type Direction = 'none' | 'x' | 'y' | 'z' | 'face';
 
 const DIRECTIONS: readonly [Direction, string, string][] = [
-  ['none', 'Off', 'No section'],
-  ['x', 'X', 'Section across X'],
-  ['y', 'Y', 'Section across Y'],
-  ['z', 'Z', 'Section across Z'],
-  ['face', 'Face…', 'Section along a face: press one in the picture'],
+  ['none', t('Off'), t('No section')],
+  ['x', 'X', t('Section across X')],
+  ['y', 'Y', t('Section across Y')],
+  ['z', 'Z', t('Section across Z')],
+  ['face', t('Face…'), t('Section along a face: press one in the picture')],
 ];
 
 export interface SectionActions {
@@ -31,13 +32,13 @@ export class SectionControls {
     type: 'range',
     class: 'inspect-range',
     step: 'any',
-    'aria-label': 'Place of the section',
+    'aria-label': t('Place of the section'),
   });
   private readonly number_ = h('input', {
     type: 'number',
     class: 'inspect-number',
     step: 'any',
-    'aria-label': 'Place of the section',
+    'aria-label': t('Place of the section'),
   });
   private readonly unit_ = h('span', { class: 'quiet' });
   private readonly placed_: HTMLElement;
@@ -72,18 +73,18 @@ export class SectionControls {
         { class: 'inspect-row' },
         this.number_,
         this.unit_,
-        button('Flip', 'Cut away the other side', actions.flip),
-        button('Face on', 'Look straight at the section', actions.face),
+        button(t('Flip'), t('Cut away the other side'), actions.flip),
+        button(t('Face on'), t('Look straight at the section'), actions.face),
       ),
       h('p', { class: 'inspect-figures' }, this.area_, this.outline_),
     );
     this.element = h(
       'section',
-      { 'aria-label': 'Section' },
-      h('h3', {}, 'Section'),
+      { 'aria-label': t('Section') },
+      h('h3', {}, t('Section')),
       h(
         'div',
-        { class: 'inspect-choice', role: 'group', 'aria-label': 'Direction of the section' },
+        { class: 'inspect-choice', role: 'group', 'aria-label': t('Direction of the section') },
         ...this.directions_,
       ),
       this.placed_,
@@ -103,7 +104,7 @@ export class SectionControls {
     this.units_ = units;
     this.placed_.hidden = mm === null;
     if (mm === null) return;
-    setText(this.area_, 'Area …'); // until it is computed
+    setText(this.area_, t('Area …')); // until it is computed
     this.range_.value = String(mm);
     this.number_.value = String(Number(inUnit(mm, units).toFixed(units === 'mm' ? 3 : 4)));
     setText(this.unit_, units);
@@ -112,7 +113,7 @@ export class SectionControls {
   /** @param isExact no displayed tile is coarser than the block */
   showArea({ areaMm2, outlineMm }: Section, isExact: boolean): void {
     const about = isExact ? '' : '≈ ';
-    setText(this.area_, `Area ${about}${areaText(areaMm2, this.units_)}`);
-    setText(this.outline_, `Outline ${about}${lengthText(outlineMm, this.units_)}`);
+    setText(this.area_, t('Area {0}{1}', about, areaText(areaMm2, this.units_)));
+    setText(this.outline_, t('Outline {0}{1}', about, lengthText(outlineMm, this.units_)));
   }
 }

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // A cube that turns with the picture; its faces are buttons for the six views.
 
+import { t } from '../../strings';
 import type { Camera } from 'three';
 import type { Preset } from '../../view/camera_rig';
 import { h } from '../dom';
 
 /** How the faces lie on the cube: outwards, and upright in their view. */
 const FACES: readonly [Preset, string, string, readonly [number, number, number]][] = [
-  ['top', 'Top', '', [0, 0, 1]],
-  ['bottom', 'Bottom', 'rotateX(180deg)', [0, 0, -1]],
-  ['front', 'Front', 'rotateX(-90deg)', [0, -1, 0]],
-  ['back', 'Back', 'rotateX(90deg) rotateZ(180deg)', [0, 1, 0]],
-  ['right', 'Right', 'rotateY(90deg) rotateZ(-90deg)', [1, 0, 0]],
-  ['left', 'Left', 'rotateY(-90deg) rotateZ(90deg)', [-1, 0, 0]],
+  ['top', t('Top'), '', [0, 0, 1]],
+  ['bottom', t('Bottom'), 'rotateX(180deg)', [0, 0, -1]],
+  ['front', t('Front'), 'rotateX(-90deg)', [0, -1, 0]],
+  ['back', t('Back'), 'rotateX(90deg) rotateZ(180deg)', [0, 1, 0]],
+  ['right', t('Right'), 'rotateY(90deg) rotateZ(-90deg)', [1, 0, 0]],
+  ['left', t('Left'), 'rotateY(-90deg) rotateZ(90deg)', [-1, 0, 0]],
 ];
 
 /** Cosine of the angle from which a face is wide enough to be pressed. */
@@ -34,7 +35,7 @@ export class ViewCube {
     this.cube_ = h('div', { class: 'cube' }, ...this.faces_);
     this.element = h(
       'div',
-      { class: 'cube-box', role: 'group', 'aria-label': 'Views' },
+      { class: 'cube-box', role: 'group', 'aria-label': t('Views') },
       this.cube_,
     );
   }

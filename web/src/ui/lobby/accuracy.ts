@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The accuracy of a new block, and its price, which the server states while the slider moves.
 
+import { t } from '../../strings';
 import { priceOf } from '../../link/lobby_requests';
 import { priceText, TARGET_DEFAULT_MM, TARGETS_MM } from '../../model/new_block';
 import type { Scene } from '../../model/new_block';
@@ -20,19 +21,19 @@ export class Accuracy {
     max: String(TARGETS_MM.length - 1),
     step: '1',
     class: 'accuracy-slider',
-    'aria-label': 'Accuracy',
+    'aria-label': t('Accuracy'),
   });
   private readonly price_ = h('p', { class: 'price', role: 'status' });
   readonly element = h(
     'div',
     { class: 'accuracy' },
-    h('span', { class: 'field-name' }, 'Accuracy'),
+    h('span', { class: 'field-name' }, t('Accuracy')),
     h(
       'div',
       { class: 'accuracy-ends' },
-      h('small', {}, 'coarse, quick'),
+      h('small', {}, t('coarse, quick')),
       this.slider_,
-      h('small', {}, 'fine, slow'),
+      h('small', {}, t('fine, slow')),
     ),
     this.price_,
   );

@@ -2,6 +2,7 @@
 // The sessions as cards: picture, name, people, age, size, the one that changed last first.
 // They follow what happens on the server.
 
+import { t } from '../../strings';
 import type { SessionSummary } from '../../link/api';
 import { sessionDetails } from '../../link/lobby_requests';
 import type { Person, SessionDetails } from '../../link/lobby_requests';
@@ -38,7 +39,7 @@ class Card {
     height: '360',
   });
   private readonly name_ = h('strong');
-  private readonly people_ = h('ul', { class: 'chips', 'aria-label': 'People', hidden: '' });
+  private readonly people_ = h('ul', { class: 'chips', 'aria-label': t('People'), hidden: '' });
   private readonly facts_ = h('span', { class: 'quiet' });
   private readonly size_ = h('span', { class: 'quiet' });
   private readonly close_: HTMLButtonElement;
@@ -54,8 +55,8 @@ class Card {
     this.summary_ = summary;
     this.close_ = h(
       'button',
-      { type: 'button', class: 'card-close', 'aria-label': `Close ${summary.name}` },
-      'Close…',
+      { type: 'button', class: 'card-close', 'aria-label': t('Close {0}', summary.name) },
+      t('Close…'),
     );
     this.close_.addEventListener('click', () => this.actions_.close?.(this.summary_));
     const link = h(
@@ -75,8 +76,8 @@ class Card {
     const version = this.versions_.next(summary.motions, summary.removedVolumeMm3);
     if (version !== null) this.picture_.src = pictureUrl(summary.id, version, 480);
     const { activeMs } = summary;
-    const age = activeMs === null ? '' : `changed ${ageText(activeMs, Date.now())} · `;
-    setText(this.facts_, `${age}${count(summary.motions)} motions`);
+    const age = activeMs === null ? '' : t('changed {0} · ', ageText(activeMs, Date.now()));
+    setText(this.facts_, t('{0}{1} motions', age, count(summary.motions)));
     void this.ask_();
   }
 
@@ -98,7 +99,7 @@ class Card {
     const rest = left > 0 ? [h('li', { class: 'chip' }, `+ ${left}`)] : [];
     this.people_.replaceChildren(...shown.map(chip), ...rest);
     this.people_.hidden = people.length === 0;
-    setText(this.size_, `${stockText(stock)} · pitch ${figure(pitchMm)} mm`);
+    setText(this.size_, t('{0} · pitch {1} mm', stockText(stock), figure(pitchMm)));
   }
 }
 

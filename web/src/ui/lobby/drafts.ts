@@ -2,6 +2,7 @@
 // What a new block is made from: a template, a model or a program. A draft has its own part of the
 // form and gives the scene.
 
+import { t } from '../../strings';
 import { describeProgram, uploadMesh } from '../../link/lobby_requests';
 import type { Template, UploadedMesh } from '../../link/lobby_requests';
 import {
@@ -45,7 +46,7 @@ function nameOf(file: File): string {
 
 export function fromTemplate({ title, scene }: Template): Draft {
   const { name, stock, tools } = scene;
-  const text = `${stockText(stock)}, tools ${toolsText(tools)}`;
+  const text = t('{0}, tools {1}', stockText(stock), toolsText(tools));
   return {
     name: typeof name === 'string' ? name : title,
     targetMm: targetOf(scene),
@@ -59,8 +60,15 @@ function meshText({ triangles, box }: UploadedMesh, unitMm: number): string {
   const side = (n: number): string => ((box.max[n]! - box.min[n]!) * unitMm).toFixed(1);
   const place = (n: number): string => (box.min[n]! * unitMm).toFixed(1);
   return (
-    `${side(0)} × ${side(1)} × ${side(2)} mm, from X ${place(0)} Y ${place(1)} Z ${place(2)}, ` +
-    `${count(triangles)} triangles.`
+    t(
+      '{0} × {1} × {2} mm, from X {3} Y {4} Z {5}, ',
+      side(0),
+      side(1),
+      side(2),
+      place(0),
+      place(1),
+      place(2),
+    ) + t('{0} triangles.', count(triangles))
   );
 }
 
@@ -78,9 +86,9 @@ async function fromMesh(file: File, changed: () => void, repair: boolean): Promi
     changed();
   });
   const element = h('div', {}, text);
-  if (mesh.repaired !== '') element.append(h('p', {}, sentence(`Repaired: ${mesh.repaired}`)));
+  if (mesh.repaired !== '') element.append(h('p', {}, sentence(t('Repaired: {0}', mesh.repaired))));
   if (lacksUnit(file.name)) {
-    const name = h('span', { class: 'field-name' }, 'Unit of its numbers');
+    const name = h('span', { class: 'field-name' }, t('Unit of its numbers'));
     element.append(h('label', { class: 'field' }, name, unit));
   }
   return {
@@ -97,7 +105,11 @@ async function fromProgram(file: File, changed: () => void): Promise<Draft> {
   const facts = await describeProgram(uploadName(file.name), text);
   const tools = toolsOf(facts, text);
   const box = stockFor(facts.feedMm, tools);
-  const size = `${count(facts.motions)} motions, ${duration(facts.programmedS)} at feed rate`;
+  const size = t(
+    '{0} motions, {1} at feed rate',
+    count(facts.motions),
+    duration(facts.programmedS),
+  );
   return {
     name: nameOf(file),
     targetMm: null,
@@ -121,5 +133,7 @@ export function fromFile(file: File, changed: () => void, repair: boolean): Prom
   if (endsIn(file.name, MESH_ENDINGS)) return fromMesh(file, changed, repair);
   if (endsIn(file.name, PROGRAM_ENDINGS)) return fromProgram(file, changed);
   const known = [...MESH_ENDINGS, ...PROGRAM_ENDINGS].join(', ');
-  return Promise.reject(new Error(`${file.name} cannot be read: its name must end in ${known}`));
+  return Promise.reject(
+    new Error(t('{0} cannot be read: its name must end in {1}', file.name, known)),
+  );
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The list of this server's sessions, with a form for new ones.
 
+import { t } from '../../strings';
 import '../style/lobby.css';
 import { listSessions } from '../../link/api';
 import type { SessionSummary } from '../../link/api';
@@ -10,7 +11,8 @@ import { ServerError } from '../../link/server_error';
 import { nameThatFits } from '../../wire/names';
 import { h, setText } from '../dom';
 import { sentence } from '../format';
-import { recall, remember } from '../memory';
+import { languageChoice } from '../language_choice';
+import { recall, remember } from '../../strings/memory';
 import { Cards } from './cards';
 import { NewBlock } from './new_block';
 
@@ -36,10 +38,11 @@ export class Lobby {
         h('img', { src: './icon.svg', alt: '', width: '40', height: '40' }),
         h('h1', {}, 'Kerf'),
         this.nameField_(),
+        languageChoice(),
       ),
       this.lead_,
       this.note_,
-      h('section', { 'aria-label': 'Sessions' }, this.cards_.element),
+      h('section', { 'aria-label': t('Sessions') }, this.cards_.element),
     );
     app.replaceChildren(this.main_);
     document.title = 'Kerf';
@@ -52,9 +55,9 @@ export class Lobby {
   private nameField_(): HTMLElement {
     const input = h('input', { class: 'text-input', maxlength: '64', autocomplete: 'nickname' });
     input.value = recall('name') ?? '';
-    input.placeholder = 'Guest';
+    input.placeholder = t('Guest');
     input.addEventListener('input', () => remember('name', nameThatFits(input.value.trim())));
-    return h('label', { class: 'lobby-name' }, h('span', {}, 'Your name'), input);
+    return h('label', { class: 'lobby-name' }, h('span', {}, t('Your name')), input);
   }
 
   private async addForm_(): Promise<void> {
@@ -98,20 +101,23 @@ export class Lobby {
 
   private draw_(): void {
     const empty = this.sessions_.length === 0;
-    setText(this.lead_, empty ? 'Nothing is being carved here yet.' : 'Choose a block to watch.');
+    setText(
+      this.lead_,
+      empty ? t('Nothing is being carved here yet.') : t('Choose a block to watch.'),
+    );
     this.cards_.update(this.sessions_, {
       close: this.mayManage_ ? (session) => this.askToClose_(session) : null,
     });
   }
 
   private askToClose_({ id, name }: SessionSummary): void {
-    const close = h('button', { type: 'button', class: 'button' }, 'Close it');
-    const keep = h('button', { type: 'button', class: 'button quiet-button' }, 'Keep it');
+    const close = h('button', { type: 'button', class: 'button' }, t('Close it'));
+    const keep = h('button', { type: 'button', class: 'button quiet-button' }, t('Keep it'));
     const dialog = h(
       'dialog',
-      { class: 'help', 'aria-label': `Close ${name}` },
-      h('h2', {}, `Close ${name}?`),
-      h('p', {}, 'Everybody in it is sent away. The server keeps its record.'),
+      { class: 'help', 'aria-label': t('Close {0}', name) },
+      h('h2', {}, t('Close {0}?', name)),
+      h('p', {}, t('Everybody in it is sent away. The server keeps its record.')),
       h('p', { class: 'dialog-actions' }, close, keep),
     );
     keep.addEventListener('click', () => dialog.close());

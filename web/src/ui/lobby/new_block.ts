@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The form of a new block: from a template, a model or a program; name, accuracy with its price.
 
+import { t } from '../../strings';
+import { templateText } from '../../strings/names';
 import { closeSession, createSession } from '../../link/lobby_requests';
 import type { Template } from '../../link/lobby_requests';
 import { ServerError } from '../../link/server_error';
@@ -21,14 +23,14 @@ export class NewBlock {
   private readonly choices_ = h('div', {
     class: 'choices',
     role: 'group',
-    'aria-label': 'Begin with',
+    'aria-label': t('Begin with'),
   });
   private readonly fault_ = h('div', { class: 'fault', role: 'alert', hidden: '' });
   private readonly name_ = h('input', {
     class: 'text-input',
     maxlength: String(NAME_CHARACTERS_MAX),
   });
-  private readonly create_ = h('button', { type: 'submit', class: 'button' }, 'Create');
+  private readonly create_ = h('button', { type: 'submit', class: 'button' }, t('Create'));
   private readonly accuracy_ = new Accuracy({
     changed: () => this.changed_(),
     priced: (possible) => (this.create_.disabled = !possible || this.busy_),
@@ -48,7 +50,7 @@ export class NewBlock {
   ) {
     this.choices_.append(...templates.map((template) => this.choice_(template)));
     this.form_.append(
-      h('label', { class: 'field' }, h('span', { class: 'field-name' }, 'Name'), this.name_),
+      h('label', { class: 'field' }, h('span', { class: 'field-name' }, t('Name')), this.name_),
       this.own_,
       this.accuracy_.element,
       this.create_,
@@ -60,15 +62,15 @@ export class NewBlock {
     this.name_.addEventListener('input', () => this.changed_());
     this.element = h(
       'section',
-      { class: 'new-block', 'aria-label': 'New block' },
-      h('h2', {}, 'New block'),
+      { class: 'new-block', 'aria-label': t('New block') },
+      h('h2', {}, t('New block')),
       h(
         'div',
         { class: 'drops' },
-        this.drop_('Run an NC program', 'Drop or choose G-code or APT', PROGRAM_ENDINGS),
-        this.drop_('Carve a model', 'Drop or choose STL, 3MF, GLB, PLY or OBJ', MESH_ENDINGS),
+        this.drop_(t('Run an NC program'), t('Drop or choose G-code or APT'), PROGRAM_ENDINGS),
+        this.drop_(t('Carve a model'), t('Drop or choose STL, 3MF, GLB, PLY or OBJ'), MESH_ENDINGS),
       ),
-      h('p', { class: 'quiet' }, 'or begin with'),
+      h('p', { class: 'quiet' }, t('or begin with')),
       this.choices_,
       this.fault_,
       this.form_,
@@ -90,8 +92,8 @@ export class NewBlock {
     const button = h(
       'button',
       { type: 'button', class: 'choice', 'aria-pressed': 'false' },
-      h('b', {}, template.title),
-      h('small', {}, template.description),
+      h('b', {}, templateText(template.title)),
+      h('small', {}, templateText(template.description)),
     );
     button.addEventListener('click', () => {
       this.press_(button);
@@ -159,7 +161,7 @@ export class NewBlock {
     this.name_.value = draft.name;
     this.own_.replaceChildren(draft.element);
     this.accuracy_.targetMm = draft.targetMm ?? TARGET_DEFAULT_MM;
-    setText(this.create_, draft.program ? 'Create and run' : 'Create');
+    setText(this.create_, draft.program ? t('Create and run') : t('Create'));
     this.form_.hidden = false;
     this.changed_();
     this.form_.scrollIntoView({ block: 'nearest' });
@@ -210,7 +212,7 @@ export class NewBlock {
   }
 
   private repairButton_(file: File): HTMLElement {
-    const button = h('button', { type: 'button', class: 'button' }, 'Close its holes');
+    const button = h('button', { type: 'button', class: 'button' }, t('Close its holes'));
     button.addEventListener('click', () => void this.read_(file, true));
     return button;
   }

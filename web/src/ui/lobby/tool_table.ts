@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tools of a program and the box of its stock, to be edited.
 
+import { t } from '../../strings';
 import type { Box, ToolChoice } from '../../model/new_block';
 import type { Vec3 } from '../../wire/types';
 import { h } from '../dom';
 
 const SHAPES: readonly [ToolChoice['shape'], string][] = [
-  ['flat', 'flat end'],
-  ['ball', 'ball end'],
-  ['bull_nose', 'bull nose'],
+  ['flat', t('flat end')],
+  ['ball', t('ball end')],
+  ['bull_nose', t('bull nose')],
 ];
 
 function numberInput(label: string, value: number, set: (value: number) => void): HTMLElement {
@@ -28,18 +29,22 @@ function numberInput(label: string, value: number, set: (value: number) => void)
 function toolRow(tool: ToolChoice, changed: () => void): HTMLElement {
   const shape = h(
     'select',
-    { 'aria-label': `Shape of tool ${tool.id}`, class: 'select' },
+    { 'aria-label': t('Shape of tool {0}', tool.id), class: 'select' },
     ...SHAPES.map(([value, name]) => h('option', { value }, name)),
   );
-  const diameter = numberInput(`Diameter of tool ${tool.id}, mm`, tool.diameterMm, (value) => {
+  const diameter = numberInput(t('Diameter of tool {0}, mm', tool.id), tool.diameterMm, (value) => {
     tool.diameterMm = value;
     changed();
   });
-  const radius = numberInput(`Corner radius of tool ${tool.id}, mm`, tool.cornerMm, (value) => {
-    tool.cornerMm = value;
-    changed();
-  });
-  const corner = h('span', {}, 'corner ', radius, ' mm');
+  const radius = numberInput(
+    t('Corner radius of tool {0}, mm', tool.id),
+    tool.cornerMm,
+    (value) => {
+      tool.cornerMm = value;
+      changed();
+    },
+  );
+  const corner = h('span', {}, t('corner '), radius, ' mm');
   const show = (): void => {
     corner.hidden = tool.shape !== 'bull_nose';
   };
@@ -66,7 +71,7 @@ export function toolTable(tools: ToolChoice[], changed: () => void): HTMLElement
   return h(
     'div',
     {},
-    h('span', { class: 'field-name' }, 'Tools'),
+    h('span', { class: 'field-name' }, t('Tools')),
     h('ul', { class: 'tool-table' }, ...rows),
   );
 }
@@ -83,7 +88,7 @@ export function boxTable(box: Box, changed: () => void): HTMLElement {
           'span',
           {},
           `${axis} `,
-          numberInput(`Stock ${label} ${axis}, mm`, at[n]!, (value) => {
+          numberInput(t('Stock {0} {1}, mm', label, axis), at[n]!, (value) => {
             at[n] = value;
             changed();
           }),
@@ -93,8 +98,8 @@ export function boxTable(box: Box, changed: () => void): HTMLElement {
   return h(
     'div',
     {},
-    h('span', { class: 'field-name' }, 'Stock, mm'),
-    corner('from', box.min),
-    corner('to', box.max),
+    h('span', { class: 'field-name' }, t('Stock, mm')),
+    corner(t('from'), box.min),
+    corner(t('to'), box.max),
   );
 }

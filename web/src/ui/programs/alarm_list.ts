@@ -2,12 +2,13 @@
 // The alarms of a program as buttons. The server extends the last alarms while a program moves, so
 // the texts of the rows change in place.
 
+import { t } from '../../strings';
 import { h, setText } from '../dom';
 import type { Alarm } from './requests';
 import { alarmText } from './texts';
 
 export class AlarmList {
-  readonly element = h('ul', { class: 'program-alarms', 'aria-label': 'Alarms' });
+  readonly element = h('ul', { class: 'program-alarms', 'aria-label': t('Alarms') });
   private readonly buttons_: HTMLElement[] = [];
   private alarms_: readonly Alarm[] = [];
 

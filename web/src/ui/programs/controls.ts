@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The buttons of one program: pause and resume, step, speed, cancel.
 
+import { t } from '../../strings';
 import { isOpen } from '../../model/programs';
 import type { ProgramInfo } from '../../wire/types';
 import { h, setText } from '../dom';
@@ -15,30 +16,34 @@ export interface ControlActions {
 }
 
 export class Controls {
-  private readonly play_ = h('button', { type: 'button', class: 'button program-play' }, 'Pause');
+  private readonly play_ = h(
+    'button',
+    { type: 'button', class: 'button program-play' },
+    t('Pause'),
+  );
   private readonly step_ = h(
     'button',
     {
       type: 'button',
       class: 'button quiet-button',
-      title: 'Carve one block of the program, then pause',
+      title: t('Carve one block of the program, then pause'),
     },
-    'Step',
+    t('Step'),
   );
   private readonly cancel_ = h(
     'button',
     { type: 'button', class: 'button quiet-button' },
-    'Cancel',
+    t('Cancel'),
   );
   private readonly speed_ = h(
     'select',
-    { class: 'program-speed', 'aria-label': 'Speed' },
+    { class: 'program-speed', 'aria-label': t('Speed') },
     ...SPEEDS.map((speed) => h('option', { value: String(speed) }, `× ${speed}`)),
-    h('option', { value: FAST }, 'Full speed'),
+    h('option', { value: FAST }, t('Full speed')),
   );
   readonly element = h(
     'div',
-    { class: 'program-controls', role: 'group', 'aria-label': 'Control' },
+    { class: 'program-controls', role: 'group', 'aria-label': t('Control') },
     this.play_,
     this.step_,
     this.speed_,
@@ -60,7 +65,7 @@ export class Controls {
   update(program: ProgramInfo, may: boolean): void {
     const runs = program.state === 'running' || program.state === 'paused';
     this.paused_ = program.state === 'paused';
-    setText(this.play_, this.paused_ ? 'Resume' : 'Pause');
+    setText(this.play_, this.paused_ ? t('Resume') : t('Pause'));
     this.play_.disabled = !may || !runs;
     this.step_.disabled = !may || !runs;
     this.speed_.disabled = !may || !isOpen(program);

@@ -2,6 +2,7 @@
 // Two plots over a program's time: force and rate of removal. A slider over both is where the user
 // looks, and a line where the program is.
 
+import { t } from '../../strings';
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { spanAt } from '../../model/cut_curve';
@@ -28,7 +29,7 @@ export class CutPlot {
       class: 'cut-slider',
       role: 'slider',
       tabindex: '0',
-      'aria-label': 'Place along the program',
+      'aria-label': t('Place along the program'),
       'aria-valuemin': '0',
       'aria-valuenow': '0',
     },
@@ -46,8 +47,8 @@ export class CutPlot {
   /** @param picked a time of the program; returns its line, if it is known */
   constructor(private readonly picked: (timeS: number) => number | null) {
     this.plots_ = [
-      this.plot_('Force, N', '--force', false),
-      this.plot_('Removal, cm³/min', '--removal', true),
+      this.plot_(t('Force, N'), '--force', false),
+      this.plot_(t('Removal, cm³/min'), '--removal', true),
     ];
     const { slider_: slider } = this;
     slider.addEventListener('pointerdown', (event) => {
@@ -177,16 +178,16 @@ export class CutPlot {
     const { atS_: atS, line_: line } = this;
     this.at_.hidden = atS === null;
     if (atS === null) {
-      setText(this.text_, 'Press the plot to see the line and the place.');
+      setText(this.text_, t('Press the plot to see the line and the place.'));
       return;
     }
     this.put_(this.at_, atS);
     const n = spanAt(this.curve_, atS);
     const cut =
       n < 0
-        ? 'not carved yet'
+        ? t('not carved yet')
         : `${figure(this.curve_.forcesN[n]!)} N, ${figure(this.curve_.removals[n]!)} cm³/min`;
-    const place = line === null ? duration(atS) : `${duration(atS)}, line ${line}`;
+    const place = line === null ? duration(atS) : t('{0}, line {1}', duration(atS), line);
     setText(this.text_, `${place}: ${cut}`);
     this.slider_.setAttribute('aria-valuenow', atS.toFixed(1));
     this.slider_.setAttribute('aria-valuetext', `${place}: ${cut}`);

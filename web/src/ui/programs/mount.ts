@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The button that opens the panel of NC programs. The panel is a chunk of its own.
 
+import { t } from '../../strings';
 import type { SessionModel } from '../../model/session';
 import { iconButton } from '../dom';
 import { ICONS } from '../icons';
@@ -26,7 +27,7 @@ export function mountPrograms(
     const { ProgramsPanel } = await import('./programs_panel');
     return new ProgramsPanel(model, session, button, host, oneOpen, layoutChanged);
   });
-  const button = iconButton(ICONS.program, 'NC programs', '', toggle);
+  const button = iconButton(ICONS.program, t('NC programs'), '', toggle);
   button.setAttribute('aria-expanded', 'false');
   toolbar.prepend(button);
 }

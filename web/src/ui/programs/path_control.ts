@@ -2,6 +2,7 @@
 // The path of the selected program in the picture: shown or not, how far it has come, and the place of
 // a line in both directions.
 
+import { t } from '../../strings';
 import { Matrix4 } from 'three';
 import {
   nearestInPicture,
@@ -20,9 +21,9 @@ import type { Picture } from '../picture';
 const NEAR_PX = 10;
 const TAP_PX = 5;
 const LEGEND = [
-  ['past', 'carved'],
-  ['future', 'to come'],
-  ['rapid', 'rapid'],
+  ['past', t('carved')],
+  ['future', t('to come')],
+  ['rapid', t('rapid')],
 ] as const;
 
 export interface PathHost {
@@ -39,7 +40,7 @@ export class PathControl {
   readonly element = h(
     'p',
     { class: 'program-path' },
-    h('label', {}, this.shown_, ' Path in the picture'),
+    h('label', {}, this.shown_, t(' Path in the picture')),
     ...LEGEND.map(([name, text]) =>
       h('span', { class: `path-key ${name}`, style: `--line:${PATH_COLORS[name]}` }, text),
     ),
@@ -123,7 +124,7 @@ export class PathControl {
     if (viewer) this.view_ ??= new PathView(viewer, this.host.overlay);
     this.view_?.show(this.isShown_ ? this.path_ : null);
     const error = this.path_?.errorMm ?? 0;
-    setText(this.note_, error > 0 ? `to ${lengthText(error, 'mm')}` : '');
+    setText(this.note_, error > 0 ? t('to {0}', lengthText(error, 'mm')) : '');
   }
 
   private press_(x: number, y: number): void {

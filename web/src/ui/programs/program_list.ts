@@ -2,6 +2,7 @@
 // The list of programs as buttons. Rows stay as they are while their texts change, so that a row can
 // be clicked and keeps the focus while the server pushes.
 
+import { t } from '../../strings';
 import type { ProgramInfo } from '../../wire/types';
 import { h, setText } from '../dom';
 import { count } from '../format';
@@ -15,7 +16,7 @@ interface Row {
 }
 
 export class ProgramList {
-  readonly element = h('ul', { class: 'program-list', 'aria-label': 'Programs' });
+  readonly element = h('ul', { class: 'program-list', 'aria-label': t('Programs') });
   private readonly rows_ = new Map<number, Row>();
 
   constructor(private readonly pressed: (id: number) => void) {}
@@ -47,7 +48,7 @@ export class ProgramList {
   }
 
   private updateRow_(row: Row, program: ProgramInfo, selected: number | null): void {
-    const noun = program.alarm_count === 1 ? 'alarm' : 'alarms';
+    const noun = program.alarm_count === 1 ? t('alarm') : t('alarms');
     const alarms = program.alarm_count > 0 ? ` · ${count(program.alarm_count)} ${noun}` : '';
     setText(row.name, program.name);
     setText(row.state, `${stateText(program)}${alarms}`);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The panel of NC programs: upload, list, control, text with the live line, alarms.
 
+import { t } from '../../strings';
 import '../style/programs.css';
 import { ServerError } from '../../link/server_error';
 import { isOpen } from '../../model/programs';
@@ -32,7 +33,7 @@ export class ProgramsPanel {
   private readonly list_ = new ProgramList((id) => this.press_(id));
   private readonly note_ = h('p', { class: 'program-note', role: 'status' });
   private readonly figures_ = h('p', { class: 'quiet program-figures' });
-  private readonly progress_ = h('progress', { max: '1', 'aria-label': 'Progress' });
+  private readonly progress_ = h('progress', { max: '1', 'aria-label': t('Progress') });
   private readonly alarms_ = new AlarmList(({ fromLine, tip }) => {
     this.text_.mark({ line: fromLine, word: '' });
     this.path_?.markLine(fromLine, tip);
@@ -42,7 +43,7 @@ export class ProgramsPanel {
   private readonly follow_ = h(
     'button',
     { type: 'button', class: 'button quiet-button program-follow', hidden: '' },
-    'Show the live line',
+    t('Show the live line'),
   );
   private readonly close_ = (): void => this.toggle();
   private readonly one_: HTMLElement;
@@ -82,7 +83,7 @@ export class ProgramsPanel {
       change: (query) => this.order_((id) => this.requests_.change(id, query)),
       cancel: () => this.order_((id) => this.requests_.cancel(id)),
     });
-    const close = h('button', { type: 'button', class: 'button quiet-button' }, 'Close');
+    const close = h('button', { type: 'button', class: 'button quiet-button' }, t('Close'));
     this.one_ = h(
       'div',
       { class: 'program-one', hidden: '' },
@@ -95,8 +96,8 @@ export class ProgramsPanel {
     );
     this.element_ = h(
       'section',
-      { class: 'programs', 'aria-label': 'NC programs', hidden: '' },
-      h('header', {}, h('h2', {}, 'NC programs'), close),
+      { class: 'programs', 'aria-label': t('NC programs'), hidden: '' },
+      h('header', {}, h('h2', {}, t('NC programs')), close),
     );
     this.upload_ = new Upload(this.element_, {
       chosen: (file, query) => void this.send_(file, query),
@@ -175,11 +176,11 @@ export class ProgramsPanel {
     this.controls_.update(program, this.may_('run_programs'));
     const removed = volume(program.removed_volume_mm3).join(' ');
     const details = this.details_.get(program.id);
-    const tools = details && details.tools.length > 1 ? ` of ${details.tools.join(', ')}` : '';
+    const tools = details && details.tools.length > 1 ? t(' of {0}', details.tools.join(', ')) : '';
     const lines = [
-      `${duration(program.elapsed_s)} of ${duration(program.programmed_s)} at feed rate, ` +
-        `line ${count(program.line)}, tool ${program.tool}${tools}, ` +
-        `feed ${figure(program.feed_mm_per_min)} mm/min, ${removed} removed.`,
+      t('{0} of {1} at feed rate, ', duration(program.elapsed_s), duration(program.programmed_s)) +
+        t('line {0}, tool {1}{2}, ', count(program.line), program.tool, tools) +
+        t('feed {0} mm/min, {1} removed.', figure(program.feed_mm_per_min), removed),
       ...(details?.warnings ?? []).slice(0, 3),
     ];
     setText(this.figures_, lines.join(' '));
@@ -264,7 +265,7 @@ export class ProgramsPanel {
 
   private async send_(file: File, query: string): Promise<void> {
     this.note_.classList.remove('bad');
-    setText(this.note_, `Sending ${file.name}…`);
+    setText(this.note_, t('Sending {0}…', file.name));
     try {
       const details = await this.requests_.upload(file, query);
       setText(this.note_, '');

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text of a program as a list of which only the rows in view exist, with the live line marked.
 
+import { t } from '../../strings';
 import { LineIndex, rowsInView } from '../../model/line_index';
 import { h } from '../dom';
 
@@ -25,7 +26,7 @@ export class TextView {
       class: 'program-text',
       tabindex: '0',
       role: 'region',
-      'aria-label': 'Program text',
+      'aria-label': t('Program text'),
     },
     this.rows_,
   );

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sentences about programs for the user.
 
+import { t } from '../../strings';
 import { wallSeconds } from '../../model/programs';
 import type { ProgramInfo } from '../../wire/types';
 import { figure } from '../format';
@@ -20,40 +21,42 @@ export function duration(seconds: number): string {
 export function stateText(program: ProgramInfo): string {
   switch (program.state) {
     case 'queued':
-      return `waits for program ${program.after ?? 0}`;
+      return t('waits for program {0}', program.after ?? 0);
     case 'running': {
-      if (program.waiting) return "waits for the server's disk";
+      if (program.waiting) return t("waits for the server's disk");
       const left = wallSeconds(program);
-      return Number.isNaN(left) ? 'running at full speed' : `running, ${duration(left)} left`;
+      return Number.isNaN(left)
+        ? t('running at full speed')
+        : t('running, {0} left', duration(left));
     }
     case 'paused':
-      return `paused at line ${program.line}`;
+      return t('paused at line {0}', program.line);
     case 'finished':
-      return 'finished';
+      return t('finished');
     case 'cancelled':
-      return program.error === undefined ? 'cancelled' : `cancelled: ${program.error}`;
+      return program.error === undefined ? t('cancelled') : t('cancelled: {0}', program.error);
     case 'failed':
-      return `failed: ${program.error ?? ''}`;
+      return t('failed: {0}', program.error ?? '');
     case 'unknown':
       return '';
   }
 }
 
 const ALARMS: Record<string, string> = {
-  rapid: 'Rapid through stock',
-  shank: 'Shank or holder in the stock',
-  obstacle: 'Collision with an obstacle',
-  force: 'Force over the limit',
+  rapid: t('Rapid through stock'),
+  shank: t('Shank or holder in the stock'),
+  obstacle: t('Collision with an obstacle'),
+  force: t('Force over the limit'),
 };
 const UNITS: Record<string, string> = { mm3: 'mm³' };
 
 export function alarmText(alarm: Alarm): string {
   const lines =
     alarm.fromLine === alarm.toLine
-      ? `line ${alarm.fromLine}`
-      : `lines ${alarm.fromLine}–${alarm.toLine}`;
+      ? t('line {0}', alarm.fromLine)
+      : t('lines {0}–{1}', alarm.fromLine, alarm.toLine);
   const what = ALARMS[alarm.kind] ?? alarm.kind;
   const amount = `${figure(alarm.amount)} ${UNITS[alarm.unit] ?? alarm.unit}`;
-  const [x, y, z] = alarm.tip.map((value) => value.toFixed(1));
-  return `${what}, ${amount}: ${lines}, at X ${x} Y ${y} Z ${z}`;
+  const [x, y, z] = alarm.tip.map((value) => value.toFixed(1)) as [string, string, string];
+  return t('{0}, {1}: {2}, at X {3} Y {4} Z {5}', what, amount, lines, x, y, z);
 }

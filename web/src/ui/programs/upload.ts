@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Choosing or dropping an NC or APT file, and how it is to be run.
 
+import { t } from '../../strings';
 import { h } from '../dom';
 
 export interface UploadActions {
@@ -15,25 +16,25 @@ export class Upload {
     type: 'file',
     accept: EXTENSIONS,
     class: 'program-file',
-    'aria-label': 'NC or APT program',
+    'aria-label': t('NC or APT program'),
   });
   private readonly pace_ = h(
     'select',
-    { class: 'program-speed', 'aria-label': 'How to run it' },
-    h('option', { value: 'pace=feed' }, 'at feed rate'),
-    h('option', { value: 'pace=fast' }, 'at full speed'),
+    { class: 'program-speed', 'aria-label': t('How to run it') },
+    h('option', { value: 'pace=feed' }, t('at feed rate')),
+    h('option', { value: 'pace=fast' }, t('at full speed')),
   );
   private readonly queue_ = h('input', { type: 'checkbox' });
   readonly element = h(
     'div',
     { class: 'program-upload' },
-    h('p', {}, 'Drop an NC or APT file here, or choose one.'),
+    h('p', {}, t('Drop an NC or APT file here, or choose one.')),
     this.file_,
     h(
       'p',
       { class: 'program-options' },
       this.pace_,
-      h('label', {}, this.queue_, ' after the others'),
+      h('label', {}, this.queue_, t(' after the others')),
     ),
   );
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The dialog by which one takes the block home: format, detail, size, progress, cancel.
 
+import { t } from '../../strings';
 import '../style/take_home.css';
 import { takeHome } from '../../link/take_home';
 import type { Progress } from '../../link/take_home';
@@ -18,8 +19,10 @@ function save(name: string, content: Blob): void {
 }
 
 function progressText({ phase, share, bytes }: Progress): string {
-  if (phase === 'coming') return `Receiving: ${bytesText(bytes)}`;
-  return share === null ? 'The server begins…' : `The server makes the file: ${percent(share)}`;
+  if (phase === 'coming') return t('Receiving: {0}', bytesText(bytes));
+  return share === null
+    ? t('The server begins…')
+    : t('The server makes the file: {0}', percent(share));
 }
 
 function percent(share: number): string {
@@ -27,15 +30,15 @@ function percent(share: number): string {
 }
 
 export class TakeHomeDialog {
-  private readonly detail_ = h('select', { class: 'select', 'aria-label': 'Detail' });
+  private readonly detail_ = h('select', { class: 'select', 'aria-label': t('Detail') });
   private readonly size_ = h('p', { class: 'quiet take-size' });
-  private readonly start_ = h('button', { type: 'submit', class: 'button' }, 'Download');
+  private readonly start_ = h('button', { type: 'submit', class: 'button' }, t('Download'));
   private readonly cancel_ = h(
     'button',
     { type: 'button', class: 'button quiet-button', hidden: '' },
-    'Cancel',
+    t('Cancel'),
   );
-  private readonly bar_ = h('progress', { max: '1', 'aria-label': 'Progress', hidden: '' });
+  private readonly bar_ = h('progress', { max: '1', 'aria-label': t('Progress'), hidden: '' });
   private readonly note_ = h('p', { class: 'take-note', role: 'status' });
   private readonly dialog_: HTMLDialogElement;
   private format_: TakeHomeFormat;
@@ -48,7 +51,7 @@ export class TakeHomeDialog {
     private readonly amounts: () => Amounts,
   ) {
     this.format_ = GROUPS[0]!.formats[0]!;
-    const close = h('button', { type: 'button', class: 'button quiet-button' }, 'Close');
+    const close = h('button', { type: 'button', class: 'button quiet-button' }, t('Close'));
     const form = h(
       'form',
       {},
@@ -60,8 +63,8 @@ export class TakeHomeDialog {
     );
     this.dialog_ = h(
       'dialog',
-      { class: 'help take-home', 'aria-label': 'Take home' },
-      h('h2', {}, 'Take home'),
+      { class: 'help take-home', 'aria-label': t('Take home') },
+      h('h2', {}, t('Take home')),
       form,
     );
     form.addEventListener('submit', (event) => {
@@ -115,7 +118,7 @@ export class TakeHomeDialog {
 
   private showSize_(): void {
     const bytes = sizeOf(this.format_, this.choice_, this.amounts());
-    setText(this.size_, bytes === null ? '' : `up to about ${bytesText(bytes)}`);
+    setText(this.size_, bytes === null ? '' : t('up to about {0}', bytesText(bytes)));
   }
 
   private async take_(): Promise<void> {
@@ -129,9 +132,9 @@ export class TakeHomeDialog {
         this.showProgress_(progress),
       );
       save(name, content);
-      setText(this.note_, `${name}, ${bytesText(content.size)}, is in your downloads.`);
+      setText(this.note_, t('{0}, {1}, is in your downloads.', name, bytesText(content.size)));
     } catch (problem) {
-      const text = taking.signal.aborted ? 'Cancelled.' : sentence((problem as Error).message);
+      const text = taking.signal.aborted ? t('Cancelled.') : sentence((problem as Error).message);
       setText(this.note_, text);
       this.note_.classList.toggle('bad', !taking.signal.aborted);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The button of the take-home dialog, a chunk that is loaded when it is pressed.
 
+import { t } from '../../strings';
 import type { Amounts } from '../../model/take_home';
 import { stockBounds } from '../../model/session';
 import type { SessionModel } from '../../model/session';
@@ -16,7 +17,7 @@ function amountsOf({ state, welcome }: SessionModel): Amounts {
 }
 
 export function takeHomeButton(model: SessionModel, session: string): HTMLElement {
-  const button = h('button', { type: 'button', class: 'button take-button' }, 'Take home…');
+  const button = h('button', { type: 'button', class: 'button take-button' }, t('Take home…'));
   button.insertAdjacentHTML('afterbegin', ICONS.download);
   let dialog: Promise<{ open: () => void }> | null = null;
   button.addEventListener('click', () => {

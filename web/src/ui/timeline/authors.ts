@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names and colors of those who have carved, also of those who have left.
 
+import { t } from '../../strings';
 import type { SessionModel } from '../../model/session';
 import { colorOfUnknown } from '../../model/participants';
 
@@ -16,7 +17,7 @@ export class Authors {
   }
 
   nameOf(participant: number): string {
-    return this.known_.get(participant)?.name ?? `Participant ${participant}`;
+    return this.known_.get(participant)?.name ?? t('Participant {0}', participant);
   }
 
   colorOf(participant: number): string {

@@ -2,6 +2,7 @@
 // What lies over the picture while it shows the past: which point, who carved there, and the button
 // that leads back.
 
+import { t } from '../../strings';
 import { h, setText } from '../dom';
 
 export class Banner {
@@ -9,12 +10,12 @@ export class Banner {
   readonly element: HTMLElement;
 
   constructor(back: () => void) {
-    const button = h('button', { type: 'button', class: 'past-back' }, 'Back to live');
+    const button = h('button', { type: 'button', class: 'past-back' }, t('Back to live'));
     button.addEventListener('click', back);
     this.element = h(
       'div',
       { class: 'past-banner', hidden: '' },
-      h('span', { role: 'status' }, h('b', {}, 'The past')),
+      h('span', { role: 'status' }, h('b', {}, t('The past'))),
       this.place_,
       button,
     );

@@ -2,6 +2,7 @@
 // Named versions: go to one, name the block that is shown, rename or delete one; and a branch, a session that
 // begins as the block is shown.
 
+import { t } from '../../strings';
 import type { Version } from '../../link/history';
 import { h, setText } from '../dom';
 import { count } from '../format';
@@ -17,13 +18,13 @@ export interface BookmarkActions {
 type Form = 'version' | 'rename' | 'branch';
 
 export class Bookmarks {
-  private readonly list_ = h('select', { class: 'timeline-versions', 'aria-label': 'Versions' });
-  private readonly rename_ = this.button_('Rename');
-  private readonly delete_ = this.button_('Delete');
-  private readonly name_ = this.button_('Name this state');
-  private readonly branch_ = this.button_('Branch from here');
+  private readonly list_ = h('select', { class: 'timeline-versions', 'aria-label': t('Versions') });
+  private readonly rename_ = this.button_(t('Rename'));
+  private readonly delete_ = this.button_(t('Delete'));
+  private readonly name_ = this.button_(t('Name this state'));
+  private readonly branch_ = this.button_(t('Branch from here'));
   private readonly input_ = h('input', { class: 'timeline-input', maxlength: '64', required: '' });
-  private readonly save_ = h('button', { class: 'timeline-action' }, 'Save');
+  private readonly save_ = h('button', { class: 'timeline-action' }, t('Save'));
   private readonly form_ = h(
     'form',
     { class: 'timeline-form', hidden: '' },
@@ -32,7 +33,7 @@ export class Bookmarks {
   );
   readonly element = h(
     'div',
-    { class: 'timeline-bookmarks', role: 'group', 'aria-label': 'Versions and branches' },
+    { class: 'timeline-bookmarks', role: 'group', 'aria-label': t('Versions and branches') },
     this.list_,
     this.rename_,
     this.delete_,
@@ -64,7 +65,7 @@ export class Bookmarks {
     this.rename_.addEventListener('click', () => this.ask_('rename'));
     this.name_.addEventListener('click', () => this.ask_('version'));
     this.branch_.addEventListener('click', () => this.ask_('branch'));
-    const cancel = this.button_('Cancel');
+    const cancel = this.button_(t('Cancel'));
     cancel.addEventListener('click', () => this.ask_(null));
     this.form_.append(cancel);
     this.form_.addEventListener('keydown', (event) => {
@@ -89,7 +90,7 @@ export class Bookmarks {
     this.versions_ = versions;
     const { value } = this.list_;
     this.list_.replaceChildren(
-      h('option', { value: '' }, versions.length === 0 ? 'No versions' : 'Go to version…'),
+      h('option', { value: '' }, versions.length === 0 ? t('No versions') : t('Go to version…')),
       ...versions.map(({ name, record, author }) =>
         h('option', { value: name }, `${name} · ${count(record)}${author ? ` · ${author}` : ''}`),
       ),
@@ -126,14 +127,14 @@ export class Bookmarks {
       return;
     }
     const isBranch = what === 'branch';
-    const label = isBranch ? 'Id of the new session' : 'Name of the version';
+    const label = isBranch ? t('Id of the new session') : t('Name of the version');
     const isRename = what === 'rename';
     this.input_.setAttribute('aria-label', label);
     this.input_.placeholder = label;
     this.input_.pattern = isBranch ? '[a-z0-9_\\-]{1,64}' : '[^\\/]+';
-    this.input_.title = isBranch ? 'Small letters, digits, - and _' : '';
+    this.input_.title = isBranch ? t('Small letters, digits, - and _') : '';
     this.input_.value = isBranch ? this.proposed() : isRename ? this.list_.value : '';
-    setText(this.save_, isBranch ? 'Branch' : isRename ? 'Rename it' : 'Save');
+    setText(this.save_, isBranch ? t('Branch') : isRename ? t('Rename it') : t('Save'));
     this.input_.focus();
     this.input_.select();
   }

@@ -2,6 +2,7 @@
 // Compares two states by a border that is swiped over the picture: right of it the block is as it was
 // when the button was pressed, left of it as the timeline shows it.
 
+import { t } from '../../strings';
 import '../style/compare.css';
 import { CompareView } from '../../view/compare_view';
 import { h, setText } from '../dom';
@@ -10,7 +11,7 @@ import type { Picture } from '../picture';
 const STEP = 0.02;
 
 export class Compare {
-  readonly button = h('button', { type: 'button', class: 'timeline-action' }, 'Compare');
+  readonly button = h('button', { type: 'button', class: 'timeline-action' }, t('Compare'));
   private readonly now_ = h('span', { class: 'compare-now' });
   private readonly kept_ = h('span', { class: 'compare-kept' });
   private readonly border_ = h(
@@ -20,7 +21,7 @@ export class Compare {
       role: 'slider',
       tabindex: '0',
       hidden: '',
-      'aria-label': 'Border between the two states',
+      'aria-label': t('Border between the two states'),
       'aria-valuemin': '0',
       'aria-valuemax': '100',
     },
@@ -35,7 +36,7 @@ export class Compare {
     private readonly picture: Picture,
     main: Element,
   ) {
-    this.button.title = 'Keeps this state beside the one that you go to';
+    this.button.title = t('Keeps this state beside the one that you go to');
     this.button.setAttribute('aria-pressed', 'false');
     main.querySelector('.overlay')?.after(this.border_);
     this.button.addEventListener('click', () => (this.view_ ? this.end() : this.begin_()));

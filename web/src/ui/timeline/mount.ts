@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The button that opens the timeline. The timeline is a chunk of its own.
 
+import { t } from '../../strings';
 import type { SessionModel } from '../../model/session';
 import type { Seek } from '../../wire/types';
 import { iconButton } from '../dom';
@@ -25,7 +26,7 @@ export function mountTimeline(host: TimelineHost): () => void {
     const { Timeline } = await import('./timeline');
     return new Timeline(host, button);
   });
-  const button = iconButton(ICONS.timeline, 'Timeline', 'T', toggle);
+  const button = iconButton(ICONS.timeline, t('Timeline'), 'T', toggle);
   button.setAttribute('aria-expanded', 'false');
   host.toolbar.firstElementChild?.after(button);
   return toggle;

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The stroke that was pressed: whose it is, and its undo or redo.
 
+import { language, t } from '../../strings';
 import type { Stroke, StrokeChange } from '../../link/strokes';
 import { h, setText } from '../dom';
 import { count } from '../format';
 
-export const CLOCK = new Intl.DateTimeFormat('en', { timeStyle: 'medium', hourCycle: 'h23' });
+export const CLOCK = new Intl.DateTimeFormat(language, { timeStyle: 'medium', hourCycle: 'h23' });
 
 export class Selection {
-  private readonly text_ = h('span', {}, 'Press a bar to select its stroke.');
+  private readonly text_ = h('span', {}, t('Press a bar to select its stroke.'));
   private readonly change_ = h(
     'button',
     { type: 'button', class: 'timeline-action', hidden: '' },
-    'Undo',
+    t('Undo'),
   );
   private readonly note_ = h('span', { class: 'timeline-note', role: 'status' });
   readonly element = h('p', { class: 'timeline-selection' }, this.text_, this.change_, this.note_);
@@ -30,18 +31,21 @@ export class Selection {
     this.stroke_ = stroke;
     this.change_.hidden = !stroke;
     if (!stroke) {
-      setText(this.text_, 'Press a bar to select its stroke.');
+      setText(this.text_, t('Press a bar to select its stroke.'));
       return;
     }
-    const undone = stroke.undone ? ' · undone' : '';
+    const undone = stroke.undone ? t(' · undone') : '';
     const time = CLOCK.format(stroke.begin_ms);
     setText(
       this.text_,
-      `${author} · ${tool} · ${time} · ${count(stroke.motions)} motions${undone}`,
+      t('{0} · {1} · {2} · {3} motions{4}', author, tool, time, count(stroke.motions), undone),
     );
-    const label = stroke.undone ? 'Redo' : 'Undo';
+    const label = stroke.undone ? t('Redo') : t('Undo');
     setText(this.change_, label);
-    this.change_.setAttribute('aria-label', `${label} this stroke of ${author}`);
+    const what = stroke.undone
+      ? t('Redo this stroke of {0}', author)
+      : t('Undo this stroke of {0}', author);
+    this.change_.setAttribute('aria-label', what);
     this.change_.disabled = why !== '';
     this.change_.title = why;
   }

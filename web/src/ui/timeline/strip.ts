@@ -2,6 +2,7 @@
 // The journal as a picture: a row of bars for each participant, forces and removal below, flags of the named
 // versions above, and the playhead, which is a slider for pointer, keyboard and screen readers.
 
+import { t } from '../../strings';
 import type { ForceCurve, Version } from '../../link/history';
 import type { Stroke } from '../../link/strokes';
 import { barsOf, recordAt, strokeAt, xOf, zoomed } from '../../model/timeline';
@@ -35,8 +36,8 @@ const FORCE_PX = 34;
 const REMOVAL_PX = 22;
 const GRAB_PX = 4; // a stroke so near to the pointer is meant
 const PLOTS = [
-  { name: 'Force', color: '--force', height: FORCE_PX },
-  { name: 'Removal', color: '--removal', height: REMOVAL_PX },
+  { name: t('Force'), color: '--force', height: FORCE_PX },
+  { name: t('Removal'), color: '--removal', height: REMOVAL_PX },
 ];
 const EMPTY: StripContent = {
   rows: [],
@@ -58,7 +59,7 @@ export class Strip {
       class: 'timeline-track',
       role: 'slider',
       tabindex: '0',
-      'aria-label': 'Point in time, in motions',
+      'aria-label': t('Point in time, in motions'),
       'aria-orientation': 'horizontal',
       'aria-valuemin': '0',
     },

@@ -2,6 +2,7 @@
 // The timeline: the journal of the session as a strip, on which the picture can be taken to any
 // motion of the past and back to the present.
 
+import { t } from '../../strings';
 import '../style/timeline.css';
 import { branch, deleteVersion, nameVersion, renameVersion } from '../../link/history';
 import { changeStroke } from '../../link/strokes';
@@ -12,6 +13,7 @@ import { strokeAt } from '../../model/timeline';
 import { toolName } from '../../model/tool_profile';
 import { h, setText } from '../dom';
 import { count, sentence } from '../format';
+import { changedText } from '../history';
 import { Authors } from './authors';
 import { Banner } from './banner';
 import { Bookmarks } from './bookmarks';
@@ -75,10 +77,11 @@ export class Timeline {
       {
         go: (record) => this.seek_(record, 0),
         name: (name) =>
-          void this.keep_(nameVersion(session, name, this.record_), `“${name}” is kept.`),
+          void this.keep_(nameVersion(session, name, this.record_), t('“{0}” is kept.', name)),
         rename: (old, name) =>
-          void this.keep_(renameVersion(session, old, name), `“${old}” is now “${name}”.`),
-        remove: (name) => void this.keep_(deleteVersion(session, name), `“${name}” is deleted.`),
+          void this.keep_(renameVersion(session, old, name), t('“{0}” is now “{1}”.', old, name)),
+        remove: (name) =>
+          void this.keep_(deleteVersion(session, name), t('“{0}” is deleted.', name)),
         branch: (id) => void this.branch_(id),
       },
       () => `${session.slice(0, 50)}-${this.record_ ?? this.records_.end}`,
@@ -88,7 +91,7 @@ export class Timeline {
     this.bookmarks_.element.append(this.compare_.button);
     this.element_ = h(
       'section',
-      { class: 'timeline', 'aria-label': 'Timeline', hidden: '' },
+      { class: 'timeline', 'aria-label': t('Timeline'), hidden: '' },
       h('div', { class: 'timeline-controls' }, this.transport_.element, this.where_),
       this.strip_.element,
       h('div', { class: 'timeline-foot' }, this.selection_.element, this.bookmarks_.element),
@@ -217,9 +220,9 @@ export class Timeline {
     this.shownAt_ = key;
     if (this.banner_.show(isPast ? place : null)) this.host.layoutChanged();
     this.transport_.update(isPast ? rate : 0, !isPast);
-    this.compare_.show(isPast && record !== null ? `Record ${count(record)}` : 'Now');
-    setText(this.where_, isPast ? '' : `${count(this.records_.end)} records`);
-    this.strip_.place(record ?? this.records_.end, isPast ? place : 'live', rate > 0 && !wish);
+    this.compare_.show(isPast && record !== null ? t('Record {0}', count(record)) : t('Now'));
+    setText(this.where_, isPast ? '' : t('{0} records', count(this.records_.end)));
+    this.strip_.place(record ?? this.records_.end, isPast ? place : t('live'), rate > 0 && !wish);
     if (
       rate > 0 &&
       !wish &&
@@ -232,14 +235,15 @@ export class Timeline {
 
   /** “14:03:21 · record 4,711 of 20,000 · Ada” */
   private describe_(record: number | null, timeMs: number): string {
-    if (record === null) return 'The past';
+    if (record === null) return t('The past');
     const time = timeMs > 0 ? `${CLOCK.format(timeMs)} · ` : '';
     const { end, rows } = this.records_;
-    const of = end > 0 ? ` of ${count(end)}` : '';
     const carving = rows
       .filter(({ strokes }) => strokeAt(strokes, record, 0) !== undefined)
       .map(({ participant }) => this.authors_.nameOf(participant));
-    return [`${time}record ${count(record)}${of}`, ...carving].join(' · ');
+    const place =
+      end > 0 ? t('record {0} of {1}', count(record), count(end)) : t('record {0}', count(record));
+    return [time + place, ...carving].join(' · ');
   }
 
   private redraw_(): void {
@@ -263,11 +267,7 @@ export class Timeline {
 
   private async change_(change: StrokeChange, stroke: Stroke): Promise<void> {
     const name = this.authors_.nameOf(stroke.participant);
-    const done = change === 'undo' ? 'undone' : 'redone';
-    await this.keep_(
-      changeStroke(this.host.session, change, stroke.id),
-      `A stroke of ${name} was ${done}.`,
-    );
+    await this.keep_(changeStroke(this.host.session, change, stroke.id), changedText(change, name));
   }
 
   private async branch_(id: string): Promise<void> {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The buttons of the timeline: steps, play and pause, speed, back to live.
 
+import { t } from '../../strings';
 import { h, setText } from '../dom';
 
 const STEPS = [-1000, -100, -1] as const;
@@ -21,18 +22,19 @@ export class Transport {
   private readonly play_ = h('button', { type: 'button', class: 'timeline-play' }, '▶');
   private readonly rate_ = h(
     'select',
-    { class: 'timeline-rate', 'aria-label': 'Speed of playing' },
+    { class: 'timeline-rate', 'aria-label': t('Speed of playing') },
     ...RATES.map((rate) => h('option', { value: String(rate) }, `× ${rate}`)),
   );
-  private readonly live_ = h('button', { type: 'button', class: 'timeline-live' }, 'Live');
+  private readonly live_ = h('button', { type: 'button', class: 'timeline-live' }, t('Live'));
   readonly element: HTMLElement;
   private rateNow_ = 0;
 
   constructor(private readonly actions: TransportActions) {
     const step = (motions: number): HTMLElement => {
       const size = Math.abs(motions);
-      const noun = size === 1 ? 'motion' : 'motions';
-      const label = `${motions < 0 ? 'Back' : 'On'} by ${size} ${noun}`;
+      const back = size === 1 ? t('Back by 1 motion') : t('Back by {0} motions', size);
+      const on = size === 1 ? t('On by 1 motion') : t('On by {0} motions', size);
+      const label = motions < 0 ? back : on;
       const attributes = { type: 'button', class: 'timeline-step', title: label };
       const button = h('button', { ...attributes, 'aria-label': label }, signed(motions));
       button.addEventListener('click', () => actions.step(motions));
@@ -41,7 +43,7 @@ export class Transport {
     this.rate_.value = '4';
     this.element = h(
       'div',
-      { class: 'timeline-transport', role: 'group', 'aria-label': 'Play and step' },
+      { class: 'timeline-transport', role: 'group', 'aria-label': t('Play and step') },
       ...STEPS.map(step),
       this.play_,
       ...STEPS.map((motions) => step(-motions)).reverse(),
@@ -64,16 +66,16 @@ export class Transport {
   update(rate: number, isLive: boolean): void {
     this.rateNow_ = rate;
     setText(this.play_, rate > 0 ? '❚❚' : '▶');
-    const label = rate > 0 ? 'Pause' : 'Play';
+    const label = rate > 0 ? t('Pause') : t('Play');
     if (this.play_.getAttribute('aria-label') !== label) {
       this.play_.setAttribute('aria-label', label);
-      this.play_.title = `${label} (Space)`;
+      this.play_.title = t('{0} (Space)', label);
     }
     const pressed = String(isLive);
     if (this.live_.getAttribute('aria-pressed') !== pressed) {
       this.live_.setAttribute('aria-pressed', pressed);
-      this.live_.title = isLive ? 'The picture shows the present' : 'Back to live (End)';
+      this.live_.title = isLive ? t('The picture shows the present') : t('Back to live (End)');
     }
-    setText(this.live_, isLive ? 'Live' : 'Back to live');
+    setText(this.live_, isLive ? t('Live') : t('Back to live'));
   }
 }

@@ -2,6 +2,7 @@
 // The section of the panel for pins, shown views and pictures. Its code is a chunk of its own, loaded
 // when there is something to show or a button is pressed.
 
+import { t } from '../../strings';
 import type { SessionModel } from '../../model/session';
 import type { CameraPose } from '../../wire/types';
 import { h } from '../dom';
@@ -65,17 +66,17 @@ export function mountTogether(host: TogetherHost): Together {
     return made;
   };
   const parts: TogetherParts = {
-    pin: button('Set a pin', 'A text at a place of the block, for everybody', 'setPin'),
-    share: button('Show my view', 'Others can follow what you look at', 'share'),
-    cameras: h('ul', { class: 'shown-cameras', 'aria-label': 'Shown views' }),
-    pins: h('ul', { class: 'pins', 'aria-label': 'Pins' }),
+    pin: button(t('Set a pin'), t('A text at a place of the block, for everybody'), 'setPin'),
+    share: button(t('Show my view'), t('Others can follow what you look at'), 'share'),
+    cameras: h('ul', { class: 'shown-cameras', 'aria-label': t('Shown views') }),
+    pins: h('ul', { class: 'pins', 'aria-label': t('Pins') }),
   };
   parts.share.setAttribute('aria-pressed', 'false');
-  const picture = button('Save picture', 'PNG, 3840 pixels wide', 'savePicture');
+  const picture = button(t('Save picture'), t('PNG, 3840 pixels wide'), 'savePicture');
   const element = h(
     'section',
-    { 'aria-label': 'Together' },
-    h('h2', {}, 'Together'),
+    { 'aria-label': t('Together') },
+    h('h2', {}, t('Together')),
     h('div', { class: 'history-actions together-actions' }, parts.pin, parts.share, picture),
     parts.cameras,
     parts.pins,

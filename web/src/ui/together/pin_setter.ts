@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sets a pin: the next press on the block gives its place, a dialog its text.
 
+import { t } from '../../strings';
 import { PIN_BYTES_MAX, setPin } from '../../link/pins';
 import { firstBehind } from '../../model/section';
 import { hitsOf } from '../../model/surface';
@@ -11,7 +12,7 @@ import { sentence } from '../format';
 import type { TogetherHost } from './mount';
 
 const TAP_PX = 5;
-const HINT = 'Press the place of the block. Esc ends.';
+const HINT = t('Press the place of the block. Esc ends.');
 
 export class PinSetter {
   private isWaiting_ = false;
@@ -20,7 +21,7 @@ export class PinSetter {
   private readonly close_ = (): void => this.wait_(false);
   private readonly input_ = h('input', {
     class: 'pin-input',
-    'aria-label': 'Text of the pin',
+    'aria-label': t('Text of the pin'),
     maxlength: String(PIN_BYTES_MAX),
     required: '',
     autocomplete: 'off',
@@ -33,22 +34,26 @@ export class PinSetter {
     private readonly opener: HTMLElement,
   ) {
     opener.setAttribute('aria-pressed', 'false');
-    const cancel = h('button', { type: 'button', class: 'history-button' }, 'Cancel');
+    const cancel = h('button', { type: 'button', class: 'history-button' }, t('Cancel'));
     cancel.addEventListener('click', () => this.dialog_.close());
     const form = h(
       'form',
       { method: 'dialog' },
-      h('h2', {}, 'What is to be said here?'),
+      h('h2', {}, t('What is to be said here?')),
       this.input_,
       h(
         'div',
         { class: 'history-actions' },
-        h('button', { class: 'history-button' }, 'Set the pin'),
+        h('button', { class: 'history-button' }, t('Set the pin')),
         cancel,
       ),
     );
     form.addEventListener('submit', () => this.save_());
-    this.dialog_ = h('dialog', { class: 'help pin-dialog', 'aria-label': 'Text of the pin' }, form);
+    this.dialog_ = h(
+      'dialog',
+      { class: 'help pin-dialog', 'aria-label': t('Text of the pin') },
+      form,
+    );
     this.main_.append(this.dialog_);
     this.listen_();
   }

@@ -2,6 +2,7 @@
 // The picture as a file: larger than the screen, with the page's background, without what lies over
 // it.
 
+import { t } from '../../strings';
 import type { Viewer } from '../../view/viewer';
 
 /** On the longer side: a screen of 4k. */
@@ -25,12 +26,12 @@ export async function pictureOf(viewer: Viewer, pixels = PICTURE_PIXELS): Promis
   const canvas = document.createElement('canvas');
   Object.assign(canvas, { width, height });
   const context = canvas.getContext('2d');
-  if (!context) throw new Error('The browser gives no canvas of this size.');
+  if (!context) throw new Error(t('The browser gives no canvas of this size.'));
   context.fillStyle = skyOf(context, width, height);
   context.fillRect(0, 0, width, height);
   context.drawImage(drawn, 0, 0);
   const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
-  if (!blob) throw new Error('The browser could not write the picture.');
+  if (!blob) throw new Error(t('The browser could not write the picture.'));
   return blob;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // “Follow me”: shows this viewer's camera to others, and follows the one of another.
 
+import { t } from '../../strings';
 import type { CameraMarks } from '../../view/camera_marks';
 import type { Viewer } from '../../view/viewer';
 import type { CameraPose, ShownCamera, Vec3, Welcome } from '../../wire/types';
@@ -30,7 +31,7 @@ export class SharedViews {
   share(): void {
     this.isShared_ = !this.isShared_;
     this.parts.share.setAttribute('aria-pressed', String(this.isShared_));
-    if (this.isShared_) this.host.say('Others can now follow what you look at.');
+    if (this.isShared_) this.host.say(t('Others can now follow what you look at.'));
     else this.host.showCamera(null);
     this.sent_ = '';
   }
@@ -64,7 +65,7 @@ export class SharedViews {
     const { rig } = this.viewer;
     const camera = others.find(({ participant }) => participant === this.followed_);
     if (!camera || !rig.tracks) {
-      this.host.say(camera ? 'You look for yourself again.' : 'The view is no longer shown.');
+      this.host.say(camera ? t('You look for yourself again.') : t('The view is no longer shown.'));
       this.follow_(null);
       return;
     }
@@ -78,7 +79,7 @@ export class SharedViews {
     this.viewer.rig.track(
       camera && { eye: new Vector3(...camera.eye_mm), target: new Vector3(...camera.target_mm) },
     );
-    if (camera) this.host.say(`You see what ${camera.name} sees. Move the picture to stop.`);
+    if (camera) this.host.say(t('You see what {0} sees. Move the picture to stop.', camera.name));
   }
 
   private list_(others: readonly ShownCamera[]): void {
@@ -94,7 +95,7 @@ export class SharedViews {
         const button = h(
           'button',
           { type: 'button', class: 'chip view-chip', style: `--who:${camera.color}` },
-          isFollowed ? `Following ${camera.name}` : `Follow ${camera.name}`,
+          isFollowed ? t('Following {0}', camera.name) : t('Follow {0}', camera.name),
         );
         button.setAttribute('aria-pressed', String(isFollowed));
         button.addEventListener('click', () => {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What viewers do together: pins on the surface, views that others follow, pictures to take along.
 
+import { t } from '../../strings';
 import '../style/together.css';
 import { removePin } from '../../link/pins';
 import type { Pin } from '../../wire/types';
@@ -68,7 +69,7 @@ export class TogetherPanel {
     const { host } = this;
     const go = h(
       'button',
-      { type: 'button', class: 'pin-go', title: 'Look at this place' },
+      { type: 'button', class: 'pin-go', title: t('Look at this place') },
       h('span', { class: 'pin-words' }, pin.text),
       h('small', {}, pin.author),
     );
@@ -81,8 +82,12 @@ export class TogetherPanel {
     if (may('moderate') || (isOwn && may('place_pins'))) {
       const remove = h(
         'button',
-        { type: 'button', class: 'quiet-action', 'aria-label': `Remove the pin “${pin.text}”` },
-        'Remove',
+        {
+          type: 'button',
+          class: 'quiet-action',
+          'aria-label': t('Remove the pin “{0}”', pin.text),
+        },
+        t('Remove'),
       );
       remove.addEventListener('click', () => {
         removePin(host.session, pin.pin).catch((problem: unknown) =>

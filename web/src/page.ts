@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the address means: a session, the lobby, an invitation.
+
+import { installHook } from './hook';
+import { invitationIn, redeemInvitation } from './link/invitation';
+import { sentence } from './ui/format';
+import { t } from './strings';
+import { recall, remember } from './strings/memory';
+import { failurePage } from './ui/notice';
+import { showSessions } from './ui/session_list';
+import { SessionPage } from './ui/session_page';
+import { nameThatFits } from './wire/names';
+
+function viewerName(parameters: URLSearchParams): string {
+  const requested = parameters.get('name')?.trim() ?? '';
+  const known = requested === '' ? recall('name') : requested;
+  if (known) return nameThatFits(known);
+  const name = t('Guest {0}', 100 + Math.floor(Math.random() * 900));
+  remember('name', name);
+  return name;
+}
+
+function openSession(app: HTMLElement, session: string, parameters: URLSearchParams): void {
+  document.title = `${session} · Kerf`;
+  const fullQuality = parameters.get('quality') === 'full';
+  const embedded = parameters.has('embed');
+  const page = new SessionPage(app, session, viewerName(parameters), fullQuality, embedded);
+  installHook(page);
+  page.start();
+}
+
+/** Shows what the address of the page says. */
+export async function showPage(): Promise<void> {
+  const app = document.getElementById('app')!;
+  const parameters = new URLSearchParams(location.search);
+  const session = parameters.get('session');
+  if (!session && parameters.has('embed')) {
+    const text = t('The address of an embedded page has session=ID and embed.');
+    app.replaceChildren(failurePage(t('Which session?'), text, []));
+    return;
+  }
+  const invitation = invitationIn(location.hash);
+  // Before anything else: a token does not stay in the address, nor in the history.
+  if (invitation !== null) history.replaceState(null, '', location.pathname + location.search);
+  if (session) {
+    const problem =
+      invitation === null
+        ? null
+        : await redeemInvitation(session, invitation, viewerName(parameters));
+    if (problem !== null) {
+      app.replaceChildren(
+        failurePage(
+          t('This invitation does not work'),
+          t('{0} Ask an owner of the session for a new link.', sentence(problem)),
+          [],
+        ),
+      );
+      return;
+    }
+    openSession(app, session, parameters);
+    return;
+  }
+  const only = await showSessions(app, parameters.has('list'));
+  if (only !== null) {
+    history.replaceState(null, '', `?session=${encodeURIComponent(only)}`);
+    openSession(app, only, parameters);
+  }
+}
