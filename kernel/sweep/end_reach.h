@@ -77,6 +77,18 @@ KERF_INLINE Lanes root_of(Lanes off, Lanes fall, Lanes bend) {
   return select(off > 0.0, share, Lanes(0));
 }
 
+/// Returns the hits at the first (`sign` −1) or the last pose (1) whose end lies nowhere farther
+/// out at any other: it moves outwards faster towards that pose than the bend can make up for
+/// (kernel/sweep/README.md, "Stations").
+KERF_INLINE LaneMask outermost_at(const SlicePath& path, const Meeting& m, double sign) {
+  const Lanes scale = 1 / square_root(m.normal2);
+  const double turn = path.frame.turn;
+  const double bend = path.search.bend_mm + turn * turn * path.speed_max_mm;
+  const LaneMask bound = m.on_side | (path.search.shows_disc ? every_lane() : ~every_lane());
+  return m.hit & bound & (sign * m.advance * scale >= 0.5 * bend + kRecedingMm) &
+         (magnitude(m.upright) * scale >= turn);
+}
+
 /// Returns the share after an end, or with −advance for `outwards` before it, in which no point of
 /// the ray at `best` or farther out gets deeper into the slice than `depth_mm`. `best` is the
 /// outermost end known, `length` the length of the stretch.

@@ -237,24 +237,20 @@ KERF_INLINE void add_last_pose(const Side& side, const SlicePath& path, const Ra
   add_span(block, row.number, span, open & c.hit);
 }
 
-/// Returns the hits at the first (`sign` −1) or the last pose (1) whose end lies nowhere farther
-/// out at any other: it moves outwards faster towards that pose than the bend can make up for
-/// (kernel/sweep/README.md, "Stations").
-KERF_INLINE LaneMask outermost_at(const SlicePath& path, const Meeting& m, double sign) {
-  const Lanes scale = 1 / square_root(m.normal2);
-  const double turn = path.frame.turn;
-  const double bend = path.search.bend_mm + turn * turn * path.speed_max_mm;
-  const LaneMask bound = m.on_side | (path.search.shows_disc ? every_lane() : ~every_lane());
-  return m.hit & bound & (sign * m.advance * scale >= 0.5 * bend + kRecedingMm) &
-         (magnitude(m.upright) * scale >= turn);
-}
-
 /// The rays of a row of which an end is known after its first or its last pose has been met.
 struct KnownEnds {
   LaneMask lower, upper;
 
   KERF_INLINE LaneMask both() const { return lower & upper; }
 };
+
+/// Returns outermost_at for the upper ends at the first or the last pose, met in `station`.
+template <class Side>
+KERF_INLINE LaneMask upper_outermost_at(const Side& side, const SlicePath& path, const RayRow& row,
+                                        const Station& station) {
+  const Meeting upper = at_upper_end(side, path, row.x, row.y, station.share, station.met);
+  return outermost_at(path, upper, station.share > 0 ? 1 : -1);
+}
 
 /// Returns the ends that lie, at the first or the last pose met in `station`, farther out than at
 /// any other, and those of rays without stock beyond them. Which ends are found elsewhere, and
@@ -268,9 +264,8 @@ KERF_INLINE KnownEnds known_at(const Side& side, const SlicePath& path, const Ra
   known.lower = m.hit & (outermost_at(path, m, sign) | (m.lo <= row.stock_lo));
   known.upper = m.hit & ((m.hi >= path.search.top_mm) | block.loses_all_above(row.number) |
                          (m.hi >= row.stock_hi));
-  if (any(asked & m.hit & ~known.upper)) {
-    const Meeting upper = at_upper_end(side, path, row.x, row.y, station.share, m);
-    known.upper |= outermost_at(path, upper, sign);
+  if (any(asked & known.lower & ~known.upper)) {
+    known.upper |= upper_outermost_at(side, path, row, station);
   }
   return known;
 }
@@ -307,10 +302,15 @@ KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const Ray
     const double sign = at_last ? -1 : 1;
     Lanes beside = Lanes(0);
     if (any(missed)) {
-      const FoundEnd end = FoundEnd::of<End::kLower>(Lanes(met.share), met.met);
-      beside = reach_beside(side, path, row.x, row.y, end, sign, Lanes(1), -kRecedingMm);
-      const Lanes least = least_share(path, met.met, sign * met.met.advance, top, 1);
-      beside = select(missed, greater(beside, least), Lanes(0));
+      beside = select(missed, least_share(path, met.met, sign * met.met.advance, top, 1), beside);
+      const LaneMask doubtful = missed & ~(beside + reach > 1.0);
+      // A single part is searched all the same if the row has hits.
+      if (any(doubtful) && (parts > 1 || !any(open & met.met.hit))) {
+        const FoundEnd end = FoundEnd::of<End::kLower>(Lanes(met.share), met.met);
+        const Lanes share =
+            reach_beside(side, path, row.x, row.y, end, sign, Lanes(1), -kRecedingMm);
+        beside = select(doubtful & (share > beside), share, beside);
+      }
       open &= ~(beside + reach > 1.0);
     }
     if (!any(open)) return;
@@ -319,8 +319,13 @@ KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const Ray
   }
   // Both ends are known, and the intervals of both poses overlap: nothing else is swept.
   const Meeting &from = ends[0]->met, &to = ends[1]->met;
-  const LaneMask ends_known =
-      open & known.both() & from.hit & to.hit & (from.lo <= to.hi) & (to.lo <= from.hi);
+  LaneMask ends_known =
+      open & known.lower & from.hit & to.hit & (from.lo <= to.hi) & (to.lo <= from.hi);
+  if (any(ends_known & ~known.upper)) {
+    known.upper |= upper_outermost_at(side, path, row, *ends[0]) |
+                   upper_outermost_at(side, path, row, *ends[1]);
+  }
+  ends_known &= known.upper;
   if (any(ends_known)) {
     add_span(block, row.number, {lesser(from.lo, to.lo), greater(from.hi, to.hi)}, ends_known);
     open &= ~ends_known;
