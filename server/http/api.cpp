@@ -221,8 +221,31 @@ ApiResponse Api::metrics(const ApiCall&) {
   return response;
 }
 
+std::optional<PagePreview> Api::preview_of(const ApiRequest& request) const {
+  const std::string* id = request.query_value("session");
+  if (!request.path.empty() || id == nullptr || request.host.empty()) return std::nullopt;
+  const auto session = registry_.find(*id);
+  // A preview is made for strangers, whatever the browser at hand may do.
+  if (!session || !may(access_.identify("", *id).role, Action::kWatch)) return std::nullopt;
+  return PagePreview{session->scene().name + " · Kerf",
+                     (request.is_secure ? "https://" : "http://") + request.host + "/v1/sessions/" +
+                         *id + "/picture.png?width=960"};
+}
+
 ApiResponse Api::viewer_file(const ApiCall& call) {
-  return static_file(options_.web_folder, call.request);
+  const auto preview = preview_of(call.request);
+  if (!preview) return static_file(options_.web_folder, call.request);
+  ApiRequest plain = call.request;
+  plain.accept_encoding.clear();
+  plain.if_none_match.clear();
+  ApiResponse page = static_file(options_.web_folder, plain);
+  if (!page.file) return page;
+  page.body.resize(page.file->bytes());
+  page.file->read(0, page.body.data(), page.body.size());
+  page.file.reset();
+  page.body = with_preview(std::move(page.body), *preview);
+  std::erase_if(page.headers, [](const auto& header) { return header.first == "ETag"; });
+  return page;
 }
 
 }  // namespace kerf::net

@@ -15,6 +15,7 @@
 #include "server/http/byte_range.h"
 #include "server/http/download_cache.h"
 #include "server/http/http_options.h"
+#include "server/http/page_preview.h"
 #include "server/http/picture_cache.h"
 #include "server/http/upload_folder.h"
 #include "server/metrics/metrics.h"
@@ -156,6 +157,8 @@ class Api {
   ApiResponse viewer_file(const ApiCall& call);
 
  private:
+  /// The preview of a link to a session that everybody may watch; nothing for other requests.
+  std::optional<PagePreview> preview_of(const ApiRequest& request) const;
   /// Mutes a participant, or ends that; for a person, also its other connections and later ones.
   AccessResult<void> mute(Session& session, ParticipantId id, const std::string& person,
                           bool muted);

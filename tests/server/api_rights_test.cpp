@@ -2,6 +2,7 @@
 // The rights of callers over HTTP, without a socket.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <set>
 #include <thread>
 
@@ -19,6 +20,43 @@ std::string target_of(const Route& route) {
     target.replace(open, target.find('}') - open + 1, "x");
   }
   return target;
+}
+
+TEST_F(ApiRightsTest, APreviewOfALinkIsOfSessionsThatStrangersMayWatch) {
+  options.web_folder = folder.path() / "web";
+  std::filesystem::create_directory(options.web_folder);
+  std::ofstream(options.web_folder / "index.html") << "<head><title>Kerf</title></head>";
+  std::ofstream(options.web_folder / "index.html.br") << "packed";
+  const auto page = [&](std::string_view target, const std::string& token) {
+    ApiRequest request = *parse_target(target);
+    request.method = "GET";
+    request.host = "kerf.example:8080";
+    request.token = token;
+    request.accept_encoding = "br";
+    const ApiResponse response = api->handle(request);
+    EXPECT_EQ(response.status, 200U);
+    return response.body;  // empty: the file as it is
+  };
+  EXPECT_EQ(page("/?session=block", kAdmin), "");
+  open(kAdmin, true);  // strangers watch
+  const std::string name = session->scene().name;
+  const std::string shown = page("/?session=block", "");
+  EXPECT_TRUE(shown.contains("<meta property=\"og:title\" content=\"" + name + " · Kerf\">"))
+      << shown;
+  EXPECT_TRUE(
+      shown.contains("\"og:image\" content=\"http://kerf.example:8080/v1/sessions/block/"
+                     "picture.png?width=960\">"));
+  EXPECT_TRUE(shown.ends_with("</head>"));
+  for (const char* other : {"/", "/?session=none", "/index.html?session=block"}) {
+    EXPECT_EQ(page(other, ""), "") << other;
+  }
+}
+
+TEST(PagePreview, NamesCannotEndTheirAttribute) {
+  const std::string page = with_preview("<head></head>", {"\"><script>&", "http://a/b?c&d"});
+  EXPECT_TRUE(page.contains("content=\"&quot;>&lt;script>&amp;\"")) << page;
+  EXPECT_TRUE(page.contains("content=\"http://a/b?c&amp;d\""));
+  EXPECT_EQ(with_preview("no head", {"a", "b"}), "no head");
 }
 
 TEST_F(ApiRightsTest, EveryRouteAsksTheTable) {
