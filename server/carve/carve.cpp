@@ -252,8 +252,13 @@ class Carving {
     if (!triangles.empty()) report_.triangles = std::ranges::max(triangles);
     report_.mesh_s = watch_.lap();
     jobs.clear();
-    if (options_.ngc) jobs.push_back(program_job(*options_.ngc, ProgramFormat::kGcode));
-    if (options_.apt) jobs.push_back(program_job(*options_.apt, ProgramFormat::kApt));
+    const double tolerance_mm = options_.nc_tolerance_mm.value_or(0);
+    if (options_.ngc)
+      jobs.push_back(
+          program_job(*options_.ngc, {.post = options_.post, .tolerance_mm = tolerance_mm}));
+    if (options_.apt)
+      jobs.push_back(program_job(*options_.apt,
+                                 {.format = ProgramFormat::kApt, .tolerance_mm = tolerance_mm}));
     auto done = run_jobs(jobs);
     report_.write_s = watch_.lap();
     return done;
@@ -283,12 +288,13 @@ class Carving {
     };
   }
 
-  std::function<Result()> program_job(const std::filesystem::path& path, ProgramFormat format) {
-    return [this, format, &file = output(path)]() -> Result {
+  std::function<Result()> program_job(const std::filesystem::path& path,
+                                      const ProgramStyle& style) {
+    return [this, style, &file = output(path)]() -> Result {
       std::ofstream stream(file.temporary(), std::ios::binary);
-      const auto writer =
-          make_program_writer(format, scene_, stream, options_.nc_tolerance_mm.value_or(0));
-      const WriteResult written = write_program(program_, *writer);
+      const auto writer = make_program_writer(style, scene_, stream);
+      if (!writer) return bad_output(file.target().string() + ": " + writer.error());
+      const WriteResult written = write_program(program_, **writer);
       if (!written) return bad_output(file.target().string() + ": " + written.error());
       return {};
     };

@@ -142,23 +142,7 @@ void declare_scene(CLI::App& app, CarveOptions& options) {
   app.add_option("--write-scene", options.write_scene, "write the scene that is carved (JSON)");
 }
 
-void declare(CLI::App& app, CarveOptions& options) {
-  app.footer("kerf-carve tradeoff --help: compare error and time of many accuracy settings.");
-  app.set_version_flag("--version", std::string("kerf-carve ") + kVersion);
-  declare_scene(app, options);
-  app.add_option("--reference", options.reference,
-                 "report gouges: material removed below the surface of this mesh (STL, PLY, OBJ)");
-  app.add_option("--gouge-tolerance", options.gouge_tolerance_mm,
-                 "allowed depth below the reference surface, mm (default: the tolerance)")
-      ->check(check_positive);
-  app.add_option(
-         "--wall-samples", options.wall_samples,
-         "points at which walls thinner than the pitch are searched for; 0: none (default: by "
-         "the number of motions)")
-      ->check(CLI::Range(std::size_t{0}, kWallSamplesMax));
-  app.add_option("--tool-change-seconds", options.tool_change_s,
-                 "duration of a tool change, added to the cycle time (default 0)")
-      ->check(CLI::NonNegativeNumber);
+void declare_controller(CLI::App& app, CarveOptions& options) {
   app.add_option_function<std::string>(
          "--dialect",
          [&options](const std::string& name) {
@@ -177,12 +161,45 @@ void declare(CLI::App& app, CarveOptions& options) {
       ->allow_extra_args(false);
   app.add_flag("--inch-machine", options.environment.inch_machine,
                "the tool table and parameters are in inches, and the program starts in G20");
-  app.add_option("--explain", options.explain, "print every field of a scene and exit");
+}
+
+void declare_programs(CLI::App& app, CarveOptions& options) {
   app.add_option("--ngc", options.ngc, "write the motions as G-code for the scene's machine");
+  app.add_option_function<std::string>(
+         "--post",
+         [&options](const std::string& name) {
+           options.post = post_of(name).value_or(Post::kLinuxcnc);
+         },
+         "control for which --ngc writes: " + post_names() + " (default: linuxcnc)")
+      ->check([](const std::string& name) {
+        return post_of(name) ? std::string() : "must be one of " + post_names();
+      });
   app.add_option("--apt", options.apt, "write the motions as APT CL data");
   app.add_option("--nc-tolerance", options.nc_tolerance_mm,
                  "join motions in --ngc and --apt within this, mm (default: do not join)")
       ->check(check_positive);
+}
+
+void declare(CLI::App& app, CarveOptions& options) {
+  app.footer("kerf-carve tradeoff --help: compare error and time of many accuracy settings.");
+  app.set_version_flag("--version", std::string("kerf-carve ") + kVersion);
+  declare_scene(app, options);
+  app.add_option("--reference", options.reference,
+                 "report gouges: material removed below the surface of this mesh (STL, PLY, OBJ)");
+  app.add_option("--gouge-tolerance", options.gouge_tolerance_mm,
+                 "allowed depth below the reference surface, mm (default: the tolerance)")
+      ->check(check_positive);
+  app.add_option(
+         "--wall-samples", options.wall_samples,
+         "points at which walls thinner than the pitch are searched for; 0: none (default: by "
+         "the number of motions)")
+      ->check(CLI::Range(std::size_t{0}, kWallSamplesMax));
+  app.add_option("--tool-change-seconds", options.tool_change_s,
+                 "duration of a tool change, added to the cycle time (default 0)")
+      ->check(CLI::NonNegativeNumber);
+  declare_controller(app, options);
+  app.add_option("--explain", options.explain, "print every field of a scene and exit");
+  declare_programs(app, options);
   app.add_option("--forces", options.forces, "write force and torque of each motion (CSV)");
   app.add_option_function<std::vector<double>>(
          "--device-limits",

@@ -11,6 +11,7 @@
 #include "server/carve/environment_files.h"
 #include "server/carve/model_outputs.h"
 #include "server/formats/derived_scene.h"
+#include "server/formats/post.h"
 
 namespace kerf {
 
@@ -30,6 +31,7 @@ struct CarveOptions {
   std::vector<ModelChoice> models;               ///< --stl, --glb, --3mf, --ply, --obj
   SurfaceRequest surface;  ///< --triangles, --max-error, --deviation, --deviation-range
   std::optional<std::filesystem::path> ngc, apt, forces, report;
+  Post post = Post::kLinuxcnc;                 ///< of --ngc
   std::optional<WrenchMaximum> device_limits;  ///< adds the felt columns to --forces
   std::optional<double> pitch_mm, tolerance_mm, rate_hz, nc_tolerance_mm;
   std::optional<std::string> rays, motion, law;

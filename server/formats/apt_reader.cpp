@@ -113,7 +113,10 @@ class AptReader final : public ProgramReader {
 
   void read_line(TextLines& lines) {
     std::string text = clean(lines.line());
-    if (is_text(text)) return;
+    if (is_text(text)) {
+      if (text.starts_with("PPRINT")) remark_text(text.substr(std::string_view("PPRINT").size()));
+      return;
+    }
     while (true) {
       if (const std::size_t comment = text.find("$$"); comment != std::string::npos)
         text.erase(comment);
@@ -148,6 +151,14 @@ class AptReader final : public ProgramReader {
   }
 
   void ignore(const Statement&) {}
+  void stop(const Statement& s) {
+    sink_.remark({.kind = s.major == "STOP" ? MachineRemark::Kind::kStop
+                                            : MachineRemark::Kind::kOptionalStop});
+  }
+  void remark_text(std::string_view text) {
+    text.remove_prefix(std::min(text.find_first_not_of(" /"), text.size()));
+    sink_.remark({.text = std::string(text)});
+  }
   void fini(const Statement&) { finished_ = true; }
 
   void units(const Statement& s) {
@@ -224,18 +235,29 @@ class AptReader final : public ProgramReader {
 
   void spindle(const Statement& s) {
     check_count(s, 1, 4);
+    bool off = false, left = false;
     for (const std::string& word : s.minor) {
+      off = off || word == "OFF";
+      left = left || word == "CCLW";
       if (std::find(kSpindleWords.begin(), kSpindleWords.end(), word) != kSpindleWords.end())
         continue;
       spindle_rpm_ = number(word);
       if (spindle_rpm_ < 0) throw Fault{word, "the spindle speed must not be negative"};
     }
+    using Kind = MachineRemark::Kind;
+    if (off) return sink_.remark({.kind = Kind::kSpindleStop});
+    sink_.remark({.kind = left ? Kind::kSpindleCounterClockwise : Kind::kSpindleClockwise,
+                  .rpm = spindle_rpm_});
   }
 
   void coolant(const Statement& s) {
     check_count(s, 1, 1);
     if (std::find(kCoolantWords.begin(), kCoolantWords.end(), s.minor[0]) == kCoolantWords.end())
       throw Fault{s.minor[0], "is not a coolant mode; use ON, OFF, MIST, FLOOD or THRU"};
+    using Kind = MachineRemark::Kind;
+    sink_.remark({.kind = s.minor[0] == "OFF"    ? Kind::kCoolantOff
+                          : s.minor[0] == "MIST" ? Kind::kMist
+                                                 : Kind::kFlood});
   }
 
   void delay(const Statement& s) {
@@ -349,8 +371,8 @@ const std::array<std::pair<std::string_view, AptReader::Handler>, 16> AptReader:
     {"FROM", &AptReader::from},
     {"GOTO", &AptReader::go_to},
     {"GODLTA", &AptReader::go_delta},
-    {"STOP", &AptReader::ignore},
-    {"OPSTOP", &AptReader::ignore},
+    {"STOP", &AptReader::stop},
+    {"OPSTOP", &AptReader::stop},
     {"END", &AptReader::ignore},
     {"FINI", &AptReader::fini},
 }};

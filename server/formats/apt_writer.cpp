@@ -50,6 +50,42 @@ class AptWriter final : public ProgramWriter {
     return write_result(out_);
   }
 
+  WriteResult remark(const MachineRemark& said) override {
+    if (!started_) header();
+    using Kind = MachineRemark::Kind;
+    const std::string speed =
+        said.rpm > 0 ? significant_text(said.rpm, kFeedDigits) + ",RPM," : std::string();
+    switch (said.kind) {
+      case Kind::kSpindleClockwise:
+        out_ << "SPINDL/" << speed << (said.rpm > 0 ? "CLW\n" : "ON\n");
+        break;
+      case Kind::kSpindleCounterClockwise:
+        out_ << "SPINDL/" << speed << "CCLW\n";
+        break;
+      case Kind::kSpindleStop:
+        out_ << "SPINDL/OFF\n";
+        break;
+      case Kind::kMist:
+        out_ << "COOLNT/MIST\n";
+        break;
+      case Kind::kFlood:
+        out_ << "COOLNT/FLOOD\n";
+        break;
+      case Kind::kCoolantOff:
+        out_ << "COOLNT/OFF\n";
+        break;
+      case Kind::kStop:
+        out_ << "STOP\n";
+        break;
+      case Kind::kOptionalStop:
+        out_ << "OPSTOP\n";
+        break;
+      case Kind::kComment:
+        out_ << "PPRINT/" << printable(said.text) << '\n';
+    }
+    return write_result(out_);
+  }
+
   WriteResult finish() override {
     if (!started_) header();
     out_ << "FINI\n";

@@ -133,7 +133,8 @@ Program sample_program(const Program& program, double rate_hz) {
                   .warnings = program.warnings,
                   .lines = program.lines,
                   .files = program.files,
-                  .tool_changes = program.tool_changes};
+                  .tool_changes = program.tool_changes,
+                  .remarks = {}};
   FeedSampler sampler(rate_hz);
   for (const ProgramMotion& motion : program.motions) {
     while (sampler.can_sample()) sampler.sample(sampled.motions);

@@ -34,6 +34,7 @@ class PathWriter final : public ProgramWriter {
     end_ = motion.to;
     return {};
   }
+  WriteResult remark(const MachineRemark& /*said*/) override { return {}; }
   WriteResult finish() override { return {}; }
 
  private:

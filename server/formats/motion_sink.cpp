@@ -60,7 +60,23 @@ MotionSink::Result MotionSink::place(const ToolPose& pose) {
   return {};
 }
 
+void MotionSink::remark(MachineRemark said) {
+  if (said.kind == MachineRemark::Kind::kComment && !begun_) return;
+  if (waits()) {
+    late_.push_back(std::move(said));
+  } else {
+    record(std::move(said));
+  }
+}
+
+void MotionSink::record(MachineRemark said) {
+  if (said.text.size() > kRemarkTextMax) said.text.resize(kRemarkTextMax);
+  if (program_.remarks.size() < kProgramRemarksMax)
+    program_.remarks.push_back({made_, std::move(said)});
+}
+
 void MotionSink::change_tool(std::optional<ToolId> tool, std::size_t line) {
+  begun_ = true;
   set_tool(tool);
   if (program_.tool_changes.size() < kProgramToolChangesMax)
     program_.tool_changes.push_back({tool.value_or(0), static_cast<std::uint32_t>(line), file_});
@@ -85,6 +101,7 @@ MotionSink::Result MotionSink::append(ProgramMotion& next, const ToolPose& to, d
   if (++made_ > kProgramMotionsMax)
     return std::unexpected("the program exceeds the limit of " +
                            std::to_string(kProgramMotionsMax) + " motions");
+  begun_ = true;
   next.to = to;
   next.duration_s = std::max(duration_s, kDurationMinS);
   program_.motions.push_back(next);
@@ -129,6 +146,7 @@ MotionSink::Result MotionSink::wait(Waiting waiting) {
     last_ = in_range(end.tip_mm) ? admit_pose(end) : end;  // then go_on() ends the program
   }
   waiting_.push_back(std::move(waiting));
+  begun_ = true;
   return {};
 }
 
@@ -200,6 +218,9 @@ MotionSink::Result MotionSink::go_on(int steps) {
     }
     if (*is_done) waiting_.pop_front();
   }
+  if (waits()) return {};
+  for (MachineRemark& said : late_) record(std::move(said));
+  late_.clear();
   return {};
 }
 

@@ -65,6 +65,10 @@ class MotionSink {
   /// Appends a rest at the current pose; nothing if the tool is away, absent or the duration is 0.
   Result dwell(double duration_s, std::size_t line);
 
+  /// Records a remark behind the motions made so far, those that wait included. A comment before
+  /// the first tool change or motion is left out.
+  void remark(MachineRemark said);
+
   /// Whether motions wait.
   bool waits() const { return !waiting_.empty(); }
   /// Line and file of the motion that waits first. Precondition: waits().
@@ -96,6 +100,7 @@ class MotionSink {
   };
   std::expected<ProgramMotion, std::string> next_motion(bool rapid, std::size_t line) const;
   Result wait(Waiting waiting);
+  void record(MachineRemark said);
   Result straight(ProgramMotion& next, const ToolPose& target, double duration_s);
   Result append(ProgramMotion& next, const ToolPose& to, double duration_s);
   /// Follows a path by a piece; true at its end.
@@ -106,7 +111,9 @@ class MotionSink {
   std::optional<ToolId> tool_;
   std::optional<ToolPose> last_;  ///< behind all that waits
   std::deque<Waiting> waiting_;
-  std::size_t made_ = 0;  ///< motions
+  std::size_t made_ = 0;             ///< motions
+  bool begun_ = false;               ///< a tool change or a motion
+  std::vector<MachineRemark> late_;  ///< behind what waits
 };
 
 }  // namespace kerf

@@ -10,6 +10,7 @@
 
 #include "kernel/sculpture.h"
 #include "server/formats/gcode/environment.h"
+#include "server/formats/machine_remark.h"
 #include "server/formats/program_error.h"
 #include "server/formats/scene.h"
 
@@ -51,6 +52,9 @@ struct Program {
   std::size_t lines = 0;              ///< lines read of the program's own text
   std::vector<std::string> files;     ///< the program itself, then the subroutine files it called
   std::vector<ToolChange> tool_changes;
+  /// In their order; comments before the first tool change or motion are left out. Of a sampled
+  /// program: none.
+  std::vector<ProgramRemark> remarks;
 };
 
 /// Languages of programs.

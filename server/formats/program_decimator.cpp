@@ -85,6 +85,11 @@ WriteResult ProgramDecimator::flush() {
   return writer_->add(motion);
 }
 
+WriteResult ProgramDecimator::remark(const MachineRemark& said) {
+  if (WriteResult flushed = flush(); !flushed) return flushed;
+  return writer_->remark(said);
+}
+
 WriteResult ProgramDecimator::finish() {
   if (auto done = flush(); !done) return done;
   return writer_->finish();

@@ -20,6 +20,7 @@ class ProgramDecimator final : public ProgramWriter {
 
   void note(const std::string& line) override;
   WriteResult add(const ProgramMotion& motion) override;
+  WriteResult remark(const MachineRemark& said) override;
   WriteResult finish() override;
 
  private:

@@ -2,7 +2,9 @@
 #include "server/formats/program_writer.h"
 
 #include <ostream>
+#include <utility>
 
+#include "server/formats/post_parts.h"
 #include "server/formats/program_decimator.h"
 #include "server/formats/program_writing.h"
 
@@ -24,17 +26,57 @@ double reach_mm(const Scene& scene, ToolId tool) {
   return it != scene.tools.end() ? it->second.tool.length_mm : scene.settings.force.pivot_mm;
 }
 
-std::unique_ptr<ProgramWriter> make_program_writer(ProgramFormat format, const Scene& scene,
-                                                   std::ostream& out, double tolerance_mm) {
-  auto writer =
-      format == ProgramFormat::kApt ? make_apt_writer(scene, out) : make_gcode_writer(scene, out);
-  if (!(tolerance_mm > 0)) return writer;
-  return std::make_unique<ProgramDecimator>(std::move(writer), scene, tolerance_mm);
+std::optional<std::string> post_rejection(Post post, MachineKinematics kinematics) {
+  const bool vectors = kinematics == MachineKinematics::kToolVector;
+  const bool refused = post == Post::kGrbl
+                           ? kinematics != MachineKinematics::kXyz
+                           : vectors && (post == Post::kHaas || post == Post::kHeidenhain);
+  if (!refused) return std::nullopt;
+  return "a program for " + std::string(rules_of(post).label) +
+         " cannot be written for the scene's machine " + to_string(kinematics) +
+         "; use a scene with the machine " +
+         (post == Post::kGrbl ? "xyz" : "xyz, xyzac-trt or xyzbc-trt");
+}
+
+std::expected<std::unique_ptr<ProgramWriter>, std::string> make_post_writer(Post post,
+                                                                            const Scene& scene,
+                                                                            std::ostream& out) {
+  if (auto refused = post_rejection(post, scene.machine.kinematics))
+    return std::unexpected(*std::move(refused));
+  if (post == Post::kHeidenhain) return make_klartext_post(scene, out);
+  return make_gcode_post(post, scene, out);
+}
+
+std::unique_ptr<ProgramWriter> make_gcode_writer(const Scene& scene, std::ostream& out) {
+  return make_gcode_post(Post::kLinuxcnc, scene, out);
+}
+
+std::expected<std::unique_ptr<ProgramWriter>, std::string> make_program_writer(
+    const ProgramStyle& style, const Scene& scene, std::ostream& out) {
+  std::unique_ptr<ProgramWriter> writer;
+  if (style.format == ProgramFormat::kApt) {
+    writer = make_apt_writer(scene, out);
+  } else {
+    auto made = make_post_writer(style.post, scene, out);
+    if (!made) return std::unexpected(made.error());
+    writer = *std::move(made);
+  }
+  if (!(style.tolerance_mm > 0)) return writer;
+  return std::make_unique<ProgramDecimator>(std::move(writer), scene, style.tolerance_mm);
 }
 
 WriteResult write_program(const Program& program, ProgramWriter& writer) {
-  for (const ProgramMotion& motion : program.motions)
-    if (WriteResult written = writer.add(motion); !written) return written;
+  auto remark = program.remarks.begin();
+  const auto say_until = [&](std::size_t motions) -> WriteResult {
+    for (; remark != program.remarks.end() && remark->motions <= motions; ++remark)
+      if (WriteResult written = writer.remark(remark->said); !written) return written;
+    return {};
+  };
+  for (std::size_t n = 0; n < program.motions.size(); ++n) {
+    if (WriteResult written = say_until(n); !written) return written;
+    if (WriteResult written = writer.add(program.motions[n]); !written) return written;
+  }
+  if (WriteResult written = say_until(program.motions.size()); !written) return written;
   return writer.finish();
 }
 

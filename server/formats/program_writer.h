@@ -4,8 +4,11 @@
 #include <expected>
 #include <iosfwd>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "server/formats/machine_remark.h"
+#include "server/formats/post.h"
 #include "server/formats/program.h"
 
 namespace kerf {
@@ -16,10 +19,11 @@ using WriteResult = std::expected<void, std::string>;
 
 /// Writes a program motion by motion, so that a journal of any length can be exported without
 /// holding it in memory:
-///     auto writer = make_program_writer(ProgramFormat::kGcode, scene, out, 0);
+///     auto writer = make_program_writer({.post = Post::kFanuc}, scene, out);
+///     if (!writer) return std::unexpected(writer.error());
 ///     for (const ProgramMotion& motion : motions)
-///       if (auto written = writer->add(motion); !written) return written;
-///     return writer->finish();
+///       if (auto written = (*writer)->add(motion); !written) return written;
+///     return (*writer)->finish();
 /// If a motion does not start where the previous one ended, the tool is retracted and placed at the
 /// start without cutting.
 class ProgramWriter {
@@ -29,29 +33,45 @@ class ProgramWriter {
   virtual void note(const std::string& line) = 0;
   /// Writes one motion. Poses are rounded to the pose grid.
   virtual WriteResult add(const ProgramMotion& motion) = 0;
+  /// Writes the remark that comes before the next motion.
+  virtual WriteResult remark(const MachineRemark& said) = 0;
   /// Writes the end of the program and flushes the stream. Call once, after the last motion.
   virtual WriteResult finish() = 0;
 };
 
-/// Makes a writer of RS-274 G-code for the scene's machine. For `xyz` and `tool-vector`, reading
-/// the text back gives bit-identical poses. For `xyzac-trt` and `xyzbc-trt` the tip is exact and
-/// the axis is within 2e-8 (angles with six decimals). Durations are exact to 1e-6 relative.
-/// For `xyz` a tilted tool is an error. `scene` and `out` must outlive the writer.
+/// Why programs for a control cannot be written for a machine, one sentence; nullopt if they can.
+std::optional<std::string> post_rejection(Post post, MachineKinematics kinematics);
+
+/// Makes a writer for a control and the scene's machine. For LinuxCNC, reading the text back gives
+/// bit-identical poses with `xyz` and `tool-vector`; with `xyzac-trt` and `xyzbc-trt` the tip is
+/// exact and the axis is within 2e-8 (angles with six decimals), and durations are exact to 1e-6
+/// relative. For the others every number is rounded as PostRules state. Errors of the writer: with
+/// `xyz` a tilted tool. Error: post_rejection. `scene` and `out` must outlive the writer.
+std::expected<std::unique_ptr<ProgramWriter>, std::string> make_post_writer(Post post,
+                                                                            const Scene& scene,
+                                                                            std::ostream& out);
+/// The same for LinuxCNC, which takes every machine; programs of `tool-vector` are for Kerf only.
 std::unique_ptr<ProgramWriter> make_gcode_writer(const Scene& scene, std::ostream& out);
 /// Makes a writer of APT CL data: poses are bit-identical when read back, durations exact to 1e-6
 /// relative. `scene` and `out` must outlive the writer.
 std::unique_ptr<ProgramWriter> make_apt_writer(const Scene& scene, std::ostream& out);
 
-/// Makes either of the writers above. With `tolerance_mm` > 0, consecutive motions are joined
-/// within that tolerance (program_decimator.h) and the head of the program states it.
-std::unique_ptr<ProgramWriter> make_program_writer(ProgramFormat format, const Scene& scene,
-                                                   std::ostream& out, double tolerance_mm);
+/// What a program is written as.
+struct ProgramStyle {
+  ProgramFormat format = ProgramFormat::kGcode;
+  Post post = Post::kLinuxcnc;  ///< of G-code
+  double tolerance_mm = 0;      ///< if > 0, motions are joined within it (program_decimator.h)
+};
+
+/// Makes one of the writers above. Error: as of make_post_writer.
+std::expected<std::unique_ptr<ProgramWriter>, std::string> make_program_writer(
+    const ProgramStyle& style, const Scene& scene, std::ostream& out);
 
 /// Shortest duration that is written, s. Shorter ones are raised to it, because a motion of zero
 /// duration has no finite feed.
 inline constexpr double kWrittenDurationMinS = 1e-9;
 
-/// Writes all motions of a program and finishes it.
+/// Writes all motions and remarks of a program and finishes it.
 WriteResult write_program(const Program& program, ProgramWriter& writer);
 
 }  // namespace kerf

@@ -105,6 +105,10 @@ ApiResponse Api::download(const ApiCall& call) {
   if (!download) {
     return error_response(download.error().status, download.error().code, download.error().reason);
   }
+  if (auto refused =
+          post_rejection(download->program.style.post, session.scene().machine.kinematics)) {
+    return error_response(422, "bad_post", *refused);
+  }
   HashedSolid now;
   if (download->at) {
     const auto record = find_record(session, *download->at);

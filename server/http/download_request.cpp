@@ -65,7 +65,8 @@ std::expected<void, DownloadError> read_model(const ApiRequest& request,
 std::expected<void, DownloadError> read_program(const ApiRequest& request,
                                                 DownloadRequest& download) {
   ProgramRequest& program = download.program;
-  if (std::string_view(download.kind.name) == "program.apt") program.format = ProgramFormat::kApt;
+  if (std::string_view(download.kind.name) == "program.apt")
+    program.style.format = ProgramFormat::kApt;
   if (const std::string* id = request.query_value("participant")) {
     program.only = parse_number<ParticipantId>(*id);
     if (!program.only) {
@@ -85,9 +86,17 @@ std::expected<void, DownloadError> read_program(const ApiRequest& request,
   if (!record("from", program.first) || !record("to", program.last)) {
     return bad_request("bad_span", "from and to must be journal record numbers");
   }
+  const std::string* name = request.query_value("post");
+  if (name != nullptr && program.style.format == ProgramFormat::kGcode) {
+    const auto post = post_of(*name);
+    if (!post) return bad_request("bad_post", "post must be one of " + post_names());
+    program.style.post = *post;
+    download.suffix += '-' + *name;
+    if (*post == Post::kHeidenhain) download.kind.extension = ".h";
+  }
   if (const std::string* text = request.query_value("tolerance_mm")) {
-    program.tolerance_mm = parse_number<double>(*text).value_or(-1);
-    if (!(program.tolerance_mm >= 0) || !std::isfinite(program.tolerance_mm)) {
+    program.style.tolerance_mm = parse_number<double>(*text).value_or(-1);
+    if (!(program.style.tolerance_mm >= 0) || !std::isfinite(program.style.tolerance_mm)) {
       return bad_request("bad_tolerance_mm", "tolerance_mm must be a number >= 0");
     }
     download.suffix += '-' + *text + "mm";

@@ -7,7 +7,6 @@
 
 #include "kernel/sculpture_state.h"
 #include "server/formats/forces_csv.h"
-#include "server/formats/program_writer.h"
 #include "server/history/recorded_block.h"
 #include "server/session/force_plot.h"
 #include "server/session/replay.h"
@@ -116,7 +115,9 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
   if (!reader) return std::unexpected(describe(reader.error()));
   const auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
-  const auto writer = make_program_writer(request.format, *scene, out, request.tolerance_mm);
+  const auto made = make_program_writer(request.style, *scene, out);
+  if (!made) return std::unexpected(made.error());
+  ProgramWriter& writer = **made;
   auto written =
       for_each_record(*reader, UINT64_MAX, stop, [&](const JournalRecord& record) -> ExportResult {
         const auto* move = std::get_if<MoveTool>(&record.command);
@@ -127,10 +128,10 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
         motion.from = move->from;
         motion.to = move->to;
         motion.duration_s = move->duration_s;
-        return writer->add(motion);
+        return writer.add(motion);
       });
   if (!written) return written;
-  if (auto ok = writer->finish(); !ok) return ok;
+  if (auto ok = writer.finish(); !ok) return ok;
   if (!out) return std::unexpected("cannot write the output");
   return {};
 }

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "kernel/math/wrench.h"
-#include "server/formats/program.h"
+#include "server/formats/program_writer.h"
 #include "server/session/felt_start.h"
 #include "server/store/journal_record.h"
 
@@ -22,10 +22,9 @@ using ExportResult = std::expected<void, std::string>;
 
 /// The motions to export, and the format and tolerance of the program.
 struct ProgramRequest {
-  ProgramFormat format = ProgramFormat::kGcode;
+  ProgramStyle style = {};
   std::optional<ParticipantId> only = {};      ///< only motions of this participant
   std::uint64_t first = 0, last = UINT64_MAX;  ///< journal records, inclusive
-  double tolerance_mm = 0;                     ///< for joining motions; 0: exact
 };
 
 /// Writes the motions of a journal as one program, participant by participant: each path stays

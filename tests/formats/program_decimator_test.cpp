@@ -29,6 +29,7 @@ class Recorder final : public ProgramWriter {
     motions_.push_back(motion);
     return {};
   }
+  WriteResult remark(const MachineRemark& /*said*/) override { return {}; }
   WriteResult finish() override { return {}; }
 
  private:
@@ -127,8 +128,9 @@ TEST(ProgramDecimator, ToleranceIsStatedInTheHead) {
   const Scene scene = scene_for("xyz");
   for (const ProgramFormat format : {ProgramFormat::kGcode, ProgramFormat::kApt}) {
     std::ostringstream with, without;
-    ASSERT_TRUE(make_program_writer(format, scene, with, 0.025)->finish());
-    ASSERT_TRUE(make_program_writer(format, scene, without, 0)->finish());
+    const ProgramStyle joined{.format = format, .tolerance_mm = 0.025};
+    ASSERT_TRUE(make_program_writer(joined, scene, with).value()->finish());
+    ASSERT_TRUE(make_program_writer({.format = format}, scene, without).value()->finish());
     EXPECT_THAT(with.str(), HasSubstr("strays more than 0.025 mm"));
     EXPECT_THAT(without.str(), Not(HasSubstr("strays")));
   }

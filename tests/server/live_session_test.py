@@ -278,6 +278,7 @@ class Downloads(LiveTest):
                 ("model.ply", "application/vnd.ply", b"ply", "block.ply"),
                 ("model.obj", "model/obj", b"# block", "block.obj"),
                 ("program.ngc", "text/plain", b"%", "block.ngc"),
+                ("program.ngc?post=fanuc", "text/plain", b"%\nO1000", "block-fanuc.ngc"),
                 ("journal", "application/vnd.sqlite3", b"SQLite", "block.kerf")):
             status, headers, body = self.get(name)
             self.assertEqual((status, headers["content-type"]), (200, kind), name)
@@ -296,6 +297,9 @@ class Downloads(LiveTest):
         status, _, body = self.get("model.glb?encoding=ascii")
         self.assertEqual((status, json.loads(body)["error"]["code"]), (400, "bad_encoding"))
         self.assertEqual(self.get("model.dxf")[0], 404)
+        # The scene's machine is tool-vector.
+        status, _, body = self.get("program.ngc?post=heidenhain")
+        self.assertEqual((status, json.loads(body)["error"]["code"]), (422, "bad_post"))
 
     def test_non_ascii_name_is_sent_in_both_forms(self):
         self.server.create("cup", dict(SCENE, name="Täßchen: 1/2"))

@@ -166,7 +166,8 @@ TEST_F(ProgramJournal, StraightAirMovesAreJoinedWithoutAChangeOfTheSolid) {
 
   // The exported program has the same path and time, and cuts the same.
   std::stringstream text;
-  ASSERT_TRUE(export_program(session->journal_file(), {ProgramFormat::kApt}, text));
+  ASSERT_TRUE(
+      export_program(session->journal_file(), {.style = {.format = ProgramFormat::kApt}}, text));
   const auto exported = parse_program("path.apt", text.str(), scene);
   ASSERT_TRUE(exported) << to_string(exported.error());
   EXPECT_EQ(exported->motions.front().from.tip_mm, points.front());

@@ -164,6 +164,7 @@ TEST_F(ApiTest, InvalidDownloadParametersAreNamed) {
       {"model.stl?triangles=-3", "triangles must be an integer > 0"},
       {"model.stl?error_mm=none", "error_mm must be a number > 0"},
       {"model.glb?encoding=zip", "encoding must be one of: "},
+      {"program.ngc?post=mazak", "post must be one of linuxcnc, grbl, fanuc, haas, heidenhain"},
       {"program.ngc?from=a", "from and to must be journal record numbers"},
       {"program.apt?tolerance_mm=-1", "tolerance_mm must be a number >= 0"},
       {"forces.csv?participant=Ada", "participant must be a participant number"},

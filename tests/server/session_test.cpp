@@ -310,7 +310,7 @@ TEST_F(SessionTest, ExportedProgramCarvesTheSameSolid) {
   ASSERT_TRUE(session->flush());
   for (const auto format : {ProgramFormat::kGcode, ProgramFormat::kApt}) {
     std::stringstream text;
-    ASSERT_TRUE(export_program(session->journal_file(), {.format = format}, text));
+    ASSERT_TRUE(export_program(session->journal_file(), {.style = {.format = format}}, text));
     const auto program = parse_program(format == ProgramFormat::kApt ? "x.apt" : "x.ngc",
                                        text.str(), session->scene());
     ASSERT_TRUE(program) << to_string(program.error());

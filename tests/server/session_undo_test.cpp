@@ -288,7 +288,7 @@ TEST_F(SessionUndo, ExportsLeaveUndoneStrokesOut) {
   undo({b});
   ASSERT_TRUE(session_->flush());
   std::ostringstream text, forces;
-  ASSERT_TRUE(export_program(session_->journal_file(), {ProgramFormat::kGcode}, text));
+  ASSERT_TRUE(export_program(session_->journal_file(), {}, text));
   const auto program = parse_program("export.ngc", text.str(), session_->scene());
   ASSERT_TRUE(program);
   Sculpture block = Sculpture::create(session_->scene().settings).value();

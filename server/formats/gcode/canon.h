@@ -12,6 +12,7 @@
 #include "kernel/sculpture.h"
 #include "server/formats/gcode/arc.h"
 #include "server/formats/gcode/axes.h"
+#include "server/formats/machine_remark.h"
 
 namespace kerf {
 
@@ -74,6 +75,8 @@ class GcodeCanon {
   /// Switches tool-center-point control. The controlled point does not move; returns its new
   /// coordinates.
   virtual GcodePlace control_tool_center(bool on, const GcodePlace& at) = 0;
+  /// Spindle, coolant, stops and comments. Ignored unless it is overridden.
+  virtual void remark(const MachineRemark&) {}
 
  protected:
   /// Reports a warning.

@@ -261,6 +261,8 @@ bool GcodeMachine::stop(const GcodeBlock& block) {
   if (code == nullptr) return false;
   require_no_corner();
   compensation_.flush(in_plane(linear(at_), compensation_.plane()));
+  using Kind = MachineRemark::Kind;
+  if (code->code <= 1) canon_.remark({.kind = code->code == 0 ? Kind::kStop : Kind::kOptionalStop});
   return code->code == 2 || code->code == 30 || code->code == 99;
 }
 

@@ -79,6 +79,7 @@ class GcodeMachine {
   void set_modes(GcodeBlock& block);
   void execute_m(GcodeBlock& block);
   void turn_spindle(GcodeBlock& block, int code);
+  void remark_spindle();
   void override_speeds(GcodeBlock& block, int code);
   void use_input_output(GcodeBlock& block, int code);
   void restore(const GcodeModes& modes);

@@ -13,11 +13,21 @@ void GcodeMachine::execute_m(GcodeBlock& block) {
     use_input_output(block, code->code);
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kToolChange)) change_tool(block, code->code);
-  if (const GcodeCode* code = block.code(GcodeGroup::kSpindle)) turn_spindle(block, code->code);
+  if (const GcodeCode* code = block.code(GcodeGroup::kSpindle)) {
+    turn_spindle(block, code->code);
+    if (code->code <= 5) remark_spindle();
+  } else if (block.find('s') != nullptr && modes_.spindle != GcodeSpindle::kStopped) {
+    remark_spindle();
+  }
   if (const GcodeCode* code = block.code(GcodeGroup::kCoolant)) {
     if (code->code == 7) modes_.mist = true;
     if (code->code == 8) modes_.flood = true;
     if (code->code == 9) modes_.mist = modes_.flood = false;
+    using Kind = MachineRemark::Kind;
+    if (code->code >= 7 && code->code <= 9)
+      canon_.remark({.kind = code->code == 7   ? Kind::kMist
+                             : code->code == 8 ? Kind::kFlood
+                                               : Kind::kCoolantOff});
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kOverride)) {
     reject_compensated(*code);
@@ -57,6 +67,15 @@ void GcodeMachine::turn_spindle(GcodeBlock& block, int code) {
       saved_.back().compensated = compensation_.on();
       if (code == 73 && saved_.size() > 1) saved_.back().restore_on_return = true;
   }
+}
+
+void GcodeMachine::remark_spindle() {
+  using Kind = MachineRemark::Kind;
+  if (modes_.spindle == GcodeSpindle::kStopped) return canon_.remark({.kind = Kind::kSpindleStop});
+  canon_.remark({.kind = modes_.spindle == GcodeSpindle::kClockwise
+                             ? Kind::kSpindleClockwise
+                             : Kind::kSpindleCounterClockwise,
+                 .rpm = modes_.surface_speed ? 0 : modes_.spindle_rpm});
 }
 
 void GcodeMachine::leave_subroutine() {

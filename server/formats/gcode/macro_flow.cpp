@@ -103,7 +103,8 @@ std::optional<GcodeLine> MacroFlow::next() {
       continue;  // what follows the number is the program's name
     }
     leading_number(code, "n", code);
-    if (code.empty()) continue;
+    if (code.empty() && line.comment.empty()) continue;
+    if (code.empty()) return GcodeLine{.code = {}, .comment = std::move(line.comment)};
     if (code.starts_with('$')) {
       listener_.warn(to_upper(std::string(code)) +
                      " is a command to the control's program, which "

@@ -34,6 +34,7 @@ GcodeRunner::GcodeRunner(std::shared_ptr<GcodeSource> source, const GcodeEnviron
                          GcodeSetup setup, GcodeCanon& canon, Warn warn)
     : rules_(setup.rules),
       source_(std::move(source)),
+      canon_(canon),
       warn_(std::move(warn)),
       parameters_(initial(environment, rules_)),
       flow_(make_flow(environment.lines_max)),
@@ -73,6 +74,7 @@ bool GcodeRunner::step() {
   const auto line = flow_->next();
   if (!line) return close(false);
   if (line->code.empty() && line->comment.empty()) return true;  // control flow
+  if (line->code.empty() && rules_.macros) return remark(line->comment), true;
   const bool ended = rules_.macros ? execute_macro(*line) : execute(*line);
   return !ended || close(true);
 }
@@ -92,8 +94,14 @@ bool GcodeRunner::execute(const GcodeLine& line) {
     throw GcodeFault{"(" + line.comment + ")", "aborts the program"};
   if (comment.starts_with("py,") || comment.starts_with("pyrun,"))
     throw GcodeFault{"(" + line.comment + ")", "runs Python, which is not supported"};
+  remark(line.comment);
   machine_.begin(*block_);
   return go_on();
+}
+
+void GcodeRunner::remark(const std::string& comment) {
+  std::string text = trimmed_line(comment);
+  if (!text.empty()) canon_.remark({.text = std::move(text)});
 }
 
 // A block of Macro B may move first and call a subprogram then.
@@ -107,6 +115,7 @@ bool GcodeRunner::execute_macro(const GcodeLine& line) {
   call_ = MacroFlow::take_call(*block_);
   for (const auto& [group, word] : block_->codes)
     if (group == GcodeGroup::kNoEffect && word.code == 670) macro_flow_->end_modal();
+  remark(line.comment);
   machine_.begin(*block_);
   return go_on();
 }

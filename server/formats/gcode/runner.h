@@ -41,6 +41,7 @@ class GcodeRunner {
   std::unique_ptr<ProgramFlow> make_flow(std::size_t lines_max);
   bool execute(const GcodeLine& line);
   bool execute_macro(const GcodeLine& line);
+  void remark(const std::string& comment);
   bool go_on();
   bool close(bool by_code);
   void warn_of_trailing_lines();
@@ -48,6 +49,7 @@ class GcodeRunner {
 
   DialectRules rules_;
   std::shared_ptr<GcodeSource> source_;
+  GcodeCanon& canon_;
   Warn warn_;
   GcodeParameters parameters_;
   MacroFlow* macro_flow_ = nullptr;  ///< flow_, if it is one

@@ -26,6 +26,7 @@ class GcodeToolPath final : public GcodeCanon {
   void change_tool(std::optional<ToolId> tool) override;
   void offset_tool(const GcodeAxes& offset, const GcodePlace& at) override;
   GcodePlace control_tool_center(bool on, const GcodePlace& at) override;
+  void remark(const MachineRemark& said) override { sink_.remark(said); }
 
  private:
   bool all_known() const { return known_[0] && known_[1] && known_[2]; }

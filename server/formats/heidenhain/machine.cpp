@@ -59,6 +59,7 @@ bool KlartextMachine::execute(const KlartextBlock& block, const std::string& fol
   const std::string& text = block.text;
   path_.at_line(block.line);
   if (text.starts_with("END PGM")) return true;
+  if (begins(text, "STOP")) path_.remark({.kind = MachineRemark::Kind::kStop});
   if (is_idle(text) || text.empty()) return false;
   if (text.starts_with("BEGIN PGM")) return begin(text), false;
   if (text[0] != 'L' && text[0] != 'C' && text[0] != 'R') refuse_in_corner(text);
@@ -182,7 +183,11 @@ void KlartextMachine::call_tool(std::string text) {
     changes = false;
   }
   for (std::size_t i = 0; i < words.size(); ++i) tool_word(words, i);
-  if (changes) path_.change_tool(tool);
+  if (changes) {
+    path_.change_tool(tool);
+  } else if (turning_) {
+    turn_spindle(*turning_);  // at the new speed
+  }
   direction_.reset();
 }
 
@@ -192,7 +197,10 @@ void KlartextMachine::tool_word(const Words& words, std::size_t& at) {
   if (word.value.empty() && (word.name == "X" || word.name == "Y"))
     throw KlartextFault{word.name, "as tool axis is not supported; Z is"};
   if (word.value.empty() && word.name == "Z") return;
-  if (word.name == "S" && !word.value.empty()) return;
+  if (word.name == "S" && !word.value.empty()) {
+    rpm_ = std::max(0.0, values_.of(word.value));
+    return;
+  }
   if (word.name == "F" && !word.value.empty()) {
     feed_ = values_.of(word.value) * unit_mm_;
     return;
@@ -315,6 +323,7 @@ KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
 }
 
 void KlartextMachine::m_code(int code, const Words& words, std::size_t at, Extras& extras) {
+  remark(code);
   switch (code) {
     case 2:
     case 30:

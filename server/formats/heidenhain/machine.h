@@ -69,6 +69,8 @@ class KlartextMachine {
 
   Extras read_extras(Words& words);
   void m_code(int code, const Words& words, std::size_t at, Extras& extras);
+  void remark(int code);
+  void turn_spindle(MachineRemark::Kind direction);
   double mm(const KlartextWord& word) const;
   Vec3 target(const Words& words, std::array<bool, 3>& named) const;
   Vec3 place() const;
@@ -85,6 +87,8 @@ class KlartextMachine {
   KlartextPath path_;
   double unit_mm_ = 1;
   std::optional<double> feed_;
+  double rpm_ = 0;
+  std::optional<MachineRemark::Kind> turning_;  ///< direction of the spindle
   std::map<std::string, ToolId> named_tools_;
   Vec3 pole_{0, 0, 0};
   ArcPlane pole_plane_ = ArcPlane::kXy;

@@ -60,6 +60,7 @@ class KlartextPath {
   /// Moves on an arc about a center; `turns` as for arc_about (gcode/arc.h).
   void arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double feed_mm_per_min);
   void dwell(double seconds);
+  void remark(MachineRemark said) { sink_.remark(std::move(said)); }
 
  private:
   double& angle(char axis);
