@@ -36,6 +36,7 @@ std::set<ToolId> numbered_tools(std::string_view text) {
       from = at + kToolCall.size();
     if (from + 1 < text.size() && (text[from] == 'L' || text[from] == 'l')) ++from;
     if (from > at + 1 && text[from] == '/') ++from;
+    if (from == at + 1 && from < text.size() && text[from] == '=') ++from;  // T="MILL"
     while (from < text.size() && text[from] == ' ') ++from;
     if (from < text.size() && text[from] == '"') tools.insert(++named);
     std::size_t end = from;

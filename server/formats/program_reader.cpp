@@ -8,11 +8,12 @@
 #include "server/formats/gcode/reader.h"
 #include "server/formats/heidenhain/blocks.h"
 #include "server/formats/heidenhain/reader.h"
+#include "server/formats/sinumerik/reader.h"
 
 namespace kerf {
 namespace {
 
-/// Samples, parameters and modes; tool changes, of which most programs have few, come on top.
+/// Samples, parameters and modes; tool changes and remarks, mostly few, come on top.
 constexpr std::size_t kReadingBytes = std::size_t{4} << 20;
 /// Of a line in an index: its place, and its sequence number or block.
 constexpr std::size_t kLineBytes = 24;
@@ -73,8 +74,11 @@ std::expected<ReadProgram, ProgramError> read_program(const std::string& name,
   // Some editors write a byte order mark before the first word.
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   if (*format == ProgramFormat::kApt) return read_apt(name, text, scene, visitor);
-  if (environment.dialect == Dialect::kAuto && is_klartext(text))
-    return read_klartext(name, text, scene, environment.lines_max, visitor);
+  const bool klartext = environment.dialect == Dialect::kHeidenhain ||
+                        (environment.dialect == Dialect::kAuto && is_klartext(text));
+  if (klartext) return read_klartext(name, text, scene, environment.lines_max, visitor);
+  if (environment.dialect == Dialect::kSiemens)
+    return read_sinumerik(name, text, scene, environment.lines_max, visitor);
   return read_gcode(name, text, scene, environment, visitor);
 }
 

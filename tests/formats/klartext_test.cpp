@@ -45,6 +45,16 @@ std::string refused(const std::string& body, const char* machine = "xyz") {
   return program ? "" : to_string(program.error());
 }
 
+TEST(Klartext, IsReadByNameToo) {
+  GcodeEnvironment environment;
+  environment.dialect = *dialect_of("heidenhain");
+  const std::string text = "TOOL CALL 1 Z S1000\nL X+0 Y+0 Z+5 R0 FMAX\nL X+3 F100\n";
+  const auto program = parse_program("p.nc", text, scene_for("xyz"), environment);
+  ASSERT_TRUE(program) << to_string(program.error());
+  EXPECT_EQ(program->motions.back().to.tip_mm, (Vec3{3, 0, 5}));
+  EXPECT_FALSE(parse_program("p.nc", text, scene_for("xyz")));
+}
+
 TEST(Klartext, LinesAreAbsoluteOrIncremental) {
   EXPECT_THAT(ends("3 L Z-1 F100\n4 L IX+10 Y+5.5 R0\n5 L IX-2,5 IZ+1 FMAX ; back\n* - title\n"),
               ElementsAre(Vec3{0, 0, -1}, Vec3{10, 5.5, -1}, Vec3{7.5, 5.5, 0}));

@@ -2,11 +2,16 @@
 #include "server/formats/gcode/dialect.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace kerf {
 namespace {
 
 constexpr std::string_view kAutoName = "auto";
+
+/// Languages that are no dialect of G-code.
+constexpr std::array kOthers{std::pair{Dialect::kHeidenhain, std::string_view("heidenhain")},
+                             std::pair{Dialect::kSiemens, std::string_view("siemens")}};
 
 constexpr std::array kRules{
     DialectRules{.dialect = Dialect::kLinuxcnc, .name = "linuxcnc", .label = "LinuxCNC"},
@@ -45,6 +50,8 @@ const DialectRules& rules_of(Dialect dialect) {
 
 std::optional<Dialect> dialect_of(std::string_view name) {
   if (name == kAutoName) return Dialect::kAuto;
+  for (const auto& [dialect, other] : kOthers)
+    if (name == other) return dialect;
   const auto* found = std::ranges::find(kRules, name, &DialectRules::name);
   return found == kRules.end() ? std::nullopt : std::optional(found->dialect);
 }
@@ -52,6 +59,7 @@ std::optional<Dialect> dialect_of(std::string_view name) {
 std::string dialect_names() {
   std::string names(kAutoName);
   for (const DialectRules& rules : kRules) names.append(", ").append(rules.name);
+  for (const auto& [dialect, other] : kOthers) names.append(", ").append(other);
   return names;
 }
 

@@ -8,8 +8,8 @@
 
 namespace kerf {
 
-/// Controllers whose G-code can be read; kAuto: judged by the program (dialect_choice.h).
-enum class Dialect { kAuto, kLinuxcnc, kGrbl, kMach3, kFanuc, kHaas };
+/// Controllers whose programs can be read; kAuto: judged by the program (dialect_choice.h).
+enum class Dialect { kAuto, kLinuxcnc, kGrbl, kMach3, kFanuc, kHaas, kHeidenhain, kSiemens };
 
 /// What distinguishes a controller's G-code from that of the others. The sources are the manuals
 /// that README.md names.
@@ -29,7 +29,8 @@ struct DialectRules {
   bool of_fanuc() const { return dialect == Dialect::kFanuc || dialect == Dialect::kHaas; }
 };
 
-/// Returns the rules of a dialect; those of LinuxCNC for kAuto.
+/// Returns the rules of a dialect; those of LinuxCNC for kAuto and for languages with readers of
+/// their own.
 const DialectRules& rules_of(Dialect dialect);
 /// Returns the dialect of a name, "auto" included, or nullopt.
 std::optional<Dialect> dialect_of(std::string_view name);

@@ -236,10 +236,12 @@ std::expected<DialectChoice, ProgramError> choose_dialect(const std::string& nam
   judge.read(text);
   if (to_lower(name).ends_with(".ngc")) judge.add(Tongue::kLinuxcnc, 3, "its name ends in .ngc");
   // What Haas and Fanuc have in common counts for both.
-  constexpr std::array kReadable{
-      std::pair{Tongue::kLinuxcnc, Dialect::kLinuxcnc}, std::pair{Tongue::kHaas, Dialect::kHaas},
-      std::pair{Tongue::kFanuc, Dialect::kFanuc}, std::pair{Tongue::kGrbl, Dialect::kGrbl},
-      std::pair{Tongue::kMach3, Dialect::kMach3}};
+  constexpr std::array kReadable{std::pair{Tongue::kLinuxcnc, Dialect::kLinuxcnc},
+                                 std::pair{Tongue::kHaas, Dialect::kHaas},
+                                 std::pair{Tongue::kFanuc, Dialect::kFanuc},
+                                 std::pair{Tongue::kGrbl, Dialect::kGrbl},
+                                 std::pair{Tongue::kMach3, Dialect::kMach3},
+                                 std::pair{Tongue::kSiemens, Dialect::kSiemens}};
   const int haas = judge.of(Tongue::kHaas).score;
   const auto score = [&](Tongue tongue) {
     const int own = judge.of(tongue).score;
@@ -252,10 +254,9 @@ std::expected<DialectChoice, ProgramError> choose_dialect(const std::string& nam
     best = score(tongue);
     choice = {dialect, judge.of(tongue).first, false};
   }
-  for (const auto& [tongue, language] :
-       {std::pair{Tongue::kHeidenhain, "HEIDENHAIN Klartext"}, {Tongue::kSiemens, "SINUMERIK"}})
-    if (judge.of(tongue).score >= 10 && judge.of(tongue).score > best)
-      return std::unexpected(foreign(name, language, judge.of(tongue)));
+  const Evidence& klartext = judge.of(Tongue::kHeidenhain);
+  if (klartext.score >= 10 && klartext.score > best)
+    return std::unexpected(foreign(name, "HEIDENHAIN Klartext", klartext));
   return choice;
 }
 

@@ -10,6 +10,7 @@
 #include "server/formats/gcode/runner.h"
 #include "server/formats/gcode/tool_path.h"
 #include "server/formats/motion_sink.h"
+#include "server/formats/sinumerik/reader.h"
 #include "server/formats/text_lines.h"
 
 namespace kerf {
@@ -233,6 +234,10 @@ std::expected<ReadProgram, ProgramError> read_gcode(const std::string& name, std
   if (environment.dialect != Dialect::kAuto) return read_macros(environment.dialect, program, {});
   const auto choice = choose_dialect(name, text);
   if (!choice) return std::unexpected(choice.error());
+  if (choice->dialect == Dialect::kSiemens)
+    return read_sinumerik(
+        name, text, scene, environment.lines_max, visitor,
+        name + ": read as SINUMERIK: " + choice->reason + "; --dialect names another one");
   const bool plain = choice->dialect == Dialect::kLinuxcnc;
   auto read = read_macros(choice->dialect, program,
                           plain ? std::string() : note_of(name, choice->dialect, choice->reason));

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drilling cycles of SinumerikMachine: holes to their depth.
+#include <algorithm>
+#include <cmath>
+
+#include "server/formats/gcode/fault.h"
+#include "server/formats/sinumerik/machine.h"
+
+namespace kerf {
+namespace {
+
+/// Places of arguments, from 0; -1: none. All begin with RTP, RFP, SDIS, DP, DPR.
+struct HoleCycle {
+  std::string_view name;
+  int dwell, feed;
+};
+constexpr HoleCycle kHoleCycles[] = {{"CYCLE81", -1, -1}, {"CYCLE82", 5, -1},  {"CYCLE83", 8, -1},
+                                     {"CYCLE84", 5, -1},  {"CYCLE840", 5, -1}, {"CYCLE85", 5, 6},
+                                     {"CYCLE86", 5, -1},  {"CYCLE87", -1, -1}, {"CYCLE88", 5, -1},
+                                     {"CYCLE89", 5, -1}};
+/// Feed of a tap whose speed is not known, mm per minute.
+constexpr double kTapFeed = 1000;
+
+}  // namespace
+
+// CYCLE81(…), MCALL CYCLE81(…), MCALL.
+bool SinumerikMachine::cycle_statement(const std::string& text) {
+  const bool modal = text.starts_with("MCALL");
+  const std::size_t from = modal ? skip_blanks(text, 5) : 0;
+  if (modal && from >= text.size()) return modal_hole_.reset(), true;
+  const std::string_view call = std::string_view(text).substr(from);
+  const std::size_t open = call.find('(');
+  const std::string_view name = call.substr(0, std::min(open, call.find(' ')));
+  if (name == "CYCLE800" && open != std::string_view::npos && call.ends_with(')')) {
+    swivel(sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_));
+    return true;
+  }
+  const auto* rule = std::ranges::find(kHoleCycles, name, &HoleCycle::name);
+  if (rule == std::end(kHoleCycles) || open == std::string_view::npos) {
+    if (modal) throw GcodeFault{"MCALL", "is supported with CYCLE81 to CYCLE89 only"};
+    return false;
+  }
+  if (!call.ends_with(')')) throw GcodeFault{std::string(name), "lacks ')'"};
+  const auto given = sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_);
+  const auto value = [&given](int place) {
+    const auto at = static_cast<std::size_t>(place);
+    return place >= 0 && at < given.size() ? given[at] : std::nullopt;
+  };
+  Hole hole;
+  const double surface = value(1).value_or(0);
+  hole.retract = value(0).value_or(0) * unit_mm_;
+  hole.above = (surface + std::abs(value(2).value_or(0))) * unit_mm_;
+  if (!value(3) && !value(4)) throw GcodeFault{std::string(name), "requires DP or DPR, the depth"};
+  // DP counts if both are given.
+  hole.bottom = (value(3) ? *value(3) : surface - std::abs(*value(4))) * unit_mm_;
+  hole.seconds = std::max(0.0, value(rule->dwell).value_or(0));
+  if (value(rule->feed)) hole.feed = *value(rule->feed) * feed_unit_mm_;
+  if (rule->name.starts_with("CYCLE84") && !(feed_ > 0)) hole.feed = kTapFeed;
+  if (hole.bottom > hole.above)
+    throw GcodeFault{std::string(name), "has a depth above its reference plane"};
+  if (modal) return modal_hole_ = hole, true;
+  hole_ = hole;
+  drill();
+  return true;
+}
+
+// CYCLE800() and angles of 0 leave the plane level; the first argument retracts.
+void SinumerikMachine::swivel(const std::vector<std::optional<double>>& given) {
+  constexpr std::size_t kFirst = 4, kLast = 12;  // X0 Y0 Z0 A B C X1 Y1 Z1
+  for (std::size_t at = kFirst; at <= kLast && at < given.size(); ++at)
+    if (given[at].value_or(0) != 0)
+      throw GcodeFault{"CYCLE800",
+                       "swivels or shifts the plane, which is not supported; post with "
+                       "TRAORI"};
+  if (given.empty() || given[0].value_or(0) == 0) return;
+  canon_.rapid({at_, axis_}, GcodeRapid::kMachine, {false, false, true, false, false, false});
+}
+
+// At the current place along the axis of the plane.
+void SinumerikMachine::drill() {
+  const std::size_t axis = plane_ == ArcPlane::kXy ? 2 : plane_ == ArcPlane::kZx ? 1 : 0;
+  GcodeAxes to = frame_.programmed(at_);
+  Named named{};
+  named[axis] = true;
+  const auto go = [&](double level, bool rapid, const GcodeFeed& speed) {
+    to[axis] = level;
+    const GcodePlace end = place(to);
+    if (rapid) {
+      canon_.rapid(end, GcodeRapid::kPlain, named);
+    } else {
+      canon_.feed(end, speed, named);
+    }
+    at_ = end.axes;
+  };
+  const GcodeFeed speed =
+      hole_->feed ? GcodeFeed{.mm_per_min = *hole_->feed, .deg_per_min = *hole_->feed} : feed();
+  if (!(speed.mm_per_min > 0)) throw GcodeFault{"CYCLE", "requires a feed in mm per minute (G94)"};
+  go(hole_->above, true, {});
+  go(hole_->bottom, false, speed);
+  if (hole_->seconds > 0) canon_.dwell(hole_->seconds);
+  go(hole_->retract, true, {});
+}
+
+}  // namespace kerf

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/sinumerik/reader.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/tool_path.h"
+#include "server/formats/letter_case.h"
+#include "server/formats/motion_sink.h"
+#include "server/formats/sinumerik/flow.h"
+#include "server/formats/sinumerik/machine.h"
+
+namespace kerf {
+namespace {
+
+/// Most lines that are executed beyond the size of a program, in loops.
+constexpr std::size_t kRepeatedMax = 1'000'000;
+constexpr std::string_view kLanguage = "SINUMERIK";
+/// Pieces of a path that are followed in a step.
+constexpr int kPiecesPerStep = 64;
+
+// Whether M6 stands outside of comments.
+bool has_tool_change(const SinumerikProgram& program) {
+  for (std::size_t n = 0; n < program.size(); ++n) {
+    const std::string text = program.line(n).text;
+    for (std::size_t at = text.find('M'); at != std::string::npos; at = text.find('M', at + 1)) {
+      std::size_t digit = at + 1;
+      if (digit < text.size() && text[digit] == '0') ++digit;
+      const bool starts = at == 0 || !is_sinumerik_name(text[at - 1]) || is_digit(text[at - 1]);
+      const bool ends = digit + 1 >= text.size() || !is_digit(text[digit + 1]);
+      if (starts && ends && digit < text.size() && text[digit] == '6') return true;
+    }
+  }
+  return false;
+}
+
+class SinumerikReader final : public ProgramReader {
+ public:
+  SinumerikReader(const std::string& name, std::shared_ptr<const SinumerikProgram> text,
+                  const Scene& scene, std::size_t executed_max, bool changes_by_t,
+                  const std::string& note)
+      : text_(std::move(text)),
+        sink_(program_),
+        path_(scene, environment_, sink_),
+        flow_(*text_, values_, executed_max),
+        machine_(
+            scene, values_, path_, [this](const std::string& said) { warn(said); }, changes_by_t) {
+    program_.name = name;
+    program_.files = {name};
+    program_.lines = text_->size();
+    if (!note.empty()) program_.warnings.push_back(note);
+  }
+
+  std::expected<bool, ProgramError> step() override {
+    if (sink_.waits()) {
+      if (auto error = follow_path()) return std::unexpected(*std::move(error));
+    } else if (auto error = execute()) {
+      while (sink_.waits()) {  // what waits comes before the fault, and may be wrong, too
+        if (auto earlier = follow_path()) return std::unexpected(*std::move(earlier));
+        program_.motions.clear();
+      }
+      return std::unexpected(*std::move(error));
+    }
+    return runs_ || sink_.waits();
+  }
+
+ private:
+  std::optional<ProgramError> execute() {
+    try {
+      const auto line = flow_.next();
+      path_.at_line(0, flow_.line());
+      runs_ = line && !machine_.execute(*line);
+    } catch (const GcodeFault& fault) {
+      return error(fault.word, fault.reason);
+    }
+    return std::nullopt;
+  }
+
+  std::optional<ProgramError> follow_path() {
+    const auto followed = sink_.go_on(kPiecesPerStep);
+    return followed ? std::nullopt : std::optional(error({}, followed.error()));
+  }
+
+  ProgramError error(const std::string& word, std::string reason) const {
+    const std::size_t line =
+        std::clamp<std::size_t>(flow_.line(), 1, std::max<std::size_t>(text_->size(), 1));
+    const std::string shown =
+        word.empty() && text_->size() > 0 ? std::string(text_->written(line - 1)) : word;
+    return {program_.name, line, shown, std::move(reason), std::string(kLanguage)};
+  }
+
+  void warn(const std::string& text) {
+    if (program_.warnings.size() >= kProgramWarningsMax || !warned_.insert(text).second) return;
+    program_.warnings.push_back(program_.name + ":" + std::to_string(flow_.line()) + ": " + text);
+  }
+
+  std::shared_ptr<const SinumerikProgram> text_;
+  GcodeEnvironment environment_;  ///< without tool table and parameters, which are LinuxCNC's
+  MotionSink sink_;
+  GcodeToolPath path_;
+  SinumerikValues values_;
+  SinumerikFlow flow_;
+  std::set<std::string> warned_;
+  SinumerikMachine machine_;
+  bool runs_ = true;
+};
+
+}  // namespace
+
+std::expected<ReadProgram, ProgramError> read_sinumerik(const std::string& name,
+                                                        std::string_view text, const Scene& scene,
+                                                        std::size_t lines_max,
+                                                        ProgramVisitor& visitor,
+                                                        const std::string& note) {
+  try {
+    const auto program = std::make_shared<const SinumerikProgram>(text);
+    const std::size_t executed_max = std::min(lines_max, text.size() + kRepeatedMax);
+    const bool by_t = !has_tool_change(*program);
+    return read_to_end(
+        [name, program, &scene, executed_max, by_t, note] {
+          return std::make_unique<SinumerikReader>(name, program, scene, executed_max, by_t, note);
+        },
+        visitor);
+  } catch (const GcodeFault& fault) {
+    return std::unexpected(ProgramError{name, 0, fault.word, fault.reason, std::string(kLanguage)});
+  }
+}
+
+}  // namespace kerf

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "server/formats/program_reader.h"
+
+namespace kerf {
+
+/// Reads a SINUMERIK program for a scene. README.md lists the statements; any other is an error
+/// that names it. `lines_max` bounds the lines that are executed; `note`, unless it
+/// is empty, is the first warning.
+std::expected<ReadProgram, ProgramError> read_sinumerik(const std::string& name,
+                                                        std::string_view text, const Scene& scene,
+                                                        std::size_t lines_max,
+                                                        ProgramVisitor& visitor,
+                                                        const std::string& note = {});
+
+}  // namespace kerf

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace kerf {
+
+/// The R parameters and the variables (DEF) of a SINUMERIK program, and its expressions. Text is in
+/// capital letters; angles are in degrees. Throws GcodeFault.
+class SinumerikValues {
+ public:
+  /// Computes the expression at `at` and moves `at` behind it: numbers, R1, R[…], variables,
+  /// + - * / DIV MOD, == <> < > <= >=, AND OR XOR NOT, SIN COS TAN ASIN ACOS ATAN2 SQRT POT ABS
+  /// TRUNC ROUND LN EXP MINVAL MAXVAL, TRUE, FALSE, $PI. The comparisons bind weakest.
+  double expression(std::string_view text, std::size_t& at) const;
+  /// Computes a text that is one expression.
+  double of(std::string_view text) const;
+  /// Makes a variable; a value that it has is kept.
+  void define(const std::string& name) { values_.try_emplace(name, 0.0); }
+  /// Whether the name is an R parameter or a variable.
+  bool has(const std::string& name) const;
+  void set(const std::string& name, double value) { values_[name] = value; }
+
+ private:
+  std::map<std::string, double> values_;  ///< "R5", names of DEF
+};
+
+/// Whether a character may stand in a name.
+bool is_sinumerik_name(char c);
+/// Whether a text begins with a word that nothing continues.
+bool begins_word(std::string_view text, std::string_view word);
+/// The first place from `at` on without a blank.
+std::size_t skip_blanks(std::string_view text, std::size_t at);
+
+}  // namespace kerf
