@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <sstream>
@@ -120,7 +121,9 @@ TEST(Post, MotionsBelowTheLastDecimalAreAddedToTheNext) {
                                .from = {{n * 1e-4, 0, 0}, {0, 0, 1}},
                                .to = {{(n + 1) * 1e-4, 0, 0}, {0, 0, 1}},
                                .duration_s = 0.001});
-  const Program read = read_back(scene, text_of(program, scene, Post::kFanuc), Post::kFanuc);
+  const std::string text = text_of(program, scene, Post::kFanuc);
+  EXPECT_LT(std::ranges::count(text, '\n'), 1100);  // a thousand of 0.001 mm, not 10,000
+  const Program read = read_back(scene, text, Post::kFanuc);
   double seconds = 0;
   for (const ProgramMotion& motion : read.motions) seconds += motion.duration_s;
   EXPECT_NEAR(seconds, 10, 0.02);
