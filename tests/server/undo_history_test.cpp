@@ -182,15 +182,16 @@ class RandomHistory : public SessionUndo {
 };
 
 TEST_F(RandomHistory, EqualsTheSurvivingSetToTheBit) {
-  // KERF_EFFORT multiplies the histories, KERF_SEED is the first seed; gtest's --gtest_repeat does
-  // not change the seed.
+  // KERF_EFFORT multiplies the histories, KERF_SEED is the first seed, KERF_ROUNDS is the length of
+  // each, whose square is its cost; gtest's --gtest_repeat does not change the seed.
   const auto setting = [](const char* name, unsigned otherwise) {
     const char* text = std::getenv(name);
     return text == nullptr ? otherwise : static_cast<unsigned>(std::atoi(text));
   };
   const unsigned first = setting("KERF_SEED", 11), histories = setting("KERF_EFFORT", 1);
+  const int rounds = static_cast<int>(setting("KERF_ROUNDS", 40));
   for (unsigned seed = first; seed < first + histories; ++seed) {
-    run(seed, 40);
+    run(seed, rounds);
     if (HasFailure()) return;
   }
 }
