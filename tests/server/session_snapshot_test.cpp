@@ -258,10 +258,10 @@ TEST_F(SessionSnapshots, TheOneBeforeADamagedNewestOneIsUsed) {
   const std::uint64_t last = read_snapshot_head(newest)->sequence;
   const std::uint64_t before = read_snapshot_head(previous)->sequence;
   EXPECT_EQ(last, before + 100) << "two are kept, the older one is gone";
-  const auto expect_restored_from = [&](std::uint64_t sequence, const std::string& fault) {
+  const auto expect_restored_from = [&](std::uint64_t from, const std::string& fault) {
     auto restored = restore(journal());
     ASSERT_TRUE(restored);
-    EXPECT_EQ(restored->snapshot_sequence, sequence);
+    EXPECT_EQ(restored->snapshot_sequence, from);
     EXPECT_EQ(restored->snapshot_fault, fault);
     EXPECT_EQ(restored->hash.hash, expected->hash.hash);
     EXPECT_EQ(restored->sculpture.motions(), expected->sculpture.motions());
