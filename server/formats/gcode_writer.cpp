@@ -5,7 +5,7 @@
 #include <ostream>
 #include <utility>
 
-#include "server/formats/letter_case.h"
+#include "server/formats/gcode_comment.h"
 #include "server/formats/number_text.h"
 #include "server/formats/post_parts.h"
 #include "server/formats/post_writer.h"
@@ -67,15 +67,7 @@ class GcodeWriter final : public PostWriter {
            "stand, the operator starts the spindle";
   }
 
-  // Parentheses end a comment; Fanuc has capital letters only.
-  std::string comment(const std::string& text) const {
-    std::string result = printable(iso_ ? to_upper(text) : text);
-    for (char& c : result) {
-      c = c == '(' ? '[' : c == ')' ? ']' : c;
-      if (iso_ && static_cast<unsigned char>(c) > 0x7e) c = '?';
-    }
-    return '(' + result + ')';
-  }
+  std::string comment(const std::string& text) const { return gcode_comment(post_, text); }
 
   void retract() override {
     if (tcp_on_) out() << (iso_ ? "G49\n" : "M429\n");
