@@ -102,16 +102,19 @@ class ServerProcess {
     fields >> user >> system;
     return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
   }
-  /// Peak memory of the server, MB.
-  double peak_memory_mb() const {
+  /// Resident memory of the server now, and at most so far, MB.
+  double memory_mb() const { return status_mb("VmRSS:"); }
+  double peak_memory_mb() const { return status_mb("VmHWM:"); }
+
+ private:
+  double status_mb(std::string_view field) const {
     std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
     for (std::string line; std::getline(status, line);) {
-      if (line.starts_with("VmHWM:")) return std::atof(line.c_str() + 6) / 1024;
+      if (line.starts_with(field)) return std::atof(line.c_str() + field.size()) / 1024;
     }
     return 0;
   }
 
- private:
   std::string program_;
   std::vector<std::string> options_;
   std::filesystem::path folder_;

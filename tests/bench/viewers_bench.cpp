@@ -5,7 +5,7 @@
 //   viewers_bench [--server PATH] [--viewers N] [--seconds S] [--agents N] [--calm] [--lists]
 //
 // Prints how many viewers joined and were dropped, the bytes of text that the server sent to all of
-// them together, the time until the last welcome, and the server's CPU time and peak memory.
+// them together, the time until the last welcome, and the server's CPU time and memory.
 //
 // --seconds S  keeps the viewers for S seconds after the last welcome (default 3)
 // --agents N   instead of the agent that changes its tool, N agents cut a raster at 1 kHz, for S
@@ -26,18 +26,17 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
-#include <mutex>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
 
 #include "server/wire/codec.h"
+#include "tests/bench/crowd_viewer.h"
 #include "tests/bench/live_client.h"
 #include "tests/bench/raster_agent.h"
 
@@ -45,12 +44,6 @@ namespace {
 
 using namespace kerf::wire;
 using namespace kerf::bench;
-
-constexpr std::string_view kScene = R"({"name": "bench",
-  "stock": {"shape": "box", "min_mm": [-40, -40, -30], "max_mm": [40, 40, 0]},
-  "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
-  "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60},
-            {"id": 2, "shape": "flat", "diameter_mm": 6, "length_mm": 60}]})";
 
 struct Options {
   std::string server = KERF_SERVER_PROGRAM;
@@ -83,124 +76,16 @@ Options parse(int argc, char** argv) {
   return options;
 }
 
-/// When the motions of the session were answered.
-class AnswerTimes {
- public:
-  /// All motions up to number `motions` of the session have been answered now.
-  void answered(std::uint64_t motions) {
-    const std::scoped_lock lock(mutex_);
-    if (motions >= times_.size()) times_.resize(motions + 1, Clock::now());
-  }
-  /// Returns nullopt for a motion whose answer has not arrived.
-  std::optional<Clock::time_point> of(std::uint64_t motion) const {
-    const std::scoped_lock lock(mutex_);
-    return motion < times_.size() ? std::optional(times_[motion]) : std::nullopt;
-  }
-
- private:
-  mutable std::mutex mutex_;
-  std::vector<Clock::time_point> times_;  ///< by number of the motion
-};
-
-/// One viewer, read without blocking. A mesh frame is acknowledged as soon as it is complete.
-class Viewer {
- public:
-  Viewer(std::uint16_t port, int number, const Options& options, const AnswerTimes& answers)
-      : socket_(port), answers_(answers) {
-    put(upgrade_request("/v1/sessions/bench/view", "kerf.view.v1"));
-    hello_ = R"({"type":"hello","name":"viewer )" + std::to_string(number) +
-             (options.lists ? R"("})" : R"(","changes":true})");
-  }
-
-  int descriptor() const { return socket_.descriptor(); }
-  bool joined() const { return joined_; }
-  bool dropped() const { return dropped_; }
-  std::uint64_t text_bytes() const { return text_bytes_; }
-  std::uint64_t mesh_bytes() const { return mesh_bytes_; }
-  std::uint64_t mesh_frames() const { return mesh_frames_; }
-  const std::vector<double>& stale_ms() const { return stale_ms_; }
-
-  /// Reads what has arrived; returns false once the server has closed the connection.
-  bool read_some() {
-    std::array<char, 65536> chunk{};
-    const ssize_t count = recv(descriptor(), chunk.data(), chunk.size(), MSG_DONTWAIT);
-    if (count < 0 && errno == EAGAIN) return true;
-    if (count <= 0) dropped_ = true;
-    if (dropped_) return false;
-    in_.append(chunk.data(), static_cast<std::size_t>(count));
-    if (!hello_.empty()) {
-      const auto end = in_.find("\r\n\r\n");
-      if (end == std::string::npos) return true;
-      dropped_ = in_.compare(9, 3, "101") != 0;
-      if (dropped_) return false;
-      in_.erase(0, end + 4);
-      put_frame(1, std::exchange(hello_, {}));
-    }
-    while (take_frame()) continue;
-    return true;
-  }
-
- private:
-  void put(const std::string& bytes) {
-    if (::send(descriptor(), bytes.data(), bytes.size(), MSG_NOSIGNAL) < 0) dropped_ = true;
-  }
-  void put_frame(unsigned char opcode, std::string_view payload) {
-    std::string frame = {static_cast<char>(0x80 | opcode),
-                         static_cast<char>(0x80 | payload.size())};
-    put(frame.append(4, '\0').append(payload));
-  }
-  bool take_frame() {
-    const auto at = [&](std::size_t i) { return static_cast<unsigned char>(in_[i]); };
-    if (in_.size() < 10) return false;  // no frame is as short as that
-    std::size_t head = 2, size = at(1) & 0x7FU;
-    if (size >= 126) {
-      const std::size_t bytes = size == 126 ? 2 : 8;
-      size = 0;
-      for (; head < 2 + bytes; ++head) size = size << 8 | at(head);
-    }
-    if (in_.size() < head + size) return false;
-    const auto opcode = static_cast<unsigned char>(at(0) & 0x0FU);
-    if (opcode == 1) {
-      text_bytes_ += size;
-      joined_ = joined_ || in_.find(R"("type":"welcome")", head) < head + size;
-    } else if (opcode == 2) {
-      acknowledge(std::as_bytes(std::span(in_)).subspan(head, size));
-    } else if (opcode == 9) {
-      put_frame(10, std::string_view(in_).substr(head, size));
-    }
-    in_.erase(0, head + size);
-    return true;
-  }
-  void acknowledge(std::span<const std::byte> frame) {
-    const auto message = decode(frame);
-    if (!message || !std::holds_alternative<MeshView>(message->body)) return;
-    std::vector<std::byte> ack;
-    append(ack, {kNewEpoch, message->header.stamp.sequence, 0}, Ack{});
-    put_frame(2, {reinterpret_cast<const char*>(ack.data()), ack.size()});
-    ++mesh_frames_;
-    mesh_bytes_ += frame.size();
-    note_motions(frame, message->header.flags != 0);
-  }
-  /// Reads which motions a frame adds.
-  void note_motions(std::span<const std::byte> frame, bool is_first_snapshot) {
-    const std::string_view text{reinterpret_cast<const char*>(frame.data()), frame.size()};
-    const std::size_t at = text.find("\"to\":");
-    if (at == text.npos) fail("a mesh frame does not state its motions");
-    std::uint64_t motions = 0;
-    std::from_chars(text.data() + at + 5, text.data() + text.size(), motions);
-    const auto oldest = answers_.of(std::exchange(motions_, motions) + 1);
-    if (is_first_snapshot || motions == 0 || !oldest) return;
-    stale_ms_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - *oldest).count());
-  }
-
-  Socket socket_;
-  const AnswerTimes& answers_;
-  std::uint64_t mesh_bytes_ = 0, mesh_frames_ = 0, motions_ = 0;
-  std::vector<double> stale_ms_;
-  std::string hello_, in_;
-  bool joined_ = false, dropped_ = false;
-  std::uint64_t text_bytes_ = 0;
-};
+/// A block that is high enough for all layers of a raster of twice so many seconds.
+std::string scene_for(double seconds) {
+  const double layers = std::ceil(2000 * seconds / double(kLayer)) + 2;
+  return R"({"name": "bench",
+  "stock": {"shape": "box", "min_mm": [-40, -40, )" +
+         std::to_string(-30 - kDownMm * layers) + R"(], "max_mm": [40, 40, 0]},
+  "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
+  "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60},
+            {"id": 2, "shape": "flat", "diameter_mm": 6, "length_mm": 60}]})";
+}
 
 void change_tools(const std::atomic<bool>& stop, std::uint16_t port) {
   WebSocket agent(port, "/v1/sessions/bench/agent", "kerf.agent.v1");
@@ -329,6 +214,23 @@ void serve(int poller, std::vector<std::unique_ptr<Viewer>>& viewers, Clock::tim
   } while (Clock::now() < until);
 }
 
+/// Serves the viewers for some seconds; returns the server's memory before and after each sixth.
+std::vector<double> serve_in_sixths(int poller, std::vector<std::unique_ptr<Viewer>>& viewers,
+                                    double seconds, const ServerProcess& server) {
+  std::vector<double> memory_mb{server.memory_mb()};
+  for (int part = 0; part < 6; ++part) {
+    serve(poller, viewers, in_seconds(seconds / 6), false);
+    memory_mb.push_back(server.memory_mb());
+  }
+  return memory_mb;
+}
+
+void print_memory(const std::vector<double>& memory_mb) {
+  std::printf("the server's memory then, and after each sixth of the time:");
+  for (const double mb : memory_mb) std::printf(" %.1f", mb);
+  std::printf(" MB\n");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -338,7 +240,7 @@ int main(int argc, char** argv) {
   files.rlim_cur = files.rlim_max;  // the server inherits it
   setrlimit(RLIMIT_NOFILE, &files);
   const ServerProcess server(options.server);
-  post(server.port(), "/v1/sessions?id=bench", std::string(kScene));
+  post(server.port(), "/v1/sessions?id=bench", scene_for(options.seconds));
   std::atomic<bool> stop = false;
   std::thread agent;
   Raster raster(server.port(), options.agents, options.seconds);
@@ -351,7 +253,7 @@ int main(int argc, char** argv) {
   std::vector<std::unique_ptr<Viewer>> viewers;
   const auto start = Clock::now();
   for (int n = 0; n < options.viewers; ++n) {
-    viewers.push_back(std::make_unique<Viewer>(server.port(), n, options, raster.answers()));
+    viewers.push_back(std::make_unique<Viewer>(server.port(), n, options.lists, raster.answers()));
     epoll_event event{.events = EPOLLIN, .data = {.ptr = viewers.back().get()}};
     epoll_ctl(poller, EPOLL_CTL_ADD, viewers.back()->descriptor(), &event);
     serve(poller, viewers, Clock::now(), true);
@@ -363,7 +265,7 @@ int main(int argc, char** argv) {
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 5);  // of this thread
   }
   const CpuTimes before = cpu_times(server);
-  serve(poller, viewers, in_seconds(options.seconds), false);
+  const std::vector<double> memory_mb = serve_in_sixths(poller, viewers, options.seconds, server);
   const CpuTimes after = cpu_times(server);
   const double cpu = after.server - before.server;
   const auto joined = std::ranges::count_if(viewers, [](const auto& v) { return v->joined(); });
@@ -383,6 +285,7 @@ int main(int argc, char** argv) {
       "s of CPU, %.0f MB at most\n",
       options.viewers, joined, seconds, dropped, double(text) / 1e6, seconds + options.seconds,
       server.cpu_seconds(), server.peak_memory_mb());
+  print_memory(memory_mb);
   if (options.agents > 0) {
     const double each = 1.0 / options.viewers;
     std::printf(
