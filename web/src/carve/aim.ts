@@ -17,8 +17,17 @@ export type AimMode = 'surface' | 'plane';
 export interface AimSettings {
   mode: AimMode;
   depthMm: number;
-  /** The axis leans from the vertical towards the normal by at most this; 0: it stays vertical. */
+  /**
+   * The axis leans from the vertical by at most this, towards the normal, or as a pen does that
+   * tells its tilt; 0: it stays vertical.
+   */
   leanMaxRad: number;
+}
+
+/** The line of sight through a pointer. */
+export interface Sight extends Ray {
+  /** The axis of a pen, from its tip to its end, unit length. */
+  pen?: Vec3 | null;
 }
 
 /** The surface at one moment. */
@@ -66,11 +75,11 @@ function bodyLift(outline: readonly OutlinePoint[], angle: number): number {
   return Math.max(...outline.map(([r, z]) => r * sine - z * cosine));
 }
 
-/** The vertical axis, leaned towards a normal. */
-export function leaned(normal: Vec3, leanMaxRad: number): Vec3 {
-  const angle = angleBetween(UP, normal);
+/** The vertical axis, leaned towards a direction. */
+export function leaned(direction: Vec3, leanMaxRad: number): Vec3 {
+  const angle = angleBetween(UP, direction);
   if (leanMaxRad === 0 || angle < 1e-6) return UP;
-  const towards = Math.PI - angle < 1e-6 ? across(UP)[0] : normal;
+  const towards = Math.PI - angle < 1e-6 ? across(UP)[0] : direction;
   return turned(UP, towards, Math.min(angle, leanMaxRad));
 }
 
@@ -94,22 +103,22 @@ export class Aim {
   ) {}
 
   /** Where the tool would cut; null: the pointer is beside the block, or the tool cannot get there. */
-  hover(surface: Probed, ray: Ray): Pose | null {
+  hover(surface: Probed, ray: Sight): Pose | null {
     const hit = surface.hit(ray);
-    return hit && this.onSurface_(surface, hit);
+    return hit && this.onSurface_(surface, hit, ray.pen);
   }
 
   /** Begins a stroke; null: there is nothing to cut under the pointer. */
-  begin(surface: Probed, ray: Ray): Pose | null {
+  begin(surface: Probed, ray: Sight): Pose | null {
     const hit = surface.hit(ray);
-    const pose = hit && this.onSurface_(surface, hit);
+    const pose = hit && this.onSurface_(surface, hit, ray.pen);
     if (!pose) return null;
     this.stroke_ = { origin: hit.point, axis: pose.axis };
     return this.settings.mode === 'plane' ? this.onPlane_(ray, this.stroke_) : pose;
   }
 
   /** Continues a stroke; null: the tool stays where it is. */
-  move(surface: Probed, ray: Ray): Pose | null {
+  move(surface: Probed, ray: Sight): Pose | null {
     const stroke = this.stroke_;
     if (!stroke) return null;
     if (this.settings.mode === 'plane') {
@@ -119,12 +128,12 @@ export class Aim {
     const hit = surface.hit(ray);
     // Beside the block the tool goes on level, so that a stroke may run over the edge.
     return hit
-      ? this.onSurface_(surface, hit)
+      ? this.onSurface_(surface, hit, ray.pen)
       : this.onPlane_(ray, { ...stroke, origin: this.last_! });
   }
 
   /** The pose to which move() would lead, without going there. */
-  peek(surface: Probed, ray: Ray): Pose | null {
+  peek(surface: Probed, ray: Sight): Pose | null {
     const { normal_, last_, axis_, touched_ } = this;
     const pose = this.move(surface, ray);
     Object.assign(this, { normal_, last_, axis_, touched_ });
@@ -148,17 +157,21 @@ export class Aim {
     return { tip: plus(tip, normal, Math.max(0, below) + LIFT_MM), axis };
   }
 
-  private onSurface_(surface: Probed, hit: Hit): Pose | null {
+  private onSurface_(surface: Probed, hit: Hit, pen: Vec3 | null = null): Pose | null {
     const radius = this.probeRadius_();
     const normal = this.smoothed_(surface.smoothNormal(hit, ring(hit.normal), radius), hit, radius);
     const { depthMm, leanMaxRad } = this.settings;
-    const axis = leaned(normal, leanMaxRad);
-    const tip = tipOn(hit.point, normal, axis, depthMm, this.profile);
-    if (!tip) return null;
-    this.last_ = hit.point;
-    this.touched_ = { point: hit.point, normal };
-    this.axis_ = axis;
-    return { tip, axis };
+    // A surface that faces away from a pen is reached as without one.
+    for (const towards of pen ? [pen, normal] : [normal]) {
+      const axis = leaned(towards, leanMaxRad);
+      const tip = tipOn(hit.point, normal, axis, depthMm, this.profile);
+      if (!tip) continue;
+      this.last_ = hit.point;
+      this.touched_ = { point: hit.point, normal };
+      this.axis_ = axis;
+      return { tip, axis };
+    }
+    return null;
   }
 
   /** Half the part of the tool that is in the stock; a wide tool does not smooth its own path away. */

@@ -79,7 +79,7 @@ export class CarveBar {
     });
     this.lean_ = button(
       t('Lean'),
-      t('The axis leans with the surface, up to 45° (L)'),
+      t('The axis leans with the surface, or with a pen, up to 45° (L)'),
       actions.toggleLean,
     );
     this.slider_.addEventListener('input', () => actions.setDepth(this.sliderMm_()));

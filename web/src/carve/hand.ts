@@ -8,13 +8,12 @@ import { ToolView } from '../view/tool_view';
 import type { Viewer } from '../view/viewer';
 import type { ToolInfo, Welcome } from '../wire/types';
 import { Aim } from './aim';
-import type { AimSettings } from './aim';
+import type { AimSettings, Sight } from './aim';
 import type { Pose } from './path_queue';
 import { PointerPath } from './pointer_path';
 import type { Place } from './pointers';
 import { Sampler } from './sampler';
 import { Surface } from './surface';
-import type { Ray } from './surface';
 
 const RESTS_MS = 40; // a pointer from which nothing comes for so long
 const OUT_OF_REACH = t(
@@ -143,9 +142,10 @@ export class Hand {
     this.settings.depthMm = depthMm * (pressure ?? 1);
   }
 
-  private ray_({ x, y }: Pick<Place, 'x' | 'y'>): Ray {
+  private ray_({ x, y, tilt }: Place): Sight {
     const { origin, direction } = this.viewer.ray(x, y);
-    return { origin: origin.toArray(), direction: direction.toArray() };
+    const pen = tilt && this.viewer.upright(...tilt).toArray();
+    return { origin: origin.toArray(), direction: direction.toArray(), pen };
   }
 
   /** The surface as it is displayed now. */

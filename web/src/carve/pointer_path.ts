@@ -12,7 +12,11 @@ function between(a: Place, b: Place, part: number): Place {
   const mix = (from: number, to: number): number => from + part * (to - from);
   const pressure =
     a.pressure === null || b.pressure === null ? b.pressure : mix(a.pressure, b.pressure);
-  return { x: mix(a.x, b.x), y: mix(a.y, b.y), pressure };
+  const tilt =
+    a.tilt === null || b.tilt === null
+      ? b.tilt
+      : ([mix(a.tilt[0], b.tilt[0]), mix(a.tilt[1], b.tilt[1])] as const);
+  return { x: mix(a.x, b.x), y: mix(a.y, b.y), pressure, tilt };
 }
 
 export class PointerPath {

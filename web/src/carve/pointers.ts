@@ -10,6 +10,11 @@ export interface Place {
   y: number;
   /** Of a pen, 0 to 1; null: the device does not tell. */
   pressure: number | null;
+  /**
+   * Where the end of a pen leans: the parts of its unit axis to the right and down in the picture;
+   * null: it stands upright, or the device does not tell.
+   */
+  tilt: readonly [right: number, down: number] | null;
 }
 
 export interface PointerActions {
@@ -29,10 +34,27 @@ export interface PointerActions {
 }
 
 const DEPTH_PER_WHEEL = 1 / 700;
+const TILT_MAX_DEG = 85;
+
+/** From the angles of a pen's planes with the vertical ones through the picture's axes. */
+function tiltOf({ tiltX, tiltY }: PointerEvent): Place['tilt'] {
+  if (tiltX === 0 && tiltY === 0) return null;
+  const [right, down] = [tiltX, tiltY].map((degrees) => {
+    const angle = Math.max(-TILT_MAX_DEG, Math.min(TILT_MAX_DEG, degrees));
+    return Math.tan((angle * Math.PI) / 180);
+  }) as [number, number];
+  const length = Math.hypot(right, down, 1);
+  return [right / length, down / length];
+}
 
 function placeOf(event: PointerEvent): Place {
-  const pressure = event.pointerType === 'pen' ? event.pressure : null;
-  return { x: event.offsetX, y: event.offsetY, pressure };
+  const isPen = event.pointerType === 'pen';
+  const [pressure, tilt] = isPen ? [event.pressure, tiltOf(event)] : [null, null];
+  return { x: event.offsetX, y: event.offsetY, pressure, tilt };
+}
+
+function fingerAt(x: number, y: number): Place {
+  return { x, y, pressure: null, tilt: null };
 }
 
 /** The places between two frames, which browsers deliver in one event. */
@@ -53,8 +75,8 @@ export class Pointers {
   ) {
     this.touches_ = new Touches({
       ...actions,
-      begin: (x, y) => actions.begin({ x, y, pressure: null }),
-      move: (places) => actions.move(places.map(([x, y]) => ({ x, y, pressure: null }))),
+      begin: (x, y) => actions.begin(fingerAt(x, y)),
+      move: (places) => actions.move(places.map(([x, y]) => fingerAt(x, y))),
     });
     this.listen_('pointerdown', (event) => this.down_(event));
     this.listen_('pointermove', (event) => this.move_(event));

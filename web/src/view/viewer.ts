@@ -243,6 +243,19 @@ export class Viewer {
     return new THREE.Ray(near, far.sub(near).normalize());
   }
 
+  /** The unit vector that leans by these parts to the right of the picture and towards the viewer. */
+  upright(right: number, towards: number): THREE.Vector3 {
+    const up = new THREE.Vector3(
+      0,
+      0,
+      Math.sqrt(Math.max(0, 1 - right * right - towards * towards)),
+    );
+    const aside = new THREE.Vector3().setFromMatrixColumn(this.rig.eye.matrixWorld, 0);
+    aside.setZ(0).normalize();
+    const near = new THREE.Vector3(aside.y, -aside.x, 0);
+    return up.addScaledVector(aside, right).addScaledVector(near, towards);
+  }
+
   /** Millimeters that a CSS pixel shows at a point. */
   pixelMm(point: THREE.Vector3): number {
     return (2 * this.rig.halfHeightAt(point)) / this.height_;

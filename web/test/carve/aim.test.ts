@@ -129,6 +129,24 @@ describe('aim', () => {
     expect(angleBetween(leaned([0, 0, -1], LEAN_MAX_RAD), [0, 0, 1])).toBeCloseTo(Math.PI / 4);
   });
 
+  it('leans as a pen does, up to the limit, with its shank clear', () => {
+    const profile = toolProfile(WIDE);
+    const aim = aimOf(WIDE, { leanMaxRad: LEAN_MAX_RAD });
+    for (const degrees of [-60, -30, 0, 30, 70])
+      for (const surface of [-30, 0, 30]) {
+        const normal = tilted(surface);
+        const { tip, axis } = aim.hover(slope(normal), { ...down(0, 0), pen: tilted(degrees) })!;
+        const within = Math.max(-45, Math.min(45, degrees));
+        expect(angleBetween(axis, tilted(within))).toBeCloseTo(0);
+        expect(lowest(profile.body.pieces, tip, axis, normal)).toBeGreaterThan(-1e-3);
+      }
+    const steep = slope(tilted(80));
+    const away = aim.hover(steep, { ...down(0, 0), pen: tilted(-40) })!;
+    expect(away).toEqual(aim.hover(steep, down(0, 0)));
+    const upright = aimOf(WIDE).hover(slope([0, 0, 1]), { ...down(0, 0), pen: tilted(30) })!;
+    expect(upright.axis).toEqual([0, 0, 1]);
+  });
+
   it('follows a surface at its depth', () => {
     const aim = aimOf(BALL, { leanMaxRad: LEAN_MAX_RAD });
     aim.begin(globe, down(0, 0));

@@ -11,7 +11,12 @@ import type { ToolInfo } from '../../src/wire/types';
 import { block, SIDE, tileOf, WELCOME } from '../support/tiles';
 
 const BALL: ToolInfo = { id: 4, shape: 'ball', diameter_mm: 3, length_mm: 20 };
-const at = (x: number, y = 0, pressure: number | null = null): Place => ({ x, y, pressure });
+const at = (
+  x: number,
+  y = 0,
+  pressure: number | null = null,
+  tilt: Place['tilt'] = null,
+): Place => ({ x, y, pressure, tilt });
 
 describe('hand', () => {
   let tiles: TileView;
@@ -39,6 +44,10 @@ describe('hand', () => {
         return new THREE.Ray(eye, target.sub(eye).normalize());
       },
     };
+    Object.assign(viewer, {
+      upright: (right: number, towards: number) =>
+        new THREE.Vector3(right, -towards, Math.sqrt(1 - right * right - towards * towards)),
+    });
     hand = new Hand(viewer as unknown as Viewer, (place) => shown.push(place));
     hand.sampler.limits = { speedMmPerS: 5000, samplesPerS: 1250 };
     hand.takeTool(BALL, '#d9541e', WELCOME);
@@ -109,6 +118,21 @@ describe('hand', () => {
     hand.end(1);
     const cutting = samples().filter(({ buttons }) => buttons !== 0);
     for (const { tip_mm } of cutting) expect(tip_mm[2]).toBeCloseTo(-2.5);
+  });
+
+  it('leans as the pen does, where it may lean', () => {
+    const pen = (x: number): Place => at(x, 0, 1, [0.3, 0.4]);
+    for (const leanMaxRad of [0, 1]) {
+      hand.settings.leanMaxRad = leanMaxRad;
+      hand.begin(pen(-6), 1);
+      hand.move([pen(6)], 1);
+      hand.end(1);
+      const cutting = samples().filter(({ buttons }) => buttons !== 0);
+      expect(cutting.length).toBeGreaterThan(1);
+      const expected = leanMaxRad === 0 ? [0, 0, 1] : [0.3, -0.4, Math.sqrt(0.75)];
+      for (const { axis } of cutting)
+        for (let i = 0; i < 3; ++i) expect(axis[i]).toBeCloseTo(expected[i]!);
+    }
   });
 
   it('is drawn at the pointer, and cuts up to there when the pointer rests', () => {

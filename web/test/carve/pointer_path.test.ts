@@ -3,7 +3,12 @@ import { describe, expect, it } from 'vitest';
 import { PointerPath } from '../../src/carve/pointer_path';
 import type { Place } from '../../src/carve/pointers';
 
-const at = (x: number, y: number, pressure: number | null = null): Place => ({ x, y, pressure });
+const at = (
+  x: number,
+  y: number,
+  pressure: number | null = null,
+  tilt: Place['tilt'] = null,
+): Place => ({ x, y, pressure, tilt });
 
 function trace(events: readonly Place[]): Place[] {
   const path = new PointerPath(events[0]!);
@@ -69,5 +74,17 @@ describe('path of a pointer', () => {
     expect(pressures).toEqual([...pressures].sort((a, b) => a - b));
     expect(pressures.at(-1)).toBe(1);
     expect(trace([at(0, 0), at(40, 0)]).every(({ pressure }) => pressure === null)).toBe(true);
+  });
+
+  it('turns a pen evenly', () => {
+    const places = trace([
+      at(0, 0, 1, [0.2, 0]),
+      at(40, 0, 1, [0.4, -0.2]),
+      at(80, 0, 1, [0.4, -0.2]),
+    ]);
+    const lean = places.map(({ tilt }) => tilt![0]);
+    expect(lean).toEqual([...lean].sort((a, b) => a - b));
+    expect(new Set(lean).size).toBeGreaterThan(5);
+    for (const { tilt } of places) expect(tilt![1]).toBeCloseTo(0.2 - tilt![0]);
   });
 });

@@ -8,6 +8,8 @@ interface Fields {
   button?: number;
   buttons?: number;
   pressure?: number;
+  tiltX?: number;
+  tiltY?: number;
   places?: [number, number][];
 }
 
@@ -35,7 +37,10 @@ describe('pointers', () => {
     };
     pointers = new Pointers(canvas as unknown as HTMLElement, {
       hover: (place) => log.push(place ? `hover ${place.x},${place.y}` : 'hover nothing'),
-      begin: ({ x, y, pressure }) => log.push(`begin ${x},${y} ${pressure}`),
+      begin: ({ x, y, pressure, tilt }) => {
+        log.push(`begin ${x},${y} ${pressure}`);
+        if (tilt) log.push(`tilt ${tilt.map((part) => part.toFixed(3)).join(' ')}`);
+      },
       move: (places) => log.push(`move ${places.map(({ x, y }) => `${x},${y}`).join(' ')}`),
       end: () => log.push('end'),
       deepen: (factor) => log.push(factor > 1 ? 'deeper' : 'less deep'),
@@ -50,6 +55,7 @@ describe('pointers', () => {
     const { places = [[0, 0]], ...others } = fields;
     const one = ([offsetX, offsetY]: [number, number]) => ({
       ...{ type, pointerId: 1, pointerType: 'mouse', button: 0, buttons: 0, pressure: 0.5 },
+      ...{ tiltX: 0, tiltY: 0 },
       ...others,
       offsetX,
       offsetY,
@@ -90,6 +96,18 @@ describe('pointers', () => {
   it('tells the pressure of a pen', () => {
     send('pointerdown', { pointerType: 'pen', pressure: 0.25 });
     expect(log.at(-1)).toBe('begin 0,0 0.25');
+  });
+
+  it('tells how a pen leans', () => {
+    send('pointerdown', { pointerType: 'pen', tiltX: 45, tiltY: 0 });
+    send('pointerup');
+    expect(log.at(-2)).toBe('tilt 0.707 0.000');
+    send('pointerdown', { pointerType: 'pen', tiltX: -30, tiltY: 90 });
+    const [right, down] = log.at(-1)!.split(' ').slice(1).map(Number);
+    expect([Math.sign(right!), down! > 0.99]).toEqual([-1, true]);
+    pointers.cancel();
+    send('pointerdown', { pointerType: 'pen', tiltX: 0, tiltY: 0 }); // one that cannot tell
+    expect(log.at(-1)).toBe('begin 0,0 0.5');
   });
 
   it('ends the stroke when the browser takes the pointer away, and when it is asked to', () => {
