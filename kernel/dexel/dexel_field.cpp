@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/dexel/dexel_field.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "kernel/dexel/mesh_stock.h"
@@ -60,7 +61,8 @@ DexelSnapshot DexelField::snapshot() {
 
 void DexelField::restore(const DexelSnapshot& state) {
   tiles_ = state.tiles();
-  ++era_;  // the tiles are shared with the view
+  // The tiles are shared with the view, also those of another field, whose eras may be later.
+  era_ = std::max(era_, tiles_.era()) + 1;
 }
 
 std::size_t DexelField::memory_bytes() const {

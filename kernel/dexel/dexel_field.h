@@ -52,7 +52,7 @@ class DexelField {
   bool fits(const DexelSnapshot& state) const {
     return state.grid() == grid_ && state.stock() == stock_;
   }
-  /// Takes over the tiles of a view that fits.
+  /// Takes over the tiles of a view that fits, of this field or of another one.
   void restore(const DexelSnapshot& state);
   /// Returns the volume of the stock's columns before the first cut, mm^3.
   double stock_volume_mm3() const { return stock_volume_mm3_; }

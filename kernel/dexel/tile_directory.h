@@ -46,6 +46,8 @@ class TileDirectory {
       }
     }
   }
+  /// Returns the newest era in which a slot was filled: no node is of a later one.
+  std::uint64_t era() const { return root_->era; }
   /// Returns the bytes of the nodes, without the tiles.
   std::size_t bytes() const;
 

@@ -70,6 +70,21 @@ TEST(Sculpture, ReturnsToAnEarlierSolidWhileItsUserFeelsOn) {
   EXPECT_FALSE(others.restore(before));
 }
 
+TEST(Sculpture, ABlockThatTookOverASolidLeavesThatAsItIs) {
+  auto first = sculpture();
+  for (int n = 0; n < 4; ++n) {
+    first.apply(MoveTool{1, {{25, 5, 18.0 - n}, kUp}, {{5, 25, 18.0 - n}, kUp}, 0.1, false})
+        .value();
+    const SolidSnapshot solid = first.solid();
+    const std::uint64_t hash = solid.hash();
+    auto other = sculpture();
+    ASSERT_TRUE(other.restore(solid));
+    other.apply(MoveTool{1, {{25, 5, 10}, kUp}, {{5, 25, 10}, kUp}, 0.1, false}).value();
+    EXPECT_NE(other.state_hash(), hash);
+    EXPECT_EQ(solid.hash(), hash) << n;
+  }
+}
+
 TEST(Sculpture, RejectedCommandChangesNothing) {
   using enum SculptureErrorCode;
   auto s = sculpture();
