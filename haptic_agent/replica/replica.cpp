@@ -128,7 +128,14 @@ std::optional<wire::Result> Replica::move(const wire::MotionSample& sample) {
   return result;
 }
 
+Sculpture Replica::copy() {
+  Sculpture block = source_.make();
+  block.restore(solid());
+  return block;
+}
+
 std::optional<wire::Result> Replica::answer(const wire::MotionSample& sample) {
+  newest_cut_.reset();
   look_ahead(sample);
   auto step = track_.take(sample, block_, source_.speed_max_mm_per_s());
   const std::optional<ToolPose>& pose = track_.pose();
@@ -139,13 +146,14 @@ std::optional<wire::Result> Replica::answer(const wire::MotionSample& sample) {
     known = is_known(*move);
     // The force of cutting stock that may not exist is never rendered, not even later.
     move->feel = known;
-    const auto result = block_.apply(*move);
+    auto result = block_.apply(*move);
     if (!result) return std::nullopt;
     if (stock_) cut_unfelt(*stock_, *move);
     cuts_.push_back({sample.time_us, *move});
     while (cuts_.front().time_us + kRememberedUs < sample.time_us) cuts_.pop_front();
     known = is_settled(*move, known);
     if (known) add_motion(sum, block_, *move, *result);
+    newest_cut_ = NewestCut{*move, *std::move(result)};
   } else {
     known = is_known(MoveTool{sample.tool_id, *pose, *pose});
     const auto* touch = std::get_if<ToolTrack::Touch>(&*step);

@@ -50,6 +50,16 @@ class Replica {
   const Sculpture& block() const { return stock_ ? *stock_ : block_; }
   /// Returns a view of that block.
   SolidSnapshot solid() { return (stock_ ? *stock_ : block_).solid(); }
+  /// Returns a copy of that block, on which something may be tried.
+  Sculpture copy();
+  /// What the newest sample has cut. Null if its motion does not cut, or was rejected.
+  struct NewestCut {
+    MoveTool move;
+    MotionResult result;
+  };
+  const NewestCut* newest_cut() const { return newest_cut_ ? &*newest_cut_ : nullptr; }
+  /// Returns whether the server has sent a tile.
+  bool knows(FieldTile at) const { return known_.contains(at); }
   /// Returns whether the server has sent all tiles on which the surface of a tile of the field
   /// along Z depends: of each field, those through its columns and one pitch around.
   bool knows_around(TileIndex tile) const;
@@ -90,6 +100,7 @@ class Replica {
   /// query, which mostly overlaps it.
   std::array<TileRegion, 3> known_region_;
   std::deque<Cut> cuts_;
+  std::optional<NewestCut> newest_cut_;
   /// Remaining travel until the force no longer depends on unknown stock.
   double unsettled_mm_ = 0;
   Agreement agreement_;

@@ -23,6 +23,15 @@ constexpr std::uint64_t kDropFarEvery = 64;
 /// Limit of the tiles of a field of which all are sent: each patch looks at them until they are.
 constexpr std::int64_t kWholeTilesMax = 1024;
 
+/// Returns what the surface depends on that a tool within `box` changes: tiles of the field along
+/// Z, those beside them, whose surface changes with them, and one more, from the bottom to the top.
+Bounds with_surface(const Bounds& box, const DexelGrid& grid) {
+  Bounds all = grown(box, 2 * kTileSide * grid.pitch_mm);
+  all.lo_mm.z = grid.origin_mm.z;
+  all.hi_mm.z = grid.z_mm(grid.height_quanta);
+  return all;
+}
+
 }  // namespace
 
 wire::StockPatch StockUpdate::patch() const {
@@ -94,7 +103,8 @@ std::optional<StockFeed::Regions> StockFeed::reach(const Sculpture& sculpture,
   last_us_ = tracked.time_us;
   const Bounds now = tool_bounds(tracked.tool, tracked.pose);
   for (const Bounds& bounds : {joined(now, tool_bounds(tracked.tool, later)), now}) {
-    const Bounds box = grown(bounds, kReachMm);
+    const Bounds near = grown(bounds, kReachMm);
+    const Bounds box = whole_ ? with_surface(near, sculpture.grid()) : near;
     Regions regions;
     bool small = true;
     for (std::size_t n = 0; n < regions.size(); ++n) {

@@ -108,7 +108,8 @@ const std::vector<Module>& other_modules() {
         "server/websocket", "server/threads"}},
       {"server", {"kernel"}},
       // The replica of an agent, for pages.
-      {"web/wasm", {"kernel", "server/wire", "server/formats", "haptic_agent/replica"}},
+      {"web/wasm",
+       {"kernel", "server/wire", "server/convert", "server/formats", "haptic_agent/replica"}},
       {"tests", {"kernel", "server", "haptic_agent", "web/wasm"}},
   };
   return kModules;

@@ -113,11 +113,12 @@ function tilesOf(rays) {
   return [...everyTile(rays)].filter(([axis, x, y]) => x < sides[axis][0] && y < sides[axis][1]);
 }
 
-/** [kind, bytes] of what the functions get. */
+/** [kind, bytes] of what the functions get: a welcome, frames, undo, redo and settle. */
 function job(rays) {
   const hand = new Hand();
   const sent = [['w', Buffer.from(welcome(rays))]];
   const send = (bytes) => sent.push(['f', bytes]);
+  const ask = (kind) => sent.push([kind, Buffer.alloc(0)]);
   send(hand.motion(1, false)); // before anything is known
   send(
     stock(
@@ -129,6 +130,11 @@ function job(rays) {
   for (let n = 0; n < 8; ++n) send(hand.motion(n % 2 === 0 ? 1 : 2, n > 3));
   send(stock(0, 20_000n, [[2, 1, 0, 30_000]])); // another has cut a tile flat
   for (let n = 0; n < 3; ++n) send(hand.motion(1, true));
+  ask('u');
+  ask('r');
+  ask('u');
+  send(hand.motion(2, true));
+  ask('s');
   send(
     stock(2, 60_000n, [
       [2, 1, 0, 50_000],
@@ -162,10 +168,15 @@ async function runWasm(sent) {
       lines.push(`open ${calls.kerf_open()}`);
       continue;
     }
-    const taken = calls.kerf_take();
-    lines.push(
-      `take ${taken} ${BigInt.asUintN(64, calls.kerf_hash()).toString(16).padStart(16, '0')}`,
-    );
+    if (kind === 'f') {
+      const taken = calls.kerf_take();
+      const hash = BigInt.asUintN(64, calls.kerf_hash()).toString(16).padStart(16, '0');
+      lines.push(`take ${taken} ${hash}`);
+    } else if (kind === 's') {
+      calls.kerf_settle();
+    } else {
+      calls.kerf_change(kind === 'u');
+    }
     const count = calls.kerf_changed();
     const tiles = new Int32Array(output(12 * count).buffer);
     for (let n = 0; n < count; ++n) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs a job (page_bytes.mjs) on the functions that kerf.wasm exports, compiled for this machine,
-// and prints what they return: a line for each welcome and frame. Usage: page_job FILE
+// and prints what they return: a line for each welcome, frame and tile. Usage: page_job FILE
 
 #include <cstddef>
 #include <cstdint>
@@ -42,6 +42,12 @@ void run(char kind, std::span<const char> bytes) {
   std::memcpy(kerf_input(static_cast<std::uint32_t>(bytes.size())), bytes.data(), bytes.size());
   if (kind == 'w') {
     std::printf("open %u\n", kerf_open());
+  } else if (kind == 'u' || kind == 'r') {
+    kerf_change(kind == 'u');
+    print_changed();
+  } else if (kind == 's') {
+    kerf_settle();
+    print_changed();
   } else {
     const bool taken = kerf_take();
     std::printf("take %d %016llx\n", int{taken}, static_cast<unsigned long long>(kerf_hash()));

@@ -159,8 +159,8 @@ async function checkExcludesSections({ page }) {
 }
 
 /**
- * A second stroke in the groove is displayed though nothing of the server comes. Then the connection
- * breaks, which leaves no difference.
+ * A second stroke in the groove is displayed though nothing of the server comes, and so is its undo.
+ * Then the connection breaks, which leaves no difference.
  */
 async function checkAlone(viewer, server, line) {
   const { page, state } = viewer;
@@ -172,6 +172,9 @@ async function checkAlone(viewer, server, line) {
   assert.deepEqual((await state()).tiles, before, "a mesh of the server's has come");
   assert((await state()).copyTiles > 0);
   await writeFile(join(options.out, 'carve-alone.png'), await page.screenshot());
+  await page.keyboard.press('Control+z');
+  await until('an undo', SETTLE_S, async () => (await depthDisplayed(page)) < 1.2 * DEPTH_MM);
+  assert.deepEqual((await state()).tiles, before, "a mesh of the server's has come");
   line.cut();
   await page.locator('main[data-carve=lost]').waitFor();
   await page.locator('main[data-carve=ready]').waitFor();

@@ -99,6 +99,27 @@ describe('tiles of the copy', () => {
     expect(heights()).toEqual([-1]);
   });
 
+  it('are held while the copy has an undo before the server', () => {
+    local.cover([triangle(9)], 40n, ORIGIN);
+    local.answered(41n, 130);
+    local.hold();
+    local.cover([triangle(11)], 41n, ORIGIN);
+    serve(-3, 130); // with the stroke
+    expect(heights()).toEqual([-1]);
+    serve(-1.1, 130); // without it
+    expect(heights()).toEqual([-1]);
+    local.settled(130);
+    expect(heights()).toEqual([-1.1]);
+    local.clear();
+    local.hold();
+    local.cover([triangle(9)], 41n, ORIGIN); // of before the server only was displayed
+    expect(heights()).toEqual([-3]);
+    local.close();
+    local.hold();
+    local.cover([triangle(9)], 41n, ORIGIN);
+    expect(local.size).toBe(0);
+  });
+
   it('restore what was there before, and nothing where the server has nothing', () => {
     local.cover([triangle(9)], 40n, ORIGIN);
     local.clear();

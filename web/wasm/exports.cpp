@@ -50,6 +50,10 @@ KERF_EXPORT(kerf_open) std::uint32_t kerf_open() {
 
 KERF_EXPORT(kerf_take) bool kerf_take() { return g_block->take(g_input); }
 
+KERF_EXPORT(kerf_change) void kerf_change(bool undone) { g_block->change(undone); }
+
+KERF_EXPORT(kerf_settle) void kerf_settle() { g_block->settle(); }
+
 KERF_EXPORT(kerf_changed) std::uint32_t kerf_changed() {
   g_output.clear();
   const std::vector<ChangedTile> tiles = g_block->changed();

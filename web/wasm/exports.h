@@ -22,6 +22,10 @@ std::uint32_t kerf_open();
 /// PageBlock::take of the frame in the input. This and the others below need an open block.
 bool kerf_take();
 
+/// PageBlock::change and PageBlock::settle.
+void kerf_change(bool undone);
+void kerf_settle();
+
 /// PageBlock::changed: returns the number of tiles, and puts a ChangedTile of each into the output.
 std::uint32_t kerf_changed();
 

@@ -4,25 +4,43 @@
 #include <algorithm>
 #include <utility>
 
+#include "kernel/dexel/stock_column.h"
 #include "server/wire/codec.h"
 
 namespace kerf::page {
 namespace {
 
-/// Appends the tiles of one block that are other ones, or missing, in the other block.
-void append_different(const TileDirectory& tiles, const TileDirectory& other,
+bool have_same_columns(const DexelTile& a, const DexelTile& b) {
+  std::vector<Dexel> of_a, of_b;
+  for (int column = 0; column < kTileColumns; ++column) {
+    const auto c = std::size_t(column);
+    const bool is_split = a.is_split(column) || b.is_split(column);
+    if (!is_split && a.bottom[c] == b.bottom[c] && a.top[c] == b.top[c]) continue;
+    a.read(column, of_a);
+    b.read(column, of_b);
+    if (of_a != of_b) return false;
+  }
+  return true;
+}
+
+/// Appends the tiles of one view that have other columns in the other view, or are missing there.
+void append_different(const DexelSnapshot& view, const DexelSnapshot& other,
                       std::vector<TileIndex>& different) {
-  tiles.for_each([&](TileIndex at, const DexelTile& tile) {
-    if (other.find(at) != &tile) different.push_back(at);
+  view.for_each_touched([&](TileIndex at, const DexelTile& tile) {
+    const DexelTile* there = other.tiles().find(at);
+    if (there == &tile) return;
+    DexelTile untouched;
+    if (there == nullptr) fill_from_stock(other.stock(), other.grid(), at, untouched);
+    if (!have_same_columns(tile, there == nullptr ? untouched : *there)) different.push_back(at);
   });
 }
 
-/// Returns the tiles that are not shared by two views of one block. Both views keep their tiles, so
-/// that a tile that was written since is another one.
+/// Returns the tiles that differ in two views of one block. Both views keep their tiles, so that a
+/// tile that was written since is another one.
 std::vector<TileIndex> different_tiles(const SolidSnapshot& a, const SolidSnapshot& b) {
   std::vector<TileIndex> different;
-  append_different(a.fields.front().tiles(), b.fields.front().tiles(), different);
-  append_different(b.fields.front().tiles(), a.fields.front().tiles(), different);
+  append_different(a.fields.front(), b.fields.front(), different);
+  append_different(b.fields.front(), a.fields.front(), different);
   return different;
 }
 
@@ -43,9 +61,13 @@ bool PageBlock::take(std::span<const std::byte> frame) {
   if (!message) return false;
   if (const auto* motion = std::get_if<wire::MotionBatch>(&message->body)) {
     has_cut_ = true;
-    for (const wire::MotionSample& sample : motion->view()) replica_.move(sample);
+    for (const wire::MotionSample& sample : motion->view()) {
+      strokes_.move(replica_, sample, seen_);
+    }
   } else if (const auto* stock = std::get_if<wire::StockPatch>(&message->body)) {
-    return replica_.take(*stock).has_value();
+    const SolidSnapshot before = replica_.solid();
+    if (!replica_.take(*stock)) return false;
+    strokes_.take(replica_, *stock, before);
   } else if (const auto* result = std::get_if<wire::Result>(&message->body)) {
     replica_.compare(result->agent_time_us, Vec3(result->force_n));
     return !replica_.take_divergence();
@@ -53,10 +75,19 @@ bool PageBlock::take(std::span<const std::byte> frame) {
   return true;
 }
 
+void PageBlock::change(bool undone) {
+  has_cut_ = true;
+  strokes_.change(replica_, undone, seen_);
+}
+
 std::vector<ChangedTile> PageBlock::changed() {
-  SolidSnapshot now = replica_.solid();
+  SolidSnapshot now = strokes_.solid(replica_);
   const SolidSnapshot before = std::exchange(shown_, now);
-  for (const TileIndex tile : tiles_to_remesh(now.grid(), different_tiles(before, now))) {
+  std::vector<TileIndex> changed = different_tiles(before, now);
+  // Where rays along X and Y have changed, but none along Z.
+  changed.insert(changed.end(), seen_.begin(), seen_.end());
+  seen_.clear();
+  for (const TileIndex tile : tiles_to_remesh(now.grid(), changed)) {
     bool& by_page = waiting_[tile];
     by_page = by_page || has_cut_;
   }

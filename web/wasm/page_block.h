@@ -13,6 +13,7 @@
 #include "haptic_agent/replica/replica.h"
 #include "kernel/dexel/solid_snapshot.h"
 #include "kernel/surface/tile_mesh.h"
+#include "web/wasm/own_strokes.h"
 
 namespace kerf::page {
 
@@ -34,6 +35,11 @@ class PageBlock {
   /// false if the page must ask for a reset of its stock: the frame is malformed, or the copy has
   /// diverged.
   bool take(std::span<const std::byte> frame);
+  /// The page asks the server to undo its newest stroke, or to redo the one that it undid last: the
+  /// surface changes at once, the state when the server's stock comes.
+  void change(bool undone);
+  /// The server has refused, or has sent all: the surface is that of the state.
+  void settle() { strokes_.settle(); }
 
   /// Returns the tiles of the field along Z that have changed since the last call, with those whose
   /// mesh changes with them. Those that depend on tiles that the server has not sent
@@ -43,11 +49,15 @@ class PageBlock {
   TileMesh mesh(TileIndex tile) const { return mesh_tile(shown_, tile); }
   /// Returns the hash of the block. It is the server's once the server has sent what others cut.
   std::uint64_t hash() { return replica_.solid().hash(); }
+  /// Returns the hash of the block whose surface is displayed. For tests.
+  std::uint64_t surface_hash() { return strokes_.solid(replica_).hash(); }
 
  private:
   explicit PageBlock(agent::Replica replica);
 
   agent::Replica replica_;
+  OwnStrokes strokes_;
+  std::vector<TileIndex> seen_;        ///< whose surface own motions have changed since
   SolidSnapshot shown_;                ///< at the last changed()
   std::map<TileIndex, bool> waiting_;  ///< changed since they were returned; whether by the page
   bool has_cut_ = false;               ///< since the last changed()

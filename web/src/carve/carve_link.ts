@@ -37,13 +37,17 @@ export interface CarveLinkOptions {
   who(): Pick<AgentHello, 'name' | 'color' | 'tool'>;
   nowMs(): number;
   /** The page's copy of the block, which takes what passes this link. */
-  copy: Pick<BlockCopy, 'works' | 'open' | 'cut' | 'take'>;
+  copy: Pick<BlockCopy, 'works' | 'open' | 'cut' | 'take' | 'change' | 'settle'>;
   backoff?: Backoff;
 }
 
 const PING_EVERY_MS = 1000; // pongs state what is durable, also while the tool rests
 const UNANSWERED_MAX = 512; // half a second at full rate: a slow server is not flooded
 const AGAIN_EVERY_MS = 20;
+
+function isChange({ type }: AgentRequest): boolean {
+  return type === 'undo' || type === 'redo';
+}
 
 export class CarveLink {
   private socket_: Socket | null = null;
@@ -64,6 +68,9 @@ export class CarveLink {
   private readonly log_ = new SampleLog();
   private again_: Sample[] = []; // to be sent again before new ones
   private againTimer_: ReturnType<typeof setTimeout> | undefined;
+  /** Wait for the answer to the undo or redo before them: the server makes one at a time. */
+  private asks_: AgentRequest[] = [];
+  private isAsking_ = false;
   private readonly backoff_: Backoff;
 
   constructor(
@@ -84,13 +91,18 @@ export class CarveLink {
 
   /** Whether samples may be sent now. */
   get takes(): boolean {
-    const isReady = this.status_ === 'ready' && !this.awaitsStock_ && this.again_.length === 0;
+    const isReady = this.status_ === 'ready' && !this.awaitsStock_ && this.waiting === 0;
     return isReady && this.log_.unanswered < UNANSWERED_MAX;
   }
 
-  /** How many samples wait to be sent again. */
+  /** How many samples wait to be sent again, and requests to be sent. */
   get waiting(): number {
-    return this.again_.length;
+    return this.again_.length + this.asks_.length;
+  }
+
+  /** Whether the server has not answered an undo or redo yet. */
+  get isAsking(): boolean {
+    return this.isAsking_;
   }
 
   /** Joins, as the participant of before if there was one. */
@@ -116,8 +128,22 @@ export class CarveLink {
     if (drafts.length > 0) this.sendSamples_(this.log_.add(drafts), true);
   }
 
+  /** An undo or redo is in the page's copy at once. */
   ask(request: AgentRequest): void {
-    if (this.status_ === 'ready') this.socket_?.send(JSON.stringify(request));
+    if (this.status_ !== 'ready') return;
+    if (isChange(request)) this.options.copy.change(request.type === 'undo');
+    if (request.type === 'stock') this.socket_?.send(JSON.stringify(request));
+    else this.asks_.push(request);
+    this.askNext_();
+  }
+
+  private askNext_(): void {
+    for (let next = this.asks_[0]; next; next = this.asks_[0]) {
+      if (isChange(next) && this.isAsking_) return;
+      this.isAsking_ ||= isChange(next);
+      this.socket_?.send(JSON.stringify(next));
+      this.asks_.shift();
+    }
   }
 
   private connect_(reason: string): void {
@@ -157,6 +183,8 @@ export class CarveLink {
     clearInterval(this.timer_);
     clearTimeout(this.againTimer_);
     this.again_ = [];
+    this.asks_ = [];
+    this.isAsking_ = false;
     this.socket_?.close();
     this.socket_ = null;
   }
@@ -247,8 +275,7 @@ export class CarveLink {
         return;
       }
       case 'stroke':
-        if (message.code === undefined) this.events.changed(message.undone);
-        else this.events.rejected(message.code, message.reason ?? '');
+        this.answered_(message);
         return;
       case 'bye':
         this.byeReason_ = message.reason;
@@ -258,6 +285,17 @@ export class CarveLink {
         return;
       }
     }
+  }
+
+  private answered_({ code, reason, undone }: Extract<AgentMessage, { type: 'stroke' }>): void {
+    this.isAsking_ = false;
+    if (code === undefined) {
+      this.events.changed(undone);
+    } else {
+      this.options.copy.settle();
+      this.events.rejected(code, reason ?? '');
+    }
+    this.askNext_();
   }
 
   private joined_(welcome: AgentWelcome, text: string): void {

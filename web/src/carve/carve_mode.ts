@@ -12,7 +12,7 @@ import { toolProfile } from '../model/tool_profile';
 import { sentence } from '../ui/format';
 import type { Viewer } from '../view/viewer';
 import type { AgentWelcome } from '../wire/agent_control';
-import type { Result, StateMessage, ToolInfo, Welcome } from '../wire/types';
+import type { Result, ToolInfo, Welcome } from '../wire/types';
 import { LEAN_MAX_RAD } from './aim';
 import type { AimMode } from './aim';
 import { CarveBar, helpText, isTouched } from './carve_bar';
@@ -28,10 +28,11 @@ import type { Place } from './pointers';
 import { whyNotNow } from './reasons';
 import { makeCopy, NO_COPY } from './local_copy';
 import { Rumble } from './rumble';
+import { Settling } from './settling';
 
 const TICK_MS = 8;
 const NOTE_MS = 6000;
-const SETTLE_MS = 1000; // until the server's meshes that were sent are displayed
+const LEFT_MS = 1000; // until the server's meshes of the last stroke are displayed
 const TURN_RAD_PER_PX = 0.006;
 const DEPTH_OF_RADIUS = 0.5; // at the start, of the tool's radius
 const DEEPEST_RADII = 4;
@@ -45,6 +46,7 @@ export class CarveMode {
   private readonly link_: CarveLink;
   private readonly hand_: Hand;
   private readonly delivery_: Delivery;
+  private readonly settling_: Settling;
   private welcome_: Welcome | null = null; // for which the rack was filled
   private tool_: ToolInfo | null = null;
   private depthMm_ = 1;
@@ -52,8 +54,6 @@ export class CarveMode {
   private inHand_ = false; // the device is touched: it vibrates
   private stopKeys_: () => void = () => undefined;
   private timer_: ReturnType<typeof setInterval> | undefined;
-  private stateAtRest_: StateMessage | null = null;
-  private restsSinceMs_ = 0;
   private noteUntilMs_ = 0;
   private mouseButtons_: object = {};
 
@@ -70,6 +70,7 @@ export class CarveMode {
       (reason) => console.warn('The copy of the block has ended:', reason),
     );
     this.link_ = this.makeLink_();
+    this.settling_ = new Settling(this.copy_, viewer.local);
     this.delivery_ = new Delivery(this.link_, this.hand_.sampler, () => this.hasEnded_());
     new ResizeObserver(() => this.laidOut_()).observe(this.bar_.element);
     document.addEventListener('visibilitychange', () => {
@@ -257,21 +258,10 @@ export class CarveMode {
     }
     if (welcome && welcome !== this.welcome_) this.prepare_(welcome);
     if (this.hand_.isCutting && state?.at) this.pointers_?.cancel();
-    this.settleCopy_(now);
+    this.settling_.step(state, this.link_.isAsking, now);
     this.hand_.settle(this.depthMm_, now);
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
     if (now > this.noteUntilMs_ && this.isJoined_()) this.bar_.say(helpText());
-  }
-
-  /** A block at rest is displayed as the server has it. */
-  private settleCopy_(nowMs: number): void {
-    const { state } = this.host.model;
-    if (state !== this.stateAtRest_) {
-      this.stateAtRest_ = state?.settled ? state : null;
-      this.restsSinceMs_ = nowMs;
-    } else if (state && nowMs - this.restsSinceMs_ > SETTLE_MS) {
-      this.viewer.local.settled(state.motions);
-    }
   }
 
   // Settings
@@ -360,7 +350,7 @@ export class CarveMode {
     } else if (status === 'off') {
       setTimeout(() => {
         if (this.link_.status === 'off') this.viewer.local.close();
-      }, SETTLE_MS);
+      }, LEFT_MS);
       if (reason === '') return;
       this.host.say(sentence(reason));
       this.leave();

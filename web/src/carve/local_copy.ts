@@ -28,6 +28,7 @@ export function makeCopy(
   const worker = new Worker(new URL('../kernel/worker.ts', import.meta.url), { type: 'module' });
   const copy = new BlockCopy(compiled(), worker as WorkerPort, {
     tiles: (tiles, newest) => viewer.applyCopy(tiles, newest),
+    changes: () => viewer.local.hold(),
     lacks,
     failed: (reason) => {
       viewer.local.clear();

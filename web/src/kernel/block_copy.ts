@@ -8,6 +8,8 @@ import type { FromWorker, ToWorker } from './messages';
 export interface CopyEvents {
   /** Tiles as they are with the page's samples up to `newest`. */
   tiles(tiles: TileTriangles[], newest: bigint): void;
+  /** Tiles follow that have an undo or redo before the server has. */
+  changes(): void;
   /** The server must send its stock again. */
   lacks(): void;
   /** The copy has ended: cuts are shown when the server's mesh comes. */
@@ -79,6 +81,18 @@ export class BlockCopy {
   /** Cuts the motions of a frame that is sent; `newest` is its last sample. */
   cut(frame: Uint8Array, newest: bigint): void {
     if (this.works_) this.worker.postMessage({ type: 'cut', frame, newest });
+  }
+
+  /** The server is asked to undo (true) or redo a stroke of the page: it is displayed at once. */
+  change(undone: boolean): void {
+    if (!this.works_) return;
+    this.events.changes();
+    this.worker.postMessage({ type: 'change', undone });
+  }
+
+  /** The server has refused, or has sent all: the server's state is displayed. */
+  settle(): void {
+    if (this.works_) this.worker.postMessage({ type: 'settle' });
   }
 
   /** The server's meshes of these tiles are displayed again. */

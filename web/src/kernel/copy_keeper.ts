@@ -49,6 +49,18 @@ export class CopyKeeper {
       case 'hash':
         if (this.isOpen_) this.post({ type: 'hash', id: message.id, hash: kernel.hash() });
         return;
+      case 'change':
+        if (!this.isOpen_) return;
+        this.collect_(kernel);
+        kernel.change(message.undone);
+        this.meshSoon_();
+        return;
+      case 'settle':
+        if (!this.isOpen_) return;
+        this.collect_(kernel);
+        kernel.settle();
+        this.meshSoon_();
+        return;
       case 'cut':
         if (!this.isOpen_) return;
         kernel.take(message.frame);

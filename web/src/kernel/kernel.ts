@@ -29,6 +29,8 @@ interface Exports {
   kerf_output(): number;
   kerf_open(): number;
   kerf_take(): number;
+  kerf_change(undone: boolean): void;
+  kerf_settle(): void;
   kerf_changed(): number;
   kerf_mesh(x: number, y: number): number;
   kerf_hash(): bigint;
@@ -68,6 +70,19 @@ export class Kernel {
   take(frame: Uint8Array): boolean {
     this.put_(frame);
     return this.calls.kerf_take() !== 0;
+  }
+
+  /**
+   * The page asks the server to undo its newest stroke, or to redo the one that it undid last: its
+   * tiles change at once, the state when the server's stock comes.
+   */
+  change(undone: boolean): void {
+    this.calls.kerf_change(undone);
+  }
+
+  /** The server has refused, or has sent all: the tiles are those of the state. */
+  settle(): void {
+    this.calls.kerf_settle();
   }
 
   /** The tiles whose mesh has changed since the last call, as far as their stock is known. */

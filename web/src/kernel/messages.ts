@@ -12,6 +12,10 @@ export type ToWorker =
   | { type: 'take'; frame: Uint8Array }
   /** A frame with motions of the page, which is cut at once. `newest` is its last sample. */
   | { type: 'cut'; frame: Uint8Array; newest: bigint }
+  /** The page asks the server to undo its newest stroke, or to redo the one that it undid last. */
+  | { type: 'change'; undone: boolean }
+  /** The server has refused, or has sent all. */
+  | { type: 'settle' }
   /** The server's meshes of these tiles are displayed again. */
   | { type: 'hidden'; keys: number[] }
   | { type: 'hash'; id: number };

@@ -28,6 +28,7 @@ export class LocalTiles {
   private results_: { sequence: bigint; motions: number }[] = [];
   private count_ = 0;
   private isOpen_ = false;
+  private isHeld_ = false;
   /** The newest sample that was answered when the server's tiles only were displayed last. */
   private cleared_ = 0n;
 
@@ -50,11 +51,19 @@ export class LocalTiles {
   }
 
   /**
+   * The copy has an undo or redo before the server: no mesh of the server replaces a tile of the
+   * copy, whatever motions it has, until settled().
+   */
+  hold(): void {
+    this.isHeld_ = this.isOpen_;
+  }
+
+  /**
    * Displays tiles of the copy, which has the page's samples up to `newest`; not those that would
    * wait for an answer that has come, or does not come.
    */
   cover(tiles: readonly TileTriangles[], newest: bigint, originMm: Vec3): void {
-    if (!this.isOpen_ || newest <= this.cleared_) {
+    if (!this.isOpen_ || (newest <= this.cleared_ && !this.isHeld_)) {
       this.hidden(tiles.map(({ x, y }) => tileKey(x, y)));
       return;
     }
@@ -101,14 +110,17 @@ export class LocalTiles {
     this.uncover_([...this.covered_.keys()]);
     this.cleared_ = this.results_.at(-1)?.sequence ?? this.cleared_;
     this.results_ = [];
+    this.isHeld_ = false;
   }
 
   /** All meshes of the block with so many motions are displayed: some tiles were not sent again. */
   settled(motions: number): void {
+    this.isHeld_ = false;
     this.release_(motions);
   }
 
   private release_(atLeast = 0): void {
+    if (this.isHeld_) return;
     const isThere = ({ newest, behind }: Covered): boolean => {
       const answer = this.results_.find(({ sequence }) => sequence >= newest);
       return answer !== undefined && Math.max(behind?.motions ?? 0, atLeast) >= answer.motions;

@@ -2,7 +2,6 @@
 import { readFileSync } from 'node:fs';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { CarveLink } from '../../src/carve/carve_link';
-import { whyNotCarve, whyNotNow } from '../../src/carve/reasons';
 import type { Draft } from '../../src/carve/sample_log';
 import { Backoff } from '../../src/link/backoff';
 import type { Socket } from '../../src/link/view_link';
@@ -10,7 +9,6 @@ import { parseAgentControl } from '../../src/wire/agent_control';
 import { decodeFrame } from '../../src/wire/decode';
 import { encodeFrame } from '../../src/wire/encode';
 import { FrameType } from '../../src/wire/types';
-import type { StateMessage } from '../../src/wire/types';
 
 const golden = new URL('../../../tests/wire/golden/', import.meta.url);
 
@@ -64,6 +62,12 @@ class FakeCopy {
   take(frame: Uint8Array): void {
     const decoded = decodeFrame(frame);
     this.heard.push(`take ${decoded.ok ? decoded.value.kind : 'nothing'}`);
+  }
+  change(undone: boolean): void {
+    this.heard.push(undone ? 'undo' : 'redo');
+  }
+  settle(): void {
+    this.heard.push('settle');
   }
 }
 
@@ -255,6 +259,26 @@ describe('carve link', () => {
     expect(log.at(-1)).toBe('lost going down');
   });
 
+  it('tells the copy of an undo at once, and the server one at a time', () => {
+    copy.works = true;
+    const socket = join();
+    for (const type of ['undo', 'undo', 'redo'] as const) link.ask({ type });
+    expect(copy.heard).toEqual(['open 3', 'undo', 'undo', 'redo']);
+    const asked = (): unknown[] => socket.texts.slice(1).map(({ type }) => type);
+    expect(asked()).toEqual(['undo']);
+    expect([link.isAsking, link.takes, link.waiting]).toEqual([true, false, 2]);
+    link.ask({ type: 'stock' });
+    expect(asked()).toEqual(['undo', 'stock']);
+    socket.say({ type: 'stroke', undone: true, stroke: 7, sequence: 9 });
+    expect(asked()).toEqual(['undo', 'stock', 'undo']);
+    socket.say({ type: 'stroke', undone: true, code: 'bad_message', reason: 'no such stroke' });
+    expect(copy.heard.at(-1)).toBe('settle');
+    expect(asked()).toEqual(['undo', 'stock', 'undo', 'redo']);
+    expect([link.isAsking, link.takes]).toEqual([true, true]);
+    socket.onclose?.({ code: 1006, reason: '' });
+    expect([link.isAsking, link.waiting]).toEqual([false, 0]);
+  });
+
   it('does not come back after it was removed, and tries again when it was too early', () => {
     const socket = join();
     socket.say({ type: 'error', code: 'removed', reason: 'an owner', fatal: true });
@@ -356,34 +380,5 @@ describe('messages to an agent', () => {
     });
     for (const text of ['', '[]', '{"type":"bye"}', JSON.stringify({ ...WELCOME, limits: 1 })])
       expect(parseAgentControl(text).ok).toBe(false);
-  });
-});
-
-describe('whyNotNow', () => {
-  it('asks for both connections, the present, and a server that can write', () => {
-    const state: StateMessage = {
-      type: 'state',
-      motions: 1,
-      removed_volume_mm3: 0,
-      state_hash: '',
-      settled: true,
-    };
-    const at = { record: 1, time_ms: 0, rate: 0 };
-    expect(whyNotNow({ state, status: 'connected' }, true)).toBe('');
-    expect(whyNotNow({ state, status: 'connected' }, false)).toContain('Not connected');
-    expect(whyNotNow({ state, status: 'reconnecting' }, true)).toContain('Not connected');
-    expect(whyNotNow({ state: { ...state, at }, status: 'connected' }, true)).toContain('past');
-    const paused = { ...state, paused: 'disk' as const };
-    expect(whyNotNow({ state: paused, status: 'connected' }, true)).toContain('cannot write');
-  });
-});
-
-describe('whyNotCarve', () => {
-  it('names the role that may not', () => {
-    expect(whyNotCarve({})).toBe('');
-    expect(whyNotCarve({ may: ['watch', 'carve'], role: 'sculptor' })).toBe('');
-    expect(whyNotCarve({ may: ['watch'], role: 'watcher' })).toBe(
-      'Your role, watcher, may not carve.',
-    );
   });
 });

@@ -18,6 +18,13 @@ class FakeKernel {
   next: ChangedTile[] = [];
   accepts = true;
   opened = 0;
+  heard: string[] = [];
+  change(undone: boolean): void {
+    this.heard.push(undone ? 'undo' : 'redo');
+  }
+  settle(): void {
+    this.heard.push('settle');
+  }
   open(welcome: string): void {
     if (welcome === '') throw new Error('no stock');
     this.opened += 1;
@@ -72,6 +79,7 @@ describe('the copy in a worker', () => {
     copy = new BlockCopy(module, port, {
       tiles: (tiles, newest) =>
         log.push(`tiles ${tiles.map(({ x, y }) => `${x},${y}`).join(' ')} to ${newest}`),
+      changes: () => log.push('changes'),
       lacks: () => log.push('lacks'),
       failed: (reason) => log.push(`failed ${reason}`),
     });
@@ -119,6 +127,21 @@ describe('the copy in a worker', () => {
     copy.take(STOCK);
     rest();
     expect(log).toHaveLength(2);
+  });
+
+  it('meshes what an undo changes before the server has it', () => {
+    copy.change(true);
+    kernel.next = [{ x: 1, y: 2, byPage: true }];
+    rest();
+    copy.change(false);
+    copy.settle();
+    kernel.next = [
+      { x: 1, y: 2, byPage: false },
+      { x: 7, y: 2, byPage: false },
+    ];
+    rest();
+    expect(log).toEqual(['changes', 'tiles 1,2 to 0', 'changes', 'tiles 1,2 to 0']);
+    expect(kernel.heard).toEqual(['undo', 'redo', 'settle']);
   });
 
   it('asks for the stock when it is wrong, and tells its hash', async () => {

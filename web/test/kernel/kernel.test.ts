@@ -94,6 +94,36 @@ describe.skipIf(!existsSync(FILE))('kerf.wasm', () => {
     expect(kernel.changed().map(({ byPage }) => byPage)).toEqual([false, false]);
   });
 
+  it('shows an undo before the server has it, which the state waits for', () => {
+    kernel.open(JSON.stringify(WELCOME));
+    kernel.take(stock(0n));
+    const slot: Vec3[] = [
+      [4, 8, -2],
+      [9, 8, -2],
+    ];
+    kernel.take(motion(1n, slot));
+    kernel.changed();
+    const cut = kernel.hash();
+    const hasFloor = (): boolean => {
+      const { positions } = kernel.mesh(0, 0);
+      const inside = (n: number): boolean => positions[n - 2]! > 1 && positions[n - 1]! > 1;
+      return positions.some((z, n) => n % 3 === 2 && z === 8 && inside(n));
+    };
+    expect(hasFloor()).toBe(true);
+    kernel.change(true);
+    expect(kernel.changed().map(({ byPage }) => byPage)).toEqual([true, true]);
+    expect(hasFloor()).toBe(false);
+    expect(kernel.hash()).toBe(cut);
+    kernel.change(false);
+    kernel.changed();
+    expect(hasFloor()).toBe(true);
+    kernel.change(true);
+    kernel.changed();
+    kernel.settle(); // the server has refused
+    expect(kernel.changed()).toHaveLength(2);
+    expect(hasFloor()).toBe(true);
+  });
+
   it('throws at a welcome that it cannot read', () => {
     expect(() => kernel.open('{"type":"welcome"}')).toThrow();
   });
