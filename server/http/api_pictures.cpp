@@ -31,7 +31,8 @@ PictureCache::Present present_state(Session& session, int width, int height) {
           [solid = std::move(now.solid), width, height](
               const std::filesystem::path& path, const DownloadCache::Progress& progress,
               const std::stop_token& stop) -> std::expected<void, MakeError> {
-            const auto picture = render_block(solid.fields.front(), width, height, progress, stop);
+            const auto picture = render_block(solid.fields.front(),
+                                              {.width = width, .height = height}, progress, stop);
             if (!picture) return std::unexpected(MakeError{"stopped"});
             if (auto written = write_png(path, *picture); !written) {
               return std::unexpected(MakeError{written.error()});

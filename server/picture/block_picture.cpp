@@ -24,14 +24,16 @@ struct Light {
   Vec3 towards_key = normalized(kTowardsKey), towards_fill = normalized(kTowardsFill);
 };
 
-Vec3 color_of(const DexelSnapshot& field, const RayHit& hit, const Light& light) {
+Vec3 color_of(const DexelSnapshot& field, const PictureStyle& style, const RayHit& hit,
+              const Light& light) {
   const double facing = dot(hit.normal, light.towards_key);
   const Vec3 lifted = hit.point_mm + hit.normal * (kShadowLiftPitches * field.grid().pitch_mm);
   const double key =
       facing > 0 && !meets_stock(field, lifted, light.towards_key) ? kKey * facing : 0;
   const double fill = kFill * std::max(0.0, dot(hit.normal, light.towards_fill));
   const double around = kGround + (kSky - kGround) * 0.5 * (1 + hit.normal.z);
-  const Vec3 albedo = hit.is_cut ? kCore : kSkin;
+  const auto painted = style.paint ? style.paint(hit.point_mm) : std::nullopt;
+  const Vec3 albedo = painted.value_or(hit.is_cut ? kCore : kSkin);
   const Vec3 sum = kWarm * key + Vec3{1, 1, 1} * (fill + around);
   return {albedo.x * sum.x, albedo.y * sum.y, albedo.z * sum.z};
 }
@@ -46,8 +48,9 @@ std::uint8_t srgb_of(double linear) {
   return static_cast<std::uint8_t>(std::clamp(value, 0.0, 1.0) * 255 + 0.5);
 }
 
-void render_pixel(const DexelSnapshot& field, const PictureCamera& camera, const Light& light,
-                  int column, int row, Picture& picture) {
+void render_pixel(const DexelSnapshot& field, const PictureStyle& style,
+                  const PictureCamera& camera, const Light& light, int column, int row,
+                  Picture& picture) {
   Vec3 sum;
   int hits = 0;
   for (int n = 0; n < kRaysAcross * kRaysAcross; ++n) {
@@ -56,7 +59,7 @@ void render_pixel(const DexelSnapshot& field, const PictureCamera& camera, const
     const Vec3 towards = camera.towards(2 * x / picture.width - 1, 1 - 2 * y / picture.height);
     const auto hit = first_hit(field, camera.eye_mm(), towards);
     if (!hit) continue;
-    sum = sum + color_of(field, *hit, light);
+    sum = sum + color_of(field, style, *hit, light);
     ++hits;
   }
   if (hits == 0) return;
@@ -71,17 +74,19 @@ void render_pixel(const DexelSnapshot& field, const PictureCamera& camera, const
 
 }  // namespace
 
-std::optional<Picture> render_block(const DexelSnapshot& field, int width, int height,
+std::optional<Picture> render_block(const DexelSnapshot& field, const PictureStyle& style,
                                     const std::function<void(double)>& progress,
                                     const std::stop_token& stop) {
+  const int width = style.width, height = style.height;
   Picture picture{width, height, {}};
   picture.rgba.resize(4 * std::size_t(width) * std::size_t(height));
-  const PictureCamera camera(stock_bounds(field.stock()), double(width) / height);
+  const PictureCamera camera(stock_bounds(field.stock()), double(width) / height,
+                             style.towards_eye);
   const Light light;
   for (int row = 0; row < height; ++row) {
     if (stop.stop_requested()) return std::nullopt;
     for (int column = 0; column < width; ++column) {
-      render_pixel(field, camera, light, column, row, picture);
+      render_pixel(field, style, camera, light, column, row, picture);
     }
     progress(double(row + 1) / height);
   }

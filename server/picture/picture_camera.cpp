@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kTanHalfView = 0.2679491924311227;  ///< of 15 degrees
 constexpr double kMargin = 1.03;
-constexpr Vec3 kTowardsEye{-0.45, -1, 1.42};
 
 /// Smallest distance from the box's center at which all of its corners are in view.
 double fit_distance(Vec3 half, Vec3 back, Vec3 side, Vec3 up, double tan_x, double tan_y) {
@@ -25,8 +24,8 @@ double fit_distance(Vec3 half, Vec3 back, Vec3 side, Vec3 up, double tan_x, doub
 
 }  // namespace
 
-PictureCamera::PictureCamera(const BoxStock& box, double aspect) {
-  const Vec3 back = normalized(kTowardsEye);
+PictureCamera::PictureCamera(const BoxStock& box, double aspect, Vec3 towards_eye) {
+  const Vec3 back = normalized(towards_eye);
   const Vec3 side = normalized(cross({0, 0, 1}, back));
   const Vec3 up = cross(back, side);
   const double tan_x = kTanHalfView * aspect, tan_y = kTanHalfView;

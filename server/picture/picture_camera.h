@@ -6,11 +6,11 @@
 
 namespace kerf {
 
-/// A camera whose picture a box fills, seen as the viewer shows a block at first: from the front
-/// left and above, with a vertical field of view of 30 degrees.
+/// A camera whose picture a box fills, with a vertical field of view of 30 degrees and Z upwards.
 class PictureCamera {
  public:
-  PictureCamera(const BoxStock& box, double aspect);
+  /// `towards_eye`: from the middle of the box, not parallel to Z.
+  PictureCamera(const BoxStock& box, double aspect, Vec3 towards_eye);
   Vec3 eye_mm() const { return eye_mm_; }
   /// Returns the unit vector from the eye through a place in the picture; x and y run from -1 to 1,
   /// to the right and upwards.

@@ -13,4 +13,7 @@ namespace kerf {
 std::expected<void, std::string> write_png(const std::filesystem::path& path,
                                            const Picture& picture);
 
+/// Returns the bytes of such a file. The error is a reason.
+std::expected<std::string, std::string> png_bytes(const Picture& picture);
+
 }  // namespace kerf

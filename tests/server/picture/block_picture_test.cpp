@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 #include "kernel/sculpture.h"
@@ -33,7 +36,8 @@ Sculpture grooved() {
 }
 
 Picture render(Sculpture block, int width, int height) {
-  return render_block(block.snapshot(), width, height, kNoProgress, {}).value();
+  return render_block(block.snapshot(), {.width = width, .height = height}, kNoProgress, {})
+      .value();
 }
 
 std::uint64_t hash_of(const Picture& picture) {
@@ -85,7 +89,7 @@ TEST(BlockPicture, ABoxCoversTheHullOfItsCorners) {
       {{{0, 0, 0}, {30, 6, 1}}, {120, 160}}};  // a slat, in an upright picture
   for (const auto& [box, size] : cases) {
     const Picture picture = render(block_of(box), size.first, size.second);
-    const PictureCamera camera(box, double(size.first) / size.second);
+    const PictureCamera camera(box, double(size.first) / size.second, kFromFrontLeft);
     std::vector<std::pair<double, double>> corners;
     for (int n = 0; n < 8; ++n) {
       corners.push_back(
@@ -119,6 +123,28 @@ TEST(BlockPicture, EqualBlocksGiveEqualBytes) {
   EXPECT_EQ(hash_of(render(grooved(), 32, 24)), 6108917262980036935U);
 }
 
+TEST(BlockPicture, ShowsTheSideThatIsAskedForInTheColorsThatArePainted) {
+  // Everything behind the middle is painted red: seen from the back it is in front, below.
+  auto block = block_of({{0, 0, 0}, {16, 12, 6}});
+  PictureStyle style{.width = 48, .height = 36};
+  style.paint = [](Vec3 at) { return at.y > 6 ? std::optional(Vec3{1, 0, 0}) : std::nullopt; };
+  const auto red_rows = [&](Vec3 towards_eye) {
+    style.towards_eye = towards_eye;
+    const Picture picture = render_block(block.snapshot(), style, kNoProgress, {}).value();
+    double sum = 0, count = 0;
+    for (std::size_t n = 0; n < picture.rgba.size(); n += 4) {
+      if (picture.rgba[n] < 40 || picture.rgba[n + 1] > 0 || picture.rgba[n + 3] < 255) continue;
+      sum += double(n / 4 / 48);
+      ++count;
+    }
+    EXPECT_GT(count, 50);
+    return sum / count;
+  };
+  EXPECT_LT(red_rows(kFromFrontLeft), 17);
+  EXPECT_LT(red_rows(kFromAbove), 18);
+  EXPECT_GT(red_rows(kFromBackRight), 19);
+}
+
 TEST(BlockPicture, StopsAndReportsItsProgress) {
   auto block = grooved();
   std::stop_source stop;
@@ -127,9 +153,10 @@ TEST(BlockPicture, StopsAndReportsItsProgress) {
     shares.push_back(share);
     if (shares.size() == 3) stop.request_stop();
   };
-  EXPECT_FALSE(render_block(block.snapshot(), 32, 24, progress, stop.get_token()));
+  EXPECT_FALSE(
+      render_block(block.snapshot(), {.width = 32, .height = 24}, progress, stop.get_token()));
   EXPECT_EQ(shares.size(), 3U);
-  EXPECT_TRUE(render_block(block.snapshot(), 32, 24, progress, {}));
+  EXPECT_TRUE(render_block(block.snapshot(), {.width = 32, .height = 24}, progress, {}));
   EXPECT_TRUE(std::ranges::is_sorted(shares.begin() + 3, shares.end()));
   EXPECT_EQ(shares.back(), 1);
 }
@@ -148,6 +175,8 @@ TEST(PngFile, ReadsBackAsItWasWritten) {
   ASSERT_NE(png_image_finish_read(&image, nullptr, rgba.data(), 0, nullptr), 0);
   EXPECT_EQ(rgba, picture.rgba);
   EXPECT_FALSE(write_png(folder.path() / "no" / "a.png", picture));
+  std::ifstream file(folder.path() / "a.png", std::ios::binary);
+  EXPECT_EQ(png_bytes(picture).value(), std::string(std::istreambuf_iterator<char>(file), {}));
 }
 
 }  // namespace
