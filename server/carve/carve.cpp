@@ -2,7 +2,6 @@
 #include "server/carve/carve.h"
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <functional>
 #include <future>
@@ -18,12 +17,15 @@
 #include "server/carve/carve_report.h"
 #include "server/carve/environment_files.h"
 #include "server/carve/failure.h"
+#include "server/carve/fit_pictures.h"
 #include "server/carve/model_outputs.h"
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
 #include "server/carve/scene_choice.h"
 #include "server/carve/simulation_json.h"
 #include "server/carve/stop_signal.h"
+#include "server/carve/stopwatch.h"
+#include "server/carve/verify_page.h"
 #include "server/formats/forces_csv.h"
 #include "server/formats/program.h"
 #include "server/formats/program_writer.h"
@@ -42,45 +44,43 @@ constexpr std::int64_t kTilesTogether = 8192;
 constexpr const char* kInterrupted = "interrupted";
 constexpr const char* kAbandoned = "interrupted; unfinished work was abandoned";
 
-class Stopwatch {
- public:
-  /// Returns the seconds since construction or the last call.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 class Carving {
  public:
   Carving(const CarveOptions& options, OutputFiles& outputs, std::stop_token stop)
       : options_(options), outputs_(outputs), stop_(std::move(stop)), pool_(options.threads) {}
 
-  std::expected<void, Failure> run() {
+  /// Returns the exit status.
+  std::expected<int, Failure> run() {
     for (const auto step :
          {&Carving::read_scene, &Carving::read_program, &Carving::find_walls, &Carving::make_block,
           &Carving::cut, &Carving::check_walls, &Carving::write_models, &Carving::write_report}) {
       const auto done = (this->*step)();
       if (stop_.stop_requested())
         return std::unexpected(Failure{StopSignal::status(), kInterrupted});
-      if (!done) return done;
+      if (!done) return std::unexpected(done.error());
     }
     if (auto done = outputs_.commit(); !done) return bad_output(done.error());
     progress_.clear();
     for (const std::string& warning : report_.warnings) std::cerr << "warning: " << warning << '\n';
-    return {};
+    if (!verdict_) return 0;
+    std::cout << verdict_text(*verdict_) << std::flush;
+    return verdict_->passes() ? 0 : kFailedVerification;
   }
 
  private:
   using Result = std::expected<void, Failure>;
 
   Result read_scene() {
-    auto scene = choose_scene(options_);
-    if (!scene) return std::unexpected(scene.error());
-    scene_ = *std::move(scene);
+    if (options_.reference) {
+      auto part = load_reference(*options_.reference);
+      if (!part) return bad_input(part.error());
+      part_ = *std::move(part);
+    }
+    auto chosen =
+        choose_scene(options_, options_.verify ? std::optional(bounds_of(*part_)) : std::nullopt);
+    if (!chosen) return std::unexpected(chosen.error());
+    scene_ = std::move(chosen->scene);
+    for (std::string& text : chosen->notes) note(std::move(text));
     if (options_.surface.reference) {
       auto reference = load_reference(*options_.surface.reference);
       if (!reference) return bad_input(reference.error());
@@ -88,6 +88,11 @@ class Carving {
     }
     report_.scene_file = options_.scene.string();
     return {};
+  }
+
+  void note(std::string text) {
+    std::cerr << text << '\n';
+    report_.notes.push_back(std::move(text));
   }
 
   Result make_block() {
@@ -121,8 +126,7 @@ class Carving {
     const double before_mm = scene_.settings.pitch_mm;
     const auto settled = walls_->refine(scene_, stop_);
     if (!settled) report_.warnings.push_back(scene_label(options_) + ": " + settled.error());
-    if (scene_.settings.pitch_mm < before_mm)
-      std::cerr << "accuracy: " << scene_.accuracy->reason << '\n';
+    if (scene_.settings.pitch_mm < before_mm) note("accuracy: " + scene_.accuracy->reason);
   }
 
   Result check_walls() {
@@ -152,6 +156,7 @@ class Carving {
                          " motions at this --rate; the limit is " + std::to_string(kSamplesMax));
       program_ = sample_program(program_, *options_.rate_hz);
     }
+    text_ = *text;
     report_.program_file = name;
     report_.program_lines = program_.lines;
     report_.warnings = program_.warnings;
@@ -165,7 +170,7 @@ class Carving {
       forces.open(output(*options_.forces).temporary(), std::ios::binary);
       write_forces_header(forces, options_.device_limits);
     }
-    Simulation simulation(scene_, program_, options_.report.has_value());
+    simulation_.emplace(scene_, program_, options_.report || options_.verify);
     uncut_ = sculpture_->snapshot();
     progress_.show("carving", 0);
     const std::span<const ProgramMotion> all = program_.motions;
@@ -176,7 +181,7 @@ class Carving {
       for (const MotionResult& result : *results) {
         const ProgramMotion& motion = all[report_.motions++];
         report_.machining_s += motion.duration_s;
-        simulation.follow(motion, result);
+        simulation_->follow(motion, result);
         if (options_.forces) {
           write_forces_row(forces, report_.machining_s, motion.to, result, options_.device_limits);
         }
@@ -193,7 +198,7 @@ class Carving {
     report_.stock_memory_bytes = sculpture_->memory_bytes();
     report_.state_hash = sculpture_->state_hash();
     report_.cut_s = watch_.lap();
-    return simulate(simulation);
+    return simulate();
   }
 
   // Applies the first of these motions. If one is rejected, the block is thrown away.
@@ -215,22 +220,27 @@ class Carving {
     return sculpture_->apply(moves, pool_);
   }
 
-  // NC verification: times, loads, collisions, gouges.
-  Result simulate(const Simulation& simulation) {
-    std::optional<Gouges> gouges;
-    if (options_.reference) {
-      auto mesh = load_reference(*options_.reference);
-      if (!mesh) return bad_input(mesh.error());
-      const MeshDistance reference(*mesh);
-      const double tolerance = options_.gouge_tolerance_mm.value_or(scene_.settings.tolerance_mm);
-      gouges = find_gouges(
-          *uncut_, sculpture_->snapshot(), reference, tolerance,
-          [this](double share) { progress_.show("finding gouges", share); }, stop_);
-      attribute_gouges(*gouges, program_.motions, scene_.tools, scene_.settings.tolerance_mm,
-                       stop_);
+  // NC verification: times, loads, collisions, gouges, rests.
+  Result simulate() {
+    const double tolerance_mm = options_.gouge_tolerance_mm.value_or(
+        options_.verify ? part_tolerance_mm(options_) : scene_.settings.tolerance_mm);
+    PartFit fit;
+    if (part_) {
+      const SearchControl control{
+          [this](double share) { progress_.show("comparing with the part", share); }, stop_};
+      auto found = fit_part(*uncut_, sculpture_->snapshot(), *part_, scene_, program_,
+                            {tolerance_mm, options_.verify}, control);
+      if (!found) return bad_input(options_.reference->string() + ": " + found.error());
+      fit = *std::move(found);
     }
-    warn_of_simulation(simulation, gouges, report_.warnings);
-    report_.simulation = simulation_json(simulation, options_.tool_change_s, gouges);
+    warn_of_simulation(*simulation_, fit, report_.warnings);
+    report_.simulation = simulation_json(*simulation_, options_.tool_change_s, fit);
+    if (options_.verify && !stop_.stop_requested()) {
+      verdict_ = make_verdict(*simulation_, fit, options_.reference->string(), tolerance_mm,
+                              options_.tool_change_s);
+      report_.verdict = verdict_json(*verdict_);
+      warn_of_resolution(scene_, tolerance_mm, report_.warnings);
+    }
     report_.simulate_s = watch_.lap();
     return {};
   }
@@ -311,25 +321,31 @@ class Carving {
     return all;
   }
 
-  // With the accuracy that was carved, which thin walls may have refined.
-  Result write_scene() {
-    if (!options_.write_scene) return {};
-    OutputFile& file = output(*options_.write_scene);
-    std::ofstream stream(file.temporary(), std::ios::binary);
-    stream << scene_text(scene_, options_, *options_.write_scene);
-    if (!stream.flush()) return bad_output(file.target().string() + ": cannot be written");
-    return {};
+  Result write_page() {
+    progress_.show("drawing the report", 0);
+    const auto pictures = fit_pictures(sculpture_->snapshot(), MeshDistance(*part_),
+                                       verdict_->tolerance_mm, pool_, stop_);
+    return write_text(*options_.page,
+                      verify_page({*verdict_, *simulation_, scene_, report_, text_, pictures}));
   }
 
   Result write_report() {
     warn_of_idle_run(report_);
-    if (auto kept = write_scene(); !kept) return kept;
-    if (!options_.report) return {};
+    Result done;
+    // With the accuracy that was carved, which thin walls may have refined.
+    if (options_.write_scene)
+      done = write_text(*options_.write_scene, scene_text(scene_, options_, *options_.write_scene));
+    if (done && options_.page) done = write_page();
+    if (!done || !options_.report) return done;
     report_.threads = options_.threads;
     report_.total_s = whole_.lap();
-    OutputFile& file = output(*options_.report);
+    return write_text(*options_.report, report_json(report_, scene_, program_));
+  }
+
+  Result write_text(const std::filesystem::path& path, const std::string& text) {
+    OutputFile& file = output(path);
     std::ofstream stream(file.temporary(), std::ios::binary);
-    stream << report_json(report_, scene_, program_);
+    stream << text;
     if (!stream.flush()) return bad_output(file.target().string() + ": cannot be written");
     return {};
   }
@@ -347,7 +363,11 @@ class Carving {
   std::optional<WallCheck> walls_;
   std::unique_ptr<Sculpture> sculpture_;
   std::optional<DexelSnapshot> uncut_;
-  std::optional<IndexedMesh> reference_;
+  std::optional<IndexedMesh> reference_;  ///< of --deviation
+  std::optional<IndexedMesh> part_;       ///< of --reference
+  std::optional<Simulation> simulation_;
+  std::optional<Verdict> verdict_;
+  std::string text_;  ///< of the program
   std::unique_ptr<CarvedSurface> surface_;
   CarveReport report_;
 };
@@ -373,7 +393,7 @@ int run_carve(const CarveOptions& options) {
   });
   // Temporary: freeing the block is covered by the signal's deadline too.
   const auto done = Carving(options, outputs, signal.token()).run();
-  return done ? 0 : fail(done.error());
+  return done ? *done : fail(done.error());
 }
 
 }  // namespace kerf

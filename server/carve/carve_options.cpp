@@ -5,8 +5,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <iostream>
+#include <utility>
 
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/tool_words.h"
@@ -184,8 +186,13 @@ void declare(CLI::App& app, CarveOptions& options) {
   app.footer("kerf-carve tradeoff --help: compare error and time of many accuracy settings.");
   app.set_version_flag("--version", std::string("kerf-carve ") + kVersion);
   declare_scene(app, options);
+  app.add_flag("--verify", options.verify,
+               "answer whether the program makes the part of --reference within --tolerance, "
+               "without gouges, uncut material, collisions and rapids through stock; exit status "
+               "0: it does, 3: it does not, 2: bad input");
   app.add_option("--reference", options.reference,
-                 "report gouges: material removed below the surface of this mesh (STL, PLY, OBJ)");
+                 std::string("report gouges: material removed below the surface of this mesh (") +
+                     kMeshFileNames + "), in coordinates of the program");
   app.add_option("--gouge-tolerance", options.gouge_tolerance_mm,
                  "allowed depth below the reference surface, mm (default: the tolerance)")
       ->check(check_positive);
@@ -210,10 +217,13 @@ void declare(CLI::App& app, CarveOptions& options) {
       ->delimiter(',')
       ->expected(2)
       ->check(check_positive);
-  app.add_option("--report", options.report, "write results and timings (JSON)");
+  app.add_option("--report", options.report,
+                 "write results and timings (JSON); with --verify also as a page (FILE.html)");
   app.add_option("--pitch", options.pitch_mm, "spacing of the rays, mm (overrides the scene)")
       ->check(check_positive);
-  app.add_option("--tolerance", options.tolerance_mm, "tolerance, mm (overrides the scene)")
+  app.add_option("--tolerance", options.tolerance_mm,
+                 "tolerance of the cuts, mm (overrides the scene); with --verify that of the part "
+                 "(default 0.1)")
       ->check(check_positive);
   app.add_option("--rays", options.rays, "dexel or tri-dexel (overrides the scene)")
       ->check(CLI::IsMember({"dexel", "tri-dexel"}));
@@ -226,6 +236,22 @@ void declare(CLI::App& app, CarveOptions& options) {
   app.add_option("--threads", options.threads,
                  "threads for cutting and for writing files (default: one per core)")
       ->check(CLI::Range(1, kThreadsMax));
+}
+
+// Splits --report by the kind of the file. Returns what is wrong, if anything.
+std::string settle_verification(CarveOptions& options) {
+  if (options.verify && !options.reference)
+    return "--verify needs --reference, the part that the program should make";
+  if (options.verify && options.gouge_tolerance_mm)
+    return "--verify judges by --tolerance; --gouge-tolerance is for --reference alone";
+  if (!options.report) return {};
+  std::string extension = options.report->extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return std::tolower(c); });
+  if (extension != ".html" && extension != ".htm") return {};
+  if (!options.verify) return "--report writes a page of a verification only; add --verify";
+  options.page = std::exchange(options.report, std::nullopt);
+  return {};
 }
 
 int reject(const std::string& reason) {
@@ -264,6 +290,7 @@ std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
   const bool wished = wishes.stock_size_mm || !wishes.stock_file.empty() || !wishes.tools.empty();
   if (!options.scene.empty() && wished)
     return reject("--stock and --tool are for a derived scene; --scene states stock and tools");
+  if (auto fault = settle_verification(options); !fault.empty()) return reject(fault);
   if (options.device_limits && !options.forces)
     return reject("--device-limits needs --forces, whose columns it adds");
   return options;

@@ -22,6 +22,7 @@ struct CarveOptions {
   SceneWishes wishes;                                ///< --stock, --tool, of a derived scene
   std::optional<std::filesystem::path> write_scene;  ///< the scene that is carved
   EnvironmentFiles environment;
+  bool verify = false;  ///< judge whether the program makes the part of --reference
   std::optional<std::filesystem::path> reference;  ///< gouges into this mesh are reported
   std::optional<double> gouge_tolerance_mm;        ///< default: the tolerance of the scene
   /// Candidates of the search for thin walls; 0: none; default: by the program (wall_check.h).
@@ -31,12 +32,19 @@ struct CarveOptions {
   std::vector<ModelChoice> models;               ///< --stl, --glb, --3mf, --ply, --obj
   SurfaceRequest surface;  ///< --triangles, --max-error, --deviation, --deviation-range
   std::optional<std::filesystem::path> ngc, apt, forces, report;
+  std::optional<std::filesystem::path> page;   ///< --report of a verification, as HTML
   Post post = Post::kLinuxcnc;                 ///< of --ngc
   std::optional<WrenchMaximum> device_limits;  ///< adds the felt columns to --forces
   std::optional<double> pitch_mm, tolerance_mm, rate_hz, nc_tolerance_mm;
   std::optional<std::string> rays, motion, law;
   int threads;  ///< for carving and for writing files
 };
+
+/// Returns the tolerance of the part that a verification allows, mm.
+inline double part_tolerance_mm(const CarveOptions& options) {
+  constexpr double kStandardMm = 0.1;
+  return options.tolerance_mm.value_or(kStandardMm);
+}
 
 /// Parses the command line. Returns the options, or the exit status if nothing is left to do: 0
 /// after

@@ -21,12 +21,6 @@ std::uint64_t peak_memory_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-std::string hex(std::uint64_t hash) {
-  std::array<char, 17> text{};
-  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
-  return text.data();
-}
-
 // Bounds of the tip: shows why a program misses its block.
 Json tip_extents(const Program& program) {
   if (program.motions.empty()) return nullptr;
@@ -58,6 +52,12 @@ Json deviation_json(const SurfaceReport& surface) {
 }
 
 }  // namespace
+
+std::string hash_name(std::uint64_t hash) {
+  std::array<char, 17> text{};
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return text.data();
+}
 
 std::string report_json(const CarveReport& report, const Scene& scene, const Program& program) {
   std::set<ToolId> tools;
@@ -92,7 +92,8 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"deviation", deviation_json(report.surface)},
                   {"peak_memory_bytes", peak_memory_bytes()},
                   {"stock_memory_bytes", report.stock_memory_bytes},
-                  {"state_hash", hex(report.state_hash)},
+                  {"state_hash", hash_name(report.state_hash)},
+                  {"verdict", Json::parse(report.verdict)},
                   {"simulation", Json::parse(report.simulation)},
                   {"thin_walls", Json::parse(report.walls)},
                   {"warnings", report.warnings}};

@@ -27,9 +27,14 @@ struct CarveReport {
   std::size_t stock_memory_bytes = 0;  ///< of the carved block
   std::string simulation = "null";     ///< JSON text (simulation_json.h)
   std::string walls = "null";          ///< JSON text (wall_check.h)
+  std::string verdict = "null";        ///< JSON text (verdict.h)
   double walls_s = 0;                  ///< search for thin walls
   std::vector<std::string> warnings;
+  std::vector<std::string> notes;  ///< what was assumed or chosen of the scene
 };
+
+/// Returns a state hash as reports name it: 16 hexadecimal digits.
+std::string hash_name(std::uint64_t hash);
 
 /// Returns the report as JSON text, with the peak memory of the process.
 std::string report_json(const CarveReport& report, const Scene& scene, const Program& program);

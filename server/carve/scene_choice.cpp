@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/carve/scene_choice.h"
 
-#include <iostream>
+#include <algorithm>
+#include <utility>
 
 #include "server/carve/environment_files.h"
 #include "server/formats/derived_scene.h"
@@ -14,6 +15,8 @@ using Result = std::expected<void, Failure>;
 
 /// Tolerance of a derived scene whose pitch is given, as a share of it.
 constexpr double kToleranceShare = 0.1;
+/// Tolerance of a block that is verified, as a share of that of the part.
+constexpr double kCarvedShare = 0.25;
 
 Result settle_tools(const CarveOptions& options, Scene& scene) {
   const auto resolved = resolve_chords(scene);
@@ -24,11 +27,18 @@ Result settle_tools(const CarveOptions& options, Scene& scene) {
 
 // The command line overrides the scene; if the scene has a target, the other values are chosen to
 // meet it.
-Result settle_options(const CarveOptions& options, Scene& scene) {
+Result settle_options(const CarveOptions& options, ChosenScene& chosen) {
+  Scene& scene = chosen.scene;
   AccuracyRequest request;
   if (scene.accuracy) request = scene.accuracy->request;
   if (options.pitch_mm) request.pitch_mm = options.pitch_mm;
-  if (options.tolerance_mm) request.tolerance_mm = options.tolerance_mm;
+  if (options.verify) {
+    // Chords of arcs must not count as deviations.
+    request.tolerance_mm =
+        std::min(scene.settings.tolerance_mm, kCarvedShare * part_tolerance_mm(options));
+  } else if (options.tolerance_mm) {
+    request.tolerance_mm = options.tolerance_mm;
+  }
   if (options.rays) request.rays = *options.rays == "tri-dexel" ? Rays::kTriDexel : Rays::kDexel;
   if (options.motion)
     request.motion = *options.motion == "paper" ? MotionModel::kPaper : MotionModel::kTight;
@@ -37,7 +47,7 @@ Result settle_options(const CarveOptions& options, Scene& scene) {
     if (!settled)
       return bad_input(scene_label(options) + ": accuracy." + settled.error().field + " " +
                        settled.error().reason);
-    std::cerr << "accuracy: " << scene.accuracy->reason << '\n';
+    chosen.notes.push_back("accuracy: " + scene.accuracy->reason);
     return settle_tools(options, scene);
   }
   SculptureSettings& settings = scene.settings;
@@ -48,30 +58,34 @@ Result settle_options(const CarveOptions& options, Scene& scene) {
   return settle_tools(options, scene);
 }
 
-std::expected<Scene, Failure> derived(const CarveOptions& options) {
+std::expected<ChosenScene, Failure> derived(const CarveOptions& options,
+                                            const std::optional<BoxStock>& part_mm) {
   const std::string name = options.program.string();
   const auto text = read_file(options.program);
   if (!text) return bad_input(name + ": cannot be read");
   const auto environment = load_environment(options.environment, options.program);
   if (!environment) return bad_input(environment.error());
-  auto derived = derive_scene(name, *text, *environment, options.wishes);
+  SceneWishes wishes = options.wishes;
+  wishes.part_mm = part_mm;
+  auto derived = derive_scene(name, *text, *environment, wishes);
   if (!derived) return bad_input(derived.error());
-  for (const std::string& note : derived->notes) std::cerr << "scene: " << note << '\n';
+  for (std::string& note : derived->notes) note.insert(0, "scene: ");
   // A pitch that is asked for is kept: the target was only assumed.
   if (options.pitch_mm) {
     derived->scene.accuracy.reset();
     derived->scene.settings.tolerance_mm = kToleranceShare * *options.pitch_mm;
   }
-  return std::move(derived->scene);
+  return ChosenScene{std::move(derived->scene), std::move(derived->notes)};
 }
 
-std::expected<Scene, Failure> loaded(const CarveOptions& options) {
+std::expected<ChosenScene, Failure> loaded(const CarveOptions& options) {
   auto scene = load_scene(options.scene);
   if (!scene) return bad_input(to_string(scene.error()));
-  if (scene->stock_repair != MeshRepair{})
-    std::cerr << "scene: " << scene->stock_file.file << ": " << to_string(scene->stock_repair)
-              << '\n';
-  return *std::move(scene);
+  ChosenScene chosen{*std::move(scene), {}};
+  if (chosen.scene.stock_repair != MeshRepair{})
+    chosen.notes.push_back("scene: " + chosen.scene.stock_file.file + ": " +
+                           to_string(chosen.scene.stock_repair));
+  return chosen;
 }
 
 // The name, relative to `to`, of a file that is named relative to `from`.
@@ -99,17 +113,19 @@ std::string scene_text(Scene scene, const CarveOptions& options,
   return scene_json(scene) + '\n';
 }
 
-std::expected<Scene, Failure> choose_scene(const CarveOptions& options) {
-  auto scene = options.scene.empty() ? derived(options) : loaded(options);
-  if (!scene) return scene;
+std::expected<ChosenScene, Failure> choose_scene(const CarveOptions& options,
+                                                 const std::optional<BoxStock>& part_mm) {
+  auto chosen = options.scene.empty() ? derived(options, part_mm) : loaded(options);
+  if (!chosen) return chosen;
+  SculptureSettings& settings = chosen->scene.settings;
   if (options.law)
-    scene->settings.force.law =
+    settings.force.law =
         *options.law == "drr" ? ForceLaw::kDexelRemovalRate : ForceLaw::kSpecificEnergy;
-  if (auto settled = settle_options(options, *scene); !settled)
+  if (auto settled = settle_options(options, *chosen); !settled)
     return std::unexpected(settled.error());
-  // Only meshing uses normals.
-  scene->settings.keep_normals = !options.models.empty() || options.surface.reference;
-  return scene;
+  // Only meshing uses normals, and pictures.
+  settings.keep_normals = !options.models.empty() || options.surface.reference || options.page;
+  return chosen;
 }
 
 }  // namespace kerf

@@ -3,7 +3,9 @@
 
 #include <expected>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "server/carve/carve_options.h"
 #include "server/carve/failure.h"
@@ -11,9 +13,17 @@
 
 namespace kerf {
 
+/// A scene, and what was assumed or chosen for it.
+struct ChosenScene {
+  Scene scene;
+  std::vector<std::string> notes;
+};
+
 /// Returns the scene that is carved: that of --scene or one derived from the program, with the
-/// accuracy and the force law of the command line. What was assumed or chosen goes to stderr.
-std::expected<Scene, Failure> choose_scene(const CarveOptions& options);
+/// accuracy and the force law of the command line. `part_mm`: bounds of the part that it is to
+/// make, if a verification asks for one (SceneWishes::part_mm).
+std::expected<ChosenScene, Failure> choose_scene(const CarveOptions& options,
+                                                 const std::optional<BoxStock>& part_mm);
 
 /// Returns the text of a scene of choose_scene for the file `target`: files that it names relative
 /// to its own folder (that of --scene, or the current one) are named relative to target's.

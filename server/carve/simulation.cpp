@@ -69,19 +69,27 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
       add(use.air);
     }
   }
+  double cut_mm3 = 0, force = 0;
   if (cuts) {
     // An imprint loads no tool.
-    const double cut_mm3 = result.removed_mm3 - result.imprint_mm3;
+    cut_mm3 = result.removed_mm3 - result.imprint_mm3;
     // Path of the contact: for a rotation in place, that of the middle of the tool.
     const double contact_mm =
         std::max(path_mm, turn * scene_.tools.at(motion.tool).tool.length_mm / 2);
     const double area = contact_mm > 0 ? cut_mm3 / contact_mm : 0;
     keep_greatest(use.engaged_area_mm2, area, motion);
     keep_greatest(use.removal_rate_mm3_per_s, cut_mm3 / motion.duration_s, motion);
-    keep_greatest(use.force_n, force_n(motion, result, area, cut_mm3), motion);
+    force = force_n(motion, result, area, cut_mm3);
+    keep_greatest(use.force_n, force, motion);
   }
+  loads_.add(motion, force, cut_mm3);
   stock_.follow(motion, result.stock_contact_mm);
   if (obstacles_) obstacle_.follow(motion, obstacle_push_n(motion));
+}
+
+double Simulation::cycle_s(double tool_change_s) const {
+  return feed_.seconds + rapid_.seconds + dwell_s_ +
+         tool_change_s * static_cast<double>(program_.tool_changes.size());
 }
 
 // Returns the force of the wrench if it was computed, else that of the force law for area and rate.

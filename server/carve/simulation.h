@@ -8,6 +8,7 @@
 
 #include "kernel/force/collision.h"
 #include "kernel/sculpture.h"
+#include "server/carve/load_curve.h"
 #include "server/carve/stock_contacts.h"
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
@@ -59,6 +60,9 @@ class Simulation {
   const Travel& air() const { return air_; }
   const Travel& rapid() const { return rapid_; }
   double dwell_s() const { return dwell_s_; }
+  /// Returns the cycle time: all motions, and tool changes of `tool_change_s` each.
+  double cycle_s(double tool_change_s) const;
+  const LoadCurve& loads() const { return loads_; }
   const std::map<ToolId, ToolUse>& tools() const { return tools_; }
   const ContactRuns& stock_contacts() const { return stock_; }
   /// Contacts of tool, shank or holder with obstacles; the amount is the contact force, N.
@@ -79,6 +83,7 @@ class Simulation {
   std::optional<Obstacles> obstacles_;
   Travel feed_, air_, rapid_;
   double dwell_s_ = 0;
+  LoadCurve loads_;
   std::map<ToolId, ToolUse> tools_;
   ContactRuns stock_, obstacle_;
   std::vector<LineVolume> rapid_cuts_, imprints_;

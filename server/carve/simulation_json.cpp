@@ -81,31 +81,31 @@ Json lines_json(const Program& program, const std::vector<LineVolume>& lines, co
   return list;
 }
 
-Json gouges_json(const Program& program, const std::optional<Gouges>& gouges) {
-  if (!gouges) return nullptr;
+Json misfits_json(const Program& program, const std::optional<Misfits>& misfits) {
+  if (!misfits) return nullptr;
   Json list = Json::array();
-  for (const Gouge& gouge : gouges->worst) {
+  for (const Misfit& misfit : misfits->worst) {
     Json place = nullptr;
     Json tool = nullptr;
-    if (gouge.motion) {
-      const ProgramMotion& motion = program.motions[*gouge.motion];
+    if (misfit.motion) {
+      const ProgramMotion& motion = program.motions[*misfit.motion];
       place = place_of(program, motion.file, motion.line);
       tool = motion.tool;
     }
-    list.push_back({{"depth_mm", gouge.depth_mm},
+    list.push_back({{"depth_mm", misfit.depth_mm},
                     {"place", place},
                     {"tool", tool},
-                    {"deepest_mm", point(gouge.deepest_mm)},
-                    {"area_mm2", gouge.area_mm2},
-                    {"volume_mm3", gouge.volume_mm3}});
+                    {"deepest_mm", point(misfit.deepest_mm)},
+                    {"area_mm2", misfit.area_mm2},
+                    {"volume_mm3", misfit.volume_mm3}});
   }
-  return {{"tolerance_mm", gouges->tolerance_mm}, {"count", gouges->count}, {"worst", list}};
+  return {{"tolerance_mm", misfits->tolerance_mm}, {"count", misfits->count}, {"worst", list}};
 }
 
 }  // namespace
 
 std::string simulation_json(const Simulation& simulation, double tool_change_s,
-                            const std::optional<Gouges>& gouges) {
+                            const PartFit& fit) {
   const Program& program = simulation.program();
   Extreme area, rate, force;
   for (const auto& [id, use] : simulation.tools()) {
@@ -113,15 +113,13 @@ std::string simulation_json(const Simulation& simulation, double tool_change_s,
     rate = greater(rate, use.removal_rate_mm3_per_s);
     force = greater(force, use.force_n);
   }
-  const double changes_s = tool_change_s * static_cast<double>(program.tool_changes.size());
   const Travel& feed = simulation.feed();
   const Travel& air = simulation.air();
   Json collisions = Json::array();
   add_contacts(collisions, program, simulation.stock_contacts(), "stock", "depth_mm");
   add_contacts(collisions, program, simulation.obstacle_contacts(), "obstacle", "push_n");
   const Json json{
-      {"cycle_seconds",
-       feed.seconds + simulation.rapid().seconds + simulation.dwell_s() + changes_s},
+      {"cycle_seconds", simulation.cycle_s(tool_change_s)},
       {"feed_seconds", feed.seconds},
       {"rapid_seconds", simulation.rapid().seconds},
       {"dwell_seconds", simulation.dwell_s()},
@@ -140,11 +138,12 @@ std::string simulation_json(const Simulation& simulation, double tool_change_s,
       {"collisions", collisions},
       {"rapids_through_stock", lines_json(program, simulation.rapid_cuts(), "removed_mm3")},
       {"starts_inside_stock", lines_json(program, simulation.imprints(), "imprint_mm3")},
-      {"gouges", gouges_json(program, gouges)}};
+      {"gouges", misfits_json(program, fit.gouges)},
+      {"rests", misfits_json(program, fit.rests)}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-void warn_of_simulation(const Simulation& simulation, const std::optional<Gouges>& gouges,
+void warn_of_simulation(const Simulation& simulation, const PartFit& fit,
                         std::vector<std::string>& warnings) {
   const Program& program = simulation.program();
   const auto warn_of = [&](const std::vector<LineVolume>& lines, const char* event,
@@ -158,14 +157,20 @@ void warn_of_simulation(const Simulation& simulation, const std::optional<Gouges
           " mm3 removed there without force");
   warn_of_stock_contacts(simulation.stock_contacts(), program, warnings);
   warn_of_obstacle_contacts(simulation.obstacle_contacts(), program, warnings);
-  if (!gouges) return;
-  for (std::size_t i = 0; i < std::min(gouges->worst.size(), kWarningsMax); ++i) {
-    const Gouge& gouge = gouges->worst[i];
-    const ProgramMotion* motion = gouge.motion ? &program.motions[*gouge.motion] : nullptr;
-    warnings.push_back(
-        (motion != nullptr ? place_of(program, motion->file, motion->line) : program.name) +
-        ": gouge into the reference, " + std::to_string(gouge.depth_mm) + " mm deep");
-  }
+  const auto warn_of_misfits = [&](const std::optional<Misfits>& misfits, const char* event,
+                                   const char* then) {
+    if (!misfits) return;
+    for (std::size_t i = 0; i < std::min(misfits->worst.size(), kWarningsMax); ++i) {
+      const Misfit& misfit = misfits->worst[i];
+      const ProgramMotion* motion = misfit.motion ? &program.motions[*misfit.motion] : nullptr;
+      warnings.push_back(
+          (motion != nullptr ? place_of(program, motion->file, motion->line) : program.name) +
+          ": " + event + std::to_string(misfit.depth_mm) + then);
+    }
+  };
+  warn_of_misfits(fit.gouges, "gouge into the reference, ", " mm deep");
+  warn_of_misfits(fit.rests, "material is left, ",
+                  " mm outside the reference; this cut is nearest");
 }
 
 }  // namespace kerf

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <set>
 #include <sstream>
+
+#include "server/carve/markup.h"
 
 namespace kerf {
 namespace {
@@ -38,28 +39,7 @@ struct Point {
   const TradeoffRow* row;
 };
 
-std::string number(double value, const char* format = "%.6g") {
-  std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else if (static_cast<unsigned char>(c) >= ' ')
-      out += c;
-  }
-  return out;
-}
+std::string number(double value, const char* format = "%.6g") { return formatted(format, value); }
 
 // A logarithmic axis that covers the values and at least one decade.
 struct Axis {

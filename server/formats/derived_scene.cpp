@@ -26,6 +26,7 @@ constexpr double kToleranceShare = 0.1;
 /// Cuts may begin this much outside of a stated stock beyond the tool's diameter, mm.
 constexpr double kOutsideMm = 1;
 
+constexpr const char* kFromCuts = "the cuts of the program";
 constexpr double kAssumedLengthMm = 30;
 constexpr double kForceNPerMm2 = 0.05, kPivotMm = 20;
 
@@ -149,7 +150,7 @@ class Derivation {
       draft.settings.stock = cuts_box(cuts);
       return;
     }
-    std::string source = "the cuts of the program";
+    std::string source = kFromCuts;
     BoxStock box = cuts_box(cuts);
     const auto blank = is_klartext(program_) ? klartext_blank(program_) : std::nullopt;
     if (wishes_.stock_size_mm) {
@@ -168,10 +169,21 @@ class Derivation {
         note("stock: the size in the " + line + " does not hold the cuts and is not used");
       }
     }
+    if (source == kFromCuts && wishes_.part_mm) {
+      box = with_part(box, *wishes_.part_mm);
+      source += " and the part, at whose lower side it ends";
+    }
     note("stock: X " + range_text(box.min_mm.x, box.max_mm.x) + ", Y " +
          range_text(box.min_mm.y, box.max_mm.y) + ", Z " + range_text(box.min_mm.z, box.max_mm.z) +
          " mm (" + source + ")");
     draft.settings.stock = box;
+  }
+
+  static BoxStock with_part(const BoxStock& box, const BoxStock& part) {
+    return {{std::min(box.min_mm.x, part.min_mm.x), std::min(box.min_mm.y, part.min_mm.y),
+             part.min_mm.z},
+            {std::max(box.max_mm.x, part.max_mm.x), std::max(box.max_mm.y, part.max_mm.y),
+             std::max(box.max_mm.z, part.max_mm.z)}};
   }
 
   double top_of(const CutExtents& cuts) const {

@@ -20,6 +20,9 @@ struct SceneWishes {
   std::string stock_file;  ///< a mesh (kMeshFileNames) in program coordinates; "" for none
   std::filesystem::path folder = ".";  ///< that stock_file is relative to
   std::map<ToolId, ToolShape> tools;
+  /// Bounds of the part that the program is to make, if it is known: an assumed stock contains them
+  /// and ends at their lower side, so that it leaves no skin below the part.
+  std::optional<BoxStock> part_mm = {};
 };
 
 /// A scene for a program, and what was assumed.

@@ -57,14 +57,13 @@ Simulated run(const Scene& scene, const std::string& text, const IndexedMesh* re
                                                   .duration_s = motion.duration_s,
                                                   .feel = false})
                                   .value());
-  std::optional<Gouges> gouges;
-  if (reference != nullptr) {
-    gouges =
-        find_gouges(before, sculpture.snapshot(), MeshDistance(*reference), gouge_tolerance_mm);
-    attribute_gouges(*gouges, run.program.motions, scene.tools, 0.01);
-  }
-  warn_of_simulation(simulation, gouges, run.warnings);
-  run.report = Json::parse(simulation_json(simulation, 8, gouges));
+  PartFit fit;
+  if (reference != nullptr)
+    fit = fit_part(before, sculpture.snapshot(), *reference, scene, run.program,
+                   {gouge_tolerance_mm, false}, {})
+              .value();
+  warn_of_simulation(simulation, fit, run.warnings);
+  run.report = Json::parse(simulation_json(simulation, 8, fit));
   return run;
 }
 

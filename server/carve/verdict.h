@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/carve/part_fit.h"
+#include "server/carve/simulation.h"
+
+namespace kerf {
+
+/// Something that makes a program fail its verification.
+struct Finding {
+  std::string what;                  ///< with its amount: "0.500 mm too deep"
+  std::string place;                 ///< "part.nc:12"; empty if no line is its cause
+  std::uint32_t file = 0, line = 0;  ///< of the place (ProgramMotion)
+  ToolId tool = 0;                   ///< 0: none
+  std::optional<Vec3> at_mm;
+};
+
+/// One of the questions that a verification answers.
+struct Check {
+  const char* name;
+  std::size_t count = 0;       ///< of findings; 0: passed
+  bool of_shape = false;       ///< whether the part is wrong, not only how it was made
+  std::vector<Finding> worst;  ///< worst first; collisions and rapids in the order of the program
+};
+
+/// The answer to "does this program make that part".
+struct Verdict {
+  std::string program, part;  ///< names
+  double tolerance_mm = 0;
+  double cycle_s = 0;
+  double loose_mm3 = 0;  ///< of pieces that were cut loose
+  std::vector<Check> checks;
+
+  bool makes_part() const;
+  /// Returns whether it makes the part, without a collision and without a rapid through stock.
+  bool passes() const;
+};
+
+/// Findings of a check that a verdict lists.
+inline constexpr std::size_t kFindingsMax = 50;
+
+/// `fit` must be two-sided.
+Verdict make_verdict(const Simulation& simulation, const PartFit& fit, std::string part,
+                     double tolerance_mm, double tool_change_s);
+
+/// Adds a warning if the rays are farther apart than the tolerance of the part, so that deviations
+/// of upright walls may fall between them.
+void warn_of_resolution(const Scene& scene, double tolerance_mm,
+                        std::vector<std::string>& warnings);
+
+/// Returns the answer in one line, without its end.
+std::string answer_of(const Verdict& verdict);
+/// Returns the answer and a short table, as kerf-carve --verify prints them.
+std::string verdict_text(const Verdict& verdict);
+/// Returns the "verdict" object of the report as JSON text.
+std::string verdict_json(const Verdict& verdict);
+/// Returns h:mm:ss.
+std::string clock_text(double seconds);
+
+}  // namespace kerf

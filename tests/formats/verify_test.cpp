@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <expat.h>
+
+#include <array>
+#include <map>
+#include <utility>
+
+#include "server/carve/attached_material.h"
+#include "server/carve/load_curve.h"
+#include "server/carve/markup.h"
+#include "tests/formats/carve_fixture.h"
+#include "tests/support/carvings.h"
+
+namespace kerf {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+using Json = nlohmann::json;
+using Corner = std::array<double, 3>;
+
+void add_facet(std::string& stl, Corner a, Corner b, Corner c) {
+  stl += "facet normal 0 0 0\nouter loop\n";
+  for (const Corner& p : {a, b, c})
+    stl += "vertex " + std::to_string(p[0]) + " " + std::to_string(p[1]) + " " +
+           std::to_string(p[2]) + "\n";
+  stl += "endloop\nendfacet\n";
+}
+
+/// A prism along Y over an outline in X and Z, counter-clockwise seen from -Y, as STL. `ears`: the
+/// triangles of its ends.
+std::string prism(const std::vector<std::pair<double, double>>& outline,
+                  const std::vector<std::array<std::size_t, 3>>& ears, double from_y, double to_y) {
+  std::string stl = "solid p\n";
+  const auto at = [&](std::size_t n, double y) {
+    return Corner{outline[n % outline.size()].first, y, outline[n % outline.size()].second};
+  };
+  for (const auto& [a, b, c] : ears) {
+    add_facet(stl, at(a, from_y), at(b, from_y), at(c, from_y));
+    add_facet(stl, at(c, to_y), at(b, to_y), at(a, to_y));
+  }
+  for (std::size_t n = 0; n < outline.size(); ++n) {
+    add_facet(stl, at(n, from_y), at(n, to_y), at(n + 1, from_y));
+    add_facet(stl, at(n + 1, from_y), at(n, to_y), at(n + 1, to_y));
+  }
+  return stl + "endsolid p\n";
+}
+
+std::string box_stl(double from_x, double to_x, double from_y, double to_y, double low_z) {
+  return prism({{from_x, low_z}, {to_x, low_z}, {to_x, 0}, {from_x, 0}}, {{0, 1, 2}, {0, 2, 3}},
+               from_y, to_y);
+}
+
+/// A block of 40 x 30 x 10 mm below Z 0 with a slot along Y, 8 mm wide and 2 mm deep.
+std::string slotted() {
+  return prism({{0, -10}, {40, -10}, {40, 0}, {24, 0}, {24, -2}, {16, -2}, {16, 0}, {0, 0}},
+               {{0, 1, 5}, {1, 4, 5}, {1, 2, 4}, {2, 3, 4}, {0, 5, 7}, {5, 6, 7}}, 0, 30);
+}
+
+const std::string kSlotted =
+    "--verify p.ngc --reference part.stl --stock 40,30,10 --tool 1=8 --pitch 0.5 --wall-samples 0 ";
+
+class Verify : public test::KerfCarve {
+ protected:
+  void SetUp() override {
+    KerfCarve::SetUp();
+    write("part.stl", slotted());
+  }
+  // `cuts`: the lines from the fourth on; the tool is above the beginning of the slot.
+  void write_program(const std::string& cuts) const {
+    write("p.ngc", "G21 G90 T1 M6\nG0 X20 Y-6 Z5\nF600\n" + cuts + "G0 Z5\nM2\n");
+  }
+  // The checks that found something, by name, of a verification with an exit status.
+  std::map<std::string, Json> failed(const std::string& arguments, int status) const {
+    EXPECT_EQ(run(arguments + " --report r.json"), status) << content("err");
+    const Json verdict = Json::parse(content("r.json"))["verdict"];
+    EXPECT_EQ(verdict["passes"], status == 0);
+    EXPECT_THAT(content("out"), StartsWith(std::string(verdict["answer"]) + "\n"));
+    std::map<std::string, Json> checks;
+    for (const Json& check : verdict["checks"])
+      if (check["count"] != 0) checks.emplace(check["name"], check);
+    return checks;
+  }
+};
+
+TEST_F(Verify, AProgramThatMakesThePartPasses) {
+  write_program("G0 Z-2\nG1 Y36\n");
+  EXPECT_THAT(failed(kSlotted, 0), testing::IsEmpty()) << content("out");
+  // 42 mm at 600 mm/min, and rapids of less than a second.
+  EXPECT_THAT(content("out"),
+              StartsWith("p.ngc makes part.stl within 0.1 mm; cycle time 0:00:04\n"));
+}
+
+TEST_F(Verify, ASlotThatIsTooDeepIsAGougeAtItsLine) {
+  write_program("G0 Z-2\nG1 Y10\nZ-2.5\nY20\nZ-2\nY36\n");
+  const auto checks = failed(kSlotted, 3);
+  ASSERT_EQ(checks.size(), 1U) << content("out");
+  const Json& gouges = checks.at("gouges");
+  EXPECT_EQ(gouges["count"], 1);
+  EXPECT_EQ(gouges["worst"][0]["what"], "0.500 mm too deep");
+  EXPECT_EQ(gouges["worst"][0]["place"], "p.ngc:6");
+  EXPECT_EQ(gouges["worst"][0]["tool"], 1);
+  EXPECT_NEAR(gouges["worst"][0]["at_mm"][2], -2.5, 1e-3);
+  EXPECT_THAT(content("out"),
+              StartsWith("p.ngc does not make part.stl within 0.1 mm: gouges (1);"));
+  EXPECT_THAT(content("out"), HasSubstr("0.500 mm too deep, p.ngc:6, tool 1, at X"));
+  EXPECT_THAT(failed(kSlotted + "--tolerance 0.6", 0), testing::IsEmpty());
+}
+
+TEST_F(Verify, ARibThatWasLeftIsUncutAtTheNearestLine) {
+  // Two millimeters of the slot are left between two cuts that end in half discs.
+  write_program("G0 Z-2\nG1 Y10\nG0 Z5\nY36\nG0 Z-2\nG1 Y20\n");
+  const auto checks = failed(kSlotted, 3);
+  ASSERT_EQ(checks.size(), 1U) << content("out");
+  const Json& uncut = checks.at("uncut");
+  EXPECT_EQ(uncut["count"], 1);
+  EXPECT_EQ(uncut["worst"][0]["what"], "2.000 mm left");
+  EXPECT_THAT(std::string(uncut["worst"][0]["place"]), testing::AnyOf("p.ngc:5", "p.ngc:9"));
+  EXPECT_NEAR(uncut["worst"][0]["at_mm"][1], 15, 5);
+  EXPECT_NEAR(uncut["worst"][0]["at_mm"][2], 0, 1e-3);
+}
+
+TEST_F(Verify, ARapidThroughStockIsNamedWithItsLine) {
+  write_program("G0 Z-2\nG1 Y10\nG0 Y36\n");
+  const auto checks = failed(kSlotted, 3);
+  ASSERT_EQ(checks.size(), 1U) << content("out");
+  EXPECT_EQ(checks.at("rapids through stock")["worst"][0]["place"], "p.ngc:6");
+  EXPECT_THAT(content("out"), StartsWith("p.ngc makes part.stl within 0.1 mm, but not safely: "));
+}
+
+TEST_F(Verify, AShankInTheStockIsACollision) {
+  write("s.json", R"({"stock": {"shape": "box", "min_mm": [0,0,-10], "max_mm": [40,30,0]},
+    "accuracy": {"pitch_mm": 0.5}, "tools": [{"id": 1, "shape": "flat", "diameter_mm": 8,
+    "length_mm": 1.5, "shank": {"diameter_mm": 12, "length_mm": 50}}]})");
+  write_program("G0 Z-2\nG1 Y36\n");
+  const auto checks =
+      failed("--verify p.ngc --reference part.stl --scene s.json --wall-samples 0", 3);
+  EXPECT_EQ(checks.at("shank or holder in stock")["worst"][0]["place"], "p.ngc:5");
+  // The flutes end 0.5 mm below the top.
+  EXPECT_THAT(std::string(checks.at("shank or holder in stock")["worst"][0]["what"]),
+              testing::MatchesRegex("0\\.(49|50). mm deep"));
+}
+
+TEST_F(Verify, AFrameThatIsCutLooseDoesNotCount) {
+  write("part.stl", box_stl(10, 30, 10, 30, -10));
+  write("p.ngc", "G21 G90 T1 M6\nG0 X7 Y7 Z5\nF600\nG1 Z-10\nX33\nY33\nX7\nY7\nG0 Z5\nM2\n");
+  const std::string contour =
+      "--verify p.ngc --reference part.stl --tool 1=6 --pitch 0.5 --wall-samples 0 ";
+  EXPECT_THAT(failed(contour + "--stock 40,40,10", 0), testing::IsEmpty()) << content("out");
+  // The block less the square around the contour, whose corners are round.
+  const Json verdict = Json::parse(content("r.json"))["verdict"];
+  EXPECT_NEAR(verdict["cut_loose_mm3"], (1600 - 32 * 32 + (4 - M_PI) * 9) * 10, 100);
+  // An assumed stock ends where the part does.
+  EXPECT_THAT(failed(contour, 0), testing::IsEmpty()) << content("out");
+  EXPECT_THAT(content("err"), HasSubstr("Z -10 to 0 mm (the cuts of the program and the part"));
+  // A floor of 2 mm holds the frame, which then counts.
+  EXPECT_EQ(failed(contour + "--stock 40,40,12", 3).count("uncut"), 1U);
+}
+
+TEST_F(Verify, AStockThatIsTooSmallFails) {
+  write_program("G0 Z-2\nG1 Y36\n");
+  const auto checks =
+      failed("--verify p.ngc --reference part.stl --stock 40,30,9 --tool 1=8 --pitch 0.5", 3);
+  ASSERT_EQ(checks.size(), 1U) << content("out");
+  EXPECT_EQ(checks.at("stock too small")["worst"][0]["what"],
+            "1.000 mm of the part outside of the stock");
+}
+
+TEST_F(Verify, RejectsWhatItCannotJudge) {
+  EXPECT_EQ(run("--verify p.ngc"), 2);
+  EXPECT_THAT(content("err"), HasSubstr("--verify needs --reference"));
+  EXPECT_EQ(run(kSlotted + "--gouge-tolerance 1"), 2);
+  EXPECT_THAT(content("err"), HasSubstr("--verify judges by --tolerance"));
+  EXPECT_EQ(run("p.ngc --reference part.stl --report r.html"), 2);
+  EXPECT_THAT(content("err"), HasSubstr("add --verify"));
+  std::string open = slotted();
+  open.erase(open.rfind("facet normal"), open.rfind("endsolid") - open.rfind("facet normal"));
+  write("part.stl", open);
+  write_program("G0 Z-2\nG1 Y36\n");
+  EXPECT_EQ(run(kSlotted), 2);
+  EXPECT_THAT(content("err"), HasSubstr("part.stl: the mesh is not closed"));
+}
+
+/// Elements and text of a document.
+struct Document {
+  std::map<std::string, int> elements;
+  std::string text, attributes;
+};
+
+Document parse_xml(const std::string& content) {
+  Document document;
+  XML_Parser parser = XML_ParserCreate("UTF-8");
+  XML_SetUserData(parser, &document);
+  XML_SetElementHandler(
+      parser,
+      [](void* user, const XML_Char* name, const XML_Char** attributes) {
+        auto& into = *static_cast<Document*>(user);
+        ++into.elements[name];
+        for (; *attributes != nullptr; ++attributes)
+          into.attributes += std::string(*attributes) + " ";
+      },
+      [](void*, const XML_Char*) {});
+  XML_SetCharacterDataHandler(parser, [](void* user, const XML_Char* text, int length) {
+    static_cast<Document*>(user)->text.append(text, static_cast<std::size_t>(length));
+  });
+  EXPECT_EQ(XML_Parse(parser, content.data(), static_cast<int>(content.size()), 1), XML_STATUS_OK)
+      << XML_ErrorString(XML_GetErrorCode(parser)) << " in line "
+      << XML_GetCurrentLineNumber(parser);
+  XML_ParserFree(parser);
+  return document;
+}
+
+TEST_F(Verify, ItsPageIsWellFormedAndLoadsNothing) {
+  const std::string name = "a<b>&\"c.ngc";
+  write(name,
+        "G21 G90 T1 M6\nG0 X20 Y-6 Z5\nF600\nG0 Z-2\n"
+        "G1 Y36 Z-2.5 (</code><script>alert[1]</script> &lt; \xE9 \x01 caf\xC3\xA9)\nM2\n");
+  EXPECT_EQ(run("--verify '" + name +
+                "' --reference part.stl --stock 40,30,10 --tool 1=8 --pitch 0.5 "
+                "--report r.HTML"),
+            3)
+      << content("err");
+  const std::string page = content("r.HTML");
+  Document document = parse_xml(page);
+  EXPECT_EQ(document.elements["script"], 0);
+  EXPECT_EQ(document.elements["img"], 3);
+  EXPECT_EQ(document.elements["svg"], 1);
+  EXPECT_EQ(document.elements["h1"], 1);
+  EXPECT_THAT(document.text, HasSubstr("</code><script>alert[1]</script> &lt; \xEF\xBF\xBD"));
+  EXPECT_THAT(document.text, HasSubstr("caf\xC3\xA9"));
+  EXPECT_THAT(document.text, HasSubstr(name + ":5"));
+  EXPECT_THAT(document.text, HasSubstr("mm too deep"));
+  EXPECT_THAT(document.text, HasSubstr("--pitch 0.1 finds those of the tolerance"));
+  EXPECT_THAT(document.text, HasSubstr("scene: stock: X 0 to 40"));
+  EXPECT_THAT(document.text, HasSubstr("state hash"));
+  // Nothing but pictures inside the file, and the names of XML.
+  EXPECT_THAT(document.attributes, HasSubstr("data:image/png;base64,iVBORw0KGgo"));
+  EXPECT_THAT(document.attributes, Not(testing::ContainsRegex("(src|href) (https?:|//|/)")));
+}
+
+ProgramMotion motion_of(double seconds, std::uint32_t line) {
+  return {.tool = 1, .duration_s = seconds, .line = line};
+}
+
+TEST(LoadCurve, SpreadsVolumeAndKeepsTheGreatestForce) {
+  LoadCurve loads;
+  double time_s = 0;
+  // 2 mm3 each second, and 5 N in one motion of a thousand.
+  for (std::uint32_t n = 1; n <= 1000; ++n) {
+    const double seconds = 0.01 * (n % 7 + 1);
+    loads.add(motion_of(seconds, n), n == 700 ? 5 : 1, 2 * seconds);
+    time_s += seconds;
+  }
+  EXPECT_NEAR(loads.end_s(), time_s, 1e-9);
+  ASSERT_LE(loads.intervals().size(), LoadCurve::kIntervalsMax);
+  ASSERT_GT(loads.intervals().size(), LoadCurve::kIntervalsMax / 3);
+  double sum = 0;
+  for (std::size_t n = 0; n < loads.intervals().size(); ++n) {
+    const LoadInterval& interval = loads.intervals()[n];
+    sum += interval.removed_mm3;
+    const double length_s = std::min(loads.interval_s(), time_s - loads.interval_s() * double(n));
+    EXPECT_NEAR(interval.removed_mm3, 2 * length_s, 1e-9) << n;
+    EXPECT_EQ(interval.force_n > 1, interval.line == 700U);
+  }
+  EXPECT_NEAR(sum, 2 * time_s, 1e-9);
+}
+
+TEST(LoadCurve, ALongMotionFillsItsTime) {
+  LoadCurve loads;
+  loads.add(motion_of(1, 1), 0, 0);
+  loads.add(motion_of(3, 2), 4, 30);
+  const auto& intervals = loads.intervals();
+  const auto first = static_cast<std::size_t>(1 / loads.interval_s());
+  for (std::size_t n = 0; n < intervals.size(); ++n)
+    EXPECT_EQ(intervals[n].force_n, n < first ? 0 : 4) << n;
+}
+
+TEST(AttachedMaterial, TellsLoosePieces) {
+  // A groove through the block along Y at X 8 to 12; the part is the corner up to X 6, Y 1.
+  auto block = test::make_sculpture(BoxStock{{0, 0, 0}, {20, 10, 5}}, 0.5);
+  block.apply(DefineTool{1, make_tool(FlatShape{4, 30}).value()}).value();
+  const auto cut = [&](double z) {
+    block.apply(MoveTool{1, {{10, -4, z}, {0, 0, 1}}, {{10, 14, z}, {0, 0, 1}}, 1, false}).value();
+  };
+  auto part = test::make_sculpture(BoxStock{{0, 0, 0}, {20, 10, 5}}, 0.5);
+  part.apply(DefineTool{1, make_tool(FlatShape{40, 30}).value()}).value();
+  part.apply(MoveTool{1, {{26, -30, 0}, {0, 0, 1}}, {{26, 40, 0}, {0, 0, 1}}, 1, false}).value();
+  part.apply(MoveTool{1, {{-30, 21, 0}, {0, 0, 1}}, {{50, 21, 0}, {0, 0, 1}}, 1, false}).value();
+  cut(1);
+  const AttachedMaterial held(block.snapshot(), part.snapshot());
+  EXPECT_EQ(held.loose_mm3(), 0);
+  EXPECT_TRUE(held.is_attached(39, 10, 0));
+  cut(0);
+  const AttachedMaterial loose(block.snapshot(), part.snapshot());
+  EXPECT_NEAR(loose.loose_mm3(), 8 * 10 * 5, 1e-6);
+  EXPECT_FALSE(loose.is_attached(39, 10, 0));
+  EXPECT_TRUE(loose.is_attached(15, 19, 0));
+}
+
+TEST(Markup, EscapesEveryByte) {
+  std::string all;
+  for (int byte = 0; byte < 256; ++byte) all += static_cast<char>(byte);
+  all += "\xF0\x9F\x94\xA9 \xED\xA0\x80 \xEF\xBF\xBF \xE2\x82";
+  const Document document = parse_xml("<p a=\"" + escaped(all) + "\">" + escaped(all) + "</p>");
+  EXPECT_THAT(document.text, HasSubstr("!\"#$%&'"));
+  EXPECT_THAT(document.text, HasSubstr(";<=>?@"));
+  EXPECT_THAT(document.text, HasSubstr("\xF0\x9F\x94\xA9 \xEF\xBF\xBD"));
+}
+
+}  // namespace
+}  // namespace kerf
