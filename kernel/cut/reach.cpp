@@ -38,17 +38,17 @@ SweepBounds bounds_of(const SweptTool& swept) {
   return all;
 }
 
-Lanes lower_bound(const SweptTool& swept, const Discs& discs) {
-  Lanes z = Lanes(std::numeric_limits<double>::infinity());
-  for (const SweptPiece& piece : swept.pieces) {
-    const Lanes others = z;
-    const LeftOut left = std::visit([&](const auto& s) { return s.lower_bound(discs, z); }, piece);
-    for (unsigned gone = left.gone; gone != 0; gone &= gone - 1) {
-      const int i = std::countr_zero(gone);
-      z.set(i, others[i]);
-    }
+/// Returns the discs over which the tool may change stock that lies above `reached_below`.
+unsigned changed_discs(const SweptTool& swept, const Discs& discs, const Lanes& reached_below) {
+  ToolReach reach;
+  for (std::size_t k = 0; k < swept.pieces.size(); ++k) {
+    PieceBounds b;
+    const auto bound = [&](const auto& s) { return s.lower_bound(discs, b.lowest_mm); };
+    b.left_out = std::visit(bound, swept.pieces[k]);
+    b.reached = lanes_below(b.lowest_mm, reached_below);
+    reach.add(b, lanes_below(b.lowest_mm, reached_below + swept.join_mm), swept.is_new(k));
   }
-  return z;
+  return reach.discs();
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ ReachSize find_tiles(const DexelGrid& grid, const SweptTool& swept, const TileRu
     Discs discs;
     Lanes reached_below;
     place_tiles(grid, corner, discs, reached_below);
-    const unsigned reached = lanes_below(lower_bound(swept, discs), reached_below);
+    const unsigned reached = changed_discs(swept, discs, reached_below);
     for (int i = 0; i < static_cast<int>(count); ++i) {
       if ((reached >> i & 1) != 0) tiles.push_back({corner.x + i, corner.y});
     }
@@ -97,7 +97,7 @@ unsigned find_blocks(const DexelGrid& grid, const SweptTool& swept, TileIndex ti
     Discs discs;
     Lanes reached_below;
     place_blocks(grid, tile, half, tops, discs, reached_below);
-    blocks |= lanes_below(lower_bound(swept, discs), reached_below) << (half * kLanes);
+    blocks |= changed_discs(swept, discs, reached_below) << (half * kLanes);
   }
   return blocks;
 }

@@ -12,25 +12,19 @@
 namespace kerf {
 namespace {
 
-/// Lower bounds of a piece's sweep in eight rows.
-struct RowBounds {
-  Lanes lowest_mm = Lanes(std::numeric_limits<double>::infinity());
-  LeftOut left_out = {};
-  unsigned reached = 0;  ///< rows (bit r: row r) in which there is stock above the bound
-
-  /// Returns the rows in which the piece may change the stock.
-  unsigned changed() const { return reached & ~left_out.gone; }
-};
-
-/// The bounds of piece k; none if there is no such piece.
-RowBounds bounds_of(const std::vector<SweptPiece>& pieces, std::size_t k, const Discs& discs,
-                    const Lanes& stock_below) {
-  RowBounds bounds;
-  if (k >= pieces.size()) return bounds;
-  const auto bound = [&](const auto& s) { return s.lower_bound(discs, bounds.lowest_mm); };
-  bounds.left_out = std::visit(bound, pieces[k]);
-  bounds.reached = lanes_below(bounds.lowest_mm, stock_below);
-  return bounds;
+/// Finds the bounds of all pieces in the rows of a block. Returns the rows that may change.
+unsigned find_bounds(const SweptTool& swept, const Discs& discs, const Lanes& stock_below,
+                     std::vector<PieceBounds>& bounds) {
+  ToolReach reach;
+  bounds.clear();
+  for (std::size_t k = 0; k < swept.pieces.size(); ++k) {
+    PieceBounds& b = bounds.emplace_back();
+    const auto bound = [&](const auto& s) { return s.lower_bound(discs, b.lowest_mm); };
+    b.left_out = std::visit(bound, swept.pieces[k]);
+    b.reached = lanes_below(b.lowest_mm, stock_below);
+    reach.add(b, b.reached, swept.is_new(k));
+  }
+  return reach.discs();
 }
 
 }  // namespace
@@ -54,11 +48,15 @@ void sweep_block(const SweptTool& swept, const DexelGrid& grid, const DexelTile*
   // A piece just above the stock may close a gap to one that reaches into it.
   const Lanes matters_below =
       swept.pieces.size() > 1 ? reached_below + swept.join_mm : reached_below;
-  const unsigned rows = (1U << in_grid) - 1;
+  const unsigned rows =
+      find_bounds(swept, discs, matters_below, block.bounds) & ((1U << in_grid) - 1);
+  if (rows == 0) return;
   bool has_stock = false;  // place_stock has been called
-  RowBounds below, bounds = bounds_of(swept.pieces, 0, discs, matters_below);
+  const PieceBounds none;
   for (std::size_t k = 0; k < swept.pieces.size(); ++k) {
-    const RowBounds above = bounds_of(swept.pieces, k + 1, discs, matters_below);
+    const PieceBounds& bounds = block.bounds[k];
+    const PieceBounds& below = k > 0 ? block.bounds[k - 1] : none;
+    const PieceBounds& above = k + 1 < swept.pieces.size() ? block.bounds[k + 1] : none;
     block.lowest_mm = bounds.lowest_mm;
     block.below_is_swept = ~below.left_out.behind;
     block.above_is_swept = ~above.left_out.behind;
@@ -75,8 +73,6 @@ void sweep_block(const SweptTool& swept, const DexelGrid& grid, const DexelTile*
       }
       std::visit([&](const auto& s) { s.evaluate(block); }, swept.pieces[k]);
     }
-    below = bounds;
-    bounds = above;
   }
 }
 

@@ -101,7 +101,8 @@ SweepBounds BallSweep::bounds() const {
 }
 
 LeftOut BallSweep::lower_bound(const Discs& discs, Lanes& z_mm) const {
-  return {.behind = bound_chain(capsules_, discs, radius_, start_is_cut_, z_mm)};
+  const unsigned behind = bound_chain(capsules_, discs, radius_, start_is_cut_, z_mm);
+  return {.behind = behind, .shown_behind = behind};
 }
 
 void BallSweep::evaluate(ColumnBlock& block) const { evaluate_chain(capsules_, block); }

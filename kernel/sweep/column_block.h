@@ -15,6 +15,46 @@ namespace kerf {
 /// Rows of a block; each row is one group of eight columns.
 inline constexpr int kBlockSide = kLanes;
 
+/// The discs (bit i: disc i) over which a piece of the tool has nothing left to remove, because its
+/// first pose has been removed already.
+struct LeftOut {
+  unsigned behind = 0;  ///< it moves away from them; no lower bound was computed
+  unsigned gone = 0;    ///< they are inside of its first pose all along its height
+  /// The surface that the piece shows moves away from them: what enters it there passes through a
+  /// disc that a neighbor hides. Holds wherever `behind` does.
+  unsigned shown_behind = 0;
+};
+
+/// Lower bounds of what a piece of the tool removes within eight discs.
+struct PieceBounds {
+  Lanes lowest_mm = Lanes(std::numeric_limits<double>::infinity());
+  LeftOut left_out = {};
+  unsigned reached = 0;  ///< discs (bit i: disc i) over which there is stock above the bound
+
+  /// Returns the discs over which the piece may change the stock.
+  unsigned changed() const { return reached & ~left_out.gone; }
+};
+
+/// The discs over which a tool may change the stock: those that one of its pieces reaches, unless
+/// it is the only one there and the surface that it shows moves away (kernel/sweep/README.md, "The
+/// tool as a whole").
+class ToolReach {
+ public:
+  /// `near`: discs over which the piece is low enough to close a gap; `is_new`: it is not another
+  /// part of the tool's piece that was added before it.
+  void add(const PieceBounds& piece, unsigned near, bool is_new) {
+    if (is_new) near_others_ |= near_;
+    near_ = is_new ? near : near_ | near;
+    several_ |= near & near_others_;
+    changed_ |= piece.changed();
+    advances_ |= piece.changed() & ~piece.left_out.shown_behind;
+  }
+  unsigned discs() const { return changed_ & (advances_ | several_); }
+
+ private:
+  unsigned changed_ = 0, advances_ = 0, several_ = 0, near_ = 0, near_others_ = 0;
+};
+
 /// A block of 8 x 8 columns, and the intervals of heights that a sweep removes from them: the unit
 /// of work. Most columns lose one interval; further ones that do not join it are in `apart`.
 struct ColumnBlock {
@@ -50,6 +90,7 @@ struct ColumnBlock {
   /// Times that eight rays were met in the middle of a stretch, without those of the search: the
   /// work beyond that of a motion's own stations. Only added to.
   std::int64_t stations = 0;
+  std::vector<PieceBounds> bounds;  ///< of each piece of the tool, in the rows (sweep_block)
 
   /// Empties all rows.
   void clear() {
@@ -120,13 +161,6 @@ struct SweepBounds {
 struct Discs {
   Lanes x_mm, y_mm;
   double reach_mm;
-};
-
-/// The discs (bit i: disc i) over which a piece of the tool has nothing left to remove, because its
-/// first pose has been removed already.
-struct LeftOut {
-  unsigned behind = 0;  ///< it moves away from them; no lower bound was computed
-  unsigned gone = 0;    ///< they are inside of its first pose all along its height
 };
 
 }  // namespace kerf

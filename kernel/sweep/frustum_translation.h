@@ -19,10 +19,10 @@ class FrustumTranslation {
   FrustumTranslation(const FrustumPiece& piece, const FrustumPiece& whole, const ToolPose& from,
                      const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
-  /// Call this if the piece at its first pose has been removed from the stock already.
-  void set_trail(const Trail& trail) {
-    shadow_.set_trail(trail);
-    start_is_gone_ = true;
+  /// As Shadow::set_trail.
+  void set_trail(const Trail& trail, bool arrives) {
+    shadow_.set_trail(trail, arrives);
+    start_is_gone_ = !arrives;
   }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
   LeftOut lower_bound(const Discs& discs, Lanes& z_mm) const {

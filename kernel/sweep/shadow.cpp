@@ -98,9 +98,10 @@ Shadow::Shadow(const ToolPiece& slice, const std::vector<ToolPose>& poses, doubl
   plane_ = {(support - margin_mm) / n.z, -n.x / n.z, -n.y / n.z, u.z / lean};
 }
 
-void Shadow::set_trail(const Trail& trail) {
+void Shadow::set_trail(const Trail& trail, bool arrives) {
   trail_ = trail;
-  if (level_) level_->set_start_is_cut();
+  arrives_ = arrives;
+  if (level_ && !arrives) level_->set_start_is_cut();
 }
 
 LeftOut Shadow::lower_bound(const Discs& discs, Lanes& z_mm) const {
@@ -112,12 +113,17 @@ LeftOut Shadow::lower_bound(const Discs& discs, Lanes& z_mm) const {
   const unsigned reached = lanes_below(z, none);
   if (reached == 0) return {};
   underside_.raise(discs, z);
-  const unsigned behind = trail_ ? trail_->behind(discs) & reached : 0;
-  for (unsigned left = behind; left != 0; left &= left - 1) {
+  LeftOut left_out;
+  if (trail_) {
+    const Trail::Receding receding = trail_->receding(discs);
+    left_out = {.behind = arrives_ ? 0 : receding.all & reached,
+                .shown_behind = receding.shown & reached};
+  }
+  for (unsigned left = left_out.behind; left != 0; left &= left - 1) {
     z.set(std::countr_zero(left), std::numeric_limits<double>::infinity());
   }
   keep_lower(z, z_mm);
-  return {.behind = behind};
+  return left_out;
 }
 
 }  // namespace kerf

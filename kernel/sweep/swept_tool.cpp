@@ -201,22 +201,24 @@ ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, doub
   return make_motion(m.at(from_share), m.at(to_share), reach_mm);
 }
 
-/// Returns all discs of a slice within the block, also those that neighbors hide: where one moves
-/// outwards, points enter the slice from a neighbor.
+/// Returns all discs of a slice within the block, also hidden ones, through which points enter it.
 ShownDiscs all_discs(const ToolPiece& slice, const ShownDiscs& shown) {
   const Extent e = extent(slice);
   return {radius_at(slice, e.z0_mm) > kTipMm,
           !shown.upper_is_outside && radius_at(slice, e.z1_mm) > kTipMm, shown.upper_is_outside};
 }
 
-/// Sweeps a slice. `piece` is the plan's, or the part of it on one side of its point at rest, of
-/// `whole`, and `shown` its discs that no neighbor and no other part hides.
+/// Sweeps a slice, or its last pose where it `arrives`. `piece` is the plan's, or the part of it on
+/// one side of its point at rest, of `whole`; no other piece or part hides the discs `shown`.
 SweptPiece sweep_slice(const ToolPiece& piece, const ToolPiece& whole, ShownDiscs shown,
-                       const PiecePlan& plan, const ToolMotion& m, const SweepSettings& settings) {
+                       const PiecePlan& plan, const ToolMotion& motion, bool arrives,
+                       const SweepSettings& settings) {
+  const ToolMotion m = arrives ? make_motion(motion.to, motion.to, 0) : motion;
   const SliceSearch search = search_of(plan, m, settings.tolerance_mm);
   const auto trailing = [&](auto sweep) -> SweptPiece {
     if (settings.start_is_cut) {
-      sweep.set_trail(Trail(piece, m.from, m.to, all_discs(piece, shown)));
+      const ShownDiscs tested = all_discs(piece, shown);
+      sweep.set_trail(Trail(piece, motion.from, motion.to, tested, shown), arrives);
     }
     return sweep;
   };
@@ -248,34 +250,31 @@ SweptTool sweep_pieces(const Tool& tool, const std::vector<PiecePlan>& plans, co
   if (m.turn_rad > 0) swept.join_mm = std::max(swept.join_mm, settings.tolerance_mm);
   for (const PiecePlan& plan : plans) {
     // Above the last piece there is nothing that could be left out.
-    const ToolAbove above = &plan == &plans.back()
-                                ? ToolAbove()
-                                : ToolAbove(tool, plan.which, m, settings.block.max_mm.z);
+    ToolAbove above;
+    if (&plan != &plans.back()) above = ToolAbove(tool, plan.which, m, settings.block.max_mm.z);
     const auto add = [&](SweptPiece piece, const ToolAbove& over) {
       swept.pieces.push_back(std::move(piece));
       swept.above.push_back(over);
+      swept.of.push_back(plan.which);
     };
     if (const auto* ball = std::get_if<BallPiece>(&plan.piece)) {
       add(sweep_ball(*ball, m, plan.parts, settings.start_is_cut), above);
       continue;
     }
     if (!plan.still) {
-      add(sweep_slice(plan.piece, plan.whole, plan.shown, plan, m, settings), above);
+      add(sweep_slice(plan.piece, plan.whole, plan.shown, plan, m, false, settings), above);
       continue;
     }
     const Extent e = extent(plan.piece);
     const double rest = *plan.still;
     const ToolPiece lower = slice_of(plan.piece, e.z0_mm, rest);
     const ToolPiece upper = slice_of(plan.piece, rest, e.z1_mm);
-    add(sweep_slice(lower, lower, {plan.shown.lower, false}, plan, m, settings), above);
+    add(sweep_slice(lower, lower, {plan.shown.lower, false}, plan, m, false, settings), above);
     add(sweep_slice(upper, upper, {false, plan.shown.upper, plan.shown.upper_is_outside}, plan, m,
-                    settings),
+                    false, settings),
         above);
     // What the last pose removes is computed for the whole piece.
-    const ToolMotion arrived = make_motion(m.to, m.to, tool.length_mm);
-    SweepSettings at_rest = settings;
-    at_rest.start_is_cut = false;
-    add(sweep_slice(plan.piece, plan.whole, plan.shown, plan, arrived, at_rest), ToolAbove());
+    add(sweep_slice(plan.piece, plan.whole, plan.shown, plan, m, true, settings), ToolAbove());
   }
   return swept;
 }

@@ -43,10 +43,14 @@ KERF_INLINE AxialSpeed axial_speed(const Trail::Motion& m, Lanes dx, Lanes dy, d
   return {middle - spread, middle + spread};
 }
 
-/// Returns where no disc that shows and may lie over the position moves outwards.
-KERF_INLINE LaneMask discs_recede(const Trail::Motion& m, Lanes dx, Lanes dy, double reach,
-                                  const UntestedDiscs& untested) {
-  LaneMask recede = every_lane();
+/// Where none of the discs that are tested, or show, and may lie over the position moves outwards.
+struct DiscsRecede {
+  LaneMask all = every_lane(), shown = every_lane();
+};
+
+KERF_INLINE DiscsRecede discs_recede(const Trail::Motion& m, Lanes dx, Lanes dy, double reach,
+                                     const UntestedDiscs& untested) {
+  DiscsRecede recede;
   for (int i = 0; i < m.face_count; ++i) {
     const Trail::Face& face = m.faces[i];
     const Lanes ax = dx - face.height * m.axis.x, ay = dy - face.height * m.axis.y;
@@ -54,9 +58,11 @@ KERF_INLINE LaneMask discs_recede(const Trail::Motion& m, Lanes dx, Lanes dy, do
     const double over = face.radius + moved, beside = face.radius * m.thickness + moved;
     const Lanes along = magnitude(ax * m.axis.x + ay * m.axis.y) * m.by_level;
     const AxialSpeed speed = axial_speed(m, dx, dy, reach, Lanes(face.height));
-    recede &= (ax * ax + ay * ay > over * over) | (along > beside) |
-              (face.sign > 0 ? speed.most <= 0.0 : speed.least >= 0.0) |
-              mask_of(face.sign > 0 ? untested.upper : untested.lower);
+    const LaneMask recedes = (ax * ax + ay * ay > over * over) | (along > beside) |
+                             (face.sign > 0 ? speed.most <= 0.0 : speed.least >= 0.0) |
+                             mask_of(face.sign > 0 ? untested.upper : untested.lower);
+    recede.all &= recedes;
+    if (face.shown) recede.shown &= recedes;
   }
   return recede;
 }
@@ -112,8 +118,8 @@ KERF_INLINE LaneMask arc_recedes(const Trail::Motion& m, Lanes dx, Lanes dy, dou
   return recedes;
 }
 
-KERF_INLINE unsigned behind_discs_in_lanes(const Trail::Motion& m, const Discs& discs,
-                                           const UntestedDiscs& untested) {
+KERF_INLINE Trail::Receding receding_discs_in_lanes(const Trail::Motion& m, const Discs& discs,
+                                                    const UntestedDiscs& untested) {
   const double reach = discs.reach_mm;
   const Lanes dx = discs.x_mm - m.tip.x, dy = discs.y_mm - m.tip.y;
   Lanes low = Lanes(m.low), high = Lanes(m.high);
@@ -132,19 +138,22 @@ KERF_INLINE unsigned behind_discs_in_lanes(const Trail::Motion& m, const Discs& 
   const Lanes across = ends + between + allowance;
   const LaneMask recedes =
       m.is_arc ? arc_recedes(m, dx, dy, reach, across, low, high) : across < 0.0;
-  if (!any(recedes)) return 0;
-  return bits(recedes & discs_recede(m, dx, dy, reach, untested));
+  if (!any(recedes)) return {};
+  const DiscsRecede of_discs = discs_recede(m, dx, dy, reach, untested);
+  return {bits(recedes & of_discs.all), bits(recedes & of_discs.shown)};
 }
+
 /// Returns whether a unit vector lies along one of the coordinates.
 bool is_coordinate(const Vec3& u) { return (u.x != 0) + (u.y != 0) + (u.z != 0) == 1; }
 
-KERF_FOR_EACH_TARGET(unsigned, behind_discs,
+KERF_FOR_EACH_TARGET(Trail::Receding, receding_discs,
                      (const Trail::Motion& m, const Discs& discs, const UntestedDiscs& untested),
                      (m, discs, untested))
 
 }  // namespace
 
-Trail::Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown) {
+Trail::Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs tested,
+             ShownDiscs shown) {
   const TurningFrame f(from, to);
   // Of an arc, the bound of q·V is that of the cylinder around it.
   set_side(f, enclosing_frustum(slice));
@@ -163,8 +172,11 @@ Trail::Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, S
     if (std::abs(f.u.z) >= kAxialUprightMin) m_.by_upright = 1 / f.u.z;
   }
   m_.face_count = 0;
-  if (shown.lower) m_.faces[m_.face_count++] = {-1, m_.low, radius_at(slice, m_.low)};
-  if (shown.upper) m_.faces[m_.face_count++] = {1, m_.high, radius_at(slice, m_.high)};
+  const auto add = [&](double sign, double height, bool shows) {
+    m_.faces[m_.face_count++] = {sign, height, radius_at(slice, height), shows};
+  };
+  if (tested.lower) add(-1, m_.low, shown.lower);
+  if (tested.upper) add(1, m_.high, shown.upper);
 }
 
 void Trail::set_side(const TurningFrame& f, const FrustumPiece& p) {
@@ -241,8 +253,8 @@ void Trail::set_axial_speed(const TurningFrame& f) {
   }
 }
 
-unsigned Trail::behind(const Discs& discs, UntestedDiscs untested) const {
-  return behind_discs(m_, discs, untested);
+Trail::Receding Trail::receding(const Discs& discs, UntestedDiscs untested) const {
+  return receding_discs(m_, discs, untested);
 }
 
 }  // namespace kerf

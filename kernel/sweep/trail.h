@@ -27,15 +27,26 @@ struct UntestedDiscs {
 class Trail {
  public:
   /// The slice, a frustum or an arc, moves from one pose to the other; their axes are less than
-  /// kTurnPerFrameMaxRad apart.
-  Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown);
+  /// kTurnPerFrameMaxRad apart. `tested`: the discs that are tested, of which it shows `shown`.
+  Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs tested,
+        ShownDiscs shown);
+  Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown)
+      : Trail(slice, from, to, shown, shown) {}
 
-  /// Returns a mask whose bit i is set if nothing is removed over disc i.
-  unsigned behind(const Discs& discs, UntestedDiscs untested = {}) const;
+  /// The discs of the plane (bit i: disc i) over which the slice recedes: with all of its surface
+  /// that is tested, so that nothing is removed there, or with the part of it that it shows.
+  struct Receding {
+    unsigned all, shown;
+  };
+  Receding receding(const Discs& discs, UntestedDiscs untested = {}) const;
+  unsigned behind(const Discs& discs, UntestedDiscs untested = {}) const {
+    return receding(discs, untested).all;
+  }
 
   /// A disc of the slice; `sign` is 1 for the upper one, −1 for the lower one.
   struct Face {
     double sign, height, radius;
+    bool shown;
   };
   /// Quantities of the test in the middle of the motion. For a point of the side at q from the
   /// axis, n·V times the radius is q·v′ − climb, v′ = v + m w, m = m0 + m1 l, climb = climb0 +
@@ -62,7 +73,7 @@ class Trail {
     bool is_arc;
     double sine_low, sine_high, arc_center_r, arc_radius;
     double by_upright;  ///< 1/u_z; 0 if a position does not determine the distance from the axis
-    Face faces[2];      ///< discs that show
+    Face faces[2];      ///< discs that are tested
     int face_count;
   };
 

@@ -17,7 +17,8 @@ class TurningSweep {
   TurningSweep(const ToolPiece& slice, const ToolPiece& whole, const ToolPose& from,
                const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
-  void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
+  /// As Shadow::set_trail.
+  void set_trail(const Trail& trail, bool arrives) { shadow_.set_trail(trail, arrives); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
   LeftOut lower_bound(const Discs& discs, Lanes& z_mm) const {
     return shadow_.lower_bound(discs, z_mm);

@@ -9,7 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "kernel/cut/swept_block.h"
+#include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
+#include "kernel/sculpture_motion.h"
+#include "kernel/sweep/swept_tool.h"
 
 namespace kerf {
 namespace {
@@ -80,6 +84,73 @@ TEST(Trail, ADiscWhoseAxisLiesAcrossTheRaysIsThin) {
   EXPECT_EQ(mill(0.001).behind(discs_at(0.5, -3, 0.5)), 0U);
   // Rays within the plane of a disc at the first or the last pose need their whole test.
   EXPECT_EQ(mill(0).behind(discs_at(2.5, -3, 0.5)), 0U);
+}
+
+TEST(Trail, TellsWhereAllButAHiddenDiscRecedes) {
+  const Discs behind = discs_at(-2.5, 1, 0.5);
+  const ToolPose from{{0, 0, 0}, {0, 0, 1}}, up{{1, 0, 0.1}, {0, 0, 1}};
+  const Trail hides_upper(FrustumPiece{0, 4, 50, 4}, from, up, {true, true}, {true, false});
+  EXPECT_EQ(hides_upper.receding(behind).all, 0U);
+  EXPECT_EQ(hides_upper.receding(behind).shown, 0xFFU);
+  const Trail hides_lower(FrustumPiece{0, 4, 50, 4}, from, up, {true, true}, {false, true});
+  EXPECT_EQ(hides_lower.receding(behind).shown, 0U);
+}
+
+/// Returns whether a tick of a tool, which moves by 0.1 mm along x and leans by 15 degrees into the
+/// direction `azimuth` and a quarter of a degree on, sweeps rows of the block around (-2, -0.4).
+/// The tip is 4 mm below the top of the grid; the stock ends `stock_mm` above the tip.
+bool sweeps_behind(const ToolShape& shape, double azimuth, double stock_mm) {
+  const Tool tool = *make_tool(shape);
+  const auto pose = [](double x, double angle) {
+    return ToolPose{{x, 0, -4}, {0.26 * std::cos(angle), 0.26 * std::sin(angle), 0.9656}};
+  };
+  const ToolPose from = pose(0, azimuth), to = pose(0.1, azimuth + 0.017);
+  const DexelField field(BoxStock{{-6.4, -6.4, -8}, {6.4, 6.4, 0}}, 0.1);
+  const DexelGrid& grid = field.grid();
+  DexelTile tile;
+  const auto top = std::int32_t((4 + stock_mm) / grid.z_quantum_mm);
+  tile.bottom.fill(0);
+  tile.top.fill(top);
+  tile.block_top.fill(top);
+  ColumnBlock block;
+  bool sweeps = false;
+  const SweepSettings settings{MotionModel::kTight, kToleranceMm, ray_bounds(grid), true};
+  sweep_tool(tool,
+             make_motion({from.tip_mm, normalized(from.axis)}, {to.tip_mm, normalized(to.axis)},
+                         tool.length_mm),
+             settings, [&](const SubMotion& part) {
+               sweep_block(part.swept, grid, &tile, 40, 56, block);
+               sweeps |= block.filled != 0;
+             });
+  return sweeps;
+}
+
+TEST(ToolReach, LeavesOutOnlyASinglePieceThatRecedes) {
+  PieceBounds recedes, advances;
+  recedes.reached = advances.reached = 0b1111;
+  recedes.left_out.shown_behind = 0b0111;
+  ToolReach alone, beside, parts;
+  alone.add(recedes, recedes.reached, true);
+  EXPECT_EQ(alone.discs(), 0b1000U);
+  beside.add(recedes, recedes.reached, true);
+  beside.add(recedes, 0b10010, true);  // near enough to close a gap over disc 1
+  EXPECT_EQ(beside.discs(), 0b1010U);
+  parts.add(recedes, recedes.reached, true);
+  parts.add(recedes, recedes.reached, false);
+  EXPECT_EQ(parts.discs(), 0b1000U);
+  parts.add(advances, 0, true);
+  EXPECT_EQ(parts.discs(), 0b1111U);
+}
+
+TEST(Trail, TheToolAsAWholeRemovesNothingBehindIt) {
+  // The bottom of a bull-nose that leans forwards rises, and so does its disc at the shank.
+  const BullNoseShape bull_nose{6, 1, 30};
+  EXPECT_FALSE(sweeps_behind(bull_nose, 0.7, 0.7));
+  EXPECT_TRUE(sweeps_behind(bull_nose, 0.7 + 3.1, 0.7));  // leaning backwards, it sinks
+  // A point of the axis rests within the barrel, which is divided there.
+  const ProfileShape barrel{{ProfilePoint{2.5, 0}, ProfileArc{{2.5, 24}, 30}}};
+  EXPECT_FALSE(sweeps_behind(barrel, 0.09, 0.6));
+  EXPECT_TRUE(sweeps_behind(barrel, 0.09 + 3.1, 0.6));
 }
 
 struct Chain {
