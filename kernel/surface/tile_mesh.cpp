@@ -21,9 +21,9 @@ namespace {
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
-/// A tile reads the columns up to kGuessMargin + 1 beyond its own (window_), so tiles_to_remesh
-/// returns all that read a changed one.
-static_assert(kGuessMargin + 1 <= kTileSide);
+/// A tile reads the columns up to so many beyond its own (window_), those of its neighbors only.
+constexpr std::int32_t kReach = kGuessMargin + 1;
+static_assert(kReach <= kTileSide);
 
 /// One of the four cells around a crossed lattice edge.
 struct Corner {
@@ -55,8 +55,7 @@ class TileMesher {
         first_y_(tile.y * kTileSide),
         end_x_(std::min(first_x_ + kTileSide, solid.fields.front().grid().columns_x)),
         end_y_(std::min(first_y_ + kTileSide, solid.fields.front().grid().columns_y)),
-        window_(solid, first_x_ - 1 - kGuessMargin, first_y_ - 1 - kGuessMargin,
-                kTileSide + 2 + 2 * kGuessMargin),
+        window_(solid, first_x_ - kReach, first_y_ - kReach, kTileSide + 2 * kReach),
         cells_(window_, first_x_ - 1, first_y_ - 1, kTileSide + 1, open_.next_layer()),
         placement_(solid, window_),
         bends_(window_, cells_, placement_),
@@ -307,15 +306,16 @@ TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile, const FaceCover& 
   return TileMesher(solid, tile, &cover).run();
 }
 
-std::vector<TileIndex> tiles_to_remesh(const DexelGrid& grid,
-                                       const std::vector<TileIndex>& changed) {
+std::vector<TileIndex> tiles_that_read(const DexelGrid& grid,
+                                       std::span<const ChangedColumns> changed) {
+  const auto before = [](std::int32_t begin) { return begin < kReach ? 1 : 0; };
+  const auto after = [](std::int32_t end) { return end > kTileSide - kReach ? 1 : 0; };
   std::vector<TileIndex> tiles;
-  tiles.reserve(changed.size() * 9);
-  for (const TileIndex tile : changed) {
-    for (std::int32_t y = std::max(tile.y - 1, 0); y <= std::min(tile.y + 1, grid.tiles_y() - 1);
-         ++y) {
-      for (std::int32_t x = std::max(tile.x - 1, 0); x <= std::min(tile.x + 1, grid.tiles_x() - 1);
-           ++x) {
+  for (const ChangedColumns& at : changed) {
+    const std::int32_t last_x = std::min(at.tile.x + after(at.end_x), grid.tiles_x() - 1);
+    const std::int32_t last_y = std::min(at.tile.y + after(at.end_y), grid.tiles_y() - 1);
+    for (std::int32_t y = std::max(at.tile.y - before(at.begin_y), 0); y <= last_y; ++y) {
+      for (std::int32_t x = std::max(at.tile.x - before(at.begin_x), 0); x <= last_x; ++x) {
         tiles.push_back({x, y});
       }
     }
@@ -323,6 +323,14 @@ std::vector<TileIndex> tiles_to_remesh(const DexelGrid& grid,
   std::sort(tiles.begin(), tiles.end());
   tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
   return tiles;
+}
+
+std::vector<TileIndex> tiles_to_remesh(const DexelGrid& grid,
+                                       const std::vector<TileIndex>& changed) {
+  std::vector<ChangedColumns> columns;
+  columns.reserve(changed.size());
+  for (const TileIndex tile : changed) columns.push_back({tile});
+  return tiles_that_read(grid, columns);
 }
 
 }  // namespace kerf

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
@@ -33,6 +34,18 @@ class FaceCover;
 /// Extracts the same without the quadrangles of covered patches (face_cover.h). Time and memory do
 /// not grow with the height of the walls in covered patches.
 TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile, const FaceCover& cover);
+
+/// The columns of a tile of the field along Z, [begin, end) within it, among which are all those
+/// where a ray has changed.
+struct ChangedColumns {
+  TileIndex tile;
+  std::int32_t begin_x = 0, begin_y = 0, end_x = kTileSide, end_y = kTileSide;
+};
+
+/// Returns the tiles whose mesh reads some of these columns: sorted, without duplicates, within the
+/// grid.
+std::vector<TileIndex> tiles_that_read(const DexelGrid& grid,
+                                       std::span<const ChangedColumns> changed);
 
 /// Returns the tiles whose mesh may change when `changed` tiles change: these and the neighbors
 /// that read their columns. Sorted, without duplicates, within the grid.

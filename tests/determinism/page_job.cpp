@@ -2,6 +2,7 @@
 // Runs a job (page_bytes.mjs) on the functions that kerf.wasm exports, compiled for this machine,
 // and prints what they return: a line for each welcome, frame and tile. Usage: page_job FILE
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -38,6 +39,22 @@ void print_changed() {
   }
 }
 
+/// Time spent on frames that are only carved, and on the tiles that are displayed then.
+std::chrono::duration<double, std::milli> g_carved, g_displayed;
+
+void run_timed(char kind) {
+  const auto begin = std::chrono::steady_clock::now();
+  if (kind == 'c') {
+    kerf_take();
+    g_carved += std::chrono::steady_clock::now() - begin;
+    return;
+  }
+  std::vector<kerf::page::ChangedTile> tiles(kerf_changed());
+  if (!tiles.empty()) std::memcpy(tiles.data(), kerf_output(), tiles.size() * sizeof tiles[0]);
+  for (const auto& tile : tiles) kerf_mesh(tile.at.x, tile.at.y);
+  g_displayed += std::chrono::steady_clock::now() - begin;
+}
+
 void run(char kind, std::span<const char> bytes) {
   std::memcpy(kerf_input(static_cast<std::uint32_t>(bytes.size())), bytes.data(), bytes.size());
   if (kind == 'w') {
@@ -48,6 +65,8 @@ void run(char kind, std::span<const char> bytes) {
   } else if (kind == 's') {
     kerf_settle();
     print_changed();
+  } else if (kind == 'c' || kind == 'd') {
+    run_timed(kind);
   } else {
     const bool taken = kerf_take();
     std::printf("take %d %016llx\n", int{taken}, static_cast<unsigned long long>(kerf_hash()));
@@ -65,6 +84,9 @@ int main(int argc, char** argv) {
     std::memcpy(&bytes, &job[at + 1], sizeof bytes);
     run(job[at], std::span(job).subspan(at + 5, bytes));
     at += 5 + bytes;
+  }
+  if (g_carved.count() > 0) {
+    std::printf("time %.3f %.3f\n", g_carved.count(), g_displayed.count());
   }
   return job.empty() ? 1 : 0;
 }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 #include "tests/support/carvings.h"
 #include "tests/support/mesh_check.h"
@@ -157,6 +160,50 @@ TEST(SurfaceMesh, ObliqueWallsAreStraight) {
   EXPECT_LT(worst_mm, 0.45 * 0.25);  // a staircase would be off by up to 0.68 pitches
 }
 
+/// The columns of a tile in which two views of a block with one field differ, if any do.
+std::optional<ChangedColumns> difference(const DexelSnapshot& a, const DexelSnapshot& b,
+                                         TileIndex tile) {
+  ChangedColumns found{tile, kTileSide, kTileSide, 0, 0};
+  std::vector<Dexel> of_a, of_b;
+  for (std::int32_t y = 0; y < kTileSide; ++y) {
+    for (std::int32_t x = 0; x < kTileSide; ++x) {
+      const std::int32_t i = tile.x * kTileSide + x, j = tile.y * kTileSide + y;
+      if (std::ranges::equal(a.column(i, j, of_a), b.column(i, j, of_b))) continue;
+      found.begin_x = std::min(found.begin_x, x);
+      found.begin_y = std::min(found.begin_y, y);
+      found.end_x = std::max(found.end_x, x + 1);
+      found.end_y = std::max(found.end_y, y + 1);
+    }
+  }
+  if (found.end_x == 0) return std::nullopt;
+  return found;
+}
+
+TEST(SurfaceMesh, ChangesWhereItReadsChangedColumnsOnly) {
+  Sculpture sculpture = make_sculpture(kBlock, 0.25);
+  RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, 9);
+  const DexelGrid& grid = sculpture.grid();
+  auto meshes = mesh_all(sculpture.solid());
+  std::size_t fewer = 0;
+  for (int n = 0; n < 40; ++n) {
+    const SolidSnapshot before = sculpture.solid();
+    const auto tiles = carver.cut();
+    const SolidSnapshot solid = sculpture.solid();
+    std::vector<ChangedColumns> changed;
+    for (const TileIndex tile : tiles) {
+      const auto columns = difference(before.fields.front(), solid.fields.front(), tile);
+      if (columns) changed.push_back(*columns);
+    }
+    const std::vector<TileIndex> reading = tiles_that_read(grid, changed);
+    fewer += tiles_to_remesh(grid, tiles).size() - reading.size();
+    for (const TileIndex tile : reading) {
+      meshes[std::size_t(tile.y * grid.tiles_x() + tile.x)] = mesh_tile(solid, tile);
+    }
+  }
+  EXPECT_GT(fewer, 20U);
+  EXPECT_EQ(check_mesh(meshes).hash, check_mesh(mesh_all(sculpture.solid())).hash);
+}
+
 TEST(SurfaceMesh, TilesDoNotDependOnOrderOrHistory) {
   Sculpture sculpture = make_sculpture(kBlock, 0.25);
   RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, 7);
@@ -215,6 +262,21 @@ TEST(TilesToRemesh, AreTheTileAndItsNeighborsWithinTheGrid) {
             (std::vector<TileIndex>{{0, 0}, {0, 1}, {1, 0}, {1, 1}}));
   EXPECT_EQ(tiles_to_remesh(grid, {{2, 1}, {0, 0}, {2, 1}}), expected);
   EXPECT_TRUE(tiles_to_remesh(grid, {}).empty());
+}
+
+TEST(TilesToRemesh, AreTheNeighborsThatReadTheChangedColumns) {
+  DexelGrid grid;
+  grid.columns_x = grid.columns_y = 32 * 3;
+  const auto reading = [&](std::int32_t begin_x, std::int32_t end_x) {
+    const ChangedColumns columns{{1, 1}, begin_x, 10, end_x, 20};
+    return tiles_that_read(grid, {&columns, 1});
+  };
+  using Tiles = std::vector<TileIndex>;
+  EXPECT_EQ(reading(4, 28), (Tiles{{1, 1}}));
+  EXPECT_EQ(reading(3, 28), (Tiles{{0, 1}, {1, 1}}));
+  EXPECT_EQ(reading(4, 29), (Tiles{{1, 1}, {2, 1}}));
+  const ChangedColumns corner{{1, 1}, 0, 0, 2, 2};
+  EXPECT_EQ(tiles_that_read(grid, {&corner, 1}), (Tiles{{0, 0}, {0, 1}, {1, 0}, {1, 1}}));
 }
 
 }  // namespace

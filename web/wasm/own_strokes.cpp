@@ -2,11 +2,13 @@
 #include "web/wasm/own_strokes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "kernel/dexel/common_solid.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/stock_column.h"
+#include "kernel/tool/tool_bounds.h"
 #include "server/convert/tool_track.h"
 
 namespace kerf::page {
@@ -60,6 +62,17 @@ bool is_empty(const DexelTile& tile) {
   return std::ranges::equal(tile.bottom, tile.top);  // topmost elements, below which others are
 }
 
+/// Returns the columns of a tile that lie in a box or a column beside it.
+ChangedColumns columns_within(const DexelGrid& grid, TileIndex tile, const Bounds& box) {
+  const auto column = [&grid](double at_mm, double origin_mm, std::int32_t of_tile, int more) {
+    const double n = std::floor((at_mm - origin_mm) / grid.pitch_mm) + more - of_tile * kTileSide;
+    return static_cast<std::int32_t>(std::clamp(n, 0.0, double{kTileSide}));
+  };
+  const Vec3& from = grid.origin_mm;
+  return {tile, column(box.lo_mm.x, from.x, tile.x, -1), column(box.lo_mm.y, from.y, tile.y, -1),
+          column(box.hi_mm.x, from.x, tile.x, 2), column(box.hi_mm.y, from.y, tile.y, 2)};
+}
+
 }  // namespace
 
 bool OwnStrokes::is_pending(FieldTile at) const {
@@ -76,7 +89,7 @@ void OwnStrokes::begin_stroke() {
 }
 
 void OwnStrokes::move(agent::Replica& replica, const wire::MotionSample& sample,
-                      std::vector<TileIndex>& seen) {
+                      std::vector<ChangedColumns>& seen) {
   if (!cuts(sample)) in_stroke_ = false;
   if (!base_ || !in_stroke_) base_ = cuts(sample) ? std::optional(solid(replica)) : std::nullopt;
   replica.move(sample);
@@ -95,10 +108,15 @@ void OwnStrokes::move(agent::Replica& replica, const wire::MotionSample& sample,
     if (!stroke.is_known || stroke.other.contains(at)) continue;
     stroke.other.emplace(at, tile_of(*base_, at));
   }
-  seen.insert(seen.end(), result.changed_tiles.begin(), result.changed_tiles.end());
+  if (replica.block().settings().rays == Rays::kDexel) return;
+  const Tool& tool = *replica.block().tool(cut->move.tool);
+  const Bounds box = joined(tool_bounds(tool, cut->move.from), tool_bounds(tool, cut->move.to));
+  for (const TileIndex tile : result.changed_tiles) {
+    seen.push_back(columns_within(replica.block().grid(), tile, box));
+  }
 }
 
-void OwnStrokes::change(agent::Replica& replica, bool undone, std::vector<TileIndex>& seen) {
+void OwnStrokes::change(agent::Replica& replica, bool undone, std::vector<ChangedColumns>& seen) {
   in_stroke_ = false;
   base_.reset();
   auto& from = undone ? done_ : undone_;
@@ -118,7 +136,9 @@ void OwnStrokes::change(agent::Replica& replica, bool undone, std::vector<TileIn
       tiles.push_back({at, copy_of(std::exchange(form, tile_of(before, at)))});
     }
     const ReplacedTiles replaced = ahead_->replace(tiles);
-    seen.insert(seen.end(), replaced.changed_tiles.begin(), replaced.changed_tiles.end());
+    if (replica.block().settings().rays != Rays::kDexel) {
+      for (const TileIndex tile : replaced.changed_tiles) seen.push_back({tile});
+    }
   }
   to.push_back(std::move(stroke));
   end_if_done();

@@ -11,6 +11,7 @@
 #include "haptic_agent/replica/replica.h"
 #include "kernel/dexel/dexel_tile.h"
 #include "kernel/dexel/solid_snapshot.h"
+#include "kernel/surface/tile_mesh.h"
 
 namespace kerf::page {
 
@@ -29,13 +30,13 @@ class OwnStrokes {
   SolidSnapshot solid(agent::Replica& replica) {
     return ahead_ ? ahead_->solid() : replica.solid();
   }
-  /// Gives the replica its next sample. Appends the tiles of the field along Z whose surface
-  /// changes in the expected block.
+  /// Gives the replica its next sample. Appends where the surface of the expected block changes, if
+  /// it has rays that are not along Z.
   void move(agent::Replica& replica, const wire::MotionSample& sample,
-            std::vector<TileIndex>& seen);
+            std::vector<ChangedColumns>& seen);
   /// The page asks the server to undo its newest stroke, or to redo the one that it undid last.
-  /// Appends tiles likewise.
-  void change(agent::Replica& replica, bool undone, std::vector<TileIndex>& seen);
+  /// Appends likewise.
+  void change(agent::Replica& replica, bool undone, std::vector<ChangedColumns>& seen);
   /// The replica has taken a patch, before which it was `before`.
   void take(agent::Replica& replica, const wire::StockPatch& patch, const SolidSnapshot& before);
   /// Expects nothing any more: the server has refused, or nothing has come for long.

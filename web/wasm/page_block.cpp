@@ -10,7 +10,18 @@
 namespace kerf::page {
 namespace {
 
-bool have_same_columns(const DexelTile& a, const DexelTile& b) {
+/// Adds a column, row-major, to those that have changed.
+void add(int column, ChangedColumns& changed) {
+  const std::int32_t x = column % kTileSide, y = column / kTileSide;
+  changed.begin_x = std::min(changed.begin_x, x);
+  changed.begin_y = std::min(changed.begin_y, y);
+  changed.end_x = std::max(changed.end_x, x + 1);
+  changed.end_y = std::max(changed.end_y, y + 1);
+}
+
+/// Returns where two forms of a tile differ; no columns: nowhere.
+ChangedColumns difference(const DexelTile& a, const DexelTile& b, TileIndex at) {
+  ChangedColumns changed{at, kTileSide, kTileSide, 0, 0};
   std::vector<Dexel> of_a, of_b;
   for (int column = 0; column < kTileColumns; ++column) {
     const auto c = std::size_t(column);
@@ -18,27 +29,28 @@ bool have_same_columns(const DexelTile& a, const DexelTile& b) {
     if (!is_split && a.bottom[c] == b.bottom[c] && a.top[c] == b.top[c]) continue;
     a.read(column, of_a);
     b.read(column, of_b);
-    if (of_a != of_b) return false;
+    if (of_a != of_b) add(column, changed);
   }
-  return true;
+  return changed;
 }
 
-/// Appends the tiles of one view that have other columns in the other view, or are missing there.
+/// Appends where the tiles of one view have other columns in the other view.
 void append_different(const DexelSnapshot& view, const DexelSnapshot& other,
-                      std::vector<TileIndex>& different) {
+                      std::vector<ChangedColumns>& different) {
   view.for_each_touched([&](TileIndex at, const DexelTile& tile) {
     const DexelTile* there = other.tiles().find(at);
     if (there == &tile) return;
     DexelTile untouched;
     if (there == nullptr) fill_from_stock(other.stock(), other.grid(), at, untouched);
-    if (!have_same_columns(tile, there == nullptr ? untouched : *there)) different.push_back(at);
+    const ChangedColumns columns = difference(tile, there == nullptr ? untouched : *there, at);
+    if (columns.end_x > 0) different.push_back(columns);
   });
 }
 
-/// Returns the tiles that differ in two views of one block. Both views keep their tiles, so that a
-/// tile that was written since is another one.
-std::vector<TileIndex> different_tiles(const SolidSnapshot& a, const SolidSnapshot& b) {
-  std::vector<TileIndex> different;
+/// Returns where two views of one block differ along Z. Both views keep their tiles, so that a tile
+/// that was written since is another one.
+std::vector<ChangedColumns> different_columns(const SolidSnapshot& a, const SolidSnapshot& b) {
+  std::vector<ChangedColumns> different;
   append_different(a.fields.front(), b.fields.front(), different);
   append_different(b.fields.front(), a.fields.front(), different);
   return different;
@@ -83,11 +95,13 @@ void PageBlock::change(bool undone) {
 std::vector<ChangedTile> PageBlock::changed() {
   SolidSnapshot now = strokes_.solid(replica_);
   const SolidSnapshot before = std::exchange(shown_, now);
-  std::vector<TileIndex> changed = different_tiles(before, now);
-  // Where rays along X and Y have changed, but none along Z.
+  std::vector<ChangedColumns> changed = different_columns(before, now);
+  if (!has_cut_ && now.fields.size() > 1) {
+    for (ChangedColumns& columns : changed) columns = {columns.tile};  // X and Y: anywhere
+  }
   changed.insert(changed.end(), seen_.begin(), seen_.end());
   seen_.clear();
-  for (const TileIndex tile : tiles_to_remesh(now.grid(), changed)) {
+  for (const TileIndex tile : tiles_that_read(now.grid(), changed)) {
     bool& by_page = waiting_[tile];
     by_page = by_page || has_cut_;
   }

@@ -57,7 +57,7 @@ class PageBlock {
 
   agent::Replica replica_;
   OwnStrokes strokes_;
-  std::vector<TileIndex> seen_;        ///< whose surface own motions have changed since
+  std::vector<ChangedColumns> seen_;   ///< where rays not along Z may have changed since
   SolidSnapshot shown_;                ///< at the last changed()
   std::map<TileIndex, bool> waiting_;  ///< changed since they were returned; whether by the page
   bool has_cut_ = false;               ///< since the last changed()

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// How fast kerf.wasm carves and displays strokes, beside the same functions compiled for this
+// machine: a ball of 10 mm, 2 mm deep in fresh stock at 0.1 mm, in frames of 1 mm with 8 samples.
+//
+// node page_speed.mjs page_job kerf.wasm FOLDER
+
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { everyTile, jobFile, motion, openKernel, stock, welcome } from './page_frames.mjs';
+
+const [, , program, file, folder] = process.argv;
+const BOX = [
+  [0, 0, -20],
+  [60, 60, 0],
+];
+const TILES = [19, 19, 7];
+const TOOLS = [{ id: 1, shape: 'ball', diameter_mm: 10, length_mm: 30 }];
+const SAMPLES = 8;
+const LINES = [12, 20, 28, 36, 44];
+const FROM_MM = 10;
+const TO_MM = 50;
+const ROUNDS = 3;
+
+/** Parallel grooves. 'c': a frame is carved; 'd': the tiles that have changed are meshed. */
+function job(rays) {
+  const tiles = everyTile(rays, TILES).map((at) => [...at, null]);
+  const sent = [
+    ['w', welcome(rays, 0.1, BOX, TOOLS)],
+    ['f', stock(1, 0n, tiles)],
+  ];
+  let sequence = 0n;
+  const sample = (x, y, z) => ({ sequence: ++sequence, tip: [x, y, z], axis: [0, 0, 1], tool: 1 });
+  for (const y of LINES) {
+    for (let z = 2; z > -2; z -= 1) sent.push(['c', motion([sample(FROM_MM, y, z)])]);
+    sent.push(['d', Buffer.alloc(0)]);
+    for (let x = FROM_MM; x < TO_MM; ++x) {
+      const steps = Array.from({ length: SAMPLES }, (_, n) => sample(x + (n + 1) / SAMPLES, y, -2));
+      sent.push(['c', motion(steps)], ['d', Buffer.alloc(0)]);
+    }
+    for (let z = -2; z < 2; z += 1) sent.push(['c', motion([sample(TO_MM, y, z)])]);
+    sequence += 1000n;
+  }
+  return sent;
+}
+
+async function timeWasm(sent) {
+  const { calls, put, output } = await openKernel(readFileSync(file));
+  let [carved, displayed] = [0, 0];
+  for (const [kind, bytes] of sent) {
+    const begin = performance.now();
+    if (kind === 'd') {
+      const tiles = new Int32Array(output(12 * calls.kerf_changed()).buffer);
+      for (let n = 0; n < tiles.length; n += 3) calls.kerf_mesh(tiles[n], tiles[n + 1]);
+      displayed += performance.now() - begin;
+      continue;
+    }
+    put(bytes);
+    if (kind === 'w') {
+      assert.equal(calls.kerf_open(), 0);
+      continue;
+    }
+    assert.equal(calls.kerf_take(), 1);
+    if (kind === 'c') carved += performance.now() - begin;
+  }
+  return [carved, displayed];
+}
+
+mkdirSync(folder, { recursive: true });
+for (const rays of ['dexel', 'tri-dexel']) {
+  const sent = job(rays);
+  const path = join(folder, `speed-${rays}.job`);
+  writeFileSync(path, jobFile(sent));
+  const least = { native: [Infinity, Infinity], page: [Infinity, Infinity] };
+  for (let round = 0; round < ROUNDS; ++round) {
+    const lines = execFileSync(program, [path], { encoding: 'utf8' }).trimEnd().split('\n');
+    const native = lines.at(-1).split(' ').slice(1).map(Number);
+    const page = await timeWasm(sent);
+    for (const n of [0, 1]) {
+      least.native[n] = Math.min(least.native[n], native[n]);
+      least.page[n] = Math.min(least.page[n], page[n]);
+    }
+  }
+  const length = LINES.length * (TO_MM - FROM_MM);
+  for (const [n, what] of ['carved', 'displayed'].entries()) {
+    const [native, page] = [least.native[n] / length, least.page[n] / length];
+    console.log(
+      `${rays}, 1 mm ${what}: ${native.toFixed(2)} ms natively, ${page.toFixed(2)} ms by ` +
+        `kerf.wasm, ${(page / native).toFixed(2)} times`,
+    );
+  }
+}
