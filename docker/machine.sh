@@ -96,17 +96,19 @@ install_web() {
   fi
 }
 
-# Builds the kernel for pages where its packages are. What an older build has left would not be the server's kernel.
+# Builds the kernel for pages where its packages are: for those of a server, and for kerf.html, which needs none. What an
+# older build has left would not be the server's kernel.
 build_wasm() {
   local missing
   mapfile -t missing < <(packages_missing wasm)
   if [ ${#missing[@]} = 0 ]; then
     build_all wasm -- kerf_page
+    build_all wasm-files -- kerf_files
     return
   fi
-  rm -f "$KERF_ROOT/web/public/kerf.wasm"
-  echo "The page gets no copy of the block and shows cuts when the server has made them, because kerf.wasm needs Debian" \
-    "packages that are missing: ${missing[*]}. To install them: docker/machine.sh install wasm"
+  rm -f "$KERF_ROOT"/web/public/kerf{,_files}.wasm
+  echo "The page gets no copy of the block and shows cuts when the server has made them, and kerf.html can carve nothing," \
+    "because kerf.wasm and kerf_files.wasm need Debian packages that are missing: ${missing[*]}. To install them: docker/machine.sh install wasm"
 }
 
 build_page() {

@@ -9,15 +9,18 @@ import { defineConfig } from 'vitest/config';
 // fake`). In production the server itself serves dist/.
 const server = process.env['KERF_SERVER'] ?? 'http://127.0.0.1:8080';
 
+const CHUNKS = /^assets\/(page|viewer|three)-.*\.js$/;
+const LOCAL_CHUNKS = /^assets\/(local_page|viewer|three)-.*\.js$/;
+
 /** Fetches the code of page and picture at once; it runs when texts and connection are there. */
 function preloadView(): Plugin {
   return {
     name: 'preload-view',
     transformIndexHtml: {
       order: 'post',
-      handler: (_html, { bundle }) =>
+      handler: (_html, { bundle, path }) =>
         Object.keys(bundle ?? {})
-          .filter((file) => /^assets\/(page|viewer|three)-.*\.js$/.test(file))
+          .filter((file) => (path === '/kerf.html' ? LOCAL_CHUNKS : CHUNKS).test(file))
           .map((file): HtmlTagDescriptor => ({
             tag: 'link',
             attrs: { rel: 'modulepreload', crossorigin: true, href: `./${file}` },
@@ -56,13 +59,17 @@ export default defineConfig({
   base: './',
   define: {
     KERF_HAS_KERNEL: JSON.stringify(existsSync(join(import.meta.dirname, 'public/kerf.wasm'))),
+    KERF_HAS_FILES: JSON.stringify(existsSync(join(import.meta.dirname, 'public/kerf_files.wasm'))),
   },
   json: { namedExports: false },
   plugins: [preloadView(), compress()],
   build: {
     target: 'es2022',
     chunkSizeWarningLimit: 900,
-    rollupOptions: { output: { manualChunks: { three: ['three'] } } },
+    rollupOptions: {
+      input: ['index.html', 'kerf.html'],
+      output: { manualChunks: { three: ['three'] } },
+    },
   },
   server: { proxy: { '/v1': { target: server, ws: true, changeOrigin: false } } },
   test: { environment: 'node', include: ['test/**/*.test.ts'], testTimeout: 20_000 },

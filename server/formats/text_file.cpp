@@ -2,18 +2,26 @@
 #include "server/formats/text_file.h"
 
 #include <array>
-#include <fstream>
+#include <cstdio>
+#include <memory>
 
 namespace kerf {
+namespace {
+
+struct Closer {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+}  // namespace
 
 std::optional<std::string> read_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  const std::unique_ptr<std::FILE, Closer> file(std::fopen(path.c_str(), "rb"));
+  if (!file) return std::nullopt;
   std::string bytes;
-  // On a folder, read() sets the failure bit where stream iterators would throw.
   std::array<char, 1 << 16> chunk;
-  while (file.read(chunk.data(), chunk.size()) || file.gcount() > 0)
-    bytes.append(chunk.data(), static_cast<std::size_t>(file.gcount()));
-  if (!file.eof()) return std::nullopt;
+  while (const std::size_t count = std::fread(chunk.data(), 1, chunk.size(), file.get()))
+    bytes.append(chunk.data(), count);
+  if (std::ferror(file.get()) != 0) return std::nullopt;  // such as a folder
   return bytes;
 }
 

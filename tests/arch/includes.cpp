@@ -108,6 +108,8 @@ const std::vector<Module>& other_modules() {
         "server/session", "server/metrics", "server/rights", "server/socket", "server/tls",
         "server/websocket", "server/threads"}},
       {"server", {"kernel"}},
+      // Programs, scenes and models, for a page without a server.
+      {"web/wasm/files", {"kernel", "server/formats", "server/verify"}},
       // The replica of an agent, for pages.
       {"web/wasm",
        {"kernel", "server/wire", "server/convert", "server/formats", "haptic_agent/replica"}},
@@ -133,7 +135,7 @@ const std::vector<Library>& libraries() {
       {{"nlohmann/"},
        false,
        {"server/formats", "server/verify", "server/carve", "server/store", "server/session",
-        "server/feed", "server/conversation", "server/http", "haptic_agent"},
+        "server/feed", "server/conversation", "server/http", "haptic_agent", "web/wasm/files"},
        "JSON stays inside the .cpp files that read and write it"},
       {{"tiny_gltf.h", "tinygltf/"}, false, {"server/formats"}, "glTF is a file format"},
       {{"expat.h"}, false, {"server/formats"}, "3MF is a file format"},

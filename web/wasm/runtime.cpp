@@ -6,10 +6,6 @@
 /// Registers a destructor of a thread's object. A module has one thread, which never ends.
 extern "C" int __cxa_thread_atexit(void (*)(void*), void*, void*) { return 0; }
 
-/// There is no code that catches: what throws ends the module by a trap, which its caller sees.
-extern "C" void* __cxa_allocate_exception(unsigned long) { __builtin_trap(); }
-extern "C" void __cxa_throw(void*, void*, void (*)(void*)) { __builtin_trap(); }
-
 /// What the libraries print before they abort would pull in all of printf.
 void std::__libcpp_verbose_abort(const char*, ...) { __builtin_trap(); }
 extern "C" void abort_message(const char*, ...) { __builtin_trap(); }

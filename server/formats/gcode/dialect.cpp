@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/gcode/dialect.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace kerf {
@@ -44,16 +43,18 @@ constexpr std::array kRules{
 }  // namespace
 
 const DialectRules& rules_of(Dialect dialect) {
-  const auto* found = std::ranges::find(kRules, dialect, &DialectRules::dialect);
-  return found == kRules.end() ? kRules.front() : *found;
+  for (const DialectRules& rules : kRules)
+    if (rules.dialect == dialect) return rules;
+  return kRules.front();
 }
 
 std::optional<Dialect> dialect_of(std::string_view name) {
   if (name == kAutoName) return Dialect::kAuto;
   for (const auto& [dialect, other] : kOthers)
     if (name == other) return dialect;
-  const auto* found = std::ranges::find(kRules, name, &DialectRules::name);
-  return found == kRules.end() ? std::nullopt : std::optional(found->dialect);
+  for (const DialectRules& rules : kRules)
+    if (rules.name == name) return rules.dialect;
+  return std::nullopt;
 }
 
 std::string dialect_names() {

@@ -198,7 +198,8 @@ double GcodeValueReader::number() {
   if (!digits) throw GcodeFault{word_since(start), "is not a number"};
   const std::string_view text = line_.substr(start, at_ - start);
   double result = 0;
-  const auto read = std::from_chars(text.begin(), text.end(), result, std::chars_format::fixed);
+  const auto read =
+      std::from_chars(text.data(), text.data() + text.size(), result, std::chars_format::fixed);
   if (read.ec != std::errc{}) throw GcodeFault{word_since(start), "is not a number"};
   return result;
 }

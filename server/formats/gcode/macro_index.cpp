@@ -16,8 +16,9 @@ std::optional<int> number_after(std::string_view code, std::string_view word) {
   if (at == std::string_view::npos) return std::nullopt;
   const std::string_view digits = code.substr(at + word.size());
   int number = 0;
-  const auto read = std::from_chars(digits.begin(), digits.end(), number);
-  if (read.ec != std::errc{} || read.ptr != digits.end()) return std::nullopt;
+  const char* end = digits.data() + digits.size();
+  const auto read = std::from_chars(digits.data(), end, number);
+  if (read.ec != std::errc{} || read.ptr != end) return std::nullopt;
   return number;
 }
 
@@ -28,9 +29,9 @@ std::optional<int> leading_number(std::string_view code, std::string_view letter
   if (code.size() < 2 || letters.find(code[0]) == std::string_view::npos || !is_digit(code[1]))
     return std::nullopt;
   int number = 0;
-  const auto read = std::from_chars(code.begin() + 1, code.end(), number);
+  const auto read = std::from_chars(code.data() + 1, code.data() + code.size(), number);
   if (read.ec != std::errc{}) return std::nullopt;
-  rest = code.substr(static_cast<std::size_t>(read.ptr - code.begin()));
+  rest = code.substr(static_cast<std::size_t>(read.ptr - code.data()));
   return number;
 }
 

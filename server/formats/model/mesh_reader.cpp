@@ -20,7 +20,7 @@ struct SamePlace {
       hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 1099511628211U;
       hash ^= hash >> 29U;
     }
-    return hash;
+    return static_cast<std::size_t>(hash);
   }
 };
 

@@ -51,7 +51,7 @@ class VertexCells {
         hash = (hash ^ static_cast<std::uint64_t>(c)) * 1099511628211U;
         hash ^= hash >> 31U;
       }
-      return hash;
+      return static_cast<std::size_t>(hash);
     }
   };
 

@@ -23,7 +23,7 @@ std::array<std::uint32_t, 3> bits_of(const std::array<float, 3>& p) {
 }  // namespace
 
 std::size_t VertexWelder::PositionHash::operator()(const Position& p) const {
-  return mixed((std::uint64_t{p[0]} << 32U | p[1]) ^ mixed(p[2]));
+  return static_cast<std::size_t>(mixed((std::uint64_t{p[0]} << 32U | p[1]) ^ mixed(p[2])));
 }
 
 const VertexWelder::Welded& VertexWelder::weld(const MeshPiece& piece) {

@@ -46,6 +46,32 @@ function imports(module: WebAssembly.Module): WebAssembly.Imports {
   return all;
 }
 
+/** Reads what kerf_mesh has put into the output; `output` returns a copy of its first bytes. */
+export function trianglesOf(
+  x: number,
+  y: number,
+  vertices: number,
+  output: (bytes: number) => Uint8Array<ArrayBuffer>,
+): TileTriangles {
+  const [corners] = new Uint32Array(output(4).buffer);
+  const indexAt = 4 + 24 * vertices;
+  const originalAt = indexAt + 4 * corners!;
+  const { buffer } = output(originalAt + vertices);
+  return {
+    x,
+    y,
+    positions: new Float32Array(buffer.slice(4, 4 + 12 * vertices)),
+    normals: new Float32Array(buffer.slice(4 + 12 * vertices, indexAt)),
+    index: new Uint32Array(buffer.slice(indexAt, originalAt)),
+    original: new Uint8Array(buffer.slice(originalAt)),
+  };
+}
+
+/** A state's hash, as the server writes it. */
+export function hashText(hash: bigint): string {
+  return BigInt.asUintN(64, hash).toString(16).padStart(16, '0');
+}
+
 export class Kernel {
   private constructor(private readonly calls: Exports) {}
 
@@ -97,24 +123,12 @@ export class Kernel {
 
   /** The mesh of a tile at the last changed(). */
   mesh(x: number, y: number): TileTriangles {
-    const vertices = this.calls.kerf_mesh(x, y);
-    const [corners] = new Uint32Array(this.output_(4).buffer);
-    const indexAt = 4 + 24 * vertices;
-    const originalAt = indexAt + 4 * corners!;
-    const { buffer } = this.output_(originalAt + vertices);
-    return {
-      x,
-      y,
-      positions: new Float32Array(buffer.slice(4, 4 + 12 * vertices)),
-      normals: new Float32Array(buffer.slice(4 + 12 * vertices, indexAt)),
-      index: new Uint32Array(buffer.slice(indexAt, originalAt)),
-      original: new Uint8Array(buffer.slice(originalAt)),
-    };
+    return trianglesOf(x, y, this.calls.kerf_mesh(x, y), (bytes) => this.output_(bytes));
   }
 
   /** The hash of the block's state, as the server writes it. */
   hash(): string {
-    return BigInt.asUintN(64, this.calls.kerf_hash()).toString(16).padStart(16, '0');
+    return hashText(this.calls.kerf_hash());
   }
 
   private put_(bytes: Uint8Array): void {

@@ -7,6 +7,7 @@ import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
 import { h, setText } from './dom';
 import { languageChoice } from './language_choice';
+import { Figure, section } from './figures';
 import { count, duration, figure, volume } from './format';
 import { History } from './history';
 import { MaterialChoice } from './material_choice';
@@ -24,30 +25,6 @@ export interface PanelActions {
   layoutChanged: () => void;
   /** The bottom sheet (on phones) was opened or closed. */
   toggled: (open: boolean) => void;
-}
-
-class Figure {
-  private readonly value_ = h('b');
-  private readonly unit_ = h('small');
-  readonly element: HTMLElement;
-
-  constructor(label: string) {
-    this.element = h(
-      'div',
-      { class: 'figure' },
-      h('dt', {}, label),
-      h('dd', {}, this.value_, this.unit_),
-    );
-  }
-
-  set(value: string, unit = ''): void {
-    setText(this.value_, value);
-    setText(this.unit_, unit);
-  }
-}
-
-function section(title: string, ...content: HTMLElement[]): HTMLElement {
-  return h('section', { 'aria-label': title }, h('h2', {}, title), ...content);
 }
 
 export class Panel {

@@ -95,10 +95,21 @@ export class PathControl {
 
   /** Takes how far the program has come. */
   update({ id, state, line, motions, motions_done }: ProgramInfo): void {
-    if (id !== this.program_ || !this.path_ || !this.view_) return;
-    const share = motions > 0 ? motions_done / motions : 0;
-    const isBefore = state === 'queued' || motions_done === 0;
-    this.view_.setReached(isBefore ? -1 : reached(this.path_, line, share));
+    if (id !== this.program_) return;
+    this.reach(state === 'queued' ? 0 : motions_done, motions, line);
+  }
+
+  /** So many of the program's motions are done, the last one of a line. */
+  reach(done: number, motions: number, line: number): void {
+    if (!this.path_ || !this.view_) return;
+    const share = motions > 0 ? done / motions : 0;
+    this.view_.setReached(done === 0 ? -1 : reached(this.path_, line, share));
+  }
+
+  /** Shows a path that was not asked for; null: none. */
+  show(path: ProgramPath | null): void {
+    this.path_ = path;
+    this.draw_();
   }
 
   /** Marks the place of a line, or a place that belongs to it. */

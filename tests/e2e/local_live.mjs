@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// End-to-end test of kerf.html, served as plain files: a dropped program is carved in the page, its
+// state hash and STL file are those of kerf-carve, and errors are shown at their place. See README.md.
+//
+// node local_live.mjs --carve PROGRAM --web FOLDER --out FOLDER
+
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import { existsSync } from 'node:fs';
+import { readFile, writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { checkAccessible } from './support/axe.mjs';
+import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
+import { serveFiles } from './support/file_host.mjs';
+import { until } from './support/processes.mjs';
+import { optionsOf, runTest } from './support/session.mjs';
+import { clashesIn } from './support/texts.mjs';
+
+const options = optionsOf(['carve', 'web', 'out']);
+
+const SETTLE_S = 60; // software WebGL on a busy machine
+const DESK = { width: 1440, height: 900 };
+const PHONE = { width: 390, height: 844 };
+const NAME = 'wave.ngc';
+const PROGRAM = [
+  '(T5 D=6. CR=3. - ball end mill)',
+  ...['G21 G90', 'T5 M6', 'S10000 M3', 'F800', 'G0 X0 Y0 Z5', 'G1 Z-1'],
+  ...Array.from({ length: 16 }, (_, row) =>
+    Array.from({ length: 21 }, (__, n) => {
+      const x = row % 2 === 0 ? 2 * n : 40 - 2 * n;
+      return `G1 X${x} Y${(1.6 * row).toFixed(2)} Z${(-2 + Math.sin(x / 4 + row / 3)).toFixed(4)}`;
+    }),
+  ).flat(),
+  ...['G0 Z5', 'M30', ''],
+].join('\n');
+const SCENE = JSON.stringify({
+  name: 'wave',
+  stock: { shape: 'box', min_mm: [-3, -3, -6], max_mm: [43, 27, 0] },
+  accuracy: { pitch_mm: 0.4, tolerance_mm: 0.02 },
+  tools: [{ id: 5, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
+});
+const FAULT = 'G21 G90\nG1 X5 F100\nG1 X7 Q3\nM30\n';
+
+/** Drops files on the page, as a hand does. */
+function drop(page, files) {
+  return page.evaluate((all) => {
+    const dataTransfer = new DataTransfer();
+    for (const [name, text] of Object.entries(all)) dataTransfer.items.add(new File([text], name));
+    const event = new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true });
+    document.querySelector('main').dispatchEvent(event);
+  }, files);
+}
+
+async function carvedHere(folder) {
+  await writeFile(join(folder, NAME), PROGRAM);
+  await writeFile(join(folder, 'wave.json'), SCENE);
+  const args = ['--program', NAME, '--scene', 'wave.json', '--stl', 'here.stl'];
+  args.push('--report', 'here.json');
+  const { status, stderr } = spawnSync(options.carve, args, { cwd: folder, encoding: 'utf8' });
+  assert.equal(status, 0, stderr);
+  const report = JSON.parse(await readFile(join(folder, 'here.json'), 'utf8'));
+  return { ...report, stl: await readFile(join(folder, 'here.stl')) };
+}
+
+const atRest = async ({ state }) => {
+  const { status, hash, waiting } = await state();
+  return status === 'rest' && hash !== null && waiting === 0;
+};
+
+async function checkCarving(viewer, here) {
+  const { page, state } = viewer;
+  await checkAccessible(page, 'the empty page');
+  await drop(page, { [NAME]: PROGRAM, 'wave.json': SCENE });
+  await until('carved program', SETTLE_S, () => atRest(viewer));
+  const { hash, carved, motions } = await state();
+  assert.equal(hash, here.state_hash);
+  assert.equal(carved, motions);
+  await page.getByText(here.state_hash).waitFor();
+  const [download] = await Promise.all([
+    page.waitForEvent('download'),
+    page.getByRole('button', { name: 'STL' }).click(),
+  ]);
+  assert.equal(download.suggestedFilename(), 'wave.stl');
+  const stl = await readFile(await download.path());
+  assert(stl.equals(here.stl), "the page's STL file is not that of kerf-carve");
+}
+
+/** The scrub bar goes back: another state, and at the end the same again. */
+async function checkScrubbing(viewer, here) {
+  const { page, state } = viewer;
+  const scrub = page.getByRole('slider', { name: 'Place along the program' });
+  await scrub.fill('100');
+  await until('state of motion 100', SETTLE_S, async () => {
+    return (await atRest(viewer)) && (await state()).carved === 100;
+  });
+  assert.notEqual((await state()).hash, here.state_hash);
+  await page.getByText('Motion 100 of', { exact: false }).waitFor();
+  const spread = await photograph(viewer, join(options.out, 'local-scrubbed.png'));
+  assert(spread > 4, `the picture is blank: ${spread}`);
+  await scrub.fill(String((await state()).motions));
+  await until('state of the end', SETTLE_S, async () => {
+    return (await atRest(viewer)) && (await state()).hash === here.state_hash;
+  });
+}
+
+async function checkFault({ page, state }) {
+  await drop(page, { 'fault.ngc': FAULT });
+  await until('rejected program', SETTLE_S, async () => (await state()).status === 'failed');
+  await page
+    .getByRole('alert')
+    .getByText("fault.ngc:3: 'Q3' is not used", { exact: false })
+    .waitFor();
+  assert.equal(await page.locator('.program-row.marked mark').textContent(), 'Q3');
+}
+
+async function test(folder) {
+  const here = await carvedHere(folder);
+  const host = await serveFiles(options.web);
+  const browser = await launchBrowser();
+  try {
+    const viewer = await openViewer(browser, `${host.base}/kerf.html`, DESK, {
+      reducedMotion: 'reduce',
+    });
+    await photograph(viewer, join(options.out, 'local-empty.png'));
+    await checkCarving(viewer, here);
+    await until('picture', SETTLE_S, async () => (await viewer.state()).hasPicture);
+    await photograph(viewer, join(options.out, 'local.png'));
+    await checkAccessible(viewer.page, 'the page with a block');
+    await checkScrubbing(viewer, here);
+    assert.deepEqual(await clashesIn(viewer.page, 'main > :is(.bar, .toolbar, .panel)'), []);
+    await viewer.page.setViewportSize(PHONE);
+    await photograph(viewer, join(options.out, 'local-phone.png'));
+    await viewer.page.setViewportSize(DESK);
+    await checkFault(viewer);
+    assert.deepEqual(viewer.problems, []);
+    assert.deepEqual(host.missing, [], 'the page asks for what is not in its folder');
+  } finally {
+    await browser.close();
+    await host.close();
+  }
+}
+
+if (existsSync(join(options.web, 'kerf_files.wasm'))) {
+  await runTest(test, options.out);
+} else {
+  console.log('skipped: the page was built without kerf_files.wasm (web/wasm/README.md)');
+  process.exit(77);
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// The worker of the page without a server.
+
+import { Carver } from './carver';
+import type { FromWorker, ToWorker } from './messages';
+import { ProgramBlock } from './program_block';
+
+/** What need not be copied. */
+function buffersOf(message: FromWorker): Transferable[] {
+  if (message.type === 'model') return [message.bytes.buffer];
+  if (message.type !== 'carved') return [];
+  return message.tiles.flatMap(({ positions, normals, index, original }) => [
+    positions.buffer,
+    normals.buffer,
+    index.buffer,
+    original.buffer,
+  ]);
+}
+
+// A timer would wait; the messages of a channel come after those that wait already.
+const channel = new MessageChannel();
+const waiting: (() => void)[] = [];
+channel.port1.onmessage = () => waiting.shift()?.();
+
+const carver = new Carver({
+  post: (message) => self.postMessage(message, { transfer: buffersOf(message) }),
+  load: (module) => ProgramBlock.of(module),
+  later: (act) => {
+    waiting.push(act);
+    channel.port2.postMessage(null);
+  },
+  nowMs: () => performance.now(),
+});
+onmessageerror = () => self.postMessage({ type: 'failed', reason: 'A message cannot be read.' });
+let last = Promise.resolve();
+onmessage = ({ data }: MessageEvent<ToWorker>) => {
+  if (data.type === 'load') last = carver.receive(data);
+  else void last.then(() => carver.receive(data));
+};

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parts of side panels.
+
+import { h, setText } from './dom';
+
+/** A number with its unit, under a label. */
+export class Figure {
+  private readonly value_ = h('b');
+  private readonly unit_ = h('small');
+  readonly element: HTMLElement;
+
+  constructor(label: string) {
+    this.element = h(
+      'div',
+      { class: 'figure' },
+      h('dt', {}, label),
+      h('dd', {}, this.value_, this.unit_),
+    );
+  }
+
+  set(value: string, unit = ''): void {
+    setText(this.value_, value);
+    setText(this.unit_, unit);
+  }
+}
+
+/** A part of a panel. */
+export function section(title: string, ...content: HTMLElement[]): HTMLElement {
+  return h('section', { 'aria-label': title }, h('h2', {}, title), ...content);
+}

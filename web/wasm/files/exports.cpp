@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/wasm/files/exports.h"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "web/wasm/files/program_block.h"
+
+#define KERF_EXPORT(name) __attribute__((export_name(#name)))
+
+namespace {
+
+using kerf::page::BlockFiles;
+using kerf::page::ProgramBlock;
+
+std::vector<std::byte> g_input, g_output;
+std::optional<ProgramBlock> g_block;
+
+template <typename T>
+void append(std::span<const T> values) {
+  const std::span bytes = std::as_bytes(values);
+  g_output.insert(g_output.end(), bytes.begin(), bytes.end());
+}
+
+std::uint32_t put(std::string_view text) {
+  g_output.clear();
+  append(std::span<const char>(text));
+  return static_cast<std::uint32_t>(g_output.size());
+}
+
+std::uint32_t put_error(const std::expected<void, std::string>& done) {
+  return put(done ? std::string() : done.error());
+}
+
+std::string_view input_text() {
+  return {reinterpret_cast<const char*>(g_input.data()), g_input.size()};
+}
+
+/// Takes the first line off a text.
+std::string take_line(std::string_view& text) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string line(text.substr(0, end));
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+}  // namespace
+
+KERF_EXPORT(kerf_input) std::byte* kerf_input(std::uint32_t bytes) {
+  g_input.resize(bytes);
+  return g_input.data();
+}
+
+KERF_EXPORT(kerf_output) const std::byte* kerf_output() { return g_output.data(); }
+
+KERF_EXPORT(kerf_read) std::uint32_t kerf_read() {
+  std::string_view names = input_text();
+  BlockFiles files;
+  for (std::string* name : {&files.program, &files.scene, &files.stock}) *name = take_line(names);
+  g_block.reset();
+  auto block = ProgramBlock::read(files);
+  if (!block) return put(block.error());
+  g_block.emplace(*std::move(block));
+  return 0;
+}
+
+KERF_EXPORT(kerf_make) std::uint32_t kerf_make() { return put_error(g_block->make()); }
+
+KERF_EXPORT(kerf_carve) std::uint32_t kerf_carve(std::uint32_t motions) {
+  return put_error(g_block->carve(motions));
+}
+
+KERF_EXPORT(kerf_seek) void kerf_seek(std::uint32_t motion) { g_block->seek(motion); }
+
+KERF_EXPORT(kerf_changed) std::uint32_t kerf_changed() {
+  g_output.clear();
+  const std::vector<kerf::TileIndex> tiles = g_block->changed();
+  append(std::span<const kerf::TileIndex>(tiles));
+  return static_cast<std::uint32_t>(tiles.size());
+}
+
+KERF_EXPORT(kerf_mesh) std::uint32_t kerf_mesh(std::int32_t x, std::int32_t y) {
+  g_output.clear();
+  const kerf::TileMesh mesh = g_block->mesh({x, y});
+  const auto indices = static_cast<std::uint32_t>(mesh.indices.size());
+  append(std::span(&indices, 1));
+  append(std::span<const std::array<float, 3>>(mesh.positions_mm));
+  append(std::span<const std::array<float, 3>>(mesh.normals));
+  append(std::span<const std::uint32_t>(mesh.indices));
+  append(std::span<const std::uint8_t>(mesh.original));
+  return static_cast<std::uint32_t>(mesh.positions_mm.size());
+}
+
+KERF_EXPORT(kerf_hash) std::uint64_t kerf_hash() { return g_block->hash(); }
+
+KERF_EXPORT(kerf_about) std::uint32_t kerf_about() { return put(g_block->about()); }
+
+KERF_EXPORT(kerf_progress) std::uint32_t kerf_progress() { return put(g_block->progress()); }
+
+KERF_EXPORT(kerf_path) std::uint32_t kerf_path() { return put(g_block->path()); }
+
+KERF_EXPORT(kerf_write) std::uint32_t kerf_write() {
+  const auto format = kerf::model_format(input_text());
+  if (!format) return put("unknown format");
+  return put_error(g_block->write(*format, "model"));
+}
