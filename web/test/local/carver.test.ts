@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+import { beforeEach, describe, expect, it } from 'vitest';
+import { Carver } from '../../src/local/carver';
+import { NO_FILES } from '../../src/local/given_files';
+import type { FromWorker } from '../../src/local/messages';
+import type { About, ProgramBlock, Progress } from '../../src/local/program_block';
+
+const MOTIONS = 1000;
+const MOTION_MS = 2;
+const MODULE = {} as WebAssembly.Module;
+
+/** A block whose motions take their time on the clock of the test. */
+class FakeBlock {
+  carved = 0;
+  fault = '';
+  faultAt = Infinity;
+  dirty = 0;
+  constructor(private readonly clock: { ms: number }) {}
+
+  read(): void {
+    if (this.fault !== '' && this.faultAt < 0) throw new Error(this.fault);
+  }
+  make(): void {
+    this.carved = 0;
+  }
+  about(): Partial<About> {
+    return { motions: MOTIONS };
+  }
+  path(): unknown {
+    return {};
+  }
+  carve(motions: number): void {
+    if (this.carved + motions > this.faultAt) {
+      this.carved = this.faultAt;
+      throw new Error(this.fault);
+    }
+    this.carved += motions;
+    this.dirty += motions;
+    this.clock.ms += motions * MOTION_MS;
+  }
+  seek(motion: number): void {
+    if (motion < this.carved) this.carved = motion - (motion % 100);
+  }
+  changed(): unknown[] {
+    this.dirty = 0;
+    return [];
+  }
+  progress(): Partial<Progress> {
+    return { carved: this.carved };
+  }
+  hash(): string {
+    return `state ${this.carved}`;
+  }
+  model(): Uint8Array {
+    return new Uint8Array([this.carved & 0xff]);
+  }
+}
+
+describe('the worker that carves', () => {
+  const clock = { ms: 0 };
+  let block: FakeBlock;
+  let carver: Carver;
+  let posted: FromWorker[];
+  let waiting: (() => void)[];
+
+  beforeEach(async () => {
+    clock.ms = 0;
+    block = new FakeBlock(clock);
+    posted = [];
+    waiting = [];
+    carver = new Carver({
+      post: (message) => posted.push(message),
+      load: () => Promise.resolve(block as unknown as ProgramBlock),
+      later: (act) => waiting.push(act),
+      nowMs: () => clock.ms,
+    });
+    await carver.receive({ type: 'load', module: MODULE });
+  });
+
+  const last = (): FromWorker => posted.at(-1)!;
+  const run = (slices = Infinity): void => {
+    for (let n = 0; n < slices && waiting.length > 0; n += 1) waiting.shift()!();
+  };
+
+  it('carves to the end in slices, and shows the state only at rest', async () => {
+    await carver.receive({ type: 'open', files: NO_FILES });
+    expect(last().type).toBe('opened');
+    run(3);
+    expect(clock.ms).toBeLessThan(3 * 60);
+    run();
+    expect(last()).toMatchObject({ hash: 'state 1000', progress: { carved: MOTIONS } });
+    const hashes = posted.filter((one) => one.type === 'carved').map(({ hash }) => hash);
+    expect(hashes.filter((hash) => hash !== null)).toHaveLength(1);
+    expect(hashes.length).toBeGreaterThan(3);
+    expect(hashes.length).toBeLessThan((MOTIONS * MOTION_MS) / 150 + 2);
+    expect(waiting).toEqual([]);
+  });
+
+  it('stops where it is, and goes to where the user wants', async () => {
+    await carver.receive({ type: 'open', files: NO_FILES });
+    run(5);
+    await carver.receive({ type: 'stop' });
+    run();
+    const { carved } = block;
+    expect(carved).toBeGreaterThan(0);
+    expect(carved).toBeLessThan(MOTIONS);
+    expect(last()).toMatchObject({ hash: `state ${carved}` });
+    await carver.receive({ type: 'seek', motion: 250 });
+    await carver.receive({ type: 'seek', motion: 20 });
+    run();
+    expect(last()).toMatchObject({ hash: 'state 20' });
+    await carver.receive({ type: 'seek', motion: 5000 });
+    run();
+    expect(last()).toMatchObject({ hash: 'state 1000' });
+  });
+
+  it('tells why files cannot be read, and reads others', async () => {
+    [block.fault, block.faultAt] = ['a.ngc:3: no', -1];
+    await carver.receive({ type: 'open', files: NO_FILES });
+    expect(last()).toEqual({ type: 'rejected', reason: 'a.ngc:3: no' });
+    block.faultAt = Infinity;
+    await carver.receive({ type: 'open', files: NO_FILES });
+    run();
+    expect(last()).toMatchObject({ hash: 'state 1000' });
+  });
+
+  it('keeps what is carved before a motion that cannot be', async () => {
+    [block.fault, block.faultAt] = ['a.ngc:9: turns too far', 321];
+    await carver.receive({ type: 'open', files: NO_FILES });
+    run();
+    expect(posted).toContainEqual({ type: 'rejected', reason: 'a.ngc:9: turns too far' });
+    expect(last()).toMatchObject({ hash: 'state 321' });
+    await carver.receive({ type: 'model', format: 'stl' });
+    expect(last()).toMatchObject({ type: 'model', bytes: new Uint8Array([321 & 0xff]) });
+  });
+
+  it('ends where the module ends', async () => {
+    await carver.receive({ type: 'open', files: NO_FILES });
+    block.carve = () => {
+      throw new WebAssembly.RuntimeError('unreachable');
+    };
+    run();
+    expect(last()).toEqual({ type: 'failed', reason: 'unreachable' });
+    await carver.receive({ type: 'seek', motion: 1 });
+    expect(waiting).toEqual([]);
+  });
+});
