@@ -4,7 +4,7 @@
 //
 // node --no-warnings --no-turbo-fast-api-calls files_bytes.mjs kerf-carve kerf_files.wasm FOLDER
 // exit status 77: there is no kerf_files.wasm
-// With further arguments PROGRAM [SCENE] it compares, and times, the carving of that program only.
+// With further arguments PROGRAM [SCENE] it compares, and times, that program only.
 
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
@@ -156,6 +156,7 @@ async function wasmIn(at) {
 /** Carves in parts, and writes models. `seeks`: goes back and on again before. */
 async function carveInPage(at, names, seeks) {
   const { calls, put, text } = await wasmIn(at);
+  const began = process.cpuUsage();
   const must = (bytes) => {
     if (bytes > 0) throw new Error(text(bytes));
   };
@@ -164,9 +165,9 @@ async function carveInPage(at, names, seeks) {
   must(calls.kerf_make());
   const { motions } = JSON.parse(text(calls.kerf_about()));
   const carved = () => JSON.parse(text(calls.kerf_progress())).carved;
-  const began = performance.now();
   while (carved() < motions) must(calls.kerf_carve(97));
-  const seconds = (performance.now() - began) / 1000;
+  const { user, system } = process.cpuUsage(began);
+  const seconds = (user + system) / 1e6;
   const hash = () => BigInt.asUintN(64, calls.kerf_hash()).toString(16).padStart(16, '0');
   const atEnd = hash();
   if (seeks) checkSeeking(calls, motions, hash, must);
@@ -220,11 +221,15 @@ function progress(calls) {
   return Buffer.from(calls.memory.buffer, calls.kerf_output(), bytes).toString('utf8');
 }
 
-function carveHere(at, [program, sceneFile, stock], ...more) {
-  const options = ['--program', program, '--threads', '1', ...more];
+function optionsOf([program, sceneFile, stock]) {
+  const options = ['--program', program, '--threads', '1'];
   if (sceneFile) options.push('--scene', sceneFile);
   if (stock) options.push('--stock', stock);
-  return spawnSync(carve, options, { cwd: at, encoding: 'utf8' });
+  return options;
+}
+
+function carveHere(at, names, ...more) {
+  return spawnSync(carve, [...optionsOf(names), ...more], { cwd: at, encoding: 'utf8' });
 }
 
 const OUTPUTS = ['--stl', 'here.stl', '--3mf', 'here.3mf', '--report', 'here.json'];
@@ -274,8 +279,23 @@ async function compare(name, files, names, seeks = false) {
     partsOf(readFileSync(join(at, file))),
   );
   assert.deepEqual(parts, others, `${name}: the parts of the 3MF file differ from kerf-carve's`);
-  const ratio = `${page.seconds.toFixed(2)} s, ${(page.seconds / report.cut_seconds).toFixed(1)} times kerf-carve's`;
-  console.log(`${name}: ${page.motions} motions, ${page.hash}, ${one.length} bytes; ${ratio}`);
+  console.log(`${name}: ${page.motions} motions, ${page.hash}, ${one.length} bytes`);
+  if (given.length > 0) printTimes(at, names, page.seconds);
+}
+
+/** CPU time of reading and carving, on one thread. */
+function printTimes(at, names, pageSeconds) {
+  const times = ['-c', 'TIMEFORMAT="%U %S"; time "$0" "$@" 2>/dev/null', carve];
+  const { stderr } = spawnSync('bash', [...times, ...optionsOf(names), '--wall-samples', '0'], {
+    cwd: at,
+    encoding: 'utf8',
+  });
+  const here = stderr
+    .trim()
+    .split(' ')
+    .reduce((sum, part) => sum + Number(part), 0);
+  const ratio = (pageSeconds / here).toFixed(1);
+  console.log(`CPU: ${pageSeconds.toFixed(2)} s, kerf-carve ${here.toFixed(2)} s: ${ratio} times`);
 }
 
 async function compareFault(name, files, names) {
