@@ -200,7 +200,7 @@ async function checkCut({ page }, session) {
     return placed === '10';
   });
   const text = await page.locator('.cut-text').textContent();
-  const [, force, removal] = /line 10: ([\d.]+) N, ([\d.]+) cm³\/min/.exec(text) ?? [];
+  const [, force, removal] = /line 10: ([\d.]+) N, ([\d.]+) cm³\/min, 900 mm\/min/.exec(text) ?? [];
   assert(Number(force) > 1 && Math.abs(Number(removal) - GROOVE_CM3_PER_MIN) < 1, text);
   await slider.press('Home');
   assert.match(await page.locator('.cut-text').textContent(), /^0 s, line 5/);

@@ -3,6 +3,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import type { ForceCurve } from '../src/link/history';
 import { cutCurveOf, spanAt } from '../src/model/cut_curve';
 import { CutControl } from '../src/ui/programs/cut_control';
+import type { FeedCurve } from '../src/model/program_path';
 import type { CutPlot } from '../src/ui/programs/cut_plot';
 import type { ProgramInfo } from '../src/wire/types';
 import { stubPage } from './support/fake_dom';
@@ -35,6 +36,8 @@ describe('the plot of the selected program', () => {
     ({ id: 3, participant: 7, motions_done, elapsed_s: 1, programmed_s: 9 }) as ProgramInfo;
   let asked: number[];
   let shown: number;
+  let feeds: FeedCurve | null;
+  let shownFeeds: FeedCurve | null;
   let control: CutControl;
 
   beforeEach(() => {
@@ -42,9 +45,13 @@ describe('the plot of the selected program', () => {
     vi.useFakeTimers();
     asked = [];
     shown = 0;
+    feeds = shownFeeds = null;
     class FakePlot {
       readonly element = document.createElement('div');
       readonly setNow = (): void => undefined;
+      readonly setFeeds = (feeds: FeedCurve | null): void => {
+        if (feeds) shownFeeds = feeds;
+      };
       show(): void {
         shown += 1;
       }
@@ -55,6 +62,7 @@ describe('the plot of the selected program', () => {
         return Promise.resolve(asked.length === 1 ? null : FORCES);
       },
       () => null,
+      () => feeds,
       () => Promise.resolve({ CutPlot: FakePlot as unknown as typeof CutPlot }),
     );
     control.select(3);
@@ -83,6 +91,10 @@ describe('the plot of the selected program', () => {
     expect(control.element.hidden).toBe(false);
     await update(20, 5000); // it has not moved
     expect(shown).toBe(1);
+    expect(shownFeeds).toBeNull();
+    feeds = { timesS: [0, 1], feeds: [900, 900] }; // the path has come later
+    await update(20, 100);
+    expect(shownFeeds).toBe(feeds);
     control.select(4);
     expect(control.element.hidden).toBe(true);
     await update(30, 5000); // of another program

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import {
+  feedAt,
+  feedCurveOf,
   nearestInPicture,
   placeAt,
   pathOfAnswer,
@@ -36,6 +38,23 @@ describe('the path of a program', () => {
     expect(at(9)).toEqual([21, 30, 0, 5]);
     expect(at(99)).toEqual([9, 50, 0, 5]);
     expect(placeAt(pathOfAnswer({}), 1)).toBeNull();
+  });
+
+  it('has a feed of each of its parts, but for rapids', () => {
+    const curve = feedCurveOf(PATH);
+    expect(curve.timesS).toEqual([0, 1, 3, 4, 6, 8, 9]); // nothing moves when the tool is placed
+    expect(curve.feeds).toEqual([null, null, 270, 540, null, 270, 540]);
+    expect([0.5, 1, 2, 3.5, 5, 9, 9.1, -1].map((timeS) => feedAt(curve, timeS))).toEqual([
+      null,
+      null,
+      270,
+      540,
+      null,
+      540,
+      null,
+      null,
+    ]);
+    expect(feedCurveOf(pathOfAnswer({}))).toEqual({ timesS: [], feeds: [] });
   });
 
   it('is read as the server writes it', () => {

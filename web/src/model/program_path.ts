@@ -71,6 +71,40 @@ export function placeAt(path: ProgramPath, timeS: number): { point: number; tip:
   return { point: low, tip: [x, y, z] };
 }
 
+/** Columns of equal length: the feed until `timesS`, since the time before, mm/min. */
+export interface FeedCurve {
+  timesS: number[];
+  /** null: a rapid. */
+  feeds: (number | null)[];
+}
+
+/** How fast the tip moves along the path. Parts that take no time are left out. */
+export function feedCurveOf({ points, kinds, timesS }: ProgramPath): FeedCurve {
+  const curve: FeedCurve = { timesS: [], feeds: [] };
+  let beganS = timesS[0] ?? 0;
+  let length = 0;
+  for (let n = 1; n < kinds.length; n += 1) {
+    const isMove = kinds[n] !== 'placed';
+    if (isMove)
+      length += Math.hypot(...[0, 1, 2].map((k) => points[3 * n + k]! - points[3 * n - 3 + k]!));
+    const spanS = timesS[n]! - beganS;
+    if (!(spanS > 0)) continue;
+    if (curve.timesS.length === 0) curve.timesS.push(beganS);
+    curve.timesS.push(timesS[n]!);
+    curve.feeds.push(kinds[n] === 'feed' ? (60 * length) / spanS : null);
+    beganS = timesS[n]!;
+    length = 0;
+  }
+  if (curve.feeds.length > 0) curve.feeds.unshift(curve.feeds[0]!);
+  return curve;
+}
+
+/** The feed at a time; null: a rapid, or nothing moves then. */
+export function feedAt({ timesS, feeds }: FeedCurve, timeS: number): number | null {
+  const n = timesS.findIndex((endS, k) => k > 0 && endS >= timeS);
+  return n < 0 || timeS < timesS[0]! ? null : feeds[n]!;
+}
+
 export function pointOf({ points }: ProgramPath, n: number): Vec3 {
   return [points[3 * n]!, points[3 * n + 1]!, points[3 * n + 2]!];
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Force and removal along the selected program: asked for when it has moved, and plotted by a chunk
+// Force, removal and feed along the selected program: asked for when it has moved, and plotted by a chunk
 // that is loaded when there is something to plot.
 
 import type { ForceCurve } from '../../link/history';
 import { cutCurveOf } from '../../model/cut_curve';
+import type { FeedCurve } from '../../model/program_path';
 import { isOpen } from '../../model/programs';
 import type { ProgramInfo } from '../../wire/types';
 import { h } from '../dom';
@@ -26,10 +27,12 @@ export class CutControl {
   /**
    * @param ask for the curve of what a participant has carved
    * @param picked a time of the program; returns its line, if it is known
+   * @param feeds along the program, once its path is known
    */
   constructor(
     private readonly ask: (participant: number) => Promise<ForceCurve | null>,
     private readonly picked: (timeS: number) => number | null,
+    private readonly feeds: () => FeedCurve | null,
     private readonly load = () => import('./cut_plot'),
   ) {}
 
@@ -48,6 +51,7 @@ export class CutControl {
   update(program: ProgramInfo, nowMs: number): void {
     if (program.id !== this.program_) return;
     this.shown_?.setNow(isOpen(program) && program.motions_done > 0 ? program.elapsed_s : null);
+    this.shown_?.setFeeds(this.feeds()); // the path may come later than the forces
     const isNewer = program.motions_done !== this.motions_;
     if (isNewer && !this.busy_ && nowMs >= this.nextMs_) void this.refresh_(program);
   }
@@ -76,5 +80,6 @@ export class CutControl {
     this.shown_ = plot;
     this.element.hidden = false;
     plot.show(cutCurveOf(curve), program.programmed_s);
+    plot.setFeeds(this.feeds());
   }
 }

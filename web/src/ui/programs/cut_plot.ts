@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two plots over a program's time: force and rate of removal. A slider over both is where the user
+// Three plots over a program's time: force, rate of removal and feed. A slider over all is where the user
 // looks, and a line where the program is.
 
 import { t } from '../../strings';
@@ -7,6 +7,8 @@ import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { spanAt } from '../../model/cut_curve';
 import type { CutCurve } from '../../model/cut_curve';
+import { feedAt } from '../../model/program_path';
+import type { FeedCurve } from '../../model/program_path';
 import { h, setText } from '../dom';
 import { figure } from '../format';
 import { duration } from './texts';
@@ -40,6 +42,7 @@ export class CutPlot {
   readonly element = h('div', { class: 'cut-plot' }, this.slider_, this.text_);
   private readonly plots_: uPlot[];
   private curve_: CutCurve = { timesS: [], forcesN: [], removals: [] };
+  private feeds_: FeedCurve = { timesS: [], feeds: [] };
   private totalS_ = 1;
   private atS_: number | null = null;
   private line_: number | null = null;
@@ -48,7 +51,8 @@ export class CutPlot {
   constructor(private readonly picked: (timeS: number) => number | null) {
     this.plots_ = [
       this.plot_(t('Force, N'), '--force', false),
-      this.plot_(t('Removal, cm³/min'), '--removal', true),
+      this.plot_(t('Removal, cm³/min'), '--removal', false),
+      this.plot_(t('Feed, mm/min; gaps are rapids'), '--feed', true),
     ];
     const { slider_: slider } = this;
     slider.addEventListener('pointerdown', (event) => {
@@ -68,8 +72,17 @@ export class CutPlot {
     this.curve_ = curve;
     this.totalS_ = Math.max(totalS, curve.timesS.at(-1) ?? 0, 1e-3);
     this.slider_.setAttribute('aria-valuemax', this.totalS_.toFixed(1));
-    const columns = [curve.forcesN, curve.removals];
-    this.plots_.forEach((plot, n) => plot.setData([curve.timesS, columns[n]!]));
+    const [force, removal] = this.plots_;
+    force!.setData([curve.timesS, curve.forcesN]);
+    removal!.setData([curve.timesS, curve.removals]);
+    this.place_();
+  }
+
+  /** The feed along the program; null: it is not known yet. */
+  setFeeds(feeds: FeedCurve | null): void {
+    if (feeds === null || feeds === this.feeds_) return;
+    this.feeds_ = feeds;
+    this.plots_[2]!.setData([feeds.timesS, feeds.feeds]);
     this.place_();
   }
 
@@ -188,8 +201,10 @@ export class CutPlot {
         ? t('not carved yet')
         : `${figure(this.curve_.forcesN[n]!)} N, ${figure(this.curve_.removals[n]!)} cm³/min`;
     const place = line === null ? duration(atS) : t('{0}, line {1}', duration(atS), line);
-    setText(this.text_, `${place}: ${cut}`);
+    const feed = feedAt(this.feeds_, atS);
+    const text = `${place}: ${cut}${feed === null ? '' : `, ${figure(feed)} mm/min`}`;
+    setText(this.text_, text);
     this.slider_.setAttribute('aria-valuenow', atS.toFixed(1));
-    this.slider_.setAttribute('aria-valuetext', `${place}: ${cut}`);
+    this.slider_.setAttribute('aria-valuetext', text);
   }
 }

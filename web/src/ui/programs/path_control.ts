@@ -5,13 +5,14 @@
 import { t } from '../../strings';
 import { Matrix4 } from 'three';
 import {
+  feedCurveOf,
   nearestInPicture,
   placeAt,
   pointOf,
   pointsOfLine,
   reached,
 } from '../../model/program_path';
-import type { ProgramPath } from '../../model/program_path';
+import type { FeedCurve, ProgramPath } from '../../model/program_path';
 import { PATH_COLORS, PathView } from '../../view/path_view';
 import type { ProgramInfo, Vec3 } from '../../wire/types';
 import { h, setText } from '../dom';
@@ -49,6 +50,7 @@ export class PathControl {
   private view_: PathView | null = null;
   private program_: number | null = null;
   private path_: ProgramPath | null = null;
+  private feeds_: FeedCurve | null = null;
   private isOpen_ = false;
   private pressedAt_: { x: number; y: number } | null = null;
 
@@ -78,7 +80,7 @@ export class PathControl {
   select(program: number | null): void {
     if (program === this.program_) return;
     this.program_ = program;
-    this.path_ = null;
+    this.path_ = this.feeds_ = null;
     this.draw_();
     if (program === null) return;
     this.ask(program).then(
@@ -124,6 +126,12 @@ export class PathControl {
     if (!this.path_ || !place) return null;
     this.view_?.mark([place.point, place.point], place.tip);
     return this.path_.lines[place.point]!;
+  }
+
+  /** The feed along the path; null: there is no path. */
+  get feeds(): FeedCurve | null {
+    if (this.path_) this.feeds_ ??= feedCurveOf(this.path_);
+    return this.feeds_;
   }
 
   private get isShown_(): boolean {

@@ -72,6 +72,7 @@ export class ProgramsPanel {
     this.cut_ = new CutControl(
       (participant) => this.requests_.cut(participant),
       (timeS) => this.markTime_(timeS),
+      () => this.path_?.feeds ?? null,
     );
     this.text_ = new TextView(
       (follows) => (this.follow_.hidden = follows),
