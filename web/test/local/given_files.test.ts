@@ -39,7 +39,7 @@ describe('an error of a program', () => {
   });
 
   it('has no place in the text if it is of another file or of the whole', () => {
-    expect(placeOfError('a.ngc', "sub.ngc:3: 'Q' is unknown")).toBeNull();
+    expect(placeOfError('a.ngc', "b.ngc:3: 'Q' is unknown")).toBeNull();
     expect(placeOfError('a.ngc', 'a.ngc: cuts nothing')).toBeNull();
   });
 });
