@@ -52,10 +52,10 @@ KERF_INLINE void evaluate_arc_surfaces_in_lanes(const Surfaces& s, const Surface
     LaneSpan span;
     const Lanes y = Lanes(block.y_mm[row]);
     if (may_meet(kStart)) {
-      start_is_gone ? include_gone(span, s.arc, s.from, x, y)
-                    : include_pose(span, s.arc, s.from, x, y);
+      start_is_gone ? include_gone(span, s.arc, s.from, x, y, block.grid_top_mm)
+                    : include_pose(span, s.arc, s.from, x, y, block.grid_top_mm);
     }
-    if (may_meet(kEnd)) include_pose(span, s.arc, s.to, x, y);
+    if (may_meet(kEnd)) include_pose(span, s.arc, s.to, x, y, block.grid_top_mm);
     if (may_meet(kContour)) s.contour.extend(span, x, y);
     if (may_meet(kLower)) s.lower.extend(span, x, y);
     if (may_meet(kUpper)) s.upper.extend(span, x, y);

@@ -88,10 +88,10 @@ KERF_INLINE void evaluate_surfaces_in_lanes(const Surfaces& s, const SurfaceRect
     LaneSpan span;
     const Lanes y = Lanes(row_y);
     if (may_meet(kStart)) {
-      start_is_gone ? include_gone(span, s.cone, s.from, x, y)
-                    : include_pose(span, s.cone, s.from, x, y);
+      start_is_gone ? include_gone(span, s.cone, s.from, x, y, block.grid_top_mm)
+                    : include_pose(span, s.cone, s.from, x, y, block.grid_top_mm);
     }
-    if (may_meet(kEnd)) include_pose(span, s.cone, s.to, x, y);
+    if (may_meet(kEnd)) include_pose(span, s.cone, s.to, x, y, block.grid_top_mm);
     if (may_meet(kLeft)) s.left.extend(span, x, y);
     if (may_meet(kRight)) s.right.extend(span, x, y);
     if (may_meet(kLower)) s.lower.extend(span, x, y);

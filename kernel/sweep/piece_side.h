@@ -18,6 +18,8 @@ enum class End { kLower, kUpper };
 /// Heights at which eight rays enter and leave the slab between the discs of a piece, and 1 / u_z.
 struct DiscSpan {
   Lanes in, out, inverse_uz;
+  /// Upper ends at this height or above need not be exact, only not below it.
+  Lanes top = Lanes(std::numeric_limits<double>::infinity());
 };
 
 /// Intervals of eight dexel rays inside the side of a piece, continued beyond its two discs.
@@ -191,7 +193,9 @@ struct ArcSide {
       solve<1>(p2, u.z, along, near, out - in, in, span);
       span.in = in;
       span.out = select(discs.out > in, lesser(out, discs.out), out);
-      const LaneMask asked = span.exists & ~ends_on_disc(p2, u.z, along, span.out, discs.out);
+      LaneMask asked = span.exists & ~ends_on_disc(p2, u.z, along, span.out, discs.out);
+      const LaneMask over_top = asked & (discs.top <= span.out) & (discs.top >= discs.in);
+      if (any(over_top)) asked &= ~(over_top & holds_at(p2, u.z, along, discs.top));
       if (any(asked)) approach<-1>(p2, u.z, along, asked, span.out);
     } else {
       solve<-1>(p2, u.z, along, near, out - in, out, span);
@@ -254,10 +258,14 @@ struct ArcSide {
     return {m * m + l * l - radius * radius, m * growth + l * uz,
             select(m > 0.0, bend, Lanes(0)) + uz * uz, inverse * inverse, m > 0.0};
   }
+  /// Returns the rays that are well inside the side at t.
+  KERF_INLINE LaneMask holds_at(Lanes p2, Lanes uz, Lanes along, Lanes t) const {
+    const Lanes l = along + uz * t;
+    return holds(p2 + t * t - l * l, l);
+  }
   /// Returns the rays that cross a disc at t, inside the side.
   KERF_INLINE LaneMask ends_on_disc(Lanes p2, Lanes uz, Lanes along, Lanes t, Lanes disc) const {
-    const Lanes l = along + uz * t;
-    return (t == disc) & holds(p2 + t * t - l * l, l);
+    return (t == disc) & holds_at(p2, uz, along, t);
   }
   /// Returns where m > 0 as it was where `g` was evaluated: where it changes, G has a bend.
   KERF_INLINE LaneMask on_same_part(Lanes p2, Lanes uz, Lanes along, Lanes t,

@@ -74,10 +74,11 @@ struct Crossing {
 
 /// Intersects eight rays with a piece. `end` is computed exactly, the other end up to the disc
 /// there. The interval depends on the piece, the pose and the ray alone: it is what
-/// the pose removes (kernel/sweep/README.md, "A pose").
+/// the pose removes (kernel/sweep/README.md, "A pose"). An upper end above the height `top_mm` may
+/// lie anywhere above it.
 template <End end, class Side>
 KERF_INLINE Crossing cross_piece(const Side& side, const TurningFrame::Poses& pose, Lanes x,
-                                 Lanes y) {
+                                 Lanes y, double top_mm = std::numeric_limits<double>::infinity()) {
   const Vec3Lanes& u = pose.u;
   Crossing c;
   c.anchor = u * Lanes(side.anchor);
@@ -90,7 +91,9 @@ KERF_INLINE Crossing cross_piece(const Side& side, const TurningFrame::Poses& po
   const Lanes to_high = (side.high - c.along) * c.inverse_uz;
   c.disc_in = lesser(to_low, to_high);
   c.disc_out = greater(to_low, to_high);
-  c.span = side.template meet<end>(c.px, c.py, u, c.along, {c.disc_in, c.disc_out, c.inverse_uz});
+  c.span = side.template meet<end>(
+      c.px, c.py, u, c.along,
+      {c.disc_in, c.disc_out, c.inverse_uz, top_mm - (pose.tip.z + c.anchor.z)});
   c.below = c.span.exists & (c.span.out < c.disc_in);
   c.above = c.span.exists & (c.span.in > c.disc_out);
   c.hit = c.span.exists & ~c.below & ~c.above;
@@ -106,13 +109,13 @@ KERF_INLINE Crossing cross_piece(const Side& side, const TurningFrame::Poses& po
   return c;
 }
 
-/// Includes what a piece at a pose removes of eight rays.
+/// Includes what a piece at a pose removes of eight rays, below the height `top_mm`.
 template <class Side>
 KERF_INLINE void include_pose(LaneSpan& span, const Side& side, const ToolPose& pose, Lanes x,
-                              Lanes y) {
+                              Lanes y, double top_mm) {
   TurningFrame::Poses at{};
   TurningFrame::put(at, every_lane(), pose);
-  const Crossing c = cross_piece<End::kLower>(side, at, x, y);
+  const Crossing c = cross_piece<End::kLower>(side, at, x, y, top_mm);
   const Lanes middle = at.tip.z + c.anchor.z, lo = middle + c.in, hi = middle + c.out;
   span.lo = select(c.hit & (lo < span.lo), lo, span.lo);
   span.hi = select(c.hit & (hi > span.hi), hi, span.hi);
@@ -123,9 +126,9 @@ KERF_INLINE void include_pose(LaneSpan& span, const Side& side, const ToolPose& 
 /// some ray takes the whole test.
 template <class Side>
 KERF_INLINE void include_gone(LaneSpan& span, const Side& side, const ToolPose& pose, Lanes x,
-                              Lanes y) {
+                              Lanes y, double top_mm) {
   const Vec3 u = pose.axis, anchor = pose.tip_mm + u * side.anchor;
-  if (!(u.z >= 0)) return include_pose(span, side, pose, x, y);
+  if (!(u.z >= 0)) return include_pose(span, side, pose, x, y, top_mm);
   const Lanes px = x - anchor.x, py = y - anchor.y;
   const Lanes along = px * u.x + py * u.y, p2 = px * px + py * py;
   const double inverse_uz = 1 / (u.z > kAxisAlongRayMin ? u.z : kAxisAlongRayMin);
@@ -147,7 +150,7 @@ KERF_INLINE void include_gone(LaneSpan& span, const Side& side, const ToolPose& 
   // Next to the end of a ray that passes the rim of a disc, that of a neighbor may lie.
   const LaneMask at_rim = ((at0 >= 0.0) & (at0 < kRimMm2)) | ((at1 >= 0.0) & (at1 < kRimMm2));
   if (any(~far & (at_rim | ~(enters | leaves | inside)))) {
-    return include_pose(span, side, pose, x, y);
+    return include_pose(span, side, pose, x, y, top_mm);
   }
   include(span, inside, anchor.z + t);
   include(span, enters, anchor.z + t0);
@@ -169,7 +172,7 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
 
   // The deciding point: the end of the interval, or where side and discs are closest to
   // overlapping.
-  const LaneMask steep = magnitude(u.z) >= kSteep;
+  const LaneMask steep = magnitude(u.z) >= kSteep, misses = ~hit;
   const LaneMask on_side = end == End::kLower ? span.in >= disc_in : span.out <= disc_out;
   Lanes t = select(span.exists, select(below, span.out, span.in), span.closest);
   t = select(steep, lesser(greater(t, disc_in), disc_out), t);
@@ -182,10 +185,13 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   const Lanes outward = end == End::kLower ? -axis_speed : axis_speed;
   const Lanes disc_speed = select(u.z < 0.0, -outward, outward);
   // For rays that miss: speed at which the gap closes, at the nearer disc or at the side's end.
-  const Lanes from_disc = side_speed - n.z * axis_speed * crossing.inverse_uz;
-  const Lanes rise = select(span.exists, u.z * side_speed / n.z, Lanes(0)) - axis_speed;
-  const Lanes from_side = select(span.exists, select(l < side.low, rise, -rise), side_speed);
-  const Lanes gap_speed = select(steep, from_disc, from_side);
+  Lanes gap_speed = side_speed;
+  if (any(misses)) {
+    const Lanes from_disc = side_speed - n.z * axis_speed * crossing.inverse_uz;
+    const Lanes rise = select(span.exists, u.z * side_speed / n.z, Lanes(0)) - axis_speed;
+    const Lanes from_side = select(span.exists, select(l < side.low, rise, -rise), side_speed);
+    gap_speed = select(steep, from_disc, from_side);
+  }
 
   Meeting m;
   m.hit = hit;
@@ -211,7 +217,7 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   m.upright = select(hit, select(on_side, n.z, u.z), Lanes(0));
   m.normal2 = select(hit & ~on_side, Lanes(1), dot(n, n));
   m.clearance = m.off_side = Lanes(0);
-  if (!any(~hit)) return m;
+  if (!any(misses)) return m;
   note_clearance(m, side, span, p, u, l, n.z, steep);
   return m;
 }

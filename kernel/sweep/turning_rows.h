@@ -231,7 +231,7 @@ template <class Side>
 KERF_INLINE void add_last_pose(const Side& side, const SlicePath& path, const RayRow& row,
                                LaneMask open, ColumnBlock& block) {
   const TurningFrame::Poses pose = path.frame.placed(Lanes(1));
-  const Crossing c = cross_piece<End::kLower>(side, pose, row.x, row.y);
+  const Crossing c = cross_piece<End::kLower>(side, pose, row.x, row.y, path.search.top_mm);
   const Lanes middle = pose.tip.z + c.anchor.z;
   const LaneSpan span{middle + c.in, middle + c.out};
   add_span(block, row.number, span, open & c.hit);

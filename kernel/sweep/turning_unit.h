@@ -36,8 +36,8 @@ KERF_OUT_OF_LINE Meeting meet(const OutOfLine<Side>& outer, const SlicePath& pat
 
 template <End end, class Side>
 KERF_OUT_OF_LINE Crossing cross_piece(const OutOfLine<Side>& outer, const TurningFrame::Poses& pose,
-                                      const Lanes& x, const Lanes& y) {
-  return kerf::cross_piece<end>(outer.side, pose, x, y);
+                                      const Lanes& x, const Lanes& y, double top_mm) {
+  return kerf::cross_piece<end>(outer.side, pose, x, y, top_mm);
 }
 
 template <class Side>

@@ -90,6 +90,36 @@ TEST(ArcSide, MeetsTheSideWhereItsDistanceIsZeroAndElseFindsTheClosestHeight) {
   EXPECT_GT(misses, 500);
 }
 
+TEST(ArcSide, OnlyUpperEndsAboveTheTopAreLeftInexact) {
+  std::mt19937_64 random(11);
+  const auto in = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  int exact = 0, inexact = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const ArcPiece& arc = kSidesOfArcs[std::size_t(k) % std::size(kSidesOfArcs)];
+    const ArcSide side(arc);
+    const AlongRay ray{arc, normalized({in(-1, 1), in(-1, 1), 1}), in(-6, 6), in(-6, 6)};
+    const Lanes along = ray.x * ray.u.x + ray.y * ray.u.y, inverse = Lanes(1 / ray.u.z);
+    const Lanes low = (side.low - along) * inverse, high = (side.high - along) * inverse;
+    const double top = in(-4, 8);
+    const SideSpan whole = meet<End::kLower>(side, ray, {low, high, inverse});
+    const SideSpan below = meet<End::kLower>(side, ray, {low, high, inverse, Lanes(top)});
+    ASSERT_EQ(bits(below.exists), bits(whole.exists));
+    if (bits(whole.exists) == 0) continue;
+    EXPECT_EQ(below.in[0], whole.in[0]) << k;
+    if (below.out[0] == whole.out[0]) {
+      ++exact;
+    } else {
+      ++inexact;
+      EXPECT_GE(below.out[0], top) << k;
+      EXPECT_GE(whole.out[0], top) << k;
+    }
+  }
+  EXPECT_GT(exact, 500);
+  EXPECT_GT(inexact, 100);
+}
+
 /// Rays are packed into lanes as they come, and which ones come depends on the stock.
 TEST(ArcSide, ARayIsMetAlikeWhateverTheOtherLanesHold) {
   std::mt19937_64 random(7);

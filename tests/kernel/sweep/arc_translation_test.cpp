@@ -66,7 +66,7 @@ ColumnBlock block_near(const Reference& sweep, std::mt19937_64& random) {
   for (int i = 0; i < kLanes; ++i) block.x_mm.set(i, corner.x + i * scale);
   for (int j = 0; j < kBlockSide; ++j) block.y_mm[j] = corner.y + j * scale;
   block.rows = 0xFF;
-  block.top_mm = 1e300;
+  block.top_mm = block.grid_top_mm = 1e300;
   block.clear();
   return block;
 }

@@ -143,7 +143,7 @@ ToolPose another(Random& random, const ToolPose& pose) {
 /// The heights that a frustum takes of one ray.
 Span hit(const FrustumPiece& piece, const ToolPose& pose, double x, double y) {
   LaneSpan span;
-  include_pose(span, ConeSide(piece), pose, Lanes(x), Lanes(y));
+  include_pose(span, ConeSide(piece), pose, Lanes(x), Lanes(y), 100);
   return {span.lo[0], span.hi[0]};
 }
 bool misses(const Span& s) { return s.lo > s.hi; }
