@@ -82,9 +82,11 @@ KERF_INLINE void rows_in_lanes(const DexelGrid& grid, std::int32_t i, std::int32
   reached_below = below_which(grid, top);
 }
 
-KERF_INLINE void stock_in_lanes(const DexelGrid& grid, const DexelTile& tile, int column,
-                                ColumnBlock& block) {
-  for (std::size_t row = 0; row < kBlockSide; ++row, column += kTileSide) {
+KERF_INLINE void stock_in_lanes(const DexelGrid& grid, const DexelTile& tile, int first,
+                                unsigned rows, ColumnBlock& block) {
+  for (unsigned rest = rows; rest != 0; rest &= rest - 1) {
+    const auto row = std::size_t(std::countr_zero(rest));
+    const int column = first + static_cast<int>(row) * kTileSide;
     const auto at = std::size_t(column);
     IntLanes bottom = load_ints(&tile.bottom[at]);
     const unsigned split = tile.split[at / kTileSide] >> (at % kTileSide) & 0xFFU;
@@ -114,8 +116,9 @@ KERF_FOR_EACH_TARGET(void, rows,
                      (grid, i, j, tops, block, discs, reached_below))
 
 KERF_FOR_EACH_TARGET(void, stock,
-                     (const DexelGrid& grid, const DexelTile& tile, int column, ColumnBlock& block),
-                     (grid, tile, column, block))
+                     (const DexelGrid& grid, const DexelTile& tile, int first, unsigned rows,
+                      ColumnBlock& block),
+                     (grid, tile, first, rows, block))
 
 }  // namespace
 
@@ -133,8 +136,9 @@ void place_rows(const DexelGrid& grid, std::int32_t i, std::int32_t j, const std
   rows(grid, i, j, tops, block, discs, reached_below);
 }
 
-void place_stock(const DexelGrid& grid, const DexelTile* tile, int column, ColumnBlock& block) {
-  if (tile != nullptr) return stock(grid, *tile, column, block);
+void place_stock(const DexelGrid& grid, const DexelTile* tile, int column, unsigned rows,
+                 ColumnBlock& block) {
+  if (tile != nullptr) return stock(grid, *tile, column, rows, block);
   block.stock_lo_mm.fill(Lanes(grid.z_mm(0)));
   block.stock_hi_mm.fill(Lanes(grid.z_mm(grid.height_quanta)));
 }

@@ -26,8 +26,9 @@ void place_blocks(const DexelGrid& grid, TileIndex tile, int half, const std::in
 void place_rows(const DexelGrid& grid, std::int32_t i, std::int32_t j, const std::int32_t* tops,
                 ColumnBlock& block, Discs& discs, Lanes& reached_below);
 
-/// Sets in `block` the heights between which the stock of its columns lies. `column`: the first of
-/// them in the tile; null: the tile is untouched.
-void place_stock(const DexelGrid& grid, const DexelTile* tile, int column, ColumnBlock& block);
+/// Sets in `block` the heights between which the stock of the columns of `rows` (bit r: row r)
+/// lies. `column`: the block's first in the tile; null: the tile is untouched.
+void place_stock(const DexelGrid& grid, const DexelTile* tile, int column, unsigned rows,
+                 ColumnBlock& block);
 
 }  // namespace kerf

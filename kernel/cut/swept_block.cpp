@@ -51,7 +51,7 @@ void sweep_block(const SweptTool& swept, const DexelGrid& grid, const DexelTile*
   const unsigned rows =
       find_bounds(swept, discs, matters_below, block.bounds) & ((1U << in_grid) - 1);
   if (rows == 0) return;
-  bool has_stock = false;  // place_stock has been called
+  unsigned with_stock = 0;  // rows for which place_stock has been called
   const PieceBounds none;
   for (std::size_t k = 0; k < swept.pieces.size(); ++k) {
     const PieceBounds& bounds = block.bounds[k];
@@ -66,11 +66,14 @@ void sweep_block(const SweptTool& swept, const DexelGrid& grid, const DexelTile*
     block.drop_closed_rows();
     block.raised_rows = 0;
     if (block.rows != 0 && swept.above[k].covers_any()) swept.above[k].find_covered(block);
-    if (block.rows != 0) {
-      if (!has_stock && std::holds_alternative<TurningSweep>(swept.pieces[k])) {
-        place_stock(grid, stored, row * kTileSide + column, block);
-        has_stock = true;
-      }
+    if (block.rows == 0) continue;
+    if (const auto* turning = std::get_if<TurningSweep>(&swept.pieces[k])) {
+      const RowBits known = turning->add_simple_rows(block);
+      const unsigned placed = block.rows & ~with_stock;
+      if (placed != 0) place_stock(grid, stored, row * kTileSide + column, placed, block);
+      with_stock |= placed;
+      turning->evaluate(known, block);
+    } else {
       std::visit([&](const auto& s) { s.evaluate(block); }, swept.pieces[k]);
     }
   }

@@ -94,19 +94,17 @@ RowBits MovingSlice::know(const ColumnBlock& block) const {
   return known;
 }
 
-void MovingSlice::add_simple_rows(ColumnBlock& block, const RowBits& known) const {
+RowBits MovingSlice::add_simple_rows(ColumnBlock& block) const {
+  const RowBits known = know(block);
   if (const auto* cone = std::get_if<ConeSide>(&side_)) {
     add_simple_cone_rows(*cone, path_, known, block);
   } else {
     add_simple_arc_rows(std::get<ArcSide>(side_), path_, known, block);
   }
+  return known;
 }
 
-void MovingSlice::add_simple_rows(ColumnBlock& block) const { add_simple_rows(block, know(block)); }
-
-void MovingSlice::evaluate(ColumnBlock& block) const {
-  const RowBits known = know(block);
-  add_simple_rows(block, known);
+void MovingSlice::evaluate(const RowBits& known, ColumnBlock& block) const {
   if (block.rows == 0) return;
   if (const auto* cone = std::get_if<ConeSide>(&side_)) {
     evaluate_cone(*cone, path_, known, block);

@@ -32,13 +32,15 @@ class MovingSlice {
   /// more there than what its last pose takes, and of those whose rays all cross its discs
   /// (kernel/sweep/README.md, "Ahead of a tool", "Rays through the discs"). Removes them from the
   /// rows to be evaluated.
-  void add_simple_rows(ColumnBlock& block) const;
-  /// Adds the intervals of all rows, by search where it is needed.
-  void evaluate(ColumnBlock& block) const;
+  RowBits add_simple_rows(ColumnBlock& block) const;
+  /// Adds the intervals of the other rows, by search where it is needed. `known`: what
+  /// add_simple_rows returned.
+  void evaluate(const RowBits& known, ColumnBlock& block) const;
+  /// Adds the intervals of all rows.
+  void evaluate(ColumnBlock& block) const { evaluate(add_simple_rows(block), block); }
 
  private:
   RowBits know(const ColumnBlock& block) const;
-  void add_simple_rows(ColumnBlock& block, const RowBits& known) const;
 
   std::variant<ConeSide, ArcSide> side_;
   SlicePath path_;

@@ -35,6 +35,4 @@ TurningSweep::TurningSweep(const ToolPiece& slice, const ToolPiece& whole, const
   slice_.set_lowest(shadow_.bounds().min_mm.z);
 }
 
-void TurningSweep::evaluate(ColumnBlock& block) const { slice_.evaluate(block); }
-
 }  // namespace kerf

@@ -23,7 +23,10 @@ class TurningSweep {
   LeftOut lower_bound(const Discs& discs, Lanes& z_mm) const {
     return shadow_.lower_bound(discs, z_mm);
   }
-  void evaluate(ColumnBlock& block) const;
+  /// As those of MovingSlice. The rows that are not simple need the heights of the stock.
+  RowBits add_simple_rows(ColumnBlock& block) const { return slice_.add_simple_rows(block); }
+  void evaluate(const RowBits& known, ColumnBlock& block) const { slice_.evaluate(known, block); }
+  void evaluate(ColumnBlock& block) const { slice_.evaluate(block); }
 
  private:
   MovingSlice slice_;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 namespace kerf {
@@ -21,13 +22,14 @@ TEST(BlockPlaces, StockReachesFromTheLowestElementToTheTop) {
   tile.write(corner + 3 * kTileSide + 5, std::vector<Dexel>{{4, 6}, {8, 20}, {30, 90}});
   tile.write(corner + 1, {});
   ColumnBlock block;
-  place_stock(grid, &tile, corner, block);
+  place_stock(grid, &tile, corner, 0b1001, block);
   EXPECT_EQ(block.stock_lo_mm[3][4], 3);
   EXPECT_EQ(block.stock_hi_mm[3][4], 18);
   EXPECT_EQ(block.stock_lo_mm[3][5], 0);
   EXPECT_EQ(block.stock_hi_mm[3][5], 43);
-  EXPECT_GE(block.stock_lo_mm[0][1], block.stock_hi_mm[0][1]);  // an empty column
-  place_stock(grid, nullptr, corner, block);
+  EXPECT_GE(block.stock_lo_mm[0][1], block.stock_hi_mm[0][1]);                   // an empty column
+  EXPECT_EQ(block.stock_lo_mm[2][0], -std::numeric_limits<double>::infinity());  // not asked
+  place_stock(grid, nullptr, corner, 0b1000, block);
   EXPECT_EQ(block.stock_lo_mm[3][5], -2);
   EXPECT_EQ(block.stock_hi_mm[3][5], 48);
 }
