@@ -24,7 +24,14 @@ SlicePath make_path(const Extent& e, const ToolPose& from, const ToolPose& to,
   const TurningFrame frame(from, to);
   const double reach = upper_reach(e);
   const double speed = length(frame.v) + frame.turn * reach;
-  return {frame, search, reach, speed > 0 ? speed : 1, 0, {}};
+  return {frame,
+          search,
+          reach,
+          speed > 0 ? speed : 1,
+          0,
+          {},
+          frame.placed(Lanes(0)),
+          frame.placed(Lanes(1))};
 }
 
 /// Greatest number of parts whose stations are kept in a DiscPath, and least vertical component of

@@ -157,11 +157,11 @@ KERF_INLINE void include_gone(LaneSpan& span, const Side& side, const ToolPose& 
   include(span, leaves, anchor.z + t1);
 }
 
-/// Intersects eight rays with a piece at eight shares of its path. `end` is the end for which the
+/// Intersects eight rays with a piece at eight poses of its path. `end` is the end for which the
 /// speeds are computed.
 template <End end, class Side>
-KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes y, Lanes share) {
-  const TurningFrame::Poses pose = path.frame.placed(share);
+KERF_INLINE Meeting meet_at(const Side& side, const SlicePath& path, Lanes x, Lanes y,
+                            const TurningFrame::Poses& pose) {
   const Crossing crossing = cross_piece<end>(side, pose, x, y);
   const Vec3Lanes &u = pose.u, &anchor = crossing.anchor;
   const SideSpan& span = crossing.span;
@@ -222,12 +222,19 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   return m;
 }
 
+/// The same at eight shares.
+template <End end, class Side>
+KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes y, Lanes share) {
+  return meet_at<end>(side, path, x, y, path.frame.placed(share));
+}
+
 /// Returns `m`, met at a share for the lower ends, with the surface and the speed of the upper ends
 /// of hits. Its `within` and `beyond` are those of the lower ends.
 template <class Side>
 KERF_INLINE Meeting at_upper_end(const Side& side, const SlicePath& path, Lanes x, Lanes y,
-                                 Lanes share, const Meeting& m) {
-  const TurningFrame::Poses pose = path.frame.placed(share);
+                                 double share, const Meeting& m) {
+  TurningFrame::Poses between;
+  const TurningFrame::Poses& pose = path.pose(share, between);
   const Vec3Lanes& u = pose.u;
   const Vec3Lanes anchor = u * Lanes(side.anchor);
   const Vec3Lanes p{x - (pose.tip.x + anchor.x), y - (pose.tip.y + anchor.y),

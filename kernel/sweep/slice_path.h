@@ -59,6 +59,14 @@ struct SlicePath {
   double speed_max_mm;  ///< greatest speed of a point of the slice, per unit of share
   double lowest_mm;     ///< lower bound of the slice's heights
   DiscPath discs;
+  TurningFrame::Poses first, last;  ///< of all rays: the poses at the shares 0 and 1
+
+  /// Returns the pose at a share, computed in `between` unless it is the first or the last one.
+  KERF_INLINE const TurningFrame::Poses& pose(double share, TurningFrame::Poses& between) const {
+    if (share == 0) return first;
+    if (share == 1) return last;
+    return between = frame.placed(Lanes(share));
+  }
 };
 
 }  // namespace kerf

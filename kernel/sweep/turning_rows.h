@@ -123,10 +123,12 @@ class Stations {
   template <class Side>
   KERF_INLINE Station& add(const Side& side, const SlicePath& path, const RayRow& row, double share,
                            int level, LaneMask asked) {
+    TurningFrame::Poses pose;
     std::byte* slot =
         spare_count_ > 0 ? spare_[--spare_count_] : memory_ + made_++ * sizeof(Station);
     return *new (slot)
-        Station{share, level, asked, meet<End::kLower>(side, path, row.x, row.y, share)};
+        Station{share, level, asked,
+                meet_at<End::kLower>(side, path, row.x, row.y, path.pose(share, pose))};
   }
   /// Reuses the memory of a station.
   KERF_INLINE void drop(Station& s) { spare_[spare_count_++] = reinterpret_cast<std::byte*>(&s); }
@@ -183,8 +185,8 @@ KERF_INLINE void sweep_stretch(const Side& side, const SlicePath& path, const Ra
   const LaneMask unknown = upper & empty;
   upper &= ~empty;
   if (any(upper)) {
-    const Meeting first = at_upper_end(side, path, row.x, row.y, stretch.from, stretch.first);
-    const Meeting last = at_upper_end(side, path, row.x, row.y, stretch.to, stretch.last);
+    const Meeting first = at_upper_end(side, path, row.x, row.y, stretch.from[0], stretch.first);
+    const Meeting last = at_upper_end(side, path, row.x, row.y, stretch.to[0], stretch.last);
     upper = needs_search<End::kUpper>(side, path, row.x, row.y,
                                       {stretch.from, stretch.to, first, last}, upper, span);
   }
@@ -230,7 +232,7 @@ KERF_INLINE Station& evaluate_stretch(const Side& side, const SlicePath& path, c
 template <class Side>
 KERF_INLINE void add_last_pose(const Side& side, const SlicePath& path, const RayRow& row,
                                LaneMask open, ColumnBlock& block) {
-  const TurningFrame::Poses pose = path.frame.placed(Lanes(1));
+  const TurningFrame::Poses& pose = path.last;
   const Crossing c = cross_piece<End::kLower>(side, pose, row.x, row.y, path.search.top_mm);
   const Lanes middle = pose.tip.z + c.anchor.z;
   const LaneSpan span{middle + c.in, middle + c.out};

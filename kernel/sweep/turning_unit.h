@@ -23,15 +23,15 @@ struct OutOfLine {
 
 template <class Side>
 KERF_OUT_OF_LINE Meeting at_upper_end(const OutOfLine<Side>& outer, const SlicePath& path,
-                                      const Lanes& x, const Lanes& y, const Lanes& share,
+                                      const Lanes& x, const Lanes& y, double share,
                                       const Meeting& m) {
   return kerf::at_upper_end(outer.side, path, x, y, share, m);
 }
 
 template <End end, class Side>
-KERF_OUT_OF_LINE Meeting meet(const OutOfLine<Side>& outer, const SlicePath& path, const Lanes& x,
-                              const Lanes& y, const Lanes& share) {
-  return kerf::meet<end>(outer.side, path, x, y, share);
+KERF_OUT_OF_LINE Meeting meet_at(const OutOfLine<Side>& outer, const SlicePath& path,
+                                 const Lanes& x, const Lanes& y, const TurningFrame::Poses& pose) {
+  return kerf::meet_at<end>(outer.side, path, x, y, pose);
 }
 
 template <End end, class Side>
