@@ -84,16 +84,21 @@ async function settled(server, what, isDone) {
   });
 }
 
-/** Drags the mouse across the block, in jumps: the tool follows in small steps all the same. */
-async function dragAcross({ page, state }) {
+/** Where a place of the block's box is in the page. */
+async function placeOf({ state }, x, y) {
   const [left, top, right, bottom] = (await state()).blockBox;
-  const at = (x, y) => [left + x * (right - left), top + y * (bottom - top)];
-  await page.mouse.move(...at(0.3, 0.45));
-  await page.mouse.move(...at(0.31, 0.45));
-  await page.mouse.down();
-  await page.mouse.move(...at(0.5, 0.5), { steps: 2 });
-  await page.mouse.move(...at(0.66, 0.52), { steps: 2 });
-  await page.mouse.up();
+  return [left + x * (right - left), top + y * (bottom - top)];
+}
+
+/** Drags the mouse across the block, in jumps: the tool follows in small steps all the same. */
+async function dragAcross(viewer) {
+  const { mouse } = viewer.page;
+  await mouse.move(...(await placeOf(viewer, 0.3, 0.45)));
+  await mouse.move(...(await placeOf(viewer, 0.31, 0.45)));
+  await mouse.down();
+  await mouse.move(...(await placeOf(viewer, 0.5, 0.5)), { steps: 2 });
+  await mouse.move(...(await placeOf(viewer, 0.66, 0.52)), { steps: 2 });
+  await mouse.up();
 }
 
 async function checkLayouts(viewer) {
@@ -159,8 +164,8 @@ async function checkExcludesSections({ page }) {
 }
 
 /**
- * A second stroke in the groove is displayed though nothing of the server comes, and so is its undo.
- * Then the connection breaks, which leaves no difference.
+ * A second stroke in the groove is displayed though nothing of the server comes. Then the connection
+ * breaks, which leaves no difference.
  */
 async function checkAlone(viewer, server, line) {
   const { page, state } = viewer;
@@ -172,14 +177,26 @@ async function checkAlone(viewer, server, line) {
   assert.deepEqual((await state()).tiles, before, "a mesh of the server's has come");
   assert((await state()).copyTiles > 0);
   await writeFile(join(options.out, 'carve-alone.png'), await page.screenshot());
-  await page.keyboard.press('Control+z');
-  await until('an undo', SETTLE_S, async () => (await depthDisplayed(page)) < 1.2 * DEPTH_MM);
-  assert.deepEqual((await state()).tiles, before, "a mesh of the server's has come");
   line.cut();
   await page.locator('main[data-carve=lost]').waitFor();
   await page.locator('main[data-carve=ready]').waitFor();
   const now = await settled(server, 'a stroke again', (block) => block.motions > motions);
   await checkCopy(viewer, now, 'after a loss');
+}
+
+/** An undo is displayed though nothing of the server comes. Then the connection breaks. */
+async function undoAlone({ page, state }, server, line) {
+  const { tiles } = await state();
+  line.hold();
+  await page.keyboard.press('Control+z');
+  await until('an undo', SETTLE_S, async () => (await depthDisplayed(page)) < 0.5 * DEPTH_MM);
+  assert.deepEqual((await state()).tiles, tiles, "a mesh of the server's has come");
+  const isUncut = ({ removed_volume_mm3: mm3 }) => Math.abs(mm3) < 1e-6;
+  const undone = await settled(server, 'undo', isUncut);
+  line.cut();
+  await page.locator('main[data-carve=lost]').waitFor();
+  await page.locator('main[data-carve=ready]').waitFor();
+  return undone;
 }
 
 async function checkSculptor(browser, server, line, folder) {
@@ -195,7 +212,9 @@ async function checkSculptor(browser, server, line, folder) {
   await page.locator('main[data-carve=ready]').waitFor();
   await page.getByRole('button', { name: /Grace \(you\).*sculptor · ball 6 mm/ }).waitFor();
   assert.equal(await page.getByText('Grace (you)').count(), 1, 'one person is listed twice');
+  await page.mouse.move(...(await placeOf(viewer, 0.3, 0.45)));
   await checkAccessible(page, 'the page while one carves');
+  await new Promise((resolve) => setTimeout(resolve, STOCK_MS));
   await dragAcross(viewer);
   const cut = await settled(server, 'a cut', ({ removed_volume_mm3: mm3 }) => mm3 > 0);
   const volume = await stlVolume(server);
@@ -207,19 +226,14 @@ async function checkSculptor(browser, server, line, folder) {
   await checkCopy(viewer, cut, 'after a stroke');
   console.log(`a stroke of ${cut.motions} motions and ${length.toFixed(1)} mm: ${cut.state_hash}`);
 
-  await page.keyboard.press('Control+z');
-  const undone = await settled(
-    server,
-    'undo',
-    ({ removed_volume_mm3: mm3 }) => Math.abs(mm3) < 1e-6,
-  );
+  const undone = await undoAlone(viewer, server, line);
   await checkCopy(viewer, undone, 'after an undo');
   assert(Math.abs((await stlVolume(server)) - BLOCK_MM3) < 0.01);
-  await page.getByText('Your stroke was undone.').waitFor();
   await comeBack(page);
   await checkCopy(viewer, undone, 'of one who has left and come back');
   await page.getByRole('button', { name: 'Redo' }).last().click();
   await settled(server, 'redo', ({ state_hash: hash }) => hash === cut.state_hash);
+  await page.getByText('Your stroke was redone.').waitFor();
   await checkCopy(viewer, cut, 'after a redo');
   await checkAlone(viewer, server, line);
 
