@@ -14,14 +14,15 @@ COPY kernel kernel
 COPY server server
 COPY haptic_agent haptic_agent
 COPY web/wasm web/wasm
-RUN cmake --preset wasm && cmake --build --preset wasm
+RUN cmake --preset wasm && cmake --build --preset wasm \
+ && cmake --preset wasm-files && cmake --build --preset wasm-files
 
 FROM debian:12-slim AS web
 WORKDIR /kerf
 COPY docker/machine.sh docker/packages.txt docker/
 RUN docker/machine.sh install node
 COPY web web
-COPY --from=wasm /kerf/web/public/kerf.wasm web/public/
+COPY --from=wasm /kerf/web/public/*.wasm web/public/
 RUN docker/machine.sh page
 
 FROM debian:12-slim AS programs

@@ -115,6 +115,20 @@ const JOBS = [
     ['b.ngc', 's.json'],
   ],
   ['arcs, loops and a comment', { 'c.nc': ARCS }, ['c.nc']],
+  [
+    'a wall that a target keeps by a finer pitch',
+    {
+      'w.ngc':
+        'G21 G90\nT1 M6\nF500\nG0 X-12 Y-2 Z5\nG1 Z-2\nG1 X12\nG1 Y2.25\nG1 X-12\nG0 Z5\nM30\n',
+      's.json': JSON.stringify({
+        name: 'wall',
+        stock: { shape: 'box', min_mm: [-10, -6, -4], max_mm: [10, 6, 0] },
+        accuracy: { target_mm: 0.4 },
+        tools: [{ id: 1, shape: 'flat', diameter_mm: 4, length_mm: 10 }],
+      }),
+    },
+    ['w.ngc', 's.json'],
+  ],
   ['Klartext', { 'd.h': KLARTEXT }, ['d.h']],
   ['APT', { 'e.apt': APT }, ['e.apt']],
   [

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The worker that carves. Each block has one of its own: ending it ends whatever it does.
 
+import { t } from '../strings';
 import type { FromWorker, ToWorker } from './messages';
 import type { GivenFiles } from './program_block';
 
@@ -9,7 +10,7 @@ declare const KERF_HAS_FILES: boolean;
 
 /** The page compiles it, because the policy of a worker's file forbids that (server/http). */
 async function compiled(): Promise<WebAssembly.Module> {
-  if (!KERF_HAS_FILES) throw new Error('kerf_files.wasm is not a part of this page');
+  if (!KERF_HAS_FILES) throw new Error(t('this page was built without kerf_files.wasm'));
   const url = new URL('kerf_files.wasm', document.baseURI);
   try {
     return await WebAssembly.compileStreaming(fetch(url));
