@@ -236,7 +236,7 @@ class Carving {
     warn_of_simulation(*simulation_, fit, report_.warnings);
     report_.simulation = simulation_json(*simulation_, options_.tool_change_s, fit);
     if (options_.verify && !stop_.stop_requested()) {
-      verdict_ = make_verdict(*simulation_, fit, options_.reference->string(), tolerance_mm,
+      verdict_ = make_verdict(scene_, *simulation_, fit, options_.reference->string(), tolerance_mm,
                               options_.tool_change_s);
       report_.verdict = verdict_json(*verdict_);
       warn_of_resolution(scene_, tolerance_mm, report_.warnings);

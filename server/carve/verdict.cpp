@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <utility>
 
 #include "server/carve/markup.h"
@@ -68,10 +69,15 @@ Check contact_check(const char* name, const Program& program, const ContactRuns&
   return check;
 }
 
-Check rapid_check(const Program& program, const std::vector<LineVolume>& lines) {
-  Check check{"rapids through stock", lines.size(), false, {}};
+// A rapid that leaves a surface may take a film of the tolerance of the cuts.
+Check rapid_check(const Scene& scene, const Program& program,
+                  const std::vector<LineVolume>& lines) {
+  Check check{"rapids through stock", 0, false, {}};
   for (const LineVolume& line : lines) {
-    if (check.worst.size() == kFindingsMax) break;
+    const double radius_mm = scene.tools.at(line.tool).tool.radius_mm;
+    if (line.mm3 <= scene.settings.tolerance_mm * std::numbers::pi * radius_mm * radius_mm)
+      continue;
+    if (++check.count > kFindingsMax) continue;
     check.worst.push_back(at_line(program, line.file, line.line, line.tool,
                                   decimal(line.mm3) + " mm3 removed by a rapid"));
   }
@@ -96,8 +102,8 @@ bool Verdict::passes() const {
   return std::ranges::all_of(checks, [](const Check& c) { return c.count == 0; });
 }
 
-Verdict make_verdict(const Simulation& simulation, const PartFit& fit, std::string part,
-                     double tolerance_mm, double tool_change_s) {
+Verdict make_verdict(const Scene& scene, const Simulation& simulation, const PartFit& fit,
+                     std::string part, double tolerance_mm, double tool_change_s) {
   const Program& program = simulation.program();
   Verdict verdict{.program = program.name,
                   .part = std::move(part),
@@ -112,7 +118,7 @@ Verdict make_verdict(const Simulation& simulation, const PartFit& fit, std::stri
       contact_check("shank or holder in stock", program, simulation.stock_contacts(), " mm deep"));
   verdict.checks.push_back(contact_check("tool in an obstacle", program,
                                          simulation.obstacle_contacts(), " N of contact force"));
-  verdict.checks.push_back(rapid_check(program, simulation.rapid_cuts()));
+  verdict.checks.push_back(rapid_check(scene, program, simulation.rapid_cuts()));
   return verdict;
 }
 

@@ -45,9 +45,9 @@ struct Verdict {
 /// Findings of a check that a verdict lists.
 inline constexpr std::size_t kFindingsMax = 50;
 
-/// `fit` must be two-sided.
-Verdict make_verdict(const Simulation& simulation, const PartFit& fit, std::string part,
-                     double tolerance_mm, double tool_change_s);
+/// `scene` and `simulation`: as carved; `fit` must be two-sided.
+Verdict make_verdict(const Scene& scene, const Simulation& simulation, const PartFit& fit,
+                     std::string part, double tolerance_mm, double tool_change_s);
 
 /// Adds a warning if the rays are farther apart than the tolerance of the part, so that deviations
 /// of upright walls may fall between them.

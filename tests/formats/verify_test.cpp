@@ -129,6 +129,14 @@ TEST_F(Verify, ARapidThroughStockIsNamedWithItsLine) {
   EXPECT_THAT(content("out"), StartsWith("p.ngc makes part.stl within 0.1 mm, but not safely: "));
 }
 
+TEST_F(Verify, ARapidThatTakesAFilmIsNotThroughStock) {
+  // Back along the floor of the slot, deeper by less than the tolerance of the cuts, 0.025 mm.
+  write_program("G0 Z-2\nG1 Y36\nG0 Z-2.001\nY-6\n");
+  EXPECT_THAT(failed(kSlotted, 0), testing::IsEmpty()) << content("out");
+  write_program("G0 Z-2\nG1 Y36\nG0 Z-2.02\nY-6\n");
+  EXPECT_EQ(failed(kSlotted, 3).count("rapids through stock"), 1U);
+}
+
 TEST_F(Verify, AShankInTheStockIsACollision) {
   write("s.json", R"({"stock": {"shape": "box", "min_mm": [0,0,-10], "max_mm": [40,30,0]},
     "accuracy": {"pitch_mm": 0.5}, "tools": [{"id": 1, "shape": "flat", "diameter_mm": 8,
