@@ -261,6 +261,7 @@ void apply_tolerance_to_tools(const std::vector<SceneValue>& tools, Scene& scene
 Scene read_scene(const Json& json, const SceneSource& source) {
   SceneFields fields(SceneValue(&json, ""));
   Scene scene;
+  if (const auto schema = fields.find("$schema")) schema->text();  // for editors only
   scene.name = fields.text("name", "untitled");
   read_stock(fields.required("stock"), source, scene);
   AccuracyRequest accuracy;
