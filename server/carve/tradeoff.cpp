@@ -2,9 +2,7 @@
 #include "server/carve/tradeoff.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -16,6 +14,7 @@
 #include "server/carve/cpu_budget.h"
 #include "server/carve/environment_files.h"
 #include "server/carve/failure.h"
+#include "server/carve/markup.h"
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
 #include "server/carve/stop_signal.h"
@@ -46,12 +45,6 @@ constexpr double kReachPitches = 4;
 constexpr const char* kNotReached = "skipped, interrupted before it was measured";
 
 using Result = std::expected<void, Failure>;
-
-std::string figure(const char* format, double value) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
-}
 
 class Tradeoff {
  public:
@@ -194,8 +187,8 @@ class Tradeoff {
   std::string too_large(const SculptureSettings& settings) const {
     const double mb = 1e-6 * bytes_if_all_touched(settings);
     if (mb <= options_.budget_mb) return {};
-    return "skipped, its stock may need " + figure("%.0f", mb) + " MB; --budget-mb is " +
-           figure("%.0f", options_.budget_mb);
+    return "skipped, its stock may need " + formatted("%.0f", mb) + " MB; --budget-mb is " +
+           formatted("%.0f", options_.budget_mb);
   }
 
   // Carves within the budgets; the error names the exceeded one.
@@ -217,7 +210,7 @@ class Tradeoff {
       return std::unexpected(stop_.stop_requested()
                                  ? kNotReached
                                  : "stopped, --budget-seconds allows " +
-                                       figure("%.0f", 100 * reached) + " % of its cuts");
+                                       formatted("%.0f", 100 * reached) + " % of its cuts");
     return carved;
   }
 
@@ -226,7 +219,7 @@ class Tradeoff {
     Carved result;
     row.skipped = measured(row, result,
                            std::to_string(n + 1) + " of " + std::to_string(rows_.size()) +
-                               ": pitch " + figure("%.4g", row.pitch_mm));
+                               ": pitch " + formatted("%.4g", row.pitch_mm));
     const std::scoped_lock lock(mutex_);
     rows_[n] = std::move(row);
     results_[n] = std::move(result);
@@ -281,7 +274,7 @@ class Tradeoff {
                                  : std::expected<CarvedOnce, std::string>(std::unexpected(""));
     const std::scoped_lock lock(mutex_);
     if (!reference) {
-      reference_ = "No reference (pitch " + figure("%.4g", settings.pitch_mm) +
+      reference_ = "No reference (pitch " + formatted("%.4g", settings.pitch_mm) +
                    " mm): " + reference.error() + ". Volume and force errors are not available.\n";
       return;
     }
@@ -290,15 +283,16 @@ class Tradeoff {
       rows_[n].volume_error = volume_difference(results_[n].removed_mm3, reference->removed_mm3);
       rows_[n].force_error = force_difference(program_, results_[n].forces_n, reference->forces_n);
     }
-    reference_ = "Volume and force are compared with pitch " + figure("%.4g", settings.pitch_mm) +
-                 " mm, tolerance " + figure("%.3g", settings.tolerance_mm) + " mm, " +
-                 to_string(settings.rays) + ", tight";
+    reference_ = "Volume and force are compared with pitch " +
+                 formatted("%.4g", settings.pitch_mm) + " mm, tolerance " +
+                 formatted("%.3g", settings.tolerance_mm) + " mm, " + to_string(settings.rays) +
+                 ", tight";
     if (check)
       reference_ +=
-          "; against that, pitch " + figure("%.4g", coarser.pitch_mm) + " mm differs by " +
-          figure("%.1g", volume_difference(check->removed_mm3, reference->removed_mm3)) +
+          "; against that, pitch " + formatted("%.4g", coarser.pitch_mm) + " mm differs by " +
+          formatted("%.1g", volume_difference(check->removed_mm3, reference->removed_mm3)) +
           " in volume and " +
-          figure("%.1g", force_difference(program_, check->forces_n, reference->forces_n)) +
+          formatted("%.1g", force_difference(program_, check->forces_n, reference->forces_n)) +
           " in force";
     reference_ += ".\n";
   }
@@ -327,7 +321,7 @@ class Tradeoff {
     std::cout << "\nSurface: " << samples_
               << " or fewer corners and centroids of the mesh against the true solid, and "
               << cut_surface_.points.size() << " points of the cut surface, about "
-              << figure("%.2g", cut_surface_.spacing_mm) << " mm apart, against the mesh.\n"
+              << formatted("%.2g", cut_surface_.spacing_mm) << " mm apart, against the mesh.\n"
               << reference_;
     if (!turns_)
       std::cout << "The program has no rotation: the motion model has no effect, and the tolerance "

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <sstream>
 
+#include "server/carve/markup.h"
+
 namespace kerf {
 namespace {
 
@@ -22,17 +24,11 @@ bool equal_to_an_earlier(const std::vector<TradeoffRow>& rows, std::size_t n) {
   return false;
 }
 
-std::string figure(const char* format, double value) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
-}
-
 std::string figure(const std::optional<double>& value) {
-  return value ? figure("%.2g", *value) : "-";
+  return value ? formatted("%.2g", *value) : "-";
 }
 
-std::string exact(double value) { return figure("%.9g", value); }
+std::string exact(double value) { return formatted("%.9g", value); }
 std::string exact(const std::optional<double>& value) { return value ? exact(*value) : ""; }
 
 }  // namespace
@@ -75,16 +71,16 @@ std::string tradeoff_text(const std::vector<TradeoffRow>& rows) {
   for (const TradeoffRow& row : rows) {
     if (!row.skipped.empty()) {
       out << "   " << to_string(row.rays) << ' ' << motion_name(row.motion) << " pitch "
-          << figure("%.4g", row.pitch_mm) << " tolerance " << figure("%.3g", row.tolerance_mm)
+          << formatted("%.4g", row.pitch_mm) << " tolerance " << formatted("%.3g", row.tolerance_mm)
           << ": " << row.skipped << '\n';
       continue;
     }
     line({std::string(row.front ? "*" : "") + (row.cheapest ? "<" : ""), to_string(row.rays),
-          motion_name(row.motion), figure("%.4g", row.pitch_mm), figure("%.3g", row.tolerance_mm),
-          figure("%.5f", row.surface_max_mm), figure("%.5f", row.surface_rms_mm),
-          figure("%.5f", row.missing_mm), figure(row.volume_error), figure(row.force_error),
-          figure("%.1f", row.us_per_motion), figure("%.2f", 1e-6 * double(row.bytes)),
-          std::to_string(row.sub_motions)});
+          motion_name(row.motion), formatted("%.4g", row.pitch_mm),
+          formatted("%.3g", row.tolerance_mm), formatted("%.5f", row.surface_max_mm),
+          formatted("%.5f", row.surface_rms_mm), formatted("%.5f", row.missing_mm),
+          figure(row.volume_error), figure(row.force_error), formatted("%.1f", row.us_per_motion),
+          formatted("%.2f", 1e-6 * double(row.bytes)), std::to_string(row.sub_motions)});
   }
   return out.str();
 }
