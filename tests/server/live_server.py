@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Starts and stops a real kerf-server for the tests."""
+import faulthandler
 import json
 import os
 import signal
@@ -14,6 +15,9 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from wire_client import Http, WebSocket  # noqa: E402
 
 PROGRAM = os.environ["KERF_SERVER"]
+
+# A test that takes this long prints where it is; ctest ends most of them after 300 s.
+faulthandler.dump_traceback_later(280)
 
 SCENE = {
     "name": "block",
