@@ -126,8 +126,9 @@ class WebSocket:
 
     def receive(self, timeout=30):
         """Returns the next message: ("text", dict) or ("binary", bytes)."""
-        self.socket.settimeout(timeout)
+        end = time.monotonic() + timeout
         while True:
+            self.socket.settimeout(max(0.01, end - time.monotonic()))  # pings do not prolong it
             first, second = self._take(2)
             length = second & 127
             if length == 126:
