@@ -41,12 +41,13 @@ TEST(GcodeComment, CommandsNothingInGrbl) {
 
 TEST(GcodeComment, FitsIntoALine) {
   const std::string umlaut = "\xc3\xbc";
-  std::string text = "x";
-  while (text.size() < 400) text += umlaut;
-  const std::string comment = gcode_comment(Post::kLinuxcnc, text);
-  EXPECT_LE(comment.size(), 200u);
-  EXPECT_GE(comment.size(), 198u);
-  EXPECT_TRUE(comment.ends_with(umlaut + "...)")) << comment;
+  for (std::string text : {"", "x"}) {
+    while (text.size() < 400) text += umlaut;
+    const std::string comment = gcode_comment(Post::kLinuxcnc, text);
+    EXPECT_LE(comment.size(), 200u);
+    EXPECT_GE(comment.size(), 198u);
+    EXPECT_TRUE(comment.ends_with(umlaut + "...)")) << comment;
+  }
 }
 
 }  // namespace
