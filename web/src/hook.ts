@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Publishes window.kerf for tests: state(), a read-only snapshot of the page's state, surface(), the
-// triangles it displays, copyHash(), that of its copy of the block while one carves, and marks, the
-// times of its start.
+// triangles it displays, copyHash(), that of its copy of the block while one carves, vr(), what a
+// headset shows, and marks, the times of its start.
 
 import { marks } from './marks';
 import type { SessionPage } from './ui/session_page';
@@ -49,9 +49,10 @@ export function installHook(page: SessionPage): void {
     sound: page.sound.state,
   });
   const copyHash = () => page.carve.copyHash();
+  const vr = () => page.carve.vr();
   const surface = () => page.picture.viewer?.surface() ?? [];
   Object.defineProperty(window, 'kerf', {
-    value: Object.freeze({ state, surface, marks, copyHash }),
+    value: Object.freeze({ state, surface, marks, copyHash, vr }),
     writable: false,
   });
 }

@@ -21,11 +21,12 @@ export function launchBrowser(graphics = SOFTWARE_WEBGL) {
 }
 
 /**
- * Opens a viewer in its own browser context; `others` are further options of that. `problems` collects
- * the page's exceptions and console errors.
+ * Opens a viewer in its own browser context; `others` are further options of that, and `script` runs
+ * before the page's own. `problems` collects the page's exceptions and console errors.
  */
-export async function openViewer(browser, url, viewport, others = {}) {
+export async function openViewer(browser, url, viewport, { script, ...others } = {}) {
   const context = await browser.newContext({ viewport, ignoreHTTPSErrors: true, ...others });
+  if (script) await context.addInitScript(script);
   const page = await context.newPage();
   page.setDefaultTimeout(120_000);
   const problems = [];

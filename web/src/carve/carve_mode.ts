@@ -8,13 +8,10 @@ import { MOUSE } from 'three';
 import type { BlockCopy } from '../kernel/block_copy';
 import { pathOf } from '../link/strokes';
 import type { Socket } from '../link/view_link';
-import { toolProfile } from '../model/tool_profile';
 import { sentence } from '../ui/format';
 import type { Viewer } from '../view/viewer';
 import type { AgentWelcome } from '../wire/agent_control';
-import type { Result, ToolInfo, Welcome } from '../wire/types';
-import { LEAN_MAX_RAD } from './aim';
-import type { AimMode } from './aim';
+import type { Result } from '../wire/types';
 import { CarveBar, helpText, isTouched } from './carve_bar';
 import { CarveLink } from './carve_link';
 import type { CarveStatus } from './carve_link';
@@ -29,13 +26,13 @@ import { whyNotNow } from './reasons';
 import { makeCopy, NO_COPY } from './local_copy';
 import { Rumble } from './rumble';
 import { Settling } from './settling';
+import { ToolSettings } from './tool_settings';
+import type { Wielded } from './wielded';
 
 const TICK_MS = 8;
 const NOTE_MS = 6000;
 const LEFT_MS = 1000; // until the server's meshes of the last stroke are displayed
 const TURN_RAD_PER_PX = 0.006;
-const DEPTH_OF_RADIUS = 0.5; // at the start, of the tool's radius
-const DEEPEST_RADII = 4;
 
 export class CarveMode {
   private readonly bar_: CarveBar;
@@ -47,9 +44,7 @@ export class CarveMode {
   private readonly hand_: Hand;
   private readonly delivery_: Delivery;
   private readonly settling_: Settling;
-  private welcome_: Welcome | null = null; // for which the rack was filled
-  private tool_: ToolInfo | null = null;
-  private depthMm_ = 1;
+  private readonly settings_: ToolSettings;
   private pointers_: Pointers | null = null;
   private inHand_ = false; // the device is touched: it vibrates
   private stopKeys_: () => void = () => undefined;
@@ -64,6 +59,11 @@ export class CarveMode {
   ) {
     this.hand_ = new Hand(viewer, (place) => this.gauge_.place(place));
     this.bar_ = this.makeBar_();
+    this.settings_ = new ToolSettings(this.hand_, this.bar_, {
+      isJoined: () => this.isJoined_(),
+      color: () => this.who_().color,
+      changes: () => this.stopStroke_(),
+    });
     this.copy_ = makeCopy(
       viewer,
       () => this.link_.ask({ type: 'stock' }),
@@ -91,7 +91,7 @@ export class CarveMode {
     this.main_.append(this.bar_.element);
     this.host.overlay.append(this.gauge_.element);
     this.button.setAttribute('aria-pressed', 'true');
-    this.prepare_(welcome);
+    this.settings_.prepare(welcome);
     this.pointers_ = this.takePointers_();
     this.stopKeys_ = this.takeKeys_();
     const { mouseButtons } = this.viewer.rig.controls;
@@ -106,6 +106,21 @@ export class CarveMode {
   /** The hash of the page's copy of the block; null: it has none. */
   copyHash(): Promise<string> | null {
     return this.copy_.works ? this.copy_.hash() : null;
+  }
+
+  /** The tool, for devices that are no pointers. */
+  get wielded(): Wielded {
+    return {
+      whyNot: () => whyNotNow(this.host.model, this.isJoined_()),
+      settings: this.settings_,
+      moveTo: (pose, cuts) => this.hand_.moveTo(pose, cuts, this.isJoined_()),
+      lift: () => this.hand_.lift(),
+      pose: () => this.hand_.pose,
+      undo: () => this.undo_(),
+      redo: () => this.redo_(),
+      forceN: () => this.gauge_.forceN,
+      say: (text) => this.say_(text, true),
+    };
   }
 
   leave(): void {
@@ -141,10 +156,10 @@ export class CarveMode {
 
   private makeBar_(): CarveBar {
     return new CarveBar({
-      chooseTool: (id) => this.chooseTool_(id),
-      chooseMode: (mode) => this.chooseMode_(mode),
-      toggleLean: () => this.toggleLean_(),
-      setDepth: (mm) => this.setDepth_(mm),
+      chooseTool: (id) => this.settings_.chooseTool(id),
+      chooseMode: (mode) => this.settings_.chooseMode(mode),
+      toggleLean: () => this.settings_.toggleLean(),
+      setDepth: (mm) => this.settings_.setDepth(mm),
       undo: () => this.undo_(),
       redo: () => this.redo_(),
       done: () => this.leave(),
@@ -157,7 +172,7 @@ export class CarveMode {
       {
         url: `${scheme}://${location.host}${pathOf(this.host.session, 'agent')}`,
         open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
-        who: () => ({ ...this.who_(), tool: this.tool_?.id ?? 0 }),
+        who: () => ({ ...this.who_(), tool: this.settings_.tool?.id ?? 0 }),
         nowMs: () => performance.now(),
         copy: this.copy_,
       },
@@ -177,9 +192,9 @@ export class CarveMode {
     return new Pointers(this.host.canvas, {
       hover: (place) => this.hand_.hover(place, this.isJoined_()),
       begin: (place) => this.begin_(place),
-      move: (places) => this.hand_.move(places, this.depthMm_),
+      move: (places) => this.hand_.move(places, this.settings_.depthMm),
       end: () => this.end_(),
-      deepen: (factor) => this.setDepth_(this.depthMm_ * factor),
+      deepen: (factor) => this.settings_.setDepth(this.settings_.depthMm * factor),
       turn: (dx, dy, closer) => {
         rig.orbit(-dx * TURN_RAD_PER_PX, dy * TURN_RAD_PER_PX);
         rig.zoom(closer);
@@ -197,10 +212,9 @@ export class CarveMode {
       },
       undo: () => this.undo_(),
       redo: () => this.redo_(),
-      nextTool: (step) => this.nextTool_(step),
-      togglePlane: () =>
-        this.chooseMode_(this.hand_.settings.mode === 'plane' ? 'surface' : 'plane'),
-      toggleLean: () => this.toggleLean_(),
+      nextTool: (step) => this.settings_.nextTool(step),
+      togglePlane: () => this.settings_.togglePlane(),
+      toggleLean: () => this.settings_.toggleLean(),
       space: (held) => {
         if (this.pointers_) this.pointers_.spaceHeld = held;
       },
@@ -217,23 +231,29 @@ export class CarveMode {
       return;
     }
     this.inHand_ = place.pressure !== null || isTouched();
-    const problem = this.hand_.begin(place, this.depthMm_);
+    const problem = this.hand_.begin(place, this.settings_.depthMm);
     if (problem !== '') this.say_(problem, true);
   }
 
   private end_(): void {
-    this.hand_.end(this.depthMm_);
+    this.hand_.end(this.settings_.depthMm);
     this.delivery_.step();
     if (isTouched()) this.hand_.hide(); // no pointer is left over the picture
   }
 
-  private undo_(): void {
+  /** Ends the stroke of whatever device, if there is one. */
+  private stopStroke_(): void {
     this.pointers_?.cancel();
+    this.hand_.lift();
+  }
+
+  private undo_(): void {
+    this.stopStroke_();
     if (this.hand_.sampler.undo()) this.changed_(true);
   }
 
   private redo_(): void {
-    this.pointers_?.cancel();
+    this.stopStroke_();
     if (this.hand_.sampler.redo()) this.changed_(false);
   }
 
@@ -256,78 +276,17 @@ export class CarveMode {
       this.leave(); // the link would try for ever
       return;
     }
-    if (welcome && welcome !== this.welcome_) this.prepare_(welcome);
-    if (this.hand_.isCutting && state?.at) this.pointers_?.cancel();
+    if (welcome) this.settings_.prepare(welcome);
+    if (this.hand_.isCutting && state?.at) this.stopStroke_();
     this.settling_.step(state, this.link_.isAsking, now);
-    this.hand_.settle(this.depthMm_, now);
+    this.hand_.settle(this.settings_.depthMm, now);
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
     if (now > this.noteUntilMs_ && this.isJoined_()) this.bar_.say(helpText());
-  }
-
-  // Settings
-  // -----------------------------------------------------------------------------------------------
-
-  /** Fills the rack for a session that was joined. */
-  private prepare_(welcome: Welcome): void {
-    this.welcome_ = welcome;
-    this.bar_.setTools(welcome.tools);
-    const tool = welcome.tools.find(({ id }) => id === this.tool_?.id) ?? welcome.tools[0];
-    if (!tool) return;
-    if (!this.tool_) this.depthMm_ = DEPTH_OF_RADIUS * toolProfile(tool).radiusMm;
-    this.chooseTool_(tool.id);
-    this.showMode_();
   }
 
   /** Name and color of the watcher: others see one person. */
   private who_(): { name: string; color: string } {
     return { name: this.host.name(), color: this.host.model.welcome!.color };
-  }
-
-  private chooseTool_(id: number): void {
-    const tool = this.welcome_?.tools.find((one) => one.id === id);
-    if (!tool) return;
-    this.pointers_?.cancel();
-    // The hello names the first one.
-    if (this.tool_ && id !== this.tool_.id) this.hand_.sampler.ask({ type: 'tool', tool: id });
-    this.tool_ = tool;
-    this.hand_.takeTool(tool, this.who_().color, this.welcome_!);
-    this.bar_.setTool(id);
-    this.setDepth_(this.depthMm_);
-  }
-
-  private nextTool_(step: 1 | -1): void {
-    const ids = this.welcome_?.tools.map(({ id }) => id) ?? [];
-    const at = ids.indexOf(this.tool_?.id ?? 0) + step;
-    const id = ids[(at + ids.length) % ids.length];
-    if (id !== undefined) this.chooseTool_(id);
-  }
-
-  private chooseMode_(mode: AimMode): void {
-    this.hand_.settings.mode = mode;
-    this.showMode_();
-  }
-
-  private toggleLean_(): void {
-    const { settings } = this.hand_;
-    settings.leanMaxRad = settings.leanMaxRad > 0 ? 0 : LEAN_MAX_RAD;
-    this.showMode_();
-  }
-
-  private showMode_(): void {
-    const { mode, leanMaxRad } = this.hand_.settings;
-    this.bar_.setMode(mode, leanMaxRad > 0);
-    this.hand_.hoverAgain(this.isJoined_());
-  }
-
-  private setDepth_(mm: number): void {
-    if (!this.tool_ || !this.welcome_) return;
-    const { lengthMm, radiusMm } = toolProfile(this.tool_);
-    const most = Math.min(lengthMm, DEEPEST_RADII * radiusMm);
-    const least = Math.min(this.welcome_.pitch_mm, most / 2) / 2;
-    this.depthMm_ = Math.min(most, Math.max(least, mm));
-    this.hand_.settings.depthMm = this.depthMm_;
-    this.bar_.setDepth(this.depthMm_, [least, most]);
-    this.hand_.hoverAgain(this.isJoined_());
   }
 
   private laidOut_(): void {
@@ -341,7 +300,7 @@ export class CarveMode {
   private linkChanged_(status: CarveStatus, reason: string): void {
     this.main_.dataset['carve'] = status;
     if (status === 'lost') {
-      this.pointers_?.cancel();
+      this.stopStroke_();
       this.say_(t('{0} Reconnecting…', sentence(reason)), true);
     } else if (status === 'joining' && reason === '') {
       this.bar_.say(t('Joining…'));
@@ -372,7 +331,7 @@ export class CarveMode {
   }
 
   private rejected_(code: string, reason: string): void {
-    if (code === 'in_stock') this.pointers_?.cancel(); // lifted, the tool is clear of it
+    if (code === 'in_stock') this.stopStroke_(); // lifted, the tool is clear of it
     this.say_(sentence(reason), true);
   }
 

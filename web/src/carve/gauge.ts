@@ -17,6 +17,11 @@ export class Gauge {
     this.element.append(this.text_);
   }
 
+  /** The force on the tool now, N. */
+  get forceN(): number {
+    return this.shownN_;
+  }
+
   /** Beside a place of the picture; null: nowhere. */
   place(place: { x: number; y: number } | null): void {
     this.element.hidden = place === null;

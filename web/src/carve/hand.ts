@@ -30,6 +30,10 @@ export class Hand {
   /** While it lasts: the surface as it was when it began. */
   private stroke_: { surface: Surface; path: PointerPath; movedMs: number } | null = null;
   private last_: { place: Place; pose: Pose } | null = null;
+  private drawn_: Pose | null = null;
+  /** Of a device that is no pointer: where the tool is, and whether it cuts. */
+  private free_: Pose | null = null;
+  private freelyCuts_ = false;
 
   /** `moved`: the tool is drawn at a place, or nowhere. */
   constructor(
@@ -49,7 +53,7 @@ export class Hand {
   }
 
   get isCutting(): boolean {
-    return this.stroke_ !== null;
+    return this.stroke_ !== null || this.freelyCuts_;
   }
 
   /** Shows where the tool would cut; `isSent`: others see it too. */
@@ -109,6 +113,30 @@ export class Hand {
     this.aim_?.end();
   }
 
+  /** Moves the tool of a device that is no pointer; `cuts`: on its path there. */
+  moveTo(pose: Pose, cuts: boolean, isSent: boolean): void {
+    if (this.stroke_) return; // of a pointer: it goes on
+    this.draw_(pose);
+    if (!isSent) return;
+    // A stroke begins where the tool was.
+    if (cuts && !this.freelyCuts_) this.sampler.push(this.free_ ?? pose, false);
+    this.sampler.push(pose, cuts);
+    this.freelyCuts_ = cuts;
+    this.free_ = pose;
+  }
+
+  /** Ends the stroke of such a device where the tool is. */
+  lift(): void {
+    if (this.freelyCuts_ && this.free_) this.sampler.push(this.free_, false);
+    this.freelyCuts_ = false;
+    this.free_ = null;
+  }
+
+  /** Where the tool is drawn; null: nowhere. */
+  get pose(): Pose | null {
+    return this.tool_?.group.visible ? this.drawn_ : null;
+  }
+
   hide(): void {
     this.last_ = null;
     this.moved(null);
@@ -119,6 +147,7 @@ export class Hand {
 
   /** Nobody carves: hides it, and lets the surface go. */
   rest(): void {
+    this.lift();
     this.hide();
     this.surface_ = null;
     this.viewer.displayed.forget();
@@ -161,6 +190,11 @@ export class Hand {
   private show_(place: Place, pose: Pose): void {
     this.last_ = { place, pose };
     this.moved(place);
+    this.draw_(pose);
+  }
+
+  private draw_(pose: Pose): void {
+    this.drawn_ = pose;
     if (!this.tool_) return;
     this.tool_.setPose(pose.tip, pose.axis);
     this.tool_.group.visible = true;

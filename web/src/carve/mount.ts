@@ -9,6 +9,8 @@ import type { OneOpen } from '../ui/one_open';
 import type { Picture } from '../ui/picture';
 import type { CarveMode } from './carve_mode';
 import { whyNotCarve } from './reasons';
+import { mountVr } from './vr/mount';
+import type { VrState } from './vr/vr_mode';
 
 /** What carving needs of the page. */
 export interface CarveHost {
@@ -26,6 +28,8 @@ export interface CarveHost {
   layoutChanged: () => void;
   /** Says why something is not done. */
   say: (text: string) => void;
+  /** Does what the page does once a frame. */
+  frame: (nowMs: number) => void;
 }
 
 export interface CarveSwitch {
@@ -34,6 +38,8 @@ export interface CarveSwitch {
   update: () => void;
   /** The hash of the page's copy of the block; null: it has none. */
   copyHash: () => Promise<string> | null;
+  /** What a headset shows; null: there is none. */
+  vr: () => VrState | null;
 }
 
 const LABEL = t('Carve');
@@ -42,7 +48,7 @@ const KEY = 'C';
 /** Adds the button to the toolbar. */
 export function mountCarve(host: CarveHost): CarveSwitch {
   let mode: CarveMode | null = null;
-  let loading = false;
+  let loading: Promise<CarveMode | null> | null = null;
   const whyNot = (): string => {
     const { welcome } = host.model;
     if (!welcome) return t('The session is not open yet.');
@@ -60,23 +66,17 @@ export function mountCarve(host: CarveHost): CarveSwitch {
       host.say(reason);
       return;
     }
-    if (mode) {
-      mode.enter();
-      return;
-    }
-    if (loading) return;
-    loading = true;
-    import('./carve_mode').then(
-      ({ CarveMode }) => {
-        mode = new CarveMode(host, host.picture.viewer!, button);
-        mode.enter();
-      },
-      (problem: unknown) => {
-        loading = false; // the next press tries again
-        console.warn('Carving did not load:', problem);
-      },
-    );
+    void load().then((one) => one?.enter());
   };
+  const load = (): Promise<CarveMode | null> =>
+    (loading ??= import('./carve_mode').then(
+      ({ CarveMode }) => (mode = new CarveMode(host, host.picture.viewer!, button)),
+      (problem: unknown) => {
+        loading = null; // the next press tries again
+        console.warn('Carving did not load:', problem);
+        return null;
+      },
+    ));
   const button = iconButton(ICONS.carve, LABEL, KEY, toggle);
   button.setAttribute('aria-pressed', 'false');
   host.toolbar.prepend(button);
@@ -88,5 +88,18 @@ export function mountCarve(host: CarveHost): CarveSwitch {
     button.setAttribute('aria-disabled', String(reason !== ''));
     button.setAttribute('aria-description', reason);
   };
-  return { toggle, update, copyHash: () => mode?.copyHash() ?? null };
+  let hasBegun = false;
+  const vr = mountVr(host, {
+    begin: async () => {
+      const carving = whyNot() === '' ? await load() : null;
+      hasBegun = carving?.isActive === false;
+      carving?.enter();
+      return carving?.wielded ?? null;
+    },
+    leave: () => {
+      if (hasBegun) mode?.leave();
+      hasBegun = false;
+    },
+  });
+  return { toggle, update, copyHash: () => mode?.copyHash() ?? null, vr };
 }

@@ -30,6 +30,9 @@ export const ICONS = {
   carve: icon(
     '<path d="M14.500 3.500l6 6-7.500 7.500-6-6zM7 11l-2.500 7.500L12 17"/><path d="M3.500 21h8"/>',
   ),
+  headset: icon(
+    '<path d="M3 9a2 2 0 0 1 2-2h14a2 2 0 0 1 2 2v6a2 2 0 0 1-2 2h-3.500l-2-2.500h-3L8.500 17H5a2 2 0 0 1-2-2z"/><path d="M7.500 11.500h2M14.500 11.500h2"/>',
+  ),
   arrows: icon('<path d="M5 19L17 7M10 7h7v7"/>'),
   program: icon(
     '<path d="M6 3h9l4 4v14H6zM14 3v5h5"/><path d="M9 12h3M9 16h7"/><path d="M15 11l2 1.500-2 1.500"/>',

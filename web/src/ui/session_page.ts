@@ -163,6 +163,7 @@ export class SessionPage {
       oneOpen,
       layoutChanged: () => this.resize_(),
       say: (text) => this.flash_.say(text),
+      frame: (nowMs) => this.frame_(nowMs),
     });
     this.listen_(embedded);
     this.resize_();
@@ -171,12 +172,16 @@ export class SessionPage {
   start(): void {
     setInterval(() => this.model.liveness.beat(performance.now()), BEAT_MS);
     const frame = (nowMs: number): void => {
-      this.picture.tick(nowMs);
-      this.sendLook_(nowMs);
-      if (nowMs - this.panelMs_ >= PANEL_EVERY_MS) this.updatePanel_(nowMs);
+      this.frame_(nowMs);
       requestAnimationFrame(frame);
     };
     requestAnimationFrame(frame);
+  }
+
+  private frame_(nowMs: number): void {
+    this.picture.tick(nowMs);
+    this.sendLook_(nowMs);
+    if (nowMs - this.panelMs_ >= PANEL_EVERY_MS) this.updatePanel_(nowMs);
   }
 
   private get rig_(): CameraRig | undefined {

@@ -26,6 +26,14 @@ interface Carver {
   drawn: Pose;
 }
 
+/** A participant whose tool is drawn. */
+export interface ShownCarver {
+  id: number;
+  name: string;
+  color: string;
+  tool: ToolView;
+}
+
 export class CarverViews {
   readonly scale = new ArrowScale();
   private readonly carvers_ = new Map<number, Carver>();
@@ -63,6 +71,14 @@ export class CarverViews {
   tipOf(participant: number): Pose['tip'] | null {
     const carver = this.carvers_.get(participant);
     return carver?.hasPose ? carver.pose.tip : null;
+  }
+
+  /** Those whose tools are drawn. */
+  *shown(): Generator<ShownCarver> {
+    for (const [id, { tool, color, hasPose }] of this.carvers_) {
+      const participant = this.model.participants.get(id);
+      if (tool && hasPose && participant) yield { id, name: participant.info.name, color, tool };
+    }
   }
 
   /** Adds, moves and removes the views for a frame. Returns true if the picture changed. */

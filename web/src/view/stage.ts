@@ -118,8 +118,8 @@ export class Stage {
    * Gives a face towards the camera at least FACING_LIGHT of the light that a horizontal one has:
    * sides and bottom are not in the dark, and the default view keeps its shading.
    */
-  private lightFacing_(camera: THREE.Camera): void {
-    this.facing_.copy(camera.position).sub(this.center_).normalize();
+  private lightFacing_(eye: THREE.Vector3): void {
+    this.facing_.copy(eye).sub(this.center_).normalize();
     const missing = FACING_LIGHT * this.irradiance_(UP) - this.irradiance_(this.facing_);
     this.head_.intensity = Math.max(0, missing);
     this.head_.position.copy(this.center_).add(this.facing_);
@@ -206,8 +206,9 @@ export class Stage {
     await this.renderer.compileAsync(object, camera, this.scene);
   }
 
-  render(camera: THREE.Camera, withShadows: boolean): void {
-    this.lightFacing_(camera);
+  /** `eye`: where the camera is in the scene, mm. */
+  render(camera: THREE.Camera, withShadows: boolean, eye = camera.position): void {
+    this.lightFacing_(eye);
     if (withShadows) this.renderer.shadowMap.needsUpdate = true;
     this.renderer.render(this.scene, camera);
   }

@@ -52,12 +52,18 @@ export class ToolView {
   readonly topMm: number;
   private readonly axis_ = new THREE.Vector3();
 
+  /** Height of the handle's top of a tool that is drawn, mm. */
+  static topMm(tool: ToolInfo, pivotMm: number): number {
+    const length = toolProfile(tool).body.topMm;
+    return Math.max(length * 1.35, length + 18, pivotMm);
+  }
+
   constructor(tool: ToolInfo, color: string, pivotMm: number) {
     this.profile = toolProfile(tool);
     const { topRadiusMm: radius, body } = this.profile;
     // Collar and handle, which are not part of the scene, start above its parts.
     const length = body.topMm;
-    this.topMm = Math.max(length * 1.35, length + 18, pivotMm);
+    this.topMm = ToolView.topMm(tool, pivotMm);
     const collarRadius = radius * 1.25 + 0.8;
     const collarTop = length + Math.max(2.5, radius * 0.5);
     this.group.add(

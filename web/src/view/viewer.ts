@@ -47,7 +47,7 @@ export class Viewer {
   /** The triangles of the tiles, for rays. */
   readonly displayed = new DisplayedSurface(this.tiles);
   private readonly parser_ = new TileParser();
-  private readonly carvers_: CarverViews;
+  readonly carvers: CarverViews;
   private readonly quality_: Quality;
   private width_ = 1;
   private height_ = 1;
@@ -61,6 +61,8 @@ export class Viewer {
   private fitted_ = false;
   private compiled_: Promise<void> | null = null;
   private canDraw_ = false;
+  /** Where a headset looks from, which draws instead of the page; null: none. */
+  eyeElsewhere: THREE.Vector3 | null = null;
 
   /** @param fixedQuality draw every frame at full quality, regardless of speed */
   constructor(
@@ -75,7 +77,7 @@ export class Viewer {
       !fixedQuality && this.stage.drawsInSoftware,
     );
     this.stage.scene.add(this.tiles.group);
-    this.carvers_ = new CarverViews(this.stage.scene, overlay, model);
+    this.carvers = new CarverViews(this.stage.scene, overlay, model);
     this.rig = new CameraRig(canvas, window.matchMedia('(prefers-reduced-motion: reduce)').matches);
   }
 
@@ -92,7 +94,7 @@ export class Viewer {
     const diagonalMm = new THREE.Vector3(...bounds.min).distanceTo(
       new THREE.Vector3(...bounds.max),
     );
-    this.carvers_.reset(welcome.pivot_mm, ARROW_FRACTION * diagonalMm);
+    this.carvers.reset(welcome.pivot_mm, ARROW_FRACTION * diagonalMm);
     this.local.clear();
     this.shadowsDirty_ = true;
     if (!this.fitted_) this.rig.preset('iso', performance.now());
@@ -136,9 +138,10 @@ export class Viewer {
   /** Returns the camera position, with the acceptable error. */
   look(error_rad: number): PlacedLook {
     const { camera, controls } = this.rig;
+    const eye = this.eyeElsewhere ?? camera.position;
     return {
-      look: { eye_mm: camera.position.toArray(), error_rad },
-      distanceMm: camera.position.distanceTo(controls.target),
+      look: { eye_mm: eye.toArray(), error_rad },
+      distanceMm: eye.distanceTo(controls.target),
     };
   }
 
@@ -174,11 +177,11 @@ export class Viewer {
   }
 
   get arrowScale(): ArrowScale {
-    return this.carvers_.scale;
+    return this.carvers.scale;
   }
 
   set arrowsVisible(visible: boolean) {
-    this.carvers_.arrowsVisible = visible;
+    this.carvers.arrowsVisible = visible;
     this.touch();
   }
 
@@ -199,6 +202,13 @@ export class Viewer {
     this.touch();
   }
 
+  /** Whether the shadows have changed since they were drawn; they are drawn now. */
+  takeShadows(): boolean {
+    const changed = this.shadowsDirty_;
+    this.shadowsDirty_ = false;
+    return changed;
+  }
+
   /** Requests a redraw. */
   touch(): void {
     this.dirty_ = true;
@@ -206,7 +216,7 @@ export class Viewer {
 
   /** A participant whose tool is drawn elsewhere; null: none. */
   set hiddenCarver(participant: number | null) {
-    this.carvers_.hidden = participant;
+    this.carvers.hidden = participant;
     this.touch();
   }
 
@@ -272,14 +282,14 @@ export class Viewer {
   tick(nowMs: number): void {
     const since = Math.min(100, nowMs - this.lastTickMs_);
     this.lastTickMs_ = nowMs;
-    if (this.carvers_.update(nowMs)) {
+    if (this.carvers.update(nowMs)) {
       this.shadowsDirty_ = true;
       this.touch();
     }
-    const tip = this.followed_ === null ? null : this.carvers_.tipOf(this.followed_);
+    const tip = this.followed_ === null ? null : this.carvers.tipOf(this.followed_);
     if (tip) this.rig.followPoint(tip);
     if (this.rig.update(nowMs, since)) this.touch();
-    if (!this.canDraw_) return;
+    if (!this.canDraw_ || this.eyeElsewhere) return;
     if (this.dirty_) {
       if (nowMs - this.lastDrawMs_ >= this.quality_.pauseMs) this.drawMoving_(nowMs);
     } else if (!this.stillDrawn_ && nowMs - this.lastDrawMs_ > STILL_AFTER_MS) this.drawStill_();
@@ -316,7 +326,7 @@ export class Viewer {
     this.stage.render(camera, withShadows);
     for (const layer of this.layers) layer.draw?.(this.stage.renderer, camera);
     mark('picture');
-    this.carvers_.placeLabels(camera, this.width_, this.height_, this.clearTop_);
+    this.carvers.placeLabels(camera, this.width_, this.height_, this.clearTop_);
     for (const layer of this.layers) layer.drawn?.(camera, this.width_, this.height_);
   }
 }
