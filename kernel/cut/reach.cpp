@@ -46,7 +46,7 @@ unsigned changed_discs(const SweptTool& swept, const Discs& discs, const Lanes& 
     const auto bound = [&](const auto& s) { return s.lower_bound(discs, b.lowest_mm); };
     b.left_out = std::visit(bound, swept.pieces[k]);
     b.reached = lanes_below(b.lowest_mm, reached_below);
-    reach.add(b, lanes_below(b.lowest_mm, reached_below + swept.join_mm), swept.is_new(k));
+    reach.add(b, lanes_below(b.lowest_mm, reached_below + swept.join_mm));
   }
   return reach.discs();
 }

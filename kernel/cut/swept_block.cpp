@@ -22,7 +22,7 @@ unsigned find_bounds(const SweptTool& swept, const Discs& discs, const Lanes& st
     const auto bound = [&](const auto& s) { return s.lower_bound(discs, b.lowest_mm); };
     b.left_out = std::visit(bound, swept.pieces[k]);
     b.reached = lanes_below(b.lowest_mm, stock_below);
-    reach.add(b, b.reached, swept.is_new(k));
+    reach.add(b, b.reached);
   }
   return reach.discs();
 }

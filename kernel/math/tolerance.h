@@ -58,11 +58,6 @@ inline constexpr double kArrivalMm = 1e-5;
 /// upper disc stays clear of it. Owner: sweep/clip_to_block. If it grows, only time is lost.
 inline constexpr double kClipMarginShare = 1e-3;
 
-/// Share of a slice's height: a point at rest nearer than this to an end of the slice does not
-/// divide it. Owner: sweep/swept_tool. If it grows, slices keep parts that move in opposite
-/// directions, whose ends the search may miss.
-inline constexpr double kStillMarginShare = 1e-3;
-
 /// Relative. A neighbor whose radius is less by this share (and kEdgeEpsilonMm) still hides the
 /// disc of a slice. Owner: sweep/swept_tool. If it grows, rims that stick out are not searched.
 inline constexpr double kHiddenDiscShare = 1e-12;

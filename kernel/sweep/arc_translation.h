@@ -19,9 +19,9 @@ class ArcTranslation {
                  const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
   /// As Shadow::set_trail.
-  void set_trail(const Trail& trail, bool arrives) {
-    shadow_.set_trail(trail, arrives);
-    start_is_gone_ = !arrives;
+  void set_trail(const Trail& trail) {
+    shadow_.set_trail(trail);
+    start_is_gone_ = true;
   }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
   LeftOut lower_bound(const Discs& discs, Lanes& z_mm) const {

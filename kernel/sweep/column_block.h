@@ -40,19 +40,17 @@ struct PieceBounds {
 /// tool as a whole").
 class ToolReach {
  public:
-  /// `near`: discs over which the piece is low enough to close a gap; `is_new`: it is not another
-  /// part of the tool's piece that was added before it.
-  void add(const PieceBounds& piece, unsigned near, bool is_new) {
-    if (is_new) near_others_ |= near_;
-    near_ = is_new ? near : near_ | near;
-    several_ |= near & near_others_;
+  /// `near`: discs over which the piece is low enough to close a gap.
+  void add(const PieceBounds& piece, unsigned near) {
+    several_ |= near & near_;
+    near_ |= near;
     changed_ |= piece.changed();
     advances_ |= piece.changed() & ~piece.left_out.shown_behind;
   }
   unsigned discs() const { return changed_ & (advances_ | several_); }
 
  private:
-  unsigned changed_ = 0, advances_ = 0, several_ = 0, near_ = 0, near_others_ = 0;
+  unsigned changed_ = 0, advances_ = 0, several_ = 0, near_ = 0;
 };
 
 /// A block of 8 x 8 columns, and the intervals of heights that a sweep removes from them: the unit

@@ -98,10 +98,9 @@ Shadow::Shadow(const ToolPiece& slice, const std::vector<ToolPose>& poses, doubl
   plane_ = {(support - margin_mm) / n.z, -n.x / n.z, -n.y / n.z, u.z / lean};
 }
 
-void Shadow::set_trail(const Trail& trail, bool arrives) {
+void Shadow::set_trail(const Trail& trail) {
   trail_ = trail;
-  arrives_ = arrives;
-  if (level_ && !arrives) level_->set_start_is_cut();
+  if (level_) level_->set_start_is_cut();
 }
 
 LeftOut Shadow::lower_bound(const Discs& discs, Lanes& z_mm) const {
@@ -116,8 +115,7 @@ LeftOut Shadow::lower_bound(const Discs& discs, Lanes& z_mm) const {
   LeftOut left_out;
   if (trail_) {
     const Trail::Receding receding = trail_->receding(discs);
-    left_out = {.behind = arrives_ ? 0 : receding.all & reached,
-                .shown_behind = receding.shown & reached};
+    left_out = {.behind = receding.all & reached, .shown_behind = receding.shown & reached};
   }
   for (unsigned left = left_out.behind; left != 0; left &= left - 1) {
     z.set(std::countr_zero(left), std::numeric_limits<double>::infinity());

@@ -22,9 +22,7 @@ class Shadow {
 
   /// Call this if the piece at its first pose has been removed from the stock already: then the
   /// region behind the piece is excluded too.
-  /// If it `arrives`, it rests at the last pose of a motion whose first pose has been removed, and
-  /// the trail is that of the motion: then what this pose removes is left to the tool as a whole.
-  void set_trail(const Trail& trail, bool arrives);
+  void set_trail(const Trail& trail);
 
   const SweepBounds& bounds() const { return bounds_; }
   /// Lowers `z_mm` to a lower bound of the heights that the slice sweeps within each disc.
@@ -39,7 +37,6 @@ class Shadow {
   } plane_;
   Underside underside_;
   std::optional<Trail> trail_;
-  bool arrives_ = false;
   std::optional<LevelBound> level_;  ///< in place of all others
 };
 

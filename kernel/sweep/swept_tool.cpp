@@ -32,8 +32,7 @@ struct PiecePlan {
   double disc_bend_mm = 0;  ///< κ of its discs, hidden or not
   bool round = false;       ///< the curvature of the slice exceeds the bend
   ShownDiscs shown = {true, true};
-  bool shows_edge = true;       ///< a disc that shows makes an edge with the side
-  std::optional<double> still;  ///< height of the point of the axis that stays at rest
+  bool shows_edge = true;  ///< a disc that shows makes an edge with the side
 };
 
 /// Returns the greatest distance of a point of the piece from the tip.
@@ -146,17 +145,6 @@ SliceSearch search_of(const PiecePlan& plan, const ToolMotion& m, double toleran
           .shows_disc = plan.shows_edge};
 }
 
-/// Returns the height of the point of the axis that stays at rest, if it is within the slice. The
-/// points on either side of it move in opposite directions, so each half is swept on its own.
-std::optional<double> still_point(const Extent& e, const ToolMotion& m) {
-  const Vec3 du = m.to.axis - m.from.axis;
-  const double du2 = dot(du, du);
-  if (!(du2 > 0)) return std::nullopt;
-  const double still = -dot(m.to.tip_mm - m.from.tip_mm, du) / du2;
-  const double margin = kStillMarginShare * (e.z1_mm - e.z0_mm);
-  return still > e.z0_mm + margin && still < e.z1_mm - margin ? std::optional(still) : std::nullopt;
-}
-
 std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
                                    const SweepSettings& settings) {
   std::vector<PiecePlan> plans;
@@ -164,12 +152,8 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
     const ToolPiece& whole = tool.pieces[i];
     const auto piece = clip_to_block(whole, m, settings.block);
     if (!piece) continue;
-    PiecePlan plan{.piece = *piece,
-                   .whole = whole,
-                   .which = i,
-                   .parts = 1,
-                   .top_mm = settings.block.max_mm.z,
-                   .still = {}};
+    PiecePlan plan{
+        .piece = *piece, .whole = whole, .which = i, .parts = 1, .top_mm = settings.block.max_mm.z};
     if (const auto* ball = std::get_if<BallPiece>(&*piece)) {
       plan.parts = parts(m.turn_rad * std::sqrt(ball->center_mm / (8 * settings.tolerance_mm)));
     } else {
@@ -183,10 +167,7 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
       const bool edge_below = radius_at(whole, e.z0_mm) > kTipMm && !(arc && is_level_below(*arc));
       const bool edge_above = radius_at(whole, e.z1_mm) > kTipMm && !(arc && is_level_above(*arc));
       plan.shows_edge = (plan.shown.lower && edge_below) || (plan.shown.upper && edge_above);
-      if (m.turn_rad > 0) {
-        plan_slice(plan, m, settings.tolerance_mm);
-        plan.still = still_point(extent(*piece), m);
-      }
+      if (m.turn_rad > 0) plan_slice(plan, m, settings.tolerance_mm);
     }
     plans.push_back(plan);
   }
@@ -208,17 +189,13 @@ ShownDiscs all_discs(const ToolPiece& slice, const ShownDiscs& shown) {
           !shown.upper_is_outside && radius_at(slice, e.z1_mm) > kTipMm, shown.upper_is_outside};
 }
 
-/// Sweeps a slice, or its last pose where it `arrives`. `piece` is the plan's, or the part of it on
-/// one side of its point at rest, of `whole`; no other piece or part hides the discs `shown`.
-SweptPiece sweep_slice(const ToolPiece& piece, const ToolPiece& whole, ShownDiscs shown,
-                       const PiecePlan& plan, const ToolMotion& motion, bool arrives,
-                       const SweepSettings& settings) {
-  const ToolMotion m = arrives ? make_motion(motion.to, motion.to, 0) : motion;
+SweptPiece sweep_slice(const PiecePlan& plan, const ToolMotion& m, const SweepSettings& settings) {
+  const ToolPiece &piece = plan.piece, &whole = plan.whole;
+  const ShownDiscs shown = plan.shown;
   const SliceSearch search = search_of(plan, m, settings.tolerance_mm);
   const auto trailing = [&](auto sweep) -> SweptPiece {
     if (settings.start_is_cut) {
-      const ShownDiscs tested = all_discs(piece, shown);
-      sweep.set_trail(Trail(piece, motion.from, motion.to, tested, shown), arrives);
+      sweep.set_trail(Trail(piece, m.from, m.to, all_discs(piece, shown), shown));
     }
     return sweep;
   };
@@ -252,29 +229,10 @@ SweptTool sweep_pieces(const Tool& tool, const std::vector<PiecePlan>& plans, co
     // Above the last piece there is nothing that could be left out.
     ToolAbove above;
     if (&plan != &plans.back()) above = ToolAbove(tool, plan.which, m, settings.block.max_mm.z);
-    const auto add = [&](SweptPiece piece, const ToolAbove& over) {
-      swept.pieces.push_back(std::move(piece));
-      swept.above.push_back(over);
-      swept.of.push_back(plan.which);
-    };
-    if (const auto* ball = std::get_if<BallPiece>(&plan.piece)) {
-      add(sweep_ball(*ball, m, plan.parts, settings.start_is_cut), above);
-      continue;
-    }
-    if (!plan.still) {
-      add(sweep_slice(plan.piece, plan.whole, plan.shown, plan, m, false, settings), above);
-      continue;
-    }
-    const Extent e = extent(plan.piece);
-    const double rest = *plan.still;
-    const ToolPiece lower = slice_of(plan.piece, e.z0_mm, rest);
-    const ToolPiece upper = slice_of(plan.piece, rest, e.z1_mm);
-    add(sweep_slice(lower, lower, {plan.shown.lower, false}, plan, m, false, settings), above);
-    add(sweep_slice(upper, upper, {false, plan.shown.upper, plan.shown.upper_is_outside}, plan, m,
-                    false, settings),
-        above);
-    // What the last pose removes is computed for the whole piece.
-    add(sweep_slice(plan.piece, plan.whole, plan.shown, plan, m, true, settings), ToolAbove());
+    const auto* ball = std::get_if<BallPiece>(&plan.piece);
+    swept.pieces.push_back(ball != nullptr ? sweep_ball(*ball, m, plan.parts, settings.start_is_cut)
+                                           : sweep_slice(plan, m, settings));
+    swept.above.push_back(above);
   }
   return swept;
 }
@@ -301,18 +259,7 @@ class TightSweep {
     for (std::int64_t i = 0; i < frames_; ++i) {
       const ToolMotion m = frame(i);
       const std::vector<PiecePlan> plans = plan_pieces(tool_, m, settings_);
-      const std::int64_t n = most_parts(plans);
-      // The point at rest moves along the axis, so each part is divided at its own.
-      if (n > 1 && std::ranges::any_of(plans, [](auto& p) { return p.still.has_value(); })) {
-        for (std::int64_t j = 0; j < n; ++j) {
-          const ToolMotion part =
-              part_of(m, double(j) / double(n), double(j + 1) / double(n), tool_.length_mm);
-          emit(visit, one_part_each(plan_pieces(tool_, part, settings_)), part,
-               1 / double(frames_ * n), 1);
-        }
-      } else {
-        emit(visit, plans, m, 1 / double(frames_), n);
-      }
+      emit(visit, plans, m, 1 / double(frames_), most_parts(plans));
     }
   }
 
@@ -321,10 +268,6 @@ class TightSweep {
     if (frames_ == 1) return motion_;
     return part_of(motion_, double(i) / double(frames_), double(i + 1) / double(frames_),
                    tool_.length_mm);
-  }
-  static std::vector<PiecePlan> one_part_each(std::vector<PiecePlan> plans) {
-    for (PiecePlan& plan : plans) plan.parts = 1;
-    return plans;
   }
   template <class Visit>
   void emit(const Visit& visit, const std::vector<PiecePlan>& plans, const ToolMotion& m,

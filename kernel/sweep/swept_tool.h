@@ -22,12 +22,8 @@ using SweptPiece = std::variant<BallSweep, FrustumTranslation, ArcTranslation, T
 /// The tool during one part of its motion: the union of its swept pieces, without those that stay
 /// outside the block.
 struct SweptTool {
-  /// Returns whether piece k belongs to another piece of the tool than the one before it.
-  bool is_new(std::size_t k) const { return k == 0 || of[k] != of[k - 1]; }
-
   std::vector<SweptPiece> pieces;
   std::vector<ToolAbove> above;  ///< of each piece
-  std::vector<std::size_t> of;   ///< of each piece: the number of the tool's piece it belongs to
   /// Gaps between two pieces that are shorter than this on a ray are removed too. It is rounding
   /// where nothing turns, else the tolerance, by which each piece may fall short of the seam.
   double join_mm = kEdgeEpsilonMm;

@@ -18,7 +18,7 @@ class TurningSweep {
                const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
   /// As Shadow::set_trail.
-  void set_trail(const Trail& trail, bool arrives) { shadow_.set_trail(trail, arrives); }
+  void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
   LeftOut lower_bound(const Discs& discs, Lanes& z_mm) const {
     return shadow_.lower_bound(discs, z_mm);

@@ -87,11 +87,11 @@ TEST(StandardJob, FiveAxisEndPointsAreWithinTolerance) {
 TEST(Determinism, StandardJobHashes) {
   EXPECT_EQ(carve(false, 0.5, 0.001, BallShape{10, 50}).state_hash(), 8953745086271116946ULL);
   EXPECT_EQ(carve(true, 0.5, 0.001, BallShape{10, 50}, 1500).state_hash(), 2946805470837216468ULL);
-  EXPECT_EQ(carve(true, 0.5, 0.01, FlatShape{10, 50}, 600).state_hash(), 6070958903348363084ULL);
+  EXPECT_EQ(carve(true, 0.5, 0.01, FlatShape{10, 50}, 600).state_hash(), 7218929693609648831ULL);
   EXPECT_EQ(carve(true, 0.5, 0.01, TaperShape{4, 12, 40}, 600).state_hash(),
-            2169045767793167371ULL);
+            14610605400914223555ULL);
   EXPECT_EQ(carve(true, 0.5, 0.01, ConeEndShape{10, 90, 50}, 600).state_hash(),
-            472313794894652238ULL);
+            17299971750522877671ULL);
 }
 
 }  // namespace

@@ -148,7 +148,7 @@ void expect_rest(const Piece& piece, const Reference& sweep, std::mt19937_64& ra
   const SliceSearch search{.top_mm = all.top_mm};
   Translation translation(piece, piece, sweep.from, sweep.to, shown, search);
   translation.evaluate(all);
-  translation.set_trail(Trail(piece, sweep.from, sweep.to, shown), false);
+  translation.set_trail(Trail(piece, sweep.from, sweep.to, shown));
   translation.evaluate(left);
   MovingSlice(piece, sweep.from, sweep.from, shown, search).evaluate(start);
   const auto is_in = [](const ColumnBlock& b, int row, int lane) {

@@ -207,6 +207,26 @@ TEST(MetAgain, RaysAcrossTheAxisThatPassADiscAreMetSeldom) {
   }
 }
 
+TEST(MetAgain, APieceThatTurnsAboutAPointOfItsAxisIsSweptOnce) {
+  // Its halves move in opposite directions, but need no sweeps of their own.
+  const auto tool = make_tool(FlatShape{10, 40});
+  ASSERT_TRUE(tool);
+  const ToolPose from{{0, 0, -4}, {0, 0, 1}};
+  const Vec3 axis = normalized(Vec3{0.1, 0, 1});
+  const ToolPose to{from.tip_mm + (from.axis - axis) * 2, axis};
+  const SweepSettings settings{MotionModel::kTight, 0.001, {{-8, -8, -6}, {8, 8, 0}}, true};
+  std::size_t sweeps = 0, pieces = 0;
+  std::int64_t sub_motions = 0;
+  sweep_tool(*tool, make_motion(from, to, tool->length_mm), settings, [&](const SubMotion& part) {
+    ++sweeps;
+    pieces += part.swept.pieces.size();
+    sub_motions += part.count;
+  });
+  EXPECT_EQ(sweeps, 1U);
+  EXPECT_EQ(pieces, 1U);
+  EXPECT_GT(sub_motions, 1);
+}
+
 /// Tools with thin discs, shelves and needles.
 ToolShape thin_shape(int k, Random& random) {
   const double r = random.in(1, 6), w = random.power(-5, -0.5);

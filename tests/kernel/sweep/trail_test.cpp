@@ -129,17 +129,13 @@ TEST(ToolReach, LeavesOutOnlyASinglePieceThatRecedes) {
   PieceBounds recedes, advances;
   recedes.reached = advances.reached = 0b1111;
   recedes.left_out.shown_behind = 0b0111;
-  ToolReach alone, beside, parts;
-  alone.add(recedes, recedes.reached, true);
-  EXPECT_EQ(alone.discs(), 0b1000U);
-  beside.add(recedes, recedes.reached, true);
-  beside.add(recedes, 0b10010, true);  // near enough to close a gap over disc 1
-  EXPECT_EQ(beside.discs(), 0b1010U);
-  parts.add(recedes, recedes.reached, true);
-  parts.add(recedes, recedes.reached, false);
-  EXPECT_EQ(parts.discs(), 0b1000U);
-  parts.add(advances, 0, true);
-  EXPECT_EQ(parts.discs(), 0b1111U);
+  ToolReach tool;
+  tool.add(recedes, recedes.reached);
+  EXPECT_EQ(tool.discs(), 0b1000U);
+  tool.add(recedes, 0b10010);  // near enough to close a gap over disc 1
+  EXPECT_EQ(tool.discs(), 0b1010U);
+  tool.add(advances, 0);
+  EXPECT_EQ(tool.discs(), 0b1111U);
 }
 
 TEST(Trail, TheToolAsAWholeRemovesNothingBehindIt) {
@@ -147,7 +143,7 @@ TEST(Trail, TheToolAsAWholeRemovesNothingBehindIt) {
   const BullNoseShape bull_nose{6, 1, 30};
   EXPECT_FALSE(sweeps_behind(bull_nose, 0.7, 0.7));
   EXPECT_TRUE(sweeps_behind(bull_nose, 0.7 + 3.1, 0.7));  // leaning backwards, it sinks
-  // A point of the axis rests within the barrel, which is divided there.
+  // A point of the axis rests within the barrel.
   const ProfileShape barrel{{ProfilePoint{2.5, 0}, ProfileArc{{2.5, 24}, 30}}};
   EXPECT_FALSE(sweeps_behind(barrel, 0.09, 0.6));
   EXPECT_TRUE(sweeps_behind(barrel, 0.09 + 3.1, 0.6));
