@@ -5,6 +5,8 @@
 #include <iomanip>
 #include <sstream>
 
+#include "haptic_agent/servo/cut_coupling.h"
+
 namespace kerf::agent {
 namespace {
 
@@ -46,6 +48,22 @@ std::string force_notice(const Welcome& welcome, const ServoSettings& settings, 
   out << ") force and torque are felt reduced, both by one factor, down to " << load.most / full
       << " in a full cut of tool " << tool << " (" << std::setprecision(3) << full_cut_mm2
       << " mm², " << full << unit << ")";
+  return out.str();
+}
+
+std::string grip_notice(const ServoSettings& settings) {
+  // `felt_bench hands`, 1 N, 0.5 N/mm: errors of 10 to 12 % below this stiffness, of 1 to 7 %
+  // above.
+  constexpr double kFirmNPerMm = 0.2;
+  if (!settings.safety.motors || settings.model.law == CutLaw::kRemovalRate) return {};
+  const Vec3 arm_mm{0, 0, -settings.pivot_mm};
+  const double stiffness = gains_across(settings.model.contact, arm_mm).stiffness;
+  if (!(stiffness < kFirmNPerMm)) return {};
+  std::ostringstream out;
+  out << std::setprecision(2) << "the device is light for its latency: at its tip it can render "
+      << stiffness
+      << " N/mm stably. Held loosely, the force of a cut follows each turn late, and is wrong by a "
+         "tenth or more; a firm grip makes it true";
   return out.str();
 }
 

@@ -15,4 +15,9 @@ namespace kerf::agent {
 std::string force_notice(const Welcome& welcome, const ServoSettings& settings, std::uint32_t tool,
                          double full_cut_mm2);
 
+/// Returns a sentence for the user of a device that is so light for its latency that the force of a
+/// cut follows the tip softly (CutCoupling), with the error to expect in a hand that yields. Empty
+/// otherwise, for a law without that coupling, or if the device has no motors.
+std::string grip_notice(const ServoSettings& settings);
+
 }  // namespace kerf::agent

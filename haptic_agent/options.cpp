@@ -12,6 +12,7 @@
 
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/link/token.h"
+#include "haptic_agent/wrapped_help.h"
 #include "server/wire/control.h"
 #include "server/wire/limits.h"
 
@@ -100,10 +101,11 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
                  "also feel the force of this participant, by id")
       ->type_name("PARTICIPANT")
       ->check(number_in(1, kMaxId));
-  app.add_option(
-         "--mode", texts.mode,
-         "how forces are rendered: model computes them for the current pose from the newest "
-         "answer; interpolated and hold output the server's answers as they arrive")
+  app.add_option("--mode", texts.mode,
+                 "how forces are rendered.\n"
+                 "model: computed for the current pose from the newest answer;\n"
+                 "interpolated: from the last answer to the newest, linearly;\n"
+                 "hold: the newest answer, until the next arrives")
       ->type_name("MODE")
       ->check(CLI::IsMember({"model", "interpolated", "hold"}))
       ->capture_default_str();
@@ -151,8 +153,7 @@ void describe_link(CLI::App& app, Options& options) {
 void describe(CLI::App& app, Options& options, Texts& texts) {
   app.set_version_flag("--version", std::string("kerf-agent ") + kVersion + " (" +
                                         std::string(wire::kAgentProtocol) + ")");
-  app.footer(
-      "kerf-agent doctor --help: check the device, permissions, the 1 kHz loop and the server.");
+  app.footer("kerf-agent doctor --help: checks of device, permissions, 1 kHz loop and server.");
   app.add_option("--server", texts.server,
                  "address of the server, http://HOST:PORT or https://HOST:PORT")
       ->type_name("URL")
@@ -165,20 +166,22 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
                  "PEM file of the authority that has certified an https:// server, if the system "
                  "does not know it")
       ->type_name("FILE")
-      ->check(CLI::ExistingFile);
+      ->check(CLI::Validator(CLI::ExistingFile).description(""));
   app.add_option("--session", options.link.session, "session to join")
       ->required()
       ->type_name("ID")
       ->check(CLI::Validator(check_session, ""));
-  app.add_option(
-         "--device", texts.devices,
-         "usb, falcon[:FIRMWARE_FILE], spacemouse: a USB device; gamepad[:/dev/input/eventN]: a "
-         "gamepad, with rumble; plugin:FILE.so[:ARGUMENT]: a "
-         "driver in a shared library (kerf_agent.h); socket:PATH, socket:HOST:PORT: a device that "
-         "another process serves; sim: a simulated hand that carves a figure; sim:FILE: a "
-         "simulated hand that follows an .apt, .cls or .csv path; replay:FILE: the exact path, "
-         "without a simulated hand. May be repeated: each device "
-         "joins as a separate participant")
+  app.add_option("--device", texts.devices,
+                 "the device; if repeated, each joins as a separate participant.\n"
+                 "usb[:VVVV:PPPP]: the reference device;\n"
+                 "falcon[:FIRMWARE_FILE]: Novint Falcon;\n"
+                 "spacemouse: 3Dconnexion, input only;\n"
+                 "gamepad[:/dev/input/eventN]: with rumble;\n"
+                 "plugin:FILE.so[:ARGUMENT]: a driver in a shared library;\n"
+                 "socket:PATH or socket:HOST:PORT: a device that another process serves;\n"
+                 "sim: a simulated hand that carves a figure;\n"
+                 "sim:FILE: one that follows an .apt, .cls or .csv path;\n"
+                 "replay:FILE: the exact path, without a simulated hand")
       ->type_name("DEVICE")
       ->required();
   app.add_option("--name", options.link.hello.name, "your name, as displayed to others")
@@ -212,11 +215,10 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
 std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv) {
   Options options;
   Texts texts;
-  CLI::App app(
-      "Joins a Kerf session with a haptic device: streams its motion at 1 kHz and outputs the "
-      "force and torque of the cut.",
-      "kerf-agent");
+  CLI::App app("Connects a haptic device to a Kerf session: motion at 1 kHz, force of the cut.",
+               "kerf-agent");
   describe(app, options, texts);
+  wrap_help(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -144,10 +144,12 @@ ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange
   return &exchange;
 }
 
-/// Tells the user of the session's guides, and if cuts with the first tool may exceed the device.
+/// Tells the user of the session's guides, and if cuts are softer than computed, or with the first
+/// tool may exceed the device.
 void notify_of_force(const std::expected<BlockSource, std::string>& block, const Welcome& welcome,
                      const ServoSettings& settings, const std::string& guides) {
   if (!guides.empty()) print_line(guides);
+  if (const std::string notice = grip_notice(settings); !notice.empty()) print_line(notice);
   if (!block) return;
   const std::uint32_t tool = settings.tool_id;
   const std::string notice = force_notice(welcome, settings, tool, block->full_cut_mm2(tool));
@@ -167,12 +169,13 @@ void play_sound(const Options& options, const Spindle& spindle, ServoCycle& cycl
 }
 
 /// Runs the device at 1 kHz until it ends; fills in the servo's part of the summary.
-void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, int cpu,
+void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, LeadCpu& lead, int cpu,
                Summary& summary) {
   const MotorSwitch motors{.zero = [&device] { device.write({}); },
                            .stop = [&device] { device.stop(); }};
   summary.watchdog_stops = run_watched(loop, cycle, motors, [&] {
     summary.realtime = make_realtime({.priority = kServoPriority, .cpu = cpu});
+    if (summary.realtime.fifo) loop.announce(lead);
     if (!summary.realtime.warning.empty())
       print_line(join({"warning: ", summary.realtime.warning}));
   });
@@ -219,8 +222,10 @@ int run_agent(Options options) {
   options.link.notice = print_line;
   options.device_options.notice = print_line;
   options.link.failed = [&loop] { loop.stop(); };
+  LeadCpu lead;
+  options.link.lead = &lead;
   ReplicaExchange exchange;
-  ReplicaThread replica(exchange);
+  ReplicaThread replica(exchange, &lead);
   const bool keep_copy = options.keep_copy && options.mode == ForceMode::kModel;
   options.link.hello.stock = keep_copy;
   options.link.traffic.copy = keep_copy ? &replica : nullptr;
@@ -265,7 +270,7 @@ int run_agent(Options options) {
     play_sound(options, spindle, cycle, sound);
     std::optional<TerminalView> view;
     if (options.view) view.emplace(cycle.status(), link_status, settings, std::cerr);
-    run_servo(device, loop, cycle, options.cpu, summary);
+    run_servo(device, loop, cycle, lead, options.cpu, summary);
   }
   replica.stop();
   summary.copy = replica.report();

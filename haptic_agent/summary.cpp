@@ -105,12 +105,19 @@ json felt_json(const FeltReport& felt) {
 }
 
 json force_json(const Summary& s) {
-  return {{"felt", felt_json(s.servo.felt)},          {"max_n", s.servo.max_force_n},
-          {"max_torque_nmm", s.servo.max_torque_nmm}, {"server_max_n", s.link.max_server_force_n},
-          {"saturated_ticks", s.saturated_ticks},     {"slewed_ticks", s.slewed_ticks},
-          {"decayed_ticks", s.servo.decayed_ticks},   {"not_finite", s.not_finite_wrenches},
-          {"projected", s.projected_wrenches},        {"given_mj", s.given_mj},
-          {"most_returned_mj", s.most_returned_mj}};
+  return {{"felt", felt_json(s.servo.felt)},
+          {"max_n", s.servo.max_force_n},
+          {"max_torque_nmm", s.servo.max_torque_nmm},
+          {"server_max_n", s.link.max_server_force_n},
+          {"saturated_ticks", s.saturated_ticks},
+          {"slewed_ticks", s.slewed_ticks},
+          {"decayed_ticks", s.servo.decayed_ticks},
+          {"not_finite", s.not_finite_wrenches},
+          {"projected", s.projected_wrenches},
+          {"given_mj", s.given_mj},
+          {"most_returned_mj", s.most_returned_mj},
+          {"soft_ticks", s.servo.soft_ticks},
+          {"softest_mm_per_n", s.servo.softest_mm_per_n}};
 }
 
 json copy_json(const Summary& s) {
@@ -189,6 +196,17 @@ std::string felt_lines(const FeltReport& felt) {
   return out.str();
 }
 
+/// Returns the line about cuts that shook the tool; empty if none did.
+std::string soft_line(const ServoReport& servo) {
+  if (servo.soft_ticks == 0) return {};
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(1) << "         in " << servo.soft_ticks
+      << " ticks the cut shook the tool, and its force was made softer: it followed turns over up "
+         "to "
+      << servo.softest_mm_per_n << " mm per N. A firmer grip avoids that\n";
+  return out.str();
+}
+
 /// Returns the line about samples that a loss of the server could affect; empty if none did.
 std::string durable_line(const LinkReport& link) {
   if (link.resumed + link.not_durable + link.given_up == 0) return {};
@@ -248,8 +266,8 @@ void print_summary(std::ostream& out, const Summary& s) {
       << std::setprecision(2) << s.servo.max_force_n << " N and " << s.servo.max_torque_nmm
       << " N·mm (server: " << l.max_server_force_n << " N), saturated in " << s.saturated_ticks
       << " ticks, faded in " << s.servo.decayed_ticks << '\n'
-      << felt_lines(s.servo.felt) << guides_line(s.guides) << Copy{s.copy} << "energy   "
-      << -s.given_mj << " mJ dissipated, at most " << s.most_returned_mj
+      << felt_lines(s.servo.felt) << soft_line(s.servo) << guides_line(s.guides) << Copy{s.copy}
+      << "energy   " << -s.given_mj << " mJ dissipated, at most " << s.most_returned_mj
       << " mJ returned over any interval; " << s.projected_wrenches << " wrenches reduced\n"
       << "safety   " << s.trips << " trips" << (s.trips > 0 ? ", last: " : "")
       << (s.trips > 0 ? to_string(s.last_trip) : "") << "; degraded in " << s.degraded_ticks

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "haptic_agent/servo/flight_recorder.h"
@@ -13,8 +14,11 @@ namespace kerf::agent {
 /// line per tick.
 std::string trip_csv(const FlightLog& log);
 
-/// Logs trips from an ordinary thread: the code to standard error, the ticks appended to a file, or
-/// to standard error as well if no file is given.
+/// Returns what happened, and what the user may do about it; a sentence without its full stop.
+std::string_view trip_reason(TripCode code);
+
+/// Logs trips from an ordinary thread: the reason to standard error, the ticks appended to a file
+/// if one is given.
 class TripWriter {
  public:
   /// `recorder` must outlive the object. `file` may be empty.

@@ -13,6 +13,7 @@
 
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/device/units.h"
+#include "haptic_agent/force_notice.h"
 #include "haptic_agent/realtime/clock.h"
 
 namespace kerf::agent {
@@ -162,8 +163,16 @@ std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s) {
   if (device->capabilities().max_force_n > 0 && choice.kind != DeviceKind::kSimulated) {
     send_zero_force(*device);
     findings.push_back(judge_latency(device->capabilities(), device->command_echo()));
+    const std::optional<Finding> grip = judge_grip(device->capabilities());
+    if (grip) findings.push_back(*grip);
   }
   return findings;
+}
+
+std::optional<Finding> judge_grip(const DeviceCapabilities& device) {
+  const std::string notice = grip_notice(settings_for(device, {}));
+  if (notice.empty()) return std::nullopt;
+  return Finding{.health = Health::kNote, .what = notice};
 }
 
 Finding judge_latency(const DeviceCapabilities& device, const CommandEcho& echo) {

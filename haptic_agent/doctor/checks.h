@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,10 @@ std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s);
 
 /// Judges the measured latency of a device with motors against the declared one.
 Finding judge_latency(const DeviceCapabilities& device, const CommandEcho& echo);
+
+/// Notes if the device is so light for its latency that cuts are felt softer than computed in a
+/// loose grip, at the pivot that scenes have by default.
+std::optional<Finding> judge_grip(const DeviceCapabilities& device);
 
 /// Statistics of the servo loop and its scheduling.
 struct LoopMeasurement {

@@ -9,6 +9,7 @@
 
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/doctor/checks.h"
+#include "haptic_agent/wrapped_help.h"
 
 namespace kerf::agent {
 namespace {
@@ -48,7 +49,7 @@ void describe(CLI::App& app, DoctorOptions& options) {
   app.add_option("--ca", options.authorities,
                  "PEM file of the authority that has certified an https:// server")
       ->type_name("FILE")
-      ->check(CLI::ExistingFile);
+      ->check(CLI::Validator(CLI::ExistingFile).description(""));
   app.add_option("--seconds", options.seconds, "duration of the loop measurement, s")
       ->type_name("S")
       ->check(seconds_in(0.1))
@@ -129,6 +130,7 @@ int run_doctor(int argc, const char* const* argv, std::ostream& out) {
   CLI::App app("Reports what is missing for carving with a device, and measures the 1 kHz loop.",
                "kerf-agent doctor");
   describe(app, options);
+  wrap_help(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

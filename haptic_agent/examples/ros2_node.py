@@ -22,7 +22,7 @@ class KerfNode(Node):
     def __init__(self):
         super().__init__("kerf")
         given = {name: self.declare_parameter(name, default).value for name, default in (
-            ("server", "http://localhost:8080"), ("session", "demo"), ("max_force_n", 5.0),
+            ("server", "http://localhost:8080"), ("session", "ammonite"), ("max_force_n", 5.0),
             ("library", "libkerf_agent.so.1"), ("frame", "base"), ("latency_ms", 5.0))}
         self.kerf = ctypes.CDLL(given["library"])
         self.kerf.kerf_agent_last_error.restype = c_char_p

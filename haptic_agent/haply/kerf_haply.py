@@ -46,7 +46,11 @@ class Service:
             raise ValueError(f"{url} is not an address such as ws://localhost:10001")
         port = parts.port or 10001
         self.pending = b""
-        self.socket = socket.create_connection((parts.hostname, port), timeout=SERVICE_QUIET_S)
+        try:
+            self.socket = socket.create_connection((parts.hostname, port), timeout=SERVICE_QUIET_S)
+        except OSError as gone:
+            raise Lost(f"the Inverse Service at {url} cannot be reached ({gone}); start Haply Hub, "
+                       "or name another address with --service") from None
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         key = base64.b64encode(os.urandom(16)).decode()
         self.socket.sendall(
@@ -265,19 +269,24 @@ def capabilities(device, options):
 def serve(listener, options):
     """Serves one agent after another. While the service is away, no agent is accepted: kerf-agent
     then states that it waits."""
+    said = ""
     while True:
         service = None
         try:
             service, device = open_service(options)
             print(f"{options.service}: Inverse3 {device.device_id}, "
                   f"{device.grip_kind or 'no grip'}; waiting for kerf-agent", flush=True)
+            said = ""
             connection = listener.accept()[0]
             with connection:
                 service.close()  # its states waited: start with new ones
                 service, device = open_service(options)
                 run(service, device, Agent(connection, capabilities(device, options)))
         except FAULTS as loss:
-            print(f"lost: {loss or type(loss).__name__}", file=sys.stderr, flush=True)
+            text = f"lost: {loss or type(loss).__name__}"
+            if text != said:
+                print(text, file=sys.stderr, flush=True)
+            said = text
             time.sleep(RETRY_S)
         finally:
             if service is not None:

@@ -73,6 +73,7 @@ class DeviceLoop final : public ServoTask {
 AgentSession::AgentSession(SessionOptions options)
     : options_(std::move(options)), device_(options_.device) {
   LinkSettings& link = options_.link;
+  link.lead = &lead_;
   link.traffic.status = &link_status_;
   link.failed = [this] { lost_.store(true); };
   link.hello.stock = options_.keep_copy;
@@ -189,6 +190,7 @@ void AgentSession::run(const kerf_agent_device& device, void* context, bool real
   run_watched(loop, task, motors, [&] {
     if (!realtime) return;
     const RealtimeReport report = make_realtime({});
+    if (report.fifo) loop.announce(lead_);
     if (!report.warning.empty()) notice("warning: " + report.warning);
   });
   stopping_.store(false);

@@ -104,8 +104,9 @@ class AgentSession {
   SampleRing samples_;
   LatestValue<ServerWrench> wrenches_;
   LatestValue<LinkStatus> link_status_;
+  LeadCpu lead_;
   ReplicaExchange exchange_;
-  ReplicaThread replica_{exchange_};
+  ReplicaThread replica_{exchange_, &lead_};
   std::unique_ptr<ServerLink> link_;
   Welcome welcome_;
   GivenDevice device_;

@@ -23,6 +23,7 @@
 #include "haptic_agent/link/connection.h"
 #include "haptic_agent/link/traffic.h"
 #include "haptic_agent/realtime/clock.h"
+#include "haptic_agent/realtime/follow_cpu.h"
 #include "haptic_agent/realtime/realtime_thread.h"
 
 namespace kerf::agent {
@@ -110,15 +111,19 @@ class ServerLink::Impl {
   /// nothing that arrives is urgent: it is handled when the servo wakes the link the next time.
   /// While a peer that does not read keeps a frame from being written, the wake-ups are not taken.
   void run_io() {
+    FollowCpu place(settings_.lead);
     while (!io_.stopped()) {
       const bool drains = drain_until_us_.load() != 0 || interrupted();
       if (batches_ < kBatchesInARow || !awaits_wake_ || drains) {
+        if (batches_ < kBatchesInARow || drains) place.release();
         io_.run_one();
         continue;
       }
       pollfd event{.fd = wake_fd_, .events = POLLIN, .revents = 0};
       ::poll(&event, 1, static_cast<int>(kHousekeeping.count()));
+      place.begin(monotonic_ns());
       io_.poll();
+      place.end(monotonic_ns());
     }
   }
 

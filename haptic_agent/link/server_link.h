@@ -11,6 +11,7 @@
 #include "haptic_agent/link/link_report.h"
 #include "haptic_agent/link/server_url.h"
 #include "haptic_agent/link/traffic.h"
+#include "haptic_agent/realtime/lead_cpu.h"
 #include "haptic_agent/servo/servo_cycle.h"
 
 namespace kerf::agent {
@@ -26,6 +27,8 @@ struct LinkSettings {
   TrafficOptions traffic{};
   /// How long to retry connecting, at the start and after each loss.
   double patience_s = 30.0;
+  /// Processor of the loop that wakes the link; null if it has none. Must outlive the link.
+  const LeadCpu* lead = nullptr;
   /// Called on the link thread with one line for the user: an error of the server (the first of
   /// each code), a connection lost, a connection restored.
   std::function<void(const std::string&)> notice;

@@ -37,20 +37,23 @@ void ReplicaThread::take_result(const wire::Result& result) {
 }
 
 void ReplicaThread::run() {
+  FollowCpu place(lead_);
   while (!stopping_.load()) {
     servo_.wait();
-    take_patches();
+    place.begin(monotonic_ns());
+    take_patches(place);
     take_samples();
     for (ServersForce server; forces_.pop(server);) {
       replica_->compare(server.agent_time_us, server.force_n);
     }
     if (replica_->take_divergence()) wants_reset_.store(true);
+    place.end(monotonic_ns());
   }
   report_.compared = replica_->agreement().compared();
   report_.error = replica_->agreement().error();
 }
 
-void ReplicaThread::take_patches() {
+void ReplicaThread::take_patches(FollowCpu& place) {
   std::deque<std::vector<std::byte>> patches;
   {
     const std::scoped_lock lock(mutex_);
@@ -64,6 +67,8 @@ void ReplicaThread::take_patches() {
       continue;
     }
     const auto* patch = message ? std::get_if<wire::StockPatch>(&message->body) : nullptr;
+    // The block is made again, or the motions of seconds are cut again.
+    if (patch != nullptr && (patch->reset || patch->returned)) place.leave(monotonic_ns());
     if (patch == nullptr || !replica_->take(*patch)) {
       ++report_.bad_patches;
       wants_reset_.store(true);

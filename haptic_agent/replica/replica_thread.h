@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "haptic_agent/link/stock_listener.h"
+#include "haptic_agent/realtime/follow_cpu.h"
 #include "haptic_agent/realtime/histogram.h"
 #include "haptic_agent/realtime/spsc_ring.h"
 #include "haptic_agent/replica/replica.h"
@@ -35,8 +36,10 @@ struct ReplicaReport {
 /// thread waits.
 class ReplicaThread final : public StockListener {
  public:
-  /// `servo` must outlive the object. Input that arrives before start is queued.
-  explicit ReplicaThread(ReplicaExchange& servo) : servo_(servo) {}
+  /// `servo` and `lead`, the processor of its loop, must outlive the object; `lead` may be null.
+  /// Input that arrives before start is queued.
+  explicit ReplicaThread(ReplicaExchange& servo, const LeadCpu* lead = nullptr)
+      : servo_(servo), lead_(lead) {}
   ~ReplicaThread() override;
   ReplicaThread(const ReplicaThread&) = delete;
   ReplicaThread& operator=(const ReplicaThread&) = delete;
@@ -58,11 +61,12 @@ class ReplicaThread final : public StockListener {
   };
 
   void run();
-  void take_patches();
+  void take_patches(FollowCpu& place);
   void take_samples();
 
   std::unique_ptr<Replica> replica_;
   ReplicaExchange& servo_;
+  const LeadCpu* lead_;
   SpscRing<ServersForce, 1024> forces_;
   std::mutex mutex_;  ///< guards patches_
   std::deque<std::vector<std::byte>> patches_;

@@ -74,7 +74,8 @@ double Trembling::compliance() const noexcept {
   return force_square_ > 0 ? kFastS * std::sqrt(speed_square_ / force_square_) : 0;
 }
 
-CutCoupling::CutCoupling(const ContactLimits& limits) noexcept : limits_(limits) {
+CutCoupling::CutCoupling(const ContactLimits& limits, double least_most_mm_per_n) noexcept
+    : limits_(limits), least_most_(least_most_mm_per_n) {
   const double ticks = std::round(limits.force_delay_s / kDelayTickS) - 1;
   latency_ticks_ = static_cast<std::size_t>(std::clamp(ticks, 0.0, kKept - 1.0));
 }
@@ -85,7 +86,8 @@ void CutCoupling::adapt(Vec3 moved_mm, Vec3 arm_mm, double dt_s) noexcept {
   const double driven = (trembling_.driven() - kDriven) / (1 - kDriven);
   if (!(driven > 0) || !trembling_.grows()) return;
   compliance_ += (compliance_ + trembling_.compliance()) * driven * dt_s / kGrowS;
-  compliance_ = std::min(compliance_, kStiffnesses / gains_across(limits_, arm_mm).stiffness);
+  const double stable = kStiffnesses / gains_across(limits_, arm_mm).stiffness;
+  compliance_ = std::min(compliance_, std::max(stable, least_most_));
 }
 
 /// Returns the rotation of the heading over this displacement.

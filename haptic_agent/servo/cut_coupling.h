@@ -45,11 +45,12 @@ class Trembling {
 /// rendered wrench F follows the computed one over F c of the path of the tool, as if through an
 /// elastic tool of stiffness 1 / c, after it was turned with the heading. Otherwise c falls slowly.
 /// In a hand that does not yield it is zero, and the wrench is the computed one. At most, it is as
-/// soft as the device alone renders it stably (stable_gains). All components of the wrench are
-/// scaled and turned together.
+/// soft as the device alone renders it stably (stable_gains), or as `least_most_mm_per_n`. All
+/// components of the wrench are scaled and turned together.
 class CutCoupling {
  public:
-  explicit CutCoupling(const ContactLimits& limits) noexcept;
+  /// `least_most_mm_per_n`: compliance up to which it may grow whatever the device renders.
+  explicit CutCoupling(const ContactLimits& limits, double least_most_mm_per_n = 0) noexcept;
 
   /// Returns the wrench to render instead of `target` at the newest grip, `dt_s` after the last.
   /// `arm_mm`: from the pivot to the middle of the cut.
@@ -66,6 +67,7 @@ class CutCoupling {
   static constexpr std::size_t kKept = 32;
 
   ContactLimits limits_;
+  double least_most_;
   double compliance_ = 0;
   Trembling trembling_;
   /// About the middle of the cut.

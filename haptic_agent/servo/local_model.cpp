@@ -132,6 +132,7 @@ Wrench LocalModel::at(const PastGrip& now, bool cutting, double dt_s) noexcept {
   const Wrench touched =
       stock_.at(now.grip, now.velocity, dt_s) + obstacles_.at(now.grip, now.velocity, dt_s);
   computed_ = stock_.computed() + obstacles_.computed();
+  compliance_ = 0;
   if (!cutting) {
     in_band_ = {};
     coupling_.release(now);
@@ -142,7 +143,9 @@ Wrench LocalModel::at(const PastGrip& now, bool cutting, double dt_s) noexcept {
   computed_ = computed_ + cutting_wrench;
   // The law of a damper is limited by itself.
   if (settings_.law == CutLaw::kRemovalRate) return touched + cutting_wrench * rendered;
-  return touched + coupling_.at(within_band(cutting_wrench, dt_s), arm(now), now, dt_s);
+  const Wrench coupled = coupling_.at(within_band(cutting_wrench, dt_s), arm(now), now, dt_s);
+  if (!trend_.empty()) compliance_ = coupling_.compliance_mm_per_n();
+  return touched + coupled;
 }
 
 }  // namespace kerf::agent

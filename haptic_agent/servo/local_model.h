@@ -37,7 +37,7 @@ class LocalModel {
       : settings_(settings),
         stock_(settings.contact, wire::kContactStock),
         obstacles_(settings.contact, wire::kContactObstacle),
-        coupling_(settings.contact) {}
+        coupling_(settings.contact, settings.law == CutLaw::kMechanistic ? kMillingMmPerN : 0) {}
 
   /// Takes an answer of the server. `then`: the grip when the answered pose was measured. If the
   /// replica has already answered a newer pose, only the obstacles of this answer are used.
@@ -50,12 +50,19 @@ class LocalModel {
   /// Returns the wrench of the last call of `at` before it was reduced to the stiffness and damping
   /// that the device renders stably: the one that the session computes.
   const Wrench& computed() const noexcept { return computed_; }
+  /// Returns the compliance through which the last call of `at` rendered the cut; 0: none, or no
+  /// cut.
+  double compliance_mm_per_n() const noexcept { return compliance_; }
 
   /// Returns the direction of travel, low-pass filtered over the path (PastGrip::heading): a vector
   /// of length <= 1, which passes through zero when the motion reverses.
   static Vec3 heading(Vec3 before, Vec3 moved_mm) noexcept;
 
  private:
+  /// Compliance up to which the force of a milling cutter may be rendered. It also pushes aside, by
+  /// which it drives a tool in a soft hand through any stiffer coupling, however stable the device.
+  static constexpr double kMillingMmPerN = 8;
+
   /// Returns the cutting wrench as computed; `rendered` is the share that the device can render.
   Wrench cut(const PastGrip& now, double& rendered) const noexcept;
   /// Returns the arm from the pivot to the middle of the cut.
@@ -76,6 +83,7 @@ class LocalModel {
   PastGrip then_;
   Vec3 arm_mm_{};
   double lag_s_ = 0;
+  double compliance_ = 0;
   /// Time of the newest pose for which stock contact and cut were answered.
   std::uint64_t answered_us_ = 0;
 };

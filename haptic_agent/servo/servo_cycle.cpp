@@ -232,6 +232,7 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
     case ForceMode::kModel:
       own = own + model_.at(now_, cutting, dt_s);
       session = model_.computed();
+      note_softness(model_.compliance_mm_per_n());
       break;
     case ForceMode::kInterpolated:
       own = own + interpolator_.at(now_us);
@@ -273,6 +274,11 @@ SafetyInput ServoCycle::safety_input(const DeviceState& state, bool usable,
           .output = output_.released(),
           .starving = output_.passivity().starving(),
           .overdrawn = output_.passivity().overdrawn()};
+}
+
+void ServoCycle::note_softness(double mm_per_n) noexcept {
+  if (mm_per_n > ServoReport::kSoftMmPerN) ++report_.soft_ticks;
+  report_.softest_mm_per_n = std::max(report_.softest_mm_per_n, mm_per_n);
 }
 
 /// Compares the output with the computed wrench. `on`: the supervisor permits a force.

@@ -74,6 +74,12 @@ struct ServoReport {
   double max_force_n = 0;
   double max_torque_nmm = 0;
   FeltReport felt{};
+  /// Ticks with a cut whose force followed the tip by more than kSoftMmPerN, because it shook the
+  /// tool (CutCoupling), and the softest.
+  std::uint64_t soft_ticks = 0;
+  double softest_mm_per_n = 0;
+
+  static constexpr double kSoftMmPerN = 0.1;
 };
 
 /// State of the newest tick, for the terminal view.
@@ -126,6 +132,7 @@ class ServoCycle final : public ServoTask {
   std::uint64_t answer_age(std::uint64_t now_us) const noexcept;
   SafetyInput safety_input(const DeviceState& state, bool usable,
                            const Wrench& requested) const noexcept;
+  void note_softness(double mm_per_n) noexcept;
   void note_felt(bool on) noexcept;
   void note(const SafetyInput& seen, const Wrench& requested) noexcept;
   void note_heard(const SafetyInput& seen, bool usable) noexcept;

@@ -18,6 +18,7 @@ void ServoLoop::run(ServoTask& task) noexcept {
     // Only the newest of the overdue ticks runs.
     const std::uint64_t lost = behind_ns / kPeriodNs;
     heartbeat_ns_.store(now_ns);
+    if (lead_ != nullptr) lead_->note();
     stats_.lost += lost;
     stats_.most_lost_at_once = std::max(stats_.most_lost_at_once, lost);
     stats_.late += behind_ns > kLateNs ? 1 : 0;
@@ -30,9 +31,10 @@ void ServoLoop::run(ServoTask& task) noexcept {
     ++stats_.ticks;
     stats_.longest_tick_us =
         std::max(stats_.longest_tick_us, (clock_.now_ns() - now_ns) / kNsPerUs);
-    if (!more) return;
+    if (!more) break;
     due_ns += (lost + 1) * kPeriodNs;
   }
+  if (lead_ != nullptr) lead_->forget();
 }
 
 }  // namespace kerf::agent

@@ -6,6 +6,7 @@
 
 #include "haptic_agent/realtime/clock.h"
 #include "haptic_agent/realtime/histogram.h"
+#include "haptic_agent/realtime/lead_cpu.h"
 
 namespace kerf::agent {
 
@@ -50,6 +51,9 @@ class ServoLoop {
   /// Start of the newest tick, ns on the loop's clock; 0 before the first. From any thread; checked
   /// by the watchdog.
   std::uint64_t heartbeat_ns() const noexcept { return heartbeat_ns_.load(); }
+  /// States the loop's processor from now on. Call before `run`, or on its thread, and only if that
+  /// is real-time; `lead` must outlive the run.
+  void announce(LeadCpu& lead) noexcept { lead_ = &lead; }
   /// Read after `run` has returned, or within a tick.
   const CycleStats& stats() const noexcept { return stats_; }
 
@@ -57,6 +61,7 @@ class ServoLoop {
   Clock& clock_;
   std::atomic<bool> stop_{false};
   std::atomic<std::uint64_t> heartbeat_ns_{0};
+  LeadCpu* lead_ = nullptr;
   CycleStats stats_;
 };
 

@@ -51,5 +51,34 @@ TEST(ForceNotice, IsEmptyWhereNoCutExceedsTheDevice) {
       << "an unknown tool";
 }
 
+/// A pen with motors, held at 60 mm from the tip.
+ServoSettings pen(double inertia_kg_m2, std::uint32_t latency_us) {
+  return settings_for({.max_force_n = 10,
+                       .max_torque_nmm = 250,
+                       .max_stiffness_n_per_mm = 3,
+                       .max_damping_n_s_per_mm = 0.06,
+                       .latency_us = latency_us,
+                       .moving_mass_kg = 0.05,
+                       .moving_inertia_kg_m2 = inertia_kg_m2},
+                      {});
+}
+
+TEST(GripNotice, NamesADeviceThatIsLightForItsLatency) {
+  for (const char* part : {"0.15 N/mm", "wrong by a tenth", "firm grip"}) {
+    EXPECT_NE(grip_notice(pen(1e-5, 1000)).find(part), std::string::npos) << part;
+  }
+  EXPECT_NE(grip_notice(pen(3e-5, 3000)), "");
+}
+
+TEST(GripNotice, IsEmptyForDevicesThatHoldACut) {
+  EXPECT_EQ(grip_notice(pen(2e-4, 1000)), "");
+  EXPECT_EQ(grip_notice(pen(3e-5, 1000)), "");
+  EXPECT_EQ(grip_notice(pen(1e-5, 0)), "");
+  EXPECT_EQ(grip_notice(settings_for({}, {})), "") << "no motors";
+  ServoSettings viscous = pen(1e-5, 3000);
+  viscous.model.law = CutLaw::kRemovalRate;
+  EXPECT_EQ(grip_notice(viscous), "") << "this law is limited by its damping instead";
+}
+
 }  // namespace
 }  // namespace kerf::agent

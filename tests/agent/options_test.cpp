@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -11,6 +12,7 @@
 
 #include "haptic_agent/run_agent.h"
 #include "haptic_agent/summary.h"
+#include "haptic_agent/wrapped_help.h"
 
 namespace kerf::agent {
 namespace {
@@ -61,6 +63,18 @@ TEST(Options, HelpNamesTheModesAsTheyAreTyped) {
     EXPECT_EQ(help.find(part), std::string::npos) << part << " is no word for a user\n" << help;
   }
   EXPECT_NE(help.find("kerf-agent doctor --help"), std::string::npos);
+  EXPECT_NE(help.find("sim: a simulated hand that carves a figure;\n"), std::string::npos) << help;
+}
+
+TEST(Options, HelpFitsATerminalOf80Columns) {
+  testing::internal::CaptureStdout();
+  ASSERT_FALSE(read({"--help"}));
+  std::istringstream help(testing::internal::GetCapturedStdout());
+  for (std::string line; std::getline(help, line);) {
+    const auto columns =
+        std::ranges::count_if(line, [](unsigned char c) { return (c & 0xC0) != 0x80; });
+    EXPECT_LE(columns, 80) << line;
+  }
 }
 
 TEST(Options, ModeIsOneOfTheThreeNames) {
@@ -118,6 +132,13 @@ TEST(RunAgent, ExitsWithOneWhenTheServerCannotBeReached) {
   EXPECT_EQ(run_agent(*options), 1);
 }
 
+TEST(WrappedHelp, BreaksBetweenWordsAndKeepsTheLinesOfAList) {
+  const std::string word(kHelpTextColumns - 4, 'x');
+  EXPECT_EQ(wrapped("a " + word + " bcd"), "a " + word + "\nbcd");
+  EXPECT_EQ(wrapped("one:\ntwo three\nfour"), "one:\ntwo three\nfour");
+  EXPECT_EQ(wrapped(""), "");
+}
+
 TEST(Summary, JsonHasTheFieldsThatTestsRelyOn) {
   Summary summary;
   summary.welcome.session = "demo";
@@ -151,6 +172,20 @@ TEST(Summary, ComparesFeltAndComputedForceAndTorque) {
   EXPECT_EQ(json["force_n"]["computed_mean"], 12);
   EXPECT_EQ(json["torque_nmm"]["felt_max"], 15);
   EXPECT_NEAR(json["torque_nmm"]["rms_error"].get<double>(), 0.75, 1e-12);
+}
+
+TEST(Summary, SaysWhenTheCutShookTheToolAndWasMadeSofter) {
+  const auto printed = [](const ServoReport& servo) {
+    Summary summary;
+    summary.servo = servo;
+    std::ostringstream out;
+    print_summary(out, summary);
+    return out.str();
+  };
+  EXPECT_EQ(printed({}).find("shook"), std::string::npos);
+  const std::string text = printed({.soft_ticks = 40, .softest_mm_per_n = 7.34});
+  EXPECT_NE(text.find("in 40 ticks the cut shook the tool"), std::string::npos) << text;
+  EXPECT_NE(text.find("over up to 7.3 mm per N"), std::string::npos) << text;
 }
 
 TEST(Summary, PrintsUdpCountersIfUdpWasRequested) {

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 #include "haptic_agent/terminal_view.h"
 #include "haptic_agent/trip_log.h"
@@ -54,6 +56,22 @@ TEST(TripLog, WritesTheCodeAndOneLinePerTick) {
   EXPECT_EQ(std::ranges::count(csv, '\n'), 2 + 200);
   EXPECT_NE(csv.find("\n301,0,0,0,"), std::string::npos) << "the oldest of the last 200";
   EXPECT_NE(csv.find("\n500,"), std::string::npos);
+}
+
+TEST(TripLog, EveryCodeHasAReasonWithItsLimit) {
+  for (std::size_t i = 0; i < kTripNames.size(); ++i) {
+    EXPECT_NE(trip_reason(static_cast<TripCode>(i)), "unknown fault") << kTripNames[i];
+  }
+  const SafetyLimits limits;
+  const auto has = [](TripCode code, double limit, const std::string& unit) {
+    const std::string number = std::to_string(std::lround(limit));
+    EXPECT_NE(trip_reason(code).find(number + unit), std::string_view::npos) << trip_reason(code);
+  };
+  has(TripCode::kJump, limits.jump_mm, " mm");
+  has(TripCode::kSpeed, limits.tip_mm_per_s / 1000, " m/s");
+  has(TripCode::kTurnSpeed, limits.turn_rad_per_s, " rad/s");
+  has(TripCode::kLostTicksInARow, static_cast<double>(limits.lost_in_a_row), " ticks");
+  has(TripCode::kLostTicks, limits.lost_share * 100, " %");
 }
 
 }  // namespace

@@ -43,7 +43,8 @@ const std::vector<Module>& agent_modules() {
         "haptic_agent/guides"}},
       {"haptic_agent/doctor",
        {"haptic_agent/realtime", "haptic_agent/device", "haptic_agent/servo",
-        "haptic_agent/link/server_url.h", "server/tls"}},
+        "haptic_agent/link/server_url.h", "haptic_agent/force_notice.h",
+        "haptic_agent/wrapped_help.h", "server/tls"}},
       {"haptic_agent/demo", {"kernel/math"}},
       {"haptic_agent/examples", {"kernel/math", "haptic_agent"}},
       {"haptic_agent", {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire"}},
@@ -159,7 +160,7 @@ const std::vector<Library>& libraries() {
       {{"CLI/"},
        false,
        {"server/command_line.cpp", "server/carve", "haptic_agent/main.cpp",
-        "haptic_agent/options.cpp", "haptic_agent/doctor"},
+        "haptic_agent/options.cpp", "haptic_agent/wrapped_help.cpp", "haptic_agent/doctor"},
        "the command line belongs to the programs"},
       {{"libusb"}, false, {"haptic_agent/device"}, "USB belongs to the devices"},
   };

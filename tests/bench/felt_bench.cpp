@@ -10,7 +10,8 @@
 // over rms of the computed one, which the server computes for the pose of that tick alone. reduced:
 // share of the ticks with a force in which the device outputs less than 95 % of what the agent's
 // own replica computes. chatter: rms of the tip's velocity less that of the hand's target, of which
-// up to 14 mm/s is how the hand yields to 1 N that turns along the circle.
+// up to 9 mm/s is how the hand yields to 1 N that turns along the half circle. The last table is
+// for a circle of 10 mm radius, around which soft hands cannot pull the tool.
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
@@ -44,13 +45,17 @@ void print_scenes(double seconds) {
 }
 
 /// What acts on hands that yield, as they cut a slot along a line and a circle.
-void print_hands(bool mechanistic, double newtons, double mm_per_s) {
-  std::printf("\n%s, %.0f N, %.0f mm/s\n%-8s %8s %8s %8s %18s %7s %7s %14s %6s %6s\n",
-              mechanistic ? "mechanistic" : "specific_energy", newtons, mm_per_s, "latency", "kg",
-              "kg m2", "N/mm", "mean force N", "error", "torque", "chatter mm/s", "mJ", "trips");
+void print_hands(bool mechanistic, double newtons, double mm_per_s, double radius_mm = 30) {
+  std::printf(
+      "\n%s, %.0f N, %.0f mm/s, radius %.0f mm\n%-8s %8s %8s %8s %18s %7s %7s %14s %6s %6s\n",
+      mechanistic ? "mechanistic" : "specific_energy", newtons, mm_per_s, radius_mm, "latency",
+      "kg", "kg m2", "N/mm", "mean force N", "error", "torque", "chatter mm/s", "mJ", "trips");
   const auto row = [=](const PlantMechanics& hand) {
-    const HeldCutOutcome cut = cut_by_hand(
-        {.mechanics = hand, .newtons = newtons, .mm_per_s = mm_per_s, .mechanistic = mechanistic});
+    const HeldCutOutcome cut = cut_by_hand({.mechanics = hand,
+                                            .newtons = newtons,
+                                            .mm_per_s = mm_per_s,
+                                            .radius_mm = radius_mm,
+                                            .mechanistic = mechanistic});
     std::printf("%5.0f ms %8.2f %8.0e %8.1f %8.2f of %6.2f %6.1f%% %6.1f%% %14.1f %6.2f %6llu\n",
                 static_cast<double>(hand.latency_us) / 1000, hand.mass_kg, hand.inertia_kg_m2,
                 hand.hand_n_per_mm, cut.force.felt_mean(), cut.force.computed_mean(),
@@ -82,5 +87,6 @@ int main(int argc, char** argv) {
   print_hands(true, 1, 20);
   print_hands(false, 1, 5);
   print_hands(false, 3, 20);
+  print_hands(false, 1, 20, 10);
   return 0;
 }

@@ -158,6 +158,20 @@ class Adapter(unittest.TestCase):
         self.assertEqual(again.pose()[0], "ready")
         again.leave()
 
+    def test_a_service_that_is_not_there_is_named_once(self):
+        with socket.socket() as unused:
+            unused.bind(("127.0.0.1", 0))
+            port = unused.getsockname()[1]
+        bridge = subprocess.Popen([sys.executable, HAPLY, self.bridge.path + "2", "--service",
+                                   f"ws://127.0.0.1:{port}"], stderr=subprocess.PIPE, text=True)
+        first = bridge.stderr.readline()
+        time.sleep(1.2)
+        bridge.terminate()
+        rest = bridge.communicate()[1]
+        self.assertIn(f"ws://127.0.0.1:{port} cannot be reached", first)
+        self.assertIn("start Haply Hub", first)
+        self.assertEqual(rest, "")
+
     def test_a_message_that_is_no_state_ends_the_connection_only(self):
         for odd in ("[1]", "null", "[" * 5000 + "]" * 5000, '{"inverse3": ["049D"]}'):
             agent = self.bridge.join()

@@ -137,6 +137,15 @@ TEST(CutCoupling, IsNoSofterThanTheDeviceAloneRequires) {
   }
 }
 
+TEST(CutCoupling, MayBeAsSoftAsItsCutRequires) {
+  const double stable = 3 / gains_across(pen(2e-4), kArm).stiffness;
+  Cutting tool(pen(2e-4));
+  tool.coupling = CutCoupling(pen(2e-4), 3 * stable);
+  tool.tremble(500, 0.006);
+  EXPECT_GT(tool.coupling.compliance_mm_per_n(), 1.5 * stable);
+  EXPECT_LE(tool.coupling.compliance_mm_per_n(), 3 * stable);
+}
+
 TEST(CutCoupling, BecomesStiffAgainAfterTheTrembling) {
   Cutting tool(pen(2e-4, 0.003));
   tool.tremble(500, 0.006);

@@ -15,7 +15,7 @@ namespace {
 /// block, until the ramp is over.
 constexpr double kRestS = 0.9;
 constexpr double kRampS = 0.8;
-constexpr double kLeadMm = 15, kRadiusMm = 10, kDepthMm = 2;
+constexpr double kLeadMm = 15, kDepthMm = 2;
 
 /// The section of the slot: a segment of the ball, mm².
 double section_mm2() {
@@ -36,18 +36,18 @@ std::string force_of(const HeldCut& cut) {
 }
 
 std::string scene_of(const HeldCut& cut) {
-  return R"({"name":"held","stock":{"shape":"box","min_mm":[-15,-20,-10],"max_mm":[40,40,0]},
+  return R"({"name":"held","stock":{"shape":"box","min_mm":[-15,-20,-10],"max_mm":[40,75,0]},
     "accuracy":{"rays":"dexel","pitch_mm":0.25,"tolerance_mm":0.01,"motion":"tight"},
     "tools":[{"id":1,"shape":"ball","diameter_mm":6,"length_mm":40}],
     "force":{"pivot_mm":60,)" +
          force_of(cut) + "}}";
 }
 
-Vec3 target(double mm_per_s, double time_s) {
-  const double path_mm = std::max(0.0, time_s - kRestS) * mm_per_s - 8;
+Vec3 target(const HeldCut& cut, double time_s) {
+  const double path_mm = std::max(0.0, time_s - kRestS) * cut.mm_per_s - 8;
   if (path_mm < kLeadMm) return {path_mm - 15, 0, -kDepthMm};
-  const double angle = (path_mm - kLeadMm) / kRadiusMm;
-  return {kRadiusMm * std::sin(angle), kRadiusMm * (1 - std::cos(angle)), -kDepthMm};
+  const double angle = (path_mm - kLeadMm) / cut.radius_mm;
+  return {cut.radius_mm * std::sin(angle), cut.radius_mm * (1 - std::cos(angle)), -kDepthMm};
 }
 
 /// Shows the poses of a plant to a second agent.
@@ -68,13 +68,13 @@ class Mirror final : public HapticDevice {
 }  // namespace
 
 HeldCutOutcome cut_by_hand(const HeldCut& cut) {
-  Plant plant([&](double time_s) { return target(cut.mm_per_s, time_s); }, cut.mechanics, true);
+  Plant plant([&](double time_s) { return target(cut, time_s); }, cut.mechanics, true);
   Mirror mirror(plant.capabilities());
   TestBed bed(scene_of(cut), plant, {}, cut.line, true);
   // Without a replica each sample is sent alone, and the server's answer is not a mean of several.
   TestBed each(scene_of(cut), mirror, {}, {}, false);
   HeldCutOutcome outcome;
-  const double end_s = kRestS + (8 + kLeadMm + 1.5 * std::numbers::pi * kRadiusMm) / cut.mm_per_s;
+  const double end_s = kRestS + (8 + kLeadMm + std::numbers::pi * cut.radius_mm) / cut.mm_per_s;
   double square = 0;
   int ticks = 0;
   Vec3 before = plant.tip();
@@ -87,8 +87,7 @@ HeldCutOutcome cut_by_hand(const HeldCut& cut) {
     before = plant.tip();
     const Vec3 force(each.newest().force_n), torque(each.newest().torque_nmm);
     if (time_s < kRestS + kRampS) continue;
-    const Vec3 wanted =
-        (target(cut.mm_per_s, time_s) - target(cut.mm_per_s, time_s - 0.001)) * 1000;
+    const Vec3 wanted = (target(cut, time_s) - target(cut, time_s - 0.001)) * 1000;
     square += dot(moved - wanted, moved - wanted);
     ++ticks;
     outcome.force.add(plant.acting().force_n, force);

@@ -10,12 +10,16 @@
 namespace kerf::agent {
 
 /// Settings: a hand of given mechanics cuts a slot of a ball of 6 mm, 2 mm deep, into a block from
-/// its side, straight and then in a circle of 10 mm radius.
+/// its side, straight and then in half a circle.
 struct HeldCut {
   PlantMechanics mechanics{};
   LineQuality line{};
   double newtons = 1;  ///< of the whole slot
   double mm_per_s = 20;
+  /// Of the circle, 10 to 30. A hand that the cut deflects by more than this cannot pull the tool
+  /// around: it comes to rest in the middle. 1 N moves the tip by 13 mm in a hand of 0.5 N/mm that
+  /// turns by 335 N mm/rad about a pivot 60 mm away.
+  double radius_mm = 30;
   bool mechanistic = false;  ///< the law; otherwise specific_energy
 };
 struct HeldCutOutcome {

@@ -100,6 +100,15 @@ TEST(Stability, HandsThatYieldFeelTheCutAsItIs) {
   }
 }
 
+TEST(Stability, TheSpindleDoesNotShakeAToolInASoftHand) {
+  HeldCut milling = held(0.3, 2e-4, 0.5, 0);
+  milling.mechanistic = true;
+  const HeldCutOutcome outcome = cut_by_hand(milling);
+  EXPECT_LE(outcome.force.error(), 0.1);
+  EXPECT_LE(outcome.chatter_mm_per_s, 15) << "much of this is how the hand yields";
+  EXPECT_GT(outcome.force.computed_mean(), 0.6) << "the test requires a cut";
+}
+
 TEST(Stability, EveryGuideIsPassiveAndRestsAtAnyLatencyOfTheDevice) {
   for (const char* guides : kPressedGuides) {
     double felt_n = 0;
