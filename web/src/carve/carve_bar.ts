@@ -18,6 +18,8 @@ export interface BarActions {
   setDepth: (mm: number) => void;
   undo: () => void;
   redo: () => void;
+  /** Lets the user choose a 3D mouse; null: the browser can have none. */
+  spaceMouse: (() => void) | null;
   done: () => void;
 }
 
@@ -44,9 +46,9 @@ export function isTouched(): boolean {
 /** How to carve, with what the user points with. */
 export function helpText(): string {
   return isTouched()
-    ? t('One finger carves, two turn and zoom, three pan. Tap with two to undo.')
+    ? t('One finger carves, two turn and zoom, three pan. Hold for a plane. Tap with two to undo.')
     : t(
-        'Drag on the block to carve. Right drag, or Space and drag, turns; the wheel zooms; Esc ends.',
+        'Drag on the block to carve: with Shift straight, with Alt on a plane. Right drag turns, the wheel zooms, Esc ends.',
       );
 }
 
@@ -60,6 +62,7 @@ export class CarveBar {
   private readonly tools_ = new Map<number, HTMLElement>();
   private readonly modes_ = new Map<AimMode, HTMLElement>();
   private readonly lean_: HTMLElement;
+  private readonly spaceMouse_: HTMLElement;
   private readonly slider_ = h('input', {
     type: 'range',
     min: '0',
@@ -83,6 +86,12 @@ export class CarveBar {
       actions.toggleLean,
     );
     this.slider_.addEventListener('input', () => actions.setDepth(this.sliderMm_()));
+    this.spaceMouse_ = button(
+      t('3D mouse'),
+      t('Choose a 3D mouse: its cap moves and leans the tool, its left button cuts'),
+      () => actions.spaceMouse?.(),
+    );
+    this.spaceMouse_.hidden = actions.spaceMouse === null;
     const done = button(t('Done'), t('End carving (Esc)'), actions.done);
     done.classList.add('carve-done');
     this.element = h(
@@ -105,6 +114,7 @@ export class CarveBar {
           actions.undo,
         ),
         button(t('Redo'), t('Redo (Ctrl+Shift+Z, tap with three fingers)'), actions.redo),
+        this.spaceMouse_,
         done,
       ),
       this.note_,
@@ -141,6 +151,10 @@ export class CarveBar {
   setMode(mode: AimMode, leans: boolean): void {
     for (const [one, element] of this.modes_) press(element, one === mode);
     press(this.lean_, leans);
+  }
+
+  setSpaceMouse(isThere: boolean): void {
+    press(this.spaceMouse_, isThere);
   }
 
   /** Equal distances on the slider are equal factors of the depth. */

@@ -16,6 +16,8 @@ import { CarveBar, helpText, isTouched } from './carve_bar';
 import { CarveLink } from './carve_link';
 import type { CarveStatus } from './carve_link';
 import { Delivery } from './delivery';
+import { Devices } from './devices/devices';
+import { SpaceMouse } from './devices/space_mouse';
 import { Gauge } from './gauge';
 import { Hand } from './hand';
 import { listenToCarveKeys } from './keys';
@@ -25,12 +27,14 @@ import type { Place } from './pointers';
 import { whyNotNow } from './reasons';
 import { makeCopy, NO_COPY } from './local_copy';
 import { Rumble } from './rumble';
+import { diagonalOf, overBlock } from './devices/start';
 import { Settling } from './settling';
 import { ToolSettings } from './tool_settings';
 import type { Wielded } from './wielded';
 
 const TICK_MS = 8;
 const NOTE_MS = 6000;
+const HELD_MS = 20; // of vibration
 const LEFT_MS = 1000; // until the server's meshes of the last stroke are displayed
 const TURN_RAD_PER_PX = 0.006;
 
@@ -44,6 +48,8 @@ export class CarveMode {
   private readonly hand_: Hand;
   private readonly delivery_: Delivery;
   private readonly settling_: Settling;
+  private readonly spaceMouse_ = new SpaceMouse();
+  private readonly devices_: Devices;
   private readonly settings_: ToolSettings;
   private pointers_: Pointers | null = null;
   private inHand_ = false; // the device is touched: it vibrates
@@ -72,6 +78,15 @@ export class CarveMode {
     this.link_ = this.makeLink_();
     this.settling_ = new Settling(this.copy_, viewer.local);
     this.delivery_ = new Delivery(this.link_, this.hand_.sampler, () => this.hasEnded_());
+    this.devices_ = new Devices(
+      {
+        wielded: this.wielded,
+        sides: () => viewer.sides(),
+        start: () => overBlock(host.model.welcome!),
+        diagonalMm: () => diagonalOf(host.model.welcome!),
+      },
+      this.spaceMouse_,
+    );
     new ResizeObserver(() => this.laidOut_()).observe(this.bar_.element);
     document.addEventListener('visibilitychange', () => {
       if (document.hidden) this.pointers_?.cancel();
@@ -100,6 +115,7 @@ export class CarveMode {
     Object.assign(mouseButtons, { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.ROTATE });
     this.viewer.hiddenCarver = this.link_.participant; // who may still be there
     void this.join_();
+    this.openSpaceMouse_(false);
     this.timer_ = setInterval(() => this.tick_(), TICK_MS);
   }
 
@@ -145,6 +161,14 @@ export class CarveMode {
     return this.host.toolbar.parentElement!;
   }
 
+  private openSpaceMouse_(asks: boolean): void {
+    this.spaceMouse_.open(asks).then(
+      () => this.bar_.setSpaceMouse(this.spaceMouse_.isThere),
+      (problem: unknown) =>
+        this.say_(t('The 3D mouse did not open: {0}', (problem as Error).message), true),
+    );
+  }
+
   /** Joins with the copy, if there can be one. */
   private async join_(): Promise<void> {
     this.bar_.say(t('Joining…'));
@@ -162,6 +186,7 @@ export class CarveMode {
       setDepth: (mm) => this.settings_.setDepth(mm),
       undo: () => this.undo_(),
       redo: () => this.redo_(),
+      spaceMouse: this.spaceMouse_.canBe ? () => this.openSpaceMouse_(true) : null,
       done: () => this.leave(),
     });
   }
@@ -191,7 +216,8 @@ export class CarveMode {
     const height = (): number => Math.max(1, this.host.canvas.clientHeight);
     return new Pointers(this.host.canvas, {
       hover: (place) => this.hand_.hover(place, this.isJoined_()),
-      begin: (place) => this.begin_(place),
+      begin: (place, onPlane) => this.begin_(place, onPlane),
+      holdPlane: () => this.holdPlane_(),
       move: (places) => this.hand_.move(places, this.settings_.depthMm),
       end: () => this.end_(),
       deepen: (factor) => this.settings_.setDepth(this.settings_.depthMm * factor),
@@ -224,15 +250,22 @@ export class CarveMode {
   // Strokes
   // -----------------------------------------------------------------------------------------------
 
-  private begin_(place: Place): void {
+  private begin_(place: Place, onPlane: boolean): void {
     const reason = whyNotNow(this.host.model, this.isJoined_());
     if (reason !== '') {
       this.say_(reason, true);
       return;
     }
     this.inHand_ = place.pressure !== null || isTouched();
+    if (onPlane) this.hand_.holdPlane();
     const problem = this.hand_.begin(place, this.settings_.depthMm);
     if (problem !== '') this.say_(problem, true);
+  }
+
+  private holdPlane_(): void {
+    this.hand_.holdPlane();
+    if ('vibrate' in navigator) navigator.vibrate(HELD_MS);
+    this.say_(t('This stroke stays on its plane.'));
   }
 
   private end_(): void {
@@ -280,6 +313,7 @@ export class CarveMode {
     if (this.hand_.isCutting && state?.at) this.stopStroke_();
     this.settling_.step(state, this.link_.isAsking, now);
     this.hand_.settle(this.settings_.depthMm, now);
+    if (!this.viewer.eyeElsewhere) this.devices_.tick(now);
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
     if (now > this.noteUntilMs_ && this.isJoined_()) this.bar_.say(helpText());
   }

@@ -34,6 +34,8 @@ export class Hand {
   /** Of a device that is no pointer: where the tool is, and whether it cuts. */
   private free_: Pose | null = null;
   private freelyCuts_ = false;
+  /** While the plane is held for one stroke. */
+  private modeBefore_: AimSettings['mode'] | null = null;
 
   /** `moved`: the tool is drawn at a place, or nowhere. */
   constructor(
@@ -86,6 +88,12 @@ export class Hand {
     return '';
   }
 
+  /** From here to its end the stroke stays on the plane on which it has begun. */
+  holdPlane(): void {
+    this.modeBefore_ ??= this.settings.mode;
+    this.settings.mode = 'plane';
+  }
+
   /** Continues the stroke; the tool is drawn at the newest place, ahead of the cut by half a step. */
   move(places: readonly Place[], depthMm: number): void {
     const { stroke_: stroke, aim_: aim } = this;
@@ -111,6 +119,8 @@ export class Hand {
     }
     this.stroke_ = null;
     this.aim_?.end();
+    this.settings.mode = this.modeBefore_ ?? this.settings.mode;
+    this.modeBefore_ = null;
   }
 
   /** Moves the tool of a device that is no pointer; `cuts`: on its path there. */

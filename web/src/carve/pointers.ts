@@ -2,6 +2,7 @@
 // Mouse, pen and fingers over the picture while one carves. What carves is kept from the camera's
 // controls; other buttons, and all while Space is held, are theirs.
 
+import { Straight } from './straight';
 import { Touches } from './touches';
 
 /** A place of the picture, CSS pixels from its corner. */
@@ -20,7 +21,10 @@ export interface Place {
 export interface PointerActions {
   /** The pointer is over the picture without touching; null: it has left. */
   hover(place: Place | null): void;
-  begin(place: Place): void;
+  /** `onPlane`: the stroke stays on the plane on which it begins. */
+  begin(place: Place, onPlane: boolean): void;
+  /** From here to its end the stroke stays on the plane on which it has begun. */
+  holdPlane(): void;
   /** Where the pointer has been since the last call, the newest last. */
   move(places: readonly Place[]): void;
   end(): void;
@@ -66,6 +70,8 @@ function placesOf(event: PointerEvent): Place[] {
 export class Pointers {
   private stroke_: number | null = null; // the pointer that carves
   private spaceHeld_ = false;
+  private last_: Place | null = null; // of the stroke
+  private straight_: Straight | null = null; // while Shift is held
   private readonly touches_: Touches;
   private readonly stop_ = new AbortController();
 
@@ -75,7 +81,7 @@ export class Pointers {
   ) {
     this.touches_ = new Touches({
       ...actions,
-      begin: (x, y) => actions.begin(fingerAt(x, y)),
+      begin: (x, y) => actions.begin(fingerAt(x, y), false),
       move: (places) => actions.move(places.map(([x, y]) => fingerAt(x, y))),
     });
     this.listen_('pointerdown', (event) => this.down_(event));
@@ -126,7 +132,9 @@ export class Pointers {
     event.stopImmediatePropagation();
     this.stroke_ = event.pointerId;
     this.canvas.setPointerCapture(event.pointerId);
-    this.actions.begin(placeOf(event));
+    this.last_ = placeOf(event);
+    this.straight_ = null;
+    this.actions.begin(this.last_, event.altKey);
   }
 
   private move_(event: PointerEvent): void {
@@ -136,12 +144,25 @@ export class Pointers {
       this.touches_.move(event.pointerId, places);
     } else if (event.pointerId === this.stroke_) {
       event.stopImmediatePropagation();
-      this.actions.move(placesOf(event));
+      this.strokeTo_(event);
     } else if (event.buttons === 0 && !this.spaceHeld_) {
       this.actions.hover(placeOf(event));
     } else {
       this.actions.hover(null); // the camera moves
     }
+  }
+
+  /** With Shift the stroke goes on along a straight line. */
+  private strokeTo_(event: PointerEvent): void {
+    const places = placesOf(event);
+    if (!event.shiftKey) this.straight_ = null;
+    else if (this.last_) this.straight_ ??= new Straight(this.last_);
+    const { straight_: straight } = this;
+    const to = straight
+      ? places.map((place) => straight.along(place)).filter((place) => place !== null)
+      : places;
+    this.last_ = to.at(-1) ?? this.last_;
+    if (to.length > 0) this.actions.move(to);
   }
 
   private up_(event: PointerEvent): void {

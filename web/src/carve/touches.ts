@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fingers on the picture: one carves; two turn and zoom, three pan; a tap of two undoes, of three
-// redoes. The first finger waits a moment before it carves, because a second one may follow.
+// redoes. The first finger waits a moment before it carves, because a second one may follow. One that
+// rests where it began holds the plane there.
 
 export interface TouchActions {
   begin(x: number, y: number): void;
   move(places: readonly (readonly [x: number, y: number])[]): void;
   end(): void;
+  /** The finger has begun and rests: its stroke stays on the plane there. */
+  holdPlane(): void;
   /** Pixels that the fingers have moved to the right and down, and by how much they are closer. */
   turn(dx: number, dy: number, closer: number): void;
   pan(dx: number, dy: number): void;
@@ -16,6 +19,7 @@ export interface TouchActions {
 const WAIT_MS = 90;
 const STILL_PX = 10;
 const TAP_MS = 350;
+const HOLD_MS = 600;
 
 interface Finger {
   x: number;
@@ -69,6 +73,7 @@ export class Touches {
 
   up(id: number): void {
     if (this.state_ === 'waiting') this.begin_(); // a tap of one finger is a short stroke
+    clearTimeout(this.timer_);
     if (!this.fingers_.delete(id)) return;
     if (this.state_ === 'carving') this.actions.end();
     if (this.fingers_.size > 0) {
@@ -93,6 +98,9 @@ export class Touches {
     clearTimeout(this.timer_);
     this.state_ = 'carving';
     for (const { fromX, fromY } of this.fingers_.values()) this.actions.begin(fromX, fromY);
+    this.timer_ = setTimeout(() => {
+      if (this.state_ === 'carving' && !this.moved_) this.actions.holdPlane();
+    }, HOLD_MS);
   }
 
   private gesture_(dx: number, dy: number, before: number): void {

@@ -14,7 +14,7 @@ import type { SessionModel } from '../model/session';
 import type { TileTriangles } from '../kernel/kernel';
 import { mark } from '../marks';
 import { MESH_SNAPSHOT_LAST } from '../wire/types';
-import type { Header, Welcome } from '../wire/types';
+import type { Header, Vec3, Welcome } from '../wire/types';
 import { CameraRig } from './camera_rig';
 import { CarverViews } from './carver_views';
 import { DisplayedSurface } from './displayed_surface';
@@ -260,10 +260,20 @@ export class Viewer {
       0,
       Math.sqrt(Math.max(0, 1 - right * right - towards * towards)),
     );
+    const [aside, near] = this.level_();
+    return up.addScaledVector(aside, right).addScaledVector(near, towards);
+  }
+
+  /** Level unit vectors to the right of the picture and towards the viewer. */
+  sides(): { right: Vec3; towards: Vec3 } {
+    const [right, towards] = this.level_();
+    return { right: right.toArray(), towards: towards.toArray() };
+  }
+
+  private level_(): [THREE.Vector3, THREE.Vector3] {
     const aside = new THREE.Vector3().setFromMatrixColumn(this.rig.eye.matrixWorld, 0);
     aside.setZ(0).normalize();
-    const near = new THREE.Vector3(aside.y, -aside.x, 0);
-    return up.addScaledVector(aside, right).addScaledVector(near, towards);
+    return [aside, new THREE.Vector3(aside.y, -aside.x, 0)];
   }
 
   /** Millimeters that a CSS pixel shows at a point. */

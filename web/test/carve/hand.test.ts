@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { Hand } from '../../src/carve/hand';
+import type { Pose } from '../../src/carve/path_queue';
 import type { Place } from '../../src/carve/pointers';
 import type { Draft } from '../../src/carve/sample_log';
 import { DisplayedSurface } from '../../src/view/displayed_surface';
@@ -110,6 +111,32 @@ describe('hand', () => {
     // The next stroke begins at the new surface.
     hand.begin(at(0), 1);
     expect(samples().at(-1)!.tip_mm[2]).toBeCloseTo(-4);
+  });
+
+  it('holds the plane to the end of one stroke', () => {
+    hand.holdPlane();
+    hand.begin(at(0), 1);
+    expect(hand.settings.mode).toBe('plane');
+    hand.end(1);
+    expect(hand.settings.mode).toBe('surface');
+    hand.holdPlane();
+    hand.end(1); // one that found nothing to cut
+    expect(hand.settings.mode).toBe('surface');
+  });
+
+  it('cuts with a device that is no pointer from where the tool was, and lifts it there', () => {
+    const pose = (x: number): Pose => ({ tip: [x, 0, -1], axis: [0, 0, 1] });
+    hand.moveTo(pose(0), false, true);
+    hand.moveTo(pose(1), true, true);
+    hand.moveTo(pose(2), true, true);
+    expect(hand.isCutting).toBe(true);
+    hand.lift();
+    const drafts = [1, 2, 3, 4, 5, 6].flatMap((n) => hand.sampler.take(n * 1e5));
+    const cuts = drafts.map(({ tip_mm: [x], buttons }) => [x, buttons !== 0]);
+    expect(cuts[0]).toEqual([0, false]);
+    expect(cuts.filter(([, is]) => is).at(-1)).toEqual([2, true]);
+    expect(cuts.at(-1)).toEqual([2, false]);
+    expect(hand.isCutting).toBe(false);
   });
 
   it('cuts less deep under less pressure', () => {

@@ -10,6 +10,8 @@ interface Fields {
   pressure?: number;
   tiltX?: number;
   tiltY?: number;
+  shiftKey?: boolean;
+  altKey?: boolean;
   places?: [number, number][];
 }
 
@@ -37,12 +39,14 @@ describe('pointers', () => {
     };
     pointers = new Pointers(canvas as unknown as HTMLElement, {
       hover: (place) => log.push(place ? `hover ${place.x},${place.y}` : 'hover nothing'),
-      begin: ({ x, y, pressure, tilt }) => {
+      begin: ({ x, y, pressure, tilt }, onPlane) => {
+        if (onPlane) log.push('on its plane');
         log.push(`begin ${x},${y} ${pressure}`);
         if (tilt) log.push(`tilt ${tilt.map((part) => part.toFixed(3)).join(' ')}`);
       },
       move: (places) => log.push(`move ${places.map(({ x, y }) => `${x},${y}`).join(' ')}`),
       end: () => log.push('end'),
+      holdPlane: vi.fn(),
       deepen: (factor) => log.push(factor > 1 ? 'deeper' : 'less deep'),
       turn: vi.fn(),
       pan: vi.fn(),
@@ -55,7 +59,7 @@ describe('pointers', () => {
     const { places = [[0, 0]], ...others } = fields;
     const one = ([offsetX, offsetY]: [number, number]) => ({
       ...{ type, pointerId: 1, pointerType: 'mouse', button: 0, buttons: 0, pressure: 0.5 },
-      ...{ tiltX: 0, tiltY: 0 },
+      ...{ tiltX: 0, tiltY: 0, shiftKey: false, altKey: false },
       ...others,
       offsetX,
       offsetY,
@@ -66,6 +70,27 @@ describe('pointers', () => {
       stopImmediatePropagation: () => (stopped += 1),
     });
   }
+
+  it('goes on along a straight line with Shift, in the direction in which it leaves', () => {
+    send('pointerdown', { places: [[10, 10]] });
+    send('pointermove', { shiftKey: true, places: [[15, 12]] });
+    send('pointermove', {
+      shiftKey: true,
+      places: [
+        [30, 10],
+        [50, 40],
+      ],
+    });
+    send('pointermove', { places: [[60, 45]] });
+    send('pointermove', { shiftKey: true, places: [[60, 65]] });
+    send('pointermove', { shiftKey: true, places: [[90, 75]] });
+    expect(log.slice(2)).toEqual(['move 30,10 50,10', 'move 60,45', 'move 60,65', 'move 60,75']);
+  });
+
+  it('begins on a plane with Alt', () => {
+    send('pointerdown', { altKey: true, places: [[10, 10]] });
+    expect(log).toContain('on its plane');
+  });
 
   it('carves with the left button, with every place between two frames', () => {
     send('pointermove', { places: [[5, 5]] });

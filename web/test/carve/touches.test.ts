@@ -16,6 +16,7 @@ describe('touches', () => {
         begin: (x, y) => log.push(`begin ${x},${y}`),
         move: (places) => log.push(`move ${places.map(([x, y]) => `${x},${y}`).join(' ')}`),
         end: () => log.push('end'),
+        holdPlane: () => log.push('hold'),
         turn: (dx, dy, closer) => (turned = [turned[0] + dx, turned[1] + dy, turned[2] * closer]),
         pan: (dx, dy) => log.push(`pan ${dx},${dy}`),
         undo: () => log.push('undo'),
@@ -48,6 +49,23 @@ describe('touches', () => {
     touches.up(2);
     vi.advanceTimersByTime(1000);
     expect(log).toEqual(['begin 10,10', 'end', 'begin 20,20', 'end']);
+  });
+
+  it('holds the plane under a finger that rests where it began, and only under that', () => {
+    touches.down(1, 10, 10);
+    vi.advanceTimersByTime(1000);
+    touches.move(1, [[40, 10]]);
+    touches.up(1);
+    expect(log).toEqual(['begin 10,10', 'hold', 'move 40,10', 'end']);
+    log = [];
+    touches.down(2, 10, 10);
+    touches.move(2, [[40, 10]]);
+    vi.advanceTimersByTime(1000);
+    touches.up(2);
+    touches.down(3, 10, 10);
+    touches.up(3);
+    vi.advanceTimersByTime(1000);
+    expect(log).not.toContain('hold');
   });
 
   it('undoes with a tap of two fingers, redoes with one of three, and cuts with neither', () => {
