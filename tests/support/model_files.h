@@ -109,16 +109,15 @@ inline ReadModel read_ply_bytes(const std::string& bytes) {
   return model;
 }
 
-/// Below the root node, in mm from the block's corner.
+/// In mm from the block's corner: without the node's place, which has a test of its own.
 inline ReadModel read_model_glb(const std::string& bytes) {
   const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
   const GlbParts glb = split_glb({first, first + bytes.size()});
   ReadModel model;
   if (!glb.json.contains("meshes")) return model;
-  for (const auto& child : glb.json["nodes"][0]["children"]) {
-    const auto& node = glb.json["nodes"][child.get<std::size_t>()];
-    const auto& mesh = glb.json["meshes"][node["mesh"].get<std::size_t>()];
-    const auto& primitive = mesh["primitives"][0];
+  const auto& node = glb.json["nodes"][0];
+  const double step_mm = node["scale"][0].get<double>() * 1000;
+  for (const auto& primitive : glb.json["meshes"][node["mesh"].get<std::size_t>()]["primitives"]) {
     const auto accessor = [&](const nlohmann::json& n) {
       return glb.json["accessors"][n.get<std::size_t>()];
     };
@@ -136,8 +135,7 @@ inline ReadModel read_model_glb(const std::string& bytes) {
       const auto steps = element<std::int16_t, 3>(positions, 8, n);
       Corner corner;
       for (std::size_t c = 0; c < 3; ++c) {
-        corner[c] = static_cast<float>(node["translation"][c].get<double>() +
-                                       steps[c] * node["scale"][c].get<double>());
+        corner[c] = static_cast<float>((steps[c] + 32768) * step_mm);
       }
       model.vertices.push_back(corner);
     }

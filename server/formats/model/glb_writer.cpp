@@ -25,25 +25,21 @@ class GlbDocument {
  public:
   explicit GlbDocument(const ModelOutput& output)
       : encoding_(output.request.encoding), lattice_(glb_lattice(output.source.size_mm())) {
-    const Vec3 o = output.source.origin_mm();
-    Json extras{{"scene", output.request.title}, {"units_below_root", "mm, Z up"}};
+    const std::string& title = output.request.title;
+    Json extras{{"scene", title}};
     if (encoding_ != ModelEncoding::kFloat) extras["step_mm"] = lattice_.step_mm;
     json_["asset"] = {{"version", "2.0"}, {"generator", "Kerf"}, {"extras", extras}};
     json_["scene"] = 0;
-    json_["scenes"] = {{{"name", output.request.title}, {"nodes", {0}}}};
-    // Positions are relative to the block's corner, so that floats stay precise far from the
-    // origin of the scene.
-    json_["nodes"] = {
-        {{"name", "kerf"},
-         {"translation", {o.x * kMetresPerMm, o.z * kMetresPerMm, -o.y * kMetresPerMm}},
-         {"rotation", {-kHalfSqrt, 0, 0, kHalfSqrt}},
-         {"scale", {kMetresPerMm, kMetresPerMm, kMetresPerMm}}}};
+    json_["scenes"] = {{{"name", title}, {"nodes", {0}}}};
+    // Programs that read glTF name what they make by the node and the mesh.
+    json_["nodes"] = {{{"name", title.empty() ? "kerf" : title}}};
+    place(json_["nodes"][0], output.source.origin_mm());
   }
 
   const GlbLattice& lattice() const { return lattice_; }
 
-  /// Adds a node for a group whose arrays start at `offset` of the binary chunk, each padded to
-  /// four bytes.
+  /// Adds a primitive for a group whose arrays start at `offset` of the binary chunk, each padded
+  /// to four bytes.
   void add(const std::vector<GlbArray>& arrays, std::uint64_t offset) {
     Json attributes;
     Json primitive{{"attributes", nullptr}};
@@ -69,8 +65,11 @@ class GlbDocument {
     }
     primitive["attributes"] = std::move(attributes);
     primitive["material"] = 0;
-    json_["meshes"].push_back({{"primitives", {std::move(primitive)}}});
-    add_node();
+    if (json_["meshes"].empty()) {
+      json_["meshes"] = {{{"name", json_["nodes"][0]["name"]}, {"primitives", Json::array()}}};
+      json_["nodes"][0]["mesh"] = 0;
+    }
+    json_["meshes"][0]["primitives"].push_back(std::move(primitive));
   }
 
   /// Returns the JSON text; `binary_bytes` is the length of the binary chunk's content.
@@ -130,16 +129,20 @@ class GlbDocument {
     json_["bufferViews"].push_back(std::move(view));
   }
 
-  void add_node() {
-    const std::size_t number = json_["meshes"].size() - 1;
-    Json node{{"name", "part_" + std::to_string(number)}, {"mesh", number}};
+  /// Positions are in mm, Z up, relative to the block's corner, so that floats stay precise far
+  /// from the origin of the scene; quantized ones in steps from the middle of the lattice.
+  void place(Json& node, Vec3 origin_mm) const {
+    double unit_mm = 1;
     if (encoding_ != ModelEncoding::kFloat) {
       const double half = 32768 * lattice_.step_mm;
-      node["translation"] = {half, half, half};
-      node["scale"] = {lattice_.step_mm, lattice_.step_mm, lattice_.step_mm};
+      origin_mm = origin_mm + Vec3{half, half, half};
+      unit_mm = lattice_.step_mm;
     }
-    json_["nodes"][0]["children"].push_back(json_["nodes"].size());
-    json_["nodes"].push_back(std::move(node));
+    const Vec3 o = origin_mm * kMetresPerMm;
+    const double unit = unit_mm * kMetresPerMm;
+    node["translation"] = {o.x, o.z, -o.y};
+    node["rotation"] = {-kHalfSqrt, 0, 0, kHalfSqrt};
+    node["scale"] = {unit, unit, unit};
   }
 
   ModelEncoding encoding_;

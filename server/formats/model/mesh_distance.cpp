@@ -3,29 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 
 #include "kernel/math/nearest_on_triangle.h"
 
 namespace kerf {
 namespace {
 
-constexpr std::uint32_t kLeafTriangles = 4;
-
 std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32U | std::max(a, b);
 }
 
-double at(Vec3 v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 }  // namespace
 
-MeshDistance::MeshDistance(const IndexedMesh& mesh) : mesh_(mesh) {
-  order_.resize(mesh.triangles.size());
-  std::iota(order_.begin(), order_.end(), 0U);
-  nodes_.reserve(order_.size());
-  build(0, static_cast<std::uint32_t>(order_.size()));
+MeshDistance::MeshDistance(const IndexedMesh& mesh) : mesh_(mesh), nearest_(mesh) {
   vertex_normals_.resize(mesh.positions_mm.size());
   edges_.reserve(mesh.triangles.size() * 3);
   for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
@@ -40,83 +30,6 @@ MeshDistance::MeshDistance(const IndexedMesh& mesh) : mesh_(mesh) {
     }
   }
   std::ranges::sort(edges_);
-}
-
-std::uint32_t MeshDistance::build(std::uint32_t first, std::uint32_t end) {
-  const auto number = static_cast<std::uint32_t>(nodes_.size());
-  constexpr float kFar = std::numeric_limits<float>::max();
-  Node node{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}, first, end - first};
-  for (std::uint32_t n = first; n < end; ++n) {
-    for (const std::uint32_t v : mesh_.triangles[order_[n]]) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        node.low[axis] = std::min(node.low[axis], mesh_.positions_mm[v][axis]);
-        node.high[axis] = std::max(node.high[axis], mesh_.positions_mm[v][axis]);
-      }
-    }
-  }
-  nodes_.push_back(node);
-  if (end - first <= kLeafTriangles) return number;
-  std::size_t longest = 0;
-  for (std::size_t axis = 1; axis < 3; ++axis) {
-    if (node.high[axis] - node.low[axis] > node.high[longest] - node.low[longest]) longest = axis;
-  }
-  const auto middle = [&](std::uint32_t n) {
-    const auto& t = mesh_.triangles[n];
-    const auto& p = mesh_.positions_mm;
-    return p[t[0]][longest] + p[t[1]][longest] + p[t[2]][longest];
-  };
-  const std::uint32_t half = first + (end - first) / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + half, order_.begin() + end,
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     const float x = middle(a), y = middle(b);
-                     return x < y || (x == y && a < b);
-                   });
-  build(first, half);
-  const std::uint32_t right = build(half, end);
-  nodes_[number].first = right;
-  nodes_[number].count = 0;
-  return number;
-}
-
-double MeshDistance::squared_to_box(const Node& node, Vec3 point) const {
-  double sum = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double p = at(point, axis);
-    const double away = std::max(
-        {static_cast<double>(node.low[axis]) - p, p - static_cast<double>(node.high[axis]), 0.0});
-    sum += away * away;
-  }
-  return sum;
-}
-
-MeshDistance::Nearest MeshDistance::nearest(Vec3 point, std::uint32_t near) const {
-  const auto squared = [&](std::uint32_t triangle) {
-    const Vec3 away = point - nearest_on_triangle(mesh_.corners(triangle), point).point;
-    const double d = dot(away, away);
-    // A triangle with two equal corners is skipped; its neighbors contain its points.
-    return d >= 0 ? d : std::numeric_limits<double>::infinity();
-  };
-  Nearest best{squared(near), near};
-  // Every level halves the range, so the depth is at most 32.
-  std::array<std::pair<double, std::uint32_t>, 64> stack;
-  std::size_t height = 0;
-  stack[height++] = {squared_to_box(nodes_[0], point), 0};
-  while (height > 0) {
-    const auto [away, number] = stack[--height];
-    if (away >= best.squared_mm2) continue;
-    const Node& node = nodes_[number];
-    for (std::uint32_t n = 0; n < node.count; ++n) {
-      const std::uint32_t triangle = order_[node.first + n];
-      if (const double d = squared(triangle); d < best.squared_mm2) best = {d, triangle};
-    }
-    if (node.count > 0) continue;
-    std::pair left{squared_to_box(nodes_[number + 1], point), number + 1};
-    std::pair right{squared_to_box(nodes_[node.first], point), node.first};
-    if (left.first < right.first) std::swap(left, right);
-    stack[height++] = left;  // the nearer one is visited first
-    stack[height++] = right;
-  }
-  return best;
 }
 
 Vec3 MeshDistance::facet_normal(std::uint32_t triangle) const {
@@ -135,14 +48,14 @@ Vec3 MeshDistance::edge_normal(std::uint32_t from, std::uint32_t to) const {
 }
 
 double MeshDistance::distance_mm(Vec3 point_mm, std::uint32_t& near) const {
-  const Nearest best = nearest(point_mm - mesh_.origin_mm, near);
+  const MeshNearest::Found best = nearest_.find(point_mm - mesh_.origin_mm, near);
   near = best.triangle;
   return std::sqrt(best.squared_mm2);
 }
 
 double MeshDistance::signed_distance_mm(Vec3 point_mm, std::uint32_t& near) const {
   const Vec3 point = point_mm - mesh_.origin_mm;
-  const Nearest best = nearest(point, near);
+  const MeshNearest::Found best = nearest_.find(point, near);
   near = best.triangle;
   const auto& t = mesh_.triangles[best.triangle];
   const NearestOnTriangle found = nearest_on_triangle(mesh_.corners(best.triangle), point);

@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "server/formats/model/indexed_mesh.h"
+#include "server/formats/model/mesh_nearest.h"
 
 namespace kerf {
 
-/// Computes signed distances from points to a mesh with a bounding-volume tree over its triangles.
+/// Computes signed distances from points to a mesh.
 /// The sign is that of the angle-weighted pseudonormal at the nearest point (Bærentzen, Aanæs,
 /// Signed distance computation using the angle weighted pseudonormal, 2005): negative inside a
 /// closed mesh. Immutable and safe for concurrent use.
@@ -26,23 +27,11 @@ class MeshDistance {
   double signed_distance_mm(Vec3 point_mm, std::uint32_t& near) const;
 
  private:
-  struct Node {
-    std::array<float, 3> low, high;  ///< rounded outward
-    std::uint32_t first, count;  ///< range of order_; count 0: inner node, first is its right child
-  };
-  struct Nearest {
-    double squared_mm2;
-    std::uint32_t triangle;
-  };
-  std::uint32_t build(std::uint32_t first, std::uint32_t end);
-  Nearest nearest(Vec3 point, std::uint32_t near) const;
-  double squared_to_box(const Node& node, Vec3 point) const;
   Vec3 facet_normal(std::uint32_t triangle) const;
   Vec3 edge_normal(std::uint32_t from, std::uint32_t to) const;
 
   const IndexedMesh& mesh_;
-  std::vector<std::uint32_t> order_;
-  std::vector<Node> nodes_;
+  MeshNearest nearest_;
   std::vector<Vec3> vertex_normals_;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> edges_;  ///< sorted; edge, triangle
 };

@@ -25,7 +25,7 @@ bool is_skipped(std::string_view word) {
 class ObjReader {
  public:
   ObjReader(std::string_view text, std::uint64_t triangles_max)
-      : words_(text), triangles_max_(triangles_max) {}
+      : words_(text, true), triangles_max_(triangles_max) {}
 
   MeshFileResult read() {
     for (std::string_view word = words_.next(); !word.empty() && !error_; word = words_.next()) {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "server/formats/model/mesh_crossings.h"
-#include "server/formats/model/mesh_distance.h"
+#include "server/formats/model/mesh_nearest.h"
 #include "server/formats/number_text.h"
 
 namespace kerf {
@@ -196,10 +196,18 @@ class Simplifier {
       measured.beyond.assign(kept_.size(), 0);
       return measured;  // no triangle is left
     }
-    const MeshDistance to_result(result);
+    // The distance of a point from a mesh, or one that changes nothing: most points are nearer
+    // than the greatest distance so far, which a search finds out early.
+    const auto distance_mm = [&](const MeshNearest& mesh, Vec3 point, std::uint32_t& near) {
+      const double enough_mm = std::min(measured.error_mm, bound_mm);
+      const auto found = mesh.find(point, near, enough_mm * enough_mm);
+      near = found.triangle;
+      return std::sqrt(found.squared_mm2);
+    };
+    const MeshNearest to_result(result);
     std::uint32_t near = 0;
     for (std::uint32_t v = 0; v < exact_.positions_mm.size(); ++v) {
-      const double d = to_result.distance_mm(exact_.position(v) + exact_.origin_mm, near);
+      const double d = distance_mm(to_result, exact_.position(v), near);
       measured.error_mm = std::max(measured.error_mm, d);
       if (d > bound_mm) measured.beyond.push_back(v);
     }
@@ -207,7 +215,7 @@ class Simplifier {
     for (std::size_t t = 0; t < result.triangles.size(); ++t) {
       const auto [a, b, c] = result.corners(t);
       for (const Vec3 p : {(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5, (a + b + c) * (1.0 / 3)}) {
-        const double d = to_exact_.distance_mm(p + result.origin_mm, near);
+        const double d = distance_mm(to_exact_, p, near);
         measured.error_mm = std::max(measured.error_mm, d);
         if (d <= bound_mm) continue;
         const auto &around = exact_.triangles[near], &ends = result.triangles[t];
@@ -235,7 +243,7 @@ class Simplifier {
   }
 
   const IndexedMesh& exact_;
-  MeshDistance to_exact_;
+  MeshNearest to_exact_;
   std::vector<bool> kept_;  ///< vertices of the exact mesh around which nothing is collapsed
   double scale_ = 1;
 };

@@ -12,7 +12,9 @@ namespace kerf {
 /// Splits text into words and counts lines.
 class TextWords {
  public:
-  explicit TextWords(std::string_view text) : text_(text) {}
+  /// `backslash_joins`: a line whose last character is a backslash goes on in the next one.
+  explicit TextWords(std::string_view text, bool backslash_joins = false)
+      : text_(text), backslash_joins_(backslash_joins) {}
   std::size_t line() const { return line_; }
   std::size_t position() const { return at_; }
   /// Returns the next word; empty at the end.
@@ -26,22 +28,41 @@ class TextWords {
     return take();
   }
   void skip_line() {
-    while (at_ < text_.size() && text_[at_] != '\n') ++at_;
+    while (at_ < text_.size() && text_[at_] != '\n') {
+      const std::size_t joint = joint_size();
+      line_ += joint > 0 ? 1 : 0;
+      at_ += std::max<std::size_t>(joint, 1);
+    }
   }
 
  private:
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+  /// The characters of a backslash and the end of line behind it; 0 if there is none here.
+  std::size_t joint_size() const {
+    if (!backslash_joins_ || text_[at_] != '\\') return 0;
+    const std::string_view rest = text_.substr(at_ + 1, 2);
+    return rest.starts_with('\n') ? 2 : rest == "\r\n" ? 3 : 0;
+  }
   void skip(bool lines) {
-    for (; at_ < text_.size() && is_blank(text_[at_]) && (lines || text_[at_] != '\n'); ++at_) {
-      line_ += text_[at_] == '\n' ? 1 : 0;
+    while (at_ < text_.size()) {
+      if (const std::size_t joint = joint_size(); joint > 0) {
+        at_ += joint;
+        ++line_;
+      } else if (is_blank(text_[at_]) && (lines || text_[at_] != '\n')) {
+        line_ += text_[at_] == '\n' ? 1 : 0;
+        ++at_;
+      } else {
+        return;
+      }
     }
   }
   std::string_view take() {
     const std::size_t first = at_;
-    while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
+    while (at_ < text_.size() && !is_blank(text_[at_]) && joint_size() == 0) ++at_;
     return text_.substr(first, at_ - first);
   }
   std::string_view text_;
+  bool backslash_joins_;
   std::size_t at_ = 0, line_ = 1;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <meshoptimizer.h>
 
 #include <cstring>
 
@@ -103,6 +104,120 @@ TEST(GltfReader, ReadsStripsAndSkipsLines) {
   EXPECT_THAT(mesh->triangles, ElementsAre(std::array<std::uint32_t, 3>{0, 1, 2},
                                            std::array<std::uint32_t, 3>{1, 3, 2},
                                            std::array<std::uint32_t, 3>{2, 3, 4}));
+}
+
+/// Compresses as EXT_meshopt_compression 1.0 states.
+std::string packed_vertices(const std::string& bytes, std::size_t count, std::size_t stride) {
+  meshopt_encodeVertexVersion(0);
+  std::vector<unsigned char> out(meshopt_encodeVertexBufferBound(count, stride));
+  out.resize(meshopt_encodeVertexBuffer(out.data(), out.size(), bytes.data(), count, stride));
+  return {out.begin(), out.end()};
+}
+std::string packed_triangles(const std::vector<unsigned>& indices) {
+  meshopt_encodeIndexVersion(1);
+  std::vector<unsigned char> out(meshopt_encodeIndexBufferBound(indices.size(), 1000));
+  out.resize(meshopt_encodeIndexBuffer(out.data(), out.size(), indices.data(), indices.size()));
+  return {out.begin(), out.end()};
+}
+
+/// A file as this server's `meshopt` downloads and gltfpack's are: compressed views of a buffer
+/// that exists only unpacked. `vertices` and `triangles` replace fields of the two extensions.
+std::string meshopt_file(const std::string& vertices = "", const std::string& triangles = "") {
+  std::string positions = packed_vertices(corners().substr(0, 60), 5, 12);
+  const std::size_t length = positions.size();
+  positions.resize((length + 3) / 4 * 4);
+  const std::string indices = packed_triangles({0, 1, 2, 0, 2, 3});
+  const auto extension = [](const std::string& fields) {
+    return R"("extensions": {"EXT_meshopt_compression": {"buffer": 0, )" + fields + "}}";
+  };
+  const auto text = [](std::size_t n) { return std::to_string(n); };
+  const std::string of_vertices =
+      R"("byteLength": )" + text(length) +
+      (vertices.empty() ? R"(, "byteStride": 12, "count": 5, "mode": "ATTRIBUTES")" : vertices);
+  const std::string of_triangles =
+      R"("byteOffset": )" + text(positions.size()) + R"(, "byteLength": )" + text(indices.size()) +
+      (triangles.empty() ? R"(, "byteStride": 2, "count": 6, "mode": "TRIANGLES")" : triangles);
+  return glb(
+      R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 2}, "indices": 1}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 5, "type": "VEC3"},
+                  {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
+                  {"bufferView": 2, "componentType": 5126, "count": 5, "type": "VEC3"}],
+    "bufferViews": [{"buffer": 1, "byteLength": 60, "byteStride": 12, )" +
+          extension(of_vertices) + R"(}, {"buffer": 1, "byteOffset": 60, "byteLength": 12, )" +
+          extension(of_triangles) +
+          R"(}, {"buffer": 1, "byteOffset": 72, "byteLength": 60}],
+    "buffers": [{"byteLength": )" +
+          text(positions.size() + indices.size()) +
+          R"(}, {"byteLength": 132, "extensions": {"EXT_meshopt_compression": {"fallback": true}}}],
+    "extensionsUsed": ["EXT_meshopt_compression"], "extensionsRequired": ["EXT_meshopt_compression"]})",
+      positions + indices);
+}
+
+TEST(GltfReader, UnpacksMeshoptCompression) {
+  const auto plain = read(file_of(R"({"attributes": {"POSITION": 0}, "indices": 2})"));
+  const auto mesh = read(meshopt_file());
+  ASSERT_TRUE(mesh) << mesh.error().reason;
+  EXPECT_EQ(*mesh, *plain);
+}
+
+TEST(GltfReader, RefusesInvalidMeshoptCompression) {
+  const auto reason_of = [](const std::string& file) {
+    const auto mesh = read(file);
+    EXPECT_FALSE(mesh);
+    return mesh ? std::string() : mesh.error().reason;
+  };
+  const auto vertices = [](const std::string& fields) { return meshopt_file(", " + fields); };
+  const auto triangles = [](const std::string& fields) { return meshopt_file("", ", " + fields); };
+  EXPECT_THAT(reason_of(vertices(R"("byteStride": 13, "count": 5, "mode": "ATTRIBUTES")")),
+              HasSubstr("bufferView 0 (EXT_meshopt_compression): its byteStride is invalid"));
+  EXPECT_THAT(
+      reason_of(vertices(R"("byteStride": 12, "count": 999999999999, "mode": "ATTRIBUTES")")),
+      HasSubstr("more elements than its bytes can hold"));
+  EXPECT_THAT(reason_of(vertices(
+                  R"("byteStride": 12, "count": 5, "mode": "ATTRIBUTES", "filter": "OCTAHEDRAL")")),
+              HasSubstr("no filter but EXPONENTIAL"));
+  EXPECT_THAT(reason_of(triangles(R"("byteStride": 2, "count": 6, "mode": "INDICES")")),
+              HasSubstr("its compressed data are invalid"));
+  EXPECT_THAT(reason_of(triangles(R"("byteStride": 2, "count": 5, "mode": "TRIANGLES")")),
+              HasSubstr("its compressed data are invalid"));
+  EXPECT_THAT(reason_of(triangles(R"("count": 6, "mode": "TRIANGLES")")), HasSubstr("byteStride"));
+  const std::string whole = meshopt_file();
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x13);
+    read(damaged);  // no more than an error
+  }
+}
+
+TEST(GltfReader, ReplacesElementsOfSparseAccessors) {
+  // Vertex 2 of the pyramid moves to (0, 0, 1); without a view all others are at the origin.
+  for (const bool based : {true, false}) {
+    const std::string base = based ? R"("bufferView": 0, )" : "";
+    std::string bytes = corners();
+    bytes.resize(88);
+    bytes += std::string{2, 0, 0, 0};  // the place, at 88
+    bytes += bytes.substr(36, 12);     // (0, 0, 1), at 92
+    const auto mesh =
+        read(glb(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+      "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+      "accessors": [{)" +
+                     base +
+                     R"("componentType": 5126, "count": 5, "type": "VEC3", "sparse": {"count": 1,
+                       "indices": {"bufferView": 2, "componentType": 5121}, "values": {"bufferView": 3}}},
+                    {"bufferView": 1, "componentType": 5121, "count": 6, "type": "SCALAR"}],
+      "bufferViews": [{"buffer": 0, "byteLength": 60}, {"buffer": 0, "byteOffset": 80, "byteLength": 6},
+                      {"buffer": 0, "byteOffset": 88, "byteLength": 4}, {"buffer": 0, "byteOffset": 92, "byteLength": 12}],
+      "buffers": [{"byteLength": 104}]})",
+                 bytes));
+    if (!based) {
+      EXPECT_FALSE(mesh);  // no triangle with three corners
+      continue;
+    }
+    ASSERT_TRUE(mesh) << mesh.error().reason;
+    EXPECT_THAT(mesh->vertices_mm, testing::Contains(Vec3{0, -1000, 0}));
+    EXPECT_THAT(mesh->vertices_mm, testing::Not(testing::Contains(Vec3{1000, -1000, 0})));
+  }
 }
 
 TEST(GltfReader, RefusesInvalidFilesWithTheReason) {

@@ -77,6 +77,11 @@ ReadModel read(const Written& written, ModelFormat format) {
   return {};
 }
 
+test::GlbParts parts_of(const std::string& glb) {
+  const auto* first = reinterpret_cast<const std::byte*>(glb.data());
+  return test::split_glb({first, first + glb.size()});
+}
+
 tinygltf::Model load(const std::string& glb) {
   tinygltf::Model model;
   std::string error, warning;
@@ -272,26 +277,36 @@ TEST(ObjWriter, KeepsNormalsBesideSharedVertices) {
   EXPECT_GT(normals, model.vertices.size());  // creases have several
 }
 
-TEST(GlbWriter, UsesMetersAndYUpUnderOneRoot) {
+TEST(GlbWriter, IsOneObjectWithTheNameOfTheSceneInMetersAndYUp) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{100, 200, 300}, {120, 220, 310}}, 0.5);
   const SolidSnapshot snapshot = sculpture.solid();
-  const auto written =
-      write(snapshot, ModelFormat::kGlb, ModelEncoding::kFloat, "a \"quoted\" name");
-  const tinygltf::Model model = load(written.bytes);
-  EXPECT_EQ(model.asset.extras.Get("scene").Get<std::string>(), "a \"quoted\" name");
-  const tinygltf::Node& root = model.nodes.at(0);
-  EXPECT_EQ(root.name, "kerf");
-  EXPECT_EQ(root.scale, (std::vector<double>{0.001, 0.001, 0.001}));
-  // World Z of the block is glTF's Y: its lowest plane lies at 0.3 m.
-  EXPECT_NEAR(root.translation.at(0), 0.1, 1e-12);
-  EXPECT_NEAR(root.translation.at(1), 0.3, 1e-12);
-  EXPECT_NEAR(root.translation.at(2), -0.2, 1e-12);
-  ASSERT_EQ(model.meshes.size(), 1U);  // a box is one group
-  const auto& primitive = model.meshes[0].primitives.at(0);
-  const auto& position = model.accessors.at(std::size_t(primitive.attributes.at("POSITION")));
-  EXPECT_EQ(position.minValues, (std::vector<double>{0, 0, 0}));
-  EXPECT_EQ(position.maxValues, (std::vector<double>{20, 20, 10}));
-  EXPECT_EQ(model.accessors.at(std::size_t(primitive.indices)).count, 3 * 12U);
+  for (const ModelEncoding encoding : model_encodings(ModelFormat::kGlb)) {
+    const auto written = write(snapshot, ModelFormat::kGlb, encoding, "a \"quoted\" name");
+    const test::GlbParts glb = parts_of(written.bytes);
+    EXPECT_EQ(glb.json["asset"]["extras"]["scene"], "a \"quoted\" name");
+    ASSERT_EQ(glb.json["nodes"].size(), 1U);
+    ASSERT_EQ(glb.json["meshes"].size(), 1U);
+    const auto& node = glb.json["nodes"][0];
+    EXPECT_EQ(node["name"], "a \"quoted\" name");
+    EXPECT_EQ(glb.json["meshes"][0]["name"], "a \"quoted\" name");
+    // World Z of the block is glTF's Y: its lowest corner lies at (0.1, 0.3, -0.2) m.
+    const auto& position = glb.json["accessors"][0];
+    const auto low = position["min"].get<std::array<double, 3>>();
+    const auto high = position["max"].get<std::array<double, 3>>();
+    const double scale = node["scale"][0].get<double>();
+    const auto place = node["translation"].get<std::array<double, 3>>();
+    EXPECT_NEAR(place[0] + scale * low[0], 0.1, 1e-12);
+    EXPECT_NEAR(place[1] + scale * low[2], 0.3, 1e-12);
+    EXPECT_NEAR(place[2] - scale * low[1], -0.2, 1e-12);
+    EXPECT_NEAR(place[0] + scale * high[0], 0.12, 1e-6);
+    EXPECT_NEAR(place[1] + scale * high[2], 0.31, 1e-6);
+    EXPECT_NEAR(place[2] - scale * high[1], -0.22, 1e-6);
+    ASSERT_EQ(glb.json["meshes"][0]["primitives"].size(), 1U);  // a box is one group
+    const auto index = glb.json["meshes"][0]["primitives"][0]["indices"].get<std::size_t>();
+    EXPECT_EQ(glb.json["accessors"][index]["count"], 3 * 12U);
+  }
+  const auto unnamed = write(snapshot, ModelFormat::kGlb, ModelEncoding::kFloat, "");
+  EXPECT_EQ(parts_of(unnamed.bytes).json["nodes"][0]["name"], "kerf");
 }
 
 TEST(GlbWriter, FloatPositionsAreExactAndIndicesHave16Bits) {
@@ -304,9 +319,9 @@ TEST(GlbWriter, FloatPositionsAreExactAndIndicesHave16Bits) {
   const ReadModel stl = read(write(snapshot, ModelFormat::kStl), ModelFormat::kStl);
   EXPECT_EQ(test::sorted_triangles(glb), test::sorted_triangles(stl));  // its corner is at zero
   const tinygltf::Model model = load(written.bytes);
-  EXPECT_GT(model.meshes.size(), 1U);
-  for (const tinygltf::Mesh& mesh : model.meshes) {
-    const auto& indices = model.accessors.at(std::size_t(mesh.primitives.at(0).indices));
+  EXPECT_GT(model.meshes.at(0).primitives.size(), 1U);
+  for (const tinygltf::Primitive& primitive : model.meshes.at(0).primitives) {
+    const auto& indices = model.accessors.at(std::size_t(primitive.indices));
     EXPECT_EQ(indices.componentType, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT);
   }
 }

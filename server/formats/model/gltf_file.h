@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+namespace kerf {
+
+/// Returns a binary glTF file with what tells of triangles only, for tinygltf, which trusts the
+/// places of pictures and would unpack them. Views of positions and indices that are compressed by
+/// EXT_meshopt_compression are unpacked behind the file's own bytes. Throws MeshRejection: not a
+/// file of version 2, shorter than it says, a required extension that is not read, compressed data
+/// that are invalid or unpack to more than 64 times the file's size.
+std::string gltf_geometry(std::span<const std::byte> bytes);
+
+}  // namespace kerf
