@@ -109,6 +109,14 @@ TEST(Stability, TheSpindleDoesNotShakeAToolInASoftHand) {
   EXPECT_GT(outcome.force.computed_mean(), 0.6) << "the test requires a cut";
 }
 
+TEST(Stability, ASlowCutDoesNotShakeASoftHand) {
+  HeldCut slow = held(0.05, 3e-5, 0.5, 0);
+  slow.mm_per_s = 5;
+  const HeldCutOutcome outcome = cut_by_hand(slow);
+  EXPECT_LE(outcome.force.error(), 0.2);
+  EXPECT_GT(outcome.force.computed_mean(), 0.6) << "the test requires a cut";
+}
+
 TEST(Stability, EveryGuideIsPassiveAndRestsAtAnyLatencyOfTheDevice) {
   for (const char* guides : kPressedGuides) {
     double felt_n = 0;
