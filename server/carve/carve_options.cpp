@@ -57,9 +57,9 @@ void declare_surface(CLI::App& app, SurfaceRequest& surface) {
   app.add_option("--max-error", surface.simplify.error_mm,
                  "simplify the models within this distance from the exact surface, mm")
       ->check(check_positive);
-  app.add_option(
-      "--deviation", surface.reference,
-      "measure the surface against a mesh (.stl .ply .obj); colors in --ply --glb --obj");
+  app.add_option("--deviation", surface.reference,
+                 std::string("measure the surface against a mesh (") + kMeshFileNames +
+                     "); colors in --ply --glb --obj");
   app.add_option("--deviation-range", surface.range_mm,
                  "range of the colors, mm (default: the 99th percentile)")
       ->check(check_positive);
@@ -130,7 +130,8 @@ void declare_scene(CLI::App& app, CarveOptions& options) {
                  "scene: stock, tools, accuracy (JSON; default: derived from the program)");
   app.add_option_function<std::string>(
          "--stock", [&options](const std::string& text) { read_stock(text, options.wishes); },
-         "stock of a derived scene: its size X,Y,Z in mm, or a model (.stl .ply .obj)")
+         std::string("stock of a derived scene: its size X,Y,Z in mm, or a model (") +
+             kMeshFileNames + ")")
       ->check(check_stock);
   app.add_option_function<std::vector<std::string>>(
          "--tool",
