@@ -66,7 +66,7 @@ set(kerf_public_headers
   kernel/sculpture.h kernel/kernel_version.h kernel/dexel/dexel_snapshot.h kernel/dexel/mesh_stock.h
   kernel/surface/tile_mesh.h
   kernel/tool/tool_shape.h
-  server/formats/accuracy_choice.h server/formats/apt_reader.h server/formats/forces_csv.h
+  server/formats/accuracy_choice.h server/formats/apt/reader.h server/formats/forces_csv.h
   server/formats/gcode/reader.h server/formats/gcode/parameter_file.h server/formats/gcode/tool_table.h
   server/formats/machine_kinematics.h server/formats/model/mesh_distance.h server/formats/model/mesh_reader.h
   server/formats/model/mesh_source.h server/formats/model/model_writer.h server/formats/model/simplify_mesh.h

@@ -159,6 +159,7 @@ class Carving {
     text_ = *text;
     report_.program_file = name;
     report_.program_lines = program_.lines;
+    report_.read_as = program_.read_as;
     report_.warnings = program_.warnings;
     report_.read_s = watch_.lap();
     return {};

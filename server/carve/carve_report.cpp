@@ -96,6 +96,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"verdict", Json::parse(report.verdict)},
                   {"simulation", Json::parse(report.simulation)},
                   {"thin_walls", Json::parse(report.walls)},
+                  {"read_as", report.read_as},
                   {"warnings", report.warnings}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -29,6 +29,7 @@ struct CarveReport {
   std::string walls = "null";          ///< JSON text (wall_check.h)
   std::string verdict = "null";        ///< JSON text (verdict.h)
   double walls_s = 0;                  ///< search for thin walls
+  std::string read_as;                 ///< language of the program, and why it
   std::vector<std::string> warnings;
   std::vector<std::string> notes;  ///< what was assumed or chosen of the scene
 };

@@ -52,6 +52,7 @@ class Derivation {
     Scene draft;
     draft.name = std::filesystem::path(name_).stem().string();
     draft.machine.kinematics = facts->kinematics;
+    draft.machine.dialect = environment_.dialect;
     draft.settings.force.law = ForceLaw::kSpecificEnergy;
     draft.settings.force.specific_force_n_per_mm2 = kForceNPerMm2;
     draft.settings.force.pivot_mm = kPivotMm;
@@ -116,7 +117,8 @@ class Derivation {
       }
     }
     if (comment != stated.end()) {
-      source = "comment in line " + std::to_string(comment->second.line);
+      source =
+          std::string(comment->second.source) + " in line " + std::to_string(comment->second.line);
       return comment->second.shape;
     }
     source = "assumed: nothing describes it; --tool " + std::to_string(id) + "=6 states it";

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <ostream>
+#include <tuple>
 #include <utility>
 
 #include "server/formats/gcode_comment.h"
@@ -70,6 +71,7 @@ class GcodeWriter final : public PostWriter {
   std::string comment(const std::string& text) const { return gcode_comment(post_, text); }
 
   void retract() override {
+    select_plane(ArcPlane::kXy);
     if (tcp_on_) out() << (iso_ ? "G49\n" : "M429\n");
     tcp_on_ = false;
     if (post_ == Post::kFanuc) {
@@ -147,9 +149,39 @@ class GcodeWriter final : public PostWriter {
     out() << (text.front() == ' ' ? text.substr(1) : text) << '\n';
   }
 
+  void arc(const ToolPose& to, const FittedArc& arc, double duration_s) override {
+    const Vec3 from = last().tip_mm, tip = to.tip_mm;
+    select_plane(arc.plane);
+    motion_ = arc.counterclockwise ? "G3" : "G2";
+    out() << motion_;
+    for (const auto& [letter, before, after] :
+         {std::tuple{'X', from.x, tip.x}, {'Y', from.y, tip.y}, {'Z', from.z, tip.z}})
+      if (before != after) out() << ' ' << letter << number(after);
+    const PlanePoint start = in_plane(from, arc.plane);
+    const Vec3 center = from_plane(
+        {arc.center.first - start.first, arc.center.second - start.second, 0}, arc.plane);
+    const auto offset = [this](double mm) {
+      return pointed(decimal_text(mm, rules().tip_decimals));
+    };
+    if (arc.plane != ArcPlane::kYz) out() << " I" << offset(center.x);
+    if (arc.plane != ArcPlane::kZx) out() << " J" << offset(center.y);
+    if (arc.plane != ArcPlane::kXy) out() << " K" << offset(center.z);
+    out() << feed_text(60 * arc_length_mm(arc, from, tip) / duration_s) << '\n';
+  }
+
+  void select_plane(ArcPlane plane) {
+    if (plane == plane_) return;
+    plane_ = plane;
+    out() << (plane == ArcPlane::kXy ? "G17\n" : plane == ArcPlane::kZx ? "G18\n" : "G19\n");
+  }
+
   std::string feed_word(const ToolPose& to, double duration_s) {
     if (inverse_time_) return " F" + significant_text(60 / duration_s, rules().feed_digits);
-    std::string written = pointed(significant_text(feed(to, duration_s), rules().feed_digits));
+    return feed_text(feed(to, duration_s));
+  }
+
+  std::string feed_text(double per_min) {
+    std::string written = pointed(significant_text(per_min, rules().feed_digits));
     if (written == feed_) return "";
     feed_ = std::move(written);
     return " F" + feed_;
@@ -233,6 +265,7 @@ class GcodeWriter final : public PostWriter {
   bool tcp_on_ = false, length_on_ = false;
   std::optional<MachineRemark> turning_;  ///< what started the spindle
   std::string motion_, feed_;
+  ArcPlane plane_ = ArcPlane::kXy;
 };
 
 }  // namespace

@@ -36,6 +36,11 @@ class KlartextWriter final : public PostWriter {
   KlartextWriter(const Scene& scene, std::ostream& out)
       : PostWriter(rules_of(Post::kHeidenhain), scene, out), name_(name_of(scene.name)) {}
 
+  /// A helix would be CP with an angle, whose end is rounded otherwise.
+  bool takes(const FittedArc& arc) const override {
+    return PostWriter::takes(arc) && arc.plane == ArcPlane::kXy && !arc.helical;
+  }
+
  private:
   void block(const std::string& text) { out() << blocks_++ << ' ' << text << '\n'; }
   void comment(const std::string& text) { block("; " + printable(text)); }
@@ -91,9 +96,21 @@ class KlartextWriter final : public PostWriter {
     if (rotary() && !(last().axis == to.axis)) words += rotary_words(end_angles());
     if (words.empty()) return;
     if (rapid) return block("L" + words + " R0 FMAX");
-    std::string written = significant_text(feed(to, duration_s), rules().feed_digits);
-    block("L" + words + (written == feed_ ? "" : " F" + written));
+    block("L" + words + feed_text(feed(to, duration_s)));
+  }
+
+  void arc(const ToolPose& to, const FittedArc& arc, double duration_s) override {
+    block("CC" + word('X', arc.center.first) + word('Y', arc.center.second));
+    const double per_min = 60 * arc_length_mm(arc, last().tip_mm, to.tip_mm) / duration_s;
+    block("C" + word('X', to.tip_mm.x) + word('Y', to.tip_mm.y) +
+          (arc.counterclockwise ? " DR+" : " DR-") + feed_text(per_min));
+  }
+
+  std::string feed_text(double per_min) {
+    std::string written = significant_text(per_min, rules().feed_digits);
+    if (written == feed_) return "";
     feed_ = std::move(written);
+    return " F" + feed_;
   }
 
   void dwell(double seconds) override {

@@ -42,7 +42,26 @@ ToolPose PostWriter::rounded(const ToolPose& pose) const {
   return admit_pose(result);
 }
 
-WriteResult PostWriter::add(const ProgramMotion& given) {
+WriteResult PostWriter::add(const ProgramMotion& given) { return write(given, nullptr); }
+
+WriteResult PostWriter::add_arc(const ProgramMotion& motion, const FittedArc& arc) {
+  return write(motion, &arc);
+}
+
+// The center is equally far from both ends as they are written.
+FittedArc PostWriter::about(const FittedArc& arc, Vec3 from, Vec3 to) const {
+  const PlanePoint a = in_plane(from, arc.plane), b = in_plane(to, arc.plane);
+  const double dx = b.first - a.first, dy = b.second - a.second;
+  const double x = (a.first + b.first) / 2, y = (a.second + b.second) / 2;
+  const double height =
+      ((arc.center.second - y) * dx - (arc.center.first - x) * dy) / (dx * dx + dy * dy);
+  FittedArc result = arc;
+  result.center.first = x - height * dy;
+  result.center.second = y + height * dx;
+  return result;
+}
+
+WriteResult PostWriter::write(const ProgramMotion& given, const FittedArc* fitted) {
   if (kind_ == MachineKinematics::kXyz)
     for (const Vec3& axis : {given.from.axis, given.to.axis})
       if (axis.x != 0 || axis.y != 0 || axis.z < 0)
@@ -63,6 +82,8 @@ WriteResult PostWriter::add(const ProgramMotion& given) {
     dwell(motion.duration_s);
   } else if (from == to) {
     late_s_ = motion.duration_s;
+  } else if (fitted != nullptr) {
+    arc(to, about(*fitted, from.tip_mm, to.tip_mm), motion.duration_s);
   } else if (rotary_) {
     turn(from, to, motion, 0);
   } else {

@@ -19,6 +19,9 @@ class PostWriter : public ProgramWriter {
  public:
   void note(const std::string& line) final { notes_.push_back(line); }
   WriteResult add(const ProgramMotion& motion) final;
+  /// Only upright tools have arcs: those of tables and tool vectors depend on settings.
+  bool takes(const FittedArc&) const override { return kind_ == MachineKinematics::kXyz; }
+  WriteResult add_arc(const ProgramMotion& motion, const FittedArc& arc) final;
   WriteResult remark(const MachineRemark& said) final;
   WriteResult finish() final;
 
@@ -36,6 +39,8 @@ class PostWriter : public ProgramWriter {
   virtual void approach(const ToolPose& pose) = 0;
   /// Moves from last() to a pose; end_angles() are those of the pose.
   virtual void straight(const ToolPose& to, bool rapid, double duration_s) = 0;
+  /// Moves on an arc from last() to a pose. Precondition: takes(arc).
+  virtual void arc(const ToolPose& to, const FittedArc& arc, double duration_s) = 0;
   virtual void dwell(double seconds) = 0;
   virtual void say(const MachineRemark& said) = 0;
   virtual void end() = 0;
@@ -59,6 +64,8 @@ class PostWriter : public ProgramWriter {
 
  private:
   ToolPose rounded(const ToolPose& pose) const;
+  WriteResult write(const ProgramMotion& motion, const FittedArc* arc);
+  FittedArc about(const FittedArc& arc, Vec3 from, Vec3 to) const;
   void place(const ToolPose& pose, ToolId tool);
   void say_held(std::size_t count);
   void turn(const ToolPose& from, const ToolPose& to, const ProgramMotion& motion, int halvings);

@@ -35,7 +35,8 @@ std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_
   const std::size_t dot = file_name.rfind('.');
   const std::string extension =
       to_lower(std::string(dot == std::string_view::npos ? "" : file_name.substr(dot + 1)));
-  if (extension == "apt" || extension == "cls") return ProgramFormat::kApt;
+  for (const std::string_view known : {"apt", "cls", "aptsource", "cl", "cld", "cldata", "ncl"})
+    if (extension == known) return ProgramFormat::kApt;
   for (const std::string_view known :
        {"ngc", "nc",  "tap", "gcode", "cnc", "eia", "iso", "din", "min", "gc",  "g",   "mpf",
         "h",   "txt", "fnc", "nct",   "ncc", "ptp", "pim", "anc", "spf", "pgm", "prg", "hnc"})
@@ -44,7 +45,7 @@ std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_
       ProgramError{std::string(file_name), 0, "",
                    "the extension must be nc, ngc, cnc, tap, gcode, txt, eia, iso, din, min, gc, "
                    "g, mpf, spf, h, hnc, fnc, nct, ncc, ptp, pim, anc, pgm or prg for G-code, or "
-                   "apt or cls for APT"});
+                   "apt, aptsource, cl, cld, cldata, cls or ncl for APT"});
 }
 
 std::string place_of(const Program& program, std::uint32_t file, std::uint32_t line) {

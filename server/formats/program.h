@@ -46,7 +46,8 @@ struct ToolChange {
 
 /// A program as straight motions of the tools of a scene.
 struct Program {
-  std::string name;  ///< file name
+  std::string name;          ///< file name
+  std::string read_as = {};  ///< language, and why it: "Haas: line 3 has G154"
   std::vector<ProgramMotion> motions;
   std::vector<std::string> warnings;  ///< "file:line: text"
   std::size_t lines = 0;              ///< lines read of the program's own text

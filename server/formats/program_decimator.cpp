@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kernel/math/rotation.h"
+#include "server/formats/arc_fit.h"
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/number_text.h"
 #include "server/formats/program_writing.h"
@@ -14,6 +15,8 @@ namespace {
 
 /// Most poses of one joined motion; every new motion is compared with all of them.
 constexpr std::size_t kPosesMax = 128;
+/// Fewer do not tell an arc.
+constexpr std::size_t kArcPosesMin = 4;
 
 double angle(const ToolPose& a, const ToolPose& b) {
   return angle_between(normalized(a.axis), normalized(b.axis));
@@ -32,26 +35,62 @@ void ProgramDecimator::note(const std::string& line) { writer_->note(line); }
 
 WriteResult ProgramDecimator::add(const ProgramMotion& motion) {
   const bool rests = motion.from == motion.to;
-  const bool follows = joined_ && !rests && joined_->tool == motion.tool &&
-                       joined_->rapid == motion.rapid && joined_->to == motion.from &&
+  const bool follows = !parts_.empty() && !rests && parts_.back().tool == motion.tool &&
+                       parts_.back().rapid == motion.rapid && parts_.back().to == motion.from &&
                        path_.size() < kPosesMax;
-  if (follows && fits(motion.to)) {
-    joined_->to = motion.to;
-    joined_->duration_s += motion.duration_s;
-    path_.push_back(motion.to);
+  if (!follows) {
+    if (auto done = flush(); !done) return done;
+    if (rests) return writer_->add(motion);
+    start(motion);
     return {};
   }
-  if (auto done = flush(); !done) return done;
-  if (rests) return writer_->add(motion);
-  joined_ = motion;
-  path_ = {motion.from, motion.to};
+  const bool line = line_ && fits(motion.to);
+  path_.push_back(motion.to);
+  std::optional<FittedArc> arc;
+  bool perhaps_arc = perhaps_arc_;
+  if (perhaps_arc && path_.size() >= kArcPosesMin) {
+    arc = fit_arc(path_, tolerance_mm_);
+    perhaps_arc = arc && writer_->takes(*arc);
+  }
+  if (!line && !perhaps_arc) {
+    if (auto done = write_first(); !done) return done;
+    if (!parts_.empty()) return add(motion);
+    start(motion);
+    return {};
+  }
+  line_ = line;
+  perhaps_arc_ = perhaps_arc;
+  arc_ = arc;
+  parts_.push_back(motion);
   return {};
 }
 
+void ProgramDecimator::start(const ProgramMotion& motion) {
+  parts_ = {motion};
+  path_ = {motion.from, motion.to};
+  line_ = true;
+  perhaps_arc_ = !motion.rapid;
+  arc_.reset();
+}
+
+// Writes the parts as a line or an arc; if they are neither yet, the first of them only.
+WriteResult ProgramDecimator::write_first() {
+  ProgramMotion joined = parts_.front();
+  if (!line_ && !arc_) {
+    const ProgramMotion next = parts_[1];
+    start(next);
+    return writer_->add(joined);
+  }
+  joined.to = parts_.back().to;
+  joined.duration_s = 0;
+  for (const ProgramMotion& part : parts_) joined.duration_s += part.duration_s;
+  parts_.clear();
+  return line_ ? writer_->add(joined) : writer_->add_arc(joined, *arc_);
+}
 /// Whether the straight motion to `end` stays within the tolerance of all poses of the path and of
 /// the poses halfway between them, where great circles deviate most.
 bool ProgramDecimator::fits(const ToolPose& end) const {
-  const double reach = reach_mm(scene_, joined_->tool);
+  const double reach = reach_mm(scene_, parts_.front().tool);
   const ToolPose& start = path_.front();
   const double turn = angle(start, end);
   if (turn > kTurnMaxRad) return false;
@@ -79,10 +118,9 @@ bool ProgramDecimator::fits(const ToolPose& end) const {
 }
 
 WriteResult ProgramDecimator::flush() {
-  if (!joined_) return {};
-  const ProgramMotion motion = *joined_;
-  joined_.reset();
-  return writer_->add(motion);
+  while (!parts_.empty())
+    if (WriteResult written = write_first(); !written) return written;
+  return {};
 }
 
 WriteResult ProgramDecimator::remark(const MachineRemark& said) {

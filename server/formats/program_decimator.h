@@ -9,8 +9,9 @@
 
 namespace kerf {
 
-/// Joins consecutive motions into one as long as no point of the tool, from its tip to its end
-/// along the axis, deviates by more than `tolerance_mm`. The swept volume changes by no more than
+/// Joins consecutive motions into a straight one, or into an arc where the writer takes it, as long
+/// as no point of the tool, from its tip to its end along the axis, deviates by more than
+/// `tolerance_mm`. The swept volume changes by no more than
 /// that. Paths are compared by length, so the tool may be at another point at a given time; the
 /// total duration is kept. Motions of different kinds (rests, rapids, cuts) or tools are never
 /// joined. Forwards the result to `writer`.
@@ -25,13 +26,18 @@ class ProgramDecimator final : public ProgramWriter {
 
  private:
   bool fits(const ToolPose& end) const;
+  void start(const ProgramMotion& motion);
+  WriteResult write_first();
   WriteResult flush();
 
   std::unique_ptr<ProgramWriter> writer_;
   const Scene& scene_;
   double tolerance_mm_;
-  std::optional<ProgramMotion> joined_;  ///< not yet forwarded
-  std::vector<ToolPose> path_;           ///< original poses of `joined_`, both ends included
+  std::vector<ProgramMotion> parts_;  ///< of the next motion, not yet forwarded
+  std::vector<ToolPose> path_;        ///< their poses, both ends included
+  bool line_ = true;                  ///< the parts can be joined to a line
+  bool perhaps_arc_ = false;          ///< to an arc, or they are too few to tell
+  std::optional<FittedArc> arc_;
 };
 
 }  // namespace kerf

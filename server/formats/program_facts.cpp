@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "server/formats/apt/tools.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/program_reader.h"
 
@@ -18,8 +19,16 @@ constexpr FlatShape kThinTool{0.1, 100};
 constexpr std::string_view kToolCall = "TOOL CALL";  ///< of Klartext
 constexpr std::size_t kToolsMax = 64, kDigitsMax = 6;
 
-/// Every number behind a T or "LOADTL/" outside of comments: a tool that is not used does no harm.
+std::set<ToolId> tools_of_apt(std::string_view text) {
+  std::set<ToolId> tools;
+  for (const auto& [id, tool] : apt_tools(text).tools) tools.insert(id);
+  if (tools.empty()) tools.insert(1);
+  return tools;
+}
+
+/// Every number behind a T outside of comments: a tool that is not used does no harm.
 std::set<ToolId> numbered_tools(std::string_view text) {
+  if (is_apt(text)) return tools_of_apt(text);
   std::set<ToolId> tools;
   int depth = 0;
   bool remark = false;
@@ -34,8 +43,6 @@ std::set<ToolId> numbered_tools(std::string_view text) {
     std::size_t from = at + 1;
     if (to_upper(std::string(text.substr(at, kToolCall.size()))) == kToolCall)
       from = at + kToolCall.size();
-    if (from + 1 < text.size() && (text[from] == 'L' || text[from] == 'l')) ++from;
-    if (from > at + 1 && text[from] == '/') ++from;
     if (from == at + 1 && from < text.size() && text[from] == '=') ++from;  // T="MILL"
     while (from < text.size() && text[from] == ' ') ++from;
     if (from < text.size() && text[from] == '"') tools.insert(++named);

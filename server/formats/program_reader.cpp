@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/formats/apt_reader.h"
+#include "server/formats/apt/reader.h"
+#include "server/formats/apt/statement.h"
 #include "server/formats/gcode/reader.h"
 #include "server/formats/heidenhain/blocks.h"
 #include "server/formats/heidenhain/reader.h"
@@ -73,13 +74,16 @@ std::expected<ReadProgram, ProgramError> read_program(const std::string& name,
   if (!format) return std::unexpected(format.error());
   // Some editors write a byte order mark before the first word.
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  if (*format == ProgramFormat::kApt) return read_apt(name, text, scene, visitor);
-  const bool klartext = environment.dialect == Dialect::kHeidenhain ||
-                        (environment.dialect == Dialect::kAuto && is_klartext(text));
+  GcodeEnvironment chosen = environment;
+  if (chosen.dialect == Dialect::kAuto) chosen.dialect = scene.machine.dialect;
+  const bool apt = chosen.dialect == Dialect::kAuto && is_apt(text);
+  if (*format == ProgramFormat::kApt || apt) return read_apt(name, text, scene, visitor);
+  const bool klartext = chosen.dialect == Dialect::kHeidenhain ||
+                        (chosen.dialect == Dialect::kAuto && is_klartext(text));
   if (klartext) return read_klartext(name, text, scene, environment.lines_max, visitor);
-  if (environment.dialect == Dialect::kSiemens)
+  if (chosen.dialect == Dialect::kSiemens)
     return read_sinumerik(name, text, scene, environment.lines_max, visitor);
-  return read_gcode(name, text, scene, environment, visitor);
+  return read_gcode(name, text, scene, chosen, visitor);
 }
 
 std::expected<Program, ProgramError> parse_program(const std::string& name, std::string_view text,

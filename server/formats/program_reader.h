@@ -53,7 +53,8 @@ struct ReadProgram {
   OpenProgram open;
 };
 
-/// Reads a program to its end, as parse_program does, but keeps no motion. `text` and `scene` must
+/// Reads a program to its end, in the dialect of `environment` or else of the scene's machine, as
+/// parse_program does, but keeps no motion. `text` and `scene` must
 /// outlive what `open` of the result returns. Errors: as of parse_program.
 std::expected<ReadProgram, ProgramError> read_program(const std::string& name,
                                                       std::string_view text, const Scene& scene,

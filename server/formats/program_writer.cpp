@@ -10,6 +10,10 @@
 
 namespace kerf {
 
+WriteResult ProgramWriter::add_arc(const ProgramMotion&, const FittedArc&) {
+  return std::unexpected("the language has no arcs");
+}
+
 WriteResult write_result(const std::ostream& out) {
   if (out.good()) return {};
   return std::unexpected("writing to the output stream failed");

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "server/formats/arc_fit.h"
 #include "server/formats/machine_remark.h"
 #include "server/formats/post.h"
 #include "server/formats/program.h"
@@ -33,6 +34,10 @@ class ProgramWriter {
   virtual void note(const std::string& line) = 0;
   /// Writes one motion. Poses are rounded to the pose grid.
   virtual WriteResult add(const ProgramMotion& motion) = 0;
+  /// Whether the control takes such an arc.
+  virtual bool takes(const FittedArc&) const { return false; }
+  /// Writes a motion whose tip follows an arc. Precondition: takes(arc).
+  virtual WriteResult add_arc(const ProgramMotion& motion, const FittedArc& arc);
   /// Writes the remark that comes before the next motion.
   virtual WriteResult remark(const MachineRemark& said) = 0;
   /// Writes the end of the program and flushes the stream. Call once, after the last motion.
@@ -60,7 +65,8 @@ std::unique_ptr<ProgramWriter> make_apt_writer(const Scene& scene, std::ostream&
 struct ProgramStyle {
   ProgramFormat format = ProgramFormat::kGcode;
   Post post = Post::kLinuxcnc;  ///< of G-code
-  double tolerance_mm = 0;      ///< if > 0, motions are joined within it (program_decimator.h)
+  double tolerance_mm = 0;      ///< if > 0, motions are joined within it to lines and, where the
+                                ///< control takes them, arcs (program_decimator.h)
 };
 
 /// Makes one of the writers above. Error: as of make_post_writer.

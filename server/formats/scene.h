@@ -13,6 +13,7 @@
 #include "kernel/sculpture.h"
 #include "kernel/tool/tool.h"
 #include "server/formats/accuracy_choice.h"
+#include "server/formats/gcode/dialect.h"
 #include "server/formats/guide.h"
 #include "server/formats/mesh_file.h"
 
@@ -50,7 +51,8 @@ inline constexpr double kChordShare = 0.1;
 /// The machine that executes programs.
 struct Machine {
   MachineKinematics kinematics = MachineKinematics::kXyz;
-  double rapid_mm_per_min = 10000;  ///< traverse rate of G0 and RAPID, > 0
+  double rapid_mm_per_min = 10000;   ///< traverse rate of G0 and RAPID, > 0
+  Dialect dialect = Dialect::kAuto;  ///< of programs whose GcodeEnvironment states none
 };
 
 /// A validated scene: stock, accuracy, tools, force law, machine and obstacles. Every session and

@@ -106,6 +106,9 @@ constexpr std::array kHelp{
     FieldHelp{"force.radial_chip_exponent", "chip_exponent", "", "m of the radial force"},
     FieldHelp{"force.axial_chip_exponent", "chip_exponent", "", "m of the axial force"},
     FieldHelp{"machine.kinematics", "xyz", "", "xyz, xyzac-trt, xyzbc-trt or tool-vector"},
+    FieldHelp{
+        "machine.dialect", "auto", "",
+        "language of programs: auto, linuxcnc, grbl, mach3, fanuc, haas, heidenhain, siemens"},
     FieldHelp{"machine.rapid_mm_per_min", "10000", "mm/min", "traverse rate of G0 and RAPID"},
     FieldHelp{"obstacles", "[]", "", "bodies that push back and are never cut"},
     FieldHelp{"obstacles[].shape", "-", "", "box, cylinder, sphere or mesh"},

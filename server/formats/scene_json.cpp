@@ -249,6 +249,8 @@ std::string scene_json(const Scene& scene) {
                 {{"kinematics", to_string(scene.machine.kinematics)},
                  {"rapid_mm_per_min", scene.machine.rapid_mm_per_min}}},
                {"obstacles", obstacles}};
+  if (scene.machine.dialect != Dialect::kAuto)
+    json["machine"]["dialect"] = std::string(name_of(scene.machine.dialect));
   if (!scene.guides.empty())
     json["guides"] = Json::parse(guides_json(scene.guides, GuideFiles::kNamed));
   return text_of(json);

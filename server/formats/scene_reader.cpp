@@ -172,6 +172,11 @@ Machine read_machine(const SceneValue& value) {
         "kinematics",
         "\"" + kinematics + "\" is not supported; use xyz, xyzac-trt, xyzbc-trt or tool-vector");
   machine.rapid_mm_per_min = fields.positive("rapid_mm_per_min", machine.rapid_mm_per_min);
+  const std::string dialect = fields.text("dialect", "auto");
+  if (const auto named = dialect_of(dialect))
+    machine.dialect = *named;
+  else
+    fields.reject("dialect", "\"" + dialect + "\" is not known; use one of " + dialect_names());
   fields.reject_unknown();
   return machine;
 }

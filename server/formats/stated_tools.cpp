@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/formats/apt/tools.h"
 #include "server/formats/heidenhain/blocks.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/text_lines.h"
@@ -220,10 +221,10 @@ class Finder {
 
 double program_unit_mm(std::string_view program) {
   if (is_klartext(program)) return klartext_unit_mm(program);
+  if (is_apt(program)) return apt_unit_mm(program);
   TextLines walk(program);
   while (walk.next()) {
     const std::string code = parts_of(walk.line()).code;
-    if (code.starts_with("UNITS/")) return code.starts_with("UNITS/INCH") ? kMmPerInch : 1;
     for (std::size_t i = 0; i + 2 < code.size(); ++i) {
       if (code[i] != 'G') continue;
       const char next = i + 3 < code.size() ? code[i + 3] : ' ';
@@ -237,6 +238,12 @@ double program_unit_mm(std::string_view program) {
 }
 
 std::map<ToolId, StatedTool> stated_tools(std::string_view program) {
+  if (is_apt(program)) {
+    std::map<ToolId, StatedTool> found;
+    for (const auto& [id, tool] : apt_tools(program).tools)
+      if (tool.shape) found.emplace(id, StatedTool{*tool.shape, tool.line, "CUTTER"});
+    return found;
+  }
   return Finder(program).take();
 }
 

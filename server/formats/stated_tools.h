@@ -14,13 +14,15 @@ namespace kerf {
 /// A tool that a comment of a program describes.
 struct StatedTool {
   ToolShape shape;
-  std::size_t line = 0;  ///< of the comment, from 1
+  std::size_t line = 0;                 ///< of the comment, from 1
+  std::string_view source = "comment";  ///< "CUTTER" of APT
 };
 
 /// Returns the tools that the comments of a program describe (tool_words.h), by number: a comment
 /// with a number, such as "(T1 D=6. CR=0. - flat end mill)" or "(TOOL 2 - 1/4 BALL)"; otherwise one
 /// that names a tool before the T word (TOOL CALL) that selects it, or after it and before the next
-/// feed. The first description of a number counts. Lengths without a unit are in the program's.
+/// feed. Of APT those of CUTTER and TLDATA (apt/tools.h). The first description of a number counts.
+/// Lengths without a unit are in the program's.
 std::map<ToolId, StatedTool> stated_tools(std::string_view program);
 
 /// Returns the unit of a program in mm: 25.4 if G20 (G70) or UNITS/INCHES come before G21, or if

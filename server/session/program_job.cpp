@@ -27,6 +27,7 @@ class ListReader final : public ProgramReader {
 
 ProgramJob::ProgramJob(ReadProgram read, ProgramSurvey& survey, std::optional<double> rate)
     : name(std::move(read.notes.name)),
+      read_as(std::move(read.notes.read_as)),
       warnings(std::move(read.notes.warnings)),
       totals(survey.totals()),
       open(std::move(read.open)),
@@ -35,7 +36,8 @@ ProgramJob::ProgramJob(ReadProgram read, ProgramSurvey& survey, std::optional<do
     warnings.push_back(*std::move(warning));
 }
 
-ProgramJob::ProgramJob(Program program) : name(program.name), warnings(program.warnings) {
+ProgramJob::ProgramJob(Program program)
+    : name(program.name), read_as(program.read_as), warnings(program.warnings) {
   for (const ProgramMotion& motion : program.motions) totals.add(motion);
   open = [list = std::make_shared<const Program>(std::move(program))] {
     return std::make_unique<ListReader>(list);

@@ -13,6 +13,7 @@ namespace kerf {
 /// A program that has been read to its end and is read again while it is carved.
 struct ProgramJob {
   std::string name;
+  std::string read_as;  ///< language, and why it
   std::vector<std::string> warnings;
   ProgramTotals totals;
   OpenProgram open;

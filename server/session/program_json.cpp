@@ -58,6 +58,7 @@ std::string program_json(const ProgramGlance& program) { return text(glance_json
 std::string program_json(const ProgramStatus& program) {
   Json json = glance_json(program);
   json["tools"] = program.tools;
+  json["read_as"] = program.read_as;
   json["warnings"] = program.warnings;
   json["alarms"] = Json::array();
   for (const ProgramAlarm& alarm : program.alarms) {

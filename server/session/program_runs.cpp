@@ -43,6 +43,7 @@ ProgramStatus ProgramRuns::start(ParticipantId participant, ProgramJob job, Prog
   status.pace = options.pace;
   status.speed = options.speed;
   status.motions = job.totals.motions;
+  status.read_as = std::move(job.read_as);
   status.warnings = std::move(job.warnings);
   status.programmed_s = job.totals.duration_s;
   for (const ProgramTotals::Use& use : job.totals.tools) status.tools.push_back(use.tool);

@@ -60,6 +60,7 @@ struct ProgramGlance {
 
 struct ProgramStatus : ProgramGlance {
   std::vector<ToolId> tools;  ///< in the order of their first motions
+  std::string read_as;        ///< language of its text, and why it: "Haas: line 3 has G154"
   std::vector<std::string> warnings;
   std::vector<ProgramAlarm> alarms;  ///< the first ProgramAlarms::kListedMax
 };

@@ -44,6 +44,42 @@ TEST(FanucBlock, HomesDwellsAndCodesWithoutMotion) {
   EXPECT_THAT(refused("G68.2 X0 Y0 Z0 I0 J30 K0\n"), HasSubstr("tilts the working plane"));
 }
 
+// I is the radius of the hole, D1 takes 1 mm off it. Half a circle leads to it and back.
+TEST(FanucBlock, CircularPocketsOfHaas) {
+  EXPECT_EQ(haas("T1\nG0 X10 Y20 Z1\nG13 I5. D1 Z-2. F100\nG1 X0\nM30\n"),
+            "R 10 20 1, F 10 20 -2, A 14 20 -2, A 14 20 -2, A 10 20 -2, F 0 20 -2");
+  EXPECT_EQ(haas("T1\nG91 G12 I2. K3.5 Q1. D0 Z-1. L2 F100\nM30\n"),
+            "F 0 0 -1, A 2 0 -1, A 2 0 -1, F 3 0 -1, A 3 0 -1, F 3.5 0 -1, A 3.5 0 -1, A 0 0 -1, "
+            "F 0 0 -2, A 2 0 -2, A 2 0 -2, F 3 0 -2, A 3 0 -2, F 3.5 0 -2, A 3.5 0 -2, A 0 0 -2");
+  EXPECT_EQ(test::moves_of("F100\nG12 I2\nM30\n", as(Dialect::kMach3)),
+            "F 2 0 0, A 2 0 0, F 0 0 0");
+  EXPECT_THAT(refused("T1\nG13 I0.5 D1 F9\n", Dialect::kHaas), HasSubstr("tool's radius"));
+  EXPECT_THAT(refused("T1\nG13 I5. K9. D1 F9\n", Dialect::kHaas), HasSubstr("Q"));
+  EXPECT_THAT(refused("G12 I5. F9\n"), HasSubstr("'G12' is not a supported code"));
+}
+
+TEST(FanucBlock, HolesOnACircleOfHaas) {
+  EXPECT_EQ(haas("F9\nG0 X10 Y0 Z5\nG81 Z-1. R1. L0\nG70 I5. J90. L2\nG80\nM30\n"),
+            "R 10 0 5, R 10 5 5, R 10 5 1, F 10 5 -1, R 10 5 5, R 10 -5 5, R 10 -5 1, F 10 -5 -1, "
+            "R 10 -5 5");
+  EXPECT_EQ(haas("F9\nG81 G99 Z-1. R1. G71 I5. J0 K90. L2\nG80\nM30\n"),
+            "R 0 0 1, R 5 0 1, F 5 0 -1, R 5 0 1, R 0 5 1, F 0 5 -1, R 0 5 1");
+  EXPECT_THAT(refused("G70 I5. L2\n", Dialect::kHaas), HasSubstr("active canned cycle"));
+}
+
+// G40 alone moves nothing; what retracts behind it goes straight up.
+TEST(FanucBlock, ARetractionBehindG40StaysBesideThePath) {
+  const std::string start = "T1\nG41 D1 G1 X-20 Y0 F9\nX0\nG40\n";
+  EXPECT_EQ(fanuc(start + "G0 Z9\nM30\n"), "F -20 1 0, F 0 1 0, R 0 1 9");
+  EXPECT_EQ(fanuc(start + "G0 Z9\nX5\nM30\n"), "F -20 1 0, F 0 1 0, R 0 1 9, R 5 0 9");
+  EXPECT_EQ(fanuc(start + "G91 X5\nM30\n"), "F -20 1 0, F 0 1 0, F 5 0 0");
+}
+
+TEST(FanucBlock, OffsetsAreInTheUnitOfTheProgram) {
+  EXPECT_EQ(fanuc("G20\n#5221=1.\nG0 X1.\nM30\n"), "R 50.8 0 0");
+  EXPECT_EQ(fanuc("#5221=25.4\nG20\nG0 X#5221\nG21\nX#5221\nM30\n"), "R 50.8 0 0, R 50.8 0 0");
+}
+
 TEST(FanucBlock, RotatesTheProgramAboutACenter) {
   // Y1 beside (10, 0) turned by 90 degrees is X-1 beside it.
   EXPECT_EQ(fanuc("G68 X10 Y0 R90\nG0 X10 Y1\nG1 X11 Y0 F9\nG69\nG0 X1 Y2\nM30\n"),

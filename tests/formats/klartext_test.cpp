@@ -307,7 +307,7 @@ TEST(Klartext, WordsMayStandApart) {
 }
 
 TEST(Klartext, WhatIsNotCertainIsRefusedByName) {
-  EXPECT_THAT(refused("L X+1 RL F9\n"), HasSubstr("p.h:4: 'RL' radius compensation"));
+  EXPECT_THAT(refused("L X+20 RL F9\nL X+40\nM128\n"), HasSubstr("ended with R0"));
   for (const char* text : {"APPR LT X+1 LEN15 RL\n", "FL X+1\n", "TCH PROBE 413 D ~\n Q1=1\n",
                            "CALL PGM X\n", "LN X+1 NX0 NY0 NZ1 F9\n", "FN 18: SYSREAD Q1 = ID1\n",
                            "PLANE VECTOR BX1\n", "CYCL DEF 8.1 X\n", "L C+10 F9\n", "L U+1 F9\n",

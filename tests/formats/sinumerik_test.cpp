@@ -212,7 +212,7 @@ TEST(Sinumerik, SpindleCoolantAndStopsAreCarried) {
 
 TEST(Sinumerik, RefusesByNameWhatItDoesNotModel) {
   const std::pair<const char*, const char*> cases[] = {
-      {"G41 X1", "G41' is radius compensation"},
+      {"G41 G1 X9 Y9\nTRANS X5", "TRANS' is not supported while G41"},
       {"CYCLE800(1,\"\",0,57,0,0,0,0,30,0,0,0,0,-1)", "CYCLE800' swivels"},
       {"POCKET3(1,2,3)", "POCKET3' calls a cycle or subprogram"},
       {"MCALL HOLES", "MCALL' is supported with CYCLE81"},

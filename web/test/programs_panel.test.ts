@@ -113,6 +113,22 @@ describe('the panel of programs', () => {
     expect(rows()[0]!.getAttribute('aria-pressed')).toBe('true');
   });
 
+  it('sends the control that is chosen, and says as what a program was read', async () => {
+    await open(program(3, { read_as: 'Haas: line 3 has G154' }));
+    expect(page.all('program-figures')[0]!.textContent).toContain('Read as Haas: line 3 has G154.');
+    const control = page
+      .all('program-speed')
+      .find((select) => select.getAttribute('aria-label') === 'Control of the program');
+    control!.value = 'haas';
+    const choose = page.all('program-file')[0]!;
+    choose.files = [{ name: 'new.nc', text: () => Promise.resolve('G1') }];
+    choose.dispatch('change');
+    await wait(500);
+    expect(server.asked.filter((asked) => asked.startsWith('POST'))).toEqual([
+      expect.stringContaining('&dialect=haas&queue=1'),
+    ]);
+  });
+
   it('shows an alarm as far as the program has come, and asks once a second', async () => {
     server.alarms = [alarm(1, 14)];
     await open(program(3, { alarm_count: 1 }));

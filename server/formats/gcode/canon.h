@@ -67,6 +67,8 @@ class GcodeCanon {
                       const GcodePlace& to, const GcodeFeed& feed, std::array<bool, 6> named) = 0;
   /// Rest for `seconds` >= 0.
   virtual void dwell(double seconds) = 0;
+  /// T: the tool of the next change. Ignored unless it is overridden.
+  virtual void select_tool(ToolId) {}
   /// Tool change; nullopt leaves the spindle empty.
   virtual void change_tool(std::optional<ToolId> tool) = 0;
   /// Sets the active tool offset (G43 and its variants). The controlled point does not move; its

@@ -134,7 +134,7 @@ constexpr std::array kMacroGCodes{
     Codes{90, 90, kNoEffect},
     Codes{101, 109, kNonModal, "writes data of the machine, which is not supported"},
     Codes{110, 110, kNoEffect},
-    Codes{120, 130, kMotion, kPocketCycle},
+    Codes{120, 130, kMotion},  // of Haas and Mach3 only
     Codes{150, 150, kPolar},
     Codes{160, 160, kPolar},
     Codes{220, 230, kNoEffect},  // stored stroke limits
@@ -200,7 +200,10 @@ GcodeGroup gcode_group(char letter, int code, const std::string& text, const Dia
   if (known == nullptr) known = letter == 'g' ? find(kGCodes, code) : find(kMCodes, code);
   if (rules.macros && letter == 'm' && (known == nullptr || !is_common_m(code)))
     return known != nullptr && known->group == kJump ? kJump : kUnknown;
-  if (known == nullptr) throw GcodeFault{text, "is not a supported code"};
+  const bool pockets = rules.dialect == Dialect::kHaas || rules.dialect == Dialect::kMach3;
+  const bool is_pocket = letter == 'g' && (code == 120 || code == 130);
+  if (known == nullptr || (is_pocket && !pockets))
+    throw GcodeFault{text, "is not a supported code"};
   if (!known->rejection.empty()) throw GcodeFault{text, std::string(known->rejection)};
   return known->group;
 }

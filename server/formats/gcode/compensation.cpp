@@ -34,6 +34,13 @@ double sweep_rad(PlanePoint from, PlanePoint center, int turns, PlanePoint to) {
   return beta - alpha + (turns + 1) * kTwoPi;
 }
 
+bool is_compensation_fault(std::string_view reason) {
+  for (const std::string_view part :
+       {"cutter compensation", "gouging", "the tool on its inside", "on the side of the tool"})
+    if (reason.find(part) != std::string_view::npos) return true;
+  return false;
+}
+
 double CutterCompensation::quarter() const { return side_ > 0 ? kHalfPi : -kHalfPi; }
 
 void CutterCompensation::start(int side, double radius_mm, ArcPlane plane) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "server/formats/gcode/canon.h"
@@ -104,6 +105,10 @@ class CutterCompensation {
   std::vector<CompensatedMove> waiting_;    ///< delayed moves
   std::optional<PlanePoint> waiting_from_;  ///< start of the first delayed move
 };
+
+/// Whether the reason of an error is a path that a tool of this radius cannot follow: the path may
+/// be that of the tool's center, and its offset the wear.
+bool is_compensation_fault(std::string_view reason);
 
 /// Returns the signed angle from `from` to `to` about a center, rad; `turns` as for arc_about, or
 /// 0.

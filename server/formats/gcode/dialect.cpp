@@ -57,6 +57,13 @@ std::optional<Dialect> dialect_of(std::string_view name) {
   return std::nullopt;
 }
 
+std::string_view name_of(Dialect dialect) {
+  if (dialect == Dialect::kAuto) return kAutoName;
+  for (const auto& [other, name] : kOthers)
+    if (dialect == other) return name;
+  return rules_of(dialect).name;
+}
+
 std::string dialect_names() {
   std::string names(kAutoName);
   for (const DialectRules& rules : kRules) names.append(", ").append(rules.name);

@@ -34,6 +34,8 @@ struct DialectRules {
 const DialectRules& rules_of(Dialect dialect);
 /// Returns the dialect of a name, "auto" included, or nullopt.
 std::optional<Dialect> dialect_of(std::string_view name);
+/// Returns the name of a dialect, as dialect_of takes it.
+std::string_view name_of(Dialect dialect);
 /// All names, "auto" first, separated by ", ".
 std::string dialect_names();
 

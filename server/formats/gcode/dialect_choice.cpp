@@ -43,6 +43,11 @@ constexpr std::array kMarks{
     Mark{"msg(\"", Tongue::kSiemens, 10, false},
     Mark{"cycle8", Tongue::kSiemens, 10, false},
     Mark{"cr=", Tongue::kSiemens, 6, false},
+    Mark{"proc", Tongue::kSiemens, 10, false},
+    Mark{"extern", Tongue::kSiemens, 10, false},
+    Mark{"def real", Tongue::kSiemens, 10, false},
+    Mark{"def int", Tongue::kSiemens, 10, false},
+    Mark{"def bool", Tongue::kSiemens, 10, false},
     Mark{"t=\"", Tongue::kSiemens, 10, false},
     Mark{"#<", Tongue::kLinuxcnc, 20, false},
     Mark{"o<", Tongue::kLinuxcnc, 20, false},
@@ -53,6 +58,8 @@ constexpr std::array kMarks{
     Mark{"g154", Tongue::kHaas, 10, true},
     Mark{"g187", Tongue::kHaas, 10, true},
     Mark{"g150", Tongue::kHaas, 6, true},
+    Mark{"g12", Tongue::kHaas, 4, true},
+    Mark{"g13", Tongue::kHaas, 4, true},
     Mark{"g110", Tongue::kHaas, 6, true},
     Mark{"g234", Tongue::kHaas, 8, true},
     Mark{"g254", Tongue::kHaas, 8, true},
@@ -170,6 +177,7 @@ class Judge {
       seen_mark_[i] = true;
       once(mark.tongue, mark.weight, place, mark.text);
     }
+    if (assigns_r(code)) once(Tongue::kSiemens, 10, place, "an R parameter");
     for (const auto& [name, tongue] : kNames)
       if (text.has_word(
               name, is_foreign(tongue) ? LineText::Part::kSemicolon : LineText::Part::kParentheses))
@@ -192,6 +200,16 @@ class Judge {
          at = line.find(mark.text, at + 1)) {
       const char next = at + mark.text.size() < line.size() ? line[at + mark.text.size()] : '\0';
       if (!mark.code || mark.text.front() == ',' || (!is_digit(next) && next != '.')) return true;
+    }
+    return false;
+  }
+  // R1=5 of SINUMERIK.
+  static bool assigns_r(const std::string& code) {
+    for (std::size_t at = code.find('r'); at != std::string::npos; at = code.find('r', at + 1)) {
+      std::size_t end = at + 1;
+      while (end < code.size() && is_digit(code[end])) ++end;
+      const bool joined = at > 0 && (is_letter(code[at - 1]) || code[at - 1] == ',');
+      if (!joined && end > at + 1 && end < code.size() && code[end] == '=') return true;
     }
     return false;
   }

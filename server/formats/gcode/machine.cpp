@@ -224,8 +224,11 @@ void GcodeMachine::set_modes(GcodeBlock& block) {
     if (plane != modes_.plane) reject_compensated(*code);
     modes_.plane = plane;
   }
-  if (const GcodeCode* code = block.code(GcodeGroup::kUnits))
-    modes_.unit_mm = code->code == 200 ? kMmPerInch : 1;
+  if (const GcodeCode* code = block.code(GcodeGroup::kUnits)) {
+    const double unit_mm = code->code == 200 ? kMmPerInch : 1;
+    convert_stored(modes_.unit_mm / unit_mm);
+    modes_.unit_mm = unit_mm;
+  }
   compensation_.set_unit(modes_.unit_mm);
   if (const GcodeCode* code = block.code(GcodeGroup::kCutterCompensation))
     start_compensation(block, code->code);

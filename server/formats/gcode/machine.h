@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <optional>
 #include <set>
@@ -104,6 +105,8 @@ class GcodeMachine {
   /// inverse for one of them.
   GcodeAxes stored_axes(int first) const;
   void store_axis(int first, std::size_t axis, double value);
+  double stored_unit_mm() const;
+  void convert_stored(double factor);
   GcodeAxes system_origin(int system) const;
   double system_rotation(int system) const;
   GcodeAxes applied_shift() const;
@@ -156,6 +159,13 @@ class GcodeMachine {
   void cut_corner(const GcodeAxes& next);
   void require_no_corner() const;
 
+  // machine_pocket.cpp: circular pockets, holes on a circle
+  void circle_to(const GcodeAxes& to, Vec3 center, int turns, const GcodeFeed& speed);
+  double pocket_offset_mm(const GcodeBlock& block);
+  void circular_pocket(GcodeBlock& block, bool clockwise);
+  bool begin_pattern(GcodeBlock& block, const GcodeCode& code);
+  bool next_of_pattern();
+
   // machine_motion.cpp, machine_spline.cpp: motions
   void move(GcodeBlock& block);
   void straight(GcodeBlock& block, int code);
@@ -166,6 +176,7 @@ class GcodeMachine {
   CycleWords read_cycle(GcodeBlock& block, int code) const;
   void go_home(GcodeBlock& block, int code);
   GcodeAxes read_target(GcodeBlock& block);
+  void return_to_path(const GcodeBlock& block, GcodeAxes& to);
   GcodeAxes read_machine_target(GcodeBlock& block);
   void read_polar(GcodeBlock& block, GcodeAxes& to);
   Vec3 read_tool_axis(GcodeBlock& block);
@@ -202,9 +213,11 @@ class GcodeMachine {
     GcodeFeed speed;
   };
   std::optional<RunningCycle> running_;
+  std::deque<PlanePoint> pattern_;      ///< holes at which the active cycle is still to drill
   int modal_motion_ = 0;                ///< before the block
   double spline_i_ = 0, spline_j_ = 0;  ///< first control point that continues the last G5
   bool arc_rejected_ = false;           ///< G40 left the tool beside the path: no arc may follow
+  std::optional<PlanePoint> beside_;    ///< Macro B: the programmed point that it left it beside
   std::optional<int> selected_tool_;
   int loaded_tool_ = 0;
   bool tcp_by_length_code_ = false, tcp_by_m_code_ = false;

@@ -64,10 +64,11 @@ void GcodeMachine::prepare(GcodeBlock& block) {
   }
 }
 
-// G70 and G71 are the units of some controls, and patterns of holes, with I and L, of others.
+// G70 and G71 are the units of some controls, and holes on a circle, with I and L, of a Haas.
 void GcodeMachine::prepare_units(GcodeBlock& block) {
   for (auto& [group, code] : block.codes) {
     if (group != GcodeGroup::kUnits || code.code < 700) continue;
+    if (begin_pattern(block, code)) return block.drop(GcodeGroup::kUnits);
     if (block.has_any("ijl"))
       throw GcodeFault{code.text,
                        "is a pattern of holes, which is not supported; use single holes"};

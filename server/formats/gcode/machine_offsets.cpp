@@ -20,17 +20,32 @@ int system_parameter(int system) {
 
 }  // namespace
 
+// Fanuc and Haas show and take their offsets in the unit of the program.
+double GcodeMachine::stored_unit_mm() const {
+  return setup_.rules.of_fanuc() ? modes_.unit_mm : setup_.machine_unit_mm;
+}
+
 GcodeAxes GcodeMachine::stored_axes(int first) const {
   GcodeAxes axes{};
   for (std::size_t i = 0; i < axes.size(); ++i)
-    axes[i] =
-        parameters_.numbered(first + static_cast<int>(i)) * (i < 3 ? setup_.machine_unit_mm : 1);
+    axes[i] = parameters_.numbered(first + static_cast<int>(i)) * (i < 3 ? stored_unit_mm() : 1);
   return axes;
 }
 
+// G20 and G21 convert the offsets of a Fanuc.
+void GcodeMachine::convert_stored(double factor) {
+  if (factor == 1 || !setup_.rules.of_fanuc()) return;
+  const auto convert = [&](int first) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (const double value = parameters_.numbered(first + axis); value != 0)
+        parameters_.set(first + axis, value * factor);
+  };
+  for (const int first : {kHome28, kHome30, kShift}) convert(first);
+  for (int system = 1; system < 10 + kMoreSystemsMax; ++system) convert(system_parameter(system));
+}
+
 void GcodeMachine::store_axis(int first, std::size_t axis, double value) {
-  parameters_.set(first + static_cast<int>(axis),
-                  axis < 3 ? value / setup_.machine_unit_mm : value);
+  parameters_.set(first + static_cast<int>(axis), axis < 3 ? value / stored_unit_mm() : value);
 }
 
 GcodeAxes GcodeMachine::system_origin(int system) const {

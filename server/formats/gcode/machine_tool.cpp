@@ -45,6 +45,7 @@ void GcodeMachine::select_tool(GcodeBlock& block) {
   // Macro B: a tool that is selected and never loaded need not exist.
   if (tool_integer(word.value, 0, word) != 0 && !setup_.rules.macros) tool_of_word(word);
   selected_tool_ = tool_integer(word.value, 0, word);
+  if (*selected_tool_ > 0) canon_.select_tool(static_cast<ToolId>(*selected_tool_));
 }
 
 void GcodeMachine::change_tool(GcodeBlock& block, int code) {
@@ -184,7 +185,12 @@ void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
   if (code == 400) {
     if (const auto programmed = compensation_.end(in_plane(linear(at_), compensation_.plane()))) {
       const PlanePoint p = *programmed;
-      set_linear(at_, from_plane(p, compensation_.plane()));
+      // LinuxCNC goes back to the path with any move, also along Z alone.
+      if (setup_.rules.macros) {
+        beside_ = p;
+      } else {
+        set_linear(at_, from_plane(p, compensation_.plane()));
+      }
       arc_rejected_ = true;
     }
     return;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <string_view>
 
 #include "kernel/math/vec3.h"
 
@@ -23,6 +24,10 @@ Vec3 from_plane(PlanePoint point, ArcPlane plane);
 /// Distance of two points projected into the plane.
 inline double distance(PlanePoint a, PlanePoint b) {
   return std::hypot(b.first - a.first, b.second - a.second);
+}
+/// The axes of a plane, the first two and the normal: "zxy".
+inline std::string_view plane_letters(ArcPlane plane) {
+  return plane == ArcPlane::kXy ? "xyz" : plane == ArcPlane::kZx ? "zxy" : "yzx";
 }
 /// Direction from one point to another in the plane, rad, from the plane's first axis.
 inline double direction(PlanePoint from, PlanePoint to) {

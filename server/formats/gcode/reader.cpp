@@ -5,6 +5,8 @@
 #include <memory>
 #include <utility>
 
+#include "server/formats/gcode/assumed_unit.h"
+#include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/dialect_choice.h"
 #include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/runner.h"
@@ -12,6 +14,7 @@
 #include "server/formats/motion_sink.h"
 #include "server/formats/sinumerik/reader.h"
 #include "server/formats/text_lines.h"
+#include "server/formats/units.h"
 
 namespace kerf {
 namespace {
@@ -101,6 +104,7 @@ struct Reading {
   GcodeEnvironment environment;
   GcodeSetup setup;
   std::vector<std::string> notes;
+  std::string read_as;
 };
 
 class GcodeReader final : public ProgramReader {
@@ -116,6 +120,7 @@ class GcodeReader final : public ProgramReader {
                 }) {
     program_.name = reading_->source->file(0).name;
     program_.warnings = reading_->notes;
+    program_.read_as = reading_->read_as;
   }
 
   std::expected<bool, ProgramError> step() override {
@@ -160,8 +165,13 @@ class GcodeReader final : public ProgramReader {
   bool runs_ = true;
 };
 
+std::string note_of(const std::string& name, Dialect dialect, const std::string& reason) {
+  return name + ": read as " + std::string(rules_of(dialect).label) + ": " + reason +
+         "; --dialect names another one";
+}
+
 std::expected<ReadProgram, ProgramError> read_as(Dialect dialect, const GcodeText& program,
-                                                 const std::string& note,
+                                                 const std::string& reason,
                                                  const Assumptions& assumed = {}) {
   const GcodeEnvironment& environment = program.environment;
   GcodeSetup setup = setup_of(program.scene, environment);
@@ -170,16 +180,22 @@ std::expected<ReadProgram, ProgramError> read_as(Dialect dialect, const GcodeTex
   setup.absolute_centers = assumed.absolute_centers;
   setup.offsets_are_wear = assumed.offsets_are_wear;
   std::vector<std::string> notes = assumed.notes;
-  if (!note.empty()) notes.insert(notes.begin(), note);
+  const std::size_t inches =
+      setup.rules.of_fanuc() && environment.machine_unit_mm == 1 ? line_of_inches(program.text) : 0;
+  if (inches > 0) {
+    setup.unit_mm = kMmPerInch;
+    notes.push_back(program.name + ":" + std::to_string(inches) +
+                    ": the program is read in inches: it has neither G20 nor G21, and this comment "
+                    "states inches");
+  }
+  if (!reason.empty() && dialect != Dialect::kLinuxcnc)
+    notes.insert(notes.begin(), note_of(program.name, dialect, reason));
+  std::string read_as(setup.rules.label);
+  if (!reason.empty()) read_as += ": " + reason;
   const auto source = source_of(program.name, program.text, environment, setup.rules);
-  const auto reading = std::make_shared<const Reading>(source, program.scene, environment,
-                                                       std::move(setup), std::move(notes));
+  const auto reading = std::make_shared<const Reading>(
+      source, program.scene, environment, std::move(setup), std::move(notes), std::move(read_as));
   return read_to_end([reading] { return std::make_unique<GcodeReader>(reading); }, program.visitor);
-}
-
-std::string note_of(const std::string& name, Dialect dialect, const std::string& reason) {
-  return name + ": read as " + std::string(rules_of(dialect).label) + ": " + reason +
-         "; --dialect names another one";
 }
 
 bool contains(const std::string& text, std::string_view part) {
@@ -198,11 +214,7 @@ bool assume(const ProgramError& error, Assumptions& assumed) {
                             "their starts this is no arc");
     return true;
   }
-  const bool offset = contains(error.reason, "cutter compensation") ||
-                      contains(error.reason, "gouging") ||
-                      contains(error.reason, "the tool on its inside") ||
-                      contains(error.reason, "on the side of the tool");
-  if (!offset || assumed.offsets_are_wear) return false;
+  if (!is_compensation_fault(error.reason) || assumed.offsets_are_wear) return false;
   assumed.offsets_are_wear = true;
   assumed.notes.push_back(place +
                           "the offsets D are read as 0, as for a path of the tool's center: "
@@ -212,12 +224,12 @@ bool assume(const ProgramError& error, Assumptions& assumed) {
 
 // Reads for a control with Macro B, if need be with assumptions that its settings may hold.
 std::expected<ReadProgram, ProgramError> read_macros(Dialect dialect, const GcodeText& program,
-                                                     const std::string& note) {
+                                                     const std::string& reason) {
   Assumptions assumed;
-  auto read = read_as(dialect, program, note);
+  auto read = read_as(dialect, program, reason);
   if (!rules_of(dialect).macros || program.environment.tools) return read;
   while (!read && assume(read.error(), assumed)) {
-    auto again = read_as(dialect, program, note, assumed);
+    auto again = read_as(dialect, program, reason, assumed);
     if (!again && again.error().line <= read.error().line) return read;
     read = std::move(again);
   }
@@ -235,18 +247,13 @@ std::expected<ReadProgram, ProgramError> read_gcode(const std::string& name, std
   const auto choice = choose_dialect(name, text);
   if (!choice) return std::unexpected(choice.error());
   if (choice->dialect == Dialect::kSiemens)
-    return read_sinumerik(
-        name, text, scene, environment.lines_max, visitor,
-        name + ": read as SINUMERIK: " + choice->reason + "; --dialect names another one");
-  const bool plain = choice->dialect == Dialect::kLinuxcnc;
-  auto read = read_macros(choice->dialect, program,
-                          plain ? std::string() : note_of(name, choice->dialect, choice->reason));
+    return read_sinumerik(name, text, scene, environment.lines_max, visitor, choice->reason);
+  auto read = read_macros(choice->dialect, program, choice->reason);
   if (read || !choice->open) return read;
   // Nothing points to LinuxCNC, and it does not take the program: a plain Fanuc program.
   auto again = read_macros(
       Dialect::kFanuc, program,
-      note_of(name, Dialect::kFanuc,
-              choice->reason + ", and LinuxCNC rejects line " + std::to_string(read.error().line)));
+      choice->reason + ", and LinuxCNC rejects line " + std::to_string(read.error().line));
   // The reading that went further names the error.
   return again || again.error().line > read.error().line ? std::move(again) : std::move(read);
 }

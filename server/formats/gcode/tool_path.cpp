@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernel/math/rotation.h"
 #include "server/formats/gcode/fault.h"
@@ -73,7 +74,16 @@ void GcodeToolPath::check_turn(const GcodePlace& to) const {
                   " degrees in one block; the limit is " + decimal_text(kTurnInBlockMaxDeg, 6)};
 }
 
+void GcodeToolPath::load_selected() {
+  const auto tool = std::exchange(selected_, std::nullopt);
+  if (!tool || changed_tool_ || scene_.tools.size() == 1 || !scene_.tools.contains(*tool)) return;
+  if (sink_.tool() == tool) return;
+  warn("T" + std::to_string(*tool) + " is used without M6: the operator has loaded it");
+  sink_.change_tool(tool, line_);
+}
+
 bool GcodeToolPath::approach(const GcodePlace& to, bool rapid, std::array<bool, 6> named) {
+  load_selected();
   const bool known = all_known();
   for (std::size_t i = 0; i < 3; ++i) known_[i] = known_[i] || named[i];
   if (sink_.placed() && sink_.tool()) return false;

@@ -23,6 +23,7 @@ class GcodeToolPath final : public GcodeCanon {
   void spline(const std::vector<Vec3>& points, const GcodeFrame& frame, const GcodePlace& to,
               const GcodeFeed& feed, std::array<bool, 6> named) override;
   void dwell(double seconds) override;
+  void select_tool(ToolId tool) override { selected_ = tool; }
   void change_tool(std::optional<ToolId> tool) override;
   void offset_tool(const GcodeAxes& offset, const GcodePlace& at) override;
   GcodePlace control_tool_center(bool on, const GcodePlace& at) override;
@@ -31,6 +32,8 @@ class GcodeToolPath final : public GcodeCanon {
  private:
   bool all_known() const { return known_[0] && known_[1] && known_[2]; }
   void check_turn(const GcodePlace& to) const;
+  /// Until the first change, the operator has loaded what T selects.
+  void load_selected();
   /// Handles motions while the tool is away from the workpiece. A rapid places the tool as soon as
   /// X, Y and Z are known, and returns true: it makes no motion. A cut starts at the current
   /// position, with a warning unless X, Y and Z are known.
@@ -60,6 +63,7 @@ class GcodeToolPath final : public GcodeCanon {
   GcodePlace at_;
   std::array<bool, 3> known_{};  ///< X, Y, Z programmed since the tool was away
   bool changed_tool_ = false;
+  std::optional<ToolId> selected_;  ///< by T, since the last motion
   bool tool_center_ = false;
   GcodeAxes offset_{};  ///< active tool offset (G43)
   GcodeAxes loaded_{};  ///< tool table's offset of the loaded tool

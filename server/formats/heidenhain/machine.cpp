@@ -138,7 +138,20 @@ bool KlartextMachine::path_function(std::string_view word, Words words,
   return extras.ends;
 }
 
-void KlartextMachine::finish() const {
+// RL and RR take the radius of the scene's tool.
+void KlartextMachine::compensate(const std::string& word) {
+  const int side = word == "RL" ? 1 : word == "RR" ? -1 : 0;
+  if ((side != 0) == path_.is_compensated() && side == 0) return;
+  refuse_in_corner(word);
+  std::optional<ToolId> tool = path_.tool();
+  if (!tool && scene_.tools.size() == 1) tool = scene_.tools.begin()->first;
+  const auto found = tool ? scene_.tools.find(*tool) : scene_.tools.end();
+  if (found == scene_.tools.end()) throw KlartextFault{word, "requires a tool"};
+  path_.compensate(side, found->second.tool.radius_mm);
+}
+
+void KlartextMachine::finish() {
+  path_.finish();
   if (corner_) throw KlartextFault{"RND", "must be followed by a straight line"};
 }
 
@@ -233,45 +246,6 @@ void KlartextMachine::tool_center(const std::string& text) {
   path_.set_tool_center(true);
 }
 
-// PLANE RESET and PLANE SPATIAL SPA SPB SPC, whose angles turn about the fixed X, Y and Z in turn.
-void KlartextMachine::tilt(const std::string& text) {
-  KlartextFrame& frame = path_.frame();
-  if (begins(text, "RESET")) {
-    const bool was = std::exchange(frame.is_tilted, false);
-    if (was) path_.align();
-    return;
-  }
-  if (!begins(text, "SPATIAL"))
-    throw KlartextFault{"PLANE " + text.substr(0, text.find(' ')),
-                        "is not supported; use PLANE SPATIAL"};
-  if (scene_.machine.kinematics == MachineKinematics::kXyz)
-    throw KlartextFault{"PLANE SPATIAL", "tilts the plane, which the machine xyz cannot"};
-  if (frame.rotation_deg != 0)
-    throw KlartextFault{"PLANE SPATIAL", "with an active rotation (cycle 10) is not supported"};
-  double angle[3] = {0, 0, 0};
-  bool positions = false;
-  for (const KlartextWord& word : klartext_words(after(text, "SPATIAL"))) {
-    for (int i = 0; i < 3; ++i)
-      if (word.name == std::string("SP") + "ABC"[i]) angle[i] = kRadPerDeg * values_.of(word.value);
-    positions = positions || word.name == "TURN" || word.name == "MOVE";
-  }
-  if (!positions)
-    throw KlartextFault{"STAY", "leaves the tool as it was, which is not supported; use TURN"};
-  for (int column = 0; column < 3; ++column) {
-    Vec3 v{column == 0 ? 1.0 : 0, column == 1 ? 1.0 : 0, column == 2 ? 1.0 : 0};
-    const double ca = std::cos(angle[0]), sa = std::sin(angle[0]);
-    v = {v.x, ca * v.y - sa * v.z, sa * v.y + ca * v.z};
-    const double cb = std::cos(angle[1]), sb = std::sin(angle[1]);
-    v = {cb * v.x + sb * v.z, v.y, -sb * v.x + cb * v.z};
-    const double cc = std::cos(angle[2]), sc = std::sin(angle[2]);
-    frame.tilted[static_cast<std::size_t>(column)] = {cc * v.x - sc * v.y, sc * v.x + cc * v.y,
-                                                      v.z};
-  }
-  frame.is_tilted = true;
-  path_.align();
-  direction_.reset();
-}
-
 // Takes M words, feeds and the radius correction out of a block.
 KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
   Extras extras;
@@ -288,11 +262,9 @@ KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
     } else if (word.name == "FAUTO" || (apart && words[i + 1].name == "AUTO")) {
       if (apart) ++i;
     } else if (word.name == "RL" || word.name == "RR") {
-      throw KlartextFault{word.name,
-                          "radius compensation is not supported; post the path of the "
-                          "tool's center (R0)"};
+      compensate(word.name);
     } else if (word.name == "R" && word.value == "0") {
-      continue;
+      compensate("R0");
     } else if (word.name == "M" && !word.value.empty()) {
       const double code = values_.of(word.value);
       if (!(code >= 0 && code <= kCodeMax && code == std::floor(code)))

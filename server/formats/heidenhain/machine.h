@@ -23,8 +23,8 @@ class KlartextMachine {
   /// Executes a block; `following` is the text of the next one, because a corner (RND, CHF) changes
   /// the line before it. Returns true at the end of the program.
   bool execute(const KlartextBlock& block, const std::string& following);
-  /// Throws if a corner was begun and not ended.
-  void finish() const;
+  /// Completes the path. Throws if a corner was begun and not ended.
+  void finish();
 
  private:
   using Words = std::vector<KlartextWord>;
@@ -47,11 +47,18 @@ class KlartextMachine {
   void tool_word(const Words& words, std::size_t& at);
   void tool_center(const std::string& text);
   void refuse_in_corner(const std::string& word) const;
+  void compensate(const std::string& word);
   void refuse_off_axis(const std::string& word) const;
   void cycle_definition(const std::string& text);
   void datum_shift(const Words& words);
   void rotate(const Words& words);
   void tilt(const std::string& text);
+  void tilt_by_angles(const Words& words);
+  void tilt_by_vectors(const Words& words);
+  void finish_tilt(bool positions);
+  void reset_plane();
+  void working_plane(const Words& words);
+  void old_pecking(const std::string& number, const std::string& rest);
   void miscellaneous(const Words& words);
 
   void linear(const Words& words, const Extras& extras, bool corner_follows);

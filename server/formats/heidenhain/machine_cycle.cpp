@@ -16,8 +16,9 @@ void KlartextMachine::cycle_definition(const std::string& text) {
   const std::string rest = text.substr(end);
   const int cycle = number.empty() ? 0 : std::atoi(number.c_str());
   const bool title = number.ends_with(".0");
-  if (cycle == 7 || cycle == 10 || cycle == 9) {
+  if (cycle == 7 || cycle == 10 || cycle == 9 || cycle == 19) {
     if (title) return;
+    if (cycle == 19) return working_plane(klartext_words(rest));
     if (cycle == 7) return datum_shift(klartext_words(rest));
     if (cycle == 10) return rotate(klartext_words(rest));
     for (const KlartextWord& word : klartext_words(rest))  // DWELL 1.5, V.ZEIT 1.5
@@ -25,11 +26,13 @@ void KlartextMachine::cycle_definition(const std::string& text) {
         path_.dwell(std::max(0.0, values_.of(word.value)));
     return;
   }
+  if (cycle == 1) return old_pecking(number, rest);
   const bool holes = cycle == 200 || cycle == 201 || cycle == 202 || cycle == 203 || cycle == 205 ||
                      cycle == 206 || cycle == 207 || cycle == 209 || cycle == 240 || cycle == 241;
   if (!holes)
     throw KlartextFault{"CYCL DEF " + number,
-                        "is not supported; 7, 9, 10, 32, 200 to 203, 205 to 207, 209, 240, 241 and "
+                        "is not supported; 1, 7, 9, 10, 19 without angles, 32, 200 to 203, 205 to "
+                        "207, 209, 240, 241 and "
                         "247 are: post the motions of others as L and C"};
   cycle_.clear();
   for (std::size_t at = rest.find('Q'); at != std::string::npos; at = rest.find('Q', at + 1)) {
@@ -61,13 +64,18 @@ void KlartextMachine::cycle_definition(const std::string& text) {
 void KlartextMachine::drill() {
   if (cycle_number_ == 0) throw KlartextFault{"M99", "calls a cycle that is not defined"};
   refuse_in_corner("M99");
+  if (path_.is_compensated())
+    throw KlartextFault{"M99", "while RL or RR is on is not supported; program R0 before it"};
   refuse_off_axis("CYCL DEF " + std::to_string(cycle_number_));
   const auto value = [this](const char* name, double missing) {
     const auto it = cycle_.find(name);
     return it == cycle_.end() ? missing : it->second;
   };
-  const double surface = value("Q203", 0) * unit_mm_;
-  const double clearance = surface + value("Q200", 0) * unit_mm_;
+  const double set_up = value("Q200", 0) * unit_mm_;
+  // Cycle 1 counts from where the tool stands.
+  const double surface =
+      cycle_number_ == 1 ? path_.position().z - set_up : value("Q203", 0) * unit_mm_;
+  const double clearance = surface + set_up;
   const double high = std::max(clearance, surface + value("Q204", 0) * unit_mm_);
   const double bottom = surface + value("Q201", 0) * unit_mm_;
   const double plunge = value("Q206", feed_.value_or(0) / unit_mm_) * unit_mm_;
@@ -87,8 +95,37 @@ void KlartextMachine::drill() {
   move(at, std::nullopt, named);
 }
 
+// Cycle 1, pecking: 1.1 set-up clearance, 1.2 depth, 1.3 peck, 1.4 dwell, 1.5 feed, whose words
+// depend on the language of the control.
+void KlartextMachine::old_pecking(const std::string& number, const std::string& rest) {
+  const std::size_t digits = rest.find_first_of("+-.0123456789Q");
+  if (number == "1.0") {
+    cycle_.clear();
+    cycle_number_ = 1;
+    cycle_modal_ = false;
+    return;
+  }
+  if (digits == std::string::npos) throw KlartextFault{"CYCL DEF " + number, "requires a number"};
+  std::string plain = rest.substr(digits, rest.find(' ', digits) - digits);
+  std::ranges::replace(plain, ',', '.');
+  const double value = values_.of(plain);
+  if (number == "1.1") cycle_["Q200"] = std::abs(value);
+  if (number == "1.2") cycle_["Q201"] = -std::abs(value);
+  if (number == "1.4") cycle_["Q211"] = value;
+  if (number == "1.5") cycle_["Q206"] = value;
+}
+
+// Cycle 19 without angles, or with angles of 0, is PLANE RESET.
+void KlartextMachine::working_plane(const Words& words) {
+  for (const KlartextWord& word : words)
+    if (!word.value.empty() && values_.of(word.value) != 0)
+      throw KlartextFault{"CYCL DEF 19",
+                          "tilts the plane, which is not supported; use PLANE SPATIAL"};
+  reset_plane();
+}
+
 void KlartextMachine::datum_shift(const Words& words) {
-  KlartextFrame& frame = path_.frame();
+  KlartextFrame& frame = path_.changing_frame();
   if (frame.is_tilted)
     throw KlartextFault{"CYCL DEF 7", "in a tilted plane is not supported; shift before PLANE"};
   for (const KlartextWord& word : words) {
@@ -106,7 +143,7 @@ void KlartextMachine::datum_shift(const Words& words) {
 }
 
 void KlartextMachine::rotate(const Words& words) {
-  KlartextFrame& frame = path_.frame();
+  KlartextFrame& frame = path_.changing_frame();
   for (const KlartextWord& word : words) {
     if (word.name != "ROT" && word.name != "IROT")
       throw KlartextFault{word.name + word.value, "must be ROT, the angle"};

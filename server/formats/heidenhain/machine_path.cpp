@@ -49,7 +49,9 @@ Vec3 KlartextMachine::place() const { return corner_ ? corner_->at : path_.posit
 
 // X, Y, Z and IX, IY, IZ; other axes keep their values.
 Vec3 KlartextMachine::target(const Words& words, std::array<bool, 3>& named) const {
-  const Vec3 at = place();
+  const bool moves_level = find(words, "X") != nullptr || find(words, "Y") != nullptr ||
+                           find(words, "IX") != nullptr || find(words, "IY") != nullptr;
+  const Vec3 at = moves_level && !corner_ ? path_.contour() : place();
   Vec3 to = at;
   for (const KlartextWord& word : words) {
     const bool incremental = word.name.size() == 2 && word.name[0] == 'I';

@@ -36,7 +36,13 @@ void KlartextPath::check(const MotionSink::Result& result) {
   if (!result) throw KlartextFault{"", result.error()};
 }
 
+void KlartextPath::require_uncompensated() const {
+  if (compensation_.on())
+    throw KlartextFault{"RL", "and RR must be ended with R0 before this block"};
+}
+
 void KlartextPath::change_tool(std::optional<ToolId> tool) {
+  require_uncompensated();
   if (tool && !scene_.tools.contains(*tool))
     throw KlartextFault{"TOOL CALL", "the scene has no tool " + std::to_string(*tool)};
   changed_tool_ = changed_tool_ || tool.has_value();
@@ -45,17 +51,20 @@ void KlartextPath::change_tool(std::optional<ToolId> tool) {
 }
 
 void KlartextPath::retract() {
+  require_uncompensated();
   sink_.lift();
   known_ =
       frame_.is_tilted ? std::array{false, false, false} : std::array{known_[0], known_[1], false};
 }
 
 void KlartextPath::lose(std::size_t axis) {
+  require_uncompensated();
   sink_.lift();
   known_[axis] = false;
 }
 
 void KlartextPath::align() {
+  require_uncompensated();
   sink_.lift();
   known_ = {false, false, false};
   plane_axis_ = frame_.is_tilted ? frame_.tilted[2] : Vec3{0, 0, 1};
@@ -110,6 +119,10 @@ bool KlartextPath::approach(const ToolPose& to, bool rapid, std::array<bool, 3> 
     if (sink_.tool() && known_[0] && known_[1] && known_[2]) check(sink_.place(to));
     return true;
   }
+  if (!sink_.tool() && !changed_tool_) {
+    warn_("motions before the first TOOL CALL are left out: no tool cuts");
+    return true;
+  }
   if (!sink_.tool()) throw KlartextFault{"", "no tool is called for this motion"};
   if (!known)
     warn_(
@@ -120,8 +133,8 @@ bool KlartextPath::approach(const ToolPose& to, bool rapid, std::array<bool, 3> 
   return false;
 }
 
-void KlartextPath::line(Vec3 to, const RotaryAngles& angles, std::optional<double> feed,
-                        std::array<bool, 3> named) {
+void KlartextPath::move_line(Vec3 to, const RotaryAngles& angles, std::optional<double> feed,
+                             std::array<bool, 3> named) {
   const Vec3 from = tip_mm_, target = frame_.in_workpiece(to);
   const RotaryAngles before = angles_;
   for (const double turn : {angles.a - before.a, angles.b - before.b, angles.c - before.c})
@@ -153,13 +166,16 @@ void KlartextPath::line(Vec3 to, const RotaryAngles& angles, std::optional<doubl
   angles_ = angles;
 }
 
-void KlartextPath::arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double feed) {
-  const Vec3 start = position();
+void KlartextPath::move_arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double feed) {
+  const Vec3 start = frame_.programmed(tip_mm_);
   const Arc arc = arc_about(start, to, plane, in_plane(center, plane), turns);
   const int chords = arc.chords(scene_.settings.tolerance_mm);
   if (chords > kPiecesMax) throw KlartextFault{"", "the arc has too many turns"};
   const Vec3 end = frame_.in_workpiece(to);
-  approach(pose(end, angles_), false, {true, true, true});
+  if (approach(pose(end, angles_), false, {true, true, true})) {
+    tip_mm_ = end;
+    return;
+  }
   const auto at = [arc, end, frame = frame_, angles = angles_, pose = poses()](double s) {
     return pose(s >= 1 ? end : frame.in_workpiece(arc.at(s)), angles);
   };
@@ -167,6 +183,9 @@ void KlartextPath::arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double f
   tip_mm_ = end;
 }
 
-void KlartextPath::dwell(double seconds) { check(sink_.dwell(seconds, line_)); }
+void KlartextPath::dwell(double seconds) {
+  if (compensation_.on()) return compensation_.dwell(seconds, info_of(std::nullopt, {}));
+  check(sink_.dwell(seconds, line_));
+}
 
 }  // namespace kerf

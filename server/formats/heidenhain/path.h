@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/plane.h"
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/motion_sink.h"
@@ -31,23 +32,43 @@ class KlartextPath {
  public:
   using Warn = std::function<void(const std::string&)>;
   KlartextPath(const Scene& scene, MotionSink& sink, Warn warn)
-      : scene_(scene), sink_(sink), warn_(std::move(warn)) {}
+      : scene_(scene),
+        sink_(sink),
+        warn_(std::move(warn)),
+        compensation_([this](const CompensatedMove& move) { emit(move); }) {}
 
-  KlartextFrame& frame() { return frame_; }
+  const KlartextFrame& frame() const { return frame_; }
+  /// To be changed; not while the path is compensated.
+  KlartextFrame& changing_frame() {
+    require_uncompensated();
+    return frame_;
+  }
   bool is_tilted() const { return frame_.is_tilted; }
   /// Whether Z of the program is the axis of the tool.
   bool is_axis_z() const;
   void at_line(std::size_t line) { line_ = line; }
   void change_tool(std::optional<ToolId> tool);
+  std::optional<ToolId> tool() const { return sink_.tool(); }
   /// The tool leaves the workpiece along its axis, as far as the machine goes.
   void retract();
   /// An axis goes to a place of the machine, which is not known: 0 to 2.
   void lose(std::size_t axis);
-  void set_tool_center(bool on) { tool_center_ = on; }
+  void set_tool_center(bool on) {
+    require_uncompensated();
+    tool_center_ = on;
+  }
   /// The tool axis becomes the normal of the tilted plane, or vertical.
   void align();
 
-  Vec3 position() const { return frame_.programmed(tip_mm_); }
+  /// The programmed point: that of the contour while the tool is beside it.
+  Vec3 position() const;
+  /// After R0 the tool is beside the contour until it moves in X and Y, which count from here.
+  Vec3 contour() const;
+  /// RL (1), RR (-1) and R0 (0) in the plane XY. With `offset_mm` 0 the path is that of the center.
+  void compensate(int side, double offset_mm);
+  bool is_compensated() const { return compensation_.on(); }
+  /// Makes the move that compensation delays.
+  void finish();
   RotaryAngles angles() const { return angles_; }
   /// Adds whole turns to the angle of A, B or C, so that it is within 180 degrees of `near_deg`.
   void count_angle(char axis, double near_deg);
@@ -63,6 +84,12 @@ class KlartextPath {
   void remark(MachineRemark said) { sink_.remark(std::move(said)); }
 
  private:
+  void move_line(Vec3 to, const RotaryAngles& angles, std::optional<double> feed_mm_per_min,
+                 std::array<bool, 3> named);
+  void move_arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double feed_mm_per_min);
+  CompensatedInfo info_of(std::optional<double> feed_mm_per_min, std::array<bool, 3> named) const;
+  void emit(const CompensatedMove& move);
+  void require_uncompensated() const;
   double& angle(char axis);
   /// The pose at a tip in the workpiece with the control of a block. Paths keep a copy.
   struct PoseRule {
@@ -86,6 +113,9 @@ class KlartextPath {
   std::array<bool, 3> known_{};
   bool tool_center_ = false, changed_tool_ = false;
   std::size_t line_ = 0;
+  CutterCompensation compensation_;
+  Vec3 center_{0, 0, 0};              ///< of the tool while it is compensated, programmed
+  std::optional<PlanePoint> beside_;  ///< the contour's point beside which R0 left the tool
 };
 
 }  // namespace kerf

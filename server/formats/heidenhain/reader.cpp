@@ -31,6 +31,7 @@ class KlartextReader final : public ProgramReader {
         flow_(*blocks_, values_, executed_max),
         machine_(scene, sink_, values_, [this](const std::string& text) { warn(text); }) {
     program_.name = name;
+    program_.read_as = "HEIDENHAIN Klartext";
     program_.files = {name};
     program_.lines = blocks_->lines();
   }

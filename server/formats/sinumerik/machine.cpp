@@ -49,16 +49,19 @@ bool is_word_of(const std::string& name, char letter) {
 }  // namespace
 
 SinumerikMachine::SinumerikMachine(const Scene& scene, SinumerikValues& values, GcodeCanon& canon,
-                                   Warn warn, bool changes_by_t)
+                                   Warn warn, bool changes_by_t, bool offsets_are_wear)
     : scene_(scene),
       values_(values),
       canon_(canon),
       warn_(std::move(warn)),
-      changes_by_t_(changes_by_t) {
+      changes_by_t_(changes_by_t),
+      offsets_are_wear_(offsets_are_wear),
+      compensation_([this](const CompensatedMove& move) { emit(move); }) {
   canon_.set_warn(warn_);
 }
 
-bool SinumerikMachine::execute(const SinumerikLine& line) {
+bool SinumerikMachine::execute(const SinumerikLine& line, std::size_t number) {
+  line_ = number;
   if (const auto from = line.comment.find_first_not_of(" ;"); from != std::string::npos)
     canon_.remark({.text = line.comment.substr(from)});
   const std::string& text = line.text;
@@ -168,9 +171,11 @@ void SinumerikMachine::g_code(const SinumerikWord& word) {
   const auto refuse = [&name](const char* reason) { throw GcodeFault{name, reason}; };
   if (code <= 3) motion_ = static_cast<Motion>(code);
   if (code == 4) dwells_ = true;
-  if (code == 17 || code == 18 || code == 19) plane_ = static_cast<ArcPlane>(code - 17);
-  if (code == 41 || code == 42)
-    refuse("is radius compensation, which is not supported; post the path of the tool's center");
+  if (code == 17 || code == 18 || code == 19) {
+    if (plane_ != static_cast<ArcPlane>(code - 17)) refuse_compensated(name);
+    plane_ = static_cast<ArcPlane>(code - 17);
+  }
+  if (code >= 40 && code <= 42) return compensate(code);
   if (code == 53 || code == 153 || code == 74 || code == 75) in_machine_ = true;
   if (code == 70 || code == 700) unit_mm_ = kMmPerInch;
   if (code == 71 || code == 710) unit_mm_ = 1;
@@ -187,9 +192,9 @@ void SinumerikMachine::g_code(const SinumerikWord& word) {
   if (system && system_ != 0 && system_ != code && warned_.insert("system").second)
     warn_(name + ": several work offsets are used, whose places are not known; all are the origin");
   if (system) system_ = code;
-  static constexpr int kTaken[] = {0,   1,   2,   3,   4,   9,   17,  18,  19,  40,  53,  60,  64,
-                                   70,  71,  74,  75,  90,  91,  93,  94,  95,  97,  153, 450, 451,
-                                   500, 601, 602, 603, 621, 641, 642, 643, 644, 645, 700, 710};
+  static constexpr int kTaken[] = {0,   1,   2,   3,   4,   9,   17,  18,  19,  53,  60,  64,  70,
+                                   71,  74,  75,  90,  91,  93,  94,  95,  97,  153, 450, 451, 500,
+                                   601, 602, 603, 621, 641, 642, 643, 644, 645, 700, 710};
   if (!system && std::ranges::find(kTaken, code) == std::end(kTaken)) refuse("is not supported");
 }
 
@@ -233,7 +238,9 @@ void SinumerikMachine::select_tool(const SinumerikWord& word) {
 }
 
 void SinumerikMachine::change_tool() {
-  canon_.change_tool(*selected_ == 0 ? std::nullopt : selected_);
+  refuse_compensated("T");
+  loaded_ = *selected_ == 0 ? std::nullopt : selected_;
+  canon_.change_tool(loaded_);
   if (changes_by_t_ && warned_.insert("T").second)
     warn_("T changes the tool at once, because the program has no M6");
   selected_.reset();

@@ -7,10 +7,12 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/formats/gcode/arc.h"
 #include "server/formats/gcode/canon.h"
+#include "server/formats/gcode/compensation.h"
 #include "server/formats/scene.h"
 #include "server/formats/sinumerik/block.h"
 #include "server/formats/sinumerik/flow.h"
@@ -23,15 +25,27 @@ class SinumerikMachine {
  public:
   using Warn = std::function<void(const std::string&)>;
   /// All arguments must outlive it. `changes_by_t`: the program has no M6, so that T changes tools.
+  /// `offsets_are_wear`: the path is that of the tool's center, so that G41 displaces by nothing.
   SinumerikMachine(const Scene& scene, SinumerikValues& values, GcodeCanon& canon, Warn warn,
-                   bool changes_by_t);
+                   bool changes_by_t, bool offsets_are_wear);
 
-  /// Executes a line; true if it ends the program.
-  bool execute(const SinumerikLine& line);
+  /// Executes a line, of a number from 1; true if it ends the program.
+  bool execute(const SinumerikLine& line, std::size_t number);
+  /// Makes the move that radius compensation delays.
+  void finish();
 
  private:
   using Words = std::vector<SinumerikWord>;
   using Named = std::array<bool, 6>;
+  struct Corner {
+    double radius_mm = 0, chamfer_mm = 0, leg_mm = 0;
+    bool own = false;  ///< of this block, not RNDM
+    GcodeAxes at{};    ///< the corner; the tool is still at the start of the first line
+    Named named{};
+    GcodeFeed feed;
+    bool any() const { return radius_mm > 0 || chamfer_mm > 0 || leg_mm > 0; }
+    bool is_modal() const { return !own; }
+  };
   enum class Motion { kRapid, kLine, kClockwise, kCounterClockwise, kThroughPoint };
 
   bool statement(const std::string& text);
@@ -55,7 +69,10 @@ class SinumerikMachine {
   void move(Words& words);
   GcodeAxes target(Words& words, Named& named);
   std::optional<Vec3> tool_axis(Words& words);
-  void straight(const GcodeAxes& to, const Named& named);
+  void line(const GcodeAxes& to, const Named& named, bool turns, Corner corner);
+  void go_straight(const GcodeAxes& to, const Named& named, bool rapid, const GcodeFeed& speed);
+  void go_round(const GcodeAxes& to, const Named& named, PlanePoint middle, bool clockwise,
+                int turns, const GcodeFeed& speed);
   void arc(Words& words, const GcodeAxes& to, const Named& named);
   PlanePoint center(Words& words, Vec3 from, Vec3 to, bool& clockwise);
   PlanePoint through(Words& words, Vec3 from, Vec3 to, bool& clockwise);
@@ -65,9 +82,25 @@ class SinumerikMachine {
   void dwell(Words& words);
   static SinumerikWord* take(Words& words, std::string_view name);
 
+  // machine_corner.cpp: corners between lines
+  void read_corner(Words& words, Corner& corner);
+  void require_no_corner(const std::string& word) const;
+  void release_corner();
+  void cut_corner(const GcodeAxes& next);
+
+  // machine_offset.cpp: radius compensation
+  void refuse_compensated(const std::string& word);
+  double offset_mm();
+  void compensate(int code);
+  GcodeAxes programmed() const;
+  CompensatedInfo info_of(const GcodeAxes& to, const Named& named, const GcodeFeed& speed) const;
+  void stand_beside(const GcodeAxes& to, PlanePoint center);
+  void emit(const CompensatedMove& move);
+
   // machine_cycle.cpp
   bool cycle_statement(const std::string& text);
   void swivel(const std::vector<std::optional<double>>& given);
+  void drill_pattern(std::string_view name, const std::vector<std::optional<double>>& given);
   void drill();
 
   struct Hole {
@@ -79,7 +112,7 @@ class SinumerikMachine {
   SinumerikValues& values_;
   GcodeCanon& canon_;
   Warn warn_;
-  const bool changes_by_t_;
+  const bool changes_by_t_, offsets_are_wear_;
   std::set<std::string> warned_;
 
   Motion motion_ = Motion::kLine;
@@ -89,11 +122,17 @@ class SinumerikMachine {
   enum class FeedMode { kPerMinute, kPerRevolution, kInverse } feed_mode_ = FeedMode::kPerMinute;
   double feed_ = 0, rpm_ = 0;
   std::optional<MachineRemark::Kind> turning_;
-  std::optional<ToolId> selected_;
+  std::optional<ToolId> selected_, loaded_;
   std::map<std::string, ToolId> named_tools_;
   int system_ = 0;  ///< G54: 54
   GcodeFrame frame_;
-  GcodeAxes at_{};  ///< absolute
+  GcodeAxes at_{};      ///< absolute; of the tool's center while it is compensated
+  GcodeAxes actual_{};  ///< the end of the last compensated move that was made, absolute
+  std::optional<PlanePoint> beside_;  ///< the programmed point beside which G40 left the tool
+  std::size_t line_ = 0;
+  CutterCompensation compensation_;
+  std::optional<Corner> corner_;
+  double modal_round_mm_ = 0;  ///< RNDM
   Vec3 axis_{0, 0, 1};
   std::optional<Hole> modal_hole_, hole_;
   bool ends_ = false;

@@ -2,6 +2,9 @@
 // Drilling cycles of SinumerikMachine: holes to their depth.
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "server/formats/gcode/fault.h"
 #include "server/formats/sinumerik/machine.h"
@@ -20,6 +23,7 @@ constexpr HoleCycle kHoleCycles[] = {{"CYCLE81", -1, -1}, {"CYCLE82", 5, -1},  {
                                      {"CYCLE89", 5, -1}};
 /// Feed of a tap whose speed is not known, mm per minute.
 constexpr double kTapFeed = 1000;
+constexpr double kHolesMax = 10'000;
 
 }  // namespace
 
@@ -33,6 +37,12 @@ bool SinumerikMachine::cycle_statement(const std::string& text) {
   const std::string_view name = call.substr(0, std::min(open, call.find(' ')));
   if (name == "CYCLE800" && open != std::string_view::npos && call.ends_with(')')) {
     swivel(sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_));
+    return true;
+  }
+  if (open != std::string_view::npos && call.ends_with(')') && !modal &&
+      (name == "HOLES1" || name == "HOLES2" || name == "CYCLE801")) {
+    drill_pattern(name,
+                  sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_));
     return true;
   }
   const auto* rule = std::ranges::find(kHoleCycles, name, &HoleCycle::name);
@@ -64,6 +74,53 @@ bool SinumerikMachine::cycle_statement(const std::string& text) {
   return true;
 }
 
+// The active cycle (MCALL) drills at each point of a row (HOLES1), a circle (HOLES2) or a grid
+// (CYCLE801).
+void SinumerikMachine::drill_pattern(std::string_view name,
+                                     const std::vector<std::optional<double>>& given) {
+  if (!modal_hole_) throw GcodeFault{std::string(name), "requires MCALL with a drilling cycle"};
+  if (plane_ != ArcPlane::kXy)
+    throw GcodeFault{std::string(name), "is supported in the plane XY (G17) only"};
+  const auto value = [&given](std::size_t at) {
+    return at < given.size() ? given[at].value_or(0) : 0.0;
+  };
+  const auto count = [&](std::size_t at) {
+    const double n = value(at);
+    if (!(n >= 1 && n <= kHolesMax && n == std::floor(n)))
+      throw GcodeFault{std::string(name), "requires the number of holes, from 1 to 10000"};
+    return static_cast<int>(n);
+  };
+  const auto turned = [](double x, double y, double deg) {
+    turn_xy(x, y, deg);
+    return std::pair{x, y};
+  };
+  std::vector<std::pair<double, double>> points;  // from the reference point
+  if (name == "HOLES1") {
+    for (int i = 0, n = count(5); i < n; ++i)
+      points.push_back(turned(value(4) + i * value(3), 0, value(2)));
+  } else if (name == "HOLES2") {
+    const int n = count(5);
+    const double step = value(4) != 0 ? value(4) : 360.0 / n;
+    for (int i = 0; i < n; ++i) points.push_back(turned(value(2), 0, value(3) + i * step));
+  } else {
+    const int columns = count(5), rows = count(6);
+    for (int row = 0; row < rows; ++row)
+      for (int i = 0; i < columns; ++i) {
+        const int column = row % 2 == 0 ? i : columns - 1 - i;
+        points.push_back(turned(column * value(3), row * value(4), value(2)));
+      }
+  }
+  refuse_compensated(std::string(name));
+  for (const auto& [x, y] : points) {
+    GcodeAxes to = programmed();
+    to[0] = (value(0) + x) * unit_mm_;
+    to[1] = (value(1) + y) * unit_mm_;
+    go_straight(to, {true, true, false, false, false, false}, true, {});
+    hole_ = modal_hole_;
+    drill();
+  }
+}
+
 // CYCLE800() and angles of 0 leave the plane level; the first argument retracts.
 void SinumerikMachine::swivel(const std::vector<std::optional<double>>& given) {
   constexpr std::size_t kFirst = 4, kLast = 12;  // X0 Y0 Z0 A B C X1 Y1 Z1
@@ -78,6 +135,7 @@ void SinumerikMachine::swivel(const std::vector<std::optional<double>>& given) {
 
 // At the current place along the axis of the plane.
 void SinumerikMachine::drill() {
+  refuse_compensated("CYCLE");
   const std::size_t axis = plane_ == ArcPlane::kXy ? 2 : plane_ == ArcPlane::kZx ? 1 : 0;
   GcodeAxes to = frame_.programmed(at_);
   Named named{};

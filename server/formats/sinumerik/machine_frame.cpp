@@ -15,6 +15,7 @@ bool SinumerikMachine::frame_statement(const std::string& text) {
       throw GcodeFault{std::string(word), "is not supported; post the motions in the workpiece"};
   for (const std::string_view word : {"TRANS", "ATRANS", "ROT", "AROT"}) {
     if (!begins_word(text, word)) continue;
+    refuse_compensated(std::string(word));
     Words words = sinumerik_words(std::string_view(text).substr(word.size()), values_);
     const bool adds = word.starts_with('A');
     if (word.ends_with("TRANS")) {
@@ -66,6 +67,7 @@ void SinumerikMachine::follow_tool(bool on) {
     throw GcodeFault{"TRAORI",
                      "requires a scene whose machine is xyzac-trt, xyzbc-trt or "
                      "tool-vector"};
+  refuse_compensated("TRAORI");
   follows_tool_ = on;
   at_ = canon_.control_tool_center(on, {at_, axis_}).axes;
 }

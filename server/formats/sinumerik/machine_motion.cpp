@@ -37,7 +37,17 @@ GcodeFeed SinumerikMachine::feed() const {
 
 // The end of the block in programmed coordinates.
 GcodeAxes SinumerikMachine::target(Words& words, Named& named) {
-  GcodeAxes to = frame_.programmed(at_);
+  GcodeAxes to = programmed();
+  const std::string_view others = plane_ == ArcPlane::kXy   ? "XY"
+                                  : plane_ == ArcPlane::kZx ? "ZX"
+                                                            : "YZ";
+  if (beside_ && std::ranges::any_of(words, [others](const SinumerikWord& word) {
+        return !word.used && word.name.size() == 1 && others.find(word.name) != std::string::npos;
+      })) {
+    const double normal = in_plane(linear(to), plane_).normal;
+    set_linear(to, from_plane({beside_->first, beside_->second, normal}, plane_));
+    beside_.reset();
+  }
   for (SinumerikWord& word : words) {
     const std::size_t axis = kAxes.find(word.name);
     if (word.used || word.name.size() != 1 || axis == std::string_view::npos) continue;
@@ -77,9 +87,10 @@ std::optional<Vec3> SinumerikMachine::tool_axis(Words& words) {
 }
 
 void SinumerikMachine::move(Words& words) {
-  for (const char* corner : {"RND", "RNDM", "CHF", "CHR"})
-    if (const SinumerikWord* word = take(words, corner); word != nullptr && word->value != 0)
-      throw GcodeFault{corner, "between lines is not supported; post the corner"};
+  Corner corner;
+  for (const char* name : {"RND", "CHF", "CHR"})
+    corner.own = corner.own || std::ranges::find(words, name, &SinumerikWord::name) != words.end();
+  read_corner(words, corner);
   Named named{};
   const GcodeAxes to = target(words, named);
   const auto axis = tool_axis(words);
@@ -90,9 +101,13 @@ void SinumerikMachine::move(Words& words) {
                    return !word.used && (word.name == "I" || word.name == "J" || word.name == "K");
                  }))) {
     if (axis) throw GcodeFault{"A3", "beside an arc is not supported"};
+    if (corner.own && corner.any())
+      throw GcodeFault{"RND", "RND, CHF and CHR beside an arc are not supported; post the corner"};
+    require_no_corner("G2");
+    release_corner();
     arc(words, to, named);
   } else if (any || axis) {
-    straight(to, named);
+    line(to, named, axis.has_value(), corner);
   }
   if (modal_hole_ && any) {
     hole_ = modal_hole_;
@@ -100,13 +115,57 @@ void SinumerikMachine::move(Words& words) {
   }
 }
 
-void SinumerikMachine::straight(const GcodeAxes& to, const Named& named) {
+// A line, kept back if a corner ends it.
+void SinumerikMachine::line(const GcodeAxes& to, const Named& named, bool turns, Corner corner) {
+  const bool rapid = motion_ == Motion::kRapid;
+  const bool tables = named[3] || named[4] || named[5] || turns;
+  const GcodeFeed speed = rapid ? GcodeFeed{} : feed();
+  if (corner_ && !rapid && !tables) {
+    cut_corner(to);
+  } else {
+    require_no_corner("G0");
+    release_corner();
+  }
+  if (!corner.any() || rapid || tables || feed_mode_ == FeedMode::kInverse) {
+    if (corner.own && corner.any())
+      throw GcodeFault{"RND", "RND, CHF and CHR require a line (G1) of X, Y and Z"};
+    return go_straight(to, named, rapid, speed);
+  }
+  corner.at = to;
+  corner.named = named;
+  corner.feed = speed;
+  corner_ = corner;
+}
+
+void SinumerikMachine::go_straight(const GcodeAxes& to, const Named& named, bool rapid,
+                                   const GcodeFeed& speed) {
+  if (compensation_.active()) {
+    const PlanePoint at = in_plane(linear(frame_.programmed(at_)), plane_);
+    return stand_beside(to, compensation_.straight(rapid, at, in_plane(linear(to), plane_),
+                                                   info_of(to, named, speed)));
+  }
   const GcodePlace end = place(to);
-  if (motion_ == Motion::kRapid) {
+  if (rapid) {
     canon_.rapid(end, GcodeRapid::kPlain, named);
   } else {
-    canon_.feed(end, feed(), named);
+    canon_.feed(end, speed, named);
   }
+  at_ = end.axes;
+}
+
+void SinumerikMachine::go_round(const GcodeAxes& to, const Named& named, PlanePoint middle,
+                                bool clockwise, int turns, const GcodeFeed& speed) {
+  if (compensation_.active()) {
+    const PlanePoint at = in_plane(linear(frame_.programmed(at_)), plane_);
+    const ArcCenter center{.ijk = from_plane(middle, plane_), .absolute = true};
+    return stand_beside(
+        to, compensation_.arc(at, in_plane(linear(to), plane_), center, clockwise, turns,
+                              kSpiralToleranceMm, info_of(to, named, speed)));
+  }
+  const Vec3 from = linear(programmed());
+  const GcodePlace end = place(to);
+  canon_.arc(arc_about(from, linear(to), plane_, middle, clockwise ? -turns : turns), frame_, end,
+             speed, named);
   at_ = end.axes;
 }
 
@@ -158,7 +217,7 @@ PlanePoint SinumerikMachine::through(Words& words, Vec3 from, Vec3 to, bool& clo
 }
 
 void SinumerikMachine::arc(Words& words, const GcodeAxes& to, const Named& named) {
-  const Vec3 from = linear(frame_.programmed(at_)), end = linear(to);
+  const Vec3 from = linear(programmed()), end = linear(to);
   bool clockwise = false;
   const PlanePoint middle = motion_ == Motion::kThroughPoint ? through(words, from, end, clockwise)
                                                              : center(words, from, end, clockwise);
@@ -168,14 +227,12 @@ void SinumerikMachine::arc(Words& words, const GcodeAxes& to, const Named& named
       throw GcodeFault{"TURN", "must be an integer from 0 to 1000"};
     turns += static_cast<int>(word->value);
   }
-  const GcodePlace place_at = place(to);
-  const Arc path = arc_about(from, end, plane_, middle, clockwise ? -turns : turns);
-  canon_.arc(path, frame_, place_at, feed(), named);
-  at_ = place_at.axes;
+  go_round(to, named, middle, clockwise, turns, feed());
 }
 
 // SUPA, G53, G153, G74 and G75: to a place of the machine, which is not known.
 void SinumerikMachine::go_to_machine(Words& words) {
+  refuse_compensated("SUPA");
   Named named{};
   for (SinumerikWord& word : words) {
     const std::size_t axis = word.name.empty() ? std::string_view::npos : kAxes.find(word.name[0]);
@@ -191,10 +248,17 @@ void SinumerikMachine::go_to_machine(Words& words) {
 
 // G4 F… in seconds, G4 S… in turns of the spindle.
 void SinumerikMachine::dwell(Words& words) {
+  require_no_corner("G4");
+  release_corner();
+  const auto rest = [this](double s) {
+    CompensatedInfo info;
+    info.line = line_;
+    compensation_.dwell(std::max(0.0, s), info);
+  };
   if (const SinumerikWord* seconds = take(words, "F")) {
-    canon_.dwell(std::max(0.0, seconds->value));
+    rest(seconds->value);
   } else if (const SinumerikWord* turns = take(words, "S")) {
-    canon_.dwell(rpm_ > 0 ? std::max(0.0, 60 * turns->value / rpm_) : 0);
+    rest(rpm_ > 0 ? 60 * turns->value / rpm_ : 0);
   } else {
     throw GcodeFault{"G4", "requires F, seconds, or S, turns of the spindle"};
   }

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/tool_path.h"
 #include "server/formats/letter_case.h"
@@ -42,17 +43,22 @@ class SinumerikReader final : public ProgramReader {
  public:
   SinumerikReader(const std::string& name, std::shared_ptr<const SinumerikProgram> text,
                   const Scene& scene, std::size_t executed_max, bool changes_by_t,
-                  const std::string& note)
+                  const std::string& reason, const std::string& wear)
       : text_(std::move(text)),
         sink_(program_),
         path_(scene, environment_, sink_),
         flow_(*text_, values_, executed_max),
         machine_(
-            scene, values_, path_, [this](const std::string& said) { warn(said); }, changes_by_t) {
+            scene, values_, path_, [this](const std::string& said) { warn(said); }, changes_by_t,
+            !wear.empty()) {
     program_.name = name;
+    program_.read_as = std::string(kLanguage) + (reason.empty() ? "" : ": " + reason);
     program_.files = {name};
     program_.lines = text_->size();
-    if (!note.empty()) program_.warnings.push_back(note);
+    if (!reason.empty())
+      program_.warnings.push_back(name + ": read as SINUMERIK: " + reason +
+                                  "; --dialect names another one");
+    if (!wear.empty()) program_.warnings.push_back(wear);
   }
 
   std::expected<bool, ProgramError> step() override {
@@ -73,7 +79,8 @@ class SinumerikReader final : public ProgramReader {
     try {
       const auto line = flow_.next();
       path_.at_line(0, flow_.line());
-      runs_ = line && !machine_.execute(*line);
+      runs_ = line && !machine_.execute(*line, flow_.line());
+      if (!runs_) machine_.finish();
     } catch (const GcodeFault& fault) {
       return error(fault.word, fault.reason);
     }
@@ -115,16 +122,26 @@ std::expected<ReadProgram, ProgramError> read_sinumerik(const std::string& name,
                                                         std::string_view text, const Scene& scene,
                                                         std::size_t lines_max,
                                                         ProgramVisitor& visitor,
-                                                        const std::string& note) {
+                                                        const std::string& reason) {
   try {
     const auto program = std::make_shared<const SinumerikProgram>(text);
     const std::size_t executed_max = std::min(lines_max, text.size() + kRepeatedMax);
     const bool by_t = !has_tool_change(*program);
-    return read_to_end(
-        [name, program, &scene, executed_max, by_t, note] {
-          return std::make_unique<SinumerikReader>(name, program, scene, executed_max, by_t, note);
-        },
-        visitor);
+    const auto read = [&](const std::string& wear) {
+      return read_to_end(
+          [name, program, &scene, executed_max, by_t, reason, wear] {
+            return std::make_unique<SinumerikReader>(name, program, scene, executed_max, by_t,
+                                                     reason, wear);
+          },
+          visitor);
+    };
+    auto first = read({});
+    if (first || !is_compensation_fault(first.error().reason)) return first;
+    // As with Fanuc: the path may be that of the tool's center.
+    auto again = read(name + ":" + std::to_string(first.error().line) +
+                      ": the offsets D are read as 0, as for a path of the tool's center: the "
+                      "tool's radius is not possible here");
+    return again || again.error().line > first.error().line ? std::move(again) : std::move(first);
   } catch (const GcodeFault& fault) {
     return std::unexpected(ProgramError{name, 0, fault.word, fault.reason, std::string(kLanguage)});
   }

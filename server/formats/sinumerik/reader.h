@@ -10,12 +10,12 @@
 namespace kerf {
 
 /// Reads a SINUMERIK program for a scene. README.md lists the statements; any other is an error
-/// that names it. `lines_max` bounds the lines that are executed; `note`, unless it
-/// is empty, is the first warning.
+/// that names it. `lines_max` bounds the lines that are executed. `reason`, unless it is
+/// empty, says why it is read so: the first warning.
 std::expected<ReadProgram, ProgramError> read_sinumerik(const std::string& name,
                                                         std::string_view text, const Scene& scene,
                                                         std::size_t lines_max,
                                                         ProgramVisitor& visitor,
-                                                        const std::string& note = {});
+                                                        const std::string& reason = {});
 
 }  // namespace kerf

@@ -182,6 +182,7 @@ export class ProgramsPanel {
       t('{0} of {1} at feed rate, ', duration(program.elapsed_s), duration(program.programmed_s)) +
         t('line {0}, tool {1}{2}, ', count(program.line), program.tool, tools) +
         t('feed {0} mm/min, {1} removed.', figure(program.feed_mm_per_min), removed),
+      ...(details?.readAs ? [t('Read as {0}.', details.readAs)] : []),
       ...(details?.warnings ?? []).slice(0, 3),
     ];
     setText(this.figures_, lines.join(' '));

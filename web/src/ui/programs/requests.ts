@@ -29,6 +29,8 @@ export interface Alarm {
 export interface ProgramDetails {
   program: ProgramInfo;
   tools: number[];
+  /** Language of the program, and why it: "Haas: line 3 has G154". */
+  readAs: string;
   warnings: string[];
   alarms: Alarm[];
 }
@@ -69,6 +71,7 @@ function detailsOf(value: unknown): ProgramDetails {
   return {
     program: programOf(value),
     tools: listOf(from['tools']).map(Number),
+    readAs: typeof from['read_as'] === 'string' ? from['read_as'] : '',
     warnings: listOf(from['warnings']).map(String),
     alarms: listOf(from['alarms']).map(alarmOf),
   };

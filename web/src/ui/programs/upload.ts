@@ -5,11 +5,22 @@ import { t } from '../../strings';
 import { h } from '../dom';
 
 export interface UploadActions {
-  /** `query`: pace, speed and queue, as in server/http/README.md. */
+  /** `query`: pace, dialect and queue, as in server/http/README.md. */
   chosen: (file: File, query: string) => void;
 }
 
-const EXTENSIONS = '.ngc,.nc,.tap,.gcode,.apt,.cls';
+const EXTENSIONS =
+  '.ngc,.nc,.tap,.gcode,.cnc,.txt,.eia,.iso,.mpf,.spf,.h,.hnc,.apt,.aptsource,.cls,.cl,.ncl';
+/** Names of the server, and of the controls. */
+const DIALECTS: [string, string][] = [
+  ['linuxcnc', 'LinuxCNC'],
+  ['grbl', 'grbl'],
+  ['mach3', 'Mach3'],
+  ['fanuc', 'Fanuc'],
+  ['haas', 'Haas'],
+  ['heidenhain', 'HEIDENHAIN'],
+  ['siemens', 'SINUMERIK'],
+];
 
 export class Upload {
   private readonly file_ = h('input', {
@@ -24,6 +35,12 @@ export class Upload {
     h('option', { value: 'pace=feed' }, t('at feed rate')),
     h('option', { value: 'pace=fast' }, t('at full speed')),
   );
+  private readonly dialect_ = h(
+    'select',
+    { class: 'program-speed', 'aria-label': t('Control of the program') },
+    h('option', { value: '' }, t('control as judged')),
+    ...DIALECTS.map(([name, label]) => h('option', { value: name }, label)),
+  );
   private readonly queue_ = h('input', { type: 'checkbox' });
   readonly element = h(
     'div',
@@ -34,6 +51,7 @@ export class Upload {
       'p',
       { class: 'program-options' },
       this.pace_,
+      this.dialect_,
       h('label', {}, this.queue_, t(' after the others')),
     ),
   );
@@ -63,7 +81,8 @@ export class Upload {
   }
 
   private send_(files: FileList | null): void {
-    const query = `${this.pace_.value}&queue=${this.queue_.checked ? 1 : 0}`;
+    const dialect = this.dialect_.value === '' ? '' : `&dialect=${this.dialect_.value}`;
+    const query = `${this.pace_.value}${dialect}&queue=${this.queue_.checked ? 1 : 0}`;
     for (const file of files ?? []) this.actions.chosen(file, query);
   }
 }

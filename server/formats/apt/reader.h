@@ -5,8 +5,9 @@
 
 namespace kerf {
 
-/// Reads APT CL data for a scene; read_program calls it for .apt and .cls. `name` is the file name
-/// for errors. README.md lists the supported statements; any other statement is an error.
+/// Reads APT CL data for a scene; read_program calls it for files of APT. `name` is the file name
+/// for errors. README.md of this folder lists the statements. Those that could move the tool
+/// otherwise are errors, all others warnings.
 std::expected<ReadProgram, ProgramError> read_apt(const std::string& name, std::string_view text,
                                                   const Scene& scene, ProgramVisitor& visitor);
 

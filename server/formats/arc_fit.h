@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "kernel/tool/tool_pose.h"
+#include "server/formats/gcode/plane.h"
+
+namespace kerf {
+
+/// An arc or helix, of less than a turn, in one of the planes of a control.
+struct FittedArc {
+  ArcPlane plane = ArcPlane::kXy;
+  PlanePoint center;              ///< in the plane; its normal coordinate is 0
+  bool counterclockwise = false;  ///< seen against the plane's normal: G3
+  bool helical = false;           ///< the tip moves along the normal, too
+  friend bool operator==(const FittedArc& a, const FittedArc& b) {
+    return a.plane == b.plane && a.center.first == b.center.first &&
+           a.center.second == b.center.second && a.counterclockwise == b.counterclockwise &&
+           a.helical == b.helical;
+  }
+};
+
+/// Most of a turn that one arc covers, degrees: controls differ about arcs whose ends are near each
+/// other.
+inline constexpr double kArcSweepMaxDeg = 300;
+
+/// Returns the arc through both ends of a path of straight motions from which no point of the path
+/// is farther than `tolerance_mm`, or nullopt. The path has at least four poses with one and the
+/// same axis.
+std::optional<FittedArc> fit_arc(std::span<const ToolPose> path, double tolerance_mm);
+
+/// The length of an arc's path between two tips, mm.
+double arc_length_mm(const FittedArc& arc, Vec3 from, Vec3 to);
+
+}  // namespace kerf

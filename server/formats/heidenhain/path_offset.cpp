@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Radius compensation of KlartextPath: RL, RR and R0.
+#include <cmath>
+
+#include "server/formats/heidenhain/blocks.h"
+#include "server/formats/heidenhain/path.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kLevelMm = 1e-9;
+
+Vec3 at_level(PlanePoint point, double z) { return {point.first, point.second, z}; }
+
+}  // namespace
+
+Vec3 KlartextPath::position() const {
+  if (!compensation_.on()) return frame_.programmed(tip_mm_);
+  return compensation_.beside() ? at_level(compensation_.programmed(), center_.z) : center_;
+}
+
+Vec3 KlartextPath::contour() const {
+  const Vec3 at = position();
+  return beside_ ? at_level(*beside_, at.z) : at;
+}
+
+void KlartextPath::compensate(int side, double offset_mm) {
+  if (side == compensation_.side()) return;
+  const PlanePoint at = in_plane(center_, ArcPlane::kXy);
+  if (compensation_.on()) {
+    if (side != 0) throw KlartextFault{"RL", "and RR may follow each other only behind R0"};
+    beside_ = compensation_.end(at);
+    return;
+  }
+  if (side == 0) return;
+  center_ = frame_.programmed(tip_mm_);
+  compensation_.start(side, offset_mm, ArcPlane::kXy);
+}
+
+CompensatedInfo KlartextPath::info_of(std::optional<double> feed, std::array<bool, 3> named) const {
+  CompensatedInfo info;
+  info.line = line_;
+  info.feed.mm_per_min = feed.value_or(0);
+  for (std::size_t i = 0; i < named.size(); ++i) info.named[i] = named[i];
+  return info;
+}
+
+void KlartextPath::line(Vec3 to, const RotaryAngles& angles, std::optional<double> feed,
+                        std::array<bool, 3> named) {
+  if (named[0] || named[1]) beside_.reset();
+  if (!compensation_.active()) {
+    move_line(to, angles, feed, named);
+    center_ = to;
+    return;
+  }
+  if (!(angles == angles_)) throw KlartextFault{"RL", "with turning tables is not supported"};
+  const PlanePoint end = compensation_.straight(!feed, in_plane(center_, ArcPlane::kXy),
+                                                in_plane(to, ArcPlane::kXy), info_of(feed, named));
+  center_ = from_plane(end, ArcPlane::kXy);
+}
+
+void KlartextPath::arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double feed) {
+  beside_.reset();
+  if (!compensation_.active()) {
+    move_arc(to, plane, center, turns, feed);
+    center_ = to;
+    return;
+  }
+  if (plane != ArcPlane::kXy) throw KlartextFault{"RL", "is supported for arcs in XY only"};
+  const ArcCenter about{.ijk = center, .absolute = true};
+  const PlanePoint end = compensation_.arc(
+      in_plane(center_, plane), in_plane(to, plane), about, turns < 0, turns < 0 ? -turns : turns,
+      kSpiralToleranceMm, info_of(feed, {true, true, std::abs(to.z - center_.z) > kLevelMm}));
+  center_ = from_plane(end, plane);
+}
+
+void KlartextPath::emit(const CompensatedMove& move) {
+  const std::size_t line = line_;
+  line_ = move.info.line;
+  const Vec3 end = from_plane(move.end, ArcPlane::kXy);
+  const double feed = move.info.feed.mm_per_min;
+  const std::array named{move.info.named[0], move.info.named[1], move.info.named[2]};
+  if (move.kind == CompensatedMove::Kind::kDwell) {
+    check(sink_.dwell(move.seconds, line_));
+  } else if (move.kind == CompensatedMove::Kind::kArc) {
+    move_arc(end, ArcPlane::kXy, from_plane(move.center, ArcPlane::kXy), move.turns, feed);
+  } else {
+    const bool rapid = move.kind == CompensatedMove::Kind::kRapid;
+    move_line(end, angles_, rapid ? std::nullopt : std::optional(feed), named);
+  }
+  line_ = line;
+}
+
+void KlartextPath::finish() { compensation_.flush(in_plane(center_, ArcPlane::kXy)); }
+
+}  // namespace kerf
