@@ -63,16 +63,16 @@ TEST(FanucBlock, HolesOnACircleOfHaas) {
             "R 10 0 5, R 10 5 5, R 10 5 1, F 10 5 -1, R 10 5 5, R 10 -5 5, R 10 -5 1, F 10 -5 -1, "
             "R 10 -5 5");
   EXPECT_EQ(haas("F9\nG81 G99 Z-1. R1. G71 I5. J0 K90. L2\nG80\nM30\n"),
-            "R 0 0 1, R 5 0 1, F 5 0 -1, R 5 0 1, R 0 5 1, F 0 5 -1, R 0 5 1");
+            "R 0 0 1, R 5 0 1, F 5 0 -1, R 5 0 1, R 5 0 1, R 0 5 1, F 0 5 -1, R 0 5 1");
   EXPECT_THAT(refused("G70 I5. L2\n", Dialect::kHaas), HasSubstr("active canned cycle"));
 }
 
 // G40 alone moves nothing; what retracts behind it goes straight up.
 TEST(FanucBlock, ARetractionBehindG40StaysBesideThePath) {
   const std::string start = "T1\nG41 D1 G1 X-20 Y0 F9\nX0\nG40\n";
-  EXPECT_EQ(fanuc(start + "G0 Z9\nM30\n"), "F -20 1 0, F 0 1 0, R 0 1 9");
-  EXPECT_EQ(fanuc(start + "G0 Z9\nX5\nM30\n"), "F -20 1 0, F 0 1 0, R 0 1 9, R 5 0 9");
-  EXPECT_EQ(fanuc(start + "G91 X5\nM30\n"), "F -20 1 0, F 0 1 0, F 5 0 0");
+  EXPECT_EQ(fanuc(start + "G0 Z9\nM30\n"), "F -20 -1 0, A -20 1 0, F 0 1 0, R 0 1 9");
+  EXPECT_EQ(fanuc(start + "G0 Z9\nX5\nM30\n"), "F -20 -1 0, A -20 1 0, F 0 1 0, R 0 1 9, R 5 0 9");
+  EXPECT_EQ(fanuc(start + "G91 X5\nM30\n"), "F -20 -1 0, A -20 1 0, F 0 1 0, F 5 0 0");
 }
 
 TEST(FanucBlock, OffsetsAreInTheUnitOfTheProgram) {

@@ -55,6 +55,47 @@ TEST(Klartext, IsReadByNameToo) {
   EXPECT_FALSE(parse_program("p.nc", text, scene_for("xyz")));
 }
 
+// A square of 40 mm that a tool of 10 mm follows outside.
+TEST(Klartext, CompensationStaysBesideTheContour) {
+  const auto path = ends(
+      "L X+20 Y-30 R0 FMAX\nL Z-1 F500\nL X+20 Y+0 RR\nL X+40\nL Y+40\nL X+0\nL Y+0\nL X+20\n"
+      "L Z+5 R0 FMAX\nL Y-30\n");
+  double left = 0, right = 0, back = 0;
+  for (const Vec3 p : path) {
+    left = std::min(left, p.x);
+    right = std::max(right, p.x);
+    back = std::max(back, p.y);
+  }
+  EXPECT_NEAR(left, -5, 1e-9);
+  EXPECT_NEAR(right, 45, 1e-9);
+  EXPECT_NEAR(back, 45, 1e-9);
+  // R0 alone leaves the tool beside the contour until it moves in X and Y.
+  EXPECT_THAT(path, Contains(Vec3{20, -5, 5}));
+  EXPECT_EQ(path.back(), (Vec3{20, -30, 5}));
+}
+
+TEST(Klartext, OldCyclesAndVectors) {
+  EXPECT_THAT(
+      ends("CYCL DEF 1.0 PECKING\nCYCL DEF 1.1 SET UP 2\nCYCL DEF 1.2 DEPTH -8\n"
+           "CYCL DEF 1.3 PECKG 4\nCYCL DEF 1.4 DWELL 0\nCYCL DEF 1.5 F100\nL X+1 FMAX M99\n"),
+      ElementsAre(Vec3{1, 0, 5}, Vec3{1, 0, -5}, Vec3{1, 0, 5}));
+  EXPECT_THAT(ends("CYCL DEF 19.0 WORKING PLANE\nCYCL DEF 19.1\n"
+                   "PLANE VECTOR BX1 BY0 BZ0 NX0 NY0 NZ1 STAY\nL X+1 F9\n"),
+              ElementsAre(Vec3{1, 0, 5}));
+  EXPECT_THAT(refused("CYCL DEF 19.0\nCYCL DEF 19.1 B+30\n"), HasSubstr("CYCL DEF 19"));
+  // The plane's X is Y of the workpiece, its normal is X.
+  EXPECT_THAT(ends("PLANE VECTOR BX0 BY1 BZ0 NX1 NY0 NZ0 TURN FMAX\nL X+1 Y+2 Z+3 FMAX\nL Z+2 F9\n",
+                   "xyzbc-trt"),
+              ElementsAre(Vec3{2, 1, 2}));
+}
+
+TEST(Klartext, NothingIsCutBeforeTheFirstTool) {
+  const auto program =
+      read("BEGIN PGM T MM\nL Z+6 R0 F2000\nTOOL CALL 1 Z S9\nL X+0 Y+0 F9\nL X+1\n");
+  ASSERT_TRUE(program) << to_string(program.error());
+  EXPECT_THAT(program->motions, SizeIs(1));
+}
+
 TEST(Klartext, LinesAreAbsoluteOrIncremental) {
   EXPECT_THAT(ends("3 L Z-1 F100\n4 L IX+10 Y+5.5 R0\n5 L IX-2,5 IZ+1 FMAX ; back\n* - title\n"),
               ElementsAre(Vec3{0, 0, -1}, Vec3{10, 5.5, -1}, Vec3{7.5, 5.5, 0}));

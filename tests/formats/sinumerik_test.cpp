@@ -210,15 +210,65 @@ TEST(Sinumerik, SpindleCoolantAndStopsAreCarried) {
   EXPECT_EQ(program->remarks.front().said.rpm, 800);
 }
 
+// A square of 40 mm that a tool of 10 mm follows outside, and inside of an entry from below.
+TEST(Sinumerik, CompensationStaysBesideTheContour) {
+  const auto path = ends("G0 X20 Y-30\nG1 Z-1\nG42 Y0\nX40\nY40\nX0\nY0\nX20\nG40 Y-30\nG0 Z5\n");
+  double left = 0, right = 0, back = 0;
+  for (const Vec3 p : path) {
+    left = std::min(left, p.x);
+    right = std::max(right, p.x);
+    back = std::max(back, p.y);
+  }
+  EXPECT_NEAR(left, -5, 1e-9);
+  EXPECT_NEAR(right, 45, 1e-9);
+  EXPECT_NEAR(back, 45, 1e-9);
+  EXPECT_EQ(path.back(), (Vec3{20, -30, 5}));
+}
+
+// G40 alone moves nothing; a retraction goes straight up.
+TEST(Sinumerik, ARetractionBehindG40StaysBesideThePath) {
+  const auto path = ends("G0 X-20\nG1 Z-1\nG41 X0\nX20\nG40\nG0 Z5\n");
+  EXPECT_EQ(path.back(), (Vec3{20, 5, 5}));
+}
+
+TEST(Sinumerik, CornersAreRoundedAndCut) {
+  for (const char* corner : {"RND=2", "CHR=2", "CHF=2.8284271247"}) {
+    const auto path = ends("G1 X10 " + std::string(corner) + "\nY10\n");
+    EXPECT_THAT(path, Contains(Vec3{8, 0, 5})) << corner;
+    EXPECT_THAT(path, Contains(Vec3{10, 2, 5})) << corner;
+    EXPECT_THAT(path, testing::Not(Contains(Vec3{10, 0, 5}))) << corner;
+    EXPECT_EQ(path.back(), (Vec3{10, 10, 5}));
+  }
+  EXPECT_THAT(
+      ends("RNDM=1\nG1 X10\nY10\nRNDM=0 X0\nY0\n"),
+      testing::AllOf(Contains(Vec3{9, 0, 5}), Contains(Vec3{10, 9, 5}), Contains(Vec3{0, 10, 5})));
+  EXPECT_THAT(error("G1 X10 RND=2\nG0 X20\n"), HasSubstr("a line (G1) must follow"));
+}
+
+TEST(Sinumerik, DrillsPatterns) {
+  const std::string drill = "MCALL CYCLE81(5,0,1,-3)\n";
+  const auto holes = [&](const std::string& pattern) {
+    std::vector<Vec3> bottoms;
+    for (const Vec3 p : ends(drill + pattern + "\nMCALL\n"))
+      if (p.z == -3) bottoms.push_back(p);
+    return bottoms;
+  };
+  EXPECT_THAT(holes("HOLES1(10,20,90,5,2,2)"), ElementsAre(Vec3{10, 22, -3}, Vec3{10, 27, -3}));
+  EXPECT_THAT(holes("HOLES2(10,20,5,0,0,2)"), ElementsAre(Vec3{15, 20, -3}, Vec3{5, 20, -3}));
+  EXPECT_THAT(holes("CYCLE801(1,2,0,10,15,2,2)"),
+              ElementsAre(Vec3{1, 2, -3}, Vec3{11, 2, -3}, Vec3{11, 17, -3}, Vec3{1, 17, -3}));
+  EXPECT_THAT(error("HOLES1(0,0,0,0,5,2)\n"), HasSubstr("MCALL"));
+}
+
 TEST(Sinumerik, RefusesByNameWhatItDoesNotModel) {
   const std::pair<const char*, const char*> cases[] = {
-      {"G41 G1 X9 Y9\nTRANS X5", "TRANS' is not supported while G41"},
+      {"G19 G41 G1 Y9", "G41' requires the plane XY"},
       {"CYCLE800(1,\"\",0,57,0,0,0,0,30,0,0,0,0,-1)", "CYCLE800' swivels"},
       {"POCKET3(1,2,3)", "POCKET3' calls a cycle or subprogram"},
       {"MCALL HOLES", "MCALL' is supported with CYCLE81"},
       {"MIRROR X0", "MIRROR' is not supported"},
       {"ROT X30", "X' tilts the plane"},
-      {"G1 X1 RND=2", "RND' between lines"},
+      {"G2 X2 I1 RND=2", "RND, CHF and CHR beside an arc"},
       {"G1 X1 Q5", "Q' is not a supported word"},
       {"SUBPROGRAM", "SUBPROGRAM' is not a supported word"},
       {"G1 X=$AA_IM[X]", "$AA_IM' is a system variable"},
