@@ -37,13 +37,14 @@ constexpr std::string_view kCore = "http://schemas.microsoft.com/3dmanufacturing
 constexpr std::string_view kPath =
     "http://schemas.microsoft.com/3dmanufacturing/production/2015/06 path";
 
+constexpr std::uint64_t kObjectsMax = 100'000;
+constexpr std::uint64_t kElementBytesMax = std::uint64_t{1} << 20U;
+
 /// Parses one model part; expat calls it for each element.
 class PartReader {
  public:
-  PartReader(std::string name, std::uint64_t triangles_max)
-      : name_(std::move(name)),
-        triangles_max_(triangles_max),
-        parser_(XML_ParserCreateNS(nullptr, ' ')) {
+  PartReader(std::string name, ThreemfCount& count)
+      : name_(std::move(name)), count_(count), parser_(XML_ParserCreateNS(nullptr, ' ')) {
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(parser_.get(), &begin_element, &end_element);
     XML_SetDoctypeDeclHandler(parser_.get(), &begin_doctype, nullptr);
@@ -59,6 +60,12 @@ class PartReader {
   void parse(std::string_view text, bool last) {
     const auto state =
         XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), last ? 1 : 0);
+    given_ += text.size();
+    // Expat does not look at each part of a long element, and knows no place then.
+    const auto begun = XML_GetCurrentByteIndex(parser_.get());
+    if (begun >= 0) begun_ = static_cast<std::uint64_t>(begun);
+    if (!failure_ && state == XML_STATUS_OK && given_ - begun_ > kElementBytesMax)
+      fail(MeshFileErrorCode::kTooLarge, "an element or a comment has more than 1 MB");
     if (failure_) throw MeshRejection{*failure_};
     if (state != XML_STATUS_OK)
       reject_mesh(MeshFileErrorCode::kSyntax,
@@ -73,6 +80,18 @@ class PartReader {
   void fail(MeshFileErrorCode code, const std::string& reason) {
     if (!failure_) failure_ = MeshFileError{code, where() + reason};
     XML_StopParser(parser_.get(), XML_FALSE);
+  }
+
+  void fail_too_large(const std::string& what) {
+    fail(MeshFileErrorCode::kTooLarge, "the file has " + what + "more than " +
+                                           std::to_string(count_.triangles_max) +
+                                           " triangles, the limit");
+  }
+
+  void count_object() {
+    if (++count_.objects > kObjectsMax)
+      fail(MeshFileErrorCode::kTooLarge,
+           "the file has more than 100000 objects, components and items, the limit");
   }
 
   static void begin_doctype(void* self, const char*, const char*, const char*, int) {
@@ -115,6 +134,7 @@ class PartReader {
     if (!id) return fail(MeshFileErrorCode::kSyntax, "an object has no id");
     const auto [place, added] = part_.objects.try_emplace(std::string(*id));
     if (!added) return fail(MeshFileErrorCode::kSyntax, "object " + place->first + " comes twice");
+    count_object();
     object_ = &place->second;
     const auto type = attributes.find("type").value_or("model");
     object_->is_solid = type == "model" || type == "solidsupport";
@@ -130,7 +150,9 @@ class PartReader {
     }
     if (!is_finite({p[0], p[1], p[2]}))
       return fail(MeshFileErrorCode::kNotFinite, "a coordinate is not finite");
-    if (object_ != nullptr) object_->mesh.vertices_mm.push_back({p[0], p[1], p[2]});
+    if (object_ == nullptr) return;
+    if (++count_.vertices > 3 * count_.triangles_max) return fail_too_large("vertices for ");
+    object_->mesh.vertices_mm.push_back({p[0], p[1], p[2]});
   }
 
   void read_triangle(const Attributes& attributes) {
@@ -150,10 +172,7 @@ class PartReader {
                                                       " is out of range: the object has " +
                                                       std::to_string(count));
     }
-    if (++triangles_ > triangles_max_)
-      return fail(
-          MeshFileErrorCode::kTooLarge,
-          "the file has more than " + std::to_string(triangles_max_) + " triangles, the limit");
+    if (++count_.triangles > count_.triangles_max) return fail_too_large("");
     object_->mesh.triangles.push_back(corners);
   }
 
@@ -171,10 +190,13 @@ class PartReader {
       }
     }
     list.push_back(std::move(placed));
+    count_object();
   }
 
   std::string name_;
-  std::uint64_t triangles_max_, triangles_ = 0;
+  ThreemfCount& count_;
+  std::uint64_t given_ = 0;  ///< bytes to the parser
+  std::uint64_t begun_ = 0;  ///< the byte at which what it has not handled yet begins
   ParserPointer parser_;
   ThreemfPart part_;
   ThreemfObject* object_ = nullptr;
@@ -190,9 +212,9 @@ void begin_relationship(void* target, const char*, const char** list) {
 }  // namespace
 
 ThreemfPart read_threemf_part(
-    const std::string& name, std::uint64_t triangles_max,
+    const std::string& name, ThreemfCount& count,
     const std::function<void(const std::function<void(std::string_view)>&)>& source) {
-  PartReader reader(name, triangles_max);
+  PartReader reader(name, count);
   source([&reader](std::string_view text) { reader.take(text); });
   return reader.finish();
 }

@@ -54,10 +54,19 @@ struct ThreemfPart {
   std::vector<ThreemfPlaced> items;  ///< what is built
 };
 
+/// What the parts of a package hold together, and may.
+struct ThreemfCount {
+  std::uint64_t triangles_max = 0;
+  std::uint64_t triangles = 0, vertices = 0;
+  std::uint64_t objects = 0;  ///< with components and items
+};
+
 /// Parses a model part. `source` passes its text to the function that it is given. Errors of the
-/// text name `name` and the line. Throws MeshRejection.
+/// text name `name` and the line. Rejects what would take much memory: more triangles than `count`
+/// allows, more vertices than these have corners, more than 100,000 objects, an element of more
+/// than 1 MB. Throws MeshRejection.
 ThreemfPart read_threemf_part(
-    const std::string& name, std::uint64_t triangles_max,
+    const std::string& name, ThreemfCount& count,
     const std::function<void(const std::function<void(std::string_view)>&)>& source);
 
 /// Returns the name of the part with the model, by the relationships of a package; empty if they do

@@ -21,7 +21,7 @@ constexpr std::size_t kPartsMax = 1000;
 class ThreemfReader {
  public:
   ThreemfReader(std::span<const std::byte> bytes, std::uint64_t triangles_max)
-      : package_(bytes), triangles_max_(triangles_max) {}
+      : package_(bytes), triangles_max_(triangles_max), count_{.triangles_max = triangles_max} {}
 
   TriangleMesh read() {
     std::string relationships;
@@ -42,7 +42,7 @@ class ThreemfReader {
       reject_mesh(MeshFileErrorCode::kTooLarge,
                   "the package has more than 1000 model parts, the limit");
     return parts_
-        .emplace(name, read_threemf_part(name, triangles_max_,
+        .emplace(name, read_threemf_part(name, count_,
                                          [&](const auto& take) {
                                            if (!package_.read(name, take))
                                              reject_mesh(MeshFileErrorCode::kSyntax,
@@ -87,6 +87,7 @@ class ThreemfReader {
 
   ZipReader package_;
   std::uint64_t triangles_max_, placed_ = 0;
+  ThreemfCount count_;  ///< of all parts
   std::map<std::string, ThreemfPart> parts_;
   TriangleMesh mesh_;
 };

@@ -84,13 +84,15 @@ TEST(ThreemfReader, ReadsObjectsInOtherParts) {
   EXPECT_EQ(mesh->triangles.size(), 4U);
 }
 
+constexpr const char* kItem = R"(<item objectid="1"/>)";
+
+std::string reason_of(const MeshFileResult& result) {
+  EXPECT_FALSE(result);
+  return result ? std::string()
+                : std::string(to_string(result.error().code)) + ": " + result.error().reason;
+}
+
 TEST(ThreemfReader, RefusesInvalidPackagesWithTheReason) {
-  const auto reason_of = [](const MeshFileResult& result) {
-    EXPECT_FALSE(result);
-    return result ? std::string()
-                  : std::string(to_string(result.error().code)) + ": " + result.error().reason;
-  };
-  const std::string item = R"(<item objectid="1"/>)";
   EXPECT_THAT(reason_of(read("PK")), HasSubstr("syntax: the file is not a ZIP archive"));
   EXPECT_THAT(reason_of(read(test::zip_of({{"a.txt", "b"}}))),
               HasSubstr("no part 3D/3dmodel.model"));
@@ -98,32 +100,31 @@ TEST(ThreemfReader, RefusesInvalidPackagesWithTheReason) {
               HasSubstr("has no object 3"));
   EXPECT_THAT(reason_of(read_model(model(tetrahedron("1"), ""))),
               HasSubstr("empty: the package builds no object"));
-  EXPECT_THAT(reason_of(read_model(model(tetrahedron("1"), item, "ell"))),
+  EXPECT_THAT(reason_of(read_model(model(tetrahedron("1"), kItem, "ell"))),
               HasSubstr("line 1: an unknown unit"));
-  EXPECT_THAT(reason_of(read_model(model(tetrahedron("1") + tetrahedron("1"), item))),
+  EXPECT_THAT(reason_of(read_model(model(tetrahedron("1") + tetrahedron("1"), kItem))),
               HasSubstr("line 4: object 1 comes twice"));
-  EXPECT_THAT(reason_of(read_model(model(tetrahedron("1"), item) + "<")),
+  EXPECT_THAT(reason_of(read_model(model(tetrahedron("1"), kItem) + "<")),
               HasSubstr("/3D/part.model, line 4: unclosed token"));
-  EXPECT_THAT(reason_of(read_model("<!DOCTYPE a [<!ENTITY b \"c\">]>" + model("", item))),
+  EXPECT_THAT(reason_of(read_model("<!DOCTYPE a [<!ENTITY b \"c\">]>" + model("", kItem))),
               HasSubstr("document type"));
-  EXPECT_THAT(reason_of(read_model(model(tetrahedron("1"), item), 3)), HasSubstr("too_large"));
-  EXPECT_THAT(reason_of(read_model(model(tetrahedron("1"), item + item), 7)),
+  EXPECT_THAT(reason_of(read_model(model(tetrahedron("1"), kItem), 3)), HasSubstr("too_large"));
+  EXPECT_THAT(reason_of(read_model(model(tetrahedron("1"), std::string(kItem) + kItem), 7)),
               HasSubstr("too_large"));
   EXPECT_THAT(
       reason_of(read_model(model(
-          R"(<object id="1"><components><component objectid="1"/></components></object>)", item))),
+          R"(<object id="1"><components><component objectid="1"/></components></object>)", kItem))),
       HasSubstr("nested more than 32 deep"));
-  std::string text = model(tetrahedron("1"), item);
+  std::string text = model(tetrahedron("1"), kItem);
   text.replace(text.find("v3=\"1\""), 6, "v3=\"4\"");
   EXPECT_THAT(reason_of(read_model(text)),
               HasSubstr("bad_index: /3D/part.model, line 3: vertex 4 is out of range"));
-  EXPECT_THAT(
-      reason_of(read_model(model(
-          tetrahedron("1") + "<!--" + std::string(std::size_t{8} << 20U, 'a') + "-->", item))),
-      HasSubstr("100 times its size"));
+  EXPECT_THAT(reason_of(read_model(
+                  model(tetrahedron("1") + std::string(std::size_t{8} << 20U, '\n'), kItem))),
+              HasSubstr("100 times its size"));
   // A shorter file is refused, unless only the end of the archive's last record is missing.
   constexpr std::size_t kEndRecord = 22;
-  const std::string whole = test::zip_of({{"3D/3dmodel.model", model(tetrahedron("1"), item)}});
+  const std::string whole = test::zip_of({{"3D/3dmodel.model", model(tetrahedron("1"), kItem)}});
   ASSERT_TRUE(read(whole));
   for (std::size_t size = 0; size + kEndRecord < whole.size(); ++size)
     EXPECT_FALSE(read(whole.substr(0, size))) << size;
@@ -132,6 +133,35 @@ TEST(ThreemfReader, RefusesInvalidPackagesWithTheReason) {
     damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
     read(damaged);  // no more than an error
   }
+}
+
+TEST(ThreemfReader, RefusesWhatWouldTakeMuchMemory) {
+  // Objects that nothing builds take memory too, and so do vertices without triangles.
+  EXPECT_THAT(reason_of(read_model(model(tetrahedron("1") + tetrahedron("2"), kItem), 7)),
+              HasSubstr("line 5: the file has more than 7 triangles"));
+  std::string crowded = tetrahedron("1");
+  for (int n = 0; n < 9; ++n)
+    crowded.insert(crowded.find("</vertices>"), R"(<vertex x="0" y="0" z="0"/>)");
+  EXPECT_TRUE(read_model(model(crowded, kItem), 13));
+  EXPECT_THAT(
+      reason_of(read_model(model(crowded, kItem), 4)),
+      HasSubstr("too_large: /3D/part.model, line 3: the file has vertices for more than 4"));
+  const std::string other =
+      R"(<object id="3"><components><component p:path="/3D/other.model" objectid="1"/></components></object>)";
+  EXPECT_THAT(reason_of(read(test::zip_of({{"_rels/.rels", kRelationships},
+                                           {"3D/part.model", model(tetrahedron("1") + other,
+                                                                   R"(<item objectid="3"/>)")},
+                                           {"3D/other.model", model(tetrahedron("1"), "")}}),
+                             7)),
+              HasSubstr("/3D/other.model, line 3: the file has more than 7 triangles"));
+  EXPECT_THAT(
+      reason_of(read_model(model(
+          tetrahedron("1") + "<!--" + std::string((std::size_t{1} << 20U) + 100'000, 'a') + "-->",
+          kItem))),
+      HasSubstr("too_large: /3D/part.model, line 4: an element or a comment has more than 1 MB"));
+  std::string many;
+  for (int n = 0; n <= 100'000; ++n) many += "<object id=\"" + std::to_string(n) + "\"/>";
+  EXPECT_THAT(reason_of(read_model(model(many, kItem))), HasSubstr("more than 100000 objects"));
 }
 
 }  // namespace
