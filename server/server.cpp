@@ -145,7 +145,8 @@ struct Server::Impl {
   std::unique_ptr<TlsCertificate> certificate;  ///< null: without TLS
   Metrics metrics;
   UdpPort udp{metrics};
-  IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
+  OpenConnections open;  ///< viewers' thread only; outlives the connections
+  IoThreads spawner;     ///< creates the sessions' threads, which inherit its niceness of 0
   IoThreads viewers, meshing, past, snapshots;
   /// Help the sessions' threads. Agents pause longer than a thread could spin.
   ThreadPool carvers{std::min(usable_threads(), kCarversMax), ThreadPool::Idle::kSleeps};
@@ -154,8 +155,8 @@ struct Server::Impl {
   IoThreads immediate, control, workers, exports;  ///< after `api`, which their work uses
   HubDirectory hubs;
   PeerContext peers{options.session, metrics, hubs, udp, viewers, meshing, past};
-  HttpContext context{options.http, registry, metrics, api,   immediate,
-                      control,      workers,  exports, peers, certificate.get()};
+  HttpContext context{options.http, registry, metrics, api,  immediate,        control,
+                      workers,      exports,  peers,   open, certificate.get()};
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
@@ -201,6 +202,7 @@ void Server::Impl::watch_disk(const std::stop_token& stop) {
   std::unique_lock guard(mutex);
   while (!stop.stop_requested()) {
     registry.keep_disk_limits();
+    api.keep_space(registry.disk_use(), options.disk);
     wake.wait_for(guard, stop, kDiskTime, [] { return false; });
   }
 }
@@ -227,8 +229,11 @@ asio::awaitable<void> Server::Impl::accept() {
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
       continue;
     }
-    const std::int64_t open = metrics.connections + metrics.viewers + metrics.agents;
-    if (static_cast<std::size_t>(open) >= options.connections_max) continue;  // closed at once
+    const std::int64_t count = metrics.connections + metrics.viewers + metrics.agents;
+    if (static_cast<std::size_t>(count) >= options.connections_max) {
+      metrics.rejected("connections");
+      if (!open.close_one()) continue;  // closed at once
+    }
     asio::co_spawn(viewers.context(), serve_http(std::move(socket), context), asio::detached);
   }
 }

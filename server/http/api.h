@@ -106,6 +106,11 @@ class Api {
     downloads_.stop();
     pictures_.stop();
   }
+  /// Leaves the disk to the journals, and not to downloads, where little space is left. Call now
+  /// and then.
+  void keep_space(const DiskUse& use, const DiskLimits& limits) {
+    downloads_.keep_free(needed_for_sessions(use, limits));
+  }
   MemoryBudget& uploads() { return uploads_; }
   /// The most points of a program's path that are kept.
   static constexpr std::size_t kPathPointsMax = 20'000;

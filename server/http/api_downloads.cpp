@@ -143,9 +143,10 @@ ApiResponse Api::download(const ApiCall& call) {
       },
       request.stop);
   if (!file) {
-    const auto& [reason, impossible] = file.error();
-    return impossible ? error_response(422, "budget_impossible", reason)
-                      : error_response(500, "export_failed", reason);
+    const MakeError& error = file.error();
+    if (error.no_space) return error_response(507, "disk_full", error.reason);
+    return error.impossible ? error_response(422, "budget_impossible", error.reason)
+                            : error_response(500, "export_failed", error.reason);
   }
   response.file = *file;
   response.content_type = download->kind.content_type;

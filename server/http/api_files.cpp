@@ -20,6 +20,16 @@ std::string extension_of(std::string_view name) {
   return extension;
 }
 
+/// Bytes of memory that reading, repairing and judging a mesh take for each byte of its file. An
+/// STL takes most: 910 bytes for a facet of 50, whose corners are merged, sorted and kept.
+constexpr std::size_t kReadingFactor = 20;
+
+/// The most triangles that a file of so many bytes may have. Instances and compression let a few
+/// bytes stand for many triangles, which nothing reserves memory for.
+std::uint64_t triangles_max(std::size_t bytes) {
+  return std::clamp<std::uint64_t>(4 * std::uint64_t{bytes}, 1'000'000, 4'000'000);
+}
+
 }  // namespace
 
 ApiResponse Api::upload_file(const ApiCall& call) {
@@ -32,7 +42,10 @@ ApiResponse Api::upload_file(const ApiCall& call) {
         400, "bad_name",
         std::string("name must end in ") + kMeshFileNames + ", e.g. ?name=part.stl");
   }
-  auto mesh = read_mesh(*format, std::as_bytes(std::span(request.body)));
+  const auto memory = program_memory(kReadingFactor * request.body.size());
+  if (!memory) return out_of_memory();
+  auto mesh = read_mesh(*format, std::as_bytes(std::span(request.body)),
+                        triangles_max(request.body.size()));
   if (!mesh) return error_response(400, to_string(mesh.error().code), mesh.error().reason);
   const std::string* wanted = request.query_value("repair");
   MeshRepair repair;

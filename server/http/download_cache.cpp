@@ -68,6 +68,26 @@ void DownloadCache::stop() {
   for (const auto& job : jobs_) job->stop.request_stop();
 }
 
+void DownloadCache::keep_free(std::optional<std::string> reason) {
+  const std::lock_guard lock(mutex_);
+  needed_ = std::move(reason);
+  if (!needed_) return;
+  entries_.clear();
+  for (const auto& job : jobs_) job->stop.request_stop();
+}
+
+void DownloadCache::keep(const std::string& key, const std::shared_ptr<const OpenFile>& file) {
+  entries_.push_front({key, file});
+  std::uint64_t bytes = 0;
+  std::size_t count = 0;
+  for (const Entry& entry : entries_) {
+    bytes += entry.file->bytes();
+    if (count > 0 && (count == kFilesMax || bytes > kBytesMax)) break;
+    ++count;
+  }
+  entries_.resize(count);
+}
+
 DownloadCache::File DownloadCache::get(const std::string& key, const Make& make,
                                        const std::stop_token& gone) {
   std::filesystem::path path;
@@ -88,6 +108,7 @@ DownloadCache::File DownloadCache::get(const std::string& key, const Make& make,
       return wait(waiting, gone);
     }
     if (stopped_) return std::unexpected(MakeError{"the server is shutting down"});
+    if (needed_) return std::unexpected(MakeError{.reason = *needed_, .no_space = true});
     job->key = key;
     job->start = std::chrono::steady_clock::now();
     job->file = job->promise.get_future().share();
@@ -100,10 +121,8 @@ DownloadCache::File DownloadCache::get(const std::string& key, const Make& make,
   File file = make_file(*job, path, make);
   const std::lock_guard lock(mutex_);
   jobs_.remove(job);
-  if (file) {
-    entries_.push_front({key, *file});
-    if (entries_.size() > kFilesMax) entries_.pop_back();
-  }
+  if (file && !needed_) keep(key, *file);
+  if (!file && needed_) file = std::unexpected(MakeError{.reason = *needed_, .no_space = true});
   job->promise.set_value(file);
   return file;
 }

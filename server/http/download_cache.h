@@ -11,6 +11,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -41,6 +42,7 @@ class OpenFile {
 struct MakeError {
   std::string reason;
   bool impossible = false;  ///< the request cannot be met; otherwise the server is at fault
+  bool no_space = false;    ///< the disk is needed for sessions
 };
 
 /// Files made on demand for downloads, written once per key and then shared by all requests for it.
@@ -61,6 +63,10 @@ class DownloadCache {
   File get(const std::string& key, const Make& make, const std::stop_token& gone = {});
   /// Asks all files that are being written to stop. Later calls of get() write none.
   void stop();
+  /// The disk is needed for something else, for this reason: the files that are kept are let go,
+  /// those that are being written are asked to stop, and get() writes none, until this is called
+  /// with nothing.
+  void keep_free(std::optional<std::string> reason);
 
   /// A file that is being written.
   struct Making {
@@ -75,6 +81,9 @@ class DownloadCache {
 
  private:
   static constexpr std::size_t kFilesMax = 16;
+  /// Bytes of the files that are kept, but for the newest one. They are unlinked, so an operator
+  /// who looks for what fills the disk does not find them.
+  static constexpr std::uint64_t kBytesMax = std::uint64_t{1} << 30;
   struct Entry {
     std::string key;
     std::shared_ptr<const OpenFile> file;
@@ -91,6 +100,7 @@ class DownloadCache {
   /// Waits as one of the calls that want the file.
   static File wait(const std::shared_ptr<Job>& job, const std::stop_token& gone);
   File make_file(Job& job, const std::filesystem::path& path, const Make& make);
+  void keep(const std::string& key, const std::shared_ptr<const OpenFile>& file);
 
   std::filesystem::path folder_;
   mutable std::mutex mutex_;
@@ -98,6 +108,7 @@ class DownloadCache {
   std::list<std::shared_ptr<Job>> jobs_;
   std::uint64_t last_ = 0;
   bool stopped_ = false;
+  std::optional<std::string> needed_;  ///< why the disk is needed for something else
 };
 
 }  // namespace kerf::net

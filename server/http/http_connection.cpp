@@ -58,7 +58,8 @@ class Connection {
         is_secure_(stream_.tls() != nullptr),
         address_(address_of(stream_.socket())),
         deadline_(stream_.get_executor()),
-        context_(context) {
+        context_(context),
+        place_(context.open.enter(network_of(address_), [this] { stream_.close(); })) {
     ++context_.metrics.connections;
   }
   ~Connection() { --context_.metrics.connections; }
@@ -98,6 +99,7 @@ class Connection {
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   beast::flat_buffer buffer_;
   HttpContext& context_;
+  OpenConnections::Place place_;
   bool first_ = true;
   error_code error_;
   MemoryBudget::Share upload_;                 ///< of the body that is being read or handled
@@ -365,6 +367,7 @@ asio::awaitable<void> Connection::upgrade(const Request& request, const RequestH
   UpgradeRequest handshake;
   handshake.message.base() = request.base();
   end_deadline();
+  place_.leave();
   if (open->kind == Upgrade::kAgent) {
     context_.api.tell_regions(*open->session);
     serve_agent(std::move(stream_), std::move(handshake), std::move(open->session),

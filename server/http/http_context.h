@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "server/http/open_connections.h"
 #include "server/session/session_registry.h"
 #include "server/socket/peer_context.h"
 
@@ -16,11 +17,12 @@ struct HttpContext {
   SessionRegistry& registry;
   Metrics& metrics;
   Api& api;
-  IoThreads& immediate;  ///< requests that wait for nothing
-  IoThreads& control;    ///< requests that wait for a turn of a session's thread
-  IoThreads& workers;    ///< requests that may take long: uploads, new sessions
-  IoThreads& exports;    ///< downloads
-  PeerContext& peers;    ///< for connections that become WebSockets
+  IoThreads& immediate;   ///< requests that wait for nothing
+  IoThreads& control;     ///< requests that wait for a turn of a session's thread
+  IoThreads& workers;     ///< requests that may take long: uploads, new sessions
+  IoThreads& exports;     ///< downloads
+  PeerContext& peers;     ///< for connections that become WebSockets
+  OpenConnections& open;  ///< viewers' thread only
   const TlsCertificate* certificate = nullptr;  ///< null: without TLS
 };
 

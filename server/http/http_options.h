@@ -13,7 +13,8 @@ namespace kerf::net {
 struct HttpOptions {
   /// Memory for all uploads together, each from its header on until it has been handled.
   std::size_t upload_bytes = std::size_t{256} << 20;
-  /// Memory for the motions of all programs together, while they are read and until they end.
+  /// Memory for all programs together, while they are read and until they end, and for the meshes
+  /// that are read.
   std::size_t program_bytes = std::size_t{1536} << 20;
   std::filesystem::path data_folder = "kerf-data";
   std::filesystem::path web_folder;  ///< of the built viewer; empty: no viewer is served

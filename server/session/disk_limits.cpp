@@ -72,6 +72,13 @@ std::string session_full(std::uintmax_t bytes, const DiskLimits& limits) {
          " that --disk-per-session allows: raise it, or close the session and start another";
 }
 
+std::optional<std::string> needed_for_sessions(const DiskUse& use, const DiskLimits& limits) {
+  if (use.free / 2 >= limits.reserve) return std::nullopt;
+  return "the file system of the data folder has " + megabytes(use.free) +
+         " left, and downloads leave " + megabytes(2 * limits.reserve) +
+         " to the sessions, twice --disk-reserve: make space";
+}
+
 std::string folder_full(const DiskUse& use, const DiskLimits& limits) {
   if (share_of(use.folder, limits.folder) < shared_share(use, limits)) {
     return "the file system of the data folder has " + megabytes(use.free) +

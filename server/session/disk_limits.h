@@ -41,6 +41,10 @@ double share_of(std::uintmax_t bytes, std::uintmax_t limit);
 /// The part of the limits of all sessions that is used: of the folder or the reserve, the greater.
 double shared_share(const DiskUse& use, const DiskLimits& limits);
 
+/// Why nothing that sessions can do without may take space, as one sentence: less is free than
+/// twice the reserve, below which they are paused. Nothing: there is enough.
+std::optional<std::string> needed_for_sessions(const DiskUse& use, const DiskLimits& limits);
+
 /// One sentence that says which limit is reached, by how much, and what to do.
 std::string session_full(std::uintmax_t bytes, const DiskLimits& limits);
 std::string folder_full(const DiskUse& use, const DiskLimits& limits);

@@ -45,6 +45,15 @@ TEST(DiskLimits, TheGreaterShareCountsAndZeroIsNoLimit) {
   EXPECT_GE(shared_share({50, 0}, {.folder = 100, .reserve = 100}), 1);
 }
 
+TEST(DiskLimits, DownloadsLeaveTwiceTheReserveToTheSessions) {
+  EXPECT_EQ(needed_for_sessions({0, 200}, {.reserve = 100}), std::nullopt);
+  const auto needed = needed_for_sessions({0, 199'000'000}, {.reserve = 100'000'000});
+  ASSERT_TRUE(needed);
+  EXPECT_NE(needed->find("199.0 MB left"), std::string::npos) << *needed;
+  EXPECT_NE(needed->find("200.0 MB"), std::string::npos) << *needed;
+  EXPECT_EQ(needed_for_sessions({0, 0}, {}), std::nullopt) << "without a reserve";
+}
+
 class SessionDisk : public SessionTest {
  protected:
   void limit(const DiskLimits& limits_of_disk) {

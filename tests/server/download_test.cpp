@@ -163,6 +163,56 @@ TEST_F(DownloadCacheTest, StoppingEndsWhatIsBeingMade) {
   EXPECT_EQ(made_, made);
 }
 
+TEST_F(DownloadCacheTest, NoFileIsKeptOrMadeWhereTheDiskIsNeeded) {
+  DownloadCache cache(folder_.path() / "downloads");
+  auto kept = cache.get("s/a", maker());
+  ASSERT_TRUE(kept);
+  const std::weak_ptr<const OpenFile> file = *kept;
+  kept = {};
+  EXPECT_FALSE(file.expired());
+  hold_ = true;
+  begun_ = false;
+  DownloadCache::File being_made;
+  std::jthread one([&] { being_made = cache.get("s/b", maker()); });
+  while (!begun_) std::this_thread::yield();
+  cache.keep_free("little space is left");
+  one.join();
+  EXPECT_TRUE(file.expired()) << "the space of a file that is kept is given back";
+  ASSERT_FALSE(being_made);
+  EXPECT_TRUE(being_made.error().no_space);
+  hold_ = false;
+  const int made = made_;
+  const auto refused = cache.get("s/c", maker());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "little space is left");
+  EXPECT_EQ(made_, made);
+  cache.keep_free(std::nullopt);
+  EXPECT_TRUE(cache.get("s/c", maker()));
+}
+
+TEST_F(DownloadCacheTest, KeepsAGigabyteOfFilesAndTheNewestOne) {
+  DownloadCache cache(folder_.path() / "downloads");
+  const auto get = [&](const std::string& key, std::uintmax_t bytes) {
+    const auto make = [bytes](const std::filesystem::path& path, const auto&,
+                              const auto&) -> std::expected<void, MakeError> {
+      std::ofstream(path) << "text";
+      std::filesystem::resize_file(path, bytes);  // without blocks on the disk
+      return {};
+    };
+    return std::weak_ptr<const OpenFile>(cache.get(key, make).value());
+  };
+  constexpr std::uintmax_t kMegabyte = 1'000'000;
+  const auto first = get("s/a", 500 * kMegabyte), second = get("s/b", 500 * kMegabyte);
+  EXPECT_FALSE(first.expired());
+  const auto third = get("s/c", 500 * kMegabyte);
+  EXPECT_TRUE(first.expired());
+  EXPECT_FALSE(second.expired());
+  const auto huge = get("s/d", 5000 * kMegabyte);
+  EXPECT_TRUE(second.expired());
+  EXPECT_TRUE(third.expired());
+  EXPECT_FALSE(huge.expired());
+}
+
 TEST_F(DownloadCacheTest, AFailureIsReportedAndNotCached) {
   DownloadCache cache(folder_.path() / "downloads");
   const auto failed =

@@ -180,6 +180,22 @@ class DiskLimits(LiveTest):
         carve(Agent(self.server.port, "block"), 20)
 
 
+    def test_downloads_end_before_sessions_are_paused(self):
+        carve(Agent(self.port, "block"), 20)
+        self.server.stop()
+        space = os.statvfs(self.folder.name)
+        free_mb = space.f_bavail * space.f_frsize / 1e6
+        self.server = Server(self.folder.name, "--disk-reserve", str(0.7 * free_mb))
+        http = self.server.http
+        until(self, lambda: http.request("GET", "/v1/sessions/block/model.stl")[0], 507)
+        error = http.json("GET", "/v1/sessions/block/model.stl")[1]["error"]
+        self.assertEqual(error["code"], "disk_full")
+        self.assertIn("--disk-reserve", error["reason"])
+        carve(Agent(self.server.port, "block"), 20)
+        self.assertIsNone(self.server.info()["paused"])
+        self.assertEqual(http.json("GET", "/readyz")[0], 200)
+
+
 class UnreadableJournals(LiveTest):
     def restart_with_scene(self):
         scene = os.path.join(self.folder.name, "scene.json")

@@ -2,6 +2,7 @@
 """Hostile bytes on the server's port: tables of HTTP requests and WebSocket frames, each with the answer that it gets."""
 import base64
 import os
+import resource
 import socket
 import struct
 import time
@@ -217,6 +218,32 @@ class Hostile(LiveTest):
         finally:
             for peer in slow:
                 peer.close()
+
+    def test_a_client_with_thousands_of_connections_keeps_nobody_out(self):
+        limit, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        count = 4200  # the server has at most 4096
+        if hard < count + 100:
+            self.skipTest("too few files may be open")
+        resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
+        agent, idle = Agent(self.port, "block"), []
+        try:
+            # The first one is a client of another network that sends its next request later.
+            patient = socket.create_connection(("127.0.0.1", self.port), 20, ("127.0.0.2", 0))
+            idle.append(patient)
+            for _ in range(count):
+                idle.append(socket.create_connection(("127.0.0.1", self.port), timeout=20))
+                idle[-1].sendall(b"GET /healthz")
+            for peer in (patient, socket.create_connection(("127.0.0.1", self.port), 20, ("127.0.0.3", 0))):
+                idle.append(peer)
+                peer.sendall(GET + END)
+                self.assertIn(b"200 OK", peer.recv(4096))
+            agent.move([(0, 0, -1)])
+            agent.move([(1, 0, -1)])
+            self.assertGreater(agent.result()["removed"], 0)
+        finally:
+            for peer in idle:
+                peer.close()
+            resource.setrlimit(resource.RLIMIT_NOFILE, (limit, hard))
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@
 
 #include "server/http/routes.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/zip_files.h"
 
 namespace kerf::net {
 namespace {
@@ -100,6 +101,42 @@ class ApiTest : public SessionTest {
   std::unique_ptr<Access> access;
   std::optional<Api> api;
 };
+
+constexpr const char* kTetrahedron =
+    "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+TEST_F(ApiTest, AMeshWaitsForTheMemoryThatItsReadingTakes) {
+  const std::string body = kTetrahedron;
+  options.program_bytes = 19 * body.size();
+  api.emplace(options, *registry, metrics, *access);
+  const ApiResponse busy = ask("POST", "/v1/files?name=a.obj", body);
+  EXPECT_EQ(busy.status, 503U) << busy.body;
+  EXPECT_FALSE(header(busy, "Retry-After").empty());
+  options.program_bytes = 20 * body.size();
+  api.emplace(options, *registry, metrics, *access);
+  for (int n = 0; n < 3; ++n) {  // it is given back
+    EXPECT_EQ(ask("POST", "/v1/files?name=a.obj", body).status, 201U);
+  }
+}
+
+TEST_F(ApiTest, AFewBytesDoNotBecomeMillionsOfTriangles) {
+  // Object n holds object n - 1 twice, and object 1 is a triangle: 2^20 of them.
+  std::string objects =
+      R"(<object id="1"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>)"
+      R"(<vertex x="0" y="1" z="0"/></vertices><triangles><triangle v1="0" v2="1" v3="2"/>)"
+      "</triangles></mesh></object>";
+  for (int n = 2; n <= 21; ++n) {
+    const std::string half = "<component objectid=\"" + std::to_string(n - 1) + "\"/>";
+    objects += "<object id=\"" + std::to_string(n) + "\"><components>" + half + half +
+               "</components></object>";
+  }
+  const std::string model =
+      R"(<model xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>)" +
+      objects + R"(</resources><build><item objectid="21"/></build></model>)";
+  const ApiResponse response =
+      ask("POST", "/v1/files?name=a.3mf", test::zip_of({{"3D/3dmodel.model", model}}));
+  EXPECT_EQ(code(response), "too_large") << response.body;
+}
 
 TEST_F(ApiTest, UnknownPathsAreNotFound) {
   for (const char* target : {"/v1", "/v1/x", "/nothing"}) {
