@@ -11,14 +11,17 @@
 #include <charconv>
 #include <chrono>
 #include <climits>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "server/http/browser_rules.h"
+#include "server/http/number.h"
 #include "server/http/static_files.h"
 #include "server/log/log.h"
 #include "server/maintenance.h"
@@ -182,8 +185,19 @@ SnapshotLimits snapshot_limits(double replay_s) {
   return limits;
 }
 
+/// A number from 0 to `most`; CLI::Range takes "nan" for one.
+CLI::Validator up_to(double most) {
+  const auto check = [most](const std::string& text) {
+    const auto number = net::parse_number<double>(text);
+    return number && *number >= 0 && *number <= most
+               ? std::string()
+               : text + " is not a number from 0 to " + std::to_string(std::llround(most));
+  };
+  return CLI::Validator(check, "");
+}
+
 void describe_disk(CLI::App& app, Words& line) {
-  const CLI::Range megabytes(0.0, 1e9);
+  const CLI::Validator megabytes = up_to(1e9);
   app.add_option("--disk-per-session", line.session_mb,
                  "MB that the journal and the snapshots of a session may have; then it is paused. "
                  "0: no limit")
@@ -235,12 +249,13 @@ void describe_proxy(CLI::App& app, Words& line) {
 }
 
 void describe_sites(CLI::App& app, Words& line) {
-  app.add_option("--allow-origin", line.server.http.allow_origins,
-                 "origin of other web pages that may connect, e.g. https://kerf.example");
   const auto check = [](const std::string& origin) {
     return net::is_server_address(origin) ? std::string()
                                           : origin + " is not http[s]://HOST[:PORT]";
   };
+  app.add_option("--allow-origin", line.server.http.allow_origins,
+                 "origin of other web pages that may connect, e.g. https://kerf.example")
+      ->check(CLI::Validator(check, ""));
   app.add_option("--embed-origin", line.server.http.embed_origins,
                  "origin of a site that may show the page /?session=ID&embed, and no other, in a "
                  "frame, e.g. https://wiki.example; default: none")
@@ -268,15 +283,22 @@ void describe_server(CLI::App& app, Words& line) {
       ->capture_default_str();
   app.add_option("--snapshot-after", line.snapshot_s,
                  "s of replay at the next start after which a snapshot of a block is written")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(up_to(1e6))
       ->capture_default_str();
   app.add_option("--scene", line.scenes,
                  "scene file whose session is created unless it exists; may be repeated");
   app.add_option("--web", line.server.http.web_folder, "folder of the built viewer");
   app.add_option(
-      "--allow-host", line.server.http.allow_hosts,
-      "name of the server for its clients, besides IP addresses, localhost and this machine's "
-      "host name");
+         "--allow-host", line.server.http.allow_hosts,
+         "name of the server for its clients, besides IP addresses, localhost and this machine's "
+         "host name")
+      ->check(CLI::Validator(
+          [](const std::string& host) {
+            return net::is_server_address("http://" + host)
+                       ? std::string()
+                       : host + " is not the name of a host, e.g. kerf.example";
+          },
+          ""));
   describe_sites(app, line);
   describe_disk(app, line);
   describe_rights(app, line);
@@ -303,6 +325,10 @@ std::expected<CommandLine, int> understand(Words line) {
   auto proxies = net::TrustedProxies::parse(line.proxies);
   if (!proxies) return reject("--trust-proxy: " + proxies.error());
   line.server.http.proxies = *std::move(proxies);
+  const auto& web = line.server.http.web_folder;
+  if (!web.empty() && !std::filesystem::is_directory(web)) {
+    return reject("--web " + web.string() + " is not a folder");
+  }
   auto token = read_admin_token(line.admin_token_file);
   if (!token) return reject(token.error(), 1);
   line.server.admin_token = *std::move(token);

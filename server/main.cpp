@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // kerf-server: sessions in which several people carve one block, over HTTP and WebSockets.
+#include <fcntl.h>
 #include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <iterator>
@@ -48,6 +50,14 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
     return {};
   }
   return created ? "" : created.error().reason;
+}
+
+/// Opens the standard streams that were closed when the program was started. Otherwise the first
+/// files that it opens get their numbers, and the address and the log are written into these.
+void open_standard_streams() {
+  for (int number = STDIN_FILENO; number <= STDERR_FILENO; ++number) {
+    if (fcntl(number, F_GETFD) == -1 && open("/dev/null", O_RDWR) != number) std::abort();
+  }
 }
 
 /// Allows as many open files as the system permits: each peer needs one.
@@ -128,6 +138,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {

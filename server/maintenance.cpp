@@ -11,15 +11,19 @@
 #include "server/session/hash_text.h"
 #include "server/session/journal_carve.h"
 #include "server/session/journal_check.h"
+#include "server/session/session_registry.h"
 #include "server/store/block_snapshot.h"
 #include "server/store/journal_file.h"
 
 namespace kerf {
 
-int check_data(const std::filesystem::path& folder) {
+namespace {
+
+/// Checks the files of one folder, whose names are printed after `prefix`.
+bool check_files(const std::filesystem::path& folder, const std::string& prefix) {
   bool good = true;
   const auto checked = check_folder(folder, [&](const CheckedFile& file) {
-    std::string line = file.name + ": " + (file.faults.empty() ? "good" : "");
+    std::string line = prefix + file.name + ": " + (file.faults.empty() ? "good" : "");
     for (const FileFault& fault : file.faults) {
       line += (&fault == file.faults.data() ? "" : " | ") + fault.problem + " -> " + fault.remedy;
     }
@@ -29,10 +33,8 @@ int check_data(const std::filesystem::path& folder) {
     good = good && file.faults.empty();
   });
   if (!checked) std::fprintf(stderr, "kerf-server: %s\n", describe(checked.error()).c_str());
-  return checked && good ? 0 : 1;
+  return checked && good;
 }
-
-namespace {
 
 /// Copies the grants and regions of a data folder, if it has any. The error is one sentence.
 std::expected<void, std::string> copy_rights(const std::filesystem::path& data,
@@ -86,9 +88,8 @@ bool copy_session(const std::filesystem::path& journal, const std::filesystem::p
   return true;
 }
 
-}  // namespace
-
-int back_up(const std::filesystem::path& data, const std::filesystem::path& to) {
+/// Copies the sessions of one folder; false if one could not be.
+bool copy_sessions(const std::filesystem::path& data, const std::filesystem::path& to) {
   std::error_code error;
   std::filesystem::create_directories(to, error);
   std::vector<std::filesystem::path> journals;
@@ -101,13 +102,35 @@ int back_up(const std::filesystem::path& data, const std::filesystem::path& to) 
   if (error) {
     std::fprintf(stderr, "kerf-server: %s to %s: %s\n", data.c_str(), to.c_str(),
                  error.message().c_str());
-    return 1;
+    return false;
   }
   std::ranges::sort(journals);
   bool good = true;
   for (const auto& journal : journals) {
     good = copy_session(journal, to / journal.filename()) && good;
   }
+  return good;
+}
+
+}  // namespace
+
+int check_data(const std::filesystem::path& folder) {
+  bool good = check_files(folder, "");
+  const auto closed = folder / kClosedFolder;
+  if (std::filesystem::exists(closed)) {
+    good = check_files(closed, std::string(kClosedFolder) + "/") && good;
+  }
+  return good ? 0 : 1;
+}
+
+int back_up(const std::filesystem::path& data, const std::filesystem::path& to) {
+  if (!std::filesystem::is_directory(data)) {
+    std::fprintf(stderr, "kerf-server: %s is not a folder\n", data.c_str());
+    return 1;
+  }
+  bool good = copy_sessions(data, to);
+  const auto closed = data / kClosedFolder;
+  if (std::filesystem::exists(closed)) good = copy_sessions(closed, to / kClosedFolder) && good;
   if (const auto rights = copy_rights(data, to); !rights) {
     std::fprintf(stderr, "kerf-server: %s\n", rights.error().c_str());
     good = false;

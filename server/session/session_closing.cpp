@@ -44,7 +44,7 @@ ClosedSession parse_name(const std::string& name) {
 }  // namespace
 
 std::filesystem::path SessionRegistry::closed_folder() const {
-  return options_.data_folder / "closed";
+  return options_.data_folder / kClosedFolder;
 }
 
 std::expected<void, RegistryError> SessionRegistry::close(const std::string& id, bool purge) {

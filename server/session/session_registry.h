@@ -85,6 +85,9 @@ struct UnreadableSession {
   JournalError error;
 };
 
+/// Of the data folder: holds the journals of closed sessions.
+inline constexpr const char* kClosedFolder = "closed";
+
 /// A journal in the folder `closed`.
 struct ClosedSession {
   std::string name;           ///< of its file, without the extension

@@ -88,6 +88,26 @@ class Check(LiveTest):
         status, text = run("backup", os.path.join(self.folder.name, "missing"), to)
         self.assertEqual(status, 1)
 
+    def test_closed_sessions_are_checked_and_backed_up_too(self):
+        expected = self.carved()["state_hash"]
+        self.assertEqual(self.server.http.json("DELETE", "/v1/sessions/block")[0], 200)
+        name = self.server.http.json("GET", "/v1/closed")[1]["closed"][0]["name"]
+        to = os.path.join(self.folder.name, "copies")
+        status, text = run("backup", self.folder.name, to)
+        self.assertEqual((status, text), (0, os.path.join(to, "closed", name + ".kerf") + "\n"))
+        status, text = run("check", to)
+        self.assertEqual(status, 0, text)
+        self.assertIn(f"closed/{name}.kerf: good", text)
+        copy = Server(to)
+        self.addCleanup(copy.stop)
+        self.assertEqual(copy.http.json("POST", f"/v1/closed/{name}")[0], 201)
+        self.assertEqual(copy.hash(), expected)
+        with open(os.path.join(to, "closed", "broken.kerf"), "w") as file:
+            file.write("nonsense")
+        status, text = run("check", to)
+        self.assertEqual(status, 1)
+        self.assertIn("closed/broken.kerf: ", text)
+
     def test_good_files_pass_and_a_replay_compares_hashes_and_snapshot(self):
         self.carved()
         self.server.hash()

@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -120,6 +121,36 @@ class Configuration(LiveTest):
             _, code, log = self.run_server("--scene", scenes[0], **listen, **lists)
             self.assertIn("session one: ", log)
             self.assertNotIn("session two: ", log)
+
+    def test_options_that_would_have_no_effect_or_another_one_are_errors(self):
+        for options in (("--allow-origin", "kerf.example"), ("--allow-origin", "https://kerf.example/"),
+                        ("--allow-origin", "null"), ("--allow-host", "https://kerf.example"),
+                        ("--allow-host", "a b"), ("--disk-reserve", "nan"), ("--disk-total", "-1"),
+                        ("--snapshot-after", "inf"), ("--web", "/does/not/exist")):
+            with self.subTest(options):
+                address, code, log = self.run_server("--listen", "127.0.0.1:0", *options)
+                self.assertEqual(address, "")
+                self.assertNotEqual(code, 0)
+                self.assertIn(options[0], log)
+                self.assertIn(options[1], log)
+        for options in (("--allow-host", "kerf.example"), ("--allow-host", "kerf.example:8443"),
+                        ("--allow-origin", "https://kerf.example:8443"), ("--disk-reserve", "1e3")):
+            with self.subTest(options):
+                self.assertEqual(self.run_server("--listen", "127.0.0.1:0", *options)[1], 0)
+
+    def test_without_standard_streams_nothing_is_written_into_other_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            shell = subprocess.Popen(
+                ["sh", "-c", 'exec "$0" --listen 127.0.0.1:0 --data "$1" <&- >&- 2>&-', PROGRAM, folder])
+            lock = os.path.join(folder, "kerf-server.lock")
+            while not os.path.exists(lock) or not os.path.getsize(lock):
+                self.assertIsNone(shell.poll())
+                time.sleep(0.01)
+            time.sleep(0.2)  # it prints its address and logs its UDP port
+            streams = [os.readlink(f"/proc/{shell.pid}/fd/{n}") for n in range(3)]
+            shell.send_signal(signal.SIGTERM)
+            self.assertEqual(shell.wait(30), 0)
+            self.assertEqual(streams, ["/dev/null"] * 3)
 
     def test_an_unknown_key_of_the_file_is_an_error_that_names_it(self):
         address, code, log = self.run_server(text='lisen = "127.0.0.2:0"\n')
