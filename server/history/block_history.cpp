@@ -51,7 +51,7 @@ struct BlockHistory::Wanted {
   std::vector<StrokeId> without = {};
 };
 
-BlockHistory::BlockHistory(std::filesystem::path journal, const SculptureSettings& settings,
+BlockHistory::BlockHistory(std::unique_ptr<RecordSource> journal, const SculptureSettings& settings,
                            const SolidSnapshot& start, HistoryMemory memory)
     : motions_(std::move(journal), memory.windows),
       carver_(settings, start),

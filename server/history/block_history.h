@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <span>
@@ -28,15 +27,14 @@ struct HistoryMemory {
 
 /// The history of a block: which motions of its journal reach which tile, and what any set of them
 /// leaves of it. Since cuts commute to the bit, that is all that undo, redo, a look back and a
-/// branch need. Reads the journal from its file; not thread-safe, and slow: it belongs on a thread
-/// that serves nobody.
+/// branch need. Not thread-safe, and slow: it belongs on a thread that serves nobody.
 class BlockHistory {
  public:
   /// `start`: the block with these settings before its first motion.
-  BlockHistory(std::filesystem::path journal, const SculptureSettings& settings,
+  BlockHistory(std::unique_ptr<RecordSource> journal, const SculptureSettings& settings,
                const SolidSnapshot& start, HistoryMemory memory = {});
 
-  /// Reads the records that have been committed since the last call. The error is one sentence.
+  /// Reads the records that have come since the last call. The error is one sentence.
   std::expected<void, std::string> catch_up(const std::stop_token& stop = {});
   /// Number of the last record read.
   std::uint64_t last() const { return motions_.strokes().last(); }

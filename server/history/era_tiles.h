@@ -53,9 +53,9 @@ class EraTiles {
       constexpr std::uint64_t kSpread = 0x9e3779b97f4a7c15;
       const auto x = static_cast<std::uint32_t>(at.tile.x);
       const auto y = static_cast<std::uint32_t>(at.tile.y);
-      return ((std::uint64_t{x} << 32U | y) ^ static_cast<std::uint64_t>(at.axis) << 62U) *
-                 kSpread >>
-             20U;
+      const auto axis = static_cast<std::uint64_t>(at.axis);
+      return static_cast<std::size_t>(((std::uint64_t{x} << 32U | y) ^ axis << 62U) * kSpread >>
+                                      20U);
     }
   };
   using Eras = std::map<std::size_t, EraTile>;

@@ -2,45 +2,11 @@
 #include "server/history/recorded_motions.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "kernel/sculpture_motion.h"
-#include "server/store/journal_file.h"
-#include "server/store/record_rows.h"
 
 namespace kerf {
-
-namespace {
-
-/// Opens a journal for one transaction.
-std::expected<SqlDatabase, std::string> begin_reading(const std::filesystem::path& file,
-                                                      const std::stop_token& stop) {
-  auto database = open_journal(file, SqlMode::kRead);
-  if (!database) return std::unexpected(describe(database.error()));
-  if (stop.stop_possible()) database->end_on(stop);
-  if (auto begun = database->execute("BEGIN"); !begun) {
-    return std::unexpected(begun.error().reason);
-  }
-  return *std::move(database);
-}
-
-}  // namespace
-
-/// Calls `visit` with the records from … until, as far as there are any.
-std::expected<void, std::string> RecordedMotions::read(
-    SqlDatabase& database, std::uint64_t from, std::uint64_t until, const std::stop_token& stop,
-    const std::function<void(JournalRecord&)>& visit) const {
-  auto rows = RecordRows::open(file_, database, from);
-  if (!rows) return std::unexpected(describe(rows.error()));
-  for (;;) {
-    if (stop.stop_requested()) return std::unexpected("stopped");
-    auto record = rows->next();
-    if (!record) return std::unexpected(describe(record.error()));
-    if (!*record || (*record)->sequence > until) return {};
-    visit(**record);
-  }
-}
 
 RecordedMotion RecordedMotions::motion_of(const JournalRecord& record) const {
   const auto* move = std::get_if<MoveTool>(&record.command);
@@ -61,10 +27,8 @@ std::expected<void, std::string> RecordedMotions::catch_up(
   windows_.erase(window_begin(from));
   std::erase(newest_, window_begin(from));
   std::shared_ptr<Window> window;
-  auto database = begin_reading(file_, stop);
-  if (!database) return std::unexpected(database.error());
-  constexpr auto kAll = std::numeric_limits<std::uint64_t>::max();
-  auto ok = read(*database, from, kAll, stop, [&](JournalRecord& record) {
+  const RecordRange all{.first = from};
+  const auto add = [&](JournalRecord& record) {
     strokes_.add(record);
     if (const auto* define = std::get_if<DefineTool>(&record.command)) {
       tools_.push_back({record.sequence, define->id, define->tool});
@@ -75,7 +39,8 @@ std::expected<void, std::string> RecordedMotions::catch_up(
     if (window) window->motions.push_back(motion);
     if (window && window->motions.size() == kWindow) keep(std::exchange(window, nullptr));
     if (motion.tool != nullptr) visit(record.sequence, motion);
-  });
+  };
+  auto ok = journal_->read({&all, 1}, add, stop);
   if (ok && window) keep(std::move(window));
   return ok;
 }
@@ -105,26 +70,23 @@ std::expected<RecordedMotions::Windows, std::string> RecordedMotions::windows(
   return windows;
 }
 
-/// Reads windows from the file; neighbors together, because a reader begins some records earlier.
+/// Reads windows; neighbors together, because a reader begins some records earlier.
 std::expected<void, std::string> RecordedMotions::read_windows(
     std::span<const std::uint64_t> firsts, Windows& windows, const std::stop_token& stop) {
-  auto database = begin_reading(file_, stop);
-  if (!database) return std::unexpected(database.error());
-  for (std::size_t n = 0; n < firsts.size();) {
-    std::size_t end = n + 1;
-    while (end < firsts.size() && firsts[end] == firsts[end - 1] + kWindow) ++end;
-    std::vector<std::shared_ptr<Window>> run;
-    for (; n < end; ++n) run.push_back(std::make_shared<Window>(Window{firsts[n], {}}));
-    const std::uint64_t first = run.front()->first;
-    const std::uint64_t last = std::min(run.back()->first + kWindow - 1, strokes_.last());
-    auto ok = read(*database, first, last, stop, [&](JournalRecord& each) {
-      run[(each.sequence - first) / kWindow]->motions.push_back(motion_of(each));
-    });
-    if (!ok) return std::unexpected(ok.error());
-    for (auto& window : run) {
-      windows.push_back(window);
-      keep(std::move(window));
-    }
+  std::vector<RecordRange> ranges;
+  std::map<std::uint64_t, std::shared_ptr<Window>> read;
+  for (const std::uint64_t first : firsts) {
+    read.emplace(first, std::make_shared<Window>(Window{first, {}}));
+    if (ranges.empty() || ranges.back().last + 1 != first) ranges.push_back({first, first});
+    ranges.back().last = std::min(first + kWindow - 1, strokes_.last());
+  }
+  const auto add = [&](JournalRecord& record) {
+    read.at(window_begin(record.sequence))->motions.push_back(motion_of(record));
+  };
+  if (auto ok = journal_->read(ranges, add, stop); !ok) return ok;
+  for (const std::uint64_t first : firsts) {
+    windows.push_back(read.at(first));
+    keep(read.at(first));
   }
   return {};
 }

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <deque>
 #include <expected>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -16,8 +15,8 @@
 
 #include "kernel/sweep/tool_motion.h"
 #include "kernel/tool/tool.h"
+#include "server/history/record_source.h"
 #include "server/history/stroke_table.h"
-#include "server/store/sqlite.h"
 
 namespace kerf {
 
@@ -35,8 +34,8 @@ inline bool continues(const RecordedMotion* before, const RecordedMotion& motion
          before->motion.to == motion.motion.from;
 }
 
-/// The motions of a journal by record, read from the file in windows of which the newest are kept.
-/// Reads what has been committed, beside a writer of the same file. Not thread-safe.
+/// The motions of a journal by record, read from it in windows of which the newest are kept. Not
+/// thread-safe.
 class RecordedMotions {
  public:
   /// Records of a window.
@@ -47,10 +46,10 @@ class RecordedMotions {
   };
 
   /// Keeps so many windows, of 140 kB each.
-  RecordedMotions(std::filesystem::path journal, std::size_t windows)
-      : file_(std::move(journal)), windows_kept_(windows) {}
+  RecordedMotions(std::unique_ptr<RecordSource> journal, std::size_t windows)
+      : journal_(std::move(journal)), windows_kept_(windows) {}
 
-  /// Reads the records that have been committed since the last call, and calls `visit` with each
+  /// Reads the records that have come since the last call, and calls `visit` with each
   /// motion. The error names the first bad record.
   std::expected<void, std::string> catch_up(
       const std::function<void(std::uint64_t record, const RecordedMotion& motion)>& visit,
@@ -73,14 +72,11 @@ class RecordedMotions {
   };
 
   RecordedMotion motion_of(const JournalRecord& record) const;
-  std::expected<void, std::string> read(
-      SqlDatabase& database, std::uint64_t from, std::uint64_t until, const std::stop_token& stop,
-      const std::function<void(JournalRecord& record)>& visit) const;
   std::expected<void, std::string> read_windows(std::span<const std::uint64_t> firsts,
                                                 Windows& windows, const std::stop_token& stop);
   void keep(std::shared_ptr<const Window> window);
 
-  std::filesystem::path file_;
+  std::unique_ptr<RecordSource> journal_;
   std::size_t windows_kept_;
   StrokeTable strokes_;
   std::deque<DefinedTool> tools_;  ///< by record; they stay where they are

@@ -87,7 +87,7 @@ std::vector<ReturnCarver::Turn> ReturnCarver::next_turns(std::span<ReturnJob> jo
 
 std::unique_ptr<TileCarver> ReturnCarver::take_carver() {
   {
-    const std::scoped_lock lock(mutex_);
+    const std::lock_guard lock(mutex_);
     if (!carvers_.empty()) {
       auto carver = std::move(carvers_.back());
       carvers_.pop_back();
@@ -119,7 +119,7 @@ void ReturnCarver::work(const Turn& turn, std::uint64_t last,
   }
   job.stock = carver->take(job.at);
   if (boxes.empty()) job.stock = nullptr;
-  const std::scoped_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   carvers_.push_back(std::move(carver));
 }
 

@@ -2,13 +2,8 @@
 #include "server/session/past_block.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
-
-#include "kernel/cut/workers.h"
-#include "server/session/session.h"
-#include "server/store/journal_file.h"
-#include "server/store/journal_times.h"
-#include "server/store/record_rows.h"
 
 namespace kerf {
 namespace {
@@ -18,57 +13,50 @@ constexpr std::size_t kAhead = 4096;
 
 }  // namespace
 
-PastBlock::PastBlock(std::shared_ptr<Session> session, Sculpture block)
-    : session_(std::move(session)), block_(std::move(block)) {}
+PastBlock::PastBlock(std::unique_ptr<PastSource> source, Sculpture block)
+    : source_(std::move(source)), block_(std::move(block)) {}
 
-std::expected<PastBlock, std::string> PastBlock::create(std::shared_ptr<Session> session) {
-  auto block = Sculpture::create(session->scene().settings);
+std::expected<PastBlock, std::string> PastBlock::create(std::unique_ptr<PastSource> source) {
+  auto block = Sculpture::create(source->scene().settings);
   if (!block) return std::unexpected(block.error().reason);
-  for (const auto& [id, tool] : session->scene().tools) {
+  for (const auto& [id, tool] : source->scene().tools) {
     if (auto ok = block->apply(DefineTool{id, tool.tool}); !ok) {
       return std::unexpected(ok.error().reason);
     }
   }
-  return PastBlock(std::move(session), *std::move(block));
+  return PastBlock(std::move(source), *std::move(block));
 }
 
 std::expected<bool, std::string> PastBlock::seek(std::uint64_t record,
                                                  const std::stop_token& stop) {
-  SerialWorkers alone;
-  const auto tiles = session_->tiles_at(record, alone, stop);
-  if (!tiles) return std::unexpected(tiles.error());
-  if (!*tiles) return false;
-  const auto time = time_of(session_->journal_file(), record);
-  if (!time) return std::unexpected(describe(time.error()));
-  const ReplacedTiles replaced = block_.replace(**tiles);
-  changed_.insert(changed_.end(), replaced.changed_tiles.begin(), replaced.changed_tiles.end());
-  record_ = record;
-  time_ms_ = *time;
+  const auto found = take(record, source_->tiles_at(record, stop));
+  if (!found || !*found) return found;
   ahead_.clear();
   tools_.tools.clear();
   return true;
 }
 
+/// Makes the block the one after a record, whose tiles are given.
+std::expected<bool, std::string> PastBlock::take(std::uint64_t record, const Tiles& tiles) {
+  if (!tiles) return std::unexpected(tiles.error());
+  if (!*tiles) return false;
+  const auto time = source_->time_of(record);
+  if (!time) return std::unexpected(time.error());
+  const ReplacedTiles replaced = block_.replace(**tiles);
+  changed_.insert(changed_.end(), replaced.changed_tiles.begin(), replaced.changed_tiles.end());
+  record_ = record;
+  time_ms_ = *time;
+  return true;
+}
+
 std::expected<void, std::string> PastBlock::read_ahead(const std::stop_token& stop) {
-  if (session_->committed() <= record_) return {};
-  const std::filesystem::path& file = session_->journal_file();
-  auto database = open_journal(file, SqlMode::kRead);
-  if (!database) return std::unexpected(describe(database.error()));
-  if (stop.stop_possible()) database->end_on(stop);
-  // One transaction, so that the last record is that of the rows.
-  if (auto ok = database->execute("BEGIN"); !ok) return std::unexpected(ok.error().reason);
-  auto rows = RecordRows::open(file, *database, record_ + 1);
-  if (!rows) return std::unexpected(describe(rows.error()));
-  while (ahead_.size() < kAhead) {
-    auto record = rows->next();
-    if (!record) return std::unexpected(describe(record.error()));
-    if (!*record) break;
-    ahead_.push_back(**std::move(record));
-  }
+  auto records = source_->records_after(record_, kAhead, stop);
+  if (!records) return std::unexpected(records.error());
+  std::ranges::move(*records, std::back_inserter(ahead_));
   return {};
 }
 
-std::expected<PastBlock::Played, std::string> PastBlock::play(std::int64_t until_ms,
+std::expected<PastBlock::Played, std::string> PastBlock::play(const PlayUntil& until,
                                                               std::chrono::microseconds budget,
                                                               const std::stop_token& stop) {
   const auto end = std::chrono::steady_clock::now() + budget;
@@ -79,7 +67,7 @@ std::expected<PastBlock::Played, std::string> PastBlock::play(std::int64_t until
       if (ahead_.empty()) return played;
     }
     played.next_ms = ahead_.front().wall_ms;
-    if (played.next_ms > until_ms) return played;
+    if (!until.covers(ahead_.front())) return played;
     if (stop.stop_requested()) return std::unexpected("stopped");
     if (std::chrono::steady_clock::now() >= end) {
       played.is_late = true;
@@ -87,32 +75,36 @@ std::expected<PastBlock::Played, std::string> PastBlock::play(std::int64_t until
     }
     const JournalRecord record = std::move(ahead_.front());
     ahead_.pop_front();
-    if (auto ok = apply(record, until_ms, stop); !ok) return std::unexpected(ok.error());
+    if (auto ok = apply(record, until, stop); !ok) return std::unexpected(ok.error());
     played.next_ms = 0;
   }
 }
 
-std::expected<void, std::string> PastBlock::apply(const JournalRecord& record,
-                                                  std::int64_t until_ms,
-                                                  const std::stop_token& stop) {
-  if (std::holds_alternative<StrokeChange>(record.command)) {
-    // Of several changes in a row, those that follow in time are applied with the last one.
-    std::uint64_t last = record.sequence;
-    while (!ahead_.empty() && ahead_.front().wall_ms <= until_ms &&
-           std::holds_alternative<StrokeChange>(ahead_.front().command)) {
-      last = ahead_.front().sequence;
-      ahead_.pop_front();
-    }
-    auto ahead = std::exchange(ahead_, {});
-    auto tools = tools_;
-    if (auto done = seek(last, stop); !done) return std::unexpected(done.error());
-    ahead_ = std::move(ahead);
-    tools_ = std::move(tools);
-    return {};
+/// Of several changes in a row, those that are due are applied with the last one.
+std::expected<void, std::string> PastBlock::change(const JournalRecord& record,
+                                                   const PlayUntil& until,
+                                                   const std::stop_token& stop) {
+  std::uint64_t last = record.sequence;
+  StrokeSet changed{std::get<StrokeChange>(record.command).stroke};
+  while (!ahead_.empty() && until.covers(ahead_.front())) {
+    const auto* next = std::get_if<StrokeChange>(&ahead_.front().command);
+    if (next == nullptr) break;
+    last = ahead_.front().sequence;
+    changed.insert(next->stroke);
+    ahead_.pop_front();
   }
+  const auto done = take(last, source_->tiles_after(block_.solid(), changed, last, stop));
+  if (!done) return std::unexpected(done.error());
+  return {};
+}
+
+std::expected<void, std::string> PastBlock::apply(const JournalRecord& record,
+                                                  const PlayUntil& until,
+                                                  const std::stop_token& stop) {
+  if (std::holds_alternative<StrokeChange>(record.command)) return change(record, until, stop);
   auto command = kernel_command(record.command);
   auto* move = std::get_if<MoveTool>(&*command);
-  if (move != nullptr) move->feel = true;
+  if (move != nullptr) move->feel = until.feels;
   const auto result = block_.apply(*command);
   if (!result) return std::unexpected(result.error().reason);
   record_ = record.sequence;

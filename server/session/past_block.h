@@ -5,28 +5,35 @@
 #include <cstdint>
 #include <deque>
 #include <expected>
-#include <map>
+#include <limits>
 #include <memory>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "kernel/sculpture.h"
-#include "server/store/journal_record.h"
+#include "server/session/past_source.h"
 #include "server/wire/types.h"
 
 namespace kerf {
 
-class Session;
+/// How far a block of the past plays: whatever comes first.
+struct PlayUntil {
+  std::int64_t ms = std::numeric_limits<std::int64_t>::max();  ///< since 1970, UTC
+  std::uint64_t record = std::numeric_limits<std::uint64_t>::max();
+  bool feels = true;  ///< with the forces of the motions
 
-/// A copy of the block of a session that goes to any of its records, and forward from there with
-/// the forces of its participants. Reads the journal and asks the session's history; it belongs on
-/// a thread that serves nobody, and never waits for the session's thread. Not thread-safe. Errors
-/// are one sentence.
+  bool covers(const JournalRecord& next) const {
+    return next.wall_ms <= ms && next.sequence <= record;
+  }
+};
+
+/// A copy of the block of a journal that goes to any of its records, and forward from there with
+/// the forces of its participants. Not thread-safe. Errors are one sentence.
 class PastBlock {
  public:
   /// The block before the first record.
-  static std::expected<PastBlock, std::string> create(std::shared_ptr<Session> session);
+  static std::expected<PastBlock, std::string> create(std::unique_ptr<PastSource> source);
 
   /// Makes the block the one after a record, without the strokes that were undone then; false,
   /// without a change, if there is no such record yet.
@@ -34,12 +41,12 @@ class PastBlock {
 
   /// Where playing has ended.
   struct Played {
-    bool is_late = false;  ///< `budget` was used up before `until_ms` was reached
+    bool is_late = false;  ///< `budget` was used up before the end was reached
     /// When the next record was appended; 0: there is none yet.
     std::int64_t next_ms = 0;
   };
-  /// Applies the records that were appended until a time (ms since 1970, UTC), for about `budget`.
-  std::expected<Played, std::string> play(std::int64_t until_ms, std::chrono::microseconds budget,
+  /// Applies the next records, for about `budget`.
+  std::expected<Played, std::string> play(const PlayUntil& until, std::chrono::microseconds budget,
                                           const std::stop_token& stop);
 
   /// Number of the last record that the block holds.
@@ -54,13 +61,17 @@ class PastBlock {
   const wire::ToolStates& tools() const { return tools_; }
 
  private:
-  PastBlock(std::shared_ptr<Session> session, Sculpture block);
+  PastBlock(std::unique_ptr<PastSource> source, Sculpture block);
+  using Tiles = std::expected<std::optional<std::vector<TileReplacement>>, std::string>;
+  std::expected<bool, std::string> take(std::uint64_t record, const Tiles& tiles);
+  std::expected<void, std::string> change(const JournalRecord& record, const PlayUntil& until,
+                                          const std::stop_token& stop);
   std::expected<void, std::string> read_ahead(const std::stop_token& stop);
-  std::expected<void, std::string> apply(const JournalRecord& record, std::int64_t until_ms,
+  std::expected<void, std::string> apply(const JournalRecord& record, const PlayUntil& until,
                                          const std::stop_token& stop);
   void show(const JournalRecord& record, const MoveTool& move, const MotionResult& result);
 
-  std::shared_ptr<Session> session_;
+  std::unique_ptr<PastSource> source_;
   Sculpture block_;
   std::uint64_t record_ = 0;
   std::int64_t time_ms_ = 0;

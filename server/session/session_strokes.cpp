@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/history/block_history.h"
+#include "server/history/journal_records.h"
 #include "server/rights/rights.h"
 #include "server/session/session.h"
 #include "server/threads/run_and_wait.h"
@@ -43,7 +44,7 @@ StrokeId newest_stroke(const StrokeTable& table, const StrokeRequest& request, s
 std::expected<void, std::string> Session::read_history(const std::stop_token& stop) {
   if (auto flushed = journal_.flush(); !flushed) return std::unexpected(describe(flushed.error()));
   if (!history_) {
-    history_ = std::make_unique<BlockHistory>(journal_.file(), sculpture_.settings(), start_);
+    history_ = std::make_unique<BlockHistory>(journal_records(journal_.file()), sculpture_.settings(), start_);
   }
   return history_->catch_up(stop);
 }

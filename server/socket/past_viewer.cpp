@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/metrics/metrics.h"
+#include "server/session/session_past_source.h"
 #include "server/wire/codec.h"
 
 namespace kerf::net {
@@ -89,7 +90,7 @@ void PastViewer::start_job() {
 /// Moves the block to where the job says.
 void PastViewer::go(Side& side, const Job& job, const std::stop_token& stop, Result& result) {
   if (!side.block) {
-    auto block = PastBlock::create(side.session);
+    auto block = PastBlock::create(past_of(side.session));
     if (!block) return void(result.error = block.error());
     side.block = *std::move(block);
   }
@@ -99,7 +100,7 @@ void PastViewer::go(Side& side, const Job& job, const std::stop_token& stop, Res
     result.has_no_record = !*found;
     result.has_moved = *found;
   } else if (job.until_ms) {
-    const auto played = side.block->play(*job.until_ms, kTurn, stop);
+    const auto played = side.block->play({.ms = *job.until_ms}, kTurn, stop);
     if (!played) return void(result.error = played.error());
     result.is_late = played->is_late;
     result.next_ms = played->next_ms;

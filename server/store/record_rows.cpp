@@ -8,12 +8,6 @@
 namespace kerf {
 namespace {
 
-/// False for numbers that no writer stores; their sums could overflow.
-bool is_valid(const BatchHead& head) {
-  return head.count >= 1 && head.count <= kBatchRecordsMax && head.wall_ms >= -kWallMaxMs &&
-         head.wall_ms <= kWallMaxMs && head.span_ms >= 0 && head.span_ms <= kSpanMaxMs;
-}
-
 /// Prepares a query of a table; empty if there is no such table.
 SqlResult<std::optional<SqlStatement>> prepare_if(SqlDatabase& database, const std::string& table,
                                                   const std::string& query) {
@@ -25,9 +19,9 @@ SqlResult<std::optional<SqlStatement>> prepare_if(SqlDatabase& database, const s
   return std::optional(*std::move(statement));
 }
 
-/// The first record of the last batch up to record `from` that can be read without those before it;
-/// 0 if there is none, as in a journal whose record `from` is a single row.
-SqlResult<std::int64_t> first_batch(SqlDatabase& database, std::uint64_t from) {
+}  // namespace
+
+SqlResult<std::int64_t> restart_before(SqlDatabase& database, std::uint64_t from) {
   if (from <= 1) return 0;
   auto rows =
       prepare_if(database, "batches",
@@ -42,8 +36,6 @@ SqlResult<std::int64_t> first_batch(SqlDatabase& database, std::uint64_t from) {
     if (restarts((*rows)->blob(2))) return (*rows)->integer(0);
   }
 }
-
-}  // namespace
 
 SqlResult<std::uint64_t> last_record(SqlDatabase& database) {
   std::int64_t last = 0;
@@ -77,7 +69,7 @@ SqlResult<void> RecordRows::prepare(SqlDatabase& database, std::uint64_t from) {
   const auto last = last_record(database);
   if (!last) return std::unexpected(last.error());
   last_ = *last;
-  const auto start = first_batch(database, from);
+  const auto start = restart_before(database, from);
   if (!start) return std::unexpected(start.error());
   if (from > 1) count_ = (*start > 0 ? static_cast<std::uint64_t>(*start) : from) - 1;
   auto singles =
@@ -158,32 +150,18 @@ std::expected<std::optional<JournalRecord>, JournalError> RecordRows::next_singl
 std::expected<bool, JournalError> RecordRows::next_batch() {
   const auto row = step(*batches_);
   if (!row || !*row) return row;
-  const auto first = static_cast<std::uint64_t>(batches_->integer(0));
-  if (first != count_ + 1) {
-    return std::unexpected(
-        corrupt(count_ + 1, "the record is missing: the next one is " + std::to_string(first)));
+  const BatchRow batch{{static_cast<std::uint64_t>(batches_->integer(0)),
+                        static_cast<std::uint64_t>(batches_->integer(1)), batches_->integer(2),
+                        batches_->integer(3)},
+                       batches_->integer(5),
+                       batches_->blob(4)};
+  auto records = rows_.read(batch, count_);
+  if (!records) {
+    return std::unexpected(corrupt(records.error().sequence, std::move(records.error().reason)));
   }
-  const std::int64_t count = batches_->integer(1);
-  const BatchHead head{first, static_cast<std::uint64_t>(count), batches_->integer(2),
-                       batches_->integer(3)};
-  const auto bytes = batches_->blob(4);
-  if (!is_valid(head)) {
-    return std::unexpected(corrupt(first, "the number or the time of the records is invalid"));
-  }
-  if (batches_->integer(5) != std::int64_t{batch_checksum(head, bytes)}) {
-    return std::unexpected(corrupt(first, "the checksum of the records is wrong"));
-  }
-  auto records = decoder_.decode(bytes, static_cast<std::size_t>(count));
-  if (!records) return std::unexpected(corrupt(first, records.error()));
-  batch_.clear();
+  batch_ = *std::move(records);
   at_ = 0;
-  for (BatchRecord& record : *records) {
-    const std::uint64_t sequence = ++count_;
-    std::uint64_t& stroke = strokes_[record.participant];
-    if (record.begins_stroke) stroke = sequence;
-    batch_.push_back({sequence, record.participant, std::move(record.command),
-                      head.wall_ms_of(sequence - first), stroke});
-  }
+  count_ += batch_.size();
   return true;
 }
 

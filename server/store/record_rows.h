@@ -4,15 +4,14 @@
 #include <cstdint>
 #include <expected>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "server/store/batch_rows.h"
 #include "server/store/journal_error.h"
 #include "server/store/journal_record.h"
-#include "server/store/record_batch.h"
 #include "server/store/sqlite.h"
 
 namespace kerf {
@@ -44,10 +43,9 @@ class RecordRows {
 
   std::filesystem::path file_;
   std::optional<SqlStatement> singles_, batches_;  ///< empty: no such table, or all read
-  BatchDecoder decoder_;
+  BatchRows rows_;
   std::vector<JournalRecord> batch_;  ///< decoded
   std::size_t at_ = 0;                ///< in batch_
-  std::map<ParticipantId, std::uint64_t> strokes_;
   std::uint64_t last_ = 0;
   std::uint64_t count_ = 0;  ///< number of the last record of the rows read so far
   std::uint64_t from_ = 1;
@@ -72,6 +70,10 @@ class SortedRecords {
   SqlStatement rows_;  // destroyed before the database
 };
 
+/// Returns the first record of the last batch up to record `from` that can be read without those
+/// before it; 0 if there is none, as in a journal whose record `from` is a single row, and for the
+/// first record.
+SqlResult<std::int64_t> restart_before(SqlDatabase& database, std::uint64_t from);
 /// Returns the sequence of the last record of a journal; 0 if it has none.
 SqlResult<std::uint64_t> last_record(SqlDatabase& database);
 

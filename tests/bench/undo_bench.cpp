@@ -21,6 +21,7 @@
 #include "kernel/sculpture.h"
 #include "server/feed/tile_feed.h"
 #include "server/history/block_history.h"
+#include "server/history/journal_records.h"
 #include "server/store/journal_writer.h"
 #include "server/threads/thread_pool.h"
 #include "tests/server/temporary_folder.h"
@@ -172,7 +173,7 @@ int run(int argc, char** argv) {
   Sculpture block = Sculpture::create(settings).value();
   const SolidSnapshot untouched = block.solid();
   const auto strokes = record(folder / "bench.kerf", tool, motions);
-  BlockHistory history(folder / "bench.kerf", settings, untouched);
+  BlockHistory history(journal_records(folder / "bench.kerf"), settings, untouched);
   ThreadPool pool(threads);
   std::printf("%lld motions, %zu strokes, %s, pitch %g mm, %d threads\n",
               static_cast<long long>(motions), strokes.size(), to_string(settings.rays),

@@ -15,6 +15,7 @@
 #include "kernel/surface/tile_mesh.h"
 #include "server/session/history_turns.h"
 #include "server/session/session_export.h"
+#include "server/session/session_past_source.h"
 #include "server/store/sqlite.h"
 #include "tests/server/undo_fixture.h"
 
@@ -22,7 +23,6 @@ namespace kerf {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr std::int64_t kForever = std::numeric_limits<std::int64_t>::max();
 
 class Past : public SessionUndo {
  protected:
@@ -53,7 +53,7 @@ TEST_F(Past, GoesToAnyRecordToTheBit) {
   for (const char* rays : {"\"dexel\"", "\"tri-dexel\""}) {
     renew();
     carve(rays);
-    PastBlock block = PastBlock::create(session_).value();
+    PastBlock block = PastBlock::create(past_of(session_)).value();
     std::mt19937 random(3);
     const std::uint64_t last = session_->sequence();
     for (int n = 0; n < 8; ++n) {
@@ -72,14 +72,14 @@ TEST_F(Past, IsTheSameAtEverySpeed) {
   const std::uint64_t last = session_->sequence();
   ASSERT_TRUE(session_->flush());
   for (const int steps : {1, 7, 200}) {
-    PastBlock block = PastBlock::create(session_).value();
+    PastBlock block = PastBlock::create(past_of(session_)).value();
     ASSERT_TRUE(seek(block, 1));
     const std::int64_t begin_ms = block.time_ms();
-    PastBlock end = PastBlock::create(session_).value();
+    PastBlock end = PastBlock::create(past_of(session_)).value();
     ASSERT_TRUE(seek(end, last));
     const std::int64_t span_ms = end.time_ms() - begin_ms;
     for (int n = 0; n <= steps; ++n) {
-      const auto played = block.play(begin_ms + span_ms * n / steps, 10s, {});
+      const auto played = block.play({.ms = begin_ms + span_ms * n / steps}, 10s, {});
       ASSERT_TRUE(played) << played.error();
       EXPECT_FALSE(played->is_late);
       EXPECT_EQ(played->next_ms == 0, n == steps);
@@ -99,16 +99,16 @@ TEST_F(Past, OfSeveralChangesInARowNoneComesBeforeItsTime) {
   std::this_thread::sleep_for(20ms);
   redo({a});
   ASSERT_TRUE(session_->flush());
-  PastBlock block = PastBlock::create(session_).value();
+  PastBlock block = PastBlock::create(past_of(session_)).value();
   ASSERT_TRUE(seek(block, undone));
   const std::int64_t undone_ms = block.time_ms();
   ASSERT_TRUE(seek(block, carved));
-  const auto played = block.play(undone_ms, 10s, {});
+  const auto played = block.play({.ms = undone_ms}, 10s, {});
   ASSERT_TRUE(played) << played.error();
   EXPECT_EQ(block.record(), undone);
   EXPECT_GT(played->next_ms, undone_ms);
   EXPECT_EQ(block.solid().hash(), hash_at(undone));
-  ASSERT_TRUE(block.play(kForever, 10s, {}));
+  ASSERT_TRUE(block.play({}, 10s, {}));
   EXPECT_EQ(block.record(), session_->sequence());
   EXPECT_EQ(block.solid().hash(), hash());
 }
@@ -116,31 +116,31 @@ TEST_F(Past, OfSeveralChangesInARowNoneComesBeforeItsTime) {
 TEST_F(Past, ABlockThatIsLateGoesOnWhereItWas) {
   carve();
   ASSERT_TRUE(session_->flush());
-  PastBlock block = PastBlock::create(session_).value();
+  PastBlock block = PastBlock::create(past_of(session_)).value();
   int turns = 0;
   for (bool is_late = true; is_late; ++turns) {
-    const auto played = block.play(kForever, 0s, {});
+    const auto played = block.play({}, 0s, {});
     ASSERT_TRUE(played) << played.error();
     is_late = played->is_late;
     if (turns == 0) {
       EXPECT_EQ(block.record(), 0U);
     }
     if (!is_late) break;
-    ASSERT_TRUE(block.play(kForever, 100us, {}));
+    ASSERT_TRUE(block.play({}, 100us, {}));
     if (block.record() == session_->sequence()) break;
   }
   EXPECT_EQ(block.solid().hash(), hash());
   // What is journaled afterwards is found.
   stroke(join("Cy"), {10, 10, -2}, {15, 15, -2});
   ASSERT_TRUE(session_->flush());
-  ASSERT_TRUE(block.play(kForever, 10s, {}));
+  ASSERT_TRUE(block.play({}, 10s, {}));
   EXPECT_EQ(block.solid().hash(), hash());
 }
 
 TEST_F(Past, NamesTheTilesWhoseSurfaceChanges) {
   carve();
   ASSERT_TRUE(session_->flush());
-  PastBlock block = PastBlock::create(session_).value();
+  PastBlock block = PastBlock::create(past_of(session_)).value();
   const DexelGrid grid = block.solid().grid();
   const auto positions = [&](TileIndex tile) {
     return mesh_tile(block.solid(), tile).positions_mm;
@@ -157,7 +157,7 @@ TEST_F(Past, NamesTheTilesWhoseSurfaceChanges) {
   std::mt19937 random(5);
   for (int n = 0; n < 6; ++n) {
     ASSERT_TRUE(seek(block, random() % session_->sequence()));
-    ASSERT_TRUE(block.play(block.time_ms() + 5, 10s, {}));
+    ASSERT_TRUE(block.play({.ms = block.time_ms() + 5}, 10s, {}));
     auto changed = block.take_changed();
     std::ranges::sort(changed);
     show(tiles_to_remesh(grid, changed));
@@ -176,9 +176,9 @@ TEST_F(Past, ToolsHaveTheForcesOfForcesCsv) {
   ASSERT_TRUE(export_forces(session_->journal_file(), {}, csv));
   std::string line, last;
   while (std::getline(csv, line)) last = line;
-  PastBlock block = PastBlock::create(session_).value();
+  PastBlock block = PastBlock::create(past_of(session_)).value();
   EXPECT_TRUE(block.tools().tools.empty());
-  ASSERT_TRUE(block.play(kForever, 10s, {}));
+  ASSERT_TRUE(block.play({}, 10s, {}));
   ASSERT_EQ(block.tools().tools.size(), 1U);
   const wire::ToolState& tool = block.tools().tools[0];
   EXPECT_EQ(tool.participant, ada);
@@ -196,13 +196,13 @@ TEST_F(Past, ToolsHaveTheForcesOfForcesCsv) {
 TEST_F(Past, ReadsNothingAtTheEndOfTheJournal) {
   carve();
   ASSERT_TRUE(session_->flush());
-  PastBlock block = PastBlock::create(session_).value();
-  ASSERT_TRUE(block.play(kForever, 10s, {}));
+  PastBlock block = PastBlock::create(past_of(session_)).value();
+  ASSERT_TRUE(block.play({}, 10s, {}));
   ASSERT_EQ(block.record(), session_->sequence());
   const auto file = session_->journal_file();
   const auto away = folder_->path() / "away";
   std::filesystem::rename(file, away);
-  const auto played = block.play(kForever, 10s, {});
+  const auto played = block.play({}, 10s, {});
   std::filesystem::rename(away, file);
   ASSERT_TRUE(played) << played.error();
   EXPECT_FALSE(played->is_late);
@@ -216,8 +216,8 @@ TEST_F(Past, PlaysWithoutTheHeadOfTheJournal) {
     auto journal = SqlDatabase::open(session_->journal_file(), SqlMode::kWrite);
     ASSERT_TRUE(journal->execute("UPDATE session SET crc=crc+1"));
   }
-  PastBlock block = PastBlock::create(session_).value();
-  const auto played = block.play(kForever, 10s, {});
+  PastBlock block = PastBlock::create(past_of(session_)).value();
+  const auto played = block.play({}, 10s, {});
   ASSERT_TRUE(played) << played.error();
   EXPECT_EQ(block.solid().hash(), hash());
 }
@@ -287,10 +287,10 @@ TEST_F(Past, StopsWhenItIsAskedTo) {
   ASSERT_TRUE(session_->flush());
   std::stop_source stop;
   stop.request_stop();
-  PastBlock block = PastBlock::create(session_).value();
+  PastBlock block = PastBlock::create(past_of(session_)).value();
   EXPECT_FALSE(block.seek(session_->sequence(), stop.get_token()));
-  EXPECT_FALSE(block.play(kForever, 10s, stop.get_token()));
-  ASSERT_TRUE(block.play(kForever, 10s, {}));
+  EXPECT_FALSE(block.play({}, 10s, stop.get_token()));
+  ASSERT_TRUE(block.play({}, 10s, {}));
   EXPECT_EQ(block.solid().hash(), hash());
 }
 

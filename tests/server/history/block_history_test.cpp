@@ -7,6 +7,7 @@
 #include <functional>
 #include <stop_token>
 
+#include "server/history/journal_records.h"
 #include "tests/server/history/recorded_job.h"
 #include "tests/support/thread_workers.h"
 
@@ -33,7 +34,7 @@ TEST(BlockHistory, CarvesAnySetOfMotionsToTheBit) {
   unsigned seed = 1;
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     RecordedJob job(test::job_settings(rays, 0.5), seed++);
-    BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+    BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()));
     for (int round = 0; round < 4; ++round) {
       job.carve(120);
       if (round == 1) job.redefine();
@@ -52,7 +53,7 @@ TEST(BlockHistory, CarvesAnySetOfMotionsToTheBit) {
 TEST(BlockHistory, ChangesABlockIntoThatOfAnySetOfStrokesToTheBit) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     RecordedJob job(test::job_settings(rays, 0.5), 21 + static_cast<unsigned>(rays));
-    BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+    BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()));
     job.carve(250);
     job.redefine();
     job.carve(150);
@@ -79,7 +80,7 @@ TEST(BlockHistory, ChangesABlockIntoThatOfAnySetOfStrokesToTheBit) {
 TEST(BlockHistory, ChangesNoTileWithMotionsAfterTheSet) {
   RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 31);
   job.carve(200);
-  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+  BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()));
   ASSERT_TRUE(history.catch_up());
   for (int n = 0; n < 8; ++n) {
     const std::uint64_t last = 60 + job.random()() % 100;
@@ -95,7 +96,7 @@ TEST(BlockHistory, ChangesNoTileWithMotionsAfterTheSet) {
 TEST(BlockHistory, TilesOutsideTheReachOfAStrokeDoNotChangeWithoutIt) {
   RecordedJob job(test::job_settings(Rays::kTriDexel, 0.5), 3);
   job.carve(300);
-  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+  BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()));
   ASSERT_TRUE(history.catch_up());
   SerialWorkers alone;
   std::size_t tiles = 0;
@@ -116,8 +117,8 @@ TEST(BlockHistory, KeptTilesAreUsedAgainAndLimited) {
   RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 4);
   job.carve(300);
   SerialWorkers alone;
-  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
-  BlockHistory forgetful(job.file(), job.settings(), start_of(job.settings()),
+  BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()));
+  BlockHistory forgetful(journal_records(job.file()), job.settings(), start_of(job.settings()),
                          HistoryMemory{.windows = 32, .tile_bytes = 30'000});
   for (BlockHistory* each : {&history, &forgetful}) {
     ASSERT_TRUE(each->catch_up());
@@ -135,7 +136,8 @@ TEST(BlockHistory, KeptTilesAreUsedAgainAndLimited) {
 TEST(BlockHistory, ReadsMoreRecordsThanItKeepsInMemory) {
   RecordedJob job(test::job_settings(Rays::kDexel, 2.5), 5);
   const HistoryMemory little{.windows = 2, .tile_bytes = 1'000};
-  BlockHistory history(job.file(), job.settings(), start_of(job.settings()), little);
+  BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()),
+                       little);
   for (int n = 0; n < 4; ++n) job.carve(8192, 1);
   ASSERT_TRUE(history.catch_up());
   SerialWorkers alone;
@@ -155,7 +157,7 @@ TEST(BlockHistory, ChangesOfStrokesMakeUpTheSetAfterEachRecord) {
   job.change(b, true);
   job.change(a, false);
   const std::uint64_t second = job.records().size();
-  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+  BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()));
   ASSERT_TRUE(history.catch_up());
   const StrokeTable& strokes = history.strokes();
   EXPECT_TRUE(strokes.at(first - 1).without.empty());
@@ -174,10 +176,10 @@ TEST(BlockHistory, StopsWhenItIsAskedTo) {
   RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 7);
   job.carve(60);
   std::stop_source stop;
-  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+  BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()));
   ASSERT_TRUE(history.catch_up());
   stop.request_stop();
-  EXPECT_FALSE(BlockHistory(job.file(), job.settings(), start_of(job.settings()))
+  EXPECT_FALSE(BlockHistory(journal_records(job.file()), job.settings(), start_of(job.settings()))
                    .catch_up(stop.get_token()));
   job.carve(10);
   ASSERT_TRUE(history.catch_up());
@@ -206,7 +208,7 @@ class StoppingWorkers final : public Workers {
 TEST(BlockHistory, KeepsWhatItHasCarvedWhenItIsStopped) {
   RecordedJob job(test::job_settings(Rays::kDexel, 0.8), 8);
   job.carve(static_cast<int>(EraTiles::kRecords) + 600, 1);
-  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+  BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()));
   ASSERT_TRUE(history.catch_up());
   const MotionSet all{.last = history.last()};
   StoppingWorkers stopping;
