@@ -93,7 +93,7 @@ HashedSolid current_solid(Session& session) {
   if (read.hash) return {std::move(read.solid), *read.hash};
   const StateHash hash{read.sequence, read.solid.hash()};
   // A solid that holds a part of a motion has a hash too, but no replay gives it.
-  if (read.is_between_records) return {std::move(read.solid), hash};
+  if (read.is_between_records) return {std::move(read.solid), hash, true};
   session.executor().post([self = session.shared_from_this(), hash] { self->note_hash(hash); });
   return {std::move(read.solid), hash};
 }

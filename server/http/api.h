@@ -135,6 +135,9 @@ class Api {
   ApiResponse download(const ApiCall& call);
   ApiResponse list_exports(const ApiCall& call);
   ApiResponse picture(const ApiCall& call);
+  ApiResponse replay(const ApiCall& call);
+  ApiResponse journal_origin(const ApiCall& call);
+  ApiResponse journal_records(const ApiCall& call);
   ApiResponse list_strokes(const ApiCall& call);
   ApiResponse undo(const ApiCall& call);
   ApiResponse redo(const ApiCall& call);
@@ -194,6 +197,7 @@ class Api {
 struct HashedSolid {
   SolidSnapshot solid;
   StateHash hash;
+  bool is_between_records = false;  ///< no replay gives it (Session::is_between_records)
 };
 /// The current solid of a session; computes its hash if it is not known yet.
 HashedSolid current_solid(Session& session);

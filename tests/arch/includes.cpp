@@ -109,8 +109,10 @@ const std::vector<Module>& other_modules() {
         "server/session", "server/metrics", "server/rights", "server/socket", "server/tls",
         "server/websocket", "server/threads"}},
       {"server", {"kernel"}},
-      // Programs, scenes and models, for a page without a server.
-      {"web/wasm/files", {"kernel", "server/formats", "server/verify"}},
+      // Programs, scenes, models and journals, for a page that carves by itself.
+      {"web/wasm/files",
+       {"kernel", "server/formats", "server/verify", "server/store", "server/history",
+        "server/session/past_block.h", "server/wire/types.h"}},
       // The replica of an agent, for pages.
       {"web/wasm",
        {"kernel", "server/wire", "server/convert", "server/formats", "haptic_agent/replica"}},

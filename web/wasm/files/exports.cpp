@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <optional>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "web/wasm/files/journal_block.h"
 #include "web/wasm/files/program_block.h"
 
 #define KERF_EXPORT(name) __attribute__((export_name(#name)))
@@ -16,10 +17,13 @@
 namespace {
 
 using kerf::page::BlockFiles;
+using kerf::page::JournalBlock;
+using kerf::page::PlayedBlock;
 using kerf::page::ProgramBlock;
 
 std::vector<std::byte> g_input, g_output;
-std::optional<ProgramBlock> g_block;
+std::unique_ptr<PlayedBlock> g_block;
+JournalBlock* g_journal = nullptr;  // g_block, if it is one
 
 template <typename T>
 void append(std::span<const T> values) {
@@ -79,18 +83,41 @@ KERF_EXPORT(kerf_read) std::uint32_t kerf_read() {
   g_block.reset();
   auto block = ProgramBlock::read(files);
   if (!block) return put(block.error());
-  g_block.emplace(*std::move(block));
+  g_block = std::make_unique<ProgramBlock>(*std::move(block));
   return 0;
+}
+
+KERF_EXPORT(kerf_journal) std::uint32_t kerf_journal() {
+  g_block.reset();
+  auto block = JournalBlock::read(g_input);
+  if (!block) return put(block.error());
+  auto journal = std::make_unique<JournalBlock>(*std::move(block));
+  g_journal = journal.get();
+  g_block = std::move(journal);
+  return 0;
+}
+
+KERF_EXPORT(kerf_records) std::uint32_t kerf_records() {
+  keep_reserve();
+  return put_error(g_journal->add(g_input));
 }
 
 KERF_EXPORT(kerf_make) std::uint32_t kerf_make() { return put_error(g_block->make()); }
 
-KERF_EXPORT(kerf_carve) std::uint32_t kerf_carve(std::uint32_t motions) {
+KERF_EXPORT(kerf_carve) std::uint32_t kerf_carve(std::uint32_t steps, std::uint32_t feels) {
   keep_reserve();
-  return put_error(g_block->carve(motions));
+  return put_error(g_block->carve(steps, feels != 0));
 }
 
-KERF_EXPORT(kerf_seek) void kerf_seek(std::uint32_t motion) { g_block->seek(motion); }
+KERF_EXPORT(kerf_play) std::uint32_t kerf_play(double until_s, std::uint32_t steps) {
+  keep_reserve();
+  return put_error(g_block->play(until_s, steps));
+}
+
+KERF_EXPORT(kerf_seek) std::uint32_t kerf_seek(std::uint32_t step) {
+  keep_reserve();
+  return put_error(g_block->seek(step));
+}
 
 KERF_EXPORT(kerf_changed) std::uint32_t kerf_changed() {
   g_output.clear();

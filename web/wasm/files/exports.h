@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a page without a server calls: one program with its block, whose files lie in a folder that
-// the page keeps for the module, and two buffers through which texts and meshes pass. All numbers
+// What a page calls that carves by itself: one block, of a program whose files lie in a folder that
+// the page keeps for the module, or of a journal, and two buffers through which texts and meshes
+// pass. All numbers
 // are little-endian. A call that returns a number of bytes has put them into the output.
 
 #include <cstddef>
@@ -17,31 +18,36 @@ std::byte* kerf_input(std::uint32_t bytes);
 const std::byte* kerf_output();
 
 /// ProgramBlock::read: the input has the names of program, scene and stock, a line each. Returns
-/// the bytes of the error, 0 if there is none; as do the next two.
+/// the bytes of the error, 0 if there is none; as do all down to kerf_seek.
 std::uint32_t kerf_read();
-/// ProgramBlock::make. This needs what was read, and all others below a block.
+/// JournalBlock::read of the input.
+std::uint32_t kerf_journal();
+/// JournalBlock::add of the input. This needs a journal that was read.
+std::uint32_t kerf_records();
+/// PlayedBlock::make. This needs what was read, and all others below a block.
 std::uint32_t kerf_make();
-/// ProgramBlock::carve.
-std::uint32_t kerf_carve(std::uint32_t motions);
+/// PlayedBlock::carve; `feels` is 0 or 1.
+std::uint32_t kerf_carve(std::uint32_t steps, std::uint32_t feels);
+/// PlayedBlock::play.
+std::uint32_t kerf_play(double until_s, std::uint32_t steps);
+/// PlayedBlock::seek.
+std::uint32_t kerf_seek(std::uint32_t step);
 
-/// ProgramBlock::seek.
-void kerf_seek(std::uint32_t motion);
-
-/// ProgramBlock::changed: returns the number of tiles, and puts a TileIndex of each into the
+/// PlayedBlock::changed: returns the number of tiles, and puts a TileIndex of each into the
 /// output.
 std::uint32_t kerf_changed();
-/// ProgramBlock::mesh, as in web/wasm/exports.h.
+/// PlayedBlock::mesh, as in web/wasm/exports.h.
 std::uint32_t kerf_mesh(std::int32_t x, std::int32_t y);
 
-/// ProgramBlock::hash.
+/// PlayedBlock::hash.
 std::uint64_t kerf_hash();
 
-/// ProgramBlock::about, progress and path: return the bytes of a JSON text.
+/// PlayedBlock::about, progress and path: return the bytes of a JSON text.
 std::uint32_t kerf_about();
 std::uint32_t kerf_progress();
 std::uint32_t kerf_path();
 
-/// ProgramBlock::write of the format whose name is the input, as the file "model". Returns the
+/// PlayedBlock::write of the format whose name is the input, as the file "model". Returns the
 /// bytes of the error, 0 if there is none.
 std::uint32_t kerf_write();
 

@@ -126,9 +126,7 @@ Result ProgramBlock::make() {
     if (auto defined = sculpture_->apply(DefineTool{id, tool.tool}); !defined)
       return std::unexpected(label_ + ": tool " + std::to_string(id) + ": " +
                              defined.error().reason);
-  const DexelGrid& grid = sculpture_->grid();
-  for (std::int32_t y = 0; y < grid.tiles_y(); ++y)
-    for (std::int32_t x = 0; x < grid.tiles_x(); ++x) changed_.insert({x, y});
+  mark_all(sculpture_->grid());
   return {};
 }
 
@@ -137,7 +135,7 @@ void ProgramBlock::keep_state() {
   kept_.push_back({sculpture_->state(), carved_, machining_s_, {}});
 }
 
-Result ProgramBlock::carve(std::size_t motions) {
+Result ProgramBlock::carve(std::size_t motions, bool /*feels*/) {
   const std::size_t between = std::max(kBetweenMin, program_.motions.size() / kKeptStates);
   const std::size_t end = std::min(program_.motions.size(), carved_ + motions);
   while (carved_ < end) {
@@ -155,37 +153,28 @@ Result ProgramBlock::carve(std::size_t motions) {
     // Of the last state before this motion: after seek() others may be kept behind it.
     auto state = std::ranges::upper_bound(kept_, carved_, {}, &Kept::carved);
     std::prev(state)->changed.insert(tiles.begin(), tiles.end());
-    changed_.insert(tiles.begin(), tiles.end());
+    mark(tiles);
     machining_s_ += motion.duration_s;
     ++carved_;
   }
   return {};
 }
 
-void ProgramBlock::seek(std::size_t motion) {
-  if (kept_.empty()) return;  // nothing is carved
+std::optional<double> ProgramBlock::next_s() const {
+  if (carved_ == program_.motions.size()) return std::nullopt;
+  return machining_s_ + program_.motions[carved_].duration_s;
+}
+
+Result ProgramBlock::seek(std::size_t motion) {
+  if (kept_.empty()) return {};  // nothing is carved
   const auto to = std::prev(std::ranges::upper_bound(kept_, motion, {}, &Kept::carved));
-  if (motion >= carved_ && to->carved <= carved_) return;  // carving on is as good
+  if (motion >= carved_ && to->carved <= carved_) return {};  // carving on is as good
   const auto [from, until] = std::minmax(to->carved, carved_);
   auto between = std::prev(std::ranges::upper_bound(kept_, from, {}, &Kept::carved));
-  for (; between != kept_.end() && between->carved < until; ++between)
-    changed_.insert(between->changed.begin(), between->changed.end());
+  for (; between != kept_.end() && between->carved < until; ++between) mark(between->changed);
   sculpture_->restore(to->state);
   carved_ = to->carved;
   machining_s_ = to->machining_s;
-}
-
-std::vector<TileIndex> ProgramBlock::changed() {
-  std::set<TileIndex> changed;
-  std::swap(changed, changed_);
-  shown_ = sculpture_->solid();
-  return tiles_to_remesh(sculpture_->grid(), {changed.begin(), changed.end()});
-}
-
-Result ProgramBlock::write(ModelFormat format, const std::string& file) {
-  SnapshotMesh mesh(sculpture_->solid());
-  const auto written = write_model(file, mesh, {.format = format, .title = scene_.name});
-  if (!written) return std::unexpected(written.error().reason);
   return {};
 }
 

@@ -9,12 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "kernel/sculpture.h"
 #include "kernel/sculpture_state.h"
-#include "kernel/surface/tile_mesh.h"
-#include "server/formats/model/model_writer.h"
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
+#include "web/wasm/files/played_block.h"
 
 namespace kerf::page {
 
@@ -24,35 +22,26 @@ struct BlockFiles {
 };
 
 /// A program and its block, carved as kerf-carve does it with the same files: for a page without a
-/// server. Errors are one line, that of kerf-carve. Not thread-safe.
-class ProgramBlock {
+/// server. Steps are motions, and errors those of kerf-carve. It feels no forces.
+class ProgramBlock final : public PlayedBlock {
  public:
   /// Reads scene and program. Without a scene it is derived from the program, or, if there is none,
   /// from the size of the stock.
   static std::expected<ProgramBlock, std::string> read(const BlockFiles& files);
-  /// Makes the block. An accuracy that is a target is refined for thin walls before.
-  std::expected<void, std::string> make();
+  /// An accuracy that is a target is refined for thin walls before.
+  std::expected<void, std::string> make() override;
+  std::expected<void, std::string> carve(std::size_t motions, bool feels) override;
+  /// Returns to a state that was kept, the last one before or at a motion.
+  std::expected<void, std::string> seek(std::size_t motion) override;
+  std::optional<double> next_s() const override;
+  std::uint64_t hash() override { return sculpture_->state_hash(); }
+  std::string about() const override;
+  std::string progress() const override;
+  std::string path() const override;
 
-  /// Carves the next motions, at most so many.
-  std::expected<void, std::string> carve(std::size_t motions);
-  /// Returns to a state that was kept, the last one before or at a motion; carve() then goes on.
-  void seek(std::size_t motion);
-  /// Returns the number of motions that the block has.
-  std::size_t carved() const { return carved_; }
-
-  /// Returns the tiles whose mesh has changed since the last call; the first time all.
-  std::vector<TileIndex> changed();
-  /// Returns the mesh of a tile, which must be in the grid, as the block was at the last changed().
-  TileMesh mesh(TileIndex tile) const { return mesh_tile(shown_, tile); }
-  std::uint64_t hash() { return sculpture_->state_hash(); }
-  /// Writes the block as a model file into the module's folder.
-  std::expected<void, std::string> write(ModelFormat format, const std::string& file);
-
-  /// Returns JSON texts for the page (block_json.cpp): what was read and assumed; where the tool
-  /// is; the path of the tip.
-  std::string about() const;
-  std::string progress() const;
-  std::string path() const;
+ protected:
+  SolidSnapshot solid() override { return sculpture_->solid(); }
+  std::string title() const override { return scene_.name; }
 
  private:
   /// A state to which seek() returns, and what the motions after it have changed, up to the next.
@@ -79,8 +68,6 @@ class ProgramBlock {
   std::size_t carved_ = 0;
   double machining_s_ = 0;  ///< of the motions that are carved
   std::vector<Kept> kept_;
-  std::set<TileIndex> changed_;  ///< since the last changed()
-  SolidSnapshot shown_;          ///< at the last changed()
 };
 
 }  // namespace kerf::page

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// The routes from which a client replays the journal of a session by itself. Two of them answer
+// what never changes, so that caches can hold it.
+#include <nlohmann/json.hpp>
+
+#include "kernel/kernel_version.h"
+#include "server/http/api.h"
+#include "server/http/number.h"
+#include "server/session/hash_text.h"
+#include "server/store/journal_origin.h"
+#include "server/store/journal_reader.h"
+#include "server/store/journal_span.h"
+#include "server/store/record_span.h"
+
+namespace kerf::net {
+namespace {
+
+ApiResponse journal_failure(const JournalError& error) {
+  if (error.code == JournalErrorCode::kForeignVersion) {
+    return error_response(409, to_string(error.code), error.reason);
+  }
+  return error_response(500, to_string(error.code), error.reason);
+}
+
+/// The name of a journal: that of its first record, so that it stays the same for ever, and the
+/// session that takes the id after this one is deleted has another.
+std::expected<std::string, JournalError> name_of(JournalReader& journal) {
+  const auto mark = journal.mark(1);
+  if (!mark) return std::unexpected(mark.error());
+  return hash_text(mark->value_or(0));
+}
+
+/// Opens the journal of a session; the response to a request that names another one.
+std::expected<JournalReader, ApiResponse> named_journal(const ApiCall& call) {
+  auto journal =
+      JournalReader::open(call.session->journal_file(), RecordOrder::kSequence, call.request.stop);
+  if (!journal) return std::unexpected(journal_failure(journal.error()));
+  const auto name = name_of(*journal);
+  if (!name) return std::unexpected(journal_failure(name.error()));
+  const std::string* asked = call.request.query_value("journal");
+  if (asked != nullptr && *asked == *name) return std::move(*journal);
+  return std::unexpected(
+      error_response(404, "other_journal", "journal must be the name that `replay` states"));
+}
+
+/// A response that never changes. What everybody may read, caches between may keep too.
+ApiResponse lasting(const ApiCall& call, std::span<const std::byte> bytes) {
+  ApiResponse response;
+  response.content_type = "application/octet-stream";
+  response.body.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string_view whose = call.request.token.empty() ? "public" : "private";
+  response.headers.emplace_back("Cache-Control",
+                                std::string(whose) + ", max-age=31536000, immutable");
+  return response;
+}
+
+}  // namespace
+
+ApiResponse Api::replay(const ApiCall& call) {
+  Session& session = *call.session;
+  const HashedSolid now = current_solid(session);
+  if (now.is_between_records) {
+    auto response = error_response(503, "busy", "a stroke is being undone or redone; try again");
+    response.headers.emplace_back("Retry-After", "1");
+    return response;
+  }
+  if (auto ok = session.flush(); !ok) return journal_failure(ok.error());
+  auto journal =
+      JournalReader::open(session.journal_file(), RecordOrder::kSequence, call.request.stop);
+  if (!journal) return journal_failure(journal.error());
+  const auto name = name_of(*journal);
+  if (!name) return journal_failure(name.error());
+  auto response = json_response(200, nlohmann::json{{"journal", *name},
+                                                    {"kernel_version", kKernelVersion},
+                                                    {"record", now.hash.sequence},
+                                                    {"state_hash", hash_text(now.hash.hash)}}
+                                         .dump());
+  response.headers.emplace_back("Cache-Control", "no-store");
+  return response;
+}
+
+ApiResponse Api::journal_origin(const ApiCall& call) {
+  const auto journal = named_journal(call);
+  if (!journal) return journal.error();
+  const JournalHeader& header = journal->header();
+  return lasting(call, encode_origin({header.session, header.scene_json, header.files}));
+}
+
+ApiResponse Api::journal_records(const ApiCall& call) {
+  const auto number = [&](const char* name) -> std::uint64_t {
+    const std::string* text = call.request.query_value(name);
+    return text == nullptr ? 0 : parse_number<std::uint64_t>(*text).value_or(0);
+  };
+  const std::uint64_t first = number("first"), last = number("last");
+  if (first == 0 || last < first || last - first >= kSpanRecordsMax) {
+    return error_response(400, "bad_span",
+                          "first and last must be the numbers of at most " +
+                              std::to_string(kSpanRecordsMax) + " records, from 1");
+  }
+  const auto journal = named_journal(call);
+  if (!journal) return journal.error();
+  const auto span = journal_span(call.session->journal_file(), first, last);
+  if (!span) return journal_failure(span.error());
+  if (span->empty()) {
+    return error_response(404, "no_record",
+                          "record " + std::to_string(last) + " is not in the journal yet");
+  }
+  return lasting(call, *span);
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a server sends of a journal, and what a page makes of it.
+#include <algorithm>
+#include <random>
+
+#include "server/session/hash_text.h"
+#include "tests/server/api_rights_fixture.h"
+#include "web/wasm/files/journal_block.h"
+
+namespace kerf::net {
+namespace {
+
+using page::JournalBlock;
+
+class ApiReplay : public ApiRightsTest {
+ protected:
+  const std::string kSession = "/v1/sessions/block/";
+
+  void stroke(ParticipantId id, Vec3 from, Vec3 to) {
+    constexpr int kSteps = 30;
+    for (int n = 0; n <= kSteps + 1; ++n) {
+      wire::MotionSample sample;
+      sample.agent_sequence = ++sequences_[id];
+      sample.time_us = 1000 * ++time_ms_;
+      sample.tip_mm = from + (std::min(n, kSteps) * 1.0 / kSteps) * (to - from);
+      sample.tool_id = 1;
+      sample.buttons = n <= kSteps ? wire::kButtonCutting : 0;
+      ASSERT_TRUE(session->move(id, {&sample, 1}).result) << n;
+    }
+  }
+  void carve() {
+    const ParticipantId ada = join(tokens[Role::kSculptor]), bo = join(tokens[Role::kOwner]);
+    stroke(ada, {-15, 0, -2}, {15, 0, -2});
+    stroke(bo, {0, -15, -3}, {0, 15, -3});
+    made("POST", kSession + "undo?participant=" + std::to_string(ada), tokens[Role::kOwner]);
+    stroke(bo, {-15, 8, -2}, {15, 8, -2});
+    made("POST", kSession + "redo?participant=" + std::to_string(ada), tokens[Role::kOwner]);
+    stroke(ada, {-15, -8, -4}, {15, -8, -1});
+  }
+  Json state() { return made("GET", kSession + "replay", tokens[Role::kWatcher]); }
+  std::string bytes(const std::string& target) {
+    const ApiResponse response = ask("GET", kSession + target, tokens[Role::kWatcher]);
+    EXPECT_EQ(response.status, 200U) << target << response.body;
+    const std::pair<std::string, std::string> lasts("Cache-Control",
+                                                    "private, max-age=31536000, immutable");
+    EXPECT_TRUE(std::ranges::contains(response.headers, lasts));
+    return response.body;
+  }
+  static std::span<const std::byte> as_bytes(const std::string& text) {
+    return std::as_bytes(std::span(text));
+  }
+  std::string records(const Json& state, std::uint64_t first, std::uint64_t last) {
+    return bytes("records?journal=" + std::string(state.at("journal")) +
+                 "&first=" + std::to_string(first) + "&last=" + std::to_string(last));
+  }
+  JournalBlock read(const Json& state) {
+    auto block =
+        JournalBlock::read(as_bytes(bytes("origin?journal=" + std::string(state.at("journal")))));
+    EXPECT_TRUE(block) << block.error();
+    return *std::move(block);
+  }
+
+ private:
+  std::map<ParticipantId, std::uint64_t> sequences_;
+  std::uint64_t time_ms_ = 0;
+};
+
+TEST_F(ApiReplay, APageGetsTheServersStateFromSpansOfAnyLength) {
+  carve();
+  const Json now = state();
+  const std::uint64_t last = now.at("record");
+  ASSERT_GT(last, 100U);
+  for (const std::uint64_t length : {std::uint64_t{7}, std::uint64_t{50}, last}) {
+    JournalBlock block = read(now);
+    for (std::uint64_t first = 1; first <= last; first += length) {
+      const auto added =
+          block.add(as_bytes(records(now, first, std::min(last, first + length - 1))));
+      ASSERT_TRUE(added) << added.error();
+    }
+    ASSERT_TRUE(block.make());
+    ASSERT_TRUE(block.carve(last, false));
+    EXPECT_EQ(hash_text(block.hash()), now.at("state_hash"));
+  }
+}
+
+TEST_F(ApiReplay, APageGoesToAnyRecordToTheBitAtAnySpeed) {
+  carve();
+  const Json now = state();
+  const std::uint64_t last = now.at("record");
+  JournalBlock block = read(now);
+  ASSERT_TRUE(block.add(as_bytes(records(now, 1, last))));
+  ASSERT_TRUE(block.make());
+  std::mt19937 random(5);
+  SerialWorkers alone;
+  for (int n = 0; n < 8; ++n) {
+    const std::uint64_t record = n == 0 ? 0 : random() % last;
+    ASSERT_TRUE(block.seek(last));
+    ASSERT_TRUE(block.carve(1 + random() % 40, true));
+    ASSERT_TRUE(block.seek(record));
+    const auto there = session->solid_at(record, alone, {});
+    ASSERT_TRUE(there && *there);
+    EXPECT_EQ(block.hash(), (*there)->hash()) << record;
+  }
+}
+
+TEST_F(ApiReplay, RecordsThatComeLaterAreCarvedOnWithTheirForces) {
+  carve();
+  const Json before = state();
+  JournalBlock block = read(before);
+  ASSERT_TRUE(block.add(as_bytes(records(before, 1, before.at("record")))));
+  ASSERT_TRUE(block.make());
+  ASSERT_TRUE(block.carve(before.at("record"), false));
+  stroke(join(tokens[Role::kSculptor]), {-15, 12, -3}, {15, 12, -3});
+  const Json now = state();
+  ASSERT_GT(now.at("record"), before.at("record"));
+  ASSERT_TRUE(block.add(as_bytes(records(now, before.at("record"), now.at("record")))));
+  ASSERT_TRUE(block.carve(20, true));
+  const Json progress = Json::parse(block.progress());
+  EXPECT_GT(progress.at("tools").at(0).at("removed_rate_mm3_per_s"), 0);
+  EXPECT_NE(progress.at("tools").at(0).at("force_n"), Json({0, 0, 0}));
+  ASSERT_TRUE(block.carve(1000, true));
+  EXPECT_EQ(hash_text(block.hash()), now.at("state_hash"));
+}
+
+TEST_F(ApiReplay, WhatIsAskedForWronglyIsRejected) {
+  carve();
+  const Json now = state();
+  const std::uint64_t last = now.at("record");
+  const std::string journal = "journal=" + std::string(now.at("journal"));
+  const auto code = [&](const std::string& target, unsigned status) {
+    return std::string(
+        made("GET", kSession + target, tokens[Role::kOwner], status).at("error").at("code"));
+  };
+  EXPECT_EQ(code("records?" + journal + "&first=1&last=" + std::to_string(last + 1), 404),
+            "no_record");
+  EXPECT_EQ(code("records?" + journal + "&first=0&last=5", 400), "bad_span");
+  EXPECT_EQ(code("records?" + journal + "&first=5&last=4", 400), "bad_span");
+  EXPECT_EQ(code("records?" + journal + "&first=1&last=65537", 400), "bad_span");
+  EXPECT_EQ(code("records?journal=0123&first=1&last=5", 404), "other_journal");
+  EXPECT_EQ(code("records?first=1&last=5", 404), "other_journal");
+  EXPECT_EQ(code("origin?journal=0123", 404), "other_journal");
+  for (const char* target : {"replay", "origin", "records"}) {
+    EXPECT_EQ(ask("GET", kSession + target, "").status, 401U) << target;
+  }
+}
+
+TEST_F(ApiReplay, ADamagedSpanIsFoundBeforeItIsCarved) {
+  carve();
+  const Json now = state();
+  const std::string whole = records(now, 1, now.at("record"));
+  std::string flipped = whole;
+  flipped[flipped.size() / 2] ^= 4;
+  for (const std::string& bad : {flipped, whole.substr(0, whole.size() - 1)}) {
+    JournalBlock block = read(now);
+    const auto added = block.add(as_bytes(bad));
+    ASSERT_TRUE(block.make());
+    const auto carved = block.carve(now.at("record"), false);
+    EXPECT_TRUE(!added || !carved);
+    EXPECT_NE(hash_text(block.hash()), now.at("state_hash"));
+  }
+  JournalBlock block = read(now);
+  const std::string late = records(now, 100, now.at("record"));
+  if (late.size() < whole.size()) {
+    EXPECT_FALSE(block.add(as_bytes(late)));
+  }
+  EXPECT_FALSE(JournalBlock::read(as_bytes("short")));
+}
+
+}  // namespace
+}  // namespace kerf::net

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/history/record_source.h"
+#include "server/store/batch_rows.h"
+
+namespace kerf::page {
+
+/// The records of a journal in memory, as its file has them (server/store/README.md, "Batches"):
+/// some ten bytes a motion.
+class RecordLog {
+ public:
+  /// Adds rows of batches (server/store/record_span.h). Rows that are there already are left out,
+  /// so that spans may overlap. Records are verified when they are read. The error is one sentence.
+  std::expected<void, std::string> add(std::span<const std::byte> rows);
+  /// Number of the last record.
+  std::uint64_t last() const;
+  /// When a record was appended, ms since 1970, UTC; 0: there is none.
+  std::int64_t time_of(std::uint64_t record) const;
+  /// As RecordSource::read.
+  std::expected<void, std::string> read(
+      std::span<const RecordRange> ranges,
+      const std::function<void(JournalRecord& record)>& visit) const;
+
+ private:
+  struct Row {
+    BatchHead head;
+    std::int64_t crc = 0;
+    std::vector<std::byte> bytes;
+  };
+  std::expected<void, std::string> read_range(
+      const RecordRange& range, const std::function<void(JournalRecord& record)>& visit) const;
+  std::vector<Row>::const_iterator row_of(std::uint64_t record) const;
+
+  std::vector<Row> rows_;  ///< ascending, without gaps
+};
+
+/// Returns the records of a log, which others may extend.
+std::unique_ptr<RecordSource> log_records(std::shared_ptr<const RecordLog> log);
+
+}  // namespace kerf::page
