@@ -176,6 +176,56 @@ async function checkBranch({ page, state }, base, record) {
   assert.deepEqual([parent.session, parent.record], ['past', record]);
 }
 
+/** The page replays the journal by itself, from files that caches may keep, and finds the server's state. */
+async function checkVerified({ page }, session) {
+  await page.getByRole('button', { name: 'Check', exact: true }).click();
+  const { record } = await getJson(`${session}/replay`);
+  await page.getByText(`verified: record ${record}`).waitFor({ timeout: 1000 * SETTLE_S });
+  const spans = await page.evaluate(() =>
+    performance.getEntriesByType('resource').filter(({ name }) => name.includes('/records?')),
+  );
+  assert(spans.length > 0, 'the page has not replayed the journal');
+  const { headers } = await fetch(spans[0].name);
+  assert.equal(headers.get('cache-control'), 'public, max-age=31536000, immutable');
+  await writeFile(join(options.out, 'verified.png'), await page.screenshot());
+}
+
+/** A downloaded journal is replayed without a server: same state, any record, its surface. */
+async function checkFile(browser, base, session) {
+  const { record, state_hash } = await getJson(`${session}/replay`); // stores the hash
+  const journal = await fetch(`${session}/journal`);
+  const file = {
+    name: 'past.kerf',
+    mimeType: 'application/octet-stream',
+    buffer: Buffer.from(await journal.arrayBuffer()),
+  };
+  const viewer = await openViewer(browser, `${base}/kerf.html`, { width: 1440, height: 900 });
+  const { page, state } = viewer;
+  await page.locator('input[type="file"]').setInputFiles(file);
+  const rest = (carved) =>
+    until(`record ${carved}`, SETTLE_S, async () => {
+      const now = await state();
+      if (now.status === 'failed') throw new Error(now.problem);
+      return now.status === 'rest' && now.waiting === 0 && now.carved === carved && now;
+    });
+  assert.equal((await rest(record)).hash, state_hash);
+  await page.getByText(`verified: record ${record}`).waitFor();
+  await writeFile(join(options.out, 'kerf-file.png'), await page.screenshot());
+  const half = Math.floor(record / 2);
+  await page.getByRole('slider', { name: 'Place along the program' }).fill(String(half));
+  const then = await fetch(`${session}/model.stl?at=${half}`);
+  assert(then.headers.get('etag').includes((await rest(half)).hash), 'another state in the past');
+  const stl = Buffer.from(await then.arrayBuffer());
+  const corners = await page.evaluate(() => window.kerf.surface());
+  assertSameSurface(corners, stl, SCENE.stock, WELD_MM);
+  await page.getByLabel('Speed of playing').selectOption('64');
+  await page.getByRole('button', { name: 'Play', exact: true }).click();
+  assert.equal((await rest(record)).hash, state_hash, 'another state after playing');
+  await page.setViewportSize({ width: 390, height: 844 });
+  await writeFile(join(options.out, 'kerf-file-phone.png'), await page.screenshot());
+  assert.deepEqual(viewer.problems, []);
+}
+
 async function test(folder) {
   const { server, base, session } = await startServer(options, folder, 'past', SCENE);
   await carve(session, 4);
@@ -193,6 +243,8 @@ async function test(folder) {
     await checkChanges(viewer, session, record);
     await viewer.page.locator('.past-back').click();
     await checkBlock(viewer, session, null); // without the stroke that was undone
+    await checkVerified(viewer, session);
+    await checkFile(browser, base, session);
     assert.equal(await viewer.page.locator('.past-back').isVisible(), false);
     await viewer.page.getByLabel('Versions', { exact: true }).selectOption('Half done');
     await checkBlock(viewer, session, record);

@@ -32,13 +32,22 @@ async function reasonOf(response: Response): Promise<string> {
   return typeof reason === 'string' ? reason : t('the server answered {0}', response.status);
 }
 
-/** Asks the server; rejects with a sentence that says why it did not answer, or not so. */
-export async function ask(path: string, method: string): Promise<unknown> {
+async function answerOf(path: string, method: string): Promise<Response> {
   const response = await fetch(path, { method }).catch(() => {
     throw new Error(t('The server did not answer.'));
   });
   if (!response.ok) throw new Error(await reasonOf(response));
-  return response.json();
+  return response;
+}
+
+/** Asks the server; rejects with a sentence that says why it did not answer, or not so. */
+export async function ask(path: string, method: string): Promise<unknown> {
+  return (await answerOf(path, method)).json();
+}
+
+/** The same for an answer that is no JSON. */
+export async function askBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
+  return new Uint8Array(await (await answerOf(path, 'GET')).arrayBuffer());
 }
 
 function isStroke(value: unknown): value is Stroke {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The worker's side of the page without a server: carves in slices, between which it hears the page,
-// and meshes for a part of the time only.
+// The worker's side of a page that carves by itself: carves in slices, between which it hears the
+// page, and meshes for a part of the time only.
 
 import type { FromWorker, ToWorker } from './messages';
 import type { About, ProgramBlock } from './program_block';
@@ -9,6 +9,13 @@ const SLICE_MS = 30;
 /** Between two meshes, and in times of what the last one took. */
 const MESH_EVERY_MS = 150;
 const MESH_SHARE = 3;
+/** The same for a block that is played. */
+const PLAY_EVERY_MS = 16;
+const PLAY_SHARE = 1;
+/** Of a block that is played, ms; and pauses that are passed over, s of its clock. */
+const HASH_EVERY_MS = 1000;
+const PAUSE_S = 1;
+const PLAY_TOGETHER = 64;
 
 /** What the carver needs of its surroundings. */
 export interface Surroundings {
@@ -29,6 +36,10 @@ export class Carver {
   private carvingMs_ = 0;
   private meshedMs_ = 0;
   private meshTookMs_ = 0;
+  private isSilent_ = false;
+  /** While it plays: how fast, and where its clock was at what time of the page's. */
+  private playing_: { rate: number; fromS: number; fromMs: number } | null = null;
+  private hashedMs_ = 0;
 
   constructor(private readonly around: Surroundings) {}
 
@@ -44,15 +55,22 @@ export class Carver {
   private heard_(block: ProgramBlock, message: Exclude<ToWorker, { type: 'load' }>): void {
     switch (message.type) {
       case 'open':
-        this.open_(block, message);
+        this.open_(block, () => block.read(message.files));
+        return;
+      case 'journal':
+        this.open_(block, () => block.readJournal(message.journal), message);
+        return;
+      case 'records':
+        this.extend_(block, message.span);
         return;
       case 'seek':
-        if (!this.about_) return;
-        this.target_ = Math.max(0, Math.min(this.about_.motions, message.motion));
-        block.seek(this.target_);
-        this.changed_();
+        this.seek_(block, message.motion);
+        return;
+      case 'play':
+        this.play_(block, message.rate);
         return;
       case 'stop':
+        this.playing_ = null;
         if (this.about_) this.target_ = Math.min(this.target_, block.progress().carved);
         return;
       case 'model':
@@ -60,24 +78,61 @@ export class Carver {
     }
   }
 
-  private open_(block: ProgramBlock, { files }: ToWorker & { type: 'open' }): void {
+  private open_(
+    block: ProgramBlock,
+    read: () => void,
+    { to = Infinity, isSilent = false }: { to?: number; isSilent?: boolean } = {},
+  ): void {
     this.about_ = null;
-    try {
-      block.read(files);
+    this.playing_ = null;
+    const isRead = this.try_(() => {
+      read();
       block.make();
-    } catch (problem) {
-      if (!(problem instanceof WebAssembly.RuntimeError))
-        this.around.post({ type: 'rejected', reason: (problem as Error).message });
-      else throw problem;
-      return;
-    }
+    });
+    if (!isRead) return;
     this.about_ = block.about();
+    this.isSilent_ = isSilent;
     this.around.post({ type: 'opened', about: this.about_, path: block.path() });
-    this.target_ = this.about_.motions;
+    this.target_ = Math.min(to, this.about_.motions);
     this.carvingMs_ = 0;
     this.meshedMs_ = -Infinity;
     this.meshTookMs_ = 0;
     this.changed_();
+  }
+
+  private extend_(block: ProgramBlock, span: Uint8Array): void {
+    if (!this.about_) return;
+    this.try_(() => block.addRecords(span));
+    this.about_ = block.about();
+  }
+
+  private seek_(block: ProgramBlock, motion: number): void {
+    if (!this.about_) return;
+    this.playing_ = null;
+    const to = Math.max(0, Math.min(this.about_.motions, motion));
+    if (this.try_(() => block.seek(to))) this.target_ = to;
+    this.changed_();
+  }
+
+  private play_(block: ProgramBlock, rate: number): void {
+    if (!this.about_) return;
+    const { carved, time_s } = block.progress();
+    this.target_ = carved;
+    this.playing_ = rate > 0 ? { rate, fromS: time_s, fromMs: this.around.nowMs() } : null;
+    this.hashedMs_ = -Infinity;
+    this.changed_();
+  }
+
+  /** What the block rejects is said to the page. */
+  private try_(act: () => void): boolean {
+    try {
+      act();
+      return true;
+    } catch (problem) {
+      if (problem instanceof WebAssembly.RuntimeError) throw problem;
+      this.around.post({ type: 'rejected', reason: (problem as Error).message });
+      return false;
+    }
   }
 
   private write_(block: ProgramBlock, { format }: ToWorker & { type: 'model' }): void {
@@ -105,35 +160,66 @@ export class Carver {
   }
 
   private slice_(block: ProgramBlock): void {
+    const beganMs = this.around.nowMs();
+    const { playing_: playing } = this;
+    const done = this.try_(() => {
+      if (playing) this.playOn_(block, playing);
+      else this.carveOn_(block);
+    });
+    const { carved, next_s } = block.progress();
+    if (!done || (playing && next_s === null)) this.playing_ = null;
+    if (!done || playing) this.target_ = carved;
+    this.carvingMs_ += this.around.nowMs() - beganMs;
+    this.show_(block, !this.playing_ && carved >= this.target_);
+  }
+
+  private carveOn_(block: ProgramBlock): void {
     const { around } = this;
     const beganMs = around.nowMs();
     let { carved } = block.progress();
-    try {
-      while (carved < this.target_ && around.nowMs() - beganMs < SLICE_MS) {
-        const partMs = around.nowMs();
-        const motions = Math.min(this.together_, this.target_ - carved);
-        block.carve(motions);
-        carved += motions;
-        const tookMs = around.nowMs() - partMs;
-        if (tookMs > SLICE_MS / 4) this.together_ = Math.max(1, this.together_ >> 1);
-        else if (tookMs < SLICE_MS / 16) this.together_ *= 2;
-      }
-    } catch (problem) {
-      if (problem instanceof WebAssembly.RuntimeError) throw problem;
-      this.target_ = block.progress().carved;
-      around.post({ type: 'rejected', reason: (problem as Error).message });
+    while (carved < this.target_ && around.nowMs() - beganMs < SLICE_MS) {
+      const partMs = around.nowMs();
+      const motions = Math.min(this.together_, this.target_ - carved);
+      block.carve(motions);
+      carved += motions;
+      const tookMs = around.nowMs() - partMs;
+      if (tookMs > SLICE_MS / 4) this.together_ = Math.max(1, this.together_ >> 1);
+      else if (tookMs < SLICE_MS / 16) this.together_ *= 2;
     }
-    this.carvingMs_ += around.nowMs() - beganMs;
-    this.show_(block, carved >= this.target_);
+  }
+
+  /** Carves what is due. What cannot be carved in time is carved later: the clock waits for it. */
+  private playOn_(
+    block: ProgramBlock,
+    playing: { rate: number; fromS: number; fromMs: number },
+  ): void {
+    const { around } = this;
+    const beganMs = around.nowMs();
+    const untilS = playing.fromS + (playing.rate * (beganMs - playing.fromMs)) / 1000;
+    let { next_s: next, time_s: at } = block.progress();
+    if (next !== null && next > untilS + PAUSE_S && next > at + PAUSE_S) {
+      playing.fromS = next;
+      playing.fromMs = beganMs;
+    }
+    while (next !== null && next <= untilS && around.nowMs() - beganMs < SLICE_MS) {
+      block.play(untilS, PLAY_TOGETHER);
+      ({ next_s: next, time_s: at } = block.progress());
+    }
+    if (next === null || next > untilS) return;
+    playing.fromS = at;
+    playing.fromMs = around.nowMs();
   }
 
   /** Meshes what has changed, if it is time to. */
   private show_(block: ProgramBlock, atRest: boolean): void {
     const { around } = this;
     const beganMs = around.nowMs();
-    const pauseMs = Math.max(MESH_EVERY_MS, MESH_SHARE * this.meshTookMs_);
+    const [everyMs, share] = this.playing_
+      ? [PLAY_EVERY_MS, PLAY_SHARE]
+      : [MESH_EVERY_MS, MESH_SHARE];
+    const pauseMs = Math.max(everyMs, share * this.meshTookMs_);
     if (atRest || beganMs - this.meshedMs_ >= pauseMs) {
-      const tiles = block.changed();
+      const tiles = this.isSilent_ ? [] : block.changed();
       this.meshedMs_ = around.nowMs();
       this.meshTookMs_ = this.meshedMs_ - beganMs;
       this.isShown_ = atRest;
@@ -141,11 +227,19 @@ export class Carver {
         type: 'carved',
         progress: block.progress(),
         tiles,
-        hash: atRest ? block.hash() : null,
+        hash: this.hashOf_(block, atRest),
+        rate: this.playing_?.rate ?? 0,
         carvingMs: this.carvingMs_,
       });
     }
     if (!this.isShown_) this.changed_();
+  }
+
+  private hashOf_(block: ProgramBlock, atRest: boolean): string | null {
+    const nowMs = this.around.nowMs();
+    if (!atRest && !(this.playing_ && nowMs - this.hashedMs_ >= HASH_EVERY_MS)) return null;
+    this.hashedMs_ = nowMs;
+    return block.hash();
   }
 
   private failed_(problem: unknown): void {

@@ -3,14 +3,14 @@
 
 import { t } from '../strings';
 import type { FromWorker, ToWorker } from './messages';
-import type { GivenFiles } from './program_block';
 
 /** Whether kerf_files.wasm was there when the page was built (vite.config.ts). */
 declare const KERF_HAS_FILES: boolean;
+export const HAS_FILES = KERF_HAS_FILES;
 
 /** The page compiles it, because the policy of a worker's file forbids that (server/http). */
 async function compiled(): Promise<WebAssembly.Module> {
-  if (!KERF_HAS_FILES) throw new Error(t('this page was built without kerf_files.wasm'));
+  if (!HAS_FILES) throw new Error(t('this page was built without kerf_files.wasm'));
   const url = new URL('kerf_files.wasm', document.baseURI);
   try {
     return await WebAssembly.compileStreaming(fetch(url));
@@ -26,8 +26,8 @@ export class CarvingWorker {
 
   constructor(private readonly heard: (message: FromWorker) => void) {}
 
-  /** Reads and carves files, in place of those before. */
-  open(files: GivenFiles): void {
+  /** Reads and carves files or a journal, in place of those before. */
+  open(first: ToWorker & { type: 'open' | 'journal' }): void {
     this.end();
     const worker = new Worker(new URL('./worker.ts', import.meta.url), { type: 'module' });
     this.worker_ = worker;
@@ -42,7 +42,7 @@ export class CarvingWorker {
     this.module_.then(
       (module) => {
         worker.postMessage({ type: 'load', module } satisfies ToWorker);
-        worker.postMessage({ type: 'open', files } satisfies ToWorker);
+        worker.postMessage(first);
       },
       (problem: unknown) => {
         this.module_ = null; // the next block tries again

@@ -3,19 +3,28 @@
 
 import type { GivenFile, GivenFiles } from './program_block';
 
-export const NO_FILES: GivenFiles = { program: null, scene: null, stock: null, others: [] };
+export const NO_FILES: GivenFiles = {
+  program: null,
+  scene: null,
+  stock: null,
+  journal: null,
+  others: [],
+};
 
 /** For the dialog of the browser; programs have many endings. */
 export const MODEL = /\.(stl|ply|obj|3mf|glb)$/i;
 const SCENE = /\.json$/i;
+const JOURNAL = /\.kerf$/i;
 
 /**
  * Adds files to those that are there. The first program takes the place of the one before, further
- * ones are its subroutines; a scene takes the place of a scene. A model is the stock, and a file
+ * ones are its subroutines; a journal takes the place of all, and they of a journal; a scene takes the place of a scene. A model is the stock, and a file
  * that the scene may name where there is one.
  */
 export function withFiles(before: GivenFiles, added: readonly GivenFile[]): GivenFiles {
-  const files = { ...before };
+  const journal = added.filter(({ name }) => JOURNAL.test(name)).at(-1);
+  if (journal) return { ...NO_FILES, journal };
+  const files = { ...before, journal: null };
   let hasProgram = false;
   for (const file of added) {
     if (SCENE.test(file.name)) files.scene = file;

@@ -7,21 +7,24 @@ import type { TileTriangles } from '../kernel/kernel';
 import { pathOfAnswer } from '../model/program_path';
 import { SessionModel } from '../model/session';
 import { tileKey } from '../model/tiles';
-import { h, iconButton, setText } from '../ui/dom';
-import { ICONS } from '../ui/icons';
+import { h, setText } from '../ui/dom';
 import { insetsOf } from '../ui/insets';
 import { mountInspect } from '../ui/inspect/mount';
 import { listenToKeys } from '../ui/keyboard';
 import { OneOpen } from '../ui/one_open';
 import { Picture } from '../ui/picture';
 import type { PathControl } from '../ui/programs/path_control';
-import type { CameraRig, Preset } from '../view/camera_rig';
+import type { CameraRig } from '../view/camera_rig';
 import { asWelcome } from './as_welcome';
+import { titleBar, viewToolbar } from './bars';
 import { CarvingWorker } from './carving_worker';
+import { download } from './download';
 import { exampleProgram } from './example';
-import { asRead, NO_FILES, placeOfError, withFiles } from './given_files';
+import { NO_FILES, placeOfError, withFiles } from './given_files';
 import type { FromWorker } from './messages';
-import type { About, GivenFile, Progress } from './program_block';
+import type { About, GivenFile, GivenFiles, Progress } from './program_block';
+import { readGiven } from './read_given';
+import type { ReadGiven } from './read_given';
 import { SidePanel } from './side_panel';
 import type { Status } from './side_panel';
 import { startCard } from './start_card';
@@ -31,12 +34,6 @@ import { ToolTrack } from './tool_track';
 const NEWEST = 1n;
 
 const NOTHING = (): void => undefined;
-
-function download(name: string, bytes: Uint8Array<ArrayBuffer>): void {
-  const url = URL.createObjectURL(new Blob([bytes], { type: 'application/octet-stream' }));
-  h('a', { href: url, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(url), 60_000);
-}
 
 export class LocalPage {
   readonly model = new SessionModel();
@@ -63,6 +60,7 @@ export class LocalPage {
   private readonly tool_ = new ToolTrack(this.model);
   private path_: PathControl | null = null;
   private files_ = NO_FILES;
+  private read_: ReadGiven | null = null;
   private status_: Status = 'empty';
   private about_: About | null = null;
   private progress_: Progress | null = null;
@@ -84,6 +82,7 @@ export class LocalPage {
       },
       stop: () => this.stop_(),
       seek: (motion) => this.seek_(motion),
+      play: (rate) => this.play_(rate),
       takeHome: (format) => this.worker_.post({ type: 'model', format }),
       linePressed: (line) => {
         this.panel_.markLine(line);
@@ -96,13 +95,13 @@ export class LocalPage {
       choose: () => this.file_.click(),
       example: () => this.take_([exampleProgram()]),
     });
-    this.toolbar_ = this.makeToolbar_();
+    this.toolbar_ = viewToolbar(() => this.rig_);
     this.main_ = h(
       'main',
       { class: 'viewer' },
       this.canvas_,
       this.overlay_,
-      this.makeBar_(),
+      titleBar(this.title_),
       this.toolbar_,
       this.start_,
       this.panel_.element,
@@ -135,35 +134,6 @@ export class LocalPage {
 
   private get rig_(): CameraRig | undefined {
     return this.picture_.viewer?.rig;
-  }
-
-  private makeBar_(): HTMLElement {
-    return h(
-      'header',
-      { class: 'bar' },
-      h(
-        'span',
-        { class: 'brand' },
-        h('img', { src: './icon.svg', alt: '', width: '28', height: '28' }),
-        h('span', { class: 'brand-name' }, 'Kerf'),
-      ),
-      h('div', { class: 'titles' }, this.title_),
-    );
-  }
-
-  private makeToolbar_(): HTMLElement {
-    const view = (icon: string, label: string, key: string, preset: Preset): HTMLElement =>
-      iconButton(icon, label, key, () => this.rig_?.preset(preset, performance.now()));
-    const fit = iconButton(ICONS.fit, t('Fit'), 'F', () => this.rig_?.fit(performance.now()));
-    return h(
-      'div',
-      { class: 'toolbar', role: 'toolbar', 'aria-label': t('View') },
-      fit,
-      view(ICONS.iso, t('Three-quarter view'), '0', 'iso'),
-      view(ICONS.front, t('Front'), '1', 'front'),
-      view(ICONS.right, t('Right'), '3', 'right'),
-      view(ICONS.top, t('Top'), '7', 'top'),
-    );
   }
 
   private listen_(toggleInspect: () => void): void {
@@ -225,8 +195,9 @@ export class LocalPage {
 
   /** Has the files carved from the start. */
   private begin_(): void {
-    const { program, scene, stock } = this.files_;
+    const { program, scene, stock, journal } = this.files_;
     this.worker_.end();
+    this.read_ = null;
     this.about_ = null;
     this.progress_ = null;
     this.hash_ = null;
@@ -234,11 +205,23 @@ export class LocalPage {
     this.wish_ = null;
     this.path_?.show(null);
     this.panel_.setFiles(this.files_, program ? new TextDecoder().decode(program.bytes) : null);
-    const isEmpty = program === null && scene === null && stock === null;
-    setText(this.title_, (program ?? scene ?? stock)?.name ?? t('Without a server'));
+    const first = journal ?? program ?? scene ?? stock;
+    const isEmpty = first === null;
+    setText(this.title_, first?.name ?? t('Without a server'));
     this.setStatus_(isEmpty ? 'empty' : 'reading');
     if (isEmpty) this.clearPicture_();
-    else this.worker_.open(asRead(this.files_));
+    else void this.open_(this.files_);
+  }
+
+  private async open_(files: GivenFiles): Promise<void> {
+    try {
+      const read = await readGiven(files);
+      if (this.files_ !== files) return; // others were given meanwhile
+      this.read_ = read;
+      this.worker_.open(read.first);
+    } catch (problem) {
+      if (this.files_ === files) this.reject_((problem as Error).message, true);
+    }
   }
 
   private heard_(message: FromWorker): void {
@@ -271,13 +254,14 @@ export class LocalPage {
     this.model.apply(welcome);
     this.model.tiles.finishSnapshot();
     this.model.setStatus('connected', '');
+    this.model.participants.setList(this.read_?.participants ?? []);
     this.picture_.welcome(welcome);
     mark('welcome');
     setText(this.title_, about.name);
     document.title = `${about.name} · Kerf`;
     this.panel_.setAbout(about);
     this.setStatus_('carving');
-    if (about.motions > 0) void this.showPath_(about, path);
+    if (path !== null && about.motions > 0) void this.showPath_(about, path);
   }
 
   /** The code of paths needs that of the view, which comes later than the panel's. */
@@ -303,7 +287,13 @@ export class LocalPage {
     this.path_?.reach(progress.carved, about.motions, progress.line);
   }
 
-  private carved_({ progress, tiles, hash, carvingMs }: FromWorker & { type: 'carved' }): void {
+  private carved_({
+    progress,
+    tiles,
+    hash,
+    rate,
+    carvingMs,
+  }: FromWorker & { type: 'carved' }): void {
     const { about_: about } = this;
     if (!about) return;
     this.progress_ = progress;
@@ -316,9 +306,12 @@ export class LocalPage {
     const triangles = [...this.triangles_.values()].reduce((sum, one) => sum + one, 0);
     this.panel_.setProgress(progress, triangles, this.wish_ === null);
     this.panel_.setHash(hash, carvingMs);
-    this.tool_.show(progress, progress.carved < about.motions);
+    this.panel_.setStored(this.read_?.compare(progress.carved, hash, about) ?? '');
+    this.panel_.setRate(rate);
+    if (progress.tools) this.tool_.showAll(progress.tools);
+    else this.tool_.show(progress, progress.carved < about.motions);
     this.showReached_();
-    if (hash !== null) this.setStatus_('rest');
+    if (hash !== null && rate === 0) this.setStatus_('rest');
     else this.setStatus_('carving');
   }
 
@@ -344,6 +337,11 @@ export class LocalPage {
   private seek_(motion: number): void {
     this.wish_ = motion;
     this.worker_.post({ type: 'seek', motion });
+  }
+
+  private play_(rate: number): void {
+    this.wish_ = null;
+    this.worker_.post(rate > 0 ? { type: 'play', rate } : { type: 'stop' });
   }
 
   private setStatus_(status: Status): void {

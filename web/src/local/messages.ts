@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the page without a server and its worker say to each other.
+// What a page that carves by itself and its worker say to each other.
 
 import type { TileTriangles } from '../kernel/kernel';
-import type { About, GivenFiles, Progress, TakeHomeFormat } from './program_block';
+import type { About, GivenFiles, GivenJournal, Progress, TakeHomeFormat } from './program_block';
 
 export type ToWorker =
   /** kerf_files.wasm, compiled. */
   | { type: 'load'; module: WebAssembly.Module }
   /** Files to read; their program is carved to its end. */
   | { type: 'open'; files: GivenFiles }
-  /** Carves forward or goes back to so many motions. */
+  /** A journal to read. It is replayed up to a record; `isSilent`: nothing of it is displayed. */
+  | { type: 'journal'; journal: GivenJournal; to: number; isSilent: boolean }
+  /** Further records of the journal. */
+  | { type: 'records'; span: Uint8Array<ArrayBuffer> }
+  /** Carves forward or goes back to so many motions, or records. */
   | { type: 'seek'; motion: number }
+  /** Plays on with forces, so many times as fast as it was carved; to be ended by the others. */
+  | { type: 'play'; rate: number }
   /** Ends carving where it is. */
   | { type: 'stop' }
   | { type: 'model'; format: TakeHomeFormat };
@@ -23,8 +29,10 @@ export type FromWorker =
       type: 'carved';
       progress: Progress;
       tiles: TileTriangles[];
-      /** Of the state, once it rests. */
+      /** Of the state, once it rests; while it plays, each second. */
       hash: string | null;
+      /** With which it plays; 0: it does not. */
+      rate: number;
       /** Time of carving alone since `opened`, ms. */
       carvingMs: number;
     }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program and its block in kerf_files.wasm: typed calls of what web/wasm/files/exports.h
-// declares.
+// A block in kerf_files.wasm, of a program or of a journal: typed calls of what
+// web/wasm/files/exports.h declares.
 
 import { hashText, trianglesOf } from '../kernel/kernel';
 import type { TileTriangles } from '../kernel/kernel';
-import type { Stock, ToolInfo, Vec3 } from '../wire/types';
+import type { Stock, ToolInfo, ToolState, Vec3 } from '../wire/types';
 import { MemoryFolder } from './memory_folder';
 
 /** A file that the user has given. */
@@ -18,7 +18,17 @@ export interface GivenFiles {
   program: GivenFile | null;
   scene: GivenFile | null;
   stock: GivenFile | null;
+  /** A .kerf file, which has all of these. */
+  journal: GivenFile | null;
   others: GivenFile[];
+}
+
+/** A journal as a replay needs it. */
+export interface GivenJournal {
+  /** Its scene and the files that this names (server/store/journal_origin.h). */
+  origin: Uint8Array<ArrayBuffer>;
+  /** Rows of records (server/store/record_span.h), in order; they may overlap. */
+  spans: Uint8Array<ArrayBuffer>[];
 }
 
 /** What was read, and what was assumed. */
@@ -30,6 +40,7 @@ export interface About {
   pitch_mm: number;
   tolerance_mm: number;
   pivot_mm: number;
+  /** Of a journal: its records. */
   motions: number;
   lines: number;
   /** Of all motions, at feed rate. */
@@ -37,13 +48,19 @@ export interface About {
   /** What was assumed, a line each. */
   notes: string[];
   warnings: string[];
+  /** Of a journal: the version that replays it. */
+  kernel_version?: number;
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
 
-/** How far the program has been carved. */
+/** How far the program or the journal has been carved. */
 export interface Progress {
   carved: number;
   machining_s: number;
+  /** On the block's own clock: of feeds, or since the first record of a journal. */
+  time_s: number;
+  /** When the next step ends; null at the end. */
+  next_s: number | null;
   removed_mm3: number;
   /** Of the program's text; 0: unknown. */
   line: number;
@@ -51,6 +68,10 @@ export interface Progress {
   tool?: number;
   tip_mm?: Vec3;
   axis?: Vec3;
+  /** Of a journal: when the record was appended, ms since 1970; 0: unknown. */
+  time_ms?: number;
+  /** Of a journal: the tools that have moved, with the forces of their last motions. */
+  tools?: Omit<ToolState, 'felt_share'>[];
 }
 
 export type TakeHomeFormat = 'stl' | '3mf';
@@ -61,9 +82,12 @@ interface Exports {
   kerf_input(bytes: number): number;
   kerf_output(): number;
   kerf_read(): number;
+  kerf_journal(): number;
+  kerf_records(): number;
   kerf_make(): number;
-  kerf_carve(motions: number): number;
-  kerf_seek(motion: number): void;
+  kerf_carve(steps: number, feels: number): number;
+  kerf_play(untilS: number, steps: number): number;
+  kerf_seek(step: number): number;
   kerf_changed(): number;
   kerf_mesh(x: number, y: number): number;
   kerf_hash(): bigint;
@@ -103,14 +127,32 @@ export class ProgramBlock {
     this.check_(this.calls.kerf_make());
   }
 
-  /** Carves so many motions more, at most. */
-  carve(motions: number): void {
-    this.check_(this.calls.kerf_carve(motions));
+  /** Reads a journal in place of files. */
+  readJournal({ origin, spans }: GivenJournal): void {
+    this.give_(origin);
+    this.check_(this.calls.kerf_journal());
+    for (const span of spans) this.addRecords(span);
   }
 
-  /** Goes back to a state before a motion, or to a later one that is known; carving goes on there. */
-  seek(motion: number): void {
-    this.calls.kerf_seek(motion);
+  /** Adds records to a journal that was read. */
+  addRecords(span: Uint8Array): void {
+    this.give_(span);
+    this.check_(this.calls.kerf_records());
+  }
+
+  /** Carves so many steps more, at most, without forces. */
+  carve(steps: number): void {
+    this.check_(this.calls.kerf_carve(steps, 0));
+  }
+
+  /** Carves the next steps that end by a time on the block's clock, at most so many, with forces. */
+  play(untilS: number, steps: number): void {
+    this.check_(this.calls.kerf_play(untilS, steps));
+  }
+
+  /** Goes to a step or to one before it, from which carving goes on. */
+  seek(step: number): void {
+    this.check_(this.calls.kerf_seek(step));
   }
 
   /** Meshes of the tiles that have changed since the last call; the first time of all. */
@@ -149,7 +191,10 @@ export class ProgramBlock {
   }
 
   private put_(text: string): void {
-    const bytes = new TextEncoder().encode(text);
+    this.give_(new TextEncoder().encode(text));
+  }
+
+  private give_(bytes: Uint8Array): void {
     const at = this.calls.kerf_input(bytes.length);
     new Uint8Array(this.calls.memory.buffer, at, bytes.length).set(bytes);
   }

@@ -12,16 +12,19 @@ import { languageChoice } from '../ui/language_choice';
 import { MaterialChoice } from '../ui/material_choice';
 import { duration } from '../ui/programs/texts';
 import { TextView } from '../ui/programs/text_view';
+import { Transport } from '../ui/timeline/transport';
 import type { About, GivenFiles, Progress, TakeHomeFormat } from './program_block';
 
 export type Status = 'empty' | 'reading' | 'carving' | 'rest' | 'failed';
 
 export interface SideActions {
   choose: () => void;
-  remove: (what: 'program' | 'scene' | 'stock') => void;
+  remove: (what: 'program' | 'scene' | 'stock' | 'journal') => void;
   /** Ends what the worker does. */
   stop: () => void;
   seek: (motion: number) => void;
+  /** Plays on with a rate, or rests with 0. */
+  play: (rate: number) => void;
   takeHome: (format: TakeHomeFormat) => void;
   linePressed: (line: number) => void;
   materialChosen: (preset: StockMaterialPreset) => void;
@@ -51,6 +54,9 @@ export class SidePanel {
     class: 'scrub',
     'aria-label': t('Place along the program'),
   });
+  private readonly stored_ = h('p', { class: 'quiet program-figures', role: 'status' });
+  private readonly transport_: Transport;
+  private carved_ = 0;
   private readonly where_ = h('p', { class: 'quiet program-figures' });
   private readonly text_: TextView;
   private readonly motions_ = new Figure(t('Motions'));
@@ -74,6 +80,13 @@ export class SidePanel {
   constructor(private readonly actions: SideActions) {
     this.stop_ = button(t('Stop'), actions.stop);
     this.scrub_.addEventListener('input', () => actions.seek(Number(this.scrub_.value)));
+    this.transport_ = new Transport({
+      step: (steps) => {
+        const end = this.about_?.motions ?? 0;
+        actions.seek(Math.max(0, Math.min(end, this.carved_ + steps)));
+      },
+      play: (rate) => actions.play(rate),
+    });
     this.text_ = new TextView(() => undefined, actions.linePressed);
     this.takeHome_ = (['stl', '3mf'] as const).map((format) =>
       button(format.toUpperCase(), () => actions.takeHome(format)),
@@ -82,6 +95,7 @@ export class SidePanel {
       t('Program'),
       h('div', { class: 'program-one' }, this.bar_),
       h('div', { class: 'scrub-row' }, this.scrub_, this.stop_),
+      this.transport_.element,
       this.where_,
       this.path,
       this.text_.element,
@@ -107,7 +121,13 @@ export class SidePanel {
         section(t('Downloads'), h('div', { class: 'history-actions' }, ...this.takeHome_)),
         this.assumed_,
         section(t('Material'), new MaterialChoice(actions.materialChosen).element),
-        h('div', {}, h('p', { class: 'quiet hash' }, t('State '), this.hash_), this.took_),
+        h(
+          'div',
+          {},
+          h('p', { class: 'quiet hash' }, t('State '), this.hash_),
+          this.took_,
+          this.stored_,
+        ),
         languageChoice(),
       ),
     );
@@ -119,7 +139,7 @@ export class SidePanel {
   /** The files that are there; `text` is that of the program. */
   setFiles(files: GivenFiles, text: string | null): void {
     const { actions } = this;
-    const row = (what: 'program' | 'scene' | 'stock', label: string): HTMLElement[] => {
+    const row = (what: 'program' | 'scene' | 'stock' | 'journal', label: string): HTMLElement[] => {
       const file = files[what];
       if (!file) return [];
       const remove = h(
@@ -134,6 +154,7 @@ export class SidePanel {
       h('li', {}, h('span', {}, name), h('small', { class: 'quiet' }, t('subroutine'))),
     );
     this.files_.replaceChildren(
+      ...row('journal', t('journal')),
       ...row('program', t('program')),
       ...row('scene', t('scene')),
       ...row('stock', t('stock')),
@@ -142,7 +163,8 @@ export class SidePanel {
     this.about_ = null;
     this.assumed_.hidden = true;
     for (const one of [this.motions_, this.removed_, this.triangles_, this.pitch_]) one.set('–');
-    this.program_.hidden = text === null;
+    this.program_.hidden = text === null && files.journal === null;
+    this.text_.element.hidden = text === null;
     this.text_.show(text ?? '');
     this.text_.follow(true);
     this.showError('', null);
@@ -176,6 +198,7 @@ export class SidePanel {
     const about = this.about_;
     if (!about) return;
     const { carved, line } = progress;
+    this.carved_ = carved;
     this.bar_.value = about.motions > 0 ? carved / about.motions : 1;
     if (follows) this.scrub_.value = String(carved);
     this.removed_.set(...volume(progress.removed_mm3));
@@ -186,6 +209,16 @@ export class SidePanel {
     setText(this.where_, place);
     this.scrub_.setAttribute('aria-valuetext', place);
     this.text_.setLive(carved < about.motions ? line : 0);
+  }
+
+  /** @param rate with which the block plays; 0: it does not */
+  setRate(rate: number): void {
+    this.transport_.update(rate, false);
+  }
+
+  /** What the state says beside the one that the journal stores. */
+  setStored(text: string): void {
+    setText(this.stored_, text);
   }
 
   setHash(hash: string | null, carvingMs: number): void {

@@ -47,6 +47,12 @@ export class ToolTrack {
     this.model.applyTools(header, [state], nowMs);
   }
 
+  /** Shows the tools of a journal. */
+  showAll(tools: readonly Omit<ToolState, 'felt_share'>[]): void {
+    const states = tools.map((tool) => ({ ...tool, felt_share: 0 }));
+    this.model.participants.applyTools(states, performance.now());
+  }
+
   clear(): void {
     this.model.participants.setList([]);
   }

@@ -11,6 +11,7 @@ import { Figure, section } from './figures';
 import { count, duration, figure, volume } from './format';
 import { History } from './history';
 import { MaterialChoice } from './material_choice';
+import { mountCheck } from '../replay/mount';
 import { People } from './people';
 import { PlotSpot } from './plot_spot';
 import { takeHomeButton } from './take_home/mount';
@@ -84,7 +85,7 @@ export class Panel {
         section(t('History'), this.history.element),
         section(t('Downloads'), takeHomeButton(model, session)),
         section(t('Material'), this.material_.element),
-        h('p', { class: 'quiet hash' }, t('State '), this.hash_),
+        h('p', { class: 'quiet hash' }, t('State '), this.hash_, mountCheck(session) ?? ''),
         languageChoice(),
       ),
     );

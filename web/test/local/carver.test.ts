@@ -7,6 +7,7 @@ import type { About, ProgramBlock, Progress } from '../../src/local/program_bloc
 
 const MOTIONS = 1000;
 const MOTION_MS = 2;
+const PAUSE_S = 3600;
 const MODULE = {} as WebAssembly.Module;
 
 /** A block whose motions take their time on the clock of the test. */
@@ -15,6 +16,7 @@ class FakeBlock {
   fault = '';
   faultAt = Infinity;
   dirty = 0;
+  motions = MOTIONS;
   constructor(private readonly clock: { ms: number }) {}
 
   read(): void {
@@ -24,7 +26,7 @@ class FakeBlock {
     this.carved = 0;
   }
   about(): Partial<About> {
-    return { motions: MOTIONS };
+    return { motions: this.motions };
   }
   path(): unknown {
     return {};
@@ -41,12 +43,29 @@ class FakeBlock {
   seek(motion: number): void {
     if (motion < this.carved) this.carved = motion - (motion % 100);
   }
+  readJournal(): void {
+    this.read();
+  }
+  addRecords(): void {
+    this.motions += 100;
+  }
+  /** A step each 10 ms of its clock, but for a pause after half of them. */
+  timeS(step: number): number {
+    return step / 100 + (step > MOTIONS / 2 ? PAUSE_S : 0);
+  }
+  play(untilS: number, steps: number): void {
+    for (let n = 0; n < steps && this.carved < this.motions; n += 1) {
+      if (this.timeS(this.carved + 1) > untilS) return;
+      this.carve(1);
+    }
+  }
   changed(): unknown[] {
     this.dirty = 0;
     return [];
   }
   progress(): Partial<Progress> {
-    return { carved: this.carved };
+    const next_s = this.carved < this.motions ? this.timeS(this.carved + 1) : null;
+    return { carved: this.carved, time_s: this.timeS(this.carved), next_s };
   }
   hash(): string {
     return `state ${this.carved}`;
@@ -132,6 +151,71 @@ describe('the worker that carves', () => {
     expect(last()).toMatchObject({ hash: 'state 321' });
     await carver.receive({ type: 'model', format: 'stl' });
     expect(last()).toMatchObject({ type: 'model', bytes: new Uint8Array([321 & 0xff]) });
+  });
+
+  const JOURNAL = { origin: new Uint8Array(), spans: [] };
+  const open = async (to: number, isSilent = false): Promise<void> => {
+    await carver.receive({ type: 'journal', journal: JOURNAL, to, isSilent });
+    run();
+  };
+  /** Lets time pass in frames until the block rests. */
+  const watch = (ms: number): number[] => {
+    const seen: number[] = [];
+    for (const endMs = clock.ms + ms; clock.ms < endMs && waiting.length > 0; clock.ms += 5) {
+      run(1);
+      const message = last();
+      if (message.type === 'carved') seen.push(message.progress.carved);
+    }
+    return seen;
+  };
+
+  it('replays a journal up to a record, and shows nothing of it if it is to be silent', async () => {
+    await open(300);
+    expect(last()).toMatchObject({ hash: 'state 300', rate: 0 });
+    block.changed = () => {
+      throw new Error('meshed');
+    };
+    await open(400, true);
+    expect(last()).toMatchObject({ hash: 'state 400', tiles: [] });
+  });
+
+  it('plays with the rate, step by step, and rests where it is stopped', async () => {
+    await open(0);
+    const beganMs = clock.ms;
+    await carver.receive({ type: 'play', rate: 4 });
+    const seen = watch(500);
+    expect(seen.length).toBeGreaterThan(5);
+    const due = (4 * (clock.ms - beganMs)) / 10;
+    expect(block.carved).toBeGreaterThan(due - 40);
+    expect(block.carved).toBeLessThanOrEqual(due);
+    expect(last()).toMatchObject({ rate: 4 });
+    await carver.receive({ type: 'stop' });
+    run();
+    expect(last()).toMatchObject({ hash: `state ${block.carved}`, rate: 0 });
+  });
+
+  it('passes over pauses, is late where it cannot keep up, and ends at the end', async () => {
+    await open(480);
+    await carver.receive({ type: 'play', rate: 1 });
+    watch(1000);
+    expect(block.carved).toBeGreaterThan(520); // the pause would take an hour
+    await carver.receive({ type: 'play', rate: 64 });
+    const beganMs = clock.ms;
+    const from = block.carved;
+    watch(200);
+    const possible = (clock.ms - beganMs) / MOTION_MS;
+    expect(block.carved - from).toBeLessThanOrEqual(possible);
+    watch(5000);
+    expect(last()).toMatchObject({ hash: 'state 1000', rate: 0 });
+    expect(waiting).toEqual([]);
+  });
+
+  it('goes to records that have come later', async () => {
+    await open(1000);
+    await carver.receive({ type: 'records', span: new Uint8Array() });
+    await carver.receive({ type: 'seek', motion: 1100 });
+    run();
+    expect(last()).toMatchObject({ hash: 'state 1100' });
   });
 
   it('ends where the module ends', async () => {

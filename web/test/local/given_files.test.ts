@@ -22,6 +22,13 @@ describe('the files that a user gives', () => {
     expect(withFiles(files, [file('t.json')]).program?.name).toBe('b.h');
   });
 
+  it('take the place of a journal, and a journal that of all', () => {
+    const before = withFiles(NO_FILES, ['a.ngc', 's.json', 'p.stl'].map(file));
+    const journal = withFiles(before, [file('Block.KERF')]);
+    expect(journal).toEqual({ ...NO_FILES, journal: file('Block.KERF') });
+    expect(withFiles(journal, [file('a.ngc')])).toEqual({ ...NO_FILES, program: file('a.ngc') });
+  });
+
   it('have a model as stock unless a scene names its stock', () => {
     const without = withFiles(NO_FILES, ['a.ngc', 'p.stl'].map(file));
     expect(asRead(without).stock?.name).toBe('p.stl');

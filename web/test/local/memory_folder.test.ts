@@ -23,6 +23,7 @@ describe('the folder of a module', () => {
       'path_filestat_get',
       'path_unlink_file',
       'fd_prestat_get',
+      'clock_time_get',
       'sched_yield',
     );
     const text = (value: string): number[] => [value.length, ...TEXT.encode(value)];
@@ -105,5 +106,17 @@ describe('the folder of a module', () => {
     expect(calls['path_unlink_file']!(3, ...put('spool'))).toBe(OK);
     expect(open('spool', 0)).toBe(-44);
     expect(read('fd_pread', reader, 4, 3n)).toBe('angl');
+  });
+
+  it('has a clock, in nanoseconds', async () => {
+    const now = (): bigint => {
+      expect(calls['clock_time_get']!(1, 1000n, 512)).toBe(OK);
+      return view().getBigUint64(512, true);
+    };
+    const before = now();
+    await new Promise((resolve) => setTimeout(resolve, 20));
+    const passed = Number(now() - before);
+    expect(passed).toBeGreaterThan(10e6);
+    expect(passed).toBeLessThan(60e9);
   });
 });

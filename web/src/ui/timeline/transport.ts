@@ -11,7 +11,8 @@ export interface TransportActions {
   step: (motions: number) => void;
   /** Plays with a rate, or rests with 0. */
   play: (rate: number) => void;
-  live: () => void;
+  /** Missing where there is no present. */
+  live?: () => void;
 }
 
 function signed(motions: number): string {
@@ -48,10 +49,10 @@ export class Transport {
       this.play_,
       ...STEPS.map((motions) => step(-motions)).reverse(),
       this.rate_,
-      this.live_,
+      actions.live ? this.live_ : '',
     );
     this.play_.addEventListener('click', () => this.toggle());
-    this.live_.addEventListener('click', () => actions.live());
+    this.live_.addEventListener('click', () => actions.live?.());
     this.rate_.addEventListener('change', () => {
       if (this.rateNow_ > 0) actions.play(Number(this.rate_.value));
     });

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The badge beside the state hash: a button that has the journal checked, and what came out.
+
+import { t } from '../strings';
+import { h, setText } from '../ui/dom';
+import { count } from '../ui/format';
+import type { Verdict } from './check';
+
+function textOf(verdict: Verdict): string {
+  switch (verdict.is) {
+    case 'running':
+      return t('checking: {0} %', Math.floor(100 * verdict.share));
+    case 'verified':
+      return t('verified: record {0}', count(verdict.record));
+    case 'different':
+      return t(
+        'differs at record {0}: {1} here, {2} at the server',
+        count(verdict.record),
+        verdict.hash,
+        verdict.serverHash,
+      );
+    case 'failed':
+      return t('not checked: {0}', verdict.reason);
+  }
+}
+
+/** @param check replays the journal of the session (check.ts), a chunk that is loaded then */
+export function checkBadge(
+  check: (tell: (verdict: Verdict) => void) => Promise<void>,
+): HTMLElement {
+  const result = h('span', { class: 'check-result', role: 'status' });
+  const button = h(
+    'button',
+    {
+      type: 'button',
+      class: 'quiet-action',
+      title: t('Replay the journal in this browser, and compare the state'),
+    },
+    t('Check'),
+  );
+  const show = (verdict: Verdict): void => {
+    result.dataset['verdict'] = verdict.is;
+    setText(result, textOf(verdict));
+  };
+  button.addEventListener('click', () => {
+    button.disabled = true;
+    void check(show)
+      .catch((problem: unknown) => show({ is: 'failed', reason: (problem as Error).message }))
+      .finally(() => (button.disabled = false));
+  });
+  return h('span', { class: 'check' }, button, result);
+}

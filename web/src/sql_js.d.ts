@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page uses of sql.js, whose package has no types.
+
+declare module 'sql.js' {
+  export type SqlValue = number | string | Uint8Array | null;
+  export interface Statement {
+    step(): boolean;
+    get(): SqlValue[];
+    free(): void;
+  }
+  export interface Database {
+    prepare(query: string): Statement;
+    close(): void;
+  }
+  interface Sql {
+    Database: new (bytes: Uint8Array) => Database;
+  }
+  export default function initSqlJs(options: { locateFile: () => string }): Promise<Sql>;
+}
+
+declare module '*.wasm?url' {
+  const url: string;
+  export default url;
+}
