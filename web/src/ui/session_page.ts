@@ -16,8 +16,9 @@ import { nearestCut, soundOf } from '../model/sound';
 import type { SoundLevels } from '../model/sound';
 import type { CameraRig } from '../view/camera_rig';
 import { mark, marks } from '../marks';
-import { h, setText } from './dom';
-import { figure, sentence } from './format';
+import { ArrowScale } from './arrow_scale';
+import { h } from './dom';
+import { sentence } from './format';
 import { helpDialog } from './help';
 import { insetsOf } from './insets';
 import { mountInspect } from './inspect/mount';
@@ -54,10 +55,10 @@ export class SessionPage {
   });
   private readonly overlay_ = h('div', { class: 'overlay', 'aria-hidden': 'true' });
   private readonly notice_ = new Notice(() => this.link_.retryNow());
-  private readonly scale_ = h('div', { class: 'arrow-scale', 'aria-hidden': 'true' });
   private readonly help_ = helpDialog();
   readonly sound = new SoundToggle(() => this.soundLevels_());
   private readonly colors_ = wrenchColors(matchMedia('(prefers-color-scheme: dark)').matches);
+  private readonly scale_ = new ArrowScale(this.colors_);
   private readonly poster_: Poster;
   private readonly inviteDialog_: HTMLDialogElement;
   private readonly toolbar_: Toolbar;
@@ -134,7 +135,7 @@ export class SessionPage {
         this.overlay_,
         this.bar_.element,
         this.toolbar_.element,
-        this.scale_,
+        this.scale_.element,
         this.panel_.element,
         this.notice_.element,
         this.help_,
@@ -344,7 +345,7 @@ export class SessionPage {
     });
     this.carve.update();
     this.together_.update();
-    this.updateScale_();
+    this.scale_.update(this.picture, participants.carvers().length > 0);
     const { model, contextLost_: contextLost, flash_: flash } = this;
     const { retryAtMs } = this.link_;
     const hasNoPicture = this.picture.problem !== '';
@@ -360,22 +361,6 @@ export class SessionPage {
     const carvers = followed ? [followed] : participants.carvers();
     const eye = this.picture.look()?.look.eye_mm ?? [0, 0, 0];
     return soundOf(nearestCut(carvers, eye, welcome?.force, performance.now()));
-  }
-
-  private updateScale_(): void {
-    const { viewer, arrowsVisible } = this.picture;
-    const hasCarvers = this.model.participants.carvers().length > 0;
-    this.scale_.hidden = !viewer || !arrowsVisible || !hasCarvers;
-    if (!viewer || this.scale_.hidden) return;
-    const { forceFullN, torqueFullNmm } = viewer.arrowScale;
-    if (this.scale_.childElementCount === 0) {
-      this.scale_.append(
-        h('span', { style: `--line:${this.colors_.force}` }),
-        h('span', { style: `--line:${this.colors_.torque}` }),
-      );
-    }
-    setText(this.scale_.children[0] as HTMLElement, `${figure(forceFullN)} N`);
-    setText(this.scale_.children[1] as HTMLElement, `${figure(torqueFullNmm)} N·mm`);
   }
 
   private showStopped_(reason: string): void {
