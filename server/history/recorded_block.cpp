@@ -28,7 +28,8 @@ std::expected<void, std::string> RecordedBlock::apply(const JournalRecord& recor
 std::expected<void, std::string> RecordedBlock::settle(const std::stop_token& stop) {
   if (changed_.empty()) return {};
   if (!history_) {
-    history_ = std::make_unique<BlockHistory>(journal_records(journal_), sculpture_.settings(), start_);
+    history_ =
+        std::make_unique<BlockHistory>(journal_records(journal_), sculpture_.settings(), start_);
   }
   if (auto ok = history_->catch_up(stop); !ok) return ok;
   SerialWorkers alone;

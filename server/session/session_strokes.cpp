@@ -44,7 +44,8 @@ StrokeId newest_stroke(const StrokeTable& table, const StrokeRequest& request, s
 std::expected<void, std::string> Session::read_history(const std::stop_token& stop) {
   if (auto flushed = journal_.flush(); !flushed) return std::unexpected(describe(flushed.error()));
   if (!history_) {
-    history_ = std::make_unique<BlockHistory>(journal_records(journal_.file()), sculpture_.settings(), start_);
+    history_ = std::make_unique<BlockHistory>(journal_records(journal_.file()),
+                                              sculpture_.settings(), start_);
   }
   return history_->catch_up(stop);
 }
