@@ -187,7 +187,7 @@ export class LocalPast {
   private show_(): void {
     const { model, picture } = this.host;
     const { viewer } = picture;
-    if (!viewer || this.tiles_.size === 0) return;
+    if (!viewer || !model.welcome || this.tiles_.size === 0) return;
     if (!this.isShown_) {
       this.isShown_ = true;
       this.live_ = model.state?.at ? null : model.state;
@@ -195,7 +195,8 @@ export class LocalPast {
       viewer.local.open();
       this.waiting_ = new Map(this.tiles_);
     }
-    viewer.applyCopy([...this.waiting_.values()], NEWEST);
+    viewer.local.cover([...this.waiting_.values()], NEWEST, model.welcome.grid.origin_mm);
+    viewer.touchAll();
     this.waiting_.clear();
   }
 }

@@ -52,8 +52,7 @@ describe('the past in the page', () => {
   let toServer: Seek[];
   let hear: (message: FromWorker) => void;
   let past: LocalPast;
-  const local = { open: vi.fn(), close: vi.fn() };
-  const applyCopy = vi.fn();
+  const local = { open: vi.fn(), close: vi.fn(), cover: vi.fn() };
 
   beforeEach(() => {
     [record, posted, opened, asked, toServer] = [100, [], [], [], []];
@@ -69,8 +68,9 @@ describe('the past in the page', () => {
       });
     });
     model = new SessionModel();
+    model.welcome = { grid: { origin_mm: [0, 0, 0] } } as never;
     model.apply(LIVE);
-    const viewer = { local, applyCopy, touchAll: vi.fn() };
+    const viewer = { local, touchAll: vi.fn() };
     const host = {
       session: 'block',
       model,
@@ -138,10 +138,10 @@ describe('the past in the page', () => {
     expect(model.state).toEqual({ ...LIVE, motions: 120 });
     reach(41, 'state 41'); // what the worker was about to say
     expect(model.state?.motions).toBe(120);
-    applyCopy.mockClear();
+    local.cover.mockClear();
     past.seek({ type: 'seek', at: 41 });
     await settled();
-    expect((applyCopy.mock.calls[0]![0] as unknown[]).length).toBe(2); // all tiles again
+    expect((local.cover.mock.calls[0]![0] as unknown[]).length).toBe(2); // all tiles again
   });
 
   it('gets records that have come since before it goes there', async () => {
