@@ -2,7 +2,6 @@
 #include "server/carve/model_outputs.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/text_file.h"
@@ -15,21 +14,6 @@ constexpr double kRangeMinMm = 1e-6;
 /// Spacing of the samples for the figures, in pitches.
 constexpr double kSpacingPitches = 2;
 
-IndexedMesh to_indexed(const TriangleMesh& mesh) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  Vec3 low{kFar, kFar, kFar};
-  for (const Vec3& v : mesh.vertices_mm) {
-    low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
-  }
-  IndexedMesh indexed{low, {}, mesh.triangles};
-  for (const Vec3& v : mesh.vertices_mm) {
-    const Vec3 p = v - low;
-    indexed.positions_mm.push_back(
-        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-  }
-  return indexed;
-}
-
 }  // namespace
 
 std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::path& file) {
@@ -40,7 +24,7 @@ std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::pa
   if (!bytes) return std::unexpected(file.string() + ": cannot be read");
   const auto mesh = read_mesh(*format, std::as_bytes(std::span(*bytes)));
   if (!mesh) return std::unexpected(file.string() + ": " + mesh.error().reason);
-  return to_indexed(*mesh);
+  return indexed_mesh(*mesh);
 }
 
 std::unique_ptr<MeshSource> CarvedSurface::plain() const {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
-#include "server/carve/deviation.h"
+#include "server/verify/deviation.h"
 #include "server/formats/model/model_writer.h"
 #include "server/formats/model/simplify_mesh.h"
 

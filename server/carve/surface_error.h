@@ -5,7 +5,7 @@
 #include <stop_token>
 
 #include "kernel/dexel/solid_snapshot.h"
-#include "server/carve/distance_figures.h"
+#include "server/verify/distance_figures.h"
 #include "server/verify/cut_surface.h"
 #include "server/verify/true_solid.h"
 

@@ -108,7 +108,8 @@ Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& m
       pictures_(options.data_folder / kCacheFolder / "pictures"),
       uploads_(options.upload_bytes),
       programs_(options.program_bytes),
-      upload_folder_(options.data_folder / "uploads") {}
+      upload_folder_(options.data_folder / "uploads"),
+      targets_(options.data_folder / "targets") {}
 
 ApiResponse Api::handle(const ApiRequest& request) {
   RouteMatch match = match_route(request.method, request.path);

@@ -17,6 +17,7 @@
 #include "server/http/http_options.h"
 #include "server/http/page_preview.h"
 #include "server/http/picture_cache.h"
+#include "server/http/target_parts.h"
 #include "server/http/upload_folder.h"
 #include "server/metrics/metrics.h"
 #include "server/rights/access.h"
@@ -76,6 +77,13 @@ ApiResponse json_response(unsigned status, std::string json);
 /// Parses the path and query of a request target. The error names what is malformed.
 std::expected<ApiRequest, std::string> parse_target(std::string_view target);
 
+/// A solid and its hash.
+struct HashedSolid {
+  SolidSnapshot solid;
+  StateHash hash;
+  bool is_between_records = false;  ///< no replay gives it (Session::is_between_records)
+};
+
 /// A request to a route of the table (routes.h).
 struct ApiCall {
   const ApiRequest& request;
@@ -134,6 +142,11 @@ class Api {
   ApiResponse program_path(const ApiCall& call);
   ApiResponse download(const ApiCall& call);
   ApiResponse list_exports(const ApiCall& call);
+  ApiResponse list_targets(const ApiCall& call);
+  ApiResponse set_target(const ApiCall& call);
+  ApiResponse remove_target(const ApiCall& call);
+  ApiResponse target_deviation(const ApiCall& call);
+  ApiResponse target_distances(const ApiCall& call);
   ApiResponse picture(const ApiCall& call);
   ApiResponse replay(const ApiCall& call);
   ApiResponse journal_origin(const ApiCall& call);
@@ -173,6 +186,8 @@ class Api {
   ApiResponse change_strokes(const ApiCall& call, bool undone);
   ApiResponse create_branch(const ApiCall& call, const std::string& id);
   ThreadPool& carvers();
+  /// The solid of a session as it was after a record.
+  std::expected<HashedSolid, ApiResponse> solid_after(const ApiCall& call, std::uint64_t record);
   /// What a session of a scene would cost, as JSON.
   static std::string price_of(const Scene& scene);
   /// A share of the memory for programs. If it is used up, the texts of programs that have ended
@@ -187,18 +202,13 @@ class Api {
   PictureCache pictures_;
   MemoryBudget uploads_, programs_;
   UploadFolder upload_folder_;
+  TargetParts targets_;
   std::once_flag carvers_made_;
   std::unique_ptr<ThreadPool> carvers_;  ///< carve tiles for undo, redo and the past
   mutable std::mutex drain_mutex_;       ///< guards drain_to_
   std::string drain_to_;
 };
 
-/// A solid and its hash.
-struct HashedSolid {
-  SolidSnapshot solid;
-  StateHash hash;
-  bool is_between_records = false;  ///< no replay gives it (Session::is_between_records)
-};
 /// The current solid of a session; computes its hash if it is not known yet.
 HashedSolid current_solid(Session& session);
 

@@ -113,10 +113,9 @@ ApiResponse Api::download(const ApiCall& call) {
   if (download->at) {
     const auto record = find_record(session, *download->at);
     if (!record) return record.error();
-    const auto then = session.solid_at(*record, carvers(), request.stop);
-    if (!then) return error_response(503, "busy", then.error());
-    if (!*then) return no_record(*record);
-    now = {**then, {*record, (*then)->hash()}};
+    auto then = solid_after(call, *record);
+    if (!then) return then.error();
+    now = *std::move(then);
     download->suffix += "-at-" + std::to_string(*record);
   } else {
     now = current_solid(session);
@@ -155,6 +154,14 @@ ApiResponse Api::download(const ApiCall& call) {
   response.headers.emplace_back("Content-Disposition", content_disposition(name));
   put_file(request, etag, response);
   return response;
+}
+
+std::expected<HashedSolid, ApiResponse> Api::solid_after(const ApiCall& call,
+                                                         std::uint64_t record) {
+  const auto then = call.session->solid_at(record, carvers(), call.request.stop);
+  if (!then) return std::unexpected(error_response(503, "busy", then.error()));
+  if (!*then) return std::unexpected(no_record(record));
+  return HashedSolid{**then, {record, (*then)->hash()}};
 }
 
 ApiResponse Api::list_exports(const ApiCall& call) {

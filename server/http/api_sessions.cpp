@@ -183,6 +183,7 @@ ApiResponse Api::close_session(const ApiCall& call) {
   if (auto ok = registry_.close(call.session->id(), purge); !ok) {
     return registry_failure(ok.error());
   }
+  targets_.forget(call.session->id());
   return json_response(200, to_text({{"closed", call.session->id()}, {"purged", purge}}));
 }
 

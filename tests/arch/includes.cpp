@@ -105,9 +105,9 @@ const std::vector<Module>& other_modules() {
         "server/conversation", "server/rights", "server/tls", "server/udp", "server/websocket",
         "server/threads"}},
       {"server/http",
-       {"kernel", "server/wire", "server/formats", "server/picture", "server/store",
-        "server/session", "server/metrics", "server/rights", "server/socket", "server/tls",
-        "server/websocket", "server/threads"}},
+       {"kernel", "server/wire", "server/formats", "server/verify", "server/picture",
+        "server/store", "server/session", "server/metrics", "server/rights", "server/socket",
+        "server/tls", "server/websocket", "server/threads"}},
       {"server", {"kernel"}},
       // Programs, scenes, models and journals, for a page that carves by itself.
       {"web/wasm/files",

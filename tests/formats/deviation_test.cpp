@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/carve/deviation.h"
+#include "server/verify/deviation.h"
 
 #include <gtest/gtest.h>
 
+#include "server/verify/deviation_survey.h"
 #include "tests/support/carvings.h"
 
 namespace kerf {
@@ -65,6 +66,63 @@ TEST(Deviation, ColorsRunFromBlueThroughWhiteToRed) {
   }
   EXPECT_GT(white, 4U);
   EXPECT_GT(red, 4U);
+}
+
+/// A block 20 x 10 x 5 with two pits of a ball, 1 and 2 mm deep.
+SolidSnapshot block_with_pits() {
+  Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {20, 10, 5}}, 0.5);
+  const Tool ball = make_tool(BallShape{.diameter_mm = 2, .length_mm = 30}).value();
+  EXPECT_TRUE(sculpture.apply(DefineTool{1, ball}));
+  const Vec3 up{0, 0, 1};
+  for (const Vec3 bottom : {Vec3{5, 5, 4}, Vec3{15, 5, 3}}) {
+    const MoveTool plunge{1, {bottom + Vec3{0, 0, 4}, up}, {bottom, up}, 1, false};
+    EXPECT_TRUE(sculpture.apply(plunge));
+  }
+  return sculpture.solid();
+}
+
+TEST(DeviationSurvey, QuantilesAreSharesOfTheArea) {
+  const IndexedMesh lower = mesh_of(block(5));
+  SnapshotMesh surface(block(5.5));
+  const DeviationSurvey survey = survey_deviation(surface, MeshDistance(lower), 0.25);
+  const double area = 2 * 200 + 60 * 5.5;
+  EXPECT_NEAR(survey.area_mm2, area, 1e-6 * area);
+  ASSERT_EQ(survey.quantiles_mm.size(), kQuantileSteps + 1);
+  EXPECT_NEAR(survey.quantiles_mm.front(), 0, 1e-6);
+  EXPECT_NEAR(survey.quantiles_mm.back(), 0.5, 1e-6);
+  EXPECT_TRUE(std::ranges::is_sorted(survey.quantiles_mm));
+  // Bottom and the lower 5 mm of the sides are where they should be.
+  const auto beyond =
+      std::ranges::count_if(survey.quantiles_mm, [](double mm) { return mm > 1e-3; });
+  EXPECT_NEAR(static_cast<double>(beyond) / kQuantileSteps, (200 + 60 * 0.5) / area, 0.002);
+}
+
+TEST(DeviationSurvey, ListsThePeaksWorstFirst) {
+  const IndexedMesh whole = mesh_of(block(5));
+  SnapshotMesh surface(block_with_pits());
+  const DeviationSurvey survey = survey_deviation(surface, MeshDistance(whole), 0.5);
+  ASSERT_GE(survey.worst.size(), 2U);
+  EXPECT_LE(survey.worst.size(), kWorstPlacesMax);
+  const DeviationPlace &deep = survey.worst[0], &flat = survey.worst[1];
+  EXPECT_NEAR(deep.mm, -2, 0.01);
+  EXPECT_NEAR(deep.at_mm.x, 15, 0.5);
+  EXPECT_NEAR(deep.at_mm.z, 3, 0.01);
+  EXPECT_GT(deep.normal.z, 0.9);
+  EXPECT_NEAR(flat.mm, -1, 0.01);
+  EXPECT_NEAR(flat.at_mm.x, 5, 0.5);
+  EXPECT_TRUE(std::ranges::is_sorted(survey.worst, std::greater(), [](const DeviationPlace& place) {
+    return std::abs(place.mm);
+  }));
+}
+
+TEST(DeviationSurvey, OfNothingIsEmpty) {
+  const IndexedMesh whole = mesh_of(block(5));
+  const IndexedMesh none;
+  WholeMesh surface(none);
+  const DeviationSurvey survey = survey_deviation(surface, MeshDistance(whole), 0.5);
+  EXPECT_TRUE(survey.quantiles_mm.empty());
+  EXPECT_TRUE(survey.worst.empty());
+  EXPECT_EQ(survey.area_mm2, 0);
 }
 
 TEST(DistanceFigures, MatchTheirDefinitions) {

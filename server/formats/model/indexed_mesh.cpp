@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -20,6 +21,21 @@ std::uint64_t edge_key(std::uint32_t from, std::uint32_t to) {
 }
 
 }  // namespace
+
+IndexedMesh indexed_mesh(const TriangleMesh& mesh) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Vec3 low{kFar, kFar, kFar};
+  for (const Vec3& v : mesh.vertices_mm) {
+    low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
+  }
+  IndexedMesh indexed{low, {}, mesh.triangles};
+  for (const Vec3& v : mesh.vertices_mm) {
+    const Vec3 p = v - low;
+    indexed.positions_mm.push_back(
+        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+  }
+  return indexed;
+}
 
 IndexedMesh collect_mesh(MeshSource& source, const std::stop_token& stop) {
   IndexedMesh mesh{source.origin_mm(), {}, {}};

@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "kernel/dexel/triangle_mesh.h"
 #include "kernel/math/vec3.h"
 #include "server/formats/model/mesh_source.h"
 
@@ -27,6 +28,9 @@ struct IndexedMesh {
     return {position(t[0]), position(t[1]), position(t[2])};
   }
 };
+
+/// Returns a mesh with its positions in floats, relative to the least corner of its bounding box.
+IndexedMesh indexed_mesh(const TriangleMesh& mesh);
 
 /// Reads a whole source and merges its vertices; needs about 24 bytes per triangle. Ends early,
 /// with a part of the surface, if a stop is requested.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/carve/distance_figures.h"
+#include "server/verify/distance_figures.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,9 +6,9 @@
 #include <stop_token>
 #include <vector>
 
-#include "server/carve/distance_figures.h"
 #include "server/formats/model/mesh_distance.h"
 #include "server/formats/model/mesh_source.h"
+#include "server/verify/distance_figures.h"
 
 namespace kerf {
 
@@ -19,9 +19,26 @@ struct Deviation {
   DistanceFigures figures;          ///< of samples over the whole surface, weighted by area
 };
 
-/// Measures a surface against a reference at every vertex, and for the figures at points at most
-/// about `spacing_mm` apart, so that large triangles count as much as many small ones. Ends early,
-/// with the figures of a part of the surface, if a stop is requested.
+/// Receives signed distances of a surface from a reference.
+class DeviationVisitor {
+ public:
+  virtual ~DeviationVisitor() = default;
+  /// A vertex with its unit normal, in the order of the source, and its distance.
+  virtual void vertex(Vec3 at_mm, Vec3 normal, double mm) = 0;
+  /// A point inside a triangle with that triangle's unit normal, its distance and the area that it
+  /// represents, mm².
+  virtual void sample(Vec3 at_mm, Vec3 normal, DistanceSample distance) = 0;
+};
+
+/// Measures a surface against a reference at every vertex, and at points inside its triangles at
+/// most about `spacing_mm` apart, so that large triangles count as much as many small ones. Ends
+/// early if a stop is requested.
+void visit_deviation(MeshSource& surface, const MeshDistance& reference, double spacing_mm,
+                     DeviationVisitor& visitor, const std::function<void(double)>& progress = {},
+                     const std::stop_token& stop = {});
+
+/// Measures a surface against a reference at every vertex, and for the figures as visit_deviation
+/// does. Ends early, with the figures of a part of the surface, if a stop is requested.
 Deviation measure_deviation(MeshSource& surface, const MeshDistance& reference, double spacing_mm,
                             const std::function<void(double)>& progress = {},
                             const std::stop_token& stop = {});

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// The routes for target parts, which blocks are compared with.
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "server/formats/model/mesh_source.h"
+#include "server/http/api.h"
+#include "server/http/history_point.h"
+#include "server/http/place.h"
+#include "server/session/hash_text.h"
+#include "server/verify/deviation_survey.h"
+
+namespace kerf::net {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Samples of the survey are at most about so many pitches apart, and at most about so many on the
+/// sides of the block.
+constexpr double kSpacingPitches = 1;
+constexpr double kSamplesOfBounds = 500'000;
+
+// The bytes of the points are those in memory.
+static_assert(std::endian::native == std::endian::little);
+
+Json array_of(Vec3 v) { return {v.x, v.y, v.z}; }
+
+Json shown_facts(const TargetFacts& facts) {
+  Json json = {{"name", facts.name},
+               {"triangles", facts.triangles},
+               {"min_mm", array_of(facts.min_mm)},
+               {"max_mm", array_of(facts.max_mm)},
+               {"shift_mm", array_of(facts.shift_mm)}};
+  if (!facts.fault.empty()) json["fault"] = facts.fault;
+  return json;
+}
+
+std::string target_text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+ApiResponse unknown_target(const std::string& name) {
+  return error_response(404, "unknown_target", "the session has no target part \"" + name + "\"");
+}
+
+double spacing_of(const SolidSnapshot& solid) {
+  const Vec3 size = SnapshotMesh(solid).size_mm();
+  const double area = 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
+  return std::max(kSpacingPitches * solid.grid().pitch_mm, std::sqrt(area / kSamplesOfBounds));
+}
+
+Json shown_survey(const DeviationSurvey& survey) {
+  Json worst = Json::array();
+  for (const DeviationPlace& place : survey.worst) {
+    worst.push_back(
+        {{"mm", place.mm}, {"at_mm", array_of(place.at_mm)}, {"normal", array_of(place.normal)}});
+  }
+  const DistanceFigures& figures = survey.figures;
+  return {{"area_mm2", survey.area_mm2},
+          {"least_mm", figures.min_mm},
+          {"greatest_mm", figures.max_mm},
+          {"mean_mm", figures.mean_mm},
+          {"rms_mm", figures.rms_mm},
+          {"p50_mm", figures.p50_mm},
+          {"p90_mm", figures.p90_mm},
+          {"p99_mm", figures.p99_mm},
+          {"samples", figures.samples},
+          {"quantiles_mm", survey.quantiles_mm},
+          {"worst", worst}};
+}
+
+std::expected<void, MakeError> write_survey(const HashedSolid& block, const TargetPart& part,
+                                            const std::filesystem::path& path,
+                                            const DownloadCache::Progress& progress,
+                                            const std::stop_token& stop) {
+  SnapshotMesh surface(block.solid);
+  Json json = shown_survey(
+      survey_deviation(surface, part.distance(), spacing_of(block.solid), progress, stop));
+  if (stop.stop_requested()) return std::unexpected(MakeError{"stopped"});
+  json["target"] = part.facts().name;
+  json["record"] = block.hash.sequence;
+  json["state_hash"] = hash_text(block.hash.hash);
+  std::ofstream out(path, std::ios::binary);
+  out << target_text(json) << "\n";
+  out.close();
+  if (!out) {
+    return std::unexpected(MakeError{"writing the file failed: the disk may be full"});
+  }
+  return {};
+}
+
+}  // namespace
+
+ApiResponse Api::list_targets(const ApiCall& call) {
+  Json list = Json::array();
+  for (const TargetFacts& facts : targets_.list(call.session->id()))
+    list.push_back(shown_facts(facts));
+  return json_response(200, target_text({{"targets", list}}));
+}
+
+ApiResponse Api::set_target(const ApiCall& call) {
+  const std::string* name = call.request.query_value("name");
+  const std::string* shift = call.request.query_value("shift_mm");
+  const auto shift_mm = shift == nullptr ? Vec3{} : parse_place(shift);
+  if (!shift_mm) {
+    return error_response(400, "bad_place",
+                          "shift_mm must be three numbers X,Y,Z of at most 1000000");
+  }
+  if (const auto full = registry_.disk_obstacle()) {
+    return error_response(507, to_string(full->code), full->reason);
+  }
+  const auto put = targets_.put(call.session->id(), name == nullptr ? std::string() : *name,
+                                call.request.body, *shift_mm);
+  if (!put) return error_response(put.error().status, put.error().code, put.error().reason);
+  return json_response(201, target_text(shown_facts(*put)));
+}
+
+ApiResponse Api::remove_target(const ApiCall& call) {
+  if (!targets_.remove(call.session->id(), call.captured)) return unknown_target(call.captured);
+  return json_response(200, target_text({{"removed", call.captured}}));
+}
+
+ApiResponse Api::target_deviation(const ApiCall& call) {
+  const ApiRequest& request = call.request;
+  const auto part = targets_.get(call.session->id(), call.captured);
+  if (!part) return unknown_target(call.captured);
+  std::expected<HashedSolid, ApiResponse> block;
+  if (const std::string* at = request.query_value("at")) {
+    const auto record = find_requested(*call.session, at);
+    if (!record) return record.error();
+    block = solid_after(call, *record);
+    if (!block) return block.error();
+  } else {
+    block = current_solid(*call.session);
+  }
+  const std::string etag = '"' + hash_text(block->hash.hash) + "-" + part->facts().tag + '"';
+  ApiResponse response;
+  response.headers.emplace_back("ETag", etag);
+  response.headers.emplace_back("Cache-Control", "no-cache");
+  if (request.if_none_match.find(etag) != std::string::npos) {
+    response.status = 304;
+    return response;
+  }
+  const auto file = downloads_.get(
+      call.session->id() + "/deviation/" + etag + std::to_string(block->hash.sequence),
+      [&](const std::filesystem::path& path, const DownloadCache::Progress& progress,
+          const std::stop_token& stop) {
+        return write_survey(*block, *part, path, progress, stop);
+      },
+      request.stop);
+  if (!file) return error_response(500, "export_failed", file.error().reason);
+  response.file = *file;
+  return response;
+}
+
+ApiResponse Api::target_distances(const ApiCall& call) {
+  const auto part = targets_.get(call.session->id(), call.captured);
+  if (!part) return unknown_target(call.captured);
+  const std::string& body = call.request.body;
+  constexpr std::size_t kPointBytes = 3 * sizeof(float);
+  if (body.empty() || body.size() % kPointBytes != 0) {
+    return error_response(400, "bad_points",
+                          "the body must be points: X, Y and Z of each as 32-bit floats, little "
+                          "endian");
+  }
+  ApiResponse response;
+  response.content_type = "application/octet-stream";
+  response.body.resize(body.size() / 3);
+  std::uint32_t near = 0;
+  for (std::size_t n = 0; n < body.size() / kPointBytes; ++n) {
+    std::array<float, 3> p{};
+    std::memcpy(p.data(), body.data() + n * kPointBytes, kPointBytes);
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
+      return error_response(400, "bad_points", "point " + std::to_string(n) + " is not finite");
+    }
+    const auto mm = static_cast<float>(part->distance().signed_distance_mm(
+        {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}, near));
+    std::memcpy(response.body.data() + n * sizeof(float), &mm, sizeof(float));
+    if (n % 4096 == 0 && call.request.stop.stop_requested()) {
+      return error_response(503, "busy", "stopped");
+    }
+  }
+  return response;
+}
+
+}  // namespace kerf::net

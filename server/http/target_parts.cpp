@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/target_parts.h"
+
+#include <algorithm>
+#include <bit>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "kernel/dexel/mesh_stock.h"
+#include "kernel/math/hash.h"
+#include "server/formats/model/mesh_reader.h"
+#include "server/formats/text_file.h"
+#include "server/session/hash_text.h"
+#include "server/store/plain_text.h"
+
+namespace kerf::net {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr std::size_t kPartNameBytesMax = 64;
+constexpr const char* kFactsExtension = ".json";
+constexpr const char* kMeshExtension = ".mesh";
+
+/// A file name that is safe whatever the name of the part.
+std::string file_name_of(const std::string& name) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  std::string file;
+  for (const char c : name) {
+    file += kDigits[static_cast<unsigned char>(c) >> 4];
+    file += kDigits[static_cast<unsigned char>(c) & 15];
+  }
+  return file;
+}
+
+std::string tag_of(const std::string& name, const std::string& bytes, Vec3 shift) {
+  Hash hash;
+  for (const char c : name) hash.add(static_cast<unsigned char>(c));
+  for (const char c : bytes) hash.add(static_cast<unsigned char>(c));
+  for (const double v : {shift.x, shift.y, shift.z}) hash.add(std::bit_cast<std::uint64_t>(v));
+  return hash_text(hash.value());
+}
+
+Json stored_place(Vec3 v) { return {v.x, v.y, v.z}; }
+
+Vec3 place_of(const Json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+}
+
+Json stored_facts(const TargetFacts& facts) {
+  return {{"name", facts.name},
+          {"tag", facts.tag},
+          {"triangles", facts.triangles},
+          {"min_mm", stored_place(facts.min_mm)},
+          {"max_mm", stored_place(facts.max_mm)},
+          {"shift_mm", stored_place(facts.shift_mm)},
+          {"fault", facts.fault}};
+}
+
+/// Nothing if the file is missing or damaged.
+std::optional<TargetFacts> read_facts(const fs::path& path) {
+  const auto text = read_file(path);
+  if (!text) return std::nullopt;
+  try {
+    const Json json = Json::parse(*text);
+    return TargetFacts{json.at("name").get<std::string>(),
+                       json.at("tag").get<std::string>(),
+                       json.at("triangles").get<std::size_t>(),
+                       place_of(json.at("min_mm")),
+                       place_of(json.at("max_mm")),
+                       place_of(json.at("shift_mm")),
+                       json.at("fault").get<std::string>()};
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+bool write_part_file(const fs::path& path, const std::string& bytes) {
+  const fs::path part = path.string() + ".part";
+  std::ofstream file(part, std::ios::binary);
+  file << bytes;
+  file.close();
+  std::error_code error;
+  if (file) fs::rename(part, path, error);
+  if (file && !error) return true;
+  fs::remove(part, error);
+  return false;
+}
+
+std::expected<std::shared_ptr<const TargetPart>, TargetError> read_part(const std::string& name,
+                                                                        const std::string& bytes,
+                                                                        Vec3 shift) {
+  const auto format = mesh_file_format(name);
+  if (!format || !is_plain_text(name, kPartNameBytesMax)) {
+    return std::unexpected(TargetError{
+        400, "bad_name",
+        std::string("name must be 1 to 64 bytes of UTF-8 without control characters, and end in ") +
+            kMeshFileNames});
+  }
+  auto mesh = read_mesh(*format, std::as_bytes(std::span(bytes)), TargetParts::kTrianglesMax);
+  if (!mesh) {
+    return std::unexpected(TargetError{400, to_string(mesh.error().code), mesh.error().reason});
+  }
+  for (Vec3& vertex : mesh->vertices_mm) vertex = vertex + shift;
+  const BoxStock box = mesh_bounds(*mesh);
+  return std::make_shared<const TargetPart>(
+      TargetFacts{name, tag_of(name, bytes, shift), mesh->triangles.size(), box.min_mm, box.max_mm,
+                  shift, mesh_stock_fault(*mesh)},
+      indexed_mesh(*mesh));
+}
+
+}  // namespace
+
+std::expected<TargetFacts, TargetError> TargetParts::put(const std::string& session,
+                                                         const std::string& name,
+                                                         const std::string& bytes, Vec3 shift_mm) {
+  std::expected<std::shared_ptr<const TargetPart>, TargetError> part;
+  {
+    const std::lock_guard one(reading_);
+    part = read_part(name, bytes, shift_mm);
+  }
+  if (!part) return std::unexpected(part.error());
+  const std::lock_guard lock(mutex_);
+  const auto parts = stored(session);
+  const bool replaces = std::ranges::find(parts, name, &TargetFacts::name) != parts.end();
+  if (parts.size() >= kPartsOfSession && !replaces) {
+    return std::unexpected(TargetError{409, "limit",
+                                       "a session has at most " + std::to_string(kPartsOfSession) +
+                                           " target parts: remove one first"});
+  }
+  std::error_code error;
+  fs::create_directories(folder_ / session, error);
+  const fs::path facts = facts_file(session, name);
+  fs::path mesh = facts;
+  mesh.replace_extension(kMeshExtension);
+  if (!write_part_file(mesh, bytes) ||
+      !write_part_file(facts, stored_facts((*part)->facts()).dump())) {
+    fs::remove(mesh, error);
+    fs::remove(facts, error);
+    return std::unexpected(TargetError{500, "disk", "the file could not be stored"});
+  }
+  keep(session, *part);
+  return (*part)->facts();
+}
+
+std::vector<TargetFacts> TargetParts::list(const std::string& session) const {
+  const std::lock_guard lock(mutex_);
+  return stored(session);
+}
+
+std::vector<TargetFacts> TargetParts::stored(const std::string& session) const {
+  std::vector<TargetFacts> parts;
+  std::error_code error;
+  for (fs::directory_iterator at(folder_ / session, error);
+       !error && at != fs::directory_iterator(); at.increment(error)) {
+    if (at->path().extension() != kFactsExtension) continue;
+    if (auto facts = read_facts(at->path())) parts.push_back(*std::move(facts));
+  }
+  std::ranges::sort(parts, {}, &TargetFacts::name);
+  return parts;
+}
+
+std::shared_ptr<const TargetPart> TargetParts::get(const std::string& session,
+                                                   const std::string& name) {
+  // Whoever waits here for another's reading finds the part in memory.
+  const std::lock_guard one(reading_);
+  std::optional<TargetFacts> facts;
+  std::optional<std::string> bytes;
+  {
+    const std::lock_guard lock(mutex_);
+    fs::path file = facts_file(session, name);
+    facts = read_facts(file);
+    if (!facts) return nullptr;
+    if (auto part = known(session, facts->tag)) return part;
+    bytes = read_file(file.replace_extension(kMeshExtension));
+  }
+  if (!bytes) return nullptr;
+  auto part = read_part(name, *bytes, facts->shift_mm);
+  if (!part) return nullptr;
+  const std::lock_guard lock(mutex_);
+  keep(session, *part);
+  return *part;
+}
+
+bool TargetParts::remove(const std::string& session, const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  fs::path file = facts_file(session, name);
+  std::error_code error;
+  const bool existed = fs::remove(file, error);
+  fs::remove(file.replace_extension(kMeshExtension), error);
+  return existed;
+}
+
+void TargetParts::forget(const std::string& session) {
+  const std::lock_guard lock(mutex_);
+  std::error_code error;
+  fs::remove_all(folder_ / session, error);
+  std::erase_if(kept_, [&](const Kept& kept) { return kept.session == session; });
+}
+
+fs::path TargetParts::facts_file(const std::string& session, const std::string& name) const {
+  return folder_ / session / (file_name_of(name) + kFactsExtension);
+}
+
+std::shared_ptr<const TargetPart> TargetParts::known(const std::string& session,
+                                                     const std::string& tag) {
+  const auto found = std::ranges::find_if(kept_, [&](const Kept& kept) {
+    return kept.session == session && kept.part->facts().tag == tag;
+  });
+  if (found == kept_.end()) return nullptr;
+  kept_.splice(kept_.begin(), kept_, found);
+  return kept_.front().part;
+}
+
+void TargetParts::keep(const std::string& session, std::shared_ptr<const TargetPart> part) {
+  if (known(session, part->facts().tag)) return;
+  kept_.push_front({session, std::move(part)});
+  std::uint64_t triangles = 0;
+  std::erase_if(kept_, [&](const Kept& kept) {
+    triangles += kept.part->facts().triangles;
+    return triangles > kTrianglesKept;
+  });
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include "tests/server/api_rights_fixture.h"
+
+namespace kerf::net {
+namespace {
+
+const std::string kTargets = "/v1/sessions/block/targets";
+
+/// A box as ASCII STL, counter-clockwise seen from outside, without its last `missing` facets.
+std::string box_stl(Vec3 low, Vec3 high, std::size_t missing = 0) {
+  constexpr std::array<std::array<int, 3>, 12> kFacets{{{0, 2, 1},
+                                                        {1, 2, 3},
+                                                        {4, 5, 6},
+                                                        {5, 7, 6},
+                                                        {0, 1, 4},
+                                                        {1, 5, 4},
+                                                        {2, 6, 3},
+                                                        {3, 6, 7},
+                                                        {0, 4, 2},
+                                                        {2, 4, 6},
+                                                        {1, 3, 5},
+                                                        {3, 7, 5}}};
+  std::string text = "solid box\n";
+  for (std::size_t n = 0; n + missing < kFacets.size(); ++n) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const int corner : kFacets.at(n)) {
+      text += "vertex " + std::to_string((corner & 1) != 0 ? high.x : low.x) + " " +
+              std::to_string((corner & 2) != 0 ? high.y : low.y) + " " +
+              std::to_string((corner & 4) != 0 ? high.z : low.z) + "\n";
+    }
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid box\n";
+}
+
+/// The stock of the session is 40 x 40 x 20, from -20 to 20 and from -20 to 0.
+class ApiTargetsTest : public ApiRightsTest {
+ protected:
+  ApiResponse send(const std::string& query, const std::string& body, Role role = Role::kSculptor) {
+    ApiRequest request = *parse_target(kTargets + query);
+    request.method = "POST";
+    request.token = tokens[role];
+    request.body = body;
+    return api->handle(request);
+  }
+  std::string code_of(const ApiResponse& response) {
+    return Json::parse(response.body).at("error").at("code");
+  }
+  std::vector<float> distances(const std::vector<float>& points) {
+    std::string body(points.size() * sizeof(float), '\0');
+    std::memcpy(body.data(), points.data(), body.size());
+    const ApiResponse response = send("/part.stl/distances", body, Role::kWatcher);
+    EXPECT_EQ(response.status, 200U) << response.body;
+    std::vector<float> values(response.body.size() / sizeof(float));
+    std::memcpy(values.data(), response.body.data(), response.body.size());
+    return values;
+  }
+  Json survey(const ApiResponse& response) {
+    std::string text(response.file->bytes(), '\0');
+    response.file->read(0, text.data(), text.size());
+    return Json::parse(text);
+  }
+
+  const std::string part_ = box_stl({-20, -20, -20}, {20, 20, -0.5});
+};
+
+TEST_F(ApiTargetsTest, SculptorsSetAndRemoveWhatWatchersSee) {
+  const Json set = Json::parse(send("?name=part.stl&shift_mm=1,0,0", part_).body);
+  EXPECT_EQ(set.at("name"), "part.stl");
+  EXPECT_EQ(set.at("triangles"), 12);
+  EXPECT_EQ(set.at("min_mm"), Json({-19, -20, -20}));
+  EXPECT_EQ(set.at("max_mm"), Json({21, 20, -0.5}));
+  EXPECT_FALSE(set.contains("fault"));
+  EXPECT_EQ(send("?name=part.stl", part_, Role::kWatcher).status, 403U);
+  EXPECT_EQ(made("GET", kTargets, tokens[Role::kWatcher]).at("targets"), Json::array({set}));
+  made("DELETE", kTargets + "/part.stl", tokens[Role::kWatcher], 403);
+  made("DELETE", kTargets + "/part.stl", tokens[Role::kSculptor]);
+  EXPECT_EQ(
+      made("DELETE", kTargets + "/part.stl", tokens[Role::kSculptor], 404).at("error").at("code"),
+      "unknown_target");
+  EXPECT_TRUE(made("GET", kTargets, tokens[Role::kWatcher]).at("targets").empty());
+}
+
+TEST_F(ApiTargetsTest, ArePutBesideEachOtherUpToTheLimitAndReplacedByName) {
+  for (std::size_t n = 0; n < TargetParts::kPartsOfSession; ++n) {
+    EXPECT_EQ(send("?name=" + std::to_string(n) + ".stl", part_).status, 201U);
+  }
+  EXPECT_EQ(code_of(send("?name=one%20more.stl", part_)), "limit");
+  EXPECT_EQ(send("?name=3.stl", box_stl({0, 0, 0}, {1, 1, 1})).status, 201U);
+  const Json list = made("GET", kTargets, tokens[Role::kWatcher]).at("targets");
+  ASSERT_EQ(list.size(), TargetParts::kPartsOfSession);
+  EXPECT_EQ(list[3].at("max_mm"), Json({1, 1, 1}));
+}
+
+TEST_F(ApiTargetsTest, RejectFilesAndNamesThatAreNone) {
+  EXPECT_EQ(code_of(send("", part_)), "bad_name");
+  EXPECT_EQ(code_of(send("?name=part.step", part_)), "bad_name");
+  EXPECT_EQ(code_of(send("?name=" + std::string(65, 'x') + ".stl", part_)), "bad_name");
+  EXPECT_EQ(code_of(send("?name=part.stl&shift_mm=1,2", part_)), "bad_place");
+  EXPECT_EQ(code_of(send("?name=part.stl", "solid x\nendsolid x\n")), "empty");
+  // A name is no path.
+  EXPECT_EQ(send("?name=..%2F..%2Fpart.stl", part_).status, 201U);
+  EXPECT_EQ(made("GET", kTargets, tokens[Role::kWatcher]).at("targets")[0].at("name"),
+            "../../part.stl");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "part.stl"));
+}
+
+TEST_F(ApiTargetsTest, SayWhatIsOpen) {
+  const Json set = Json::parse(send("?name=open.stl", box_stl({0, 0, 0}, {1, 1, 1}, 1)).body);
+  EXPECT_NE(set.at("fault"), "");
+}
+
+TEST_F(ApiTargetsTest, DistancesAreSignedAndExact) {
+  send("?name=part.stl", part_);
+  // On top of the stock, inside the part, beside its upper edge, and beyond a corner.
+  const auto values = distances({0, 0, 0, 0, 0, -2.5F, 23, 0, 3.5F, 23, 24, -20});
+  ASSERT_EQ(values.size(), 4U);
+  EXPECT_FLOAT_EQ(values[0], 0.5F);
+  EXPECT_FLOAT_EQ(values[1], -2);
+  EXPECT_FLOAT_EQ(values[2], 5);
+  EXPECT_FLOAT_EQ(values[3], 5);
+}
+
+TEST_F(ApiTargetsTest, DistancesNeedPoints) {
+  send("?name=part.stl", part_);
+  const auto code = [&](const std::string& body) {
+    return code_of(send("/part.stl/distances", body, Role::kWatcher));
+  };
+  EXPECT_EQ(code(""), "bad_points");
+  EXPECT_EQ(code(std::string(13, '\0')), "bad_points");
+  EXPECT_EQ(code(std::string(12, '\xff')), "bad_points");  // NaN
+  EXPECT_EQ(code_of(send("/other.stl/distances", std::string(12, '\0'))), "unknown_target");
+}
+
+TEST_F(ApiTargetsTest, TheDeviationIsThatOfTheBlockAtAPoint) {
+  send("?name=part.stl", part_);
+  const std::string deviation = kTargets + "/part.stl/deviation";
+  const ApiResponse response = ask("GET", deviation, tokens[Role::kWatcher]);
+  ASSERT_EQ(response.status, 200U) << response.body;
+  const Json now = survey(response);
+  EXPECT_EQ(now.at("target"), "part.stl");
+  EXPECT_NEAR(now.at("greatest_mm").get<double>(), 0.5, 1e-6);
+  EXPECT_NEAR(now.at("least_mm").get<double>(), 0, 1e-6);
+  EXPECT_NEAR(now.at("area_mm2").get<double>(), 2 * 1600 + 160 * 20, 1e-3);
+  EXPECT_EQ(now.at("quantiles_mm").size(), 1001U);
+  ASSERT_FALSE(now.at("worst").empty());
+  EXPECT_NEAR(now.at("worst")[0].at("mm").get<double>(), 0.5, 1e-6);
+  EXPECT_EQ(now.at("state_hash"),
+            made("GET", "/v1/sessions/block", tokens[Role::kWatcher]).at("state_hash"));
+  EXPECT_EQ(survey(ask("GET", deviation + "?at=0", tokens[Role::kWatcher])).at("record"), 0);
+  made("GET", deviation + "?at=99", tokens[Role::kWatcher], 404);
+  made("GET", kTargets + "/x.stl/deviation", tokens[Role::kWatcher], 404);
+  ApiRequest again = *parse_target(deviation);
+  again.method = "GET";
+  again.token = tokens[Role::kWatcher];
+  for (const auto& [name, value] : response.headers)
+    if (name == "ETag") again.if_none_match = value;
+  EXPECT_EQ(api->handle(again).status, 304U);
+}
+
+TEST_F(ApiTargetsTest, OutlastTheServerAndEndWithTheSession) {
+  send("?name=part.stl&shift_mm=0,0,0.5", part_);
+  open(kAdmin, false);  // as after a restart
+  EXPECT_EQ(made("GET", kTargets, tokens[Role::kWatcher]).at("targets").size(), 1U);
+  EXPECT_FLOAT_EQ(distances({0, 0, 2})[0], 2);
+  made("DELETE", "/v1/sessions/block?purge=1", tokens[Role::kOwner]);
+  session.reset();
+  session = *registry->create("block", kScene, SceneSource{});
+  open(kAdmin, false);
+  EXPECT_TRUE(made("GET", kTargets, tokens[Role::kWatcher]).at("targets").empty());
+}
+
+}  // namespace
+}  // namespace kerf::net
