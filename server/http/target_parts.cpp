@@ -164,7 +164,7 @@ std::vector<TargetFacts> TargetParts::stored(const std::string& session) const {
 
 std::shared_ptr<const TargetPart> TargetParts::get(const std::string& session,
                                                    const std::string& name) {
-  // Whoever waits here for another's reading finds the part in memory.
+  // A call that waits here for another one finds the part in memory.
   const std::lock_guard one(reading_);
   std::optional<TargetFacts> facts;
   std::optional<std::string> bytes;

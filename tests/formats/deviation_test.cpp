@@ -94,7 +94,9 @@ TEST(DeviationSurvey, QuantilesAreSharesOfTheArea) {
   // Bottom and the lower 5 mm of the sides are where they should be.
   const auto beyond =
       std::ranges::count_if(survey.quantiles_mm, [](double mm) { return mm > 1e-3; });
-  EXPECT_NEAR(static_cast<double>(beyond) / kQuantileSteps, (200 + 60 * 0.5) / area, 0.002);
+  // Around the block the limit may be off by half a spacing.
+  EXPECT_NEAR(static_cast<double>(beyond) / kQuantileSteps, (200 + 60 * 0.5) / area,
+              60 * 0.25 / 2 / area);
 }
 
 TEST(DeviationSurvey, ListsThePeaksWorstFirst) {
@@ -108,6 +110,7 @@ TEST(DeviationSurvey, ListsThePeaksWorstFirst) {
   EXPECT_NEAR(deep.at_mm.x, 15, 0.5);
   EXPECT_NEAR(deep.at_mm.z, 3, 0.01);
   EXPECT_GT(deep.normal.z, 0.9);
+  EXPECT_EQ(survey.figures.min_mm, deep.mm);
   EXPECT_NEAR(flat.mm, -1, 0.01);
   EXPECT_NEAR(flat.at_mm.x, 5, 0.5);
   EXPECT_TRUE(std::ranges::is_sorted(survey.worst, std::greater(), [](const DeviationPlace& place) {
@@ -123,6 +126,7 @@ TEST(DeviationSurvey, OfNothingIsEmpty) {
   EXPECT_TRUE(survey.quantiles_mm.empty());
   EXPECT_TRUE(survey.worst.empty());
   EXPECT_EQ(survey.area_mm2, 0);
+  EXPECT_EQ(survey.figures.max_mm, 0);
 }
 
 TEST(DistanceFigures, MatchTheirDefinitions) {

@@ -110,6 +110,7 @@ export class LocalPage {
     app.replaceChildren(this.main_);
     const toggleInspect = mountInspect({
       model: this.model,
+      session: null,
       picture: this.picture_,
       canvas: this.canvas_,
       overlay: this.overlay_,

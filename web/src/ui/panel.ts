@@ -9,9 +9,11 @@ import { h, setText } from './dom';
 import { languageChoice } from './language_choice';
 import { Figure, section } from './figures';
 import { count, duration, figure, volume } from './format';
+import type { Navigation } from '../model/navigation';
 import { History } from './history';
 import { MaterialChoice } from './material_choice';
 import { mountCheck } from '../replay/mount';
+import { navigationChoice } from './navigation_choice';
 import { People } from './people';
 import { PlotSpot } from './plot_spot';
 import { takeHomeButton } from './take_home/mount';
@@ -22,6 +24,7 @@ export interface PanelActions {
   /** The viewer has chosen another name. */
   renamed: (name: string) => void;
   materialChosen: (look: StockMaterialPreset) => void;
+  navigationChosen: (navigation: Navigation) => void;
   /** The panel was resized. */
   layoutChanged: () => void;
   /** The bottom sheet (on phones) was opened or closed. */
@@ -86,7 +89,12 @@ export class Panel {
         section(t('Downloads'), takeHomeButton(model, session)),
         section(t('Material'), this.material_.element),
         h('p', { class: 'quiet hash' }, t('State '), this.hash_, mountCheck(session) ?? ''),
-        languageChoice(),
+        h(
+          'div',
+          { class: 'preferences' },
+          languageChoice(),
+          navigationChoice(actions.navigationChosen),
+        ),
       ),
     );
     this.handle_.addEventListener('click', () => this.toggle_());

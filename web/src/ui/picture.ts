@@ -7,6 +7,7 @@ import type { PlacedLook } from '../model/first_look';
 import type { Viewport } from '../model/fit';
 import { errorRad } from '../model/look_policy';
 import type { StockMaterialPreset } from '../model/materials';
+import type { Navigation } from '../model/navigation';
 import type { SessionModel } from '../model/session';
 import type { Viewer } from '../view/viewer';
 import { mark } from '../marks';
@@ -33,6 +34,7 @@ export class Picture {
     insets: { left: 0, right: 0, top: 0, bottom: 0 },
   };
   private preset_: StockMaterialPreset | null = null;
+  private navigation_: Navigation | null = null;
   private followed_: number | null = null;
   private arrowsVisible_ = true;
 
@@ -83,6 +85,11 @@ export class Picture {
     this.viewer?.setMaterial(preset);
   }
 
+  setNavigation(navigation: Navigation): void {
+    this.navigation_ = navigation;
+    if (this.viewer) this.viewer.rig.navigation = navigation;
+  }
+
   get followed(): number | null {
     return this.followed_;
   }
@@ -115,6 +122,7 @@ export class Picture {
       const viewer = new Viewer(this.canvas, this.overlay, this.model, this.fullQuality);
       viewer.resize(this.viewport_);
       if (this.preset_) viewer.setMaterial(this.preset_);
+      if (this.navigation_) viewer.rig.navigation = this.navigation_;
       viewer.arrowsVisible = this.arrowsVisible_;
       viewer.follow(this.followed_);
       if (this.model.welcome) viewer.welcome(this.model.welcome);

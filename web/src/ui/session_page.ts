@@ -100,6 +100,7 @@ export class SessionPage {
       personPressed: (id) => this.personPressed_(id),
       renamed: (name) => this.link_.rename(name),
       materialChosen: (preset) => this.picture.setMaterial(preset),
+      navigationChosen: (navigation) => this.picture.setNavigation(navigation),
       layoutChanged: () => this.resize_(),
       toggled: (open) => {
         this.toolbar_.element.classList.toggle('covered', open);
@@ -146,6 +147,7 @@ export class SessionPage {
     });
     this.toggleInspect_ = mountInspect({
       model: this.model,
+      session,
       picture: this.picture,
       canvas: this.canvas_,
       overlay: this.overlay_,

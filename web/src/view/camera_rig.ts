@@ -6,7 +6,9 @@ import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { boxCenter, FOV_DEG, ISO_DIRECTION, viewDistance } from '../model/fit';
 import type { Insets, Viewport } from '../model/fit';
+import type { Navigation } from '../model/navigation';
 import type { Bounds } from '../model/session';
+import { MouseButtons } from './mouse_buttons';
 
 export type Preset = 'iso' | 'front' | 'back' | 'left' | 'right' | 'top' | 'bottom';
 
@@ -35,6 +37,7 @@ export class CameraRig {
   readonly controls: OrbitControls;
   /** Draw in parallel projection. */
   parallel = false;
+  private readonly buttons_: MouseButtons;
   private readonly parallel_ = new THREE.OrthographicCamera();
   private readonly center_ = new THREE.Vector3();
   private readonly offset_ = new THREE.Vector3();
@@ -60,6 +63,7 @@ export class CameraRig {
   ) {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, element);
+    this.buttons_ = new MouseButtons(this.controls, element);
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
     this.controls.zoomToCursor = true;
@@ -74,6 +78,11 @@ export class CameraRig {
       isHeld = true;
     });
     this.controls.addEventListener('end', () => (isHeld = false));
+  }
+
+  /** What dragging with the mouse does. */
+  set navigation(navigation: Navigation) {
+    this.buttons_.set(navigation);
   }
 
   setBounds(bounds: Bounds): void {

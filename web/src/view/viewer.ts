@@ -38,6 +38,8 @@ export interface Layer {
 
 export class Viewer {
   readonly layers = new Set<Layer>();
+  /** Nothing is drawn but by drawLarge(). */
+  isRecording = false;
   readonly rig: CameraRig;
   readonly stage: Stage;
   readonly stockMaterial = new StockMaterial();
@@ -228,10 +230,11 @@ export class Viewer {
   /**
    * Draws the picture with so many pixels on its longer side, centered, and returns the canvas. It
    * has to be read at once: the next frame has the old size.
+   * @param withShadows draw those again that have not changed
    */
-  drawLarge(pixels: number): HTMLCanvasElement {
+  drawLarge(pixels: number, withShadows = true): HTMLCanvasElement {
     this.stage.setSize(this.width_, this.height_, pixels / Math.max(this.width_, this.height_));
-    this.rig.centered(() => this.draw_(true));
+    this.rig.centered(() => this.draw_(withShadows || this.shadowsDirty_));
     this.touch();
     return this.stage.renderer.domElement;
   }
@@ -299,7 +302,7 @@ export class Viewer {
     const tip = this.followed_ === null ? null : this.carvers.tipOf(this.followed_);
     if (tip) this.rig.followPoint(tip);
     if (this.rig.update(nowMs, since)) this.touch();
-    if (!this.canDraw_ || this.eyeElsewhere) return;
+    if (!this.canDraw_ || this.eyeElsewhere || this.isRecording) return;
     if (this.dirty_) {
       if (nowMs - this.lastDrawMs_ >= this.quality_.pauseMs) this.drawMoving_(nowMs);
     } else if (!this.stillDrawn_ && nowMs - this.lastDrawMs_ > STILL_AFTER_MS) this.drawStill_();

@@ -3,6 +3,7 @@
 
 import { t } from '../../strings';
 import '../style/inspect.css';
+import '../style/deviation.css';
 import { lengthText } from '../../model/measure';
 import type { LengthUnit } from '../../model/measure';
 import type { Bounds } from '../../model/session';
@@ -11,7 +12,9 @@ import type { Layer, Viewer } from '../../view/viewer';
 import type { Preset } from '../../view/camera_rig';
 import { h } from '../dom';
 import { recall, remember } from '../../strings/memory';
+import { Comparing } from './comparing';
 import { Measuring } from './measuring';
+import { Ghost } from './ghost';
 import type { InspectHost } from './mount';
 import { Picker } from './picker';
 import { Sectioning } from './sectioning';
@@ -25,6 +28,7 @@ const NARROW = '(max-width: 1100px), (max-height: 560px)';
 export class InspectPanel implements Layer {
   private readonly sectioning_: Sectioning;
   private readonly measuring_: Measuring;
+  private readonly comparing_: Comparing | null;
   private readonly close_ = (): void => this.setOpen_(false);
   private readonly cube_ = new ViewCube((preset) => this.view_(preset));
   private readonly element_: HTMLElement;
@@ -32,6 +36,8 @@ export class InspectPanel implements Layer {
   private readonly curvature_ = this.toggleButton_(t('Curvature'), () =>
     this.setCurvature_(this.curvature_.getAttribute('aria-pressed') !== 'true'),
   );
+  private readonly stock_ = this.toggleButton_(t('Stock'), () => this.ghost_?.toggle());
+  private readonly ghost_: Ghost | null;
   private readonly legend_ = h('p', { class: 'curvature-legend', hidden: '' });
   private readonly inches_ = this.toggleButton_(t('Inches'), () => this.setInches_());
   private units_: LengthUnit = recall('units') === 'in' ? 'in' : 'mm';
@@ -51,6 +57,11 @@ export class InspectPanel implements Layer {
     this.measuring_ = new Measuring(viewer, displayed, host, (x, y) =>
       picker.at(x, y, this.sectioning_.plane, this.sectioning_.outline, 2 * this.pitch_),
     );
+    this.comparing_ =
+      host.session === null ? null : new Comparing(viewer, host, host.session, bounds);
+    const say = (reason: string): void => this.comparing_?.say(reason);
+    this.ghost_ = host.session === null ? null : new Ghost(viewer, host.session, this.stock_, say);
+    this.stock_.hidden = !this.ghost_;
     this.sectioning_.chosen = () => this.measuring_.choose(null);
     this.measuring_.chosen = () => this.sectioning_.waitForFace(false);
     const close = h('button', { type: 'button', class: 'inspect-action' }, t('Close'));
@@ -61,11 +72,19 @@ export class InspectPanel implements Layer {
       h('header', {}, h('h2', {}, t('Inspect')), close),
       this.sectioning_.element,
       this.measuring_.element,
+      ...(this.comparing_ ? [this.comparing_.element] : []),
       h(
         'div',
         { class: 'inspect-foot' },
         this.cube_.element,
-        h('div', { class: 'inspect-toggles' }, this.parallel_, this.curvature_, this.inches_),
+        h(
+          'div',
+          { class: 'inspect-toggles' },
+          this.parallel_,
+          this.curvature_,
+          this.stock_,
+          this.inches_,
+        ),
       ),
       this.legend_,
     );
@@ -97,6 +116,7 @@ export class InspectPanel implements Layer {
     if (open) {
       this.viewer.layers.add(this);
       this.timer_ = setInterval(() => this.update_(), UPDATE_MS);
+      void this.comparing_?.open();
       this.setUnits_(this.units_);
       this.update_();
       this.viewer.touch();
@@ -105,6 +125,8 @@ export class InspectPanel implements Layer {
       this.sectioning_.choose('none');
       this.measuring_.clear();
       this.measuring_.choose(null);
+      this.comparing_?.close();
+      this.ghost_?.show(false);
       this.setCurvature_(false);
       this.viewer.displayed.forget();
     }
@@ -122,6 +144,7 @@ export class InspectPanel implements Layer {
 
   private update_(): void {
     this.sectioning_.update(this.host.model.tiles.exact);
+    this.comparing_?.update(performance.now());
     this.parallel_.setAttribute('aria-pressed', String(this.viewer.rig.parallel));
     if (!this.hover_) return;
     this.measuring_.hover(this.hover_.offsetX, this.hover_.offsetY);
@@ -210,6 +233,7 @@ export class InspectPanel implements Layer {
     this.inches_.setAttribute('aria-pressed', String(units === 'in'));
     this.sectioning_.setUnits(units);
     this.measuring_.setUnits(units);
+    this.comparing_?.setUnits(units);
     this.setCurvature_(!this.legend_.hidden);
     this.update_();
   }

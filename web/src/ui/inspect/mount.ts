@@ -12,6 +12,8 @@ import type { Picture } from '../picture';
 /** What the panel needs of the page. */
 export interface InspectHost {
   model: SessionModel;
+  /** Null: without a server. */
+  session: string | null;
   picture: Picture;
   canvas: HTMLCanvasElement;
   /** Over the picture, for what follows the block. */

@@ -31,6 +31,7 @@ export interface TogetherHost {
 export interface TogetherParts {
   pin: HTMLButtonElement;
   share: HTMLButtonElement;
+  video: HTMLButtonElement;
   cameras: HTMLElement;
   pins: HTMLElement;
 }
@@ -41,7 +42,7 @@ export interface Together {
   update: () => void;
 }
 
-type Action = 'setPin' | 'share' | 'savePicture';
+type Action = 'setPin' | 'share' | 'savePicture' | 'saveVideo';
 
 export function mountTogether(host: TogetherHost): Together {
   let panel: TogetherPanel | null = null;
@@ -68,6 +69,7 @@ export function mountTogether(host: TogetherHost): Together {
   const parts: TogetherParts = {
     pin: button(t('Set a pin'), t('A text at a place of the block, for everybody'), 'setPin'),
     share: button(t('Show my view'), t('Others can follow what you look at'), 'share'),
+    video: button(t('Save video'), t('MP4: the block turns once'), 'saveVideo'),
     cameras: h('ul', { class: 'shown-cameras', 'aria-label': t('Shown views') }),
     pins: h('ul', { class: 'pins', 'aria-label': t('Pins') }),
   };
@@ -77,7 +79,14 @@ export function mountTogether(host: TogetherHost): Together {
     'section',
     { 'aria-label': t('Together') },
     h('h2', {}, t('Together')),
-    h('div', { class: 'history-actions together-actions' }, parts.pin, parts.share, picture),
+    h(
+      'div',
+      { class: 'history-actions together-actions' },
+      parts.pin,
+      parts.share,
+      picture,
+      parts.video,
+    ),
     parts.cameras,
     parts.pins,
   );
@@ -85,7 +94,7 @@ export function mountTogether(host: TogetherHost): Together {
     const { welcome, together } = host.model;
     const maySet = welcome?.may === undefined || welcome.may.includes('place_pins');
     parts.pin.hidden = !maySet;
-    for (const made of [parts.pin, parts.share, picture]) {
+    for (const made of [parts.pin, parts.share, picture, parts.video]) {
       const isDisabled = String(!host.picture.viewer);
       if (made.getAttribute('aria-disabled') !== isDisabled)
         made.setAttribute('aria-disabled', isDisabled);

@@ -19,26 +19,49 @@ function skyOf(context: CanvasRenderingContext2D, width: number, height: number)
   return sky;
 }
 
-/** @param pixels on the longer side, as far as the graphics device allows */
-export async function pictureOf(viewer: Viewer, pixels = PICTURE_PIXELS): Promise<Blob> {
-  const drawn = viewer.drawLarge(pixels);
-  const { width, height } = drawn;
-  const canvas = document.createElement('canvas');
-  Object.assign(canvas, { width, height });
-  const context = canvas.getContext('2d');
+/**
+ * Draws the picture over the page's background.
+ * @param pixels on the longer side, as far as the graphics device allows
+ * @param to its size is that of the picture, less a pixel where that is odd and `isEven`
+ */
+export function drawPicture(
+  viewer: Viewer,
+  pixels: number,
+  to: HTMLCanvasElement,
+  isEven = false,
+): void {
+  const drawn = viewer.drawLarge(pixels, !viewer.isRecording);
+  const step = isEven ? 2 : 1;
+  const [width, height] = [drawn.width, drawn.height].map((side) => side - (side % step)) as [
+    number,
+    number,
+  ];
+  if (to.width !== width || to.height !== height) Object.assign(to, { width, height });
+  const context = to.getContext('2d');
   if (!context) throw new Error(t('The browser gives no canvas of this size.'));
   context.fillStyle = skyOf(context, width, height);
   context.fillRect(0, 0, width, height);
   context.drawImage(drawn, 0, 0);
+}
+
+export async function pictureOf(viewer: Viewer, pixels = PICTURE_PIXELS): Promise<Blob> {
+  const canvas = document.createElement('canvas');
+  drawPicture(viewer, pixels, canvas);
   const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
   if (!blob) throw new Error(t('The browser could not write the picture.'));
   return blob;
 }
 
-export async function savePicture(viewer: Viewer, name: string): Promise<void> {
-  const url = URL.createObjectURL(await pictureOf(viewer));
+/** Gives the user a file, whose name is that of the session. */
+export function saveFile(blob: Blob, name: string, extension: string): void {
+  const url = URL.createObjectURL(blob);
   const link = document.createElement('a');
-  Object.assign(link, { href: url, download: `${name.replaceAll(/[^\p{L}\p{N}_-]+/gu, '-')}.png` });
+  const file = `${name.replaceAll(/[^\p{L}\p{N}_-]+/gu, '-')}${extension}`;
+  Object.assign(link, { href: url, download: file });
   link.click();
   setTimeout(() => URL.revokeObjectURL(url), 60_000);
+}
+
+export async function savePicture(viewer: Viewer, name: string): Promise<void> {
+  saveFile(await pictureOf(viewer), name, '.png');
 }

@@ -9,11 +9,11 @@ import { CameraMarks } from '../../view/camera_marks';
 import { PinView } from '../../view/pin_view';
 import type { Viewer } from '../../view/viewer';
 import { Vector3 } from 'three';
-import { h } from '../dom';
+import { h, setText } from '../dom';
 import { sentence } from '../format';
 import type { TogetherHost, TogetherParts } from './mount';
 import { PinSetter } from './pin_setter';
-import { savePicture } from './save_picture';
+import { saveFile, savePicture } from './save_picture';
 import { SharedViews } from './shared_views';
 
 const SETTLE_EVERY_MS = 500;
@@ -22,6 +22,7 @@ export class TogetherPanel {
   private readonly marks_: PinView;
   private readonly setter_: PinSetter;
   private readonly views_: SharedViews;
+  private video_: AbortController | null = null;
   private shownPins_ = -1;
   private settledMs_ = -Infinity;
 
@@ -63,6 +64,30 @@ export class TogetherPanel {
     void savePicture(this.viewer, this.host.model.welcome?.name ?? this.host.session).catch(
       (problem: unknown) => this.host.say(sentence((problem as Error).message)),
     );
+  }
+
+  /** Pressed again, it ends without a file. */
+  saveVideo(): void {
+    if (this.video_) this.video_.abort();
+    else void this.record_();
+  }
+
+  private async record_(): Promise<void> {
+    const { host, viewer, parts } = this;
+    const { signal } = (this.video_ = new AbortController());
+    const name = parts.video.textContent;
+    const tell = (share: number): void =>
+      setText(parts.video, t('Cancel video, {0} %', Math.round(100 * share)));
+    try {
+      tell(0);
+      const { turntableOf } = await import('./turntable');
+      const file = await turntableOf(viewer, tell, signal);
+      saveFile(file, host.model.welcome?.name ?? host.session, '.mp4');
+    } catch (problem) {
+      if (!signal.aborted) host.say(sentence((problem as Error).message));
+    }
+    setText(parts.video, name);
+    this.video_ = null;
   }
 
   private row_(pin: Pin): HTMLElement {

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// End-to-end test of the comparison with a part: the part is the model of another session, from which
+// the block differs by a groove that is too deep and one that is too short. See README.md.
+//
+// node deviation_live.mjs --server PROGRAM --web FOLDER --out FOLDER
+
+import assert from 'node:assert/strict';
+import { writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { checkAccessible } from './support/axe.mjs';
+import { countPixels, launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
+import { checkFreeBlock } from './support/layout.mjs';
+import { stop, until } from './support/processes.mjs';
+import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
+
+const options = optionsOf(['server', 'web', 'out']);
+
+const SETTLE_S = 90; // software WebGL on a busy machine
+const SIZES = [
+  [844, 390],
+  [390, 844],
+  [1024, 720],
+];
+const TOO_DEEP_MM = 0.3;
+const GROOVE_MM = 4;
+const SCENE = {
+  name: 'Bracket',
+  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
+  accuracy: { rays: 'tri-dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  tools: [{ id: 1, shape: 'flat', diameter_mm: GROOVE_MM, length_mm: 30 }],
+};
+
+/** Two grooves along X; `depth` of the first, `end` of the second. */
+function program(depth, end) {
+  return `G21 G90
+T1 M6
+S10000 M3
+G0 X-14 Y-7 Z5
+G1 Z${-depth} F900
+G1 X14
+G0 Z5
+G0 X-14 Y5
+G1 Z-5
+G1 X${end}
+G0 Z5
+M30
+`;
+}
+
+async function partOf(base) {
+  const body = JSON.stringify(SCENE);
+  const created = await fetch(`${base}/v1/sessions?id=part`, { method: 'POST', body });
+  assert.equal(created.status, 201);
+  const session = `${base}/v1/sessions/part`;
+  await carveProgram(session, program(5, 14), 'name=part.ngc&pace=fast');
+  return Buffer.from(await (await fetch(`${session}/model.stl`)).arrayBuffer());
+}
+
+const figures = (page) => page.locator('.deviation .inspect-figures').textContent();
+const hint = (page) => page.locator('.deviation [role=status]').textContent();
+
+/** Within, least and greatest, once all of the surface is measured. */
+async function found(page) {
+  return until('figures', SETTLE_S, async () => {
+    if ((await hint(page)) !== '') return null;
+    const text = (await figures(page)).replaceAll('−', '-');
+    const match = /([\d.]+) % within([+-][\d.]+) to ([+-][\d.]+) mm/.exec(text);
+    if (!match) return null;
+    const [within, least, greatest] = match.slice(1).map(Number);
+    return { within, least, greatest };
+  });
+}
+
+async function add(page, name, buffer) {
+  await page.locator('.deviation input[type=file]').setInputFiles({
+    name,
+    mimeType: 'model/stl',
+    buffer,
+  });
+}
+
+/** Red and blue pixels of the block, as the colors show what was left and what is too deep. */
+async function colored({ page, state }) {
+  await nextFrames(page);
+  const [left, top, right, bottom] = (await state()).blockBox;
+  const box = [left, top, right - left, bottom - top].map(Math.round);
+  const red = await countPixels(page, box, { leastRedOverBlue: 70 });
+  const others = await countPixels(page, box, { leastRedOverBlue: -45 });
+  return { red, blue: box[2] * box[3] - others };
+}
+
+async function checkFound(viewer, session) {
+  const { page } = viewer;
+  const { within, least, greatest } = await found(page);
+  assert(Math.abs(least + TOO_DEEP_MM) < 0.005, `least ${least} mm`);
+  // In the middle of what was left the edges of the groove are nearest. Points are a pitch apart.
+  const missed = GROOVE_MM / 2 - greatest;
+  assert(missed > -0.01 && missed < SCENE.accuracy.pitch_mm / 2, `greatest ${greatest} mm`);
+  const survey = await getJson(`${session}/targets/part.stl/deviation`);
+  const tolerance = Number(await page.getByRole('spinbutton', { name: 'Tolerance' }).inputValue());
+  const inside = survey.quantiles_mm.filter((mm) => Math.abs(mm) <= tolerance).length;
+  assert(Math.abs(within - inside / 10) < 0.5, `${within} % instead of ${inside / 10} %`);
+  await page.locator('.canvas').focus();
+  await page.keyboard.press('7'); // from above
+  const { red, blue } = await until('colors', SETTLE_S, async () => {
+    const pixels = await colored(viewer);
+    return pixels.red > 200 && pixels.blue > 200 && pixels;
+  });
+  console.log(`${within} % within ${tolerance} mm, ${red} red and ${blue} blue pixels`);
+}
+
+/** A press on a place of the list shows it in the picture. */
+async function checkPlaces({ page }) {
+  const place = page.getByRole('list', { name: 'Worst places' }).getByText('−0.3').first();
+  await place.click();
+  const label = page.locator('.measure-label', { hasText: '−0.3 mm' });
+  const { width: wide, height } = page.viewportSize();
+  await until('the place in the picture', SETTLE_S, async () => {
+    const box = await label.boundingBox();
+    if (!box) return false;
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    return x > 0.2 * wide && x < 0.9 * wide && y > 0.1 * height && y < 0.9 * height;
+  });
+}
+
+async function test(folder) {
+  const { server, base, session } = await startServer(options, folder, 'bracket', SCENE);
+  await carveProgram(session, program(5 + TOO_DEEP_MM, 8), 'name=bracket.ngc&pace=fast');
+  const stl = await partOf(base);
+  const browser = await launchBrowser();
+  try {
+    const [width, height] = SIZES.at(-1);
+    const address = `${base}/?session=bracket`;
+    const viewer = await openViewer(
+      browser,
+      address,
+      { width, height },
+      { reducedMotion: 'reduce' },
+    );
+    const { page, state, problems } = viewer;
+    await until('picture', SETTLE_S, async () => (await state())?.snapshotComplete);
+    await page.getByRole('button', { name: 'Sections and measures' }).click();
+    await page.getByText('Add the part that the block is to become').waitFor();
+    await add(page, 'part.stl', stl);
+    await checkFound(viewer, session);
+    await checkAccessible(page, 'the comparison with a part');
+    await page.keyboard.press('0');
+    for (const size of SIZES) {
+      await page.setViewportSize({ width: size[0], height: size[1] });
+      await nextFrames(page);
+      await checkFreeBlock(viewer, size, ['.bar', '.toolbar', '.panel', '.inspect']);
+      await page.locator('.deviation').evaluate((one) => one.scrollIntoView({ block: 'start' }));
+      await nextFrames(page);
+      const file = join(options.out, `deviation-${size[0]}.png`);
+      await writeFile(file, await page.screenshot());
+    }
+    await checkPlaces(viewer);
+    await writeFile(join(options.out, 'deviation-place.png'), await page.screenshot());
+    assert.deepEqual(problems, []);
+  } finally {
+    await browser.close();
+  }
+  assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
+}
+
+await runTest(test, options.out);

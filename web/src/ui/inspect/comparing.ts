@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+// The comparison of the block with a part: colors for the deviation of every place, figures of the
+// whole surface, and the worst places.
+
+import { t } from '../../strings';
+import { recall, remember } from '../../strings/memory';
+import {
+  distancesFrom,
+  listTargets,
+  POINTS_MAX,
+  removeTarget,
+  setTarget,
+  surveyDeviation,
+} from '../../link/targets';
+import type { TargetPart } from '../../link/targets';
+import { rangeOf, roundedUp } from '../../model/deviation';
+import type { DeviationPlace, DeviationSurvey } from '../../model/deviation';
+import type { LengthUnit } from '../../model/measure';
+import type { Bounds } from '../../model/session';
+import { distance, plus } from '../../model/vector';
+import { MeasureView } from '../../view/inspect/measure_view';
+import { PaintedView } from '../../view/inspect/painted_view';
+import type { Viewer } from '../../view/viewer';
+import type { Vec3 } from '../../wire/types';
+import { Vector3 } from 'three';
+import { DeviationControls } from './deviation_controls';
+import { signed } from './deviation_plot';
+import type { InspectHost } from './mount';
+
+/** While the block changes it is surveyed at most so often. */
+const SURVEY_EVERY_MS = 5000;
+/** Edges along which colors are interpolated, as a share of the block's diagonal. */
+const EDGE_SHARE = 1 / 160;
+const ARM_PX = 36;
+const TOLERANCE = 'tolerance';
+
+/** How far a part has to be moved to be in the middle of the block, with its top at the block's. */
+export function shiftInto(part: Bounds, block: Bounds): Vec3 {
+  const between = (n: 0 | 1): number =>
+    (block.min[n] + block.max[n] - part.min[n] - part.max[n]) / 2;
+  return [between(0), between(1), block.max[2] - part.max[2]];
+}
+
+/** Whether no place of a part is in the block. */
+export function isOutside(part: Bounds, block: Bounds): boolean {
+  return ([0, 1, 2] as const).some(
+    (n) => part.max[n] <= block.min[n] || part.min[n] >= block.max[n],
+  );
+}
+
+export class Comparing {
+  private readonly controls_ = new DeviationControls({
+    choose: (name) => this.choose_(name),
+    added: (file) => void this.add_(file, [0, 0, 0]),
+    remove: (name) => void this.remove_(name),
+    center: () => this.center_(),
+    tolerance: (mm) => this.setTolerance_(mm),
+    place: (place) => this.goTo_(place),
+  });
+  private readonly marker_: MeasureView;
+  private parts_: readonly TargetPart[] = [];
+  private chosen_: TargetPart | null = null;
+  /** The file that was sent last, in case it has to be moved. */
+  private sent_: File | null = null;
+  private painted_: PaintedView | null = null;
+  private stop_ = new AbortController();
+  private survey_: DeviationSurvey | null = null;
+  private surveyed_ = '';
+  private surveyMs_ = -Infinity;
+  private isSurveying_ = false;
+  private place_: DeviationPlace | null = null;
+  private toleranceMm_ = 0;
+  private units_: LengthUnit = 'mm';
+
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly host: InspectHost,
+    private readonly session: string,
+    private readonly bounds: () => Bounds,
+  ) {
+    this.marker_ = new MeasureView(viewer, host.overlay);
+  }
+
+  get element(): HTMLElement {
+    return this.controls_.element;
+  }
+
+  /** Shows a sentence where the part's are, until there is another one. */
+  say(text: string): void {
+    this.controls_.say(text);
+  }
+
+  /** The panel was opened: others may have added parts. */
+  async open(): Promise<void> {
+    const { welcome } = this.host.model;
+    this.toleranceMm_ = Number(recall(TOLERANCE)) || roundedUp((welcome?.pitch_mm ?? 0.2) / 4);
+    this.controls_.say('');
+    await this.list_();
+    if (this.parts_.length === 0)
+      this.controls_.say(
+        this.may_('run_programs')
+          ? t(
+              'Add the part that the block is to become, in the coordinates of the block, or drop it here',
+            )
+          : t('Nobody has added a part to compare with'),
+      );
+  }
+
+  close(): void {
+    this.choose_(null);
+  }
+
+  /** Called some times a second while the panel is open. */
+  update(nowMs: number): void {
+    if (!this.painted_ || !this.chosen_) return;
+    this.painted_.update();
+    this.surveyIfChanged_(nowMs);
+    this.sayState_();
+  }
+
+  setUnits(units: LengthUnit): void {
+    this.units_ = units;
+    this.show_();
+  }
+
+  private may_(what: string): boolean {
+    return this.host.model.welcome?.may?.includes(what) ?? true;
+  }
+
+  private async list_(): Promise<void> {
+    try {
+      this.parts_ = await listTargets(this.session);
+    } catch (problem) {
+      this.controls_.say((problem as Error).message);
+    }
+    this.showParts_();
+  }
+
+  private showParts_(): void {
+    this.controls_.showParts(this.parts_, this.chosen_?.name ?? null, this.may_('run_programs'));
+  }
+
+  private async add_(file: File, shift: Vec3): Promise<void> {
+    this.choose_(null);
+    this.controls_.say(t('Sending {0} …', file.name));
+    try {
+      const part = await setTarget(this.session, file, shift);
+      this.sent_ = file;
+      await this.list_();
+      this.choose_(part.name);
+    } catch (problem) {
+      this.controls_.say((problem as Error).message);
+    }
+  }
+
+  private async remove_(name: string): Promise<void> {
+    this.choose_(null);
+    try {
+      await removeTarget(this.session, name);
+    } catch (problem) {
+      this.controls_.say((problem as Error).message);
+    }
+    await this.list_();
+  }
+
+  private center_(): void {
+    const { chosen_: part, sent_: file } = this;
+    if (!part || !file) return;
+    const [x, y, z] = shiftInto({ min: part.min_mm, max: part.max_mm }, this.bounds());
+    const [fromX, fromY, fromZ] = part.shift_mm;
+    void this.add_(file, [x + fromX, y + fromY, z + fromZ]);
+  }
+
+  private choose_(name: string | null): void {
+    this.stop_.abort();
+    this.stop_ = new AbortController();
+    this.painted_?.dispose();
+    this.painted_ = null;
+    this.survey_ = null;
+    this.surveyed_ = '';
+    this.surveyMs_ = -Infinity;
+    this.isSurveying_ = false;
+    this.mark_(null);
+    this.chosen_ = this.parts_.find((part) => part.name === name) ?? null;
+    if (this.chosen_) this.painted_ = this.paint_(this.chosen_.name);
+    this.controls_.say('');
+    this.showParts_();
+    this.show_();
+  }
+
+  private paint_(name: string): PaintedView {
+    const { min, max } = this.bounds();
+    const { signal } = this.stop_;
+    const pitch = this.host.model.welcome?.pitch_mm ?? 0;
+    return new PaintedView(
+      this.viewer,
+      (points) => distancesFrom(this.session, name, points, signal),
+      Math.max(2 * pitch, EDGE_SHARE * distance(min, max)),
+      POINTS_MAX,
+      (problem) => this.fail_(problem),
+    );
+  }
+
+  private fail_(problem: unknown): void {
+    this.choose_(null);
+    this.controls_.say((problem as Error).message);
+  }
+
+  private surveyIfChanged_(nowMs: number): void {
+    const { state } = this.host.model;
+    if (!state || this.isSurveying_ || nowMs - this.surveyMs_ < SURVEY_EVERY_MS) return;
+    const at = state.at?.record ?? null;
+    const key = `${state.state_hash} ${at}`;
+    if (key === this.surveyed_) return;
+    this.surveyed_ = key;
+    this.surveyMs_ = nowMs;
+    void this.ask_(this.chosen_!.name, at, this.stop_.signal);
+  }
+
+  private async ask_(name: string, at: number | null, signal: AbortSignal): Promise<void> {
+    this.isSurveying_ = true;
+    try {
+      this.survey_ = await surveyDeviation(this.session, name, at, signal);
+      this.show_();
+    } catch (problem) {
+      if (!signal.aborted) this.fail_(problem);
+    }
+    if (!signal.aborted) this.isSurveying_ = false;
+  }
+
+  private sayState_(): void {
+    const { chosen_: part, painted_: painted } = this;
+    if (!part || !painted) return;
+    if (isOutside({ min: part.min_mm, max: part.max_mm }, this.bounds())) {
+      const canMove = this.sent_?.name === part.name;
+      this.controls_.say(t('The part is beside the block: its origin is another one'), canMove);
+    } else if (painted.share < 1 || !this.survey_) {
+      this.controls_.say(t('Measuring … {0} %', 10 * Math.floor(10 * painted.share)));
+    } else if (part.fault) {
+      this.controls_.say(t('Signs may be wrong, because the part is not closed: {0}', part.fault));
+    } else {
+      this.controls_.say('');
+    }
+  }
+
+  private setTolerance_(mm: number): void {
+    this.toleranceMm_ = mm;
+    remember(TOLERANCE, String(mm));
+    this.mark_(null);
+    this.show_();
+  }
+
+  private show_(): void {
+    this.controls_.showSurvey(this.survey_, this.toleranceMm_, this.units_);
+    const range = this.survey_ ? rangeOf(this.survey_, this.toleranceMm_) : 10 * this.toleranceMm_;
+    this.painted_?.setScale(this.toleranceMm_, range);
+    if (this.place_) this.mark_(this.place_);
+  }
+
+  private mark_(place: DeviationPlace | null): void {
+    this.place_ = place;
+    if (!place) {
+      this.marker_.show([], []);
+      return;
+    }
+    const { at_mm: at, normal, mm } = place;
+    const end = plus(at, normal, ARM_PX * this.viewer.pixelMm(new Vector3(...at)));
+    const text = `${signed(mm, this.units_)} ${this.units_}`;
+    this.marker_.show([{ line: [at, end], place: end, text }], []);
+  }
+
+  /** Looks at a place from outside, a little from where the picture is seen now. */
+  private goTo_(place: DeviationPlace): void {
+    const { rig } = this.viewer;
+    const at = new Vector3(...place.at_mm);
+    const from = rig.camera.position.clone().sub(rig.controls.target).normalize();
+    from
+      .multiplyScalar(0.7)
+      .add(new Vector3(...place.normal))
+      .normalize();
+    rig.view(at.clone().addScaledVector(from, 0.7 * rig.closeMm), at, performance.now());
+    this.mark_(place);
+  }
+}

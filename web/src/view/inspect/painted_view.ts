@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shows a value at every place of the displayed surface, as colors over the tiles. Of each tile the
+// triangles are divided, its corners are sent to whoever knows the values, and what comes back is
+// drawn. A tile that changes keeps its colors until it has new ones.
+
+import * as THREE from 'three';
+import { refined } from '../../model/refine';
+import type { Triangles } from '../../model/refine';
+import { tileAt } from '../../model/tiles';
+import type { DisplayedTile } from '../tile_view';
+import type { Viewer } from '../viewer';
+import { PaintedMaterial, VALUE_ATTRIBUTE } from './painted_material';
+
+/** The values at points, X, Y and Z of each. */
+export type ValuesOf = (points: Float32Array<ArrayBuffer>) => Promise<Float32Array>;
+
+/** Tiles of such a square are one draw call. */
+const SQUARE = 8;
+
+interface PaintedTile extends Triangles {
+  /** What is painted. */
+  tile: DisplayedTile;
+  values: Float32Array;
+}
+
+function squareOf(key: number): number {
+  const [x, y] = tileAt(key);
+  return Math.floor(y / SQUARE) * 65536 + Math.floor(x / SQUARE);
+}
+
+function isSame(a: DisplayedTile, b: DisplayedTile): boolean {
+  return a.geometry === b.geometry && a.matrix.equals(b.matrix);
+}
+
+/** The triangles of a tile in the block's coordinates, with edges of at most `limitMm`. */
+function trianglesOf({ geometry, matrix }: DisplayedTile, limitMm: number): Triangles {
+  const position = geometry.getAttribute('position');
+  const normal = geometry.getAttribute('normal');
+  const at = new THREE.Vector3();
+  const turn = new THREE.Matrix3().getNormalMatrix(matrix);
+  const positions = new Float32Array(3 * position.count);
+  const normals = new Float32Array(3 * position.count);
+  for (let n = 0; n < position.count; n += 1) {
+    at.fromBufferAttribute(position, n)
+      .applyMatrix4(matrix)
+      .toArray(positions, 3 * n);
+    at.fromBufferAttribute(normal, n)
+      .applyMatrix3(turn)
+      .normalize()
+      .toArray(normals, 3 * n);
+  }
+  const index = geometry.index
+    ? Uint32Array.from(geometry.index.array)
+    : Uint32Array.from({ length: position.count }, (_, n) => n);
+  return refined({ positions, normals, index }, limitMm);
+}
+
+export class PaintedView {
+  private readonly material_ = new PaintedMaterial();
+  private readonly group_ = new THREE.Group();
+  private readonly painted_ = new Map<number, PaintedTile>();
+  private readonly squares_ = new Map<number, THREE.Mesh>();
+  private waiting_: DisplayedTile[] = [];
+  private changes_ = -1;
+  private isAsking_ = false;
+  private isOpen_ = true;
+
+  /**
+   * @param limitMm longest edge along which a value is interpolated
+   * @param pointsMax of one request
+   * @param failed is called when values do not come; nothing more is asked for then
+   */
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly valuesOf: ValuesOf,
+    private readonly limitMm: number,
+    private readonly pointsMax: number,
+    private readonly failed: (problem: unknown) => void,
+  ) {
+    viewer.stage.scene.add(this.group_);
+  }
+
+  /** The share of the tiles whose colors are those of their values. */
+  get share(): number {
+    const all = this.painted_.size + this.waiting_.length;
+    return all === 0 ? 1 : 1 - this.waiting_.length / all;
+  }
+
+  setScale(tolerance: number, range: number): void {
+    this.material_.setScale(tolerance, range);
+    this.viewer.touch();
+  }
+
+  /** Follows the displayed surface and the section; called some times a second. */
+  update(): void {
+    const { material } = this.material_;
+    const { clippingPlanes } = this.viewer.stockMaterial.material;
+    if (material.clippingPlanes !== clippingPlanes) {
+      material.clippingPlanes = clippingPlanes;
+      this.viewer.touch();
+    }
+    const { tiles } = this.viewer;
+    if (tiles.changes !== this.changes_) {
+      this.changes_ = tiles.changes;
+      this.compare_(tiles.tiles());
+    }
+    if (!this.isAsking_ && this.waiting_.length > 0) void this.ask_();
+  }
+
+  dispose(): void {
+    this.isOpen_ = false;
+    this.viewer.stage.scene.remove(this.group_);
+    for (const mesh of this.squares_.values()) mesh.geometry.dispose();
+    this.material_.material.dispose();
+    this.viewer.touch();
+  }
+
+  private compare_(tiles: readonly DisplayedTile[]): void {
+    const shown = new Set(tiles.map(({ key }) => key));
+    const gone = [...this.painted_.keys()].filter((key) => !shown.has(key));
+    for (const key of gone) this.painted_.delete(key);
+    this.draw_(gone);
+    const eye = this.viewer.rig.controls.target;
+    const place = new THREE.Vector3();
+    const farness = (tile: DisplayedTile): number =>
+      place.setFromMatrixPosition(tile.matrix).distanceToSquared(eye);
+    this.waiting_ = tiles
+      .filter((tile) => {
+        const old = this.painted_.get(tile.key);
+        return !old || !isSame(old.tile, tile);
+      })
+      .sort((a, b) => farness(a) - farness(b));
+  }
+
+  private async ask_(): Promise<void> {
+    this.isAsking_ = true;
+    const batch: { tile: DisplayedTile; triangles: Triangles }[] = [];
+    let numbers = 0;
+    for (const tile of this.waiting_) {
+      const triangles = trianglesOf(tile, this.limitMm);
+      if (batch.length > 0 && numbers + triangles.positions.length > 3 * this.pointsMax) break;
+      batch.push({ tile, triangles });
+      numbers += triangles.positions.length;
+    }
+    const points = new Float32Array(numbers);
+    let at = 0;
+    for (const { triangles } of batch) {
+      points.set(triangles.positions, at);
+      at += triangles.positions.length;
+    }
+    try {
+      this.take_(batch, await this.valuesOf(points));
+      this.isAsking_ = false;
+    } catch (problem) {
+      if (this.isOpen_) this.failed(problem); // and asks for nothing more
+    }
+  }
+
+  private take_(
+    batch: readonly { tile: DisplayedTile; triangles: Triangles }[],
+    values: Float32Array,
+  ): void {
+    if (!this.isOpen_) return;
+    let at = 0;
+    for (const { tile, triangles } of batch) {
+      const count = triangles.positions.length / 3;
+      this.painted_.set(tile.key, {
+        ...triangles,
+        tile,
+        values: values.subarray(at, at + count),
+      });
+      at += count;
+    }
+    this.draw_(batch.map(({ tile }) => tile.key));
+    this.compare_(this.viewer.tiles.tiles()); // it may have changed meanwhile
+  }
+
+  /** Makes the meshes again in which these tiles are. */
+  private draw_(keys: readonly number[]): void {
+    for (const square of new Set(keys.map(squareOf))) {
+      const old = this.squares_.get(square);
+      if (old) {
+        this.group_.remove(old);
+        old.geometry.dispose();
+        this.squares_.delete(square);
+      }
+      const tiles = [...this.painted_]
+        .filter(([key]) => squareOf(key) === square)
+        .map(([, tile]) => tile);
+      if (tiles.length === 0) continue;
+      const mesh = new THREE.Mesh(joined(tiles), this.material_.material);
+      mesh.matrixAutoUpdate = false;
+      this.squares_.set(square, mesh);
+      this.group_.add(mesh);
+    }
+    this.viewer.touch();
+  }
+}
+
+function joined(tiles: readonly PaintedTile[]): THREE.BufferGeometry {
+  const sum = (of: (tile: PaintedTile) => number): number =>
+    tiles.reduce((total, tile) => total + of(tile), 0);
+  const corners = sum(({ values }) => values.length);
+  const positions = new Float32Array(3 * corners);
+  const normals = new Float32Array(3 * corners);
+  const values = new Float32Array(corners);
+  const index = new Uint32Array(sum((tile) => tile.index.length));
+  let first = 0;
+  let at = 0;
+  for (const tile of tiles) {
+    positions.set(tile.positions, 3 * first);
+    normals.set(tile.normals, 3 * first);
+    values.set(tile.values, first);
+    for (const corner of tile.index) index[at++] = corner + first;
+    first += tile.values.length;
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
+  geometry.setAttribute('normal', new THREE.BufferAttribute(normals, 3));
+  geometry.setAttribute(VALUE_ATTRIBUTE, new THREE.BufferAttribute(values, 1));
+  geometry.setIndex(new THREE.BufferAttribute(index, 1));
+  return geometry;
+}
