@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
-#include "server/verify/deviation.h"
 #include "server/formats/model/model_writer.h"
 #include "server/formats/model/simplify_mesh.h"
+#include "server/verify/deviation.h"
 
 namespace kerf {
 

@@ -5,8 +5,8 @@
 #include <stop_token>
 
 #include "kernel/dexel/solid_snapshot.h"
-#include "server/verify/distance_figures.h"
 #include "server/verify/cut_surface.h"
+#include "server/verify/distance_figures.h"
 #include "server/verify/true_solid.h"
 
 namespace kerf {

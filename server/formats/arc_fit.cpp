@@ -30,7 +30,8 @@ std::optional<Planar> circumcenter(PlanePoint a, PlanePoint b, PlanePoint c) {
                 a.second + (bx * c2 - cx * b2) / twice_area};
 }
 
-// Whether a path stays within the tolerance of a circle, and turns one way by less than the limit.
+// Whether a path stays within the tolerance of a circle, and turns in one direction by less than
+// the limit.
 class Trial {
  public:
   Trial(std::span<const ToolPose> path, ArcPlane plane, double tolerance_mm)
@@ -43,7 +44,7 @@ class Trial {
     center_ = *center;
     radius_ = std::hypot(first.first - center_.x, first.second - center_.y);
     if (radius_ < kRadiusMinMm || radius_ > kRadiusMaxMm) return std::nullopt;
-    if (!turns_one_way()) return std::nullopt;
+    if (!turns_in_one_direction()) return std::nullopt;
     const double rise = last.normal - first.normal;
     if (!rises_evenly(rise)) return std::nullopt;
     return FittedArc{.plane = plane_,
@@ -64,7 +65,7 @@ class Trial {
     return std::abs(r - radius_) <= tolerance_mm_;
   }
 
-  bool turns_one_way() {
+  bool turns_in_one_direction() {
     double before = angle_of(at(0));
     for (std::size_t i = 1; i < path_.size(); ++i) {
       const PlanePoint a = at(i - 1), b = at(i);

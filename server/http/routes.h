@@ -30,7 +30,8 @@ enum class Runs : std::uint8_t {
 struct Route {
   using Handler = ApiResponse (Api::*)(const ApiCall&);
 
-  std::string_view methods;  ///< separated by ", "; in the order of the Allow header
+  /// Separated by ", ", in the order of the Allow header.
+  std::string_view methods = "GET, HEAD";
   /// Segments separated by "/". "{name}" matches the rest of a segment and captures it; a last
   /// segment "{name...}" matches any number of segments outside /v1.
   std::string_view pattern;

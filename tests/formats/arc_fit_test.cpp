@@ -132,7 +132,7 @@ TEST(ArcFit, WithoutAToleranceNothingIsJoined) {
 }
 
 // A line, an arc and a line: each is one block.
-TEST(ArcFit, LinesAndArcsAreToldApart) {
+TEST(ArcFit, LinesAndArcsAreDistinguished) {
   auto path = arc_path(10, 0, 90, 40);
   path.insert(path.begin(), ToolPose{{11, -20, 0}, {0, 0, 1}});
   path.push_back({{-30, 12, 0}, {0, 0, 1}});

@@ -108,7 +108,7 @@ bool AptMachine::execute(const AptStatement& statement, std::size_t line) {
 
 void AptMachine::refuse(const AptStatement& s) {
   throw AptFault{s.major,
-                 "moves the tool or the workpiece in a way that is not supported; post the motions "
+                 "moves the tool or the workpiece, and is not supported; post the motions "
                  "with GOTO, CIRCLE and CYCLE"};
 }
 

@@ -60,7 +60,7 @@ void GcodeMachine::circular_pocket(GcodeBlock& block, bool clockwise) {
   const double offset = pocket_offset_mm(block);
   if (first <= offset) throw GcodeFault{written.text, "I is not larger than the tool's radius"};
   if (setup_.rules.dialect == Dialect::kHaas && first - offset > offset)
-    warn_once("G12", "the way from the center to the circle of " + written.text +
+    warn_once("G12", "the path from the center to the circle of " + written.text +
                          " is taken as half a circle; it cuts there, and I is more than the tool's "
                          "diameter");
   const GcodeFeed speed = feed_of(block);

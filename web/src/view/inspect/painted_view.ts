@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shows a value at every place of the displayed surface, as colors over the tiles. Of each tile the
-// triangles are divided, its corners are sent to whoever knows the values, and what comes back is
+// triangles are divided, its corners are sent to the source of the values, and what comes back is
 // drawn. A tile that changes keeps its colors until it has new ones.
 
 import * as THREE from 'three';
