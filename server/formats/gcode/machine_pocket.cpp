@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/formats/gcode/expression.h"
 #include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/machine.h"
 #include "server/formats/units.h"
