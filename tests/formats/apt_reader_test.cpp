@@ -115,7 +115,7 @@ TEST_P(BadApt, IsRejectedWithLineAndWord) {
 
 INSTANTIATE_TEST_SUITE_P(
     AptReader, BadApt,
-    testing::Values(BadStatement{"GOFWD/C1", "GOFWD", "and is not supported"},
+    testing::Values(BadStatement{"GOFWD/C1", "GOFWD", "is not supported, and moves"},
                     BadStatement{"CYCLE/DRILL,5", "5", "FEDTO"},
                     BadStatement{"CYCLE/DRILL,RAPTO,5", "CYCLE/DRILL", "the depth"},
                     BadStatement{"CIRCLE/0,0,0", "CIRCLE", "takes the center"},

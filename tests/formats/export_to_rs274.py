@@ -16,7 +16,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from rs274 import private_home
+from rs274 import ORDER, private_home
 
 TOLERANCE_MM = 0.02
 PITCH_MM = 0.1
@@ -81,10 +81,28 @@ def execute(rs274, folder, file):
     return run.stdout.splitlines()
 
 
+def arc_points(plane, start, words):
+    """Returns points of an arc or helix, the last one its end, whose chords are within a tenth of PRINTED_MM."""
+    first, second, normal = ORDER[plane]
+    end1, end2, center1, center2, turns, end3 = (float(w) for w in words[:6])
+    radius = math.hypot(start[first] - center1, start[second] - center2)
+    angle = math.atan2(start[second] - center2, start[first] - center1)
+    sweep = math.atan2(end2 - center2, end1 - center1) - angle
+    sweep = sweep % math.tau if turns > 0 else -(-sweep % math.tau)
+    sweep += math.tau * (turns - 1 if turns > 0 else turns + 1)
+    count = 1 + int(abs(sweep) / math.sqrt(8 * 0.1 * PRINTED_MM / radius))
+    for n in range(1, count + 1):
+        point = [0.0] * 3
+        point[first] = center1 + radius * math.cos(angle + sweep * n / count)
+        point[second] = center2 + radius * math.sin(angle + sweep * n / count)
+        point[normal] = start[normal] + (end3 - start[normal]) * n / count
+        yield point
+
+
 def canonical_to_apt(calls, kinematics):
     """Converts canonical moves to APT. Programmed positions are those of the tip while TCP is on, and always on xyz."""
     lines = ["PARTNO/CANON", "MULTAX/ON", "UNITS/MM", "FEDRAT/900,MMPM"]
-    tool, cutting, followed, at = 0, False, kinematics == "xyz", None
+    tool, cutting, followed, at, plane = 0, False, kinematics == "xyz", None, "XY"
     for call in calls:
         match = re.search(r"N\S+\s+(\w+)\((.*)\)", call)
         if not match:
@@ -95,6 +113,16 @@ def canonical_to_apt(calls, kinematics):
             lines.append(f"LOADTL/{tool}")
         elif name == "SET_MOTION_OUTPUT_VALUE" or name == "SET_AUX_OUTPUT_VALUE":
             followed, cutting = float(words[1]) == 8, False
+        elif name == "SELECT_PLANE":
+            plane = words[0][-2:]
+        elif name == "ARC_FEED":
+            assert kinematics == "xyz", "arcs do not turn tables"
+            if not cutting:
+                lines.append(f"FROM/{at}")
+            cutting = True
+            for point in arc_points(plane, [float(v) for v in at.split(",")[:3]], words):
+                at = ",".join("%.6f" % v for v in (*point, 0, 0, 1))
+                lines.append(f"GOTO/{at}")
         elif name in ("STRAIGHT_TRAVERSE", "STRAIGHT_FEED"):
             x, y, z, a, b, c = (float(w) for w in words[:6])
             tilt, turn = math.radians(a if "xyzac" in kinematics else b), math.radians(c)

@@ -107,9 +107,10 @@ bool AptMachine::execute(const AptStatement& statement, std::size_t line) {
 }
 
 void AptMachine::refuse(const AptStatement& s) {
-  throw AptFault{s.major,
-                 "moves the tool or the workpiece, and is not supported; post the motions "
-                 "with GOTO, CIRCLE and CYCLE"};
+  throw AptFault{
+      s.major,
+      "is not supported, and moves the tool or the workpiece; post the motions with GOTO, "
+      "CIRCLE and CYCLE"};
 }
 
 void AptMachine::warn_once(const std::string& text) {

@@ -98,7 +98,7 @@ class AptMachine {
   void require_tool();
   void move(const ToolPose& to);
   void straight(const ToolPose& to, bool rapid);
-  void arc(const Circle& circle, const ToolPose& to);
+  void arc(Circle circle, ToolPose to);
   void hole(const ToolPose& at);
   double feed_mm_per_min(const Feed& feed) const;
   double duration_s(const ToolPose& from, const ToolPose& to, bool rapid) const;

@@ -189,7 +189,8 @@ void AptMachine::circle_to_line(const AptStatement& s) {
   if (std::abs(std::hypot(to.x - center.x, to.y - center.y) - radius) > kRadiusMm)
     throw AptFault{"LINE", "does not end on the circle"};
   require_tool();
-  arc({center, {0, 0, turn > 0 ? 1.0 : -1.0}}, {to, axis_});
+  const Vec3 up{0, 0, 1};
+  arc(Circle{center, turn > 0 ? up : -up}, ToolPose{to, axis_});
 }
 
 void AptMachine::require_tool() {
@@ -221,7 +222,7 @@ void AptMachine::straight(const ToolPose& to, bool rapid) {
   axis_ = to.axis;
 }
 
-void AptMachine::arc(const Circle& circle, const ToolPose& to) {
+void AptMachine::arc(Circle circle, ToolPose to) {
   const ToolPose from = *sink_.last();
   const Plane plane = plane_of(circle.center_mm, circle.axis, from.tip_mm);
   const double r0 = planar_radius(plane, from.tip_mm), r1 = planar_radius(plane, to.tip_mm);
