@@ -66,7 +66,7 @@ async function areaAt(page, direction, place) {
   await field.fill(String(place));
   await field.press('Enter');
   return until('area', SETTLE_S, async () => {
-    const text = await page.locator('.inspect-figures').textContent();
+    const text = await page.locator('.inspect-figures').first().textContent();
     const shown = Number(await field.inputValue()) === place;
     const area = /Area ([\d,.]+)/.exec(text);
     return shown && area && Number(area[1].replace(',', ''));

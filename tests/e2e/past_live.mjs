@@ -176,11 +176,14 @@ async function checkBranch({ page, state }, base, record) {
   assert.deepEqual([parent.session, parent.record], ['past', record]);
 }
 
+/** What the page says of a state that is the server's. */
+const verified = (record) => `verified: record ${record.toLocaleString('en')}`;
+
 /** The page replays the journal by itself, from files that caches may keep, and finds the server's state. */
 async function checkVerified({ page }, session) {
   await page.getByRole('button', { name: 'Check', exact: true }).click();
   const { record } = await getJson(`${session}/replay`);
-  await page.getByText(`verified: record ${record}`).waitFor({ timeout: 1000 * SETTLE_S });
+  await page.getByText(verified(record)).waitFor({ timeout: 1000 * SETTLE_S });
   const spans = await page.evaluate(() =>
     performance.getEntriesByType('resource').filter(({ name }) => name.includes('/records?')),
   );
@@ -209,7 +212,7 @@ async function checkFile(browser, base, session) {
       return now.status === 'rest' && now.waiting === 0 && now.carved === carved && now;
     });
   assert.equal((await rest(record)).hash, state_hash);
-  await page.getByText(`verified: record ${record}`).waitFor();
+  await page.getByText(verified(record)).waitFor();
   await writeFile(join(options.out, 'kerf-file.png'), await page.screenshot());
   const half = Math.floor(record / 2);
   await page.getByRole('slider', { name: 'Place along the program' }).fill(String(half));

@@ -24,7 +24,10 @@ const SCENE = {
   tools: [{ id: 1, shape: 'flat', diameter_mm: 4, length_mm: 30 }],
 };
 
-/** What the browser knows of a video: its length and size, and how much two of its frames differ. */
+/**
+ * What the browser knows of a video, in a page whose policy lets it play a file: its length and
+ * size, and how much two of its frames differ.
+ */
 async function played(page, file) {
   const bytes = (await readFile(file)).toString('base64');
   return page.evaluate(async (base64) => {
@@ -74,7 +77,7 @@ async function test(folder) {
     assert.equal(download.suggestedFilename(), 'Turning-block.mp4');
     const file = join(options.out, 'turning.mp4');
     await download.saveAs(file);
-    const { width, height, duration, changed } = await played(page, file);
+    const { width, height, duration, changed } = await played(await page.context().newPage(), file);
     console.log(`${width} × ${height}, ${duration} s, ${(100 * changed).toFixed(1)} % changed`);
     assert.equal(Math.max(width, height), PIXELS);
     assert(Math.abs(duration - SECONDS) < 0.2, `${duration} s`);
