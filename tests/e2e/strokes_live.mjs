@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// End-to-end test of copies: two pages draw random strokes by mouse and undo some, over lines that
+// break, while an agent carves. In the end the copies of both pages are the server's block, and so is
+// the export. With many strokes it is a soak. See README.md.
+//
+// node strokes_live.mjs --server PROGRAM --agent PROGRAM --carve PROGRAM --web FOLDER
+//   [--strokes 10000] [--seed 1]
+
+import assert from 'node:assert/strict';
+import { readFile, writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { launchBrowser, openViewer } from './support/browser.mjs';
+import { run, start, stop, until } from './support/processes.mjs';
+import { getJson, optionsOf, runTest, startServer } from './support/session.mjs';
+import { slowLine } from './support/slow_line.mjs';
+
+const options = optionsOf(['server', 'agent', 'carve', 'web'], { strokes: '8', seed: '1' });
+
+const SETTLE_S = 90; // software WebGL on a busy machine
+const ONE_WAY_MS = 40;
+const VIEWPORT = { width: 900, height: 640 }; // smaller, the bars cover the block
+const UNDO_SHARE = 0.15;
+const CUT_SHARE = 0.15; // of the strokes during which a line breaks
+const SCENE = {
+  name: 'Strokes',
+  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
+  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  tools: [
+    { id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 },
+  ],
+  machine: { kinematics: 'tool-vector' },
+};
+
+/** Numbers from 0 to 1, the same for a seed (mulberry32). */
+function randomOf(seed) {
+  let state = seed;
+  return () => {
+    state = (state + 0x6d2b79f5) | 0;
+    let mixed = Math.imul(state ^ (state >>> 15), 1 | state);
+    mixed = (mixed + Math.imul(mixed ^ (mixed >>> 7), 61 | mixed)) ^ mixed;
+    return ((mixed ^ (mixed >>> 14)) >>> 0) / 4294967296;
+  };
+}
+
+async function enter(browser, server, name) {
+  const line = await slowLine(server.base, ONE_WAY_MS);
+  const viewer = await openViewer(browser, `${line.base}/?session=strokes&name=${name}`, VIEWPORT);
+  await until('picture', SETTLE_S, () => viewer.page.evaluate(() => window.kerf?.marks.picture));
+  await viewer.page.keyboard.press('c');
+  await viewer.page.locator('main[data-carve=ready]').waitFor();
+  return { ...viewer, line };
+}
+
+async function drag({ page, state, line }, random) {
+  const [left, top, right, bottom] = (await state()).blockBox;
+  const place = () => [
+    left + (0.3 + 0.4 * random()) * (right - left),
+    top + (0.35 + 0.3 * random()) * (bottom - top),
+  ];
+  await page.mouse.move(...place());
+  await page.mouse.down();
+  await page.mouse.move(...place(), { steps: 3 });
+  if (random() < CUT_SHARE) line.cut();
+  await page.mouse.move(...place(), { steps: 3 });
+  await page.mouse.up();
+  await page.locator('main[data-carve=ready]').waitFor();
+  if (random() < UNDO_SHARE) await page.keyboard.press('Control+z');
+}
+
+/** Waits until the server is at rest. */
+async function settled({ session }) {
+  return until('rest', SETTLE_S, async () => {
+    const before = await getJson(session);
+    await new Promise((resolve) => setTimeout(resolve, 3000));
+    const now = await getJson(session);
+    return before.state_hash === now.state_hash && before.motions === now.motions && now;
+  });
+}
+
+async function checkExport({ session }, folder, hash) {
+  const file = (name) => join(folder, name);
+  const response = await fetch(`${session}/program.ngc`);
+  await writeFile(file('program.ngc'), await response.text());
+  await writeFile(file('scene.json'), JSON.stringify(SCENE));
+  await run(options.carve, [
+    ...['--scene', file('scene.json'), '--program', file('program.ngc')],
+    ...['--report', file('report.json')],
+  ]);
+  const { state_hash: carved } = JSON.parse(await readFile(file('report.json'), 'utf8'));
+  assert.equal(carved, hash, 'kerf-carve makes another block of the export');
+}
+
+async function test(folder) {
+  const server = await startServer(options, folder, 'strokes', SCENE);
+  const browser = await launchBrowser();
+  const pages = [];
+  try {
+    for (const name of ['Ada', 'Grace']) pages.push(await enter(browser, server, name));
+    const agent = start(options.agent, [
+      ...['--server', server.base, '--session', 'strokes', '--device', 'sim'],
+      ...['--duration', '86400', '--name', 'Mary', '--tool', '1'],
+    ]);
+    const random = randomOf(Number(options.seed));
+    const strokes = Number(options.strokes);
+    for (let n = 0; n < strokes; n += 2) {
+      for (const page of pages) await drag(page, random);
+      if (n % 100 === 98) console.log(`${n + 2} strokes`);
+    }
+    await stop(agent);
+    const { state_hash: hash, motions } = await settled(server);
+    for (const { page } of pages) {
+      await until('the copy of a page', SETTLE_S, async () => {
+        const copy = await page.evaluate(() => window.kerf.copyHash());
+        return copy === hash;
+      });
+    }
+    await checkExport(server, folder, hash);
+    console.log(`${strokes} strokes by pages, ${motions} motions in all: ${hash}`);
+  } finally {
+    await browser.close();
+    for (const { line } of pages) line.close();
+  }
+  assert.equal(await stop(server.server), 0, server.server.errors);
+}
+
+await runTest(test);
