@@ -25,9 +25,7 @@ const SCENE = {
   name: 'Strokes',
   stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
   accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
-  tools: [
-    { id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 },
-  ],
+  tools: [{ id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 }],
   machine: { kinematics: 'tool-vector' },
 };
 
