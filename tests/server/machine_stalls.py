@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tells a machine that stands still from a program that is late: counts the times at which a thread above
+all others, on any processor, was not woken for several milliseconds."""
+import os
+import subprocess
+import sys
+
+# Above the agent's threads (90 at most) and the simulated device's (95).
+PRIORITY = 98
+# Waking late by this much loses ticks of a 1 kHz loop, whatever the loop does.
+STALL_S = 0.004
+
+WATCH = f"""
+import os, signal, sys, time
+os.sched_setaffinity(0, {{int(sys.argv[1])}})
+try:
+    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param({PRIORITY}))
+except PermissionError:
+    pass
+signal.signal(signal.SIGTERM, lambda *_: sys.exit())
+print("watching", flush=True)
+due = time.monotonic() + 0.001
+while True:
+    time.sleep(max(due - time.monotonic(), 0))
+    late = time.monotonic() - due
+    if late > {STALL_S}:
+        print(late, flush=True)
+    due = time.monotonic() + 0.001
+"""
+
+
+class MachineStalls:
+    """Watches every processor until end()."""
+
+    def __init__(self):
+        self.watches = [subprocess.Popen([sys.executable, "-c", WATCH, str(cpu)],
+                                         stdout=subprocess.PIPE, text=True)
+                        for cpu in sorted(os.sched_getaffinity(0))]
+        for watch in self.watches:
+            watch.stdout.readline()
+
+    def end(self):
+        """Stops watching and returns the stalls in seconds, longest first."""
+        stalls = []
+        for watch in self.watches:
+            watch.terminate()
+            stalls += [float(line) for line in watch.communicate()[0].split()]
+        self.watches = []
+        return sorted(stalls, reverse=True)
