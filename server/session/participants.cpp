@@ -210,7 +210,9 @@ std::expected<void, Rejection> Participants::choose_tool(ParticipantId id, ToolI
   }
   if (state->participant.tool == tool) return {};
   state->participant.tool = tool;
-  state->track.lift();  // the new tool starts at the pose of its next sample
+  // Its place stays, around which a replica is kept up to date: the samples tell when the new tool
+  // is there, to the server as to the replica.
+  state->in_stroke = false;
   changed(true);
   return {};
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// End-to-end test of copies: two pages draw random strokes by mouse and undo some, over lines that
-// break, while an agent carves. In the end the copies of both pages are the server's block, and so is
-// the export. With many strokes it is a soak. See README.md.
+// End-to-end test of copies: two pages draw random strokes by mouse with two tools and undo some,
+// over lines that break, while an agent carves. In the end the copies of both pages are the server's
+// block, and so is the export. With many strokes it is a soak. See README.md.
 //
 // node strokes_live.mjs --server PROGRAM --agent PROGRAM --carve PROGRAM --web FOLDER
 //   [--strokes 10000] [--seed 1]
@@ -14,18 +14,30 @@ import { run, start, stop, until } from './support/processes.mjs';
 import { getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { slowLine } from './support/slow_line.mjs';
 
-const options = optionsOf(['server', 'agent', 'carve', 'web'], { strokes: '8', seed: '1' });
+const options = optionsOf(['server', 'agent', 'carve', 'web'], {
+  strokes: '8',
+  seed: '1',
+});
 
 const SETTLE_S = 90; // software WebGL on a busy machine
 const ONE_WAY_MS = 40;
 const VIEWPORT = { width: 900, height: 640 }; // smaller, the bars cover the block
 const UNDO_SHARE = 0.15;
+const TOOL_SHARE = 0.3; // of the strokes after which another tool is taken
 const CUT_SHARE = 0.15; // of the strokes during which a line breaks
 const SCENE = {
   name: 'Strokes',
   stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
-  tools: [{ id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 }],
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
+  tools: [
+    { id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 },
+    { id: 2, shape: 'flat', diameter_mm: 6, length_mm: 30 },
+  ],
   machine: { kinematics: 'tool-vector' },
 };
 
@@ -63,6 +75,7 @@ async function drag({ page, state, line }, random) {
   await page.mouse.up();
   await page.locator('main[data-carve=ready]').waitFor();
   if (random() < UNDO_SHARE) await page.keyboard.press('Control+z');
+  if (random() < TOOL_SHARE) await page.keyboard.press(']');
 }
 
 /** Waits until the server is at rest. */
@@ -104,6 +117,8 @@ async function test(folder) {
       for (const page of pages) await drag(page, random);
       if (n % 100 === 98) console.log(`${n + 2} strokes`);
     }
+    // While another tool is nowhere yet, the copies still get what the agent cuts.
+    for (const { page } of pages) await page.keyboard.press(']');
     await stop(agent);
     const { state_hash: hash, motions } = await settled(server);
     for (const { page } of pages) {

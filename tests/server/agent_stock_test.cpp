@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "server/conversation/agent_conversation.h"
 #include "tests/server/conversation_fixture.h"
@@ -47,7 +48,7 @@ class ReplicaTest : public ConversationTest {
   void SetUp() override {
     ConversationTest::SetUp();
     ada = agent();
-    join_agent(*ada, R"({"type":"hello","stock":true})");
+    join_agent(*ada, hello);
     other = join(*session, "Bob");
     drain(*ada);
     cut(0);  // only places the tool
@@ -73,9 +74,23 @@ class ReplicaTest : public ConversationTest {
     }
     return number;
   }
+  std::string_view hello = R"({"type":"hello","stock":true})";
   std::unique_ptr<AgentConversation> ada;
   ParticipantId other = 0;
 };
+
+/// Of the whole block.
+class CopyTest : public ReplicaTest {
+ protected:
+  CopyTest() { hello = R"({"type":"hello","stock":true,"whole":true})"; }
+};
+
+TEST_F(CopyTest, ACutIsSentBetweenAChangeOfToolsAndTheNextSample) {
+  cut(1);
+  send_text(*ada, R"({"type":"tool","tool":2})");
+  send(*ada, encoded(wire::Ping{}));
+  EXPECT_TRUE(stock_frame());
+}
 
 TEST_F(ReplicaTest, ACutBetweenTwoUpdatesIsSentWhenTheNextOneIsDue) {
   cut(1);
