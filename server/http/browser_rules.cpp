@@ -76,6 +76,14 @@ std::string page_policy(const BrowserHeaders& headers) {
          own + " data: blob:; object-src 'none'; base-uri 'none'; form-action 'self'";
 }
 
+/// The policy of a file by itself. That of a script counts where a worker runs it: Firefox gives a
+/// worker WebAssembly modules, also compiled ones, only if this allows them.
+std::string file_policy(std::string_view content_type) {
+  const bool is_script = content_type.starts_with("text/javascript");
+  return is_script ? "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'"
+                   : "default-src 'none'";
+}
+
 }  // namespace
 
 bool host_allowed(std::string_view host, const HttpOptions& options) {
@@ -105,7 +113,7 @@ void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& optio
   const bool is_page = response.content_type.starts_with("text/html");
   const std::string frames = frames_of(headers, options, is_page);
   add("Content-Security-Policy",
-      (is_page ? page_policy(headers) : "default-src 'none'") + "; frame-ancestors " + frames);
+      (is_page ? page_policy(headers) : file_policy(response.content_type)) + "; frame-ancestors " + frames);
   add("X-Content-Type-Options", "nosniff");
   if (frames == "'none'") add("X-Frame-Options", "DENY");  // cannot name origins
   add("Referrer-Policy", "no-referrer");

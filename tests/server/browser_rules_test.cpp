@@ -90,6 +90,14 @@ TEST(BrowserRules, ThePageMayLoadWhatItNeedsFromItsOwnServerOnly) {
   EXPECT_EQ(header(data, "Content-Security-Policy"), "default-src 'none'; frame-ancestors 'none'");
 }
 
+TEST(BrowserRules, AScriptMayHaveWebAssemblyWhereAWorkerRunsIt) {
+  ApiResponse script;
+  script.content_type = "text/javascript; charset=utf-8";
+  add_browser_headers({"localhost:8080", ""}, {}, script);
+  EXPECT_EQ(header(script, "Content-Security-Policy"),
+            "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; frame-ancestors 'none'");
+}
+
 TEST(BrowserRules, NamedSitesMayFrameTheEmbeddedPageAndNothingElse) {
   HttpOptions options;
   const auto frames = [&](std::string_view target, const char* type = "text/html") {

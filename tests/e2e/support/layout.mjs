@@ -1,25 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
 // What lies where in the page.
 
-import { until } from './processes.mjs';
+import { until } from "./processes.mjs";
 
 function intersect(a, b) {
-  return a[0] < b[2] - 1 && b[0] < a[2] - 1 && a[1] < b[3] - 1 && b[1] < a[3] - 1;
+  return (
+    a[0] < b[2] - 1 && b[0] < a[2] - 1 && a[1] < b[3] - 1 && b[1] < a[3] - 1
+  );
+}
+
+/**
+ * Returns the pairs of visible elements, one for each selector, that intersect; `others` are further
+ * boxes: left, top, right, bottom.
+ */
+export async function intersecting(page, selectors, others = []) {
+  const boxes = await page.evaluate(
+    (all) =>
+      all
+        .map((selector) => [
+          selector,
+          document.querySelector(selector)?.getBoundingClientRect(),
+        ])
+        .filter(([, box]) => box && box.width > 0)
+        .map(([selector, { left, top, right, bottom }]) => [
+          selector,
+          [left, top, right, bottom],
+        ]),
+    selectors,
+  );
+  boxes.push(...others.map((box) => ["block", box]));
+  return boxes.flatMap(([name, box], n) =>
+    boxes
+      .slice(0, n)
+      .filter(([, other]) => intersect(box, other))
+      .map(([other]) => `${other} / ${name}`),
+  );
 }
 
 /** Waits until in a page of this size neither the block nor a visible element covers another. */
-export async function checkFreeBlock({ page, state }, [width, height], selectors) {
+export async function checkFreeBlock(
+  { page, state },
+  [width, height],
+  selectors,
+) {
   await page.setViewportSize({ width, height });
   await until(`free block at ${width} × ${height}`, 10, async () => {
-    const boxes = await page.evaluate(
-      (all) =>
-        all
-          .map((selector) => document.querySelector(selector)?.getBoundingClientRect())
-          .filter((box) => box && box.width > 0)
-          .map(({ left, top, right, bottom }) => [left, top, right, bottom]),
-      selectors,
-    );
-    boxes.push((await state()).blockBox);
-    return boxes.every((box, n) => boxes.slice(0, n).every((other) => !intersect(box, other)));
+    const found = await intersecting(page, selectors, [
+      (await state()).blockBox,
+    ]);
+    if (found.length > 0) throw new Error(found.join(", "));
+    return true;
   });
 }

@@ -13,7 +13,7 @@ export const NO_COPY = t(
   'This server has no kernel for pages: a cut is shown when the server has made it.',
 );
 
-/** The page compiles it, because the policy of a worker's file forbids that (server/http). */
+/** The page compiles it, because the policy of a worker's file forbids to fetch it (server/http). */
 async function compiled(): Promise<WebAssembly.Module | null> {
   if (!KERF_HAS_KERNEL) return null;
   return WebAssembly.compileStreaming(fetch(new URL('kerf.wasm', document.baseURI)));

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Debian's Firefox, on a display of its own: without one it has no WebGL. It is driven by WebDriver
+// BiDi, which the Firefox that Debian ships understands, unlike the protocol of playwright-core.
+
+import puppeteer from "puppeteer-core";
+import { start, stop, until } from "./processes.mjs";
+
+const PREFERENCES = {
+  "ui.prefersReducedMotion": 1, // views are there at once
+  "webgl.force-enabled": true,
+};
+
+/** Starts a display, which chooses its number. */
+async function startDisplay() {
+  const display = start("Xvfb", [
+    ...["-displayfd", "1", "-screen", "0", "1600x1200x24", "-nolisten", "tcp"],
+  ]);
+  const number = await until("display", 20, () => {
+    if (display.code !== undefined)
+      throw new Error(`Xvfb exited: ${display.errors}`);
+    return display.lines[0];
+  });
+  return { display, name: `:${number}` };
+}
+
+/** Returns the browser, and how to close it and its display. */
+export async function launchFirefox() {
+  const { display, name } = await startDisplay();
+  const browser = await puppeteer.launch({
+    browser: "firefox",
+    executablePath: process.env.KERF_FIREFOX ?? "/usr/bin/firefox-esr",
+    headless: false,
+    env: { ...process.env, DISPLAY: name },
+    extraPrefsFirefox: PREFERENCES,
+  });
+  const close = async () => {
+    await browser.close();
+    await stop(display);
+  };
+  return { browser, close };
+}
+
+/** As openViewer of browser.mjs; `viewport` is Puppeteer's, which has touch and a scale. */
+export async function openInFirefox(browser, url, viewport) {
+  const context = await browser.createBrowserContext();
+  const page = await context.newPage();
+  page.setDefaultTimeout(120_000);
+  await page.setViewport(viewport);
+  const problems = [];
+  page.on("pageerror", (problem) => problems.push(problem.message));
+  page.on("console", (message) => {
+    if (message.type() === "error") problems.push(message.text());
+  });
+  await page.goto(url);
+  return {
+    page,
+    problems,
+    state: () => page.evaluate(() => window.kerf?.state()),
+    close: () => context.close(),
+  };
+}
