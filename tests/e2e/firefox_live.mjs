@@ -4,39 +4,29 @@
 //
 // node firefox_live.mjs --server PROGRAM --web FOLDER --out FOLDER
 
-import assert from "node:assert/strict";
-import { join } from "node:path";
-import { launchFirefox, openInFirefox } from "./support/firefox.mjs";
-import { intersecting } from "./support/layout.mjs";
-import { stop, until } from "./support/processes.mjs";
-import {
-  carveProgram,
-  getJson,
-  optionsOf,
-  runTest,
-  startServer,
-} from "./support/session.mjs";
-import {
-  assertSameSurface,
-  sectionArea,
-  stlCorners,
-} from "./support/surface.mjs";
+import assert from 'node:assert/strict';
+import { join } from 'node:path';
+import { launchFirefox, openInFirefox } from './support/firefox.mjs';
+import { intersecting } from './support/layout.mjs';
+import { stop, until } from './support/processes.mjs';
+import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
+import { assertSameSurface, sectionArea, stlCorners } from './support/surface.mjs';
 
-const options = optionsOf(["server", "web", "out"]);
+const options = optionsOf(['server', 'web', 'out']);
 
 const SETTLE_S = 90; // software WebGL on a busy machine
 const STOCK_MS = 1500; // in which the server's stock comes
 const SCENE = {
-  name: "In Firefox",
-  stock: { shape: "box", min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
+  name: 'In Firefox',
+  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
   accuracy: {
-    rays: "dexel",
+    rays: 'dexel',
     pitch_mm: 0.5,
     tolerance_mm: 0.01,
-    motion: "tight",
+    motion: 'tight',
   },
-  tools: [{ id: 1, shape: "ball", diameter_mm: 6, length_mm: 30 }],
-  machine: { kinematics: "tool-vector" },
+  tools: [{ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
+  machine: { kinematics: 'tool-vector' },
 };
 const PROGRAM = `G21 G90
 T1 M6
@@ -56,7 +46,7 @@ const PHONE = {
   hasTouch: true,
   isMobile: false,
 };
-const BOXES = [".bar", ".toolbar", ".panel"];
+const BOXES = ['.bar', '.toolbar', '.panel'];
 const SAME_MM = 0.003; // tiles have vertices of 16 bits
 
 async function stlOf(session) {
@@ -66,47 +56,37 @@ async function stlOf(session) {
 
 /** Waits until the whole block is drawn and no box lies on another, with the block inside the page. */
 async function untilDrawn({ page, state }, boxes, { width, height }) {
-  await until("picture", SETTLE_S, async () => {
+  await until('picture', SETTLE_S, async () => {
     const marks = await page.evaluate(() => window.kerf?.marks);
     return marks?.picture && (await state()).snapshotComplete;
   });
   await until(`free block at ${width} × ${height}`, SETTLE_S, async () => {
     const { blockBox } = await state();
     const [left, top, right, bottom] = blockBox;
-    const isInside =
-      left >= 0 && top >= 0 && right <= width && bottom <= height;
-    return (
-      isInside && (await intersecting(page, boxes, [blockBox])).length === 0
-    );
+    const isInside = left >= 0 && top >= 0 && right <= width && bottom <= height;
+    return isInside && (await intersecting(page, boxes, [blockBox])).length === 0;
   });
 }
 
 /** The canvas shows something: colors of the picture at its places differ. */
 async function checkNotBlank({ page, state }, file) {
-  const base64 = await page.screenshot({ path: file, encoding: "base64" });
+  const base64 = await page.screenshot({ path: file, encoding: 'base64' });
   const box = (await state()).blockBox;
   const deviation = await page.evaluate(
     async ([data, [left, top, right, bottom]]) => {
       const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
-      const bitmap = await createImageBitmap(
-        new Blob([bytes], { type: "image/png" }),
-      );
+      const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
       const scale = bitmap.width / innerWidth;
-      const [x, y, wide, high] = [left, top, right - left, bottom - top].map(
-        (value) => Math.round(value * scale),
+      const [x, y, wide, high] = [left, top, right - left, bottom - top].map((value) =>
+        Math.round(value * scale),
       );
-      const context = new OffscreenCanvas(wide, high).getContext("2d");
+      const context = new OffscreenCanvas(wide, high).getContext('2d');
       context.drawImage(bitmap, -x, -y);
       const { data: rgba } = context.getImageData(0, 0, wide, high);
       const values = [];
-      for (let n = 0; n < rgba.length; n += 4)
-        values.push(rgba[n] + rgba[n + 1] + rgba[n + 2]);
-      const mean =
-        values.reduce((sum, value) => sum + value, 0) / values.length;
-      return Math.sqrt(
-        values.reduce((sum, value) => sum + (value - mean) ** 2, 0) /
-          values.length,
-      );
+      for (let n = 0; n < rgba.length; n += 4) values.push(rgba[n] + rgba[n + 1] + rgba[n + 2]);
+      const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
+      return Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / values.length);
     },
     [base64, box],
   );
@@ -138,9 +118,7 @@ async function dragMouse(viewer) {
 
 async function dragFinger(viewer) {
   const { touchscreen } = viewer.page;
-  const finger = await touchscreen.touchStart(
-    ...(await placeOf(viewer, 0.35, 0.45)),
-  );
+  const finger = await touchscreen.touchStart(...(await placeOf(viewer, 0.35, 0.45)));
   await new Promise((resolve) => setTimeout(resolve, 150)); // a second finger could follow
   for (let n = 1; n <= 10; n += 1)
     await finger.move(...(await placeOf(viewer, 0.35 + 0.03 * n, 0.45)));
@@ -152,12 +130,7 @@ async function settled({ page, state }, session, what, isDone) {
   return until(what, SETTLE_S, async () => {
     const now = await getJson(session);
     const hash = await page.evaluate(() => window.kerf.copyHash());
-    return (
-      isDone(now) &&
-      hash === now.state_hash &&
-      (await state()).copyTiles === 0 &&
-      now
-    );
+    return isDone(now) && hash === now.state_hash && (await state()).copyTiles === 0 && now;
   });
 }
 
@@ -166,61 +139,42 @@ async function checkCarving(viewer, session, drag) {
   const { page } = viewer;
   const before = await getJson(session);
   await page.locator('button[aria-label^="Carve"]').click();
-  await page.waitForSelector("main[data-carve=ready]");
+  await page.waitForSelector('main[data-carve=ready]');
   await new Promise((resolve) => setTimeout(resolve, STOCK_MS));
   await drag(viewer);
   const cut = await settled(
     viewer,
     session,
-    "a cut",
+    'a cut',
     (block) => block.removed_volume_mm3 > before.removed_volume_mm3 + 10,
   );
-  await page.keyboard.down("Control");
-  await page.keyboard.press("z");
-  await page.keyboard.up("Control");
-  await settled(
-    viewer,
-    session,
-    "undo",
-    (block) => block.state_hash === before.state_hash,
-  );
-  await page.keyboard.down("Control");
-  await page.keyboard.press("y");
-  await page.keyboard.up("Control");
-  await settled(
-    viewer,
-    session,
-    "redo",
-    (block) => block.state_hash === cut.state_hash,
-  );
-  await page.keyboard.press("Escape");
-  await page.waitForSelector("main[data-carve=off]");
+  await page.keyboard.down('Control');
+  await page.keyboard.press('z');
+  await page.keyboard.up('Control');
+  await settled(viewer, session, 'undo', (block) => block.state_hash === before.state_hash);
+  await page.keyboard.down('Control');
+  await page.keyboard.press('y');
+  await page.keyboard.up('Control');
+  await settled(viewer, session, 'redo', (block) => block.state_hash === cut.state_hash);
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('main[data-carve=off]');
 }
 
 /** The area of a section is that of the server's model. */
 async function checkSection({ page }, session) {
   await page.locator('button[aria-label="Sections and measures"]').click();
   await page.locator('button[aria-label="Section across X"]').click();
-  const field = await page.waitForSelector(".inspect-number");
+  const field = await page.waitForSelector('.inspect-number');
   await field.click({ count: 3 });
   await page.keyboard.type(String(PLACE_MM));
-  await page.keyboard.press("Enter");
-  const expected = sectionArea(
-    stlCorners(await stlOf(session)),
-    [1, 0, 0],
-    PLACE_MM,
-  );
-  await until("the area of the section", SETTLE_S, async () => {
-    const text = await page.$eval(
-      ".inspect-figures",
-      (element) => element.textContent,
-    );
+  await page.keyboard.press('Enter');
+  const expected = sectionArea(stlCorners(await stlOf(session)), [1, 0, 0], PLACE_MM);
+  await until('the area of the section', SETTLE_S, async () => {
+    const text = await page.$eval('.inspect-figures', (element) => element.textContent);
     const place = await field.evaluate((input) => input.value);
-    const area = Number(/Area ([\d,.]+)/.exec(text)[1].replace(",", ""));
-    const isRight =
-      Number(place) === PLACE_MM && Math.abs(area / expected - 1) < 1e-3;
-    if (!isRight)
-      throw new Error(`${area} mm² at ${place}, instead of ${expected} mm²`);
+    const area = Number(/Area ([\d,.]+)/.exec(text)[1].replace(',', ''));
+    const isRight = Number(place) === PLACE_MM && Math.abs(area / expected - 1) < 1e-3;
+    if (!isRight) throw new Error(`${area} mm² at ${place}, instead of ${expected} mm²`);
     return true;
   });
 }
@@ -229,15 +183,12 @@ async function checkAs(browser, { base, session }, name, viewport, drag) {
   const address = `${base}/?session=fox&quality=full&name=${name}`;
   const viewer = await openInFirefox(browser, address, viewport);
   await untilDrawn(viewer, BOXES, viewport);
-  await checkNotBlank(
-    viewer,
-    join(options.out, `firefox-${viewport.width}.png`),
-  );
+  await checkNotBlank(viewer, join(options.out, `firefox-${viewport.width}.png`));
   await checkSurface(viewer, session, `${name} joins`);
   await checkCarving(viewer, session, drag);
   await checkSurface(viewer, session, `${name} has carved`);
   await checkSection(viewer, session);
-  await untilDrawn(viewer, [...BOXES, ".inspect"], viewport);
+  await untilDrawn(viewer, [...BOXES, '.inspect'], viewport);
   await viewer.page.screenshot({
     path: join(options.out, `firefox-section-${viewport.width}.png`),
   });
@@ -246,21 +197,17 @@ async function checkAs(browser, { base, session }, name, viewport, drag) {
 }
 
 async function test(folder) {
-  const { server, ...place } = await startServer(options, folder, "fox", SCENE);
-  await carveProgram(place.session, PROGRAM, "name=groove.ngc&pace=fast");
+  const { server, ...place } = await startServer(options, folder, 'fox', SCENE);
+  await carveProgram(place.session, PROGRAM, 'name=groove.ngc&pace=fast');
   const { browser, close } = await launchFirefox();
   try {
     console.log(await browser.version());
-    await checkAs(browser, place, "Desk", DESK, dragMouse);
-    await checkAs(browser, place, "Phone", PHONE, dragFinger);
+    await checkAs(browser, place, 'Desk', DESK, dragMouse);
+    await checkAs(browser, place, 'Phone', PHONE, dragFinger);
   } finally {
     await close();
   }
-  assert.equal(
-    await stop(server),
-    0,
-    `the server exited with an error: ${server.errors}`,
-  );
+  assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 
 await runTest(test, options.out);

@@ -2,22 +2,21 @@
 // Debian's Firefox, on a display of its own: without one it has no WebGL. It is driven by WebDriver
 // BiDi, which the Firefox that Debian ships understands, unlike the protocol of playwright-core.
 
-import puppeteer from "puppeteer-core";
-import { start, stop, until } from "./processes.mjs";
+import puppeteer from 'puppeteer-core';
+import { start, stop, until } from './processes.mjs';
 
 const PREFERENCES = {
-  "ui.prefersReducedMotion": 1, // views are there at once
-  "webgl.force-enabled": true,
+  'ui.prefersReducedMotion': 1, // views are there at once
+  'webgl.force-enabled': true,
 };
 
 /** Starts a display, which chooses its number. */
 async function startDisplay() {
-  const display = start("Xvfb", [
-    ...["-displayfd", "1", "-screen", "0", "1600x1200x24", "-nolisten", "tcp"],
+  const display = start('Xvfb', [
+    ...['-displayfd', '1', '-screen', '0', '1600x1200x24', '-nolisten', 'tcp'],
   ]);
-  const number = await until("display", 20, () => {
-    if (display.code !== undefined)
-      throw new Error(`Xvfb exited: ${display.errors}`);
+  const number = await until('display', 20, () => {
+    if (display.code !== undefined) throw new Error(`Xvfb exited: ${display.errors}`);
     return display.lines[0];
   });
   return { display, name: `:${number}` };
@@ -27,8 +26,8 @@ async function startDisplay() {
 export async function launchFirefox() {
   const { display, name } = await startDisplay();
   const browser = await puppeteer.launch({
-    browser: "firefox",
-    executablePath: process.env.KERF_FIREFOX ?? "/usr/bin/firefox-esr",
+    browser: 'firefox',
+    executablePath: process.env.KERF_FIREFOX ?? '/usr/bin/firefox-esr',
     headless: false,
     env: { ...process.env, DISPLAY: name },
     extraPrefsFirefox: PREFERENCES,
@@ -47,9 +46,9 @@ export async function openInFirefox(browser, url, viewport) {
   page.setDefaultTimeout(120_000);
   await page.setViewport(viewport);
   const problems = [];
-  page.on("pageerror", (problem) => problems.push(problem.message));
-  page.on("console", (message) => {
-    if (message.type() === "error") problems.push(message.text());
+  page.on('pageerror', (problem) => problems.push(problem.message));
+  page.on('console', (message) => {
+    if (message.type() === 'error') problems.push(message.text());
   });
   await page.goto(url);
   return {

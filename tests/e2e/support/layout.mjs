@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What lies where in the page.
 
-import { until } from "./processes.mjs";
+import { until } from './processes.mjs';
 
 function intersect(a, b) {
-  return (
-    a[0] < b[2] - 1 && b[0] < a[2] - 1 && a[1] < b[3] - 1 && b[1] < a[3] - 1
-  );
+  return a[0] < b[2] - 1 && b[0] < a[2] - 1 && a[1] < b[3] - 1 && b[1] < a[3] - 1;
 }
 
 /**
@@ -17,18 +15,12 @@ export async function intersecting(page, selectors, others = []) {
   const boxes = await page.evaluate(
     (all) =>
       all
-        .map((selector) => [
-          selector,
-          document.querySelector(selector)?.getBoundingClientRect(),
-        ])
+        .map((selector) => [selector, document.querySelector(selector)?.getBoundingClientRect()])
         .filter(([, box]) => box && box.width > 0)
-        .map(([selector, { left, top, right, bottom }]) => [
-          selector,
-          [left, top, right, bottom],
-        ]),
+        .map(([selector, { left, top, right, bottom }]) => [selector, [left, top, right, bottom]]),
     selectors,
   );
-  boxes.push(...others.map((box) => ["block", box]));
+  boxes.push(...others.map((box) => ['block', box]));
   return boxes.flatMap(([name, box], n) =>
     boxes
       .slice(0, n)
@@ -38,17 +30,11 @@ export async function intersecting(page, selectors, others = []) {
 }
 
 /** Waits until in a page of this size neither the block nor a visible element covers another. */
-export async function checkFreeBlock(
-  { page, state },
-  [width, height],
-  selectors,
-) {
+export async function checkFreeBlock({ page, state }, [width, height], selectors) {
   await page.setViewportSize({ width, height });
   await until(`free block at ${width} × ${height}`, 10, async () => {
-    const found = await intersecting(page, selectors, [
-      (await state()).blockBox,
-    ]);
-    if (found.length > 0) throw new Error(found.join(", "));
+    const found = await intersecting(page, selectors, [(await state()).blockBox]);
+    if (found.length > 0) throw new Error(found.join(', '));
     return true;
   });
 }
