@@ -32,6 +32,10 @@ using boost::system::error_code;
 
 namespace {
 
+/// Niceness of the threads that people see working, and of those that they wait for anyway. Beside
+/// programs that keep all cores busy a thread gets about 0.6 and 0.3 of the share of one of them.
+/// The threads of agents, of niceness 0, get as much as one, and before the others.
+constexpr int kShown = 2, kBehind = 5;
 /// Time for peers to receive their bye when the server stops.
 constexpr std::chrono::seconds kDrainTime{2};
 /// Time until the journals that the disk did not let the server read are tried again; doubled after
@@ -108,10 +112,10 @@ struct Server::Impl {
         access(std::move(rights)),
         certificate(std::move(tls)),
         spawner("spawner", 1, 0),
-        viewers("viewers", 1, 5),
-        meshing("meshing", 1, 8),
-        past("past", 1, 10),
-        snapshots("snapshots", 1, 10),
+        viewers("viewers", 1, kShown),
+        meshing("meshing", 1, kShown),
+        past("past", 1, kBehind),
+        snapshots("snapshots", 1, kBehind),
         registry(
             {options.http.data_folder, options.sessions_max, options.session, log_pause,
              SnapshotOptions{&snapshots, options.snapshots, log_snapshot_failure}, options.disk,
@@ -119,10 +123,10 @@ struct Server::Impl {
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics, *access),
-        immediate("immediate", 1, 5),
-        control("control", 2, 5),
-        workers("workers", 2, 10),
-        exports("exports", 2, 10),
+        immediate("immediate", 1, kShown),
+        control("control", 2, kShown),
+        workers("workers", 2, kBehind),
+        exports("exports", 2, kBehind),
         acceptor(viewers.context()) {}
 
   asio::awaitable<void> accept();

@@ -81,7 +81,19 @@ void TileFeed::note_change(SolidSnapshot snapshot, std::span<const TileIndex> ch
   update_revision_ = revision;
 }
 
+void TileFeed::begin_round() {
+  const std::scoped_lock lock(mutex_);
+  take_update();
+  is_in_round_ = true;
+}
+
+void TileFeed::end_round() {
+  const std::scoped_lock lock(mutex_);
+  is_in_round_ = false;
+}
+
 void TileFeed::take_update() {
+  if (is_in_round_) return;
   std::vector<TileIndex> changed;
   {
     const std::scoped_lock lock(update_mutex_);

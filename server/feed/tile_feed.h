@@ -59,6 +59,20 @@ class TileFeed {
   void note_change(SolidSnapshot snapshot, std::span<const TileIndex> changed,
                    std::uint64_t revision);
 
+  /// While it exists, all frames are of the newest state at its beginning. Viewers then share them,
+  /// and a changed tile is meshed once, even if that takes longer than the block takes to change
+  /// again. At most one at a time.
+  class Round {
+   public:
+    explicit Round(TileFeed& feed) : feed_(feed) { feed_.begin_round(); }
+    ~Round() { feed_.end_round(); }
+    Round(const Round&) = delete;
+    Round& operator=(const Round&) = delete;
+
+   private:
+    TileFeed& feed_;
+  };
+
   /// Adds a viewer. Until it looks from somewhere, all its tiles are exact.
   ViewerId add_viewer(const std::optional<ViewerLook>& look = std::nullopt,
                       TileNodes nodes = TileNodes::kSingle);
@@ -153,6 +167,8 @@ class TileFeed {
     std::uint64_t meshed_max = 0;              ///< Stats::tiles_meshed at which the frame ends
   };
 
+  void begin_round();
+  void end_round();
   void take_update();
   TileIndex index_of(std::uint32_t tile) const;
   /// Number of the tile at `index`; nullopt outside the block.
@@ -176,6 +192,7 @@ class TileFeed {
   mutable std::mutex mutex_;  ///< guards all members below
   SolidSnapshot snapshot_;
   std::uint64_t revision_ = 0;
+  bool is_in_round_ = false;
   std::vector<CachedTile> tiles_;  ///< row-major
   std::unordered_map<ViewerId, Viewer> viewers_;
   ViewerId next_viewer_ = 1;

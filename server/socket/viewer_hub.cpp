@@ -276,6 +276,9 @@ void ViewerHub::start_job() {
 
 ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, const Job& job) {
   JobResult result;
+  // Else, on a busy machine, the block changes while the job runs, each viewer gets frames of its
+  // own, and the job takes longer still.
+  const TileFeed::Round round(*side.feed);
   for (const ParticipantId id : job.left) {
     const auto found = side.ids.find(id);
     if (found == side.ids.end()) continue;

@@ -35,6 +35,21 @@ using Clock = std::chrono::steady_clock;
   std::exit(1);
 }
 
+/// CPU time of a process, user and system, s.
+inline double process_cpu_seconds(pid_t pid) {
+  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+  std::string line;
+  std::getline(stat, line);
+  // The fields behind the name in parentheses; utime and stime are the 14th and 15th of all.
+  const std::string rest = line.substr(line.rfind(')') + 2);
+  std::istringstream fields(rest);
+  std::string skipped;
+  for (int n = 3; n < 14; ++n) fields >> skipped;
+  double user = 0, system = 0;
+  fields >> user >> system;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
 /// The server as a child process with its own data folder.
 class ServerProcess {
  public:
@@ -88,20 +103,9 @@ class ServerProcess {
   std::uint16_t port() const { return port_; }
   /// SIGSTOP, SIGCONT, SIGKILL.
   void signal(int number) const { kill(pid_, number); }
+  pid_t pid() const { return pid_; }
   /// CPU time of the server, user and system, s.
-  double cpu_seconds() const {
-    std::ifstream stat("/proc/" + std::to_string(pid_) + "/stat");
-    std::string line;
-    std::getline(stat, line);
-    // The fields behind the name in parentheses; utime and stime are the 14th and 15th of all.
-    const std::string rest = line.substr(line.rfind(')') + 2);
-    std::istringstream fields(rest);
-    std::string skipped;
-    for (int n = 3; n < 14; ++n) fields >> skipped;
-    double user = 0, system = 0;
-    fields >> user >> system;
-    return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
-  }
+  double cpu_seconds() const { return process_cpu_seconds(pid_); }
   /// Resident memory of the server now, and at most so far, MB.
   double memory_mb() const { return status_mb("VmRSS:"); }
   double peak_memory_mb() const { return status_mb("VmHWM:"); }

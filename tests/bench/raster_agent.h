@@ -44,16 +44,17 @@ inline wire::MotionSample sample_at(std::uint64_t n, std::uint64_t ahead) {
   return sample;
 }
 
-/// Joins the session "bench"; `kind` is "agent" or "view".
-inline WebSocket join(std::uint16_t port, const char* kind, std::string_view protocol) {
-  WebSocket socket(port, std::string("/v1/sessions/bench/") + kind, std::string(protocol));
+/// Joins a session; `kind` is "agent" or "view".
+inline WebSocket join(std::uint16_t port, const char* kind, std::string_view protocol,
+                      const std::string& session = "bench") {
+  WebSocket socket(port, "/v1/sessions/" + session + "/" + kind, std::string(protocol));
   const std::string hello = R"({"type":"hello","name":"bench","stock":true})";
   socket.send(1, std::as_bytes(std::span(hello)));
   return socket;
 }
 
-inline WebSocket join_agent(std::uint16_t port) {
-  WebSocket agent = join(port, "agent", wire::kAgentProtocol);
+inline WebSocket join_agent(std::uint16_t port, const std::string& session = "bench") {
+  WebSocket agent = join(port, "agent", wire::kAgentProtocol, session);
   std::string payload;
   agent.receive(payload, in_seconds(10));
   if (payload.find("welcome") == std::string::npos) fail("no welcome: " + payload);

@@ -2,26 +2,31 @@
 // A crowd of viewers: a real kerf-server as a child process, viewers that join one session as fast
 // as they can and read everything, and an agent that changes its tool all the time.
 //
-//   viewers_bench [--server PATH] [--viewers N] [--seconds S] [--agents N] [--calm] [--lists]
+//   viewers_bench [--server PATH] [--viewers N] [--seconds S] [--agents N] [--busy N] [--calm]
+//                 [--lists]
 //
 // Prints how many viewers joined and were dropped, the bytes of text that the server sent to all of
 // them together, the time until the last welcome, and the server's CPU time and memory.
 //
 // --seconds S  keeps the viewers for S seconds after the last welcome (default 3)
 // --agents N   instead of the agent that changes its tool, N agents cut a raster at 1 kHz, for S
-//              seconds alone and then beside the viewers. Prints their round trips in both phases,
-//              the mesh frames and bytes to each viewer, the server's CPU time for each, and the
-//              staleness of the frames: the time from the answer to a motion to its agent until a
-//              viewer has a frame that includes it, of the oldest motion that each frame adds.
-//              Prints also the cores that the server and these clients use. All share one machine,
-//              so the viewers here have niceness 5, and the agents SCHED_FIFO, if that is allowed,
-//              as kerf-agent has.
+//              seconds without and S seconds beside the viewers, by turns of up to 5 s: first in a
+//              session that nobody watches, then in the one of the viewers, on the same server and
+//              with the same connections. Prints the round trips of each turn, and how many times
+//              longer the p99 is beside the viewers; the mesh frames and bytes to each viewer and
+//              the CPU time that they cost the server; and the staleness of the frames: the time
+//              from the answer to a motion to its agent until a viewer has a frame that includes
+//              it, of the oldest motion that each frame adds. All share one machine, so the viewers
+//              here have the priority of the server's threads for viewers, and the agents
+//              SCHED_FIFO, if that is allowed, as kerf-agent has.
+// --busy N     N processes that never sleep compete with the server, and downloads are made one
+//              after the other. The viewers here count as another machine (SCHED_FIFO). Prints the
+//              share of a core that each kind of the server's threads got while it could have run,
+//              and that of the N processes.
 // --calm       no agent
 // --lists      the viewers do not know 'participants_changed' and get complete lists
 #include <sched.h>
-#include <sys/epoll.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -29,6 +34,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -36,6 +42,8 @@
 #include <vector>
 
 #include "server/wire/codec.h"
+#include "tests/bench/busy_loops.h"
+#include "tests/bench/crowd.h"
 #include "tests/bench/crowd_viewer.h"
 #include "tests/bench/live_client.h"
 #include "tests/bench/raster_agent.h"
@@ -47,7 +55,7 @@ using namespace kerf::bench;
 
 struct Options {
   std::string server = KERF_SERVER_PROGRAM;
-  int viewers = 1000, agents = 0;
+  int viewers = 1000, agents = 0, busy = 0;
   double seconds = 3;
   bool calm = false, lists = false;
 };
@@ -66,7 +74,9 @@ Options parse(int argc, char** argv) {
     } else if (word == "--viewers" && has_value) {
       options.viewers = std::atoi(argv[++i]);
     } else if (word == "--agents" && has_value) {
-      options.agents = std::clamp(std::atoi(argv[++i]), 0, 31);
+      options.agents = std::clamp(std::atoi(argv[++i]), 0, 15);
+    } else if (word == "--busy" && has_value) {
+      options.busy = std::clamp(std::atoi(argv[++i]), 0, 64);
     } else if (word == "--seconds" && has_value) {
       options.seconds = std::atof(argv[++i]);
     } else {
@@ -76,9 +86,9 @@ Options parse(int argc, char** argv) {
   return options;
 }
 
-/// A block that is high enough for all layers of a raster of twice so many seconds.
+/// A block that is high enough for all layers of a raster of so many seconds.
 std::string scene_for(double seconds) {
-  const double layers = std::ceil(2000 * seconds / double(kLayer)) + 2;
+  const double layers = std::ceil(1000 * seconds / double(kLayer)) + 2;
   return R"({"name": "bench",
   "stock": {"shape": "box", "min_mm": [-40, -40, )" +
          std::to_string(-30 - kDownMm * layers) + R"(], "max_mm": [40, 40, 0]},
@@ -100,21 +110,24 @@ void change_tools(const std::atomic<bool>& stop, std::uint16_t port) {
 
 /// Cuts the raster at 1 kHz from sample `first` to `end`; returns the round trips, us.
 std::vector<double> cut_raster(WebSocket& agent, std::uint64_t first, std::uint64_t end,
-                               std::uint64_t ahead, AnswerTimes& answers) {
+                               std::uint64_t ahead, AnswerTimes* answers) {
   std::vector<double> trips_us;
   std::vector<Clock::time_point> sent(end);
   std::string payload;
   std::vector<std::byte> frame;
+  std::uint64_t answered = 0;
   const auto take = [&](Clock::time_point until) {
     const auto opcode = agent.receive(payload, until);
     if (opcode != 2) return opcode != 0;
     const auto message = decode(std::as_bytes(std::span(payload)));
     if (!message) fail("a frame of the server is malformed");
-    if (const auto* result = std::get_if<Result>(&message->body)) {
-      answers.answered(result->motions_applied);
+    const auto* result = std::get_if<Result>(&message->body);
+    if (result != nullptr && result->agent_sequence >= first) {
+      if (answers != nullptr) answers->answered(result->motions_applied);
       trips_us.push_back(
           std::chrono::duration<double, std::micro>(Clock::now() - sent.at(result->agent_sequence))
               .count());
+      answered = result->agent_sequence;
     } else if (std::holds_alternative<StockPatch>(message->body)) {
       frame.clear();
       append(frame, {kNewEpoch, message->header.stamp.sequence, 0}, Ack{});
@@ -134,7 +147,8 @@ std::vector<double> cut_raster(WebSocket& agent, std::uint64_t first, std::uint6
     sent[n] = Clock::now();
     agent.send(2, frame);
   }
-  while (take(in_seconds(0.5))) continue;
+  // A sample that was rejected, because others before it waited for long, is not answered.
+  while (answered + 1 < end && take(in_seconds(2))) continue;
   return trips_us;
 }
 
@@ -144,16 +158,25 @@ double at_share(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(share * double(values.size() - 1))];
 }
 
-/// The agents of --agents.
+void print_memory(const std::vector<double>& memory_mb) {
+  std::printf("the server's memory at the start, and after each sixth of the time:");
+  for (const double mb : memory_mb) std::printf(" %.1f", mb);
+  std::printf(" MB\n");
+}
+
+/// Length of a turn at most; an agent that is silent for longer would be pinged.
+constexpr double kTurnS = 5;
+
+/// The agents of one session.
 class Raster {
  public:
-  Raster(std::uint16_t port, int agents, double seconds)
-      : count_(static_cast<std::uint64_t>(seconds * 1000)) {
-    for (int n = 0; n < agents; ++n) agents_.push_back(join_agent(port));
+  /// `answers`: null, or when their motions were answered.
+  Raster(std::uint16_t port, const std::string& session, int agents, AnswerTimes* answers)
+      : answers_(answers) {
+    for (int n = 0; n < agents; ++n) agents_.push_back(join_agent(port, session));
   }
-  AnswerTimes& answers() { return answers_; }
-  /// Cuts for the seconds of the constructor and prints the round trips.
-  void cut(const char* when) {
+  /// Cuts `count` samples more with each agent; returns the round trips, us.
+  std::vector<double> cut(std::uint64_t count) {
     std::vector<std::vector<double>> trips(agents_.size());
     {
       std::vector<std::jthread> threads;
@@ -161,143 +184,180 @@ class Raster {
         threads.emplace_back([&, n] {
           const sched_param priority{.sched_priority = 60};
           sched_setscheduler(0, SCHED_FIFO, &priority);
-          trips[n] = cut_raster(agents_[n], 1 + phase_ * count_, 1 + (phase_ + 1) * count_,
-                                n * kLayer / agents_.size(), answers_);
+          trips[n] =
+              cut_raster(agents_[n], next_, next_ + count, n * kLayer / agents_.size(), answers_);
         });
       }
     }
-    ++phase_;
+    next_ += count;
     std::vector<double> all;
     for (const auto& some : trips) all.insert(all.end(), some.begin(), some.end());
-    std::printf("%zu agents %s: round trip p50 %.0f us, p99 %.0f us\n", agents_.size(), when,
-                at_share(all, 0.5), at_share(all, 0.99));
+    return all;
   }
 
  private:
   std::vector<WebSocket> agents_;
-  AnswerTimes answers_;
-  std::uint64_t count_, phase_ = 0;
+  AnswerTimes* answers_;
+  std::uint64_t next_ = 1;  ///< sample
 };
 
-/// CPU time that this process, or the calling thread of it (RUSAGE_THREAD), has used, s.
-double used_cpu_s(int who) {
-  rusage usage{};
-  getrusage(static_cast<__rusage_who_t>(who), &usage);
-  const auto seconds = [](const timeval& time) {
-    return double(time.tv_sec) + 1e-6 * double(time.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-/// CPU time of the server, of the clients that are viewers and of all clients, s.
-struct CpuTimes {
-  double server = 0, viewers = 0, clients = 0;
+/// What the turns of agents beside viewers, or without them, have used.
+struct Used {
+  std::vector<double> trips_us;
+  double seconds = 0, server_s = 0, viewers_s = 0;
+  CoreTime busy;
+  std::map<std::string, CoreTime> threads;
 };
-CpuTimes cpu_times(const ServerProcess& server) {
-  return {server.cpu_seconds(), used_cpu_s(RUSAGE_THREAD), used_cpu_s(RUSAGE_SELF)};
-}
 
-/// Serves the viewers until `until`, or until all have joined or been dropped.
-void serve(int poller, std::vector<std::unique_ptr<Viewer>>& viewers, Clock::time_point until,
-           bool only_joins) {
-  std::array<epoll_event, 256> events{};
-  do {
-    const int wait_ms = Clock::now() < until ? 10 : 0;
-    const int count = epoll_wait(poller, events.data(), events.size(), wait_ms);
-    for (int i = 0; i < count; ++i) {
-      Viewer& viewer = *static_cast<Viewer*>(events.at(static_cast<std::size_t>(i)).data.ptr);
-      if (!viewer.read_some()) epoll_ctl(poller, EPOLL_CTL_DEL, viewer.descriptor(), nullptr);
-    }
-    const bool all = std::ranges::all_of(
-        viewers, [](const auto& viewer) { return viewer->joined() || viewer->dropped(); });
-    if (only_joins && all) return;
-  } while (Clock::now() < until);
-}
-
-/// Serves the viewers for some seconds; returns the server's memory before and after each sixth.
-std::vector<double> serve_in_sixths(int poller, std::vector<std::unique_ptr<Viewer>>& viewers,
-                                    double seconds, const ServerProcess& server) {
-  std::vector<double> memory_mb{server.memory_mb()};
-  for (int part = 0; part < 6; ++part) {
-    serve(poller, viewers, in_seconds(seconds / 6), false);
-    memory_mb.push_back(server.memory_mb());
+/// Downloads the surface of the session again and again.
+class Downloads {
+ public:
+  Downloads(std::uint16_t port, bool on) {
+    if (!on) return;
+    thread_ = std::jthread([this, port](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        const bool is_refused = get(port, "/v1/sessions/bench/model.stl").starts_with('{');
+        if (!is_refused) ++count_;
+        std::this_thread::sleep_for(std::chrono::milliseconds(is_refused ? 20 : 0));
+      }
+    });
   }
-  return memory_mb;
+  /// Those that are complete.
+  int count() const { return count_; }
+
+ private:
+  std::atomic<int> count_ = 0;
+  std::jthread thread_;
+};
+
+/// The server and what competes with it for the cores.
+struct Bench {
+  const Options& options;
+  const ServerProcess& server;
+  const Crowd& crowd;
+  const BusyLoops& busy;
+
+  /// Returns the p99 of the round trips, us.
+  double turn(Raster& raster, std::uint64_t samples, Used& used) const {
+    const auto threads = core_times(server.pid());
+    const double server_s = server.cpu_seconds(), viewers_s = crowd.cpu_seconds();
+    const CoreTime others = busy.time();
+    const auto start = Clock::now();
+    auto trips = raster.cut(samples);
+    used.seconds += std::chrono::duration<double>(Clock::now() - start).count();
+    used.server_s += server.cpu_seconds() - server_s;
+    used.viewers_s += crowd.cpu_seconds() - viewers_s;
+    used.busy += busy.time() - others;
+    for (const auto& [name, time] : core_times(server.pid())) {
+      const auto before = threads.find(name);
+      used.threads[name] += before == threads.end() ? time : time - before->second;
+    }
+    std::printf(" p50 %.0f us, p99 %.0f us", at_share(trips, 0.5), at_share(trips, 0.99));
+    used.trips_us.insert(used.trips_us.end(), trips.begin(), trips.end());
+    return at_share(trips, 0.99);
+  }
+};
+
+void print_viewers(const Options& options, const CrowdReport& report, const Used& without,
+                   const Used& beside) {
+  const double each = 1.0 / options.viewers, all = double(report.mesh_frames.load());
+  const auto stale_at = [&](double share) {
+    std::uint64_t total = 0, passed = 0;
+    for (const auto& count : report.stale_ms) total += count;
+    for (std::size_t ms = 0; ms < report.stale_ms.size(); ++ms) {
+      passed += report.stale_ms.at(ms);
+      if (double(passed) >= share * double(total)) return ms;
+    }
+    return report.stale_ms.size();
+  };
+  std::printf(
+      "each viewer: %.1f mesh frames/s, %.0f kB/s; staleness p50 %zu ms, p99 %zu ms; each costs "
+      "the server %.2f ms of CPU per second\n",
+      all * each / beside.seconds, double(report.mesh_bytes) * each / beside.seconds / 1e3,
+      stale_at(0.5), stale_at(0.99),
+      1e3 * each * (beside.server_s / beside.seconds - without.server_s / without.seconds));
+  std::printf("cores used: server %.2f without the viewers, %.2f beside them; viewers %.2f\n",
+              without.server_s / without.seconds, beside.server_s / beside.seconds,
+              beside.viewers_s / beside.seconds);
 }
 
-void print_memory(const std::vector<double>& memory_mb) {
-  std::printf("the server's memory then, and after each sixth of the time:");
-  for (const double mb : memory_mb) std::printf(" %.1f", mb);
-  std::printf(" MB\n");
+void print_shares(const Used& beside) {
+  const double other = beside.busy.share();
+  std::printf("of the time in which they could run, the busy processes ran %.1f %%\n", 100 * other);
+  for (const auto& [name, time] : beside.threads) {
+    if (time.ran < 0.001 * beside.seconds) continue;
+    std::printf("  %-12s ran %5.1f %%, %.2f times as much; it used %.3f cores\n", name.c_str(),
+                100 * time.share(), time.share() / other, time.ran / beside.seconds);
+  }
+}
+
+/// Agents cut without viewers and beside them, by turns.
+void run_turns(const Bench& bench, Raster& apart, Raster& watched) {
+  const Options& options = bench.options;
+  const int turns = std::max(2, static_cast<int>(std::ceil(options.seconds / kTurnS)));
+  const auto samples = static_cast<std::uint64_t>(1000 * options.seconds / turns);
+  Used without, beside;
+  std::vector<double> ratios, memory_mb{bench.server.memory_mb()};
+  const Downloads downloads(bench.server.port(), options.busy > 0);
+  for (int turn = 1; turn <= turns; ++turn) {
+    std::printf("%d agents without the viewers:", options.agents);
+    const double alone = bench.turn(apart, samples, without);
+    std::printf("; beside them:");
+    ratios.push_back(bench.turn(watched, samples, beside) / alone);
+    std::printf("; p99 %.2f times\n", ratios.back());
+    if (turn * 6 / turns > (turn - 1) * 6 / turns) memory_mb.push_back(bench.server.memory_mb());
+  }
+  const double p99 = at_share(without.trips_us, 0.99), p99_beside = at_share(beside.trips_us, 0.99);
+  std::printf(
+      "all turns: p99 %.0f us without, %.0f us beside %d viewers: %.2f times; of the "
+      "turns, the median is %.2f times\n",
+      p99, p99_beside, options.viewers, p99_beside / p99, at_share(ratios, 0.5));
+  print_memory(memory_mb);
+  print_viewers(options, bench.crowd.report(), without, beside);
+  if (options.busy == 0) return;
+  print_shares(beside);
+  std::printf("downloads of the surface meanwhile: %.1f a minute\n",
+              60 * downloads.count() / (without.seconds + beside.seconds));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   const Options options = parse(argc, argv);
+  std::setvbuf(stdout, nullptr, _IOLBF, 4096);
   rlimit files{};
   getrlimit(RLIMIT_NOFILE, &files);
   files.rlim_cur = files.rlim_max;  // the server inherits it
   setrlimit(RLIMIT_NOFILE, &files);
   const ServerProcess server(options.server);
   post(server.port(), "/v1/sessions?id=bench", scene_for(options.seconds));
-  std::atomic<bool> stop = false;
-  std::thread agent;
-  Raster raster(server.port(), options.agents, options.seconds);
-  if (options.agents > 0) {
-    raster.cut("alone");
-  } else if (!options.calm) {
-    agent = std::thread([&] { change_tools(stop, server.port()); });
-  }
-  const int poller = epoll_create1(EPOLL_CLOEXEC);
-  std::vector<std::unique_ptr<Viewer>> viewers;
+  post(server.port(), "/v1/sessions?id=apart", scene_for(options.seconds));
+  AnswerTimes answers;
   const auto start = Clock::now();
-  for (int n = 0; n < options.viewers; ++n) {
-    viewers.push_back(std::make_unique<Viewer>(server.port(), n, options.lists, raster.answers()));
-    epoll_event event{.events = EPOLLIN, .data = {.ptr = viewers.back().get()}};
-    epoll_ctl(poller, EPOLL_CTL_ADD, viewers.back()->descriptor(), &event);
-    serve(poller, viewers, Clock::now(), true);
+  const bool has_load = options.busy > 0;
+  Crowd crowd({server.port(), options.viewers, options.lists, has_load}, answers);
+  const BusyLoops busy(options.busy);
+  std::atomic<bool> stop = false;
+  std::jthread agent;
+  if (options.agents == 0 && !options.calm) {
+    agent = std::jthread([&] { change_tools(stop, server.port()); });
   }
-  serve(poller, viewers, in_seconds(60), true);
-  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  crowd.wait_for_all(options.viewers, 60);
+  const double joined_s = std::chrono::duration<double>(Clock::now() - start).count();
   if (options.agents > 0) {
-    agent = std::thread([&] { raster.cut("beside the viewers"); });
-    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 5);  // of this thread
-  }
-  const CpuTimes before = cpu_times(server);
-  const std::vector<double> memory_mb = serve_in_sixths(poller, viewers, options.seconds, server);
-  const CpuTimes after = cpu_times(server);
-  const double cpu = after.server - before.server;
-  const auto joined = std::ranges::count_if(viewers, [](const auto& v) { return v->joined(); });
-  const auto dropped = std::ranges::count_if(viewers, [](const auto& v) { return v->dropped(); });
-  std::uint64_t text = 0, mesh = 0, frames = 0;
-  std::vector<double> stale_ms;
-  for (const auto& viewer : viewers) {
-    text += viewer->text_bytes();
-    mesh += viewer->mesh_bytes();
-    frames += viewer->mesh_frames();
-    stale_ms.insert(stale_ms.end(), viewer->stale_ms().begin(), viewer->stale_ms().end());
+    Raster apart(server.port(), "apart", options.agents, nullptr);
+    Raster watched(server.port(), "bench", options.agents, &answers);
+    run_turns({options, server, crowd, busy}, apart, watched);
+  } else {
+    std::this_thread::sleep_until(in_seconds(options.seconds));
   }
   stop = true;
-  if (agent.joinable()) agent.join();
+  const CrowdReport& report = crowd.report();
   std::printf(
-      "%d viewers: %td joined within %.2f s, %td dropped; %.2f MB of text in %.2f s; server: %.2f "
-      "s of CPU, %.0f MB at most\n",
-      options.viewers, joined, seconds, dropped, double(text) / 1e6, seconds + options.seconds,
+      "%d viewers: %d joined within %.2f s, %d dropped; %.2f MB of text in %.2f s; server: %.2f s "
+      "of CPU, %.0f MB at most\n",
+      options.viewers, report.joined.load(), joined_s, report.dropped.load(),
+      double(report.text_bytes) / 1e6, std::chrono::duration<double>(Clock::now() - start).count(),
       server.cpu_seconds(), server.peak_memory_mb());
-  print_memory(memory_mb);
-  if (options.agents > 0) {
-    const double each = 1.0 / options.viewers;
-    std::printf(
-        "each viewer: %.1f mesh frames/s, %.0f kB/s; staleness p50 %.0f ms, p99 %.0f ms; server: "
-        "%.2f ms of CPU per second and viewer, that of the agents included\n",
-        double(frames) * each / options.seconds, double(mesh) * each / options.seconds / 1e3,
-        at_share(stale_ms, 0.5), at_share(stale_ms, 0.99), 1e3 * cpu * each / options.seconds);
-    const double viewers_s = after.viewers - before.viewers;
-    std::printf("cores used: server %.2f, the bench's viewers %.2f, its agents %.2f\n",
-                cpu / options.seconds, viewers_s / options.seconds,
-                (after.clients - before.clients - viewers_s) / options.seconds);
-  }
-  close(poller);
-  return joined == options.viewers && dropped == 0 ? 0 : 1;
+  return report.joined == options.viewers && report.dropped == 0 ? 0 : 1;
 }
