@@ -64,6 +64,10 @@ TEST(FanucBlock, HolesOnACircleOfHaas) {
             "R 10 -5 5");
   EXPECT_EQ(haas("F9\nG81 G99 Z-1. R1. G71 I5. J0 K90. L2\nG80\nM30\n"),
             "R 0 0 1, R 5 0 1, F 5 0 -1, R 5 0 1, R 5 0 1, R 0 5 1, F 0 5 -1, R 0 5 1");
+  EXPECT_EQ(haas("F9\nG0 X10 Y0 Z5\nG81 Z-1. R1. L0\nG72 I5. J90. L3\nG80\nM30\n"),
+            "R 10 0 5, R 10 0 5, R 10 0 1, F 10 0 -1, R 10 0 5, R 10 5 5, R 10 5 1, F 10 5 -1, "
+            "R 10 5 5, R 10 10 5, R 10 10 1, F 10 10 -1, R 10 10 5");
+  EXPECT_THAT(refused("G72 I5. J0 L2\n"), HasSubstr("pattern of holes"));
   EXPECT_THAT(refused("G70 I5. L2\n", Dialect::kHaas), HasSubstr("active canned cycle"));
 }
 

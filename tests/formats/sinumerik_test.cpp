@@ -263,8 +263,8 @@ TEST(Sinumerik, DrillsPatterns) {
 TEST(Sinumerik, RefusesByNameWhatItDoesNotModel) {
   const std::pair<const char*, const char*> cases[] = {
       {"G19 G41 G1 Y9", "G41' requires the plane XY"},
-      {"CYCLE800(1,\"\",0,57,0,0,0,0,30,0,0,0,0,-1)", "CYCLE800' swivels"},
-      {"POCKET3(1,2,3)", "POCKET3' calls a cycle or subprogram"},
+      {"CYCLE800(1,\"\",0,57,0,0,0,0,30,0,0,0,0,-1)", "CYCLE800' swivels the plane, which"},
+      {"POCKET3(1,2,3)", "POCKET3' requires lengths"},
       {"MCALL HOLES", "MCALL' is supported with CYCLE81"},
       {"MIRROR X0", "MIRROR' is not supported"},
       {"ROT X30", "X' tilts the plane"},

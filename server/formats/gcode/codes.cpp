@@ -120,8 +120,6 @@ constexpr std::string_view kMeasures = "measures on the machine, which is not su
 constexpr std::string_view kTilted =
     "tilts the working plane, which is not supported; post without tilted planes";
 constexpr std::string_view kPocketCycle = "is a pocket cycle, which is not supported; use G1 to G3";
-constexpr std::string_view kPattern =
-    "is a pattern of holes, which is not supported; use single holes";
 
 // Codes of Fanuc and Haas that differ from LinuxCNC's.
 constexpr std::array kMacroGCodes{
@@ -159,7 +157,7 @@ constexpr std::array kMacroGCodes{
     Codes{682, 684, kRotation, kTilted},
     Codes{690, 690, kRotation},
     Codes{700, 710, kUnits},
-    Codes{720, 720, kMotion, kPattern},
+    Codes{720, 720, kUnits},   // as G70 and G71, holes of a Haas
     Codes{760, 760, kMotion},  // fine boring: the shift at the bottom is left out
     Codes{770, 770, kMotion, "is back boring, which is not supported"},
     Codes{870, 870, kMotion, "is back boring, which is not supported"},

@@ -50,6 +50,13 @@ void CutterCompensation::start(int side, double radius_mm, ArcPlane plane) {
   beside_ = false;
 }
 
+void CutterCompensation::start_beside(int side, double radius_mm, ArcPlane plane,
+                                      PlanePoint contour) {
+  start(side, radius_mm, plane);
+  beside_ = active();
+  programmed_ = contour;
+}
+
 std::optional<PlanePoint> CutterCompensation::end(PlanePoint at) {
   std::optional<PlanePoint> programmed;
   if (active() && beside_) {

@@ -46,6 +46,8 @@ class CutterCompensation {
 
   /// Turns compensation on. `side` > 0: left of the path (G41). A negative radius swaps the sides.
   void start(int side, double radius_mm, ArcPlane plane);
+  /// The same with a tool that stands beside `contour`, a point of the path, across its direction.
+  void start_beside(int side, double radius_mm, ArcPlane plane, PlanePoint contour);
   /// Sets the program's length unit, on which LinuxCNC's tolerances depend.
   void set_unit(double unit_mm) { unit_mm_ = unit_mm; }
   /// Turns compensation off; the tool center stays at `at`. Returns the programmed point if the

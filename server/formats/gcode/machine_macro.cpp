@@ -69,7 +69,7 @@ void GcodeMachine::prepare_units(GcodeBlock& block) {
   for (auto& [group, code] : block.codes) {
     if (group != GcodeGroup::kUnits || code.code < 700) continue;
     if (begin_pattern(block, code)) return block.drop(GcodeGroup::kUnits);
-    if (block.has_any("ijl"))
+    if (code.code == 720 || block.has_any("ijl"))
       throw GcodeFault{code.text,
                        "is a pattern of holes, which is not supported; use single holes"};
     code.code = code.code == 700 ? 200 : 210;

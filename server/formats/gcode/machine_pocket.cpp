@@ -98,14 +98,16 @@ void GcodeMachine::circular_pocket(GcodeBlock& block, bool clockwise) {
 }
 
 // G70 I (radius) J (first angle) L (holes) and G71 with K (angle between them): the active cycle
-// drills at each point of a circle about the tool. Returns false for other words.
+// drills at each point of a circle about the tool; G72 I (spacing) J (angle) L: on a line that
+// begins at the tool. Returns false for other words.
 bool GcodeMachine::begin_pattern(GcodeBlock& block, const GcodeCode& code) {
   const GcodeWord* count = block.find('l');
   const GcodeWord* radius = block.find('i');
   const GcodeWord* spacing = block.find('k');
   const bool circle = code.code == 700;
   if (setup_.rules.dialect != Dialect::kHaas || count == nullptr || radius == nullptr) return false;
-  if (!circle && spacing == nullptr) return false;
+  const bool line = code.code == 720;
+  if (!circle && !line && spacing == nullptr) return false;
   const GcodeCode* motion = block.code(GcodeGroup::kMotion);
   const int cycle = motion != nullptr ? motion->code : modes_.motion;
   if (!is_canned_cycle(cycle))
@@ -115,10 +117,10 @@ bool GcodeMachine::begin_pattern(GcodeBlock& block, const GcodeCode& code) {
                      "is supported in the plane XY, about the position of the block before"};
   const int holes = count_of(*count, kHolesMax);
   const double start = block.find('j') != nullptr ? block.find('j')->value : 0;
-  const double between = circle ? 360.0 / holes : spacing->value;
+  const double between = circle ? 360.0 / holes : line ? 0 : spacing->value;
   for (int i = 0; i < holes; ++i) {
     const double angle = kRadPerDeg * (start + between * i);
-    const double r = radius->value * modes_.unit_mm;
+    const double r = radius->value * modes_.unit_mm * (line ? i : 1);
     pattern_.push_back({at_[0] + r * std::cos(angle), at_[1] + r * std::sin(angle), 0});
   }
   std::erase_if(block.words, [](const GcodeWord& word) {

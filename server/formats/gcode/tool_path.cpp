@@ -63,7 +63,12 @@ void GcodeToolPath::at_line(std::size_t file, std::size_t line) {
 }
 
 GcodePlace GcodeToolPath::in_workpiece(const GcodePlace& place) const {
-  return {workpiece_.programmed(place.axes), place.tool_axis};
+  GcodePlace to{workpiece_.programmed(place.axes), place.tool_axis};
+  if (!plane_) return to;
+  const auto& [x, y, z] = plane_->axes;
+  set_linear(to.axes, plane_->origin + x * to.axes[0] + y * to.axes[1] + z * to.axes[2]);
+  to.tool_axis = z;
+  return to;
 }
 
 void GcodeToolPath::check_turn(const GcodePlace& to) const {
@@ -93,8 +98,11 @@ bool GcodeToolPath::approach(const GcodePlace& to, bool rapid, std::array<bool, 
   }
   if (rapid) {
     if (sink_.tool() && all_known()) check(sink_.place(pose(to)));
+    tilted_since_ = tilted_since_ && !all_known();
     return true;
   }
+  if (tilted_since_)
+    throw GcodeFault{"", "X, Y and Z must be programmed with G0 before a cut in a new plane"};
   if (!sink_.tool())
     throw GcodeFault{"", "no tool is loaded for this motion; load one with T and M6"};
   if (!known)
@@ -258,12 +266,20 @@ GcodePlace GcodeToolPath::control_tool_center(bool on, const GcodePlace& at) {
   return {workpiece_.absolute(at_.axes), at_.tool_axis};
 }
 
+void GcodeToolPath::tilt(const std::optional<TiltedPlane>& plane) {
+  sink_.lift();
+  known_ = {false, false, false};
+  plane_ = plane;
+  tilted_since_ = true;
+}
+
 double GcodeToolPath::tool_length_mm() const {
   const auto tool = sink_.tool();
   return tool ? scene_.tools.at(*tool).tool.length_mm : 0;
 }
 
 ToolPose GcodeToolPath::PoseRule::operator()(const GcodePlace& place) const {
+  if (plane_axis) return {linear(place.axes) + *plane_axis * excess[2], *plane_axis};
   ToolPose pose{
       tip_from_programmed(kinematics, tool_center, linear(place.axes), rotary(place.axes)),
       kinematics == MachineKinematics::kToolVector ? place.tool_axis

@@ -27,6 +27,7 @@ class GcodeToolPath final : public GcodeCanon {
   void change_tool(std::optional<ToolId> tool) override;
   void offset_tool(const GcodeAxes& offset, const GcodePlace& at) override;
   GcodePlace control_tool_center(bool on, const GcodePlace& at) override;
+  void tilt(const std::optional<TiltedPlane>& plane) override;
   void remark(const MachineRemark& said) override { sink_.remark(said); }
 
  private:
@@ -45,10 +46,14 @@ class GcodeToolPath final : public GcodeCanon {
   struct PoseRule {
     MachineKinematics kinematics;
     bool tool_center;
-    GcodeAxes excess;  ///< of the active offset over that of the loaded tool
+    GcodeAxes excess;                ///< of the active offset over that of the loaded tool
+    std::optional<Vec3> plane_axis;  ///< of the tool in a tilted plane
     ToolPose operator()(const GcodePlace& place) const;
   };
-  PoseRule poses() const { return {scene_.machine.kinematics, tool_center_, offset_ - loaded_}; }
+  PoseRule poses() const {
+    return {scene_.machine.kinematics, tool_center_, offset_ - loaded_,
+            plane_ ? std::optional(plane_->axes[2]) : std::nullopt};
+  }
   ToolPose pose(const GcodePlace& place) const { return poses()(place); }
   GcodePlace in_workpiece(const GcodePlace& place) const;
   double tool_length_mm() const;
@@ -65,8 +70,10 @@ class GcodeToolPath final : public GcodeCanon {
   bool changed_tool_ = false;
   std::optional<ToolId> selected_;  ///< by T, since the last motion
   bool tool_center_ = false;
-  GcodeAxes offset_{};  ///< active tool offset (G43)
-  GcodeAxes loaded_{};  ///< tool table's offset of the loaded tool
+  std::optional<TiltedPlane> plane_;
+  bool tilted_since_ = false;  ///< the plane changed and X, Y and Z were not all programmed since
+  GcodeAxes offset_{};         ///< active tool offset (G43)
+  GcodeAxes loaded_{};         ///< tool table's offset of the loaded tool
 };
 
 }  // namespace kerf

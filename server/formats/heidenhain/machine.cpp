@@ -66,15 +66,24 @@ bool KlartextMachine::execute(const KlartextBlock& block, const std::string& fol
   if (text.starts_with("TOOL CALL")) return call_tool(after(text, "TOOL CALL")), false;
   if (text.starts_with("CYCL")) refuse_in_corner(text);
   if (text.starts_with("CYCL DEF")) return cycle_definition(after(text, "CYCL DEF")), false;
+  if (begins(text, "APPR")) return approach(after(text, "APPR")), false;
+  if (begins(text, "DEP")) return depart(after(text, "DEP")), false;
   if (begins(text, "PLANE")) return tilt(after(text, "PLANE")), false;
   if (text.starts_with("FUNCTION TCPM")) return tool_center(text), false;
   if (text.starts_with("FUNCTION RESET TCPM")) return path_.set_tool_center(false), false;
   if (begins(text, "CYCL CALL")) {
-    Words words = klartext_words(after(text, "CYCL CALL"));
+    std::string rest = after(text, "CYCL CALL");
+    const bool at_place = begins(rest, "POS");
+    if (at_place) rest = after(rest, "POS");
+    Words words = klartext_words(rest);
     const Extras extras = read_extras(words);
-    if (!words.empty())
-      throw KlartextFault{"CYCL CALL", "is supported without PAT and POS; use L … M99"};
-    drill();
+    if (!words.empty() && !at_place)
+      throw KlartextFault{"CYCL CALL", "is supported without PAT; use L … M99"};
+    if (at_place) {
+      call_at(words);
+    } else {
+      call_cycle();
+    }
     cycle_modal_ = false;
     return extras.ends;
   }
@@ -88,14 +97,11 @@ bool KlartextMachine::execute(const KlartextBlock& block, const std::string& fol
     const Extras extras = read_extras(words);
     if (!words.empty())
       throw KlartextFault{words[0].name + words[0].value, "is not a word beside M"};
-    if (extras.calls_cycle) drill();
+    if (extras.calls_cycle) call_cycle();
     return extras.ends;
   }
   const std::string word = text.substr(0, text.find(' '));
-  throw KlartextFault{word, word == "APPR" || word == "DEP"
-                                ? "approaches a contour with radius compensation, which is not "
-                                  "supported; post the path of the tool's center (R0)"
-                                : "is not a supported statement"};
+  throw KlartextFault{word, "is not a supported statement"};
 }
 
 bool KlartextMachine::path_function(std::string_view word, Words words,
@@ -133,7 +139,7 @@ bool KlartextMachine::path_function(std::string_view word, Words words,
   if (extras.calls_cycle || (cycle_modal_ && word != "CC" && !corners)) {
     if (extras.in_machine)
       throw KlartextFault{"M99", "beside M91 and M92 is not supported: the place is not known"};
-    drill();
+    call_cycle();
   }
   return extras.ends;
 }
@@ -143,11 +149,15 @@ void KlartextMachine::compensate(const std::string& word) {
   const int side = word == "RL" ? 1 : word == "RR" ? -1 : 0;
   if ((side != 0) == path_.is_compensated() && side == 0) return;
   refuse_in_corner(word);
+  path_.compensate(side, tool_radius_mm(word));
+}
+
+double KlartextMachine::tool_radius_mm(const std::string& word) const {
   std::optional<ToolId> tool = path_.tool();
   if (!tool && scene_.tools.size() == 1) tool = scene_.tools.begin()->first;
   const auto found = tool ? scene_.tools.find(*tool) : scene_.tools.end();
   if (found == scene_.tools.end()) throw KlartextFault{word, "requires a tool"};
-  path_.compensate(side, found->second.tool.radius_mm);
+  return found->second.tool.radius_mm;
 }
 
 void KlartextMachine::finish() {

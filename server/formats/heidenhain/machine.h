@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/formats/area_path.h"
 #include "server/formats/heidenhain/blocks.h"
 #include "server/formats/heidenhain/path.h"
 #include "server/formats/heidenhain/values.h"
@@ -47,6 +48,7 @@ class KlartextMachine {
   void tool_word(const Words& words, std::size_t& at);
   void tool_center(const std::string& text);
   void refuse_in_corner(const std::string& word) const;
+  double tool_radius_mm(const std::string& word) const;
   void compensate(const std::string& word);
   void refuse_off_axis(const std::string& word) const;
   void cycle_definition(const std::string& text);
@@ -72,7 +74,20 @@ class KlartextMachine {
   void tangent_circle(const Words& words);
   void corner(const Words& words, bool chamfer);
   void cut_corner(Vec3 next);
-  void drill();
+  void approach(const std::string& text);
+  void approach_sizes(Words& words, KlartextApproach& to) const;
+  static void check_departure_words(const Words& words);
+  void depart(const std::string& text);
+  std::map<std::string, double> cycle_parameters(const std::string& text);
+  double cycle_value(const char* name, double missing) const;
+  void call_cycle(double raised_mm = 0);
+  void call_at(const Words& words);
+  void drill(double raised_mm);
+  void call_pattern(int cycle, const std::map<std::string, double>& given);
+  static bool is_area_cycle(int cycle);
+  AreaPath area(double tool_mm, double allowance_mm) const;
+  void mill_area(double raised_mm);
+  void follow(const AreaPath& path);
 
   Extras read_extras(Words& words);
   void m_code(int code, const Words& words, std::size_t at, Extras& extras);

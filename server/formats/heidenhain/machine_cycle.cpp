@@ -27,30 +27,17 @@ void KlartextMachine::cycle_definition(const std::string& text) {
     return;
   }
   if (cycle == 1) return old_pecking(number, rest);
+  const bool pattern = cycle == 220 || cycle == 221;
   const bool holes = cycle == 200 || cycle == 201 || cycle == 202 || cycle == 203 || cycle == 205 ||
                      cycle == 206 || cycle == 207 || cycle == 209 || cycle == 240 || cycle == 241;
-  if (!holes)
+  if (!holes && !pattern && !is_area_cycle(cycle))
     throw KlartextFault{"CYCL DEF " + number,
                         "is not supported; 1, 7, 9, 10, 19 without angles, 32, 200 to 203, 205 to "
-                        "207, 209, 240, 241 and "
-                        "247 are: post the motions of others as L and C"};
-  cycle_.clear();
-  for (std::size_t at = rest.find('Q'); at != std::string::npos; at = rest.find('Q', at + 1)) {
-    std::size_t stop = at + 1;
-    while (stop < rest.size() && is_digit(rest[stop])) ++stop;
-    const std::string name = rest.substr(at, stop - at);
-    while (stop < rest.size() && rest[stop] == ' ') ++stop;
-    if (name.size() < 2 || stop >= rest.size() || rest[stop] != '=') continue;
-    const std::size_t from = rest.find_first_not_of(' ', stop + 1);
-    if (from == std::string::npos) continue;
-    const std::string value = rest.substr(from, rest.find(' ', from) - from);
-    if (value.find_first_of("0123456789Q") == std::string::npos) continue;  // FMAX, AUTO
-    std::string plain = value;
-    std::ranges::replace(plain, ',', '.');
-    cycle_[name] = values_.of(plain);
-    values_.set(name, cycle_[name]);
-    at = from;
-  }
+                        "207, 209, 220, 221, 240, 241, 247, 251 to 254, 256 and 257 are: post the "
+                        "motions of others as L and C"};
+  const std::map<std::string, double> given = cycle_parameters(rest);
+  if (pattern) return call_pattern(cycle, given);
+  cycle_ = given;
   for (const char* needed : {"Q200", "Q201", "Q203"})
     if (!cycle_.contains(needed))
       throw KlartextFault{"CYCL DEF " + number, std::string("requires ") + needed};
@@ -60,21 +47,56 @@ void KlartextMachine::cycle_definition(const std::string& text) {
   cycle_modal_ = false;
 }
 
-// The hole at the current place: down to Q203 + Q201 and up to the second clearance Q204.
-void KlartextMachine::drill() {
+// "Q200=2 ;SET-UP CLEARANCE …": words such as FMAX and AUTO have no value.
+std::map<std::string, double> KlartextMachine::cycle_parameters(const std::string& text) {
+  std::map<std::string, double> given;
+  for (std::size_t at = text.find('Q'); at != std::string::npos; at = text.find('Q', at + 1)) {
+    std::size_t stop = at + 1;
+    while (stop < text.size() && is_digit(text[stop])) ++stop;
+    const std::string name = text.substr(at, stop - at);
+    while (stop < text.size() && text[stop] == ' ') ++stop;
+    if (name.size() < 2 || stop >= text.size() || text[stop] != '=') continue;
+    const std::size_t from = text.find_first_not_of(' ', stop + 1);
+    if (from == std::string::npos) continue;
+    const std::string value = text.substr(from, text.find(' ', from) - from);
+    if (value.find_first_of("0123456789Q") == std::string::npos) continue;
+    std::string plain = value;
+    std::ranges::replace(plain, ',', '.');
+    given[name] = values_.of(plain);
+    values_.set(name, given[name]);
+    at = from;
+  }
+  return given;
+}
+
+double KlartextMachine::cycle_value(const char* name, double missing) const {
+  const auto it = cycle_.find(name);
+  return it == cycle_.end() ? missing : it->second;
+}
+
+// M99, M89 and CYCL CALL: the cycle at the current place; `raised_mm` shifts its surface.
+void KlartextMachine::call_cycle(double raised_mm) {
   if (cycle_number_ == 0) throw KlartextFault{"M99", "calls a cycle that is not defined"};
   refuse_in_corner("M99");
   if (path_.is_compensated())
     throw KlartextFault{"M99", "while RL or RR is on is not supported; program R0 before it"};
   refuse_off_axis("CYCL DEF " + std::to_string(cycle_number_));
+  if (is_area_cycle(cycle_number_)) {
+    mill_area(raised_mm);
+  } else {
+    drill(raised_mm);
+  }
+}
+
+// The hole at the current place: down to Q203 + Q201 and up to the second clearance Q204.
+void KlartextMachine::drill(double raised_mm) {
   const auto value = [this](const char* name, double missing) {
-    const auto it = cycle_.find(name);
-    return it == cycle_.end() ? missing : it->second;
+    return cycle_value(name, missing);
   };
   const double set_up = value("Q200", 0) * unit_mm_;
   // Cycle 1 counts from where the tool stands.
   const double surface =
-      cycle_number_ == 1 ? path_.position().z - set_up : value("Q203", 0) * unit_mm_;
+      cycle_number_ == 1 ? path_.position().z - set_up : value("Q203", 0) * unit_mm_ + raised_mm;
   const double clearance = surface + set_up;
   const double high = std::max(clearance, surface + value("Q204", 0) * unit_mm_);
   const double bottom = surface + value("Q201", 0) * unit_mm_;

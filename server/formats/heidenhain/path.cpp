@@ -37,8 +37,7 @@ void KlartextPath::check(const MotionSink::Result& result) {
 }
 
 void KlartextPath::require_uncompensated() const {
-  if (compensation_.on())
-    throw KlartextFault{"RL", "and RR must be ended with R0 before this block"};
+  if (is_compensated()) throw KlartextFault{"RL", "and RR must be ended with R0 before this block"};
 }
 
 void KlartextPath::change_tool(std::optional<ToolId> tool) {

@@ -27,6 +27,20 @@ struct KlartextFrame {
   Vec3 programmed(Vec3 in_workpiece) const;
 };
 
+/// APPR: how the tool comes to the first point of a contour.
+struct KlartextApproach {
+  enum class Kind { kTangent, kNormal, kArc, kLineAndArc };  ///< LT, LN, CT, LCT
+  Kind kind = Kind::kTangent;
+  Vec3 contour{0, 0, 0};  ///< the point
+  double length_mm = 0;   ///< LEN
+  double radius_mm = 0;   ///< of the path of the tool's center; < 0: on the other side
+  double angle_deg = 0;   ///< CCA
+  int side = 0;           ///< of the contour: RL 1, RR -1
+  double offset_mm = 0;   ///< the tool's radius
+  double feed = 0;        ///< mm per minute
+  bool is_rapid = false;  ///< up to the last line or arc
+};
+
 /// The tool of a Klartext program: its motions in the workpiece. Errors are KlartextFault.
 class KlartextPath {
  public:
@@ -66,7 +80,14 @@ class KlartextPath {
   Vec3 contour() const;
   /// RL (1), RR (-1) and R0 (0) in the plane XY. With `offset_mm` 0 the path is that of the center.
   void compensate(int side, double offset_mm);
-  bool is_compensated() const { return compensation_.on(); }
+  bool is_compensated() const { return compensation_.on() || approach_; }
+  int side() const { return compensation_.side(); }
+  /// Approaches a contour as soon as its first move is known; position() is on the contour then.
+  void approach_later(const KlartextApproach& approach) {
+    require_uncompensated();
+    beside_.reset();
+    approach_ = approach;
+  }
   /// Makes the move that compensation delays.
   void finish();
   RotaryAngles angles() const { return angles_; }
@@ -90,6 +111,8 @@ class KlartextPath {
   CompensatedInfo info_of(std::optional<double> feed_mm_per_min, std::array<bool, 3> named) const;
   void emit(const CompensatedMove& move);
   void require_uncompensated() const;
+  void require_no_approach() const;
+  void begin_contour(Vec3 tangent);
   double& angle(char axis);
   /// The pose at a tip in the workpiece with the control of a block. Paths keep a copy.
   struct PoseRule {
@@ -114,8 +137,9 @@ class KlartextPath {
   bool tool_center_ = false, changed_tool_ = false;
   std::size_t line_ = 0;
   CutterCompensation compensation_;
-  Vec3 center_{0, 0, 0};              ///< of the tool while it is compensated, programmed
-  std::optional<PlanePoint> beside_;  ///< the contour's point beside which R0 left the tool
+  Vec3 center_{0, 0, 0};                      ///< of the tool while it is compensated, programmed
+  std::optional<KlartextApproach> approach_;  ///< to be made
+  std::optional<PlanePoint> beside_;          ///< the contour's point beside which R0 left the tool
 };
 
 }  // namespace kerf

@@ -15,6 +15,7 @@ Vec3 at_level(PlanePoint point, double z) { return {point.first, point.second, z
 }  // namespace
 
 Vec3 KlartextPath::position() const {
+  if (approach_) return approach_->contour;
   if (!compensation_.on()) return frame_.programmed(tip_mm_);
   return compensation_.beside() ? at_level(compensation_.programmed(), center_.z) : center_;
 }
@@ -25,7 +26,9 @@ Vec3 KlartextPath::contour() const {
 }
 
 void KlartextPath::compensate(int side, double offset_mm) {
-  if (side == compensation_.side()) return;
+  if (approach_ && side != approach_->side)
+    throw KlartextFault{"APPR", "must be followed by a contour on its side"};
+  if (approach_ || side == compensation_.side()) return;
   const PlanePoint at = in_plane(center_, ArcPlane::kXy);
   if (compensation_.on()) {
     if (side != 0) throw KlartextFault{"RL", "and RR may follow each other only behind R0"};
@@ -47,6 +50,7 @@ CompensatedInfo KlartextPath::info_of(std::optional<double> feed, std::array<boo
 
 void KlartextPath::line(Vec3 to, const RotaryAngles& angles, std::optional<double> feed,
                         std::array<bool, 3> named) {
+  if (approach_) begin_contour(to - approach_->contour);
   if (named[0] || named[1]) beside_.reset();
   if (!compensation_.active()) {
     move_line(to, angles, feed, named);
@@ -60,6 +64,11 @@ void KlartextPath::line(Vec3 to, const RotaryAngles& angles, std::optional<doubl
 }
 
 void KlartextPath::arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double feed) {
+  if (approach_ && plane == ArcPlane::kXy) {
+    const Vec3 out = approach_->contour - center;
+    begin_contour(turns > 0 ? Vec3{-out.y, out.x, 0} : Vec3{out.y, -out.x, 0});
+  }
+  require_no_approach();
   beside_.reset();
   if (!compensation_.active()) {
     move_arc(to, plane, center, turns, feed);
@@ -91,6 +100,13 @@ void KlartextPath::emit(const CompensatedMove& move) {
   line_ = line;
 }
 
-void KlartextPath::finish() { compensation_.flush(in_plane(center_, ArcPlane::kXy)); }
+void KlartextPath::require_no_approach() const {
+  if (approach_) throw KlartextFault{"APPR", "must be followed by a contour in the plane XY"};
+}
+
+void KlartextPath::finish() {
+  require_no_approach();
+  compensation_.flush(in_plane(center_, ArcPlane::kXy));
+}
 
 }  // namespace kerf

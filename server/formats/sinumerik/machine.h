@@ -8,8 +8,10 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "server/formats/area_path.h"
 #include "server/formats/gcode/arc.h"
 #include "server/formats/gcode/canon.h"
 #include "server/formats/gcode/compensation.h"
@@ -90,6 +92,7 @@ class SinumerikMachine {
 
   // machine_offset.cpp: radius compensation
   void refuse_compensated(const std::string& word);
+  double tool_radius_mm(const std::string& word) const;
   double offset_mm();
   void compensate(int code);
   GcodeAxes programmed() const;
@@ -99,9 +102,19 @@ class SinumerikMachine {
 
   // machine_cycle.cpp
   bool cycle_statement(const std::string& text);
+  bool area_statement(std::string_view name, const std::vector<std::optional<double>>& given);
   void swivel(const std::vector<std::optional<double>>& given);
   void drill_pattern(std::string_view name, const std::vector<std::optional<double>>& given);
   void drill();
+
+  // machine_area.cpp
+  struct Area {
+    double retract = 0, reference = 0, safety = 0, bottom = 0;
+    std::optional<double> feed, plunge;
+    std::vector<std::pair<AreaPath, double>> passes;  ///< paths and their levels
+  };
+  void mill(const Area& area, const std::string& word);
+  void require_no_swivel() const;
 
   struct Hole {
     double retract = 0, above = 0, bottom = 0, seconds = 0;
@@ -136,6 +149,8 @@ class SinumerikMachine {
   Vec3 axis_{0, 0, 1};
   std::optional<Hole> modal_hole_, hole_;
   bool ends_ = false;
+  bool tilted_ = false;       ///< by CYCLE800
+  bool swivel_open_ = false;  ///< the plane was ended with turned tables
 };
 
 }  // namespace kerf

@@ -45,6 +45,11 @@ bool SinumerikMachine::cycle_statement(const std::string& text) {
                   sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_));
     return true;
   }
+  if (open != std::string_view::npos && call.ends_with(')') && !modal &&
+      (name.starts_with("POCKET") || name.starts_with("CYCLE7")) &&
+      area_statement(name,
+                     sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_)))
+    return true;
   const auto* rule = std::ranges::find(kHoleCycles, name, &HoleCycle::name);
   if (rule == std::end(kHoleCycles) || open == std::string_view::npos) {
     if (modal) throw GcodeFault{"MCALL", "is supported with CYCLE81 to CYCLE89 only"};
@@ -121,21 +126,10 @@ void SinumerikMachine::drill_pattern(std::string_view name,
   }
 }
 
-// CYCLE800() and angles of 0 leave the plane level; the first argument retracts.
-void SinumerikMachine::swivel(const std::vector<std::optional<double>>& given) {
-  constexpr std::size_t kFirst = 4, kLast = 12;  // X0 Y0 Z0 A B C X1 Y1 Z1
-  for (std::size_t at = kFirst; at <= kLast && at < given.size(); ++at)
-    if (given[at].value_or(0) != 0)
-      throw GcodeFault{"CYCLE800",
-                       "swivels or shifts the plane, which is not supported; post with "
-                       "TRAORI"};
-  if (given.empty() || given[0].value_or(0) == 0) return;
-  canon_.rapid({at_, axis_}, GcodeRapid::kMachine, {false, false, true, false, false, false});
-}
-
 // At the current place along the axis of the plane.
 void SinumerikMachine::drill() {
   refuse_compensated("CYCLE");
+  require_no_swivel();
   const std::size_t axis = plane_ == ArcPlane::kXy ? 2 : plane_ == ArcPlane::kZx ? 1 : 0;
   GcodeAxes to = frame_.programmed(at_);
   Named named{};

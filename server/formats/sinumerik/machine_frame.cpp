@@ -68,6 +68,7 @@ void SinumerikMachine::follow_tool(bool on) {
                      "requires a scene whose machine is xyzac-trt, xyzbc-trt or "
                      "tool-vector"};
   refuse_compensated("TRAORI");
+  if (on && tilted_) throw GcodeFault{"TRAORI", "in a plane of CYCLE800 is not supported"};
   follows_tool_ = on;
   at_ = canon_.control_tool_center(on, {at_, axis_}).axes;
 }

@@ -28,6 +28,7 @@ GcodePlace SinumerikMachine::place(const GcodeAxes& programmed) const {
 }
 
 GcodeFeed SinumerikMachine::feed() const {
+  require_no_swivel();
   if (!(feed_ > 0)) throw GcodeFault{"", "the feed is 0; give F before the first cutting motion"};
   if (feed_mode_ == FeedMode::kInverse) return {.duration_s = 60 / feed_};
   const double turns = feed_mode_ == FeedMode::kPerRevolution ? rpm_ : 1;
@@ -59,6 +60,8 @@ GcodeAxes SinumerikMachine::target(Words& words, Named& named) {
     if (!exists)
       throw GcodeFault{word.name, "the machine " + std::string(to_string(kind)) + " has no " +
                                       word.name + " axis"};
+    if (axis >= 3 && tilted_)
+      throw GcodeFault{word.name, "turns a table in a plane of CYCLE800, which is not supported"};
     const bool adds = word.how == SinumerikWord::How::kIncremental ||
                       (word.how == SinumerikWord::How::kModal && incremental_);
     to[axis] = word.value * (axis < 3 ? unit_mm_ : 1) + (adds ? to[axis] : 0);

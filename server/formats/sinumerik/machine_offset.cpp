@@ -13,17 +13,22 @@ void SinumerikMachine::refuse_compensated(const std::string& word) {
 }
 
 // The radius is that of the scene's tool: D and the tool data of the control are not known.
-double SinumerikMachine::offset_mm() {
-  if (offsets_are_wear_) return 0;
+double SinumerikMachine::tool_radius_mm(const std::string& word) const {
   std::optional<ToolId> tool = loaded_;
   if (!tool && scene_.tools.size() == 1) tool = scene_.tools.begin()->first;
   const auto found = tool ? scene_.tools.find(*tool) : scene_.tools.end();
-  if (found == scene_.tools.end()) throw GcodeFault{"G41", "requires a loaded tool"};
+  if (found == scene_.tools.end()) throw GcodeFault{word, "requires a loaded tool"};
+  return found->second.tool.radius_mm;
+}
+
+double SinumerikMachine::offset_mm() {
+  if (offsets_are_wear_) return 0;
+  const double radius_mm = tool_radius_mm("G41");
   if (warned_.insert("G41").second)
     warn_(
         "G41 and G42 take the radius of the scene's tool, as the tool data of the control are "
         "not known");
-  return found->second.tool.radius_mm;
+  return radius_mm;
 }
 
 void SinumerikMachine::compensate(int code) {
