@@ -178,6 +178,21 @@ TEST(KlartextApproach, ArcsAreTangentialToTheContour) {
   EXPECT_THAT(lct, Contains(Vec3{-25, 0, -1}));
 }
 
+// A line with RL ends beside the contour, across the first element, however short it is; moves
+// along Z come between.
+TEST(KlartextApproach, ALineEndsAcrossTheFirstElement) {
+  const auto path =
+      ends("L X-3 Y+2 R0 F500\nL X+0 Y+0 RL\nL Z-2 F100\nL Z-3\nL Y+20 F500\nL X+10\nL Z+5 R0\n");
+  EXPECT_THAT(std::vector<Vec3>(path.begin(), path.begin() + 5),
+              ElementsAre(Vec3{-3, 2, 5}, Vec3{-5, 0, 5}, Vec3{-5, 0, -2}, Vec3{-5, 0, -3},
+                          Vec3{-5, 20, -3}));
+  EXPECT_EQ(path[path.size() - 2], (Vec3{10, 25, -3}));
+  // Without a contour: across the line.
+  EXPECT_THAT(ends("L X-30 Y+0 R0 F500\nL X+0 RL\nL Z+9 R0\n"),
+              ElementsAre(Vec3{-30, 0, 5}, Vec3{0, 5, 5}, Vec3{0, 5, 9}));
+  EXPECT_EQ(ends("L X-30 Y+0 R0 F500\nL X+0 RR\n").back(), (Vec3{0, -5, 5}));
+}
+
 // The programs "Linear" and "Circular" of the manual: the tool never enters the contour.
 TEST(KlartextApproach, TheFirstElementMayBeAnArcOrACorner) {
   const auto path = ends(
@@ -201,7 +216,7 @@ TEST(KlartextApproach, RefusesWhatItDoesNotModel) {
   EXPECT_THAT(refused(head + "APPR LT X+0 Y+0 LEN9 RL\n"), HasSubstr("followed by a contour"));
   EXPECT_THAT(refused(head + "APPR LCT X+0 Y+0 RL\nL Y+9\n"), HasSubstr("R"));
   EXPECT_THAT(refused(head + "APPR LCT X+0 Y+0 R90 RL\nL Y+9\n"), HasSubstr("within its arc"));
-  EXPECT_THAT(refused(head + "APPR LT X+0 Y+0 LEN9 RL\nL Z-9\n"), HasSubstr("line or an arc"));
+  EXPECT_THAT(refused(head + "APPR LT X+0 Y+0 LEN9 RL\nL Z-9\n"), HasSubstr("by a contour"));
   EXPECT_THAT(refused(head + "L X+0\nDEP LN LEN5\n"), HasSubstr("RL or RR"));
 }
 

@@ -3,7 +3,7 @@
 """Carves every program below a folder and prints a table: per dialect, how many were tried, carved,
 rightly and wrongly refused.
 
-A refusal is judged by a person, in a text file of lines "PATH<TAB>right|wrong<TAB>why", PATH
+An error is judged by a person, in a text file of lines "PATH<TAB>right|wrong<TAB>why", PATH
 relative to the folder. What it does not name counts as "not judged" and is listed with its error,
 so that the list can become the file:
 
@@ -40,7 +40,7 @@ def carve(program, path, seconds):
 
 
 def judgements(path):
-    """Reads the judged refusals."""
+    """Reads the judged errors."""
     judged = {}
     for number, line in enumerate(path.read_text().splitlines() if path else [], 1):
         if not line.strip() or line.startswith("#"):

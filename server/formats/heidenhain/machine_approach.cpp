@@ -133,11 +133,15 @@ void KlartextPath::begin_contour(Vec3 tangent) {
   if (!(along > 0))
     throw KlartextFault{"APPR", "must be followed by a line or an arc in the plane XY"};
   const Vec3 t{tangent.x / along, tangent.y / along, 0}, normal{-t.y, t.x, 0};
-  const Vec3 at = to.contour + normal * (to.side * to.offset_mm);
+  const std::vector<Lift> lifts = std::exchange(lifts_, {});
+  Vec3 at = to.contour + normal * (to.side * to.offset_mm);
+  if (!lifts.empty()) at.z = to.level;
   const auto go = [&](Vec3 end, bool rapid) {
     move_line(end, angles_, rapid ? std::nullopt : std::optional(to.feed), {true, true, true});
   };
-  if (to.kind == Kind::kTangent || to.kind == Kind::kNormal) {
+  if (to.kind == Kind::kDirect) {
+    go(at, to.is_rapid);
+  } else if (to.kind == Kind::kTangent || to.kind == Kind::kNormal) {
     const bool tangential = to.kind == Kind::kTangent;
     go(tangential ? at - t * to.length_mm : at + normal * (to.side * to.length_mm), to.is_rapid);
     go(at, false);
@@ -156,6 +160,10 @@ void KlartextPath::begin_contour(Vec3 tangent) {
     go({center.x + radius * std::cos(angle), center.y + radius * std::sin(angle), at.z},
        to.is_rapid);
     move_arc(at, ArcPlane::kXy, center, turns, to.feed);
+  }
+  for (const Lift& lift : lifts) {
+    at.z = lift.z;
+    move_line(at, angles_, lift.feed, {false, false, true});
   }
   center_ = at;
   if (to.side != 0)

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/plane.h"
@@ -27,11 +28,12 @@ struct KlartextFrame {
   Vec3 programmed(Vec3 in_workpiece) const;
 };
 
-/// APPR: how the tool comes to the first point of a contour.
+/// APPR, or a line with RL or RR: how the tool comes to the first point of a contour.
 struct KlartextApproach {
-  enum class Kind { kTangent, kNormal, kArc, kLineAndArc };  ///< LT, LN, CT, LCT
+  enum class Kind { kDirect, kTangent, kNormal, kArc, kLineAndArc };  ///< a line, LT, LN, CT, LCT
   Kind kind = Kind::kTangent;
   Vec3 contour{0, 0, 0};  ///< the point
+  double level = 0;       ///< its height before moves along Z
   double length_mm = 0;   ///< LEN
   double radius_mm = 0;   ///< of the path of the tool's center; < 0: on the other side
   double angle_deg = 0;   ///< CCA
@@ -81,7 +83,7 @@ class KlartextPath {
   /// RL (1), RR (-1) and R0 (0) in the plane XY. With `offset_mm` 0 the path is that of the center.
   void compensate(int side, double offset_mm);
   bool is_compensated() const { return compensation_.on() || approach_; }
-  int side() const { return compensation_.side(); }
+  int side() const { return approach_ ? approach_->side : compensation_.side(); }
   /// Approaches a contour as soon as its first move is known; position() is on the contour then.
   void approach_later(const KlartextApproach& approach) {
     require_uncompensated();
@@ -111,7 +113,8 @@ class KlartextPath {
   CompensatedInfo info_of(std::optional<double> feed_mm_per_min, std::array<bool, 3> named) const;
   void emit(const CompensatedMove& move);
   void require_uncompensated() const;
-  void require_no_approach() const;
+  void approach_by_line(Vec3 to, std::optional<double> feed_mm_per_min);
+  void finish_approach();
   void begin_contour(Vec3 tangent);
   double& angle(char axis);
   /// The pose at a tip in the workpiece with the control of a block. Paths keep a copy.
@@ -137,7 +140,13 @@ class KlartextPath {
   bool tool_center_ = false, changed_tool_ = false;
   std::size_t line_ = 0;
   CutterCompensation compensation_;
-  Vec3 center_{0, 0, 0};                      ///< of the tool while it is compensated, programmed
+  Vec3 center_{0, 0, 0};  ///< of the tool while it is compensated, programmed
+  struct Lift {
+    double z = 0;
+    std::optional<double> feed;
+  };
+  std::vector<Lift> lifts_;                   ///< moves along Z behind the approach
+  double offset_mm_ = 0;                      ///< of RL and RR
   std::optional<KlartextApproach> approach_;  ///< to be made
   std::optional<PlanePoint> beside_;          ///< the contour's point beside which R0 left the tool
 };

@@ -26,9 +26,8 @@ Vec3 KlartextPath::contour() const {
 }
 
 void KlartextPath::compensate(int side, double offset_mm) {
-  if (approach_ && side != approach_->side)
-    throw KlartextFault{"APPR", "must be followed by a contour on its side"};
-  if (approach_ || side == compensation_.side()) return;
+  if (side == this->side()) return;
+  if (approach_) finish_approach();
   const PlanePoint at = in_plane(center_, ArcPlane::kXy);
   if (compensation_.on()) {
     if (side != 0) throw KlartextFault{"RL", "and RR may follow each other only behind R0"};
@@ -37,6 +36,7 @@ void KlartextPath::compensate(int side, double offset_mm) {
   }
   if (side == 0) return;
   center_ = frame_.programmed(tip_mm_);
+  offset_mm_ = offset_mm;
   compensation_.start(side, offset_mm, ArcPlane::kXy);
 }
 
@@ -50,6 +50,15 @@ CompensatedInfo KlartextPath::info_of(std::optional<double> feed, std::array<boo
 
 void KlartextPath::line(Vec3 to, const RotaryAngles& angles, std::optional<double> feed,
                         std::array<bool, 3> named) {
+  const bool starts = compensation_.active() && !compensation_.beside();
+  if (starts && angles == angles_) return approach_by_line(to, feed);
+  if (approach_ && to.x == approach_->contour.x && to.y == approach_->contour.y) {
+    if (!(angles == angles_)) throw KlartextFault{"RL", "with turning tables is not supported"};
+    if (lifts_.empty()) approach_->level = approach_->contour.z;
+    lifts_.push_back({to.z, feed});
+    approach_->contour.z = to.z;
+    return;
+  }
   if (approach_) begin_contour(to - approach_->contour);
   if (named[0] || named[1]) beside_.reset();
   if (!compensation_.active()) {
@@ -68,7 +77,7 @@ void KlartextPath::arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double f
     const Vec3 out = approach_->contour - center;
     begin_contour(turns > 0 ? Vec3{-out.y, out.x, 0} : Vec3{out.y, -out.x, 0});
   }
-  require_no_approach();
+  if (approach_) throw KlartextFault{"RL", "is supported for arcs in XY only"};
   beside_.reset();
   if (!compensation_.active()) {
     move_arc(to, plane, center, turns, feed);
@@ -100,12 +109,28 @@ void KlartextPath::emit(const CompensatedMove& move) {
   line_ = line;
 }
 
-void KlartextPath::require_no_approach() const {
-  if (approach_) throw KlartextFault{"APPR", "must be followed by a contour in the plane XY"};
+// The next element tells where beside the contour the line ends.
+void KlartextPath::approach_by_line(Vec3 to, std::optional<double> feed) {
+  KlartextApproach approach{.kind = KlartextApproach::Kind::kDirect,
+                            .contour = to,
+                            .side = compensation_.side(),
+                            .offset_mm = offset_mm_,
+                            .feed = feed.value_or(0),
+                            .is_rapid = !feed};
+  compensation_.end(in_plane(center_, ArcPlane::kXy));
+  beside_.reset();
+  approach_ = approach;
+}
+
+// Without a contour a line ends across its own direction.
+void KlartextPath::finish_approach() {
+  if (approach_->kind != KlartextApproach::Kind::kDirect)
+    throw KlartextFault{"APPR", "must be followed by a contour in the plane XY"};
+  begin_contour(approach_->contour - frame_.programmed(tip_mm_));
 }
 
 void KlartextPath::finish() {
-  require_no_approach();
+  if (approach_) finish_approach();
   compensation_.flush(in_plane(center_, ArcPlane::kXy));
 }
 

@@ -3,6 +3,7 @@
 // chapter 3 (POCKET3, POCKET4, CYCLE71, CYCLE76, CYCLE77).
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -30,6 +31,36 @@ constexpr double kFaceShare = 0.8;
 AreaPath taken(AreaResult result, std::string_view cycle) {
   if (!result) throw GcodeFault{std::string(cycle), result.error()};
   return *std::move(result);
+}
+
+// The path of a cycle that leaves `side` at its walls, about its center.
+AreaPath area_path_of(const AreaCycle& rule, const std::function<double(int)>& mm, int variant,
+                      double tool, double side) {
+  const std::string_view name = rule.name;
+  const bool facing = name == "CYCLE71";
+  const double width = rule.width >= 0 ? mm(rule.width) : mm(rule.length);
+  if (facing) {
+    const double given_step = std::abs(mm(10));
+    const int strokes = variant / 10;
+    return taken(face(mm(rule.length), width, strokes != 2 && strokes != 4, tool,
+                      given_step > 0 ? given_step : 2 * kFaceShare * tool),
+                 name);
+  }
+  if (name == "POCKET3" || name == "POCKET4") {
+    // PRAD is a radius.
+    const double twice = name == "POCKET4" ? 2 : 1;
+    const RoundedRectangle pocket{
+        twice * mm(rule.length) - 2 * side, twice * width - 2 * side,
+        name == "POCKET4" ? mm(rule.length) - side : std::max(0.0, mm(rule.corner) - side)};
+    return taken(clear_pocket(pocket, tool, tool), name);
+  }
+  const double corner = name == "CYCLE77" ? mm(rule.length) / 2 : mm(rule.corner);
+  const RoundedRectangle stud{mm(rule.length) + 2 * side, width + 2 * side, corner + side};
+  const double blank_length = std::max(stud.length, mm(rule.blank_length));
+  const double blank_width =
+      rule.blank_width >= 0 ? std::max(stud.width, mm(rule.blank_width)) : blank_length;
+  const double blank_corner = name == "CYCLE77" ? blank_length / 2 : 0;
+  return taken(mill_stud(stud, {blank_length, blank_width, blank_corner}, tool, tool), name);
 }
 
 }  // namespace
@@ -72,30 +103,8 @@ bool SinumerikMachine::area_statement(std::string_view name,
   const double side = finishes ? 0 : std::abs(mm(rule->side));
   const double floor = finishes ? 0 : std::abs(mm(rule->floor));
   const double tool = tool_radius_mm(word);
-  const double width = rule->width >= 0 ? mm(rule->width) : mm(rule->length);
-  AreaPath path;
-  if (facing) {
-    const double given_step = std::abs(mm(10));
-    const auto strokes = static_cast<int>(std::abs(value(rule->variant))) / 10;
-    path = taken(face(mm(rule->length), width, strokes != 2 && strokes != 4, tool,
-                      given_step > 0 ? given_step : 2 * kFaceShare * tool),
-                 name);
-  } else if (name == "POCKET3" || name == "POCKET4") {
-    // PRAD is a radius.
-    const double twice = name == "POCKET4" ? 2 : 1;
-    const RoundedRectangle pocket{
-        twice * mm(rule->length) - 2 * side, twice * width - 2 * side,
-        name == "POCKET4" ? mm(rule->length) - side : std::max(0.0, mm(rule->corner) - side)};
-    path = taken(clear_pocket(pocket, tool, tool), name);
-  } else {
-    const double corner = name == "CYCLE77" ? mm(rule->length) / 2 : mm(rule->corner);
-    const RoundedRectangle stud{mm(rule->length) + 2 * side, width + 2 * side, corner + side};
-    const double blank_length = std::max(stud.length, mm(rule->blank_length));
-    const double blank_width =
-        rule->blank_width >= 0 ? std::max(stud.width, mm(rule->blank_width)) : blank_length;
-    const double blank_corner = name == "CYCLE77" ? blank_length / 2 : 0;
-    path = taken(mill_stud(stud, {blank_length, blank_width, blank_corner}, tool, tool), name);
-  }
+  const AreaPath path =
+      area_path_of(*rule, mm, static_cast<int>(std::abs(value(rule->variant))), tool, side);
   const auto add = [&](const AreaPath& of, double level) {
     area.passes.emplace_back(placed(of, mm(rule->x), mm(rule->y), value(rule->turn)), level);
   };
