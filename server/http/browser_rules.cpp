@@ -113,7 +113,8 @@ void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& optio
   const bool is_page = response.content_type.starts_with("text/html");
   const std::string frames = frames_of(headers, options, is_page);
   add("Content-Security-Policy",
-      (is_page ? page_policy(headers) : file_policy(response.content_type)) + "; frame-ancestors " + frames);
+      (is_page ? page_policy(headers) : file_policy(response.content_type)) + "; frame-ancestors " +
+          frames);
   add("X-Content-Type-Options", "nosniff");
   if (frames == "'none'") add("X-Frame-Options", "DENY");  // cannot name origins
   add("Referrer-Policy", "no-referrer");
