@@ -207,7 +207,11 @@ std::optional<Rejection> Carving::leave_stock(ParticipantState& state,
     state.in_stock_us = state.newest_us;
     state.is_in_stock = sculpture_.is_in_stock(state.track.tool(), *state.track.pose());
   }
-  if (!state.is_in_stock || !cuts(sample)) return std::nullopt;
+  if (!cuts(sample)) return std::nullopt;
+  if (!state.is_in_stock) {  // the motion out of it is not cut; the agent's replica has cut it
+    if (state.stock) state.stock->reset();
+    return std::nullopt;
+  }
   return sample_rejection(sample, wire::ErrorCode::kInStock,
                           "stock has come back around the tool: lift the tool out of it");
 }

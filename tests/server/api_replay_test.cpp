@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a server sends of a journal, and what a page makes of it.
 #include <algorithm>
+#include <array>
+#include <map>
 #include <random>
+#include <vector>
 
 #include "server/session/hash_text.h"
 #include "tests/server/api_rights_fixture.h"
@@ -110,6 +113,25 @@ TEST_F(ApiReplay, APageGoesToAnyRecordToTheBitAtAnySpeed) {
     const auto there = session->solid_at(record, alone, {});
     ASSERT_TRUE(there && *there);
     EXPECT_EQ(block.hash(), (*there)->hash()) << record;
+  }
+}
+
+TEST_F(ApiReplay, APageGetsTheTilesThatHaveChangedAtOnce) {
+  carve();
+  const Json now = state();
+  const std::uint64_t last = now.at("record");
+  JournalBlock block = read(now);
+  ASSERT_TRUE(block.add(as_bytes(records(now, 1, last))));
+  ASSERT_TRUE(block.make());
+  std::map<TileIndex, std::vector<std::array<float, 3>>> shown;
+  std::mt19937 random(7);
+  for (int n = 0; n < 8; ++n) {
+    go(block, random() % (last + 1), false);
+    for (const TileIndex tile : block.changed()) shown[tile] = block.mesh(tile).positions_mm;
+    ASSERT_FALSE(shown.empty());
+    for (const auto& [tile, positions_mm] : shown) {
+      EXPECT_EQ(block.mesh(tile).positions_mm, positions_mm) << tile.x << ", " << tile.y;
+    }
   }
 }
 

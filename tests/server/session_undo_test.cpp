@@ -373,23 +373,5 @@ TEST_F(SessionUndo, WhatCouldNotBeCarvedIsCarvedLater) {
   EXPECT_EQ(hash(), untouched);
 }
 
-TEST_F(SessionUndo, ReplicasBeginAgainWhereStockHasComeBack) {
-  create();
-  const ParticipantId ada = join("Ada", true), bo = join("Bo", true);
-  const StrokeId a = stroke(ada, {-5, 0, -2}, {5, 0, -2});
-  move(bo, {-15, -15, 2}, false);
-  move(ada, {5, 0, 5}, false);
-  move(ada, {5, 0, 1}, false);
-  for (const ParticipantId id : {ada, bo}) {
-    while (const auto patch = session_->stock_update(id)) {
-      ASSERT_TRUE(session_->ack_stock(id, patch->sequence));
-    }
-  }
-  undo({a});
-  const auto update = session_->stock_update(ada);
-  ASSERT_TRUE(update);
-  EXPECT_TRUE(update->reset);
-}
-
 }  // namespace
 }  // namespace kerf

@@ -20,9 +20,8 @@ std::expected<void, std::string> PlayedBlock::play(double until_s, std::size_t s
 }
 
 std::vector<TileIndex> PlayedBlock::changed() {
-  std::set<TileIndex> changed;
-  std::swap(changed, changed_);
-  shown_ = solid();
+  shown_ = solid();  // first: it may mark tiles
+  const std::set<TileIndex> changed = std::exchange(changed_, {});
   return tiles_to_remesh(shown_.fields.front().grid(), {changed.begin(), changed.end()});
 }
 
