@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the replicas of agents are told when strokes are undone.
+// What the replicas of agents get when strokes are undone.
 #include "tests/server/undo_fixture.h"
 
 namespace kerf {
