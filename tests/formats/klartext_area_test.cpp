@@ -193,6 +193,16 @@ TEST(KlartextApproach, ALineEndsAcrossTheFirstElement) {
   EXPECT_EQ(ends("L X-30 Y+0 R0 F500\nL X+0 RR\n").back(), (Vec3{0, -5, 5}));
 }
 
+// The arc is smaller than the tool: the path can only be that of its center.
+TEST(KlartextApproach, PathsThatTheToolCannotFollowAreThoseOfItsCenter) {
+  const auto program =
+      read("L X-30 Y+0 R0 F500\nL X+0 RL\nL X+20\nCC X+20 Y+3\nC X+20 Y+6 DR+\nL X+0\nL Y+30 R0\n");
+  ASSERT_TRUE(program) << to_string(program.error());
+  EXPECT_THAT(program->warnings, Contains(HasSubstr("RL and RR displace by 0")));
+  EXPECT_EQ(program->motions[1].to.tip_mm, (Vec3{0, 0, 5}));
+  EXPECT_EQ(program->motions.back().to.tip_mm, (Vec3{0, 30, 5}));
+}
+
 // The programs "Linear" and "Circular" of the manual: the tool never enters the contour.
 TEST(KlartextApproach, TheFirstElementMayBeAnArcOrACorner) {
   const auto path = ends(

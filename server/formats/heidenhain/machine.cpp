@@ -52,8 +52,12 @@ bool is_reduced_axis(const KlartextWord& before, const KlartextWord& word) {
 }  // namespace
 
 KlartextMachine::KlartextMachine(const Scene& scene, MotionSink& sink, KlartextValues& values,
-                                 Warn warn)
-    : scene_(scene), values_(values), warn_(warn), path_(scene, sink, std::move(warn)) {}
+                                 Warn warn, bool offsets_are_wear)
+    : scene_(scene),
+      values_(values),
+      warn_(warn),
+      offsets_are_wear_(offsets_are_wear),
+      path_(scene, sink, std::move(warn)) {}
 
 bool KlartextMachine::execute(const KlartextBlock& block, const std::string& following) {
   const std::string& text = block.text;
@@ -149,7 +153,7 @@ void KlartextMachine::compensate(const std::string& word) {
   const int side = word == "RL" ? 1 : word == "RR" ? -1 : 0;
   if ((side != 0) == path_.is_compensated() && side == 0) return;
   refuse_in_corner(word);
-  path_.compensate(side, tool_radius_mm(word));
+  path_.compensate(side, offsets_are_wear_ ? 0 : tool_radius_mm(word));
 }
 
 double KlartextMachine::tool_radius_mm(const std::string& word) const {

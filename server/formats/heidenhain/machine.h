@@ -19,7 +19,9 @@ namespace kerf {
 class KlartextMachine {
  public:
   using Warn = std::function<void(const std::string&)>;
-  KlartextMachine(const Scene& scene, MotionSink& sink, KlartextValues& values, Warn warn);
+  /// `offsets_are_wear`: the path is that of the tool's center, so that RL displaces by nothing.
+  KlartextMachine(const Scene& scene, MotionSink& sink, KlartextValues& values, Warn warn,
+                  bool offsets_are_wear);
 
   /// Executes a block; `following` is the text of the next one, because a corner (RND, CHF) changes
   /// the line before it. Returns true at the end of the program.
@@ -106,6 +108,7 @@ class KlartextMachine {
   const Scene& scene_;
   KlartextValues& values_;
   Warn warn_;
+  const bool offsets_are_wear_;
   KlartextPath path_;
   double unit_mm_ = 1;
   std::optional<double> feed_;

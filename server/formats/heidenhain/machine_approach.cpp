@@ -62,7 +62,7 @@ void KlartextMachine::approach(const std::string& text) {
   check_departure_words(words);
   std::array<bool, 3> named{};
   to.contour = target(words, named);
-  to.offset_mm = to.side == 0 ? 0 : tool_radius_mm("APPR");
+  to.offset_mm = to.side == 0 || offsets_are_wear_ ? 0 : tool_radius_mm("APPR");
   to.feed = feed();
   to.is_rapid = extras.rapid;
   direction_.reset();

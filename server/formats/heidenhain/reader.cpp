@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/fault.h"
 #include "server/formats/heidenhain/flow.h"
 #include "server/formats/heidenhain/machine.h"
@@ -25,15 +26,17 @@ constexpr int kPiecesPerStep = 64;
 class KlartextReader final : public ProgramReader {
  public:
   KlartextReader(const std::string& name, std::shared_ptr<const KlartextBlocks> blocks,
-                 const Scene& scene, std::size_t executed_max)
+                 const Scene& scene, std::size_t executed_max, const std::string& wear)
       : blocks_(std::move(blocks)),
         sink_(program_),
         flow_(*blocks_, values_, executed_max),
-        machine_(scene, sink_, values_, [this](const std::string& text) { warn(text); }) {
+        machine_(
+            scene, sink_, values_, [this](const std::string& text) { warn(text); }, !wear.empty()) {
     program_.name = name;
     program_.read_as = "HEIDENHAIN Klartext";
     program_.files = {name};
     program_.lines = blocks_->lines();
+    if (!wear.empty()) program_.warnings.push_back(wear);
   }
 
   std::expected<bool, ProgramError> step() override {
@@ -96,11 +99,19 @@ std::expected<ReadProgram, ProgramError> read_klartext(const std::string& name,
   try {
     const auto blocks = std::make_shared<const KlartextBlocks>(text);
     const std::size_t executed_max = std::min(lines_max, text.size() + kRepeatedMax);
-    return read_to_end(
-        [name, blocks, &scene, executed_max] {
-          return std::make_unique<KlartextReader>(name, blocks, scene, executed_max);
-        },
-        visitor);
+    const auto read = [&](const std::string& wear) {
+      return read_to_end(
+          [name, blocks, &scene, executed_max, wear] {
+            return std::make_unique<KlartextReader>(name, blocks, scene, executed_max, wear);
+          },
+          visitor);
+    };
+    auto first = read({});
+    if (first || !is_compensation_fault(first.error().reason)) return first;
+    auto again = read(name + ":" + std::to_string(first.error().line) +
+                      ": RL and RR displace by 0, as for a path of the tool's center: the tool's "
+                      "radius is not possible here");
+    return again || again.error().line > first.error().line ? std::move(again) : std::move(first);
   } catch (const KlartextFault& fault) {
     return std::unexpected(ProgramError{name, 0, fault.word, fault.reason, std::string(kLanguage)});
   }
