@@ -31,6 +31,7 @@ void print_published_forces() {
       "0.025 to 0.125 mm per tooth.\n");
   const auto ball = test::published_ball(), bull_nose = test::published_bull_nose();
   for (const auto& slots : {bull_nose, ball, test::published_flat()}) {
+    print_row(slots, "of the series", [&](std::size_t) { return test::fitted_to_all(slots); });
     print_row(slots, "each from the others",
               [&](std::size_t n) { return test::fitted_to_the_others(slots, n); });
   }

@@ -38,6 +38,14 @@ TEST(MillingPublished, SlotsWithCoefficientsOfAnotherSource) {
   expect_of_another_source(test::published_ball(), {{20, 21}, {9, 10}, {3, 6}, {8, 9}, {10, 12}});
 }
 
+TEST(MillingPublished, EachSlotWithCoefficientsOfItsSeries) {
+  for (const test::PublishedSlots& slots :
+       {test::published_bull_nose(), test::published_ball(), test::published_flat()}) {
+    for (std::size_t n = 0; n < slots.means.size(); ++n)
+      expect_within(slots, n, {5, 6}, test::fitted_to_all(slots));
+  }
+}
+
 /// Expects each mean within its errors, with the coefficients that fit the others best.
 void expect_each_from_the_others(const test::PublishedSlots& slots, const Percent (&most)[5]) {
   for (std::size_t n = 0; n < 5; ++n) {

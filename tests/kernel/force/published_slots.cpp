@@ -49,6 +49,14 @@ Vec3 computed(const PublishedSlots& slots, const SlotMean& mean, const MillingSe
   return sum_n * (1.0 / kTicks);
 }
 
+MillingSettings fitted(const PublishedSlots& slots, const std::vector<SlotMean>& means) {
+  const SlotFit fit = SlotFitter(kTeeth, slots.corner_mm).fit(means);
+  MillingSettings milling;
+  milling.cut_n_per_mm2 = fit.cut_n_per_mm2;
+  milling.chip_exponents = fit.exponents;
+  return milling;
+}
+
 }  // namespace
 
 /// Recordings of 2017-08-22, 20170822.mat: slots at 800 rpm and 0.1 mm per tooth; means of 13
@@ -102,14 +110,12 @@ MillingSettings coefficients_of_another_source() {
   return milling;
 }
 
+MillingSettings fitted_to_all(const PublishedSlots& slots) { return fitted(slots, slots.means); }
+
 MillingSettings fitted_to_the_others(const PublishedSlots& slots, std::size_t left_out) {
   std::vector<SlotMean> others = slots.means;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
-  const SlotFit fit = SlotFitter(kTeeth, slots.corner_mm).fit(others);
-  MillingSettings milling;
-  milling.cut_n_per_mm2 = fit.cut_n_per_mm2;
-  milling.chip_exponents = fit.exponents;
-  return milling;
+  return fitted(slots, others);
 }
 
 SlotError slot_error(const PublishedSlots& slots, const SlotMean& mean, MillingSettings milling) {

@@ -32,7 +32,10 @@ PublishedSlots published_flat();
 /// recordings; three of the six are those of Al7075-T6 in the review that milling_presets.cpp
 /// quotes. The workpiece is not named.
 MillingSettings coefficients_of_another_source();
-/// Kienzle's coefficients, an exponent for each direction, that fit all means but one best.
+/// Kienzle's coefficients, an exponent for each direction, that fit the means of the series best:
+/// six numbers for fifteen components.
+MillingSettings fitted_to_all(const PublishedSlots& slots);
+/// Those that fit all means but one best.
 MillingSettings fitted_to_the_others(const PublishedSlots& slots, std::size_t left_out);
 
 /// Errors of the law: of the resultant's length, signed, and of the force as a vector, both over
