@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""ros2_node.py: a ROS 2 node whose poses carve in a Kerf session: ros2.md. Subscribes to ~/pose
-(geometry_msgs/PoseStamped: the device's grip in m; its z axis points from the tip to the spindle)
-, ~/cut (std_msgs/Bool) and ~/rearm (std_msgs/Empty), publishes ~/wrench (geometry_msgs/WrenchStamped, N and N·m, at the grip)."""
+"""ros2_node.py: a ROS 2 node whose poses carve in a Kerf session. Topics, parameters: ros2.md."""
 import ctypes
 import time
 from ctypes import byref, c_char_p, c_double, c_void_p
@@ -24,28 +22,25 @@ class KerfNode(Node):
         given = {name: self.declare_parameter(name, default).value for name, default in (
             ("server", "http://localhost:8080"), ("session", "ammonite"), ("max_force_n", 5.0),
             ("library", "libkerf_agent.so.1"), ("frame", "base"), ("latency_ms", 5.0))}
-        self.kerf = ctypes.CDLL(given["library"])
-        self.kerf.kerf_agent_last_error.restype = c_char_p
-        self.kerf.kerf_agent_close.argtypes = [c_void_p, c_double]
+        self.kerf = kerf = ctypes.CDLL(given["library"])
+        kerf.kerf_agent_last_error.restype = c_char_p
+        kerf.kerf_agent_close.argtypes = [c_void_p, c_double]
         device = Capabilities(name=b"ros2", sensed_dof=5, actuated_dof=3,
                               max_force_n=given["max_force_n"],
                               latency_us=int(given["latency_ms"] * 1000))
         options = Options(server=given["server"].encode(), session=given["session"].encode(),
                           name=b"ROS 2", device=ctypes.pointer(device))
-        self.agent, self.session = c_void_p(), Session()
-        self.check(self.kerf.kerf_agent_connect(byref(options), byref(self.agent)))
-        self.check(self.kerf.kerf_agent_get_session(self.agent, byref(self.session)))
-        self.frame, self.heard_s, self.cut = given["frame"], 0.0, False
-        self.pose, self.wrench = Pose(), Wrench()
+        self.agent, self.session, self.pose, self.wrench = c_void_p(), Session(), Pose(), Wrench()
+        if kerf.kerf_agent_connect(byref(options), byref(self.agent)) != 0:
+            raise RuntimeError(kerf.kerf_agent_last_error().decode())
+        kerf.kerf_agent_get_session(self.agent, byref(self.session))
+        self.heard_s, self.message = 0.0, WrenchStamped()
+        self.message.header.frame_id = given["frame"]
         self.output = self.create_publisher(WrenchStamped, "~/wrench", 1)
         self.create_subscription(PoseStamped, "~/pose", self.take_pose, 1)
         self.create_subscription(Bool, "~/cut", self.take_cut, 1)
-        self.create_subscription(Empty, "~/rearm", self.rearm, 1)
+        self.create_subscription(Empty, "~/rearm", lambda _: kerf.kerf_agent_rearm(self.agent), 1)
         self.create_timer(1e-3, self.tick)
-
-    def check(self, result):
-        if result != 0:
-            raise RuntimeError(self.kerf.kerf_agent_last_error().decode())
 
     def take_pose(self, message):
         p, q = message.pose.position, message.pose.orientation
@@ -57,26 +52,16 @@ class KerfNode(Node):
         self.heard_s = time.monotonic()
 
     def take_cut(self, message):
-        self.cut = message.data
-
-    def rearm(self, _):
-        self.kerf.kerf_agent_rearm(self.agent)
+        self.pose.buttons = CUT if message.data else 0
 
     def tick(self):
-        held = time.monotonic() - self.heard_s < POSE_LIFE_S
-        self.pose.state = READY if held else 0
-        self.pose.buttons = CUT if self.cut else 0
+        self.pose.state = READY if time.monotonic() - self.heard_s < POSE_LIFE_S else 0
         self.kerf.kerf_agent_step(self.agent, byref(self.pose), byref(self.wrench))
-        message = WrenchStamped()
-        message.header.stamp = self.get_clock().now().to_msg()
-        message.header.frame_id = self.frame
-        force, torque = message.wrench.force, message.wrench.torque
+        self.message.header.stamp = self.get_clock().now().to_msg()
+        force, torque = self.message.wrench.force, self.message.wrench.torque
         force.x, force.y, force.z = self.wrench.force_n
         torque.x, torque.y, torque.z = (t / MM_PER_M for t in self.wrench.torque_nmm)
-        self.output.publish(message)
-
-    def leave(self):
-        self.kerf.kerf_agent_close(self.agent, 2.0)
+        self.output.publish(self.message)
 
 
 def main():
@@ -87,8 +72,7 @@ def main():
     except KeyboardInterrupt:
         pass
     finally:
-        node.leave()
-        node.destroy_node()
+        node.kerf.kerf_agent_close(node.agent, 2.0)
         rclpy.try_shutdown()
 
 

@@ -49,7 +49,7 @@ class FakeDevice final : public chai3d::cGenericHapticDevice {
 
   std::atomic<bool> present{true};
   /// The handle's x axis, along which the spindle is, points up.
-  cMatrix3d turn{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};
+  cMatrix3d turn{cVector3d(0, 0, 1), cVector3d(0, 1, 0), cVector3d(-1, 0, 0)};
   cVector3d force, torque;
 };
 
