@@ -6,6 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <iomanip>
 #include <iostream>
 #include <map>
 #include <sstream>
@@ -54,13 +56,27 @@ const std::map<std::string, ForceMode> kModes = {{"model", ForceMode::kModel},
                                                  {"interpolated", ForceMode::kInterpolated},
                                                  {"hold", ForceMode::kHold}};
 
+/// As CLI::IsMember, but tells what to type.
+CLI::Validator mode_name() {
+  const auto check = [](const std::string& text) -> std::string {
+    return kModes.contains(text) ? "" : "must be model, interpolated or hold";
+  };
+  return {check, "{model,interpolated,hold}"};
+}
+
+enum class Numbers { kAny, kWhole };
+
 /// As CLI::Range, but rejects NaN.
-CLI::Validator number_in(double least, double most) {
-  const auto check = [least, most](const std::string& text) -> std::string {
+CLI::Validator number_in(double least, double most, Numbers numbers = Numbers::kAny) {
+  const bool whole = numbers == Numbers::kWhole;
+  const auto check = [least, most, whole](const std::string& text) -> std::string {
     const auto number = to_number(text);
-    if (number && *number >= least && *number <= most) return "";
+    const bool good = number && *number >= least && *number <= most;
+    if (good && !(whole && *number != std::floor(*number))) return "";
+    constexpr int kDigits = 10;  // no power of ten
     std::ostringstream reason;
-    reason << "must be a number from " << least << " to " << most;
+    reason << std::setprecision(kDigits) << "must be a " << (whole ? "whole number" : "number")
+           << " from " << least << " to " << most;
     return reason.str();
   };
   // A bound that is there for safety only says nothing to the user.
@@ -96,18 +112,18 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
       ->capture_default_str();
   app.add_option("--cpu", options.cpu, "processor to pin the 1 kHz loop to, from 0")
       ->type_name("N")
-      ->check(number_in(0, kMaxCpu));
+      ->check(number_in(0, kMaxCpu, Numbers::kWhole));
   app.add_option("--feel", options.link.hello.feel_of,
                  "also feel the force of this participant, by id")
       ->type_name("PARTICIPANT")
-      ->check(number_in(1, kMaxId));
+      ->check(number_in(1, kMaxId, Numbers::kWhole));
   app.add_option("--mode", texts.mode,
                  "how forces are rendered.\n"
                  "model: computed for the current pose from the newest answer;\n"
                  "interpolated: from the last answer to the newest, linearly;\n"
                  "hold: the newest answer, until the next arrives")
       ->type_name("MODE")
-      ->check(CLI::IsMember({"model", "interpolated", "hold"}))
+      ->check(mode_name())
       ->capture_default_str();
   app.add_option("--latency", texts.latency_ms,
                  "greatest time from a pose of the device until its motors act on it, ms, if it is "
@@ -117,7 +133,7 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
   app.add_flag_callback(
       "--no-copy", [&options] { options.keep_copy = false; },
       "in mode model, render the server's answers only. Otherwise a replica of the block near the "
-      "tool gives the force, which hides the round trip and takes a tenth of a processor");
+      "tool gives the force, which hides the round trip and takes some 2 % of a processor");
   // The default, for command lines that state it.
   app.add_flag_callback("--copy", [&options] { options.keep_copy = true; })->group("");
 }
@@ -153,7 +169,11 @@ void describe_link(CLI::App& app, Options& options) {
 void describe(CLI::App& app, Options& options, Texts& texts) {
   app.set_version_flag("--version", std::string("kerf-agent ") + kVersion + " (" +
                                         std::string(wire::kAgentProtocol) + ")");
-  app.footer("kerf-agent doctor --help: checks of device, permissions, 1 kHz loop and server.");
+  app.footer(
+      "kerf-agent doctor --help: checks of device, permissions, 1 kHz loop and server.\n\n"
+      "Exit status: 0 if it carved or was ended by Ctrl-C; 1 if the server could not be\n"
+      "reached, refused it or was lost for good, or the device failed; 2 for an invalid\n"
+      "command line or file.");
   app.add_option("--server", texts.server,
                  "address of the server, http://HOST:PORT or https://HOST:PORT")
       ->type_name("URL")
@@ -193,7 +213,7 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--tool", options.link.hello.tool_id,
                  "id of one of the session's tools (default: the first)")
       ->type_name("ID")
-      ->check(number_in(1, kMaxId));
+      ->check(number_in(1, kMaxId, Numbers::kWhole));
   app.add_option("--duration", options.duration_s, "leave after this many seconds")
       ->type_name("S")
       ->check(number_in(1e-3, kMaxSeconds));
@@ -223,7 +243,10 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return std::unexpected(EarlyExit{app.exit(error)});
-    return reject(error.what());
+    const bool incomplete = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr ||
+                            dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+    return reject(error.what() +
+                  std::string(incomplete ? "; kerf-agent --help lists the options" : ""));
   }
   auto server = parse_server_url(texts.server);
   if (!server) return reject("--server: " + server.error());

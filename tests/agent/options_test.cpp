@@ -125,6 +125,22 @@ TEST(Options, BadInputExitsWithTwo) {
   }
 }
 
+TEST(Options, AMistakeIsAnsweredWithWhatToType) {
+  const auto complaint = [](std::vector<const char*> words) {
+    testing::internal::CaptureStderr();
+    EXPECT_FALSE(read(std::move(words)));
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(complaint({}),
+            "kerf-agent: --session is required; kerf-agent --help lists the options\n");
+  EXPECT_EQ(complaint({"--session", "a", "--device", "sim", "--mode", "fast"}),
+            "kerf-agent: --mode: must be model, interpolated or hold\n");
+  EXPECT_EQ(complaint({"--session", "a", "--device", "sim", "--tool", "0"}),
+            "kerf-agent: --tool: must be a whole number from 1 to 1000000000\n");
+  EXPECT_EQ(complaint({"--session", "a", "--device", "sim", "--cpu", "1.5"}),
+            "kerf-agent: --cpu: must be a whole number from 0 to 1023\n");
+}
+
 TEST(RunAgent, ExitsWithOneWhenTheServerCannotBeReached) {
   auto options = read({"--server", "http://127.0.0.1:1", "--session", "demo", "--device", "sim",
                        "--patience", "0"});
