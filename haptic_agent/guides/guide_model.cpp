@@ -28,12 +28,15 @@ double force_and_torque(const Wrench& wrench) noexcept {
   return std::max(length(wrench.force_n), length(wrench.torque_nmm));
 }
 
-/// Stiffest torsional spring and its damper for the least inertia, as stable_gains has them for
-/// forces, of which this spring has a share: N·mm/rad, N·mm·s/rad.
-ContactGains stable_turn_gains(const ServoSettings& settings, double stiffness,
+/// Stiffest spring in an angle and its damper, as stable_gains has them for forces, of which this
+/// spring has a share: N·mm/rad, N·mm·s/rad. `push`: force and torque that the spring exerts per
+/// N·mm; the more they move, the less inertia the spring sees.
+ContactGains stable_turn_gains(const ServoSettings& settings, double stiffness, const Wrench& push,
                                double share) noexcept {
   constexpr double kStiffnessShare = 0.8, kDampingShare = 0.5;
-  const double inertia = settings.passivity.inertia_kg_m2 * kNmmPerNm;
+  const double inertia =
+      1 / (dot(push.force_n, push.force_n) * kMmPerM / settings.passivity.mass_kg +
+           dot(push.torque_nmm, push.torque_nmm) / (settings.passivity.inertia_kg_m2 * kNmmPerNm));
   const double damping =
       std::min(settings.passivity.max_turn_damping,
                kDampingShare * inertia / settings.model.contact.velocity_delay_s);
@@ -162,26 +165,20 @@ Wrench GuideModel::turn(const Compiled& compiled, const PathGuide& path, Vec3 ax
       std::atan2(sine, dot(axis, compiled.axis)) - path.axis_within_deg * kRadPerDeg;
   if (!(excess > 0) || !(sine > 0)) return {};
   const Vec3 about = normal * (1 / sine);
-  const ContactGains g =
-      stable_turn_gains(settings_, strength_ * path.turn_stiffness_nmm_per_rad, share());
-  const double most = strength_ * path.max_torque_nmm;
-  const double spring = std::min(g.stiffness * excess, most);
-  const double damped = spring - g.damping * dot(about, tip.now.velocity.angular);
-  Wrench sum{{}, about * std::clamp(damped, 0.0, most)};
   // The angle falls by this much per mm along the tangent.
   const double fall = dot(axis, axis_rate) / sine;
-  const double stiffness = g.stiffness * fall * fall;
-  if (!(stiffness > 0)) return sum;
-  const ContactGains along =
-      stable_gains(settings_.model.contact, stiffness, tip.arm_mm, near.tangent, share());
-  const double rendered = along.stiffness / stiffness;
-  const double pull = std::abs(fall) * spring * rendered;
-  const Vec3 direction = near.tangent * std::copysign(1.0, fall);
-  const double newtons =
-      std::clamp(pull - along.damping * dot(direction, tip.velocity_mm_per_s), 0.0,
-                 std::min(2 * pull, strength_ * compiled.guide.max_force_n));
-  const Vec3 force = direction * newtons;
-  return sum + Wrench{force, cross(tip.arm_mm, force)};
+  const Vec3 along = near.tangent * fall;
+  const Vec3 torque = about + cross(tip.arm_mm, along);
+  const Wrench push{along, torque - axis * dot(torque, axis)};
+  const ContactGains g =
+      stable_turn_gains(settings_, strength_ * path.turn_stiffness_nmm_per_rad, push, share());
+  const double most = strength_ * path.max_torque_nmm;
+  const double fall_speed =
+      dot(about, tip.now.velocity.angular) + dot(along, tip.velocity_mm_per_s);
+  const double turned =
+      std::clamp(std::min(g.stiffness * excess, most) - g.damping * fall_speed, 0.0, most);
+  const double most_force = strength_ * compiled.guide.max_force_n;
+  return push * (length(along) * turned > most_force ? most_force / length(along) : turned);
 }
 
 Wrench GuideModel::along_path(Compiled& compiled, const PathGuide& path,

@@ -117,6 +117,21 @@ TEST(Stability, ASlowCutDoesNotShakeASoftHand) {
   EXPECT_GT(outcome.force.computed_mean(), 0.6) << "the test requires a cut";
 }
 
+TEST(Stability, AWeakGripRestsOnAPathWhoseAxisTurns) {
+  // Along such a path the spring of the axis also pushes the tip, and moves less inertia.
+  constexpr const char* kTurningPath = kPressedGuides[4];
+  const PressOutcome outcome = press({.mechanics = {.mass_kg = 0.944,
+                                                    .inertia_kg_m2 = 9.21e-5,
+                                                    .hand_n_per_mm = 0.942,
+                                                    .hand_nmm_per_rad = 32.3,
+                                                    .latency_us = 2154},
+                                      .loses_ticks = true,
+                                      .guides = kTurningPath});
+  EXPECT_LE(outcome.buzz_mm_per_s, 0.5);
+  EXPECT_LE(outcome.returned_mj, 1);
+  EXPECT_GT(outcome.most_force_n, 0.5) << "the test requires the guide";
+}
+
 TEST(Stability, EveryGuideIsPassiveAndRestsAtAnyLatencyOfTheDevice) {
   for (const char* guides : kPressedGuides) {
     double felt_n = 0;
