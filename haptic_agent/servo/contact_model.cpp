@@ -15,21 +15,20 @@ namespace {
 constexpr double kStiffnessShare = 0.8;
 constexpr double kDampingShare = 0.5;
 
-/// Returns the mass that a push along `normal` at `arm_mm` moves, kg.
+}  // namespace
+
 double moved_mass(const ContactLimits& limits, Vec3 arm_mm, Vec3 normal) noexcept {
+  if (!(limits.mass_kg > 0) || !(limits.inertia_kg_m2 > 0)) return 0;
   const Vec3 lever_m = cross(arm_mm, normal) * (1 / kMmPerM);
   return 1 / (1 / limits.mass_kg + dot(lever_m, lever_m) / limits.inertia_kg_m2);
 }
 
-}  // namespace
-
 ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 arm_mm, Vec3 normal,
                           double share) noexcept {
   double damping = limits.max_damping;
-  if (limits.mass_kg > 0 && limits.inertia_kg_m2 > 0) {
-    const double mass = moved_mass(limits, arm_mm, normal);
+  const double mass = moved_mass(limits, arm_mm, normal);
+  if (mass > 0)
     damping = std::min(damping, kDampingShare * mass / limits.velocity_delay_s / kMmPerM);
-  }
   const double stable = kStiffnessShare * damping / limits.force_delay_s;
   return {.stiffness = std::min({stiffness, limits.max_stiffness, share * stable}),
           .damping = share * damping};

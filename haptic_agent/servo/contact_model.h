@@ -29,6 +29,10 @@ struct ContactGains {
   double damping = 0;
 };
 
+/// Returns the mass that a push along `normal` at `arm_mm` from the pivot moves at least, kg; 0 if
+/// the device's mechanics are unknown.
+double moved_mass(const ContactLimits& limits, Vec3 arm_mm, Vec3 normal) noexcept;
+
 /// Returns gains at which a contact of a free device does not oscillate. A spring that acts t late
 /// drives like a damper of -stiffness t, for which the damper must make up; that damper itself acts
 /// late and may not exceed half of mass / delay. `arm_mm`: from the pivot to the contact, at which

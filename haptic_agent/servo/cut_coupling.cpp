@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptic_agent/device/units.h"
+
 namespace kerf::agent {
 namespace {
 
@@ -21,28 +23,35 @@ constexpr double kLeastSpeed = 1;
 /// period late has none; noise has less than this.
 constexpr double kDriven = 0.2;
 /// Time in which the compliance grows by a factor e where the force only drives, and in which it
-/// falls by it.
+/// falls by it. A path of short segments has corners that look like trembling for some ticks.
 constexpr double kGrowS = 0.01;
-constexpr double kFallS = 0.5;
+constexpr double kFallS = 0.2;
 /// The heading with which the force turns follows over this share of the force's own path: over a
 /// longer one, it would be late for a circle; over none, it would tremble with the tool.
 constexpr double kHeadingShare = 0.5;
 /// Aside, the force follows by 1 / c, and its heading by two more: what the device renders stably
 /// may be shared among them.
 constexpr double kStiffnesses = 1 + 1 / kHeadingShare;
+/// Trembling beyond this multiple of what the force moves of the free device at 16 Hz was not
+/// caused by it. A hand that is less than critically damped doubles it.
+constexpr double kResonance = 2;
 /// Length below which a heading has no direction: the tool turned back.
 constexpr double kLeastHeading = 0.5;
 
 double part_of(double dt_s, double time_s) noexcept { return 1 - std::exp(-dt_s / time_s); }
 
-}  // namespace
-
-ContactGains gains_across(const ContactLimits& limits, Vec3 arm_mm) noexcept {
+/// Returns a direction across the arm, in which a push moves least mass.
+Vec3 across(Vec3 arm_mm) noexcept {
   const Vec3 other = std::abs(arm_mm.x) < std::abs(arm_mm.y) ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 normal = cross(arm_mm, other);
   const double size = length(normal);
-  return stable_gains(limits, limits.max_stiffness, arm_mm, size > 0 ? normal * (1 / size) : other,
-                      1);
+  return size > 0 ? normal * (1 / size) : other;
+}
+
+}  // namespace
+
+ContactGains gains_across(const ContactLimits& limits, Vec3 arm_mm) noexcept {
+  return stable_gains(limits, limits.max_stiffness, arm_mm, across(arm_mm), 1);
 }
 
 Vec3 Trembling::Fast::take(Vec3 value, double part) noexcept {
@@ -85,6 +94,10 @@ void CutCoupling::adapt(Vec3 moved_mm, Vec3 arm_mm, double dt_s) noexcept {
   compliance_ *= std::exp(-dt_s / kFallS);
   const double driven = (trembling_.driven() - kDriven) / (1 - kDriven);
   if (!(driven > 0) || !trembling_.grows()) return;
+  // Where the path has a corner, a weak force, an answer late, may drive by chance.
+  const double mass = moved_mass(limits_, arm_mm, across(arm_mm));
+  const double most = kResonance * kFastS * kFastS * kMmPerM / mass;  // mm/N
+  if (mass > 0 && trembling_.compliance() > most) return;
   compliance_ += (compliance_ + trembling_.compliance()) * driven * dt_s / kGrowS;
   const double stable = kStiffnesses / gains_across(limits_, arm_mm).stiffness;
   compliance_ = std::min(compliance_, std::max(stable, least_most_));

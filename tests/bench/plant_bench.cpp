@@ -5,6 +5,7 @@
 //   plant_bench [all | traces] [TRACES]                            default: all, 100000
 //   plant_bench surfaces [0 | 1 | 2 | 3]                           one latency, ms, or each
 //   plant_bench guides [0 | 3]
+//   plant_bench random [RUNS] [MOST_MS] [SEED]                     default: 1000, 3, 1
 //
 // The parts can be run separately, each for minutes; the latencies of a table at the same time.
 //
@@ -16,15 +17,22 @@
 // rather than moves it. Then the same hands press against guides
 // of each kind in place of surfaces, at a round trip of 50 ms. Then random traces of two seconds
 // with an adversarial network (tests/agent/servo/adversary.h), and the same with deliberate errors.
+// `random` presses with random devices, hands, latencies up to MOST_MS, lost ticks, lines, surfaces
+// and guides, and prints the worst three runs of each measure.
 // Fails if the tank is exceeded, a wrench leaves its limits, or the tip moves faster than 5 mm/s
 // rms.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <iterator>
+#include <random>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tests/agent/servo/adversary.h"
 #include "tests/agent/stability/experiments.h"
@@ -128,6 +136,69 @@ bool contact_table(bool surfaces, bool guides, int only_ms) {
   return holds;
 }
 
+Press random_press(std::uint32_t seed, double most_ms) {
+  std::mt19937 random(seed);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const auto log_uniform = [&](double low, double high) {
+    return std::exp(uniform(std::log(low), std::log(high)));
+  };
+  const auto one_of = [&](std::size_t count) {
+    return std::uniform_int_distribution<std::size_t>(0, count - 1)(random);
+  };
+  Press press;
+  press.mechanics = {.mass_kg = log_uniform(0.05, 2),
+                     .inertia_kg_m2 = log_uniform(1e-5, 1e-3),
+                     .hand_n_per_mm = log_uniform(0.02, 2),
+                     .hand_nmm_per_rad = log_uniform(10, 2000),
+                     .latency_us = static_cast<std::uint64_t>(uniform(0, 1000 * most_ms))};
+  press.line = {.rtt_ms = uniform(0, 250), .jitter = uniform(0, 0.3)};
+  if (one_of(2) == 1) press.line.loss = uniform(0, 0.03);
+  press.sideways = one_of(2) == 1;
+  press.loses_ticks = one_of(2) == 1;
+  const std::size_t surface = one_of(2 + std::size(kPressedGuides));
+  press.obstacle = surface == 1;
+  if (surface > 1) press.guides = kPressedGuides[surface - 2];
+  return press;
+}
+
+bool random_table(int runs, double most_ms, std::uint32_t first_seed) {
+  struct Run {
+    std::uint32_t seed;
+    bool loses_messages;  // forces fade and return, and move the tip, wherever a message is late
+    PressOutcome outcome;
+  };
+  std::vector<Run> all;
+  for (std::uint32_t n = 0; n < static_cast<std::uint32_t>(runs); ++n) {
+    const Press one = random_press(first_seed + n, most_ms);
+    all.push_back({first_seed + n, one.line.loss > 0, press(one)});
+  }
+  const auto worst = [&](const char* name, const auto& of) {
+    constexpr std::size_t kShown = 3;
+    const std::size_t count = std::min(kShown, all.size());
+    std::ranges::partial_sort(all, all.begin() + static_cast<std::ptrdiff_t>(count),
+                              std::greater<>{}, of);
+    std::printf("%s:", name);
+    for (std::size_t n = 0; n < count; ++n) {
+      const Press press = random_press(all[n].seed, most_ms);
+      std::printf(" %.2f (seed %u: %.2f kg, %.1e kg m2, %.2f N/mm, %.2f ms)", of(all[n]),
+                  all[n].seed, press.mechanics.mass_kg, press.mechanics.inertia_kg_m2,
+                  press.mechanics.hand_n_per_mm,
+                  static_cast<double>(press.mechanics.latency_us) / 1000);
+    }
+    std::printf("\n");
+    return all.empty() ? 0.0 : of(all.front());
+  };
+  std::printf("%d random presses, latencies up to %.0f ms\n", runs, most_ms);
+  const double mj = worst("mJ returned", [](const Run& r) { return r.outcome.returned_mj; });
+  const double buzz = worst("rms mm/s at rest, if no message is lost", [](const Run& r) {
+    return r.loses_messages ? 0.0 : r.outcome.buzz_mm_per_s;
+  });
+  worst("trips", [](const Run& r) { return static_cast<double>(r.outcome.trips); });
+  return mj <= kTankMj && buzz <= kMostBuzz;
+}
+
 bool adversary_table(std::uint32_t traces) {
   constexpr int kTicks = 2000;
   constexpr std::uint32_t kFaultyTraces = 1001;
@@ -159,13 +230,22 @@ int main(int argc, char** argv) {
   const std::string_view part = argc > 1 ? argv[1] : "all";
   const int number = argc > 2 ? std::atoi(argv[2]) : -1;
   const auto runs = [&](std::string_view name) { return part == "all" || part == name; };
+  if (part == "random") {
+    const auto argument = [&](int n, int otherwise) {
+      return argc > n ? std::atoi(argv[n]) : otherwise;
+    };
+    return random_table(argument(2, 1000), argument(3, 3),
+                        static_cast<std::uint32_t>(argument(4, 1)))
+               ? 0
+               : 1;
+  }
   const bool of_latency = part == "surfaces" || part == "guides";
   const std::span<const int> rows = part == "guides" ? std::span<const int>(kGuideMs) : kSurfaceMs;
   const bool has_rows = number < 0 || std::ranges::find(rows, number) != rows.end();
   if ((!of_latency && part != "all" && part != "traces") || (of_latency && !has_rows)) {
     std::fprintf(stderr,
                  "plant_bench [all | traces] [TRACES]\nplant_bench surfaces [0 | 1 | 2 | 3]\n"
-                 "plant_bench guides [0 | 3]\n");
+                 "plant_bench guides [0 | 3]\nplant_bench random [RUNS] [MOST_MS] [SEED]\n");
     return 2;
   }
   bool holds = true;

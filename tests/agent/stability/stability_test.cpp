@@ -198,5 +198,13 @@ TEST(ShippedScenes, ForceAndTorqueAreFeltAsComputedOnTheReferenceDevice) {
   }
 }
 
+TEST(ShippedScenes, TheDemoIsFeltAsComputedAroundItsCorners) {
+  // Plunges, and arcs of short segments at 55 mm/s, from the seventh second on.
+  const ShippedFeel feel = feel_shipped(shipped_scenes().front(), 13);
+  EXPECT_LE(feel.server_force.error(), 0.05);
+  EXPECT_LE(feel.server_torque.error(), 0.05);
+  EXPECT_GT(feel.server_force.computed_peak(), 3) << "the test requires a deep cut";
+}
+
 }  // namespace
 }  // namespace kerf::agent
