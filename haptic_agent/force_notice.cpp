@@ -52,8 +52,7 @@ std::string force_notice(const Welcome& welcome, const ServoSettings& settings, 
 }
 
 std::string grip_notice(const ServoSettings& settings) {
-  // `felt_bench hands`, 1 N, 0.5 N/mm: errors of 10 to 12 % below this stiffness, of 1 to 7 %
-  // above.
+  // `felt_bench hands`, 1 N, 0.5 N/mm: errors of 7 to 8 % below this stiffness, of 1 to 4 % above.
   constexpr double kFirmNPerMm = 0.2;
   if (!settings.safety.motors || settings.model.law == CutLaw::kRemovalRate) return {};
   const Vec3 arm_mm{0, 0, -settings.pivot_mm};
