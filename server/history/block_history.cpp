@@ -57,6 +57,8 @@ BlockHistory::BlockHistory(std::unique_ptr<RecordSource> journal, const Sculptur
       carver_(settings, start),
       shape_carver_(without_normals(settings), start),
       return_carver_(settings, start),
+      shape_settings_(without_normals(settings)),
+      start_(start),
       tolerance_mm_(settings.tolerance_mm),
       spans_(kSpanTiles * kTileSide * settings.pitch_mm),
       tile_bytes_max_(memory.tile_bytes) {

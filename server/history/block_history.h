@@ -6,6 +6,7 @@
 #include <expected>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -16,6 +17,7 @@
 #include "server/history/motion_spans.h"
 #include "server/history/recorded_motions.h"
 #include "server/history/return_carver.h"
+#include "server/history/surface_maker.h"
 
 namespace kerf {
 
@@ -62,6 +64,11 @@ class BlockHistory {
                                                                   Workers& workers,
                                                                   const std::stop_token& stop = {});
 
+  /// Returns which motion of a set was the first to remove a quantum of stock; nothing: none did,
+  /// or it never was stock.
+  std::expected<std::optional<SurfaceMaker>, std::string> first_to_remove(
+      const StockCell& cell, const MotionSet& set, const std::stop_token& stop = {});
+
   /// Bytes of the index of motions.
   std::size_t index_bytes() const { return spans_.bytes(); }
   /// Bytes of the tiles that are kept.
@@ -89,6 +96,8 @@ class BlockHistory {
   GroupCarver carver_;
   GroupCarver shape_carver_;  ///< keeps no normals
   ReturnCarver return_carver_;
+  SculptureSettings shape_settings_;  ///< keep no normals
+  SolidSnapshot start_;
   std::vector<DexelGrid> grids_;
   double tolerance_mm_;
   double margin_mm_ = 0;  ///< by which ends may lie off the sweep of a motion

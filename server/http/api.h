@@ -148,6 +148,7 @@ class Api {
   ApiResponse target_deviation(const ApiCall& call);
   ApiResponse target_distances(const ApiCall& call);
   ApiResponse picture(const ApiCall& call);
+  ApiResponse probe(const ApiCall& call);
   ApiResponse replay(const ApiCall& call);
   ApiResponse journal_origin(const ApiCall& call);
   ApiResponse journal_records(const ApiCall& call);

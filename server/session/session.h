@@ -17,6 +17,7 @@
 
 #include "kernel/sculpture_state.h"
 #include "server/formats/scene.h"
+#include "server/history/surface_maker.h"
 #include "server/rights/caller.h"
 #include "server/session/carving.h"
 #include "server/session/disk_limits.h"
@@ -295,6 +296,11 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Returns the strokes whose last record is `since` or later. Blocks: not on the executor.
   std::expected<std::vector<ListedStroke>, std::string> strokes(std::uint64_t since,
                                                                 const std::stop_token& stop = {});
+
+  /// Returns which motion was the first to remove a quantum of stock, of those that make up the
+  /// block after a record; nothing: none. Blocks: not on the executor.
+  std::expected<std::optional<SurfaceMaker>, std::string> first_to_remove(
+      const StockCell& cell, std::uint64_t record, const std::stop_token& stop = {});
 
   /// Calls `listener` on the executor at each event until unlisten() with the returned number.
   /// Changes of the participants are collected: they are reported every kChangeInterval at most.

@@ -263,4 +263,12 @@ std::expected<std::vector<ListedStroke>, std::string> Session::strokes(
   return list;
 }
 
+std::expected<std::optional<SurfaceMaker>, std::string> Session::first_to_remove(
+    const StockCell& cell, std::uint64_t record, const std::stop_token& stop) {
+  const auto lock = history_turns_.ask(kHistoryPatience);
+  if (!lock) return std::unexpected(kOthersAskHistory);
+  if (auto read = read_history(stop); !read) return std::unexpected(read.error());
+  return history_->first_to_remove(cell, history_->strokes().at(record), stop);
+}
+
 }  // namespace kerf

@@ -158,6 +158,26 @@ async function checkMeasures(viewer) {
   await page.getByText('0.9449 in').first().waitFor();
 }
 
+/** Pressing the ground of the second groove tells its exact place, and the line that cut it. */
+async function checkMaker(viewer) {
+  const { page } = viewer;
+  await page.getByRole('button', { name: 'Off', exact: true }).click();
+  await page.locator('.canvas').focus();
+  await page.keyboard.press('7');
+  await page.getByRole('button', { name: 'Who cut this?' }).click();
+  const [left, top, right] = await blockBox(viewer);
+  const perMm = (right - left) / 24;
+  const press = (x, y) => page.mouse.click(left + (x + 12) * perMm, top + (10 - y) * perMm);
+  await press(2.1, 1.1);
+  await page.getByText('Cut by wall.ngc in line 10, with tool 1').waitFor();
+  const place = await page.locator('.probe-place').textContent();
+  const [, x, y, z] = /X (\S+)\s+Y (\S+)\s+Z (\S+) in/.exec(place).map((text) => 25.4 * text);
+  assert(Math.hypot(x - 2.1, y - 1.1) < 0.5 && Math.abs(z + 5) < 1e-4, place);
+  await press(-11, -9);
+  await page.getByText('The surface of the stock as it was.').waitFor();
+  await page.getByRole('button', { name: 'Who cut this?' }).click();
+}
+
 /** A line that is pressed in the text is marked where it was carved, and a pressed path in the text. */
 async function checkPath(viewer) {
   const { page } = viewer;
@@ -226,6 +246,7 @@ async function test(folder) {
     await checkCap(viewer);
     await checkMeasures(viewer);
     await checkCurvature(viewer);
+    await checkMaker(viewer);
     await checkAccessible(page, 'the panel of sections and measures');
     for (const size of SIZES) {
       await checkFreeBlock(viewer, size, ['.bar', '.toolbar', '.panel', '.inspect']);

@@ -17,6 +17,7 @@ import { Measuring } from './measuring';
 import { Ghost } from './ghost';
 import type { InspectHost } from './mount';
 import { Picker } from './picker';
+import { Probing } from './probing';
 import { Sectioning } from './sectioning';
 import { ViewCube } from './view_cube';
 
@@ -29,6 +30,7 @@ export class InspectPanel implements Layer {
   private readonly sectioning_: Sectioning;
   private readonly measuring_: Measuring;
   private readonly comparing_: Comparing | null;
+  private readonly probing_: Probing | null;
   private readonly close_ = (): void => this.setOpen_(false);
   private readonly cube_ = new ViewCube((preset) => this.view_(preset));
   private readonly element_: HTMLElement;
@@ -59,11 +61,11 @@ export class InspectPanel implements Layer {
     );
     this.comparing_ =
       host.session === null ? null : new Comparing(viewer, host, host.session, bounds);
+    this.probing_ = host.session === null ? null : new Probing(host.model, host.session);
     const say = (reason: string): void => this.comparing_?.say(reason);
     this.ghost_ = host.session === null ? null : new Ghost(viewer, host.session, this.stock_, say);
     this.stock_.hidden = !this.ghost_;
-    this.sectioning_.chosen = () => this.measuring_.choose(null);
-    this.measuring_.chosen = () => this.sectioning_.waitForFace(false);
+    this.takeTurns_();
     const close = h('button', { type: 'button', class: 'inspect-action' }, t('Close'));
     close.addEventListener('click', () => this.toggle());
     this.element_ = h(
@@ -72,6 +74,7 @@ export class InspectPanel implements Layer {
       h('header', {}, h('h2', {}, t('Inspect')), close),
       this.sectioning_.element,
       this.measuring_.element,
+      ...(this.probing_ ? [this.probing_.element] : []),
       ...(this.comparing_ ? [this.comparing_.element] : []),
       h(
         'div',
@@ -95,6 +98,24 @@ export class InspectPanel implements Layer {
       host.layoutChanged();
     }).observe(this.element_);
     this.listen_(main);
+  }
+
+  /** A press in the picture means one thing at a time. */
+  private takeTurns_(): void {
+    const { sectioning_: sectioning, measuring_: measuring, probing_: probing } = this;
+    sectioning.chosen = () => {
+      measuring.choose(null);
+      probing?.choose(false);
+    };
+    measuring.chosen = () => {
+      sectioning.waitForFace(false);
+      probing?.choose(false);
+    };
+    if (!probing) return;
+    probing.chosen = () => {
+      sectioning.waitForFace(false);
+      measuring.choose(null);
+    };
   }
 
   toggle(): void {
@@ -125,6 +146,7 @@ export class InspectPanel implements Layer {
       this.sectioning_.choose('none');
       this.measuring_.clear();
       this.measuring_.choose(null);
+      this.probing_?.choose(false);
       this.comparing_?.close();
       this.ghost_?.show(false);
       this.setCurvature_(false);
@@ -183,6 +205,7 @@ export class InspectPanel implements Layer {
       if (event.key !== 'Escape' || !isOpen() || !this.isPicking_) return;
       this.sectioning_.waitForFace(false);
       this.measuring_.choose(null);
+      this.probing_?.choose(false);
     });
     main.querySelector('[aria-label="Timeline"]')?.addEventListener('click', () => {
       if (isOpen() && matchMedia(NARROW).matches) this.toggle();
@@ -190,13 +213,15 @@ export class InspectPanel implements Layer {
   }
 
   private get isPicking_(): boolean {
-    return !this.element_.hidden && (this.measuring_.isOn || this.sectioning_.waitsForFace);
+    const isOn = this.measuring_.isOn || this.sectioning_.waitsForFace || this.probing_?.isOn;
+    return !this.element_.hidden && isOn === true;
   }
 
   private press_(x: number, y: number): void {
     const picked = this.measuring_.pick(x, y);
     if (!picked) return;
     if (this.sectioning_.waitsForFace) this.sectioning_.along(picked.point, picked.normal);
+    else if (this.probing_?.isOn) void this.probing_.press(picked);
     else this.measuring_.press(picked);
   }
 
@@ -233,6 +258,7 @@ export class InspectPanel implements Layer {
     this.inches_.setAttribute('aria-pressed', String(units === 'in'));
     this.sectioning_.setUnits(units);
     this.measuring_.setUnits(units);
+    this.probing_?.setUnits(units);
     this.comparing_?.setUnits(units);
     this.setCurvature_(!this.legend_.hidden);
     this.update_();

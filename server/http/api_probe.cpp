@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// The route that tells what the surface is at a place, and who cut it.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+#include "server/history/column_end.h"
+#include "server/http/api.h"
+#include "server/http/history_point.h"
+#include "server/http/place.h"
+#include "server/threads/run_and_wait.h"
+
+namespace kerf::net {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Pitches within which the surface is looked for: on a slope of 70 degrees the nearest ray meets
+/// it 2.1 pitches away at most.
+constexpr double kWithinPitches = 2.5;
+/// Pitches outside of a wall at which its air is looked for.
+constexpr double kOutsidePitches = 0.6;
+/// Distances of two lines of a program from a motion that differ by less are equal, mm.
+constexpr double kSameMm = 1e-6;
+
+Json array_of(Vec3 v) { return {v.x, v.y, v.z}; }
+
+const char* name_of(RayAxis axis) {
+  return axis == RayAxis::kX ? "x" : axis == RayAxis::kY ? "y" : "z";
+}
+
+/// The quantum outside of an end.
+StockCell air_at(const ColumnEnd& end) {
+  return {end.axis, end.i, end.j, end.is_top ? end.depth : end.depth - 1};
+}
+
+/// The quantum of the first field that holds a place; nothing: it is outside of the block.
+std::optional<StockCell> cell_at(const DexelGrid& grid, Vec3 place_mm) {
+  const Vec3 at = to_frame(grid.axis, place_mm) - grid.origin_mm;
+  const double i = std::floor(at.x / grid.pitch_mm), j = std::floor(at.y / grid.pitch_mm);
+  const double depth = std::floor(at.z / grid.z_quantum_mm);
+  if (!(i >= 0 && i < grid.columns_x && j >= 0 && j < grid.columns_y && depth >= 0 &&
+        depth < grid.height_quanta)) {
+    return std::nullopt;
+  }
+  return StockCell{grid.axis, static_cast<std::int32_t>(i), static_cast<std::int32_t>(j),
+                   static_cast<std::int32_t>(depth)};
+}
+
+double distance_of(Vec3 place, Vec3 a, Vec3 b) {
+  const Vec3 along = b - a;
+  const double squared = dot(along, along);
+  const double share = squared == 0 ? 0 : std::clamp(dot(place - a, along) / squared, 0.0, 1.0);
+  return length(place - a - share * along);
+}
+
+/// The line of the first motion of a path that is nearest to a place; 0: it has none.
+std::uint32_t line_at(const ProgramPath& path, Vec3 place_mm) {
+  std::uint32_t line = 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 1; n < path.points.size(); ++n) {
+    const PathPoint& point = path.points[n];
+    if (point.kind == PathKind::kStart) continue;
+    const double mm = distance_of(place_mm, path.points[n - 1].tip_mm, point.tip_mm);
+    if (mm >= nearest - kSameMm) continue;
+    nearest = mm;
+    line = point.line;
+  }
+  return line;
+}
+
+/// The program that is a participant, and its line with a motion; null: there is none.
+Json program_of(Session& session, const SurfaceMaker& maker) {
+  const auto [id, name, text] = run_and_wait(session.executor(), [&] {
+    using Found = std::tuple<ProgramId, std::string, std::shared_ptr<const ProgramText>>;
+    for (const ProgramStatus& program : session.programs()) {
+      if (program.participant != maker.stroke.participant) continue;
+      return Found{program.id, program.name, session.program_text(program.id)};
+    }
+    return Found{};
+  });
+  if (id == 0) return nullptr;
+  Json json = {{"id", id}, {"name", name}};
+  const std::uint32_t line = text ? line_at(text->path, maker.motion.at(0.5).tip_mm) : 0;
+  json["line"] = line == 0 ? Json() : Json(line);
+  return json;
+}
+
+Json shown_maker(Session& session, const SurfaceMaker& maker) {
+  return {{"record", maker.record},
+          {"stroke", maker.stroke.id},
+          {"participant", maker.stroke.participant},
+          {"tool", maker.stroke.tool},
+          {"begin_ms", maker.stroke.begin_ms},
+          {"tip_mm", {array_of(maker.motion.from.tip_mm), array_of(maker.motion.to.tip_mm)}},
+          {"program", program_of(session, maker)}};
+}
+
+/// What a request asks about.
+struct Place {
+  Vec3 at_mm, normal;
+};
+std::expected<Place, ApiResponse> requested_place(const ApiRequest& request) {
+  const auto at = parse_place(request.query_value("at_mm"));
+  const auto normal = parse_place(request.query_value("normal"));
+  const double size = normal ? length(*normal) : 0;
+  if (!at || !(size > 0)) {
+    return std::unexpected(
+        error_response(400, "bad_place",
+                       "at_mm and normal must be three numbers X,Y,Z of at most 1000000, and the "
+                       "normal no null vector"));
+  }
+  return Place{*at, (1 / size) * *normal};
+}
+
+}  // namespace
+
+ApiResponse Api::probe(const ApiCall& call) {
+  const auto place = requested_place(call.request);
+  if (!place) return place.error();
+  std::expected<HashedSolid, ApiResponse> block;
+  if (const std::string* at = call.request.query_value("at")) {
+    const auto record = find_requested(*call.session, at);
+    if (!record) return record.error();
+    block = solid_after(call, *record);
+    if (!block) return block.error();
+  } else {
+    block = current_solid(*call.session);
+  }
+  const DexelGrid& grid = block->solid.grid();
+  const auto end =
+      nearest_end(block->solid, place->at_mm, place->normal, kWithinPitches * grid.pitch_mm);
+  const Vec3 outside = place->at_mm + kOutsidePitches * grid.pitch_mm * place->normal;
+  const auto air = end ? air_at(*end) : cell_at(grid, outside);
+  Json json = {{"surface", nullptr}, {"cut", nullptr}, {"sequence", block->hash.sequence}};
+  if (end) {
+    json["surface"] = {{"at_mm", array_of(end->at_mm)},
+                       {"normal", array_of(end->normal)},
+                       {"axis", name_of(end->axis)},
+                       {"column", {end->i, end->j}},
+                       {"quantum_mm", grid.z_quantum_mm}};
+  }
+  if (!air) return json_response(200, json.dump());
+  const auto maker = call.session->first_to_remove(*air, block->hash.sequence, call.request.stop);
+  if (!maker) return error_response(503, "busy", maker.error());
+  if (*maker) json["cut"] = shown_maker(*call.session, **maker);
+  return json_response(200, json.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+}  // namespace kerf::net
