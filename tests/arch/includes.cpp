@@ -106,8 +106,8 @@ const std::vector<Module>& other_modules() {
         "server/threads"}},
       {"server/http",
        {"kernel", "server/wire", "server/formats", "server/verify", "server/picture",
-        "server/store", "server/session", "server/metrics", "server/rights", "server/socket",
-        "server/tls", "server/websocket", "server/threads"}},
+        "server/store", "server/history", "server/session", "server/metrics", "server/rights",
+        "server/socket", "server/tls", "server/websocket", "server/threads"}},
       {"server", {"kernel"}},
       // Programs, scenes, models and journals, for a page that carves by itself.
       {"web/wasm/files",
