@@ -60,6 +60,16 @@ async function checkBlock({ page, state }, session, record) {
   return facts;
 }
 
+/** The parts of the journal that the page has fetched. */
+function spansOf(page) {
+  return page.evaluate(() =>
+    performance
+      .getEntriesByType('resource')
+      .map(({ name }) => name)
+      .filter((name) => name.includes('/records?')),
+  );
+}
+
 function playhead(page) {
   return page.getByRole('slider', { name: 'Point in time' });
 }
@@ -97,6 +107,7 @@ async function checkTimeline(viewer, session) {
   const record = await scrub(page, [0.8, 0.3]);
   const past = await checkBlock(viewer, session, record);
   assert(past.volume > now.volume + 10, 'the past has as little material as the present');
+  assert((await spansOf(page)).length > 0, 'the past is the server’s');
   await page.getByText('The past', { exact: true }).waitFor();
   await playhead(page).press('Shift+ArrowLeft'); // 100 motions, to the beginning at most
   await playhead(page).press('ArrowRight');
@@ -184,11 +195,8 @@ async function checkVerified({ page }, session) {
   await page.getByRole('button', { name: 'Check', exact: true }).click();
   const { record } = await getJson(`${session}/replay`);
   await page.getByText(verified(record)).waitFor({ timeout: 1000 * SETTLE_S });
-  const spans = await page.evaluate(() =>
-    performance.getEntriesByType('resource').filter(({ name }) => name.includes('/records?')),
-  );
-  assert(spans.length > 0, 'the page has not replayed the journal');
-  const { headers } = await fetch(spans[0].name);
+  const [span] = await spansOf(page);
+  const { headers } = await fetch(span);
   assert.equal(headers.get('cache-control'), 'public, max-age=31536000, immutable');
   await writeFile(join(options.out, 'verified.png'), await page.screenshot());
 }

@@ -28,12 +28,15 @@ export interface CarveHost {
   layoutChanged: () => void;
   /** Says why something is not done. */
   say: (text: string) => void;
+  /** Carving begins: the picture is to show the present. */
+  begins: () => void;
   /** Does what the page does once a frame. */
   frame: (nowMs: number) => void;
 }
 
 export interface CarveSwitch {
   toggle: () => void;
+  isActive: () => boolean;
   /** Shows whether this viewer may carve. */
   update: () => void;
   /** The hash of the page's copy of the block; null: it has none. */
@@ -66,7 +69,10 @@ export function mountCarve(host: CarveHost): CarveSwitch {
       host.say(reason);
       return;
     }
-    void load().then((one) => one?.enter());
+    void load().then((one) => {
+      host.begins();
+      one?.enter();
+    });
   };
   const load = (): Promise<CarveMode | null> =>
     (loading ??= import('./carve_mode').then(
@@ -93,6 +99,7 @@ export function mountCarve(host: CarveHost): CarveSwitch {
     begin: async () => {
       const carving = whyNot() === '' ? await load() : null;
       hasBegun = carving?.isActive === false;
+      host.begins();
       carving?.enter();
       return carving?.wielded ?? null;
     },
@@ -101,5 +108,6 @@ export function mountCarve(host: CarveHost): CarveSwitch {
       hasBegun = false;
     },
   });
-  return { toggle, update, copyHash: () => mode?.copyHash() ?? null, vr };
+  const isActive = (): boolean => mode?.isActive ?? false;
+  return { toggle, isActive, update, copyHash: () => mode?.copyHash() ?? null, vr };
 }

@@ -39,6 +39,8 @@ export class Carver {
   private isSilent_ = false;
   /** While it plays: how fast, and where its clock was at what time of the page's. */
   private playing_: { rate: number; fromS: number; fromMs: number } | null = null;
+  /** With which it plays once it is where it was sent. */
+  private rateThen_ = 0;
   private hashedMs_ = 0;
 
   constructor(private readonly around: Surroundings) {}
@@ -71,6 +73,7 @@ export class Carver {
         return;
       case 'stop':
         this.playing_ = null;
+        this.rateThen_ = 0;
         if (this.about_) this.target_ = Math.min(this.target_, block.progress().carved);
         return;
       case 'model':
@@ -85,6 +88,7 @@ export class Carver {
   ): void {
     this.about_ = null;
     this.playing_ = null;
+    this.rateThen_ = 0;
     const isRead = this.try_(() => {
       read();
       block.make();
@@ -109,6 +113,7 @@ export class Carver {
   private seek_(block: ProgramBlock, motion: number): void {
     if (!this.about_) return;
     this.playing_ = null;
+    this.rateThen_ = 0;
     const to = Math.max(0, Math.min(this.about_.motions, motion));
     if (this.try_(() => block.seek(to))) this.target_ = to;
     this.changed_();
@@ -116,11 +121,17 @@ export class Carver {
 
   private play_(block: ProgramBlock, rate: number): void {
     if (!this.about_) return;
+    if (block.progress().carved < this.target_ && !this.playing_) this.rateThen_ = rate;
+    else this.playFrom_(block, rate);
+    this.changed_();
+  }
+
+  private playFrom_(block: ProgramBlock, rate: number): void {
     const { carved, time_s } = block.progress();
     this.target_ = carved;
     this.playing_ = rate > 0 ? { rate, fromS: time_s, fromMs: this.around.nowMs() } : null;
+    this.rateThen_ = 0;
     this.hashedMs_ = -Infinity;
-    this.changed_();
   }
 
   /** What the block rejects is said to the page. */
@@ -169,6 +180,8 @@ export class Carver {
     const { carved, next_s } = block.progress();
     if (!done || (playing && next_s === null)) this.playing_ = null;
     if (!done || playing) this.target_ = carved;
+    if (!done) this.rateThen_ = 0;
+    if (this.rateThen_ > 0 && carved >= this.target_) this.playFrom_(block, this.rateThen_);
     this.carvingMs_ += this.around.nowMs() - beganMs;
     this.show_(block, !this.playing_ && carved >= this.target_);
   }

@@ -341,8 +341,10 @@ export class LocalPage {
   }
 
   private play_(rate: number): void {
+    // From the place to which it was sent; else from where it is.
+    if (rate === 0 || this.wish_ === null) this.worker_.post({ type: 'stop' });
+    if (rate > 0) this.worker_.post({ type: 'play', rate });
     this.wish_ = null;
-    this.worker_.post(rate > 0 ? { type: 'play', rate } : { type: 'stop' });
   }
 
   private setStatus_(status: Status): void {

@@ -33,6 +33,8 @@ import { Panel } from './panel';
 import { Picture } from './picture';
 import { Poster } from './poster';
 import { mountPrograms } from './programs/mount';
+import { mountPast } from '../replay/mount';
+import type { PastSwitch } from '../replay/mount';
 import { SoundToggle } from './sound';
 import { mountTimeline } from './timeline/mount';
 import { TitleBar } from './title_bar';
@@ -73,6 +75,7 @@ export class SessionPage {
   private contextLost_ = false;
   private readonly flash_ = new Flash();
   private readonly together_: Together;
+  private readonly past_: PastSwitch;
 
   constructor(
     private readonly app: HTMLElement,
@@ -82,6 +85,13 @@ export class SessionPage {
     embedded: boolean,
   ) {
     this.picture = new Picture(this.canvas_, this.overlay_, this.model, fullQuality);
+    this.past_ = mountPast({
+      session,
+      model: this.model,
+      picture: this.picture,
+      seek: (seek) => this.link_.seek(seek),
+      isCarving: () => this.carve.isActive() || (this.picture.viewer?.local.size ?? 0) > 0,
+    });
     this.link_ = this.makeLink_(name);
     this.link_.start(); // first: the server answers while the page is built
     const oneOpen = new OneOpen();
@@ -142,7 +152,7 @@ export class SessionPage {
       session,
       picture: this.picture,
       toolbar: this.toolbar_.element,
-      seek: (seek) => this.link_.seek(seek),
+      seek: (seek) => this.past_.seek(seek),
       layoutChanged: () => this.resize_(),
     });
     this.toggleInspect_ = mountInspect({
@@ -166,6 +176,7 @@ export class SessionPage {
       oneOpen,
       layoutChanged: () => this.resize_(),
       say: (text) => this.flash_.say(text),
+      begins: () => this.past_.leave(),
       frame: (nowMs) => this.frame_(nowMs),
     });
     this.listen_(embedded);
@@ -224,13 +235,20 @@ export class SessionPage {
           if (status === 'stopped') this.showStopped_(reason);
         },
         message: (message) => {
+          if (message.type === 'state' && this.past_.isShown) {
+            this.past_.keep(message);
+            return;
+          }
           this.model.apply(message);
           if (message.type !== 'welcome') return;
+          this.past_.welcomed();
           mark('welcome');
           this.picture.welcome(message);
           this.lookPolicy_.reset();
         },
-        tools: (header, tools) => this.model.applyTools(header, tools, performance.now()),
+        tools: (header, tools) => {
+          if (!this.past_.isShown) this.model.applyTools(header, tools, performance.now());
+        },
         mesh: async (header, glb) => {
           this.model.meshArrived(header, glb.byteLength, performance.now());
           await this.picture.applyMesh(header, glb);

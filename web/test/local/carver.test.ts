@@ -210,6 +210,17 @@ describe('the worker that carves', () => {
     expect(waiting).toEqual([]);
   });
 
+  it('plays from the place to which it was sent', async () => {
+    await open(0);
+    await carver.receive({ type: 'seek', motion: 400 });
+    await carver.receive({ type: 'play', rate: 1 });
+    const seen = watch(1000);
+    expect(seen.find((carved) => carved >= 400)).toBe(400);
+    expect(block.carved).toBeGreaterThan(400);
+    expect(block.carved).toBeLessThan(500);
+    expect(last()).toMatchObject({ rate: 1 });
+  });
+
   it('goes to records that have come later', async () => {
     await open(1000);
     await carver.receive({ type: 'records', span: new Uint8Array() });
