@@ -79,6 +79,19 @@ ApiResponse out_of_memory() {
   return response;
 }
 
+std::expected<UploadBudget::Share, ApiResponse> Api::begin_upload(const std::string& address,
+                                                                  std::size_t bytes) {
+  auto share = uploads_.take(network_of(address), bytes);
+  if (share) return *std::move(share);
+  if (share.error() == UploadBudget::Refusal::kNoneLeft) return std::unexpected(out_of_memory());
+  ApiResponse response = error_response(503, "busy",
+                                        "the unfinished uploads of one client may have " +
+                                            std::to_string(uploads_.client_bytes()) +
+                                            " bytes together; send one after the other");
+  response.headers.emplace_back("Retry-After", "5");
+  return std::unexpected(std::move(response));
+}
+
 HashedSolid current_solid(Session& session) {
   struct Read {
     SolidSnapshot solid;

@@ -18,6 +18,7 @@
 #include "server/http/page_preview.h"
 #include "server/http/picture_cache.h"
 #include "server/http/target_parts.h"
+#include "server/http/upload_budget.h"
 #include "server/http/upload_folder.h"
 #include "server/metrics/metrics.h"
 #include "server/rights/access.h"
@@ -119,7 +120,9 @@ class Api {
   void keep_space(const DiskUse& use, const DiskLimits& limits) {
     downloads_.keep_free(needed_for_sessions(use, limits));
   }
-  MemoryBudget& uploads() { return uploads_; }
+  /// Takes memory for a body that a client at `address` begins to send; 503 if there is none.
+  std::expected<UploadBudget::Share, ApiResponse> begin_upload(const std::string& address,
+                                                               std::size_t bytes);
   /// The most points of a program's path that are kept.
   static constexpr std::size_t kPathPointsMax = 20'000;
 
@@ -201,7 +204,8 @@ class Api {
   Access& access_;
   DownloadCache downloads_;
   PictureCache pictures_;
-  MemoryBudget uploads_, programs_;
+  UploadBudget uploads_;
+  MemoryBudget programs_;
   UploadFolder upload_folder_;
   TargetParts targets_;
   std::once_flag carvers_made_;

@@ -36,8 +36,7 @@ using Parser = http::request_parser<http::string_body>;
 using Request = BeastRequest;
 
 constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
-constexpr std::chrono::seconds kHandshakeTime{5}, kHeaderTime{10}, kIdleTime{60}, kBodyTime{120},
-    kChunkTime{30};
+constexpr std::chrono::seconds kHandshakeTime{5}, kHeaderTime{10}, kIdleTime{60}, kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
 /// A request for a session that is being loaded waits for it as long as this.
 constexpr std::chrono::seconds kLoadTime{wire::kLoadWaitS};
@@ -102,7 +101,7 @@ class Connection {
   OpenConnections::Place place_;
   bool first_ = true;
   error_code error_;
-  MemoryBudget::Share upload_;                 ///< of the body that is being read or handled
+  UploadBudget::Share upload_;                 ///< of the body that is being read or handled
   std::shared_ptr<std::stop_source> watched_;  ///< of the request that is being handled
 };
 
@@ -265,12 +264,10 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
                                std::to_string(bytes_max);
     co_return co_await reject(head, 413, "too_large", reason);
   }
-  if (length && *length > 0) {
-    auto share = context_.api.uploads().take(static_cast<std::size_t>(*length));
-    if (!share) {
-      ApiResponse response = out_of_memory();
-      co_return co_await answer(head, response, false);
-    }
+  const std::size_t bytes = length.value_or(0);
+  if (bytes > 0) {
+    auto share = context_.api.begin_upload(head.address, bytes);
+    if (!share) co_return co_await answer(head, share.error(), false);
     upload_ = *std::move(share);
   }
   if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
@@ -278,9 +275,14 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
     co_await send(kContinue, {});
     if (error_) co_return false;
   }
-  expires_after(kBodyTime);
-  co_await http::async_read(stream_, buffer_, parser,
-                            asio::redirect_error(asio::use_awaitable, error_));
+  const auto end = std::chrono::steady_clock::now() + upload_time(bytes);
+  while (!error_ && !parser.is_done()) {
+    const bool is_late = std::chrono::steady_clock::now() > end;
+    if (is_late) co_return co_await reject(head, 408, "too_slow", kTooSlow);
+    expires_after(kChunkTime);
+    co_await http::async_read_some(stream_, buffer_, parser,
+                                   asio::redirect_error(asio::use_awaitable, error_));
+  }
   co_return !error_;
 }
 

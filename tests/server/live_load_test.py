@@ -60,29 +60,43 @@ class Exports(LiveTest):
 
 
 class Uploads(LiveTest):
-    def begin(self):
+    def begin(self, address="127.0.0.1"):
         """Sends the header of an upload of 60 MB and the first part of it."""
-        client = socket.create_connection(("127.0.0.1", self.port))
+        client = socket.create_connection(("127.0.0.1", self.port), source_address=(address, 0))
         client.sendall(b"POST /v1/files?name=a.stl HTTP/1.1\r\nHost: localhost\r\n"
                        b"Content-Length: 60000000\r\n\r\n" + b" " * 1000)
         return client
 
-    def test_unfinished_uploads_count_from_their_header_on(self):
-        clients = [self.begin() for _ in range(40)]
-        rejected = []
-        while len(rejected) < 36:
-            ready = select.select([c for c in clients if c not in rejected], [], [], 30)[0]
-            self.assertTrue(ready, f"only {len(rejected)} of 36 uploads were rejected")
-            for client in ready:
-                answer = client.recv(4096)
-                self.assertIn(b" 503 ", answer)
-                self.assertIn(b"Retry-After: ", answer)
-                rejected.append(client)
-        self.assertEqual(len(rejected), 36)
-        for client in clients:
-            client.close()
+    def rejected(self, clients, count):
+        """Waits until so many are rejected; returns the answers."""
+        answers = {}
+        while len(answers) < count:
+            ready = select.select([c for c in clients if c not in answers], [], [], 30)[0]
+            self.assertTrue(ready, f"only {len(answers)} of {count} uploads were rejected")
+            answers.update((client, client.recv(4096)) for client in ready)
+        self.assertEqual(len(answers), count)
+        for answer in answers.values():
+            self.assertIn(b" 503 ", answer)
+            self.assertIn(b"Retry-After: ", answer)
+        return list(answers.values())
+
+    def upload_when_possible(self):
         while self.server.http.request("POST", "/v1/files?name=a.stl", b" " * 60_000_000)[0] == 503:
             time.sleep(0.05)
+
+    def test_unfinished_uploads_count_from_their_header_on(self):
+        clients = [self.begin(f"127.0.0.{2 + n}") for n in range(40)]
+        self.assertIn(b"all memory", self.rejected(clients, 36)[0])
+        for client in clients:
+            client.close()
+        self.upload_when_possible()
+
+    def test_unfinished_uploads_of_one_client_do_not_keep_others_out(self):
+        clients = [self.begin("127.0.0.2") for _ in range(10)]
+        self.assertIn(b"one client", self.rejected(clients, 8)[0])
+        self.upload_when_possible()  # by another
+        for client in clients:
+            client.close()
 
 
 class Programs(LiveTest):

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <expected>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "server/session/memory_budget.h"
+
+namespace kerf::net {
+
+/// The memory granted to uploads, each from its header on until it has been handled. One client
+/// holds half of it at most, so that it cannot keep the others out. Thread-safe.
+class UploadBudget {
+  struct Held {
+    std::mutex mutex;
+    std::map<std::string, std::size_t> by_client;
+  };
+
+ public:
+  enum class Refusal { kClientHasTooMuch, kNoneLeft };
+
+  /// Part of the budget; given back when it is destroyed.
+  class Share {
+   public:
+    Share() = default;
+    Share(Share&&) = default;
+    Share& operator=(Share&& other) noexcept {
+      std::swap(memory_, other.memory_);
+      std::swap(held_, other.held_);
+      std::swap(client_, other.client_);
+      return *this;
+    }
+    ~Share() {
+      if (!held_) return;
+      const std::scoped_lock lock(held_->mutex);
+      const auto found = held_->by_client.find(client_);
+      found->second -= memory_.bytes();
+      if (found->second == 0) held_->by_client.erase(found);
+    }
+
+   private:
+    friend class UploadBudget;
+    Share(MemoryBudget::Share memory, std::shared_ptr<Held> held, std::string client)
+        : memory_(std::move(memory)), held_(std::move(held)), client_(std::move(client)) {}
+    MemoryBudget::Share memory_;
+    std::shared_ptr<Held> held_;
+    std::string client_;
+  };
+
+  explicit UploadBudget(std::size_t bytes) : client_bytes_(bytes / 2), memory_(bytes) {}
+
+  /// Takes a share for an upload of `bytes` bytes, or says why not. `client`: its network
+  /// (network_of).
+  std::expected<Share, Refusal> take(const std::string& client, std::size_t bytes) {
+    const std::scoped_lock lock(held_->mutex);
+    const auto found = held_->by_client.find(client);
+    const std::size_t held = found == held_->by_client.end() ? 0 : found->second;
+    if (bytes > client_bytes_ - held) return std::unexpected(Refusal::kClientHasTooMuch);
+    auto memory = memory_.take(bytes);
+    if (!memory) return std::unexpected(Refusal::kNoneLeft);
+    held_->by_client[client] += bytes;
+    return Share(*std::move(memory), held_, client);
+  }
+  /// What one client may hold.
+  std::size_t client_bytes() const { return client_bytes_; }
+
+ private:
+  std::size_t client_bytes_;
+  MemoryBudget memory_;
+  std::shared_ptr<Held> held_ = std::make_shared<Held>();
+};
+
+/// The least rate of an upload, and the time that any has, however short it is.
+inline constexpr std::size_t kUploadBytesPerS = std::size_t{256} * 1024;
+inline constexpr std::chrono::seconds kUploadTimeMin{30};
+inline constexpr std::string_view kTooSlow = "an upload needs 256 kB/s after its first 30 s";
+/// The time within which an upload of `bytes` bytes must be complete.
+inline std::chrono::seconds upload_time(std::size_t bytes) {
+  return kUploadTimeMin + std::chrono::seconds(bytes / kUploadBytesPerS);
+}
+
+}  // namespace kerf::net
