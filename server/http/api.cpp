@@ -83,7 +83,7 @@ std::expected<UploadBudget::Share, ApiResponse> Api::begin_upload(const std::str
                                                                   std::size_t bytes) {
   auto share = uploads_.take(network_of(address), bytes);
   if (share) return *std::move(share);
-  if (share.error() == UploadBudget::Refusal::kNoneLeft) return std::unexpected(out_of_memory());
+  if (share.error() == UploadBudget::Error::kNoneLeft) return std::unexpected(out_of_memory());
   ApiResponse response = error_response(503, "busy",
                                         "the unfinished uploads of one client may have " +
                                             std::to_string(uploads_.client_bytes()) +

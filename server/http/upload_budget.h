@@ -24,7 +24,7 @@ class UploadBudget {
   };
 
  public:
-  enum class Refusal { kClientHasTooMuch, kNoneLeft };
+  enum class Error { kClientHasTooMuch, kNoneLeft };
 
   /// Part of the budget; given back when it is destroyed.
   class Share {
@@ -58,13 +58,13 @@ class UploadBudget {
 
   /// Takes a share for an upload of `bytes` bytes, or says why not. `client`: its network
   /// (network_of).
-  std::expected<Share, Refusal> take(const std::string& client, std::size_t bytes) {
+  std::expected<Share, Error> take(const std::string& client, std::size_t bytes) {
     const std::scoped_lock lock(held_->mutex);
     const auto found = held_->by_client.find(client);
     const std::size_t held = found == held_->by_client.end() ? 0 : found->second;
-    if (bytes > client_bytes_ - held) return std::unexpected(Refusal::kClientHasTooMuch);
+    if (bytes > client_bytes_ - held) return std::unexpected(Error::kClientHasTooMuch);
     auto memory = memory_.take(bytes);
-    if (!memory) return std::unexpected(Refusal::kNoneLeft);
+    if (!memory) return std::unexpected(Error::kNoneLeft);
     held_->by_client[client] += bytes;
     return Share(*std::move(memory), held_, client);
   }

@@ -291,33 +291,6 @@ TEST_F(TileFeedTest, ViewersShareMeshesAndFrames) {
   EXPECT_GT(second.tiles_unchanged, 0U);
 }
 
-TEST_F(TileFeedTest, InARoundViewersShareFramesWhileTheBlockChanges) {
-  TileFeed feed(sculpture_.solid(), 0);
-  Screen first_screen, second_screen;
-  const ViewerId first = feed.add_viewer(), second = feed.add_viewer();
-  first_screen.drain(feed, first);
-  second_screen.drain(feed, second);
-  cut(feed);
-  {
-    const TileFeed::Round round(feed);
-    const auto frame = feed.next_frame(first);
-    ASSERT_TRUE(frame);
-    const auto meshed = feed.stats().tiles_meshed;
-    cut(feed);
-    const auto same = feed.next_frame(second);
-    ASSERT_TRUE(same);
-    EXPECT_EQ(same->glb, frame->glb);
-    EXPECT_EQ(feed.stats().tiles_meshed, meshed);
-    first_screen.apply(*frame);
-    second_screen.apply(*same);
-  }
-  EXPECT_TRUE(feed.ack(first, 2) && feed.ack(second, 2));
-  EXPECT_GT(first_screen.drain(feed, first), 0U);
-  EXPECT_GT(second_screen.drain(feed, second), 0U);
-  first_screen.expect_equal(sculpture_.solid());
-  second_screen.expect_equal(sculpture_.solid());
-}
-
 TEST_F(TileFeedTest, MeshesNothingWithoutViewers) {
   TileFeed feed(sculpture_.solid(), 0);
   for (int n = 0; n < 10; ++n) cut(feed);
