@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace kerf {
+
+/// How the rows of a table come to a copy of a journal.
+enum class TableKind : std::uint8_t {
+  kRecords,  ///< appended in the order of their sequence
+  kSmall,    ///< few rows, any of which may change or go
+  kOrigin    ///< written when the journal is created
+};
+
+/// A table of a journal. Its number is part of the format of changes.
+struct JournalTable {
+  std::uint8_t number;
+  std::string_view name;
+  TableKind kind;
+  std::string_view columns;  ///< one letter each, the key first: i integer, t text, b bytes
+  std::string_view key;      ///< its primary key; empty: it has one row
+  std::string_view create;   ///< what creates it in a copy; empty: every journal has it
+};
+
+inline constexpr std::array<JournalTable, 11> kJournalTables = {{
+    {1, "session", TableKind::kSmall, "ttiti", "", ""},
+    {2, "participants", TableKind::kSmall, "ittt", "participant", ""},
+    {3, "kernel_versions", TableKind::kSmall, "ii", "sequence", ""},
+    {4, "agents", TableKind::kSmall, "ibii", "participant", ""},
+    {5, "versions", TableKind::kSmall, "tiiitti", "name", ""},
+    {6, "pins", TableKind::kSmall, "iiiiiiiiittti", "number", ""},
+    {7, "batches", TableKind::kRecords, "iiiibi", "first", ""},
+    {8, "state_hashes", TableKind::kRecords, "ii", "sequence", ""},
+    {9, "commands", TableKind::kOrigin, "iibi", "sequence",
+     "CREATE TABLE IF NOT EXISTS commands(sequence INTEGER PRIMARY KEY, participant INTEGER NOT "
+     "NULL, bytes BLOB NOT NULL, crc INTEGER NOT NULL)"},
+    {10, "files", TableKind::kOrigin, "tbi", "name",
+     "CREATE TABLE IF NOT EXISTS files(name TEXT PRIMARY KEY, bytes BLOB NOT NULL, crc INTEGER NOT "
+     "NULL)"},
+    {11, "parent", TableKind::kOrigin, "tiiii", "",
+     "CREATE TABLE IF NOT EXISTS parent(session TEXT NOT NULL, record INTEGER NOT NULL, epoch "
+     "INTEGER NOT NULL, branched_ms INTEGER NOT NULL, crc INTEGER NOT NULL)"},
+}};
+
+}  // namespace kerf

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/store/journal_change.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "server/store/journal_file.h"
+#include "server/store/journal_reader.h"
+#include "server/store/journal_tables.h"
+#include "server/store/journal_writer.h"
+#include "tests/server/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+class JournalChangeTest : public testing::Test {
+ protected:
+  static void append_motions(JournalWriter& writer, int count) {
+    for (int i = 0; i < count; ++i) {
+      MoveTool move;
+      move.tool = 1;
+      move.to.tip_mm = {double(i), 0, 0};
+      move.duration_s = 0.001;
+      ASSERT_TRUE(writer.append(1, move, {static_cast<std::uint64_t>(i + 1), i == 0}));
+    }
+    ASSERT_TRUE(writer.flush());
+  }
+
+  JournalWriter create() {
+    auto writer =
+        JournalWriter::create(file_, {"demo", "{}", "/scenes", 1, {{"part.stl", "mesh"}}});
+    EXPECT_TRUE(writer);
+    return *std::move(writer);
+  }
+
+  static void add_participant(JournalWriter& writer, ParticipantId id, const std::string& name) {
+    JournalParticipant participant;
+    participant.participant = id;
+    participant.name = name;
+    participant.color = "#ff0000";
+    participant.kind = "agent";
+    participant.token = TokenHash{};
+    writer.append(participant);
+    ASSERT_TRUE(writer.flush());
+  }
+
+  /// All rows of all tables, as text.
+  static std::multiset<std::string> dump(const std::filesystem::path& file) {
+    std::multiset<std::string> rows;
+    auto database = open_journal(file, SqlMode::kRead);
+    EXPECT_TRUE(database);
+    for (const JournalTable& table : kJournalTables) {
+      const auto exists = database->has_table(table.name);
+      if (!exists || !*exists) continue;
+      auto statement = database->prepare("SELECT * FROM " + std::string(table.name));
+      EXPECT_TRUE(statement);
+      while (*statement->step()) {
+        std::string row(table.name);
+        for (std::size_t n = 0; n < table.columns.size(); ++n) {
+          row += '|' + statement->text(static_cast<int>(n));
+        }
+        rows.insert(row);
+      }
+    }
+    return rows;
+  }
+
+  /// Applies everything that there is now.
+  static void pass_on(JournalChanges& changes, JournalCopy& copy) {
+    for (;;) {
+      const auto change = changes.next();
+      ASSERT_TRUE(change) << describe(change.error());
+      if (!*change) return;
+      const auto applied = copy.apply(**change);
+      ASSERT_TRUE(applied) << describe(applied.error());
+    }
+  }
+
+  const test::TemporaryFolder folder_;
+  const std::filesystem::path file_ = folder_ / "demo.kerf", copied_ = folder_ / "copy.kerf";
+};
+
+TEST_F(JournalChangeTest, CopyHasEveryRowOfTheJournal) {
+  JournalWriter writer = create();
+  JournalChanges changes(file_);
+  auto copy = JournalCopy::create(copied_);
+  ASSERT_TRUE(copy);
+  pass_on(changes, *copy);
+  add_participant(writer, 1, "Ada");
+  append_motions(writer, 40);
+  pass_on(changes, *copy);
+  writer.append(StateHash{40, 0x8000000000000042});
+  writer.append(VersionChange{{"half", 20, 5, 6, "Ada", "grant"}, false, {}});
+  writer.append(VersionChange{{"first", 1, 5, 6, "Ada", ""}, false, {}});
+  append_motions(writer, 1000);
+  pass_on(changes, *copy);
+  writer.append(VersionChange{{"half", 20, 5, 6, "Ada", "grant"}, true, {}});
+  add_participant(writer, 1, "Ada L.");
+  pass_on(changes, *copy);
+  const auto finished = copy->finish();
+  ASSERT_TRUE(finished) << describe(finished.error());
+  EXPECT_EQ(finished->record, 1040U);
+  const auto rows = dump(file_);
+  EXPECT_EQ(dump(copied_), rows);
+  EXPECT_EQ(
+      std::ranges::count_if(rows, [](const auto& row) { return row.starts_with("versions"); }), 1);
+  EXPECT_EQ(std::ranges::count_if(rows, [](const auto& row) { return row.starts_with("files"); }),
+            1);
+}
+
+TEST_F(JournalChangeTest, NothingIsReadTwice) {
+  JournalWriter writer = create();
+  append_motions(writer, 10);
+  JournalChanges changes(file_);
+  ASSERT_TRUE(*changes.next());
+  EXPECT_FALSE(*changes.next());
+  append_motions(writer, 10);
+  const auto change = changes.next();
+  ASSERT_TRUE(*change);
+  EXPECT_EQ((*change)->before.record, 10U);
+  EXPECT_EQ((*change)->after.record, 20U);
+  EXPECT_LT((*change)->rows.size(), 300U);
+}
+
+TEST_F(JournalChangeTest, AnotherProcessContinuesTheCopy) {
+  auto copy = JournalCopy::create(copied_);
+  ASSERT_TRUE(copy);
+  CopyPosition position;
+  {
+    JournalWriter writer = create();
+    add_participant(writer, 1, "Ada");
+    append_motions(writer, 100);
+    JournalChanges changes(file_);
+    pass_on(changes, *copy);
+    position = changes.position();
+  }
+  auto writer = JournalWriter::open(file_, 100);
+  ASSERT_TRUE(writer);
+  writer->append_recarved(StateHash{100, 7});
+  append_motions(*writer, 5);
+  JournalChanges changes(file_);
+  const auto continues = changes.begin(position);
+  ASSERT_TRUE(continues);
+  ASSERT_TRUE(*continues);
+  pass_on(changes, *copy);
+  ASSERT_TRUE(copy->finish());
+  EXPECT_EQ(dump(copied_), dump(file_));
+}
+
+TEST_F(JournalChangeTest, AnotherJournalDoesNotContinueTheCopy) {
+  CopyPosition position;
+  {
+    JournalWriter writer = create();
+    append_motions(writer, 100);
+    JournalChanges changes(file_);
+    ASSERT_TRUE(changes.next());
+    position = changes.position();
+  }
+  JournalChanges same(file_);
+  EXPECT_TRUE(*same.begin(position));
+  remove_journal(file_);
+  JournalWriter writer = create();
+  append_motions(writer, 50);
+  JournalChanges shorter(file_);
+  EXPECT_FALSE(*shorter.begin(position)) << "it lacks records";
+  append_motions(writer, 51);
+  JournalChanges other(file_);
+  EXPECT_FALSE(*other.begin(position)) << "it has other batches";
+}
+
+TEST_F(JournalChangeTest, ChangesAfterTheLastWholeOneAreLeftOut) {
+  JournalWriter writer = create();
+  JournalChanges changes(file_);
+  auto copy = JournalCopy::create(copied_);
+  ASSERT_TRUE(copy);
+  append_motions(writer, 10);
+  pass_on(changes, *copy);
+  const auto rows = dump(file_);
+  append_motions(writer, 10);
+  auto change = changes.next();
+  ASSERT_TRUE(*change);
+  (*change)->is_whole = false;
+  ASSERT_TRUE(copy->apply(**change));
+  const auto finished = copy->finish();
+  ASSERT_TRUE(finished) << describe(finished.error());
+  EXPECT_EQ(finished->record, 10U);
+  EXPECT_EQ(dump(copied_), rows);
+}
+
+TEST_F(JournalChangeTest, ACopyWithoutAWholeChangeIsNotFinished) {
+  JournalWriter writer = create();
+  append_motions(writer, 10);
+  {
+    auto copy = JournalCopy::create(copied_);
+    ASSERT_TRUE(copy);
+    EXPECT_FALSE(copy->finish());
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 3)
+      << "more than the journal and its side files is left";
+}
+
+TEST_F(JournalChangeTest, ChangesThatDoNotFollowOrAreNoneAreRefused) {
+  JournalWriter writer = create();
+  append_motions(writer, 10);
+  JournalChanges changes(file_);
+  const auto first = changes.next();
+  append_motions(writer, 10);
+  const auto second = changes.next();
+  auto copy = JournalCopy::create(copied_);
+  ASSERT_TRUE(copy);
+  EXPECT_EQ(copy->apply(**second).error().code, JournalErrorCode::kCorrupt);
+  JournalChange foreign = **first;
+  foreign.rows.back() = std::byte{0xFF};
+  foreign.rows.push_back(std::byte{99});
+  EXPECT_EQ(copy->apply(foreign).error().code, JournalErrorCode::kCorrupt);
+  JournalChange cut = **first;
+  cut.rows.pop_back();
+  auto other = JournalCopy::create(folder_ / "other.kerf");
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->apply(cut).error().code, JournalErrorCode::kCorrupt);
+}
+
+TEST_F(JournalChangeTest, ACopyWithADamagedRecordIsNotFinished) {
+  JournalWriter writer = create();
+  append_motions(writer, 100);
+  JournalChanges changes(file_);
+  auto change = changes.next();
+  ASSERT_TRUE(*change);
+  // The batch comes first after the origin; its bytes are the longest run of the rows.
+  auto& rows = (*change)->rows;
+  rows[rows.size() / 2] ^= std::byte{1};
+  auto copy = JournalCopy::create(copied_);
+  ASSERT_TRUE(copy);
+  const bool refused = !copy->apply(**change) || !copy->finish();
+  EXPECT_TRUE(refused);
+  EXPECT_FALSE(std::filesystem::exists(copied_));
+}
+
+}  // namespace
+}  // namespace kerf
