@@ -20,6 +20,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/cluster/copies.h"
 #include "server/http/browser_rules.h"
 #include "server/http/number.h"
 #include "server/http/static_files.h"
@@ -138,9 +139,24 @@ void accept_configuration(CLI::App& app) {
 
 /// The commands that verify or copy files instead of serving sessions.
 struct Commands {
-  std::string folder, journal, backup;
+  std::string folder, journal, backup, session, fetched;
   std::vector<std::uint64_t> without_strokes;
 
+  /// The commands for copies at NATS; --nats may come before or after them.
+  void add_copies(CLI::App& app) {
+    app.add_subcommand("copies", "lists the sessions whose journals are copied at NATS (--nats)")
+        ->fallthrough();
+    CLI::App* fetch = app.add_subcommand(
+        "fetch", "writes the journal of a session from its copy at NATS (--nats), and verifies it");
+    fetch->fallthrough();
+    fetch->add_option("SESSION", session, "id of the session")->required();
+    fetch->add_option("TO", fetched, "file to write, DATA/SESSION.kerf; no file is replaced")
+        ->required();
+    CLI::App* forget =
+        app.add_subcommand("forget", "deletes the copy of a session's journal at NATS (--nats)");
+    forget->fallthrough();
+    forget->add_option("SESSION", session, "id of the session")->required();
+  }
   void add(CLI::App& app) {
     app.add_subcommand("check",
                        "reads the journals and snapshots of a data folder; exits with 1 if "
@@ -164,9 +180,13 @@ struct Commands {
                      "strokes, as GET .../strokes lists them, separated by commas: prints the hash "
                      "of the block in which they never happened, and compares nothing")
         ->delimiter(',');
+    add_copies(app);
   }
   /// The exit status of the command that was named; nullopt if none was.
-  std::optional<int> run(const CLI::App& app) const {
+  std::optional<int> run(const CLI::App& app, const std::string& nats) const {
+    if (app.got_subcommand("copies")) return print_copies(nats);
+    if (app.got_subcommand("fetch")) return fetch_journal(nats, session, fetched);
+    if (app.got_subcommand("forget")) return forget_copy(nats, session);
     if (app.got_subcommand("check")) return check_data(folder);
     if (app.got_subcommand("backup")) return back_up(folder, backup);
     if (app.got_subcommand("replay")) {
@@ -241,6 +261,16 @@ void describe_drain(CLI::App& app, Words& line) {
       ->check(CLI::Validator(check, ""));
 }
 
+void describe_copies(CLI::App& app, Words& line) {
+  app.add_option("--nats", line.server.copies.url,
+                 "nats://[USER:PASSWORD@]HOST:PORT of a NATS server with JetStream, to which the "
+                 "journals are copied while they are written; default: none");
+  app.add_option("--nats-replicas", line.server.copies.replicas,
+                 "servers of the NATS cluster that keep each copy, 1 to 5")
+      ->check(CLI::Range(1, 5))
+      ->capture_default_str();
+}
+
 void describe_proxy(CLI::App& app, Words& line) {
   app.add_option(
       "--trust-proxy", line.proxies,
@@ -305,6 +335,7 @@ void describe_server(CLI::App& app, Words& line) {
   describe_tls(app, line);
   describe_proxy(app, line);
   describe_drain(app, line);
+  describe_copies(app, line);
   app.add_option("--log-format", line.log_format, "text, or json: an object per line")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
@@ -354,7 +385,8 @@ std::expected<CommandLine, int> read_command_line(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return std::unexpected(app.exit(error));
   }
-  if (const auto status = commands.run(app)) return std::unexpected(*status);
+  if (const auto status = commands.run(app, line.server.copies.url))
+    return std::unexpected(*status);
   return understand(std::move(line));
 }
 

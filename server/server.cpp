@@ -164,6 +164,7 @@ struct Server::Impl {
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
+  std::unique_ptr<Replication> copies;  ///< null: no journal is copied
   std::jthread loader, disk_watch;
 };
 
@@ -272,6 +273,11 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
       std::jthread([server = impl.get()](const std::stop_token& stop) { server->load(stop); });
   impl->disk_watch = std::jthread(
       [server = impl.get()](const std::stop_token& stop) { server->watch_disk(stop); });
+  if (!impl->options.copies.url.empty()) {
+    auto copies = Replication::start(impl->options.copies, impl->registry);
+    if (!copies) return std::unexpected(copies.error());
+    impl->copies = *std::move(copies);
+  }
   return std::unique_ptr<Server>(new Server(std::move(impl)));
 }
 
@@ -335,10 +341,12 @@ void Server::stop() {
   const std::string redirect = impl_->redirect();
   const std::string reason =
       redirect.empty() ? "the server is shutting down" : "the session continues at " + redirect;
+  if (impl_->copies) impl_->copies->hold();
   for (const JournalError& lost : impl_->registry.close_all(reason, redirect)) {
     log::error("the last records could not be written and are lost: " + describe(lost));
   }
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
+  if (impl_->copies) impl_->copies->finish(deadline);
   const Metrics& metrics = impl_->metrics;
   while (metrics.agents + metrics.viewers + metrics.waiting_to_load > 0 &&
          std::chrono::steady_clock::now() < deadline) {

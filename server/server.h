@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "server/cluster/replication.h"
 #include "server/http/http_options.h"
 #include "server/session/session_registry.h"
 
@@ -37,6 +38,7 @@ struct ServerOptions {
   bool open = false;        ///< who has no token is a guest
   /// Address of the server that continues the sessions after this one has stopped; empty: none.
   std::string drain_to;
+  ReplicationOptions copies;
   /// PEM files of the certificate and its key; both empty: no TLS.
   std::filesystem::path tls_certificate, tls_key;
 };

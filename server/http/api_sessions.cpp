@@ -39,6 +39,12 @@ ApiResponse created_response(const Session& session) {
 /// Null for a time that is not known.
 Json time_json(std::int64_t ms) { return ms == 0 ? Json() : Json(ms); }
 
+/// Null if the journal is not copied to other machines.
+Json copy_json(const std::optional<CopyState>& copy) {
+  if (!copy) return {};
+  return {{"record", copy->record}, {"fault", copy->fault.empty() ? Json() : Json(copy->fault)}};
+}
+
 Json info_json(const Session& session, const SessionInfo& info, const StateHash& hash) {
   Json participants = Json::array();
   for (const Participant& participant : info.participants) {
@@ -66,6 +72,7 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
           {"removed_volume_mm3", info.removed_mm3},
           {"imprint_volume_mm3", info.imprint_mm3},
           {"journal_lag", info.journal_lag},
+          {"copied", copy_json(session.copy().get())},
           {"paused", info.paused ? Json("disk") : Json()},
           {"disk_bytes", session.disk_bytes()},
           {"pitch_mm", session.scene().settings.pitch_mm},

@@ -7,6 +7,7 @@
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
 
+#include <algorithm>
 #include <array>
 
 namespace kerf::net {
@@ -105,6 +106,9 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   auto& bytes = family("kerf_session_bytes", "Size of the journal and the snapshot on the disk.");
   auto& cpu = counter("kerf_participant_cpu_seconds_total",
                       "CPU time that the motions of a participant took on the session's thread.");
+  auto& copied = family("kerf_copied_record", "Last record whose copy NATS has acknowledged.");
+  auto& uncopied =
+      family("kerf_copy_lag_records", "Records on the disk whose copy NATS has not acknowledged.");
   auto& motions = family("kerf_session_motions", "Motions applied since the start.");
   for (const auto& session : sessions) {
     const prometheus::Labels labels = {{"session", session->id()}};
@@ -118,6 +122,11 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
     bytes.Add(labels).Set(static_cast<double>(session->disk_bytes()));
     for (const auto& [id, seconds] : session->cpu_costs()) {
       cpu.Add({{"session", session->id()}, {"participant", std::to_string(id)}}).Increment(seconds);
+    }
+    if (const auto copy = session->copy().get()) {
+      const std::uint64_t committed = session->committed();
+      copied.Add(labels).Set(static_cast<double>(copy->record));
+      uncopied.Add(labels).Set(static_cast<double>(committed - std::min(copy->record, committed)));
     }
     motions.Add(labels).Set(static_cast<double>(session->motions_applied()));
   }

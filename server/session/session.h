@@ -119,13 +119,13 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<void, JournalError> finish_journal(bool with_snapshot = false);
   /// Number of the last record that is committed.
   std::uint64_t committed() const { return journal_.durable_sequence(); }
-  /// Records not yet committed.
-  std::size_t journal_lag() const { return journal_.lag(); }
+  std::size_t journal_lag() const { return journal_.lag(); }  ///< records not yet committed
   /// The error of the disk while the session is paused: motions are rejected with kBusy until the
   /// journal, which tries every second, can be written again, or a limit of the disk allows more.
   /// Nullopt otherwise.
   std::optional<JournalError> pause() const { return journal_.pause(); }
   JournalFigures journal_figures() const { return journal_.figures(); }
+  CopyNote& copy() const { return journal_.copy(); }
   /// Size of the journal, its side files and the snapshots, bytes.
   std::uintmax_t disk_bytes() const { return session_bytes(journal_.file()); }
   /// Waits for nothing, also while the executor is busy.

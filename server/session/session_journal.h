@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <expected>
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 #include "server/convert/rejection.h"
+#include "server/session/copy_state.h"
 #include "server/session/participant.h"
 #include "server/store/journal_writer.h"
 
@@ -31,6 +33,8 @@ class SessionJournal {
   /// See JournalWriter.
   std::optional<JournalError> pause() const { return writer_.pause(); }
   void hold(std::optional<JournalError> error) { writer_.hold(std::move(error)); }
+  /// How far the copy of the journal on another machine goes.
+  CopyNote& copy() const { return *copy_; }
   JournalFigures figures() const { return writer_.figures(); }
   /// Blocks until all records appended before the call are committed.
   std::expected<void, JournalError> flush() { return writer_.flush(); }
@@ -68,6 +72,7 @@ class SessionJournal {
   JournalWriter writer_;
   std::uint64_t removal_sequence_;
   std::optional<StateHash> hash_;
+  std::unique_ptr<CopyNote> copy_ = std::make_unique<CopyNote>();
 };
 
 }  // namespace kerf

@@ -93,6 +93,7 @@ const std::vector<Module>& other_modules() {
        {"kernel", "server/wire", "server/convert", "server/formats", "server/verify",
         "server/store", "server/history", "server/feed", "server/rights",
         "server/threads/executor.h", "server/threads/run_and_wait.h"}},
+      {"server/cluster", {"server/store", "server/session", "server/log"}},
       {"server/metrics", {"server/session"}},
       // The protocols of agents and viewers as state machines: no socket, no thread, no Boost.
       {"server/conversation",
@@ -164,6 +165,7 @@ const std::vector<Library>& libraries() {
        {"server/command_line.cpp", "server/carve", "haptic_agent/main.cpp",
         "haptic_agent/options.cpp", "haptic_agent/wrapped_help.cpp", "haptic_agent/doctor"},
        "the command line belongs to the programs"},
+      {{"nats/"}, false, {"server/cluster"}, "one class speaks to NATS"},
       {{"libusb"}, false, {"haptic_agent/device"}, "USB belongs to the devices"},
   };
   return kLibraries;

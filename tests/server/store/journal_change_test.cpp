@@ -131,6 +131,8 @@ TEST_F(JournalChangeTest, AnotherProcessContinuesTheCopy) {
     JournalWriter writer = create();
     add_participant(writer, 1, "Ada");
     append_motions(writer, 100);
+    writer.append(StateHash{100, 5});  // replaced by another kernel's
+    ASSERT_TRUE(writer.flush());
     JournalChanges changes(file_);
     pass_on(changes, *copy);
     position = changes.position();

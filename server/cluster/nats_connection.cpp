@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cluster/nats_connection.h"
+
+#include <nats/nats.h>
+
+#include <array>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+namespace kerf {
+namespace {
+
+constexpr std::int64_t kWaitMs = 2000;
+constexpr std::int64_t kReconnectMs = 250, kPingMs = 2000;
+constexpr std::chrono::milliseconds kConnectPoll{5};
+
+template <typename T, void (*Destroy)(T*)>
+struct Owner {
+  void operator()(T* object) const { Destroy(object); }
+};
+template <typename T, void (*Destroy)(T*)>
+using Owned = std::unique_ptr<T, Owner<T, Destroy>>;
+using Options = Owned<natsOptions, natsOptions_Destroy>;
+using Message = Owned<natsMsg, natsMsg_Destroy>;
+using Subscription = Owned<natsSubscription, natsSubscription_Destroy>;
+
+std::unexpected<NatsError> failed(natsStatus status, jsErrCode code) {
+  auto kind = NatsErrorCode::kAway;
+  if (code == JSStreamWrongLastSequenceErr) kind = NatsErrorCode::kNotNext;
+  if (code == JSStreamNotFoundErr) kind = NatsErrorCode::kAbsent;
+  if (kind == NatsErrorCode::kAway && code != 0) kind = NatsErrorCode::kRefused;
+  // Without JetStream nobody listens to its subjects.
+  if (status == NATS_NO_RESPONDERS) kind = NatsErrorCode::kRefused;
+  std::string reason = std::string("NATS: ") + natsStatus_GetText(status);
+  if (kind == NatsErrorCode::kAway) reason = "NATS cannot be reached: " + reason.substr(6);
+  if (status == NATS_NO_RESPONDERS) {
+    reason = "JetStream does not answer: is nats-server started with -js?";
+  }
+  if (code != 0) reason += " (JetStream error " + std::to_string(code) + ")";
+  return std::unexpected(NatsError{kind, std::move(reason)});
+}
+
+StreamMessage take(natsMsg* message) {
+  const auto* data = reinterpret_cast<const std::byte*>(natsMsg_GetData(message));
+  const auto size = static_cast<std::size_t>(natsMsg_GetDataLength(message));
+  return {natsMsg_GetSequence(message), {data, data + size}};
+}
+
+}  // namespace
+
+struct NatsConnection::Impl {
+  Owned<natsConnection, natsConnection_Destroy> connection;
+  Owned<jsCtx, jsCtx_Destroy> streams;  // destroyed before the connection
+};
+
+NatsConnection::NatsConnection(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+NatsConnection::NatsConnection(NatsConnection&&) noexcept = default;
+NatsConnection& NatsConnection::operator=(NatsConnection&&) noexcept = default;
+NatsConnection::~NatsConnection() = default;
+
+NatsResult<NatsConnection> NatsConnection::open(const std::string& url, const std::string& name) {
+  natsOptions* raw = nullptr;
+  natsStatus status = natsOptions_Create(&raw);
+  const Options options(raw);
+  const auto set = [&](natsStatus done) {
+    if (status == NATS_OK) status = done;
+  };
+  if (status == NATS_OK) {
+    set(natsOptions_SetURL(raw, url.c_str()));
+    set(natsOptions_SetName(raw, name.c_str()));
+    set(natsOptions_SetSendAsap(raw, true));  // else a message waits for up to 1 ms
+    set(natsOptions_SetMaxReconnect(raw, -1));
+    set(natsOptions_SetReconnectWait(raw, kReconnectMs));
+    set(natsOptions_SetPingInterval(raw, kPingMs));
+    // Returns at once; without it a first attempt that fails is final.
+    const auto ignore = [](natsConnection*, void*) {};
+    set(natsOptions_SetRetryOnFailedConnect(raw, true, ignore, nullptr));
+  }
+  auto impl = std::make_unique<Impl>();
+  natsConnection* connection = nullptr;
+  if (status == NATS_OK) {
+    status = natsConnection_Connect(&connection, raw);
+    if (status == NATS_NOT_YET_CONNECTED) status = NATS_OK;
+    impl->connection.reset(connection);
+  }
+  jsCtx* streams = nullptr;
+  if (status == NATS_OK) {
+    jsOptions js;
+    jsOptions_Init(&js);
+    js.Wait = kWaitMs;
+    status = natsConnection_JetStream(&streams, connection, &js);
+    impl->streams.reset(streams);
+  }
+  if (status != NATS_OK) return failed(status, jsErrCode{});
+  NatsConnection made(std::move(impl));
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(kWaitMs);
+  while (!made.is_connected() && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(kConnectPoll);
+  }
+  return made;
+}
+
+bool NatsConnection::is_connected() const {
+  return natsConnection_Status(impl_->connection.get()) == NATS_CONN_STATUS_CONNECTED;
+}
+
+NatsResult<void> NatsConnection::make_stream(const std::string& stream, const std::string& subject,
+                                             int replicas) {
+  // A request would wait in the client until there is a connection, and be sent late.
+  if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
+  jsErrCode code{};
+  jsStreamInfo* info = nullptr;
+  const natsStatus known =
+      js_GetStreamInfo(&info, impl_->streams.get(), stream.c_str(), nullptr, &code);
+  jsStreamInfo_Destroy(info);
+  if (known == NATS_OK) return {};
+  if (code != JSStreamNotFoundErr) return failed(known, code);
+  jsStreamConfig config;
+  jsStreamConfig_Init(&config);
+  std::array<const char*, 1> subjects = {subject.c_str()};
+  config.Name = stream.c_str();
+  config.Subjects = subjects.data();
+  config.SubjectsLen = 1;
+  config.Storage = js_FileStorage;
+  config.Replicas = replicas;
+  const natsStatus status = js_AddStream(nullptr, impl_->streams.get(), &config, nullptr, &code);
+  if (status != NATS_OK) return failed(status, code);
+  return {};
+}
+
+NatsResult<std::optional<StreamMessage>> NatsConnection::last_message(const std::string& stream,
+                                                                      const std::string& subject) {
+  if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
+  natsMsg* raw = nullptr;
+  jsErrCode code{};
+  const natsStatus status =
+      js_GetLastMsg(&raw, impl_->streams.get(), stream.c_str(), subject.c_str(), nullptr, &code);
+  const Message message(raw);
+  if (code == JSNoMessageFoundErr) return std::nullopt;
+  if (status != NATS_OK) return failed(status, code);
+  return take(raw);
+}
+
+NatsResult<std::uint64_t> NatsConnection::publish(const std::string& subject,
+                                                  std::span<const std::byte> bytes,
+                                                  const std::string& id, std::uint64_t after) {
+  if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
+  jsPubOptions options;
+  jsPubOptions_Init(&options);
+  options.MaxWait = kWaitMs;
+  options.MsgId = id.c_str();
+  options.ExpectLastSubjectSeq = after;
+  options.ExpectNoMessage = after == 0;
+  jsPubAck* ack = nullptr;
+  jsErrCode code{};
+  const natsStatus status = js_Publish(&ack, impl_->streams.get(), subject.c_str(), bytes.data(),
+                                       static_cast<int>(bytes.size()), &options, &code);
+  const std::uint64_t sequence = ack == nullptr ? 0 : ack->Sequence;
+  jsPubAck_Destroy(ack);
+  if (status != NATS_OK) return failed(status, code);
+  return sequence;
+}
+
+NatsResult<void> NatsConnection::read(const std::string& stream, const std::string& subject,
+                                      const std::function<bool(StreamMessage)>& take_message) {
+  const auto last = last_message(stream, subject);
+  if (!last) return std::unexpected(last.error());
+  if (!*last) return {};
+  jsSubOptions options;
+  jsSubOptions_Init(&options);
+  options.Stream = stream.c_str();
+  options.Ordered = true;
+  natsSubscription* raw = nullptr;
+  jsErrCode code{};
+  natsStatus status =
+      js_SubscribeSync(&raw, impl_->streams.get(), subject.c_str(), nullptr, &options, &code);
+  const Subscription subscription(raw);
+  if (status != NATS_OK) return failed(status, code);
+  for (std::uint64_t sequence = 0; sequence < (*last)->sequence;) {
+    natsMsg* next = nullptr;
+    status = natsSubscription_NextMsg(&next, raw, kWaitMs);
+    const Message message(next);
+    if (status != NATS_OK) return failed(status, jsErrCode{});
+    jsMsgMetaData* place = nullptr;
+    status = natsMsg_GetMetaData(&place, next);
+    if (status != NATS_OK) return failed(status, jsErrCode{});
+    sequence = place->Sequence.Stream;
+    jsMsgMetaData_Destroy(place);
+    StreamMessage taken = take(next);
+    taken.sequence = sequence;
+    if (!take_message(std::move(taken))) return {};
+  }
+  return {};
+}
+
+NatsResult<std::vector<std::string>> NatsConnection::streams() {
+  if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
+  jsStreamNamesList* raw = nullptr;
+  jsErrCode code{};
+  const natsStatus status = js_StreamNames(&raw, impl_->streams.get(), nullptr, &code);
+  const Owned<jsStreamNamesList, jsStreamNamesList_Destroy> list(raw);
+  if (status == NATS_NOT_FOUND) return std::vector<std::string>{};
+  if (status != NATS_OK) return failed(status, code);
+  return std::vector<std::string>(list->List, list->List + list->Count);
+}
+
+NatsResult<void> NatsConnection::delete_stream(const std::string& stream) {
+  if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
+  jsErrCode code{};
+  const natsStatus status = js_DeleteStream(impl_->streams.get(), stream.c_str(), nullptr, &code);
+  if (status != NATS_OK) return failed(status, code);
+  return {};
+}
+
+}  // namespace kerf

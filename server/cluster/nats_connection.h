@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+enum class NatsErrorCode : std::uint8_t {
+  kAway,          ///< there is no connection, or no answer in time: the outcome is unknown
+  kNotNext,       ///< the stream has other messages than the publisher thinks; nothing was stored
+  kAbsent,        ///< the stream does not exist
+  kRefused,       ///< the server refuses, e.g. because JetStream is off
+  kNotSupported,  ///< this program was built without libnats
+};
+
+struct NatsError {
+  NatsErrorCode code = NatsErrorCode::kAway;
+  std::string reason;  ///< one sentence
+};
+template <typename T>
+using NatsResult = std::expected<T, NatsError>;
+
+/// A message of a stream.
+struct StreamMessage {
+  std::uint64_t sequence = 0;  ///< in the stream, from 1
+  std::vector<std::byte> bytes;
+};
+
+/// A connection to NATS, and streams of JetStream, each with one subject. It connects and
+/// reconnects by itself, without end, while calls fail with kAway. Thread-safe.
+class NatsConnection {
+ public:
+  /// `url` is nats://[USER:PASSWORD@]HOST:PORT, or several, separated by commas. Waits at most 2 s
+  /// for the connection; without one it goes on trying. The error is a URL that is none, or
+  /// kNotSupported.
+  static NatsResult<NatsConnection> open(const std::string& url, const std::string& name);
+  NatsConnection(NatsConnection&&) noexcept;
+  NatsConnection& operator=(NatsConnection&&) noexcept;
+  ~NatsConnection();
+
+  bool is_connected() const;
+  /// Makes a stream that keeps everything on the disk of `replicas` servers, unless it exists.
+  NatsResult<void> make_stream(const std::string& stream, const std::string& subject, int replicas);
+  /// The last message of a stream; nullopt if it has none. kAbsent without the stream.
+  NatsResult<std::optional<StreamMessage>> last_message(const std::string& stream,
+                                                        const std::string& subject);
+  /// Stores a message as the next one after `after` (0: as the first), and returns its number. A
+  /// message whose `id` has been stored within two minutes is not stored again. Waits at most 2 s.
+  NatsResult<std::uint64_t> publish(const std::string& subject, std::span<const std::byte> bytes,
+                                    const std::string& id, std::uint64_t after);
+  /// Calls `take` with each message of a stream, from the first to the one that is the last now.
+  /// Ends early when it returns false.
+  NatsResult<void> read(const std::string& stream, const std::string& subject,
+                        const std::function<bool(StreamMessage)>& take);
+  /// The names of all streams.
+  NatsResult<std::vector<std::string>> streams();
+  NatsResult<void> delete_stream(const std::string& stream);
+
+ private:
+  struct Impl;
+  explicit NatsConnection(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cluster/replication.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "server/cluster/journal_replica.h"
+#include "server/cluster/nats_connection.h"
+#include "server/log/log.h"
+
+namespace kerf {
+namespace {
+
+/// Time between two looks at the sessions. A look at one reads two counters.
+constexpr std::chrono::milliseconds kLook{10};
+
+}  // namespace
+
+struct Replication::Impl {
+  struct Copied {
+    std::weak_ptr<Session> session;
+    std::uint64_t commits = 0;
+    std::unique_ptr<JournalReplica> replica;
+  };
+
+  Impl(NatsConnection connection, int count, SessionRegistry& sessions)
+      : nats(std::move(connection)), replicas(count), registry(sessions) {}
+
+  void run(const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any wake;
+    std::unique_lock lock(mutex);
+    while (!stop.stop_requested()) {
+      look();
+      wake.wait_for(lock, stop, kLook, [] { return false; });
+    }
+  }
+
+  void look() {
+    const auto sessions = registry.list();
+    std::erase_if(copies, [&](const Copied& copied) {
+      const auto session = copied.session.lock();
+      return !session || std::ranges::find(sessions, session) == sessions.end();
+    });
+    for (const auto& session : sessions) {
+      const std::uint64_t commits = session->journal_figures().commits;
+      const auto known = std::ranges::find_if(copies, [&](const Copied& copied) {
+        return !copied.session.owner_before(session) && !session.owner_before(copied.session);
+      });
+      if (known == copies.end()) {
+        add(session, commits);
+      } else if (std::exchange(known->commits, commits) != commits) {
+        known->replica->wake();
+      }
+    }
+  }
+
+  void add(const std::shared_ptr<Session>& session, std::uint64_t commits) {
+    const auto report = [weak = std::weak_ptr(session)](const CopyState& state) {
+      if (const auto open = weak.lock()) open->copy().set(state);
+    };
+    session->copy().set(kNoCopyYet);
+    copies.push_back(
+        {session, commits,
+         std::make_unique<JournalReplica>(
+             nats, JournalReplica::Source{session->id(), session->journal_file(), session->epoch()},
+             replicas, report)});
+  }
+
+  NatsConnection nats;
+  int replicas;
+  SessionRegistry& registry;
+  std::vector<Copied> copies;  ///< watcher's thread only, while it runs
+  std::jthread watcher;
+};
+
+Replication::Replication(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Replication::~Replication() { hold(); }
+
+std::expected<std::unique_ptr<Replication>, std::string> Replication::start(
+    const ReplicationOptions& options, SessionRegistry& registry) {
+  auto nats = NatsConnection::open(options.url, "kerf-server");
+  if (!nats) return std::unexpected(options.url + ": " + nats.error().reason);
+  if (!nats->is_connected()) {
+    log::warn("NATS cannot be reached at " + options.url +
+              ": the journals are copied as soon as it can be");
+  }
+  auto impl = std::make_unique<Impl>(*std::move(nats), options.replicas, registry);
+  impl->watcher = std::jthread([raw = impl.get()](const std::stop_token& stop) { raw->run(stop); });
+  return std::unique_ptr<Replication>(new Replication(std::move(impl)));
+}
+
+void Replication::hold() { impl_->watcher = {}; }
+
+void Replication::finish(std::chrono::steady_clock::time_point end) {
+  hold();
+  for (const auto& copied : impl_->copies) copied.replica->finish(end);
+  impl_->copies.clear();
+}
+
+}  // namespace kerf

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <expected>
+#include <memory>
+#include <string>
+
+#include "server/session/session_registry.h"
+
+namespace kerf {
+
+struct ReplicationOptions {
+  std::string url;   ///< of NATS; empty: nothing is copied
+  int replicas = 1;  ///< servers of the NATS cluster that keep each stream: 1 to 5
+};
+
+/// Copies the journals of all open sessions to NATS, each on a thread of its own.
+class Replication {
+ public:
+  /// The registry must outlive it. The error is one sentence: a bad URL, or a program without
+  /// libnats. A server that is away is no error.
+  static std::expected<std::unique_ptr<Replication>, std::string> start(
+      const ReplicationOptions& options, SessionRegistry& registry);
+  ~Replication();
+
+  /// Follows the registry no more: call before its sessions are closed, so that finish() can copy
+  /// what they commit last.
+  void hold();
+  /// Copies what is committed by now and ends; waits for NATS until `end` at most.
+  void finish(std::chrono::steady_clock::time_point end);
+
+ private:
+  struct Impl;
+  explicit Replication(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kerf

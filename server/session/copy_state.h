@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace kerf {
+
+/// How far the copy of a session's journal outside this machine goes.
+struct CopyState {
+  std::uint64_t record = 0;  ///< the last record whose copy was acknowledged
+  std::string fault;         ///< why nothing is copied now, one sentence; empty: it is
+  friend bool operator==(const CopyState&, const CopyState&) = default;
+};
+
+/// The newest CopyState of a session; nullopt: no copy is made. Thread-safe.
+class CopyNote {
+ public:
+  void set(CopyState state) {
+    const std::lock_guard lock(mutex_);
+    state_ = std::move(state);
+  }
+  std::optional<CopyState> get() const {
+    const std::lock_guard lock(mutex_);
+    return state_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::optional<CopyState> state_;
+};
+
+}  // namespace kerf
