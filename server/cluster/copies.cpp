@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "server/cluster/nats_address.h"
+
 namespace kerf {
 namespace {
 
@@ -16,8 +18,9 @@ int report(const std::string& error) {
 std::expected<NatsConnection, std::string> connect(const std::string& url) {
   if (url.empty()) return std::unexpected("--nats URL is missing");
   auto nats = NatsConnection::open(url, "kerf-server copies");
-  if (!nats) return std::unexpected(url + ": " + nats.error().reason);
-  if (!nats->is_connected()) return std::unexpected(url + ": NATS cannot be reached");
+  if (!nats) return std::unexpected(without_credentials(url) + ": " + nats.error().reason);
+  if (!nats->is_connected())
+    return std::unexpected(without_credentials(url) + ": NATS cannot be reached");
   return *std::move(nats);
 }
 

@@ -7,6 +7,9 @@
 #include <chrono>
 #include <thread>
 #include <utility>
+#include <vector>
+
+#include "server/cluster/nats_address.h"
 
 namespace kerf {
 namespace {
@@ -60,6 +63,9 @@ NatsConnection& NatsConnection::operator=(NatsConnection&&) noexcept = default;
 NatsConnection::~NatsConnection() = default;
 
 NatsResult<NatsConnection> NatsConnection::open(const std::string& url, const std::string& name) {
+  std::vector<std::string> servers = nats_servers(url);
+  std::vector<const char*> addresses;
+  for (const std::string& server : servers) addresses.push_back(server.c_str());
   natsOptions* raw = nullptr;
   natsStatus status = natsOptions_Create(&raw);
   const Options options(raw);
@@ -67,7 +73,7 @@ NatsResult<NatsConnection> NatsConnection::open(const std::string& url, const st
     if (status == NATS_OK) status = done;
   };
   if (status == NATS_OK) {
-    set(natsOptions_SetURL(raw, url.c_str()));
+    set(natsOptions_SetServers(raw, addresses.data(), static_cast<int>(addresses.size())));
     set(natsOptions_SetName(raw, name.c_str()));
     set(natsOptions_SetSendAsap(raw, true));  // else a message waits for up to 1 ms
     set(natsOptions_SetMaxReconnect(raw, -1));

@@ -38,8 +38,8 @@ struct StreamMessage {
 /// reconnects by itself, without end, while calls fail with kAway. Thread-safe.
 class NatsConnection {
  public:
-  /// `url` is nats://[USER:PASSWORD@]HOST:PORT, or several, separated by commas. Waits at most 2 s
-  /// for the connection; without one it goes on trying. The error is a URL that is none, or
+  /// `url` is one server or several (nats_address.h), of which any serves. Waits at most 2 s for
+  /// the connection; without one it goes on trying. The error is a URL that is none, or
   /// kNotSupported.
   static NatsResult<NatsConnection> open(const std::string& url, const std::string& name);
   NatsConnection(NatsConnection&&) noexcept;

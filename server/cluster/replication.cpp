@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/cluster/journal_replica.h"
+#include "server/cluster/nats_address.h"
 #include "server/cluster/nats_connection.h"
 #include "server/log/log.h"
 
@@ -85,9 +86,10 @@ Replication::~Replication() { hold(); }
 std::expected<std::unique_ptr<Replication>, std::string> Replication::start(
     const ReplicationOptions& options, SessionRegistry& registry) {
   auto nats = NatsConnection::open(options.url, "kerf-server");
-  if (!nats) return std::unexpected(options.url + ": " + nats.error().reason);
+  const std::string shown = without_credentials(options.url);
+  if (!nats) return std::unexpected(shown + ": " + nats.error().reason);
   if (!nats->is_connected()) {
-    log::warn("NATS cannot be reached at " + options.url +
+    log::warn("NATS cannot be reached at " + shown +
               ": the journals are copied as soon as it can be");
   }
   auto impl = std::make_unique<Impl>(*std::move(nats), options.replicas, registry);
