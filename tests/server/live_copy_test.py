@@ -261,6 +261,18 @@ class Copy(unittest.TestCase):
         self.assertEqual(run("--nats", self.nats.url, "copies"), (0, "", ""))
         self.assertEqual(os.listdir(self.path("b")), [])
 
+    def test_any_server_of_a_list_serves_and_no_password_is_shown(self):
+        last = self.wait_for_copy()
+        away = f"nats://ada:secret@127.0.0.1:{nats_server.free_port()}"
+        self.assertEqual(run("--nats", f"{away},{self.nats.url}", "copies"),
+                         (0, f"block: {last} records, epoch {self.server.info()['epoch']}\n", ""))
+        status, _, error = run("--nats", away, "copies")
+        self.assertEqual((status, "NATS cannot be reached" in error), (1, True), error)
+        self.assertNotIn("secret", error)
+        status, _, error = run("--nats", "127.0.0.1:4222", "copies")
+        self.assertNotEqual(status, 0)
+        self.assertIn("must be nats://HOST:PORT", error)
+
     def test_metrics_state_the_copy(self):
         last = self.wait_for_copy()
         text = self.server.http.request("GET", "/metrics")[2].decode()
