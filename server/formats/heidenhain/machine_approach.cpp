@@ -11,13 +11,13 @@
 namespace kerf {
 namespace {
 
-using Kind = KlartextApproach::Kind;
+using ApproachKind = KlartextApproach::Kind;
 
-Kind kind_of(const std::string& statement, const std::string& name) {
-  if (name == "LT") return Kind::kTangent;
-  if (name == "LN") return Kind::kNormal;
-  if (name == "CT") return Kind::kArc;
-  if (name == "LCT") return Kind::kLineAndArc;
+ApproachKind kind_of(const std::string& statement, const std::string& name) {
+  if (name == "LT") return ApproachKind::kTangent;
+  if (name == "LN") return ApproachKind::kNormal;
+  if (name == "CT") return ApproachKind::kArc;
+  if (name == "LCT") return ApproachKind::kLineAndArc;
   throw KlartextFault{statement + " " + name, "is not supported; LT, LN, CT and LCT are"};
 }
 
@@ -34,12 +34,12 @@ void KlartextMachine::approach_sizes(Words& words, KlartextApproach& to) const {
     if (word.name == "CCA") to.angle_deg = value, has_angle = true;
     return word.name == "LEN" || word.name == "R" || word.name == "CCA";
   });
-  const bool line = to.kind == Kind::kTangent || to.kind == Kind::kNormal;
+  const bool line = to.kind == ApproachKind::kTangent || to.kind == ApproachKind::kNormal;
   if (line && !(has_length && to.length_mm >= 0))
     throw KlartextFault{"LEN", "is missing or below 0"};
   if (!line && (!has_radius || to.radius_mm == 0))
     throw KlartextFault{"R", "of the arc is missing or 0"};
-  if (to.kind == Kind::kArc && !(has_angle && to.angle_deg > 0 && to.angle_deg <= 360))
+  if (to.kind == ApproachKind::kArc && !(has_angle && to.angle_deg > 0 && to.angle_deg <= 360))
     throw KlartextFault{"CCA", "must be above 0 and at most 360 degrees"};
 }
 
@@ -57,7 +57,7 @@ void KlartextMachine::approach(const std::string& text) {
   if (extras.calls_cycle || extras.in_machine || extras.retract_mm)
     throw KlartextFault{"M", "of this kind beside APPR is not supported"};
   approach_sizes(words, to);
-  if (to.side == 0 && to.kind != Kind::kTangent)
+  if (to.side == 0 && to.kind != ApproachKind::kTangent)
     throw KlartextFault{"APPR", "requires RL or RR, on whose side the tool approaches"};
   check_departure_words(words);
   std::array<bool, 3> named{};
@@ -97,25 +97,25 @@ void KlartextMachine::depart(const std::string& text) {
   if (extras.calls_cycle || extras.in_machine || extras.retract_mm || extras.rapid)
     throw KlartextFault{"DEP", "beside FMAX, M91, M99 and M140 is not supported"};
   check_departure_words(words);
-  if (!words.empty() && from.kind != Kind::kLineAndArc)
+  if (!words.empty() && from.kind != ApproachKind::kLineAndArc)
     throw KlartextFault{words[0].name + words[0].value, "is not a word of this DEP"};
   if (!direction_ || std::abs(direction_->z) > 1e-9)
     throw KlartextFault{"DEP", "requires a contour in the plane XY before it"};
-  if (from.side == 0 && from.kind != Kind::kTangent)
+  if (from.side == 0 && from.kind != ApproachKind::kTangent)
     throw KlartextFault{"DEP", "requires RL or RR, on whose side the tool leaves"};
   std::array<bool, 3> named{};
   const Vec3 target_at = target(words, named), t = *direction_;
   path_.compensate(0, 0);
   const Vec3 at = path_.position(), normal{-t.y, t.x, 0};
-  if (from.kind == Kind::kTangent)
+  if (from.kind == ApproachKind::kTangent)
     return move(at + t * from.length_mm, feed(), {true, true, false});
-  if (from.kind == Kind::kNormal)
+  if (from.kind == ApproachKind::kNormal)
     return move(at + normal * (from.side * from.length_mm), feed(), {true, true, false});
   const int turns = from.side * from.radius_mm > 0 ? 1 : -1;
   const Vec3 center = at + normal * (from.side * from.radius_mm);
   double angle = std::atan2(at.y - center.y, at.x - center.x) + turns * kRadPerDeg * from.angle_deg;
   const double radius = std::abs(from.radius_mm);
-  if (from.kind == Kind::kLineAndArc) {
+  if (from.kind == ApproachKind::kLineAndArc) {
     const Vec3 away{target_at.x - center.x, target_at.y - center.y, 0};
     if (!(length(away) >= radius))
       throw KlartextFault{"DEP LCT", "ends within its arc; state a smaller R"};
@@ -123,7 +123,7 @@ void KlartextMachine::depart(const std::string& text) {
   }
   move_arc({center.x + radius * std::cos(angle), center.y + radius * std::sin(angle), at.z},
            ArcPlane::kXy, center, turns);
-  if (from.kind == Kind::kLineAndArc) move(target_at, feed(), {true, true, named[2]});
+  if (from.kind == ApproachKind::kLineAndArc) move(target_at, feed(), {true, true, named[2]});
 }
 
 // The center of the tool: to a point of the tangent, or of an arc, and on to the contour.
@@ -139,10 +139,10 @@ void KlartextPath::begin_contour(Vec3 tangent) {
   const auto go = [&](Vec3 end, bool rapid) {
     move_line(end, angles_, rapid ? std::nullopt : std::optional(to.feed), {true, true, true});
   };
-  if (to.kind == Kind::kDirect) {
+  if (to.kind == ApproachKind::kDirect) {
     go(at, to.is_rapid);
-  } else if (to.kind == Kind::kTangent || to.kind == Kind::kNormal) {
-    const bool tangential = to.kind == Kind::kTangent;
+  } else if (to.kind == ApproachKind::kTangent || to.kind == ApproachKind::kNormal) {
+    const bool tangential = to.kind == ApproachKind::kTangent;
     go(tangential ? at - t * to.length_mm : at + normal * (to.side * to.length_mm), to.is_rapid);
     go(at, false);
   } else {
@@ -150,7 +150,7 @@ void KlartextPath::begin_contour(Vec3 tangent) {
     const double radius = std::abs(to.radius_mm);
     const Vec3 center = at + normal * (to.side * to.radius_mm);
     double angle = std::atan2(at.y - center.y, at.x - center.x) - turns * kRadPerDeg * to.angle_deg;
-    if (to.kind == Kind::kLineAndArc) {
+    if (to.kind == ApproachKind::kLineAndArc) {
       const Vec3 start = frame_.programmed(tip_mm_);
       const double x = start.x - center.x, y = start.y - center.y;
       if (!(std::hypot(x, y) >= radius))
