@@ -263,17 +263,11 @@ void describe_drain(CLI::App& app, Words& line) {
 }
 
 void describe_copies(CLI::App& app, Words& line) {
-  const auto check = [](const std::string& text) {
-    return nats_servers(text).empty() ? std::string(
-                                            "must be nats://HOST:PORT or tls://HOST:PORT, "
-                                            "or several, separated by commas")
-                                      : std::string();
-  };
   app.add_option("--nats", line.server.copies.url,
                  "nats://[USER:PASSWORD@]HOST:PORT of a NATS server with JetStream, to which the "
                  "journals are copied while they are written; several of a cluster are separated "
                  "by commas; default: none")
-      ->check(CLI::Validator(check, ""));
+      ->check(CLI::Validator(nats_fault, ""));
   app.add_option("--nats-replicas", line.server.copies.replicas,
                  "servers of the NATS cluster that keep each copy, 1 to 5")
       ->check(CLI::Range(1, 5))

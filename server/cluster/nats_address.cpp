@@ -27,6 +27,11 @@ std::vector<std::string> nats_servers(const std::string& urls) {
   return servers;
 }
 
+std::string nats_fault(const std::string& urls) {
+  if (!nats_servers(urls).empty()) return {};
+  return "must be nats://HOST:PORT or tls://HOST:PORT, or several, separated by commas";
+}
+
 std::string without_credentials(const std::string& urls) {
   std::string shown;
   for (const std::string& url : nats_servers(urls)) {

@@ -10,7 +10,10 @@ namespace kerf {
 /// tls:// stands for TLS. Empty if one of them is no such URL.
 std::vector<std::string> nats_servers(const std::string& urls);
 
-/// The same without users, passwords and tokens, for texts that people see.
+/// What is wrong with such a text; empty: nothing.
+std::string nats_fault(const std::string& urls);
+
+/// The servers without users, passwords and tokens, for texts that people see.
 std::string without_credentials(const std::string& urls);
 
 }  // namespace kerf

@@ -16,7 +16,7 @@ TEST(NatsAddress, IsOneServerOrSeveral) {
 TEST(NatsAddress, WithoutASchemeOrAHostIsNone) {
   for (const char* bad :
        {"", "10.0.0.5:4222", "http://a:1", "nats://", "nats://u:p@", "nats://a,b"})
-    EXPECT_TRUE(nats_servers(bad).empty()) << bad;
+    EXPECT_TRUE(nats_servers(bad).empty() && !nats_fault(bad).empty()) << bad;
 }
 
 TEST(NatsAddress, IsShownWithoutUserPasswordAndToken) {
