@@ -97,7 +97,11 @@ std::expected<std::unique_ptr<Replication>, std::string> Replication::start(
   return std::unique_ptr<Replication>(new Replication(std::move(impl)));
 }
 
-void Replication::hold() { impl_->watcher = {}; }
+void Replication::hold() {
+  if (!impl_->watcher.joinable()) return;
+  impl_->watcher = {};
+  impl_->look();  // sessions that are newer than the last look are copied too
+}
 
 void Replication::finish(std::chrono::steady_clock::time_point end) {
   hold();
