@@ -42,6 +42,23 @@ def reason_printed(case):
     return case.find("skipped").get("message")
 
 
+def vitest_counts(path):
+    """(passed, failed) of the viewer's own tests, failed ones by file, name and the first line of the message."""
+    result = json.loads(path.read_text())
+    failed = []
+    for suite in result.get("testResults", []):
+        file = pathlib.Path(suite["name"]).name
+        bad = [test for test in suite["assertionResults"] if test["status"] == "failed"]
+        for test in bad:
+            message = (test.get("failureMessages") or [""])[0].strip().split("\n")[0]
+            failed.append(f'web: {file}: {test["fullName"].strip()}: {message[:200]}')
+        if suite["status"] == "failed" and not bad:
+            failed.append(f"web: {file}: the file could not be loaded")
+    if not failed and not result.get("success", False):
+        failed.append("web: vitest itself failed")
+    return result["numPassedTests"], failed
+
+
 def collect(folder):
     passed, failed, skipped = 0, [], []
     for path in sorted(folder.glob("ctest-*.xml")):
@@ -62,11 +79,8 @@ def collect(folder):
                 failed.append(name)
     vitest = folder / "vitest.json"
     if vitest.exists():
-        result = json.loads(vitest.read_text())
-        passed += result["numPassedTests"]
-        failed += ["web (vitest)"] * result["numFailedTests"]
-        if result.get("numFailedTestSuites", 0) and not result["numFailedTests"]:
-            failed.append("web (vitest): a test file could not be loaded")
+        p, f = vitest_counts(vitest)
+        passed, failed = passed + p, failed + f
     return passed, failed, skipped
 
 
