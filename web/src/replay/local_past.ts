@@ -178,8 +178,10 @@ export class LocalPast {
       settled: hash !== null,
       at: { record: progress.carved, time_ms: progress.time_ms ?? 0, rate: played },
     });
-    const tools = (progress.tools ?? []).map((tool) => ({ ...tool, felt_share: 0 }));
-    model.participants.applyTools(tools, performance.now());
+    // Where a tool is in the past is known while the block plays, not at a place that was sought.
+    const tools = rate > 0 ? (progress.tools ?? []) : [];
+    const unfelt = tools.map((tool) => ({ ...tool, felt_share: 0 }));
+    model.participants.applyTools(unfelt, performance.now());
   }
 
   /** Displays the tiles, over those of the present. */

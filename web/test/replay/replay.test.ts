@@ -7,7 +7,7 @@ import { SessionModel } from '../../src/model/session';
 import { compared } from '../../src/replay/check';
 import { LocalPast, RECORDS_MAX } from '../../src/replay/local_past';
 import type { Picture } from '../../src/ui/picture';
-import type { Seek, StateMessage } from '../../src/wire/types';
+import type { Seek, StateMessage, ToolState } from '../../src/wire/types';
 
 describe('the spans of a journal', () => {
   it('begin where everybody asks for them, so that caches have them', () => {
@@ -94,10 +94,10 @@ describe('the past in the page', () => {
   });
 
   const settled = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, 5));
-  const reach = (carved: number, hash: string | null, rate = 0): void =>
+  const reach = (carved: number, hash: string | null, rate = 0, tools: ToolState[] = []): void =>
     hear({
       type: 'carved',
-      progress: { carved, machining_s: 0, time_s: 0, next_s: null, removed_mm3: 1, line: 0 },
+      progress: { carved, machining_s: 0, time_s: 0, next_s: null, removed_mm3: 1, line: 0, tools },
       tiles: [{ x: carved, y: 0 } as never],
       hash,
       rate,
@@ -127,6 +127,29 @@ describe('the past in the page', () => {
     expect(model.state).toMatchObject({ settled: false, at: { record: 70, rate: 8 } });
     expect(asked).toHaveLength(3);
     expect(toServer).toEqual([]);
+  });
+
+  it('displays tools while it plays, not at a place that was sought', async () => {
+    await lookBack(40);
+    const tool = {
+      participant: 3,
+      tool_id: 1,
+      status: 0,
+      tip_mm: [1, 2, 3],
+      axis: [0, 0, 1],
+      force_n: [0, 0, 0],
+      torque_nmm: [0, 0, 0],
+      removed_rate_mm3_per_s: 0,
+    } as unknown as ToolState;
+    const isDisplayed = (): boolean => model.participants.get(3)?.track.empty === false;
+    model.participants.looksBack = true;
+    past.seek({ type: 'seek', rate: 8 });
+    reach(50, null, 8, [tool]);
+    expect(isDisplayed()).toBe(true);
+    past.seek({ type: 'seek', at: 20 });
+    await settled();
+    reach(20, 'state 20', 0, [tool]);
+    expect(isDisplayed()).toBe(false);
   });
 
   it('returns to the present, of which it has kept the newest state', async () => {
