@@ -8,6 +8,7 @@
 #include "server/http/api.h"
 #include "server/http/download_name.h"
 #include "server/http/download_request.h"
+#include "server/http/entity_tag.h"
 #include "server/session/hash_text.h"
 #include "server/session/session_walls.h"
 
@@ -92,10 +93,6 @@ Made write_surface(const DownloadRequest& download, const SolidSnapshot& snapsho
   return reason_only(write_model(path, mesh, request));
 }
 
-bool is_same(const std::string& if_none_match, const std::string& etag) {
-  return if_none_match == "*" || if_none_match.find(etag) != std::string::npos;
-}
-
 }  // namespace
 
 ApiResponse Api::download(const ApiCall& call) {
@@ -127,12 +124,7 @@ ApiResponse Api::download(const ApiCall& call) {
   tag += download->suffix;
   const std::string etag = '"' + tag + '"';
   ApiResponse response;
-  response.headers.emplace_back("ETag", etag);
-  response.headers.emplace_back("Cache-Control", "no-cache");
-  if (is_same(request.if_none_match, etag)) {
-    response.status = 304;
-    return response;
-  }
+  if (has_client(request, etag, response)) return response;
   const auto file = downloads_.get(
       session.id() + "/" + request.path[3] + "/" + tag + "/" + std::to_string(session.epoch()),
       [&](const std::filesystem::path& path, const DownloadCache::Progress& progress,

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "server/http/api.h"
+#include "server/http/entity_tag.h"
 #include "server/http/number.h"
 #include "server/picture/block_picture.h"
 #include "server/picture/png_file.h"
@@ -56,12 +57,7 @@ ApiResponse Api::picture(const ApiCall& call) {
   const std::string etag = '"' + picture->tag + "-" + size + '"';
   ApiResponse response;
   response.content_type = "image/png";
-  response.headers.emplace_back("ETag", etag);
-  response.headers.emplace_back("Cache-Control", "no-cache");
-  if (call.request.if_none_match.find(etag) != std::string::npos) {
-    response.status = 304;
-    return response;
-  }
+  if (has_client(call.request, etag, response)) return response;
   response.file = picture->file;
   return response;
 }

@@ -8,6 +8,7 @@
 
 #include "server/formats/model/mesh_source.h"
 #include "server/http/api.h"
+#include "server/http/entity_tag.h"
 #include "server/http/history_point.h"
 #include "server/http/place.h"
 #include "server/session/hash_text.h"
@@ -138,12 +139,7 @@ ApiResponse Api::target_deviation(const ApiCall& call) {
   }
   const std::string etag = '"' + hash_text(block->hash.hash) + "-" + part->facts().tag + '"';
   ApiResponse response;
-  response.headers.emplace_back("ETag", etag);
-  response.headers.emplace_back("Cache-Control", "no-cache");
-  if (request.if_none_match.find(etag) != std::string::npos) {
-    response.status = 304;
-    return response;
-  }
+  if (has_client(request, etag, response)) return response;
   const auto file = downloads_.get(
       call.session->id() + "/deviation/" + etag + std::to_string(block->hash.sequence),
       [&](const std::filesystem::path& path, const DownloadCache::Progress& progress,

@@ -33,7 +33,6 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using boost::system::error_code;
 using Parser = http::request_parser<http::string_body>;
-using Request = BeastRequest;
 
 constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
 constexpr std::chrono::seconds kHandshakeTime{5}, kHeaderTime{10}, kIdleTime{60}, kChunkTime{30};
@@ -72,7 +71,7 @@ class Connection {
   asio::awaitable<bool> secure();
   asio::awaitable<bool> serve_one();
   /// The head of a request, from whom it comes.
-  RequestHead understand(const Request& request) const;
+  RequestHead understand(const BeastRequest& request) const;
   /// Closes the connection after this time, unless it is called again before.
   void expires_after(std::chrono::seconds time);
   void end_deadline();
@@ -88,7 +87,7 @@ class Connection {
   asio::awaitable<bool> reject(const RequestHead& head, unsigned status, std::string_view code,
                                std::string_view reason);
   asio::awaitable<void> linger();
-  asio::awaitable<void> upgrade(const Request& request, const RequestHead& head,
+  asio::awaitable<void> upgrade(const BeastRequest& request, const RequestHead& head,
                                 const ApiRequest& target);
 
   ByteStream stream_;
@@ -156,7 +155,7 @@ asio::awaitable<bool> Connection::secure() {
   co_return co_await reject(unknown, 400, "tls_required", "this port speaks TLS: use https://");
 }
 
-RequestHead Connection::understand(const Request& request) const {
+RequestHead Connection::understand(const BeastRequest& request) const {
   RequestHead head = head_of(request);
   head.is_secure = is_secure_;
   head.address = address_;
@@ -275,14 +274,20 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
     co_await send(kContinue, {});
     if (error_) co_return false;
   }
-  const auto end = std::chrono::steady_clock::now() + upload_time(bytes);
+  const UploadPace& pace = context_.options.upload_pace;
+  const auto end = std::chrono::steady_clock::now() + pace.time_for(bytes);
   while (!error_ && !parser.is_done()) {
-    const bool is_late = std::chrono::steady_clock::now() > end;
-    if (is_late) co_return co_await reject(head, 408, "too_slow", kTooSlow);
+    if (std::chrono::steady_clock::now() > end) {
+      // Not when the connection has ended: its peer may take seconds to close it.
+      upload_ = {};
+      const std::string reason = pace.too_slow();
+      co_return co_await reject(head, 408, "too_slow", reason);
+    }
     expires_after(kChunkTime);
     co_await http::async_read_some(stream_, buffer_, parser,
                                    asio::redirect_error(asio::use_awaitable, error_));
   }
+  if (error_) upload_ = {};
   co_return !error_;
 }
 
@@ -354,7 +359,7 @@ asio::awaitable<void> Connection::send_file(const OpenFile& file, const ByteRang
   }
 }
 
-asio::awaitable<void> Connection::upgrade(const Request& request, const RequestHead& head,
+asio::awaitable<void> Connection::upgrade(const BeastRequest& request, const RequestHead& head,
                                           const ApiRequest& target) {
   auto open = open_upgrade(head, target, context_.api, context_.registry, context_.options);
   if (open && buffer_.size() != 0) {

@@ -7,12 +7,14 @@
 #include <vector>
 
 #include "server/http/proxies.h"
+#include "server/http/upload_pace.h"
 
 namespace kerf::net {
 
 struct HttpOptions {
   /// Memory for all uploads together, each from its header on until it has been handled.
   std::size_t upload_bytes = std::size_t{256} << 20;
+  UploadPace upload_pace;
   /// Memory for all programs together, while they are read and until they end, and for the meshes
   /// that are read.
   std::size_t program_bytes = std::size_t{1536} << 20;

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <expected>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "server/session/memory_budget.h"
@@ -76,14 +74,5 @@ class UploadBudget {
   MemoryBudget memory_;
   std::shared_ptr<Held> held_ = std::make_shared<Held>();
 };
-
-/// The least rate of an upload, and the time that any has, however short it is.
-inline constexpr std::size_t kUploadBytesPerS = std::size_t{256} * 1024;
-inline constexpr std::chrono::seconds kUploadTimeMin{30};
-inline constexpr std::string_view kTooSlow = "an upload needs 256 kB/s after its first 30 s";
-/// The time within which an upload of `bytes` bytes must be complete.
-inline std::chrono::seconds upload_time(std::size_t bytes) {
-  return kUploadTimeMin + std::chrono::seconds(bytes / kUploadBytesPerS);
-}
 
 }  // namespace kerf::net

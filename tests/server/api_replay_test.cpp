@@ -73,6 +73,14 @@ class ApiReplay : public ApiRightsTest {
     EXPECT_TRUE(block) << block.error();
     return *std::move(block);
   }
+  /// The block with all records of that state, not carved yet.
+  JournalBlock made_block(const Json& state) {
+    JournalBlock block = read(state);
+    const auto added = block.add(as_bytes(records(state, 1, state.at("record"))));
+    EXPECT_TRUE(added) << added.error();
+    EXPECT_TRUE(block.make());
+    return block;
+  }
 
  private:
   std::map<ParticipantId, std::uint64_t> sequences_;
@@ -101,9 +109,7 @@ TEST_F(ApiReplay, APageGoesToAnyRecordToTheBitAtAnySpeed) {
   carve();
   const Json now = state();
   const std::uint64_t last = now.at("record");
-  JournalBlock block = read(now);
-  ASSERT_TRUE(block.add(as_bytes(records(now, 1, last))));
-  ASSERT_TRUE(block.make());
+  JournalBlock block = made_block(now);
   std::mt19937 random(5);
   SerialWorkers alone;
   for (int n = 0; n < 8; ++n) {
@@ -120,9 +126,7 @@ TEST_F(ApiReplay, APageGetsTheTilesThatHaveChangedAtOnce) {
   carve();
   const Json now = state();
   const std::uint64_t last = now.at("record");
-  JournalBlock block = read(now);
-  ASSERT_TRUE(block.add(as_bytes(records(now, 1, last))));
-  ASSERT_TRUE(block.make());
+  JournalBlock block = made_block(now);
   std::map<TileIndex, std::vector<std::array<float, 3>>> shown;
   std::mt19937 random(7);
   for (int n = 0; n < 8; ++n) {
@@ -138,9 +142,7 @@ TEST_F(ApiReplay, APageGetsTheTilesThatHaveChangedAtOnce) {
 TEST_F(ApiReplay, RecordsThatComeLaterAreCarvedOn) {
   carve();
   const Json before = state();
-  JournalBlock block = read(before);
-  ASSERT_TRUE(block.add(as_bytes(records(before, 1, before.at("record")))));
-  ASSERT_TRUE(block.make());
+  JournalBlock block = made_block(before);
   ASSERT_TRUE(block.carve(before.at("record"), false));
   stroke(join(tokens[Role::kSculptor]), {-15, 12, -3}, {15, 12, -3});
   const Json now = state();

@@ -9,7 +9,6 @@ import sqlite3
 import struct
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
@@ -18,8 +17,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import nats_server  # noqa: E402
 from live_disk_test import until  # noqa: E402
 from live_resume_test import DurableAgent  # noqa: E402
-from live_server import PROGRAM, SCENE, Server  # noqa: E402
-from wire_client import WebSocket  # noqa: E402
+from live_server import PROGRAM, SCENE, FolderTest, Server  # noqa: E402
 
 
 def run(*words):
@@ -55,21 +53,11 @@ def sphere(rings):
     return bytes(80) + struct.pack("<I", len(facets)) + body
 
 
-class Copy(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory(prefix="kerf-test-")
+class Copy(FolderTest):
+    def first_server(self):
         self.nats = nats_server.Nats(self.path("nats"))
-        self.server = self.start("a")
-        self.server.create()
-
-    def tearDown(self):
-        while WebSocket.opened:
-            WebSocket.opened.pop().close()
-        if self.server.process.poll() is None:
-            status, log = self.server.stop()
-            self.assertEqual(status, 0, log)
-        self.nats.stop()
-        self.folder.cleanup()
+        self.addCleanup(self.nats.stop)
+        return self.start("a")
 
     def path(self, name):
         path = os.path.join(self.folder.name, name)

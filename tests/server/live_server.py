@@ -63,14 +63,17 @@ class Server:
         return self.info(session)["state_hash"]
 
 
-class LiveTest(unittest.TestCase):
-    """A server with one session `block` per test."""
+class FolderTest(unittest.TestCase):
+    """A folder per test, and a server with one session `block` in it."""
 
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory(prefix="kerf-test-")
-        self.server = Server(self.folder.name)
+        self.addCleanup(self.folder.cleanup)
+        self.server = self.first_server()
         self.server.create()
-        self.port = self.server.port
+
+    def first_server(self):
+        return Server(self.folder.name)
 
     def tearDown(self):
         while WebSocket.opened:
@@ -78,4 +81,11 @@ class LiveTest(unittest.TestCase):
         if self.server.process.poll() is None:
             status, log = self.server.stop()
             self.assertEqual(status, 0, log)
-        self.folder.cleanup()
+
+
+class LiveTest(FolderTest):
+    """The same, with the server's port: the server stays the same one."""
+
+    def setUp(self):
+        super().setUp()
+        self.port = self.server.port

@@ -13,6 +13,7 @@
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/kernel_version.h"
 #include "kernel/sculpture.h"
+#include "server/store/chunk_file.h"
 #include "tests/server/temporary_folder.h"
 
 namespace kerf {
@@ -175,6 +176,41 @@ TEST_F(BlockSnapshots, EveryTruncationAndEveryFlippedByteIsFound) {
   EXPECT_EQ(read_snapshot(file, like).error().reason, "bytes follow its end");
   put(whole);
   EXPECT_TRUE(read_snapshot(file, like));
+}
+
+TEST_F(BlockSnapshots, AHeadThatIsWrongBelowARightChecksumIsRejectedOrDoesNoHarm) {
+  const SculptureSettings settings = settings_of(Rays::kDexel, false);
+  Sculpture sculpture = carved(settings, 10);
+  ASSERT_TRUE(write_snapshot(file, head_of(sculpture), sculpture.state()));
+  std::vector<std::vector<std::byte>> chunks;
+  for (ChunkReader in(file, kSnapshotVersion); chunks.empty() || !in.at_end();) {
+    const auto chunk = in.next();
+    ASSERT_TRUE(chunk) << chunk.error();
+    chunks.emplace_back(chunk->begin(), chunk->end());
+  }
+  const Sculpture like = Sculpture::create(settings).value();
+  int rejected = 0, accepted = 0;
+  for (std::size_t at = 0; at < chunks[0].size(); ++at) {
+    for (const auto flip : {std::byte{1}, std::byte{0x7F}, std::byte{0xFF}}) {
+      chunks[0][at] ^= flip;
+      {
+        ChunkWriter out(file, kSnapshotVersion);
+        for (const auto& chunk : chunks) out.write(chunk);
+        ASSERT_TRUE(out.finish());
+      }
+      chunks[0][at] ^= flip;
+      const auto read = read_snapshot(file, like);
+      ++(read ? accepted : rejected);
+      if (!read) continue;
+      Sculpture restored = Sculpture::create(settings).value();
+      ASSERT_TRUE(restored.restore(read->state));
+      EXPECT_EQ(restored.state_hash(), sculpture.state_hash()) << at;
+      // A pose or a volume may be wrong; a motion is carved or rejected all the same.
+      (void)restored.apply(Random(4).motion());
+    }
+  }
+  EXPECT_GT(rejected, 200);
+  EXPECT_GT(accepted, 200);
 }
 
 TEST_F(BlockSnapshots, ForeignAndNewerFilesAreNamed) {

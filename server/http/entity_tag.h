@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "server/http/api.h"
+
+namespace kerf::net {
+
+/// Writes the entity tag, quotes included, into the response to a request for a file that a client
+/// may keep, but asks for again. Returns whether the client has that file (`If-None-Match` names
+/// the tag, or is `*`); the response is then complete, with status 304.
+inline bool has_client(const ApiRequest& request, const std::string& etag, ApiResponse& response) {
+  response.headers.emplace_back("ETag", etag);
+  response.headers.emplace_back("Cache-Control", "no-cache");
+  const std::string& kept = request.if_none_match;
+  if (kept != "*" && kept.find(etag) == std::string::npos) return false;
+  response.status = 304;
+  return true;
+}
+
+}  // namespace kerf::net
