@@ -244,7 +244,16 @@ asio::awaitable<void> Server::Impl::accept() {
 }
 
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Server::~Server() { stop(); }
+Server::~Server() {
+  stop();
+  // The viewers' thread uses the other threads until its last turn: they are destroyed before it.
+  std::promise<void> ended;
+  impl_->viewers.post([&] {
+    impl_->viewers.context().stop();
+    ended.set_value();
+  });
+  ended.get_future().wait();
+}
 
 std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions options) {
   std::error_code error;

@@ -56,9 +56,10 @@ void ViewerHub::remove(ParticipantId id) {
   leave_feed(id);
   if (viewers_.empty()) {
     tick_.cancel();  // the loop ends now
-  } else {
-    start_job();
+    return;
   }
+  // When the server ends, the meshing thread goes before the last connections.
+  if (!context_.viewers.context().stopped()) start_job();
 }
 
 void ViewerHub::join_feed(ParticipantId id, const std::optional<ViewerLook>& look) {

@@ -51,6 +51,18 @@ class Folder(LiveTest):
         self.assertGreater(hard, 256)
 
 
+class End(LiveTest):
+    def test_a_server_ends_without_viewers_that_do_not_answer(self):
+        """A sanitizer saw connections use a thread that had been destroyed."""
+        viewers = [Viewer(self.port, "block", name) for name in ("Ada", "Bo", "Cy")]
+        agent = Agent(self.port, "block")
+        for step in range(50):
+            agent.move([(step * 0.1, 0, -1)])
+        status, log = self.server.stop()
+        self.assertEqual(status, 0, log)
+        self.assertEqual(len(viewers), 3)  # their sockets were open until now
+
+
 class Configuration(LiveTest):
     """Options from the command line, a file and the environment."""
 
