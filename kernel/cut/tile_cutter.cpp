@@ -12,6 +12,21 @@
 #include "kernel/dexel/dexel_tile.h"
 
 namespace kerf {
+namespace {
+
+/// Number of lower elements of a column up to which all of them are compared.
+constexpr std::size_t kFewElements = 8;
+
+/// Returns the number of elements, sorted from the bottom up, that end at a depth or below.
+KERF_INLINE std::size_t count_below(std::span<const Dexel> elements, std::int32_t depth) {
+  const auto is_below = [&](const Dexel& d) { return d.top <= depth; };
+  if (elements.size() > kFewElements) {
+    return std::size_t(std::ranges::partition_point(elements, is_below) - elements.begin());
+  }
+  return std::size_t(std::ranges::count_if(elements, is_below));
+}
+
+}  // namespace
 
 void TileCutter::begin(DexelField& field, TileIndex tile) {
   field_ = &field;
@@ -116,6 +131,24 @@ void TileCutter::make_editable() {
   work_.stored = work_.changed;
 }
 
+/// Records a removed element in the first of the row's groups that holds none of the column, or in
+/// a new one.
+KERF_INLINE void TileCutter::record(Column at, Dexel removed) {
+  const std::int32_t lane = at.i % kLanes;
+  removed_->quanta += removed.top - removed.bottom;
+  for (const std::size_t n : row_groups_) {
+    RemovedGroup& group = removed_->groups[n];
+    if (group.bottom[lane] < group.top[lane]) continue;
+    group.bottom[lane] = removed.bottom;
+    group.top[lane] = removed.top;
+    return;
+  }
+  row_groups_.push_back(removed_->groups.size());
+  RemovedGroup& group = removed_->groups.emplace_back(at.i - lane, at.j);
+  group.bottom[lane] = removed.bottom;
+  group.top[lane] = removed.top;
+}
+
 /// Subtracts a cut from a column of several elements, or from one that the cut splits.
 void TileCutter::subtract_elements(int column, Column at, Dexel cut) {
   if (!subtract_in_place(column, at, cut)) rewrite_elements(column, at, cut);
@@ -127,34 +160,35 @@ void TileCutter::subtract_elements(int column, Column at, Dexel cut) {
 bool TileCutter::subtract_in_place(int column, Column at, Dexel cut) {
   const auto c = std::size_t(column);
   const Dexel top{work_.stored->bottom[c], work_.stored->top[c]};
-  const std::span<const Dexel> below =
-      work_.stored->is_split(column) ? work_.stored->lower.of(column) : std::span<const Dexel>{};
-  const auto is_lower = [&](const Dexel& d) { return d.top <= cut.bottom; };
-  const auto first = std::size_t(std::ranges::partition_point(below, is_lower) - below.begin());
-  const auto meets = [&](std::size_t n) { return n < below.size() && below[n].bottom < cut.top; };
   const bool meets_top = top.bottom < cut.top && top.bottom < top.top && cut.bottom < top.top;
-  if (!meets(first)) return !meets_top || shorten(column, at, cut, first, true);
+  // Below a cut that begins in the topmost element nothing is read.
+  if (cut.bottom >= top.bottom || !work_.stored->is_split(column)) {
+    return !meets_top || shorten(column, at, cut, 0, top, true);
+  }
+  const std::span<const Dexel> below = work_.stored->lower.of(column);
+  const std::size_t first = count_below(below, cut.bottom);
+  const auto meets = [&](std::size_t n) { return n < below.size() && below[n].bottom < cut.top; };
+  if (!meets(first)) return !meets_top || shorten(column, at, cut, first, top, true);
   if (!meets(first + 1)) {
-    return meets_top ? part(column, at, cut, first, true) : shorten(column, at, cut, first, false);
+    return meets_top ? part(column, at, cut, first, below[first], top, true)
+                     : shorten(column, at, cut, first, below[first], false);
   }
   if (meets_top || meets(first + 2)) return false;
-  return part(column, at, cut, first, false);
+  return part(column, at, cut, first, below[first], below[first + 1], false);
 }
 
-/// Removes one end of the topmost element (`top`), or of the lower one with this number, unless the
-/// cut takes or divides it.
-bool TileCutter::shorten(int column, Column at, Dexel cut, std::size_t lower, bool top) {
-  const auto c = std::size_t(column);
-  Dexel rest = top ? Dexel{work_.stored->bottom[c], work_.stored->top[c]}
-                   : work_.stored->lower.of(column)[lower];
+/// Removes one end of an element, `rest`: the topmost one (`top`) or the lower one with this
+/// number, unless the cut takes or divides it.
+bool TileCutter::shorten(int column, Column at, Dexel cut, std::size_t lower, Dexel rest,
+                         bool top) {
   const Dexel removed{std::max(rest.bottom, cut.bottom), std::min(rest.top, cut.top)};
   if ((removed.bottom > rest.bottom) == (removed.top < rest.top)) return false;
   (removed.bottom > rest.bottom ? rest.top : rest.bottom) =
       removed.bottom > rest.bottom ? removed.bottom : removed.top;
   make_editable();
   if (top) {
-    work_.changed->bottom[c] = rest.bottom;
-    work_.changed->top[c] = rest.top;
+    work_.changed->bottom[std::size_t(column)] = rest.bottom;
+    work_.changed->top[std::size_t(column)] = rest.top;
   } else {
     work_.changed->lower.edit(column)[lower] = rest;
   }
@@ -162,18 +196,15 @@ bool TileCutter::shorten(int column, Column at, Dexel cut, std::size_t lower, bo
   return true;
 }
 
-/// Removes the facing ends of the lower element with this number and of the one above it, which is
-/// the topmost one (`top`) or the next, unless the cut takes one of them.
-bool TileCutter::part(int column, Column at, Dexel cut, std::size_t lower, bool top) {
-  const auto c = std::size_t(column);
-  const std::span<const Dexel> below = work_.stored->lower.of(column);
-  const Dexel under = below[lower];
-  const Dexel over = top ? Dexel{work_.stored->bottom[c], work_.stored->top[c]} : below[lower + 1];
+/// Removes the facing ends of the lower element with this number, `under`, and of the one above it,
+/// `over`, which is the topmost one (`top`) or the next, unless the cut takes one of them.
+bool TileCutter::part(int column, Column at, Dexel cut, std::size_t lower, Dexel under, Dexel over,
+                      bool top) {
   if (cut.bottom <= under.bottom || cut.top >= over.top) return false;
   make_editable();
   const std::span<Dexel> rest = work_.changed->lower.edit(column);
   rest[lower].top = cut.bottom;
-  (top ? work_.changed->bottom[c] : rest[lower + 1].bottom) = cut.top;
+  (top ? work_.changed->bottom[std::size_t(column)] : rest[lower + 1].bottom) = cut.top;
   record(at, {cut.bottom, under.top});
   record(at, {over.bottom, cut.top});
   return true;
@@ -197,23 +228,6 @@ void TileCutter::rewrite_elements(int column, Column at, Dexel cut) {
   if (!any) return;
   make_editable();
   work_.changed->write(column, after_);
-}
-
-/// Records a removed element in the first of the row's groups that holds none of the column, or in
-/// a new one.
-void TileCutter::record(Column at, Dexel removed) {
-  const std::int32_t lane = at.i % kLanes;
-  std::vector<RemovedGroup>& groups = removed_->groups;
-  const auto is_free = [&](std::size_t g) { return groups[g].bottom[lane] >= groups[g].top[lane]; };
-  const auto found = std::ranges::find_if(row_groups_, is_free);
-  const std::size_t group = found != row_groups_.end() ? *found : groups.size();
-  if (found == row_groups_.end()) {
-    row_groups_.push_back(group);
-    groups.push_back({at.i - lane, at.j, {}, {}});
-  }
-  groups[group].bottom[lane] = removed.bottom;
-  groups[group].top[lane] = removed.top;
-  removed_->quanta += removed.top - removed.bottom;
 }
 
 }  // namespace kerf

@@ -45,8 +45,8 @@ class TileCutter {
   void make_editable();
   void subtract_elements(int column, Column at, Dexel cut);
   bool subtract_in_place(int column, Column at, Dexel cut);
-  bool shorten(int column, Column at, Dexel cut, std::size_t lower, bool top);
-  bool part(int column, Column at, Dexel cut, std::size_t lower, bool top);
+  bool shorten(int column, Column at, Dexel cut, std::size_t lower, Dexel rest, bool top);
+  bool part(int column, Column at, Dexel cut, std::size_t lower, Dexel under, Dexel over, bool top);
   void rewrite_elements(int column, Column at, Dexel cut);
   void record(Column at, Dexel removed);
   const DexelGrid& grid() const { return field_->grid(); }
