@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "server/formats/derived_scene.h"
 #include "server/formats/program_facts.h"
@@ -29,13 +28,7 @@ Program apt(const std::string& text, const char* machine = "xyz") {
 }
 
 std::vector<Vec3> ends(const std::string& body) {
-  std::vector<Vec3> tips;
-  const auto rounded = [](double v) { return std::round(v * 1000) / 1000 + 0; };
-  for (const ProgramMotion& motion : apt(kHead + body + "FINI\n").motions) {
-    const Vec3 p = motion.to.tip_mm;
-    tips.push_back({rounded(p.x), rounded(p.y), rounded(p.z)});
-  }
-  return tips;
+  return test::rounded_ends(apt(kHead + body + "FINI\n"));
 }
 
 double lowest(const std::vector<Vec3>& tips, double Vec3::* axis) {

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
+#include <vector>
 
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
@@ -33,6 +35,17 @@ inline Program read(const Scene& scene, const std::string& name, const std::stri
 }
 inline Program gcode(const Scene& scene, const std::string& text) {
   return read(scene, "p.ngc", text);
+}
+
+/// Where a program's motions end, rounded to 0.001 mm.
+inline std::vector<Vec3> rounded_ends(const Program& program) {
+  const auto rounded = [](double v) { return std::round(v * 1000) / 1000 + 0; };
+  std::vector<Vec3> tips;
+  for (const ProgramMotion& motion : program.motions) {
+    const Vec3 p = motion.to.tip_mm;
+    tips.push_back({rounded(p.x), rounded(p.y), rounded(p.z)});
+  }
+  return tips;
 }
 
 /// Returns the error of a program that must be invalid.

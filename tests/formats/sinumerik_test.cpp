@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "server/formats/derived_scene.h"
 #include "tests/formats/scene_fixture.h"
@@ -31,14 +30,7 @@ std::expected<Program, ProgramError> read(const std::string& text, const char* m
 std::vector<Vec3> ends(const std::string& body, const char* machine = "xyz") {
   const auto program = read(kHead + body + "M30\n", machine);
   EXPECT_TRUE(program) << to_string(program.error());
-  std::vector<Vec3> tips;
-  if (!program) return tips;
-  const auto rounded = [](double v) { return std::round(v * 1000) / 1000 + 0; };
-  for (const ProgramMotion& motion : program->motions) {
-    const Vec3 p = motion.to.tip_mm;
-    tips.push_back({rounded(p.x), rounded(p.y), rounded(p.z)});
-  }
-  return tips;
+  return program ? test::rounded_ends(*program) : std::vector<Vec3>{};
 }
 
 Vec3 end(const std::string& body, const char* machine = "xyz") {

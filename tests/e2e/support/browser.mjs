@@ -27,7 +27,11 @@ export function launchBrowser(graphics = SOFTWARE_WEBGL) {
 export async function openViewer(browser, url, viewport, { script, ...others } = {}) {
   const context = await browser.newContext({ viewport, ignoreHTTPSErrors: true, ...others });
   if (script) await context.addInitScript(script);
-  const page = await context.newPage();
+  return goTo(await context.newPage(), url);
+}
+
+/** Opens a viewer in an empty page, of Playwright or of Puppeteer. */
+export async function goTo(page, url) {
   page.setDefaultTimeout(120_000);
   const problems = [];
   page.on('pageerror', (problem) => problems.push(problem.message));

@@ -3,6 +3,7 @@
 // BiDi, which the Firefox that Debian ships understands, unlike the protocol of playwright-core.
 
 import puppeteer from 'puppeteer-core';
+import { goTo } from './browser.mjs';
 import { start, stop, until } from './processes.mjs';
 
 const PREFERENCES = {
@@ -43,18 +44,6 @@ export async function launchFirefox() {
 export async function openInFirefox(browser, url, viewport) {
   const context = await browser.createBrowserContext();
   const page = await context.newPage();
-  page.setDefaultTimeout(120_000);
   await page.setViewport(viewport);
-  const problems = [];
-  page.on('pageerror', (problem) => problems.push(problem.message));
-  page.on('console', (message) => {
-    if (message.type() === 'error') problems.push(message.text());
-  });
-  await page.goto(url);
-  return {
-    page,
-    problems,
-    state: () => page.evaluate(() => window.kerf?.state()),
-    close: () => context.close(),
-  };
+  return { ...(await goTo(page, url)), close: () => context.close() };
 }
