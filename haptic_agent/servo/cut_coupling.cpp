@@ -120,11 +120,17 @@ void CutCoupling::remember(Vec3 force_n) noexcept {
   forces_[newest_] = force_n;
 }
 
-Wrench CutCoupling::at(const Wrench& target, Vec3 arm_mm, const PastGrip& now,
-                       double dt_s) noexcept {
+/// Returns the displacement of the end of the arm since the last tick.
+Vec3 CutCoupling::follow(Vec3 arm_mm, const PastGrip& now) noexcept {
   const Vec3 moved = has_grip_ ? between(grip_, now.grip).at(arm_mm) : Vec3{};
   grip_ = now.grip;
   has_grip_ = true;
+  return moved;
+}
+
+Wrench CutCoupling::at(const Wrench& target, Vec3 arm_mm, const PastGrip& now,
+                       double dt_s) noexcept {
+  const Vec3 moved = follow(arm_mm, now);
   adapt(moved, arm_mm, dt_s);
 
   const double newtons = std::max(length(rendered_.force_n), length(target.force_n));
@@ -141,9 +147,8 @@ Wrench CutCoupling::at(const Wrench& target, Vec3 arm_mm, const PastGrip& now,
   return {rendered_.force_n, torque};
 }
 
-void CutCoupling::release(const PastGrip& now) noexcept {
-  grip_ = now.grip;
-  has_grip_ = true;
+void CutCoupling::release(Vec3 arm_mm, const PastGrip& now, double dt_s) noexcept {
+  adapt(follow(arm_mm, now), arm_mm, dt_s);
   rendered_ = {};
   remember({});
 }

@@ -55,11 +55,13 @@ class CutCoupling {
   /// Returns the wrench to render instead of `target` at the newest grip, `dt_s` after the last.
   /// `arm_mm`: from the pivot to the middle of the cut.
   Wrench at(const Wrench& target, Vec3 arm_mm, const PastGrip& now, double dt_s) noexcept;
-  /// Forgets the force of the cut; call it in each tick without one.
-  void release(const PastGrip& now) noexcept;
+  /// Forgets the force of the cut; call it in each tick without one. The compliance falls there
+  /// too, and the motion is watched on, so that the next cut begins as its own trembling requires.
+  void release(Vec3 arm_mm, const PastGrip& now, double dt_s) noexcept;
   double compliance_mm_per_n() const noexcept { return compliance_; }
 
  private:
+  Vec3 follow(Vec3 arm_mm, const PastGrip& now) noexcept;
   void adapt(Vec3 moved_mm, Vec3 arm_mm, double dt_s) noexcept;
   Vec3 turn(Vec3 moved_mm, double memory_mm) noexcept;
   void remember(Vec3 force_n) noexcept;

@@ -135,7 +135,7 @@ Wrench LocalModel::at(const PastGrip& now, bool cutting, double dt_s) noexcept {
   compliance_ = 0;
   if (!cutting) {
     in_band_ = {};
-    coupling_.release(now);
+    coupling_.release(arm(now), now, dt_s);
     return touched;
   }
   double rendered = 1;

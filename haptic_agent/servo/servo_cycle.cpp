@@ -21,6 +21,9 @@ constexpr double kStableShare = 0.5;
 /// Share of mass / delay up to which a damper may be set.
 constexpr double kDamperShare = 0.25;
 constexpr double kTickS = 1e-3;
+/// Cosine of the turn that makes a corner, and the step below which noise of encoders may turn.
+constexpr double kTurnCos = 0.7;
+constexpr double kLeastStepMm = 0.01;
 
 /// Gains that follow from the device's mass and latency: those of the dampers act a latency and a
 /// period late, and what they may take from the least mass in that time is limited.
@@ -145,11 +148,21 @@ bool ServoCycle::send(const DeviceState& state) noexcept {
   return true;
 }
 
+/// Returns whether the tool travels by more than kTurnCos from its heading: the force of the cut
+/// may change at once there, as where a plunge turns into a slot.
+bool ServoCycle::turns(Vec3 tip_mm) const noexcept {
+  const Vec3 step = tip_mm - tip_mm_;
+  const double step_mm = length(step);
+  return has_grip_ && step_mm > kLeastStepMm &&
+         dot(step, now_.heading) < kTurnCos * step_mm * length(now_.heading);
+}
+
 /// Wakes the replica for every second sample: a thread that wakes costs more than a cut. The chips
-/// and teeth of a milling cutter need an answer to each.
+/// and teeth of a milling cutter, and corners of the path, need an answer to each.
 void ServoCycle::pass_to_replica(const wire::MotionSample& sample) noexcept {
   if (!replica_->push(sample)) ++report_.replica_overflows;
-  replica_waits_ = !replica_waits_ && settings_.model.law != CutLaw::kMechanistic;
+  replica_waits_ =
+      !replica_waits_ && settings_.model.law != CutLaw::kMechanistic && !turns(sample.tip_mm);
   if (!replica_waits_) replica_->wake();
 }
 

@@ -124,6 +124,7 @@ class ServoCycle final : public ServoTask {
 
  private:
   bool send(const DeviceState& state) noexcept;
+  bool turns(Vec3 tip_mm) const noexcept;
   void pass_to_replica(const wire::MotionSample& sample) noexcept;
   bool must_wake_link(std::uint32_t buttons) noexcept;
   Twist follow(const DeviceState& state, bool usable, std::uint64_t now_us, double dt_s) noexcept;

@@ -172,10 +172,19 @@ TEST(CutCoupling, BecomesStiffAgainAfterTheTrembling) {
 TEST(CutCoupling, NextCutHasNoDirectionOfTheLast) {
   Cutting tool(pen(2e-4, 0.003));
   tool.tremble(500, 0.006);
-  tool.coupling.release(tool.now);
+  tool.coupling.release(kArm, tool.now, kTickS);
   tool.move({0, 0.03, 0}, {0, 1, 0});
   EXPECT_LT(tool.felt.force_n.y, 0);
   EXPECT_NEAR(tool.felt.force_n.x, 0, 1e-12);
+}
+
+TEST(CutCoupling, NextCutIsNotSoftForTheTremblingOfOneASecondAgo) {
+  Cutting tool(pen(2e-4, 0.003));
+  tool.tremble(500, 0.006);
+  const double before = tool.coupling.compliance_mm_per_n();
+  EXPECT_GT(before, 0.5);
+  for (int i = 0; i < 1000; ++i) tool.coupling.release(kArm, tool.now, kTickS);
+  EXPECT_LT(tool.coupling.compliance_mm_per_n(), 0.02 * before);
 }
 
 }  // namespace

@@ -245,12 +245,13 @@ TEST_F(ServoCycleTest, WakesTheLinkLessOftenWhileTheReplicaAnswers) {
   EXPECT_EQ(sent, 8 + 41 + 1 + 16) << "no sample is left out";
 }
 
-TEST_F(ServoCycleTest, WakesTheReplicaForEverySecondSampleUnlessTheToolMills) {
+TEST_F(ServoCycleTest, WakesTheReplicaForEverySecondSampleUnlessTheToolMillsOrTurns) {
   for (const CutLaw law : {CutLaw::kSpecificEnergy, CutLaw::kMechanistic}) {
     ReplicaExchange replica;
     ServoCycle cycle(device, samples, wrenches, listener, {.model = {.law = law}}, &replica);
     int wakes = 0, popped = 0;
     for (int i = 0; i < 20; ++i) {
+      device.state.tip_mm.z -= 0.05;
       EXPECT_TRUE(cycle.tick(10'000 + 1000 * static_cast<std::uint64_t>(i)));
       if (!replica.is_woken()) continue;
       replica.wait();
@@ -260,6 +261,12 @@ TEST_F(ServoCycleTest, WakesTheReplicaForEverySecondSampleUnlessTheToolMills) {
     }
     EXPECT_EQ(wakes, law == CutLaw::kMechanistic ? 20 : 10);
     EXPECT_EQ(popped, 20);
+    for (int i = 20; i < 24; ++i) {
+      device.state.tip_mm.y -= 0.05;
+      EXPECT_TRUE(cycle.tick(10'000 + 1000 * static_cast<std::uint64_t>(i)));
+      ASSERT_TRUE(replica.is_woken()) << "at a corner";
+      replica.wait();
+    }
   }
 }
 

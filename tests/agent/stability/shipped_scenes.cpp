@@ -111,13 +111,17 @@ ShippedFeel feel_shipped(const ShippedScene& scene, double seconds) {
   ShippedFeel feel;
   const int ticks = static_cast<int>((kRestS + seconds) * 1000);
   const int first = static_cast<int>((kRestS + kRampS) * 1000);
+  Wrench before;
   for (int i = 0; i < ticks && !device.finished; ++i) {
     bed.tick();
     each.tick();
     const Vec3 force(each.newest().force_n), torque(each.newest().torque_nmm);
+    const Wrench late = std::exchange(before, {force, torque});
     if (i < first || !(dot(force, force) > 0)) continue;
     feel.server_force.add(device.output.force_n, force);
     feel.server_torque.add(device.output.torque_nmm, torque);
+    feel.late_force.add(late.force_n, force);
+    feel.late_torque.add(late.torque_nmm, torque);
   }
   feel.agent = bed.servo().report().felt;
   feel.trips = bed.servo().supervisor().trips();

@@ -21,6 +21,8 @@ const std::vector<ShippedScene>& shipped_scenes();
 struct ShippedFeel {
   FeltReport agent;                      ///< against the wrench that the agent's replica computes
   FeltSums server_force, server_torque;  ///< against the server's result for this tick's pose alone
+  /// The server's results one tick late, against the same: no device gets them sooner.
+  FeltSums late_force, late_torque;
   std::uint64_t trips = 0;
 };
 
