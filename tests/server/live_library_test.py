@@ -9,6 +9,7 @@ import sys
 import unittest
 
 from live_server import SCENE, LiveTest
+from machine_stalls import MachineStalls
 
 PRESS = os.environ["KERF_PRESS"]
 PRESS_CPP = os.environ["KERF_PRESS_CPP"]
@@ -20,30 +21,55 @@ SOCKET_HAND = os.environ["KERF_SOCKET_HAND"]
 ROS2_NODE = os.path.join(os.path.dirname(PRESS_PY), "ros2_node.py")
 # Of the scene: pressing and cutting with the 10 mm ball stay below what the device may output.
 MOST_N = 6.0
+ATTEMPTS = 4
 
 
 class Examples(LiveTest):
-    def check(self, process, session):
-        text = process.communicate(timeout=60)[0]
-        self.assertEqual(process.returncode, 0, text)
+    def check(self, status, text, session):
+        self.assertEqual(status, 0, text)
         pressed, cut = map(float, re.search(
             r"greatest force: pressing ([0-9.]+) N, cutting ([0-9.]+) N", text).groups())
         self.assertTrue(0.1 < pressed <= MOST_N and 0.1 < cut <= MOST_N, text)
         # A slot of 15 mm, in which the ball is pressed into the stock by a soft hand.
         self.assertGreater(self.server.info(session)["removed_volume_mm3"], 5, text)
 
-    def test_devices_in_three_languages_press_and_cut(self):
-        url = f"http://127.0.0.1:{self.port}"
-        commands = {"in_c": [PRESS, url, "in_c"], "in_cpp": [PRESS_CPP, url, "in_cpp"],
-                    "in_python": [sys.executable, PRESS_PY, url, "in_python", LIBRARY]}
+    def press(self, commands):
+        """Runs one program for each session at the same time; returns the status and text of each."""
         running = {}
         for session, words in commands.items():
             self.server.create(session, SCENE)
             running[session] = subprocess.Popen(words, stdout=subprocess.PIPE,
                                                 stderr=subprocess.STDOUT, text=True)
-        for session, process in running.items():
-            with self.subTest(session):
-                self.check(process, session)
+        texts = {session: process.communicate(timeout=60)[0] for session, process in running.items()}
+        return {session: (running[session].returncode, text) for session, text in texts.items()}
+
+    def test_devices_in_three_languages_press_and_cut(self):
+        """A loaded machine may trip an agent, which is then run again. A machine that stood still in
+        each attempt says nothing about the agent."""
+        url = f"http://127.0.0.1:{self.port}"
+        words = {"in_c": lambda session: [PRESS, url, session],
+                 "in_cpp": lambda session: [PRESS_CPP, url, session],
+                 "in_python": lambda session: [sys.executable, PRESS_PY, url, session, LIBRARY]}
+        left, stalled = set(words), 0
+        for attempt in range(ATTEMPTS):
+            stalls = MachineStalls()
+            self.addCleanup(stalls.end)
+            done = self.press({f"{name}_{attempt}": words[name](f"{name}_{attempt}")
+                               for name in sorted(left)})
+            stalled += bool(stalls.end())
+            for name in sorted(left):
+                session = f"{name}_{attempt}"
+                status, text = done[session]
+                if status != 0 and "lost_ticks" in text:
+                    continue
+                self.check(status, text, session)
+                left.remove(name)
+            if not left:
+                return
+        if stalled == ATTEMPTS:
+            self.skipTest("this machine is too busy for a loop of 1 kHz")
+        self.fail(f"the machine stood still in {stalled} of {ATTEMPTS} attempts\n"
+                  + "\n".join(text for _, text in done.values()))
 
     def test_agent_runs_a_plugin_and_a_device_of_another_process(self):
         path = os.path.join(self.folder.name, "hand")

@@ -26,6 +26,7 @@ function markOf(pin: Pin): Mark {
   label.className = 'pin-text';
   label.textContent = pin.text;
   element.append(label);
+  element.hidden = true; // until the next frame has placed it
   return { pin, at: pin.at_mm, element, label, halfPx: 0 };
 }
 
