@@ -278,7 +278,7 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
   const auto end = std::chrono::steady_clock::now() + pace.time_for(bytes);
   while (!error_ && !parser.is_done()) {
     if (std::chrono::steady_clock::now() > end) {
-      // Not when the connection has ended: its peer may take seconds to close it.
+      // Gives the memory back now: the peer may take seconds to close the connection.
       upload_ = {};
       const std::string reason = pace.too_slow();
       co_return co_await reject(head, 408, "too_slow", reason);

@@ -9,7 +9,7 @@
 //
 // Means and maxima of the magnitudes, felt of computed; error: rms of the difference of the vectors
 // over rms of the computed one, which the server computes for the pose of that tick alone. late:
-// the error of the server's own results, one tick late, which no servo of 1 kHz gets sooner.
+// the error of the server's own results one tick late; a servo at 1 kHz cannot have them sooner.
 // reduced: share of the ticks with a force in which the device outputs less than 95 % of what the
 // agent's own replica computes. chatter: rms of the tip's velocity less that of the hand's target,
 // of which up to 9 mm/s is how the hand yields to 1 N that turns along the half circle. The last
