@@ -69,6 +69,12 @@ class BlockHistory {
   std::expected<std::optional<SurfaceMaker>, std::string> first_to_remove(
       const StockCell& cell, const MotionSet& set, const std::stop_token& stop = {});
 
+  /// Returns whose motion of a set was the first to remove each of these quanta; 0: nobody's, it
+  /// never was stock, or a journal of version 1 does not say.
+  std::expected<std::vector<ParticipantId>, std::string> owners(std::span<const StockCell> cells,
+                                                                const MotionSet& set,
+                                                                const std::stop_token& stop = {});
+
   /// Bytes of the index of motions.
   std::size_t index_bytes() const { return spans_.bytes(); }
   /// Bytes of the tiles that are kept.

@@ -12,17 +12,6 @@
 namespace kerf {
 namespace {
 
-/// Returns whether the block held a quantum before its first motion.
-bool was_stock(const SolidSnapshot& start, const StockCell& cell) {
-  const auto field = std::ranges::find(start.fields, cell.axis,
-                                       [](const DexelSnapshot& f) { return f.grid().axis; });
-  if (field == start.fields.end()) return false;
-  std::vector<Dexel> scratch;
-  return std::ranges::any_of(field->column(cell.i, cell.j, scratch), [&](const Dexel& dexel) {
-    return dexel.bottom <= cell.depth && cell.depth < dexel.top;
-  });
-}
-
 /// The tile of a quantum, which holds nothing else, and cuts of it.
 class LoneCell {
  public:
@@ -56,12 +45,6 @@ class LoneCell {
   TileCarver& carver_;
   std::shared_ptr<const DexelTile> tile_;
 };
-
-Bounds box_of(const StockCell& cell, const DexelGrid& grid, double margin_mm) {
-  const Vec3 low{grid.x_mm(cell.i), grid.y_mm(cell.j), grid.z_mm(cell.depth)};
-  const Vec3 high{low.x, low.y, grid.z_mm(cell.depth + 1)};
-  return grown({from_frame(cell.axis, low), from_frame(cell.axis, high)}, margin_mm);
-}
 
 }  // namespace
 

@@ -152,10 +152,12 @@ class Api {
   ApiResponse target_distances(const ApiCall& call);
   ApiResponse picture(const ApiCall& call);
   ApiResponse probe(const ApiCall& call);
+  ApiResponse owners(const ApiCall& call);
   ApiResponse replay(const ApiCall& call);
   ApiResponse journal_origin(const ApiCall& call);
   ApiResponse journal_records(const ApiCall& call);
   ApiResponse list_strokes(const ApiCall& call);
+  ApiResponse list_authors(const ApiCall& call);
   ApiResponse undo(const ApiCall& call);
   ApiResponse redo(const ApiCall& call);
   ApiResponse list_versions(const ApiCall& call);
@@ -192,6 +194,8 @@ class Api {
   ThreadPool& carvers();
   /// The solid of a session as it was after a record.
   std::expected<HashedSolid, ApiResponse> solid_after(const ApiCall& call, std::uint64_t record);
+  /// The same after the record that the parameter `at` names; as it is without one.
+  std::expected<HashedSolid, ApiResponse> requested_block(const ApiCall& call);
   /// What a session of a scene would cost, as JSON.
   static std::string price_of(const Scene& scene);
   /// A share of the memory for programs. If it is used up, the texts of programs that have ended

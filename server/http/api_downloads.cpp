@@ -148,6 +148,14 @@ ApiResponse Api::download(const ApiCall& call) {
   return response;
 }
 
+std::expected<HashedSolid, ApiResponse> Api::requested_block(const ApiCall& call) {
+  const std::string* at = call.request.query_value("at");
+  if (at == nullptr) return current_solid(*call.session);
+  const auto record = find_requested(*call.session, at);
+  if (!record) return std::unexpected(record.error());
+  return solid_after(call, *record);
+}
+
 std::expected<HashedSolid, ApiResponse> Api::solid_after(const ApiCall& call,
                                                          std::uint64_t record) {
   const auto then = call.session->solid_at(record, carvers(), call.request.stop);

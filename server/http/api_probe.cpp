@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The route that tells what the surface is at a place, and who cut it.
+// The routes that tell what the surface is at a place, and who cut it.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <tuple>
 
 #include "server/history/column_end.h"
 #include "server/http/api.h"
-#include "server/http/history_point.h"
 #include "server/http/place.h"
 #include "server/threads/run_and_wait.h"
 
@@ -25,6 +26,9 @@ constexpr double kWithinPitches = 2.5;
 constexpr double kOutsidePitches = 0.6;
 /// Distances of two lines of a program from a motion that differ by less are equal, mm.
 constexpr double kSameMm = 1e-6;
+// The bytes of points and of owners are those in memory.
+static_assert(std::endian::native == std::endian::little);
+static_assert(sizeof(ParticipantId) == 4);
 
 Json array_of(Vec3 v) { return {v.x, v.y, v.z}; }
 
@@ -35,6 +39,15 @@ const char* name_of(RayAxis axis) {
 /// The quantum outside of an end.
 StockCell air_at(const ColumnEnd& end) {
   return {end.axis, end.i, end.j, end.is_top ? end.depth : end.depth - 1};
+}
+
+/// A place of the displayed surface; the normal is a unit vector out of it.
+struct Place {
+  Vec3 at_mm, normal;
+};
+
+std::optional<ColumnEnd> end_at(const SolidSnapshot& solid, const Place& place) {
+  return nearest_end(solid, place.at_mm, place.normal, kWithinPitches * solid.grid().pitch_mm);
 }
 
 /// The quantum of the first field that holds a place; nothing: it is outside of the block.
@@ -48,6 +61,13 @@ std::optional<StockCell> cell_at(const DexelGrid& grid, Vec3 place_mm) {
   }
   return StockCell{grid.axis, static_cast<std::int32_t>(i), static_cast<std::int32_t>(j),
                    static_cast<std::int32_t>(depth)};
+}
+
+/// The quantum of air at a place, where a ray may end; nothing: it is outside of the block.
+std::optional<StockCell> air_of(const DexelGrid& grid, const Place& place,
+                                const std::optional<ColumnEnd>& end) {
+  if (end) return air_at(*end);
+  return cell_at(grid, place.at_mm + kOutsidePitches * grid.pitch_mm * place.normal);
 }
 
 double distance_of(Vec3 place, Vec3 a, Vec3 b) {
@@ -99,10 +119,6 @@ Json shown_maker(Session& session, const SurfaceMaker& maker) {
           {"program", program_of(session, maker)}};
 }
 
-/// What a request asks about.
-struct Place {
-  Vec3 at_mm, normal;
-};
 std::expected<Place, ApiResponse> requested_place(const ApiRequest& request) {
   const auto at = parse_place(request.query_value("at_mm"));
   const auto normal = parse_place(request.query_value("normal"));
@@ -116,25 +132,39 @@ std::expected<Place, ApiResponse> requested_place(const ApiRequest& request) {
   return Place{*at, (1 / size) * *normal};
 }
 
+/// The points that a body spells: place and normal of each. The normal of length 0 stays so.
+std::expected<std::vector<Place>, std::string> places_of(const std::string& body) {
+  using Point = std::array<float, 6>;
+  if (body.empty() || body.size() % sizeof(Point) != 0) {
+    return std::unexpected(
+        "the body must be points: X, Y and Z of each, then those of the normal, as 32-bit floats, "
+        "little endian");
+  }
+  std::vector<Place> places(body.size() / sizeof(Point));
+  for (std::size_t n = 0; n < places.size(); ++n) {
+    Point p{};
+    std::memcpy(p.data(), body.data() + n * sizeof(Point), sizeof(Point));
+    if (!std::ranges::all_of(p, [](float v) { return std::isfinite(v); })) {
+      return std::unexpected("point " + std::to_string(n) + " is not finite");
+    }
+    const std::array<double, 6> v{p[0], p[1], p[2], p[3], p[4], p[5]};
+    const Vec3 normal{v[3], v[4], v[5]};
+    const double size = length(normal);
+    places[n] = {{v[0], v[1], v[2]}, size > 0 ? (1 / size) * normal : normal};
+  }
+  return places;
+}
+
 }  // namespace
 
 ApiResponse Api::probe(const ApiCall& call) {
   const auto place = requested_place(call.request);
   if (!place) return place.error();
-  std::expected<HashedSolid, ApiResponse> block;
-  if (const std::string* at = call.request.query_value("at")) {
-    const auto record = find_requested(*call.session, at);
-    if (!record) return record.error();
-    block = solid_after(call, *record);
-    if (!block) return block.error();
-  } else {
-    block = current_solid(*call.session);
-  }
+  const auto block = requested_block(call);
+  if (!block) return block.error();
   const DexelGrid& grid = block->solid.grid();
-  const auto end =
-      nearest_end(block->solid, place->at_mm, place->normal, kWithinPitches * grid.pitch_mm);
-  const Vec3 outside = place->at_mm + kOutsidePitches * grid.pitch_mm * place->normal;
-  const auto air = end ? air_at(*end) : cell_at(grid, outside);
+  const auto end = end_at(block->solid, *place);
+  const auto air = air_of(grid, *place, end);
   Json json = {{"surface", nullptr}, {"cut", nullptr}, {"sequence", block->hash.sequence}};
   if (end) {
     json["surface"] = {{"at_mm", array_of(end->at_mm)},
@@ -148,6 +178,35 @@ ApiResponse Api::probe(const ApiCall& call) {
   if (!maker) return error_response(503, "busy", maker.error());
   if (*maker) json["cut"] = shown_maker(*call.session, **maker);
   return json_response(200, json.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+/// Ends are looked for beside all of history, so that who undoes does not wait for that.
+ApiResponse Api::owners(const ApiCall& call) {
+  const auto places = places_of(call.request.body);
+  if (!places) return error_response(400, "bad_points", places.error());
+  const auto block = requested_block(call);
+  if (!block) return block.error();
+  std::vector<StockCell> cells;
+  std::vector<std::size_t> asked;  // places of the points that have a cell
+  for (std::size_t n = 0; n < places->size(); ++n) {
+    if (n % 4096 == 0 && call.request.stop.stop_requested()) {
+      return error_response(503, "busy", "stopped");
+    }
+    const Place& place = (*places)[n];
+    const auto air = air_of(block->solid.grid(), place, end_at(block->solid, place));
+    if (!air) continue;
+    cells.push_back(*air);
+    asked.push_back(n);
+  }
+  const auto found = call.session->owners(cells, block->hash.sequence, call.request.stop);
+  if (!found) return error_response(503, "busy", found.error());
+  std::vector<ParticipantId> owners(places->size(), 0);
+  for (std::size_t n = 0; n < asked.size(); ++n) owners[asked[n]] = (*found)[n];
+  ApiResponse response;
+  response.content_type = "application/octet-stream";
+  response.body.resize(owners.size() * sizeof(ParticipantId));
+  std::memcpy(response.body.data(), owners.data(), response.body.size());
+  return response;
 }
 
 }  // namespace kerf::net

@@ -8,6 +8,7 @@
 #include "server/http/access_errors.h"
 #include "server/http/api.h"
 #include "server/http/number.h"
+#include "server/store/journal_people.h"
 
 namespace kerf::net {
 namespace {
@@ -68,6 +69,23 @@ ApiResponse Api::list_strokes(const ApiCall& call) {
   Json list = Json::array();
   for (const ListedStroke& stroke : *strokes) list.push_back(stroke_json(stroke));
   return json_response(200, Json{{"strokes", std::move(list)}}.dump());
+}
+
+ApiResponse Api::list_authors(const ApiCall& call) {
+  if (const auto flushed = call.session->flush(); !flushed) {
+    return error_response(503, "busy", describe(flushed.error()));
+  }
+  const auto people = people_of(call.session->journal_file());
+  if (!people) return error_response(503, "busy", describe(people.error()));
+  Json list = Json::array();
+  for (const JournalParticipant& person : *people) {
+    list.push_back({{"participant", person.participant},
+                    {"name", person.name},
+                    {"color", person.color},
+                    {"kind", person.kind}});
+  }
+  return json_response(
+      200, Json{{"authors", list}}.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 ApiResponse Api::undo(const ApiCall& call) { return change_strokes(call, true); }

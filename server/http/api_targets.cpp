@@ -9,7 +9,6 @@
 #include "server/formats/model/mesh_source.h"
 #include "server/http/api.h"
 #include "server/http/entity_tag.h"
-#include "server/http/history_point.h"
 #include "server/http/place.h"
 #include "server/session/hash_text.h"
 #include "server/verify/deviation_survey.h"
@@ -128,15 +127,8 @@ ApiResponse Api::target_deviation(const ApiCall& call) {
   const ApiRequest& request = call.request;
   const auto part = targets_.get(call.session->id(), call.captured);
   if (!part) return unknown_target(call.captured);
-  std::expected<HashedSolid, ApiResponse> block;
-  if (const std::string* at = request.query_value("at")) {
-    const auto record = find_requested(*call.session, at);
-    if (!record) return record.error();
-    block = solid_after(call, *record);
-    if (!block) return block.error();
-  } else {
-    block = current_solid(*call.session);
-  }
+  const auto block = requested_block(call);
+  if (!block) return block.error();
   const std::string etag = '"' + hash_text(block->hash.hash) + "-" + part->facts().tag + '"';
   ApiResponse response;
   if (has_client(request, etag, response)) return response;

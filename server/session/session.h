@@ -120,9 +120,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Number of the last record that is committed.
   std::uint64_t committed() const { return journal_.durable_sequence(); }
   std::size_t journal_lag() const { return journal_.lag(); }  ///< records not yet committed
-  /// The error of the disk while the session is paused: motions are rejected with kBusy until the
-  /// journal, which tries every second, can be written again, or a limit of the disk allows more.
-  /// Nullopt otherwise.
+  /// The error of the disk while the session is paused, else nullopt: motions are rejected (kBusy)
+  /// until a write, tried every second, succeeds, or a limit of the disk allows more.
   std::optional<JournalError> pause() const { return journal_.pause(); }
   JournalFigures journal_figures() const { return journal_.figures(); }
   CopyNote& copy() const { return journal_.copy(); }
@@ -296,11 +295,12 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Returns the strokes whose last record is `since` or later. Blocks: not on the executor.
   std::expected<std::vector<ListedStroke>, std::string> strokes(std::uint64_t since,
                                                                 const std::stop_token& stop = {});
-
-  /// Returns which motion was the first to remove a quantum of stock, of those that make up the
-  /// block after a record; nothing: none. Blocks: not on the executor.
+  /// BlockHistory, of the motions that make up the block after a record. Block, as strokes() does.
   std::expected<std::optional<SurfaceMaker>, std::string> first_to_remove(
       const StockCell& cell, std::uint64_t record, const std::stop_token& stop = {});
+  std::expected<std::vector<ParticipantId>, std::string> owners(std::span<const StockCell> cells,
+                                                                std::uint64_t record,
+                                                                const std::stop_token& stop = {});
 
   /// Calls `listener` on the executor at each event until unlisten() with the returned number.
   /// Changes of the participants are collected: they are reported every kChangeInterval at most.

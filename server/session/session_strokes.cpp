@@ -271,4 +271,12 @@ std::expected<std::optional<SurfaceMaker>, std::string> Session::first_to_remove
   return history_->first_to_remove(cell, history_->strokes().at(record), stop);
 }
 
+std::expected<std::vector<ParticipantId>, std::string> Session::owners(
+    std::span<const StockCell> cells, std::uint64_t record, const std::stop_token& stop) {
+  const auto lock = history_turns_.ask(kHistoryPatience);
+  if (!lock) return std::unexpected(kOthersAskHistory);
+  if (auto read = read_history(stop); !read) return std::unexpected(read.error());
+  return history_->owners(cells, history_->strokes().at(record), stop);
+}
+
 }  // namespace kerf

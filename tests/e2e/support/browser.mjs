@@ -25,7 +25,11 @@ export function launchBrowser(graphics = SOFTWARE_WEBGL) {
  * before the page's own. `problems` collects the page's exceptions and console errors.
  */
 export async function openViewer(browser, url, viewport, { script, ...others } = {}) {
-  const context = await browser.newContext({ viewport, ignoreHTTPSErrors: true, ...others });
+  const context = await browser.newContext({
+    viewport,
+    ignoreHTTPSErrors: true,
+    ...others,
+  });
   if (script) await context.addInitScript(script);
   return goTo(await context.newPage(), url);
 }
@@ -68,6 +72,12 @@ async function pixelsOf(page, png, [x, y, width, height]) {
     },
     [png.toString('base64'), x, y, width, height],
   );
+}
+
+/** The color of a pixel of the page: red, green, blue, 0 to 255. */
+export async function colorAt(page, x, y) {
+  const png = await page.screenshot({ timeout: 120_000 });
+  return (await pixelsOf(page, png, [x, y, 1, 1])).slice(0, 3);
 }
 
 /** Brightness of each pixel, 0 to 255. */

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 #include "server/history/block_history.h"
 #include "server/history/column_end.h"
@@ -99,6 +100,46 @@ TEST(SurfaceMaker, NobodyRemovedWhatIsThere) {
   const auto maker = history.first_to_remove({RayAxis::kZ, 3, 3, 0}, {});
   ASSERT_TRUE(maker) << maker.error();
   EXPECT_FALSE(maker->has_value());
+}
+
+TEST(SurfaceOwners, AreTheParticipantsWhoseMotionsWereTheFirst) {
+  for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+    RecordedJob job(test::job_settings(rays, 0.5), 71 + static_cast<unsigned>(rays));
+    job.carve(1500);  // more than a window of records
+    job.redefine();
+    job.carve(300);
+    const SolidSnapshot start = Sculpture::create(job.settings()).value().solid();
+    BlockHistory history(journal_records(job.file()), job.settings(), start);
+    ASSERT_TRUE(history.catch_up());
+    for (int question = 0; question < 3; ++question) {
+      const MotionSet set = job.some();
+      auto cells = some_cells(job, start, 150);
+      for (std::size_t n = 0; n < 150; n += 3) {  // of one column, of which some are asked twice
+        cells.push_back(cells[n]);
+        const std::int32_t depth = std::max(cells[n].depth - static_cast<std::int32_t>(n % 4), 0);
+        cells.push_back({cells[n].axis, cells[n].i, cells[n].j, depth});
+      }
+      const auto owners = history.owners(cells, set);
+      ASSERT_TRUE(owners) << owners.error();
+      ASSERT_EQ(owners->size(), cells.size());
+      std::set<ParticipantId> found;
+      for (std::size_t n = 0; n < cells.size(); ++n) {
+        const auto maker = history.first_to_remove(cells[n], set).value();
+        ASSERT_EQ((*owners)[n], maker ? maker->stroke.participant : 0) << "cell " << n;
+        found.insert((*owners)[n]);
+      }
+      EXPECT_GE(found.size(), 3U);
+    }
+  }
+}
+
+TEST(SurfaceOwners, HasNoneWhereNothingIsAsked) {
+  RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 81);
+  job.carve(50);
+  BlockHistory history(journal_records(job.file()), job.settings(),
+                       Sculpture::create(job.settings()).value().solid());
+  ASSERT_TRUE(history.catch_up());
+  EXPECT_TRUE(history.owners({}, {}).value().empty());
 }
 
 TEST(ColumnEnd, IsTheNearestOfTheFaceThatIsMeant) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Divides triangles so that a value that varies along a face can be shown at their corners.
 
+import { distance } from './vector';
+import type { Vec3 } from '../wire/types';
+
 /** Triangles with shared corners. */
 export interface Triangles {
   /** Three numbers a corner. */
@@ -8,6 +11,14 @@ export interface Triangles {
   normals: Float32Array<ArrayBuffer>;
   /** Three numbers a triangle. */
   index: Uint32Array<ArrayBuffer>;
+}
+
+/** Of the block's diagonal. */
+const EDGE_SHARE = 1 / 160;
+
+/** The longest edge, mm, along which what is painted on a block does not change. */
+export function paintedEdge(pitchMm: number, { min, max }: { min: Vec3; max: Vec3 }): number {
+  return Math.max(2 * pitchMm, EDGE_SHARE * distance(min, max));
 }
 
 /** So small an edge is not divided, whatever the limit: bounds the work. */

@@ -144,14 +144,14 @@ export class SessionPage {
       ),
     );
     const pathHost = { picture: this.picture, canvas: this.canvas_, overlay: this.overlay_ };
-    mountPrograms(this.model, session, this.toolbar_.element, pathHost, oneOpen, () =>
-      this.resize_(),
-    );
+    const { element: toolbar } = this.toolbar_;
+    const resized = (): void => this.resize_();
+    const showLine = mountPrograms(this.model, session, toolbar, pathHost, oneOpen, resized);
     this.toggleTimeline_ = mountTimeline({
       model: this.model,
       session,
       picture: this.picture,
-      toolbar: this.toolbar_.element,
+      toolbar,
       seek: (seek) => this.past_.seek(seek),
       layoutChanged: () => this.resize_(),
     });
@@ -161,9 +161,10 @@ export class SessionPage {
       picture: this.picture,
       canvas: this.canvas_,
       overlay: this.overlay_,
-      toolbar: this.toolbar_.element,
+      toolbar,
       oneOpen,
       layoutChanged: () => this.resize_(),
+      showLine,
     });
     this.carve = mountCarve({
       model: this.model,

@@ -15,22 +15,23 @@ import {
 import type { TargetPart } from '../../link/targets';
 import { rangeOf, roundedUp } from '../../model/deviation';
 import type { DeviationPlace, DeviationSurvey } from '../../model/deviation';
+import { paintedEdge } from '../../model/refine';
 import type { LengthUnit } from '../../model/measure';
 import type { Bounds } from '../../model/session';
-import { distance, plus } from '../../model/vector';
+import { plus } from '../../model/vector';
 import { MeasureView } from '../../view/inspect/measure_view';
-import { PaintedView } from '../../view/inspect/painted_view';
+import { PaintedMaterial } from '../../view/inspect/painted_material';
+import { PaintedView, trianglesOf } from '../../view/inspect/painted_view';
 import type { Viewer } from '../../view/viewer';
 import type { Vec3 } from '../../wire/types';
 import { Vector3 } from 'three';
+import type { CutNote } from './cut_note';
 import { DeviationControls } from './deviation_controls';
 import { signed } from './deviation_plot';
 import type { InspectHost } from './mount';
 
 /** While the block changes it is surveyed at most so often. */
 const SURVEY_EVERY_MS = 5000;
-/** Edges along which colors are interpolated, as a share of the block's diagonal. */
-const EDGE_SHARE = 1 / 160;
 const ARM_PX = 36;
 const TOLERANCE = 'tolerance';
 
@@ -49,6 +50,8 @@ export function isOutside(part: Bounds, block: Bounds): boolean {
 }
 
 export class Comparing {
+  /** The colors are shown, in place of others. */
+  chosen: () => void = () => undefined;
   private readonly controls_ = new DeviationControls({
     choose: (name) => this.choose_(name),
     added: (file) => void this.add_(file, [0, 0, 0]),
@@ -63,6 +66,7 @@ export class Comparing {
   /** The file that was sent last, in case it has to be moved. */
   private sent_: File | null = null;
   private painted_: PaintedView | null = null;
+  private readonly material_ = new PaintedMaterial();
   private stop_ = new AbortController();
   private survey_: DeviationSurvey | null = null;
   private surveyed_ = '';
@@ -77,7 +81,9 @@ export class Comparing {
     private readonly host: InspectHost,
     private readonly session: string,
     private readonly bounds: () => Bounds,
+    private readonly note: CutNote,
   ) {
+    this.controls_.places.append(note.element);
     this.marker_ = new MeasureView(viewer, host.overlay);
   }
 
@@ -182,21 +188,29 @@ export class Comparing {
     this.isSurveying_ = false;
     this.mark_(null);
     this.chosen_ = this.parts_.find((part) => part.name === name) ?? null;
-    if (this.chosen_) this.painted_ = this.paint_(this.chosen_.name);
+    if (this.chosen_) {
+      this.chosen();
+      this.painted_ = this.paint_(this.chosen_.name);
+    }
     this.controls_.say('');
     this.showParts_();
     this.show_();
   }
 
   private paint_(name: string): PaintedView {
-    const { min, max } = this.bounds();
     const { signal } = this.stop_;
-    const pitch = this.host.model.welcome?.pitch_mm ?? 0;
+    const limitMm = paintedEdge(this.host.model.welcome?.pitch_mm ?? 0, this.bounds());
     return new PaintedView(
       this.viewer,
-      (points) => distancesFrom(this.session, name, points, signal),
-      Math.max(2 * pitch, EDGE_SHARE * distance(min, max)),
-      POINTS_MAX,
+      {
+        material: this.material_.material,
+        trianglesOf: (tile) => trianglesOf(tile, limitMm),
+        questionsOf: ({ positions }) => positions,
+        numbers: 3,
+        questionsMax: POINTS_MAX,
+        ask: (points) => distancesFrom(this.session, name, points, signal),
+        paint: (triangles, answers) => ({ ...triangles, values: Float32Array.from(answers) }),
+      },
       (problem) => this.fail_(problem),
     );
   }
@@ -253,13 +267,15 @@ export class Comparing {
   private show_(): void {
     this.controls_.showSurvey(this.survey_, this.toleranceMm_, this.units_);
     const range = this.survey_ ? rangeOf(this.survey_, this.toleranceMm_) : 10 * this.toleranceMm_;
-    this.painted_?.setScale(this.toleranceMm_, range);
+    this.material_.setScale(this.toleranceMm_, range);
+    this.viewer.touch();
     if (this.place_) this.mark_(this.place_);
   }
 
   private mark_(place: DeviationPlace | null): void {
     this.place_ = place;
     if (!place) {
+      this.note.say('');
       this.marker_.show([], []);
       return;
     }
@@ -269,7 +285,7 @@ export class Comparing {
     this.marker_.show([{ line: [at, end], place: end, text }], []);
   }
 
-  /** Looks at a place from outside, a little from where the picture is seen now. */
+  /** Tells who cut a place, and looks at it from outside, a little from where the picture is seen now. */
   private goTo_(place: DeviationPlace): void {
     const { rig } = this.viewer;
     const at = new Vector3(...place.at_mm);
@@ -280,5 +296,6 @@ export class Comparing {
       .normalize();
     rig.view(at.clone().addScaledVector(from, 0.7 * rig.closeMm), at, performance.now());
     this.mark_(place);
+    void this.note.ask(place.at_mm, place.normal);
   }
 }

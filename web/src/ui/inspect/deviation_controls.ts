@@ -56,7 +56,8 @@ export class DeviationControls {
     class: 'deviation-worst',
     'aria-label': t('Worst places'),
   });
-  private readonly places_ = h('div', {}, h('h4', {}, t('Worst places')), this.worst_);
+  /** The worst places, and what is told of the one that was pressed. */
+  readonly places = h('div', {}, h('h4', {}, t('Worst places')), this.worst_);
   private readonly found_: HTMLElement;
   readonly element: HTMLElement;
   private units_: LengthUnit = 'mm';
@@ -123,7 +124,7 @@ export class DeviationControls {
     setText(this.rms_, t('rms {0}', figure(inUnit(survey.rms_mm, units))));
     this.plot_.show(quantiles, toleranceMm, rangeOf(survey, toleranceMm), units);
     const beyond = survey.worst.filter(({ mm }) => Math.abs(mm) > toleranceMm);
-    this.places_.hidden = beyond.length === 0;
+    this.places.hidden = beyond.length === 0;
     this.worst_.replaceChildren(
       ...beyond.map((place) => {
         const text = signed(place.mm, units);
@@ -141,7 +142,7 @@ export class DeviationControls {
       h('label', { class: 'inspect-row' }, t('Tolerance ±'), this.tolerance_, this.unit_),
       h('p', { class: 'inspect-figures' }, this.within_, this.span_, this.rms_),
       this.plot_.element,
-      this.places_,
+      this.places,
     );
   }
 

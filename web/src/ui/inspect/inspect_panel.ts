@@ -12,10 +12,13 @@ import type { Layer, Viewer } from '../../view/viewer';
 import type { Preset } from '../../view/camera_rig';
 import { h } from '../dom';
 import { recall, remember } from '../../strings/memory';
+import { Authors } from '../authors';
 import { Comparing } from './comparing';
+import { CutNote } from './cut_note';
 import { Measuring } from './measuring';
 import { Ghost } from './ghost';
 import type { InspectHost } from './mount';
+import { Owning } from './owning';
 import { Picker } from './picker';
 import { Probing } from './probing';
 import { Sectioning } from './sectioning';
@@ -29,8 +32,9 @@ const NARROW = '(max-width: 1100px), (max-height: 560px)';
 export class InspectPanel implements Layer {
   private readonly sectioning_: Sectioning;
   private readonly measuring_: Measuring;
-  private readonly comparing_: Comparing | null;
-  private readonly probing_: Probing | null;
+  private readonly comparing_: Comparing | null = null;
+  private readonly probing_: Probing | null = null;
+  private readonly owning_: Owning | null = null;
   private readonly close_ = (): void => this.setOpen_(false);
   private readonly cube_ = new ViewCube((preset) => this.view_(preset));
   private readonly element_: HTMLElement;
@@ -39,7 +43,7 @@ export class InspectPanel implements Layer {
     this.setCurvature_(this.curvature_.getAttribute('aria-pressed') !== 'true'),
   );
   private readonly stock_ = this.toggleButton_(t('Stock'), () => this.ghost_?.toggle());
-  private readonly ghost_: Ghost | null;
+  private readonly ghost_: Ghost | null = null;
   private readonly legend_ = h('p', { class: 'curvature-legend', hidden: '' });
   private readonly inches_ = this.toggleButton_(t('Inches'), () => this.setInches_());
   private units_: LengthUnit = recall('units') === 'in' ? 'in' : 'mm';
@@ -59,11 +63,16 @@ export class InspectPanel implements Layer {
     this.measuring_ = new Measuring(viewer, displayed, host, (x, y) =>
       picker.at(x, y, this.sectioning_.plane, this.sectioning_.outline, 2 * this.pitch_),
     );
-    this.comparing_ =
-      host.session === null ? null : new Comparing(viewer, host, host.session, bounds);
-    this.probing_ = host.session === null ? null : new Probing(host.model, host.session);
-    const say = (reason: string): void => this.comparing_?.say(reason);
-    this.ghost_ = host.session === null ? null : new Ghost(viewer, host.session, this.stock_, say);
+    const { session } = host;
+    if (session !== null) {
+      const authors = new Authors(host.model, session);
+      const note = (): CutNote => new CutNote(host, session, authors);
+      this.comparing_ = new Comparing(viewer, host, session, bounds, note());
+      this.probing_ = new Probing(note());
+      this.owning_ = new Owning(viewer, host, session, authors, bounds);
+      const say = (reason: string): void => this.comparing_?.say(reason);
+      this.ghost_ = new Ghost(viewer, session, this.stock_, say);
+    }
     this.stock_.hidden = !this.ghost_;
     this.takeTurns_();
     const close = h('button', { type: 'button', class: 'inspect-action' }, t('Close'));
@@ -74,8 +83,7 @@ export class InspectPanel implements Layer {
       h('header', {}, h('h2', {}, t('Inspect')), close),
       this.sectioning_.element,
       this.measuring_.element,
-      ...(this.probing_ ? [this.probing_.element] : []),
-      ...(this.comparing_ ? [this.comparing_.element] : []),
+      ...[this.probing_, this.owning_, this.comparing_].flatMap((part) => part?.element ?? []),
       h(
         'div',
         { class: 'inspect-foot' },
@@ -100,9 +108,11 @@ export class InspectPanel implements Layer {
     this.listen_(main);
   }
 
-  /** A press in the picture means one thing at a time. */
+  /** A press in the picture means one thing at a time, and so do the colors of the surface. */
   private takeTurns_(): void {
     const { sectioning_: sectioning, measuring_: measuring, probing_: probing } = this;
+    if (this.owning_) this.owning_.chosen = () => this.comparing_?.close();
+    if (this.comparing_) this.comparing_.chosen = () => this.owning_?.choose(false);
     sectioning.chosen = () => {
       measuring.choose(null);
       probing?.choose(false);
@@ -148,6 +158,7 @@ export class InspectPanel implements Layer {
       this.measuring_.choose(null);
       this.probing_?.choose(false);
       this.comparing_?.close();
+      this.owning_?.choose(false);
       this.ghost_?.show(false);
       this.setCurvature_(false);
       this.viewer.displayed.forget();
@@ -167,6 +178,7 @@ export class InspectPanel implements Layer {
   private update_(): void {
     this.sectioning_.update(this.host.model.tiles.exact);
     this.comparing_?.update(performance.now());
+    this.owning_?.update();
     this.parallel_.setAttribute('aria-pressed', String(this.viewer.rig.parallel));
     if (!this.hover_) return;
     this.measuring_.hover(this.hover_.offsetX, this.hover_.offsetY);

@@ -2,14 +2,12 @@
 // A press on the surface asks the server where it is exactly, and who cut it.
 
 import { t } from '../../strings';
-import { probe } from '../../link/probe';
-import type { Cut, Probe } from '../../link/probe';
+import type { Probe } from '../../link/probe';
 import { inUnit } from '../../model/measure';
 import type { LengthUnit } from '../../model/measure';
-import type { SessionModel } from '../../model/session';
 import type { Vec3 } from '../../wire/types';
 import { h, setText } from '../dom';
-import { sentence } from '../format';
+import type { CutNote } from './cut_note';
 import type { Picked } from './picker';
 
 /** A place to the digits that a quantum has. */
@@ -28,22 +26,17 @@ export class Probing {
     t('Who cut this?'),
   );
   private readonly place_ = h('b', { class: 'probe-place' });
-  private readonly text_ = h('p', { class: 'quiet inspect-hint probe-text', role: 'status' });
   readonly element: HTMLElement;
   private last_: Probe | null = null;
   private units_: LengthUnit = 'mm';
-  private asked_ = 0;
 
-  constructor(
-    private readonly model: SessionModel,
-    private readonly session: string,
-  ) {
+  constructor(private readonly note: CutNote) {
     this.button_.addEventListener('click', () => this.choose(!this.isOn));
     this.element = h(
       'section',
       { 'aria-label': t('Who cut this?') },
       h('div', { class: 'inspect-row' }, this.button_, this.place_),
-      this.text_,
+      note.element,
     );
   }
 
@@ -55,9 +48,8 @@ export class Probing {
     if (on) this.chosen();
     this.button_.setAttribute('aria-pressed', String(on));
     this.last_ = null;
-    this.asked_ += 1; // what was asked is of no interest any more
     setText(this.place_, '');
-    setText(this.text_, on ? t('Press the surface: its exact place, and who cut it.') : '');
+    this.note.say(on ? t('Press the surface: its exact place, and who cut it.') : '');
   }
 
   setUnits(units: LengthUnit): void {
@@ -66,29 +58,13 @@ export class Probing {
   }
 
   async press({ point, normal }: Picked): Promise<void> {
-    this.asked_ += 1;
-    const asked = this.asked_;
-    setText(this.text_, t('Asking…'));
-    try {
-      const found = await probe(this.session, point, normal, this.model.state?.at?.record ?? null);
-      if (asked === this.asked_) this.show_(found);
-    } catch (problem) {
-      if (asked === this.asked_) setText(this.text_, sentence((problem as Error).message));
-    }
+    const found = await this.note.ask(point, normal);
+    if (found) this.show_(found);
   }
 
   private show_(found: Probe): void {
     this.last_ = found;
-    const { atMm, quantumMm, cut } = found;
+    const { atMm, quantumMm } = found;
     setText(this.place_, atMm ? placeText(atMm, quantumMm, this.units_) : '');
-    setText(this.text_, cut ? this.cutText_(cut) : t('The surface of the stock as it was.'));
-  }
-
-  private cutText_({ participant, tool, record, program }: Cut): string {
-    const known = this.model.participants.get(participant)?.info.name;
-    const name = program?.name ?? known ?? t('Participant {0}', participant);
-    return program && program.line > 0
-      ? t('Cut by {0} in line {1}, with tool {2}, in record {3}.', name, program.line, tool, record)
-      : t('Cut by {0} with tool {1}, in record {2}.', name, tool, record);
   }
 }

@@ -7,13 +7,16 @@ import { iconButton } from '../dom';
 import { ICONS } from '../icons';
 import { lazyPanel } from '../lazy_panel';
 import type { OneOpen } from '../one_open';
+import type { ProgramPlace } from '../inspect/mount';
 import type { PathHost } from './path_control';
+import type { ProgramsPanel } from './programs_panel';
 
 /**
  * Adds the button to a toolbar; the panel goes beside it when it is opened first.
  * @param host the picture, into which it draws the path
  * @param oneOpen closes it when another part opens
  * @param layoutChanged it was opened or closed
+ * @returns what opens it with a line of a program
  */
 export function mountPrograms(
   model: SessionModel,
@@ -22,12 +25,21 @@ export function mountPrograms(
   host: PathHost,
   oneOpen: OneOpen,
   layoutChanged: () => void,
-): void {
+): (place: ProgramPlace) => void {
+  let wanted: ProgramPlace | null = null;
+  let panel: ProgramsPanel | null = null;
   const toggle = lazyPanel('programs panel', async () => {
     const { ProgramsPanel } = await import('./programs_panel');
-    return new ProgramsPanel(model, session, button, host, oneOpen, layoutChanged);
+    panel = new ProgramsPanel(model, session, button, host, oneOpen, layoutChanged);
+    if (wanted) panel.showLine(wanted);
+    return panel;
   });
   const button = iconButton(ICONS.program, t('NC programs'), '', toggle);
   button.setAttribute('aria-expanded', 'false');
   toolbar.prepend(button);
+  return (place) => {
+    wanted = place;
+    panel?.showLine(place);
+    if (button.getAttribute('aria-expanded') !== 'true') toggle();
+  };
 }

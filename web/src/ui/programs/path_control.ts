@@ -3,7 +3,7 @@
 // a line in both directions.
 
 import { t } from '../../strings';
-import { Matrix4 } from 'three';
+import { Matrix4, Vector3 } from 'three';
 import {
   feedCurveOf,
   nearestInPicture,
@@ -53,6 +53,8 @@ export class PathControl {
   private feeds_: FeedCurve | null = null;
   private isOpen_ = false;
   private pressedAt_: { x: number; y: number } | null = null;
+  /** To be marked when the path has come. */
+  private wanted_: { line: number; place: Vec3 | undefined } | null = null;
 
   /** @param ask for the path of a program */
   constructor(
@@ -80,7 +82,7 @@ export class PathControl {
   select(program: number | null): void {
     if (program === this.program_) return;
     this.program_ = program;
-    this.path_ = this.feeds_ = null;
+    this.path_ = this.feeds_ = this.wanted_ = null;
     this.draw_();
     if (program === null) return;
     this.ask(program).then(
@@ -88,6 +90,7 @@ export class PathControl {
         if (this.program_ !== program) return;
         this.path_ = path;
         this.draw_();
+        if (this.wanted_) this.markLine(this.wanted_.line, this.wanted_.place);
       },
       (problem: unknown) => {
         setText(this.note_, (problem as Error).message);
@@ -116,8 +119,14 @@ export class PathControl {
 
   /** Marks the place of a line, or a place that belongs to it. */
   markLine(line: number, place?: Vec3): void {
+    this.wanted_ = this.path_ ? null : { line, place };
     const points = this.path_ && pointsOfLine(this.path_, line);
     if (this.path_ && points) this.view_?.mark(points, place ?? pointOf(this.path_, points[1]));
+  }
+
+  /** Moves a place to the middle of the picture. */
+  lookAt(place: Vec3): void {
+    this.host.picture.viewer?.rig.lookAt(new Vector3(...place), performance.now());
   }
 
   /** Marks where the tool is at a time of the program. Returns the line; null: there is no path. */

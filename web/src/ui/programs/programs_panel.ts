@@ -6,9 +6,10 @@ import '../style/programs.css';
 import { ServerError } from '../../link/server_error';
 import { isOpen } from '../../model/programs';
 import type { SessionModel } from '../../model/session';
-import type { ProgramInfo } from '../../wire/types';
+import type { ProgramInfo, Vec3 } from '../../wire/types';
 import { h, setText } from '../dom';
 import { count, figure, sentence, volume } from '../format';
+import type { ProgramPlace } from '../inspect/mount';
 import { OneOpen } from '../one_open';
 import { AlarmList } from './alarm_list';
 import { Controls } from './controls';
@@ -37,6 +38,7 @@ export class ProgramsPanel {
   private readonly alarms_ = new AlarmList(({ fromLine, tip }) => {
     this.text_.mark({ line: fromLine, word: '' });
     this.path_?.markLine(fromLine, tip);
+    this.path_?.lookAt(tip);
   });
   private readonly path_: PathControl | null;
   private readonly cut_: CutControl;
@@ -58,6 +60,8 @@ export class ProgramsPanel {
   private details_ = new Map<number, ProgramDetails>();
   private asking_ = false;
   private askedMs_ = -Infinity;
+  /** The line that is to be shown once its program and its text are there. */
+  private wanted_: ProgramPlace | null = null;
 
   constructor(
     private readonly model: SessionModel,
@@ -132,6 +136,24 @@ export class ProgramsPanel {
     this.update_();
   }
 
+  /** Shows a line of a program, and the place that it cut. Takes effect when the panel is open. */
+  showLine(place: ProgramPlace): void {
+    this.wanted_ = place;
+    this.drawn_ = -1;
+    if (!this.element_.hidden) this.update_();
+  }
+
+  private showWanted_(): void {
+    const { wanted_: wanted } = this;
+    if (!wanted || !this.model.programs.get(wanted.program)) return;
+    if (this.selected_ !== wanted.program) this.select_(wanted.program);
+    if (this.textOf_ !== wanted.program) return;
+    this.wanted_ = null;
+    this.markPlace_(wanted.line, wanted.place);
+    this.text_.element.scrollIntoView({ block: 'nearest' });
+    this.path_?.lookAt(wanted.place);
+  }
+
   private may_(what: 'run_programs' | 'download'): boolean {
     const may = this.model.welcome?.may;
     return may === undefined || may.includes(what);
@@ -157,6 +179,7 @@ export class ProgramsPanel {
   private draw_(): void {
     const { programs } = this.model;
     this.drawn_ = programs.changes;
+    this.showWanted_();
     const all = programs.all();
     if (!this.program_ && !this.showsRejected_) this.select_(all[0]?.id ?? null);
     this.list_.update(all, this.selected_);
@@ -192,10 +215,10 @@ export class ProgramsPanel {
   }
 
   /** Marks a line of the text, and its place in the picture. */
-  private markPlace_(line: number): void {
+  private markPlace_(line: number, place?: Vec3): void {
     if (this.textOf_ === null) return;
     this.text_.mark({ line, word: '', isPlace: true });
-    this.path_?.markLine(line);
+    this.path_?.markLine(line, place);
   }
 
   /** Marks the line that is carved at a time of the program, and its place; returns the line. */
@@ -223,7 +246,10 @@ export class ProgramsPanel {
         this.text_.follow(true);
         this.drawn_ = -1;
       },
-      (problem: unknown) => this.tell_(problem),
+      (problem: unknown) => {
+        this.wanted_ = null;
+        this.tell_(problem);
+      },
     );
   }
 

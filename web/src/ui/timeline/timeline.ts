@@ -11,10 +11,10 @@ import { Seeker } from '../../model/seeker';
 import { whyNotUndo } from '../../model/stroke_choice';
 import { strokeAt } from '../../model/timeline';
 import { toolName } from '../../model/tool_profile';
+import { Authors } from '../authors';
 import { h, setText } from '../dom';
 import { count, sentence } from '../format';
 import { changedText } from '../history';
-import { Authors } from './authors';
 import { Banner } from './banner';
 import { Bookmarks } from './bookmarks';
 import { Compare } from './compare';
@@ -67,7 +67,7 @@ export class Timeline {
     const { model, session } = host;
     this.problems_ = model.problems;
     this.seeker_ = new Seeker(host.seek);
-    this.authors_ = new Authors(model);
+    this.authors_ = new Authors(model, session);
     this.records_ = new Records(
       session,
       () => this.redraw_(),
@@ -113,6 +113,7 @@ export class Timeline {
     if (open) {
       this.timer_ ??= setInterval(() => this.update_(), UPDATE_MS);
       this.records_.invalidate();
+      void this.authors_.load().then(() => this.redraw_());
       this.update_();
       this.strip_.slider.focus();
     } else {

@@ -1,26 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows a value at every place of the displayed surface, as colors over the tiles. Of each tile the
-// triangles are divided, its corners are sent to the source of the values, and what comes back is
-// drawn. A tile that changes keeps its colors until it has new ones.
+// Shows a value at every place of the displayed surface, as colors over the tiles. Of each tile
+// questions are sent to the source of the values, and what comes back is drawn. A tile that changes
+// keeps its colors until it has new ones.
 
 import * as THREE from 'three';
+import type { Valued } from '../../model/owners';
 import { refined } from '../../model/refine';
 import type { Triangles } from '../../model/refine';
 import { tileAt } from '../../model/tiles';
 import type { DisplayedTile } from '../tile_view';
 import type { Viewer } from '../viewer';
-import { PaintedMaterial, VALUE_ATTRIBUTE } from './painted_material';
+import { VALUE_ATTRIBUTE } from './painted_material';
 
-/** The values at points, X, Y and Z of each. */
-export type ValuesOf = (points: Float32Array<ArrayBuffer>) => Promise<Float32Array>;
+/** What is shown, and where it comes from. */
+export interface Painting {
+  /** Shows VALUE_ATTRIBUTE. */
+  material: THREE.Material;
+  /** What of a tile is painted. */
+  trianglesOf: (tile: DisplayedTile) => Triangles;
+  questionsOf: (triangles: Triangles) => Float32Array<ArrayBuffer>;
+  /** Of a question. */
+  numbers: number;
+  /** Of one request. */
+  questionsMax: number;
+  /** The answers to questions, in their order. */
+  ask: (questions: Float32Array<ArrayBuffer>) => Promise<Answers>;
+  /** What is drawn. */
+  paint: (triangles: Triangles, answers: Answers) => Valued;
+  /** Asks for at most half of the time: answers cost much, and others ask too. */
+  rests?: boolean;
+}
+export type Answers = Float32Array | Uint32Array;
 
 /** Tiles of such a square are one draw call. */
 const SQUARE = 8;
 
-interface PaintedTile extends Triangles {
+interface PaintedTile extends Valued {
   /** What is painted. */
   tile: DisplayedTile;
-  values: Float32Array;
+}
+
+/** What is asked of a tile. */
+interface Question {
+  tile: DisplayedTile;
+  triangles: Triangles;
+  numbers: Float32Array<ArrayBuffer>;
 }
 
 function squareOf(key: number): number {
@@ -32,8 +56,15 @@ function isSame(a: DisplayedTile, b: DisplayedTile): boolean {
   return a.geometry === b.geometry && a.matrix.equals(b.matrix);
 }
 
-/** The triangles of a tile in the block's coordinates, with edges of at most `limitMm`. */
-function trianglesOf({ geometry, matrix }: DisplayedTile, limitMm: number): Triangles {
+/**
+ * The triangles of a tile in the block's coordinates, with edges of at most `limitMm`.
+ * @param isWanted which triangles, by the vertices of the geometry
+ */
+export function trianglesOf(
+  { geometry, matrix }: DisplayedTile,
+  limitMm: number,
+  isWanted: (a: number, b: number, c: number) => boolean = () => true,
+): Triangles {
   const position = geometry.getAttribute('position');
   const normal = geometry.getAttribute('normal');
   const at = new THREE.Vector3();
@@ -49,14 +80,19 @@ function trianglesOf({ geometry, matrix }: DisplayedTile, limitMm: number): Tria
       .normalize()
       .toArray(normals, 3 * n);
   }
-  const index = geometry.index
+  const all = geometry.index
     ? Uint32Array.from(geometry.index.array)
     : Uint32Array.from({ length: position.count }, (_, n) => n);
+  const index = all.filter((_, n) => {
+    const first = n - (n % 3);
+    return isWanted(all[first]!, all[first + 1]!, all[first + 2]!);
+  });
   return refined({ positions, normals, index }, limitMm);
 }
 
 export class PaintedView {
-  private readonly material_ = new PaintedMaterial();
+  /** Counts up whenever something else is painted. */
+  revision = 0;
   private readonly group_ = new THREE.Group();
   private readonly painted_ = new Map<number, PaintedTile>();
   private readonly squares_ = new Map<number, THREE.Mesh>();
@@ -65,16 +101,10 @@ export class PaintedView {
   private isAsking_ = false;
   private isOpen_ = true;
 
-  /**
-   * @param limitMm longest edge along which a value is interpolated
-   * @param pointsMax of one request
-   * @param failed is called when values do not come; nothing more is asked for then
-   */
+  /** @param failed is called when answers do not come; nothing more is asked for then */
   constructor(
     private readonly viewer: Viewer,
-    private readonly valuesOf: ValuesOf,
-    private readonly limitMm: number,
-    private readonly pointsMax: number,
+    private readonly painting: Painting,
     private readonly failed: (problem: unknown) => void,
   ) {
     viewer.stage.scene.add(this.group_);
@@ -86,14 +116,14 @@ export class PaintedView {
     return all === 0 ? 1 : 1 - this.waiting_.length / all;
   }
 
-  setScale(tolerance: number, range: number): void {
-    this.material_.setScale(tolerance, range);
-    this.viewer.touch();
+  /** What is painted, tile by tile. */
+  pieces(): Iterable<Valued> {
+    return this.painted_.values();
   }
 
   /** Follows the displayed surface and the section; called some times a second. */
   update(): void {
-    const { material } = this.material_;
+    const { material } = this.painting;
     const { clippingPlanes } = this.viewer.stockMaterial.material;
     if (material.clippingPlanes !== clippingPlanes) {
       material.clippingPlanes = clippingPlanes;
@@ -111,7 +141,7 @@ export class PaintedView {
     this.isOpen_ = false;
     this.viewer.stage.scene.remove(this.group_);
     for (const mesh of this.squares_.values()) mesh.geometry.dispose();
-    this.material_.material.dispose();
+    this.painting.material.dispose();
     this.viewer.touch();
   }
 
@@ -134,42 +164,47 @@ export class PaintedView {
 
   private async ask_(): Promise<void> {
     this.isAsking_ = true;
-    const batch: { tile: DisplayedTile; triangles: Triangles }[] = [];
-    let numbers = 0;
-    for (const tile of this.waiting_) {
-      const triangles = trianglesOf(tile, this.limitMm);
-      if (batch.length > 0 && numbers + triangles.positions.length > 3 * this.pointsMax) break;
-      batch.push({ tile, triangles });
-      numbers += triangles.positions.length;
-    }
-    const points = new Float32Array(numbers);
-    let at = 0;
-    for (const { triangles } of batch) {
-      points.set(triangles.positions, at);
-      at += triangles.positions.length;
-    }
+    const begin = performance.now();
     try {
-      this.take_(batch, await this.valuesOf(points));
+      const batch = this.nextBatch_();
+      const numbers = batch.reduce((sum, one) => sum + one.numbers.length, 0);
+      const all = new Float32Array(numbers);
+      let at = 0;
+      for (const one of batch) {
+        all.set(one.numbers, at);
+        at += one.numbers.length;
+      }
+      this.take_(batch, numbers === 0 ? new Float32Array(0) : await this.painting.ask(all));
+      if (this.painting.rests && numbers > 0) await pause(performance.now() - begin);
       this.isAsking_ = false;
     } catch (problem) {
       if (this.isOpen_) this.failed(problem); // and asks for nothing more
     }
   }
 
-  private take_(
-    batch: readonly { tile: DisplayedTile; triangles: Triangles }[],
-    values: Float32Array,
-  ): void {
+  /** As many tiles as a request may have, one at least. */
+  private nextBatch_(): Question[] {
+    const { painting } = this;
+    const batch: Question[] = [];
+    let left = painting.questionsMax * painting.numbers;
+    for (const tile of this.waiting_) {
+      const triangles = painting.trianglesOf(tile);
+      const numbers = painting.questionsOf(triangles);
+      if (batch.length > 0 && numbers.length > left) break;
+      batch.push({ tile, triangles, numbers });
+      left -= numbers.length;
+    }
+    return batch;
+  }
+
+  private take_(batch: readonly Question[], answers: Answers): void {
     if (!this.isOpen_) return;
     let at = 0;
-    for (const { tile, triangles } of batch) {
-      const count = triangles.positions.length / 3;
-      this.painted_.set(tile.key, {
-        ...triangles,
-        tile,
-        values: values.subarray(at, at + count),
-      });
-      at += count;
+    for (const { tile, triangles, numbers } of batch) {
+      const end = at + numbers.length / this.painting.numbers;
+      const painted = this.painting.paint(triangles, answers.subarray(at, end));
+      this.painted_.set(tile.key, { ...painted, tile });
+      at = end;
     }
     this.draw_(batch.map(({ tile }) => tile.key));
     this.compare_(this.viewer.tiles.tiles()); // it may have changed meanwhile
@@ -177,6 +212,7 @@ export class PaintedView {
 
   /** Makes the meshes again in which these tiles are. */
   private draw_(keys: readonly number[]): void {
+    if (keys.length > 0) this.revision += 1;
     for (const square of new Set(keys.map(squareOf))) {
       const old = this.squares_.get(square);
       if (old) {
@@ -186,15 +222,20 @@ export class PaintedView {
       }
       const tiles = [...this.painted_]
         .filter(([key]) => squareOf(key) === square)
-        .map(([, tile]) => tile);
+        .map(([, tile]) => tile)
+        .filter(({ values }) => values.length > 0);
       if (tiles.length === 0) continue;
-      const mesh = new THREE.Mesh(joined(tiles), this.material_.material);
+      const mesh = new THREE.Mesh(joined(tiles), this.painting.material);
       mesh.matrixAutoUpdate = false;
       this.squares_.set(square, mesh);
       this.group_.add(mesh);
     }
     this.viewer.touch();
   }
+}
+
+function pause(ms: number): Promise<void> {
+  return new Promise((done) => setTimeout(done, ms));
 }
 
 function joined(tiles: readonly PaintedTile[]): THREE.BufferGeometry {
