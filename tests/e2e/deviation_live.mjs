@@ -109,7 +109,7 @@ async function checkFound(viewer, session) {
   console.log(`${within} % within ${tolerance} mm, ${red} red and ${blue} blue pixels`);
 }
 
-/** A press on a place of the list shows it in the picture. */
+/** A press on a place of the list shows it in the picture, and leads to the line that cut it. */
 async function checkPlaces({ page }) {
   const place = page.getByRole('list', { name: 'Worst places' }).getByText('−0.3').first();
   await place.click();
@@ -121,6 +121,17 @@ async function checkPlaces({ page }) {
     const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
     return x > 0.2 * wide && x < 0.9 * wide && y > 0.1 * height && y < 0.9 * height;
   });
+  await page.locator('.deviation').getByText('Cut by bracket.ngc in line').waitFor();
+}
+
+async function checkLine({ page }) {
+  const text = await page.locator('.deviation .probe-text').textContent();
+  const [, line] = /in line (\d+)/.exec(text);
+  assert(line === '5' || line === '6', `${text}: not a line of the groove that is too deep`);
+  await page.locator('.deviation').getByRole('button', { name: 'Show the line' }).click();
+  const placed = page.locator('.program-row.placed');
+  await placed.waitFor();
+  assert.equal(await placed.getAttribute('data-line'), line);
 }
 
 async function test(folder) {
@@ -156,6 +167,7 @@ async function test(folder) {
     }
     await checkPlaces(viewer);
     await writeFile(join(options.out, 'deviation-place.png'), await page.screenshot());
+    await checkLine(viewer);
     assert.deepEqual(problems, []);
   } finally {
     await browser.close();

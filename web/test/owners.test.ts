@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { addAreas, apart, middlesOf, toldApart } from '../src/model/owners';
+import { addAreas, apart, middlesOf, distinctFrom } from '../src/model/owners';
 import type { Triangles } from '../src/model/refine';
 
 /** Two triangles that share an edge: one level, of 2 mm², one upright, of 3 mm². */
@@ -53,23 +53,23 @@ describe('triangles with corners of their own', () => {
   });
 });
 
-describe('colors that are told apart', () => {
+describe('distinct colors', () => {
   it('are those of the people where they differ', () => {
-    expect(toldApart('#d9541e', [])).toBe('#d9541e');
-    expect(toldApart('#0000ff', ['#ff0000'])).toBe('#0000ff');
+    expect(distinctFrom('#d9541e', [])).toBe('#d9541e');
+    expect(distinctFrom('#0000ff', ['#ff0000'])).toBe('#0000ff');
   });
 
   it('are others where somebody before has nearly the same', () => {
     const taken: string[] = [];
-    for (let n = 0; n < 6; n += 1) taken.push(toldApart('#d9541e', taken));
+    for (let n = 0; n < 6; n += 1) taken.push(distinctFrom('#d9541e', taken));
     expect(taken[0]).toBe('#d9541e');
     expect(new Set(taken).size).toBe(6);
-    expect(toldApart('#d9541f', ['#d9541e'])).not.toBe('#d9541f');
+    expect(distinctFrom('#d9541f', ['#d9541e'])).not.toBe('#d9541f');
   });
 
   it('are the farthest one when all are taken', () => {
     const taken: string[] = [];
-    for (let n = 0; n < 20; n += 1) taken.push(toldApart('#d9541e', taken));
+    for (let n = 0; n < 20; n += 1) taken.push(distinctFrom('#d9541e', taken));
     expect(taken).toHaveLength(20);
     for (const color of taken) expect(color).toMatch(/^#[0-9a-f]{6}$/);
   });

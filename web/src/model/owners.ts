@@ -71,7 +71,7 @@ export function addAreas({ positions, index, values }: Valued, areas: Map<number
 }
 
 type Rgb = [number, number, number];
-/** Told apart also by those who see no difference between red and green (after Okabe and Ito). */
+/** Distinct also for those who see no difference between red and green (after Okabe and Ito). */
 const CLEAR = ['#0072b2', '#e69f00', '#009e73', '#cc79a7', '#56b4e9', '#d55e00', '#f0e442'];
 /** Of 441 from black to white. */
 const LEAST_DISTANCE = 70;
@@ -87,7 +87,7 @@ function distanceOf(a: string, b: string): number {
 }
 
 /** A color for one more: its own one, or one that is farther from those that are taken. */
-export function toldApart(own: string, taken: readonly string[]): string {
+export function distinctFrom(own: string, taken: readonly string[]): string {
   const farness = (color: string): number =>
     Math.min(Infinity, ...taken.map((other) => distanceOf(color, other)));
   if (farness(own) >= LEAST_DISTANCE) return own;

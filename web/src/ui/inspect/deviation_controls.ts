@@ -56,7 +56,7 @@ export class DeviationControls {
     class: 'deviation-worst',
     'aria-label': t('Worst places'),
   });
-  /** The worst places, and what is told of the one that was pressed. */
+  /** The worst places, and what is known of the one that was pressed. */
   readonly places = h('div', {}, h('h4', {}, t('Worst places')), this.worst_);
   private readonly found_: HTMLElement;
   readonly element: HTMLElement;

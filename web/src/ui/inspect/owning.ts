@@ -5,7 +5,7 @@
 import { t } from '../../strings';
 import { OWNER_NUMBERS, OWNER_POINTS_MAX, ownersAt } from '../../link/owners';
 import type { Bounds } from '../../model/session';
-import { addAreas, apart, middlesOf, toldApart } from '../../model/owners';
+import { addAreas, apart, middlesOf, distinctFrom } from '../../model/owners';
 import { paintedEdge } from '../../model/refine';
 import { ORIGINAL_ATTRIBUTE } from '../../view/glb_tiles';
 import { OwnerMaterial, SLOTS } from '../../view/inspect/owner_material';
@@ -141,7 +141,7 @@ export class Owning {
     this.authors.note();
     this.colors_ = [];
     for (const owner of this.owners_.slice(0, SLOTS - 1))
-      this.colors_.push(toldApart(this.authors.colorOf(owner), this.colors_));
+      this.colors_.push(distinctFrom(this.authors.colorOf(owner), this.colors_));
     this.colors_.forEach((color, slot) => this.material_.setColor(slot, color));
     this.viewer.touch();
   }
