@@ -57,7 +57,7 @@ async function partOf(base) {
 }
 
 const figures = (page) => page.locator('.deviation .inspect-figures').textContent();
-const hint = (page) => page.locator('.deviation [role=status]').textContent();
+const hint = (page) => page.locator('.deviation > [role=status]').textContent();
 
 /** Within, least and greatest, once all of the surface is measured. */
 async function found(page) {
