@@ -249,6 +249,7 @@ Server::~Server() {
   // The viewers' thread uses the other threads until its last turn: they are destroyed before it.
   std::promise<void> ended;
   impl_->viewers.post([&] {
+    impl_->hubs.finish_reading();
     impl_->viewers.context().stop();
     ended.set_value();
   });

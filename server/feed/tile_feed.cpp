@@ -5,6 +5,8 @@
 #include <bit>
 #include <utility>
 
+#include "server/feed/changed_columns.h"
+
 namespace kerf {
 namespace {
 
@@ -95,15 +97,17 @@ void TileFeed::end_round() {
 void TileFeed::take_update() {
   if (is_in_round_) return;
   std::vector<TileIndex> changed;
+  SolidSnapshot newest;
   {
     const std::scoped_lock lock(update_mutex_);
     if (update_revision_ == revision_ && update_tiles_.empty()) return;
     changed.swap(update_tiles_);
-    snapshot_ = update_snapshot_;
+    newest = update_snapshot_;
     revision_ = update_revision_;
   }
+  const SolidSnapshot before = std::exchange(snapshot_, std::move(newest));
   const DexelGrid& grid = snapshot_.grid();
-  for (const TileIndex tile : tiles_to_remesh(grid, changed)) {
+  for (const TileIndex tile : tiles_that_read(grid, changed_columns(before, snapshot_, changed))) {
     const auto n = static_cast<std::uint32_t>(tile.y * grid.tiles_x() + tile.x);
     tiles_[n].stale = true;
     for (auto& [id, viewer] : viewers_) viewer.queue_change(n);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/metrics/metrics.h"
+#include "server/threads/run_and_wait.h"
 #include "server/threads/run_on.h"
 #include "server/wire/codec.h"
 
@@ -42,6 +43,7 @@ void ViewerHub::add(ParticipantId id, ViewerConversation* viewer, const FirstLoo
   }
   if (running_) return start_job();
   running_ = true;
+  next_reading_ = {};
   listen();
   auto loop = [self = shared_from_this()] { return self->run(); };
   asio::co_spawn(context_.viewers.context(), std::move(loop), asio::detached);
@@ -176,36 +178,63 @@ void ViewerHub::listen() {
 
 asio::awaitable<void> ViewerHub::run() {
   const auto self = shared_from_this();
-  bool first = side_->feed == nullptr;
-  Clock::time_point next{};
   while (!viewers_.empty()) {
-    auto read = [session = session_, first] { return session->frame(first); };
-    SessionFrame frame = co_await run_on(threads_of(*session_), std::move(read));
-    first = false;
-    take_frame(std::move(frame));
-    start_overdue_snapshots();
-    for (auto& [id, viewer] : viewers_) {
-      if (viewer.past) viewer.past->tick();
+    const auto now = Clock::now();
+    if (now >= next_reading_) {
+      const auto period = is_crowd() ? kCrowdTick : kTick;
+      next_reading_ = std::max(next_reading_ + period, now + period / 2);
+      start_overdue_snapshots();
+      for (auto& [id, viewer] : viewers_) {
+        if (viewer.past) viewer.past->tick();
+      }
+      read_session();
+      if (!next_job_.empty()) start_job();
     }
-    if (!next_job_.empty()) start_job();
-    const auto period = is_crowd() ? kCrowdTick : kTick;
-    next = std::max(next + period, Clock::now() + period / 2);
-    tick_.expires_at(next);
+    tick_.expires_at(next_reading_);
     boost::system::error_code ignored;
     co_await tick_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
   }
   running_ = false;
 }
 
-void ViewerHub::take_frame(SessionFrame frame) {
-  if (frame.snapshot) {
-    revision_ = frame.motions;
-    if (!side_->feed) {
-      side_->feed = std::make_unique<TileFeed>(*frame.snapshot, revision_);
-    } else {
-      side_->feed->note_change(*frame.snapshot, frame.changed, revision_);
+/// Reads the session and has the changed surface meshed. While a job runs, a crowd's reading waits
+/// for its end, once: what is read then is newer when it is meshed, and poses leave with it.
+void ViewerHub::read_session() {
+  if (is_reading_ || (job_runs_ && !has_feed_)) return;
+  if (job_runs_ && is_crowd() && !reads_after_job_) {
+    reads_after_job_ = true;
+    return;
+  }
+  reads_after_job_ = false;
+  is_reading_ = true;
+  const bool with_job = !std::exchange(job_runs_, true);
+  Job job;
+  if (with_job) std::swap(job, next_job_);
+  auto read = [self = shared_from_this(), first = !has_feed_, with_job,
+               job = std::move(job)]() mutable {
+    SessionFrame frame = self->session_->frame(first);
+    const bool has_surface = frame.snapshot.has_value();
+    if (with_job && has_surface) {
+      // The feed holds the snapshot. A second reference would make the kernel copy more tiles.
+      job.surface = {*std::exchange(frame.snapshot, std::nullopt), std::exchange(frame.changed, {}),
+                     frame.motions};
     }
-    // The feed holds the snapshot. A second reference would make the kernel copy more tiles.
+    const bool is_idle = with_job && job.empty();
+    self->context_.viewers.post([self, frame = std::move(frame), has_surface, is_idle]() mutable {
+      if (is_idle) self->job_runs_ = false;
+      self->take_frame(std::move(frame), has_surface);
+    });
+    if (with_job && !is_idle) self->mesh(std::move(job));
+  };
+  threads_of(*session_).post(std::move(read));
+}
+
+/// `has_surface`: a job has been started with the snapshot, or the frame contains it.
+void ViewerHub::take_frame(SessionFrame frame, bool has_surface) {
+  is_reading_ = false;
+  if (has_surface) revision_ = frame.motions;
+  if (frame.snapshot) {
+    side_->feed->note_change(*frame.snapshot, frame.changed, revision_);
     frame.snapshot.reset();
     next_job_.is_for_all = true;
   }
@@ -215,9 +244,10 @@ void ViewerHub::take_frame(SessionFrame frame) {
   // The poses before these have waited for tiles long enough.
   send_tools();
   encode_tools();
-  if (!is_crowd() || !next_job_.is_for_all) send_tools();
+  if (!is_crowd() || !has_surface) send_tools();
   send_lists();
   send_states();
+  if (!next_job_.empty()) start_job();
 }
 
 void ViewerHub::start_overdue_snapshots() {
@@ -264,19 +294,32 @@ void ViewerHub::start_job() {
     job_is_due_ = true;
     return;
   }
-  if (!side_->feed) return;  // the session has not been read yet
+  if (!has_feed_) return;  // the session has not been read yet
   job_runs_ = true;
-  context_.meshing.post(
-      [self = shared_from_this(), side = side_, job = std::exchange(next_job_, {})] {
-        auto result = run_job(*side, job);
-        auto& viewers = self->context_.viewers;
-        viewers.post(
-            [self, result = std::move(result)]() mutable { self->deliver(std::move(result)); });
-      });
+  mesh(std::exchange(next_job_, {}));
 }
 
-ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, const Job& job) {
+/// On the viewers' or the session's thread.
+void ViewerHub::mesh(Job job) {
+  context_.meshing.post([self = shared_from_this(), side = side_, job = std::move(job)]() mutable {
+    auto result = run_job(*side, job);
+    auto& viewers = self->context_.viewers;
+    viewers.post(
+        [self, result = std::move(result)]() mutable { self->deliver(std::move(result)); });
+  });
+}
+
+ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, Job& job) {
   JobResult result;
+  if (job.surface) {
+    auto [snapshot, changed, revision] = *std::exchange(job.surface, std::nullopt);
+    if (side.feed) {
+      side.feed->note_change(std::move(snapshot), changed, revision);
+    } else {
+      side.feed = std::make_unique<TileFeed>(std::move(snapshot), revision);
+    }
+    job.is_for_all = true;
+  }
   // Else, on a busy machine, the block changes while the job runs, each viewer gets frames of its
   // own, and the job takes longer still.
   const TileFeed::Round round(*side.feed);
@@ -330,7 +373,12 @@ ViewerHub::Viewer* ViewerHub::find(ParticipantId id) {
 
 void ViewerHub::deliver(JobResult result) {
   job_runs_ = false;
+  has_feed_ = true;
   context_.metrics.mesh_made(result.tiles, result.bytes);
+  if (reads_after_job_) {
+    next_reading_ = Clock::now() + kCrowdTick;
+    read_session();  // and has it meshed while these frames leave
+  }
   // Poses leave before tiles, those who get both in one piece.
   ParticipantId previous = 0;
   for (auto& [id, stay, frame] : result.frames) {
@@ -350,7 +398,17 @@ void ViewerHub::deliver(JobResult result) {
     if (viewer != nullptr && !viewer->is_past()) viewer->conversation->reject_ack();
   }
   send_states();
-  if (std::exchange(job_is_due_, false)) start_job();
+  if (std::exchange(job_is_due_, false) && !next_job_.empty()) start_job();
+}
+
+void ViewerHub::finish_reading() {
+  if (is_reading_) run_and_wait(threads_of(*session_), [] { return true; });
+}
+
+void HubDirectory::finish_reading() {
+  for (const auto& [id, weak] : hubs_) {
+    if (const auto hub = weak.lock()) hub->finish_reading();
+  }
 }
 
 std::shared_ptr<ViewerHub> HubDirectory::get(const std::shared_ptr<Session>& session,

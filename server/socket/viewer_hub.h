@@ -3,6 +3,7 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/container/flat_map.hpp>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -20,7 +21,8 @@ namespace kerf::net {
 
 /// The viewers of one session. While there are viewers it reads the session's state some thirty
 /// times a second, has changed tiles meshed on the meshing thread and distributes the frames. Runs
-/// on the viewers' thread; agents never wait for it.
+/// on the viewers' thread; agents never wait for it. What is read goes from the session's thread to
+/// the meshing thread by itself: a viewers' thread that sends to a crowd does not delay it.
 class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
  public:
   ViewerHub(std::shared_ptr<Session> session, PeerContext& context);
@@ -48,8 +50,14 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   /// tool poses with the tiles.
   static constexpr std::size_t kCrowd = 50;
   const std::shared_ptr<Session>& session() const { return session_; }
+  /// Waits until the session's thread has left the hub's work. The viewers' thread gives it none
+  /// afterwards: this is its last turn.
+  void finish_reading();
 
  private:
+  /// In order of the ids, side by side in memory: a crowd is visited several times a reading.
+  template <class T>
+  using ById = boost::container::flat_map<ParticipantId, T>;
   /// Belongs to the meshing thread while a job runs there.
   struct FeedSide {
     std::unique_ptr<TileFeed> feed;
@@ -57,7 +65,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
       ViewerId id = 0;
       std::uint64_t stay = 0;  ///< Viewer::stay
     };
-    std::map<ParticipantId, Member> ids;
+    ById<Member> ids;
     TileFeed::Stats counted;  ///< already reported to the metrics
   };
   struct Viewer {
@@ -74,9 +82,16 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     bool has_cameras = false;                   ///< the same of `cameras_`
     std::optional<std::uint64_t> sent;  ///< every tile of this revision of the feed was sent
   };
+  /// A change of the surface.
+  struct Surface {
+    SolidSnapshot snapshot;
+    std::vector<TileIndex> changed;
+    std::uint64_t revision = 0;
+  };
   /// Requests that have come since the last job.
   struct Job {
-    bool is_for_all = false;  ///< the surface has changed: every viewer needs a frame
+    bool is_for_all = false;         ///< the surface has changed: every viewer needs a frame
+    std::optional<Surface> surface;  ///< it has changed to this since, unless the feed knows it
     struct Joined {
       ParticipantId id = 0;
       std::uint64_t stay = 0;
@@ -88,7 +103,8 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     std::vector<std::pair<ParticipantId, std::uint64_t>> acks;
     std::map<ParticipantId, ViewerLook> looks;
     bool empty() const {
-      return !is_for_all && joined.empty() && left.empty() && acks.empty() && looks.empty();
+      return !is_for_all && !surface && joined.empty() && left.empty() && acks.empty() &&
+             looks.empty();
     }
   };
   struct JobResult {
@@ -110,7 +126,8 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void listen();
   void on_event(const SessionEvent& event, Roster roster);
   boost::asio::awaitable<void> run();
-  void take_frame(SessionFrame frame);
+  void read_session();
+  void take_frame(SessionFrame frame, bool has_surface);
   void start_overdue_snapshots();
   /// Adds a viewer to the feed of the present, or takes it out.
   void join_feed(ParticipantId id, const std::optional<ViewerLook>& look);
@@ -126,7 +143,8 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void send_states();
   bool is_crowd() const { return viewers_.size() > kCrowd; }
   void start_job();
-  static JobResult run_job(FeedSide& side, const Job& job);
+  void mesh(Job job);
+  static JobResult run_job(FeedSide& side, Job& job);
   static void serve(FeedSide& side, ParticipantId id, JobResult& result);
   void deliver(JobResult result);
   Viewer* find(ParticipantId id);
@@ -134,11 +152,15 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   std::shared_ptr<Session> session_;
   PeerContext& context_;
   boost::asio::steady_timer tick_;
-  std::map<ParticipantId, Viewer> viewers_;
+  ById<Viewer> viewers_;
   Roster roster_;  ///< as last sent to the viewers
   std::shared_ptr<FeedSide> side_;
   Job next_job_;
   bool job_runs_ = false, job_is_due_ = false, running_ = false, listening_ = false;
+  bool has_feed_ = false;         ///< a job has made the feed
+  bool is_reading_ = false;       ///< the session's thread has been asked for its state
+  bool reads_after_job_ = false;  ///< a crowd's reading waits for the job that runs
+  Clock::time_point next_reading_{};
   std::vector<std::byte> last_tools_;  ///< encoded without sequence and time, to detect changes
   SharedBytes tools_;                  ///< tool poses that have not been passed on yet
   std::uint64_t tools_sent_ = 0;
@@ -156,6 +178,8 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
 class HubDirectory {
  public:
   std::shared_ptr<ViewerHub> get(const std::shared_ptr<Session>& session, PeerContext& context);
+  /// In the last turn of the viewers' thread: no session's thread works for a hub any more.
+  void finish_reading();
 
  private:
   std::map<std::string, std::weak_ptr<ViewerHub>> hubs_;

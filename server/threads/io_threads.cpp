@@ -109,7 +109,11 @@ std::shared_ptr<IoThreads> IoThreads::create_nested(const std::string& name, int
   return run_and_wait(*this, [&] { return std::make_shared<IoThreads>(name, threads, niceness); });
 }
 
-void IoThreads::post(Work work) { asio::post(state_->context, std::move(work)); }
+void IoThreads::post(Work work) {
+  // The work may destroy these IoThreads before post has returned.
+  const auto state = state_;
+  asio::post(state->context, std::move(work));
+}
 
 void IoThreads::post_after(std::chrono::microseconds delay, Work work) {
   auto timer = std::make_unique<asio::steady_timer>(state_->context, delay);

@@ -10,15 +10,20 @@
 //
 // --seconds S  keeps the viewers for S seconds after the last welcome (default 3)
 // --agents N   instead of the agent that changes its tool, N agents cut a raster at 1 kHz, for S
-//              seconds without and S seconds beside the viewers, by turns of up to 5 s: first in a
+//              seconds without and S seconds beside the viewers, by turns of up to 2 s: first in a
 //              session that nobody watches, then in the one of the viewers, on the same server and
 //              with the same connections. Prints the round trips of each turn, and how many times
 //              longer the p99 is beside the viewers; the mesh frames and bytes to each viewer and
 //              the CPU time that they cost the server; and the staleness of the frames: the time
 //              from the answer to a motion to its agent until a viewer has a frame that includes
 //              it, of the oldest motion that each frame adds. All share one machine, so the viewers
-//              here have the priority of the server's threads for viewers, and the agents
-//              SCHED_FIFO, if that is allowed, as kerf-agent has.
+//              here have a lower priority than the server's threads for viewers, and the agents
+//              SCHED_FIFO, if that is allowed, as kerf-agent has. What other programs did meanwhile
+//              is printed too ("foreign"): an agent waits for tens of ms while one of another
+//              terminal or service has the core of the session's thread, because Linux shares a
+//              core among those first (autogroups, cgroups) and the server has used its share. A
+//              turn in which foreign programs used more than a few hundredths of a core says little
+//              about the server.
 // --busy N     N processes that never sleep compete with the server, and downloads are made one
 //              after the other. The viewers here count as another machine (SCHED_FIFO). Prints the
 //              share of a core that each kind of the server's threads got while it could have run,
@@ -27,6 +32,7 @@
 // --lists      the viewers do not know 'participants_changed' and get complete lists
 #include <sched.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -34,6 +40,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <string>
@@ -45,6 +52,7 @@
 #include "tests/bench/busy_loops.h"
 #include "tests/bench/crowd.h"
 #include "tests/bench/crowd_viewer.h"
+#include "tests/bench/downloads.h"
 #include "tests/bench/live_client.h"
 #include "tests/bench/raster_agent.h"
 
@@ -152,6 +160,12 @@ std::vector<double> cut_raster(WebSocket& agent, std::uint64_t first, std::uint6
   return trips_us;
 }
 
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
 double at_share(std::vector<double>& values, double share) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -164,17 +178,28 @@ void print_memory(const std::vector<double>& memory_mb) {
   std::printf(" MB\n");
 }
 
-/// Length of a turn at most; an agent that is silent for longer would be pinged.
-constexpr double kTurnS = 5;
+/// Length of a turn at most: most turns are free of what another program does now and then.
+constexpr double kTurnS = 2;
+
+/// CPU time that all programs of the machine have used, s (proc_stat(5)).
+double machine_cpu_seconds() {
+  std::ifstream stat("/proc/stat");
+  std::string name;
+  double user = 0, nice = 0, system = 0, idle = 0, waiting = 0, irq = 0, softirq = 0;
+  stat >> name >> user >> nice >> system >> idle >> waiting >> irq >> softirq;
+  return (user + nice + system + irq + softirq) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
 
 /// The agents of one session.
 class Raster {
  public:
   /// `answers`: null, or when their motions were answered.
   Raster(std::uint16_t port, const std::string& session, int agents, AnswerTimes* answers)
-      : answers_(answers) {
+      : thread_name_("s:" + session), answers_(answers) {
     for (int n = 0; n < agents; ++n) agents_.push_back(join_agent(port, session));
   }
+  /// Of the session's thread in the server.
+  const std::string& thread_name() const { return thread_name_; }
   /// Cuts `count` samples more with each agent; returns the round trips, us.
   std::vector<double> cut(std::uint64_t count) {
     std::vector<std::vector<double>> trips(agents_.size());
@@ -196,6 +221,7 @@ class Raster {
   }
 
  private:
+  std::string thread_name_;
   std::vector<WebSocket> agents_;
   AnswerTimes* answers_;
   std::uint64_t next_ = 1;  ///< sample
@@ -204,30 +230,9 @@ class Raster {
 /// What the turns of agents beside viewers, or without them, have used.
 struct Used {
   std::vector<double> trips_us;
-  double seconds = 0, server_s = 0, viewers_s = 0;
-  CoreTime busy;
+  double seconds = 0, server_s = 0, viewers_s = 0, foreign_s = 0;
+  CoreTime busy, session;  ///< of the busy processes, and of the session's thread
   std::map<std::string, CoreTime> threads;
-};
-
-/// Downloads the surface of the session again and again.
-class Downloads {
- public:
-  Downloads(std::uint16_t port, bool on) {
-    if (!on) return;
-    thread_ = std::jthread([this, port](const std::stop_token& stop) {
-      while (!stop.stop_requested()) {
-        const bool is_refused = get(port, "/v1/sessions/bench/model.stl").starts_with('{');
-        if (!is_refused) ++count_;
-        std::this_thread::sleep_for(std::chrono::milliseconds(is_refused ? 20 : 0));
-      }
-    });
-  }
-  /// Those that are complete.
-  int count() const { return count_; }
-
- private:
-  std::atomic<int> count_ = 0;
-  std::jthread thread_;
 };
 
 /// The server and what competes with it for the cores.
@@ -237,22 +242,39 @@ struct Bench {
   const Crowd& crowd;
   const BusyLoops& busy;
 
+  /// CPU time of the server, of the viewers and of all that belongs to the bench, s.
+  struct Consumed {
+    double server_s = 0, viewers_s = 0, all_s = 0, machine_s = 0;
+  };
+  Consumed consumed() const {
+    Consumed now{server.cpu_seconds(), crowd.cpu_seconds(), 0, machine_cpu_seconds()};
+    now.all_s = now.server_s + now.viewers_s + process_cpu_seconds(getpid()) + busy.time().ran;
+    return now;
+  }
   /// Returns the p99 of the round trips, us.
   double turn(Raster& raster, std::uint64_t samples, Used& used) const {
     const auto threads = core_times(server.pid());
-    const double server_s = server.cpu_seconds(), viewers_s = crowd.cpu_seconds();
+    const Consumed before_turn = consumed();
     const CoreTime others = busy.time();
     const auto start = Clock::now();
     auto trips = raster.cut(samples);
-    used.seconds += std::chrono::duration<double>(Clock::now() - start).count();
-    used.server_s += server.cpu_seconds() - server_s;
-    used.viewers_s += crowd.cpu_seconds() - viewers_s;
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    const Consumed after_turn = consumed();
+    const double foreign_s = std::max(
+        0.0, after_turn.machine_s - before_turn.machine_s - (after_turn.all_s - before_turn.all_s));
+    used.seconds += seconds;
+    used.server_s += after_turn.server_s - before_turn.server_s;
+    used.viewers_s += after_turn.viewers_s - before_turn.viewers_s;
+    used.foreign_s += foreign_s;
     used.busy += busy.time() - others;
     for (const auto& [name, time] : core_times(server.pid())) {
       const auto before = threads.find(name);
-      used.threads[name] += before == threads.end() ? time : time - before->second;
+      const CoreTime spent = before == threads.end() ? time : time - before->second;
+      used.threads[name] += spent;
+      if (name == raster.thread_name()) used.session += spent;
     }
-    std::printf(" p50 %.0f us, p99 %.0f us", at_share(trips, 0.5), at_share(trips, 0.99));
+    std::printf(" p50 %.0f us, p99 %.0f us (foreign %.2f cores)", at_share(trips, 0.5),
+                at_share(trips, 0.99), foreign_s / seconds);
     used.trips_us.insert(used.trips_us.end(), trips.begin(), trips.end());
     return at_share(trips, 0.99);
   }
@@ -276,9 +298,16 @@ void print_viewers(const Options& options, const CrowdReport& report, const Used
       all * each / beside.seconds, double(report.mesh_bytes) * each / beside.seconds / 1e3,
       stale_at(0.5), stale_at(0.99),
       1e3 * each * (beside.server_s / beside.seconds - without.server_s / without.seconds));
-  std::printf("cores used: server %.2f without the viewers, %.2f beside them; viewers %.2f\n",
-              without.server_s / without.seconds, beside.server_s / beside.seconds,
-              beside.viewers_s / beside.seconds);
+  std::printf(
+      "cores used: server %.2f without the viewers, %.2f beside them; viewers %.2f; foreign %.2f "
+      "and %.2f\n",
+      without.server_s / without.seconds, beside.server_s / beside.seconds,
+      beside.viewers_s / beside.seconds, without.foreign_s / without.seconds,
+      beside.foreign_s / beside.seconds);
+  std::printf(
+      "the session's thread waited for a core, of each second: %.1f ms without the viewers, %.1f "
+      "ms beside them\n",
+      1e3 * without.session.waited / without.seconds, 1e3 * beside.session.waited / beside.seconds);
 }
 
 void print_shares(const Used& beside) {
@@ -311,7 +340,7 @@ void run_turns(const Bench& bench, Raster& apart, Raster& watched) {
   std::printf(
       "all turns: p99 %.0f us without, %.0f us beside %d viewers: %.2f times; of the "
       "turns, the median is %.2f times\n",
-      p99, p99_beside, options.viewers, p99_beside / p99, at_share(ratios, 0.5));
+      p99, p99_beside, options.viewers, p99_beside / p99, median(ratios));
   print_memory(memory_mb);
   print_viewers(options, bench.crowd.report(), without, beside);
   if (options.busy == 0) return;
