@@ -7,14 +7,18 @@
 
 namespace kerf::net {
 
+/// Returns whether `If-None-Match` names the tag, quotes included, or is `*`.
+inline bool is_named(const std::string& if_none_match, const std::string& etag) {
+  return if_none_match == "*" || if_none_match.find(etag) != std::string::npos;
+}
+
 /// Writes the entity tag, quotes included, into the response to a request for a file that a client
 /// may keep, but asks for again. Returns whether the client has that file (`If-None-Match` names
 /// the tag, or is `*`); the response is then complete, with status 304.
 inline bool has_client(const ApiRequest& request, const std::string& etag, ApiResponse& response) {
   response.headers.emplace_back("ETag", etag);
   response.headers.emplace_back("Cache-Control", "no-cache");
-  const std::string& kept = request.if_none_match;
-  if (kept != "*" && kept.find(etag) == std::string::npos) return false;
+  if (!is_named(request.if_none_match, etag)) return false;
   response.status = 304;
   return true;
 }

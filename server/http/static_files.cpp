@@ -9,6 +9,8 @@
 #include <string_view>
 #include <utility>
 
+#include "server/http/entity_tag.h"
+
 namespace kerf::net {
 namespace {
 
@@ -96,7 +98,7 @@ ApiResponse static_file(const std::filesystem::path& folder, const ApiRequest& r
   if (!file) return not_found();
   ApiResponse response;
   const std::string etag = etag_of(sent.path, (*file)->bytes());
-  if (request.if_none_match.find(etag) != std::string::npos) {
+  if (is_named(request.if_none_match, etag)) {
     response.status = 304;
   } else {
     response.file = *std::move(file);

@@ -5,6 +5,8 @@
 #include <mutex>
 #include <stop_token>
 
+#include "server/threads/timed_mutex.h"
+
 namespace kerf {
 
 /// How long a request waits for others of the same session: threads that make files wait with it.
@@ -17,7 +19,7 @@ inline constexpr const char* kOthersAskHistory =
 class HistoryTurns {
  public:
   /// The turn lasts as long as the lock; one that is not locked is none.
-  using Lock = std::unique_lock<std::timed_mutex>;
+  using Lock = std::unique_lock<TimedMutex>;
 
   /// Waits for a turn, at most so long. Stops the look back whose turn it is.
   Lock ask(std::chrono::milliseconds patience);
@@ -28,7 +30,7 @@ class HistoryTurns {
   Lock try_now() { return Lock(turn_, std::try_to_lock); }
 
  private:
-  std::timed_mutex turn_;
+  TimedMutex turn_;
   std::mutex mutex_;                         ///< guards the next two
   int askers_ = 0;                           ///< who wait
   std::stop_source look_{std::nostopstate};  ///< of the last look back

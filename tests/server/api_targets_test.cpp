@@ -160,6 +160,15 @@ TEST_F(ApiTargetsTest, TheDeviationIsThatOfTheBlockAtAPoint) {
   for (const auto& [name, value] : response.headers)
     if (name == "ETag") again.if_none_match = value;
   EXPECT_EQ(api->handle(again).status, 304U);
+  again.if_none_match = "*";  // any that the client has
+  EXPECT_EQ(api->handle(again).status, 304U);
+  again.if_none_match = "\"other\"";
+  EXPECT_EQ(api->handle(again).status, 200U);
+  ApiRequest missing = *parse_target(kTargets + "/x.stl/deviation");
+  missing.method = "GET";
+  missing.token = tokens[Role::kWatcher];
+  missing.if_none_match = "*";
+  EXPECT_EQ(api->handle(missing).status, 404U);
 }
 
 TEST_F(ApiTargetsTest, OutlastTheServerAndEndWithTheSession) {

@@ -6,7 +6,9 @@ import time
 import unittest
 
 from live_server import SCENE, LiveTest
-from wire_client import Agent
+from wire_client import PATIENCE, WAIT_S, Agent
+
+of_full_speed = unittest.skipIf(PATIENCE > 1, "a sanitizer needs memory of its own")
 
 LONG = {**SCENE, "name": "long",
         "stock": {"shape": "box", "min_mm": [0, 0, -10], "max_mm": [100, 100, 0]},
@@ -71,7 +73,7 @@ class Uploads(LiveTest):
         """Waits until so many are rejected; returns the answers."""
         answers = {}
         while len(answers) < count:
-            ready = select.select([c for c in clients if c not in answers], [], [], 30)[0]
+            ready = select.select([c for c in clients if c not in answers], [], [], WAIT_S)[0]
             self.assertTrue(ready, f"only {len(answers)} of {count} uploads were rejected")
             answers.update((client, client.recv(4096)) for client in ready)
         self.assertEqual(len(answers), count)
@@ -91,6 +93,28 @@ class Uploads(LiveTest):
             client.close()
         self.upload_when_possible()
 
+    def memory_mb(self):
+        """The memory of the server in use now."""
+        with open(f"/proc/{self.server.process.pid}/status", encoding="ascii") as status:
+            return next(int(line.split()[1]) for line in status if line.startswith("VmRSS")) / 1000
+
+    def wait_for_memory(self, is_right):
+        end = time.monotonic() + 2 * WAIT_S
+        while not is_right(self.memory_mb()):
+            self.assertLess(time.monotonic(), end, f"the server uses {self.memory_mb()} MB")
+            time.sleep(0.01)
+
+    @of_full_speed
+    def test_the_memory_of_uploads_that_break_off_is_given_back(self):
+        before = self.memory_mb()
+        clients = [self.begin(f"127.0.0.{2 + n}") for n in range(3)]
+        for client in clients:
+            client.sendall(b" " * 50_000_000)
+        self.wait_for_memory(lambda now: now > before + 140)
+        for client in clients:
+            client.close()
+        self.wait_for_memory(lambda now: now < before + 30)
+
     def test_unfinished_uploads_of_one_client_do_not_keep_others_out(self):
         clients = [self.begin("127.0.0.2") for _ in range(10)]
         self.assertIn(b"one client", self.rejected(clients, 8)[0])
@@ -104,6 +128,7 @@ class Programs(LiveTest):
         with open(f"/proc/{self.server.process.pid}/status", encoding="ascii") as status:
             return next(int(line.split()[1]) for line in status if line.startswith("VmHWM")) / 1000
 
+    @of_full_speed
     def test_a_short_program_with_many_motions_takes_little_memory(self):
         self.server.create("holes")
         before = self.memory_mb()

@@ -12,12 +12,12 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
-from wire_client import Http, WebSocket  # noqa: E402
+from wire_client import PATIENCE, WAIT_S, Http, WebSocket  # noqa: E402
 
 PROGRAM = os.environ["KERF_SERVER"]
 
 # A test that takes this long prints where it is; ctest ends most of them after 300 s.
-faulthandler.dump_traceback_later(280)
+faulthandler.dump_traceback_later(280 * PATIENCE)
 
 SCENE = {
     "name": "block",
@@ -47,7 +47,7 @@ class Server:
     def stop(self, how=signal.SIGTERM):
         """Stops the server; returns its exit status and its log."""
         self.process.send_signal(how)
-        log = self.process.communicate(timeout=60)[1]  # closes the pipes too
+        log = self.process.communicate(timeout=2 * WAIT_S)[1]  # closes the pipes too
         return self.process.returncode, log
 
     def create(self, session="block", scene=None):

@@ -92,6 +92,7 @@ TEST_F(StaticFilesTest, AClientThatHasTheBytesGets304) {
   EXPECT_EQ(header(again, "ETag"), etag);
   EXPECT_EQ(header(again, "Cache-Control"), "no-cache");
   EXPECT_EQ(get({}, "gzip", etag).status, 200U) << "other bytes";
+  EXPECT_EQ(get({}, "br", "*").status, 304U);
   write("index.html.br", "another page");
   EXPECT_EQ(get({}, "br", etag).status, 200U);
 }

@@ -14,6 +14,9 @@ import time
 MAGIC = 0x3146524B
 MOTION, RESULT, MESH, TOOLS, ACK, PING, PONG = 1, 2, 3, 4, 5, 6, 7
 CUTTING = 1
+# The limits of time are for a server at full speed; a sanitizer's build takes so many times longer.
+PATIENCE = float(os.environ.get("KERF_TEST_PATIENCE", "1"))
+WAIT_S = 30 * PATIENCE
 
 
 class Closed(Exception):
@@ -40,10 +43,10 @@ class Http:
 
     def request(self, method, path, body=None, headers=None):
         if self.tls:
-            connection = http.client.HTTPSConnection(self.host, self.port, timeout=60,
+            connection = http.client.HTTPSConnection(self.host, self.port, timeout=2 * WAIT_S,
                                                      context=self.tls)
         else:
-            connection = http.client.HTTPConnection(self.host, self.port, timeout=60)
+            connection = http.client.HTTPConnection(self.host, self.port, timeout=2 * WAIT_S)
         connection.request(method, path, body=body, headers=headers or {})
         response = connection.getresponse()
         data = response.read()
@@ -60,7 +63,7 @@ class WebSocket:
     text_bytes = 0  # of the messages received
 
     def __init__(self, port, path, protocol, headers=(), host=None, tls=None):
-        self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=WAIT_S)
         if tls:
             self.socket = tls.wrap_socket(self.socket, server_hostname="127.0.0.1")
         WebSocket.opened.append(self)
@@ -124,7 +127,7 @@ class WebSocket:
     def send_binary(self, data):
         self.send_frame(2, data)
 
-    def receive(self, timeout=30):
+    def receive(self, timeout=WAIT_S):
         """Returns the next message: ("text", dict) or ("binary", bytes)."""
         end = time.monotonic() + timeout
         while True:
@@ -147,7 +150,7 @@ class WebSocket:
             elif opcode == 2:
                 return "binary", payload
 
-    def receive_json(self, kind, timeout=30):
+    def receive_json(self, kind, timeout=WAIT_S):
         """Skips to the next JSON message of a type and returns it."""
         end = time.monotonic() + timeout
         while True:
@@ -155,7 +158,7 @@ class WebSocket:
             if form == "text" and message["type"] == kind:
                 return message
 
-    def receive_binary(self, kind, timeout=30):
+    def receive_binary(self, kind, timeout=WAIT_S):
         """Skips to the next binary message of a type; returns (header fields, payload)."""
         end = time.monotonic() + timeout
         while True:
@@ -241,7 +244,7 @@ class Viewer(WebSocket):
         self.received = 0  # tiles of all frames
         self.tools = []
 
-    def take(self, timeout=30):
+    def take(self, timeout=WAIT_S):
         """Handles the next message as a viewer does; returns its type."""
         form, message = self.receive(timeout)
         if form == "text":
@@ -286,7 +289,7 @@ class Viewer(WebSocket):
             coded.append(buffer[view["byteOffset"]:view["byteOffset"] + view["byteLength"]])
         return node["translation"], coded
 
-    def settled(self, timeout=30):
+    def settled(self, timeout=WAIT_S):
         """Handles messages until the state is settled; returns that state message."""
         end = time.monotonic() + timeout
         while True:

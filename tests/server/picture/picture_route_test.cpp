@@ -210,6 +210,10 @@ TEST_F(PictureRoute, AnUnchangedPictureIsNotSentAgain) {
   EXPECT_FALSE(again.file);
   EXPECT_EQ(etag(again), etag(first));
   EXPECT_EQ(ask("?width=240", "\"other\"").status, 200U);
+  const ApiResponse any = ask("?width=240", "*");
+  EXPECT_EQ(any.status, 304U);
+  EXPECT_EQ(etag(any), etag(first));
+  EXPECT_EQ(ask("?width=241", "*").status, 400U);
 }
 
 TEST_F(PictureRoute, RejectsOtherSizes) {

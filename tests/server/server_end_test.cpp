@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <future>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/server.h"
+#include "tests/bench/raster_agent.h"
+#include "tests/server/temporary_folder.h"
+
+namespace kerf::net {
+namespace {
+
+constexpr const char* kScene = R"({"name": "bench",
+  "stock": {"shape": "box", "min_mm": [-40, -40, -30], "max_mm": [40, 40, 0]},
+  "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
+  "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60}]})";
+
+std::unique_ptr<Server> start(const std::filesystem::path& folder) {
+  ServerOptions options;
+  options.port = 0;
+  options.udp.on = false;
+  options.http.data_folder = folder;
+  auto made = Server::create(options);
+  EXPECT_TRUE(made) << made.error();
+  const auto listening = (*made)->listen();
+  EXPECT_TRUE(listening) << listening.error();
+  return *std::move(made);
+}
+
+/// A crowd: the session is read for it while a job runs, and after the job.
+std::vector<bench::WebSocket> watch(std::uint16_t port, int count) {
+  std::vector<bench::WebSocket> viewers;
+  std::string payload;
+  for (int n = 0; n < count; ++n) {
+    viewers.push_back(bench::join(port, "view", wire::kViewProtocol));
+    while (viewers.back().receive(payload, bench::in_seconds(30)) != 1) continue;
+    EXPECT_NE(payload.find("\"welcome\""), payload.npos) << payload;
+  }
+  return viewers;
+}
+
+/// Cuts until the server takes nothing more.
+void cut_until_the_end(bench::WebSocket& agent) {
+  std::vector<std::byte> frame;
+  for (std::uint64_t n = 1;; ++n) {
+    wire::MotionBatch batch;
+    batch.count = 1;
+    batch.samples[0] = bench::sample_at(n, 0);
+    frame.clear();
+    wire::append(frame, {bench::kNewEpoch, n, n * 1000}, batch);
+    if (!agent.try_send(2, frame)) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+// Peers that neither read nor close are still there when the threads end, one after the other.
+TEST(ServerEnd, OfAServerWithViewersLeavesNothingBehind) {
+  const test::TemporaryFolder folder;
+  for (int turn = 0; turn < 3; ++turn) {
+    auto server = start(folder.path());
+    if (turn == 0) bench::post(server->port(), "/v1/sessions?id=bench", kScene);
+    const auto viewers = watch(server->port(), 60);
+    std::future<void> cut;
+    if (turn == 0) {
+      cut = std::async(std::launch::async, [agent = bench::join_agent(server->port())]() mutable {
+        cut_until_the_end(agent);
+      });
+      while (bench::json_field(bench::get(server->port(), "/v1/sessions/bench"), "motions") == "0")
+        std::this_thread::yield();
+    }
+    server.reset();  // also releases the folder for the next one
+  }
+}
+
+}  // namespace
+}  // namespace kerf::net
