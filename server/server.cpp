@@ -38,6 +38,8 @@ namespace {
 constexpr int kShown = 2, kBehind = 5;
 /// Time for peers to receive their bye when the server stops.
 constexpr std::chrono::seconds kDrainTime{2};
+/// Time for the connections of agents to end when they have been cut off.
+constexpr std::chrono::seconds kCutTime{10};
 /// Time until the journals that the disk did not let the server read are tried again; doubled after
 /// each attempt that changed nothing.
 constexpr std::chrono::seconds kReloadTime{1}, kReloadTimeMax{60};
@@ -246,6 +248,12 @@ asio::awaitable<void> Server::Impl::accept() {
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() {
   stop();
+  // An agent's connection belongs to the thread of its session and uses what is destroyed here.
+  // Peers that do not close are cut off, those that have not said hello too.
+  const auto deadline = std::chrono::steady_clock::now() + kCutTime;
+  while (impl_->metrics.agents > 0 && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
   // The viewers' thread uses the other threads until its last turn: they are destroyed before it.
   std::promise<void> ended;
   impl_->viewers.post([&] {

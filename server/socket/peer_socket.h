@@ -27,8 +27,9 @@ class PeerSocket : public std::enable_shared_from_this<PeerSocket> {
   void start(UpgradeRequest request);
 
  protected:
-  /// Time that a peer has to read the last frames and to close, once its conversation is over.
-  static constexpr std::chrono::milliseconds kLeaveTime{5000};
+  /// Time that a peer has to read the last frames and to close, once its conversation is over. Less
+  /// than a server that ends waits for its peers.
+  static constexpr std::chrono::milliseconds kLeaveTime{1500};
 
   /// `remaining_s`: time until the peer's grant expires; negative: it does not.
   PeerSocket(ByteStream stream, std::string_view protocol, std::int64_t remaining_s,
