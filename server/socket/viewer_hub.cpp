@@ -13,17 +13,8 @@
 #include "server/wire/codec.h"
 
 namespace kerf::net {
-namespace {
 
 namespace asio = boost::asio;
-
-/// Thirty times a second: viewers interpolate poses in between, and a tile that changes all the
-/// time is meshed at most this often.
-constexpr std::chrono::milliseconds kTick{33};
-/// The same for a crowd.
-constexpr std::chrono::milliseconds kCrowdTick{50};
-
-}  // namespace
 
 ViewerHub::ViewerHub(std::shared_ptr<Session> session, PeerContext& context)
     : session_(std::move(session)),

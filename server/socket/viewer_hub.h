@@ -55,6 +55,9 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void finish_reading();
 
  private:
+  /// Thirty times a second: viewers interpolate poses in between, and a tile that changes all the
+  /// time is meshed at most this often. The second one is for a crowd.
+  static constexpr std::chrono::milliseconds kTick{33}, kCrowdTick{50};
   /// In order of the ids, side by side in memory: a crowd is visited several times a reading.
   template <class T>
   using ById = boost::container::flat_map<ParticipantId, T>;
