@@ -16,9 +16,9 @@ constexpr double kMinSpeed = 2;
 /// Time constant of the weights in the trend: kTrendS plus kTrendOfLag of the delay.
 constexpr double kTrendS = 0.005;
 constexpr double kTrendOfLag = 0.5;
-/// The force of a milling cutter is rendered as it is from answers that are no older, s: a fit over
-/// the path would smooth what changes with each chip, and an older ripple of teeth has no place at
-/// the present pose.
+/// The force of a cut is rendered as it is from answers that are no older, s: a fit over the path
+/// would smooth what changes at once, as at the end of a plunge or with each chip of a milling
+/// cutter. An older ripple of teeth has no place at the present pose.
 constexpr double kFreshLagS = 0.002;
 /// The cutting force fades as the heading turns away from that of the answer, between these two
 /// cosines: a reversing tool cuts nothing.
@@ -80,8 +80,8 @@ void LocalModel::take_cut(const ServerWrench& answer, const PastGrip& then) noex
                               ? static_cast<double>(then.time_us - then_.time_us) * kSPerUs
                               : 0;
   then_ = then;
-  const bool as_it_is = settings_.law == CutLaw::kMechanistic && lag_s_ <= kFreshLagS;
-  const double kept = as_it_is ? 0 : std::exp(-passed_s / (kTrendS + kTrendOfLag * lag_s_));
+  const double kept =
+      lag_s_ <= kFreshLagS ? 0 : std::exp(-passed_s / (kTrendS + kTrendOfLag * lag_s_));
   trend_.take(then.path_mm, strength, kept);
 }
 

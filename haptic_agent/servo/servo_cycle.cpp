@@ -22,7 +22,7 @@ constexpr double kStableShare = 0.5;
 constexpr double kDamperShare = 0.25;
 constexpr double kTickS = 1e-3;
 /// Cosine of the turn that makes a corner, and the step below which noise of encoders may turn.
-constexpr double kTurnCos = 0.7;
+constexpr double kTurnCos = 0.9;
 constexpr double kLeastStepMm = 0.01;
 
 /// Gains that follow from the device's mass and latency: those of the dampers act a latency and a

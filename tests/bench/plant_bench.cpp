@@ -5,6 +5,7 @@
 //   plant_bench [all | traces] [TRACES]                            default: all, 100000
 //   plant_bench surfaces [0 | 1 | 2 | 3]                           one latency, ms, or each
 //   plant_bench guides [0 | 3]
+//   plant_bench surround [0 | 3]
 //   plant_bench random [RUNS] [MOST_MS] [SEED]                     default: 1000, 3, 1
 //
 // The parts can be run separately, each for minutes; the latencies of a table at the same time.
@@ -15,8 +16,10 @@
 // over any interval, the greatest rms speed of the tip while the hand is at rest, and the trips.
 // The last rows declare no latency where there are 3 ms, and no inertia by which a push turns a pen
 // rather than moves it. Then the same hands press against guides
-// of each kind in place of surfaces, at a round trip of 50 ms. Then random traces of two seconds
-// with an adversarial network (tests/agent/servo/adversary.h), and the same with deliberate errors.
+// of each kind in place of surfaces, at a round trip of 50 ms. Then stock appears around the tool
+// in a slot, by undo and redo or by the change to a larger tool, with the cutting button pressed or
+// not, at round trips of 0, 50 and 250 ms. Then random traces of two seconds with an adversarial
+// network (tests/agent/servo/adversary.h), and the same with deliberate errors.
 // `random` presses with random devices, hands, latencies up to MOST_MS, lost ticks, lines, surfaces
 // and guides, and prints the worst three runs of each measure.
 // Fails if the tank is exceeded, a wrench leaves its limits, or the tip moves faster than 5 mm/s
@@ -32,10 +35,12 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tests/agent/servo/adversary.h"
 #include "tests/agent/stability/experiments.h"
+#include "tests/agent/stability/surround.h"
 
 namespace {
 
@@ -107,8 +112,34 @@ Worst press_guides(std::uint64_t latency_us) {
   return worst;
 }
 
+Worst surround_all(std::uint64_t latency_us, Surrounding by, bool cutting) {
+  Worst worst;
+  for (const double rtt_ms : {0.0, 50.0, 250.0}) {
+    for (const double mass_kg : {0.05, 0.3, 2.0}) {
+      for (const double inertia_kg_m2 : {1e-5, 2e-4}) {
+        for (const double n_per_mm : {0.02, 0.2, 2.0}) {
+          const SurroundOutcome outcome =
+              surround({.mechanics = {.mass_kg = mass_kg,
+                                      .inertia_kg_m2 = inertia_kg_m2,
+                                      .hand_n_per_mm = n_per_mm,
+                                      .hand_nmm_per_rad = 670 * n_per_mm,
+                                      .latency_us = latency_us},
+                        .line = {.rtt_ms = rtt_ms, .jitter = rtt_ms > 0 ? 0.2 : 0},
+                        .by = by,
+                        .cutting = cutting,
+                        .loses_ticks = true});
+          worst.take({.returned_mj = outcome.returned_mj,
+                      .buzz_mm_per_s = outcome.buzz_mm_per_s,
+                      .trips = outcome.trips});
+        }
+      }
+    }
+  }
+  return worst;
+}
+
 /// `only_ms`: the latency of the rows to run; negative: all.
-bool contact_table(bool surfaces, bool guides, int only_ms) {
+bool contact_table(bool surfaces, bool guides, bool around, int only_ms) {
   bool holds = true;
   std::printf("%-26s %6s %14s %20s %6s\n", "latency ms", "runs", "mJ returned", "rms mm/s at rest",
               "trips");
@@ -132,6 +163,18 @@ bool contact_table(bool surfaces, bool guides, int only_ms) {
     const Worst worst = press_guides(us(ms));
     row(std::to_string(ms) + ", guides", worst);
     holds = holds && worst.returned_mj <= kTankMj && worst.buzz_mm_per_s <= kMostBuzz;
+  }
+  for (const int ms : kGuideMs) {
+    if (!around || !runs(ms)) continue;
+    for (const auto& [by, name] : {std::pair{Surrounding::kNothing, ", nothing appears"},
+                                   std::pair{Surrounding::kUndo, ", undo"},
+                                   std::pair{Surrounding::kLargerTool, ", larger tool"}}) {
+      for (const bool cutting : {false, true}) {
+        const Worst worst = surround_all(us(ms), by, cutting);
+        row(std::to_string(ms) + name + (cutting ? ", cutting" : ""), worst);
+        holds = holds && worst.returned_mj <= kTankMj;
+      }
+    }
   }
   return holds;
 }
@@ -239,18 +282,22 @@ int main(int argc, char** argv) {
                ? 0
                : 1;
   }
-  const bool of_latency = part == "surfaces" || part == "guides";
-  const std::span<const int> rows = part == "guides" ? std::span<const int>(kGuideMs) : kSurfaceMs;
+  const bool of_latency = part == "surfaces" || part == "guides" || part == "surround";
+  const std::span<const int> rows =
+      part == "surfaces" ? std::span<const int>(kSurfaceMs) : kGuideMs;
   const bool has_rows = number < 0 || std::ranges::find(rows, number) != rows.end();
   if ((!of_latency && part != "all" && part != "traces") || (of_latency && !has_rows)) {
     std::fprintf(stderr,
                  "plant_bench [all | traces] [TRACES]\nplant_bench surfaces [0 | 1 | 2 | 3]\n"
-                 "plant_bench guides [0 | 3]\nplant_bench random [RUNS] [MOST_MS] [SEED]\n");
+                 "plant_bench guides [0 | 3]\nplant_bench surround [0 | 3]\n"
+                 "plant_bench random [RUNS] [MOST_MS] [SEED]\n");
     return 2;
   }
   bool holds = true;
-  if (runs("surfaces") || runs("guides"))
-    holds = contact_table(runs("surfaces"), runs("guides"), part == "all" ? -1 : number);
+  if (part == "all" || of_latency) {
+    holds = contact_table(runs("surfaces"), runs("guides"), runs("surround"),
+                          part == "all" ? -1 : number);
+  }
   if (runs("traces"))
     holds = adversary_table(number < 0 ? 100'000 : static_cast<std::uint32_t>(number)) && holds;
   return holds ? 0 : 1;

@@ -17,44 +17,10 @@
 
 #include "server/history/recorded_block.h"
 #include "tests/server/session_fixture.h"
+#include "tests/server/shared_executor.h"
 #include "tests/support/thread_workers.h"
 
 namespace kerf {
-
-/// A ManualExecutor to which other threads may post.
-class SharedExecutor final : public Executor {
- public:
-  void post(Work work) override {
-    const std::lock_guard lock(mutex_);
-    queue_.post(std::move(work));
-  }
-  void post_after(std::chrono::microseconds delay, Work work) override {
-    const std::lock_guard lock(mutex_);
-    queue_.post_after(delay, std::move(work));
-  }
-  /// Runs all that is posted and, with `delayed`, all that waits.
-  void run(bool delayed = false) {
-    for (;;) {
-      Work next;
-      {
-        const std::lock_guard lock(mutex_);
-        if (std::exchange(delayed, false)) queue_.release_delayed();
-        auto work = queue_.take_one();
-        if (!work) return;
-        next = *std::move(work);
-      }
-      next();
-    }
-  }
-  std::size_t waiting() {
-    const std::lock_guard lock(mutex_);
-    return queue_.waiting();
-  }
-
- private:
-  std::mutex mutex_;
-  test::ManualExecutor queue_;
-};
 
 class SessionUndo : public testing::Test {
  protected:
@@ -188,8 +154,8 @@ class SessionUndo : public testing::Test {
   SnapshotOptions snapshots_ = {};  ///< none by default
   Workers* carvers_ = nullptr;      ///< help to carve, and undo; null: two threads undo
   std::optional<test::TemporaryFolder> folder_{std::in_place};
-  std::shared_ptr<SharedExecutor> executor_ = std::make_shared<SharedExecutor>();
-  SharedExecutor workers_;
+  std::shared_ptr<test::SharedExecutor> executor_ = std::make_shared<test::SharedExecutor>();
+  test::SharedExecutor workers_;
   std::optional<SessionRegistry> registry_;
   std::shared_ptr<Session> session_;
   std::map<ParticipantId, std::uint64_t> sequences_;

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+#include <vector>
 
 namespace kerf::agent {
 namespace {
@@ -57,14 +59,15 @@ TEST(LocalModel, ReproducesAnAnswerWithoutDelay) {
   EXPECT_EQ(model.at(now, false, kDt), Wrench{}) << "no cutting force without the cutting button";
 }
 
-/// Returns the range of the rendered force, over the mean, where fresh answers alternate.
-double rendered_ripple(CutLaw law, double max_vibration_hz = 0) {
+/// Returns the range of the rendered force, over the mean, where answers of this age alternate.
+double rendered_ripple(CutLaw law, double max_vibration_hz = 0, std::size_t late_ticks = 1) {
   LocalModel model({.law = law, .max_vibration_hz = max_vibration_hz});
-  PastGrip now = move_along_x(start(), 200);
+  std::vector<PastGrip> path{move_along_x(start(), 200)};
   double least = 1e9, most = 0;
   for (int i = 0; i < 40; ++i) {
-    const PastGrip then = now;
-    now = next(now, {0.05, 0, 0});
+    path.push_back(next(path.back(), {0.05, 0, 0}));
+    const PastGrip& now = path.back();
+    const PastGrip& then = path[path.size() - 1 - std::min(late_ticks, path.size() - 1)];
     model.take_replica(cut_of(then, i % 4 < 2 ? 2.5 : 3.5), then, now);
     const double newtons = -model.at(now, true, kDt).force_n.x;
     if (i < 20) continue;
@@ -74,9 +77,12 @@ double rendered_ripple(CutLaw law, double max_vibration_hz = 0) {
   return (most - least) / 3;
 }
 
-TEST(LocalModel, RippleOfTeethIsRenderedFromFreshAnswers) {
-  EXPECT_NEAR(rendered_ripple(CutLaw::kMechanistic), 1.0 / 3, 1e-9);
-  EXPECT_LT(rendered_ripple(CutLaw::kSpecificEnergy), 0.25);
+TEST(LocalModel, FreshAnswersAreRenderedAsTheyAreAndOldOnesSmoothed) {
+  constexpr std::size_t kOldTicks = 10;
+  for (const CutLaw law : {CutLaw::kMechanistic, CutLaw::kSpecificEnergy}) {
+    EXPECT_NEAR(rendered_ripple(law), 1.0 / 3, 1e-9);
+    EXPECT_LT(rendered_ripple(law, 0, kOldTicks), 0.25);
+  }
 }
 
 // A square wave of 250 Hz, whose extremes a low pass of first order at f lowers to

@@ -262,7 +262,9 @@ TEST_F(ServoCycleTest, WakesTheReplicaForEverySecondSampleUnlessTheToolMillsOrTu
     EXPECT_EQ(wakes, law == CutLaw::kMechanistic ? 20 : 10);
     EXPECT_EQ(popped, 20);
     for (int i = 20; i < 24; ++i) {
-      device.state.tip_mm.y -= 0.05;
+      // The first tick of a corner holds only a part of the turn, here 35 degrees.
+      device.state.tip_mm.y -= i == 20 ? 0.035 : 0.05;
+      if (i == 20) device.state.tip_mm.z -= 0.05;
       EXPECT_TRUE(cycle.tick(10'000 + 1000 * static_cast<std::uint64_t>(i)));
       ASSERT_TRUE(replica.is_woken()) << "at a corner";
       replica.wait();

@@ -35,7 +35,7 @@ class Plant final : public HapticDevice {
   Plant(Target target, const PlantMechanics& mechanics, bool cutting)
       : target_(std::move(target)),
         m_(mechanics),
-        cutting_(cutting),
+        buttons_(cutting ? wire::kButtonCutting : 0U),
         grip_{target_(0) + Vec3{0, 0, mechanics.pivot_mm}, {0, 0, 1}} {}
 
   DeviceCapabilities capabilities() const override {
@@ -55,7 +55,8 @@ class Plant final : public HapticDevice {
     while (now_us_ < now_us) move();
     return {.tip_mm = tip(),
             .axis = grip_.axis,
-            .buttons = wire::kButtonDeadman | (cutting_ ? wire::kButtonCutting : 0U),
+            .buttons = wire::kButtonDeadman | buttons_,
+            .tool_id = tool_id_,
             .time_us = now_us,
             .valid = true,
             .phase = DevicePhase::kReady};
@@ -67,6 +68,11 @@ class Plant final : public HapticDevice {
   void declare_latency(std::uint64_t latency_us) { declared_latency_us_ = latency_us; }
   /// For experiments with a device that does not know how easily it turns.
   void declare_inertia(double kg_m2) { declared_inertia_kg_m2_ = kg_m2; }
+  /// The hand presses these buttons beside the deadman, and chooses a tool (0: the servo's).
+  void hold(std::uint32_t buttons, std::uint32_t tool_id) {
+    buttons_ = buttons;
+    tool_id_ = tool_id;
+  }
   /// Starts to measure the speed of the tip.
   void begin_rest() { square_sum_ = 0, steps_ = 0; }
   /// Root mean square of the tip's speed since then, mm/s.
@@ -112,7 +118,7 @@ class Plant final : public HapticDevice {
 
   Target target_;
   PlantMechanics m_;
-  bool cutting_;
+  std::uint32_t buttons_, tool_id_ = 0;
   std::optional<std::uint64_t> declared_latency_us_;
   std::optional<double> declared_inertia_kg_m2_;
   Grip grip_;

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/agent/stability/experiments.h"
 #include "tests/agent/stability/held_cut.h"
 #include "tests/agent/stability/shipped_scenes.h"
+#include "tests/agent/stability/surround.h"
 
 namespace kerf::agent {
 namespace {
@@ -204,6 +206,42 @@ TEST(ShippedScenes, TheDemoIsFeltAsComputedAroundItsCorners) {
   EXPECT_LE(feel.server_force.error(), 0.05);
   EXPECT_LE(feel.server_torque.error(), 0.05);
   EXPECT_GT(feel.server_force.computed_peak(), 3) << "the test requires a deep cut";
+}
+
+/// Hands of little and much mass, with the greatest latency and none.
+TEST(Stability, StockThatAppearsAroundTheToolIsPassive) {
+  for (const std::uint64_t latency_us : {0U, 3000U}) {
+    for (const Surrounding by : {Surrounding::kUndo, Surrounding::kLargerTool}) {
+      for (const bool cutting : {false, true}) {
+        const SurroundOutcome outcome = surround({.mechanics = {.mass_kg = 0.3,
+                                                                .inertia_kg_m2 = 2e-4,
+                                                                .hand_n_per_mm = 0.2,
+                                                                .hand_nmm_per_rad = 134,
+                                                                .latency_us = latency_us},
+                                                  .line = {.rtt_ms = 50},
+                                                  .by = by,
+                                                  .cutting = cutting});
+        const std::string which = std::to_string(latency_us) + " us, " +
+                                  (by == Surrounding::kUndo ? "undo" : "larger tool") +
+                                  (cutting ? ", cutting" : "");
+        EXPECT_LE(outcome.returned_mj, 5) << which;
+        EXPECT_EQ(outcome.trips, 0U) << which;
+        EXPECT_GE(outcome.changes, 4) << which << ": the test requires stock around the tool";
+      }
+    }
+  }
+}
+
+TEST(ShippedScenes, PlungesAreFeltAsComputed) {
+  // The force falls from its peak to almost nothing in the tick in which a plunge turns into a cut.
+  for (const std::string_view name : {"template:box", "template:cylinder"}) {
+    const auto scene = std::ranges::find(shipped_scenes(), name, &ShippedScene::file);
+    ASSERT_NE(scene, shipped_scenes().end());
+    const ShippedFeel feel = feel_shipped(*scene, 20);
+    EXPECT_LE(feel.server_force.error(), 0.04) << name;
+    EXPECT_LE(feel.server_torque.error(), 0.04) << name;
+    EXPECT_GT(feel.server_force.computed_peak(), 1) << "the test requires plunges";
+  }
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include "server/session/session_registry.h"
 #include "server/wire/codec.h"
 #include "tests/agent/stability/virtual_line.h"
-#include "tests/server/manual_executor.h"
+#include "tests/server/shared_executor.h"
 #include "tests/server/temporary_folder.h"
 
 namespace kerf::agent {
@@ -64,13 +64,14 @@ class TestBed {
   void send();
   void serve(std::span<const std::byte> frame);
   void send_answers();
+  void run_session();
   net::Clock::time_point time() const {
     return net::Clock::time_point(std::chrono::microseconds(now_us_));
   }
 
   test::TemporaryFolder folder_;
-  std::shared_ptr<test::ManualExecutor> executor_ = std::make_shared<test::ManualExecutor>();
-  test::ManualExecutor workers_;
+  std::shared_ptr<test::SharedExecutor> executor_ = std::make_shared<test::SharedExecutor>();
+  test::SharedExecutor workers_;
   std::optional<SessionRegistry> registry_;
   std::shared_ptr<Session> session_;
   net::Metrics metrics_;

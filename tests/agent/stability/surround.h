@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "tests/agent/stability/plant.h"
+#include "tests/agent/stability/virtual_line.h"
+
+namespace kerf::agent {
+
+/// Why the tool is in stock: its stroke is undone, and redone, or a ball of 10 mm is chosen instead
+/// of one of 6 mm, and the latter again, every 0.4 s.
+enum class Surrounding : std::uint8_t { kNothing, kUndo, kLargerTool };
+
+/// Settings: a hand cuts a slot of 3 mm depth with a ball of 6 mm. Then stock appears around the
+/// tool, while the hand moves to and fro in the slot, then rests.
+struct Surround {
+  PlantMechanics mechanics{};
+  LineQuality line{};
+  Surrounding by = Surrounding::kUndo;
+  bool cutting = false;      ///< the cutting button stays pressed; otherwise only for the slot
+  bool loses_ticks = false;  ///< four in a row, 2 % in all
+};
+struct SurroundOutcome {
+  double returned_mj = 0;    ///< most over any interval, in the plant
+  double buzz_mm_per_s = 0;  ///< rms speed of the tip while the hand is at rest
+  double most_force_n = 0;   ///< that acted while stock appears
+  int changes = 0;           ///< times that the session's stock or the tool was another
+  std::uint64_t trips = 0;
+};
+SurroundOutcome surround(const Surround& surround);
+
+}  // namespace kerf::agent

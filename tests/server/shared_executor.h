@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <mutex>
+#include <utility>
+
+#include "tests/server/manual_executor.h"
+
+namespace kerf::test {
+
+/// A ManualExecutor to which other threads may post.
+class SharedExecutor final : public Executor {
+ public:
+  void post(Work work) override {
+    const std::lock_guard lock(mutex_);
+    queue_.post(std::move(work));
+  }
+  void post_after(std::chrono::microseconds delay, Work work) override {
+    const std::lock_guard lock(mutex_);
+    queue_.post_after(delay, std::move(work));
+  }
+  /// Runs all that is posted and, with `delayed`, all that waits.
+  void run(bool delayed = false) {
+    for (;;) {
+      Work next;
+      {
+        const std::lock_guard lock(mutex_);
+        if (std::exchange(delayed, false)) queue_.release_delayed();
+        auto work = queue_.take_one();
+        if (!work) return;
+        next = *std::move(work);
+      }
+      next();
+    }
+  }
+  std::size_t waiting() {
+    const std::lock_guard lock(mutex_);
+    return queue_.waiting();
+  }
+
+ private:
+  std::mutex mutex_;
+  ManualExecutor queue_;
+};
+
+}  // namespace kerf::test
