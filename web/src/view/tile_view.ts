@@ -5,6 +5,7 @@
 
 import * as THREE from 'three';
 import { tileAt, tileKey } from '../model/tiles';
+import { ORIGINAL_ATTRIBUTE } from './glb_tiles';
 import type { ParsedTile } from './glb_tiles';
 
 /** A displayed tile. */
@@ -173,6 +174,12 @@ export class TileView {
 
   tiles(): DisplayedTile[] {
     return [...this.batches_.values()].flatMap((batch) => batch.tiles());
+  }
+
+  /** Returns what says of a tile's vertices whether they are on the surface of the untouched stock. */
+  originalOf({ geometry }: DisplayedTile): (vertex: number) => boolean {
+    const original = geometry.attributes[ORIGINAL_ATTRIBUTE];
+    return (vertex) => original !== undefined && original.getX(vertex) > 0.5;
   }
 
   /** Returns the first intersection of a ray with the block, or null. */

@@ -7,22 +7,14 @@ import { OWNER_NUMBERS, OWNER_POINTS_MAX, ownersAt } from '../../link/owners';
 import type { Bounds } from '../../model/session';
 import { addAreas, apart, middlesOf, distinctFrom } from '../../model/owners';
 import { paintedEdge } from '../../model/refine';
-import { ORIGINAL_ATTRIBUTE } from '../../view/glb_tiles';
 import { OwnerMaterial, SLOTS } from '../../view/inspect/owner_material';
 import { PaintedView, trianglesOf } from '../../view/inspect/painted_view';
 import type { Painting } from '../../view/inspect/painted_view';
-import type { DisplayedTile } from '../../view/tile_view';
 import type { Viewer } from '../../view/viewer';
 import type { Authors } from '../authors';
 import { h, setText } from '../dom';
 import { figure, sentence } from '../format';
 import type { InspectHost } from './mount';
-
-/** Whether a vertex is on the surface of the stock as it was, of which nobody needs to be asked. */
-function isOriginal({ geometry }: DisplayedTile): (vertex: number) => boolean {
-  const original = geometry.attributes[ORIGINAL_ATTRIBUTE];
-  return (vertex) => original !== undefined && original.getX(vertex) > 0.5;
-}
 
 export class Owning {
   /** The colors are shown, in place of others. */
@@ -108,8 +100,8 @@ export class Owning {
     return {
       material: this.material_.material,
       trianglesOf: (tile) => {
-        const original = isOriginal(tile);
-        const isCut = (...corners: number[]): boolean => !corners.every(original);
+        const isOriginal = this.viewer.tiles.originalOf(tile); // nobody needs to be asked of it
+        const isCut = (...corners: number[]): boolean => !corners.every(isOriginal);
         return trianglesOf(tile, limitMm, isCut);
       },
       questionsOf: middlesOf,
