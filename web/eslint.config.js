@@ -36,6 +36,7 @@ export default defineConfig(
       'tests/e2e/*_live.mjs',
       'tests/e2e/support/axe.mjs',
       'tests/e2e/support/browser.mjs',
+      'tests/e2e/support/drop.mjs',
       'tests/e2e/support/firefox.mjs',
       'tests/e2e/support/headset.mjs',
       'tests/e2e/support/layout.mjs',

@@ -55,6 +55,14 @@ MotionSet StrokeTable::at(std::uint64_t record) const {
   return set;
 }
 
+StrokeId StrokeTable::newest(ParticipantId participant, std::uint64_t record) const {
+  const StrokeSet undone = at(record).without;
+  const auto found = std::find_if(strokes_.rbegin(), strokes_.rend(), [&](const Stroke& stroke) {
+    return stroke.id <= record && stroke.participant == participant && !undone.contains(stroke.id);
+  });
+  return found == strokes_.rend() ? 0 : found->id;
+}
+
 StrokeId StrokeTable::last_undone(ParticipantId participant, std::uint64_t record) const {
   const StrokeSet undone = at(record).without;
   for (auto change = changes_.rbegin(); change != changes_.rend(); ++change) {

@@ -48,6 +48,9 @@ class StrokeTable {
   StrokeId stroke_of(ParticipantId participant, std::uint64_t record) const;
   /// The set of motions that makes up the block after a record.
   MotionSet at(std::uint64_t record) const;
+  /// The newest stroke of a participant, of those that began up to a record, that is not undone
+  /// there; 0: none.
+  StrokeId newest(ParticipantId participant, std::uint64_t record) const;
   /// The stroke of a participant that was undone last, of those that were undone after a record; 0:
   /// none.
   StrokeId last_undone(ParticipantId participant, std::uint64_t record) const;

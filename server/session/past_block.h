@@ -55,6 +55,7 @@ class PastBlock {
   std::int64_t time_ms() const { return time_ms_; }
   double removed_mm3() const { return block_.removed_volume_mm3(); }
   SolidSnapshot solid() { return block_.solid(); }
+  const Sculpture& block() const { return block_; }
   /// The tiles of the surface that have changed since the last call; with duplicates.
   std::vector<TileIndex> take_changed();
   /// The tools that have moved since seek(), with the force of their last motion.

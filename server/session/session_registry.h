@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "server/session/session.h"
+#include "server/session/session_id.h"
 
 namespace kerf {
 
@@ -95,12 +96,6 @@ struct ClosedSession {
   std::int64_t closed_s = 0;  ///< s since 1970, UTC; 0: unknown
   std::uintmax_t bytes = 0;   ///< with its snapshots
 };
-
-/// True for a valid session id: 1 to 64 characters from a–z, 0–9, - and _, which are safe in file
-/// names and URLs.
-bool is_session_id(std::string_view id);
-/// Derives a session id from a scene's name: lower case, other characters become '-'.
-std::string id_from_name(std::string_view name);
 
 /// The sessions of one server. Thread-safe. Its functions read and write files: do not call them on
 /// a thread that serves agents.

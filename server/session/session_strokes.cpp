@@ -25,19 +25,6 @@ constexpr std::uint64_t kReadAhead = 20'000;
 
 Rejection no_stroke(const std::string& reason) { return {wire::ErrorCode::kBadMessage, reason}; }
 
-/// After record `at`, the newest stroke of a participant that was not undone, or the one that was
-/// undone last; 0: none.
-StrokeId newest_stroke(const StrokeTable& table, const StrokeRequest& request, std::uint64_t at) {
-  if (!request.undone) return table.last_undone(request.participant, at);
-  const StrokeSet undone = table.at(at).without;
-  const auto all = table.all();
-  const auto found = std::find_if(all.rbegin(), all.rend(), [&](const Stroke& stroke) {
-    return stroke.id <= at && stroke.participant == request.participant &&
-           !undone.contains(stroke.id);
-  });
-  return found == all.rend() ? 0 : found->id;
-}
-
 }  // namespace
 
 /// Reads what has been committed; all that was journaled before the call. Call with the lock.
@@ -71,7 +58,8 @@ std::expected<StrokeSet, Rejection> Session::chosen_strokes(const StrokeRequest&
   const char* verb = request.undone ? "undone" : "redone";
   StrokeSet strokes(request.strokes.begin(), request.strokes.end());
   if (strokes.empty()) {
-    const StrokeId newest = newest_stroke(table, request, at);
+    const StrokeId newest = request.undone ? table.newest(request.participant, at)
+                                           : table.last_undone(request.participant, at);
     if (newest == 0) {
       return std::unexpected(no_stroke("participant " + std::to_string(request.participant) +
                                        " has no stroke that can be " + verb));

@@ -11,6 +11,7 @@ import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
 import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
+import { dropFiles } from './support/drop.mjs';
 import { serveFiles } from './support/file_host.mjs';
 import { until } from './support/processes.mjs';
 import { optionsOf, runTest } from './support/session.mjs';
@@ -41,22 +42,15 @@ const SCENE = JSON.stringify({
 });
 const FAULT = 'G21 G90\nG1 X5 F100\nG1 X7 Q3\nM30\n';
 
-/** Drops files on the page, as a hand does. */
-function drop(page, files) {
-  return page.evaluate((all) => {
-    const dataTransfer = new DataTransfer();
-    for (const [name, text] of Object.entries(all)) dataTransfer.items.add(new File([text], name));
-    const event = new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true });
-    document.querySelector('main').dispatchEvent(event);
-  }, files);
-}
-
 async function carvedHere(folder) {
   await writeFile(join(folder, NAME), PROGRAM);
   await writeFile(join(folder, 'wave.json'), SCENE);
   const args = ['--program', NAME, '--scene', 'wave.json', '--stl', 'here.stl'];
   args.push('--report', 'here.json');
-  const { status, stderr } = spawnSync(options.carve, args, { cwd: folder, encoding: 'utf8' });
+  const { status, stderr } = spawnSync(options.carve, args, {
+    cwd: folder,
+    encoding: 'utf8',
+  });
   assert.equal(status, 0, stderr);
   const report = JSON.parse(await readFile(join(folder, 'here.json'), 'utf8'));
   return { ...report, stl: await readFile(join(folder, 'here.stl')) };
@@ -70,7 +64,7 @@ const atRest = async ({ state }) => {
 async function checkCarving(viewer, here) {
   const { page, state } = viewer;
   await checkAccessible(page, 'the empty page');
-  await drop(page, { [NAME]: PROGRAM, 'wave.json': SCENE });
+  await dropFiles(page, { [NAME]: PROGRAM, 'wave.json': SCENE });
   await until('carved program', SETTLE_S, () => atRest(viewer));
   const { hash, carved, motions } = await state();
   assert.equal(hash, here.state_hash);
@@ -104,7 +98,7 @@ async function checkScrubbing(viewer, here) {
 }
 
 async function checkFault({ page, state }) {
-  await drop(page, { 'fault.ngc': FAULT });
+  await dropFiles(page, { 'fault.ngc': FAULT });
   await until('rejected program', SETTLE_S, async () => (await state()).status === 'failed');
   await page
     .getByRole('alert')

@@ -6,16 +6,19 @@ declare module 'sql.js' {
   export interface Statement {
     step(): boolean;
     get(): SqlValue[];
+    run(values: SqlValue[]): void;
     free(): void;
   }
   export interface Database {
     prepare(query: string): Statement;
+    run(query: string, values?: SqlValue[]): void;
+    export(): Uint8Array;
     close(): void;
   }
   interface Sql {
-    Database: new (bytes: Uint8Array) => Database;
+    Database: new (bytes?: Uint8Array) => Database;
   }
-  export default function initSqlJs(options: { locateFile: () => string }): Promise<Sql>;
+  export default function initSqlJs(options: { wasmBinary: ArrayBuffer }): Promise<Sql>;
 }
 
 declare module '*.wasm?url' {

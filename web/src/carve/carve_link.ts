@@ -6,6 +6,7 @@ import { t } from '../strings';
 import type { BlockCopy } from '../kernel/block_copy';
 import { Backoff } from '../link/backoff';
 import { Silence } from '../link/silence';
+import { pathOf } from '../link/strokes';
 import type { Socket } from '../link/view_link';
 import { parseAgentControl } from '../wire/agent_control';
 import type { AgentHello, AgentMessage, AgentRequest, AgentWelcome } from '../wire/agent_control';
@@ -22,13 +23,28 @@ export type CarveStatus = 'off' | 'joining' | 'ready' | 'lost';
 export interface CarveLinkEvents {
   /** The status changed; `reason` is for the user, empty if all is well. */
   status(status: CarveStatus, reason: string): void;
-  joined(welcome: AgentWelcome): void;
-  result(result: Result): void;
+  joined(welcome: Pick<AgentWelcome, 'participant' | 'speedMmPerS' | 'samplesPerS'>): void;
+  result(result: Pick<Result, 'force_n' | 'agent_sequence' | 'motions_applied'>): void;
   /** A motion was rejected, or a stroke was not undone. */
   rejected(code: string, reason: string): void;
   /** One of its own strokes was undone (true) or redone. */
   changed(undone: boolean): void;
 }
+
+/** What brings the path of the hand to the block: a connection, or the page that has the block. */
+export type AgentLink = Pick<
+  CarveLink,
+  | 'status'
+  | 'participant'
+  | 'takes'
+  | 'waiting'
+  | 'isAsking'
+  | 'join'
+  | 'leave'
+  | 'retryNow'
+  | 'send'
+  | 'ask'
+>;
 
 export interface CarveLinkOptions {
   url: string;
@@ -325,4 +341,24 @@ export class CarveLink {
     this.drop_();
     this.become_('off', reason);
   }
+}
+
+/** The link to a session of the server that the page comes from. */
+export function linkToServer(
+  session: string,
+  copy: CarveLinkOptions['copy'],
+  who: CarveLinkOptions['who'],
+  events: CarveLinkEvents,
+): CarveLink {
+  const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
+  return new CarveLink(
+    {
+      url: `${scheme}://${location.host}${pathOf(session, 'agent')}`,
+      open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
+      who,
+      nowMs: () => performance.now(),
+      copy,
+    },
+    events,
+  );
 }

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carving in the page: takes pointer and keys, draws the tool where it would cut, and sends its path
 // to the server as any agent does. The cut is made in the page's copy of the block at once, and shown
-// from there until the server's mesh comes.
+// from there until the server's mesh comes. A page without a server has the block itself.
 
 import { t } from '../strings';
 import { MOUSE } from 'three';
 import type { BlockCopy } from '../kernel/block_copy';
-import { pathOf } from '../link/strokes';
-import type { Socket } from '../link/view_link';
 import { sentence } from '../ui/format';
 import type { Viewer } from '../view/viewer';
-import type { AgentWelcome } from '../wire/agent_control';
-import type { Result } from '../wire/types';
+import type { AgentHello } from '../wire/agent_control';
 import { CarveBar, helpText, isTouched } from './carve_bar';
-import { CarveLink } from './carve_link';
-import type { CarveStatus } from './carve_link';
+import { linkToServer } from './carve_link';
+import type { AgentLink, CarveLinkEvents, CarveStatus } from './carve_link';
 import { Delivery } from './delivery';
 import { Devices } from './devices/devices';
 import { SpaceMouse } from './devices/space_mouse';
@@ -43,11 +40,11 @@ export class CarveMode {
   private readonly gauge_ = new Gauge();
   private readonly rumble_ = new Rumble();
   private readonly close_ = (): void => this.leave();
-  private readonly copy_: BlockCopy;
-  private readonly link_: CarveLink;
+  private readonly copy_: BlockCopy | null; // null: the page has the block itself
+  private readonly link_: AgentLink;
   private readonly hand_: Hand;
   private readonly delivery_: Delivery;
-  private readonly settling_: Settling;
+  private readonly settling_: Settling | null;
   private readonly spaceMouse_ = new SpaceMouse();
   private readonly devices_: Devices;
   private readonly settings_: ToolSettings;
@@ -70,13 +67,9 @@ export class CarveMode {
       color: () => this.who_().color,
       changes: () => this.stopStroke_(),
     });
-    this.copy_ = makeCopy(
-      viewer,
-      () => this.link_.ask({ type: 'stock' }),
-      (reason) => console.warn('The copy of the block has ended:', reason),
-    );
+    this.copy_ = host.linkHere ? null : this.makeCopy_();
     this.link_ = this.makeLink_();
-    this.settling_ = new Settling(this.copy_, viewer.local);
+    this.settling_ = this.copy_ && new Settling(this.copy_, viewer.local);
     this.delivery_ = new Delivery(this.link_, this.hand_.sampler, () => this.hasEnded_());
     this.devices_ = new Devices(
       {
@@ -121,7 +114,7 @@ export class CarveMode {
 
   /** The hash of the page's copy of the block; null: it has none. */
   copyHash(): Promise<string> | null {
-    return this.copy_.works ? this.copy_.hash() : null;
+    return this.copy_?.works ? this.copy_.hash() : null;
   }
 
   /** The tool, for devices that are no pointers. */
@@ -172,7 +165,7 @@ export class CarveMode {
   /** Joins with the copy, if there can be one. */
   private async join_(): Promise<void> {
     this.bar_.say(t('Joining…'));
-    const hasCopy = await this.copy_.isThere;
+    const hasCopy = (await this.copy_?.isThere) ?? true;
     if (!this.isActive) return;
     this.delivery_.join();
     if (!hasCopy) this.say_(NO_COPY);
@@ -191,24 +184,29 @@ export class CarveMode {
     });
   }
 
-  private makeLink_(): CarveLink {
-    const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
-    return new CarveLink(
-      {
-        url: `${scheme}://${location.host}${pathOf(this.host.session, 'agent')}`,
-        open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
-        who: () => ({ ...this.who_(), tool: this.settings_.tool?.id ?? 0 }),
-        nowMs: () => performance.now(),
-        copy: this.copy_,
-      },
-      {
-        status: (status, reason) => this.linkChanged_(status, reason),
-        joined: (welcome) => this.joined_(welcome),
-        result: (result) => this.felt_(result),
-        rejected: (code, reason) => this.rejected_(code, reason),
-        changed: (undone) => this.changed_(undone),
-      },
+  private makeCopy_(): BlockCopy {
+    return makeCopy(
+      this.viewer,
+      () => this.link_.ask({ type: 'stock' }),
+      (reason) => console.warn('The copy of the block has ended:', reason),
     );
+  }
+
+  private makeLink_(): AgentLink {
+    const { host, copy_: copy } = this;
+    const events: CarveLinkEvents = {
+      status: (status, reason) => this.linkChanged_(status, reason),
+      joined: (welcome) => this.joined_(welcome),
+      result: (result) => this.felt_(result),
+      rejected: (code, reason) => this.rejected_(code, reason),
+      changed: (undone) => this.changed_(undone),
+    };
+    if (!copy) return host.linkHere!(events);
+    const who = (): Pick<AgentHello, 'name' | 'color' | 'tool'> => ({
+      ...this.who_(),
+      tool: this.settings_.tool?.id ?? 0,
+    });
+    return linkToServer(host.session, copy, who, events);
   }
 
   private takePointers_(): Pointers {
@@ -311,7 +309,7 @@ export class CarveMode {
     }
     if (welcome) this.settings_.prepare(welcome);
     if (this.hand_.isCutting && state?.at) this.stopStroke_();
-    this.settling_.step(state, this.link_.isAsking, now);
+    this.settling_?.step(state, this.link_.isAsking, now);
     this.hand_.settle(this.settings_.depthMm, now);
     if (!this.viewer.eyeElsewhere) this.devices_.tick(now);
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
@@ -342,7 +340,7 @@ export class CarveMode {
       this.noteUntilMs_ = 0;
     } else if (status === 'off') {
       setTimeout(() => {
-        if (this.link_.status === 'off') this.viewer.local.close();
+        if (this.copy_ && this.link_.status === 'off') this.viewer.local.close();
       }, LEFT_MS);
       if (reason === '') return;
       this.host.say(sentence(reason));
@@ -350,14 +348,19 @@ export class CarveMode {
     }
   }
 
-  private joined_({ participant, speedMmPerS, samplesPerS }: AgentWelcome): void {
+  private joined_({
+    participant,
+    speedMmPerS,
+    samplesPerS,
+  }: Parameters<CarveLinkEvents['joined']>[0]): void {
     this.hand_.sampler.limits = { speedMmPerS, samplesPerS };
     this.viewer.hiddenCarver = participant;
     this.viewer.local.open();
   }
 
-  private felt_({ force_n, agent_sequence, motions_applied }: Result): void {
-    this.viewer.local.answered(agent_sequence, Number(motions_applied));
+  private felt_(result: Parameters<CarveLinkEvents['result']>[0]): void {
+    const { force_n, agent_sequence, motions_applied } = result;
+    if (this.copy_) this.viewer.local.answered(agent_sequence, Number(motions_applied));
     const now = performance.now();
     const forceN = Math.hypot(...force_n);
     this.gauge_.feel(forceN, now);

@@ -2,7 +2,7 @@
 // Brings the path of the hand to the server, in order, as fast as the server takes it. Who leaves
 // goes when all that was drawn is sent.
 
-import type { CarveLink } from './carve_link';
+import type { AgentLink } from './carve_link';
 import type { Sampler } from './sampler';
 
 const STEP_MS = 8;
@@ -14,7 +14,7 @@ export class Delivery {
   /** `hasEnded`: the session has, so that nothing more can be sent. */
   constructor(
     private readonly link: Pick<
-      CarveLink,
+      AgentLink,
       'takes' | 'waiting' | 'status' | 'send' | 'ask' | 'join' | 'leave'
     >,
     private readonly path: Pick<Sampler, 'take' | 'takeRequests' | 'waiting' | 'forget'>,

@@ -7,6 +7,7 @@ import { ICONS } from '../ui/icons';
 import type { SessionModel } from '../model/session';
 import type { OneOpen } from '../ui/one_open';
 import type { Picture } from '../ui/picture';
+import type { AgentLink, CarveLinkEvents } from './carve_link';
 import type { CarveMode } from './carve_mode';
 import { whyNotCarve } from './reasons';
 import { mountVr } from './vr/mount';
@@ -26,6 +27,8 @@ export interface CarveHost {
   oneOpen: OneOpen;
   /** The bar was opened or closed, and covers another part of the picture. */
   layoutChanged: () => void;
+  /** Makes the link to a block that the page itself carves; missing: a server does. */
+  linkHere?: (events: CarveLinkEvents) => AgentLink;
   /** Says why something is not done. */
   say: (text: string) => void;
   /** Carving begins: the picture is to show the present. */

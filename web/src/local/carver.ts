@@ -42,6 +42,10 @@ export class Carver {
   /** With which it plays once it is where it was sent. */
   private rateThen_ = 0;
   private hashedMs_ = 0;
+  /** A hand takes the block over, when it is at its last record. */
+  private isHanding_ = false;
+  /** A hand carves: it waits for the picture, and no one for the hash. */
+  private isHot_ = false;
 
   constructor(private readonly around: Surroundings) {}
 
@@ -78,6 +82,22 @@ export class Carver {
         return;
       case 'model':
         this.write_(block, message);
+        return;
+      case 'hand':
+        this.beginHand_(block, message);
+        return;
+      case 'samples':
+        this.cutByHand_(block, message);
+        return;
+      case 'change':
+        this.changeByHand_(block, message);
+        return;
+      case 'rest':
+        this.isHot_ = false;
+        this.changed_();
+        return;
+      case 'save':
+        if (this.about_) this.around.post({ type: 'saved', parts: block.parts() });
     }
   }
 
@@ -89,6 +109,8 @@ export class Carver {
     this.about_ = null;
     this.playing_ = null;
     this.rateThen_ = 0;
+    this.isHanding_ = false;
+    this.isHot_ = false;
     const isRead = this.try_(() => {
       read();
       block.make();
@@ -126,6 +148,73 @@ export class Carver {
     this.changed_();
   }
 
+  // The hand
+  // -----------------------------------------------------------------------------------------------
+
+  private beginHand_(
+    block: ProgramBlock,
+    { participant, wallMs }: ToWorker & { type: 'hand' },
+  ): void {
+    if (!this.about_) return;
+    this.playing_ = null;
+    this.rateThen_ = 0;
+    const isProgram = this.about_.kernel_version === undefined;
+    const isTaken = this.try_(() => {
+      block.hand(participant, wallMs);
+      if (isProgram) block.make();
+      else block.seek(this.about_!.motions);
+    });
+    if (!isTaken) return;
+    this.about_ = block.about();
+    this.target_ = this.about_.motions;
+    this.isHanding_ = true;
+    this.changed_();
+  }
+
+  private cutByHand_(
+    block: ProgramBlock,
+    { frame, newest, wallMs, spanMs }: ToWorker & { type: 'samples' },
+  ): void {
+    const reason = this.reasonOf_(() => block.samples(frame, wallMs, spanMs));
+    this.around.post({
+      type: 'felt',
+      newest,
+      progress: block.progress(),
+      reason,
+    });
+    this.handMoved_(block);
+  }
+
+  private changeByHand_(
+    block: ProgramBlock,
+    { undone, wallMs }: ToWorker & { type: 'change' },
+  ): void {
+    const reason = this.reasonOf_(() => block.change(undone, wallMs));
+    this.around.post({ type: 'changed', undone, reason });
+    this.handMoved_(block);
+  }
+
+  private handMoved_(block: ProgramBlock): void {
+    this.isHot_ = true;
+    this.about_ = block.about();
+    this.target_ = this.about_.motions;
+    this.changed_();
+  }
+
+  /** Why the block rejects what is done; empty: it does not. */
+  private reasonOf_(act: () => void): string {
+    try {
+      act();
+      return '';
+    } catch (problem) {
+      if (problem instanceof WebAssembly.RuntimeError) throw problem;
+      return (problem as Error).message;
+    }
+  }
+
+  // Slices
+  // -----------------------------------------------------------------------------------------------
+
   private playFrom_(block: ProgramBlock, rate: number): void {
     const { carved, time_s } = block.progress();
     this.target_ = carved;
@@ -136,24 +225,17 @@ export class Carver {
 
   /** What the block rejects is said to the page. */
   private try_(act: () => void): boolean {
-    try {
-      act();
-      return true;
-    } catch (problem) {
-      if (problem instanceof WebAssembly.RuntimeError) throw problem;
-      this.around.post({ type: 'rejected', reason: (problem as Error).message });
-      return false;
-    }
+    const reason = this.reasonOf_(act);
+    if (reason !== '') this.around.post({ type: 'rejected', reason });
+    return reason === '';
   }
 
   private write_(block: ProgramBlock, { format }: ToWorker & { type: 'model' }): void {
     if (!this.about_) return;
-    try {
-      this.around.post({ type: 'model', format, bytes: block.model(format) });
-    } catch (problem) {
-      if (problem instanceof WebAssembly.RuntimeError) throw problem;
-      this.around.post({ type: 'unwritten', reason: (problem as Error).message });
-    }
+    const reason = this.reasonOf_(() =>
+      this.around.post({ type: 'model', format, bytes: block.model(format) }),
+    );
+    if (reason !== '') this.around.post({ type: 'unwritten', reason });
   }
 
   private changed_(): void {
@@ -183,7 +265,19 @@ export class Carver {
     if (!done) this.rateThen_ = 0;
     if (this.rateThen_ > 0 && carved >= this.target_) this.playFrom_(block, this.rateThen_);
     this.carvingMs_ += this.around.nowMs() - beganMs;
-    this.show_(block, !this.playing_ && carved >= this.target_);
+    const atRest = !this.playing_ && carved >= this.target_;
+    if (!done) this.isHanding_ = false;
+    if (this.isHanding_) this.hand_(block, atRest);
+    else this.show_(block, atRest);
+  }
+
+  /** What was displayed stays until the block is there again. */
+  private hand_(block: ProgramBlock, atRest: boolean): void {
+    if (atRest) {
+      this.isHanding_ = false;
+      this.around.post({ type: 'handed', about: block.about() });
+    }
+    this.changed_();
   }
 
   private carveOn_(block: ProgramBlock): void {
@@ -249,6 +343,7 @@ export class Carver {
   }
 
   private hashOf_(block: ProgramBlock, atRest: boolean): string | null {
+    if (this.isHot_) return null;
     const nowMs = this.around.nowMs();
     if (!atRest && !(this.playing_ && nowMs - this.hashedMs_ >= HASH_EVERY_MS)) return null;
     this.hashedMs_ = nowMs;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A program for those who have none at hand: a flower of waves.
+// What there is for those who have no file at hand: a program, which carves a flower of waves, and a
+// block to carve by hand.
 
 import type { GivenFile } from './program_block';
 
@@ -31,4 +32,29 @@ export function exampleProgram(): GivenFile {
   for (let step = 1; step <= TURNS * STEPS; step += 1) lines.push(`G1 ${point(step / STEPS)}`);
   lines.push('G0 Z5', 'M30', '');
   return { name: 'flower.ngc', bytes: new TextEncoder().encode(lines.join('\n')) };
+}
+
+const BLOCK = {
+  name: 'Block',
+  stock: { shape: 'box', min_mm: [-40, -40, -30], max_mm: [40, 40, 0] },
+  accuracy: { pitch_mm: 0.25, tolerance_mm: 0.01 },
+  tools: [
+    { id: 1, shape: 'ball', diameter_mm: 8, length_mm: 35 },
+    { id: 2, shape: 'ball', diameter_mm: 3, length_mm: 25 },
+    { id: 3, shape: 'flat', diameter_mm: 6, length_mm: 30 },
+    {
+      id: 4,
+      shape: 'bull_nose',
+      diameter_mm: 12,
+      corner_radius_mm: 3,
+      length_mm: 35,
+    },
+  ],
+};
+
+export function exampleBlock(): GivenFile {
+  return {
+    name: 'block.json',
+    bytes: new TextEncoder().encode(JSON.stringify(BLOCK)),
+  };
 }

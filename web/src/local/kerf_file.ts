@@ -9,8 +9,8 @@ import { t } from '../strings';
 import type { ParticipantInfo } from '../wire/types';
 import type { GivenJournal } from './program_block';
 
-const APPLICATION_ID = 0x4b455246; // "KERF"
-const VERSION = 2;
+export const APPLICATION_ID = 0x4b455246; // "KERF"
+export const VERSION = 2;
 /** Of an SQLite file: which journal of SQLite's own it has; 2: a write-ahead log. */
 const MODE_BYTES = [18, 19] as const;
 const ROLLBACK = 1;
@@ -112,6 +112,36 @@ function spanOf(database: Database): Uint8Array<ArrayBuffer> {
   return out.take();
 }
 
+/** A row of the table of batches. */
+export interface BatchRow {
+  first: number;
+  count: number;
+  wallMs: number;
+  spanMs: number;
+  crc: number;
+  bytes: Uint8Array<ArrayBuffer>;
+}
+
+const ROW_HEAD_BYTES = 40; // kSpanRowHeadBytes of server/store/record_span.h
+
+/** The rows of a span. */
+export function* rowsOf(span: Uint8Array<ArrayBuffer>): Generator<BatchRow> {
+  const numbers = new DataView(span.buffer, span.byteOffset, span.byteLength);
+  for (let at = 0; at < span.length;) {
+    const i64 = (offset: number): number => Number(numbers.getBigInt64(at + offset, true));
+    const end = at + ROW_HEAD_BYTES + numbers.getUint32(at + 36, true);
+    yield {
+      first: i64(0),
+      count: i64(8),
+      wallMs: i64(16),
+      spanMs: i64(24),
+      crc: numbers.getInt32(at + 32, true),
+      bytes: span.slice(at + ROW_HEAD_BYTES, end),
+    };
+    at = end;
+  }
+}
+
 function storedHash(database: Database): KerfFile['stored'] {
   let stored: KerfFile['stored'] = null;
   const query =
@@ -148,15 +178,23 @@ function check(database: Database): void {
     throw new Error(t('it is of a version that only kerf-server reads'));
 }
 
-/** Rejects with a clause that says what is wrong with the file. */
-export async function readKerfFile(given: Uint8Array): Promise<KerfFile> {
+/** Opens a copy of a file in memory; null: a new one. */
+export async function openDatabase(given: Uint8Array | null): Promise<Database> {
+  // Its own loading needs a host that sends the module as application/wasm.
+  const wasmBinary = await (await fetch(sqliteUrl)).arrayBuffer();
+  const sql = await initSqlJs({ wasmBinary });
+  if (!given) return new sql.Database();
   const bytes = given.slice();
   // A database of one file has no log beside it, which SQLite would look for.
   for (const at of MODE_BYTES) if (bytes[at] === 2) bytes[at] = ROLLBACK;
-  const sql = await initSqlJs({ locateFile: () => sqliteUrl });
+  return new sql.Database(bytes);
+}
+
+/** Rejects with a clause that says what is wrong with the file. */
+export async function readKerfFile(given: Uint8Array): Promise<KerfFile> {
   let database: Database | null = null;
   try {
-    database = new sql.Database(bytes);
+    database = await openDatabase(given);
     check(database);
     return {
       journal: { origin: originOf(database), spans: [spanOf(database)] },

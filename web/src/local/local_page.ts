@@ -2,7 +2,7 @@
 // The page without a server: takes files, has them carved in a worker, shows the block.
 
 import { t } from '../strings';
-import { mark, marks } from '../marks';
+import { mark } from '../marks';
 import type { TileTriangles } from '../kernel/kernel';
 import { pathOfAnswer } from '../model/program_path';
 import { SessionModel } from '../model/session';
@@ -10,7 +10,6 @@ import { tileKey } from '../model/tiles';
 import { h, setText } from '../ui/dom';
 import { insetsOf } from '../ui/insets';
 import { mountInspect } from '../ui/inspect/mount';
-import { listenToKeys } from '../ui/keyboard';
 import { OneOpen } from '../ui/one_open';
 import { Picture } from '../ui/picture';
 import type { PathControl } from '../ui/programs/path_control';
@@ -19,21 +18,23 @@ import { asWelcome } from './as_welcome';
 import { titleBar, viewToolbar } from './bars';
 import { CarvingWorker } from './carving_worker';
 import { download } from './download';
-import { exampleProgram } from './example';
+import { exampleBlock, exampleProgram } from './example';
+import { FilesInput } from './files_input';
 import { NO_FILES, placeOfError, withFiles } from './given_files';
+import { LocalHand } from './hand';
 import type { FromWorker } from './messages';
+import { installLocalHook } from './hook';
+import { listenToLocalKeys } from './keys';
 import type { About, GivenFile, GivenFiles, Progress } from './program_block';
 import { readGiven } from './read_given';
 import type { ReadGiven } from './read_given';
 import { SidePanel } from './side_panel';
 import type { Status } from './side_panel';
 import { startCard } from './start_card';
-import { ToolTrack } from './tool_track';
+import { programAs, ToolTrack } from './tool_track';
 
 /** Of the block that is displayed: the page has no participants whose samples would be newer. */
 const NEWEST = 1n;
-
-const NOTHING = (): void => undefined;
 
 export class LocalPage {
   readonly model = new SessionModel();
@@ -45,12 +46,7 @@ export class LocalPage {
   });
   private readonly overlay_ = h('div', { class: 'overlay', 'aria-hidden': 'true' });
   private readonly title_ = h('h1', { class: 'session-name' }, t('Without a server'));
-  private readonly file_ = h('input', {
-    type: 'file',
-    multiple: '',
-    hidden: '',
-    'aria-label': t('Files'),
-  });
+  private readonly input_ = new FilesInput((files) => this.take_(files));
   private readonly main_: HTMLElement;
   private readonly start_: HTMLElement;
   private readonly toolbar_: HTMLElement;
@@ -58,6 +54,8 @@ export class LocalPage {
   private readonly panel_: SidePanel;
   private readonly worker_ = new CarvingWorker((message) => this.heard_(message));
   private readonly tool_ = new ToolTrack(this.model);
+  private readonly hand_: LocalHand;
+  private carvesThen_ = false; // by hand, as soon as the block is displayed
   private path_: PathControl | null = null;
   private files_ = NO_FILES;
   private read_: ReadGiven | null = null;
@@ -74,7 +72,7 @@ export class LocalPage {
   constructor(private readonly app: HTMLElement) {
     this.picture_ = new Picture(this.canvas_, this.overlay_, this.model, false);
     this.panel_ = new SidePanel({
-      choose: () => this.file_.click(),
+      choose: () => this.input_.choose(),
       remove: (what) => {
         this.files_ = { ...this.files_, [what]: null };
         if (what === 'program') this.files_.others = [];
@@ -84,6 +82,7 @@ export class LocalPage {
       seek: (motion) => this.seek_(motion),
       play: (rate) => this.play_(rate),
       takeHome: (format) => this.worker_.post({ type: 'model', format }),
+      save: () => this.worker_.post({ type: 'save' }),
       linePressed: (line) => {
         this.panel_.markLine(line);
         this.path_?.markLine(line);
@@ -92,8 +91,12 @@ export class LocalPage {
       layoutChanged: () => this.resize_(),
     });
     this.start_ = startCard({
-      choose: () => this.file_.click(),
+      choose: () => this.input_.choose(),
       example: () => this.take_([exampleProgram()]),
+      carve: () => {
+        this.take_([exampleBlock()]);
+        this.carvesThen_ = true;
+      },
     });
     this.toolbar_ = viewToolbar(() => this.rig_);
     this.main_ = h(
@@ -105,32 +108,64 @@ export class LocalPage {
       this.toolbar_,
       this.start_,
       this.panel_.element,
-      this.file_,
+      this.input_.element,
     );
     app.replaceChildren(this.main_);
-    const toggleInspect = mountInspect({
+    const around = {
       model: this.model,
-      session: null,
       picture: this.picture_,
       canvas: this.canvas_,
       overlay: this.overlay_,
       toolbar: this.toolbar_,
       oneOpen: new OneOpen(),
       layoutChanged: () => this.resize_(),
+    };
+    const toggleInspect = mountInspect({ ...around, session: null });
+    this.hand_ = new LocalHand({
+      ...around,
+      post: (message) => this.worker_.post(message),
+      whyNot: () => (this.about_ ? '' : t('There is no block yet: choose files first.')),
+      file: () => this.files_.journal?.bytes ?? null,
+      say: (text) => this.panel_.showError(text, null),
+      begins: () => (this.wish_ = null),
+      frame: (nowMs) => this.frame_(nowMs),
     });
     this.listen_(toggleInspect);
     this.begin_();
     this.resize_();
-    this.installHook_();
+    installLocalHook(this);
   }
 
   start(): void {
     const frame = (nowMs: number): void => {
-      this.showWaiting_();
-      this.picture_.tick(nowMs);
+      this.frame_(nowMs);
       requestAnimationFrame(frame);
     };
     requestAnimationFrame(frame);
+  }
+
+  private frame_(nowMs: number): void {
+    this.showWaiting_();
+    this.picture_.tick(nowMs);
+    this.hand_.update();
+    if (!this.carvesThen_ || this.status_ !== 'rest' || !this.rig_) return;
+    this.carvesThen_ = false;
+    this.hand_.toggle();
+  }
+
+  /** What tests ask of the page (hook.ts). */
+  get facts() {
+    const { viewer } = this.picture_;
+    return {
+      status: this.status_,
+      problem: this.problem_,
+      hash: this.hash_,
+      carved: this.progress_?.carved ?? 0,
+      motions: this.about_?.motions ?? 0,
+      removedMm3: this.progress_?.removed_mm3 ?? 0,
+      waiting: this.waiting_.size,
+      viewer,
+    };
   }
 
   private get rig_(): CameraRig | undefined {
@@ -138,55 +173,12 @@ export class LocalPage {
   }
 
   private listen_(toggleInspect: () => void): void {
-    listenToKeys({
-      preset: (preset) => this.rig_?.preset(preset, performance.now()),
-      fit: () => this.rig_?.fit(performance.now()),
-      orbit: (around, up) => this.rig_?.orbit(around, up),
-      pan: (right, up) => this.rig_?.pan(right, up),
-      zoom: (factor) => this.rig_?.zoom(factor),
-      followNext: NOTHING,
-      followNone: NOTHING,
-      toggleArrows: NOTHING,
-      toggleGrid: () => this.picture_.viewer?.toggleGrid(),
-      toggleSound: NOTHING,
-      toggleTimeline: NOTHING,
-      toggleInspect,
-      toggleParallel: () => {
-        const { viewer } = this.picture_;
-        if (viewer) viewer.parallel = !viewer.rig.parallel;
-      },
-      toggleCarve: NOTHING,
-      undo: NOTHING,
-      redo: NOTHING,
-      help: NOTHING,
-    });
+    listenToLocalKeys(this.picture_, toggleInspect, () => this.hand_.toggle());
     window.addEventListener('resize', () => this.resize_());
     this.canvas_.addEventListener('dblclick', (event) =>
       this.picture_.viewer?.lookAtPixel(event.offsetX, event.offsetY),
     );
-    this.file_.addEventListener('change', () => {
-      void this.takeFiles_([...(this.file_.files ?? [])]);
-      this.file_.value = ''; // the same file may be chosen again
-    });
-    const { main_: main } = this;
-    main.addEventListener('dragover', (event) => {
-      event.preventDefault();
-      main.classList.add('dropping');
-    });
-    for (const end of ['dragleave', 'drop'])
-      main.addEventListener(end, () => main.classList.remove('dropping'));
-    main.addEventListener('drop', (event) => {
-      event.preventDefault();
-      void this.takeFiles_([...(event.dataTransfer?.files ?? [])]);
-    });
-  }
-
-  private async takeFiles_(files: readonly File[]): Promise<void> {
-    const given = files.map(async (file) => ({
-      name: file.name,
-      bytes: new Uint8Array(await file.arrayBuffer()),
-    }));
-    if (given.length > 0) this.take_(await Promise.all(given));
+    this.input_.takeDropsOn(this.main_);
   }
 
   private take_(files: readonly GivenFile[]): void {
@@ -198,6 +190,9 @@ export class LocalPage {
   private begin_(): void {
     const { program, scene, stock, journal } = this.files_;
     this.worker_.end();
+    this.hand_.reset([]);
+    this.panel_.setJournal(false);
+    this.carvesThen_ = false;
     this.read_ = null;
     this.about_ = null;
     this.progress_ = null;
@@ -236,6 +231,21 @@ export class LocalPage {
       case 'model':
         download(`${this.about_?.name ?? 'block'}.${message.format}`, message.bytes);
         return;
+      case 'handed':
+        this.about_ = message.about;
+        this.panel_.setAbout(message.about);
+        this.path_?.show(null);
+        this.hand_.heard(message);
+        this.panel_.setJournal(true);
+        return;
+      case 'felt':
+        this.moved_(message.progress.carved);
+        this.hand_.heard(message);
+        return;
+      case 'changed':
+      case 'saved':
+        this.hand_.heard(message);
+        return;
       case 'rejected':
         this.reject_(message.reason, this.about_ === null);
         return;
@@ -255,7 +265,10 @@ export class LocalPage {
     this.model.apply(welcome);
     this.model.tiles.finishSnapshot();
     this.model.setStatus('connected', '');
-    this.model.participants.setList(this.read_?.participants ?? []);
+    const people = this.read_?.participants ?? [];
+    const isProgram = about.kernel_version === undefined && about.motions > 0;
+    this.model.participants.setList(people);
+    this.hand_.reset(isProgram ? [programAs(about.name, 0)] : people);
     this.picture_.welcome(welcome);
     mark('welcome');
     setText(this.title_, about.name);
@@ -295,6 +308,7 @@ export class LocalPage {
     rate,
     carvingMs,
   }: FromWorker & { type: 'carved' }): void {
+    this.moved_(progress.carved);
     const { about_: about } = this;
     if (!about) return;
     this.progress_ = progress;
@@ -314,6 +328,13 @@ export class LocalPage {
     this.showReached_();
     if (hash !== null && rate === 0) this.setStatus_('rest');
     else this.setStatus_('carving');
+  }
+
+  /** A hand has added records to those that were read. */
+  private moved_(motions: number): void {
+    if (!this.about_ || motions <= this.about_.motions) return;
+    this.about_ = { ...this.about_, motions };
+    this.panel_.setAbout(this.about_);
   }
 
   /** @param hasEnded there is no block */
@@ -336,11 +357,13 @@ export class LocalPage {
   }
 
   private seek_(motion: number): void {
+    this.hand_.leave();
     this.wish_ = motion;
     this.worker_.post({ type: 'seek', motion });
   }
 
   private play_(rate: number): void {
+    if (rate > 0) this.hand_.leave();
     // From the place to which it was sent; else from where it is.
     if (rate === 0 || this.wish_ === null) this.worker_.post({ type: 'stop' });
     if (rate > 0) this.worker_.post({ type: 'play', rate });
@@ -372,25 +395,10 @@ export class LocalPage {
   private resize_(): void {
     const width = Math.max(1, this.app.clientWidth);
     const height = Math.max(1, this.app.clientHeight);
-    this.picture_.resize({ width, height, insets: insetsOf(this.app, width, height) });
-  }
-
-  /** window.kerf, for tests: state(), surface() and marks, as in hook.ts. */
-  private installHook_(): void {
-    const state = () => ({
-      status: this.status_,
-      problem: this.problem_,
-      hash: this.hash_,
-      carved: this.progress_?.carved ?? 0,
-      motions: this.about_?.motions ?? 0,
-      hasPicture: this.picture_.viewer !== null,
-      copyTiles: this.picture_.viewer?.local.size ?? 0,
-      waiting: this.waiting_.size,
-    });
-    const surface = () => this.picture_.viewer?.surface() ?? [];
-    Object.defineProperty(window, 'kerf', {
-      value: Object.freeze({ state, surface, marks }),
-      writable: false,
+    this.picture_.resize({
+      width,
+      height,
+      insets: insetsOf(this.app, width, height),
     });
   }
 }

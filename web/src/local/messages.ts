@@ -2,7 +2,14 @@
 // What a page that carves by itself and its worker say to each other.
 
 import type { TileTriangles } from '../kernel/kernel';
-import type { About, GivenFiles, GivenJournal, Progress, TakeHomeFormat } from './program_block';
+import type {
+  About,
+  GivenFiles,
+  GivenJournal,
+  JournalParts,
+  Progress,
+  TakeHomeFormat,
+} from './program_block';
 
 export type ToWorker =
   /** kerf_files.wasm, compiled. */
@@ -19,7 +26,23 @@ export type ToWorker =
   | { type: 'play'; rate: number }
   /** Ends carving where it is. */
   | { type: 'stop' }
-  | { type: 'model'; format: TakeHomeFormat };
+  | { type: 'model'; format: TakeHomeFormat }
+  /** A hand carves from now on, as this participant: `handed` follows when it may. */
+  | { type: 'hand'; participant: number; wallMs: number }
+  /** A frame of motions of the hand, up to the sample `newest`. */
+  | {
+      type: 'samples';
+      frame: Uint8Array;
+      newest: bigint;
+      wallMs: number;
+      spanMs: number;
+    }
+  /** Undoes the newest stroke of the hand, or redoes the one that it undid last. */
+  | { type: 'change'; undone: boolean; wallMs: number }
+  /** The hand rests: the state hash is computed. */
+  | { type: 'rest' }
+  /** Asks for a journal of what the hand has carved. */
+  | { type: 'save' };
 
 export type FromWorker =
   /** The block is made. `path`: as model/program_path.ts reads it. */
@@ -37,6 +60,13 @@ export type FromWorker =
       carvingMs: number;
     }
   | { type: 'model'; format: TakeHomeFormat; bytes: Uint8Array<ArrayBuffer> }
+  /** The block is at its last record, and is a journal's: the hand may carve. */
+  | { type: 'handed'; about: About }
+  /** Samples up to `newest` are carved; `reason`: why one was rejected, else empty. */
+  | { type: 'felt'; newest: bigint; progress: Progress; reason: string }
+  /** `reason`: why nothing was undone or redone, else empty. */
+  | { type: 'changed'; undone: boolean; reason: string }
+  | { type: 'saved'; parts: JournalParts }
   /** Files cannot be read, or a motion cannot be carved: one line, that of kerf-carve. */
   | { type: 'rejected'; reason: string }
   /** The model cannot be written. */

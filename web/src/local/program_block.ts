@@ -31,6 +31,25 @@ export interface GivenJournal {
   spans: Uint8Array<ArrayBuffer>[];
 }
 
+/** What a .kerf file of a journal holds, but for its participants. */
+export interface JournalParts {
+  /** Identity of the session, and its scene, as UTF-8. */
+  id: Uint8Array<ArrayBuffer>;
+  scene: Uint8Array<ArrayBuffer>;
+  sceneCrc: number;
+  files: {
+    name: Uint8Array<ArrayBuffer>;
+    bytes: Uint8Array<ArrayBuffer>;
+    crc: number;
+  }[];
+  /** As GivenJournal.spans. */
+  rows: Uint8Array<ArrayBuffer>;
+  /** The last record, and the state after it. */
+  record: number;
+  hash: string;
+  kernelVersion: number;
+}
+
 /** What was read, and what was assumed. */
 export interface About {
   name: string;
@@ -88,6 +107,12 @@ interface Exports {
   kerf_carve(steps: number, feels: number): number;
   kerf_play(untilS: number, steps: number): number;
   kerf_seek(step: number): number;
+  kerf_hand(participant: number, wallMs: number): number;
+  kerf_samples(wallMs: number, spanMs: number): number;
+  kerf_change(undone: number, wallMs: number): number;
+  kerf_origin(): number;
+  kerf_rows(): number;
+  kerf_checksum(): number;
   kerf_changed(): number;
   kerf_mesh(x: number, y: number): number;
   kerf_hash(): bigint;
@@ -95,6 +120,17 @@ interface Exports {
   kerf_progress(): number;
   kerf_path(): number;
   kerf_write(): number;
+}
+
+/** The texts of an origin (server/store/journal_origin.h). */
+function textsOf(origin: Uint8Array<ArrayBuffer>): Uint8Array<ArrayBuffer>[] {
+  const numbers = new DataView(origin.buffer);
+  let at = 4;
+  return Array.from({ length: numbers.getUint32(0, true) }, () => {
+    const size = numbers.getUint32(at, true);
+    at += 4 + size;
+    return origin.slice(at - size, at);
+  });
 }
 
 /** Errors of calls are Errors whose message is one line, that of kerf-carve. */
@@ -155,6 +191,44 @@ export class ProgramBlock {
     this.check_(this.calls.kerf_seek(step));
   }
 
+  /**
+   * A hand carves from now on, as this participant. The block of a program becomes the journal of
+   * what is carved of it, which is to be made and carved again.
+   */
+  hand(participant: number, wallMs: number): void {
+    this.check_(this.calls.kerf_hand(participant, wallMs));
+  }
+
+  /** Carves a frame of motions of the hand; the block must be at its last record. */
+  samples(frame: Uint8Array, wallMs: number, spanMs: number): void {
+    this.give_(frame);
+    this.check_(this.calls.kerf_samples(wallMs, spanMs));
+  }
+
+  /** Undoes the newest stroke of the hand, or redoes the one that was undone last. */
+  change(undone: boolean, wallMs: number): void {
+    this.check_(this.calls.kerf_change(undone ? 1 : 0, wallMs));
+  }
+
+  /** The journal of a block that a hand carves, which must be at its last record. */
+  parts(): JournalParts {
+    const [id, scene, ...files] = textsOf(this.output_(this.calls.kerf_origin()));
+    return {
+      id: id!,
+      scene: scene!,
+      sceneCrc: this.checksum_(scene!),
+      files: files.flatMap((name, n) => {
+        if (n % 2 === 1) return [];
+        const bytes = files[n + 1]!;
+        return [{ name, bytes, crc: this.checksum_(bytes) }];
+      }),
+      rows: this.output_(this.calls.kerf_rows()),
+      record: this.progress().carved,
+      hash: this.hash(),
+      kernelVersion: this.about().kernel_version!,
+    };
+  }
+
   /** Meshes of the tiles that have changed since the last call; the first time of all. */
   changed(): TileTriangles[] {
     const count = this.calls.kerf_changed();
@@ -197,6 +271,11 @@ export class ProgramBlock {
   private give_(bytes: Uint8Array): void {
     const at = this.calls.kerf_input(bytes.length);
     new Uint8Array(this.calls.memory.buffer, at, bytes.length).set(bytes);
+  }
+
+  private checksum_(bytes: Uint8Array): number {
+    this.give_(bytes);
+    return this.calls.kerf_checksum() >>> 0;
   }
 
   private check_(errorBytes: number): void {

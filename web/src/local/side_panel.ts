@@ -26,6 +26,7 @@ export interface SideActions {
   /** Plays on with a rate, or rests with 0. */
   play: (rate: number) => void;
   takeHome: (format: TakeHomeFormat) => void;
+  save: () => void;
   linePressed: (line: number) => void;
   materialChosen: (preset: StockMaterialPreset) => void;
   layoutChanged: () => void;
@@ -70,6 +71,7 @@ export class SidePanel {
   });
   private readonly took_ = h('p', { class: 'quiet program-figures' });
   private readonly takeHome_: HTMLButtonElement[];
+  private readonly save_: HTMLButtonElement;
   /** For the path of the program in the picture. */
   readonly path = h('div');
   private readonly program_: HTMLElement;
@@ -91,6 +93,8 @@ export class SidePanel {
     this.takeHome_ = (['stl', '3mf'] as const).map((format) =>
       button(format.toUpperCase(), () => actions.takeHome(format)),
     );
+    this.save_ = button('KERF', actions.save);
+    this.save_.title = t('The journal of all strokes: this page and kerf-server open it');
     this.program_ = section(
       t('Program'),
       h('div', { class: 'program-one' }, this.bar_),
@@ -118,7 +122,10 @@ export class SidePanel {
           this.triangles_.element,
           this.pitch_.element,
         ),
-        section(t('Downloads'), h('div', { class: 'history-actions' }, ...this.takeHome_)),
+        section(
+          t('Downloads'),
+          h('div', { class: 'history-actions' }, ...this.takeHome_, this.save_),
+        ),
         this.assumed_,
         section(t('Material'), new MaterialChoice(actions.materialChosen).element),
         h(
@@ -180,7 +187,8 @@ export class SidePanel {
       setText(this.where_, t('Reading…'));
     }
     this.scrub_.disabled = this.about_ === null;
-    for (const one of this.takeHome_) one.disabled = status !== 'rest' || this.about_ === null;
+    for (const one of [...this.takeHome_, this.save_])
+      one.disabled = status !== 'rest' || this.about_ === null;
   }
 
   setAbout(about: About): void {
@@ -209,6 +217,12 @@ export class SidePanel {
     setText(this.where_, place);
     this.scrub_.setAttribute('aria-valuetext', place);
     this.text_.setLive(carved < about.motions ? line : 0);
+  }
+
+  /** Whether the block has a journal, which the page may save. */
+  setJournal(isThere: boolean): void {
+    this.save_.hidden = !isThere;
+    if (isThere) this.program_.hidden = false;
   }
 
   /** @param rate with which the block plays; 0: it does not */

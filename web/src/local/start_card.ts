@@ -7,9 +7,10 @@ import { h } from '../ui/dom';
 export interface StartActions {
   choose: () => void;
   example: () => void;
+  carve: () => void;
 }
 
-export function startCard({ choose, example }: StartActions): HTMLElement {
+export function startCard({ choose, example, carve }: StartActions): HTMLElement {
   const button = (text: string, action: () => void): HTMLElement => {
     const element = h('button', { type: 'button', class: 'button' }, text);
     element.addEventListener('click', action);
@@ -31,6 +32,7 @@ export function startCard({ choose, example }: StartActions): HTMLElement {
       { class: 'page-actions' },
       button(t('Choose files…'), choose),
       button(t('Try an example'), example),
+      button(t('Carve a block by hand'), carve),
     ),
   );
 }

@@ -4,11 +4,23 @@
 import { t } from '../strings';
 import type { SessionModel } from '../model/session';
 import { FrameType, STATUS_CUTTING } from '../wire/types';
-import type { ToolState } from '../wire/types';
+import type { ParticipantInfo, ToolState } from '../wire/types';
 import type { Progress } from './program_block';
 
+/** Also in the journal of a hand that goes on from a program (web/wasm/files). */
 const PARTICIPANT = 1;
 const COLOR = '#b5500b';
+
+/** The program as a participant. */
+export function programAs(name: string, tool: number): ParticipantInfo {
+  return {
+    participant: PARTICIPANT,
+    name,
+    color: COLOR,
+    tool,
+    kind: 'program',
+  };
+}
 
 export class ToolTrack {
   constructor(private readonly model: SessionModel) {}
@@ -21,15 +33,7 @@ export class ToolTrack {
     }
     const { participants } = this.model;
     if (!participants.get(PARTICIPANT))
-      participants.setList([
-        {
-          participant: PARTICIPANT,
-          name: t('Tool {0}', tool),
-          color: COLOR,
-          tool,
-          kind: 'program',
-        },
-      ]);
+      participants.setList([programAs(t('Tool {0}', tool), tool)]);
     const nowMs = performance.now();
     const state: ToolState = {
       participant: PARTICIPANT,

@@ -17,6 +17,7 @@ class FakeBlock {
   faultAt = Infinity;
   dirty = 0;
   motions = MOTIONS;
+  isJournal = false;
   constructor(private readonly clock: { ms: number }) {}
 
   read(): void {
@@ -26,7 +27,8 @@ class FakeBlock {
     this.carved = 0;
   }
   about(): Partial<About> {
-    return { motions: this.motions };
+    const version = this.isJournal ? { kernel_version: 1 } : {};
+    return { motions: this.motions, ...version };
   }
   path(): unknown {
     return {};
@@ -58,6 +60,24 @@ class FakeBlock {
       if (this.timeS(this.carved + 1) > untilS) return;
       this.carve(1);
     }
+  }
+  /** A hand adds motions to the last one. */
+  hand(): void {
+    this.isJournal = true;
+    this.carved = 0;
+  }
+  samples(frame: Uint8Array): void {
+    if (this.carved !== this.motions) throw new Error('not at the end');
+    this.motions += frame.length;
+    this.carved = this.motions;
+    if (frame.length > 1) throw new Error('the last one is rejected');
+  }
+  change(): void {
+    if (this.fault !== '') throw new Error(this.fault);
+    this.samples(new Uint8Array(1));
+  }
+  parts(): unknown {
+    return { record: this.carved, hash: this.hash() };
   }
   changed(): unknown[] {
     this.dirty = 0;
@@ -238,5 +258,71 @@ describe('the worker that carves', () => {
     expect(last()).toEqual({ type: 'failed', reason: 'unreachable' });
     await carver.receive({ type: 'seek', motion: 1 });
     expect(waiting).toEqual([]);
+  });
+
+  const HAND = { type: 'hand', participant: 2, wallMs: 0 } as const;
+  const samples = (count: number) =>
+    ({
+      type: 'samples',
+      frame: new Uint8Array(count),
+      newest: BigInt(count),
+      wallMs: 0,
+      spanMs: 0,
+    }) as const;
+
+  it('hands a block over at its end, without showing it on the way', async () => {
+    await carver.receive({ type: 'open', files: NO_FILES });
+    run();
+    posted = [];
+    await carver.receive(HAND);
+    run();
+    expect(posted.map(({ type }) => type)).toEqual(['handed', 'carved']);
+    expect(block.carved).toBe(MOTIONS);
+  });
+
+  it('carves what a hand does at once, and computes the hash when it rests', async () => {
+    await carver.receive({ type: 'open', files: NO_FILES });
+    run();
+    await carver.receive(HAND);
+    run();
+    posted = [];
+    await carver.receive(samples(1));
+    expect(last()).toMatchObject({ type: 'felt', newest: 1n, reason: '' });
+    run();
+    expect(last()).toMatchObject({
+      hash: null,
+      progress: { carved: MOTIONS + 1 },
+    });
+    await carver.receive({ type: 'change', undone: true, wallMs: 0 });
+    expect(last()).toMatchObject({ type: 'changed', undone: true, reason: '' });
+    run();
+    await carver.receive({ type: 'rest' });
+    run();
+    expect(last()).toMatchObject({ hash: `state ${MOTIONS + 2}` });
+    await carver.receive({ type: 'save' });
+    expect(last()).toMatchObject({
+      type: 'saved',
+      parts: { record: MOTIONS + 2 },
+    });
+  });
+
+  it('says why a sample or an undo is rejected, and goes on', async () => {
+    await carver.receive({ type: 'open', files: NO_FILES });
+    run();
+    await carver.receive(HAND);
+    run();
+    await carver.receive(samples(2));
+    expect(last()).toMatchObject({
+      type: 'felt',
+      reason: 'the last one is rejected',
+    });
+    block.fault = 'nothing to undo';
+    await carver.receive({ type: 'change', undone: true, wallMs: 0 });
+    expect(last()).toMatchObject({
+      type: 'changed',
+      reason: 'nothing to undo',
+    });
+    await carver.receive(samples(1));
+    expect(last()).toMatchObject({ type: 'felt', reason: '' });
   });
 });

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "server/store/crc32.h"
+#include "server/wire/codec.h"
 #include "web/wasm/files/journal_block.h"
 #include "web/wasm/files/program_block.h"
 
@@ -54,6 +56,12 @@ void keep_reserve() {
   known_pages = __builtin_wasm_memory_size(0);
 }
 
+void keep(JournalBlock block) {
+  auto journal = std::make_unique<JournalBlock>(std::move(block));
+  g_journal = journal.get();
+  g_block = std::move(journal);
+}
+
 std::string_view input_text() {
   return {reinterpret_cast<const char*>(g_input.data()), g_input.size()};
 }
@@ -91,9 +99,7 @@ KERF_EXPORT(kerf_journal) std::uint32_t kerf_journal() {
   g_block.reset();
   auto block = JournalBlock::read(g_input);
   if (!block) return put(block.error());
-  auto journal = std::make_unique<JournalBlock>(*std::move(block));
-  g_journal = journal.get();
-  g_block = std::move(journal);
+  keep(*std::move(block));
   return 0;
 }
 
@@ -118,6 +124,43 @@ KERF_EXPORT(kerf_seek) std::uint32_t kerf_seek(std::uint32_t step) {
   keep_reserve();
   return put_error(g_block->seek(step));
 }
+
+KERF_EXPORT(kerf_hand) std::uint32_t kerf_hand(std::uint32_t participant, double wall_ms) {
+  if (const auto* program = dynamic_cast<const ProgramBlock*>(g_block.get())) {
+    auto journal = program->as_journal(static_cast<std::int64_t>(wall_ms));
+    if (!journal) return put(journal.error());
+    keep(*std::move(journal));
+  }
+  g_journal->begin_hand(participant);
+  return 0;
+}
+
+KERF_EXPORT(kerf_samples) std::uint32_t kerf_samples(double wall_ms, double span_ms) {
+  keep_reserve();
+  const auto message = kerf::wire::decode(g_input);
+  const auto* motion = message ? std::get_if<kerf::wire::MotionBatch>(&message->body) : nullptr;
+  if (motion == nullptr) return put("the frame has no motions");
+  return put_error(g_journal->carve_by_hand(motion->view(), static_cast<std::int64_t>(wall_ms),
+                                            static_cast<std::int64_t>(span_ms)));
+}
+
+KERF_EXPORT(kerf_change) std::uint32_t kerf_change(std::uint32_t undone, double wall_ms) {
+  keep_reserve();
+  return put_error(g_journal->change_by_hand(undone != 0, static_cast<std::int64_t>(wall_ms)));
+}
+
+KERF_EXPORT(kerf_origin) std::uint32_t kerf_origin() {
+  g_output.clear();
+  append(g_journal->origin());
+  return static_cast<std::uint32_t>(g_output.size());
+}
+
+KERF_EXPORT(kerf_rows) std::uint32_t kerf_rows() {
+  g_output = g_journal->rows();
+  return static_cast<std::uint32_t>(g_output.size());
+}
+
+KERF_EXPORT(kerf_checksum) std::uint32_t kerf_checksum() { return kerf::crc32(g_input); }
 
 KERF_EXPORT(kerf_changed) std::uint32_t kerf_changed() {
   g_output.clear();

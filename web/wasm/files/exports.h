@@ -18,7 +18,7 @@ std::byte* kerf_input(std::uint32_t bytes);
 const std::byte* kerf_output();
 
 /// ProgramBlock::read: the input has the names of program, scene and stock, a line each. Returns
-/// the bytes of the error, 0 if there is none; as do all down to kerf_seek.
+/// the bytes of the error, 0 if there is none; as do all down to kerf_change.
 std::uint32_t kerf_read();
 /// JournalBlock::read of the input.
 std::uint32_t kerf_journal();
@@ -32,6 +32,21 @@ std::uint32_t kerf_carve(std::uint32_t steps, std::uint32_t feels);
 std::uint32_t kerf_play(double until_s, std::uint32_t steps);
 /// PlayedBlock::seek.
 std::uint32_t kerf_seek(std::uint32_t step);
+
+/// The block is carved by hand from now on, JournalBlock::begin_hand: that of a program becomes the
+/// journal of what is carved of it, to be made and carved again. `wall_ms` of this and of the
+/// following: ms since 1970, UTC.
+std::uint32_t kerf_hand(std::uint32_t participant, double wall_ms);
+/// JournalBlock::carve_by_hand of the input, a frame of motions (server/wire/README.md).
+std::uint32_t kerf_samples(double wall_ms, double span_ms);
+/// JournalBlock::change_by_hand; `undone` is 0 or 1.
+std::uint32_t kerf_change(std::uint32_t undone, double wall_ms);
+
+/// JournalBlock::origin and rows: return their bytes. These need a journal.
+std::uint32_t kerf_origin();
+std::uint32_t kerf_rows();
+/// Returns the CRC-32 of the input, as tables of a journal have it.
+std::uint32_t kerf_checksum();
 
 /// PlayedBlock::changed: returns the number of tiles, and puts a TileIndex of each into the
 /// output.

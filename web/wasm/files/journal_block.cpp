@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "kernel/cut/workers.h"
-#include "server/history/block_history.h"
 #include "server/store/journal_origin.h"
 
 namespace kerf::page {
@@ -15,63 +13,11 @@ namespace {
 
 using Done = std::expected<void, std::string>;
 
-/// What the history of a page keeps: half of what a server does.
-constexpr HistoryMemory kMemory{.windows = 64, .tile_bytes = std::size_t{128} << 20U};
 /// Records that are sooner carved than their tiles are found in the history.
 constexpr std::size_t kNear = 1000;
+/// Records of a row of the page's own: reading from one decodes all rows since one that restarts.
+constexpr std::size_t kRowRecords = BatchEncoder::kRecordsPerRestart;
 constexpr auto kNoBudget = std::chrono::hours{1};
-
-/// The past of a journal in memory.
-class LogPast final : public PastSource {
- public:
-  LogPast(std::shared_ptr<const Scene> scene, std::shared_ptr<const RecordLog> log)
-      : scene_(std::move(scene)), log_(std::move(log)) {}
-
-  const Scene& scene() const override { return *scene_; }
-
-  std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
-      std::uint64_t record, const std::stop_token& stop) override {
-    if (record > log_->last()) return std::nullopt;
-    if (auto read = read_history(stop); !read) return std::unexpected(read.error());
-    SerialWorkers alone;
-    return history_->carve(history_->tiles(), history_->strokes().at(record), alone, stop);
-  }
-
-  std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_after(
-      const SolidSnapshot& solid, const StrokeSet& changed, std::uint64_t record,
-      const std::stop_token& stop) override {
-    if (auto read = read_history(stop); !read) return std::unexpected(read.error());
-    SerialWorkers alone;
-    return history_->change(solid, changed, history_->strokes().at(record), alone, stop);
-  }
-
-  std::expected<std::int64_t, std::string> time_of(std::uint64_t record) override {
-    return log_->time_of(record);
-  }
-
-  std::expected<std::vector<JournalRecord>, std::string> records_after(
-      std::uint64_t record, std::size_t count, const std::stop_token& /*stop*/) override {
-    std::vector<JournalRecord> records;
-    const RecordRange next{record + 1, record + count};
-    const auto add = [&](JournalRecord& each) { records.push_back(std::move(each)); };
-    if (auto read = log_->read({&next, 1}, add); !read) return std::unexpected(read.error());
-    return records;
-  }
-
- private:
-  Done read_history(const std::stop_token& stop) {
-    if (!history_) {
-      auto untouched = Sculpture::create(scene_->settings);
-      if (!untouched) return std::unexpected(untouched.error().reason);
-      history_.emplace(log_records(log_), scene_->settings, untouched->solid(), kMemory);
-    }
-    return history_->catch_up(stop);
-  }
-
-  std::shared_ptr<const Scene> scene_;
-  std::shared_ptr<const RecordLog> log_;
-  std::optional<BlockHistory> history_;  ///< made when it is needed
-};
 
 }  // namespace
 
@@ -85,12 +31,15 @@ std::expected<JournalBlock, std::string> JournalBlock::read(std::span<const std:
   auto scene = parse_scene(given->scene_json, source);
   if (!scene) return std::unexpected(to_string(scene.error()));
   JournalBlock block;
+  block.origin_.assign(origin.begin(), origin.end());
   block.scene_ = std::make_shared<const Scene>(*std::move(scene));
   return block;
 }
 
 Done JournalBlock::make() {
-  auto block = PastBlock::create(std::make_unique<LogPast>(scene_, log_));
+  auto past = std::make_unique<LogPast>(scene_, log_);
+  past_ = past.get();
+  auto block = PastBlock::create(std::move(past));
   if (!block) return std::unexpected(block.error());
   block_.emplace(*std::move(block));
   grid_ = block_->solid().fields.front().grid();
@@ -123,6 +72,59 @@ Done JournalBlock::seek(std::size_t record) {
   if (!found) return std::unexpected(found.error());
   return {};
 }
+
+void JournalBlock::append(std::span<const BatchRecord> records, std::int64_t wall_ms) {
+  while (!records.empty()) {
+    const std::size_t count = std::min(records.size(), kRowRecords);
+    log_->append(records.first(count), wall_ms, 0);
+    records = records.subspan(count);
+  }
+}
+
+Done JournalBlock::check_hand() const {
+  if (!hand_) return std::unexpected("no hand carves this block");
+  if (block_->record() != log_->last()) {
+    return std::unexpected("the block is at record " + std::to_string(block_->record()) + " of " +
+                           std::to_string(log_->last()) + ": only its last state is carved");
+  }
+  return {};
+}
+
+Done JournalBlock::carve_by_hand(std::span<const wire::MotionSample> samples, std::int64_t wall_ms,
+                                 std::int64_t span_ms) {
+  if (auto ok = check_hand(); !ok) return ok;
+  std::vector<BatchRecord> records;
+  Done done;
+  for (const wire::MotionSample& sample : samples) {
+    auto record = hand_->take(sample, block_->block());
+    if (!record) {
+      done = std::unexpected(record.error());
+    } else if (*record) {
+      records.push_back(**std::move(record));
+    }
+  }
+  log_->append(records, wall_ms, span_ms);
+  if (auto carved = carve(records.size(), true); !carved) return carved;
+  return done;
+}
+
+Done JournalBlock::change_by_hand(bool undone, std::int64_t wall_ms) {
+  if (auto ok = check_hand(); !ok) return ok;
+  const auto strokes = past_->strokes();
+  if (!strokes) return std::unexpected(strokes.error());
+  const ParticipantId author = hand_->participant();
+  const StrokeId stroke = undone ? (*strokes)->newest(author, log_->last())
+                                 : (*strokes)->last_undone(author, log_->last());
+  if (stroke == 0) {
+    return std::unexpected(std::string("there is no stroke to ") + (undone ? "undo" : "redo"));
+  }
+  const BatchRecord change{author, StrokeChange{stroke, undone}, false};
+  log_->append({&change, 1}, wall_ms, 0);
+  hand_->end_stroke();
+  return carve(1, true);
+}
+
+std::vector<std::byte> JournalBlock::rows() const { return log_->rows(); }
 
 SolidSnapshot JournalBlock::solid() {
   mark(block_->take_changed());

@@ -8,9 +8,13 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "server/formats/scene.h"
 #include "server/session/past_block.h"
+#include "server/wire/types.h"
+#include "web/wasm/files/hand_track.h"
+#include "web/wasm/files/log_past.h"
 #include "web/wasm/files/played_block.h"
 #include "web/wasm/files/record_log.h"
 
@@ -26,6 +30,23 @@ class JournalBlock final : public PlayedBlock {
 
   /// Adds records (RecordLog::add), also later.
   std::expected<void, std::string> add(std::span<const std::byte> rows) { return log_->add(rows); }
+
+  /// Adds records of the page's own, made at `wall_ms` since 1970.
+  void append(std::span<const BatchRecord> records, std::int64_t wall_ms);
+  /// The block is carved by hand from now on, by a participant of its own, not 0.
+  void begin_hand(ParticipantId participant) { hand_.emplace(participant); }
+  /// Appends the motions to samples of the hand, and carves them, with forces. Samples that a
+  /// session would reject are left out; the error says why the last one was. Times as of
+  /// RecordLog::append.
+  std::expected<void, std::string> carve_by_hand(std::span<const wire::MotionSample> samples,
+                                                 std::int64_t wall_ms, std::int64_t span_ms);
+  /// Undoes the newest stroke of the hand, or redoes the one that was undone last. On an error, as
+  /// if there is none, nothing has changed.
+  std::expected<void, std::string> change_by_hand(bool undone, std::int64_t wall_ms);
+  /// What the journal begins with (server/store/journal_origin.h), and its rows, as add() takes
+  /// them: all that a file of it needs.
+  std::span<const std::byte> origin() const { return origin_; }
+  std::vector<std::byte> rows() const;
 
   std::expected<void, std::string> make() override;
   std::expected<void, std::string> carve(std::size_t records, bool feels) override;
@@ -43,12 +64,17 @@ class JournalBlock final : public PlayedBlock {
 
  private:
   JournalBlock() = default;
+  /// The hand carves on from the last record only.
+  std::expected<void, std::string> check_hand() const;
   /// When a record was appended, s since the first one; 0: before it.
   double time_s(std::uint64_t record) const;
 
+  std::vector<std::byte> origin_;
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<RecordLog> log_ = std::make_shared<RecordLog>();
+  LogPast* past_ = nullptr;  ///< of block_
   std::optional<PastBlock> block_;
+  std::optional<HandTrack> hand_;
   std::optional<DexelGrid> grid_;  ///< of the block
 };
 

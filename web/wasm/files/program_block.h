@@ -12,6 +12,7 @@
 #include "kernel/sculpture_state.h"
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
+#include "web/wasm/files/journal_block.h"
 #include "web/wasm/files/played_block.h"
 
 namespace kerf::page {
@@ -34,6 +35,9 @@ class ProgramBlock final : public PlayedBlock {
   /// Returns to a state that was kept, the last one before or at a motion.
   std::expected<void, std::string> seek(std::size_t motion) override;
   std::optional<double> next_s() const override;
+  /// Returns a journal of the block, not made yet, for a hand that goes on: its scene, and the
+  /// motions up to where it is as one stroke of participant 1. `wall_ms`: now, ms since 1970.
+  std::expected<JournalBlock, std::string> as_journal(std::int64_t wall_ms) const;
   std::uint64_t hash() override { return sculpture_->state_hash(); }
   std::string about() const override;
   std::string progress() const override;

@@ -49,6 +49,21 @@ Done RecordLog::add(std::span<const std::byte> rows) {
   return {};
 }
 
+void RecordLog::append(std::span<const BatchRecord> records, std::int64_t wall_ms,
+                       std::int64_t span_ms) {
+  if (records.empty()) return;
+  const BatchHead head{last() + 1, records.size(), wall_ms, span_ms};
+  std::vector<std::byte> bytes = encoder_.encode(records);
+  const std::int64_t crc = batch_checksum(head, bytes);
+  rows_.push_back({head, crc, std::move(bytes)});
+}
+
+std::vector<std::byte> RecordLog::rows() const {
+  std::vector<std::byte> all;
+  for (const Row& row : rows_) append_span_row(all, {row.head, row.crc, row.bytes});
+  return all;
+}
+
 std::uint64_t RecordLog::last() const {
   return rows_.empty() ? 0 : rows_.back().head.first + rows_.back().head.count - 1;
 }

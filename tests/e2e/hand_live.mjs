@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// End-to-end test of carving by hand in kerf.html, without a server: strokes with the mouse, undo
+// and redo, on a block and behind a program. The .kerf file that the page writes is replayed by
+// kerf-server to the same hash, served by it, and opened by the page, which carves on. See README.md.
+//
+// node hand_live.mjs --server PROGRAM --web FOLDER --out FOLDER
+
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import { existsSync } from 'node:fs';
+import { copyFile, mkdir, readFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { checkAccessible } from './support/axe.mjs';
+import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
+import { dropFiles } from './support/drop.mjs';
+import { serveFiles } from './support/file_host.mjs';
+import { start, stop, until } from './support/processes.mjs';
+import { optionsOf, runTest } from './support/session.mjs';
+import { clashesIn } from './support/texts.mjs';
+
+const options = optionsOf(['server', 'web', 'out']);
+
+const SETTLE_S = 60; // software WebGL on a busy machine
+const DESK = { width: 1280, height: 800 };
+const PHONE = { width: 390, height: 844 };
+const PROGRAM = [
+  '(STOCK SIZE X40 Y30 Z8)',
+  '(T1 D=6. - ball end mill)',
+  'G21 G90 G17',
+  'T1 M6',
+  'S12000 M3',
+  'G0 X-15 Y-8 Z5',
+  'G1 Z-1 F600',
+  'G1 X15',
+  'G0 Z5',
+  'M30',
+  '',
+].join('\n');
+
+async function atRest({ state }) {
+  const { status, hash, waiting } = await state();
+  return status === 'rest' && hash !== null && waiting === 0;
+}
+
+/** Waits for the state after what a hand has done; `isDone`: of a state. */
+async function settled(viewer, what, isDone) {
+  return until(what, SETTLE_S, async () => {
+    if (!(await atRest(viewer))) return false;
+    const state = await viewer.state();
+    return isDone(state) && state;
+  });
+}
+
+async function placeOf({ state }, x, y) {
+  const [left, top, right, bottom] = (await state()).blockBox;
+  return [left + x * (right - left), top + y * (bottom - top)];
+}
+
+async function stroke(viewer, y) {
+  const { mouse } = viewer.page;
+  await mouse.move(...(await placeOf(viewer, 0.35, y)));
+  await mouse.down();
+  for (const x of [0.4, 0.5, 0.6])
+    await mouse.move(...(await placeOf(viewer, x, y + 0.02)), { steps: 6 });
+  await mouse.up();
+}
+
+const isJoined = (viewer) =>
+  until('hand that may carve', SETTLE_S, () =>
+    viewer.page.evaluate(() => document.querySelector('main').dataset.carve === 'ready'),
+  );
+
+async function carvedMore(viewer, before, y) {
+  await stroke(viewer, y);
+  return settled(viewer, 'stroke', ({ hash }) => hash !== before.hash);
+}
+
+async function savedTo(viewer, file) {
+  const [download] = await Promise.all([
+    viewer.page.waitForEvent('download'),
+    viewer.page.getByRole('button', { name: 'KERF', exact: true }).click(),
+  ]);
+  assert.match(download.suggestedFilename(), /^[a-z0-9_-]+\.kerf$/);
+  await copyFile(await download.path(), file);
+}
+
+/** kerf-server carves the file from its first record: to the state that the page has. */
+function checkReplayed(file, { hash }) {
+  const { status, stdout, stderr } = spawnSync(options.server, ['replay', file], {
+    encoding: 'utf8',
+  });
+  assert.equal(status, 0, stdout + stderr);
+  assert.match(stdout, /^equal: .* 1 state hashes/);
+  assert(stdout.includes(`hash ${hash}`), `${stdout} is not ${hash}`);
+}
+
+/** A block that nobody gave a file for: strokes, undo, redo. Returns its last state. */
+async function checkHand(viewer) {
+  const { page } = viewer;
+  await page.getByRole('button', { name: 'Carve a block by hand' }).click();
+  await isJoined(viewer);
+  const untouched = await settled(viewer, 'block', () => true);
+  assert.equal(untouched.removedMm3, 0);
+  const first = await carvedMore(viewer, untouched, 0.4);
+  assert(first.removedMm3 > 10, `a stroke removed ${first.removedMm3} mm³`);
+  await photograph(viewer, join(options.out, 'hand.png'));
+  await checkAccessible(page, 'the page while a hand carves');
+  assert.deepEqual(await clashesIn(page, 'main > :is(.bar, .toolbar, .panel, .carve-bar)'), []);
+  const second = await carvedMore(viewer, first, 0.6);
+  await page.keyboard.press('Control+z');
+  await settled(viewer, 'undo', ({ hash }) => hash === first.hash);
+  await page.keyboard.press('Control+z');
+  await settled(viewer, 'undo of the first', ({ hash }) => hash === untouched.hash);
+  await page.keyboard.press('Control+z'); // there is nothing more
+  await page.getByText('no stroke to undo', { exact: false }).waitFor();
+  await page.keyboard.press('Control+Shift+z');
+  await settled(viewer, 'redo', ({ hash }) => hash === first.hash);
+  await page.keyboard.press('Control+Shift+z');
+  return settled(viewer, 'redo of the second', ({ hash }) => hash === second.hash);
+}
+
+/** A journal that another has begun: strokes are added, none of what it had is lost. */
+async function checkReopened(viewer, file, before) {
+  await dropFiles(viewer.page, { 'again.kerf': await readFile(file) });
+  const opened = await settled(viewer, 'journal', ({ hash }) => hash === before.hash);
+  await viewer.page.getByText('verified: record', { exact: false }).waitFor();
+  await viewer.page.keyboard.press('c');
+  await isJoined(viewer);
+  return carvedMore(viewer, opened, 0.5);
+}
+
+/** Behind a program, which is one stroke of the journal. */
+async function checkBehindProgram(viewer, file) {
+  await dropFiles(viewer.page, { 'slot.ngc': PROGRAM });
+  const carved = await settled(
+    viewer,
+    'program',
+    ({ carved: at, motions }) => at === motions && at > 2,
+  );
+  await viewer.page.keyboard.press('c');
+  await isJoined(viewer);
+  await settled(viewer, 'program in the journal', ({ hash }) => hash === carved.hash);
+  const last = await carvedMore(viewer, carved, 0.3);
+  await savedTo(viewer, file);
+  checkReplayed(file, last);
+}
+
+/** A kerf-server has the saved file as a session. */
+async function checkServed(file, folder, { hash }) {
+  const data = join(folder, 'data');
+  await mkdir(data);
+  await copyFile(file, join(data, 'by-hand.kerf'));
+  const server = start(options.server, ['--listen', '127.0.0.1:0', '--data', data, '--open']);
+  try {
+    const base = await until('server address', 20, () =>
+      server.lines.find((line) => line.startsWith('http')),
+    );
+    const session = await until('session of the file', SETTLE_S, async () => {
+      const answer = await fetch(`${base}/v1/sessions/by-hand`);
+      return answer.ok && (await answer.json());
+    });
+    assert.equal(session.state_hash, hash);
+  } finally {
+    await stop(server);
+  }
+}
+
+async function test(folder) {
+  const host = await serveFiles(options.web);
+  const browser = await launchBrowser();
+  const files = ['first', 'second', 'third'].map((name) => join(folder, `${name}.kerf`));
+  try {
+    const viewer = await openViewer(browser, `${host.base}/kerf.html`, DESK, {
+      reducedMotion: 'reduce',
+    });
+    const first = await checkHand(viewer);
+    await savedTo(viewer, files[0]);
+    checkReplayed(files[0], first);
+    const second = await checkReopened(viewer, files[0], first);
+    await viewer.page.setViewportSize(PHONE);
+    await photograph(viewer, join(options.out, 'hand-phone.png'));
+    await viewer.page.setViewportSize(DESK);
+    await savedTo(viewer, files[1]);
+    await checkBehindProgram(viewer, files[2]);
+    assert.deepEqual(viewer.problems, []);
+    await checkServed(files[1], folder, second);
+  } finally {
+    await browser.close();
+    await host.close();
+  }
+}
+
+if (existsSync(join(options.web, 'kerf_files.wasm'))) {
+  await runTest(test, options.out);
+} else {
+  console.log('skipped: the page was built without kerf_files.wasm (web/wasm/README.md)');
+  process.exit(77);
+}

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Carving by hand in the page without a server: the button, who carves, and the file of it.
+
+import { t } from '../strings';
+import type { CarveLinkEvents } from '../carve/carve_link';
+import { mountCarve } from '../carve/mount';
+import type { CarveHost, CarveSwitch } from '../carve/mount';
+import type { SessionModel } from '../model/session';
+import type { ParticipantInfo } from '../wire/types';
+import { download } from './download';
+import { HandLink } from './hand_link';
+import type { FromWorker, ToWorker } from './messages';
+import type { JournalParts } from './program_block';
+
+/** Of the motions of a program, in the journal that goes on from it (web/wasm/files). */
+const PROGRAM = 1;
+
+export interface HandHost extends Omit<CarveHost, 'session' | 'name' | 'linkHere'> {
+  post(message: ToWorker): void;
+  /** Why nothing can be carved by hand now; empty: it can. */
+  whyNot(): string;
+  /** The .kerf file from which the block comes; null: none. */
+  file(): Uint8Array | null;
+}
+
+export class LocalHand {
+  private readonly switch_: CarveSwitch;
+  private link_: HandLink | null = null;
+  private people_: readonly ParticipantInfo[] = [];
+  private own_: ParticipantInfo | null = null; // once it has carved this block
+  private isSaved_ = true;
+  private timer_: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(private readonly host: HandHost) {
+    this.switch_ = mountCarve({
+      ...host,
+      session: '',
+      name: () => this.name_(),
+      linkHere: (events) => this.makeLink_(events),
+    });
+    window.addEventListener('beforeunload', (event) => {
+      if (!this.isSaved_) event.preventDefault(); // the browser asks
+    });
+  }
+
+  get isActive(): boolean {
+    return this.switch_.isActive();
+  }
+
+  toggle(): void {
+    if (this.isActive || this.host.whyNot() === '') this.switch_.toggle();
+    else this.host.say(this.host.whyNot());
+  }
+
+  leave(): void {
+    if (this.isActive) this.switch_.toggle();
+  }
+
+  update(): void {
+    this.switch_.update();
+  }
+
+  /** Another block takes the place of the one before; `people`: who has carved it, a program too. */
+  reset(people: readonly ParticipantInfo[]): void {
+    this.leave();
+    this.link_?.drop();
+    this.people_ = people;
+    this.own_ = null;
+    this.isSaved_ = true;
+  }
+
+  heard(message: FromWorker): void {
+    if (message.type === 'handed' && this.link_) this.takeOver_(this.link_, this.host.model);
+    if (message.type === 'felt' || message.type === 'changed') this.isSaved_ = false;
+    if (message.type === 'saved') void this.save_(message.parts);
+    this.link_?.heard(message);
+  }
+
+  /** Those of the list of participants who have carved the block. */
+  private takeOver_({ participant }: HandLink, model: SessionModel): void {
+    const { color } = model.welcome!;
+    const name = this.name_();
+    this.own_ = {
+      participant: participant!,
+      name,
+      color,
+      tool: 0,
+      kind: 'agent',
+    };
+    model.participants.setList([...this.others_(), this.own_]);
+  }
+
+  private others_(): ParticipantInfo[] {
+    return this.people_.filter(({ participant }) => participant !== this.own_?.participant);
+  }
+
+  private name_(): string {
+    return t('You');
+  }
+
+  private makeLink_(events: CarveLinkEvents): HandLink {
+    this.link_ = new HandLink(
+      {
+        post: (message) => this.host.post(message),
+        participant: () =>
+          this.own_?.participant ??
+          1 + Math.max(PROGRAM, ...this.people_.map(({ participant }) => participant)),
+        wallMs: () => Date.now(),
+        later: (act, ms) => {
+          clearTimeout(this.timer_);
+          this.timer_ = setTimeout(act, ms);
+        },
+      },
+      events,
+    );
+    return this.link_;
+  }
+
+  private async save_(parts: JournalParts): Promise<void> {
+    try {
+      const { writeKerfFile } = await import('./kerf_file_writer');
+      const people = [...this.others_(), ...(this.own_ ? [this.own_] : [])];
+      const bytes = await writeKerfFile(parts, people, this.host.file());
+      download(`${new TextDecoder().decode(parts.id)}.kerf`, bytes);
+      this.isSaved_ = true;
+    } catch (problem) {
+      this.host.say(t('The file was not written: {0}', (problem as Error).message));
+    }
+  }
+}
