@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "server/session/hash_text.h"
@@ -26,8 +27,11 @@ class ApiReplay : public ApiRightsTest {
     sample.tip_mm = tip;
     sample.tool_id = 1;
     sample.buttons = cuts ? wire::kButtonCutting : 0;
+    sent_.push_back(sample);
     ASSERT_TRUE(session->move(id, {&sample, 1}).rejections.empty());
   }
+  /// The samples that move() has sent since the last call.
+  std::vector<wire::MotionSample> take_sent() { return std::exchange(sent_, {}); }
   void stroke(ParticipantId id, Vec3 from, Vec3 to) {
     constexpr int kSteps = 30;
     move(id, from + Vec3{0, 0, 10}, false, 1000);
@@ -83,6 +87,7 @@ class ApiReplay : public ApiRightsTest {
   }
 
  private:
+  std::vector<wire::MotionSample> sent_;
   std::map<ParticipantId, std::uint64_t> sequences_;
   std::uint64_t time_ms_ = 0;
 };
@@ -153,6 +158,75 @@ TEST_F(ApiReplay, RecordsThatComeLaterAreCarvedOn) {
   EXPECT_GT(progress.at("tools").at(0).at("removed_rate_mm3_per_s"), 0);
   ASSERT_TRUE(block.carve(1000, true));
   EXPECT_EQ(hash_text(block.hash()), now.at("state_hash"));
+}
+
+TEST_F(ApiReplay, AHandInThePageCarvesAsASessionDoes) {
+  carve();
+  const Json before = state();
+  const std::uint64_t last = before.at("record");
+  JournalBlock block = made_block(before);
+  const ParticipantId eve = join(tokens[Role::kSculptor]);
+  const auto here = [&] { return hash_text(block.hash()); };
+  const auto there = [&] { return std::string(state().at("state_hash")); };
+  const auto change = [&](const std::string& verb) {
+    made("POST", kSession + verb + "?participant=" + std::to_string(eve), tokens[Role::kOwner]);
+    ASSERT_TRUE(block.change_by_hand(verb == "undo", 0)) << verb;
+  };
+  block.begin_hand(eve);
+  take_sent();
+  stroke(eve, {-15, 2, -5}, {15, -3, -5});
+  EXPECT_FALSE(block.carve_by_hand(take_sent(), 0, 0)) << "the block is not at its last record";
+  EXPECT_EQ(block.change_by_hand(true, 0).error().find("the block is at record 0 of"), 0U);
+  ASSERT_TRUE(block.carve(last, false));
+  EXPECT_EQ(block.change_by_hand(true, 0).error(), "there is no stroke to undo");
+  EXPECT_EQ(here(), before.at("state_hash"));
+
+  made("POST", kSession + "undo?participant=" + std::to_string(eve), tokens[Role::kOwner]);
+  EXPECT_EQ(there(), here());
+  stroke(eve, {-15, 2, -5}, {15, -3, -5});
+  ASSERT_TRUE(block.carve_by_hand(take_sent(), 0, 0));
+  EXPECT_EQ(here(), there());
+  const std::string first = here();
+  EXPECT_NE(first, before.at("state_hash"));
+  stroke(eve, {-12, -12, -3}, {12, 12, -4});
+  ASSERT_TRUE(block.carve_by_hand(take_sent(), 0, 0));
+  EXPECT_EQ(here(), there());
+  for (const char* verb : {"undo", "undo", "redo", "redo", "undo"}) {
+    change(verb);
+    EXPECT_EQ(here(), there()) << verb;
+  }
+  EXPECT_EQ(here(), first);
+
+  // What a page saves is the journal of the same block.
+  auto saved = JournalBlock::read(block.origin());
+  ASSERT_TRUE(saved) << saved.error();
+  ASSERT_TRUE(saved->add(block.rows()));
+  ASSERT_TRUE(saved->make());
+  ASSERT_TRUE(saved->carve(10'000, false));
+  EXPECT_EQ(saved->hash(), block.hash());
+}
+
+TEST_F(ApiReplay, SamplesThatASessionRejectsAreLeftOutByAHandToo) {
+  carve();
+  const Json now = state();
+  JournalBlock block = made_block(now);
+  ASSERT_TRUE(block.carve(now.at("record"), false));
+  block.begin_hand(99);
+  wire::MotionSample sample;
+  sample.agent_sequence = 1;
+  sample.time_us = 1000;
+  sample.tip_mm = {0, 0, -4};
+  sample.tool_id = 1;
+  sample.buttons = wire::kButtonCutting;
+  std::vector<wire::MotionSample> samples(3, sample);
+  samples[1].time_us = 2000;
+  samples[1].tool_id = 77;  // there is no such tool
+  samples[2].time_us = 3000;
+  samples[2].tip_mm.x = 5;
+  const auto done = block.carve_by_hand(samples, 0, 0);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().find("77"), std::string::npos) << done.error();
+  EXPECT_NE(hash_text(block.hash()), now.at("state_hash")) << "the third sample is carved";
 }
 
 TEST_F(ApiReplay, WhatIsAskedForWronglyIsRejected) {

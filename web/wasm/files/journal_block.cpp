@@ -116,7 +116,7 @@ Done JournalBlock::change_by_hand(bool undone, std::int64_t wall_ms) {
   const StrokeId stroke = undone ? (*strokes)->newest(author, log_->last())
                                  : (*strokes)->last_undone(author, log_->last());
   if (stroke == 0) {
-    return std::unexpected(std::string("there is no stroke to ") + (undone ? "undo" : "redo"));
+    return std::unexpected(undone ? "there is no stroke to undo" : "there is no stroke to redo");
   }
   const BatchRecord change{author, StrokeChange{stroke, undone}, false};
   log_->append({&change, 1}, wall_ms, 0);

@@ -14,7 +14,8 @@ constexpr ParticipantId kSession = 0, kProgram = 1;
 
 /// Returns what a journal of a scene begins with. The scene names files of the module's folder.
 std::expected<JournalOrigin, std::string> origin_of(const Scene& scene) {
-  JournalOrigin origin{.session = id_from_name(scene.name), .scene_json = scene_json(scene), .files = {}};
+  JournalOrigin origin{
+      .session = id_from_name(scene.name), .scene_json = scene_json(scene), .files = {}};
   const auto read = parse_scene(
       origin.scene_json,
       {.name = scene.name, .base_folder = ".", .keep_files = true, .load_mesh = load_mesh});
