@@ -6,7 +6,6 @@
 #include <future>
 #include <utility>
 
-
 namespace kerf {
 namespace {
 

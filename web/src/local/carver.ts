@@ -176,12 +176,7 @@ export class Carver {
     { frame, newest, wallMs, spanMs }: ToWorker & { type: 'samples' },
   ): void {
     const reason = this.reasonOf_(() => block.samples(frame, wallMs, spanMs));
-    this.around.post({
-      type: 'felt',
-      newest,
-      progress: block.progress(),
-      reason,
-    });
+    this.around.post({ type: 'felt', newest, progress: block.progress(), reason });
     this.handMoved_(block);
   }
 

@@ -42,19 +42,10 @@ const BLOCK = {
     { id: 1, shape: 'ball', diameter_mm: 8, length_mm: 35 },
     { id: 2, shape: 'ball', diameter_mm: 3, length_mm: 25 },
     { id: 3, shape: 'flat', diameter_mm: 6, length_mm: 30 },
-    {
-      id: 4,
-      shape: 'bull_nose',
-      diameter_mm: 12,
-      corner_radius_mm: 3,
-      length_mm: 35,
-    },
+    { id: 4, shape: 'bull_nose', diameter_mm: 12, corner_radius_mm: 3, length_mm: 35 },
   ],
 };
 
 export function exampleBlock(): GivenFile {
-  return {
-    name: 'block.json',
-    bytes: new TextEncoder().encode(JSON.stringify(BLOCK)),
-  };
+  return { name: 'block.json', bytes: new TextEncoder().encode(JSON.stringify(BLOCK)) };
 }

@@ -47,6 +47,12 @@ export class LocalHand {
     return this.switch_.isActive();
   }
 
+  /** Whether another block may take the place of this one: strokes that are in no file would go. */
+  mayGo(): boolean {
+    const question = t('The last strokes by hand are in no KERF file. Go on without them?');
+    return this.isSaved_ || window.confirm(question);
+  }
+
   toggle(): void {
     if (this.isActive || this.host.whyNot() === '') this.switch_.toggle();
     else this.host.say(this.host.whyNot());
@@ -80,13 +86,7 @@ export class LocalHand {
   private takeOver_({ participant }: HandLink, model: SessionModel): void {
     const { color } = model.welcome!;
     const name = this.name_();
-    this.own_ = {
-      participant: participant!,
-      name,
-      color,
-      tool: 0,
-      kind: 'agent',
-    };
+    this.own_ = { participant: participant!, name, color, tool: 0, kind: 'agent' };
     model.participants.setList([...this.others_(), this.own_]);
   }
 

@@ -52,11 +52,7 @@ export class HandLink implements AgentLink {
     const { options } = this;
     this.participant = options.participant();
     this.become_('joining');
-    options.post({
-      type: 'hand',
-      participant: this.participant,
-      wallMs: options.wallMs(),
-    });
+    options.post({ type: 'hand', participant: this.participant, wallMs: options.wallMs() });
   }
 
   leave(): void {
@@ -72,29 +68,15 @@ export class HandLink implements AgentLink {
     const wallMs = options.wallMs();
     for (let at = 0; at < drafts.length; at += SAMPLES_PER_FRAME) {
       const some = drafts.slice(at, at + SAMPLES_PER_FRAME);
-      const samples = some.map((draft) => ({
-        agent_sequence: ++this.sequence_,
-        ...draft,
-      }));
+      const samples = some.map((draft) => ({ agent_sequence: ++this.sequence_, ...draft }));
       const spanMs = Math.round(Number(some.at(-1)!.time_us - some[0]!.time_us) / 1000);
-      const numbers = {
-        flags: 0,
-        epoch: 1,
-        sequence: this.sequence_,
-        time_us: 0n,
-      };
+      const numbers = { flags: 0, epoch: 1, sequence: this.sequence_, time_us: 0n };
       const frame = encodeFrame({
         header: { type: FrameType.Motion, ...numbers },
         kind: 'motion',
         samples,
       });
-      options.post({
-        type: 'samples',
-        frame,
-        newest: this.sequence_,
-        wallMs,
-        spanMs,
-      });
+      options.post({ type: 'samples', frame, newest: this.sequence_, wallMs, spanMs });
     }
     if (drafts.length > 0) this.restLater_();
   }
@@ -103,21 +85,14 @@ export class HandLink implements AgentLink {
     if (type !== 'undo' && type !== 'redo') return;
     const { options } = this;
     this.asked_ += 1;
-    options.post({
-      type: 'change',
-      undone: type === 'undo',
-      wallMs: options.wallMs(),
-    });
+    options.post({ type: 'change', undone: type === 'undo', wallMs: options.wallMs() });
     this.restLater_();
   }
 
   heard(message: FromWorker): void {
     if (message.type === 'handed' && this.status === 'joining') {
       this.become_('ready');
-      const limits = {
-        speedMmPerS: SPEED_MM_PER_S,
-        samplesPerS: SAMPLES_PER_S,
-      };
+      const limits = { speedMmPerS: SPEED_MM_PER_S, samplesPerS: SAMPLES_PER_S };
       this.events.joined({ participant: this.participant!, ...limits });
     } else if (message.type === 'felt') {
       this.answered_ = message.newest;

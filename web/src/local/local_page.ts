@@ -74,6 +74,7 @@ export class LocalPage {
     this.panel_ = new SidePanel({
       choose: () => this.input_.choose(),
       remove: (what) => {
+        if (!this.hand_.mayGo()) return;
         this.files_ = { ...this.files_, [what]: null };
         if (what === 'program') this.files_.others = [];
         this.begin_();
@@ -155,16 +156,13 @@ export class LocalPage {
 
   /** What tests ask of the page (hook.ts). */
   get facts() {
-    const { viewer } = this.picture_;
+    const { status_: status, problem_: problem, hash_: hash, progress_: progress } = this;
     return {
-      status: this.status_,
-      problem: this.problem_,
-      hash: this.hash_,
-      carved: this.progress_?.carved ?? 0,
+      ...{ status, problem, hash, carved: progress?.carved ?? 0 },
       motions: this.about_?.motions ?? 0,
-      removedMm3: this.progress_?.removed_mm3 ?? 0,
+      removedMm3: progress?.removed_mm3 ?? 0,
       waiting: this.waiting_.size,
-      viewer,
+      viewer: this.picture_.viewer,
     };
   }
 
@@ -182,6 +180,7 @@ export class LocalPage {
   }
 
   private take_(files: readonly GivenFile[]): void {
+    if (!this.hand_.mayGo()) return;
     this.files_ = withFiles(this.files_, files);
     this.begin_();
   }
@@ -395,10 +394,6 @@ export class LocalPage {
   private resize_(): void {
     const width = Math.max(1, this.app.clientWidth);
     const height = Math.max(1, this.app.clientHeight);
-    this.picture_.resize({
-      width,
-      height,
-      insets: insetsOf(this.app, width, height),
-    });
+    this.picture_.resize({ width, height, insets: insetsOf(this.app, width, height) });
   }
 }

@@ -270,7 +270,7 @@ describe('the worker that carves', () => {
       spanMs: 0,
     }) as const;
 
-  it('hands a block over at its end, without showing it on the way', async () => {
+  it('hands a block over at its end, and shows nothing before', async () => {
     await carver.receive({ type: 'open', files: NO_FILES });
     run();
     posted = [];

@@ -105,26 +105,18 @@ describe('the link of a hand to the page that has the block', () => {
     expect(link.isAsking).toBe(false);
     link.ask({ type: 'undo' });
     expect(link.isAsking).toBe(true);
-    expect(posted.at(-1)).toEqual({
-      type: 'change',
-      undone: true,
-      wallMs: 5000,
-    });
+    expect(posted.at(-1)).toEqual({ type: 'change', undone: true, wallMs: 5000 });
     link.heard({ type: 'changed', undone: true, reason: '' });
     expect(link.isAsking).toBe(false);
     expect(events.changed).toHaveBeenCalledWith(true);
     link.ask({ type: 'redo' });
-    link.heard({
-      type: 'changed',
-      undone: false,
-      reason: 'there is no stroke to redo',
-    });
+    link.heard({ type: 'changed', undone: false, reason: 'there is no stroke to redo' });
     expect(events.rejected).toHaveBeenCalledWith('bad_message', 'there is no stroke to redo');
     later();
     expect(posted.at(-1)).toEqual({ type: 'rest' });
   });
 
-  it('begins anew with another block', () => {
+  it('numbers samples from 1 again for another block', () => {
     join();
     link.send(drafts(300));
     link.drop();

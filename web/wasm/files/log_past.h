@@ -12,7 +12,7 @@
 
 #include "server/formats/scene.h"
 #include "server/history/block_history.h"
-#include "server/session/past_source.h"
+#include "server/session/past_block.h"
 #include "web/wasm/files/record_log.h"
 
 namespace kerf::page {
