@@ -52,7 +52,8 @@ const std::vector<Module>& agent_modules() {
   return kModules;
 }
 
-const std::vector<Module>& other_modules() {
+/// The parts of the kernel.
+const std::vector<Module>& kernel_modules() {
   static const std::vector<Module> kModules = {
       {"kernel/math", {}},
       {"kernel/piece", {"kernel/math"}},
@@ -68,6 +69,12 @@ const std::vector<Module>& other_modules() {
        {"kernel/math", "kernel/piece", "kernel/intersect", "kernel/dexel", "kernel/tool",
         "kernel/sweep", "kernel/cut"}},
       {"kernel/surface", {"kernel/math", "kernel/dexel"}},
+  };
+  return kModules;
+}
+
+const std::vector<Module>& other_modules() {
+  static const std::vector<Module> kModules = {
       {"kernel", {}},
       {"server/wire", {"kernel/math/vec3.h"}},
       {"server/datagram", {"server/wire"}},
@@ -189,7 +196,7 @@ bool is_within_any(std::string_view path, const std::vector<std::string_view>& p
 
 // The first module that contains a file decides. A file outside every module is a violation.
 const Module* module_of(std::string_view path) {
-  for (const auto* modules : {&agent_modules(), &other_modules()}) {
+  for (const auto* modules : {&agent_modules(), &kernel_modules(), &other_modules()}) {
     const auto found =
         std::ranges::find_if(*modules, [&](const Module& m) { return is_within(path, m.path); });
     if (found != modules->end()) return &*found;
