@@ -197,6 +197,21 @@ TEST_F(ApiReplay, AHandInThePageCarvesAsASessionDoes) {
   }
   EXPECT_EQ(here(), first);
 
+  // A redo ends the stroke that goes on meanwhile, so that an undo takes its second part only.
+  move(eve, {-10, 12, -2}, false, 1000);
+  move(eve, {0, 12, -2}, true, 100);
+  ASSERT_TRUE(block.carve_by_hand(take_sent(), 0, 0));
+  change("undo");
+  move(eve, {-10, -14, -3}, false, 1000);
+  move(eve, {0, -14, -3}, true, 100);
+  ASSERT_TRUE(block.carve_by_hand(take_sent(), 0, 0));
+  change("redo");
+  move(eve, {10, -14, -3}, true, 100);
+  ASSERT_TRUE(block.carve_by_hand(take_sent(), 0, 0));
+  EXPECT_EQ(here(), there());
+  change("undo");
+  EXPECT_EQ(here(), there());
+
   // What a page saves is the journal of the same block.
   auto saved = JournalBlock::read(block.origin());
   ASSERT_TRUE(saved) << saved.error();
