@@ -68,7 +68,13 @@ export default defineConfig({
     chunkSizeWarningLimit: 900,
     rollupOptions: {
       input: ['index.html', 'kerf.html'],
-      output: { manualChunks: { three: ['three'] } },
+      output: {
+        manualChunks: { three: ['three'] },
+        // The first load contains the names of all chunks, whose hashes do not compress.
+        entryFileNames: 'assets/[name]-[hash:6].js',
+        chunkFileNames: 'assets/[name]-[hash:6].js',
+        assetFileNames: 'assets/[name]-[hash:6][extname]',
+      },
     },
   },
   server: { proxy: { '/v1': { target: server, ws: true, changeOrigin: false } } },

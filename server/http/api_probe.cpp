@@ -147,7 +147,8 @@ std::expected<std::vector<Place>, std::string> places_of(const std::string& body
     if (!std::ranges::all_of(p, [](float v) { return std::isfinite(v); })) {
       return std::unexpected("point " + std::to_string(n) + " is not finite");
     }
-    const std::array<double, 6> v{p[0], p[1], p[2], p[3], p[4], p[5]};
+    std::array<double, 6> v{};
+    std::ranges::copy(p, v.begin());
     const Vec3 normal{v[3], v[4], v[5]};
     const double size = length(normal);
     places[n] = {{v[0], v[1], v[2]}, size > 0 ? (1 / size) * normal : normal};
