@@ -69,9 +69,10 @@ TEST_F(ApiOwnersTest, NamesWhoCutEachPoint) {
 }
 
 TEST_F(ApiOwnersTest, APointWithoutNormalOrBesideTheBlockIsNobodys) {
-  groove(join(tokens[Role::kSculptor]), -10);
-  EXPECT_EQ(owners({{0, 0, -10, 0, 0, 0}, {1e9F, -1e9F, 3e30F, 0, 0, 1}}),
-            (std::vector<ParticipantId>{0, 0}));
+  const ParticipantId ada = join(tokens[Role::kSculptor]);
+  groove(ada, -10);
+  EXPECT_EQ(owners({{0, 0, -10, 0, 0, 0}, {1e9F, -1e9F, 3e30F, 0, 0, 1}, first_}),
+            (std::vector<ParticipantId>{0, 0, ada}));
 }
 
 TEST_F(ApiOwnersTest, RejectsWhatIsNoPoint) {
