@@ -7,7 +7,6 @@
 
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
-import { existsSync } from 'node:fs';
 import { copyFile, mkdir, readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
@@ -15,7 +14,7 @@ import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
 import { dropFiles } from './support/drop.mjs';
 import { serveFiles } from './support/file_host.mjs';
 import { start, stop, until } from './support/processes.mjs';
-import { optionsOf, runTest } from './support/session.mjs';
+import { optionsOf, runFilesTest } from './support/session.mjs';
 import { clashesIn } from './support/texts.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
@@ -190,9 +189,4 @@ async function test(folder) {
   }
 }
 
-if (existsSync(join(options.web, 'kerf_files.wasm'))) {
-  await runTest(test, options.out);
-} else {
-  console.log('skipped: the page was built without kerf_files.wasm (web/wasm/README.md)');
-  process.exit(77);
-}
+await runFilesTest(test, options);

@@ -3,6 +3,7 @@
 // programs that it carves.
 
 import assert from 'node:assert/strict';
+import { existsSync } from 'node:fs';
 import { mkdir, mkdtemp, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -86,4 +87,14 @@ export async function carveProgram(session, text, query) {
     return state === 'finished';
   });
   return id;
+}
+
+/** As runTest, for a page that carves by itself: skipped where it was built without that module. */
+export async function runFilesTest(test, { web, out }) {
+  if (existsSync(join(web, 'kerf_files.wasm'))) {
+    await runTest(test, out);
+    return;
+  }
+  console.log('skipped: the page was built without kerf_files.wasm (web/wasm/README.md)');
+  process.exit(77);
 }
