@@ -7,6 +7,7 @@ import { STOCK_MATERIALS } from '../src/model/materials';
 import { SessionModel } from '../src/model/session';
 import { Picture } from '../src/ui/picture';
 import type { LoadViewer } from '../src/ui/picture';
+import type { MeshFrame } from '../src/decode/mesh_glb';
 import { MESH_SNAPSHOT_LAST } from '../src/wire/types';
 import type { Header, Vec3, Welcome } from '../src/wire/types';
 
@@ -52,9 +53,8 @@ class FakeViewer {
   welcome(): void {
     this.calls.push('welcome');
   }
-  applyMesh({ sequence }: Header): Promise<void> {
-    this.calls.push(`mesh ${sequence}`);
-    return Promise.resolve();
+  applyMesh({ sequence }: Header, { motions }: MeshFrame): void {
+    this.calls.push(`mesh ${sequence} of ${motions}`);
   }
 }
 
@@ -64,9 +64,11 @@ function makePicture(model: SessionModel, make: () => FakeViewer = () => new Fak
     return make();
   };
   const load = vi.fn(() => Promise.resolve({ Viewer })) as unknown as LoadViewer;
-  const picture = new Picture({} as HTMLCanvasElement, {} as HTMLElement, model, false, load);
+  const decode = vi.fn(() => Promise.resolve({ motions: 5, nodes: [], shapes: [] }));
+  const [canvas, overlay] = [{} as HTMLCanvasElement, {} as HTMLElement];
+  const picture = new Picture(canvas, overlay, model, false, load, decode);
   picture.resize(PHONE);
-  return { picture, load };
+  return { picture, load, decode };
 }
 
 beforeEach(() => {
@@ -102,9 +104,9 @@ describe('picture', () => {
     await picture.applyMesh(last, new Uint8Array());
     expect(FakeViewer.made).toHaveLength(1);
     expect([...FakeViewer.made[0]!.calls].sort()).toEqual(
-      ['Tooling board', 'arrows false', 'follow 7', 'mesh 1', 'resize 390', 'welcome'].sort(),
+      ['Tooling board', 'arrows false', 'follow 7', 'mesh 1 of 5', 'resize 390', 'welcome'].sort(),
     );
-    expect(FakeViewer.made[0]!.calls.at(-1)).toBe('mesh 1');
+    expect(FakeViewer.made[0]!.calls.at(-1)).toBe('mesh 1 of 5');
   });
 
   it('drops frames of a connection that was lost before the view was open', async () => {
@@ -115,13 +117,13 @@ describe('picture', () => {
     const applied = picture.applyMesh(last, new Uint8Array());
     model.apply(welcome); // joined again
     await applied;
-    expect(FakeViewer.made[0]!.calls).not.toContain('mesh 1');
+    expect(FakeViewer.made[0]!.calls).not.toContain('mesh 1 of 5');
   });
 
   it('goes on without a picture where WebGL is missing, and asks for the least', async () => {
     vi.spyOn(console, 'warn').mockImplementation(() => undefined);
     const model = new SessionModel();
-    const { picture } = makePicture(model, () => {
+    const { picture, decode } = makePicture(model, () => {
       throw new Error('no WebGL');
     });
     model.apply(welcome);
@@ -130,6 +132,19 @@ describe('picture', () => {
     expect(picture.problem).toBe('no WebGL');
     expect(model.tiles.complete).toBe(true);
     expect(picture.look()!.look.error_rad).toBe(1);
+    expect(decode).toHaveBeenCalledTimes(1); // the frame that came before this was known
+    await picture.applyMesh(last, new Uint8Array());
+    expect(decode).toHaveBeenCalledTimes(1);
+  });
+
+  it('decodes a frame while the view opens', () => {
+    const model = new SessionModel();
+    const { picture, decode } = makePicture(model);
+    model.apply(welcome);
+    picture.welcome(welcome);
+    void picture.applyMesh(last, new Uint8Array());
+    expect(picture.viewer).toBeNull();
+    expect(decode).toHaveBeenCalledTimes(1);
   });
 });
 

@@ -2,6 +2,7 @@
 // The 3D view as the page sees it. It opens once the session was joined, because its code and the GPU
 // take time, and a browser without WebGL has none at all. So what the user sets is kept here.
 
+import { workerDecoder } from '../decode/frame_decoder';
 import { firstLook } from '../model/first_look';
 import type { PlacedLook } from '../model/first_look';
 import type { Viewport } from '../model/fit';
@@ -45,6 +46,7 @@ export class Picture {
     private readonly model: SessionModel,
     private readonly fullQuality: boolean,
     private readonly load: LoadViewer = () => import('../view/viewer'),
+    private readonly decode = workerDecoder(),
   ) {}
 
   /** Opens the view of a session that was joined, or prepares it for one joined again. */
@@ -53,13 +55,13 @@ export class Picture {
     else this.opening_ ??= this.open_();
   }
 
-  /** Displays a mesh frame once there is a view. */
+  /** Displays a mesh frame once there is a view; it is decoded while the view opens. */
   async applyMesh(header: Header, glb: Uint8Array): Promise<void> {
     const { tiles } = this.model;
     const { generation } = tiles;
-    await this.opening_;
-    if (generation !== tiles.generation) return; // joined again meanwhile
-    if (this.viewer) await this.viewer.applyMesh(header, glb);
+    const [frame] = await Promise.all([this.problem ? null : this.decode(glb), this.opening_]);
+    if (generation !== tiles.generation) return; // joined again meanwhile: a new snapshot follows
+    if (this.viewer && frame) this.viewer.applyMesh(header, frame);
     else if (header.flags & MESH_SNAPSHOT_LAST) tiles.finishSnapshot();
   }
 

@@ -6,8 +6,8 @@ import * as THREE from 'three';
 import type { TileTriangles } from '../kernel/kernel';
 import { tileKey } from '../model/tiles';
 import type { Vec3 } from '../wire/types';
-import { ORIGINAL_ATTRIBUTE } from './glb_tiles';
-import type { ParsedTile } from './glb_tiles';
+import { ORIGINAL_ATTRIBUTE } from './parsed_tiles';
+import type { ParsedTile } from './parsed_tiles';
 import type { TileView } from './tile_view';
 
 const RESULTS_MAX = 1024;

@@ -5,7 +5,7 @@
 
 import * as THREE from 'three';
 import type { StockMaterialPreset } from '../model/materials';
-import { ORIGINAL_ATTRIBUTE } from './glb_tiles';
+import { ORIGINAL_ATTRIBUTE } from './parsed_tiles';
 import { withMirroredLight } from './ambient_light';
 
 const VERTEX_HEAD = /* glsl */ `

@@ -5,8 +5,8 @@
 
 import * as THREE from 'three';
 import { tileAt, tileKey } from '../model/tiles';
-import { ORIGINAL_ATTRIBUTE } from './glb_tiles';
-import type { ParsedTile } from './glb_tiles';
+import { ORIGINAL_ATTRIBUTE } from './parsed_tiles';
+import type { ParsedTile } from './parsed_tiles';
 
 /** A displayed tile. */
 export interface DisplayedTile {

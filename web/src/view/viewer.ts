@@ -3,6 +3,7 @@
 // draws only after a change.
 
 import * as THREE from 'three';
+import type { MeshFrame } from '../decode/mesh_glb';
 import type { StockMaterialPreset } from '../model/materials';
 import type { ArrowScale } from '../model/arrow_scale';
 import { viewBounds } from '../model/first_look';
@@ -18,8 +19,8 @@ import type { Header, Vec3, Welcome } from '../wire/types';
 import { CameraRig } from './camera_rig';
 import { CarverViews } from './carver_views';
 import { DisplayedSurface } from './displayed_surface';
-import { TileParser } from './glb_tiles';
-import type { ParsedTile } from './glb_tiles';
+import { tilesOf } from './parsed_tiles';
+import type { ParsedTile } from './parsed_tiles';
 import { LocalTiles } from './local_tiles';
 import { Stage } from './stage';
 import { StockMaterial } from './stock_material';
@@ -48,7 +49,6 @@ export class Viewer {
   readonly local = new LocalTiles(this.tiles);
   /** The triangles of the tiles, for rays. */
   readonly displayed = new DisplayedSurface(this.tiles);
-  private readonly parser_ = new TileParser();
   readonly carvers: CarverViews;
   private readonly quality_: Quality;
   private width_ = 1;
@@ -106,12 +106,8 @@ export class Viewer {
   }
 
   /** Displays those tiles of a mesh frame that are not older than the displayed ones. */
-  async applyMesh(header: Header, glb: Uint8Array): Promise<void> {
-    const { generation } = this.model.tiles;
-    const tiles = await this.parser_.parse(glb);
-    // Reconnected meanwhile: a new snapshot follows.
-    if (generation !== this.model.tiles.generation) return;
-    for (const tile of tiles) this.offer_(tile);
+  applyMesh(header: Header, frame: MeshFrame): void {
+    for (const tile of tilesOf(frame)) this.offer_(tile);
     if (header.flags & MESH_SNAPSHOT_LAST) {
       for (const key of this.model.tiles.finishSnapshot()) this.local.remove(key);
     }

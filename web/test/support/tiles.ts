@@ -2,7 +2,7 @@
 // A block of 5 x 5 tiles with a surface of given heights, as the page displays one.
 
 import * as THREE from 'three';
-import type { ParsedTile } from '../../src/view/glb_tiles';
+import type { ParsedTile } from '../../src/view/parsed_tiles';
 import { TileView } from '../../src/view/tile_view';
 import type { Welcome } from '../../src/wire/types';
 

@@ -1,79 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-import { afterEach, beforeAll, describe, expect, it, vi } from 'vitest';
+import { afterEach, describe, expect, it, vi } from 'vitest';
 import * as THREE from 'three';
-import { ORIGINAL_ATTRIBUTE, TileParser } from '../src/view/glb_tiles';
-import type { ParsedTile } from '../src/view/glb_tiles';
-import { TileView } from '../src/view/tile_view';
 import { tileKey } from '../src/model/tiles';
-import { writeMeshGlb } from './support/glb.mjs';
+import { TileView } from '../src/view/tile_view';
+import type { ParsedTile } from '../src/view/parsed_tiles';
+import { parsedTiles, triangle } from './support/mesh_frames';
 import type { TestTile } from './support/glb.mjs';
-
-beforeAll(() => {
-  // GLTFLoader reads this browser global even for files without images.
-  Object.assign(globalThis, { self: globalThis });
-});
-
-const STEP_MM = 1 / 512;
-
-function triangle(
-  x: number,
-  y: number,
-  version: number,
-  corners: number[] = [0, 0, 0, 8, 0, 0, 0, 8, -3],
-): TestTile {
-  return {
-    x,
-    y,
-    version,
-    positions: corners.map((v, i) => v + (i % 3 === 0 ? 8 * x : 0)),
-    normals: [0, 0, 1, 0, 0, 1, 0, 0, 1],
-    indices: [0, 1, 2],
-  };
-}
-
-const parser = new TileParser();
-
-describe('mesh frames', () => {
-  it('contain tiles with their versions and vertices in world coordinates', async () => {
-    const tiles = await parser.parse(
-      writeMeshGlb([triangle(1, 11, 4), triangle(11, 1, 7)], STEP_MM, 0, 1),
-    );
-    expect(tiles.map(({ x, y, version, triangles }) => [x, y, version, triangles])).toEqual([
-      [1, 11, 4, 1],
-      [11, 1, 7, 1],
-    ]);
-    const first = tiles[0]!;
-    const position = first.geometry?.getAttribute('position') as THREE.BufferAttribute;
-    const corner = new THREE.Vector3().fromBufferAttribute(position, 2).applyMatrix4(first.matrix);
-    expect(corner.x).toBeCloseTo(8, 3);
-    expect(corner.y).toBeCloseTo(8, 3);
-    expect(corner.z).toBeCloseTo(-3, 3);
-  });
-
-  it('state of each vertex whether it is of the original surface', async () => {
-    const cut = { ...triangle(0, 0, 1), original: [1, 0, 1] };
-    const [whole, part] = await parser.parse(writeMeshGlb([triangle(1, 0, 1), cut], STEP_MM, 0, 1));
-    const bits = (tile: ParsedTile): number[] => {
-      const original = tile.geometry!.getAttribute(ORIGINAL_ATTRIBUTE);
-      return [0, 1, 2].map((n) => original.getX(n));
-    };
-    expect(bits(whole!)).toEqual([1, 1, 1]);
-    expect(bits(part!)).toEqual([1, 0, 1]);
-    expect(part!.shape).not.toBe(
-      (await parser.parse(writeMeshGlb([triangle(0, 0, 1)], STEP_MM, 0, 1)))[0]!.shape,
-    );
-  });
-
-  it('may contain an empty tile', async () => {
-    const gone = { x: 2, y: 3, version: 9, positions: [], normals: [], indices: [] };
-    const tiles = await parser.parse(writeMeshGlb([gone], STEP_MM, 0, 1));
-    expect(tiles).toMatchObject([{ x: 2, y: 3, version: 9, triangles: 0, geometry: null }]);
-  });
-
-  it('are rejected if they are not a GLB', async () => {
-    await expect(parser.parse(new Uint8Array([1, 2, 3, 4]))).rejects.toThrow();
-  });
-});
 
 /** Displays the only tile of a frame at its place. */
 function show(view: TileView, tile: ParsedTile): void {
@@ -81,9 +13,8 @@ function show(view: TileView, tile: ParsedTile): void {
     for (let x = tile.x; x < tile.x + tile.columns; ++x) view.set(tile, x, y, 8);
 }
 
-async function parsed(tile: TestTile): Promise<ParsedTile> {
-  const [only] = await parser.parse(writeMeshGlb([tile], STEP_MM, 0, 1));
-  return only!;
+function parsed(tile: TestTile): ParsedTile {
+  return parsedTiles([tile])[0]!;
 }
 
 const gone = (x: number, y: number): TestTile => ({
@@ -127,9 +58,9 @@ function shuffled(count: number): number[] {
 describe('tile view', () => {
   afterEach(() => vi.restoreAllMocks());
 
-  it('keeps the right tiles, in whatever order the others are removed and replaced', async () => {
+  it('keeps the right tiles, in whatever order the others are removed and replaced', () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
-    const tile = await parsed(triangle(0, 0, 1));
+    const tile = parsed(triangle(0, 0, 1));
     const side = 12;
     const left = new Set<number>();
     const expected = (): string[] =>
@@ -154,10 +85,10 @@ describe('tile view', () => {
     expect(view.group.children).toHaveLength(0);
   });
 
-  it('moves at most one other tile for each that is replaced, and searches none', async () => {
+  it('moves at most one other tile for each that is replaced, and searches none', () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
-    const coarse = await parsed(triangle(0, 0, 1));
-    const fine = await parsed(triangle(0, 0, 1, [0, 0, 0, 8, 0, 0, 0, 8, -1]));
+    const coarse = parsed(triangle(0, 0, 1));
+    const fine = parsed(triangle(0, 0, 1, [0, 0, 0, 8, 0, 0, 0, 8, -1]));
     const count = 500;
     for (let x = 0; x < count; ++x) view.set(coarse, x, 0, 8);
     const written = vi.spyOn(THREE.InstancedMesh.prototype, 'setMatrixAt');
@@ -177,27 +108,27 @@ describe('tile view', () => {
     expect(places(view)).toHaveLength(count);
   });
 
-  it('disposes of the geometry of replaced and removed tiles', async () => {
+  it('disposes of the geometry of replaced and removed tiles', () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
     const disposed: number[] = [];
     for (const version of [1, 2]) {
-      const tile = await parsed(triangle(0, 0, version, [0, 0, 0, 8, 0, 0, 0, 8, -version]));
+      const tile = parsed(triangle(0, 0, version, [0, 0, 0, 8, 0, 0, 0, 8, -version]));
       tile.geometry?.addEventListener('dispose', () => disposed.push(version));
       show(view, tile);
     }
     expect(disposed).toEqual([1]);
     expect(view.group.children).toHaveLength(1);
-    show(view, await parsed(gone(0, 0)));
+    show(view, parsed(gone(0, 0)));
     expect(disposed).toEqual([1, 2]);
     expect(view.group.children).toHaveLength(0);
   });
 
-  it('draws tiles of the same shape in one call, in whatever frames they come', async () => {
+  it('draws tiles of the same shape in one call, in whatever frames they come', () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
-    for (const x of [0, 1, 2, 3]) show(view, await parsed(triangle(x, 0, 1)));
+    for (const x of [0, 1, 2, 3]) show(view, parsed(triangle(x, 0, 1)));
     expect(view.shapes).toBe(1);
     expect(places(view)).toEqual(['0 0', '16 0', '24 0', '8 0']);
-    show(view, await parsed(triangle(1, 0, 2, [0, 0, 0, 8, 0, 0, 0, 8, -1])));
+    show(view, parsed(triangle(1, 0, 2, [0, 0, 0, 8, 0, 0, 0, 8, -1])));
     expect(view.shapes).toBe(2);
     expect(places(view)).toEqual(['0 0', '16 0', '24 0', '8 0']);
     view.remove(tileKey(0, 0)); // the last instance takes its place
@@ -208,15 +139,15 @@ describe('tile view', () => {
     expect(view.group.children).toHaveLength(0);
   });
 
-  it('displays all tiles that one node stands for, and replaces one of them', async () => {
+  it('displays all tiles that one node stands for, and replaces one of them', () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
-    const tile = await parsed({ ...triangle(1, 2, 1), repeat: [2, 3] });
+    const tile = parsed({ ...triangle(1, 2, 1), repeat: [2, 3] });
     expect([tile.columns, tile.rows]).toEqual([2, 3]);
     show(view, tile);
     expect(view.shapes).toBe(1);
     const all = ['8 0', '8 8', '8 16', '16 0', '16 8', '16 16'].sort();
     expect(places(view)).toEqual(all);
-    show(view, await parsed(gone(2, 3)));
+    show(view, parsed(gone(2, 3)));
     expect(places(view)).toEqual(all.filter((at) => at !== '16 8'));
   });
 });
