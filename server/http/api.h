@@ -154,6 +154,7 @@ class Api {
   ApiResponse probe(const ApiCall& call);
   ApiResponse owners(const ApiCall& call);
   ApiResponse replay(const ApiCall& call);
+  ApiResponse journal_hashes(const ApiCall& call);
   ApiResponse journal_origin(const ApiCall& call);
   ApiResponse journal_records(const ApiCall& call);
   ApiResponse list_strokes(const ApiCall& call);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The routes from which a client replays the journal of a session by itself. Two of them answer
-// what never changes, so that caches can hold it.
+// The routes from which a client replays the journal of a session by itself, and compares it. Two
+// of them answer what never changes, so that caches can hold it.
+#include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "kernel/kernel_version.h"
@@ -14,6 +16,9 @@
 
 namespace kerf::net {
 namespace {
+
+/// State hashes in one response; of more, so many at equal distances.
+constexpr std::size_t kHashesMax = 1000;
 
 ApiResponse journal_failure(const JournalError& error) {
   if (error.code == JournalErrorCode::kForeignVersion) {
@@ -58,7 +63,9 @@ ApiResponse lasting(const ApiCall& call, std::span<const std::byte> bytes) {
 
 ApiResponse Api::replay(const ApiCall& call) {
   Session& session = *call.session;
-  const HashedSolid now = current_solid(session);
+  const auto asked = requested_block(call);
+  if (!asked) return asked.error();
+  const HashedSolid& now = *asked;
   if (now.is_between_records) {
     auto response = error_response(503, "busy", "a stroke is being undone or redone; try again");
     response.headers.emplace_back("Retry-After", "1");
@@ -75,6 +82,33 @@ ApiResponse Api::replay(const ApiCall& call) {
                                                     {"record", now.hash.sequence},
                                                     {"state_hash", hash_text(now.hash.hash)}}
                                          .dump());
+  response.headers.emplace_back("Cache-Control", "no-store");
+  return response;
+}
+
+ApiResponse Api::journal_hashes(const ApiCall& call) {
+  const auto number = [&](const char* name, std::uint64_t missing) -> std::uint64_t {
+    const std::string* text = call.request.query_value(name);
+    return text == nullptr ? missing : parse_number<std::uint64_t>(*text).value_or(0);
+  };
+  const std::uint64_t first = number("first", 1), last = number("last", UINT64_MAX);
+  if (first == 0 || last < first) {
+    return error_response(400, "bad_span", "first and last must be the numbers of records, from 1");
+  }
+  const auto journal = named_journal(call);
+  if (!journal) return journal.error();
+  const std::uint64_t from = std::max(first, journal->header().kernel_since);
+  const auto& all = journal->state_hashes();
+  const auto begin = std::ranges::lower_bound(all, from, {}, &StateHash::sequence);
+  const auto end = std::ranges::upper_bound(begin, all.end(), last, {}, &StateHash::sequence);
+  const auto found = static_cast<std::size_t>(end - begin);
+  const std::size_t count = std::min(found, kHashesMax);
+  nlohmann::json hashes = nlohmann::json::array();
+  for (std::size_t n = 1; n <= count; ++n) {
+    const StateHash& each = begin[static_cast<std::ptrdiff_t>(n * found / count - 1)];
+    hashes.push_back({{"record", each.sequence}, {"state_hash", hash_text(each.hash)}});
+  }
+  auto response = json_response(200, nlohmann::json{{"hashes", std::move(hashes)}}.dump());
   response.headers.emplace_back("Cache-Control", "no-store");
   return response;
 }

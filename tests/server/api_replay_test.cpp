@@ -144,6 +144,37 @@ TEST_F(ApiReplay, APageGetsTheTilesThatHaveChangedAtOnce) {
   }
 }
 
+TEST_F(ApiReplay, StoredHashesAreThoseOfTheRecordsThatTheyName) {
+  for (int n = 0; n < 3; ++n) {
+    carve();
+    state();  // stores the hash
+  }
+  const Json now = state();
+  const std::string journal = "journal=" + std::string(now.at("journal"));
+  const auto hashes = [&](const std::string& span) -> Json {
+    const Json body = made("GET", kSession + "hashes?" + journal + span, tokens[Role::kWatcher]);
+    return body.at("hashes");
+  };
+  const Json all = hashes("");
+  ASSERT_GE(all.size(), 3U);
+  EXPECT_EQ(all.back().at("record"), now.at("record"));
+  EXPECT_EQ(all.back().at("state_hash"), now.at("state_hash"));
+  JournalBlock block = made_block(now);
+  for (const Json& each : all) {
+    go(block, each.at("record"), false);
+    EXPECT_EQ(hash_text(block.hash()), each.at("state_hash")) << each;
+    const std::string at = "replay?at=" + std::to_string(std::uint64_t{each.at("record")});
+    const Json then = made("GET", kSession + at, tokens[Role::kWatcher]);
+    EXPECT_EQ(then.at("record"), each.at("record"));
+    EXPECT_EQ(then.at("state_hash"), each.at("state_hash"));
+  }
+  const std::uint64_t second = all.at(1).at("record");
+  const Json part = hashes("&first=" + std::to_string(second) +
+                           "&last=" + std::to_string(std::uint64_t{now.at("record")} - 1));
+  ASSERT_EQ(part.size(), all.size() - 2);
+  EXPECT_EQ(part.front().at("record"), second);
+}
+
 TEST_F(ApiReplay, RecordsThatComeLaterAreCarvedOn) {
   carve();
   const Json before = state();
@@ -259,9 +290,12 @@ TEST_F(ApiReplay, WhatIsAskedForWronglyIsRejected) {
   EXPECT_EQ(code("records?" + journal + "&first=5&last=4", 400), "bad_span");
   EXPECT_EQ(code("records?" + journal + "&first=1&last=65537", 400), "bad_span");
   EXPECT_EQ(code("records?journal=0123&first=1&last=5", 404), "other_journal");
+  EXPECT_EQ(code("hashes?journal=0123", 404), "other_journal");
+  EXPECT_EQ(code("hashes?" + journal + "&first=5&last=4", 400), "bad_span");
+  EXPECT_EQ(code("replay?at=" + std::to_string(last + 1), 404), "no_record");
   EXPECT_EQ(code("records?first=1&last=5", 404), "other_journal");
   EXPECT_EQ(code("origin?journal=0123", 404), "other_journal");
-  for (const char* target : {"replay", "origin", "records"}) {
+  for (const char* target : {"replay", "origin", "records", "hashes"}) {
     EXPECT_EQ(ask("GET", kSession + target, "").status, 401U) << target;
   }
 }

@@ -33,9 +33,13 @@ export function spansOf(after: number, to: number): Span[] {
   return spans;
 }
 
-/** All functions reject with a sentence that says why. */
-export async function replayState(session: string): Promise<ReplayState> {
-  const body = (await ask(pathOf(session, 'replay'), 'GET')) as Record<string, unknown>;
+/**
+ * The present of a session, or how the server replays it to a record. All functions reject with a
+ * sentence that says why.
+ */
+export async function replayState(session: string, at?: number): Promise<ReplayState> {
+  const what = at === undefined ? 'replay' : `replay?at=${at}`;
+  const body = (await ask(pathOf(session, what), 'GET')) as Record<string, unknown>;
   return {
     journal: String(body['journal']),
     record: Number(body['record']),
@@ -61,4 +65,19 @@ export async function journalRecords(
     bytes.push(await askBytes(pathOf(session, path)));
   }
   return bytes;
+}
+
+/** State hashes that the server stored as it carved, of records from one to another. */
+export async function storedHashes(
+  session: string,
+  journal: string,
+  first: number,
+  last: number,
+): Promise<{ record: number; hash: string }[]> {
+  if (last < first) return [];
+  const path = `hashes?journal=${journal}&first=${first}&last=${last}`;
+  const { hashes } = (await ask(pathOf(session, path), 'GET')) as {
+    hashes: { record: number; state_hash: string }[];
+  };
+  return hashes.map(({ record, state_hash }) => ({ record, hash: state_hash }));
 }

@@ -69,6 +69,9 @@ export class Carver {
       case 'records':
         this.extend_(block, message.span);
         return;
+      case 'carve':
+        this.goOn_(message.to);
+        return;
       case 'seek':
         this.seek_(block, message.motion);
         return;
@@ -130,6 +133,14 @@ export class Carver {
     if (!this.about_) return;
     this.try_(() => block.addRecords(span));
     this.about_ = block.about();
+  }
+
+  private goOn_(to: number): void {
+    if (!this.about_) return;
+    this.playing_ = null;
+    this.rateThen_ = 0;
+    this.target_ = Math.min(this.about_.motions, to);
+    this.changed_();
   }
 
   private seek_(block: ProgramBlock, motion: number): void {

@@ -20,6 +20,8 @@ export type ToWorker =
   | { type: 'journal'; journal: GivenJournal; to: number; isSilent: boolean }
   /** Further records of the journal. */
   | { type: 'records'; span: Uint8Array<ArrayBuffer> }
+  /** Carves forward to a motion or record, one after the other. */
+  | { type: 'carve'; to: number }
   /** Carves forward or goes back to so many motions, or records. */
   | { type: 'seek'; motion: number }
   /** Plays on with forces, so many times as fast as it was carved; to be ended by the others. */

@@ -5,6 +5,18 @@ import { t } from '../strings';
 import { h, setText } from '../ui/dom';
 import { count } from '../ui/format';
 import type { Verdict } from './check';
+import type { Difference } from './first_difference';
+
+function firstText({ after, by }: Difference): string {
+  return by === after + 1
+    ? t('The first difference is record {0}.', count(by))
+    : t('The first difference is one of the records {0} to {1}.', count(after + 1), count(by));
+}
+
+/** What happened, for who wants to know more than the badge says. */
+function explanationOf(verdict: Verdict): string {
+  return verdict.is === 'different' && verdict.first ? firstText(verdict.first) : '';
+}
 
 function textOf(verdict: Verdict): string {
   switch (verdict.is) {
@@ -29,6 +41,7 @@ export function checkBadge(
   check: (tell: (verdict: Verdict) => void) => Promise<void>,
 ): HTMLElement {
   const result = h('span', { class: 'check-result', role: 'status' });
+  const explanation = h('span', { class: 'check-result', role: 'status' });
   const button = h(
     'button',
     {
@@ -41,6 +54,7 @@ export function checkBadge(
   const show = (verdict: Verdict): void => {
     result.dataset['verdict'] = verdict.is;
     setText(result, textOf(verdict));
+    setText(explanation, explanationOf(verdict));
   };
   button.addEventListener('click', () => {
     button.disabled = true;
@@ -48,5 +62,5 @@ export function checkBadge(
       .catch((problem: unknown) => show({ is: 'failed', reason: (problem as Error).message }))
       .finally(() => (button.disabled = false));
   });
-  return h('span', { class: 'check' }, button, result);
+  return h('span', { class: 'check' }, button, result, explanation);
 }

@@ -3,6 +3,7 @@
 // the server.
 
 import type { Seek, StateMessage } from '../wire/types';
+import type { SessionCheck } from './check';
 import type { LocalPast, PastHost } from './local_past';
 import { checkBadge } from './badge';
 
@@ -61,8 +62,10 @@ export function mountPast(host: PastHost): PastSwitch {
 /** The badge beside the state hash; null where the page cannot replay. */
 export function mountCheck(session: string): HTMLElement | null {
   if (!KERF_HAS_FILES) return null;
+  let check: SessionCheck | null = null; // keeps what it has verified
   return checkBadge(async (tell) => {
-    const { checkSession } = await import('./check');
-    await checkSession(session, tell);
+    const { SessionCheck } = await import('./check');
+    check ??= new SessionCheck(session);
+    await check.run(tell);
   });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { beforeEach, describe, expect, it } from 'vitest';
+import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { Carver } from '../../src/local/carver';
 import { NO_FILES } from '../../src/local/given_files';
 import type { FromWorker } from '../../src/local/messages';
@@ -149,6 +149,21 @@ describe('the worker that carves', () => {
     run();
     expect(last()).toMatchObject({ hash: 'state 20' });
     await carver.receive({ type: 'seek', motion: 5000 });
+    run();
+    expect(last()).toMatchObject({ hash: 'state 1000' });
+  });
+
+  it('carves a journal silently to a record, and on to another one', async () => {
+    const journal = { origin: new Uint8Array(), spans: [] };
+    await carver.receive({ type: 'journal', journal, to: 100, isSilent: true });
+    run();
+    expect(last()).toMatchObject({ hash: 'state 100', tiles: [] });
+    const seek = vi.spyOn(block, 'seek');
+    await carver.receive({ type: 'carve', to: 700 });
+    run();
+    expect(last()).toMatchObject({ hash: 'state 700' });
+    expect(seek).not.toHaveBeenCalled();
+    await carver.receive({ type: 'carve', to: 9999 });
     run();
     expect(last()).toMatchObject({ hash: 'state 1000' });
   });

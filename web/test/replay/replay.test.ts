@@ -29,9 +29,10 @@ describe('the spans of a journal', () => {
 describe('a replay', () => {
   const server = { journal: 'j', record: 20, state_hash: 'abc' };
   it('is verified by the hash after the record of the server only', () => {
-    expect(compared(server, 20, 'abc').is).toBe('verified');
-    expect(compared(server, 20, 'abd')).toMatchObject({ is: 'different', serverHash: 'abc' });
-    expect(compared(server, 19, 'abc').is).toBe('different');
+    expect(compared(server, { record: 20, hash: 'abc' }).is).toBe('verified');
+    const other = compared(server, { record: 20, hash: 'abd' });
+    expect(other).toMatchObject({ is: 'different', serverHash: 'abc' });
+    expect(compared(server, { record: 19, hash: 'abc' }).is).toBe('different');
   });
 });
 

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// End-to-end test of the check of a session: the page verifies the server's state, then what came
+// behind it only; and where its replay is another, it names the first record at which they part.
+// See README.md.
+//
+// node check_live.mjs --server PROGRAM --web FOLDER --out FOLDER
+
+import assert from 'node:assert/strict';
+import { writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { launchBrowser, openViewer } from './support/browser.mjs';
+import { stop, until } from './support/processes.mjs';
+import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
+
+const options = optionsOf(['server', 'web', 'out']);
+
+const SETTLE_S = 60; // software WebGL on a busy machine
+const VIEWPORT = { width: 1000, height: 700 };
+const SCENE = {
+  name: 'Checked',
+  stock: { shape: 'box', min_mm: [0, 0, -6], max_mm: [24, 16, 0] },
+  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  tools: [{ id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 }],
+};
+
+function groove(session, y) {
+  const lines = ['G21 G90', 'T1 M6', 'S10000 M3', `G0 X2 Y${y} Z5`, 'G1 Z-2 F600'];
+  for (let x = 2; x < 22; x += 0.5) lines.push(`G1 X${x}`);
+  return carveProgram(session, [...lines, 'G0 Z5', 'M30', ''].join('\n'), 'name=groove.ngc');
+}
+
+async function enter(browser, base, change) {
+  const viewer = await openViewer(browser, 'about:blank', VIEWPORT);
+  await change?.(viewer.page);
+  await viewer.page.goto(`${base}/?session=checked`);
+  await until('picture', SETTLE_S, async () => (await viewer.state())?.snapshotComplete);
+  return viewer;
+}
+
+async function press({ page }) {
+  await page.getByRole('button', { name: 'Check', exact: true }).click();
+}
+
+const text = (record) => record.toLocaleString('en');
+
+async function checkVerified(viewer, session) {
+  await press(viewer);
+  const { record } = await getJson(`${session}/replay`);
+  await viewer.page
+    .getByText(`verified: record ${text(record)}`)
+    .waitFor({ timeout: 1000 * SETTLE_S });
+  return record;
+}
+
+/** How many files of a kind the page has asked for. */
+function countAsked(page, what) {
+  return page.evaluate(
+    (part) =>
+      performance.getEntriesByType('resource').filter(({ name }) => name.includes(part)).length,
+    what,
+  );
+}
+
+/** From a record on the server says other hashes, as if its kernel had cut otherwise. */
+async function differFrom(page, first) {
+  const changed = ({ record, state_hash: hash, ...others }) => ({
+    ...others,
+    record,
+    state_hash: record >= first ? [...hash].reverse().join('') : hash,
+  });
+  await page.route(/\/(replay|hashes)(\?|$)/, async (route) => {
+    const response = await route.fetch();
+    const body = await response.json();
+    const json = body.hashes ? { hashes: body.hashes.map(changed) } : changed(body);
+    await route.fulfill({ response, json });
+  });
+}
+
+async function checkParting(browser, base, last) {
+  const parting = Math.floor(0.4 * last);
+  const viewer = await enter(browser, base, (page) => differFrom(page, parting));
+  await press(viewer);
+  const first = viewer.page.getByText(/^The first difference is/);
+  await first.waitFor({ timeout: 1000 * SETTLE_S });
+  assert.equal(await first.textContent(), `The first difference is record ${text(parting)}.`);
+  await viewer.page.getByText(`differs at record ${text(last)}:`).waitFor();
+  await first.scrollIntoViewIfNeeded();
+  await writeFile(join(options.out, 'check-differs.png'), await viewer.page.screenshot());
+}
+
+async function test(folder) {
+  const { server, base, session } = await startServer(options, folder, 'checked', SCENE);
+  await groove(session, 4);
+  const browser = await launchBrowser();
+  try {
+    const viewer = await enter(browser, base);
+    const before = await checkVerified(viewer, session);
+    await groove(session, 9);
+    const after = await checkVerified(viewer, session);
+    assert(after > before, 'nothing was carved');
+    assert.equal(await countAsked(viewer.page, '/origin?'), 1, 'it was replayed from the start');
+    await checkParting(browser, base, after);
+    assert.deepEqual(viewer.problems, []);
+  } finally {
+    await browser.close();
+  }
+  assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
+}
+
+await runTest(test, options.out);
