@@ -21,7 +21,7 @@
 #include <utility>
 
 #include "server/cluster/copies.h"
-#include "server/cluster/nats_address.h"
+#include "server/cluster_options.h"
 #include "server/http/browser_rules.h"
 #include "server/http/number.h"
 #include "server/http/static_files.h"
@@ -42,7 +42,7 @@ struct Words {
   std::string admin_token_file;
   double snapshot_s = 1;
   double session_mb = 0, total_mb = 0, reserve_mb = 256;
-  std::string log_format = "text";
+  std::string log_format = "text", durable;
   net::ServerOptions server;
 };
 
@@ -262,18 +262,6 @@ void describe_drain(CLI::App& app, Words& line) {
       ->check(CLI::Validator(check, ""));
 }
 
-void describe_copies(CLI::App& app, Words& line) {
-  app.add_option("--nats", line.server.copies.url,
-                 "nats://[USER:PASSWORD@]HOST:PORT of a NATS server with JetStream, to which the "
-                 "journals are copied while they are written; several of a cluster are separated "
-                 "by commas; default: none")
-      ->check(CLI::Validator(nats_fault, ""));
-  app.add_option("--nats-replicas", line.server.copies.replicas,
-                 "servers of the NATS cluster that keep each copy, 1 to 5")
-      ->check(CLI::Range(1, 5))
-      ->capture_default_str();
-}
-
 void describe_proxy(CLI::App& app, Words& line) {
   app.add_option(
       "--trust-proxy", line.proxies,
@@ -338,7 +326,7 @@ void describe_server(CLI::App& app, Words& line) {
   describe_tls(app, line);
   describe_proxy(app, line);
   describe_drain(app, line);
-  describe_copies(app, line);
+  describe_cluster(app, line.server, line.durable);
   app.add_option("--log-format", line.log_format, "text, or json: an object per line")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
@@ -356,6 +344,10 @@ std::expected<CommandLine, int> understand(Words line) {
   if (!parse_udp(line.udp, line.server.udp)) {
     return reject("--udp " + line.udp + " is not [ADDR:]PORT or off");
   }
+  if (const auto fault = cluster_fault(line.server, line.durable); !fault.empty())
+    return reject(fault);
+  line.server.needs_copy =
+      line.durable.empty() ? !line.server.cluster.node.empty() : line.durable == "copied";
   auto proxies = net::TrustedProxies::parse(line.proxies);
   if (!proxies) return reject("--trust-proxy: " + proxies.error());
   line.server.http.proxies = *std::move(proxies);

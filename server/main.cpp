@@ -13,6 +13,7 @@
 #include <iterator>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/command_line.h"
 #include "server/log/log.h"
@@ -44,12 +45,26 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
   if (created && scene->accuracy) {
     kerf::log::info("session " + id + ": " + scene->accuracy->reason);
   }
-  if (!created && created.error().code == kerf::RegistryErrorCode::kJournal) {
+  using enum kerf::RegistryErrorCode;
+  // Of a cluster: it is at another server, or is about to be loaded from the data folder.
+  if (!created && sessions.places() != nullptr && created.error().code == kExists) return {};
+  if (!created && (created.error().code == kJournal || created.error().code == kNoLease)) {
     kerf::log::error("session " + id + " of " + file +
                      " cannot be created: " + created.error().reason);
     return {};
   }
   return created ? "" : created.error().reason;
+}
+
+/// False after an error, which has been printed.
+bool open_scenes(Server& server, const std::vector<std::string>& files) {
+  for (const std::string& file : files) {
+    const std::string error = open_scene(server.sessions(), file);
+    if (error.empty()) continue;
+    std::fprintf(stderr, "kerf-server: %s\n", error.c_str());
+    return false;
+  }
+  return true;
 }
 
 /// Opens the standard streams that were closed when the program was started. Otherwise the first
@@ -99,16 +114,14 @@ int serve(kerf::CommandLine line) {
     std::fprintf(stderr, "kerf-server: %s\n", server.error().c_str());
     return 1;
   }
-  for (const std::string& file : line.scenes) {
-    if (const std::string error = open_scene((*server)->sessions(), file); !error.empty()) {
-      std::fprintf(stderr, "kerf-server: %s\n", error.c_str());
-      return 2;
-    }
-  }
+  // A server of a cluster asks the others before it creates a session, who learn its address.
+  const bool asks = (*server)->sessions().places() != nullptr;
+  if (!asks && !open_scenes(**server, line.scenes)) return 2;
   if (auto ok = (*server)->listen(); !ok) {
     std::fprintf(stderr, "kerf-server: %s\n", ok.error().c_str());
     return 1;
   }
+  if (asks && !open_scenes(**server, line.scenes)) return 2;
   std::printf("%s\n", (*server)->url().c_str());
   std::fflush(stdout);
   if (const auto port = (*server)->udp_port(); port != 0) {

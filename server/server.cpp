@@ -108,11 +108,12 @@ void log_report(const LoadReport& report) {
 
 struct Server::Impl {
   Impl(ServerOptions server_options, FolderLock folder_lock, std::unique_ptr<Access> rights,
-       std::unique_ptr<TlsCertificate> tls)
+       std::unique_ptr<TlsCertificate> tls, std::unique_ptr<ClusterNode> cluster)
       : options(std::move(server_options)),
         lock(std::move(folder_lock)),
         access(std::move(rights)),
         certificate(std::move(tls)),
+        node(std::move(cluster)),
         spawner("spawner", 1, 0),
         viewers("viewers", 1, kShown),
         meshing("meshing", 1, kShown),
@@ -121,7 +122,7 @@ struct Server::Impl {
         registry(
             {options.http.data_folder, options.sessions_max, options.session, log_pause,
              SnapshotOptions{&snapshots, options.snapshots, log_snapshot_failure}, options.disk,
-             carvers.count() > 1 ? &carvers : nullptr},
+             carvers.count() > 1 ? &carvers : nullptr, node.get(), options.needs_copy},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics, *access),
@@ -149,6 +150,7 @@ struct Server::Impl {
   FolderLock lock;  ///< of the data folder; released when all journals are closed
   std::unique_ptr<Access> access;
   std::unique_ptr<TlsCertificate> certificate;  ///< null: without TLS
+  std::unique_ptr<ClusterNode> node;            ///< null: the server is alone
   Metrics metrics;
   UdpPort udp{metrics};
   OpenConnections open;  ///< viewers' thread only; outlives the connections
@@ -282,9 +284,18 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
     if (!loaded) return std::unexpected(loaded.error());
     certificate = *std::move(loaded);
   }
+  std::unique_ptr<ClusterNode> node;
+  if (!options.cluster.node.empty()) {
+    auto made =
+        ClusterNode::connect(options.copies.url, options.copies.replicas, options.cluster.node);
+    if (!made) return std::unexpected(made.error());
+    node = *std::move(made);
+  }
   auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock), *std::move(access),
-                                     std::move(certificate));
-  if (const auto found = impl->registry.find_journals(); !found) {
+                                     std::move(certificate), std::move(node));
+  if (impl->node) {
+    impl->registry.open_one_by_one();  // those whose lease this server gets
+  } else if (const auto found = impl->registry.find_journals(); !found) {
     log::error(describe(found.error()));
   }
   impl->loader =
@@ -340,6 +351,10 @@ std::expected<void, std::string> Server::listen() {
   impl_->port = acceptor.local_endpoint(error).port();
   if (auto ok = impl_->listen_udp(); !ok) return ok;
   asio::co_spawn(impl_->viewers.context(), impl_->accept(), asio::detached);
+  if (impl_->node) {
+    const std::string& advertised = impl_->options.cluster.advertise;
+    impl_->node->start(impl_->registry, advertised.empty() ? url() : advertised, log_report);
+  }
   return {};
 }
 
@@ -356,7 +371,12 @@ void Server::stop() {
   });
   closed.get_future().wait();
   impl_->api.stop();
-  const std::string redirect = impl_->redirect();
+  std::string redirect = impl_->redirect();
+  if (impl_->node) {
+    impl_->registry.stop_loading();
+    const std::string successor = impl_->node->hold();
+    if (redirect.empty()) redirect = successor;
+  }
   const std::string reason =
       redirect.empty() ? "the server is shutting down" : "the session continues at " + redirect;
   if (impl_->copies) impl_->copies->hold();
@@ -364,7 +384,9 @@ void Server::stop() {
     log::error("the last records could not be written and are lost: " + describe(lost));
   }
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
-  if (impl_->copies) impl_->copies->finish(deadline);
+  std::vector<std::string> uncopied;
+  if (impl_->copies) uncopied = impl_->copies->finish(deadline);
+  if (impl_->node) impl_->node->release(uncopied);
   const Metrics& metrics = impl_->metrics;
   while (metrics.agents + metrics.viewers + metrics.waiting_to_load > 0 &&
          std::chrono::steady_clock::now() < deadline) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "server/cluster/cluster_node.h"
 #include "server/cluster/replication.h"
 #include "server/http/http_options.h"
 #include "server/session/session_registry.h"
@@ -39,6 +40,8 @@ struct ServerOptions {
   /// Address of the server that continues the sessions after this one has stopped; empty: none.
   std::string drain_to;
   ReplicationOptions copies;
+  ClusterOptions cluster;
+  bool needs_copy = false;  ///< samples are durable when they are copied too
   /// PEM files of the certificate and its key; both empty: no TLS.
   std::filesystem::path tls_certificate, tls_key;
 };

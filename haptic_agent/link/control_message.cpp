@@ -75,6 +75,19 @@ std::optional<Resume> read_resume(const json& message) {
   return Resume{token->get<std::string>(), sequence->get<std::uint64_t>(), resumed->get<bool>()};
 }
 
+/// Servers beyond these are not tried.
+constexpr std::size_t kOthersMax = 16;
+
+std::vector<std::string> read_others(const json& message) {
+  std::vector<std::string> others;
+  const json list = message.value("others", json::array());
+  if (!list.is_array()) return others;
+  for (const json& other : list) {
+    if (other.is_string() && others.size() < kOthersMax) others.push_back(other);
+  }
+  return others;
+}
+
 std::string without_secrets(json message) {
   message.erase("resume");
   message.erase("udp");
@@ -95,6 +108,7 @@ Welcome read_welcome(const json& message) {
                   .tool_ids = {},
                   .udp = read_offer(message),
                   .resume = read_resume(message),
+                  .others = read_others(message),
                   .text = without_secrets(message)};
   for (const json& tool : message.at("tools")) welcome.tool_ids.push_back(tool.at("id"));
   return welcome;

@@ -60,6 +60,8 @@ struct Welcome {
   std::optional<datagram::Offer> udp;
   /// Empty: the server does not support it.
   std::optional<Resume> resume;
+  /// Addresses of the other servers that may continue the session; invalid ones are left out.
+  std::vector<std::string> others;
   /// The message without its secrets, from which the replica is created.
   std::string text;
 };

@@ -21,6 +21,7 @@
 
 #include "haptic_agent/device/units.h"
 #include "haptic_agent/link/connection.h"
+#include "haptic_agent/link/server_choice.h"
 #include "haptic_agent/link/traffic.h"
 #include "haptic_agent/realtime/clock.h"
 #include "haptic_agent/realtime/follow_cpu.h"
@@ -167,9 +168,12 @@ class ServerLink::Impl {
       }
       if (welcome) notice("connection lost (" + loss.reason + "), connecting again");
       follow(loss.redirect);
-      back_off_.expires_after(pause);
+      // Of several servers each is tried before the pause grows.
+      bool is_round = welcome || !servers_.has_others();
+      if (!is_round && loss.redirect.empty()) is_round = servers_.turn(settings_.server);
+      back_off_.expires_after(is_round ? pause : kFirstBackOff);
       co_await back_off_.async_wait(kAwait);
-      pause = std::min(pause * 2, kLongestBackOff);
+      if (is_round) pause = std::min(pause * 2, kLongestBackOff);
     }
     end();
   }
@@ -218,6 +222,7 @@ class ServerLink::Impl {
     // Requests are given up with the connection.
     undos_.store(0);
     redos_.store(0);
+    servers_.welcomed(settings_.server, welcome.others);
     if (settings_.hello.udp) traffic_.ask_for_udp();
     std::optional<std::uint64_t> server_has;
     if (welcome.resume) server_has = welcome.resume->agent_sequence;
@@ -354,6 +359,7 @@ class ServerLink::Impl {
   /// The connection whose handshake is in progress; null if none.
   std::shared_ptr<Connection> greeting_;
   bool ended_ = false;
+  ServerChoice servers_;
   int batches_ = 0;  ///< wake-ups in a row with several samples, while there is a replica
   bool notified_no_udp_ = false;
   LinkReport report_;

@@ -52,12 +52,13 @@ void JournalReplica::wake() {
   wake_.notify_all();
 }
 
-void JournalReplica::finish(std::chrono::steady_clock::time_point end) {
+bool JournalReplica::finish(std::chrono::steady_clock::time_point end) {
   std::unique_lock lock(mutex_);
   finishing_ = woken_ = true;
   wake_.notify_all();
   wake_.wait_until(lock, end, [&] { return finished_; });
   thread_.request_stop();
+  return finished_;
 }
 
 void JournalReplica::run(const std::stop_token& stop) {

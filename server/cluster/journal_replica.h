@@ -43,7 +43,8 @@ class JournalReplica {
   /// Something may have been committed.
   void wake();
   /// Copies what is committed by now, if that takes no longer than until `end`; then nothing more.
-  void finish(std::chrono::steady_clock::time_point end);
+  /// Returns whether it has.
+  bool finish(std::chrono::steady_clock::time_point end);
 
  private:
   void run(const std::stop_token& stop);

@@ -24,7 +24,7 @@ NatsResult<NatsConnection> NatsConnection::open(const std::string&, const std::s
   return not_supported();
 }
 bool NatsConnection::is_connected() const { return false; }
-NatsResult<void> NatsConnection::make_stream(const std::string&, const std::string&, int) {
+NatsResult<void> NatsConnection::make_stream(const std::string&, const std::string&, int, Keep) {
   return not_supported();
 }
 NatsResult<std::optional<StreamMessage>> NatsConnection::last_message(const std::string&,
@@ -32,7 +32,19 @@ NatsResult<std::optional<StreamMessage>> NatsConnection::last_message(const std:
   return not_supported();
 }
 NatsResult<std::uint64_t> NatsConnection::publish(const std::string&, std::span<const std::byte>,
-                                                  const std::string&, std::uint64_t) {
+                                                  const std::string&, std::uint64_t,
+                                                  std::chrono::milliseconds) {
+  return not_supported();
+}
+
+struct NatsWatch::Impl {};
+NatsWatch::NatsWatch(NatsWatch&&) noexcept = default;
+NatsWatch& NatsWatch::operator=(NatsWatch&&) noexcept = default;
+NatsWatch::~NatsWatch() = default;
+NatsResult<std::optional<StreamMessage>> NatsWatch::next(std::chrono::milliseconds) {
+  return not_supported();
+}
+NatsResult<NatsWatch> NatsConnection::watch(const std::string&, const std::string&) {
   return not_supported();
 }
 NatsResult<void> NatsConnection::read(const std::string&, const std::string&,

@@ -47,7 +47,18 @@ std::unexpected<NatsError> failed(natsStatus status, jsErrCode code) {
 StreamMessage take(natsMsg* message) {
   const auto* data = reinterpret_cast<const std::byte*>(natsMsg_GetData(message));
   const auto size = static_cast<std::size_t>(natsMsg_GetDataLength(message));
-  return {natsMsg_GetSequence(message), {data, data + size}};
+  return {natsMsg_GetSequence(message), {data, data + size}, natsMsg_GetSubject(message)};
+}
+
+/// The same, of a subscription, whose messages have their numbers elsewhere.
+NatsResult<StreamMessage> take_delivered(natsMsg* message) {
+  jsMsgMetaData* place = nullptr;
+  const natsStatus status = natsMsg_GetMetaData(&place, message);
+  if (status != NATS_OK) return failed(status, jsErrCode{});
+  StreamMessage taken = take(message);
+  taken.sequence = place->Sequence.Stream;
+  jsMsgMetaData_Destroy(place);
+  return taken;
 }
 
 }  // namespace
@@ -112,7 +123,7 @@ bool NatsConnection::is_connected() const {
 }
 
 NatsResult<void> NatsConnection::make_stream(const std::string& stream, const std::string& subject,
-                                             int replicas) {
+                                             int replicas, Keep keep) {
   // A request would wait in the client until there is a connection, and be sent late.
   if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
   jsErrCode code{};
@@ -130,6 +141,7 @@ NatsResult<void> NatsConnection::make_stream(const std::string& stream, const st
   config.SubjectsLen = 1;
   config.Storage = js_FileStorage;
   config.Replicas = replicas;
+  if (keep == Keep::kLastOfSubject) config.MaxMsgsPerSubject = 1;
   const natsStatus status = js_AddStream(nullptr, impl_->streams.get(), &config, nullptr, &code);
   if (status != NATS_OK) return failed(status, code);
   return {};
@@ -150,11 +162,12 @@ NatsResult<std::optional<StreamMessage>> NatsConnection::last_message(const std:
 
 NatsResult<std::uint64_t> NatsConnection::publish(const std::string& subject,
                                                   std::span<const std::byte> bytes,
-                                                  const std::string& id, std::uint64_t after) {
+                                                  const std::string& id, std::uint64_t after,
+                                                  std::chrono::milliseconds wait) {
   if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
   jsPubOptions options;
   jsPubOptions_Init(&options);
-  options.MaxWait = kWaitMs;
+  options.MaxWait = wait.count();
   options.MsgId = id.c_str();
   options.ExpectLastSubjectSeq = after;
   options.ExpectNoMessage = after == 0;
@@ -188,16 +201,47 @@ NatsResult<void> NatsConnection::read(const std::string& stream, const std::stri
     status = natsSubscription_NextMsg(&next, raw, kWaitMs);
     const Message message(next);
     if (status != NATS_OK) return failed(status, jsErrCode{});
-    jsMsgMetaData* place = nullptr;
-    status = natsMsg_GetMetaData(&place, next);
-    if (status != NATS_OK) return failed(status, jsErrCode{});
-    sequence = place->Sequence.Stream;
-    jsMsgMetaData_Destroy(place);
-    StreamMessage taken = take(next);
-    taken.sequence = sequence;
-    if (!take_message(std::move(taken))) return {};
+    auto taken = take_delivered(next);
+    if (!taken) return std::unexpected(taken.error());
+    sequence = taken->sequence;
+    if (!take_message(*std::move(taken))) return {};
   }
   return {};
+}
+
+struct NatsWatch::Impl {
+  Subscription subscription;
+};
+
+NatsWatch::NatsWatch(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+NatsWatch::NatsWatch(NatsWatch&&) noexcept = default;
+NatsWatch& NatsWatch::operator=(NatsWatch&&) noexcept = default;
+NatsWatch::~NatsWatch() = default;
+
+NatsResult<NatsWatch> NatsConnection::watch(const std::string& stream, const std::string& subject) {
+  if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
+  jsSubOptions options;
+  jsSubOptions_Init(&options);
+  options.Stream = stream.c_str();
+  options.Ordered = true;
+  options.Config.DeliverPolicy = js_DeliverLastPerSubject;
+  natsSubscription* raw = nullptr;
+  jsErrCode code{};
+  const natsStatus status =
+      js_SubscribeSync(&raw, impl_->streams.get(), subject.c_str(), nullptr, &options, &code);
+  auto impl = std::make_unique<NatsWatch::Impl>();
+  impl->subscription.reset(raw);
+  if (status != NATS_OK) return failed(status, code);
+  return NatsWatch(std::move(impl));
+}
+
+NatsResult<std::optional<StreamMessage>> NatsWatch::next(std::chrono::milliseconds wait) {
+  natsMsg* raw = nullptr;
+  const natsStatus status = natsSubscription_NextMsg(&raw, impl_->subscription.get(), wait.count());
+  const Message message(raw);
+  if (status == NATS_TIMEOUT) return std::nullopt;
+  if (status != NATS_OK) return failed(status, jsErrCode{});
+  return take_delivered(raw);
 }
 
 NatsResult<std::vector<std::string>> NatsConnection::streams() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
@@ -32,10 +33,31 @@ using NatsResult = std::expected<T, NatsError>;
 struct StreamMessage {
   std::uint64_t sequence = 0;  ///< in the stream, from 1
   std::vector<std::byte> bytes;
+  std::string subject = {};
 };
 
-/// A connection to NATS, and streams of JetStream, each with one subject. It connects and
-/// reconnects by itself, without end, while calls fail with kAway. Thread-safe.
+/// The newest message of each subject of a stream, then each that follows. One thread uses it.
+class NatsWatch {
+ public:
+  NatsWatch(NatsWatch&&) noexcept;
+  NatsWatch& operator=(NatsWatch&&) noexcept;
+  ~NatsWatch();
+  /// The next message; nullopt after `wait` without one. After an error it is of no use.
+  NatsResult<std::optional<StreamMessage>> next(std::chrono::milliseconds wait);
+
+ private:
+  friend class NatsConnection;
+  struct Impl;
+  explicit NatsWatch(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// What a stream keeps.
+enum class Keep : std::uint8_t { kAll, kLastOfSubject };
+
+/// A connection to NATS, and streams of JetStream, each with one subject or, with a wildcard, those
+/// that match it. It connects and reconnects by itself, without end, while calls fail with kAway.
+/// Thread-safe.
 class NatsConnection {
  public:
   /// `url` is one server or several (nats_address.h), of which any serves. Waits at most 2 s for
@@ -47,15 +69,18 @@ class NatsConnection {
   ~NatsConnection();
 
   bool is_connected() const;
-  /// Makes a stream that keeps everything on the disk of `replicas` servers, unless it exists.
-  NatsResult<void> make_stream(const std::string& stream, const std::string& subject, int replicas);
+  /// Makes a stream on the disk of `replicas` servers, unless it exists.
+  NatsResult<void> make_stream(const std::string& stream, const std::string& subject, int replicas,
+                               Keep keep = Keep::kAll);
   /// The last message of a stream; nullopt if it has none. kAbsent without the stream.
   NatsResult<std::optional<StreamMessage>> last_message(const std::string& stream,
                                                         const std::string& subject);
-  /// Stores a message as the next one after `after` (0: as the first), and returns its number. A
-  /// message whose `id` has been stored within two minutes is not stored again. Waits at most 2 s.
+  /// Stores a message as the next one of its subject after `after` (0: as the first), and returns
+  /// its number. A message whose `id` has been stored within two minutes is not stored again.
   NatsResult<std::uint64_t> publish(const std::string& subject, std::span<const std::byte> bytes,
-                                    const std::string& id, std::uint64_t after);
+                                    const std::string& id, std::uint64_t after,
+                                    std::chrono::milliseconds wait = std::chrono::seconds(2));
+  NatsResult<NatsWatch> watch(const std::string& stream, const std::string& subject);
   /// Calls `take` with each message of a stream, from the first to the one that is the last now.
   /// Ends early when it returns false.
   NatsResult<void> read(const std::string& stream, const std::string& subject,

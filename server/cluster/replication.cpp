@@ -24,6 +24,7 @@ constexpr std::chrono::milliseconds kLook{10};
 
 struct Replication::Impl {
   struct Copied {
+    std::string id;
     std::weak_ptr<Session> session;
     std::uint64_t commits = 0;
     std::unique_ptr<JournalReplica> replica;
@@ -67,7 +68,7 @@ struct Replication::Impl {
     };
     session->copy().set(kNoCopyYet);
     copies.push_back(
-        {session, commits,
+        {session->id(), session, commits,
          std::make_unique<JournalReplica>(
              nats, JournalReplica::Source{session->id(), session->journal_file(), session->epoch()},
              replicas, report)});
@@ -103,10 +104,14 @@ void Replication::hold() {
   impl_->look();  // sessions that are newer than the last look are copied too
 }
 
-void Replication::finish(std::chrono::steady_clock::time_point end) {
+std::vector<std::string> Replication::finish(std::chrono::steady_clock::time_point end) {
   hold();
-  for (const auto& copied : impl_->copies) copied.replica->finish(end);
+  std::vector<std::string> unfinished;
+  for (const auto& copied : impl_->copies) {
+    if (!copied.replica->finish(end)) unfinished.push_back(copied.id);
+  }
   impl_->copies.clear();
+  return unfinished;
 }
 
 }  // namespace kerf

@@ -5,6 +5,7 @@
 #include <expected>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "server/session/session_registry.h"
 
@@ -27,8 +28,9 @@ class Replication {
   /// Follows the registry no more: call before its sessions are closed, so that finish() can copy
   /// what they commit last.
   void hold();
-  /// Copies what is committed by now and ends; waits for NATS until `end` at most.
-  void finish(std::chrono::steady_clock::time_point end);
+  /// Copies what is committed by now and ends; waits for NATS until `end` at most. Returns the
+  /// sessions of which something is not copied.
+  std::vector<std::string> finish(std::chrono::steady_clock::time_point end);
 
  private:
   struct Impl;

@@ -195,6 +195,7 @@ Json welcome(const Session& session, const Participant& self) {
                {"force", Json::parse(force_json(scene))},
                {"stock", Json::parse(stock_json(scene))},
                {"tools", Json::parse(tools_json(scene))}};
+  if (const auto others = session.other_servers(); !others.empty()) json["others"] = others;
   if (self.role == Role::kAdministrator) return json;
   json["role"] = to_string(self.role);
   json["may"] = allowed_actions(self.role);
@@ -297,13 +298,14 @@ std::string change_message(const RosterChange& change) {
 }
 
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
-                          bool settled, bool paused, const std::optional<PastPlace>& past) {
+                          bool settled, std::string_view paused,
+                          const std::optional<PastPlace>& past) {
   Json json = {{"type", wire::kTypeState},
                {"motions", motions},
                {"removed_volume_mm3", removed_mm3},
                {"state_hash", hash_text(hash)},
                {"settled", settled}};
-  if (paused) json["paused"] = "disk";
+  if (!paused.empty()) json["paused"] = paused;
   if (past) {
     json["at"] = {{"record", past->record}, {"time_ms", past->time_ms}, {"rate", past->rate}};
   }

@@ -92,7 +92,7 @@ std::string participants_message(const Roster& roster);
 std::string carvers_message(const std::vector<Participant>& carvers);
 std::string change_message(const RosterChange& change);
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
-                          bool settled, bool paused,
+                          bool settled, std::string_view paused,
                           const std::optional<PastPlace>& past = std::nullopt);
 /// The programs of a session, for viewers: each message replaces the one before.
 std::string programs_message(const std::vector<ProgramGlance>& programs);

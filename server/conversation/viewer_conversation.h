@@ -20,8 +20,8 @@ struct SurfaceState {
   std::uint64_t motions = 0;
   double removed_mm3 = 0;
   std::uint64_t hash = 0;
-  bool settled = false;  ///< every mesh frame of the state with this hash has been sent
-  bool paused = false;   ///< the disk fails: nothing is carved
+  bool settled = false;     ///< every mesh frame of the state with this hash has been sent
+  std::string paused = {};  ///< SessionFrame::paused: nothing is carved
   std::optional<PastPlace> past = std::nullopt;  ///< of a viewer that looks at the past
 };
 

@@ -52,11 +52,27 @@ ApiResponse not_found() {
   return error_response(404, "not_found", "there is no resource at this path");
 }
 
-ApiResponse no_session(const SessionRegistry& registry, const std::string& id) {
-  if (registry.is_loading(id)) {
+bool is_coming(const SessionRegistry& registry, const std::string& id) {
+  return registry.is_loading(id) ||
+         (registry.places() != nullptr && registry.places()->is_moving(id));
+}
+
+std::optional<std::string> other_place(const SessionRegistry& registry, const std::string& id) {
+  return registry.places() == nullptr ? std::nullopt : registry.places()->address_of(id);
+}
+
+ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
+                       const std::string& target) {
+  if (is_coming(registry, id)) {
     ApiResponse response = error_response(503, "session_loading",
                                           "session " + id + " is being loaded; try again later");
     response.headers.emplace_back("Retry-After", "1");
+    return response;
+  }
+  if (const auto address = other_place(registry, id)) {
+    ApiResponse response =
+        error_response(307, "other_server", "session " + id + " is at " + *address);
+    response.headers.emplace_back("Location", *address + target);
     return response;
   }
   if (const auto error = registry.unreadable(id)) {
@@ -134,7 +150,8 @@ ApiResponse Api::handle(const ApiRequest& request) {
     call.session = registry_.find(id);
     // Who has no right here learns nothing of the sessions.
     const bool is_stranger = call.caller.role == Role::kNobody;
-    if (!call.session) return is_stranger ? needs_token(call.caller) : no_session(registry_, id);
+    if (!call.session)
+      return is_stranger ? needs_token(call.caller) : no_session(registry_, id, request.target);
   }
   if (match.allow.empty()) return not_found();
   if (match.upgrade != Upgrade::kNone) {
@@ -205,18 +222,18 @@ ApiResponse Api::health(const ApiCall&) { return json_response(200, R"({"status"
 
 ApiResponse Api::ready(const ApiCall& call) {
   Json paused = Json::array();
-  bool disk_fails = false;
+  bool is_paused = false;
   for (const auto& session : registry_.list()) {
     const auto error = session->pause();
     if (!error) continue;
     paused.push_back(session->id());
     // One that has reached a limit of its own is no fault of the server.
-    disk_fails = disk_fails || error->code != JournalErrorCode::kSessionLimit;
+    is_paused = is_paused || error->code != JournalErrorCode::kSessionLimit;
   }
   Json unreadable = Json::array();
   for (const UnreadableSession& session : registry_.unreadable()) unreadable.push_back(session.id);
   const bool loaded = registry_.loaded();
-  const char* status = !loaded ? "loading" : disk_fails ? "paused" : "ready";
+  const char* status = !loaded ? "loading" : is_paused ? "paused" : "ready";
   Json json = {{"status", status},
                {"loading", registry_.loading()},
                {"paused", paused},
@@ -225,7 +242,7 @@ ApiResponse Api::ready(const ApiCall& call) {
   if (!may(call.caller.role, Action::kList) || !call.caller.grant.empty()) {
     for (const char* list : {"loading", "paused", "unreadable"}) json[list] = json[list].size();
   }
-  return json_response(loaded && !disk_fails ? 200 : 503, json.dump());
+  return json_response(loaded && !is_paused ? 200 : 503, json.dump());
 }
 
 ApiResponse Api::metrics(const ApiCall&) {
@@ -246,7 +263,18 @@ std::optional<PagePreview> Api::preview_of(const ApiRequest& request) const {
                          *id + "/picture.png?width=960"};
 }
 
+/// The page of a session that another server runs is got from there: the page stays with its
+/// server.
+std::optional<ApiResponse> Api::page_elsewhere(const ApiRequest& request) const {
+  const std::string* id = request.query_value("session");
+  if (!request.path.empty() || id == nullptr || registry_.find(*id)) return std::nullopt;
+  if (!other_place(registry_, *id)) return std::nullopt;
+  if (!may(access_.identify(request.token, *id).role, Action::kWatch)) return std::nullopt;
+  return no_session(registry_, *id, request.target);
+}
+
 ApiResponse Api::viewer_file(const ApiCall& call) {
+  if (auto elsewhere = page_elsewhere(call.request)) return *std::move(elsewhere);
   const auto preview = preview_of(call.request);
   if (!preview) return static_file(options_.web_folder, call.request);
   ApiRequest plain = call.request;

@@ -34,6 +34,7 @@ struct ApiRequest {
   std::string method;                        ///< GET, HEAD, POST, DELETE
   std::vector<std::string> path;             ///< decoded segments, e.g. {"v1", "sessions"}
   std::map<std::string, std::string> query;  ///< decoded
+  std::string target;                        ///< path and query as they were sent
   std::string if_none_match, range, if_range, accept_encoding;
   std::string token;          ///< of the Authorization header, else `pass`; empty: none
   std::string pass;           ///< of the Cookie header; empty: none
@@ -67,9 +68,15 @@ ApiResponse error_response(unsigned status, std::string_view code, std::string_v
 ApiResponse not_found();
 /// Whether a path is that of a session, or of something in it.
 bool is_below_session(const std::vector<std::string>& path);
-/// The response to a request for a session that is not open: 503 with Retry-After while it is being
-/// loaded, 500 if its journal cannot be read, otherwise 404.
-ApiResponse no_session(const SessionRegistry& registry, const std::string& id);
+/// The response to a request for a session that is not open: 307 to the same `target` of the server
+/// that runs it, 503 with Retry-After while it is being loaded or moved, 500 if its journal cannot
+/// be read, otherwise 404.
+ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
+                       const std::string& target);
+/// Whether a session is not open yet, here or at another server, but soon will be.
+bool is_coming(const SessionRegistry& registry, const std::string& id);
+/// Where else a session runs: the address of that server; nullopt: nowhere, or there are no others.
+std::optional<std::string> other_place(const SessionRegistry& registry, const std::string& id);
 /// 503 with Retry-After: the memory for uploads and programs is used up.
 ApiResponse out_of_memory();
 /// A response whose body is the JSON text `json` and a line break.
@@ -187,6 +194,8 @@ class Api {
  private:
   /// The preview of a link to a session that everybody may watch; nothing for other requests.
   std::optional<PagePreview> preview_of(const ApiRequest& request) const;
+  /// The response to a request for the page of a session of another server; nullopt: it is another.
+  std::optional<ApiResponse> page_elsewhere(const ApiRequest& request) const;
   /// Mutes a participant, or ends that; for a person, also its other connections and later ones.
   AccessResult<void> mute(Session& session, ParticipantId id, const std::string& person,
                           bool muted);

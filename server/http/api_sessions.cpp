@@ -73,13 +73,31 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
           {"imprint_volume_mm3", info.imprint_mm3},
           {"journal_lag", info.journal_lag},
           {"copied", copy_json(session.copy().get())},
-          {"paused", info.paused ? Json("disk") : Json()},
+          {"paused", info.paused.empty() ? Json() : Json(info.paused)},
           {"disk_bytes", session.disk_bytes()},
           {"pitch_mm", session.scene().settings.pitch_mm},
           {"accuracy", Json::parse(accuracy_json(session.scene()))},
           {"stock", Json::parse(stock_json(session.scene()))},
           {"tools", Json::parse(tools_json(session.scene()))},
           {"participants", participants}};
+}
+
+Json pause_json(const Session& session) {
+  const auto error = session.pause();
+  return error ? Json(pause_word(error->code)) : Json();
+}
+
+Json placed_json(const PlacedSession& session) {
+  return {{"id", session.id},
+          {"name", session.name},
+          {"url", session.address + "/v1/sessions/" + session.id},
+          {"motions", session.motions},
+          {"removed_volume_mm3", session.removed_mm3},
+          {"paused", Json()},
+          {"participants", session.participants},
+          {"created_ms", time_json(session.created_ms)},
+          {"active_ms", time_json(session.active_ms)},
+          {"node", session.node}};
 }
 
 unsigned http_status(RegistryErrorCode code) {
@@ -97,6 +115,8 @@ unsigned http_status(RegistryErrorCode code) {
       return 500;
     case RegistryErrorCode::kDiskFull:
       return 507;
+    case RegistryErrorCode::kNoLease:
+      return 503;
   }
   return 500;
 }
@@ -109,6 +129,7 @@ ApiResponse registry_failure(const RegistryError& error) {
 
 ApiResponse Api::list_sessions(const ApiCall& call) {
   Json list = Json::array();
+  const SessionPlaces* places = registry_.places();
   for (const auto& session : registry_.list()) {
     if (!call.caller.grant.empty() && session->id() != call.caller.session) continue;
     const SessionFigures figures = session->figures();
@@ -117,10 +138,17 @@ ApiResponse Api::list_sessions(const ApiCall& call) {
                     {"url", "/v1/sessions/" + session->id()},
                     {"motions", figures.motions},
                     {"removed_volume_mm3", figures.removed_mm3},
-                    {"paused", session->pause() ? Json("disk") : Json()},
+                    {"paused", pause_json(*session)},
                     {"participants", figures.participants},
                     {"created_ms", time_json(figures.created_ms)},
                     {"active_ms", time_json(figures.active_ms)}});
+    if (places != nullptr) list.back()["node"] = places->node();
+  }
+  if (places != nullptr) {
+    for (const PlacedSession& session : places->elsewhere()) {
+      if (!call.caller.grant.empty() && session.id != call.caller.session) continue;
+      list.push_back(placed_json(session));
+    }
   }
   Json unreadable = Json::array();
   for (const UnreadableSession& session : registry_.unreadable()) {
@@ -170,7 +198,7 @@ ApiResponse Api::create_branch(const ApiCall& call, const std::string& id) {
   const std::string& from = *call.request.query_value("from");
   const std::size_t at = from.find('@');
   const auto parent = registry_.find(from.substr(0, at));
-  if (!parent) return no_session(registry_, from.substr(0, at));
+  if (!parent) return no_session(registry_, from.substr(0, at), call.request.target);
   if (!call.request.body.empty()) {
     return error_response(400, "bad_request", "name either a session in from or send a scene");
   }

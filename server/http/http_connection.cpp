@@ -221,13 +221,13 @@ asio::awaitable<bool> Connection::serve_one() {
 }
 
 asio::awaitable<void> Connection::wait_until_loaded(const ApiRequest& target) {
-  if (!is_below_session(target.path) || !context_.registry.is_loading(target.path[2])) co_return;
+  if (!is_below_session(target.path) || !is_coming(context_.registry, target.path[2])) co_return;
   context_.registry.hasten(target.path[2]);
   end_deadline();
   ++context_.metrics.waiting_to_load;
   asio::steady_timer pause(stream_.get_executor());
   const auto end = std::chrono::steady_clock::now() + kLoadTime;
-  while (context_.registry.is_loading(target.path[2]) && std::chrono::steady_clock::now() < end) {
+  while (is_coming(context_.registry, target.path[2]) && std::chrono::steady_clock::now() < end) {
     pause.expires_after(kLoadPoll);
     error_code ignored;
     co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
@@ -321,7 +321,7 @@ asio::awaitable<bool> Connection::answer(const RequestHead& head, ApiResponse& r
                  .reason = view(http::obsolete_reason(static_cast<http::status>(response.status))),
                  .keep_alive = keep_alive});
   const bool has_body = head.method != "HEAD";
-  co_await send(first, has_body ? std::string_view(response.body) : std::string_view());
+  co_await send(first, has_body ? response.body : std::string_view());
   if (has_body && response.text) co_await send_text(*response.text);
   if (has_body && response.file) {
     const ByteRange part = response.part.value_or(ByteRange{0, response.file->bytes()});
@@ -375,7 +375,9 @@ asio::awaitable<void> Connection::upgrade(const BeastRequest& request, const Req
   handshake.message.base() = request.base();
   end_deadline();
   place_.leave();
-  if (open->kind == Upgrade::kAgent) {
+  if (!open->session) {
+    serve_redirect(std::move(stream_), std::move(handshake), open->protocol, open->redirect);
+  } else if (open->kind == Upgrade::kAgent) {
     context_.api.tell_regions(*open->session);
     serve_agent(std::move(stream_), std::move(handshake), std::move(open->session),
                 std::move(open->caller), context_.peers);
@@ -389,11 +391,9 @@ asio::awaitable<void> Connection::upgrade(const BeastRequest& request, const Req
 
 asio::awaitable<void> serve_http(asio::ip::tcp::socket socket, HttpContext& context) {
   std::unique_ptr<TlsChannel> tls;
-  if (context.certificate != nullptr) {
+  if (context.certificate != nullptr)
     tls = std::make_unique<TlsChannel>(context.certificate->current(), socket.native_handle());
-  }
-  ByteStream stream(std::move(socket), std::move(tls));
-  Connection connection(std::move(stream), context);
+  Connection connection(ByteStream(std::move(socket), std::move(tls)), context);
   co_await connection.run();
 }
 

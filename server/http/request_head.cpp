@@ -81,13 +81,15 @@ std::expected<UpgradeTarget, ApiResponse> open_upgrade(const RequestHead& head,
   }
   const std::string& id = request.path[2];
   target.session = registry.find(id);
-  if (!target.session) return std::unexpected(no_session(registry, id));
+  if (!target.session) target.redirect = other_place(registry, id).value_or("");
+  if (!target.session && target.redirect.empty()) {
+    return std::unexpected(no_session(registry, id, request.target));
+  }
   if (!origin_allowed(head.browser(), options)) return std::unexpected(foreign_origin());
-  const auto protocol =
-      match.upgrade == Upgrade::kAgent ? wire::kAgentProtocol : wire::kViewProtocol;
-  if (!offers(head.protocols, protocol)) {
+  target.protocol = match.upgrade == Upgrade::kAgent ? wire::kAgentProtocol : wire::kViewProtocol;
+  if (!offers(head.protocols, target.protocol)) {
     return std::unexpected(error_response(
-        400, "bad_protocol", "Sec-WebSocket-Protocol must list " + std::string(protocol)));
+        400, "bad_protocol", "Sec-WebSocket-Protocol must list " + std::string(target.protocol)));
   }
   // Beast does not check it.
   if (head.key.size() != kKeyBytes) {

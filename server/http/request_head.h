@@ -42,8 +42,10 @@ ApiResponse foreign_origin();
 /// The session whose WebSocket a request asks for, and who asks.
 struct UpgradeTarget {
   Upgrade kind = Upgrade::kNone;
-  std::shared_ptr<Session> session;
+  std::shared_ptr<Session> session;  ///< null: it is at another server
   Caller caller;
+  std::string redirect = {};       ///< the address of that server
+  std::string_view protocol = {};  ///< of the WebSocket
 };
 
 /// Returns the target of an upgrade, or the response to one that is rejected.

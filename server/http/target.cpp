@@ -44,6 +44,7 @@ std::expected<ApiRequest, std::string> parse_target(std::string_view target) {
   if (target.empty() || target.front() != '/')
     return std::unexpected("the target must start with /");
   ApiRequest request;
+  request.target = target;
   std::string_view path = target.substr(0, target.find('?'));
   std::string_view query = path.size() < target.size() ? target.substr(path.size() + 1) : "";
   path.remove_prefix(1);

@@ -243,7 +243,7 @@ MotionAnswer Carving::answer(ParticipantState& state, Batch& batch) {
   wire::Result& result = answer.result;
   result.agent_sequence = state.last_sequence;
   state.durable.handled(state.last_sequence);
-  state.durable.committed(journal_.durable_sequence());
+  state.durable.committed(journal_.is_fenced() ? 0 : journal_.durable_sequence());
   result.agent_time_us =
       batch.samples.empty() ? state.track.time_us() : batch.samples.back().time_us;
   result.motions_applied = sculpture_.motions();

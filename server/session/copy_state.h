@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <optional>
@@ -21,16 +22,20 @@ class CopyNote {
  public:
   void set(CopyState state) {
     const std::lock_guard lock(mutex_);
+    record_ = state.record;
     state_ = std::move(state);
   }
   std::optional<CopyState> get() const {
     const std::lock_guard lock(mutex_);
     return state_;
   }
+  /// CopyState::record; 0 if no copy is made. Waits for nothing.
+  std::uint64_t record() const { return record_; }
 
  private:
   mutable std::mutex mutex_;
   std::optional<CopyState> state_;
+  std::atomic<std::uint64_t> record_ = 0;
 };
 
 }  // namespace kerf

@@ -131,7 +131,9 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& asked
   if (const auto ok = check(request, resumed); !ok) return std::unexpected(ok.error());
   if (const auto error = resumed != 0 ? journal_.pause() : std::nullopt;
       error && !is_limit(error->code)) {
-    return std::unexpected(Rejection{wire::ErrorCode::kBusy, "paused: disk: " + error->reason});
+    return std::unexpected(
+        Rejection{wire::ErrorCode::kBusy,
+                  std::string("paused: ") + pause_word(error->code) + ": " + error->reason});
   }
   if (const auto ok = check_rate(request, resumed); !ok) return std::unexpected(ok.error());
   auto state = make_state(request, resumed);

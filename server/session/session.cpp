@@ -111,7 +111,9 @@ std::expected<Participant, Rejection> Session::join(const JoinRequest& request) 
 
 std::uint64_t Session::durable_sequence(ParticipantId id) {
   ParticipantState* state = participants_.find(id);
-  return state == nullptr ? 0 : state->durable.committed(journal_.durable_sequence());
+  if (state == nullptr) return 0;
+  // What is rejected without a lease is not settled: the next owner may accept it.
+  return state->durable.committed(journal_.is_fenced() ? 0 : journal_.durable_sequence());
 }
 
 std::expected<void, Rejection> Session::choose_tool(ParticipantId id, ToolId tool) {
@@ -173,7 +175,7 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.removed_mm3 = sculpture_.removed_volume_mm3();
   frame.hash = journal_.newest_hash();
   frame.hash_is_current = current_hash().has_value();
-  frame.paused = pause().has_value();
+  if (const auto error = pause()) frame.paused = pause_word(error->code);
   frame.programs = program_update(with_snapshot);
   frame.pins = pin_update(with_snapshot);
   frame.tools.tools = participants_.tool_states();
@@ -192,7 +194,7 @@ SessionInfo Session::info() const {
   info.removed_mm3 = sculpture_.removed_volume_mm3();
   info.imprint_mm3 = sculpture_.imprint_volume_mm3();
   info.journal_lag = journal_.lag();
-  info.paused = pause().has_value();
+  if (const auto error = pause()) info.paused = pause_word(error->code);
   info.epoch = journal_.epoch();
   info.participants = participants();
   return info;

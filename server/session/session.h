@@ -27,8 +27,10 @@
 #include "server/session/pin_error.h"
 #include "server/session/program_runs.h"
 #include "server/session/replay.h"
+#include "server/session/session_info.h"
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
+#include "server/session/session_places.h"
 #include "server/session/snapshot_schedule.h"
 #include "server/session/stroke_request.h"
 #include "server/session/version_error.h"
@@ -39,33 +41,6 @@ namespace kerf {
 class BlockHistory;
 class Workers;
 
-/// The state of the block that viewers need, read at one moment.
-struct SessionFrame {
-  std::uint64_t sequence = 0;  ///< of the last record applied
-  std::uint64_t motions = 0;
-  double removed_mm3 = 0;
-  wire::ToolStates tools;
-  std::vector<TileIndex> changed;         ///< since the previous frame; sorted
-  std::optional<SolidSnapshot> snapshot;  ///< set if a tile changed or a snapshot was requested
-  std::optional<StateHash> hash;          ///< the newest one known
-  bool hash_is_current = false;           ///< `hash` is that of the solid at `sequence`
-  bool paused = false;                    ///< the disk fails: motions are rejected
-  /// The programs that have not ended and the newest that have, if one has changed since the
-  /// previous frame that had them; at most every kProgramUpdateInterval.
-  std::optional<std::vector<ProgramGlance>> programs;
-  std::optional<std::vector<Pin>> pins;  ///< all of them, if one has been set or removed since
-};
-
-struct SessionInfo {
-  std::string id;
-  std::uint64_t sequence = 0, motions = 0, sub_motions = 0;
-  double stock_mm3 = 0, removed_mm3 = 0, imprint_mm3 = 0;
-  std::size_t journal_lag = 0;
-  bool paused = false;  ///< the disk fails: motions are rejected until it recovers
-  std::uint32_t epoch = 1;
-  std::vector<Participant> participants;
-};
-
 /// How a session keeps snapshots of its block beside its journal.
 struct SnapshotOptions {
   /// Writes them, and does other long work of the session that nobody waits for; outlives the
@@ -74,16 +49,6 @@ struct SnapshotOptions {
   SnapshotLimits limits;
   /// Called with the reason when one cannot be written, after one that could; on any thread.
   std::function<void(const std::string& id, const std::string& reason)> on_failure = {};
-};
-
-/// What lists of sessions show, as of the end of the last motion or change of the participants.
-struct SessionFigures {
-  std::uint64_t motions = 0;
-  double removed_mm3 = 0;
-  std::size_t participants = 0;
-  /// When the session was created, and when its block or its participants changed last; ms since
-  /// 1970 UTC, 0: unknown.
-  std::int64_t created_ms = 0, active_ms = 0;
 };
 
 /// One block with its participants, programs and journal. Functions under "executor only" must run
@@ -118,10 +83,11 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Call once, after close(). Afterwards no snapshot is written.
   std::expected<void, JournalError> finish_journal(bool with_snapshot = false);
   /// Number of the last record that is committed.
-  std::uint64_t committed() const { return journal_.durable_sequence(); }
+  std::uint64_t committed() const { return journal_.committed(); }
   std::size_t journal_lag() const { return journal_.lag(); }  ///< records not yet committed
-  /// The error of the disk while the session is paused, else nullopt: motions are rejected (kBusy)
-  /// until a write, tried every second, succeeds, or a limit of the disk allows more.
+  /// The error of the disk or the lease while the session is paused, else nullopt: motions are
+  /// rejected (kBusy) until a write, tried every second, succeeds, a limit of the disk allows more,
+  /// or the lease is renewed.
   std::optional<JournalError> pause() const { return journal_.pause(); }
   JournalFigures journal_figures() const { return journal_.figures(); }
   CopyNote& copy() const { return journal_.copy(); }
@@ -148,6 +114,16 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Carves motions of several participants at the same time from now on, on `carvers`, which
   /// outlive the session. Call once, when the session has been created.
   void carve_on(Workers& carvers) { carvers_ = &carvers; }
+  /// The servers that may continue the session; they outlive it. Samples are durable from now on
+  /// when they are copied too, with `needs_copy`. Call once, when the session has been created.
+  void place_in(const SessionPlaces* places, bool needs_copy) {
+    places_ = places;
+    if (needs_copy) journal_.require_copy();
+  }
+  /// Their addresses, without this server's.
+  std::vector<std::string> other_servers() const {
+    return places_ == nullptr ? std::vector<std::string>{} : places_->other_servers();
+  }
   /// Writes a snapshot now and then from now on. Call once, when the session has been created.
   void keep_snapshots(SnapshotOptions options);
 
@@ -367,7 +343,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t programs_sent_ = 0;  ///< ProgramRuns::changes() as of the last frame with programs
   Clock::time_point programs_sent_at_{};
   Executor& workers_;
-  Workers* carvers_ = nullptr;  ///< null: the session's thread carves alone
+  const SessionPlaces* places_ = nullptr;  ///< null: there is one server only
+  Workers* carvers_ = nullptr;             ///< null: the session's thread carves alone
   bool hash_scheduled_ = false;
   std::chrono::microseconds hash_cost_{0};
   bool closed_ = false;

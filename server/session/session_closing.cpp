@@ -73,6 +73,7 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
     const auto kept = keep_journal(file, closed_folder(), id + "-" + std::to_string(seconds));
     if (!kept) error = kept.error();
   }
+  if (options_.places != nullptr) options_.places->close(id);
   const std::lock_guard lock(mutex_);
   sessions_.erase(id);
   if (!flushed) {
@@ -84,6 +85,22 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
         RegistryErrorCode::kJournal, "cannot move the journal: " + error.message(), {}});
   }
   return {};
+}
+
+void SessionRegistry::hand_over(const std::string& id, const std::string& reason,
+                                const std::string& redirect) {
+  std::shared_ptr<Session> session;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = sessions_.find(id);
+    if (found == sessions_.end() || !found->second) return;
+    session = std::move(found->second);
+    found->second = nullptr;  // the id stays reserved until the file is closed
+  }
+  end(session, reason, redirect);
+  (void)session->finish_journal();  // what is lost with it, the other server does not have either
+  const std::lock_guard lock(mutex_);
+  sessions_.erase(id);
 }
 
 std::vector<ClosedSession> SessionRegistry::closed() const {
@@ -143,13 +160,16 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::reopen(
     return std::unexpected(
         RegistryError{RegistryErrorCode::kBadId, name + " does not name a session", {}});
   }
-  if (const auto reserved = reserve(id, {}); !reserved) return std::unexpected(reserved.error());
+  if (const auto reserved = reserve(id, {}, true); !reserved) {
+    return std::unexpected(reserved.error());
+  }
   const auto moved = keep_journal(*file, options_.data_folder, id);
   if (moved) load(id, report);
   const std::lock_guard lock(mutex_);
   if (auto session = sessions_[id]) return session;
   sessions_.erase(id);
   unreadable_.erase(id);
+  if (options_.places != nullptr) options_.places->close(id);
   if (!moved) {
     return std::unexpected(RegistryError{
         RegistryErrorCode::kJournal, file->string() + ": " + moved.error().message(), {}});

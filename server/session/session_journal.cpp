@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/session_journal.h"
 
+#include <string>
 #include <utility>
 
 namespace kerf {
@@ -8,6 +9,10 @@ namespace {
 
 /// Records that may wait for the disk before programs do. A slice adds a few hundred.
 constexpr std::size_t kProgramRecordsMax = kJournalBufferRecords / 4;
+
+std::string paused(const JournalError& error) {
+  return std::string("paused: ") + pause_word(error.code) + ": " + error.reason;
+}
 
 }  // namespace
 
@@ -21,13 +26,12 @@ std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
   if (appended) return {};
   const JournalError& error = appended.error();
   const bool is_full = error.code == JournalErrorCode::kFull;
-  return std::unexpected(
-      Rejection{wire::ErrorCode::kBusy, (is_full ? "" : "paused: disk: ") + error.reason});
+  return std::unexpected(Rejection{wire::ErrorCode::kBusy, is_full ? error.reason : paused(error)});
 }
 
 std::expected<void, Rejection> SessionJournal::check_space_for_programs() const {
   if (const auto error = writer_.pause()) {
-    return std::unexpected(Rejection{wire::ErrorCode::kBusy, "paused: disk: " + error->reason});
+    return std::unexpected(Rejection{wire::ErrorCode::kBusy, paused(*error)});
   }
   if (writer_.lag() < kProgramRecordsMax) return {};
   return std::unexpected(Rejection{wire::ErrorCode::kBusy, "the disk does not keep up"});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
@@ -27,7 +28,16 @@ class SessionJournal {
   /// Number of the last record appended.
   std::uint64_t sequence() const { return writer_.last_sequence(); }
   /// Number of the last command that is committed.
-  std::uint64_t durable_sequence() const { return writer_.durable_sequence(); }
+  std::uint64_t committed() const { return writer_.durable_sequence(); }
+  /// Number of the last command that a loss of the machine may not take back: it is committed and,
+  /// after require_copy(), copied too.
+  std::uint64_t durable_sequence() const {
+    return needs_copy_ ? std::min(committed(), copy_->record()) : committed();
+  }
+  /// Whether the lease of the session has run out.
+  bool is_fenced() const { return writer_.is_fenced(); }
+  /// Call once, before the session is used.
+  void require_copy() { needs_copy_ = true; }
   /// Records appended and not yet committed.
   std::size_t lag() const { return writer_.lag(); }
   /// See JournalWriter.
@@ -43,7 +53,7 @@ class SessionJournal {
 
   // ---- executor only ----
   /// Appends a command. Fails with kBusy when the disk fails ("paused: disk: …") or does not keep
-  /// up.
+  /// up, and without a lease ("paused: lease: …").
   /// `note` is stored with the command.
   std::expected<void, Rejection> append(ParticipantId participant, const RecordedCommand& command,
                                         RecordNote note = {});
@@ -72,6 +82,7 @@ class SessionJournal {
   JournalWriter writer_;
   std::uint64_t removal_sequence_;
   std::optional<StateHash> hash_;
+  bool needs_copy_ = false;
   std::unique_ptr<CopyNote> copy_ = std::make_unique<CopyNote>();
 };
 

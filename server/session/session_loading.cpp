@@ -20,8 +20,14 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(con
   std::filesystem::remove(unfinished_file(snapshot_file(file)), often_absent);
   auto replayed = restore(file, stop_loading_.get_token());
   if (!replayed) return std::unexpected(replayed.error());
+  if (options_.places != nullptr) {
+    if (auto ok = raise_epoch(file, options_.places->epoch(id)); !ok) {
+      return std::unexpected(ok.error());
+    }
+  }
   auto journal = JournalWriter::open(file, replayed->last_sequence);
   if (!journal) return std::unexpected(journal.error());
+  if (options_.places != nullptr) journal->keep_within(options_.places->fence(id));
   opened = {replayed->header.kernel_version, replayed->last_sequence, replayed->dropped_hashes > 0,
             replayed->snapshot_fault, replayed->snapshot_sequence};
   if (options_.on_pause) {
@@ -37,6 +43,7 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(con
   auto session = std::make_shared<Session>(id, *std::move(replayed), *std::move(journal),
                                            options_.session, make_executor_(id), workers_);
   session->note_times(created_ms, active_ms);
+  session->place_in(options_.places, options_.needs_copy);
   if (options_.carvers != nullptr) session->carve_on(*options_.carvers);
   if (options_.snapshots.writer != nullptr) session->keep_snapshots(options_.snapshots);
   return session;
@@ -117,6 +124,26 @@ void SessionRegistry::load(const std::string& id, LoadReport& report) {
     report.ignored.push_back({id, opened.snapshot_fault, opened.snapshot_sequence});
   }
   sessions_[id] = *std::move(session);
+}
+
+void SessionRegistry::open_one_by_one() {
+  const std::lock_guard lock(mutex_);
+  found_ = true;
+}
+
+void SessionRegistry::expect(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  loading_.insert(id);
+}
+
+void SessionRegistry::give_up(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  loading_.erase(id);
+}
+
+void SessionRegistry::open(const std::string& id, LoadReport& report) {
+  load(id, report);
+  give_up(id);
 }
 
 void SessionRegistry::hasten(const std::string& id) {

@@ -56,6 +56,8 @@ const char* to_string(RegistryErrorCode code) {
       return "journal_error";
     case RegistryErrorCode::kDiskFull:
       return "disk_full";
+    case RegistryErrorCode::kNoLease:
+      return "no_lease";
   }
   return "journal_error";
 }
@@ -75,6 +77,7 @@ std::expected<std::string, RegistryError> SessionRegistry::free_id(std::string i
   const auto taken = [&](const std::string& candidate) {
     std::error_code ignored;
     return sessions_.contains(candidate) ||
+           (options_.places != nullptr && options_.places->is_taken(candidate)) ||
            std::filesystem::exists(journal_path(candidate), ignored);
   };
   const auto only_loading = static_cast<std::size_t>(std::ranges::count_if(
@@ -96,13 +99,24 @@ std::expected<std::string, RegistryError> SessionRegistry::free_id(std::string i
 }
 
 std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string id,
-                                                                   const std::string& name) {
+                                                                   const std::string& name,
+                                                                   bool is_known) {
+  std::expected<std::string, RegistryError> reserved;
+  {
+    const std::lock_guard lock(mutex_);
+    reserved = free_id(std::move(id), name);
+    if (!reserved) return reserved;
+    sessions_[*reserved] = nullptr;
+    unreadable_.erase(*reserved);  // its file has been moved away
+  }
+  if (options_.places == nullptr) return reserved;
+  const auto claimed = options_.places->claim(*reserved, is_known);
+  if (claimed) return reserved;
   const std::lock_guard lock(mutex_);
-  auto reserved = free_id(std::move(id), name);
-  if (!reserved) return reserved;
-  sessions_[*reserved] = nullptr;
-  unreadable_.erase(*reserved);  // its file has been moved away
-  return reserved;
+  sessions_.erase(*reserved);
+  const bool is_taken = options_.places->is_taken(*reserved);
+  return std::unexpected(RegistryError{
+      is_taken ? RegistryErrorCode::kExists : RegistryErrorCode::kNoLease, claimed.error(), {}});
 }
 
 std::expected<Scene, RegistryError> SessionRegistry::check_scene(std::string_view scene_text,
@@ -164,6 +178,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::start_ne
   const std::lock_guard lock(mutex_);
   if (!session) {
     sessions_.erase(id);
+    if (options_.places != nullptr) options_.places->close(id);
     if (session.error().code != JournalErrorCode::kExists) remove_journal(journal_path(id));
     return std::unexpected(journal_failure(session.error()));
   }

@@ -28,7 +28,8 @@ enum class RegistryErrorCode {
   kTooMany,
   kUnknown,
   kJournal,
-  kDiskFull
+  kDiskFull,
+  kNoLease  ///< the other servers of the cluster cannot be asked
 };
 struct RegistryError {
   RegistryErrorCode code = RegistryErrorCode::kUnknown;
@@ -49,6 +50,9 @@ struct RegistryOptions {
   DiskLimits disk = {};
   /// Threads that help the sessions' own to carve; outlive the registry. Null: there are none.
   Workers* carvers = nullptr;
+  /// The servers that share the sessions; outlives the registry. Null: there is this one only.
+  SessionPlaces* places = nullptr;
+  bool needs_copy = false;  ///< samples are durable when they are copied too
 };
 
 /// A session whose journal was written with another version of the kernel: its block has been
@@ -128,6 +132,20 @@ class SessionRegistry {
   /// Tries again to start the sessions whose journals could not be read because of the disk, e.g.
   /// because it was full. Returns those that were started.
   std::vector<std::string> retry_disk_failures();
+  /// Nothing is loaded at the start: the sessions are opened one by one.
+  void open_one_by_one();
+  /// A session will be opened, or is given up then: requests for it wait.
+  void expect(const std::string& id);
+  void give_up(const std::string& id);
+  /// Starts the session that is expected, of a journal in the data folder, and adds the outcome to
+  /// `report`.
+  void open(const std::string& id, LoadReport& report);
+  /// Ends a session that another server continues, and leaves its journal where it is.
+  void hand_over(const std::string& id, const std::string& reason, const std::string& redirect);
+  /// Of the data folder.
+  std::filesystem::path journal_path(const std::string& id) const;
+  std::filesystem::path closed_folder() const;
+  const SessionPlaces* places() const { return options_.places; }
   /// True once the journals have been found and none is loading.
   bool loaded() const;
   /// The journals that could not be loaded.
@@ -175,8 +193,6 @@ class SessionRegistry {
   std::vector<JournalError> close_all(const std::string& reason, const std::string& redirect = {});
 
  private:
-  std::filesystem::path journal_path(const std::string& id) const;
-  std::filesystem::path closed_folder() const;
   std::expected<std::filesystem::path, RegistryError> find_closed(const std::string& name) const;
   /// Holds the file of a closed session: of several callers that name the same one, each waits for
   /// those before it.
@@ -209,7 +225,9 @@ class SessionRegistry {
   std::expected<Scene, RegistryError> check_scene(std::string_view scene_text,
                                                   const SceneSource& source) const;
   std::expected<std::string, RegistryError> free_id(std::string id, const std::string& name) const;
-  std::expected<std::string, RegistryError> reserve(std::string id, const std::string& name);
+  /// Reserves an id for a session that is created or, with `is_known`, opened again.
+  std::expected<std::string, RegistryError> reserve(std::string id, const std::string& name,
+                                                    bool is_known = false);
   void end(const std::shared_ptr<Session>& session, const std::string& reason,
            const std::string& redirect = {});
 

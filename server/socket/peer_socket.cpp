@@ -21,8 +21,6 @@ constexpr WebSocketLimits kLimits{
     .idle = std::chrono::seconds(20),
     .message_bytes = std::size_t{64} * 1024,
 };
-/// WebSocket close code 1001: the server is going away.
-constexpr std::uint16_t kGoingAway = 1001;
 
 }  // namespace
 

@@ -15,6 +15,9 @@
 
 namespace kerf::net {
 
+/// WebSocket close code 1001: the server is going away.
+inline constexpr std::uint16_t kGoingAway = 1001;
+
 /// One WebSocket, of an agent or a viewer. Moves frames between the network and a Conversation and
 /// knows nothing of their content. Everything runs on the thread of the socket's executor.
 class PeerSocket : public std::enable_shared_from_this<PeerSocket> {

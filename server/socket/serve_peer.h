@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include "server/rights/caller.h"
 #include "server/socket/peer_context.h"
@@ -16,5 +18,8 @@ void serve_agent(ByteStream stream, UpgradeRequest request, std::shared_ptr<Sess
                  Caller caller, PeerContext& context);
 void serve_viewer(ByteStream stream, UpgradeRequest request, std::shared_ptr<Session> session,
                   Caller caller, PeerContext& context);
+/// Sends a peer to the server `address`, which has the session, with a bye.
+void serve_redirect(ByteStream stream, UpgradeRequest request, std::string_view protocol,
+                    const std::string& address);
 
 }  // namespace kerf::net

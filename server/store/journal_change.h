@@ -62,6 +62,9 @@ class JournalChanges {
   std::map<std::string, std::vector<std::byte>> sent_;
 };
 
+/// How far a copy goes that has all of a journal.
+std::expected<CopyPosition, JournalError> end_of_journal(const std::filesystem::path& file);
+
 /// Writes changes into a copy of a journal. The file has its name only when it is complete.
 class JournalCopy {
  public:
@@ -73,7 +76,8 @@ class JournalCopy {
   ~JournalCopy();
 
   /// Writes the rows of a change; kCorrupt if they are not such rows, or do not follow those that
-  /// were written.
+  /// were written. One that follows the last change that is whole takes the place of those after
+  /// it.
   std::expected<void, JournalError> apply(const JournalChange& change);
   /// Leaves out the changes after the last one that is whole, verifies each record, and gives the
   /// file its name. kCorrupt if no change was whole, or a record is bad.

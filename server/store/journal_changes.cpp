@@ -209,6 +209,23 @@ std::expected<bool, JournalError> JournalChanges::begin(const CopyPosition& posi
   return *scene == position.scene_crc && *record == position.record_crc;
 }
 
+std::expected<CopyPosition, JournalError> end_of_journal(const std::filesystem::path& file) {
+  auto database = open_journal(file, SqlMode::kRead);
+  if (!database) return std::unexpected(database.error());
+  const auto scene = checksum_of_scene(*database);
+  if (!scene) return std::unexpected(to_journal_error(file, scene.error()));
+  const auto is_old = database->has_table("commands");
+  if (!is_old) return std::unexpected(to_journal_error(file, is_old.error()));
+  const std::string old = *is_old ? "(SELECT max(sequence) FROM commands)" : "0";
+  const auto last =
+      database->integer("SELECT coalesce((SELECT max(first+count-1) FROM batches)," + old + ",0)");
+  if (!last) return std::unexpected(to_journal_error(file, last.error()));
+  const auto record = static_cast<std::uint64_t>(*last);
+  const auto crc = checksum_of_record(*database, record);
+  if (!crc) return std::unexpected(to_journal_error(file, crc.error()));
+  return CopyPosition{record, 0, *scene, *crc};
+}
+
 std::expected<std::optional<JournalChange>, JournalError> JournalChanges::next() {
   auto database = open_journal(file_, SqlMode::kRead);
   if (!database) return std::unexpected(database.error());

@@ -125,6 +125,12 @@ std::expected<JournalCopy, JournalError> JournalCopy::create(const std::filesyst
 }
 
 std::expected<void, JournalError> JournalCopy::apply(const JournalChange& change) {
+  if (change.before != position_ && change.before == whole_) {
+    if (auto ok = database_->execute("ROLLBACK TO whole"); !ok) {
+      return std::unexpected(to_journal_error(file_, ok.error()));
+    }
+    position_ = *whole_;
+  }
   if (change.before != position_) {
     return std::unexpected(corrupt("the changes from record " +
                                    std::to_string(change.before.record) +

@@ -16,6 +16,7 @@ enum class JournalErrorCode {
   kFull,            ///< the disk does not keep up and the bounded buffer is full
   kSessionLimit,    ///< its files have the size that a session may have
   kDiskLimit,       ///< the files of all sessions have the size that they may have
+  kLease,           ///< another server may have it: the lease of this one has run out
   kNotLoaded        ///< its session cannot be loaded for another reason, e.g. lack of memory
 };
 
@@ -30,6 +31,11 @@ struct JournalError {
 /// committed.
 constexpr bool is_limit(JournalErrorCode code) {
   return code == JournalErrorCode::kSessionLimit || code == JournalErrorCode::kDiskLimit;
+}
+
+/// Why a paused journal accepts nothing, in one word: "lease" or "disk".
+constexpr const char* pause_word(JournalErrorCode code) {
+  return code == JournalErrorCode::kLease ? "lease" : "disk";
 }
 
 /// Returns the name of a code in logs and in the HTTP interface, e.g. "corrupt_journal".

@@ -98,6 +98,8 @@ const char* to_string(JournalErrorCode code) {
       return "session_limit";
     case JournalErrorCode::kDiskLimit:
       return "disk_limit";
+    case JournalErrorCode::kLease:
+      return "no_lease";
     case JournalErrorCode::kNotLoaded:
       return "journal_not_loaded";
   }
@@ -204,6 +206,16 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
     }
   }
   return *std::move(database);
+}
+
+std::expected<void, JournalError> raise_epoch(const std::filesystem::path& file,
+                                              std::uint32_t least) {
+  auto database = SqlDatabase::open(file, SqlMode::kWrite);
+  if (!database) return std::unexpected(to_journal_error(file, database.error()));
+  const std::string before = std::to_string(std::int64_t{least} - 1);
+  auto raised = database->execute("UPDATE session SET epoch=max(epoch," + before + ")");
+  if (!raised) return std::unexpected(to_journal_error(file, raised.error()));
+  return {};
 }
 
 std::expected<void, JournalError> copy_journal(const std::filesystem::path& from,

@@ -48,6 +48,9 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
 /// Opens a journal and checks its application_id and version.
 std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::path& file,
                                                       SqlMode mode);
+/// Makes the next opening for writing one of epoch `least`, if it would be of a smaller one.
+std::expected<void, JournalError> raise_epoch(const std::filesystem::path& file,
+                                              std::uint32_t least);
 /// Writes a consistent copy of a journal, which may be in use by a writer.
 std::expected<void, JournalError> copy_journal(const std::filesystem::path& from,
                                                const std::filesystem::path& to);

@@ -109,14 +109,14 @@ struct JournalWriter::Impl {
 
   /// Wakes the waiting threads; reports the start and the end of a pause.
   void note_outcome(const SqlResult<void>& outcome, std::unique_lock<std::mutex>& lock) {
-    const bool was_paused = pause().has_value();
+    const bool was_paused = disk_pause().has_value();
     failure = outcome ? std::nullopt : std::optional(to_journal_error(file, outcome.error()));
     done.notify_all();
     report_change(was_paused, lock);
   }
 
   void report_change(bool was_paused, std::unique_lock<std::mutex>& lock) const {
-    const auto error = pause();
+    const auto error = disk_pause();
     if (was_paused == error.has_value() || !report) return;
     const auto call = report;
     lock.unlock();
@@ -124,7 +124,13 @@ struct JournalWriter::Impl {
     lock.lock();
   }
 
-  const std::optional<JournalError>& pause() const { return failure ? failure : held; }
+  const std::optional<JournalError>& disk_pause() const { return failure ? failure : held; }
+  std::optional<JournalError> pause() const {
+    if (disk_pause() || !fence || fence->is_open()) return disk_pause();
+    return JournalError{JournalErrorCode::kLease, file.string(), 0,
+                        "the lease of the session could not be renewed: another server may "
+                        "continue it"};
+  }
 
   /// The error with which append() and flush() fail now.
   std::optional<JournalError> obstacle() const {
@@ -147,6 +153,7 @@ struct JournalWriter::Impl {
   bool stopping = false, closed = false, retry_now = false;
   std::optional<JournalError> failure;  ///< of the last commit
   std::optional<JournalError> held;
+  std::shared_ptr<const WriteFence> fence;  ///< null: none; set before anything is appended
   std::function<void(const std::optional<JournalError>&)> report;
   std::uint64_t last_sequence;
   std::atomic<std::uint64_t> durable_sequence;
@@ -205,6 +212,11 @@ std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId p
   return sequence;
 }
 
+void JournalWriter::keep_within(std::shared_ptr<const WriteFence> fence) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->fence = std::move(fence);
+}
+
 void JournalWriter::append(const JournalParticipant& participant) { impl_->push(participant); }
 void JournalWriter::append(const VersionChange& change) { impl_->push(change); }
 void JournalWriter::append(const PinChange& change) { impl_->push(change); }
@@ -244,6 +256,7 @@ std::uint64_t JournalWriter::last_sequence() const {
 }
 std::uint64_t JournalWriter::durable_sequence() const { return impl_->durable_sequence.load(); }
 std::uint32_t JournalWriter::epoch() const { return impl_->epoch; }
+bool JournalWriter::is_fenced() const { return impl_->fence && !impl_->fence->is_open(); }
 std::size_t JournalWriter::lag() const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->buffer.size() + impl_->in_commit;
@@ -254,7 +267,7 @@ std::optional<JournalError> JournalWriter::pause() const {
 }
 void JournalWriter::hold(std::optional<JournalError> error) {
   std::unique_lock lock(impl_->mutex);
-  const bool was_paused = impl_->pause().has_value();
+  const bool was_paused = impl_->disk_pause().has_value();
   impl_->held = std::move(error);
   impl_->report_change(was_paused, lock);
 }

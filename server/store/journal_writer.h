@@ -15,6 +15,7 @@
 #include "server/store/journal_group.h"
 #include "server/store/journal_reader.h"
 #include "server/store/journal_record.h"
+#include "server/store/write_fence.h"
 
 namespace kerf {
 
@@ -39,7 +40,7 @@ struct JournalFigures {
 /// After a failed commit (the disk is full, an I/O error) the journal is paused: append() accepts
 /// no command, and nothing else is written until that same group has been committed. The flusher
 /// tries again every kJournalRetry; accepted records stay in memory. It is paused too while it is
-/// held: then what was accepted is committed.
+/// held, or its fence is closed: then what was accepted is committed.
 class JournalWriter {
  public:
   static std::expected<JournalWriter, JournalError> create(const std::filesystem::path& file,
@@ -51,6 +52,9 @@ class JournalWriter {
   JournalWriter& operator=(JournalWriter&&) noexcept;
   /// Commits the pending records.
   ~JournalWriter();
+
+  /// Accepts commands only while `fence` is open, from now on. Call before the first append().
+  void keep_within(std::shared_ptr<const WriteFence> fence);
 
   /// Appends a command and returns its sequence. Fails with kFull if the buffer is full, and with
   /// the error of the commit while the journal is paused, so that a session never runs ahead of a
@@ -80,16 +84,19 @@ class JournalWriter {
   std::uint64_t durable_sequence() const;
   /// Grows each time the journal is opened; peers use it to detect a restarted server.
   std::uint32_t epoch() const;
+  /// Whether the fence is closed. Waits for nothing.
+  bool is_fenced() const;
   /// Number of records appended and not yet committed.
   std::size_t lag() const;
-  /// The error of the failed commit, or of hold(), while the journal is paused; nullopt otherwise.
+  /// The error of the failed commit, of hold() or of the fence, while the journal is paused;
+  /// nullopt otherwise.
   std::optional<JournalError> pause() const;
   /// Accepts no command from now on, because of `error`; nullopt ends that.
   void hold(std::optional<JournalError> error);
   JournalFigures figures() const;
   /// Calls `report` when a pause begins, with its error, and when it ends, with nullopt; on the
-  /// flusher's thread or that of hold(), which must not call this writer. Replaces the previous
-  /// function.
+  /// flusher's thread or that of hold(), which must not call this writer. Not for the fence, which
+  /// closes by itself. Replaces the previous function.
   void on_pause(std::function<void(const std::optional<JournalError>&)> report);
   const std::filesystem::path& file() const;
 

@@ -62,6 +62,25 @@ TEST_F(AgentResumeTest, ResultsAndPongsStateWhatIsDurable) {
   EXPECT_GE(move(*ada, batch(1)).durable_sequence, 3U);
 }
 
+TEST_F(AgentResumeTest, WhereACopyIsRequiredSamplesAreDurableWhenTheyAreCopied) {
+  session->place_in(nullptr, true);
+  const auto durable = [this](AgentConversation& conversation) {
+    send(conversation, encoded(wire::Ping{7}));
+    const auto frames = drain(conversation);
+    return std::get<wire::Pong>(wire::decode(frames.at(0).bytes)->body).durable_sequence;
+  };
+  const auto ada = agent();
+  hello(*ada);
+  const std::uint64_t before = session->sequence();
+  move(*ada, batch(3));
+  ASSERT_TRUE(session->flush());
+  EXPECT_EQ(durable(*ada), 0U);
+  session->copy().set({before + 1, "NATS cannot be reached"});
+  EXPECT_EQ(durable(*ada), 0U) << "a batch is durable as a whole";
+  session->copy().set({session->sequence(), ""});
+  EXPECT_EQ(durable(*ada), 3U);
+}
+
 TEST_F(AgentResumeTest, ATokenContinuesAfterTheLastSampleWithoutAGapOrASecondCut) {
   auto ada = agent();
   const std::string token = hello(*ada)["resume"]["token"];

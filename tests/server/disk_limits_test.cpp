@@ -93,7 +93,7 @@ TEST_F(SessionDisk, ASessionPausesAtItsLimitAndEverythingAcceptedIsCommitted) {
   EXPECT_EQ(refused.rejections[0].code, wire::ErrorCode::kBusy);
   EXPECT_TRUE(refused.rejections[0].reason.contains("--disk-per-session"))
       << refused.rejections[0].reason;
-  EXPECT_TRUE(session->info().paused);
+  EXPECT_EQ(session->info().paused, "disk");
   ASSERT_TRUE(session->flush());
   EXPECT_EQ(reports, (std::vector<std::string>{"session_limit"}));
   const auto replayed = replay(session->journal_file());
@@ -145,7 +145,7 @@ TEST_F(SessionDisk, AFullFolderPausesEverySessionAndTakesNoNewOneUntilThereIsSpa
   EXPECT_TRUE(refused.error().reason.contains("--disk-total")) << refused.error().reason;
   fill(100'000);
   registry->keep_disk_limits();
-  EXPECT_FALSE(session->info().paused);
+  EXPECT_EQ(session->info().paused, "");
   EXPECT_TRUE(move(*session, id, 9.8, 0, -4).rejections.empty());
   EXPECT_TRUE(registry->create("second", kScene, SceneSource{}));
   EXPECT_EQ(reports, (std::vector<std::string>{"disk_limit", "continues"}));
@@ -170,7 +170,7 @@ TEST_F(SessionDisk, NoSnapshotIsWrittenWhileTheDiskIsLow) {
   executor->run();
   writer.run();
   EXPECT_FALSE(std::filesystem::exists(snapshot_file(session->journal_file())));
-  EXPECT_FALSE(session->info().paused);
+  EXPECT_EQ(session->info().paused, "");
   fill(0);
   registry->keep_disk_limits();
   carve_circle(*session, id);

@@ -8,6 +8,7 @@
 
 #include "haptic_agent/link/clock_sync.h"
 #include "haptic_agent/link/control_message.h"
+#include "haptic_agent/link/server_choice.h"
 #include "haptic_agent/link/server_url.h"
 #include "haptic_agent/link/traffic.h"
 #include "server/wire/codec.h"
@@ -42,6 +43,23 @@ TEST(ServerUrl, ARedirectDoesNotLeadOutOfTls) {
   EXPECT_FALSE(follow_redirect(safe, "http://b:81"));
   EXPECT_FALSE(follow_redirect(plain, ""));
   EXPECT_FALSE(follow_redirect(plain, "ftp://b"));
+}
+
+TEST(ServerChoice, EachServerIsTriedBeforeTheFirstOneAgain) {
+  ServerChoice choice;
+  ServerUrl server{"a", "8080"};
+  EXPECT_TRUE(choice.turn(server)) << "there is only one";
+  EXPECT_EQ(server.host, "a");
+  choice.welcomed(server, {"http://b:81", "ftp://no", "http://c:82"});
+  EXPECT_TRUE(choice.has_others());
+  EXPECT_FALSE(choice.turn(server));
+  EXPECT_EQ(server, (ServerUrl{"b", "81"}));
+  EXPECT_FALSE(choice.turn(server));
+  EXPECT_EQ(server, (ServerUrl{"c", "82"}));
+  EXPECT_TRUE(choice.turn(server));
+  EXPECT_EQ(server, (ServerUrl{"a", "8080"}));
+  choice.welcomed({"b", "81", true}, {"http://c:82"});
+  EXPECT_FALSE(choice.has_others()) << "it would lead out of TLS";
 }
 
 TEST(SessionId, AcceptsOnlyNamesThatAreSafeInAPath) {

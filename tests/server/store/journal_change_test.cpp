@@ -190,6 +190,41 @@ TEST_F(JournalChangeTest, ChangesAfterTheLastWholeOneAreLeftOut) {
   EXPECT_EQ(dump(copied_), rows);
 }
 
+TEST_F(JournalChangeTest, AWriterThatHasOnlyWhatIsWholeGoesOnFromThere) {
+  JournalWriter writer = create();
+  JournalChanges changes(file_);
+  auto copy = JournalCopy::create(copied_);
+  ASSERT_TRUE(copy);
+  append_motions(writer, 10);
+  pass_on(changes, *copy);
+  const CopyPosition whole = changes.position();
+  append_motions(writer, 10);
+  auto change = changes.next();
+  ASSERT_TRUE(*change);
+  (*change)->is_whole = false;
+  ASSERT_TRUE(copy->apply(**change));
+  JournalChanges successor(file_);
+  ASSERT_TRUE(*successor.begin(whole));
+  append_motions(writer, 10);
+  pass_on(successor, *copy);
+  const auto finished = copy->finish();
+  ASSERT_TRUE(finished) << describe(finished.error());
+  EXPECT_EQ(finished->record, 30U);
+  EXPECT_EQ(dump(copied_), dump(file_));
+}
+
+TEST_F(JournalChangeTest, TheEndOfAJournalIsThatOfItsCopy) {
+  JournalWriter writer = create();
+  JournalChanges changes(file_);
+  ASSERT_TRUE(changes.next());
+  EXPECT_EQ(end_of_journal(file_)->record, 0U);
+  EXPECT_TRUE(*JournalChanges(file_).begin(*end_of_journal(file_)));
+  append_motions(writer, 10);
+  ASSERT_TRUE(changes.next());
+  EXPECT_EQ(*end_of_journal(file_), changes.position());
+  EXPECT_FALSE(end_of_journal(folder_ / "none.kerf"));
+}
+
 TEST_F(JournalChangeTest, ACopyWithoutAWholeChangeIsNotFinished) {
   JournalWriter writer = create();
   append_motions(writer, 10);

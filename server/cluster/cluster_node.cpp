@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cluster/cluster_node.h"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+#include "server/cluster/cluster_node_impl.h"
+#include "server/cluster/nats_address.h"
+#include "server/cluster/takeover.h"
+#include "server/log/log.h"
+
+namespace kerf {
+namespace {
+
+/// Sessions that are taken at the same time.
+constexpr int kTakers = 2;
+
+std::string random_name() {
+  std::random_device random;
+  return std::to_string(std::uint64_t{random()} << 32 | random());
+}
+
+}  // namespace
+
+ClusterNode::ClusterNode(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+ClusterNode::~ClusterNode() = default;
+
+std::expected<std::unique_ptr<ClusterNode>, std::string> ClusterNode::connect(
+    const std::string& url, int replicas, std::string node) {
+  auto nats = NatsConnection::open(url, "kerf-server " + node);
+  if (!nats) return std::unexpected(without_credentials(url) + ": " + nats.error().reason);
+  auto impl = std::make_unique<Impl>(*std::move(nats), replicas, std::move(node), random_name());
+  return std::unique_ptr<ClusterNode>(new ClusterNode(std::move(impl)));
+}
+
+void ClusterNode::start(SessionRegistry& registry, std::string address,
+                        std::function<void(const LoadReport&)> report) {
+  impl_->registry = &registry;
+  impl_->address = std::move(address);
+  impl_->report = std::move(report);
+  const auto thread = [impl = impl_.get()](void (Impl::*run)(const std::stop_token&)) {
+    return std::jthread([impl, run](const std::stop_token& stop) { (impl->*run)(stop); });
+  };
+  impl_->find_local();
+  impl_->renewer = thread(&Impl::renew_all);
+  impl_->watcher = thread(&Impl::watch_all);
+  for (int n = 0; n < kTakers; ++n) impl_->takers.push_back(thread(&Impl::take_all));
+}
+
+std::string ClusterNode::hold() {
+  std::string name, address;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->holds = true;
+    const auto others = impl_->table.others(boot_time_ns());
+    const auto least = std::ranges::min_element(
+        others, {}, [](const auto& other) { return other.second.sessions; });
+    if (least != others.end()) {
+      name = least->first;
+      address = least->second.address;
+    }
+  }
+  impl_->takers.clear();
+  impl_->own.name_successor(name);
+  if (name.empty()) return {};
+  for (const std::string& id : impl_->own.sessions()) (void)impl_->own.renew(id, impl_->shown(id));
+  return address;
+}
+
+void ClusterNode::release(const std::vector<std::string>& unfinished) {
+  impl_->watcher = {};
+  impl_->renewer = {};
+  for (const std::string& id : impl_->own.sessions()) {
+    if (std::ranges::find(unfinished, id) != unfinished.end()) {
+      log::error("session " + id + ": its last records are not copied");
+    } else {
+      const auto lease = impl_->own.find(id);
+      impl_->own.give_back(id, LeaseState::kReleased, lease ? lease->to : "");
+    }
+  }
+}
+
+std::expected<void, std::string> ClusterNode::claim(const std::string& id, bool is_known) {
+  Impl& impl = *impl_;
+  if (const auto made = impl.nats.make_stream(kClusterStream, kClusterSubjects, impl.replicas,
+                                              Keep::kLastOfSubject);
+      !made) {
+    return std::unexpected(made.error().reason);
+  }
+  const auto last = impl.nats.last_message(kClusterStream, lease_subject(id));
+  if (!last) return std::unexpected(last.error().reason);
+  const auto known = *last ? decode_lease((*last)->bytes) : std::nullopt;
+  if (known && known->state != LeaseState::kClosed) {
+    return std::unexpected("session " + id + " already exists, at server " + known->node);
+  }
+  const auto epoch = epoch_of_copy(impl.nats, id);
+  if (!epoch) return std::unexpected(epoch.error());
+  if (*epoch > 0 && !is_known) {
+    return std::unexpected("NATS has the copy of an earlier session " + id +
+                           ": choose another id, or delete it with kerf-server forget " + id);
+  }
+  const Lease lease{.state = LeaseState::kHeld,
+                    .node = impl.node,
+                    .run = impl.run,
+                    .address = impl.address,
+                    .epoch = std::max(known ? known->epoch : 0, *epoch) + 1,
+                    .to = {},
+                    .name = {}};
+  const auto taken = impl.own.take(id, lease, *last ? (*last)->sequence : 0);
+  if (!taken) return std::unexpected(taken.error().reason);
+  return {};
+}
+
+bool ClusterNode::is_taken(const std::string& id) const {
+  if (impl_->own.find(id)) return true;
+  const std::lock_guard lock(impl_->mutex);
+  const SeenLease* seen = impl_->table.find(id);
+  return seen != nullptr && seen->lease.state != LeaseState::kClosed;
+}
+
+std::shared_ptr<const WriteFence> ClusterNode::fence(const std::string& id) const {
+  return impl_->own.fence(id);
+}
+
+std::uint32_t ClusterNode::epoch(const std::string& id) const {
+  const auto lease = impl_->own.find(id);
+  return lease ? lease->epoch : 1;
+}
+
+void ClusterNode::close(const std::string& id) {
+  impl_->own.give_back(id, LeaseState::kClosed, {});
+}
+
+const std::string& ClusterNode::node() const { return impl_->node; }
+
+std::vector<PlacedSession> ClusterNode::elsewhere() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->table.elsewhere();
+}
+
+std::optional<std::string> ClusterNode::address_of(const std::string& id) const {
+  if (impl_->own.find(id)) return std::nullopt;
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->table.address_of(id, boot_time_ns());
+}
+
+bool ClusterNode::is_moving(const std::string& id) const {
+  if (impl_->own.find(id)) return false;
+  const std::lock_guard lock(impl_->mutex);
+  // Before anything has been heard nobody can say that there is no such session.
+  if (impl_->heard_ns == 0 && impl_->table.find(id) == nullptr) return true;
+  return impl_->table.is_moving(id, boot_time_ns());
+}
+
+std::vector<std::string> ClusterNode::other_servers() const {
+  const std::lock_guard lock(impl_->mutex);
+  std::vector<std::string> addresses;
+  for (const auto& [name, note] : impl_->table.others(boot_time_ns())) {
+    addresses.push_back(note.address);
+  }
+  return addresses;
+}
+
+}  // namespace kerf

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <expected>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/session/session_places.h"
+#include "server/session/session_registry.h"
+
+namespace kerf {
+
+struct ClusterOptions {
+  std::string node;  ///< name of this server among the others; empty: it is alone
+  std::string
+      advertise;  ///< its address for clients, "http://HOST:PORT"; empty: that of the server
+};
+
+/// One of several servers that share sessions by leases at NATS: it renews the leases of its own
+/// sessions, takes those of servers that are gone or have stopped, and knows where each session is.
+class ClusterNode final : public SessionPlaces {
+ public:
+  /// The error is one sentence: a bad URL, or a program without libnats. A server that is away is
+  /// no error.
+  static std::expected<std::unique_ptr<ClusterNode>, std::string> connect(const std::string& url,
+                                                                          int replicas,
+                                                                          std::string node);
+  ~ClusterNode() override;
+
+  /// Takes part from now on, as the server at `address`; claims the sessions of the data folder
+  /// that nobody has. The registry must outlive hold(). `report` is called, on any thread, with
+  /// what the opening of a session has shown.
+  void start(SessionRegistry& registry, std::string address,
+             std::function<void(const LoadReport&)> report);
+  /// Takes nothing more, and tells the others that the sessions will move. Returns the address of
+  /// the server that is asked to take them; empty: there is none.
+  std::string hold();
+  /// Gives the leases back but for those of `unfinished`, whose copies lack something: they run
+  /// out. Takes no part any more. Call after hold(), when the sessions have ended.
+  void release(const std::vector<std::string>& unfinished);
+
+  std::expected<void, std::string> claim(const std::string& id, bool is_known) override;
+  bool is_taken(const std::string& id) const override;
+  std::shared_ptr<const WriteFence> fence(const std::string& id) const override;
+  std::uint32_t epoch(const std::string& id) const override;
+  void close(const std::string& id) override;
+  const std::string& node() const override;
+  std::vector<PlacedSession> elsewhere() const override;
+  std::optional<std::string> address_of(const std::string& id) const override;
+  bool is_moving(const std::string& id) const override;
+  std::vector<std::string> other_servers() const override;
+
+ private:
+  struct Impl;
+  explicit ClusterNode(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kerf

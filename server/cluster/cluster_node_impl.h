@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The parts of ClusterNode: what its threads do is in cluster_threads.cpp.
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <set>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "server/cluster/cluster_node.h"
+#include "server/cluster/lease_table.h"
+#include "server/cluster/nats_connection.h"
+#include "server/cluster/own_leases.h"
+
+namespace kerf {
+
+struct ClusterNode::Impl {
+  Impl(NatsConnection connection, int count, std::string name, std::string run_name)
+      : nats(std::move(connection)),
+        replicas(count),
+        node(std::move(name)),
+        run(std::move(run_name)),
+        own(nats, run),
+        table(node, run) {}
+
+  void renew_all(const std::stop_token& stop);
+  void renew(const std::string& id);
+  std::optional<Lease> shown(const std::string& id) const;
+  void state_itself();
+  void watch_all(const std::stop_token& stop);
+  void watch(const std::stop_token& stop);
+  void take_note(const StreamMessage& message);
+  void take_all(const std::stop_token& stop);
+  std::optional<std::string> next_to_take();
+  void take(const std::string& id);
+  bool open(const std::string& id);
+  void find_local();
+  void hand_over_lost();
+
+  NatsConnection nats;
+  int replicas;
+  std::string node, run, address;
+  SessionRegistry* registry = nullptr;
+  std::function<void(const LoadReport&)> report;
+  OwnLeases own;
+  std::map<std::string, std::string> faults;  ///< renewer's thread only: of sessions, as logged
+  std::int64_t noted_ns = 0;                  ///< renewer's thread only
+
+  mutable std::mutex mutex;  ///< guards what follows; nothing is called with it
+  LeaseTable table;
+  std::int64_t heard_ns = 0;  ///< when the watch delivered something; 0: it does not work
+  /// When a free lease is tried; and when again what could not be opened.
+  std::map<std::string, std::int64_t> due_ns, again_ns;
+  std::set<std::string> taking;
+  std::set<std::string> local;  ///< journals of the data folder at the start
+  bool holds = false;
+  std::map<std::string, std::int64_t> lost;  ///< sessions to be ended, and since when
+  std::mt19937_64 chance{std::random_device{}()};
+  std::jthread renewer, watcher;
+  std::vector<std::jthread> takers;
+};
+
+}  // namespace kerf

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+// The threads of a ClusterNode: one renews its leases, one watches those of all, and some take
+// those of servers that are gone.
+#include <algorithm>
+#include <condition_variable>
+#include <system_error>
+
+#include "server/cluster/cluster_node_impl.h"
+#include "server/cluster/takeover.h"
+#include "server/log/log.h"
+#include "server/store/journal_file.h"
+
+namespace kerf {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kTick{100};
+/// Time that a message of the watch may take to come: this server's own note comes each second.
+constexpr std::int64_t kSilenceNs = 3'000'000'000;
+constexpr std::int64_t kNoteNs = 1'000'000'000;
+/// A free lease is tried after a random time up to the first, and later by the second for each
+/// session that this server has, so that the sessions of a lost server are spread.
+constexpr std::int64_t kSpreadNs = 150'000'000, kPerSessionNs = 30'000'000;
+constexpr std::size_t kSessionsCounted = 10;
+/// Time until a session that could not be taken is tried again.
+constexpr std::int64_t kRetryNs = 5'000'000'000;
+
+/// Waits for a tick; false: the thread has to end.
+bool pause(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::unique_lock lock(mutex);
+  wake.wait_for(lock, stop, kTick, [] { return false; });
+  return !stop.stop_requested();
+}
+
+void log_failure(const std::string& id, const std::string& reason) {
+  log::error("session " + id + " cannot be taken over: " + reason);
+}
+
+}  // namespace
+
+/// What lists show of a session of this server.
+std::optional<Lease> ClusterNode::Impl::shown(const std::string& id) const {
+  const auto session = registry->find(id);
+  if (!session) return std::nullopt;
+  Lease lease;
+  const SessionFigures figures = session->figures();
+  lease.epoch = session->epoch();
+  lease.name = session->scene().name;
+  lease.motions = figures.motions;
+  lease.removed_mm3 = figures.removed_mm3;
+  lease.participants = figures.participants;
+  lease.created_ms = figures.created_ms;
+  lease.active_ms = figures.active_ms;
+  return lease;
+}
+
+void ClusterNode::Impl::renew(const std::string& id) {
+  const auto renewed = own.renew(id, shown(id));
+  const std::string fault = renewed ? "" : renewed.error().reason;
+  if (!renewed && renewed.error().is_lost) {
+    const std::lock_guard lock(mutex);
+    lost.try_emplace(id, boot_time_ns());
+    faults.erase(id);
+    return;
+  }
+  std::string& known = faults[id];
+  if (std::exchange(known, fault) == fault) return;
+  if (fault.empty()) {
+    log::info("session " + id + ": its lease is renewed again");
+  } else {
+    log::error("session " + id +
+               ": its lease cannot be renewed, and it pauses when that takes long: " + fault);
+  }
+}
+
+/// Says that this server is there.
+void ClusterNode::Impl::state_itself() {
+  const std::int64_t now = boot_time_ns();
+  if (now - noted_ns < kNoteNs) return;
+  noted_ns = now;
+  NodeNote note{run, address, own.sessions().size()};
+  {
+    const std::lock_guard lock(mutex);
+    if (holds) note.address.clear();
+  }
+  const std::string subject = node_subject(node);
+  const auto last = nats.last_message(kClusterStream, subject);
+  if (!last) return;
+  const std::string id = "node/" + run + "/" + std::to_string(now);
+  (void)nats.publish(subject, encode_node(note), id, *last ? (*last)->sequence : 0,
+                     milliseconds(500));
+}
+
+void ClusterNode::Impl::renew_all(const std::stop_token& stop) {
+  do {
+    for (const std::string& id : own.due(boot_time_ns())) renew(id);
+    if (nats.is_connected()) state_itself();
+  } while (pause(stop));
+}
+
+void ClusterNode::Impl::take_note(const StreamMessage& message) {
+  const std::int64_t now = boot_time_ns();
+  const auto session = session_of_subject(message.subject);
+  const auto lease = session ? decode_lease(message.bytes) : std::nullopt;
+  const auto other = node_of_subject(message.subject);
+  const auto note = other ? decode_node(message.bytes) : std::nullopt;
+  const bool is_foreign = lease && lease->run != run && lease->state != LeaseState::kClosed;
+  const auto mine = is_foreign ? own.find(*session) : std::nullopt;
+  const std::lock_guard lock(mutex);
+  heard_ns = now;
+  if (note) table.note(*other, *note, now);
+  if (!lease) return;
+  table.note(*session, *lease, message.sequence, now);
+  due_ns.erase(*session);
+  // The watch may be behind what this server has taken since.
+  if (mine && lease->epoch > mine->epoch) {
+    own.lose(*session);
+    lost.try_emplace(*session, now);
+  }
+}
+
+/// Follows the leases until the watch delivers nothing any more.
+void ClusterNode::Impl::watch(const std::stop_token& stop) {
+  if (!nats.make_stream(kClusterStream, kClusterSubjects, replicas, Keep::kLastOfSubject)) return;
+  auto messages = nats.watch(kClusterStream, kClusterSubjects);
+  if (!messages) return;
+  {
+    const std::lock_guard lock(mutex);
+    heard_ns = boot_time_ns();
+    table.begin(heard_ns);
+  }
+  while (!stop.stop_requested()) {
+    const auto message = messages->next(kTick);
+    if (!message) return;
+    if (*message) take_note(**message);
+    const std::lock_guard lock(mutex);
+    if (boot_time_ns() - heard_ns > kSilenceNs) return;
+  }
+}
+
+void ClusterNode::Impl::watch_all(const std::stop_token& stop) {
+  do {
+    watch(stop);
+    const std::lock_guard lock(mutex);
+    heard_ns = 0;
+  } while (pause(stop));
+}
+
+/// The journals of the data folder: nobody may have their sessions.
+void ClusterNode::Impl::find_local() {
+  std::error_code ignored;
+  const auto folder = registry->closed_folder().parent_path();
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    const std::string id = entry.path().stem().string();
+    if (entry.path().extension() == kJournalExtension && is_session_id(id)) local.insert(id);
+  }
+}
+
+std::optional<std::string> ClusterNode::Impl::next_to_take() {
+  const std::int64_t now = boot_time_ns();
+  const std::size_t sessions = std::min(own.sessions().size(), kSessionsCounted);
+  const std::lock_guard lock(mutex);
+  if (holds || heard_ns == 0) return std::nullopt;
+  auto free = table.takeable(now);
+  for (const std::string& id : local) {
+    if (table.find(id) == nullptr) free.push_back(id);
+  }
+  for (const std::string& id : free) {
+    const auto again = again_ns.find(id);
+    const bool has_failed = again != again_ns.end() && now < again->second;
+    if (taking.contains(id) || has_failed || own.find(id)) continue;
+    const auto spread = static_cast<std::int64_t>(chance() % kSpreadNs) +
+                        static_cast<std::int64_t>(sessions) * kPerSessionNs;
+    const auto due = due_ns.try_emplace(id, now + spread).first;
+    if (now < due->second) continue;
+    due->second = now + kRetryNs;
+    taking.insert(id);
+    return id;
+  }
+  return std::nullopt;
+}
+
+/// Takes a lease and opens its session, unless another server is faster.
+void ClusterNode::Impl::take(const std::string& id) {
+  SeenLease seen;
+  {
+    const std::lock_guard lock(mutex);
+    if (const SeenLease* known = table.find(id)) seen = *known;
+  }
+  const auto epoch = epoch_of_copy(nats, id);
+  if (!epoch) return log_failure(id, epoch.error());
+  Lease lease = seen.lease;
+  lease.state = LeaseState::kHeld;
+  lease.node = node;
+  lease.run = run;
+  lease.address = address;
+  lease.to.clear();
+  lease.epoch = std::max(seen.lease.epoch, *epoch) + 1;
+  const auto taken = own.take(id, lease, seen.revision);
+  if (!taken) return;
+  log::info("session " + id + ": taken over" +
+            (seen.lease.node.empty() ? "" : " from " + seen.lease.node) + ", epoch " +
+            std::to_string(lease.epoch));
+  registry->expect(id);
+  const bool is_open = open(id);
+  registry->give_up(id);
+  {
+    const std::lock_guard lock(mutex);
+    if (is_open && !own.find(id)) lost.try_emplace(id, boot_time_ns());  // meanwhile
+    if (is_open) return;
+    again_ns[id] = boot_time_ns() + kRetryNs;
+  }
+  own.give_back(id, LeaseState::kReleased, {});
+}
+
+bool ClusterNode::Impl::open(const std::string& id) {
+  const auto lease = own.find(id);
+  if (!lease) return false;
+  const auto prepared = prepare_journal(nats, id, lease->epoch, registry->journal_path(id),
+                                        registry->closed_folder());
+  if (!prepared) {
+    log_failure(id, prepared.error());
+    return false;
+  }
+  LoadReport opened;
+  registry->open(id, opened);
+  report(opened);
+  return registry->find(id) != nullptr;
+}
+
+void ClusterNode::Impl::hand_over_lost() {
+  std::map<std::string, std::string> ended;  // and where they go on
+  {
+    const std::lock_guard lock(mutex);
+    const std::int64_t now = boot_time_ns();
+    std::erase_if(lost, [&](const auto& session) {
+      const auto& [id, since] = session;
+      const auto at = table.address_of(id, now);
+      if (!at && now - since < kSilenceNs) return false;  // the watch will tell
+      ended.emplace(id, at.value_or(""));
+      return true;
+    });
+  }
+  for (const auto& [id, at] : ended) {
+    if (own.find(id)) continue;  // taken again meanwhile
+    log::warn("session " + id + ": another server continues it" + (at.empty() ? "" : ": " + at));
+    registry->hand_over(id, "another server continues the session", at);
+  }
+}
+
+void ClusterNode::Impl::take_all(const std::stop_token& stop) {
+  do {
+    hand_over_lost();
+    while (const auto id = next_to_take()) {
+      take(*id);
+      hand_over_lost();
+      const std::lock_guard lock(mutex);
+      taking.erase(*id);
+      if (stop.stop_requested()) return;
+    }
+  } while (pause(stop));
+}
+
+}  // namespace kerf

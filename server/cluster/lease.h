@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kerf {
+
+/// The stream of the leases, and of what servers state of themselves: the newest message of each
+/// subject.
+inline constexpr const char* kClusterStream = "KERF_CLUSTER";
+inline constexpr const char* kClusterSubjects = "kerf.cluster.*.*";
+
+/// Of an owner, which renews its lease after kLeaseRenew and changes nothing from kLeaseWrites on
+/// after it has sent the last renewal that was stored. Others take the lease when it has not
+/// changed for kLeaseTaken after they have seen it: later, also by a clock that runs 20 % faster.
+inline constexpr std::int64_t kLeaseRenewNs = 1'000'000'000;
+inline constexpr std::int64_t kLeaseWritesNs = 2'500'000'000;
+inline constexpr std::int64_t kLeaseTakenNs = 3'100'000'000;
+static_assert(kLeaseTakenNs * 5 > kLeaseWritesNs * 6);
+
+enum class LeaseState : std::uint8_t {
+  kHeld,
+  kReleased,  ///< the owner has stopped, and everything is copied: anybody may take it
+  kClosed     ///< the session has ended
+};
+
+/// Who runs a session, and what lists of sessions show of it.
+struct Lease {
+  LeaseState state = LeaseState::kHeld;
+  std::string node;         ///< name of the server
+  std::string run;          ///< random, of one run of it
+  std::string address;      ///< "http://HOST:PORT"
+  std::uint32_t epoch = 0;  ///< in which it may change the session
+  /// The server that is asked to take it: of an owner that is about to stop. Empty: any.
+  std::string to;
+  std::string name;
+  std::uint64_t motions = 0;
+  double removed_mm3 = 0;
+  std::size_t participants = 0;
+  std::int64_t created_ms = 0, active_ms = 0;
+};
+
+/// A server, as it states every second.
+struct NodeNote {
+  std::string run;
+  std::string address;  ///< empty: it stops
+  std::size_t sessions = 0;
+};
+
+std::vector<std::byte> encode_lease(const Lease& lease);
+std::optional<Lease> decode_lease(std::span<const std::byte> bytes);
+std::vector<std::byte> encode_node(const NodeNote& note);
+std::optional<NodeNote> decode_node(std::span<const std::byte> bytes);
+
+/// The subjects of a session's lease and of a server; the names of such subjects, nullopt for
+/// others.
+std::string lease_subject(const std::string& session);
+std::string node_subject(const std::string& node);
+std::optional<std::string> session_of_subject(std::string_view subject);
+std::optional<std::string> node_of_subject(std::string_view subject);
+
+}  // namespace kerf

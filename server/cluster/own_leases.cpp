@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cluster/own_leases.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace kerf {
+namespace {
+
+/// Shorter than the time between the end of a renewal's second and that of its fence.
+constexpr std::chrono::milliseconds kAnswer{700};
+constexpr int kAttempts = 3;
+
+}  // namespace
+
+NatsResult<std::uint64_t> OwnLeases::store(const std::string& session, const Lease& lease,
+                                           std::uint64_t revision) {
+  const std::string id = "lease/" + session + "/" + run_ + "/" + std::to_string(++messages_);
+  return nats_.publish(lease_subject(session), encode_lease(lease), id, revision, kAnswer);
+}
+
+std::expected<void, LeaseError> OwnLeases::take(const std::string& session, Lease lease,
+                                                std::uint64_t revision) {
+  const std::int64_t sent = boot_time_ns();
+  const auto stored = store(session, lease, revision);
+  if (!stored) {
+    const bool is_lost = stored.error().code == NatsErrorCode::kNotNext;
+    return std::unexpected(LeaseError{
+        is_lost, is_lost ? "another server has taken the lease" : stored.error().reason});
+  }
+  auto fence = std::make_shared<WriteFence>();
+  fence->extend(sent + kLeaseWritesNs);
+  const std::lock_guard lock(mutex_);
+  held_[session] = {std::move(lease), *stored, sent, std::move(fence)};
+  return {};
+}
+
+/// Stores a lease of this run again. An acknowledgement that was lost does not make it foreign.
+std::expected<std::uint64_t, LeaseError> OwnLeases::store_own(const std::string& session,
+                                                              const Lease& lease,
+                                                              std::uint64_t revision) {
+  for (int n = 0; n < kAttempts; ++n) {
+    const auto stored = store(session, lease, revision);
+    if (stored) return *stored;
+    if (stored.error().code != NatsErrorCode::kNotNext) {
+      return std::unexpected(LeaseError{false, stored.error().reason});
+    }
+    const auto last = nats_.last_message(kClusterStream, lease_subject(session));
+    if (!last) return std::unexpected(LeaseError{false, last.error().reason});
+    // NATS has lost the lease: that of its last state counts, as for everybody else.
+    if (!*last) {
+      revision = 0;
+      continue;
+    }
+    const auto seen = decode_lease((*last)->bytes);
+    if (!seen || seen->run != run_ || seen->state != LeaseState::kHeld) {
+      return std::unexpected(LeaseError{true, "another server has taken the lease"});
+    }
+    revision = (*last)->sequence;
+  }
+  return std::unexpected(LeaseError{false, "the lease changes all the time"});
+}
+
+void OwnLeases::show(Lease& lease, const Lease& shown) {
+  lease.epoch = std::max(lease.epoch, shown.epoch);
+  lease.name = shown.name;
+  lease.motions = shown.motions;
+  lease.removed_mm3 = shown.removed_mm3;
+  lease.participants = shown.participants;
+  lease.created_ms = shown.created_ms;
+  lease.active_ms = shown.active_ms;
+}
+
+std::expected<void, LeaseError> OwnLeases::renew(const std::string& session,
+                                                 const std::optional<Lease>& shown) {
+  Lease lease;
+  std::uint64_t revision = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto held = held_.find(session);
+    if (held == held_.end()) return {};
+    lease = held->second.lease;
+    revision = held->second.revision;
+    lease.to = successor_;
+  }
+  if (shown) show(lease, *shown);
+  const std::int64_t sent = boot_time_ns();
+  const auto stored = store_own(session, lease, revision);
+  if (!stored && stored.error().is_lost) lose(session);
+  if (!stored) return std::unexpected(stored.error());
+  const std::lock_guard lock(mutex_);
+  const auto held = held_.find(session);
+  if (held == held_.end()) return {};
+  held->second.lease = std::move(lease);
+  held->second.revision = *stored;
+  held->second.sent_ns = sent;
+  held->second.fence->extend(sent + kLeaseWritesNs);
+  return {};
+}
+
+void OwnLeases::give_back(const std::string& session, LeaseState state, const std::string& to) {
+  Held held;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = held_.find(session);
+    if (found == held_.end()) return;
+    held = std::move(found->second);
+    held_.erase(found);
+  }
+  held.fence->end();
+  held.lease.state = state;
+  held.lease.to = to;
+  (void)store_own(session, held.lease, held.revision);  // else it runs out
+}
+
+void OwnLeases::lose(const std::string& session) {
+  const std::lock_guard lock(mutex_);
+  const auto found = held_.find(session);
+  if (found == held_.end()) return;
+  found->second.fence->end();
+  held_.erase(found);
+}
+
+void OwnLeases::name_successor(const std::string& node) {
+  const std::lock_guard lock(mutex_);
+  successor_ = node;
+}
+
+std::shared_ptr<const WriteFence> OwnLeases::fence(const std::string& session) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = held_.find(session);
+  // A lease that was lost meanwhile leaves a fence that is closed.
+  return found == held_.end() ? std::make_shared<WriteFence>() : found->second.fence;
+}
+
+std::optional<Lease> OwnLeases::find(const std::string& session) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = held_.find(session);
+  return found == held_.end() ? std::nullopt : std::optional(found->second.lease);
+}
+
+std::vector<std::string> OwnLeases::sessions() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> ids;
+  for (const auto& [id, held] : held_) ids.push_back(id);
+  return ids;
+}
+
+std::vector<std::string> OwnLeases::due(std::int64_t now_ns) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> ids;
+  for (const auto& [id, held] : held_) {
+    if (now_ns - held.sent_ns >= kLeaseRenewNs) ids.push_back(id);
+  }
+  return ids;
+}
+
+}  // namespace kerf

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <expected>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/cluster/lease.h"
+#include "server/cluster/nats_connection.h"
+#include "server/store/write_fence.h"
+
+namespace kerf {
+
+/// Why a lease could not be taken or renewed.
+struct LeaseError {
+  bool is_lost = false;  ///< another server has it; else nobody can be asked
+  std::string reason;    ///< one sentence
+};
+
+/// The leases that this server holds. Each change at NATS expects the revision that it replaces, so
+/// of two servers that try at the same time one succeeds. Thread-safe.
+class OwnLeases {
+ public:
+  OwnLeases(NatsConnection& nats, std::string run) : nats_(nats), run_(std::move(run)) {}
+
+  /// Takes the lease whose newest revision is `revision` (0: there is none).
+  std::expected<void, LeaseError> take(const std::string& session, Lease lease,
+                                       std::uint64_t revision);
+  /// Stores the lease again and, if it is still held, moves the end of its fence. A lost lease is
+  /// held no more, and its fence is closed. What lists show is taken from `shown`, if it is given.
+  std::expected<void, LeaseError> renew(const std::string& session,
+                                        const std::optional<Lease>& shown);
+  /// As renew(), and holds the lease no more, whatever comes of it.
+  void give_back(const std::string& session, LeaseState state, const std::string& to);
+  /// Another server has the lease.
+  void lose(const std::string& session);
+  /// Of the next renewals: the server that is asked to take the sessions.
+  void name_successor(const std::string& node);
+
+  std::shared_ptr<const WriteFence> fence(const std::string& session) const;
+  std::optional<Lease> find(const std::string& session) const;
+  std::vector<std::string> sessions() const;
+  /// Those whose last renewal that was stored is a second old.
+  std::vector<std::string> due(std::int64_t now_ns) const;
+
+ private:
+  struct Held {
+    Lease lease;
+    std::uint64_t revision = 0;
+    std::int64_t sent_ns = 0;
+    std::shared_ptr<WriteFence> fence;
+  };
+  static void show(Lease& lease, const Lease& shown);
+  NatsResult<std::uint64_t> store(const std::string& session, const Lease& lease,
+                                  std::uint64_t revision);
+  std::expected<std::uint64_t, LeaseError> store_own(const std::string& session, const Lease& lease,
+                                                     std::uint64_t revision);
+
+  NatsConnection& nats_;
+  std::string run_;
+  std::atomic<std::uint64_t> messages_ = 0;
+  mutable std::mutex mutex_;
+  std::map<std::string, Held> held_;
+  std::string successor_;
+};
+
+}  // namespace kerf

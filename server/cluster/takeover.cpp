@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cluster/takeover.h"
+
+#include <chrono>
+#include <random>
+#include <utility>
+
+#include "server/cluster/change_frame.h"
+#include "server/cluster/copies.h"
+#include "server/log/log.h"
+#include "server/store/journal_change.h"
+#include "server/store/journal_file.h"
+
+namespace kerf {
+namespace {
+
+/// A former owner may add this many messages meanwhile before something is wrong.
+constexpr int kAttempts = 100;
+
+/// The last message of a copy, and how far the copy goes with it.
+struct CopyEnd {
+  std::uint64_t sequence = 0;
+  FrameHead head;
+};
+
+std::expected<std::optional<CopyEnd>, std::string> end_of_copy(NatsConnection& nats,
+                                                               const std::string& session) {
+  const auto last = nats.last_message(copy_stream(session), copy_subject(session));
+  if (!last && last.error().code == NatsErrorCode::kAbsent) return std::nullopt;
+  if (!last) return std::unexpected(last.error().reason);
+  if (!*last) return std::nullopt;
+  const auto frame = decode_frame((*last)->bytes);
+  if (!frame) return std::unexpected("the copy is damaged, or of another version of Kerf");
+  return CopyEnd{(*last)->sequence, frame->head};
+}
+
+/// Adds a change without rows after the last message of the copy, if that is `end`: the writers
+/// before `epoch` then learn that they are succeeded. False: it is not.
+std::expected<bool, std::string> add_mark(NatsConnection& nats, const std::string& session,
+                                          std::uint32_t epoch, std::uint64_t end,
+                                          const CopyPosition& position, bool is_whole) {
+  std::random_device random;
+  const std::uint64_t writer = std::uint64_t{random()} << 32 | random();
+  // Of the epoch before: the journal replica that goes on is of `epoch`.
+  const FrameHead head{.epoch = epoch - 1,
+                       .writer = writer,
+                       .change = 1,
+                       .part = 0,
+                       .parts = 1,
+                       .is_whole = is_whole,
+                       .before = position,
+                       .after = position};
+  const std::string id = session + "/" + std::to_string(writer);
+  const auto stored = nats.publish(copy_subject(session), encode_frame(head, {}), id, end);
+  if (stored) return true;
+  if (stored.error().code == NatsErrorCode::kNotNext) return false;
+  return std::unexpected(stored.error().reason);
+}
+
+/// Ends the epochs before `epoch` in the copy, and returns how far it goes; nullopt: there is none.
+std::expected<std::optional<CopyEnd>, std::string> end_epochs(NatsConnection& nats,
+                                                              const std::string& session,
+                                                              std::uint32_t epoch) {
+  for (int n = 0; n < kAttempts; ++n) {
+    auto end = end_of_copy(nats, session);
+    if (!end || !*end) return end;
+    if ((*end)->head.epoch >= epoch) {
+      return std::unexpected("its copy is of epoch " + std::to_string((*end)->head.epoch) +
+                             ", and this server would run it in epoch " + std::to_string(epoch));
+    }
+    const auto added =
+        add_mark(nats, session, epoch, (*end)->sequence, (*end)->head.position(), false);
+    if (!added) return std::unexpected(added.error());
+    if (*added) return end;
+  }
+  return std::unexpected("another server adds to its copy all the time");
+}
+
+std::int64_t now_s() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::seconds>(now).count();
+}
+
+/// Takes the journal of a former time away: for good if the fetched one has all of it.
+std::expected<void, std::string> put_away(const std::filesystem::path& file,
+                                          const std::filesystem::path& fetched,
+                                          const std::string& session,
+                                          const std::filesystem::path& kept) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return {};
+  const auto end = end_of_journal(file);
+  const auto has_all = end ? JournalChanges(fetched).begin(*end) : std::unexpected(end.error());
+  if (has_all && *has_all) {
+    remove_journal(file);
+    return {};
+  }
+  std::filesystem::create_directories(kept, error);
+  const auto moved = keep_journal(file, kept, session + "-" + std::to_string(now_s()));
+  if (!moved) return std::unexpected(file.string() + ": " + moved.error().message());
+  log::warn("session " + session +
+            ": the journal of this server has records that were not copied " +
+            "before another one continued; it is kept as " + moved->string());
+  return {};
+}
+
+}  // namespace
+
+std::expected<std::uint32_t, std::string> epoch_of_copy(NatsConnection& nats,
+                                                        const std::string& session) {
+  const auto end = end_of_copy(nats, session);
+  if (!end) return std::unexpected(end.error());
+  return *end ? (*end)->head.epoch : 0;
+}
+
+std::expected<void, std::string> prepare_journal(NatsConnection& nats, const std::string& session,
+                                                 std::uint32_t epoch,
+                                                 const std::filesystem::path& file,
+                                                 const std::filesystem::path& kept) {
+  const auto end = end_epochs(nats, session, epoch);
+  if (!end) return std::unexpected(end.error());
+  std::error_code error;
+  const bool is_here = std::filesystem::exists(file, error);
+  if (!*end && is_here) return {};
+  if (!*end) return std::unexpected("there is neither a copy nor a journal of it here");
+  const CopyPosition position = (*end)->head.position();
+  if (is_here) {
+    const auto continues = JournalChanges(file).begin(position);
+    if (continues && *continues) return {};
+  }
+  const std::filesystem::path fetched = file.string() + "-fetched";
+  remove_journal(fetched);
+  const auto got = fetch_copy(nats, session, fetched);
+  if (!got) return std::unexpected(got.error());
+  if (*got != position) {
+    // The copy ends within a commit: its changes after the last whole one are dropped.
+    const auto now = end_of_copy(nats, session);
+    if (!now || !*now) return std::unexpected("the copy has gone");
+    const auto added = add_mark(nats, session, epoch, (*now)->sequence, *got, true);
+    if (!added) return std::unexpected(added.error());
+    if (!*added) return std::unexpected("another server adds to its copy");
+  }
+  if (auto ok = put_away(file, fetched, session, kept); !ok) return ok;
+  if (const auto failed = rename_new(fetched, file)) {
+    return std::unexpected(file.string() + ": " + failed.message());
+  }
+  return {};
+}
+
+}  // namespace kerf

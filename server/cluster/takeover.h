@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "server/cluster/nats_connection.h"
+
+namespace kerf {
+
+/// The epoch of the last message of a session's copy; 0: there is no copy. The error is one
+/// sentence.
+std::expected<std::uint32_t, std::string> epoch_of_copy(NatsConnection& nats,
+                                                        const std::string& session);
+
+/// Makes `file` the journal with which a session goes on in `epoch`, by the server that has its
+/// lease. From then on no server of an earlier epoch can add to the copy. A journal that is there
+/// and has all of the copy stays; otherwise the copy takes its place, and it is moved to the folder
+/// `kept` if it has something that the copy lacks. The error is one sentence.
+std::expected<void, std::string> prepare_journal(NatsConnection& nats, const std::string& session,
+                                                 std::uint32_t epoch,
+                                                 const std::filesystem::path& file,
+                                                 const std::filesystem::path& kept);
+
+}  // namespace kerf

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cluster/lease_table.h"
+
+#include <gtest/gtest.h>
+
+namespace kerf {
+namespace {
+
+using Ids = std::vector<std::string>;
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+Lease held_by(const std::string& node, std::uint32_t epoch = 1) {
+  Lease lease;
+  lease.node = node;
+  lease.run = node + "'s run";
+  lease.address = "http://" + node + ":8080";
+  lease.epoch = epoch;
+  return lease;
+}
+
+class LeaseTableTest : public testing::Test {
+ protected:
+  LeaseTable table_{"a", "a's run"};
+};
+
+TEST_F(LeaseTableTest, ALeaseIsTakenOnlyWhenItHasNotChangedForThreeSeconds) {
+  table_.note("s", held_by("b"), 7, 0);
+  EXPECT_EQ(table_.takeable(3 * kSecond), Ids());
+  EXPECT_EQ(table_.address_of("s", 3 * kSecond), "http://b:8080");
+  table_.note("s", held_by("b"), 7, 3 * kSecond);  // seen again, and not renewed
+  EXPECT_EQ(table_.takeable(kLeaseTakenNs), Ids{"s"});
+  EXPECT_TRUE(table_.is_moving("s", kLeaseTakenNs));
+  EXPECT_EQ(table_.address_of("s", kLeaseTakenNs), std::nullopt);
+  table_.note("s", held_by("b"), 8, kLeaseTakenNs);
+  EXPECT_EQ(table_.takeable(2 * kLeaseTakenNs - 1), Ids());
+}
+
+TEST_F(LeaseTableTest, TimeWithoutAnythingToBeSeenDoesNotCount) {
+  table_.note("s", held_by("b"), 7, 0);
+  table_.begin(10 * kSecond);
+  EXPECT_EQ(table_.takeable(13 * kSecond), Ids());
+  EXPECT_EQ(table_.takeable(10 * kSecond + kLeaseTakenNs), Ids{"s"});
+}
+
+TEST_F(LeaseTableTest, AReleasedLeaseIsFreeAtOnceForTheServerThatItNames) {
+  Lease lease = held_by("b");
+  lease.state = LeaseState::kReleased;
+  table_.note("any", lease, 1, 0);
+  lease.to = "a";
+  table_.note("mine", lease, 2, 0);
+  lease.to = "c";
+  table_.note("other", lease, 3, 0);
+  EXPECT_EQ(table_.takeable(0), (Ids{"any", "mine"}));
+  EXPECT_EQ(table_.takeable(2 * kSecond), (Ids{"any", "mine", "other"}));
+}
+
+TEST_F(LeaseTableTest, AClosedSessionIsNowhere) {
+  Lease lease = held_by("b");
+  lease.state = LeaseState::kClosed;
+  table_.note("s", lease, 1, 0);
+  EXPECT_EQ(table_.takeable(100 * kSecond), Ids());
+  EXPECT_FALSE(table_.is_moving("s", 0));
+  EXPECT_FALSE(table_.address_of("s", 0));
+  EXPECT_TRUE(table_.elsewhere().empty());
+}
+
+TEST_F(LeaseTableTest, PeersAreNotSentToAServerThatIsAboutToStop) {
+  Lease lease = held_by("b");
+  lease.to = "a";
+  table_.note("s", lease, 1, 0);
+  EXPECT_TRUE(table_.is_moving("s", 0));
+  EXPECT_FALSE(table_.address_of("s", 0));
+  EXPECT_EQ(table_.takeable(0), Ids()) << "it still has the lease";
+}
+
+TEST_F(LeaseTableTest, NobodyIsSentToThisServerItself) {
+  table_.note("s", held_by("a"), 1, 0);
+  EXPECT_FALSE(table_.address_of("s", 0));
+  EXPECT_TRUE(table_.is_moving("s", 0)) << "it is about to be opened, or was lost";
+  EXPECT_TRUE(table_.elsewhere().empty());
+}
+
+TEST_F(LeaseTableTest, ServersCountThatHaveStatedThemselvesLately) {
+  table_.note("a", {.run = "a's run", .address = "http://a", .sessions = 1}, 0);
+  table_.note("b", {.run = "b's run", .address = "http://b", .sessions = 2}, 0);
+  table_.note("c", {.run = "c's run", .address = "", .sessions = 3}, 0);  // it stops
+  const auto others = table_.others(4 * kSecond);
+  ASSERT_EQ(others.size(), 1U);
+  EXPECT_EQ(others[0].first, "b");
+  EXPECT_EQ(others[0].second.sessions, 2U);
+  EXPECT_TRUE(table_.others(6 * kSecond).empty());
+}
+
+TEST(Lease, ReadsWhatItHasWritten) {
+  Lease written = held_by("b", 9);
+  written.state = LeaseState::kReleased;
+  written.to = "c";
+  written.name = "Ammonite \"7\"";
+  written.motions = 5;
+  written.removed_mm3 = 2.5;
+  written.participants = 3;
+  written.created_ms = 11;
+  written.active_ms = 12;
+  const auto read = decode_lease(encode_lease(written));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->state, LeaseState::kReleased);
+  EXPECT_EQ(std::tie(read->node, read->run, read->address, read->to, read->name),
+            std::tie(written.node, written.run, written.address, written.to, written.name));
+  EXPECT_EQ(read->epoch, 9U);
+  EXPECT_EQ(read->motions, 5U);
+  EXPECT_EQ(read->removed_mm3, 2.5);
+  EXPECT_EQ(read->participants, 3U);
+  EXPECT_EQ(read->created_ms, 11);
+  EXPECT_EQ(read->active_ms, 12);
+}
+
+TEST(Lease, WhatIsNoneIsRefused) {
+  const auto decode = [](const std::string& text) {
+    return decode_lease(std::as_bytes(std::span(text)));
+  };
+  EXPECT_FALSE(decode(""));
+  EXPECT_FALSE(decode("[]"));
+  EXPECT_FALSE(decode("{}"));
+  EXPECT_FALSE(decode(R"({"state":"held","node":1,"run":"r","address":"x","epoch":1})"));
+  EXPECT_TRUE(decode(R"({"state":"held","node":"b","run":"r","address":"x","epoch":1})"));
+}
+
+TEST(Lease, SubjectsNameSessionsAndServers) {
+  EXPECT_EQ(session_of_subject(lease_subject("demo")), "demo");
+  EXPECT_EQ(node_of_subject(node_subject("b")), "b");
+  EXPECT_FALSE(session_of_subject(node_subject("b")));
+  EXPECT_FALSE(node_of_subject(lease_subject("demo")));
+}
+
+}  // namespace
+}  // namespace kerf

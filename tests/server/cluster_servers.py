@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Several kerf-servers that share sessions over one nats-server, and what their agents may expect."""
+import os
+import signal
+import time
+
+import nats_server
+from live_resume_test import DurableAgent, spiral_tip
+from live_server import Server
+from wire_client import WAIT_S, Closed, Rejected
+
+
+class Cluster:
+    """nats-server and servers named a, b, ..., each with a folder of its own below `folder`."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.nats = nats_server.Nats(self.path("nats"))
+        self.servers = {}
+
+    def path(self, name):
+        path = os.path.join(self.folder, name)
+        os.makedirs(path, exist_ok=True)
+        return path
+
+    def start(self, name, *more):
+        self.servers[name] = Server(self.path(name), "--nats", self.nats.url, "--node", name, *more)
+        return self.servers[name]
+
+    def stop(self, name, how=signal.SIGTERM):
+        return self.servers.pop(name).stop(how)
+
+    def end(self):
+        for server in self.servers.values():
+            server.process.kill()
+            server.process.communicate()
+        self.nats.stop()
+
+    def owner(self, session="block"):
+        """The name of the server that runs a session; None: nobody does at the moment."""
+        owners = []
+        for name, server in self.servers.items():
+            if server.http.request("GET", f"/v1/sessions/{session}")[0] == 200:
+                owners.append(name)
+        assert len(owners) < 2, f"two servers run the session: {owners}"
+        return owners[0] if owners else None
+
+    def wait_for_owner(self, session="block", among=None):
+        end = time.monotonic() + WAIT_S
+        while time.monotonic() < end:
+            owner = self.owner(session)
+            if owner and (among is None or owner in among):
+                return owner
+            time.sleep(0.02)
+        raise AssertionError(f"nobody runs {session}")
+
+
+class HistoryError(Exception):
+    """A server has taken back what one has acknowledged."""
+
+
+class ClusterAgent(DurableAgent):
+    """A DurableAgent that finds its session at any of the servers, and notes what they state.
+
+    Its history is checked while it goes on: epochs grow, and what has been acknowledged stays.
+    """
+
+    def __init__(self, cluster, session="block"):
+        self.cluster = cluster
+        self.epochs = []
+        super().__init__(None, session)
+
+    def connect(self, port):
+        end = time.monotonic() + WAIT_S
+        while True:
+            for server in list(self.cluster.servers.values()):
+                try:
+                    super().connect(server.port)
+                    return
+                except (OSError, Closed, Rejected, AssertionError):
+                    if time.monotonic() > end:
+                        raise
+            time.sleep(0.02)
+
+    def send(self, first):
+        resume = self.welcome["resume"]
+        if not self.epochs or self.epochs[-1] != self.epoch:
+            if self.epochs and (self.epoch < self.epochs[-1] or not resume["resumed"] or
+                                resume["agent_sequence"] < self.durable):
+                raise HistoryError(f"{self.welcome} after epochs {self.epochs} and "
+                                   f"{self.durable} durable samples")
+            self.epochs.append(self.epoch)
+        super().send(first)
+
+    def move(self, count):
+        """Cuts, at whichever server, below the limit of samples a second."""
+        time.sleep(count / 1000)
+        first = len(self.sent) + 1
+        self.sent += [spiral_tip(len(self.sent) + i) for i in range(count)]
+        while True:
+            try:
+                return self.send(first)
+            except (OSError, Closed, IndexError):
+                self.connect(None)  # which sends everything again
+                return None
+
+    def settle(self):
+        """Waits until everything is acknowledged."""
+        end = time.monotonic() + WAIT_S
+        while self.durable < len(self.sent):
+            assert time.monotonic() < end, (self.durable, len(self.sent))
+            try:
+                self.ping()
+            except (OSError, Closed, IndexError):
+                self.connect(None)
+            time.sleep(0.02)

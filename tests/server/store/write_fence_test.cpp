@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/store/write_fence.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "server/store/journal_file.h"
+#include "server/store/journal_writer.h"
+#include "tests/server/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::int64_t kHour = 3'600'000'000'000;
+
+TEST(WriteFence, IsClosedUntilItIsExtendedAndNeverMovesBack) {
+  WriteFence fence;
+  EXPECT_FALSE(fence.is_open());
+  fence.extend(boot_time_ns() + kHour);
+  fence.extend(boot_time_ns() - 1);
+  EXPECT_TRUE(fence.is_open());
+}
+
+TEST(WriteFence, CannotBeOpenedAgainOnceItHasEnded) {
+  WriteFence fence;
+  fence.extend(boot_time_ns() + kHour);
+  fence.end();
+  fence.extend(boot_time_ns() + 2 * kHour);
+  EXPECT_FALSE(fence.is_open());
+}
+
+TEST(WriteFence, AJournalAcceptsCommandsOnlyWhileItIsOpen) {
+  const test::TemporaryFolder folder;
+  auto writer = JournalWriter::create(folder / "demo.kerf", {"demo", "{}", {}, 1});
+  ASSERT_TRUE(writer);
+  const auto fence = std::make_shared<WriteFence>();
+  writer->keep_within(fence);
+  const auto refused = writer->append(1, MoveTool{});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, JournalErrorCode::kLease);
+  EXPECT_TRUE(writer->is_fenced());
+  EXPECT_EQ(writer->pause()->code, JournalErrorCode::kLease);
+  fence->extend(boot_time_ns() + kHour);
+  EXPECT_EQ(writer->append(1, MoveTool{}), 1U);
+  EXPECT_FALSE(writer->is_fenced());
+  EXPECT_FALSE(writer->pause());
+  fence->end();
+  EXPECT_FALSE(writer->append(1, MoveTool{}));
+  ASSERT_TRUE(writer->flush()) << "what was accepted is committed";
+  EXPECT_EQ(writer->durable_sequence(), 1U);
+}
+
+TEST(RaiseEpoch, TheNextOpeningIsOfThatEpochAtLeast) {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "demo.kerf";
+  ASSERT_TRUE(JournalWriter::create(file, {"demo", "{}", {}, 1}));
+  ASSERT_TRUE(raise_epoch(file, 9));
+  EXPECT_EQ(JournalWriter::open(file, 0)->epoch(), 9U);
+  ASSERT_TRUE(raise_epoch(file, 5));
+  EXPECT_EQ(JournalWriter::open(file, 0)->epoch(), 10U);
+}
+
+}  // namespace
+}  // namespace kerf
