@@ -259,6 +259,31 @@ describe('view link', () => {
     link.stop();
   });
 
+  it('goes to another server that the welcome names once its own is gone', async () => {
+    const followed: string[] = [];
+    const follow = (redirect: string): boolean => followed.push(redirect) > 0;
+    server.others = ['http://other:1', 'http://third:1'];
+    const { link, model, statuses } = join(server.port, 'demo', undefined, follow);
+    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    server.dropViewers();
+    const count = (): number => statuses.filter((status) => status === 'connected').length;
+    await vi.waitFor(() => expect(count()).toBe(2), soon);
+    expect(followed).toEqual([]);
+    server.dropViewers();
+    void server.close();
+    await vi.waitFor(() => expect(followed).toEqual(['http://other:1']), soon);
+    link.stop();
+  });
+
+  it('follows a server that says bye to each connection, instead of a welcome', async () => {
+    const followed: string[] = [];
+    const follow = (redirect: string): boolean => followed.push(redirect) > 0;
+    server.redirect = 'http://owner:1';
+    const { link } = join(server.port, 'demo', undefined, follow);
+    await vi.waitFor(() => expect(followed).toEqual(['http://owner:1']), soon);
+    link.stop();
+  });
+
   it('stays where a redirect may not be followed', () => {
     const page = 'https://kerf.example/?session=demo&quality=1#invite=secret';
     const target = (redirect: string): string | null => redirectTarget(page, redirect);

@@ -93,8 +93,8 @@ export class ViewLink {
   private sequence_ = 0n;
   private readonly silence_ = new Silence(PING_EVERY_MS);
   private byeReason_ = '';
-  private redirect_ = ''; // named by the last bye; empty after a welcome
-  private failures_ = 0; // connections since then that were not accepted
+  private redirect_ = ''; // named by the last bye; after a welcome, another server, if there is one
+  private failures_ = 0; // connections since the last welcome that were not accepted
   private welcomed_ = false;
   private blocks_ = 0; // counts welcomes: each begins another block
   private stopped_ = false;
@@ -281,7 +281,8 @@ export class ViewLink {
     if (message.type === 'welcome') {
       this.welcomed_ = true;
       this.blocks_ += 1;
-      this.redirect_ = '';
+      this.redirect_ = message.others?.[0] ?? '';
+      this.failures_ = 0;
       this.epoch_ = message.epoch;
       this.backoff_.reset();
       if (this.chosen_ !== null) this.events.renamed(this.chosen_);
@@ -294,7 +295,6 @@ export class ViewLink {
     if (message.type === 'bye') {
       this.byeReason_ = message.reason;
       this.redirect_ = message.redirect ?? '';
-      this.failures_ = 0;
     }
     this.events.message(message);
     if (message.type !== 'error' || !message.fatal) return;

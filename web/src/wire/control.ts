@@ -130,6 +130,7 @@ function welcomeOf(from: Json): Welcome {
     ...roleOf(from),
     ...mayOf(from),
     ...forceOf(from),
+    ...(Array.isArray(from['others']) ? { others: from['others'].map(String) } : {}),
     grid: {
       origin_mm: numbers(grid, 'origin_mm', 3) as Vec3,
       columns: numbers(grid, 'columns', 2) as [number, number],

@@ -265,6 +265,8 @@ export interface Welcome {
   /** Who this viewer is, and what it may do; missing: everything, on a server without rights. */
   role?: string;
   may?: string[];
+  /** The servers that go on with the session when this one is gone. */
+  others?: string[];
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
 

@@ -4,6 +4,8 @@ export class FakeServer {
   readonly acks: bigint[];
   readonly hellos: string[];
   refusedName: string | null;
+  others: string[];
+  redirect: string | null;
   readonly lookMessages: unknown[];
   readonly firstLooks: unknown[];
   readonly viewers: Set<{
