@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cluster/own_leases.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/server/cluster/nats_fixture.h"
+
+namespace kerf {
+namespace {
+
+class OwnLeasesTest : public test::NatsTest {
+ protected:
+  void SetUp() override {
+    NatsTest::SetUp();
+    if (!nats_) return;
+    ASSERT_TRUE(nats_->make_stream(kClusterStream, kClusterSubjects, 1, Keep::kLastOfSubject));
+    a_.emplace(*nats_, "a");
+    b_.emplace(*nats_, "b");
+  }
+  void TearDown() override {
+    a_.reset();
+    b_.reset();
+    NatsTest::TearDown();
+  }
+
+  static Lease lease(const std::string& run, std::uint32_t epoch) {
+    return {
+        .node = run, .run = run, .address = "http://" + run, .epoch = epoch, .to = {}, .name = {}};
+  }
+  StreamMessage stored() { return **nats_->last_message(kClusterStream, lease_subject("s")); }
+
+  std::optional<OwnLeases> a_, b_;
+};
+
+TEST_F(OwnLeasesTest, OfTwoServersThatTakeALeaseAtOnceOneGetsIt) {
+  ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
+  const auto late = b_->take("s", lease("b", 1), 0);
+  ASSERT_FALSE(late);
+  EXPECT_TRUE(late.error().is_lost);
+  EXPECT_TRUE(a_->fence("s")->is_open());
+  EXPECT_FALSE(b_->fence("s")->is_open());
+  const std::uint64_t revision = stored().sequence;
+  ASSERT_TRUE(a_->renew("s", {}));
+  EXPECT_FALSE(b_->take("s", lease("b", 2), revision)) << "it was renewed since";
+  EXPECT_EQ(decode_lease(stored().bytes)->node, "a");
+}
+
+TEST_F(OwnLeasesTest, AnOwnerThatIsSucceededLearnsOfItAndIsFenced) {
+  ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
+  const auto fence = a_->fence("s");
+  ASSERT_TRUE(b_->take("s", lease("b", 2), stored().sequence));
+  const auto renewed = a_->renew("s", {});
+  ASSERT_FALSE(renewed);
+  EXPECT_TRUE(renewed.error().is_lost);
+  EXPECT_FALSE(fence->is_open());
+  EXPECT_FALSE(a_->find("s"));
+  a_->give_back("s", LeaseState::kReleased, {});
+  EXPECT_EQ(decode_lease(stored().bytes)->node, "b");
+  EXPECT_EQ(decode_lease(stored().bytes)->epoch, 2U);
+}
+
+TEST_F(OwnLeasesTest, ARenewalWhoseAnswerWasLostIsNotThatOfAnother) {
+  ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
+  const StreamMessage first = stored();
+  ASSERT_TRUE(nats_->publish(lease_subject("s"), first.bytes, "lost", first.sequence));
+  EXPECT_TRUE(a_->renew("s", {}));
+  EXPECT_TRUE(a_->fence("s")->is_open());
+}
+
+TEST_F(OwnLeasesTest, WhatIsGivenBackMayBeTaken) {
+  ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
+  const auto fence = a_->fence("s");
+  a_->give_back("s", LeaseState::kReleased, "b");
+  EXPECT_FALSE(fence->is_open());
+  EXPECT_EQ(decode_lease(stored().bytes)->state, LeaseState::kReleased);
+  EXPECT_EQ(decode_lease(stored().bytes)->to, "b");
+  EXPECT_TRUE(b_->take("s", lease("b", 2), stored().sequence));
+  EXPECT_TRUE(b_->due(boot_time_ns()).empty());
+  EXPECT_EQ(b_->due(boot_time_ns() + kLeaseRenewNs), std::vector<std::string>{"s"});
+}
+
+}  // namespace
+}  // namespace kerf

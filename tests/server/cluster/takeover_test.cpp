@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cluster/takeover.h"
+
+#include <gtest/gtest.h>
+
+#include "server/cluster/change_frame.h"
+#include "server/store/journal_change.h"
+#include "server/store/journal_file.h"
+#include "server/store/journal_writer.h"
+#include "tests/server/cluster/nats_fixture.h"
+
+namespace kerf {
+namespace {
+
+class TakeoverTest : public test::NatsTest {
+ protected:
+  void SetUp() override {
+    NatsTest::SetUp();
+    if (!nats_) return;
+    ASSERT_TRUE(nats_->make_stream(copy_stream("demo"), copy_subject("demo"), 1));
+  }
+  JournalWriter create(const std::filesystem::path& file) {
+    auto writer = JournalWriter::create(file, {"demo", "{}", {}, 1});
+    EXPECT_TRUE(writer);
+    return *std::move(writer);
+  }
+  static void append(JournalWriter& writer, int count) {
+    for (int n = 0; n < count; ++n) {
+      MoveTool move;
+      move.to.tip_mm = {double(n), 0, 0};
+      ASSERT_TRUE(writer.append(1, move));
+    }
+    ASSERT_TRUE(writer.flush());
+  }
+  /// Copies what is new, as an owner of epoch 2 does after its message `after`.
+  NatsResult<std::uint64_t> copy(JournalChanges& changes, std::uint64_t after,
+                                 bool is_whole = true) {
+    const auto change = changes.next();
+    EXPECT_TRUE(change && *change);
+    const FrameHead head{.epoch = 2,
+                         .writer = 7,
+                         .change = after + 1,
+                         .is_whole = is_whole,
+                         .before = (*change)->before,
+                         .after = (*change)->after};
+    return nats_->publish(copy_subject("demo"), encode_frame(head, (*change)->rows),
+                          std::to_string(after), after);
+  }
+  std::uint64_t records(const std::filesystem::path& file) { return end_of_journal(file)->record; }
+
+  const std::filesystem::path first_ = folder_ / "first.kerf", second_ = folder_ / "second.kerf",
+                              kept_ = folder_ / "closed";
+};
+
+TEST_F(TakeoverTest, TheFormerOwnerCanAddNothingToTheCopyThatWasRead) {
+  JournalWriter writer = create(first_);
+  JournalChanges changes(first_);
+  append(writer, 5);
+  const auto last = copy(changes, 0);
+  ASSERT_TRUE(last);
+  const auto prepared = prepare_journal(*nats_, "demo", 3, second_, kept_);
+  ASSERT_TRUE(prepared) << prepared.error();
+  EXPECT_EQ(records(second_), 5U);
+  append(writer, 5);
+  const auto late = copy(changes, *last);
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, NatsErrorCode::kNotNext);
+  EXPECT_EQ(epoch_of_copy(*nats_, "demo"), 2U) << "the owner of epoch 3 may go on";
+  EXPECT_FALSE(prepare_journal(*nats_, "demo", 2, folder_ / "third.kerf", kept_));
+}
+
+TEST_F(TakeoverTest, AJournalThatHasTheCopyStaysAndOneThatIsBehindIsReplaced) {
+  {
+    JournalWriter writer = create(first_);
+    JournalChanges changes(first_);
+    append(writer, 5);
+    ASSERT_TRUE(copy_journal(first_, second_));
+    append(writer, 5);
+    ASSERT_TRUE(copy(changes, 0));
+    append(writer, 5);
+  }
+  ASSERT_TRUE(prepare_journal(*nats_, "demo", 3, first_, kept_));
+  EXPECT_EQ(records(first_), 15U) << "it has more than the copy";
+  ASSERT_TRUE(prepare_journal(*nats_, "demo", 4, second_, kept_));
+  EXPECT_EQ(records(second_), 10U);
+  EXPECT_FALSE(std::filesystem::exists(kept_)) << "the copy has all of it";
+}
+
+TEST_F(TakeoverTest, AJournalWithOtherRecordsIsKeptAside) {
+  JournalWriter writer = create(first_);
+  JournalChanges changes(first_);
+  append(writer, 5);
+  ASSERT_TRUE(copy(changes, 0));
+  {
+    JournalWriter other = create(second_);
+    append(other, 7);
+  }
+  ASSERT_TRUE(prepare_journal(*nats_, "demo", 3, second_, kept_));
+  EXPECT_EQ(records(second_), 5U);
+  const auto kept = std::filesystem::directory_iterator(kept_);
+  ASSERT_NE(kept, std::filesystem::directory_iterator());
+  EXPECT_EQ(records(kept->path()), 7U);
+}
+
+TEST_F(TakeoverTest, ACopyThatEndsWithinACommitGoesOnFromTheLastWholeOne) {
+  JournalWriter writer = create(first_);
+  JournalChanges changes(first_);
+  append(writer, 5);
+  const auto whole = copy(changes, 0);
+  append(writer, 5);
+  ASSERT_TRUE(copy(changes, *whole, false));
+  ASSERT_TRUE(prepare_journal(*nats_, "demo", 3, second_, kept_));
+  EXPECT_EQ(records(second_), 5U);
+  const auto last = nats_->last_message(copy_stream("demo"), copy_subject("demo"));
+  const auto frame = decode_frame((**last).bytes);
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(*JournalChanges(second_).begin(frame->head.position())) << "a replica continues it";
+}
+
+TEST_F(TakeoverTest, WithoutACopyOnlyTheJournalThatIsHereCounts) {
+  EXPECT_FALSE(prepare_journal(*nats_, "demo", 1, second_, kept_));
+  create(first_);
+  EXPECT_TRUE(prepare_journal(*nats_, "demo", 1, first_, kept_));
+  EXPECT_EQ(epoch_of_copy(*nats_, "demo"), 0U);
+}
+
+}  // namespace
+}  // namespace kerf
