@@ -115,6 +115,8 @@ TEST_F(TakeoverTest, ACopyThatEndsWithinACommitGoesOnFromTheLastWholeOne) {
   const auto frame = decode_frame((**last).bytes);
   ASSERT_TRUE(frame);
   EXPECT_TRUE(*JournalChanges(second_).begin(frame->head.position())) << "a replica continues it";
+  ASSERT_TRUE(prepare_journal(*nats_, "demo", 4, folder_ / "third.kerf", kept_));
+  EXPECT_EQ(records(folder_ / "third.kerf"), 5U);
 }
 
 TEST_F(TakeoverTest, WithoutACopyOnlyTheJournalThatIsHereCounts) {
