@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// End-to-end test of a newcomer's way to a first cut: with nothing but what the page shows, by roles
+// and names, in Chromium and Firefox, on a desk and on a phone; on a server that has no session yet,
+// and in kerf.html without a server. See README.md.
+//
+// node first_cut_live.mjs --server PROGRAM --web FOLDER --out FOLDER
+
+import assert from 'node:assert/strict';
+import { writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { launchBrowser, openViewer } from './support/browser.mjs';
+import { serveFiles } from './support/file_host.mjs';
+import { launchFirefox, openInFirefox } from './support/firefox.mjs';
+import { stop, until } from './support/processes.mjs';
+import { getJson, optionsOf, runFilesTest, startEmptyServer } from './support/session.mjs';
+
+const options = optionsOf(['server', 'web', 'out']);
+
+const SETTLE_S = 90; // software WebGL on a busy machine
+const DESK = { width: 1280, height: 800 };
+const PHONE = { width: 390, height: 844 };
+/** A cut is brighter than the block's skin, by this in red, green and blue together. */
+const BRIGHTER = 90;
+const CUT_PIXELS = 120; // of the part that is looked at, at least
+
+/** A person at Chromium, with a mouse or a finger. */
+async function chromiumUser(browser, url, viewport, hasTouch) {
+  const { page, problems } = await openViewer(browser, url, viewport, { hasTouch });
+  const button = (name) => page.getByRole('button', { name, exact: true });
+  const text = (shown) => page.getByText(shown, { exact: true });
+  return {
+    page,
+    problems,
+    look: () => page.screenshot({ timeout: 120_000 }),
+    press: (name) => (hasTouch ? button(name).tap() : button(name).click()),
+    pressText: (shown) => (hasTouch ? text(shown).tap() : text(shown).click()),
+    boxOf: (role, name) => page.getByRole(role, { name, exact: true }).boundingBox(),
+    drag: hasTouch ? (points) => dragByCdp(page, points) : (points) => dragMouse(page, points),
+    close: () => page.context().close(),
+  };
+}
+
+/** A person at Firefox. */
+async function firefoxUser(browser, url, viewport, hasTouch) {
+  const others = hasTouch ? { hasTouch: true, isMobile: false } : {};
+  const { page, problems, close } = await openInFirefox(browser, url, { ...viewport, ...others });
+  const find = (role, name) => page.waitForSelector(`::-p-aria([name="${name}"][role="${role}"])`);
+  return {
+    page,
+    problems,
+    look: async () => Buffer.from(await page.screenshot()),
+    press: async (name) => (await find('button', name)).click(),
+    pressText: async (shown) => (await page.waitForSelector(`::-p-text(${shown})`)).click(),
+    boxOf: async (role, name) => (await find(role, name)).boundingBox(),
+    drag: hasTouch
+      ? (points) => dragByTouchscreen(page, points)
+      : (points) => dragMouse(page, points),
+    close,
+  };
+}
+
+const pause = (ms) =>
+  new Promise((resolve) => {
+    setTimeout(resolve, ms);
+  });
+
+async function dragMouse({ mouse }, [first, ...others]) {
+  await mouse.move(...first);
+  await mouse.down();
+  for (const point of others) await mouse.move(...point);
+  await mouse.up();
+}
+
+async function dragByCdp(page, points) {
+  const session = await page.context().newCDPSession(page);
+  const send = (type, touches) =>
+    session.send('Input.dispatchTouchEvent', {
+      type,
+      touchPoints: touches.map(([x, y]) => ({ x, y })),
+    });
+  await send('touchStart', [points[0]]);
+  await pause(150); // a second finger could follow
+  for (const point of points.slice(1)) await send('touchMove', [point]);
+  await send('touchEnd', []);
+  await session.detach();
+}
+
+async function dragByTouchscreen({ touchscreen }, [first, ...others]) {
+  const finger = await touchscreen.touchStart(...first);
+  await pause(150);
+  for (const point of others) await finger.move(...point);
+  await finger.end();
+}
+
+/** How many pixels of a part of two pictures are brighter in the second: left, top, width, height. */
+async function brighterPixels({ page }, before, after, box) {
+  return page.evaluate(
+    async ([pictures, [left, top, width, height], step]) => {
+      const [one, other] = await Promise.all(
+        pictures.map(async (base64) => {
+          const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+          const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
+          const scale = bitmap.width / innerWidth;
+          const context = new OffscreenCanvas(width, height).getContext('2d');
+          context.scale(1 / scale, 1 / scale);
+          context.drawImage(bitmap, -left * scale, -top * scale);
+          return context.getImageData(0, 0, width, height).data;
+        }),
+      );
+      let count = 0;
+      for (let at = 0; at < one.length; at += 4) {
+        const change = [0, 1, 2].reduce((sum, n) => sum + other[at + n] - one[at + n], 0);
+        if (change > step) count += 1;
+      }
+      return count;
+    },
+    [[before, after].map((png) => png.toString('base64')), box, BRIGHTER],
+  );
+}
+
+/** The middle of what the picture has free: left of the panel, or above the bar of tools on a phone. */
+async function middleOf(user, panel, { width, height }) {
+  if (width > height) return [(await user.boxOf('complementary', panel)).x / 2, height / 2];
+  return [width / 2, (await user.boxOf('slider', 'Depth')).y / 2];
+}
+
+/** Drags across the block until there is a cut: as somebody does whose first try came too early. */
+async function cut(user, panel, viewport) {
+  await user.boxOf('slider', 'Depth'); // the bar of tools is there
+  return until('a cut in the picture', SETTLE_S, async () => {
+    const [x, y] = (await middleOf(user, panel, viewport)).map(Math.round);
+    const before = await user.look();
+    const points = [-40, -15, 10, 40].map((along) => [x + along, y + 2]);
+    await user.drag(points);
+    await pause(700);
+    const after = await user.look();
+    // Without the place of the tool, which stays at the end; and beside the stroke, where a picture
+    // that was taken while the browser drew it would be brighter too.
+    const brighterIn = (box) => brighterPixels(user, before, after, box);
+    const cutPixels = await brighterIn([x - 50, y - 20, 70, 40]);
+    const others = await brighterIn([x - 50, y + 30, 70, 40]);
+    return cutPixels >= CUT_PIXELS && others < CUT_PIXELS / 10 && after;
+  });
+}
+
+/** Reads nothing: a template, “Create”, “Carve”, and a stroke. */
+async function atServer(user, base, name, viewport) {
+  const began = Date.now();
+  await user.page.goto(base);
+  await user.pressText('Box');
+  await user.press('Create');
+  await user.press('Carve');
+  const picture = await cut(user, 'Session details', viewport);
+  console.log(`${name}, at a server: a cut after ${seconds(began)}`);
+  await writeFile(join(options.out, `first-cut-${name}.png`), picture);
+  const { sessions } = await getJson(`${base}/v1/sessions`);
+  assert.equal(sessions.length, 1);
+  const { removed_volume_mm3: removed } = await getJson(`${base}/v1/sessions/${sessions[0].id}`);
+  assert(removed > 0, 'the server has no cut');
+}
+
+async function withoutServer(user, host, name, viewport) {
+  const began = Date.now();
+  await user.page.goto(`${host}/kerf.html`);
+  await user.press('Carve a block by hand');
+  const picture = await cut(user, 'Details', viewport);
+  console.log(`${name}, without a server: a cut after ${seconds(began)}`);
+  await writeFile(join(options.out, `first-cut-local-${name}.png`), picture);
+}
+
+function seconds(began) {
+  return `${((Date.now() - began) / 1000).toFixed(1)} s`;
+}
+
+async function goBothWays(open, name, viewport, host, folder) {
+  const { server, base } = await startEmptyServer(options, folder);
+  const user = await open(viewport);
+  try {
+    await atServer(user, base, name, viewport);
+    await withoutServer(user, host.base, name, viewport);
+    assert.deepEqual(user.problems, []);
+  } finally {
+    await user.close();
+  }
+  assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
+}
+
+async function test(folder) {
+  const host = await serveFiles(options.web);
+  const chromium = await launchBrowser();
+  const firefox = await launchFirefox();
+  const inChromium = (touch) => (size) => chromiumUser(chromium, 'about:blank', size, touch);
+  const inFirefox = (touch) => (size) => firefoxUser(firefox.browser, 'about:blank', size, touch);
+  try {
+    await goBothWays(inChromium(false), 'chromium', DESK, host, join(folder, '1'));
+    await goBothWays(inChromium(true), 'chromium-phone', PHONE, host, join(folder, '2'));
+    await goBothWays(inFirefox(false), 'firefox', DESK, host, join(folder, '3'));
+    await goBothWays(inFirefox(true), 'firefox-phone', PHONE, host, join(folder, '4'));
+  } finally {
+    await chromium.close();
+    await firefox.close();
+    await host.close();
+  }
+}
+
+await runFilesTest(test, options);
