@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// End-to-end test of a newcomer's way to a first cut: with nothing but what the page shows, by roles
+// End-to-end test of a newcomer's path to a first cut: with nothing but what the page shows, by roles
 // and names, in Chromium and Firefox, on a desk and on a phone; on a server that has no session yet,
 // and in kerf.html without a server. See README.md.
 //
@@ -172,7 +172,7 @@ function seconds(began) {
   return `${((Date.now() - began) / 1000).toFixed(1)} s`;
 }
 
-async function goBothWays(open, name, viewport, host, folder) {
+async function carveBoth(open, name, viewport, host, folder) {
   const { server, base } = await startEmptyServer(options, folder);
   const user = await open(viewport);
   try {
@@ -192,10 +192,10 @@ async function test(folder) {
   const inChromium = (touch) => (size) => chromiumUser(chromium, 'about:blank', size, touch);
   const inFirefox = (touch) => (size) => firefoxUser(firefox.browser, 'about:blank', size, touch);
   try {
-    await goBothWays(inChromium(false), 'chromium', DESK, host, join(folder, '1'));
-    await goBothWays(inChromium(true), 'chromium-phone', PHONE, host, join(folder, '2'));
-    await goBothWays(inFirefox(false), 'firefox', DESK, host, join(folder, '3'));
-    await goBothWays(inFirefox(true), 'firefox-phone', PHONE, host, join(folder, '4'));
+    await carveBoth(inChromium(false), 'chromium', DESK, host, join(folder, '1'));
+    await carveBoth(inChromium(true), 'chromium-phone', PHONE, host, join(folder, '2'));
+    await carveBoth(inFirefox(false), 'firefox', DESK, host, join(folder, '3'));
+    await carveBoth(inFirefox(true), 'firefox-phone', PHONE, host, join(folder, '4'));
   } finally {
     await chromium.close();
     await firefox.close();

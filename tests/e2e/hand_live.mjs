@@ -111,7 +111,9 @@ async function checkHand(viewer) {
   await page.keyboard.press('Control+z');
   await settled(viewer, 'undo of the first', ({ hash }) => hash === untouched.hash);
   await page.keyboard.press('Control+z'); // there is nothing more
-  await page.getByText('no stroke to undo', { exact: false }).waitFor();
+  await page.getByText('There is no stroke to undo.').waitFor();
+  assert.equal(await page.getByRole('heading', { name: 'Program' }).count(), 0);
+  await page.getByRole('heading', { name: 'History' }).waitFor();
   await page.keyboard.press('Control+Shift+z');
   await settled(viewer, 'redo', ({ hash }) => hash === first.hash);
   await page.keyboard.press('Control+Shift+z');
@@ -126,6 +128,61 @@ async function checkReopened(viewer, file, before) {
   await viewer.page.keyboard.press('c');
   await isJoined(viewer);
   return carvedMore(viewer, opened, 0.5);
+}
+
+/** Lets a dialog of the browser be answered, and says what it was. */
+async function answerOf(page, accepts, act) {
+  const [dialog] = await Promise.all([page.waitForEvent('dialog'), act()]);
+  const asked = { type: dialog.type(), text: dialog.message() };
+  if (accepts) await dialog.accept();
+  else await dialog.dismiss();
+  return asked;
+}
+
+/** Strokes that are in no file are asked about, and come back when the page is loaded again. */
+async function checkKept(viewer, address, before) {
+  const { page } = viewer;
+  const last = await carvedMore(viewer, before, 0.35);
+  const other = () => dropFiles(page, { 'slot.ngc': PROGRAM });
+  const { type, text } = await answerOf(page, false, other);
+  assert.equal(type, 'confirm');
+  assert.match(text, /in no KERF file/);
+  assert.equal((await viewer.state()).hash, last.hash, 'the strokes were lost');
+  const closing = await answerOf(page, false, () => page.close({ runBeforeUnload: true }));
+  assert.equal(closing.type, 'beforeunload');
+  await until('strokes that the browser keeps', SETTLE_S, () => isKept(page));
+  page.once('dialog', (dialog) => void dialog.accept());
+  await page.goto(address);
+  const goOn = page.getByRole('button', { name: 'Go on with them' });
+  await goOn.waitFor();
+  await photograph(viewer, join(options.out, 'hand-kept.png'));
+  await checkAccessible(page, 'the page that offers strokes');
+  await goOn.click();
+  await settled(viewer, 'strokes of before', ({ hash }) => hash === last.hash);
+  await page.reload();
+  await page.getByRole('button', { name: 'Discard them' }).click();
+  await page.reload();
+  await page.getByRole('button', { name: 'Carve a block by hand' }).waitFor();
+  assert.equal(await isKept(page), false);
+  assert.equal(await page.getByRole('button', { name: 'Discard them' }).count(), 0);
+}
+
+/** Whether the browser's storage has strokes. */
+function isKept(page) {
+  return page.evaluate(
+    () =>
+      new Promise((resolve, reject) => {
+        const opening = indexedDB.open('kerf', 1);
+        opening.onerror = () => reject(opening.error);
+        opening.onsuccess = () => {
+          const request = opening.result.transaction('autosave').objectStore('autosave').count();
+          request.onsuccess = () => {
+            opening.result.close();
+            resolve(request.result > 0);
+          };
+        };
+      }),
+  );
 }
 
 /** Behind a program, which is one stroke of the journal. */
@@ -159,6 +216,11 @@ async function checkServed(file, folder, { hash }) {
       return answer.ok && (await answer.json());
     });
     assert.equal(session.state_hash, hash);
+    const { authors } = await (await fetch(`${base}/v1/sessions/by-hand/authors`)).json();
+    assert(
+      authors.some(({ name }) => name === 'Ada'),
+      `no Ada: ${JSON.stringify(authors)}`,
+    );
   } finally {
     await stop(server);
   }
@@ -172,7 +234,12 @@ async function test(folder) {
     const viewer = await openViewer(browser, `${host.base}/kerf.html`, DESK, {
       reducedMotion: 'reduce',
     });
+    const { page } = viewer;
+    const untouched = await checkHand(viewer);
+    await checkKept(viewer, `${host.base}/kerf.html`, untouched);
     const first = await checkHand(viewer);
+    await page.getByLabel('Your name').fill('Ada');
+    await page.keyboard.press('Tab');
     await savedTo(viewer, files[0]);
     checkReplayed(files[0], first);
     const second = await checkReopened(viewer, files[0], first);

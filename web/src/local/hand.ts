@@ -7,11 +7,15 @@ import { mountCarve } from '../carve/mount';
 import type { CarveHost, CarveSwitch } from '../carve/mount';
 import type { SessionModel } from '../model/session';
 import type { ParticipantInfo } from '../wire/types';
+import { recall } from '../strings/memory';
+import { forgetStrokes, keepStrokes } from './autosave';
 import { download } from './download';
 import { HandLink } from './hand_link';
 import type { FromWorker, ToWorker } from './messages';
 import type { JournalParts } from './program_block';
 
+/** Between two times at which strokes are kept in the browser. */
+const KEEP_EVERY_MS = 3000;
 /** Of the motions of a program, in the journal that goes on from it (web/wasm/files). */
 const PROGRAM = 1;
 
@@ -30,6 +34,9 @@ export class LocalHand {
   private own_: ParticipantInfo | null = null; // once it has carved this block
   private isSaved_ = true;
   private timer_: ReturnType<typeof setTimeout> | undefined;
+  private keepTimer_: ReturnType<typeof setTimeout> | undefined;
+  /** For what the worker was asked, in order. */
+  private asked_: ('file' | 'autosave')[] = [];
 
   constructor(private readonly host: HandHost) {
     this.switch_ = mountCarve({
@@ -50,7 +57,10 @@ export class LocalHand {
   /** Whether another block may take the place of this one: strokes that are in no file would go. */
   mayGo(): boolean {
     const question = t('The last strokes by hand are in no KERF file. Go on without them?');
-    return this.isSaved_ || window.confirm(question);
+    if (this.isSaved_) return true;
+    const goes = window.confirm(question);
+    if (goes) this.forget_();
+    return goes;
   }
 
   toggle(): void {
@@ -73,12 +83,23 @@ export class LocalHand {
     this.people_ = people;
     this.own_ = null;
     this.isSaved_ = true;
+    clearTimeout(this.keepTimer_);
+    this.keepTimer_ = undefined;
+    this.asked_ = [];
+  }
+
+  /** Writes the file. */
+  save(): void {
+    this.ask_('file');
   }
 
   heard(message: FromWorker): void {
     if (message.type === 'handed' && this.link_) this.takeOver_(this.link_, this.host.model);
-    if (message.type === 'felt' || message.type === 'changed') this.isSaved_ = false;
-    if (message.type === 'saved') void this.save_(message.parts);
+    if (message.type === 'felt' || message.type === 'changed') {
+      this.isSaved_ = false;
+      this.keepTimer_ ??= setTimeout(() => this.keep_(), KEEP_EVERY_MS);
+    }
+    if (message.type === 'saved') void this.write_(message.parts, this.asked_.shift()!);
     this.link_?.heard(message);
   }
 
@@ -95,7 +116,7 @@ export class LocalHand {
   }
 
   private name_(): string {
-    return t('You');
+    return recall('name') || t('You');
   }
 
   private makeLink_(events: CarveLinkEvents): HandLink {
@@ -116,15 +137,37 @@ export class LocalHand {
     return this.link_;
   }
 
-  private async save_(parts: JournalParts): Promise<void> {
+  private ask_(what: 'file' | 'autosave'): void {
+    this.asked_.push(what);
+    this.host.post({ type: 'save' });
+  }
+
+  private keep_(): void {
+    this.keepTimer_ = undefined;
+    if (!this.isSaved_) this.ask_('autosave');
+  }
+
+  private forget_(): void {
+    forgetStrokes().catch((problem: unknown) => console.warn(problem));
+  }
+
+  private async write_(parts: JournalParts, what: 'file' | 'autosave'): Promise<void> {
     try {
       const { writeKerfFile } = await import('./kerf_file_writer');
-      const people = [...this.others_(), ...(this.own_ ? [this.own_] : [])];
-      const bytes = await writeKerfFile(parts, people, this.host.file());
-      download(`${new TextDecoder().decode(parts.id)}.kerf`, bytes);
+      const own = this.own_ ? [{ ...this.own_, name: this.name_() }] : [];
+      const bytes = await writeKerfFile(parts, [...this.others_(), ...own], this.host.file());
+      const name = `${new TextDecoder().decode(parts.id)}.kerf`;
+      if (what === 'autosave') {
+        await keepStrokes({ name, bytes, atMs: Date.now() });
+        return;
+      }
+      download(name, bytes);
       this.isSaved_ = true;
+      this.forget_();
     } catch (problem) {
-      this.host.say(t('The file was not written: {0}', (problem as Error).message));
+      const reason = (problem as Error).message;
+      if (what === 'file') this.host.say(t('The file was not written: {0}', reason));
+      else console.warn(`The strokes are not kept in the browser: ${reason}`);
     }
   }
 }

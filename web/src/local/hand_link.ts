@@ -7,6 +7,7 @@ import type { AgentRequest } from '../wire/agent_control';
 import { encodeFrame } from '../wire/encode';
 import { FrameType } from '../wire/types';
 import type { FromWorker, ToWorker } from './messages';
+import { translated } from './reasons';
 
 const SPEED_MM_PER_S = 2000;
 const SAMPLES_PER_S = 1000;
@@ -96,7 +97,7 @@ export class HandLink implements AgentLink {
       this.events.joined({ participant: this.participant!, ...limits });
     } else if (message.type === 'felt') {
       this.answered_ = message.newest;
-      if (message.reason !== '') this.events.rejected('rejected', message.reason);
+      if (message.reason !== '') this.events.rejected('rejected', translated(message.reason));
       const own = message.progress.tools?.find((one) => one.participant === this.participant);
       this.events.result({
         agent_sequence: message.newest,
@@ -106,7 +107,7 @@ export class HandLink implements AgentLink {
     } else if (message.type === 'changed') {
       this.asked_ -= 1;
       if (message.reason === '') this.events.changed(message.undone);
-      else this.events.rejected('bad_message', message.reason);
+      else this.events.rejected('bad_message', translated(message.reason));
     }
   }
 

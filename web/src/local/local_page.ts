@@ -83,7 +83,7 @@ export class LocalPage {
       seek: (motion) => this.seek_(motion),
       play: (rate) => this.play_(rate),
       takeHome: (format) => this.worker_.post({ type: 'model', format }),
-      save: () => this.worker_.post({ type: 'save' }),
+      save: () => this.hand_.save(),
       linePressed: (line) => {
         this.panel_.markLine(line);
         this.path_?.markLine(line);
@@ -94,6 +94,7 @@ export class LocalPage {
     this.start_ = startCard({
       choose: () => this.input_.choose(),
       example: () => this.take_([exampleProgram()]),
+      goOn: (file) => this.take_([file]),
       carve: () => {
         this.take_([exampleBlock()]);
         this.carvesThen_ = true;

@@ -9,6 +9,7 @@ import { h, setText } from '../ui/dom';
 import { Figure, section } from '../ui/figures';
 import { count, figure, volume } from '../ui/format';
 import { languageChoice } from '../ui/language_choice';
+import { nameField } from './name_field';
 import { MaterialChoice } from '../ui/material_choice';
 import { duration } from '../ui/programs/texts';
 import { TextView } from '../ui/programs/text_view';
@@ -72,6 +73,7 @@ export class SidePanel {
   private readonly took_ = h('p', { class: 'quiet program-figures' });
   private readonly takeHome_: HTMLButtonElement[];
   private readonly save_: HTMLButtonElement;
+  private readonly name_ = nameField();
   /** For the path of the program in the picture. */
   readonly path = h('div');
   private readonly program_: HTMLElement;
@@ -125,6 +127,7 @@ export class SidePanel {
         section(
           t('Downloads'),
           h('div', { class: 'history-actions' }, ...this.takeHome_, this.save_),
+          this.name_,
         ),
         this.assumed_,
         section(t('Material'), new MaterialChoice(actions.materialChosen).element),
@@ -171,6 +174,7 @@ export class SidePanel {
     this.assumed_.hidden = true;
     for (const one of [this.motions_, this.removed_, this.triangles_, this.pitch_]) one.set('–');
     this.program_.hidden = text === null && files.journal === null;
+    setText(this.program_.querySelector('h2')!, text === null ? t('History') : t('Program'));
     this.text_.element.hidden = text === null;
     this.text_.show(text ?? '');
     this.text_.follow(true);
@@ -221,8 +225,10 @@ export class SidePanel {
 
   /** Whether the block has a journal, which the page may save. */
   setJournal(isThere: boolean): void {
-    this.save_.hidden = !isThere;
-    if (isThere) this.program_.hidden = false;
+    this.save_.hidden = this.name_.hidden = !isThere;
+    if (!isThere) return;
+    this.program_.hidden = false;
+    setText(this.program_.querySelector('h2')!, t('History'));
   }
 
   /** @param rate with which the block plays; 0: it does not */

@@ -3,22 +3,64 @@
 
 import { t } from '../strings';
 import { h } from '../ui/dom';
+import { ageText } from '../model/new_block';
+import { forgetStrokes, keptStrokes } from './autosave';
+import type { KeptStrokes } from './autosave';
+import type { GivenFile } from './program_block';
 
 export interface StartActions {
   choose: () => void;
   example: () => void;
   carve: () => void;
+  /** Opens the file of strokes that the browser has kept. */
+  goOn: (file: GivenFile) => void;
 }
 
-export function startCard({ choose, example, carve }: StartActions): HTMLElement {
-  const button = (text: string, action: () => void): HTMLElement => {
-    const element = h('button', { type: 'button', class: 'button' }, text);
-    element.addEventListener('click', action);
-    return element;
+function button(text: string, action: () => void): HTMLElement {
+  const element = h('button', { type: 'button', class: 'button' }, text);
+  element.addEventListener('click', action);
+  return element;
+}
+
+/** Offers strokes of a page that was closed before they were in a file. */
+function offer(place: HTMLElement, kept: KeptStrokes, goOn: StartActions['goOn']): void {
+  const done = (act: () => void) => () => {
+    place.replaceChildren();
+    act();
   };
+  place.replaceChildren(
+    h(
+      'p',
+      {},
+      t('Your last strokes by hand, of {0}, are in no file.', ageText(kept.atMs, Date.now())),
+    ),
+    h(
+      'div',
+      { class: 'page-actions' },
+      button(
+        t('Go on with them'),
+        done(() => goOn(kept)),
+      ),
+      button(
+        t('Discard them'),
+        done(() => void forgetStrokes()),
+      ),
+    ),
+  );
+}
+
+export function startCard({ choose, example, carve, goOn }: StartActions): HTMLElement {
+  const kept = h('div', { class: 'kept-strokes', role: 'status' });
+  keptStrokes().then(
+    (strokes) => {
+      if (strokes) offer(kept, strokes, goOn);
+    },
+    (problem: unknown) => console.warn(problem), // the browser stores nothing
+  );
   return h(
     'section',
     { class: 'start', 'aria-label': t('Without a server') },
+    kept,
     h('h2', {}, t('Drop an NC program here')),
     h(
       'p',

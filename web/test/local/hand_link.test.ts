@@ -111,7 +111,7 @@ describe('the link of a hand to the page that has the block', () => {
     expect(events.changed).toHaveBeenCalledWith(true);
     link.ask({ type: 'redo' });
     link.heard({ type: 'changed', undone: false, reason: 'there is no stroke to redo' });
-    expect(events.rejected).toHaveBeenCalledWith('bad_message', 'there is no stroke to redo');
+    expect(events.rejected).toHaveBeenCalledWith('bad_message', 'There is no stroke to redo.');
     later();
     expect(posted.at(-1)).toEqual({ type: 'rest' });
   });
