@@ -37,10 +37,11 @@ class Cluster:
         self.nats.stop()
 
     def owner(self, session="block"):
-        """The name of the server that runs a session; None: nobody does at the moment."""
+        """The name of the server that may change a session; None: none may at the moment."""
         owners = []
         for name, server in self.servers.items():
-            if server.http.request("GET", f"/v1/sessions/{session}")[0] == 200:
+            status, info = server.http.json("GET", f"/v1/sessions/{session}")
+            if status == 200 and info["paused"] is None:
                 owners.append(name)
         assert len(owners) < 2, f"two servers run the session: {owners}"
         return owners[0] if owners else None

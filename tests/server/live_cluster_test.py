@@ -138,7 +138,8 @@ class Takeover(unittest.TestCase):
         sessions = ["block"] + [f"block{n}" for n in range(5)]
         for session in sessions[1:]:
             self.a.create(session, dict(SCENE, name=session))
-        until(self, lambda: all(self.a.info(s)["copied"]["fault"] is None for s in sessions), True)
+        until(self, lambda: [(self.a.info(s)["copied"] or {"fault": ""})["fault"]
+                             for s in sessions], [None] * len(sessions))
         epochs = {session: self.a.info(session)["epoch"] for session in sessions}
         self.cluster.stop("a", signal.SIGKILL)
         owners = {session: self.cluster.wait_for_owner(session) for session in sessions}
