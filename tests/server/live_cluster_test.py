@@ -29,6 +29,7 @@ class Takeover(unittest.TestCase):
         self.cluster = Cluster(self.folder.name)
         self.addCleanup(self.cluster.end)
         self.a = self.cluster.start("a")
+        self.addCleanup(self.a.process.kill)  # a test may take it from the cluster
         self.a.create()
 
     def tearDown(self):
