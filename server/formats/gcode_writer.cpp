@@ -169,6 +169,39 @@ class GcodeWriter final : public PostWriter {
     out() << feed_text(60 * arc_length_mm(arc, from, tip) / duration_s) << '\n';
   }
 
+  /// grbl has no canned cycles.
+  bool drills(const DrilledHole& hole) const override {
+    const double least = std::pow(10.0, -rules().tip_decimals);
+    return kind() == MachineKinematics::kXyz && post_ != Post::kGrbl &&
+           (hole.peck_mm == 0 || hole.peck_mm >= least);
+  }
+
+  // Each hole after the first has its place only.
+  void drill(const DrilledHole& hole) override {
+    select_plane(ArcPlane::kXy);
+    const std::string cycle =
+        (hole.clear_mm == hole.r_mm ? "G99 G" : "G98 G") + std::to_string(hole.code);
+    std::string words = " Z" + number(hole.bottom_mm) + " R" + number(hole.r_mm);
+    if (hole.peck_mm > 0) words += " Q" + number(hole.peck_mm);
+    if (hole.code == 82) words += dwell_word(hole.dwell_s);
+    feed_.clear();
+    words += feed_text(hole.mm_per_min);
+    const std::string place = "X" + number(hole.x_mm) + " Y" + number(hole.y_mm);
+    if (cycle_ == cycle + words) {
+      out() << place << '\n';
+      return;
+    }
+    if (!cycle_.empty()) end_drilling();
+    out() << cycle << ' ' << place << words << '\n';
+    cycle_ = cycle + words;
+  }
+
+  void end_drilling() override {
+    out() << "G80\n";
+    cycle_.clear();
+    motion_.clear();
+  }
+
   void select_plane(ArcPlane plane) {
     if (plane == plane_) return;
     plane_ = plane;
@@ -187,13 +220,11 @@ class GcodeWriter final : public PostWriter {
     return " F" + feed_;
   }
 
-  void dwell(double seconds) override {
-    if (iso_) {
-      const double ms = std::clamp(std::round(1000 * seconds), 1.0, kDwellMaxMs);
-      out() << "G4 P" << decimal_text(ms, 0) << '\n';
-    } else {
-      out() << "G4 P" << exact_text(seconds) << '\n';
-    }
+  void dwell(double seconds) override { out() << "G4" << dwell_word(seconds) << '\n'; }
+
+  std::string dwell_word(double seconds) const {
+    if (!iso_) return " P" + exact_text(seconds);
+    return " P" + decimal_text(std::clamp(std::round(1000 * seconds), 1.0, kDwellMaxMs), 0);
   }
 
   void say(const MachineRemark& said) override {
@@ -265,6 +296,7 @@ class GcodeWriter final : public PostWriter {
   bool tcp_on_ = false, length_on_ = false;
   std::optional<MachineRemark> turning_;  ///< what started the spindle
   std::string motion_, feed_;
+  std::string cycle_;  ///< that the last hole left active
   ArcPlane plane_ = ArcPlane::kXy;
 };
 

@@ -106,6 +106,29 @@ class KlartextWriter final : public PostWriter {
           (arc.counterclockwise ? " DR+" : " DR-") + feed_text(per_min));
   }
 
+  /// Where cycles of pecks retract to is a matter of the control.
+  bool drills(const DrilledHole& hole) const override { return !rotary() && hole.peck_mm == 0; }
+
+  void drill(const DrilledHole& hole) override {
+    const std::string cycle = drilling(hole);
+    if (std::exchange(cycle_, cycle) != cycle) block(cycle);
+    block("L" + word('X', hole.x_mm) + word('Y', hole.y_mm) + " R0 FMAX M99");
+  }
+  void end_drilling() override { cycle_.clear(); }
+
+  // The surface is taken to be at R, because the motions do not show where it is.
+  std::string drilling(const DrilledHole& hole) const {
+    const auto mm = [this](double value) { return decimal_text(value, rules().tip_decimals); };
+    const double depth_mm = hole.r_mm - hole.bottom_mm;
+    return "CYCL DEF 200 DRILLING ~\n  Q200=0 ;SET-UP CLEARANCE ~\n  Q201=" + mm(-depth_mm) +
+           " ;DEPTH ~\n  Q206=" + significant_text(hole.mm_per_min, rules().feed_digits) +
+           " ;FEED RATE FOR PLNGNG ~\n  Q202=" + mm(depth_mm) +
+           " ;PLUNGING DEPTH ~\n  Q210=0 ;DWELL TIME AT TOP ~\n  Q203=" + mm(hole.r_mm) +
+           " ;SURFACE COORDINATE ~\n  Q204=" + mm(hole.clear_mm - hole.r_mm) +
+           " ;2ND SET-UP CLEARANCE ~\n  Q211=" + decimal_text(hole.dwell_s, 3) +
+           " ;DWELL TIME AT DEPTH";
+  }
+
   std::string feed_text(double per_min) {
     std::string written = significant_text(per_min, rules().feed_digits);
     if (written == feed_) return "";
@@ -177,6 +200,7 @@ class KlartextWriter final : public PostWriter {
   double rpm_ = 0;
   std::optional<MachineRemark::Kind> turning_;  ///< direction of the spindle
   std::string feed_;
+  std::string cycle_;  ///< that M99 calls
 };
 
 }  // namespace

@@ -69,6 +69,7 @@ WriteResult PostWriter::write(const ProgramMotion& given, const FittedArc* fitte
             "the tool is tilted, which the scene's machine xyz cannot do; use a scene with the "
             "machine tool-vector, xyzac-trt or xyzbc-trt");
   if (!std::exchange(begun_, true)) begin();
+  leave_hole();
   const bool rests = admit_pose(given.from) == admit_pose(given.to);
   const ToolPose from = rounded(given.from);
   const ToolPose to = rounded(given.to);
@@ -93,6 +94,30 @@ WriteResult PostWriter::write(const ProgramMotion& given, const FittedArc* fitte
   return write_result(out_);
 }
 
+WriteResult PostWriter::add_hole(const ProgramMotion& first, const DrilledHole& given) {
+  if (!std::exchange(begun_, true)) begin();
+  const ToolPose from = rounded(first.from);
+  if (!placed_ || !(from == last_) || first.tool != tool_) place(from, first.tool);
+  say_held(held_.size());
+  const DrilledHole hole = rounded(given);
+  drill(hole);
+  drills_ = true;
+  last_.tip_mm = {hole.x_mm, hole.y_mm, hole.clear_mm};
+  return write_result(out_);
+}
+
+void PostWriter::leave_hole() {
+  if (std::exchange(drills_, false)) end_drilling();
+}
+
+DrilledHole PostWriter::rounded(const DrilledHole& hole) const {
+  DrilledHole result = hole;
+  for (double* mm : {&result.x_mm, &result.y_mm, &result.r_mm, &result.bottom_mm, &result.clear_mm,
+                     &result.peck_mm})
+    *mm = rounded_to(*mm, rules_.tip_decimals);
+  return result;
+}
+
 WriteResult PostWriter::remark(const MachineRemark& said) {
   held_.push_back(said);
   return {};
@@ -100,6 +125,7 @@ WriteResult PostWriter::remark(const MachineRemark& said) {
 
 WriteResult PostWriter::finish() {
   if (!std::exchange(begun_, true)) begin();
+  leave_hole();
   if (placed_) retract();
   say_held(held_.size());
   end();
@@ -109,6 +135,7 @@ WriteResult PostWriter::finish() {
 
 // What ends or stops something comes before a tool change, what starts something after it.
 void PostWriter::place(const ToolPose& pose, ToolId tool) {
+  leave_hole();
   retract();
   if (!placed_ || tool != tool_) {
     const auto first = std::ranges::find_if(held_, starts_something);

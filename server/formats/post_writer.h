@@ -22,6 +22,7 @@ class PostWriter : public ProgramWriter {
   /// Only upright tools have arcs: those of tables and tool vectors depend on settings.
   bool takes(const FittedArc&) const override { return kind_ == MachineKinematics::kXyz; }
   WriteResult add_arc(const ProgramMotion& motion, const FittedArc& arc) final;
+  WriteResult add_hole(const ProgramMotion& first, const DrilledHole& hole) final;
   WriteResult remark(const MachineRemark& said) final;
   WriteResult finish() final;
 
@@ -41,6 +42,10 @@ class PostWriter : public ProgramWriter {
   virtual void straight(const ToolPose& to, bool rapid, double duration_s) = 0;
   /// Moves on an arc from last() to a pose. Precondition: takes(arc).
   virtual void arc(const ToolPose& to, const FittedArc& arc, double duration_s) = 0;
+  /// Drills a hole, after traversing to it from last(). Precondition: drills(hole).
+  virtual void drill(const DrilledHole&) {}
+  /// Anything but a hole follows a hole.
+  virtual void end_drilling() {}
   virtual void dwell(double seconds) = 0;
   virtual void say(const MachineRemark& said) = 0;
   virtual void end() = 0;
@@ -66,7 +71,9 @@ class PostWriter : public ProgramWriter {
   ToolPose rounded(const ToolPose& pose) const;
   WriteResult write(const ProgramMotion& motion, const FittedArc* arc);
   FittedArc about(const FittedArc& arc, Vec3 from, Vec3 to) const;
+  DrilledHole rounded(const DrilledHole& hole) const;
   void place(const ToolPose& pose, ToolId tool);
+  void leave_hole();
   void say_held(std::size_t count);
   void turn(const ToolPose& from, const ToolPose& to, const ProgramMotion& motion, int halvings);
 
@@ -75,7 +82,7 @@ class PostWriter : public ProgramWriter {
   std::ostream& out_;
   const MachineKinematics kind_;
   const bool rotary_, vector_;
-  bool begun_ = false, placed_ = false;
+  bool begun_ = false, placed_ = false, drills_ = false;
   ToolId tool_ = 0;
   ToolPose last_;
   RotaryAngles angles_, end_angles_;

@@ -123,6 +123,13 @@ WriteResult ProgramDecimator::flush() {
   return {};
 }
 
+bool ProgramDecimator::drills(const DrilledHole& hole) const { return writer_->drills(hole); }
+
+WriteResult ProgramDecimator::add_hole(const ProgramMotion& first, const DrilledHole& hole) {
+  if (WriteResult flushed = flush(); !flushed) return flushed;
+  return writer_->add_hole(first, hole);
+}
+
 WriteResult ProgramDecimator::remark(const MachineRemark& said) {
   if (WriteResult flushed = flush(); !flushed) return flushed;
   return writer_->remark(said);

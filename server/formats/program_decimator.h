@@ -21,6 +21,8 @@ class ProgramDecimator final : public ProgramWriter {
 
   void note(const std::string& line) override;
   WriteResult add(const ProgramMotion& motion) override;
+  bool drills(const DrilledHole& hole) const override;
+  WriteResult add_hole(const ProgramMotion& first, const DrilledHole& hole) override;
   WriteResult remark(const MachineRemark& said) override;
   WriteResult finish() override;
 

@@ -4,6 +4,7 @@
 #include <ostream>
 #include <utility>
 
+#include "server/formats/drilling_cycles.h"
 #include "server/formats/post_parts.h"
 #include "server/formats/program_decimator.h"
 #include "server/formats/program_writing.h"
@@ -12,6 +13,10 @@ namespace kerf {
 
 WriteResult ProgramWriter::add_arc(const ProgramMotion&, const FittedArc&) {
   return std::unexpected("the language has no arcs");
+}
+
+WriteResult ProgramWriter::add_hole(const ProgramMotion&, const DrilledHole&) {
+  return std::unexpected("the language has no drilling cycles");
 }
 
 WriteResult write_result(const std::ostream& out) {
@@ -57,16 +62,15 @@ std::unique_ptr<ProgramWriter> make_gcode_writer(const Scene& scene, std::ostrea
 
 std::expected<std::unique_ptr<ProgramWriter>, std::string> make_program_writer(
     const ProgramStyle& style, const Scene& scene, std::ostream& out) {
-  std::unique_ptr<ProgramWriter> writer;
-  if (style.format == ProgramFormat::kApt) {
-    writer = make_apt_writer(scene, out);
-  } else {
-    auto made = make_post_writer(style.post, scene, out);
-    if (!made) return std::unexpected(made.error());
-    writer = *std::move(made);
-  }
-  if (!(style.tolerance_mm > 0)) return writer;
-  return std::make_unique<ProgramDecimator>(std::move(writer), scene, style.tolerance_mm);
+  const bool apt = style.format == ProgramFormat::kApt;
+  auto made = apt ? make_apt_writer(scene, out) : make_post_writer(style.post, scene, out);
+  if (!made) return std::unexpected(made.error());
+  std::unique_ptr<ProgramWriter> writer = *std::move(made);
+  if (style.tolerance_mm > 0)
+    writer = std::make_unique<ProgramDecimator>(std::move(writer), scene, style.tolerance_mm);
+  // Holes are sought before motions are joined across their ends.
+  if (!apt) writer = std::make_unique<DrillingCycles>(std::move(writer));
+  return writer;
 }
 
 WriteResult write_program(const Program& program, ProgramWriter& writer) {

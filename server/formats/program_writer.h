@@ -8,6 +8,7 @@
 #include <string>
 
 #include "server/formats/arc_fit.h"
+#include "server/formats/drilled_hole.h"
 #include "server/formats/machine_remark.h"
 #include "server/formats/post.h"
 #include "server/formats/program.h"
@@ -38,6 +39,10 @@ class ProgramWriter {
   virtual bool takes(const FittedArc&) const { return false; }
   /// Writes a motion whose tip follows an arc. Precondition: takes(arc).
   virtual WriteResult add_arc(const ProgramMotion& motion, const FittedArc& arc);
+  /// Whether the control has a cycle for such a hole.
+  virtual bool drills(const DrilledHole&) const { return false; }
+  /// Writes the cycle of a hole. `first` is the first of its motions. Precondition: drills(hole).
+  virtual WriteResult add_hole(const ProgramMotion& first, const DrilledHole& hole);
   /// Writes the remark that comes before the next motion.
   virtual WriteResult remark(const MachineRemark& said) = 0;
   /// Writes the end of the program and flushes the stream. Call once, after the last motion.

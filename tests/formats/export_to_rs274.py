@@ -170,6 +170,50 @@ def check(carve, rs274, folder, kinematics):
           f"{max(-figures['min_mm'], figures['max_mm']):.3f} mm")
 
 
+HOLES = """G21 G90 G94 F100
+T1 M6
+G0 X-15 Y-15
+Z10
+G99 G81 X-10 Y-15 Z-4 R2
+X-5
+X0 Y-12
+G80
+G98 G83 X5 Y-10 Z-9.5 R1 Q2.5 F80
+X10
+G80
+T2 M6
+G0 X0 Y0
+Z10
+G99 G73 X0 Y5 Z-5 R2 Q3 F90
+Y10
+G82 Y15 Z-1 R2 P0.5 F120
+G80
+G0 Z20
+M2
+"""
+
+
+def moves(calls):
+    """Returns the moves and dwells that begin at or lead into a hole, and the tools: what approaches differ in is above."""
+    kept = [re.sub(r"^.*N\S+\s+", "", c) for c in calls if re.search("STRAIGHT_FEED|DWELL|CHANGE_TOOL", c)]
+    return [c for c in kept if c]
+
+
+def check_holes(carve, rs274, folder):
+    """LinuxCNC must drill the same holes by the cycles that are exported as by those of the source."""
+    (folder / "s.json").write_text(json.dumps(scene("xyz")))
+    (folder / "holes.ngc").write_text(HOLES)
+    carve("--scene", "s.json", "--program", "holes.ngc", "--ngc", "cycles.ngc")
+    text = (folder / "cycles.ngc").read_text()
+    for cycle in ("G99 G81", "G98 G83", "G99 G73", "G99 G82"):
+        assert cycle in text, f"{cycle} is not in the exported program:\n{text}"
+    before, after = (moves(execute(rs274, folder, folder / name)) for name in ("holes.ngc", "cycles.ngc"))
+    if before != after:
+        sys.exit("LinuxCNC drills otherwise:\n" + "\n".join(before) + "\n\n" + "\n".join(after))
+    feeds = sum("STRAIGHT_FEED" in call for call in before)
+    print(f"holes: {feeds} feeds and {len(before) - feeds} dwells and tool changes are those of the source")
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("carve")
@@ -182,6 +226,7 @@ def main():
         folder = Path(name)
         for kinematics in ("xyz", "xyzac-trt", "xyzbc-trt"):
             check(Carve(Path(args.carve).resolve(), folder), args.rs274, folder, kinematics)
+        check_holes(Carve(Path(args.carve).resolve(), folder), args.rs274, folder)
     return 0
 
 

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "server/formats/program_writer.h"
+
+namespace kerf {
+
+/// Writes the motions of holes as drilling cycles (DrilledHole), where the writer takes them.
+/// Motions are a hole only if the cycle, as the readers of G-code carry it out, makes exactly these
+/// poses again; all others, and remarks, go to `writer` as they are.
+class DrillingCycles final : public ProgramWriter {
+ public:
+  explicit DrillingCycles(std::unique_ptr<ProgramWriter> writer);
+
+  void note(const std::string& line) override;
+  WriteResult add(const ProgramMotion& motion) override;
+  WriteResult remark(const MachineRemark& said) override;
+  WriteResult finish() override;
+
+ private:
+  WriteResult flush();
+
+  std::unique_ptr<ProgramWriter> writer_;
+  std::vector<ProgramMotion> parts_;  ///< perhaps of a hole, not yet forwarded
+};
+
+}  // namespace kerf
