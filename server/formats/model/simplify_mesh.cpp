@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/simplify_mesh.h"
 
-#include <meshoptimizer.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
 
+#include "server/formats/model/edge_collapse.h"
 #include "server/formats/model/mesh_crossings.h"
 #include "server/formats/model/mesh_nearest.h"
 #include "server/formats/number_text.h"
@@ -17,115 +16,74 @@ namespace kerf {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
-using Triangles = std::vector<Triangle>;
 
-/// Rounds that protect the surroundings of invalid collapses; each protects a larger neighborhood.
-constexpr int kRoundsMax = 20;
-/// Rounds that reduce collapsing at the worst places if only the number of triangles is given.
-constexpr int kBudgetRounds = 6;
-/// If a larger fraction of the vertices exceeds the bound, collapsing is reduced everywhere.
-constexpr double kSpoiltShareMax = 0.002;
-/// Lower limit of that reduction, as a fraction of the bound: rough surfaces have such places
-/// everywhere.
-constexpr double kEstimateShareMin = 0.05;
+/// Attempts to collapse without what made the last one invalid; each keeps a larger neighborhood.
+constexpr int kAttemptsMax = 20;
+/// Attempts to halve the error if only the number of triangles is given.
+constexpr int kHalvingsMax = 2;
+/// Edges are collapsed within this share of the bound, because they are checked at samples.
+constexpr double kCollapseShare = 0.95;
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
-
-/// Drops pairs of coincident triangles of opposite orientation, which enclose nothing; the surface
-/// stays closed.
-void cancel_opposites(Triangles& triangles) {
-  const auto key = [](const Triangle& t) {
-    Triangle sorted = t;
-    std::ranges::sort(sorted);
-    return sorted;
-  };
-  const auto turns_up = [](const Triangle& t) {  // an even permutation of its sorted corners
-    const int swaps = (t[0] > t[1] ? 1 : 0) + (t[0] > t[2] ? 1 : 0) + (t[1] > t[2] ? 1 : 0);
-    return swaps % 2 == 0;
-  };
-  std::ranges::stable_sort(triangles, {}, key);
-  Triangles kept;
-  for (std::size_t first = 0; first < triangles.size();) {
-    Triangles up, down;
-    const Triangle same = key(triangles[first]);
-    for (; first < triangles.size() && key(triangles[first]) == same; ++first) {
-      (turns_up(triangles[first]) ? up : down).push_back(triangles[first]);
-    }
-    const std::size_t pairs = std::min(up.size(), down.size());
-    kept.insert(kept.end(), up.begin() + std::ptrdiff_t(pairs), up.end());
-    kept.insert(kept.end(), down.begin() + std::ptrdiff_t(pairs), down.end());
-  }
-  triangles = std::move(kept);
-}
 
 /// Collapses edges, checks the result, and repeats without the collapses that made it invalid.
 class Simplifier {
  public:
-  explicit Simplifier(const IndexedMesh& exact)
-      : exact_(exact), to_exact_(exact), kept_(exact.positions_mm.size(), false) {
-    scale_ = static_cast<double>(meshopt_simplifyScale(exact.positions_mm.front().data(),
-                                                       exact.positions_mm.size(),
-                                                       sizeof(exact.positions_mm.front())));
-  }
+  Simplifier(const IndexedMesh& exact, const ModelProgress& progress, const std::stop_token& stop)
+      : exact_(exact),
+        progress_(progress),
+        stop_(stop),
+        to_exact_(exact),
+        kept_(exact.positions_mm.size(), false) {}
 
-  std::expected<SimplifiedMesh, ModelError> run(const SimplifyRequest& request,
-                                                const ModelProgress& progress,
-                                                const std::stop_token& stop) {
-    // meshoptimizer asserts that the target is not above the number that there are.
-    const std::size_t target =
-        std::min<std::size_t>(request.triangles.value_or(0), exact_.triangles.size());
-    // Without a bound, collapsing is reduced at the worst places as long as the error decreases.
-    double bound_mm = request.error_mm.value_or(kNoBound);
-    double estimate_mm =
-        bound_mm;  // limit of meshoptimizer's estimate, which is a mean and not a maximum
-    std::optional<SimplifiedMesh> best, crossed;
-    int rounds = request.error_mm ? kRoundsMax : kBudgetRounds;
-    for (int round = 0; round < rounds; ++round) {
-      if (stop.stop_requested()) return std::unexpected(ModelError{"stopped"});
-      if (progress) progress(round / double(rounds));
-      const IndexedMesh result{exact_.origin_mm, exact_.positions_mm,
-                               collapse(target, estimate_mm)};
-      const Faults faults = find_faults(result);
-      const bool within = request.triangles.value_or(SIZE_MAX) >= result.triangles.size();
-      if (faults.closed && !faults.none() && within && !request.error_mm &&
-          (!crossed || faults.crossing.size() < crossed->crossing_triangles)) {
-        crossed = SimplifiedMesh{compact(result), 0, 0, faults.crossing.size()};
-      }
-      if (crossed && !within) break;  // what is kept exceeds the number of triangles
-      // Otherwise only the places beyond a bound count.
-      Measured measured;
-      if (faults.none() || bound_mm < kNoBound || result.triangles.empty()) {
-        measured = measure(result, bound_mm);
-      }
-      if (faults.none() && request.error_mm && measured.error_mm <= bound_mm)
-        return SimplifiedMesh{compact(result), 0, measured.error_mm, 0};
-      if (faults.none() && !request.error_mm && (within || !best)) {
-        if (!best || measured.error_mm < best->error_mm)
-          best = SimplifiedMesh{compact(result), 0, measured.error_mm, 0};
-        bound_mm = measured.error_mm / 2;
-        measured = measure(result, bound_mm);
-      } else if (!faults.none()) {
-        rounds = kRoundsMax;
-      }
-      const double spoilt_share =
-          static_cast<double>(measured.beyond.size()) / static_cast<double>(kept_.size());
-      if (best && spoilt_share > kSpoiltShareMax) break;
-      if (spoilt_share > kSpoiltShareMax && estimate_mm > bound_mm * kEstimateShareMin) {
-        estimate_mm /= 2;
-        continue;
-      }
-      keep_around(result, faults, measured.beyond, 1 + round / 4);
-    }
-    if (best) return *std::move(best);
-    if (crossed) {
-      crossed->error_mm = measure(crossed->mesh, kNoBound).error_mm;
-      return *std::move(crossed);
-    }
+  std::expected<SimplifiedMesh, ModelError> run(const SimplifyRequest& request) {
+    const std::size_t target = request.triangles.value_or(0);
+    auto simplified = request.error_mm ? attempt(target, *request.error_mm) : reduce(target);
+    if (stop_.stop_requested()) return std::unexpected(ModelError{"stopped"});
+    if (simplified) return *std::move(simplified);
     if (request.error_mm) return SimplifiedMesh{exact_, 0, 0, 0};
     return std::unexpected(
         ModelError{"the surface cannot be simplified that far and stay a closed manifold"});
   }
 
  private:
+  /// The surface within a number of triangles, with as small an error as a few attempts find.
+  std::optional<SimplifiedMesh> reduce(std::size_t target) {
+    auto best = attempt(target, kNoBound);
+    if (!best && crossed_) crossed_->error_mm = measure(crossed_->mesh, kNoBound).error_mm;
+    if (!best) return std::move(crossed_);
+    for (int n = 0; n < kHalvingsMax; ++n) {
+      auto better = attempt(target, best->error_mm / 2);
+      if (!better || better->mesh.triangles.size() > target) break;
+      best = std::move(better);
+    }
+    return best;
+  }
+
+  /// A valid surface within a bound, with no fewer triangles than `target`, or more if the bound
+  /// requires it. Nothing after too many attempts, if without a bound only crossing triangles are
+  /// few enough, or if a stop was requested.
+  std::optional<SimplifiedMesh> attempt(std::size_t target, double bound_mm) {
+    for (int n = 0; n < kAttemptsMax; ++n) {
+      if (progress_) progress_(n / double(kAttemptsMax));
+      const IndexedMesh result{
+          exact_.origin_mm, exact_.positions_mm,
+          collapse_edges(exact_, to_exact_, kept_, {target, kCollapseShare * bound_mm}, stop_)};
+      if (stop_.stop_requested()) return {};
+      const Faults faults = find_faults(result);
+      // What is kept around crossings exceeds the number of triangles.
+      if (crossed_ && bound_mm == kNoBound && result.triangles.size() > target) return {};
+      Measured measured;
+      if (faults.none()) measured = measure(result, bound_mm);
+      if (faults.none() && measured.error_mm <= bound_mm)
+        return SimplifiedMesh{compact(result), 0, measured.error_mm, 0};
+      if (faults.closed && bound_mm == kNoBound &&
+          (!crossed_ || faults.crossing.size() < crossed_->crossing_triangles))
+        crossed_ = SimplifiedMesh{compact(result), 0, 0, faults.crossing.size()};
+      keep_around(result, faults, measured.beyond, 1 + n / 4);
+    }
+    return {};
+  }
+
   /// What makes a result invalid.
   struct Faults {
     bool closed = false;                  ///< a closed manifold with triangles
@@ -163,39 +121,12 @@ class Simplifier {
     }
   }
 
-  Triangles collapse(std::size_t target, double error_mm) const {
-    Triangles kept, free;
-    for (const Triangle& t : exact_.triangles) {
-      (kept_[t[0]] && kept_[t[1]] && kept_[t[2]] ? kept : free).push_back(t);
-    }
-    if (!free.empty()) {
-      // Without a bound the size of the model is the limit: only the number of triangles counts.
-      const double relative = std::min(error_mm / scale_, 1e6);
-      const std::size_t goal = target > kept.size() ? target - kept.size() : 0;
-      Triangles out(free.size());
-      const std::size_t indices =
-          meshopt_simplify(out.front().data(), free.front().data(), free.size() * 3,
-                           exact_.positions_mm.front().data(), exact_.positions_mm.size(),
-                           sizeof(exact_.positions_mm.front()), goal * 3,
-                           static_cast<float>(relative), meshopt_SimplifyLockBorder, nullptr);
-      out.resize(indices / 3);
-      kept.insert(kept.end(), out.begin(), out.end());
-    }
-    cancel_opposites(kept);
-    return kept;
-  }
-
   struct Measured {
     double error_mm = 0;                ///< greatest distance between the two surfaces
     std::vector<std::uint32_t> beyond;  ///< vertices next to which it exceeds the bound
   };
   Measured measure(const IndexedMesh& result, double bound_mm) const {
     Measured measured;
-    if (result.triangles.empty()) {
-      measured.error_mm = kNoBound;
-      measured.beyond.assign(kept_.size(), 0);
-      return measured;  // no triangle is left
-    }
     // The distance of a point from a mesh, or one that changes nothing: most points are nearer
     // than the greatest distance so far, which a search finds out early.
     const auto distance_mm = [&](const MeshNearest& mesh, Vec3 point, std::uint32_t& near) {
@@ -243,9 +174,11 @@ class Simplifier {
   }
 
   const IndexedMesh& exact_;
-  MeshNearest to_exact_;
-  std::vector<bool> kept_;  ///< vertices of the exact mesh around which nothing is collapsed
-  double scale_ = 1;
+  const ModelProgress& progress_;
+  const std::stop_token& stop_;
+  const MeshNearest to_exact_;
+  std::vector<bool> kept_;                 ///< vertices of the exact mesh that stay
+  std::optional<SimplifiedMesh> crossed_;  ///< that with the fewest crossing triangles
 };
 
 std::unexpected<ModelError> budget_missed(const SimplifyRequest& request, std::size_t reached) {
@@ -265,7 +198,7 @@ std::expected<SimplifiedMesh, ModelError> simplify_mesh(MeshSource& source,
   const IndexedMesh exact = collect_mesh(source, stop);
   if (stop.stop_requested()) return std::unexpected(ModelError{"stopped"});
   if (exact.triangles.empty()) return SimplifiedMesh{exact, 0, 0, 0};
-  auto simplified = Simplifier(exact).run(request, progress, stop);
+  auto simplified = Simplifier(exact, progress, stop).run(request);
   if (!simplified) return simplified;
   simplified->original_triangles = exact.triangles.size();
   if (request.triangles && simplified->mesh.triangles.size() > *request.triangles) {

@@ -28,14 +28,13 @@ struct SimplifiedMesh {
   std::size_t crossing_triangles = 0;
 };
 
-/// Reduces the number of triangles by collapsing edges in order of least error (meshoptimizer,
-/// after Garland, Heckbert, Surface simplification using quadric error metrics, 1997). The result
-/// stays closed and 2-manifold: where a collapse would make more than two triangles share an edge,
-/// the surface around it is kept; likewise where triangles would cross (mesh_crossings.h), unless
-/// that exceeds the number of triangles: then the result with fewest crossings is returned. Needs
-/// about 200 bytes per triangle of the source. Returns an error if the limits cannot be met, with
-/// the smallest number of triangles reached, and if a stop was requested; one call of meshoptimizer
-/// is not divided.
+/// Reduces the number of triangles by collapsing edges (edge_collapse.h). The result is closed and
+/// 2-manifold, and its error is measured; where it exceeds the bound, or triangles cross
+/// (mesh_crossings.h), the surface around is kept and collapsing is repeated. With a number of
+/// triangles only, smaller errors are tried as long as it is reached; if it is too small for a
+/// result without crossings, the one with fewest is returned. Needs the whole surface in memory,
+/// about 300 bytes per triangle. Returns an error if the limits cannot be met, with the smallest
+/// number of triangles reached, and if a stop was requested, which ends each of its parts.
 std::expected<SimplifiedMesh, ModelError> simplify_mesh(MeshSource& source,
                                                         const SimplifyRequest& request,
                                                         const ModelProgress& progress = {},
