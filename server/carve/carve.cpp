@@ -8,7 +8,6 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
-#include <span>
 #include <stop_token>
 #include <utility>
 #include <vector>
@@ -71,8 +70,9 @@ class Carving {
   using Result = std::expected<void, Failure>;
 
   Result read_scene() {
+    const auto say = [this](std::string text) { note(std::move(text)); };
     if (options_.reference) {
-      auto part = load_reference(*options_.reference);
+      auto part = load_reference(*options_.reference, options_.reference_as, say);
       if (!part) return bad_input(part.error());
       part_ = *std::move(part);
     }
@@ -82,7 +82,7 @@ class Carving {
     scene_ = std::move(chosen->scene);
     for (std::string& text : chosen->notes) note(std::move(text));
     if (options_.surface.reference) {
-      auto reference = load_reference(*options_.surface.reference);
+      auto reference = load_reference(*options_.surface.reference, options_.reference_as, say);
       if (!reference) return bad_input(reference.error());
       reference_ = *std::move(reference);
     }

@@ -12,6 +12,7 @@
 
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/tool_words.h"
+#include "server/formats/units.h"
 #include "server/threads/thread_pool.h"
 
 namespace kerf {
@@ -183,6 +184,32 @@ void declare_programs(CLI::App& app, CarveOptions& options) {
       ->check(check_positive);
 }
 
+// Options of three numbers X,Y,Z.
+CLI::Option* declare_vector(CLI::App& app, const char* name, Vec3& to, const char* help) {
+  return app
+      .add_option_function<std::vector<double>>(
+          name, [&to](const std::vector<double>& xyz) { to = {xyz[0], xyz[1], xyz[2]}; }, help)
+      ->delimiter(',')
+      ->expected(3);
+}
+
+// How the meshes of --reference and --deviation are read.
+void declare_reference(CLI::App& app, MeshFile& as) {
+  app.add_flag("--reference-repair", as.repair,
+               "close holes and orient triangles of the meshes of --reference and --deviation");
+  app.add_option_function<std::string>(
+         "--reference-unit",
+         [&as](const std::string& unit) { as.unit_mm = mm_of_unit(unit).value_or(1); },
+         "unit of their numbers: mm (default), cm, m or inch; 3MF and GLB state it")
+      ->check(CLI::IsMember({"mm", "cm", "m", "inch"}));
+  declare_vector(app, "--reference-rotate", as.placement.rotate_deg,
+                 "X,Y,Z: turn them about the scene's x, then y, then z, degrees")
+      ->check(CLI::Range(-360.0, 360.0));
+  declare_vector(app, "--reference-translate", as.placement.translate_mm,
+                 "X,Y,Z: then move them, mm")
+      ->check(CLI::Range(-1e6, 1e6));
+}
+
 void declare(CLI::App& app, CarveOptions& options) {
   app.footer("kerf-carve tradeoff --help: compare error and time of many accuracy settings.");
   app.set_version_flag("--version", std::string("kerf-carve ") + kVersion);
@@ -194,6 +221,7 @@ void declare(CLI::App& app, CarveOptions& options) {
   app.add_option("--reference", options.reference,
                  std::string("report gouges: material removed below the surface of this mesh (") +
                      kMeshFileNames + "), in coordinates of the program");
+  declare_reference(app, options.reference_as);
   app.add_option("--gouge-tolerance", options.gouge_tolerance_mm,
                  "allowed depth below the reference surface, mm (default: the tolerance)")
       ->check(check_positive);

@@ -11,6 +11,7 @@
 #include "server/carve/environment_files.h"
 #include "server/carve/model_outputs.h"
 #include "server/formats/derived_scene.h"
+#include "server/formats/mesh_file.h"
 #include "server/formats/post.h"
 
 namespace kerf {
@@ -25,6 +26,7 @@ struct CarveOptions {
   bool verify = false;  ///< judge whether the program makes the part of --reference
   std::optional<std::filesystem::path> reference;  ///< gouges into this mesh are reported
   std::optional<double> gouge_tolerance_mm;        ///< default: the tolerance of the scene
+  MeshFile reference_as;  ///< how the meshes of --reference and --deviation are read; no file
   /// Candidates of the search for thin walls; 0: none; default: by the program (wall_check.h).
   std::optional<std::size_t> wall_samples;
   double tool_change_s = 0;

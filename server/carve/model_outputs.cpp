@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "server/formats/model/mesh_reader.h"
 #include "server/formats/text_file.h"
 
 namespace kerf {
@@ -16,15 +15,16 @@ constexpr double kSpacingPitches = 2;
 
 }  // namespace
 
-std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::path& file) {
-  const auto format = mesh_file_format(file.string());
-  if (!format)
-    return std::unexpected(file.string() + ": the file name must end in " + kMeshFileNames);
+std::expected<IndexedMesh, std::string> load_reference(
+    const std::filesystem::path& file, MeshFile as, const std::function<void(std::string)>& say) {
   const auto bytes = read_file(file);
   if (!bytes) return std::unexpected(file.string() + ": cannot be read");
-  const auto mesh = read_mesh(*format, std::as_bytes(std::span(*bytes)));
-  if (!mesh) return std::unexpected(file.string() + ": " + mesh.error().reason);
-  return indexed_mesh(*mesh);
+  as.file = file.string();
+  const auto loaded = load_mesh(as, std::as_bytes(std::span(*bytes)));
+  if (!loaded) return std::unexpected(file.string() + ": " + loaded.error());
+  if (const std::string repaired = to_string(loaded->repair); !repaired.empty())
+    say(file.string() + ": " + repaired);
+  return indexed_mesh(loaded->mesh);
 }
 
 std::unique_ptr<MeshSource> CarvedSurface::plain() const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <expected>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
+#include "server/formats/mesh_file.h"
 #include "server/formats/model/model_writer.h"
 #include "server/formats/model/simplify_mesh.h"
 #include "server/verify/deviation.h"
@@ -40,8 +42,11 @@ struct SurfaceReport {
   double range_mm = 0;  ///< of the colors
 };
 
-/// Reads the reference mesh. The error is one line.
-std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::path& file);
+/// Reads a mesh to compare with, placed and repaired as `as` says, whose file is not used. What was
+/// repaired is said as one line. The error is one line.
+std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::path& file,
+                                                       MeshFile as,
+                                                       const std::function<void(std::string)>& say);
 
 /// The processed surface of a carved block, which any number of threads may write concurrently.
 class CarvedSurface {

@@ -28,7 +28,8 @@ std::expected<PartFit, std::string> fit_part(const DexelSnapshot& before,
                                              const PartFitRequest& request,
                                              const SearchControl& control) {
   const PartModel part(mesh, after.grid());
-  if (request.two_sided && part.material() == nullptr) return std::unexpected(part.fault());
+  if (request.two_sided && part.material() == nullptr)
+    return std::unexpected(part.fault() + "; close it, or use --reference-repair");
   const double carved_mm = scene.settings.tolerance_mm;
   PartFit fit;
   fit.gouges = find_gouges(before, after, part, request.tolerance_mm, control);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "server/formats/scene_force_reader.h"
 #include "server/formats/scene_tool_reader.h"
 #include "server/formats/text_file.h"
+#include "server/formats/units.h"
 
 namespace kerf {
 namespace {
@@ -41,8 +41,6 @@ std::string read_scene_file(SceneFields& fields, const std::string& name, const 
 }
 
 MeshFile read_mesh_file(SceneFields& fields) {
-  static const std::map<std::string, double> kUnits = {
-      {"mm", 1}, {"cm", 10}, {"m", 1000}, {"inch", 25.4}};
   MeshFile file;
   file.file = fields.text("file");
   if (const auto repair = fields.find("repair")) file.repair = repair->flag();
@@ -50,9 +48,8 @@ MeshFile read_mesh_file(SceneFields& fields) {
   if (!value) return file;
   SceneFields placement(*value);
   if (placement.find("unit")) {
-    const auto unit = kUnits.find(placement.text("unit"));
-    if (unit == kUnits.end()) placement.reject("unit", "must be mm, cm, m or inch");
-    file.unit_mm = unit->second;
+    file.unit_mm = mm_of_unit(placement.text("unit"));
+    if (!file.unit_mm) placement.reject("unit", "must be mm, cm, m or inch");
   }
   if (placement.find("scale")) {
     file.placement.scale = placement.vec3("scale");

@@ -90,9 +90,8 @@ TEST_F(KerfCarve, SimplifiesAndMeasuresAgainstAReference) {
   EXPECT_EQ(run(kInput + " --triangles 3 --stl s.stl"), 2);
   EXPECT_THAT(content("err"), testing::HasSubstr("more than the 3 requested"));
   EXPECT_EQ(run(kInput + " --deviation p.ngc"), 2);
-  EXPECT_THAT(
-      content("err"),
-      testing::HasSubstr("p.ngc: the file name must end in .stl, .ply, .obj, .3mf or .glb"));
+  EXPECT_THAT(content("err"),
+              testing::HasSubstr("p.ngc: must be a .stl, .ply, .obj, .3mf or .glb file"));
   EXPECT_EQ(run(kInput + " --deviation none.stl"), 2);
 }
 

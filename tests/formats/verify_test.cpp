@@ -108,6 +108,26 @@ TEST_F(Verify, ASlotThatIsTooDeepIsAGougeAtItsLine) {
   EXPECT_THAT(failed(kSlotted + "--tolerance 0.6", 0), testing::IsEmpty());
 }
 
+// In cm, turned about Z, beside its place, and with a facet missing.
+TEST_F(Verify, APartIsPlacedAndRepairedOnRequest) {
+  write_program("G0 Z-2\nG1 Y36\n");
+  std::string part = prism(
+      {{-5, -1}, {-1, -1}, {-1, 0}, {-2.6, 0}, {-2.6, -0.2}, {-3.4, -0.2}, {-3.4, 0}, {-5, 0}},
+      {{0, 1, 5}, {1, 4, 5}, {1, 2, 4}, {2, 3, 4}, {0, 5, 7}, {5, 6, 7}}, -3, 0);
+  const std::size_t facet = part.find("facet normal");
+  part.erase(facet, part.find("endfacet\n") + 9 - facet);
+  write("part.stl", part);
+  const std::string placed = kSlotted +
+                             "--reference-unit cm --reference-rotate 0,0,180 "
+                             "--reference-translate=-10,0,0 ";
+  EXPECT_THAT(failed(placed + "--reference-repair", 0), testing::IsEmpty()) << content("out");
+  EXPECT_THAT(content("err"), HasSubstr("part.stl: closed 1 hole"));
+  EXPECT_EQ(run(placed), 2);
+  EXPECT_THAT(content("err"), HasSubstr("--reference-repair"));
+  EXPECT_EQ(run(kSlotted + "--reference-unit foot"), 2);
+  EXPECT_EQ(run(kSlotted + "--reference-rotate 0,0,400"), 2);
+}
+
 TEST_F(Verify, ARibThatWasLeftIsUncutAtTheNearestLine) {
   // Two millimeters of the slot are left between two cuts that end in half discs.
   write_program("G0 Z-2\nG1 Y10\nG0 Z5\nY36\nG0 Z-2\nG1 Y20\n");
