@@ -155,14 +155,31 @@ class EdgeCollapser {
     });
     seen_[to] = seen_[from] = 0;
     std::size_t common = 0;
+    bool is_beside = false;
     around_.clear();
     mesh_.for_around(from, [&](std::uint32_t t, std::uint32_t i) {
       around_.push_back(t);
-      const std::uint32_t next = triangle(t)[(i + 1) % 3];
+      const std::uint32_t next = triangle(t)[(i + 1) % 3], last = triangle(t)[(i + 2) % 3];
       common += seen_[next] == mark_ ? 1 : 0;
+      is_beside |= seen_[next] == mark_ && seen_[last] == mark_;
     });
-    // A vertex of three triangles between vertices of a tetrahedron has three.
-    return common == 2 && around_.size() > 2;
+    return common == 2 && !(is_beside && has_triangle(to, from));
+  }
+
+  // Whether a triangle at `to` has the two vertices that are next to both `to` and `from`: one of
+  // `from` would come to lie on it, as in a tetrahedron.
+  bool has_triangle(std::uint32_t to, std::uint32_t from) const {
+    bool found = false;
+    mesh_.for_around(to, [&](std::uint32_t t, std::uint32_t i) {
+      const std::uint32_t next = triangle(t)[(i + 1) % 3], last = triangle(t)[(i + 2) % 3];
+      if (next == from || last == from) return;
+      found |= std::ranges::any_of(around_, [&](std::uint32_t other) {
+        const Triangle& corners = triangle(other);
+        return std::ranges::find(corners, next) != corners.end() &&
+               std::ranges::find(corners, last) != corners.end();
+      });
+    });
+    return found;
   }
 
   bool keeps_shape(std::uint32_t from, std::uint32_t to) {
