@@ -116,7 +116,8 @@ export class LocalHand {
   }
 
   private name_(): string {
-    return recall('name') || t('You');
+    const name = recall('name') ?? '';
+    return name === '' ? t('You') : name;
   }
 
   private makeLink_(events: CarveLinkEvents): HandLink {
