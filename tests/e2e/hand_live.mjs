@@ -7,7 +7,7 @@
 
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
-import { copyFile, mkdir, readFile } from 'node:fs/promises';
+import { copyFile, mkdir, readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
 import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
@@ -150,7 +150,7 @@ async function checkKept(viewer, address, before) {
   assert.equal((await viewer.state()).hash, last.hash, 'the strokes were lost');
   const closing = await answerOf(page, false, () => page.close({ runBeforeUnload: true }));
   assert.equal(closing.type, 'beforeunload');
-  await until('strokes that the browser keeps', SETTLE_S, () => isKept(page));
+  await until('strokes that the browser keeps', SETTLE_S, () => keepsState(page, last));
   page.once('dialog', (dialog) => void dialog.accept());
   await page.goto(address);
   const goOn = page.getByRole('button', { name: 'Go on with them' });
@@ -161,28 +161,41 @@ async function checkKept(viewer, address, before) {
   await settled(viewer, 'strokes of before', ({ hash }) => hash === last.hash);
   await page.reload();
   await page.getByRole('button', { name: 'Discard them' }).click();
+  await until('strokes to be discarded', SETTLE_S, async () => !(await keptBytes(page)));
   await page.reload();
   await page.getByRole('button', { name: 'Carve a block by hand' }).waitFor();
-  assert.equal(await isKept(page), false);
+  assert.equal(await keptBytes(page), null);
   assert.equal(await page.getByRole('button', { name: 'Discard them' }).count(), 0);
 }
 
-/** Whether the browser's storage has strokes. */
-function isKept(page) {
+/** The file of strokes in the browser's storage; null if it has none. */
+function keptBytes(page) {
   return page.evaluate(
     () =>
       new Promise((resolve, reject) => {
         const opening = indexedDB.open('kerf', 1);
         opening.onerror = () => reject(opening.error);
         opening.onsuccess = () => {
-          const request = opening.result.transaction('autosave').objectStore('autosave').count();
+          const request = opening.result
+            .transaction('autosave')
+            .objectStore('autosave')
+            .get('last');
           request.onsuccess = () => {
             opening.result.close();
-            resolve(request.result > 0);
+            resolve(request.result ? [...request.result.bytes] : null);
           };
         };
       }),
   );
+}
+
+/** Whether what the browser keeps leads to a state: while one carves, it is some seconds old. */
+async function keepsState(page, { hash }) {
+  const bytes = await keptBytes(page);
+  if (!bytes) return false;
+  const file = join(options.out, 'kept.kerf');
+  await writeFile(file, Uint8Array.from(bytes));
+  return spawnSync(options.server, ['replay', file], { encoding: 'utf8' }).stdout.includes(hash);
 }
 
 /** Behind a program, which is one stroke of the journal. */
