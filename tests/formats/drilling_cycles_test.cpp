@@ -10,35 +10,17 @@
 #include <sstream>
 
 #include "server/formats/pose_grid.h"
-#include "tests/formats/scene_fixture.h"
+#include "tests/formats/post_fixture.h"
 
 namespace kerf {
 namespace {
 
+using test::kPosts;
+using test::read_back;
 using test::scene_for;
+using test::text_of;
 using testing::HasSubstr;
 using testing::Not;
-
-constexpr std::array kPosts{Post::kLinuxcnc, Post::kGrbl, Post::kFanuc, Post::kHaas,
-                            Post::kHeidenhain};
-
-std::string text_of(const Program& program, const Scene& scene, Post post) {
-  std::ostringstream out;
-  auto writer = make_program_writer({.post = post}, scene, out);
-  EXPECT_TRUE(writer) << writer.error();
-  const WriteResult written = write_program(program, **writer);
-  EXPECT_TRUE(written) << written.error();
-  return out.str();
-}
-
-Program read_back(const Scene& scene, const std::string& text, Post post) {
-  GcodeEnvironment environment;
-  if (post != Post::kHeidenhain) environment.dialect = *dialect_of(rules_of(post).name);
-  const auto program =
-      parse_program(post == Post::kHeidenhain ? "p.h" : "p.nc", text, scene, environment);
-  EXPECT_TRUE(program) << to_string(program.error()) << "\n" << text;
-  return program ? *program : Program{};
-}
 
 void expect_same(const Program& read, const Program& source, const std::string& text) {
   ASSERT_EQ(read.motions.size(), source.motions.size()) << text;

@@ -11,37 +11,16 @@
 
 #include "server/formats/pose_grid.h"
 #include "server/formats/program_writer.h"
-#include "tests/formats/scene_fixture.h"
+#include "tests/formats/post_fixture.h"
 
 namespace kerf {
 namespace {
 
+using test::kPosts;
+using test::read_back;
 using test::scene_for;
+using test::text_of;
 using testing::HasSubstr;
-
-constexpr Post kPosts[] = {Post::kLinuxcnc, Post::kGrbl, Post::kFanuc, Post::kHaas,
-                           Post::kHeidenhain};
-
-std::string text_of(const Program& program, const Scene& scene, Post post) {
-  std::ostringstream out;
-  auto writer = make_program_writer({.post = post}, scene, out);
-  EXPECT_TRUE(writer) << writer.error();
-  const WriteResult written = write_program(program, **writer);
-  EXPECT_TRUE(written) << written.error();
-  return out.str();
-}
-
-// By the reader of the same control, perhaps with the tools of a table.
-Program read_back(const Scene& scene, const std::string& text, Post post,
-                  std::optional<ToolTable> tools = {}) {
-  GcodeEnvironment environment;
-  if (post != Post::kHeidenhain) environment.dialect = *dialect_of(rules_of(post).name);
-  environment.tools = std::move(tools);
-  const auto program =
-      parse_program(post == Post::kHeidenhain ? "p.h" : "p.nc", text, scene, environment);
-  EXPECT_TRUE(program) << to_string(program.error()) << "\n" << text;
-  return program ? *program : Program{};
-}
 
 // Strokes of two tools with jumps, rests and rapids, whose numbers have `decimals` decimals.
 Program random_program(std::uint64_t seed, bool tilt, int decimals) {

@@ -32,7 +32,6 @@ constexpr double kSharpCosine = 0.94;
 constexpr double kHeightShareMin = 1e-3;
 /// A removed vertex stays with its triangle while it is this near to it, as a share of the limit.
 constexpr double kStaysShare = 0.5;
-
 /// An estimated distance of a triangle from the mesh is measured above this share of the limit.
 constexpr double kEstimateShare = 0.75;
 

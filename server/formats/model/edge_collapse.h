@@ -32,7 +32,7 @@ struct CollapseLimits {
 ///   - folds a triangle onto its neighbor.
 /// Middles of triangles and edges of the result are about as near to the mesh, which is checked by
 /// estimates. Sheets of thin walls may cross.
-/// Ends early, with what is collapsed, if a stop is requested. Needs about 150 bytes per triangle.
+/// Ends early, with what is collapsed, if a stop is requested.
 /// Precondition: kept.size() is the number of vertices.
 std::vector<std::array<std::uint32_t, 3>> collapse_edges(const IndexedMesh& mesh,
                                                          const MeshNearest& nearest,

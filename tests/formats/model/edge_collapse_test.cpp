@@ -9,19 +9,12 @@
 
 #include "kernel/math/nearest_on_triangle.h"
 #include "server/formats/model/mesh_crossings.h"
-#include "tests/support/carvings.h"
+#include "tests/formats/model/carved_mesh.h"
 
 namespace kerf {
 namespace {
 
-IndexedMesh carved_mesh(unsigned seed) {
-  const BoxStock block{{-6, 4, 2}, {10, 20, 10}};
-  Sculpture sculpture = test::make_sculpture(block, 0.4);
-  test::RandomCarver carver(sculpture, block.min_mm, block.max_mm, seed);
-  for (int n = 0; n < 12; ++n) carver.cut();
-  SnapshotMesh mesh(sculpture.solid());
-  return collect_mesh(mesh);
-}
+using test::carved_mesh;
 
 IndexedMesh collapsed(const IndexedMesh& mesh, const std::vector<bool>& kept,
                       const CollapseLimits& limits, const std::stop_token& stop = {}) {

@@ -6,24 +6,14 @@
 #include <random>
 
 #include "server/formats/model/mesh_distance.h"
-#include "tests/support/carvings.h"
+#include "tests/formats/model/carved_mesh.h"
 #include "tests/support/self_intersection.h"
 
 namespace kerf {
 namespace {
 
-SolidSnapshot carved_block(unsigned seed) {
-  const BoxStock block{{-6, 4, 2}, {10, 20, 10}};
-  Sculpture sculpture = test::make_sculpture(block, 0.4);
-  test::RandomCarver carver(sculpture, block.min_mm, block.max_mm, seed);
-  for (int n = 0; n < 12; ++n) carver.cut();
-  return sculpture.solid();
-}
-
-IndexedMesh exact_mesh(unsigned seed) {
-  SnapshotMesh mesh(carved_block(seed));
-  return collect_mesh(mesh);
-}
+using test::carved_block;
+using test::carved_mesh;
 
 std::expected<SimplifiedMesh, ModelError> simplified(unsigned seed,
                                                      const SimplifyRequest& request) {
@@ -106,7 +96,7 @@ TEST(CheckEdges, CountsOpenAndRepeatedEdges) {
 
 TEST(SimplifyMesh, KeepsTheBudgetAndStaysAClosedManifold) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
-    const std::size_t all = exact_mesh(seed).triangles.size();
+    const std::size_t all = carved_mesh(seed).triangles.size();
     for (const double share : {0.4, 0.05}) {
       const auto budget = static_cast<std::uint64_t>(share * double(all));
       const auto result = simplified(seed, {.triangles = budget, .error_mm = {}});
@@ -125,7 +115,7 @@ TEST(SimplifyMesh, KeepsTheBudgetAndStaysAClosedManifold) {
 TEST(SimplifyMesh, KeepsTheErrorBoundAndReportsTheError) {
   std::mt19937 random(11);
   for (unsigned seed = 1; seed <= 2; ++seed) {
-    const IndexedMesh exact = exact_mesh(seed);
+    const IndexedMesh exact = carved_mesh(seed);
     for (const double bound_mm : {0.3, 0.1}) {
       const auto result = simplified(seed, {.triangles = {}, .error_mm = bound_mm});
       ASSERT_TRUE(result);
@@ -184,7 +174,7 @@ TEST(WholeMesh, ReturnsEveryTriangleWithSharpNormalsAtCreases) {
 }
 
 TEST(MeshDistance, MatchesBruteForceOverAllTriangles) {
-  const IndexedMesh mesh = exact_mesh(3);
+  const IndexedMesh mesh = carved_mesh(3);
   const MeshDistance distance(mesh);
   const SolidSnapshot snapshot = carved_block(3);
   std::mt19937 random(5);
