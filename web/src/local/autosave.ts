@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The last strokes by hand in the browser's own storage (IndexedDB), as a .kerf file, until the user
-// has saved or given them up: a page that is loaded again, also after a crash, offers them.
+// has saved or given them up: a page that is loaded again offers them.
 
 const DATABASE = 'kerf';
 const STORE = 'autosave';
