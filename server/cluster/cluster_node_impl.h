@@ -56,7 +56,7 @@ struct ClusterNode::Impl {
   std::map<std::string, std::string> faults;  ///< renewer's thread only: of sessions, as logged
   std::int64_t noted_ns = 0;                  ///< renewer's thread only
 
-  mutable std::mutex mutex;  ///< guards what follows; nothing is called with it
+  mutable std::mutex mutex;  ///< guards what follows; with it only that of OwnLeases is locked
   LeaseTable table;
   std::int64_t heard_ns = 0;  ///< when the watch delivered something; 0: it does not work
   /// When a free lease is tried; and when again what could not be opened.
