@@ -119,7 +119,6 @@ constexpr std::array kMCodes{
 constexpr std::string_view kMeasures = "measures on the machine, which is not supported";
 constexpr std::string_view kTilted =
     "tilts the working plane, which is not supported; post without tilted planes";
-constexpr std::string_view kPocketCycle = "is a pocket cycle, which is not supported; use G1 to G3";
 
 // Codes of Fanuc and Haas that differ from LinuxCNC's.
 constexpr std::array kMacroGCodes{
@@ -167,7 +166,7 @@ constexpr std::array kMacroGCodes{
     Codes{1100, 1290, kMoreSystems},
     Codes{1360, 1360, kNonModal, kMeasures},
     Codes{1410, 1430, kToolLength, "is five-axis compensation, which is not supported; use G43.4"},
-    Codes{1500, 1500, kMotion, kPocketCycle},
+    Codes{1500, 1500, kMotion},  // of Haas only
     Codes{1540, 1540, kMoreSystems},
     Codes{1870, 1870, kNoEffect},
     Codes{2340, 2340, kToolLength},
@@ -198,10 +197,11 @@ GcodeGroup gcode_group(char letter, int code, const std::string& text, const Dia
   if (known == nullptr) known = letter == 'g' ? find(kGCodes, code) : find(kMCodes, code);
   if (rules.macros && letter == 'm' && (known == nullptr || !is_common_m(code)))
     return known != nullptr && known->group == kJump ? kJump : kUnknown;
-  const bool pockets = rules.dialect == Dialect::kHaas || rules.dialect == Dialect::kMach3;
-  const bool is_pocket = letter == 'g' && (code == 120 || code == 130);
-  if (known == nullptr || (is_pocket && !pockets))
-    throw GcodeFault{text, "is not a supported code"};
+  const bool is_haas = rules.dialect == Dialect::kHaas;
+  const bool is_circle = letter == 'g' && (code == 120 || code == 130);
+  const bool is_foreign = (is_circle && !is_haas && rules.dialect != Dialect::kMach3) ||
+                          (letter == 'g' && code == 1500 && !is_haas);
+  if (known == nullptr || is_foreign) throw GcodeFault{text, "is not a supported code"};
   if (!known->rejection.empty()) throw GcodeFault{text, std::string(known->rejection)};
   return known->group;
 }

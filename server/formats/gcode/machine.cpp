@@ -84,6 +84,7 @@ bool GcodeMachine::end(const GcodeBlock& block) {
 
 void GcodeMachine::finish() {
   require_no_corner();
+  if (reads_outline()) throw GcodeFault{"G150", "the program that states the outline has no M99"};
   compensation_.flush(in_plane(linear(at_), compensation_.plane()));
 }
 

@@ -14,6 +14,7 @@
 #include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/cycle.h"
 #include "server/formats/gcode/modes.h"
+#include "server/formats/gcode/outline_pocket.h"
 #include "server/formats/gcode/setup.h"
 
 namespace kerf {
@@ -40,6 +41,10 @@ class GcodeMachine {
   void begin(GcodeBlock& block);
   /// Makes the next step of a cycle; false, without effect, if there is none.
   bool go_on();
+  /// The program that begin() wants called next, because it states the outline of a pocket (G150).
+  std::optional<int> take_outline_program();
+  /// Makes the next motions of a pocket whose outline is complete; false if there are none.
+  bool mill_on();
   /// Completes a block. Returns true if it ends the program (M2, M30, M99).
   bool end(const GcodeBlock& block);
   /// Whether a motion or a dwell has been made since at_line().
@@ -166,6 +171,36 @@ class GcodeMachine {
   bool begin_pattern(GcodeBlock& block, const GcodeCode& code);
   bool next_of_pattern();
 
+  // machine_outline.cpp: pockets within an outline (G150)
+  /// A pocket while its outline is read, and then while it is milled.
+  struct MilledPocket {
+    int program = 0;  ///< that states the outline
+    bool is_called = false, is_complete = false;
+    std::size_t depth = 0;  ///< of calls, around the program
+    std::size_t file = 0, line = 0;
+    double top = 0, bottom = 0, infeed = 0, step = 0, finish = 0, radius = 0;  ///< mm
+    bool along_x = true;
+    int side = 0;  ///< 1: G41, -1: G42
+    GcodeAxes start{};
+    GcodeFeed speed;
+    AreaPath outline;
+    std::optional<OutlinePocket> roughed, finished;
+    AreaPath rough_loop, finish_loop;
+    std::vector<OutlineStroke> strokes;
+    std::deque<double> levels;  ///< that are left
+  };
+  bool reads_outline() const { return pocket_ && !pocket_->is_complete; }
+  void take_outline_side(GcodeBlock& block);
+  void begin_outline(GcodeBlock& block);
+  void record_outline(const GcodeAxes& to, std::optional<PlanePoint> center, int turns);
+  void end_outline();
+  void go_to_height(double height);
+  void go_above(const MilledPocket& pocket, OutlinePoint to);
+  void go_in_pocket(const MilledPocket& pocket, const OutlinePocket& area, OutlinePoint to,
+                    double level);
+  void follow_loop(const MilledPocket& pocket, const OutlinePocket& area, const AreaPath& loop,
+                   double level);
+
   // machine_motion.cpp, machine_spline.cpp: motions
   void move(GcodeBlock& block);
   void straight(GcodeBlock& block, int code);
@@ -232,6 +267,8 @@ class GcodeMachine {
   GcodeGroup transform_group_{};             ///< that changed it: kRotation, kScaling or kMirror
   bool transform_moved_ = false;             ///< since then X and Y have not both been programmed
   std::optional<Corner> corner_;
+  int outline_side_ = 0;  ///< G41 or G42 of the block of G150
+  std::optional<MilledPocket> pocket_;
   bool unit_given_ = false;  ///< G20 or G21
   std::set<std::string> warned_;
   std::set<int> systems_;

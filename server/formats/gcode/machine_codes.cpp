@@ -82,6 +82,7 @@ void GcodeMachine::leave_subroutine() {
   const Saved left = saved_.back();
   if (left.restore_on_return && left.modes) restore(*left.modes);
   saved_.pop_back();
+  if (pocket_ && !pocket_->is_complete && saved_.size() == pocket_->depth) end_outline();
 }
 
 void GcodeMachine::restore(const GcodeModes& modes) {

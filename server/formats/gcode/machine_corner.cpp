@@ -62,6 +62,7 @@ void GcodeMachine::cut_corner(const GcodeAxes& next) {
   if (corner.chamfer_mm > 0 || std::abs(turn) < 1e-9) return feed(to, corner.feed, corner.named);
   const double side = turn > 0 ? 1 : -1;
   const PlanePoint center = offset_point(start, corner.radius_mm, in + side * std::numbers::pi / 2);
+  if (reads_outline()) return record_outline(to, center, turn > 0 ? 1 : -1);
   count_call();
   canon_.arc(arc_about(linear(at_), linear(to), plane, center, turn > 0 ? 1 : -1), frame_,
              place(to), corner.feed, corner.named);

@@ -54,6 +54,7 @@ void GcodeMachine::prepare(GcodeBlock& block) {
   prepare_home(block);
   prepare_polar(block);
   prepare_motion(block);
+  take_outline_side(block);
   // D and H are modal: they may be given before the code that uses them.
   block.take('d');
   block.take('h');

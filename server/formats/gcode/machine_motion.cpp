@@ -45,6 +45,8 @@ void GcodeMachine::move(GcodeBlock& block) {
     tap(block);
   } else if (code == 120 || code == 130) {
     circular_pocket(block, code == 120);
+  } else if (code == 1500) {
+    begin_outline(block);
   } else {
     arc(block, code == 20);
   }
@@ -179,12 +181,14 @@ void GcodeMachine::set_position(const GcodeAxes& programmed) {
 }
 
 void GcodeMachine::rapid(const GcodeAxes& to, GcodeRapid kind, const Named& named) {
+  if (reads_outline()) return record_outline(to, std::nullopt, 0);
   count_call();
   canon_.rapid(place(to), kind, named);
   set_position(to);
 }
 
 void GcodeMachine::feed(const GcodeAxes& to, const GcodeFeed& feed, const Named& named) {
+  if (reads_outline()) return record_outline(to, std::nullopt, 0);
   count_call();
   canon_.feed(place(to), feed, named);
   set_position(to);
@@ -267,6 +271,7 @@ void GcodeMachine::arc(GcodeBlock& block, bool clockwise) {
   }
   const PlanePoint middle =
       arc_center(linear(at_), linear(to), modes_.plane, center, clockwise, tolerance);
+  if (reads_outline()) return record_outline(to, middle, clockwise ? -turns : turns);
   count_call();
   canon_.arc(arc_about(linear(at_), linear(to), modes_.plane, middle, clockwise ? -turns : turns),
              frame_, place(to), feed_of(block), named);

@@ -23,6 +23,7 @@ int count_of(const GcodeWord& word, int most) {
 }  // namespace
 
 void GcodeMachine::circle_to(const GcodeAxes& to, Vec3 center, int turns, const GcodeFeed& speed) {
+  if (reads_outline()) return record_outline(to, in_plane(center, ArcPlane::kXy), turns);
   count_call();
   canon_.arc(
       arc_about(linear(at_), linear(to), ArcPlane::kXy, in_plane(center, ArcPlane::kXy), turns),

@@ -265,13 +265,12 @@ bool MacroFlow::execute(const Call& call) {
   if (frames_.size() >= kMacroCallDepthMax)
     throw GcodeFault{call.text, "calls are nested deeper than " +
                                     std::to_string(kMacroCallDepthMax) + " levels"};
-  if (call.kind == Call::Kind::kLocal) {
+  if (call.kind == Call::Kind::kLocal || call.kind == Call::Kind::kLocalElseSubprogram) {
     const auto line = source_.file(at_.file).marks().sequence(call.number, at_.line - 1);
-    if (!line)
+    if (line) return enter({at_.file, *line}, call), false;
+    if (call.kind == Call::Kind::kLocal)
       throw GcodeFault{
           call.text, "calls N" + std::to_string(call.number) + ", which the program does not have"};
-    enter({at_.file, *line}, call);
-    return false;
   }
   Call made = call;
   auto place = find_program(call.number);

@@ -26,9 +26,9 @@ class MacroFlow final : public ProgramFlow {
   };
   /// A call or jump, from a block with M97, M98, M99, or of G65 and G66.
   struct Call {
-    enum class Kind { kSubprogram, kLocal, kReturn, kMacro, kModal };
+    enum class Kind { kSubprogram, kLocal, kLocalElseSubprogram, kReturn, kMacro, kModal };
     Kind kind = Kind::kSubprogram;
-    int number = 0;  ///< O number; of kLocal N; of kReturn N to return to, or 0
+    int number = 0;  ///< O number; of kLocal… N; of kReturn N to return to, or 0
     int repeats = 1;
     std::vector<double> arguments;  ///< #1 to #33
     std::string text;               ///< for errors

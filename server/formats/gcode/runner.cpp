@@ -70,6 +70,7 @@ std::unique_ptr<ProgramFlow> GcodeRunner::make_flow(std::size_t lines_max) {
 
 bool GcodeRunner::step() {
   if (block_) return !go_on() || close(true);
+  if (machine_.mill_on()) return flow_->moved(), true;
   machine_.at_line(flow_->file(), flow_->line());
   const auto line = flow_->next();
   if (!line) return close(false);
@@ -127,7 +128,12 @@ bool GcodeRunner::go_on() {
   block_.reset();
   if (ended && rules_.macros) return true;
   if (machine_.moved()) flow_->moved();
-  const auto call = std::exchange(call_, std::nullopt);
+  auto call = std::exchange(call_, std::nullopt);
+  if (const auto outline = machine_.take_outline_program())
+    call = MacroFlow::Call{.kind = MacroFlow::Call::Kind::kLocalElseSubprogram,
+                           .number = *outline,
+                           .arguments = {},
+                           .text = "G150"};
   return ended || (call && macro_flow_->execute(*call));
 }
 
