@@ -84,8 +84,35 @@ async function checkFaults(page, base) {
     .getByRole('alert')
     .getByText(/must end in .stl/)
     .waitFor();
+}
+
+/** A model is turned, scaled and moved; the block that is created is where the page said. */
+async function placeModel(page, base) {
   await page.getByLabel('Carve a model').setInputFiles(file('part.stl', closedStl()));
   await page.getByText('10.0 × 10.0 × 10.0 mm', { exact: false }).waitFor();
+  await page.getByText('Turn, scale, move').click();
+  await page.getByLabel('Turn about Y, degrees').fill('30');
+  await page.getByText('At most 13.7 × 10.0 × 13.7 mm, from X 0.0', { exact: false }).waitFor();
+  await page.getByLabel('Turn about Y, degrees').fill('90');
+  await page.getByLabel('Scale').fill('2');
+  await page.getByLabel('Move along Z, mm').fill('-5');
+  await page
+    .getByText('20.0 × 20.0 × 20.0 mm, from X 0.0 Y 0.0 Z -25.0', { exact: false })
+    .waitFor();
+  await page.getByText(/^0\.1 mm: .* a motion, up to .*B$/).waitFor();
+  await keep(page, 'lobby-placed');
+  await page.getByRole('button', { name: 'Create', exact: true }).click();
+  await page.waitForURL(`${base}/?session=part`);
+  const { stock } = await getJson(`${base}/v1/sessions/part`);
+  assert.deepEqual(
+    [stock.min_mm, stock.max_mm],
+    [
+      [0, 0, -25],
+      [20, 20, -5],
+    ],
+  );
+  await fetch(`${base}/v1/sessions/part`, { method: 'DELETE' });
+  await page.goto(`${base}/?list`);
 }
 
 function closedStl() {
@@ -139,6 +166,7 @@ async function test(folder) {
     const viewer = await openViewer(browser, 'about:blank', { width: 1440, height: 900 });
     await runProgram(viewer, base);
     await checkFaults(viewer.page, base);
+    await placeModel(viewer.page, base);
     await checkPrice(viewer.page);
     await checkCards(viewer.page);
     // The browser reports the answers that are errors; the list may still ask for the picture of a

@@ -3,6 +3,8 @@
 
 import { language, t } from '../strings';
 import type { Vec3 } from '../wire/types';
+import { placementJson } from './placement';
+import type { Placement } from './placement';
 
 /** A scene as server/formats/README.md describes it. */
 export type Scene = Record<string, unknown>;
@@ -74,20 +76,17 @@ function toolJson({ id, shape, diameterMm, cornerMm }: ToolChoice): Scene {
   return { id, shape, diameter_mm: diameterMm, ...corner, length_mm: length };
 }
 
-/** Units of the numbers in a model, mm. */
-export const UNITS_MM: Readonly<Record<string, number>> = { mm: 1, cm: 10, m: 1000, inch: 25.4 };
-
 /** Whether the format of a model states no unit. */
 export function lacksUnit(name: string): boolean {
   return !/\.(3mf|glb)$/i.test(name);
 }
 
 /** A scene whose stock is an uploaded mesh, to be carved by hand. */
-export function meshScene(file: string, repaired: boolean, unit: string): Scene {
+export function meshScene(file: string, repaired: boolean, placement: Placement): Scene {
   const repair = repaired ? { repair: true } : {};
-  const placement = unit === 'mm' ? {} : { placement: { unit } };
+  const placed = placementJson(placement);
   return {
-    stock: { shape: 'mesh', file, ...repair, ...placement },
+    stock: { shape: 'mesh', file, ...repair, ...(placed ? { placement: placed } : {}) },
     tools: HAND_TOOLS.map(toolJson),
     force: FORCE,
     machine: { kinematics: 'tool-vector' },

@@ -4,7 +4,7 @@
 
 import { t } from '../../strings';
 import { describeProgram, uploadMesh } from '../../link/lobby_requests';
-import type { Template, UploadedMesh } from '../../link/lobby_requests';
+import type { Template } from '../../link/lobby_requests';
 import {
   lacksUnit,
   meshScene,
@@ -14,13 +14,14 @@ import {
   targetOf,
   toolsOf,
   toolsText,
-  UNITS_MM,
 } from '../../model/new_block';
 import type { Scene } from '../../model/new_block';
-import { h, setText } from '../dom';
+import { unplaced } from '../../model/placement';
+import { h } from '../dom';
 import { count, sentence } from '../format';
 import { uploadName } from '../programs/requests';
 import { duration } from '../programs/texts';
+import { placementForm } from './placement_form';
 import { boxTable, toolTable } from './tool_table';
 
 export interface Draft {
@@ -56,46 +57,16 @@ export function fromTemplate({ title, scene }: Template): Draft {
   };
 }
 
-function meshText({ triangles, box }: UploadedMesh, unitMm: number): string {
-  const side = (n: number): string => ((box.max[n]! - box.min[n]!) * unitMm).toFixed(1);
-  const place = (n: number): string => (box.min[n]! * unitMm).toFixed(1);
-  return (
-    t(
-      '{0} × {1} × {2} mm, from X {3} Y {4} Z {5}, ',
-      side(0),
-      side(1),
-      side(2),
-      place(0),
-      place(1),
-      place(2),
-    ) + t('{0} triangles.', count(triangles))
-  );
-}
-
-function unitChoice(): HTMLSelectElement {
-  const options = Object.keys(UNITS_MM).map((unit) => h('option', { value: unit }, unit));
-  return h('select', { class: 'text-input' }, ...options);
-}
-
 async function fromMesh(file: File, changed: () => void, repair: boolean): Promise<Draft> {
   const mesh = await uploadMesh(file, repair);
-  const unit = unitChoice();
-  const text = h('p', {}, meshText(mesh, 1));
-  unit.addEventListener('change', () => {
-    setText(text, meshText(mesh, UNITS_MM[unit.value]!));
-    changed();
-  });
-  const element = h('div', {}, text);
+  const placement = unplaced();
+  const element = h('div', {}, placementForm(mesh, placement, lacksUnit(file.name), changed));
   if (mesh.repaired !== '') element.append(h('p', {}, sentence(t('Repaired: {0}', mesh.repaired))));
-  if (lacksUnit(file.name)) {
-    const name = h('span', { class: 'field-name' }, t('Unit of its numbers'));
-    element.append(h('label', { class: 'field' }, name, unit));
-  }
   return {
     name: nameOf(file),
     targetMm: null,
     element,
-    scene: () => meshScene(mesh.file, repair, unit.value),
+    scene: () => meshScene(mesh.file, repair, placement),
     program: null,
   };
 }

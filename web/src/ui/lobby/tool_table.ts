@@ -5,26 +5,13 @@ import { t } from '../../strings';
 import type { Box, ToolChoice } from '../../model/new_block';
 import type { Vec3 } from '../../wire/types';
 import { h } from '../dom';
+import { numberInput } from './number_input';
 
 const SHAPES: readonly [ToolChoice['shape'], string][] = [
   ['flat', t('flat end')],
   ['ball', t('ball end')],
   ['bull_nose', t('bull nose')],
 ];
-
-function numberInput(label: string, value: number, set: (value: number) => void): HTMLElement {
-  const input = h('input', {
-    type: 'number',
-    step: 'any',
-    class: 'number-input',
-    'aria-label': label,
-    value: String(value),
-  });
-  input.addEventListener('input', () => {
-    if (Number.isFinite(input.valueAsNumber)) set(input.valueAsNumber);
-  });
-  return input;
-}
 
 function toolRow(tool: ToolChoice, changed: () => void): HTMLElement {
   const shape = h(
