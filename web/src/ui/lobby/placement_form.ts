@@ -87,5 +87,11 @@ export function placementForm(
     h('div', { class: 'box-row' }, h('span', { class: 'quiet wide' }, t('Scale')), scale),
     axesRow(t('Move, mm'), (axis) => t('Move along {0}, mm', axis), placement.translateMm, update),
   );
-  return h('div', { class: 'draft-mesh' }, size, ...(asksUnit ? [unitField(placement, update)] : []), more);
+  return h(
+    'div',
+    { class: 'draft-mesh' },
+    size,
+    ...(asksUnit ? [unitField(placement, update)] : []),
+    more,
+  );
 }
