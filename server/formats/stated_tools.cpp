@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/stated_tools.h"
 
+#include <charconv>
 #include <optional>
 #include <vector>
 
 #include "server/formats/apt/tools.h"
 #include "server/formats/heidenhain/blocks.h"
 #include "server/formats/letter_case.h"
+#include "server/formats/number_text.h"
 #include "server/formats/text_lines.h"
 #include "server/formats/tool_words.h"
 #include "server/formats/units.h"
@@ -152,6 +154,7 @@ class Finder {
       : klartext_(is_klartext(program)), unit_mm_(program_unit_mm(program)) {
     TextLines walk(program);
     while (walk.next()) read(walk.line(), walk.number());
+    found_.merge(defined_);
     if (tool_) return;
     if (loose_ && !found_.contains(1)) found_.emplace(1, *loose_);
   }
@@ -161,6 +164,7 @@ class Finder {
   void read(std::string_view line, std::size_t number) {
     const Parts parts = klartext_ ? klartext_parts_of(line) : parts_of(line);
     for (const std::string_view comment : parts.comments) describe(comment, number);
+    if (klartext_ && parts.code.starts_with("TOOLDEF")) define(parts.code, number);
     if (const auto id = klartext_ ? called_tool(parts.code) : tool_word(parts.code)) {
       tool_ = id;
       open_ = true;
@@ -190,6 +194,22 @@ class Finder {
     return digits > 0 ? std::optional(id) : std::nullopt;
   }
 
+  // TOOL DEF 1 L+0 R+5 states a radius; how the tool ends only a comment can.
+  void define(const std::string& code, std::size_t line) {
+    const std::size_t radius_at = code.find('R');
+    if (radius_at == std::string::npos) return;
+    ToolId id = 0;
+    double radius = 0;
+    const auto [after, error] = std::from_chars(code.data() + 7, code.data() + radius_at, id);
+    const char* number = code.data() + radius_at + 1;
+    if (*number == '+') ++number;
+    const auto read = std::from_chars(number, code.data() + code.size(), radius);
+    if (error != std::errc() || *after != 'L' || read.ec != std::errc() || !(radius > 0)) return;
+    const std::string words = "END MILL D=" + decimal_text(2 * radius, 6);
+    if (const auto shape = tool_of_words(words, unit_mm_))
+      defined_.try_emplace(id, StatedTool{*shape, line, "TOOL DEF"});
+  }
+
   void describe(std::string_view comment, std::size_t line) {
     Head head(comment);
     if (const auto id = head.number()) {
@@ -211,7 +231,7 @@ class Finder {
   bool klartext_;
   double unit_mm_;
   std::map<std::string, ToolId> names_;  ///< of TOOL CALL "NAME", in order
-  std::map<ToolId, StatedTool> found_;
+  std::map<ToolId, StatedTool> found_, defined_;
   std::optional<StatedTool> loose_;
   std::optional<ToolId> tool_;
   bool open_ = false;

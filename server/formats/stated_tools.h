@@ -15,13 +15,14 @@ namespace kerf {
 struct StatedTool {
   ToolShape shape;
   std::size_t line = 0;                 ///< of the comment, from 1
-  std::string_view source = "comment";  ///< "CUTTER" of APT
+  std::string_view source = "comment";  ///< "CUTTER" of APT, "TOOL DEF" of Klartext
 };
 
 /// Returns the tools that the comments of a program describe (tool_words.h), by number: a comment
 /// with a number, such as "(T1 D=6. CR=0. - flat end mill)" or "(TOOL 2 - 1/4 BALL)"; otherwise one
 /// that names a tool before the T word (TOOL CALL) that selects it, or after it and before the next
-/// feed. Of APT those of CUTTER and TLDATA (apt/tools.h). The first description of a number counts.
+/// feed. Of APT those of CUTTER and TLDATA (apt/tools.h); of Klartext also those of TOOL DEF, as
+/// flat end mills, where no comment describes them. The first description of a number counts.
 /// Lengths without a unit are in the program's.
 std::map<ToolId, StatedTool> stated_tools(std::string_view program);
 

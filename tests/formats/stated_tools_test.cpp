@@ -162,6 +162,18 @@ TEST(StatedTools, OfKlartextBelongToTheNextOrTheCalledTool) {
   EXPECT_EQ(tool_text(tools.at(7).shape), "flat, diameter 8 mm, length 40 mm");
 }
 
+TEST(StatedTools, OfToolDefAreFlatUnlessACommentDescribesThem) {
+  const auto tools = stated_tools(
+      "0 BEGIN PGM T INCH\n; TOOL 2 BALL END MILL D=0.5\n1 TOOL DEF 1 L+0 R+0.25\n"
+      "2 TOOL DEF 2 L+0 R+0.1\n3 TOOL DEF 3 L+Q1 R+Q2\n4 TOOL DEF 4\n5 TOOL DEF 5 L+0 R-1\n"
+      "6 TOOL CALL 1 Z\n7 L X+1 F9\n");
+  ASSERT_EQ(tools.size(), 2U);
+  EXPECT_EQ(std::get<FlatShape>(tools.at(1).shape).diameter_mm, 12.7);
+  EXPECT_EQ(tools.at(1).source, "TOOL DEF");
+  EXPECT_EQ(tools.at(1).line, 3U);
+  EXPECT_TRUE(std::holds_alternative<BallShape>(tools.at(2).shape));
+}
+
 TEST(StatedTools, OfNamesInKlartextHaveTheRankOfTheirNames) {
   const auto tools = stated_tools(
       "BEGIN PGM T MM\n; END MILL D=8\nTOOL CALL \"A B\" Z\nL X+1 F9\nTOOL CALL \"C\" Z\n"
