@@ -241,6 +241,19 @@ TEST(FanucBlock, RoundsAndCutsCorners) {
   EXPECT_THAT(refused("G1 X10 ,R2 F9\nG1 Y10 Z1\nM30\n"), HasSubstr("within the active plane"));
 }
 
+TEST(FanucBlock, RoundsAndCutsCornersBesideThePath) {
+  for (const std::string start : {"T1\nG41 D1 G1 X-20 Y0 F9\n", "T1\nG42 D1 G1 X-20 Y0 F9\n"}) {
+    const std::string end = "X0\nY5\nM30\n";
+    EXPECT_EQ(fanuc(start + "X10 ,R3.\nY10 ,C2.\n" + end),
+              fanuc(start + "X7\nG3 X10 Y3 R3\nG1 Y8\nX8 Y10\n" + end));
+  }
+  // The corner at the end of the first line, which leads to the path.
+  EXPECT_EQ(fanuc("T1\nG41 D1 G1 X-20 Y0 ,C2. F9\nY10\nX-30\nM30\n"),
+            fanuc("T1\nG41 D1 G1 X-18 Y0 F9\nX-20 Y2\nY10\nX-30\nM30\n"));
+  EXPECT_THAT(refused("T1\nG41 D1 G1 X-20 Y0 F9\nX10 ,R3.\nG40 Y20\n"),
+              HasSubstr("must be followed by"));
+}
+
 TEST(FanucBlock, PolarCoordinatesAreRadiusAndAngle) {
   EXPECT_EQ(fanuc("G16\nG1 X10 Y90 F9\nY180\nG91 Y90\nG90 G15\nX1 Y1\nM30\n"),
             "F 0 10 0, F -10 0 0, F 0 -10 0, F 1 1 0");

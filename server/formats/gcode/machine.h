@@ -159,8 +159,10 @@ class GcodeMachine {
     GcodeAxes at{};  ///< the corner; the tool is still at the start of the first line
     GcodeFeed feed;
     Named named{};
+    std::size_t file = 0, line = 0;
   };
   bool begin_corner(GcodeBlock& block, const GcodeAxes& to);
+  static CompensatedInfo info_of(const Corner& corner, const GcodeAxes& to);
   void cut_corner(const GcodeAxes& next);
   void require_no_corner() const;
 
@@ -216,6 +218,9 @@ class GcodeMachine {
   void read_polar(GcodeBlock& block, GcodeAxes& to);
   Vec3 read_tool_axis(GcodeBlock& block);
   ArcCenter read_center(GcodeBlock& block) const;
+  void follow_line(bool is_rapid, const GcodeAxes& to, const CompensatedInfo& info);
+  void follow_arc(const GcodeAxes& to, const ArcCenter& center, bool clockwise, int turns,
+                  double tolerance_mm, const CompensatedInfo& info);
   void require_feed(const GcodeBlock& block) const;
   GcodeFeed feed_of(const GcodeBlock& block) const;
   void emit(const CompensatedMove& move);

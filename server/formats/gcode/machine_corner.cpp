@@ -26,7 +26,8 @@ bool GcodeMachine::begin_corner(GcodeBlock& block, const GcodeAxes& to) {
   if (!radius) radius = block.take('r');  // R of G1, without the comma, has no other meaning
   const auto chamfer = block.take(kCornerChamfer);
   if (!radius && !chamfer) return false;
-  Corner corner{.at = to, .feed = feed_of(block), .named = named_axes(block)};
+  Corner corner{
+      .at = to, .feed = feed_of(block), .named = named_axes(block), .file = file_, .line = line_};
   corner.radius_mm = radius.value_or(0) * modes_.unit_mm;
   corner.chamfer_mm = chamfer.value_or(0) * modes_.unit_mm;
   if (corner.radius_mm < 0 || corner.chamfer_mm < 0)
@@ -38,13 +39,25 @@ bool GcodeMachine::begin_corner(GcodeBlock& block, const GcodeAxes& to) {
   return true;
 }
 
+CompensatedInfo GcodeMachine::info_of(const Corner& corner, const GcodeAxes& to) {
+  return {.axes = to,
+          .feed = corner.feed,
+          .named = corner.named,
+          .file = corner.file,
+          .line = corner.line};
+}
+
 // Makes the first line up to the corner, and the corner; the second line follows to `next`.
 void GcodeMachine::cut_corner(const GcodeAxes& next) {
   const Corner corner = *corner_;
   corner_.reset();
   const ArcPlane plane = modes_.plane;
-  const PlanePoint a = in_plane(linear(at_), plane), b = in_plane(linear(corner.at), plane),
-                   c = in_plane(linear(next), plane);
+  PlanePoint a = in_plane(linear(at_), plane);
+  const PlanePoint b = in_plane(linear(corner.at), plane), c = in_plane(linear(next), plane);
+  if (compensation_.beside()) {
+    a.first = compensation_.programmed().first;
+    a.second = compensation_.programmed().second;
+  }
   if (std::abs(a.normal - b.normal) > kLevelMm || std::abs(c.normal - b.normal) > kLevelMm ||
       rotary(at_) != rotary(next))
     throw GcodeFault{"", "a corner (,R or ,C) requires two moves within the active plane"};
@@ -55,13 +68,20 @@ void GcodeMachine::cut_corner(const GcodeAxes& next) {
   if (!(reach <= std::min(distance(a, b), distance(b, c)) + kLevelMm))
     throw GcodeFault{"", "the corner (,R or ,C) is larger than one of its moves"};
   const PlanePoint start = offset_point(b, -reach, in), end = offset_point(b, reach, out);
+  const auto cut_line = [&](const GcodeAxes& to) {
+    if (!compensation_.active()) return feed(to, corner.feed, corner.named);
+    follow_line(false, to, info_of(corner, to));
+  };
   GcodeAxes to = corner.at;
   set_linear(to, from_plane(start, plane));
-  feed(to, corner.feed, corner.named);
+  cut_line(to);
   set_linear(to, from_plane(end, plane));
-  if (corner.chamfer_mm > 0 || std::abs(turn) < 1e-9) return feed(to, corner.feed, corner.named);
+  if (corner.chamfer_mm > 0 || std::abs(turn) < 1e-9) return cut_line(to);
   const double side = turn > 0 ? 1 : -1;
   const PlanePoint center = offset_point(start, corner.radius_mm, in + side * std::numbers::pi / 2);
+  if (compensation_.active())
+    return follow_arc(to, {.ijk = from_plane(center, plane), .absolute = true}, turn < 0, 1,
+                      kSpiralToleranceMm, info_of(corner, to));
   if (reads_outline()) return record_outline(to, center, turn > 0 ? 1 : -1);
   count_call();
   canon_.arc(arc_about(linear(at_), linear(to), plane, center, turn > 0 ? 1 : -1), frame_,

@@ -55,7 +55,7 @@ void GcodeMachine::move(GcodeBlock& block) {
 GcodeAxes GcodeMachine::read_target(GcodeBlock& block) {
   if (setup_.rules.macros) check_after_transform(block);
   GcodeAxes to = corner_ ? corner_->at : at_;
-  if (compensation_.beside()) {
+  if (!corner_ && compensation_.beside()) {
     const Vec3 programmed = from_plane(compensation_.programmed(), compensation_.plane());
     to[0] = programmed.x;
     if (compensation_.plane() == ArcPlane::kXy) to[1] = programmed.y;
@@ -147,6 +147,10 @@ void GcodeMachine::straight(GcodeBlock& block, int code) {
   }
   const GcodeAxes to = in_machine ? read_machine_target(block) : read_target(block);
   if (setup_.tool_axis_words) tool_axis_ = read_tool_axis(block);
+  if (setup_.rules.macros && !is_rapid) {
+    if (corner_) cut_corner(to);
+    if (begin_corner(block, to)) return;
+  }
   if (compensation_.active()) {
     CompensatedInfo info{.axes = to,
                          .feed = is_rapid ? GcodeFeed{} : feed_of(block),
@@ -157,22 +161,32 @@ void GcodeMachine::straight(GcodeBlock& block, int code) {
       info.per_move = block.find('f')->value;
       info.feed.duration_s = 0;
     }
-    const ArcPlane plane = compensation_.plane();
-    const PlanePoint end = compensation_.straight(is_rapid, in_plane(linear(at_), plane),
-                                                  in_plane(linear(to), plane), info);
-    at_ = to;
-    set_linear(at_, from_plane(end, plane));
-    return;
-  }
-  if (setup_.rules.macros && !is_rapid) {
-    if (corner_) cut_corner(to);
-    if (begin_corner(block, to)) return;
+    return follow_line(is_rapid, to, info);
   }
   if (is_rapid) {
     rapid(to, in_machine ? GcodeRapid::kMachine : GcodeRapid::kPlain, named);
   } else {
     feed(to, feed_of(block), named);
   }
+}
+
+// Moves beside the programmed path, to the point that belongs to `to`.
+void GcodeMachine::follow_line(bool is_rapid, const GcodeAxes& to, const CompensatedInfo& info) {
+  const ArcPlane plane = compensation_.plane();
+  const PlanePoint end = compensation_.straight(is_rapid, in_plane(linear(at_), plane),
+                                                in_plane(linear(to), plane), info);
+  at_ = to;
+  set_linear(at_, from_plane(end, plane));
+}
+
+void GcodeMachine::follow_arc(const GcodeAxes& to, const ArcCenter& center, bool clockwise,
+                              int turns, double tolerance_mm, const CompensatedInfo& info) {
+  const ArcPlane plane = compensation_.plane();
+  const PlanePoint end =
+      compensation_.arc(in_plane(linear(at_), plane), in_plane(linear(to), plane), center,
+                        clockwise, turns, tolerance_mm, info);
+  at_ = to;
+  set_linear(at_, from_plane(end, plane));
 }
 
 void GcodeMachine::set_position(const GcodeAxes& programmed) {
@@ -261,13 +275,7 @@ void GcodeMachine::arc(GcodeBlock& block, bool clockwise) {
       info.per_move = block.find('f')->value;
       info.feed.duration_s = 0;
     }
-    const ArcPlane plane = compensation_.plane();
-    const PlanePoint end =
-        compensation_.arc(in_plane(linear(at_), plane), in_plane(linear(to), plane), center,
-                          clockwise, turns, tolerance, info);
-    at_ = to;
-    set_linear(at_, from_plane(end, plane));
-    return;
+    return follow_arc(to, center, clockwise, turns, tolerance, info);
   }
   const PlanePoint middle =
       arc_center(linear(at_), linear(to), modes_.plane, center, clockwise, tolerance);
