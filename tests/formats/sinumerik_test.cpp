@@ -111,6 +111,9 @@ TEST(Sinumerik, JumpsAndLoops) {
   EXPECT_EQ(end("R1=0\nREPEAT\nR1=R1+1\nG1 X=R1\nUNTIL R1>=2\n"), (Vec3{2, 0, 5}));
   EXPECT_EQ(end("R1=0\nLOOP\nR1=R1+1\nIF R1>3\nGOTOF OUT\nENDIF\nG1 X=R1\nENDLOOP\nOUT: G1 Y1\n"),
             (Vec3{3, 1, 5}));
+  for (const char* word : {"ELSE", "ENDIF", "UNTIL R1>1", "ENDLOOP", "ENDFOR", "ENDWHILE"})
+    EXPECT_THAT(error("R1=0\nG1 X1 F9\n" + std::string(word) + "\nG1 X2\n"),
+                HasSubstr("has no other end"));
   EXPECT_THAT(error("R1=0\nWHILE R1<4\nG1 X1\n"), HasSubstr("has no end"));
   EXPECT_THAT(error("LOOP\nR1=1\nENDLOOP\n"), HasSubstr("too many lines"));
   EXPECT_THAT(error("GOTOF NOWHERE\n"), HasSubstr("'NOWHERE' is no label"));

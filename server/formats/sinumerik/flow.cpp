@@ -71,9 +71,12 @@ SinumerikProgram::SinumerikProgram(std::string_view text) : text_(text) {
       if (const std::string number = take_label(line); !number.empty())
         labels_[number].push_back(n);
     }
-  if (upper.find("IF") != std::string::npos || upper.find("WHILE") != std::string::npos ||
-      upper.find("FOR") != std::string::npos || upper.find("LOOP") != std::string::npos ||
-      upper.find("REPEAT") != std::string::npos)
+  const auto has = [&upper](std::string_view word) {
+    return upper.find(word) != std::string::npos;
+  };
+  if (has("ELSE") || std::ranges::any_of(kStructures, [&](const Structure& structure) {
+        return has(structure.head) || has(structure.end);
+      }))
     match();
 }
 
@@ -118,6 +121,12 @@ void SinumerikProgram::match() {
   if (!open.empty())
     throw GcodeFault{std::string(open.back().second->head),
                      "in line " + std::to_string(open.back().first + 1) + " has no end"};
+}
+
+std::size_t SinumerikProgram::partner(std::size_t n) const {
+  const auto found = partners_.find(n);
+  if (found == partners_.end()) throw GcodeFault{line(n).text, "has no other end"};
+  return found->second;
 }
 
 std::optional<std::size_t> SinumerikProgram::label(const std::string& name, std::size_t from,

@@ -30,8 +30,8 @@ class SinumerikProgram {
   /// The line as written.
   std::string_view written(std::size_t n) const;
   /// The other end of a structure: IF and ELSE lead to the next of ELSE and ENDIF, ends of loops to
-  /// their heads and heads to their ends.
-  std::size_t partner(std::size_t n) const { return partners_.at(n); }
+  /// their heads and heads to their ends. Throws GcodeFault where there is none.
+  std::size_t partner(std::size_t n) const;
   /// The line with a label or number, searched forward, backward or in this order.
   std::optional<std::size_t> label(const std::string& name, std::size_t from, char direction) const;
 
