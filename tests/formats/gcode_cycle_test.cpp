@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/formats/canon_record.h"
 
 namespace kerf {
@@ -55,6 +57,22 @@ TEST(GcodeCycle, PeckDwellAndBoreCyclesExpandAsInLinuxCnc) {
   // The operator retracts manually, so the next hole starts from the bottom of this one.
   EXPECT_EQ(moves_of(kStart + "G99 G88 X0 Z-1 R1 P1\nM2\n"),
             "R 0 0 10, R 0 0 10, R 0 0 1, F 0 0 -1, D 1");
+}
+
+// Whether the last peck reaches the bottom is decided by the last bit, in program units, as in
+// LinuxCNC: in mm the last peck of each would end there.
+TEST(GcodeCycle, CountsPecksInProgramUnits) {
+  const auto feeds = [](const std::string& program) {
+    const std::string moves = moves_of("G20 G90 G94 F100 S500 M3\n" + program + "\nM2\n");
+    return std::ranges::count(moves, 'F');
+  };
+  EXPECT_EQ(feeds("G0 X0 Y0 Z0.263\nG91 G98 G73 X1 Z-0.162 R-0.019 Q0.054"), 4);
+  EXPECT_EQ(feeds("G0 X0 Y0 Z1\nG98 G83 X1 Z-0.021 R0.001 Q0.011"), 3);
+  // The level of the second cycle is that at which the first one ended.
+  EXPECT_EQ(feeds("G0 X0 Y0 Z0.5\nG91 G99 G81 X1 Z-0.1 R-0.237\nG73 X1 Z-0.162 R-0.019 Q0.054"),
+            1 + 4);
+  // 0.771 inch in mm divided by 25.4 is not 0.771.
+  EXPECT_EQ(feeds("G0 X0 Y0 Z0.771\nG91 G98 G73 X1 Z-0.118 R-0.001 Q0.059"), 3);
 }
 
 // LinuxCNC swaps the axes of G74 and G84 in G18 and G19; Kerf taps along the plane's normal.

@@ -12,8 +12,18 @@ namespace {
 
 // Clearance above the last peck at which pecking cycles change from rapid to feed (0.01 inch).
 constexpr double kPeckClearanceMm = 0.254;
-// A peck deeper than any hole: G83 without Q on a Haas.
-constexpr double kOnePeckMm = 1e6;
+// A peck deeper than any hole, in any unit: G83 without Q on a Haas.
+constexpr double kOnePeck = 1e6;
+constexpr double kDecimals = 1e7;
+
+/// The coordinate, in program units, that gives one in mm: that at which the last cycle ended, else
+/// a decimal number as programs have them, else the quotient.
+double units_of(double mm, double unit_mm, double last) {
+  if (last * unit_mm == mm) return last;
+  const double quotient = mm / unit_mm;
+  const double decimal = std::round(quotient * kDecimals) / kDecimals;
+  return decimal * unit_mm == mm ? decimal : quotient;
+}
 
 }  // namespace
 
@@ -24,21 +34,28 @@ Cycle::Cycle(int code, const GcodeModes& modes, PlanePoint at, const CycleWords&
       words_(words),
       memory_(&memory),
       repeated_(memory.lenient ? memory.code != 0 : memory.code == code),
-      end_(at) {
+      end_{units_of(at.first, modes.unit_mm, memory.end.first),
+           units_of(at.second, modes.unit_mm, memory.end.second),
+           units_of(at.normal, modes.unit_mm, memory.end.normal)} {
   recall();
-  level_ = at.normal;
+  level_ = end_.normal;
   if (!memory_->initial_level) memory_->initial_level = level_;
   memory_->code = code_;
   if (words_.repeats == 0) return;  // the words are stored for the blocks that follow
   double initial = *memory_->initial_level;
   set_heights(initial);
   if (initial < r_) {
-    rapid({at.first, at.second, r_});
+    rapid({end_.first, end_.second, r_});
     initial = level_ = r_;
   }
   clear_ = modes_.retract_to_r ? r_ : initial;
-  hole_ = {at.first, at.second, 0};
+  hole_ = {end_.first, end_.second, 0};
   if (!modes_.incremental) set_hole();
+}
+
+PlanePoint Cycle::in_mm(PlanePoint point) const {
+  const double mm = modes_.unit_mm;
+  return {point.first * mm, point.second * mm, point.normal * mm};
 }
 
 std::optional<CycleStep> Cycle::next() {
@@ -48,6 +65,7 @@ std::optional<CycleStep> Cycle::next() {
     } else if (holes_ < words_.repeats) {
       begin_hole();
     } else {
+      memory_->end = end_;
       return std::nullopt;
     }
   }
@@ -84,7 +102,7 @@ void Cycle::recall() {
   if (words_.p) memory_->p = *words_.p;
   const bool pecks = code_ == 730 || code_ == 830;
   if (words_.q) memory_->q = *words_.q;
-  if (memory_->lenient && pecks && memory_->q <= 0) memory_->q = kOnePeckMm;
+  if (memory_->lenient && pecks && memory_->q <= 0) memory_->q = kOnePeck;
   if (pecks && !words_.q && !repeated_ && !memory_->lenient)
     throw GcodeFault{"", "the cycle requires Q, the depth of a peck"};
 
@@ -182,7 +200,7 @@ void Cycle::peck() {
   }
   feed_to(depth);
   if (code_ == 830) rapid_to(r_);
-  rapid_to(depth + kPeckClearanceMm);
+  rapid_to(depth + kPeckClearanceMm / modes_.unit_mm);
   *peck_ -= memory_->q;
 }
 
@@ -200,7 +218,8 @@ void Cycle::bore_back() {
 }
 
 void Cycle::feed_to(double normal) {
-  steps_.push_back({.kind = CycleStep::Kind::kFeed, .to = {hole_.first, hole_.second, normal}});
+  steps_.push_back(
+      {.kind = CycleStep::Kind::kFeed, .to = in_mm({hole_.first, hole_.second, normal})});
 }
 
 void Cycle::dwell() { steps_.push_back({.kind = CycleStep::Kind::kDwell, .seconds = memory_->p}); }

@@ -9,16 +9,17 @@
 
 namespace kerf {
 
-/// Sticky words of canned cycles, kept from block to block, mm and s.
+/// Sticky words of canned cycles, kept from block to block, in program units and s.
 struct CycleMemory {
   int code = 0;  ///< the last cycle, times ten; 0 after another motion
   double r = 0, depth = 0, p = 0, q = 0, i = 0, j = 0, k = 0;
   /// The words that LinuxCNC requires may be missing, and the spindle is not watched (Macro B).
   bool lenient = false;
   std::optional<double> initial_level;  ///< level at which the first of consecutive cycles started
+  PlanePoint end = {};                  ///< of the last cycle
 };
 
-/// The words of a canned cycle in one block, mm and s, in the axes of its plane.
+/// The words of a canned cycle in one block, in program units and s, in the axes of its plane.
 struct CycleWords {
   std::optional<double> first, second;        ///< position of the hole
   std::optional<double> depth;                ///< bottom of the hole
@@ -27,7 +28,7 @@ struct CycleWords {
   int repeats = 1;  ///< 0 (Macro B): only stores the words
 };
 
-/// One step of a canned cycle, in the axes of its plane.
+/// One step of a canned cycle, mm, in the axes of its plane.
 struct CycleStep {
   enum class Kind { kRapid, kFeed, kDwell };
   Kind kind = Kind::kRapid;
@@ -35,20 +36,21 @@ struct CycleStep {
   double seconds = 0;  ///< kDwell
 };
 
-/// A canned cycle, G73, G74 or G81 to G89, in steps as LinuxCNC makes them.
+/// A canned cycle, G73, G74 or G81 to G89, in steps as LinuxCNC makes them. It counts in program
+/// units, as LinuxCNC does: whether one more peck reaches the bottom depends on the last bit.
 class Cycle {
  public:
-  /// Starts at `at`; `code` is times ten. Words missing in the block are taken from `memory`, which
-  /// is updated and outlives the cycle. Throws GcodeFault for a missing word, an R plane below the
-  /// bottom of the hole, or a spindle that is stopped or turns in the wrong direction.
+  /// Starts at `at`, mm; `code` is times ten. Words missing in the block are taken from `memory`,
+  /// which is updated and outlives the cycle. Throws GcodeFault for a missing word, an R plane
+  /// below the bottom of the hole, or a spindle that is stopped or turns in the wrong direction.
   Cycle(int code, const GcodeModes& modes, PlanePoint at, const CycleWords& words,
         CycleMemory& memory);
 
   /// Returns the next step; nullopt at the end. Throws GcodeFault for polar increments at the
   /// origin.
   std::optional<CycleStep> next();
-  /// The position after the last step.
-  PlanePoint end() const { return end_; }
+  /// The position after the last step, mm.
+  PlanePoint end() const { return in_mm(end_); }
 
  private:
   void recall();
@@ -59,7 +61,10 @@ class Cycle {
   void drill();
   void peck();
   void bore_back();
-  void rapid(PlanePoint to) { steps_.push_back({.kind = CycleStep::Kind::kRapid, .to = to}); }
+  PlanePoint in_mm(PlanePoint point) const;
+  void rapid(PlanePoint to) {
+    steps_.push_back({.kind = CycleStep::Kind::kRapid, .to = in_mm(to)});
+  }
   void rapid_to(double normal) { rapid({hole_.first, hole_.second, normal}); }
   void feed_to(double normal);
   void dwell();

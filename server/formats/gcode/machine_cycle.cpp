@@ -17,22 +17,18 @@ CycleWords GcodeMachine::read_cycle(GcodeBlock& block, int code) const {
     if (const GcodeWord* word = block.find(letter))
       throw GcodeFault{word->text, "a canned cycle does not move rotary axes"};
   const std::string_view letters = plane_letters(modes_.plane);
-  const auto mm = [&](char letter) {
-    const auto value = block.take(letter);
-    return value ? std::optional(*value * modes_.unit_mm) : std::nullopt;
-  };
-  CycleWords words{.first = mm(letters[0]),
-                   .second = mm(letters[1]),
-                   .depth = mm(letters[2]),
-                   .distance = mm('@'),
+  CycleWords words{.first = block.take(letters[0]),
+                   .second = block.take(letters[1]),
+                   .depth = block.take(letters[2]),
+                   .distance = block.take('@'),
                    .angle_deg = block.take('^'),
-                   .r = mm('r'),
+                   .r = block.take('r'),
                    .p = block.take('p'),
                    .q = std::nullopt,
                    .i = std::nullopt,
                    .j = std::nullopt,
                    .k = std::nullopt};
-  if (code == 730 || code == 830) words.q = mm('q');
+  if (code == 730 || code == 830) words.q = block.take('q');
   if (setup_.rules.macros) {
     // Pecks, shifts and retracts do not change the hole.
     for (const char letter : {'q', 'i', 'j', 'k', 'e', 'd'}) block.take(letter);
@@ -41,9 +37,9 @@ CycleWords GcodeMachine::read_cycle(GcodeBlock& block, int code) const {
     const std::string_view offsets = modes_.plane == ArcPlane::kXy   ? "ijk"
                                      : modes_.plane == ArcPlane::kZx ? "kij"
                                                                      : "jki";
-    words.i = mm(offsets[0]);
-    words.j = mm(offsets[1]);
-    words.k = mm(offsets[2]);
+    words.i = block.take(offsets[0]);
+    words.j = block.take(offsets[1]);
+    words.k = block.take(offsets[2]);
   }
   if (const auto repeats = block.take('l')) {
     if (*repeats < (setup_.rules.macros ? 0 : 1) || *repeats > kRepeatsMax ||

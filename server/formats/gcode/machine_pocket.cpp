@@ -139,8 +139,10 @@ bool GcodeMachine::next_of_pattern() {
   const PlanePoint hole = pattern_.front();
   pattern_.pop_front();
   CycleWords words;
-  words.first = modes_.incremental ? hole.first - at.first : hole.first;
-  words.second = modes_.incremental ? hole.second - at.second : hole.second;
+  const double first = modes_.incremental ? hole.first - at.first : hole.first;
+  const double second = modes_.incremental ? hole.second - at.second : hole.second;
+  words.first = first / modes_.unit_mm;
+  words.second = second / modes_.unit_mm;
   GcodeBlock none;
   running_ = RunningCycle{Cycle(modes_.motion, modes_, at, words, cycle_),
                           ArcPlane::kXy,
