@@ -93,6 +93,15 @@ describe('control messages', () => {
       ok: true,
       value: { ...state, settled: true, paused: 'disk' },
     });
+    for (const [word, paused] of [
+      ['lease', 'lease'],
+      ['tape', 'disk'],
+    ]) {
+      expect(parse({ ...state, settled: true, paused: word })).toEqual({
+        ok: true,
+        value: { ...state, settled: true, paused },
+      });
+    }
     const at = { record: 17, time_ms: 1795356180000, rate: 0.25 };
     expect(parse({ ...state, settled: true, at })).toEqual({
       ok: true,

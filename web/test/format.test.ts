@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { duration, feltBeside, figure, sentence, volume } from '../src/ui/format';
+import { duration, feltBeside, figure, hashText, sentence, volume } from '../src/ui/format';
 
 describe('format', () => {
   it('keeps three significant digits', () => {
@@ -39,5 +39,13 @@ describe('format', () => {
   it('turns reasons into sentences', () => {
     expect(sentence('no hello within 5 s')).toBe('No hello within 5 s.');
     expect(sentence('All is well.')).toBe('All is well.');
+  });
+});
+
+describe('hashText', () => {
+  it('is the hash, or what has paused the session', () => {
+    expect(hashText({ state_hash: 'abc' })).toBe('abc');
+    expect(hashText({ state_hash: 'abc', paused: 'disk' })).toBe('paused: disk');
+    expect(hashText({ state_hash: 'abc', paused: 'lease' })).toBe('paused: lease');
   });
 });

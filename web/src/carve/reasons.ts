@@ -7,6 +7,7 @@ import type { SessionModel } from '../model/session';
 import type { Welcome } from '../wire/types';
 
 const DISK_FULL = t('The server cannot write: nothing is carved until it can.');
+const NO_LEASE = t('The servers cannot reach each other: nothing is carved until they can.');
 
 /** Why this viewer may not. */
 export function whyNotCarve({ may, role }: Pick<Welcome, 'may' | 'role'>): string {
@@ -26,5 +27,6 @@ export function whyNotNow(
 ): string {
   if (status !== 'connected' || !isJoined) return t('Not connected yet: wait a moment.');
   if (state?.at) return t('This is the past: go back to live to carve.');
+  if (state?.paused === 'lease') return NO_LEASE;
   return state?.paused ? DISK_FULL : '';
 }

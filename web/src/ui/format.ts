@@ -2,6 +2,7 @@
 // Formats numbers and sentences for the user.
 
 import { language, t } from '../strings';
+import type { StateMessage } from '../wire/types';
 
 const WHOLE = new Intl.NumberFormat(language, { maximumFractionDigits: 0 });
 
@@ -58,4 +59,10 @@ export function duration(milliseconds: number): string {
   const seconds = Math.max(0, Math.floor(milliseconds / 1000));
   if (seconds < 60) return `${seconds} s`;
   return seconds < 3600 ? `${Math.floor(seconds / 60)} min` : `${Math.floor(seconds / 3600)} h`;
+}
+
+/** The hash of the block, or why nothing is carved. */
+export function hashText(state: Pick<StateMessage, 'paused' | 'state_hash'>): string {
+  if (state.paused === undefined) return state.state_hash;
+  return state.paused === 'lease' ? t('paused: lease') : t('paused: disk');
 }

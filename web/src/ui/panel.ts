@@ -8,7 +8,7 @@ import type { SessionModel } from '../model/session';
 import { h, setText } from './dom';
 import { languageChoice } from './language_choice';
 import { Figure, section } from './figures';
-import { count, duration, figure, volume } from './format';
+import { count, duration, figure, hashText, volume } from './format';
 import type { Navigation } from '../model/navigation';
 import { History } from './history';
 import { MaterialChoice } from './material_choice';
@@ -114,7 +114,7 @@ export class Panel {
     );
     this.triangles_.set(count(tiles.triangles));
     this.pitch_.set(welcome ? figure(welcome.pitch_mm) : '–', 'mm');
-    setText(this.hash_, state ? (state.paused ? t('paused: disk') : state.state_hash) : '–');
+    setText(this.hash_, state ? hashText(state) : '–');
     this.hash_.classList.toggle('settled', state?.settled === true);
     this.material_.suggest(this.model.participants.carvers().map(({ info }) => info.kind));
     this.people_.update(selected, followed, nowMs);

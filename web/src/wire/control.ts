@@ -67,6 +67,11 @@ function viewersOf(from: Json): { viewers?: number } {
   return from['viewers'] === undefined ? {} : { viewers: number(from, 'viewers') };
 }
 
+function pauseOf(word: unknown): { paused?: 'disk' | 'lease' } {
+  if (typeof word !== 'string' || word === '') return {};
+  return { paused: word === 'lease' ? 'lease' : 'disk' };
+}
+
 /** Where a viewer is that looks at the past. */
 function placeOf(from: Json): { at?: PastPlace } {
   if (from['at'] === undefined) return {};
@@ -224,7 +229,7 @@ function messageOf(from: Json): ServerMessage | null {
         removed_volume_mm3: number(from, 'removed_volume_mm3'),
         state_hash: text(from, 'state_hash'),
         settled: from['settled'] === true,
-        ...(from['paused'] === 'disk' ? { paused: 'disk' as const } : {}),
+        ...pauseOf(from['paused']),
         ...placeOf(from),
       };
     case 'programs':

@@ -283,8 +283,11 @@ export interface StateMessage {
   removed_volume_mm3: number;
   state_hash: string;
   settled: boolean;
-  /** The server cannot write the journal: nothing is carved until it can. */
-  paused?: 'disk';
+  /**
+   * Nothing is carved until the server can write the journal again, or, in a cluster, is sure again
+   * that it alone runs the session. Words of a later server count as the former.
+   */
+  paused?: 'disk' | 'lease';
   /** Where this viewer looks at the past; missing: it looks at the present. */
   at?: PastPlace;
 }

@@ -19,6 +19,8 @@ describe('whyNotNow', () => {
     expect(whyNotNow({ state: { ...state, at }, status: 'connected' }, true)).toContain('past');
     const paused = { ...state, paused: 'disk' as const };
     expect(whyNotNow({ state: paused, status: 'connected' }, true)).toContain('cannot write');
+    const alone = { ...state, paused: 'lease' as const };
+    expect(whyNotNow({ state: alone, status: 'connected' }, true)).toContain('reach each other');
   });
 });
 
