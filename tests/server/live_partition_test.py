@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Servers that cannot reach NATS, or NATS without one of its own: never two owners, nothing lost."""
+import json
+import os
+import signal
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import nats_server  # noqa: E402
+from cluster_servers import Cluster, ClusterAgent, RasterPath  # noqa: E402
+from delaying_relay import Line, Relay  # noqa: E402
+from live_disk_test import until  # noqa: E402
+from live_server import SCENE, Server  # noqa: E402
+from wire_client import Closed, WebSocket  # noqa: E402
+
+
+class Owners(threading.Thread):
+    """Asks all servers all the time which of them may change the session; notes each answer.
+
+    Cluster.owner() fails when two of them may.
+    """
+
+    def __init__(self, cluster):
+        super().__init__()
+        self.cluster, self.seen, self.fault = cluster, [], None
+        self.ended = threading.Event()
+
+    def run(self):
+        while not self.ended.wait(0.02):
+            try:
+                owner = self.cluster.owner()
+            except AssertionError as fault:
+                self.fault = fault
+                return
+            except OSError:
+                continue  # a server ends
+            if owner and (not self.seen or self.seen[-1] != owner):
+                self.seen.append(owner)
+
+    def end(self):
+        self.ended.set()
+        self.join()
+        if self.fault:
+            raise self.fault
+        return self.seen
+
+
+def uninterrupted(agents):
+    """What a server that nothing happens to makes of the samples of several agents."""
+    with tempfile.TemporaryDirectory(prefix="kerf-test-") as folder:
+        server = Server(folder)
+        server.create()
+        alone = type("Alone", (), {"servers": {"alone": server}})
+        whole = [ClusterAgent(alone) for _ in agents]
+        threads = [threading.Thread(target=one.cut_all, args=(agent.sent,))
+                   for one, agent in zip(whole, agents)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        info = server.info()
+        server.stop()
+    return info["motions"], info["state_hash"]
+
+
+class ClusterTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="kerf-test-")
+        self.addCleanup(self.folder.cleanup)
+        self.cluster = Cluster(self.folder.name, self.nats())
+        self.addCleanup(self.cluster.end)
+
+    def nats(self):
+        return None  # one
+
+    def tearDown(self):
+        while WebSocket.opened:
+            WebSocket.opened.pop().close()
+
+    def block(self, name):
+        info = self.cluster.servers[name].info()
+        return info["motions"], info["state_hash"]
+
+
+class Partition(ClusterTest):
+    def test_an_owner_that_nats_does_not_hear_pauses_before_another_one_goes_on(self):
+        with Relay(self.cluster.nats.port, Line()) as line:
+            a = self.cluster.start("a", nats=f"nats://127.0.0.1:{line.port}")
+            a.create()
+            self.cluster.start("b")
+            agent = ClusterAgent(self.cluster, tip=RasterPath(0))
+            agent.move(160)
+            agent.settle()
+            owners = Owners(self.cluster)
+            owners.start()
+            until(self, lambda: owners.seen, ["a"])
+            line.hold(True)
+            del self.cluster.servers["a"]  # no agent comes to it any more
+            self.assertEqual(self.cluster.wait_for_owner(), "b")
+            self.cluster.servers["a"] = a
+            self.assertEqual(a.info()["paused"], "lease")
+            stopped = a.info()["motions"]
+            agent.move(16)  # at a, where it still is: rejected, or it finds b
+            second = ClusterAgent(self.cluster_of("b"), tip=RasterPath(1))
+            second.move(160)
+            second.settle()
+            self.assertEqual(a.info()["motions"], stopped)
+            line.hold(False)
+            until(self, lambda: a.http.request("GET", "/v1/sessions/block")[0], 307)
+            try:
+                while True:  # its bye
+                    agent.socket.receive()
+            except (Closed, OSError):
+                agent.connect(None)
+            agent.move(64)
+            agent.settle()
+            self.assertEqual(owners.end(), ["a", "b"])
+            self.assertEqual(self.block("b"), uninterrupted([agent, second]))
+
+    def cluster_of(self, *names):
+        """The same servers, as an agent sees them that knows only some."""
+        return type("Part", (), {"servers": {n: self.cluster.servers[n] for n in names}})
+
+    def test_two_servers_and_one_folder(self):
+        a = self.cluster.start("a")
+        a.create()
+        agent = ClusterAgent(self.cluster)
+        agent.move(100)
+        agent.settle()
+        with self.assertRaisesRegex(RuntimeError, "in use"):
+            Server(self.cluster.path("a"), "--nats", self.cluster.nats.url, "--node", "b")
+        self.assertEqual(a.info()["paused"], None)
+        self.cluster.stop("a", signal.SIGKILL)
+        # Another one with the same folder, and under the same name, goes on with it.
+        self.cluster.servers["again"] = Server(self.cluster.path("a"), "--nats",
+                                               self.cluster.nats.url, "--node", "a")
+        self.assertEqual(self.cluster.wait_for_owner(), "again")
+        agent.move(50)
+        agent.settle()
+        self.assertEqual(self.block("again"), uninterrupted([agent]))
+
+
+class NatsCluster(ClusterTest):
+    """Three nats-servers, of which two at least keep a message before it is acknowledged."""
+
+    def nats(self):
+        self.trio = nats_server.Trio(self.folder.name)
+        return self.trio
+
+    def test_nothing_is_lost_when_a_server_of_nats_is_killed(self):
+        for name in ("a", "b"):
+            self.cluster.start(name, "--nats-replicas", "3")
+        # The streams of the leases and of the journal elect their leaders first.
+        path, scene = "/v1/sessions?id=block&here=1", json.dumps(SCENE)
+        until(self, lambda: self.cluster.servers["a"].http.request("POST", path, scene)[0], 201)
+        agent = ClusterAgent(self.cluster, tip=RasterPath(0))
+        agent.move(320)
+        agent.settle()
+        owners = Owners(self.cluster)
+        owners.start()
+        agent.move(16)  # cut, and perhaps not copied yet
+        self.trio.kill(self.trio.leader("KERF_JOURNAL_block"))
+        agent.settle()  # when they are copied
+        until(self, lambda: self.cluster.owner() is not None, True, 60)
+        agent.move(320)
+        agent.settle()
+        owners.end()
+        self.assertEqual(self.block(self.cluster.wait_for_owner()), uninterrupted([agent]))
+
+
+if __name__ == "__main__":
+    if nats_server.PROGRAM is None:
+        print("skipped: nats-server is not installed")
+        sys.exit(77)
+    unittest.main()
