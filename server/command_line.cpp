@@ -335,6 +335,7 @@ void describe_server(CLI::App& app, Words& line) {
 /// Turns the words of a valid command line into options.
 std::expected<CommandLine, int> understand(Words line) {
   line.server.snapshots = snapshot_limits(line.snapshot_s);
+  if (!line.server.copies.url.empty()) line.server.snapshots.age = kCopiedSnapshotAge;
   line.server.disk = disk_limits(line);
   for (std::string& name : own_names()) line.server.http.allow_hosts.push_back(std::move(name));
   log::open(line.log_format == "json" ? log::Format::kJson : log::Format::kText);

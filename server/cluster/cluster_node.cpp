@@ -2,11 +2,11 @@
 #include "server/cluster/cluster_node.h"
 
 #include <algorithm>
-#include <random>
 #include <utility>
 
 #include "server/cluster/cluster_node_impl.h"
 #include "server/cluster/nats_address.h"
+#include "server/cluster/random_number.h"
 #include "server/cluster/takeover.h"
 #include "server/log/log.h"
 
@@ -15,11 +15,6 @@ namespace {
 
 /// Sessions that are taken at the same time.
 constexpr int kTakers = 2;
-
-std::string random_name() {
-  std::random_device random;
-  return std::to_string(std::uint64_t{random()} << 32 | random());
-}
 
 }  // namespace
 
@@ -31,7 +26,8 @@ std::expected<std::unique_ptr<ClusterNode>, std::string> ClusterNode::connect(
     const std::string& url, int replicas, std::string node) {
   auto nats = NatsConnection::open(url, "kerf-server " + node);
   if (!nats) return std::unexpected(without_credentials(url) + ": " + nats.error().reason);
-  auto impl = std::make_unique<Impl>(*std::move(nats), replicas, std::move(node), random_name());
+  auto impl = std::make_unique<Impl>(*std::move(nats), replicas, std::move(node),
+                                     std::to_string(random_number()));
   return std::unique_ptr<ClusterNode>(new ClusterNode(std::move(impl)));
 }
 
@@ -54,12 +50,9 @@ std::string ClusterNode::hold() {
   {
     const std::lock_guard lock(impl_->mutex);
     impl_->holds = true;
-    const auto others = impl_->table.others(boot_time_ns());
-    const auto least = std::ranges::min_element(
-        others, {}, [](const auto& other) { return other.second.sessions; });
-    if (least != others.end()) {
-      name = least->first;
-      address = least->second.address;
+    if (const auto least = impl_->table.least_loaded(boot_time_ns())) {
+      name = least->name;
+      address = least->address;
     }
   }
   impl_->takers.clear();
@@ -107,7 +100,7 @@ std::expected<void, std::string> ClusterNode::claim(const std::string& id, bool 
                     .address = impl.address,
                     .epoch = std::max(known ? known->epoch : 0, *epoch) + 1,
                     .to = {},
-                    .name = {}};
+                    .shown = {}};
   const auto taken = impl.own.take(id, lease, *last ? (*last)->sequence : 0);
   if (!taken) return std::unexpected(taken.error().reason);
   return {};
@@ -157,10 +150,20 @@ bool ClusterNode::is_moving(const std::string& id) const {
 std::vector<std::string> ClusterNode::other_servers() const {
   const std::lock_guard lock(impl_->mutex);
   std::vector<std::string> addresses;
-  for (const auto& [name, note] : impl_->table.others(boot_time_ns())) {
-    addresses.push_back(note.address);
+  for (const OtherServer& server : impl_->table.others(boot_time_ns())) {
+    addresses.push_back(server.address);
   }
   return addresses;
+}
+
+std::optional<std::string> ClusterNode::place_for_new() {
+  if (!impl_->nats.is_connected()) return std::nullopt;
+  const std::size_t own = impl_->own.sessions().size();
+  const std::lock_guard lock(impl_->mutex);
+  const auto least = impl_->table.least_loaded(boot_time_ns());
+  if (!least || least->sessions >= own) return std::nullopt;
+  impl_->table.expect_session(least->name);
+  return least->address;
 }
 
 }  // namespace kerf

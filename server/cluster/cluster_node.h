@@ -51,6 +51,7 @@ class ClusterNode final : public SessionPlaces {
   std::optional<std::string> address_of(const std::string& id) const override;
   bool is_moving(const std::string& id) const override;
   std::vector<std::string> other_servers() const override;
+  std::optional<std::string> place_for_new() override;
 
  private:
   struct Impl;

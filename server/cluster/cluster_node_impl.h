@@ -35,7 +35,7 @@ struct ClusterNode::Impl {
 
   void renew_all(const std::stop_token& stop);
   void renew(const std::string& id);
-  std::optional<Lease> shown(const std::string& id) const;
+  std::optional<ShownSession> shown(const std::string& id) const;
   void state_itself();
   void watch_all(const std::stop_token& stop);
   void watch(const std::stop_token& stop);

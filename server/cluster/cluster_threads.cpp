@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "server/cluster/cluster_node_impl.h"
+#include "server/cluster/snapshot_copy.h"
 #include "server/cluster/takeover.h"
 #include "server/log/log.h"
 #include "server/store/journal_file.h"
@@ -42,19 +43,17 @@ void log_failure(const std::string& id, const std::string& reason) {
 }  // namespace
 
 /// What lists show of a session of this server.
-std::optional<Lease> ClusterNode::Impl::shown(const std::string& id) const {
+std::optional<ShownSession> ClusterNode::Impl::shown(const std::string& id) const {
   const auto session = registry->find(id);
   if (!session) return std::nullopt;
-  Lease lease;
   const SessionFigures figures = session->figures();
-  lease.epoch = session->epoch();
-  lease.name = session->scene().name;
-  lease.motions = figures.motions;
-  lease.removed_mm3 = figures.removed_mm3;
-  lease.participants = figures.participants;
-  lease.created_ms = figures.created_ms;
-  lease.active_ms = figures.active_ms;
-  return lease;
+  return ShownSession{.epoch = session->epoch(),
+                      .name = session->scene().name,
+                      .motions = figures.motions,
+                      .removed_mm3 = figures.removed_mm3,
+                      .participants = figures.participants,
+                      .created_ms = figures.created_ms,
+                      .active_ms = figures.active_ms};
 }
 
 void ClusterNode::Impl::renew(const std::string& id) {
@@ -81,7 +80,7 @@ void ClusterNode::Impl::state_itself() {
   const std::int64_t now = boot_time_ns();
   if (now - noted_ns < kNoteNs) return;
   noted_ns = now;
-  NodeNote note{run, address, own.sessions().size()};
+  NodeNote note{run, address};
   {
     const std::lock_guard lock(mutex);
     if (holds) note.address.clear();
@@ -224,6 +223,10 @@ bool ClusterNode::Impl::open(const std::string& id) {
   if (!prepared) {
     log_failure(id, prepared.error());
     return false;
+  }
+  const auto fetched = fetch_snapshots(nats, id, lease->epoch, registry->journal_path(id));
+  if (!fetched) {
+    log::warn("session " + id + ": a snapshot of its copy cannot be used: " + fetched.error());
   }
   LoadReport opened;
   registry->open(id, opened);

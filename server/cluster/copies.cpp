@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/cluster/nats_address.h"
+#include "server/cluster/snapshot_copy.h"
 
 namespace kerf {
 namespace {
@@ -107,6 +108,11 @@ int fetch_journal(const std::string& url, const std::string& session,
   if (!nats) return report(nats.error());
   const auto position = fetch_copy(*nats, session, to);
   if (!position) return report(position.error());
+  // Without one the first start replays all records.
+  const auto snapshot = fetch_snapshots(*nats, session, kAnyEpoch, to);
+  if (!snapshot) {
+    std::fprintf(stderr, "kerf-server: no snapshot is fetched: %s\n", snapshot.error().c_str());
+  }
   std::printf("%s: %llu records\n", to.c_str(), static_cast<unsigned long long>(position->record));
   return 0;
 }
@@ -114,6 +120,10 @@ int fetch_journal(const std::string& url, const std::string& session,
 int forget_copy(const std::string& url, const std::string& session) {
   auto nats = connect(url);
   if (!nats) return report(nats.error());
+  const auto snapshots = nats->delete_stream(snapshot_stream(session));
+  if (!snapshots && snapshots.error().code != NatsErrorCode::kAbsent) {
+    return report(snapshots.error().reason);
+  }
   const auto done = nats->delete_stream(copy_stream(session));
   if (!done) return report(describe(done.error(), session));
   std::printf("%s: its copy is deleted\n", session.c_str());

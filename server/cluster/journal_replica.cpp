@@ -7,9 +7,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <random>
 #include <utility>
 
+#include "server/cluster/random_number.h"
 #include "server/log/log.h"
 
 namespace kerf {
@@ -24,11 +24,6 @@ constexpr std::chrono::milliseconds kConflictRetry{5000};
 
 /// Of the replicas' threads: what carves goes first.
 constexpr int kNiceness = 2;
-
-std::uint64_t random_number() {
-  std::random_device random;
-  return std::uint64_t{random()} << 32 | random();
-}
 
 }  // namespace
 

@@ -54,12 +54,12 @@ std::vector<std::byte> encode_lease(const Lease& lease) {
                    {"address", lease.address},
                    {"epoch", lease.epoch},
                    {"to", lease.to},
-                   {"name", lease.name},
-                   {"motions", lease.motions},
-                   {"removed_volume_mm3", lease.removed_mm3},
-                   {"participants", lease.participants},
-                   {"created_ms", lease.created_ms},
-                   {"active_ms", lease.active_ms}});
+                   {"name", lease.shown.name},
+                   {"motions", lease.shown.motions},
+                   {"removed_volume_mm3", lease.shown.removed_mm3},
+                   {"participants", lease.shown.participants},
+                   {"created_ms", lease.shown.created_ms},
+                   {"active_ms", lease.shown.active_ms}});
 }
 
 std::optional<Lease> decode_lease(std::span<const std::byte> bytes) {
@@ -70,12 +70,13 @@ std::optional<Lease> decode_lease(std::span<const std::byte> bytes) {
                 .address = json.at("address"),
                 .epoch = json.at("epoch"),
                 .to = json.value("to", ""),
-                .name = json.value("name", ""),
-                .motions = json.value("motions", std::uint64_t{0}),
-                .removed_mm3 = json.value("removed_volume_mm3", 0.0),
-                .participants = json.value("participants", std::size_t{0}),
-                .created_ms = json.value("created_ms", std::int64_t{0}),
-                .active_ms = json.value("active_ms", std::int64_t{0})};
+                .shown = {.epoch = 0,
+                          .name = json.value("name", ""),
+                          .motions = json.value("motions", std::uint64_t{0}),
+                          .removed_mm3 = json.value("removed_volume_mm3", 0.0),
+                          .participants = json.value("participants", std::size_t{0}),
+                          .created_ms = json.value("created_ms", std::int64_t{0}),
+                          .active_ms = json.value("active_ms", std::int64_t{0})}};
     for (const auto& [value, name] : kStates) {
       if (json.at("state") == name) lease.state = value;
     }
@@ -85,13 +86,12 @@ std::optional<Lease> decode_lease(std::span<const std::byte> bytes) {
 }
 
 std::vector<std::byte> encode_node(const NodeNote& note) {
-  return to_bytes({{"run", note.run}, {"address", note.address}, {"sessions", note.sessions}});
+  return to_bytes({{"run", note.run}, {"address", note.address}});
 }
 
 std::optional<NodeNote> decode_node(std::span<const std::byte> bytes) {
-  return from_bytes(bytes, [](const Json& json) {
-    return NodeNote{json.at("run"), json.at("address"), json.at("sessions")};
-  });
+  return from_bytes(bytes,
+                    [](const Json& json) { return NodeNote{json.at("run"), json.at("address")}; });
 }
 
 std::string lease_subject(const std::string& session) {

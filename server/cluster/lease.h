@@ -30,7 +30,17 @@ enum class LeaseState : std::uint8_t {
   kClosed     ///< the session has ended
 };
 
-/// Who runs a session, and what lists of sessions show of it.
+/// What the owner of a session states of it: its epoch, and what lists of sessions show.
+struct ShownSession {
+  std::uint32_t epoch = 0;  ///< of its journal; at least that of the lease
+  std::string name;
+  std::uint64_t motions = 0;
+  double removed_mm3 = 0;
+  std::size_t participants = 0;
+  std::int64_t created_ms = 0, active_ms = 0;
+};
+
+/// Who runs a session.
 struct Lease {
   LeaseState state = LeaseState::kHeld;
   std::string node;         ///< name of the server
@@ -39,18 +49,13 @@ struct Lease {
   std::uint32_t epoch = 0;  ///< in which it may change the session
   /// The server that is asked to take it: of an owner that is about to stop. Empty: any.
   std::string to;
-  std::string name;
-  std::uint64_t motions = 0;
-  double removed_mm3 = 0;
-  std::size_t participants = 0;
-  std::int64_t created_ms = 0, active_ms = 0;
+  ShownSession shown;  ///< its epoch is not part of the message
 };
 
 /// A server, as it states every second.
 struct NodeNote {
   std::string run;
   std::string address;  ///< empty: it stops
-  std::size_t sessions = 0;
 };
 
 std::vector<std::byte> encode_lease(const Lease& lease);

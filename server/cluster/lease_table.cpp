@@ -17,11 +17,26 @@ void LeaseTable::note(const std::string& session, Lease lease, std::uint64_t rev
                       std::int64_t now_ns) {
   SeenLease& seen = leases_[session];
   if (revision == seen.revision) return;
+  const bool is_new = seen.revision == 0 || seen.lease.state == LeaseState::kClosed;
+  if (is_new) note_new(lease);
   seen = {std::move(lease), revision, now_ns};
 }
 
+/// A session that was expected of a server has been created there.
+void LeaseTable::note_new(const Lease& lease) {
+  const auto node = nodes_.find(lease.node);
+  if (node == nodes_.end()) return;
+  SeenNode& seen = node->second;
+  if (seen.expected > 0) --seen.expected;
+  seen.overdue = std::min(seen.overdue, seen.expected);
+}
+
 void LeaseTable::note(const std::string& node, NodeNote note, std::int64_t now_ns) {
-  nodes_[node] = {std::move(note), now_ns};
+  SeenNode& seen = nodes_[node];
+  seen.note = std::move(note);
+  seen.since_ns = now_ns;
+  seen.expected -= seen.overdue;  // a client that was sent there did not go
+  seen.overdue = seen.expected;
 }
 
 const SeenLease* LeaseTable::find(const std::string& session) const {
@@ -66,20 +81,38 @@ std::vector<PlacedSession> LeaseTable::elsewhere() const {
   for (const auto& [id, seen] : leases_) {
     const Lease& lease = seen.lease;
     if (lease.state == LeaseState::kClosed || is_own(seen)) continue;
-    list.push_back({id, lease.name, lease.node, lease.address, lease.motions, lease.removed_mm3,
-                    lease.participants, lease.created_ms, lease.active_ms});
+    const ShownSession& shown = lease.shown;
+    list.push_back({id, shown.name, lease.node, lease.address, shown.motions, shown.removed_mm3,
+                    shown.participants, shown.created_ms, shown.active_ms});
   }
   return list;
 }
 
-std::vector<std::pair<std::string, NodeNote>> LeaseTable::others(std::int64_t now_ns) const {
-  std::vector<std::pair<std::string, NodeNote>> list;
+std::vector<OtherServer> LeaseTable::others(std::int64_t now_ns) const {
+  std::vector<OtherServer> list;
   for (const auto& [name, node] : nodes_) {
+    const std::string& run = node.note.run;
     const bool counts =
-        node.note.run != run_ && !node.note.address.empty() && now_ns - node.since_ns < kNodeNs;
-    if (counts) list.emplace_back(name, node.note);
+        run != run_ && !node.note.address.empty() && now_ns - node.since_ns < kNodeNs;
+    if (!counts) continue;
+    const auto sessions = std::ranges::count_if(leases_, [&](const auto& entry) {
+      const Lease& lease = entry.second.lease;
+      return lease.run == run && lease.state == LeaseState::kHeld;
+    });
+    list.push_back({name, node.note.address, static_cast<std::size_t>(sessions) + node.expected});
   }
   return list;
+}
+
+std::optional<OtherServer> LeaseTable::least_loaded(std::int64_t now_ns) const {
+  auto list = others(now_ns);
+  const auto least = std::ranges::min_element(list, {}, &OtherServer::sessions);
+  return least == list.end() ? std::nullopt : std::optional(std::move(*least));
+}
+
+void LeaseTable::expect_session(const std::string& node) {
+  const auto known = nodes_.find(node);
+  if (known != nodes_.end()) ++known->second.expected;
 }
 
 }  // namespace kerf

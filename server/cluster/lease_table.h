@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "server/cluster/lease.h"
@@ -18,6 +17,12 @@ struct SeenLease {
   Lease lease;
   std::uint64_t revision = 0;
   std::int64_t since_ns = 0;  ///< when this revision was seen first, by the clock of who sees it
+};
+
+/// Another server, and how many sessions it has.
+struct OtherServer {
+  std::string name, address;
+  std::size_t sessions = 0;
 };
 
 /// What one server has seen of the leases and of the other servers. Has no clock: times are ns of
@@ -44,14 +49,22 @@ class LeaseTable {
   std::optional<std::string> address_of(const std::string& session, std::int64_t now_ns) const;
   /// The sessions that other servers run, or ran last.
   std::vector<PlacedSession> elsewhere() const;
-  /// The other servers that have stated themselves lately: name and note.
-  std::vector<std::pair<std::string, NodeNote>> others(std::int64_t now_ns) const;
+  /// The other servers that have stated themselves lately.
+  std::vector<OtherServer> others(std::int64_t now_ns) const;
+  /// The one of them with the fewest sessions; nullopt: there is none.
+  std::optional<OtherServer> least_loaded(std::int64_t now_ns) const;
+  /// A server is thought to get one session more, until it has it or has stated itself twice.
+  void expect_session(const std::string& node);
 
  private:
   struct SeenNode {
     NodeNote note;
     std::int64_t since_ns = 0;
+    /// Sessions that it is thought to get, and those of them that it has not got since its last
+    /// note.
+    std::size_t expected = 0, overdue = 0;
   };
+  void note_new(const Lease& lease);
   bool is_own(const SeenLease& seen) const { return seen.lease.run == run_; }
   bool is_fresh(const SeenLease& seen, std::int64_t now_ns) const;
 

@@ -52,6 +52,9 @@ NatsResult<void> NatsConnection::read(const std::string&, const std::string&,
   return not_supported();
 }
 NatsResult<std::vector<std::string>> NatsConnection::streams() { return not_supported(); }
+NatsResult<void> NatsConnection::purge(const std::string&, std::uint64_t) {
+  return not_supported();
+}
 NatsResult<void> NatsConnection::delete_stream(const std::string&) { return not_supported(); }
 
 }  // namespace kerf

@@ -255,6 +255,18 @@ NatsResult<std::vector<std::string>> NatsConnection::streams() {
   return std::vector<std::string>(list->List, list->List + list->Count);
 }
 
+NatsResult<void> NatsConnection::purge(const std::string& stream, std::uint64_t first) {
+  if (first <= 1) return {};  // nats-server would delete all
+  if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
+  jsOptions options;
+  jsOptions_Init(&options);
+  options.Stream.Purge.Sequence = first;
+  jsErrCode code{};
+  const natsStatus status = js_PurgeStream(impl_->streams.get(), stream.c_str(), &options, &code);
+  if (status != NATS_OK) return failed(status, code);
+  return {};
+}
+
 NatsResult<void> NatsConnection::delete_stream(const std::string& stream) {
   if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
   jsErrCode code{};

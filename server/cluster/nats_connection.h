@@ -87,6 +87,8 @@ class NatsConnection {
                         const std::function<bool(StreamMessage)>& take);
   /// The names of all streams.
   NatsResult<std::vector<std::string>> streams();
+  /// Deletes the messages of a stream before number `first`.
+  NatsResult<void> purge(const std::string& stream, std::uint64_t first);
   NatsResult<void> delete_stream(const std::string& stream);
 
  private:

@@ -62,18 +62,8 @@ std::expected<std::uint64_t, LeaseError> OwnLeases::store_own(const std::string&
   return std::unexpected(LeaseError{false, "the lease changes all the time"});
 }
 
-void OwnLeases::show(Lease& lease, const Lease& shown) {
-  lease.epoch = std::max(lease.epoch, shown.epoch);
-  lease.name = shown.name;
-  lease.motions = shown.motions;
-  lease.removed_mm3 = shown.removed_mm3;
-  lease.participants = shown.participants;
-  lease.created_ms = shown.created_ms;
-  lease.active_ms = shown.active_ms;
-}
-
 std::expected<void, LeaseError> OwnLeases::renew(const std::string& session,
-                                                 const std::optional<Lease>& shown) {
+                                                 const std::optional<ShownSession>& shown) {
   Lease lease;
   std::uint64_t revision = 0;
   {
@@ -84,7 +74,10 @@ std::expected<void, LeaseError> OwnLeases::renew(const std::string& session,
     revision = held->second.revision;
     lease.to = successor_;
   }
-  if (shown) show(lease, *shown);
+  if (shown) {
+    lease.shown = *shown;
+    lease.epoch = std::max(lease.epoch, shown->epoch);
+  }
   const std::int64_t sent = boot_time_ns();
   const auto stored = store_own(session, lease, revision);
   if (!stored && stored.error().is_lost) lose(session);

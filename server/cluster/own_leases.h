@@ -35,7 +35,7 @@ class OwnLeases {
   /// Stores the lease again and, if it is still held, moves the end of its fence. A lost lease is
   /// held no more, and its fence is closed. What lists show is taken from `shown`, if it is given.
   std::expected<void, LeaseError> renew(const std::string& session,
-                                        const std::optional<Lease>& shown);
+                                        const std::optional<ShownSession>& shown);
   /// As renew(), and holds the lease no more, whatever comes of it.
   void give_back(const std::string& session, LeaseState state, const std::string& to);
   /// Another server has the lease.
@@ -56,7 +56,6 @@ class OwnLeases {
     std::int64_t sent_ns = 0;
     std::shared_ptr<WriteFence> fence;
   };
-  static void show(Lease& lease, const Lease& shown);
   NatsResult<std::uint64_t> store(const std::string& session, const Lease& lease,
                                   std::uint64_t revision);
   std::expected<std::uint64_t, LeaseError> store_own(const std::string& session, const Lease& lease,

@@ -12,6 +12,7 @@
 #include "server/cluster/journal_replica.h"
 #include "server/cluster/nats_address.h"
 #include "server/cluster/nats_connection.h"
+#include "server/cluster/snapshot_copies.h"
 #include "server/log/log.h"
 
 namespace kerf {
@@ -79,6 +80,7 @@ struct Replication::Impl {
   SessionRegistry& registry;
   std::vector<Copied> copies;  ///< watcher's thread only, while it runs
   std::jthread watcher;
+  std::unique_ptr<SnapshotCopies> snapshots;
 };
 
 Replication::Replication(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -95,12 +97,14 @@ std::expected<std::unique_ptr<Replication>, std::string> Replication::start(
   }
   auto impl = std::make_unique<Impl>(*std::move(nats), options.replicas, registry);
   impl->watcher = std::jthread([raw = impl.get()](const std::stop_token& stop) { raw->run(stop); });
+  impl->snapshots = std::make_unique<SnapshotCopies>(impl->nats, options.replicas, registry);
   return std::unique_ptr<Replication>(new Replication(std::move(impl)));
 }
 
 void Replication::hold() {
   if (!impl_->watcher.joinable()) return;
   impl_->watcher = {};
+  impl_->snapshots.reset();
   impl_->look();  // sessions that are newer than the last look are copied too
 }
 

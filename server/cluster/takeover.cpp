@@ -2,11 +2,11 @@
 #include "server/cluster/takeover.h"
 
 #include <chrono>
-#include <random>
 #include <utility>
 
 #include "server/cluster/change_frame.h"
 #include "server/cluster/copies.h"
+#include "server/cluster/random_number.h"
 #include "server/log/log.h"
 #include "server/store/journal_change.h"
 #include "server/store/journal_file.h"
@@ -39,8 +39,7 @@ std::expected<std::optional<CopyEnd>, std::string> end_of_copy(NatsConnection& n
 std::expected<bool, std::string> add_mark(NatsConnection& nats, const std::string& session,
                                           std::uint32_t epoch, std::uint64_t end,
                                           const CopyPosition& position, bool is_whole) {
-  std::random_device random;
-  const std::uint64_t writer = std::uint64_t{random()} << 32 | random();
+  const std::uint64_t writer = random_number();
   // Of the epoch before: the journal replica that goes on is of `epoch`.
   const FrameHead head{.epoch = epoch - 1,
                        .writer = writer,

@@ -61,6 +61,12 @@ std::optional<std::string> other_place(const SessionRegistry& registry, const st
   return registry.places() == nullptr ? std::nullopt : registry.places()->address_of(id);
 }
 
+ApiResponse at_other_server(const std::string& reason, std::string location) {
+  ApiResponse response = error_response(307, "other_server", reason);
+  response.headers.emplace_back("Location", std::move(location));
+  return response;
+}
+
 ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
                        const std::string& target) {
   if (is_coming(registry, id)) {
@@ -70,10 +76,7 @@ ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
     return response;
   }
   if (const auto address = other_place(registry, id)) {
-    ApiResponse response =
-        error_response(307, "other_server", "session " + id + " is at " + *address);
-    response.headers.emplace_back("Location", *address + target);
-    return response;
+    return at_other_server("session " + id + " is at " + *address, *address + target);
   }
   if (const auto error = registry.unreadable(id)) {
     return error_response(500, "unreadable_session",

@@ -41,6 +41,7 @@ struct ApiRequest {
   std::string host;           ///< as the client has addressed the server
   std::string network;        ///< of the client (network_of)
   bool is_secure = false;     ///< it has come over TLS
+  bool is_script = false;     ///< of a page in a browser: it may not follow to another origin
   bool is_forwarded = false;  ///< a proxy has added the address of its client
   std::string body;
   std::stop_token stop = {};  ///< requested when the client is gone
@@ -68,6 +69,8 @@ ApiResponse error_response(unsigned status, std::string_view code, std::string_v
 ApiResponse not_found();
 /// Whether a path is that of a session, or of something in it.
 bool is_below_session(const std::vector<std::string>& path);
+/// 307: the same request belongs to `location`, an absolute URL.
+ApiResponse at_other_server(const std::string& reason, std::string location);
 /// The response to a request for a session that is not open: 307 to the same `target` of the server
 /// that runs it, 503 with Retry-After while it is being loaded or moved, 500 if its journal cannot
 /// be read, otherwise 404.
@@ -200,6 +203,7 @@ class Api {
   AccessResult<void> mute(Session& session, ParticipantId id, const std::string& person,
                           bool muted);
   ApiResponse change_strokes(const ApiCall& call, bool undone);
+  std::optional<ApiResponse> create_elsewhere(const ApiRequest& request);
   ApiResponse create_branch(const ApiCall& call, const std::string& id);
   ThreadPool& carvers();
   /// The solid of a session as it was after a record.

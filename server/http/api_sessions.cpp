@@ -40,9 +40,12 @@ ApiResponse created_response(const Session& session) {
 Json time_json(std::int64_t ms) { return ms == 0 ? Json() : Json(ms); }
 
 /// Null if the journal is not copied to other machines.
-Json copy_json(const std::optional<CopyState>& copy) {
+Json copy_json(const CopyNote& note) {
+  const auto copy = note.get();
   if (!copy) return {};
-  return {{"record", copy->record}, {"fault", copy->fault.empty() ? Json() : Json(copy->fault)}};
+  return {{"record", copy->record},
+          {"fault", copy->fault.empty() ? Json() : Json(copy->fault)},
+          {"snapshot", note.snapshot()}};
 }
 
 Json info_json(const Session& session, const SessionInfo& info, const StateHash& hash) {
@@ -72,7 +75,7 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
           {"removed_volume_mm3", info.removed_mm3},
           {"imprint_volume_mm3", info.imprint_mm3},
           {"journal_lag", info.journal_lag},
-          {"copied", copy_json(session.copy().get())},
+          {"copied", copy_json(session.copy())},
           {"paused", info.paused.empty() ? Json() : Json(info.paused)},
           {"disk_bytes", session.disk_bytes()},
           {"pitch_mm", session.scene().settings.pitch_mm},
@@ -189,9 +192,25 @@ ApiResponse Api::create_session(const ApiCall& call) {
     if (!scene) return registry_failure(scene.error());
     return json_response(200, price_of(*scene));
   }
+  if (source.files.empty()) {  // uploaded files are here only
+    if (auto elsewhere = create_elsewhere(call.request)) return *std::move(elsewhere);
+  }
   const auto created = registry_.create(id, call.request.body, source);
   if (!created) return registry_failure(created.error());
   return created_response(**created);
+}
+
+/// A new session goes to the server of the cluster with the fewest. The parameter `here` ends that:
+/// servers that know each other's numbers of a second ago must not send a client round in circles.
+std::optional<ApiResponse> Api::create_elsewhere(const ApiRequest& request) {
+  const std::string* here = request.query_value("here");
+  const bool stays = request.is_script || (here != nullptr && *here == "1");
+  if (stays || registry_.places() == nullptr) return std::nullopt;
+  const auto address = registry_.places()->place_for_new();
+  if (!address) return std::nullopt;
+  const bool has_query = request.target.find('?') != std::string::npos;
+  return at_other_server("new sessions are created at " + *address,
+                         *address + request.target + (has_query ? "&" : "?") + "here=1");
 }
 
 ApiResponse Api::create_branch(const ApiCall& call, const std::string& id) {

@@ -57,6 +57,7 @@ std::expected<ApiRequest, ApiResponse> screen(const RequestHead& head, const Htt
   request->token = bearer_token(head.authorization);
   if (request->token.empty()) request->token = request->pass;
   request->is_secure = head.is_secure;
+  request->is_script = !head.origin.empty();
   request->host = std::string(head.host);
   request->network = network_of(head.address);
   request->is_forwarded = head.is_forwarded;

@@ -31,11 +31,14 @@ class CopyNote {
   }
   /// CopyState::record; 0 if no copy is made. Waits for nothing.
   std::uint64_t record() const { return record_; }
+  /// The last record of the newest snapshot that was copied; 0: none was.
+  void set_snapshot(std::uint64_t record) { snapshot_ = record; }
+  std::uint64_t snapshot() const { return snapshot_; }
 
  private:
   mutable std::mutex mutex_;
   std::optional<CopyState> state_;
-  std::atomic<std::uint64_t> record_ = 0;
+  std::atomic<std::uint64_t> record_ = 0, snapshot_ = 0;
 };
 
 }  // namespace kerf

@@ -10,6 +10,7 @@
 #include "kernel/dexel/tile_region.h"
 #include "kernel/tool/tool_bounds.h"
 #include "server/rights/default_color.h"
+#include "server/session/pause_text.h"
 #include "server/wire/limits.h"
 
 namespace kerf {
@@ -131,9 +132,7 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& asked
   if (const auto ok = check(request, resumed); !ok) return std::unexpected(ok.error());
   if (const auto error = resumed != 0 ? journal_.pause() : std::nullopt;
       error && !is_limit(error->code)) {
-    return std::unexpected(
-        Rejection{wire::ErrorCode::kBusy,
-                  std::string("paused: ") + pause_word(error->code) + ": " + error->reason});
+    return std::unexpected(Rejection{wire::ErrorCode::kBusy, pause_text(*error)});
   }
   if (const auto ok = check_rate(request, resumed); !ok) return std::unexpected(ok.error());
   auto state = make_state(request, resumed);

@@ -4,15 +4,13 @@
 #include <string>
 #include <utility>
 
+#include "server/session/pause_text.h"
+
 namespace kerf {
 namespace {
 
 /// Records that may wait for the disk before programs do. A slice adds a few hundred.
 constexpr std::size_t kProgramRecordsMax = kJournalBufferRecords / 4;
-
-std::string paused(const JournalError& error) {
-  return std::string("paused: ") + pause_word(error.code) + ": " + error.reason;
-}
 
 }  // namespace
 
@@ -26,12 +24,13 @@ std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
   if (appended) return {};
   const JournalError& error = appended.error();
   const bool is_full = error.code == JournalErrorCode::kFull;
-  return std::unexpected(Rejection{wire::ErrorCode::kBusy, is_full ? error.reason : paused(error)});
+  return std::unexpected(
+      Rejection{wire::ErrorCode::kBusy, is_full ? error.reason : pause_text(error)});
 }
 
 std::expected<void, Rejection> SessionJournal::check_space_for_programs() const {
   if (const auto error = writer_.pause()) {
-    return std::unexpected(Rejection{wire::ErrorCode::kBusy, paused(*error)});
+    return std::unexpected(Rejection{wire::ErrorCode::kBusy, pause_text(*error)});
   }
   if (writer_.lag() < kProgramRecordsMax) return {};
   return std::unexpected(Rejection{wire::ErrorCode::kBusy, "the disk does not keep up"});

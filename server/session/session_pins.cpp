@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/rights/rights.h"
+#include "server/session/pause_text.h"
 #include "server/session/session.h"
 
 namespace kerf {
@@ -15,7 +16,7 @@ bool Session::may_remove(const Pin& pin, const Caller& caller) {
 std::expected<Pin, PinError> Session::set_pin(Pin pin) {
   using enum PinFault;
   if (const auto error = journal_.pause()) {
-    return std::unexpected(PinError{kPaused, "paused: disk: " + error->reason});
+    return std::unexpected(PinError{kPaused, pause_text(*error)});
   }
   if (closed_) return std::unexpected(PinError{kPaused, "the session is closed"});
   if (pins_.size() >= kPinsMax) {

@@ -50,6 +50,9 @@ class SessionPlaces {
   virtual bool is_moving(const std::string& id) const = 0;
   /// The addresses of the other servers, which may continue the sessions of this one.
   virtual std::vector<std::string> other_servers() const = 0;
+  /// The address of the server that has fewer sessions than any other and than this one, and which
+  /// is now thought to get one more; nullopt: a new session belongs here.
+  virtual std::optional<std::string> place_for_new() = 0;
 };
 
 }  // namespace kerf

@@ -145,7 +145,7 @@ class SessionRegistry {
   /// Of the data folder.
   std::filesystem::path journal_path(const std::string& id) const;
   std::filesystem::path closed_folder() const;
-  const SessionPlaces* places() const { return options_.places; }
+  SessionPlaces* places() const { return options_.places; }
   /// True once the journals have been found and none is loading.
   bool loaded() const;
   /// The journals that could not be loaded.

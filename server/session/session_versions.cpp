@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of Session that names versions of the block.
 #include "server/rights/rights.h"
+#include "server/session/pause_text.h"
 #include "server/session/session.h"
 
 namespace kerf {
@@ -14,7 +15,7 @@ bool Session::may_change(const NamedVersion& version, const Caller& caller) {
 std::expected<void, VersionError> Session::name_version(NamedVersion version) {
   using enum VersionFault;
   if (const auto error = journal_.pause()) {
-    return std::unexpected(VersionError{kPaused, "paused: disk: " + error->reason});
+    return std::unexpected(VersionError{kPaused, pause_text(*error)});
   }
   if (closed_) return std::unexpected(VersionError{kPaused, "the session is closed"});
   if (version.record > sequence()) {
@@ -40,7 +41,7 @@ std::expected<NamedVersion, VersionError> Session::rename_version(const std::str
                                                                   const Caller& caller) {
   using enum VersionFault;
   if (const auto error = journal_.pause()) {
-    return std::unexpected(VersionError{kPaused, "paused: disk: " + error->reason});
+    return std::unexpected(VersionError{kPaused, pause_text(*error)});
   }
   if (closed_) return std::unexpected(VersionError{kPaused, "the session is closed"});
   const auto found = versions_.find(name);

@@ -17,6 +17,10 @@ struct SnapshotLimits {
   std::chrono::microseconds pause{2'000'000};
 };
 
+/// SnapshotLimits::age of a session whose snapshots are copied for other servers: one that
+/// continues it replays what is newer.
+inline constexpr std::chrono::seconds kCopiedSnapshotAge{10};
+
 /// Decides when a session's snapshot is due. Times are of one steady clock.
 class SnapshotSchedule {
  public:

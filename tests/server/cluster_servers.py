@@ -11,11 +11,11 @@ from wire_client import WAIT_S, Closed, Rejected
 
 
 class Cluster:
-    """nats-server and servers named a, b, ..., each with a folder of its own below `folder`."""
+    """NATS and servers named a, b, ..., each with a folder of its own below `folder`."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, nats=None):
         self.folder = folder
-        self.nats = nats_server.Nats(self.path("nats"))
+        self.nats = nats or nats_server.Nats(self.path("nats"))
         self.servers = {}
 
     def path(self, name):
@@ -23,8 +23,9 @@ class Cluster:
         os.makedirs(path, exist_ok=True)
         return path
 
-    def start(self, name, *more):
-        self.servers[name] = Server(self.path(name), "--nats", self.nats.url, "--node", name, *more)
+    def start(self, name, *more, nats=None):
+        self.servers[name] = Server(self.path(name), "--nats", nats or self.nats.url, "--node", name,
+                                    *more)
         return self.servers[name]
 
     def stop(self, name, how=signal.SIGTERM):
@@ -39,7 +40,7 @@ class Cluster:
     def owner(self, session="block"):
         """The name of the server that may change a session; None: none may at the moment."""
         owners = []
-        for name, server in self.servers.items():
+        for name, server in list(self.servers.items()):
             status, info = server.http.json("GET", f"/v1/sessions/{session}")
             if status == 200 and info["paused"] is None:
                 owners.append(name)
@@ -56,6 +57,25 @@ class Cluster:
         raise AssertionError(f"nobody runs {session}")
 
 
+class RasterPath:
+    """Places that cover a quarter of the block of live_server, layer by layer.
+
+    Each sample dips by another depth, so that the block without any one of them differs.
+    """
+
+    def __init__(self, quarter):
+        self.corner = (-18 + 18 * (quarter % 2), -18 + 18 * (quarter // 2))
+
+    def __call__(self, number):
+        row, along = divmod(number, 40)
+        layer, row = divmod(row, 40)
+        if row % 2:
+            along = 39 - along
+        dip = (number * 0.618034) % 1
+        return (self.corner[0] + 0.4 * along, self.corner[1] + 0.4 * row,
+                -0.6 - 0.4 * layer - 0.4 * dip)
+
+
 class HistoryError(Exception):
     """A server has taken back what one has acknowledged."""
 
@@ -64,10 +84,11 @@ class ClusterAgent(DurableAgent):
     """A DurableAgent that finds its session at any of the servers, and notes what they state.
 
     Its history is checked while it goes on: epochs grow, and what has been acknowledged stays.
+    `tip` is the place of each sample.
     """
 
-    def __init__(self, cluster, session="block"):
-        self.cluster = cluster
+    def __init__(self, cluster, session="block", tip=spiral_tip):
+        self.cluster, self.tip = cluster, tip
         self.epochs = []
         super().__init__(None, session)
 
@@ -97,13 +118,20 @@ class ClusterAgent(DurableAgent):
         """Cuts, at whichever server, below the limit of samples a second."""
         time.sleep(count / 1000)
         first = len(self.sent) + 1
-        self.sent += [spiral_tip(len(self.sent) + i) for i in range(count)]
+        self.sent += [self.tip(len(self.sent) + i) for i in range(count)]
         while True:
             try:
                 return self.send(first)
             except (OSError, Closed, IndexError):
                 self.connect(None)  # which sends everything again
                 return None
+
+    def cut_all(self, samples):
+        """Cuts samples as if nothing had happened to anybody."""
+        for first in range(0, len(samples), 16):
+            time.sleep(0.016)
+            self.sent += samples[first:first + 16]
+            self.send(first + 1)
 
     def settle(self):
         """Waits until everything is acknowledged."""

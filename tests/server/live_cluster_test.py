@@ -15,7 +15,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import nats_server  # noqa: E402
 from cluster_servers import Cluster, ClusterAgent  # noqa: E402
 from live_agent_test import AGENT, rows  # noqa: E402
-from live_copy_test import batches, run  # noqa: E402
+from live_copy_test import batches, is_copied_to, run  # noqa: E402
 from live_disk_test import until  # noqa: E402
 from live_resume_test import DurableAgent  # noqa: E402
 from live_server import SCENE, Server  # noqa: E402
@@ -40,12 +40,11 @@ class Takeover(unittest.TestCase):
         return self.cluster.servers[name].info(session)
 
     def wait_for_copy(self, server):
-        def is_copied():
+        def is_whole():
             info = server.info()
-            return (info["journal_lag"] == 0 and
-                    info["copied"] == {"record": info["state_sequence"], "fault": None})
+            return info["journal_lag"] == 0 and is_copied_to(info, info["state_sequence"])
 
-        until(self, is_copied, True)
+        until(self, is_whole, True)
 
     def wait_for_others(self, server, count):
         """Waits until a server knows the others, to which it sends its peers."""
@@ -211,6 +210,74 @@ class Takeover(unittest.TestCase):
         status, answer = b.http.json("POST", "/v1/sessions?id=block", json.dumps(SCENE))
         self.assertEqual((status, answer["error"]["code"]), (503, "no_lease"))
         self.assertIn("kerf-server forget block", answer["error"]["reason"])
+
+    def cut_until_snapshot(self, agent, server, record):
+        """Cuts until a snapshot with that record, and another one, are copied."""
+        end = time.monotonic() + 60
+        while (server.info()["copied"] or {"snapshot": 0})["snapshot"] <= record:
+            self.assertLess(time.monotonic(), end, server.info()["copied"])
+            agent.move(16)
+        agent.settle()
+
+    def test_a_takeover_begins_with_the_copied_snapshot_and_a_damaged_one_costs_only_time(self):
+        self.cluster.stop("a")
+        often = ("--snapshot-after", "0")  # each motion makes one due
+        self.a = self.cluster.start("a", *often)
+        self.assertEqual(self.cluster.wait_for_owner(), "a")
+        agent = ClusterAgent(self.cluster)
+        self.cut_until_snapshot(agent, self.a, 100)
+        b = self.cluster.start("b", *often)
+        self.cluster.stop("a", signal.SIGKILL)
+        self.assertEqual(self.cluster.wait_for_owner(), "b")
+        self.assertEqual(self.block("b"), self.uninterrupted(len(agent.sent)))
+        for name in ("block.kerf-snapshot", "block.kerf-snapshot-previous"):
+            self.assertTrue(os.path.exists(os.path.join(self.cluster.path("b"), name)), name)
+        first = len(agent.sent)
+        agent.move(16)
+        self.cut_until_snapshot(agent, b, first)
+        log = self.cluster.stop("b", signal.SIGKILL)[1]
+        self.assertNotIn("snapshot was ignored", log)
+        self.cluster.nats.request("kerf.snapshot.block", b"no snapshot")
+        self.cluster.start("c")
+        self.assertEqual(self.cluster.wait_for_owner(), "c")
+        self.assertEqual(self.block("c"), self.uninterrupted(len(agent.sent)))
+        log = self.cluster.stop("c")[1]
+        self.assertIn("a snapshot of its copy cannot be used", log)
+
+    def sessions(self, server):
+        """The number of sessions on each server, as one of them lists them."""
+        listed = server.http.json("GET", "/v1/sessions")[1]["sessions"]
+        return {node: sum(s["node"] == node for s in listed) for node in "abc"}
+
+    def test_a_new_session_goes_to_the_server_with_the_fewest(self):
+        servers = {"a": self.a, "b": self.cluster.start("b"), "c": self.cluster.start("c")}
+        self.wait_for_others(self.a, 2)
+        counts = {"a": 1, "b": 0, "c": 0}
+        for n in range(5):
+            scene = json.dumps(dict(SCENE, name=f"new{n}"))
+            status, headers, body = self.a.http.request(
+                "POST", "/v1/sessions?here=0" if n == 0 else "/v1/sessions", scene)
+            name = "a"
+            if min(counts.values()) < counts["a"]:
+                self.assertEqual((status, json.loads(body)["error"]["code"]), (307, "other_server"))
+                place, _, path = headers["location"].removeprefix("http://").partition("/")
+                name = next(n for n, s in servers.items() if place == f"127.0.0.1:{s.port}")
+                self.assertEqual(counts[name], min(counts.values()), counts)
+                self.assertIn("here=1", path)
+                status, _, body = servers[name].http.request("POST", "/" + path, scene)
+            self.assertEqual(status, 201, body)
+            counts[name] += 1
+            until(self, lambda: self.sessions(self.a), counts)
+        self.assertEqual(counts, {"a": 2, "b": 2, "c": 2})
+        # A page's script may not follow to another origin: it gets its session where it asks, and
+        # so does a scene of files that were uploaded there.
+        self.assertEqual(self.a.http.request("DELETE", "/v1/sessions/new1?purge=1")[0] // 100, 3)
+        self.a.create("one")
+        self.a.create("two")
+        for n, headers in enumerate([{"Origin": f"http://127.0.0.1:{self.a.port}"}, {}]):
+            status, _, body = self.a.http.request(
+                "POST", "/v1/sessions", json.dumps(dict(SCENE, name=f"page{n}")), headers)
+            self.assertEqual(status, 201 if headers else 307, body)
 
     def test_the_real_agent_goes_on_at_another_server(self):
         self.cluster.start("b")

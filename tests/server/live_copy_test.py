@@ -31,6 +31,12 @@ def batches(folder, session="block"):
         return database.execute("SELECT * FROM batches ORDER BY first").fetchall()
 
 
+def is_copied_to(info, record):
+    """Whether the copy goes up to a record, and goes on."""
+    copied = info["copied"]  # null right after a start
+    return copied is not None and (copied["record"], copied["fault"]) == (record, None)
+
+
 def sphere(rings):
     """A binary STL file of 2 * rings * rings triangles."""
     from math import cos, pi, sin
@@ -81,13 +87,13 @@ class Copy(FolderTest):
         server = server or self.server
         last = None
 
-        def is_copied():
+        def is_whole():
             nonlocal last
             info = server.info(session)
             last = info["state_sequence"]
-            return info["journal_lag"] == 0 and info["copied"] == {"record": last, "fault": None}
+            return info["journal_lag"] == 0 and is_copied_to(info, last)
 
-        until(self, is_copied, True)
+        until(self, is_whole, True)
         return last
 
     def fetch(self, name, session="block"):

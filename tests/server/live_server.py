@@ -51,7 +51,7 @@ class Server:
         return self.process.returncode, log
 
     def create(self, session="block", scene=None):
-        status, body = self.http.json("POST", f"/v1/sessions?id={session}",
+        status, body = self.http.json("POST", f"/v1/sessions?id={session}&here=1",
                                       json.dumps(scene or SCENE))
         assert status == 201, body
         return body

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Starts and stops a real nats-server with JetStream for the tests."""
+"""Starts and stops a real nats-server with JetStream for the tests, and asks its JetStream."""
+import json
+import os
 import shutil
 import signal
 import socket
@@ -16,15 +18,16 @@ def free_port():
 
 
 class Nats:
-    def __init__(self, folder):
-        self.folder, self.port = folder, free_port()
+    def __init__(self, folder, *more):
+        self.folder, self.port, self.more = folder, free_port(), more
         self.url = f"nats://127.0.0.1:{self.port}"
         self.process = None
         self.start()
 
     def start(self):
         self.process = subprocess.Popen(
-            [PROGRAM, "-js", "-sd", self.folder, "-a", "127.0.0.1", "-p", str(self.port)],
+            [PROGRAM, "-js", "-sd", self.folder, "-a", "127.0.0.1", "-p", str(self.port),
+             *self.more],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         end = time.monotonic() + 30
         while True:
@@ -40,3 +43,61 @@ class Nats:
         if self.process.poll() is None:
             self.process.send_signal(how)
             self.process.wait(timeout=30)
+
+    def request(self, subject, payload=b"", timeout=30):
+        """Publishes a message and returns the answer, an object: of JetStream, or of a stream."""
+        with socket.create_connection(("127.0.0.1", self.port), timeout=timeout) as link:
+            lines = link.makefile("rb")
+            link.sendall(b'CONNECT {"verbose":false}\r\nSUB answer 1\r\n' +
+                         f"PUB {subject} answer {len(payload)}\r\n".encode() + payload + b"\r\n")
+            for line in lines:
+                if line.startswith(b"MSG "):
+                    return json.loads(lines.read(int(line.split()[-1])))
+        raise OSError("nats-server has closed the connection")
+
+    def bytes_of(self, stream):
+        """What a stream has on the disk; 0 if there is none."""
+        answer = self.request(f"$JS.API.STREAM.INFO.{stream}")
+        return answer["state"]["bytes"] if "state" in answer else 0
+
+    def delete(self, stream):
+        return self.request(f"$JS.API.STREAM.DELETE.{stream}")
+
+
+class Trio:
+    """Three nats-servers that form a cluster; ready when JetStream has a leader."""
+
+    def __init__(self, folder):
+        ports = {f"n{n}": free_port() for n in range(3)}
+        routes = ",".join(f"nats://127.0.0.1:{port}" for port in ports.values())
+        self.servers = {}
+        for name, port in ports.items():
+            path = os.path.join(folder, "nats-" + name)
+            self.servers[name] = Nats(path, "--name", name, "--cluster_name", "trio", "--cluster",
+                                      f"nats://127.0.0.1:{port}", "--routes", routes)
+        self.url = ",".join(server.url for server in self.servers.values())
+        end = time.monotonic() + 60
+        while "streams" not in self.request("$JS.API.INFO"):
+            if time.monotonic() > end:
+                raise RuntimeError("the three nats-servers have elected no leader")
+            time.sleep(0.2)
+
+    def request(self, subject, payload=b""):
+        """As that of Nats, of any that answers."""
+        for server in list(self.servers.values()):
+            try:
+                return server.request(subject, payload, 2)
+            except OSError:
+                continue
+        return {}
+
+    def leader(self, stream):
+        """The name of the server that leads a stream."""
+        return self.request(f"$JS.API.STREAM.INFO.{stream}")["cluster"]["leader"]
+
+    def kill(self, name):
+        self.servers.pop(name).stop(signal.SIGKILL)
+
+    def stop(self):
+        for server in self.servers.values():
+            server.stop()

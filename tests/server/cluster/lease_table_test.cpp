@@ -82,37 +82,71 @@ TEST_F(LeaseTableTest, NobodyIsSentToThisServerItself) {
 }
 
 TEST_F(LeaseTableTest, ServersCountThatHaveStatedThemselvesLately) {
-  table_.note("a", {.run = "a's run", .address = "http://a", .sessions = 1}, 0);
-  table_.note("b", {.run = "b's run", .address = "http://b", .sessions = 2}, 0);
-  table_.note("c", {.run = "c's run", .address = "", .sessions = 3}, 0);  // it stops
+  table_.note("a", {.run = "a's run", .address = "http://a"}, 0);
+  table_.note("b", {.run = "b's run", .address = "http://b"}, 0);
+  table_.note("c", {.run = "c's run", .address = ""}, 0);  // it stops
+  table_.note("s", held_by("b"), 1, 0);
+  table_.note("t", held_by("b"), 2, 0);
+  Lease closed = held_by("b");
+  closed.state = LeaseState::kClosed;
+  table_.note("u", closed, 3, 0);
   const auto others = table_.others(4 * kSecond);
   ASSERT_EQ(others.size(), 1U);
-  EXPECT_EQ(others[0].first, "b");
-  EXPECT_EQ(others[0].second.sessions, 2U);
+  EXPECT_EQ(others[0].name, "b");
+  EXPECT_EQ(others[0].address, "http://b");
+  EXPECT_EQ(others[0].sessions, 2U);
   EXPECT_TRUE(table_.others(6 * kSecond).empty());
+}
+
+TEST_F(LeaseTableTest, TheServerWithTheFewestSessionsIsTheLeastLoadedOne) {
+  const auto state = [&](const std::string& node) {
+    table_.note(node, {.run = node + "'s run", .address = "http://" + node}, 0);
+  };
+  EXPECT_FALSE(table_.least_loaded(0));
+  for (const char* node : {"a", "b", "c"}) state(node);
+  table_.note("s", held_by("b"), 1, 0);
+  EXPECT_EQ(table_.least_loaded(0)->name, "c");
+  table_.expect_session("c");
+  table_.expect_session("c");
+  EXPECT_EQ(table_.least_loaded(0)->name, "b");
+  table_.note("t", held_by("c"), 2, 0);  // one of the two
+  EXPECT_EQ(table_.least_loaded(0)->name, "b") << "c has one and is to get another";
+  table_.note("u", held_by("c"), 3, 0);
+  table_.note("v", held_by("b"), 4, 0);
+  table_.note("w", held_by("b"), 5, 0);
+  EXPECT_EQ(table_.least_loaded(0)->sessions, 2U) << "of c, which has what it was to get";
+}
+
+TEST_F(LeaseTableTest, ASessionThatNeverCameIsExpectedNoMore) {
+  table_.note("b", {.run = "b's run", .address = "http://b"}, 0);
+  table_.expect_session("b");
+  table_.note("b", {.run = "b's run", .address = "http://b"}, kSecond);
+  EXPECT_EQ(table_.least_loaded(kSecond)->sessions, 1U) << "its client may come yet";
+  table_.note("b", {.run = "b's run", .address = "http://b"}, 2 * kSecond);
+  EXPECT_EQ(table_.least_loaded(2 * kSecond)->sessions, 0U);
 }
 
 TEST(Lease, ReadsWhatItHasWritten) {
   Lease written = held_by("b", 9);
   written.state = LeaseState::kReleased;
   written.to = "c";
-  written.name = "Ammonite \"7\"";
-  written.motions = 5;
-  written.removed_mm3 = 2.5;
-  written.participants = 3;
-  written.created_ms = 11;
-  written.active_ms = 12;
+  written.shown.name = "Ammonite \"7\"";
+  written.shown.motions = 5;
+  written.shown.removed_mm3 = 2.5;
+  written.shown.participants = 3;
+  written.shown.created_ms = 11;
+  written.shown.active_ms = 12;
   const auto read = decode_lease(encode_lease(written));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->state, LeaseState::kReleased);
-  EXPECT_EQ(std::tie(read->node, read->run, read->address, read->to, read->name),
-            std::tie(written.node, written.run, written.address, written.to, written.name));
+  EXPECT_EQ(std::tie(read->node, read->run, read->address, read->to, read->shown.name),
+            std::tie(written.node, written.run, written.address, written.to, written.shown.name));
   EXPECT_EQ(read->epoch, 9U);
-  EXPECT_EQ(read->motions, 5U);
-  EXPECT_EQ(read->removed_mm3, 2.5);
-  EXPECT_EQ(read->participants, 3U);
-  EXPECT_EQ(read->created_ms, 11);
-  EXPECT_EQ(read->active_ms, 12);
+  EXPECT_EQ(read->shown.motions, 5U);
+  EXPECT_EQ(read->shown.removed_mm3, 2.5);
+  EXPECT_EQ(read->shown.participants, 3U);
+  EXPECT_EQ(read->shown.created_ms, 11);
+  EXPECT_EQ(read->shown.active_ms, 12);
 }
 
 TEST(Lease, WhatIsNoneIsRefused) {

@@ -25,7 +25,7 @@ class OwnLeasesTest : public test::NatsTest {
 
   static Lease lease(const std::string& run, std::uint32_t epoch) {
     return {
-        .node = run, .run = run, .address = "http://" + run, .epoch = epoch, .to = {}, .name = {}};
+        .node = run, .run = run, .address = "http://" + run, .epoch = epoch, .to = {}, .shown = {}};
   }
   StreamMessage stored() { return **nats_->last_message(kClusterStream, lease_subject("s")); }
 

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+#include "server/cluster/snapshot_copy.h"
+#include "server/session/session_registry.h"
+
+namespace kerf {
+
+/// Copies the snapshots of all open sessions, one after the other, on a thread of its own. Nobody
+/// waits for it; it uses the connection for half of the time at most.
+class SnapshotCopies {
+ public:
+  /// Both must outlive it.
+  SnapshotCopies(NatsConnection& nats, int replicas, SessionRegistry& registry);
+  /// Ends after the message that is being sent.
+  ~SnapshotCopies();
+  SnapshotCopies(const SnapshotCopies&) = delete;
+  SnapshotCopies& operator=(const SnapshotCopies&) = delete;
+
+ private:
+  struct Copied {
+    std::weak_ptr<Session> session;
+    std::unique_ptr<SnapshotCopy> copy;
+    std::string fault;  ///< as logged
+  };
+  void run(const std::stop_token& stop);
+  /// Returns whether something was sent.
+  bool look_at(Copied& copied, const std::stop_token& stop);
+  void follow_registry();
+
+  NatsConnection& nats_;
+  int replicas_;
+  SessionRegistry& registry_;
+  std::map<std::string, Copied> copies_;  ///< thread only
+  std::jthread thread_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cluster/snapshot_copy.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "server/cluster/change_frame.h"
+#include "server/session/replay.h"
+#include "server/store/block_snapshot.h"
+#include "server/store/journal_file.h"
+#include "server/store/journal_reader.h"
+#include "server/store/journal_writer.h"
+#include "tests/server/cluster/nats_fixture.h"
+
+namespace kerf {
+namespace {
+
+constexpr const char* kScene =
+    R"({"stock":{"shape":"box","min_mm":[-10,-10,-10],"max_mm":[10,10,0]},
+        "accuracy":{"rays":"dexel","pitch_mm":0.5,"tolerance_mm":0.01,"motion":"tight"},
+        "tools":[{"id":1,"shape":"ball","diameter_mm":4,"length_mm":20}]})";
+
+class SnapshotCopyTest : public test::NatsTest {
+ protected:
+  void SetUp() override {
+    NatsTest::SetUp();
+    if (!nats_) return;
+    auto writer = JournalWriter::create(first_, {"demo", kScene, {}, 1});
+    ASSERT_TRUE(writer);
+    writer_.emplace(*std::move(writer));
+    ASSERT_TRUE(writer_->append(
+        0, DefineTool{1, make_tool(std::vector<ToolPiece>{BallPiece{2, 2}}).value()}));
+  }
+  /// Cuts, and writes a snapshot as a session does; returns its last record.
+  std::uint64_t cut_and_write(int motions) {
+    for (int n = 0; n < motions; ++n) {
+      const double x = 0.01 * cut_++;
+      MoveTool move{1, {{x, 0, -1}, {0, 0, 1}}, {{x + 0.01, 0, -1}, {0, 0, 1}}, 0.001, false};
+      EXPECT_TRUE(writer_->append(1, move));
+    }
+    EXPECT_TRUE(writer_->flush());
+    auto replayed = replay(first_);
+    EXPECT_TRUE(replayed);
+    const std::uint64_t record = replayed->last_sequence;
+    const auto mark = JournalReader::open(first_)->mark(record);
+    const SnapshotHead head{.kernel_version = kKernelVersion,
+                            .session = "demo",
+                            .sequence = record,
+                            .hash = replayed->hash.hash,
+                            .mark = mark->value()};
+    EXPECT_TRUE(write_snapshot(snapshot_file(first_), head, replayed->sculpture.state()));
+    return record;
+  }
+  SnapshotCopy owner(std::uint32_t epoch) { return {*nats_, {"demo", first_, epoch}, 1}; }
+  /// What another server makes of the journal and the snapshots, in epoch 9.
+  std::expected<Replayed, JournalError> take_over() {
+    remove_journal(second_);
+    EXPECT_TRUE(copy_journal(first_, second_));
+    fetched_ = fetch_snapshots(*nats_, "demo", 9, second_);
+    return restore(second_);
+  }
+  std::uint64_t messages_from() {
+    std::uint64_t first = 0;
+    EXPECT_TRUE(nats_->read(snapshot_stream("demo"), snapshot_subject("demo"),
+                            [&](const StreamMessage& message) {
+                              first = message.sequence;
+                              return false;
+                            }));
+    return first;
+  }
+  void store(std::span<const std::byte> bytes) {
+    const auto last = nats_->last_message(snapshot_stream("demo"), snapshot_subject("demo"));
+    ASSERT_TRUE(last && *last);
+    ASSERT_TRUE(nats_->publish(snapshot_subject("demo"), bytes,
+                               "test/" + std::to_string((*last)->sequence), (*last)->sequence));
+  }
+
+  const std::filesystem::path first_ = folder_ / "first.kerf", second_ = folder_ / "second.kerf";
+  std::optional<JournalWriter> writer_;
+  int cut_ = 0;
+  const std::stop_token never_;
+  std::expected<std::uint64_t, std::string> fetched_;
+};
+
+TEST_F(SnapshotCopyTest, ATakeoverReplaysOnlyWhatFollowsTheNewestSnapshot) {
+  SnapshotCopy copy = owner(2);
+  const std::uint64_t before = cut_and_write(20);
+  ASSERT_EQ(copy.copy(before, never_), true);
+  const std::uint64_t newest = cut_and_write(20);
+  EXPECT_EQ(copy.copy(newest - 1, never_), false) << "the copy of the journal is behind it";
+  ASSERT_EQ(copy.copy(newest, never_), true);
+  EXPECT_EQ(copy.copy(newest, never_), false) << "it is there already";
+  EXPECT_EQ(copy.record(), newest);
+  ASSERT_TRUE(writer_->append(1, MoveTool{1, {{0, 2, -1}, {0, 0, 1}}, {{0, 3, -1}, {0, 0, 1}}}));
+  ASSERT_TRUE(writer_->flush());
+  const auto taken = take_over();
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(fetched_, newest);
+  EXPECT_EQ(taken->snapshot, UsedSnapshot::kNewest);
+  EXPECT_EQ(taken->snapshot_sequence, newest);
+  EXPECT_EQ(taken->hash.hash, replay(first_)->hash.hash);
+  EXPECT_EQ(read_snapshot_head(previous_snapshot_file(second_))->sequence, before);
+}
+
+TEST_F(SnapshotCopyTest, TheStreamKeepsTwo) {
+  SnapshotCopy copy = owner(2);
+  for (int n = 0; n < 5; ++n) ASSERT_EQ(copy.copy(cut_and_write(5), never_), true);
+  EXPECT_EQ(messages_from(), 4U) << "each is one message";
+}
+
+TEST_F(SnapshotCopyTest, ADamagedOneIsPassedOverAndTheOneBeforeItIsUsed) {
+  SnapshotCopy copy = owner(2);
+  const std::uint64_t good = cut_and_write(20);
+  ASSERT_EQ(copy.copy(good, never_), true);
+  const std::uint64_t newest = cut_and_write(20);
+  std::ifstream file(snapshot_file(first_), std::ios::binary);
+  std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+  bytes[bytes.size() / 2] ^= 1;  // the message's own checksum is right
+  const FrameHead head{.epoch = 2,
+                       .writer = 1,
+                       .change = 9,
+                       .before = {.record = good},
+                       .after = {.record = newest}};
+  store(encode_frame(head, std::as_bytes(std::span(bytes))));
+  const auto taken = take_over();
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->snapshot, UsedSnapshot::kPrevious);
+  EXPECT_EQ(taken->snapshot_sequence, good);
+  EXPECT_NE(taken->snapshot_fault, "");
+  EXPECT_EQ(taken->hash.hash, replay(first_)->hash.hash);
+}
+
+TEST_F(SnapshotCopyTest, OneThatWasNotFinishedIsNoHindrance) {
+  SnapshotCopy copy = owner(2);
+  const std::uint64_t good = cut_and_write(20);
+  ASSERT_EQ(copy.copy(good, never_), true);
+  const std::vector<std::byte> bytes(100);
+  const FrameHead half{.epoch = 2,
+                       .writer = 1,
+                       .change = 9,
+                       .part = 0,
+                       .parts = 2,
+                       .before = {.record = good},
+                       .after = {.record = good + 5}};
+  store(encode_frame(half, bytes));
+  const auto taken = take_over();
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->snapshot_sequence, good);
+  SnapshotCopy next = owner(3);
+  const std::uint64_t newest = cut_and_write(20);
+  ASSERT_EQ(next.copy(newest, never_), true);
+  EXPECT_EQ(take_over()->snapshot_sequence, newest);
+}
+
+TEST_F(SnapshotCopyTest, WithoutAnyThatCanBeUsedAllRecordsAreReplayed) {
+  SnapshotCopy copy = owner(2);
+  ASSERT_EQ(copy.copy(cut_and_write(20), never_), true);
+  ASSERT_TRUE(nats_->purge(snapshot_stream("demo"), 2));
+  ASSERT_TRUE(nats_->publish(snapshot_subject("demo"), std::vector<std::byte>(10), "bad", 0));
+  const auto taken = take_over();
+  ASSERT_TRUE(taken);
+  EXPECT_FALSE(fetched_);
+  EXPECT_EQ(taken->snapshot, UsedSnapshot::kNone);
+  EXPECT_EQ(taken->hash.hash, replay(first_)->hash.hash);
+}
+
+TEST_F(SnapshotCopyTest, AFormerOwnerAddsNothingAndASnapshotOfALaterEpochIsNotTaken) {
+  SnapshotCopy former = owner(2), later = owner(3);
+  ASSERT_EQ(former.copy(cut_and_write(5), never_), true);
+  const std::uint64_t newest = cut_and_write(5);
+  ASSERT_EQ(later.copy(newest, never_), true);
+  const std::uint64_t late = cut_and_write(5);
+  EXPECT_FALSE(former.copy(late, never_)) << "the stream has other messages than it knows";
+  const auto refused = former.copy(late, never_);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("epoch 3"), std::string::npos) << refused.error();
+  EXPECT_FALSE(fetch_snapshots(*nats_, "demo", 3, second_));
+  EXPECT_EQ(fetch_snapshots(*nats_, "demo", 4, second_), newest);
+}
+
+TEST_F(SnapshotCopyTest, ALargeOneIsSentInPartsAndWhatIsNewerHereStays) {
+  std::vector<std::byte> bytes(3 * kFrameBytes + 5);
+  for (std::size_t n = 0; n < bytes.size(); ++n) bytes[n] = std::byte(n * 2654435761U >> 13);
+  const std::uint64_t record = cut_and_write(5);
+  std::ofstream(snapshot_file(first_), std::ios::binary | std::ios::app)
+      .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+  SnapshotCopy copy = owner(2);
+  ASSERT_EQ(copy.copy(record, never_), true);
+  ASSERT_EQ(fetch_snapshots(*nats_, "demo", 3, second_), record);
+  const auto read = [](const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return std::vector<char>{std::istreambuf_iterator<char>(in), {}};
+  };
+  EXPECT_EQ(read(snapshot_file(second_)), read(snapshot_file(first_)));
+  const std::uint64_t newer = cut_and_write(5);
+  EXPECT_EQ(fetch_snapshots(*nats_, "demo", 3, first_), newer);
+  EXPECT_EQ(read_snapshot_head(snapshot_file(first_))->sequence, newer);
+}
+
+}  // namespace
+}  // namespace kerf
