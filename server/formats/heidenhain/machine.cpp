@@ -113,14 +113,16 @@ bool KlartextMachine::path_function(std::string_view word, Words words,
   const bool corners = word == "RND" || word == "CHF";
   const std::optional<double> feed_before = feed_;
   const Extras extras = read_extras(words);
-  check_words(words);
   if (extras.in_machine && word != "L")
     throw KlartextFault{std::string(word), "in machine coordinates (M91, M92) is not supported"};
+  if (word != "LN") check_words(words);
   const bool corner_follows = following.starts_with("RND") || following.starts_with("CHF");
   if (word == "CC") {
     pole(words);
   } else if (word == "L") {
     linear(words, extras, corner_follows);
+  } else if (word == "LN") {
+    linear_with_vectors(std::move(words), extras);
   } else if (word == "LP") {
     polar_line(words, extras, corner_follows);
   } else if (word == "C") {

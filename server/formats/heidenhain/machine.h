@@ -66,6 +66,8 @@ class KlartextMachine {
   void miscellaneous(const Words& words);
 
   void linear(const Words& words, const Extras& extras, bool corner_follows);
+  void linear_with_vectors(Words words, const Extras& extras);
+  std::optional<Vec3> take_vector(Words& words, char kind) const;
   void polar_line(const Words& words, const Extras& extras, bool corner_follows);
   void straight(Vec3 to, const Extras& extras, std::array<bool, 3> named, bool corner_follows);
   void to_machine(const Words& words, const Extras& extras);
@@ -103,6 +105,7 @@ class KlartextMachine {
   void move(Vec3 to, std::optional<double> feed, std::array<bool, 3> named);
   void move_arc(Vec3 to, ArcPlane plane, Vec3 center, int turns);
   static bool clockwise(const Words& words);
+  static constexpr double kVectorMin = 1e-6;  ///< shorter vectors have no direction
   static const KlartextWord* find(const Words& words, const std::string& name);
 
   const Scene& scene_;

@@ -136,6 +136,47 @@ void KlartextMachine::linear(const Words& words, const Extras& extras, bool corn
   path_.line(to, angles, extras.rapid ? std::nullopt : std::optional(feed()), named);
 }
 
+// Takes TX TY TZ or NX NY NZ out of a block, as a unit vector of the workpiece.
+std::optional<Vec3> KlartextMachine::take_vector(Words& words, char kind) const {
+  Vec3 vector{0, 0, 0};
+  int count = 0;
+  std::erase_if(words, [&](const KlartextWord& word) {
+    if (word.name.size() != 2 || word.name[0] != kind || word.value.empty()) return false;
+    const std::size_t axis = kAxes.find(word.name[1]);
+    if (axis == std::string_view::npos) return false;
+    part(vector, axis) = values_.of(word.value);
+    ++count;
+    return true;
+  });
+  if (count == 0) return std::nullopt;
+  const KlartextFrame& frame = path_.frame();
+  const Vec3 turned = frame.in_workpiece(vector) - frame.datum_mm;
+  if (count != 3 || !(length(turned) > kVectorMin))
+    throw KlartextFault{std::string("LN"), std::string("requires all of ") + kind + "X, " + kind +
+                                               "Y and " + kind + "Z, a vector other than 0"};
+  return normalized(turned);
+}
+
+// LN X Y Z TX TY TZ NX NY NZ with M128: a line to whose end the tool turns along T. Without T it
+// is along N, the normal of the surface, which else would only displace a tool with an oversize.
+void KlartextMachine::linear_with_vectors(Words words, const Extras& extras) {
+  refuse_in_corner("LN");
+  if (path_.is_tilted() || path_.is_compensated())
+    throw KlartextFault{"LN", "in a tilted plane or beside a contour (RL, RR) is not supported"};
+  const std::optional<Vec3> tool = take_vector(words, 'T'), normal = take_vector(words, 'N');
+  if ((tool || normal) && !path_.has_tool_center())
+    throw KlartextFault{"LN", "with a vector requires M128 or FUNCTION TCPM"};
+  for (const KlartextWord& word : words)
+    if (word.value.empty() || kAxes.find(word.name.back()) == std::string_view::npos)
+      throw KlartextFault{word.name + word.value, "is not a word of LN"};
+  std::array<bool, 3> named{};
+  const Vec3 to = target(words, named);
+  const std::optional<double> speed = extras.rapid ? std::nullopt : std::optional(feed());
+  direction_.reset();
+  if (tool || normal) return path_.line(to, tool ? *tool : *normal, speed, named);
+  path_.line(to, path_.angles(), speed, named);
+}
+
 // Moves to `to`, or holds the line back because a corner follows.
 void KlartextMachine::straight(Vec3 to, const Extras& extras, std::array<bool, 3> named,
                                bool corner_follows) {

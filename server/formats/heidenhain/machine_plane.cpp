@@ -8,12 +8,6 @@
 #include "server/formats/units.h"
 
 namespace kerf {
-namespace {
-
-/// Shorter vectors have no direction.
-constexpr double kVectorMin = 1e-6;
-
-}  // namespace
 
 void KlartextMachine::reset_plane() {
   KlartextFrame& frame = path_.changing_frame();

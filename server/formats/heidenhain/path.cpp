@@ -14,6 +14,7 @@ namespace {
 constexpr double kSampleStepDeg = 5;
 constexpr double kTurnInBlockMaxDeg = 36000;
 constexpr double kVerticalShare = 1e-12;  ///< of the axis' length
+constexpr double kOppositeCosine = -0.999;
 
 }  // namespace
 
@@ -101,8 +102,9 @@ ToolPose KlartextPath::PoseRule::operator()(Vec3 tip_mm, const RotaryAngles& ang
 
 bool KlartextPath::is_axis_z() const {
   const MachineKinematics kind = scene_.machine.kinematics;
-  if (frame_.is_tilted || !tool_center_ || !has_rotary_table(kind)) return true;
-  return table_axis(kind, angles_).z > 1 - kVerticalShare;
+  if (frame_.is_tilted) return true;
+  if (!has_rotary_table(kind)) return plane_axis_.z > 1 - kVerticalShare;
+  return !tool_center_ || table_axis(kind, angles_).z > 1 - kVerticalShare;
 }
 
 // Rapids before all axes are known only say where the tool will be.
@@ -163,6 +165,33 @@ void KlartextPath::move_line(Vec3 to, const RotaryAngles& angles, std::optional<
   }
   tip_mm_ = target;
   angles_ = angles;
+}
+
+void KlartextPath::line(Vec3 to, Vec3 axis, std::optional<double> feed, std::array<bool, 3> named) {
+  const MachineKinematics kind = scene_.machine.kinematics;
+  require_uncompensated();
+  if (has_rotary_table(kind)) return line(to, angles_from_axis(kind, axis, angles_), feed, named);
+  if (kind != MachineKinematics::kToolVector && axis.z <= 1 - kVerticalShare)
+    throw KlartextFault{"LN", "turns the tool, which the machine xyz cannot"};
+  if (dot(axis, plane_axis_) <= kOppositeCosine)
+    throw KlartextFault{"LN", "turns the tool to the opposite direction: the path is not defined"};
+  beside_.reset();
+  const Vec3 from = tip_mm_, target = frame_.in_workpiece(to), before = plane_axis_;
+  const bool stays = target == from && axis == before;
+  if (!approach({target, axis}, !feed, named) && !stays) {
+    const FeedTravel travel = feed_travel({from, before}, {target, axis});
+    const double seconds = 60 * travel.length() / feed.value_or(scene_.machine.rapid_mm_per_min);
+    const auto at = [from, target, before, axis](double s) {
+      return s >= 1 ? ToolPose{target, axis}
+                    : ToolPose{from + (target - from) * s, turned_axis(before, axis, s)};
+    };
+    const double tool_mm = scene_.tools.at(*sink_.tool()).tool.length_mm;
+    check(sink_.path(at, tool_mm, scene_.settings.tolerance_mm,
+                     4 + static_cast<int>(travel.deg / kSampleStepDeg), seconds, !feed, line_));
+  }
+  tip_mm_ = target;
+  center_ = to;
+  plane_axis_ = axis;
 }
 
 void KlartextPath::move_arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double feed) {

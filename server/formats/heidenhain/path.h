@@ -73,6 +73,7 @@ class KlartextPath {
     require_uncompensated();
     tool_center_ = on;
   }
+  bool has_tool_center() const { return tool_center_; }
   /// The tool axis becomes the normal of the tilted plane, or vertical.
   void align();
 
@@ -101,6 +102,9 @@ class KlartextPath {
   /// Moves to programmed coordinates; `named` are the linear axes that the block names.
   void line(Vec3 to, const RotaryAngles& angles, std::optional<double> feed_mm_per_min,
             std::array<bool, 3> named);
+  /// The same, while the tool turns to an axis in the workpiece: tables by their angles, a machine
+  /// `tool-vector` along the great circle. Not while the path is compensated or the plane tilted.
+  void line(Vec3 to, Vec3 axis, std::optional<double> feed_mm_per_min, std::array<bool, 3> named);
   /// Moves on an arc about a center; `turns` as for arc_about (gcode/arc.h).
   void arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double feed_mm_per_min);
   void dwell(double seconds);
@@ -135,7 +139,7 @@ class KlartextPath {
   KlartextFrame frame_;
   Vec3 tip_mm_{0, 0, 0};  ///< in the workpiece, as far as it is known
   RotaryAngles angles_;
-  Vec3 plane_axis_{0, 0, 1};  ///< of the tool, where the plane is tilted
+  Vec3 plane_axis_{0, 0, 1};  ///< of the tool, where no tables turn or the plane is tilted
   std::array<bool, 3> known_{};
   bool tool_center_ = false, changed_tool_ = false;
   std::size_t line_ = 0;
