@@ -41,6 +41,7 @@ void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t no
   motion_sequence_ = ping_sequence_ = pong_sequence_ = 0;
   next_ping_us_ = now_us;
   pong_due_.reset();
+  ack_due_.reset();  // of a frame of the connection before
   asked_.clear();
   queue_.keep_until_durable(server_has.has_value());
   queue_.rewind(server_has.value_or(0));

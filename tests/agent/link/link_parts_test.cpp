@@ -335,6 +335,23 @@ TEST_F(TrafficTest, ForwardsTheWrenchOfTheFollowedParticipant) {
   EXPECT_EQ(answer.wrench, Wrench{});
 }
 
+TEST_F(TrafficTest, AcknowledgesNoStockThatAnotherConnectionHasBrought) {
+  Traffic traffic = make();
+  const auto acks = [&] {
+    std::size_t count = 0;
+    std::array<std::byte, wire::kMaxClientFrameBytes> frame;
+    while (const std::size_t bytes = traffic.fill(now_us, frame)) {
+      count += std::holds_alternative<wire::Ack>(wire::decode(std::span(frame).first(bytes))->body);
+    }
+    return count;
+  };
+  take(traffic, wire::StockPatch{.reset = true, .tiles = {}});
+  EXPECT_EQ(acks(), 1U);
+  take(traffic, wire::StockPatch{.reset = true, .tiles = {}});
+  traffic.begin(2, 1, now_us);
+  EXPECT_EQ(acks(), 0U) << "the server would answer bad_sequence: it has sent no stock";
+}
+
 TEST_F(TrafficTest, WritesStatusUpdates) {
   LatestValue<LinkStatus> status;
   Traffic traffic = make({.status = &status});
