@@ -15,6 +15,7 @@ kill, so that all records are replayed.
 """
 import argparse
 import contextlib
+import faulthandler
 import os
 import random
 import statistics
@@ -28,14 +29,21 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from cluster_servers import Cluster, ClusterAgent, RasterPath  # noqa: E402
 from live_programs_test import spiral  # noqa: E402
 from live_server import Server  # noqa: E402
-from wire_client import MESH, Closed, Rejected, Viewer  # noqa: E402
+from wire_client import MESH, Closed, Rejected, Viewer, WebSocket  # noqa: E402
+
+
+class Unkept(list):
+    """Instead of WebSocket.opened: a socket is closed when nobody has it any more."""
+
+    def append(self, _):
+        pass
 
 
 class TimedAgent(ClusterAgent, threading.Thread):
     """Cuts at about 1 kHz, and notes when its samples were cut first in each epoch."""
 
     def __init__(self, cluster, number):
-        threading.Thread.__init__(self)
+        threading.Thread.__init__(self, daemon=True)
         self.ended, self.cut_in, self.fault = threading.Event(), {}, None
         ClusterAgent.__init__(self, cluster, tip=RasterPath(number))
 
@@ -57,7 +65,7 @@ class TimedViewer(threading.Thread):
     """Watches at whichever server, and notes when it was sent tiles first in each epoch."""
 
     def __init__(self, cluster):
-        super().__init__()
+        super().__init__(daemon=True)
         self.cluster, self.ended, self.seen_in = cluster, threading.Event(), {}
 
     def run(self):
@@ -90,6 +98,9 @@ def one_round(cluster, agents, viewers, chance):
         return all(note and max(note) > epoch for note in notes)
 
     wait_until(lambda: all_in([agent.cut_in for agent in agents]) or any(a.fault for a in agents))
+    for agent in agents:
+        if agent.fault:
+            raise agent.fault
     wait_until(lambda: all_in([viewer.seen_in for viewer in viewers]))
     cluster.start(owner)
     first = [[note[min(e for e in note if e > epoch)] - killed for note in notes] for notes in
@@ -220,6 +231,8 @@ def warm_takeovers(options):
 
 
 def main():
+    faulthandler.cancel_dump_traceback_later()  # of the tests, which are shorter
+    WebSocket.opened = Unkept()
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--rounds", type=int, default=20)
     options.add_argument("--seed", type=int, default=1)
