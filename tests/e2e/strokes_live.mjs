@@ -58,21 +58,36 @@ async function enter(browser, server, name) {
   await until('picture', SETTLE_S, () => viewer.page.evaluate(() => window.kerf?.marks.picture));
   await viewer.page.keyboard.press('c');
   await viewer.page.locator('main[data-carve=ready]').waitFor();
-  return { ...viewer, line };
+  return { ...viewer, line, input: await viewer.page.context().newCDPSession(viewer.page) };
 }
 
-async function drag({ page, state, line }, random) {
+/** The events of a mouse, sent at once: the browser takes them in their order, as fast as it can. */
+function mouse(input, type, [x, y]) {
+  const isHeld = type !== 'mouseReleased';
+  return input.send('Input.dispatchMouseEvent', {
+    ...{ type, x, y, button: 'left', buttons: isHeld ? 1 : 0, clickCount: 1 },
+  });
+}
+
+async function drag({ page, state, line, input }, random) {
   const [left, top, right, bottom] = (await state()).blockBox;
   const place = () => [
     left + (0.3 + 0.4 * random()) * (right - left),
     top + (0.35 + 0.3 * random()) * (bottom - top),
   ];
-  await page.mouse.move(...place());
-  await page.mouse.down();
-  await page.mouse.move(...place(), { steps: 3 });
-  if (random() < CUT_SHARE) line.cut();
-  await page.mouse.move(...place(), { steps: 3 });
-  await page.mouse.up();
+  const [from, over, to] = [place(), place(), place()];
+  const between = (a, b, share) => a.map((value, n) => value + share * (b[n] - value));
+  const cuts = random() < CUT_SHARE;
+  const steps = [1 / 3, 2 / 3, 1];
+  const sent = [
+    page.mouse.move(...from),
+    mouse(input, 'mousePressed', from),
+    ...steps.map((share) => mouse(input, 'mouseMoved', between(from, over, share))),
+    ...steps.map((share) => mouse(input, 'mouseMoved', between(over, to, share))),
+    mouse(input, 'mouseReleased', to),
+  ];
+  if (cuts) line.cut();
+  await Promise.all(sent);
   await page.locator('main[data-carve=ready]').waitFor();
   if (random() < UNDO_SHARE) await page.keyboard.press('Control+z');
   if (random() < TOOL_SHARE) await page.keyboard.press(']');
@@ -111,12 +126,18 @@ async function test(folder) {
       ...['--server', server.base, '--session', 'strokes', '--device', 'sim'],
       ...['--duration', '86400', '--name', 'Mary', '--tool', '1'],
     ]);
-    const random = randomOf(Number(options.seed));
     const strokes = Number(options.strokes);
-    for (let n = 0; n < strokes; n += 2) {
-      for (const page of pages) await drag(page, random);
-      if (n % 100 === 98) console.log(`${n + 2} strokes`);
-    }
+    let drawn = 0;
+    let ends = false;
+    process.once('SIGINT', () => (ends = true)); // what is drawn by then is compared
+    const draw = async (page, seed) => {
+      const random = randomOf(seed);
+      for (let n = 0; n < strokes / 2 && !ends; ++n) {
+        await drag(page, random);
+        if (++drawn % 100 === 0) console.log(`${drawn} strokes`);
+      }
+    };
+    await Promise.all(pages.map((page, n) => draw(page, 2 * Number(options.seed) + n)));
     // While another tool is nowhere yet, the copies still get what the agent cuts.
     for (const { page } of pages) await page.keyboard.press(']');
     await stop(agent);
@@ -128,7 +149,7 @@ async function test(folder) {
       });
     }
     await checkExport(server, folder, hash);
-    console.log(`${strokes} strokes by pages, ${motions} motions in all: ${hash}`);
+    console.log(`${drawn} strokes by pages, ${motions} motions in all: ${hash}`);
   } finally {
     await browser.close();
     for (const { line } of pages) line.close();
