@@ -29,6 +29,8 @@ TEST(DialectChoice, IsJudgedByWordsThatOneControllerHas) {
   EXPECT_EQ(judged("o100 sub\no100 endsub\n#<a>=1\nM2\n"), Dialect::kLinuxcnc);
   EXPECT_EQ(judged("G0 X1\nIF[#1EQ2]GOTO3\n"), Dialect::kFanuc);
   EXPECT_EQ(judged("(made for Mach3)\nG0 X1\n"), Dialect::kMach3);
+  EXPECT_EQ(judged("(Mach3 job)\nG12 I5\nG16\nG0 X1 Y45\nG15\nO50\nM99\n"), Dialect::kMach3);
+  EXPECT_EQ(judged("(from Mach3)\nO50\nG154 P2\nM97 P3\n"), Dialect::kHaas);
   EXPECT_EQ(judged("$H\nG0 X1\n"), Dialect::kGrbl);
   EXPECT_TRUE(choose_dialect("p.nc", "G0 X1\n")->open);
   EXPECT_FALSE(choose_dialect("p.ngc", "G0 X1\n")->open);

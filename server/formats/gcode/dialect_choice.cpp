@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/gcode/dialect_choice.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -25,6 +26,8 @@ struct Mark {
   int weight;
   bool code;
 };
+
+constexpr std::string_view kProgramNumber = "a program number";
 
 constexpr std::array kMarks{
     Mark{"begin pgm", Tongue::kHeidenhain, 20, false},
@@ -82,6 +85,12 @@ constexpr std::array kMarks{
     Mark{",r", Tongue::kFanuc, 5, true},
     Mark{",c", Tongue::kFanuc, 5, true},
 };
+
+// Marks of Fanuc and Haas that Mach3 has too: they speak for it where it is named.
+constexpr std::array kOfMach3Too{std::string_view("g12"), std::string_view("g13"),
+                                 std::string_view("g15"), std::string_view("g16"),
+                                 std::string_view("g51"), std::string_view("g68"),
+                                 kProgramNumber};
 
 // Names of controllers, in comments too, those of Siemens and HEIDENHAIN in theirs: after ";".
 constexpr std::array kNames{std::pair{"linuxcnc", Tongue::kLinuxcnc},
@@ -157,6 +166,8 @@ class Judge {
       weigh(walk.line(), number);
   }
   const Evidence& of(Tongue tongue) const { return evidence_[static_cast<std::size_t>(tongue)]; }
+  /// The weight of the marks of Fanuc and Haas that Mach3 has too.
+  int of_mach3_too() const { return of_mach3_too_; }
   void add(Tongue tongue, int weight, const std::string& what) {
     Evidence& evidence = evidence_[static_cast<std::size_t>(tongue)];
     if (evidence.score == 0) evidence.first = what;
@@ -182,7 +193,7 @@ class Judge {
       if (text.has_word(
               name, is_foreign(tongue) ? LineText::Part::kSemicolon : LineText::Part::kParentheses))
         once(tongue, kNameWeight, place, name);
-    if (starts_program(code)) once(Tongue::kFanuc, 4, place, "a program number");
+    if (starts_program(code)) once(Tongue::kFanuc, 4, place, kProgramNumber);
     if (is_o_word(code)) once(Tongue::kLinuxcnc, 20, place, "an O word");
     if (code.starts_with('$')) once(Tongue::kGrbl, 8, place, "a $ command");
   }
@@ -192,6 +203,7 @@ class Judge {
     for (const auto& seen : seen_)
       if (seen.first == tongue && seen.second == what) return;
     seen_.emplace_back(tongue, what);
+    if (std::ranges::find(kOfMach3Too, what) != kOfMach3Too.end()) of_mach3_too_ += weight;
     add(tongue, weight, place + to_upper(std::string(what)));
   }
 
@@ -235,6 +247,7 @@ class Judge {
 
   std::array<Evidence, kTongues> evidence_;
   std::array<bool, kMarks.size()> seen_mark_{};
+  int of_mach3_too_ = 0;
   std::vector<std::pair<Tongue, std::string_view>> seen_;
 };
 
@@ -263,6 +276,7 @@ std::expected<DialectChoice, ProgramError> choose_dialect(const std::string& nam
   const int haas = judge.of(Tongue::kHaas).score;
   const auto score = [&](Tongue tongue) {
     const int own = judge.of(tongue).score;
+    if (tongue == Tongue::kMach3 && own > 0) return own + judge.of_mach3_too();
     return tongue == Tongue::kHaas && haas > 1 ? own + judge.of(Tongue::kFanuc).score : own;
   };
   DialectChoice choice{Dialect::kLinuxcnc, "no word of it points to one controller", true};
