@@ -109,6 +109,8 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   auto& copied = family("kerf_copied_record", "Last record whose copy NATS has acknowledged.");
   auto& uncopied =
       family("kerf_copy_lag_records", "Records on the disk whose copy NATS has not acknowledged.");
+  auto& snapshot = family("kerf_copied_snapshot_record",
+                          "Last record of the newest snapshot that NATS has; 0: it has none.");
   auto& motions = family("kerf_session_motions", "Motions applied since the start.");
   for (const auto& session : sessions) {
     const prometheus::Labels labels = {{"session", session->id()}};
@@ -126,6 +128,7 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
     if (const auto copy = session->copy().get()) {
       const std::uint64_t committed = session->committed();
       copied.Add(labels).Set(static_cast<double>(copy->record));
+      snapshot.Add(labels).Set(static_cast<double>(session->copy().snapshot()));
       uncopied.Add(labels).Set(static_cast<double>(committed - std::min(copy->record, committed)));
     }
     motions.Add(labels).Set(static_cast<double>(session->motions_applied()));

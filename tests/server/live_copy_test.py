@@ -70,8 +70,8 @@ class Copy(FolderTest):
         os.makedirs(path, exist_ok=True)
         return path
 
-    def start(self, name):
-        server = Server(self.path(name), "--nats", self.nats.url)
+    def start(self, name, *more):
+        server = Server(self.path(name), "--nats", self.nats.url, *more)
         self.addCleanup(server.process.kill)  # of a test that has failed
         return server
 
@@ -255,6 +255,31 @@ class Copy(FolderTest):
         self.assertEqual(run("--nats", self.nats.url, "copies"), (0, "", ""))
         self.assertEqual(os.listdir(self.path("b")), [])
 
+    def test_a_snapshot_is_fetched_with_the_journal_and_forgotten_with_it(self):
+        self.server.stop()
+        self.server = self.start("a", "--snapshot-after", "0")  # each motion makes one due
+        agent = DurableAgent(self.server.port, "block")
+
+        def copied_snapshot():
+            agent.move(16)
+            return (self.copied() or {"snapshot": 0})["snapshot"] > 0
+
+        until(self, copied_snapshot, True)
+        self.wait_for_copy()
+        expected = self.server.hash()
+        self.server.stop(signal.SIGKILL)
+        folder = self.fetch("b")
+        self.assertTrue(os.path.exists(os.path.join(folder, "block.kerf-snapshot")))
+        status, out, error = run("check", folder)
+        self.assertEqual((status, error), (0, ""), out)
+        self.server = self.start("b")
+        self.assertEqual(self.server.hash(), expected)
+        self.server.stop()
+        self.assertGreater(self.nats.bytes_of("KERF_SNAPSHOT_block"), 0)
+        self.assertEqual(run("forget", "block", "--nats", self.nats.url)[0], 0)
+        self.assertEqual(self.nats.bytes_of("KERF_SNAPSHOT_block"), 0)
+        self.assertEqual(run("--nats", self.nats.url, "copies"), (0, "", ""))
+
     def test_any_server_of_a_list_serves_and_no_password_is_shown(self):
         last = self.wait_for_copy()
         away = f"nats://ada:secret@127.0.0.1:{nats_server.free_port()}"
@@ -271,6 +296,8 @@ class Copy(FolderTest):
         last = self.wait_for_copy()
         text = self.server.http.request("GET", "/metrics")[2].decode()
         self.assertIn(f'kerf_copied_record{{session="block"}} {last}\n', text)
+        snapshot = self.copied()["snapshot"]
+        self.assertIn(f'kerf_copied_snapshot_record{{session="block"}} {snapshot}\n', text)
         self.assertIn('kerf_copy_lag_records{session="block"} 0\n', text)
 
     def test_without_the_option_nothing_is_copied(self):

@@ -2,6 +2,7 @@
 """Servers that cannot reach NATS, or NATS without one of its own: never two owners, nothing lost."""
 import json
 import os
+import resource
 import signal
 import sys
 import tempfile
@@ -26,7 +27,7 @@ class Owners(threading.Thread):
     """
 
     def __init__(self, cluster):
-        super().__init__()
+        super().__init__(daemon=True)
         self.cluster, self.seen, self.fault = cluster, [], None
         self.ended = threading.Event()
 
@@ -125,6 +126,30 @@ class Partition(ClusterTest):
     def cluster_of(self, *names):
         """The same servers, as an agent sees them that knows only some."""
         return type("Part", (), {"servers": {n: self.cluster.servers[n] for n in names}})
+
+    def test_an_owner_whose_disk_is_full_keeps_its_session_until_it_is_gone(self):
+        a = self.cluster.start("a")
+        a.create()
+        self.cluster.start("b")
+        agent = ClusterAgent(self.cluster, tip=RasterPath(0))
+        agent.move(160)
+        agent.settle()
+        owners = Owners(self.cluster)
+        owners.start()
+        until(self, lambda: owners.seen, ["a"])
+        hard = resource.prlimit(a.process.pid, resource.RLIMIT_FSIZE)[1]
+        resource.prlimit(a.process.pid, resource.RLIMIT_FSIZE, (0, hard))
+        agent.move(16)  # cut, and never on that disk
+        until(self, lambda: a.info()["paused"], "disk")
+        time.sleep(4)  # longer than a lease that is not renewed
+        b = self.cluster.servers["b"]
+        self.assertEqual(b.http.request("GET", "/v1/sessions/block")[0], 307)
+        self.assertEqual(a.info()["paused"], "disk")
+        self.cluster.stop("a", signal.SIGKILL)
+        agent.move(64)
+        agent.settle()
+        self.assertEqual(owners.end(), ["a", "b"])
+        self.assertEqual(self.block("b"), uninterrupted([agent]))
 
     def test_two_servers_and_one_folder(self):
         a = self.cluster.start("a")

@@ -193,7 +193,8 @@ class Metrics(LiveTest):
                 if row.startswith("| `")]
         listed = {name for row in rows for name in self.NAME.findall(row.split("|")[1])}
         # Counted by label, so it appears with the first one; and those of --nats (live_copy_test).
-        others = {"kerf_refused_total", "kerf_copied_record", "kerf_copy_lag_records"}
+        others = {"kerf_refused_total", "kerf_copied_record", "kerf_copy_lag_records",
+                  "kerf_copied_snapshot_record"}
         self.assertEqual(listed, self.served() | others)
 
     def test_dashboard_shows_metrics_that_exist(self):
