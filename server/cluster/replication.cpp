@@ -104,8 +104,8 @@ std::expected<std::unique_ptr<Replication>, std::string> Replication::start(
 void Replication::hold() {
   if (!impl_->watcher.joinable()) return;
   impl_->watcher = {};
-  impl_->snapshots.reset();
-  impl_->look();  // sessions that are newer than the last look are copied too
+  impl_->snapshots->stop();  // a server that stops does not wait for the message that is being sent
+  impl_->look();             // sessions that are newer than the last look are copied too
 }
 
 std::vector<std::string> Replication::finish(std::chrono::steady_clock::time_point end) {

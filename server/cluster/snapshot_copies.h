@@ -20,6 +20,8 @@ class SnapshotCopies {
   SnapshotCopies(NatsConnection& nats, int replicas, SessionRegistry& registry);
   /// Ends after the message that is being sent.
   ~SnapshotCopies();
+  /// Nothing more is begun, from now on. Waits for nothing.
+  void stop() { thread_.request_stop(); }
   SnapshotCopies(const SnapshotCopies&) = delete;
   SnapshotCopies& operator=(const SnapshotCopies&) = delete;
 
