@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "kernel/dexel/dexel_snapshot.h"
-#include "server/carve/part_model.h"
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
+#include "server/verify/part_model.h"
 
 namespace kerf {
 

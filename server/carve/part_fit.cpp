@@ -27,7 +27,8 @@ std::expected<PartFit, std::string> fit_part(const DexelSnapshot& before,
                                              const Scene& scene, const Program& program,
                                              const PartFitRequest& request,
                                              const SearchControl& control) {
-  const PartModel part(mesh, after.grid());
+  const MeshDistance surface(mesh);
+  const PartModel part(mesh, surface, after.grid());
   if (request.two_sided && part.material() == nullptr)
     return std::unexpected(part.fault() + "; close it, or use --reference-repair");
   const double carved_mm = scene.settings.tolerance_mm;

@@ -80,6 +80,8 @@ ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
 bool is_coming(const SessionRegistry& registry, const std::string& id);
 /// Where else a session runs: the address of that server; nullopt: nowhere, or there are no others.
 std::optional<std::string> other_place(const SessionRegistry& registry, const std::string& id);
+/// 404: the session has no target part of that name.
+ApiResponse unknown_target(const std::string& name);
 /// 503 with Retry-After: the memory for uploads and programs is used up.
 ApiResponse out_of_memory();
 /// A response whose body is the JSON text `json` and a line break.
@@ -210,6 +212,8 @@ class Api {
   std::expected<HashedSolid, ApiResponse> solid_after(const ApiCall& call, std::uint64_t record);
   /// The same after the record that the parameter `at` names; as it is without one.
   std::expected<HashedSolid, ApiResponse> requested_block(const ApiCall& call);
+  std::expected<std::shared_ptr<const GougeReference>, ApiResponse> parse_target_part(
+      const ApiCall& call);
   /// What a session of a scene would cost, as JSON.
   static std::string price_of(const Scene& scene);
   /// A share of the memory for programs. If it is used up, the texts of programs that have ended

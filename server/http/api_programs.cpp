@@ -115,6 +115,14 @@ std::expected<std::optional<double>, ApiResponse> parse_limit(const std::string*
       error_response(400, "bad_value", "force_limit_n must be a number above 0"));
 }
 
+std::expected<double, ApiResponse> parse_tolerance(const std::string* text, double otherwise_mm) {
+  if (text == nullptr) return otherwise_mm;
+  const auto tolerance_mm = parse_number<double>(*text);
+  if (tolerance_mm && *tolerance_mm > 0) return *tolerance_mm;
+  return std::unexpected(
+      error_response(400, "bad_value", "target_tolerance_mm must be a number above 0"));
+}
+
 /// The program whose number the path holds.
 std::optional<ProgramStatus> find_program(const ApiCall& call) {
   const auto id = parse_number<ProgramId>(call.captured);
@@ -193,6 +201,21 @@ std::optional<MemoryBudget::Share> Api::program_memory(std::size_t bytes) {
   return programs_.take(bytes);
 }
 
+/// The part of `target`, on the rays of the session's block; null without that parameter.
+std::expected<std::shared_ptr<const GougeReference>, ApiResponse> Api::parse_target_part(
+    const ApiCall& call) {
+  const ApiRequest& request = call.request;
+  const Session& session = *call.session;
+  const auto tolerance_mm = parse_tolerance(request.query_value("target_tolerance_mm"),
+                                            session.scene().settings.tolerance_mm);
+  if (!tolerance_mm) return std::unexpected(tolerance_mm.error());
+  const std::string* name = request.query_value("target");
+  if (name == nullptr) return nullptr;
+  auto part = targets_.model(session.id(), *name, session.grid());
+  if (!part) return std::unexpected(unknown_target(*name));
+  return std::make_shared<const GougeReference>(*name, std::move(part), *tolerance_mm);
+}
+
 ApiResponse Api::start_program(const ApiCall& call) {
   const ApiRequest& request = call.request;
   Session& session = *call.session;
@@ -211,6 +234,8 @@ ApiResponse Api::start_program(const ApiCall& call) {
   } else if (*pace == ProgramPace::kFeed) {
     rate_hz = kFeedRateHz;
   }
+  const auto target = parse_target_part(call);
+  if (!target) return target.error();
   const std::string name = value_or(request.query_value("name"), "program.ngc");
   if (auto failure = name_failure(name)) return *std::move(failure);
   const auto environment = parse_environment(request);
@@ -231,6 +256,7 @@ ApiResponse Api::start_program(const ApiCall& call) {
   ProgramJob job(*std::move(read), survey, rate_hz);
   ProgramOptions order{.pace = *pace, .speed = *speed, .after = *after};
   order.force_limit_n = *limit_n;
+  order.target = *target;
   order.text = kept;
   order.memory = *std::move(memory);
   auto started = run_and_wait(session.executor(), [&] {

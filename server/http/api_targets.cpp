@@ -42,10 +42,6 @@ std::string target_text(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-ApiResponse unknown_target(const std::string& name) {
-  return error_response(404, "unknown_target", "the session has no target part \"" + name + "\"");
-}
-
 double spacing_of(const SolidSnapshot& solid) {
   const Vec3 size = SnapshotMesh(solid).size_mm();
   const double area = 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
@@ -93,6 +89,10 @@ std::expected<void, MakeError> write_survey(const HashedSolid& block, const Targ
 }
 
 }  // namespace
+
+ApiResponse unknown_target(const std::string& name) {
+  return error_response(404, "unknown_target", "the session has no target part \"" + name + "\"");
+}
 
 ApiResponse Api::list_targets(const ApiCall& call) {
   Json list = Json::array();

@@ -184,6 +184,35 @@ std::shared_ptr<const TargetPart> TargetParts::get(const std::string& session,
   return *part;
 }
 
+std::shared_ptr<const PartModel> TargetParts::model(const std::string& session,
+                                                    const std::string& name,
+                                                    const DexelGrid& grid) {
+  const auto part = get(session, name);
+  if (!part) return nullptr;
+  const std::lock_guard one(reading_);
+  const auto kept_model = [&]() -> std::shared_ptr<const PartModel>* {
+    const auto found = std::ranges::find(kept_, part, &Kept::part);
+    return found == kept_.end() ? nullptr : &found->model;
+  };
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto* kept = kept_model(); kept != nullptr && *kept && (*kept)->grid() == grid) {
+      return *kept;
+    }
+  }
+  struct Owner {
+    Owner(std::shared_ptr<const TargetPart> of, const DexelGrid& grid)
+        : part(std::move(of)), model(part->mesh(), part->distance(), grid) {}
+    std::shared_ptr<const TargetPart> part;
+    PartModel model;
+  };
+  const auto owner = std::make_shared<const Owner>(part, grid);
+  const std::shared_ptr<const PartModel> model(owner, &owner->model);
+  const std::lock_guard lock(mutex_);
+  if (auto* kept = kept_model()) *kept = model;
+  return model;
+}
+
 bool TargetParts::remove(const std::string& session, const std::string& name) {
   const std::lock_guard lock(mutex_);
   fs::path file = facts_file(session, name);

@@ -15,6 +15,7 @@
 
 #include "server/formats/model/indexed_mesh.h"
 #include "server/formats/model/mesh_distance.h"
+#include "server/verify/part_model.h"
 
 namespace kerf::net {
 
@@ -37,6 +38,7 @@ class TargetPart {
   TargetPart& operator=(const TargetPart&) = delete;
 
   const TargetFacts& facts() const { return facts_; }
+  const IndexedMesh& mesh() const { return mesh_; }
   const MeshDistance& distance() const { return distance_; }
 
  private:
@@ -70,6 +72,10 @@ class TargetParts {
   std::vector<TargetFacts> list(const std::string& session) const;
   /// Null if the session has no such part, or its file can no longer be read.
   std::shared_ptr<const TargetPart> get(const std::string& session, const std::string& name);
+  /// The part on the rays of a session's block, which are `grid`; null likewise. Kept with the
+  /// part.
+  std::shared_ptr<const PartModel> model(const std::string& session, const std::string& name,
+                                         const DexelGrid& grid);
   /// Returns whether the session had such a part.
   bool remove(const std::string& session, const std::string& name);
   /// Deletes the parts of a session.
@@ -80,6 +86,7 @@ class TargetParts {
   struct Kept {
     std::string session;
     std::shared_ptr<const TargetPart> part;
+    std::shared_ptr<const PartModel> model = {};  ///< null until it is needed
   };
   std::filesystem::path facts_file(const std::string& session, const std::string& name) const;
   // With the mutex locked:

@@ -58,10 +58,12 @@ class Carving {
   std::optional<MotionAnswer> go_on(ParticipantState& state, Workers& workers);
   /// Whether a batch of the participant is in progress.
   bool has_batch(ParticipantId id) const { return batches_.contains(id); }
-  /// Carves one motion of a program; returns nothing if the motion is more work than one turn: then
-  /// the call must be repeated with the same motion. Consecutive
-  /// motions through the air are joined (air_path.h): they are applied and journaled with the next
-  /// motion that does not join them. Answers kBusy while the journal has no space for programs.
+  /// Carves one motion of a program, and searches it for gouges if the program has a target;
+  /// returns nothing if that is more work than one turn: then the call must be repeated with the
+  /// same motion. What others cut in the tiles of a motion that takes several turns counts as cut
+  /// by it. Consecutive motions through the air are joined (air_path.h): they are applied and
+  /// journaled with the next motion that does not join them. Answers kBusy while the journal has no
+  /// space for programs.
   std::expected<std::optional<CarvedMotion>, Rejection> move(const ProgramStep& step);
   /// The program of a participant has ended: applies the motions that are still to be joined.
   void end_program(ParticipantId id);
@@ -137,6 +139,12 @@ class Carving {
     std::optional<std::pair<Recorded, MoveTool>> last = {};
   };
   using Applied = std::expected<std::optional<MotionResult>, Rejection>;
+  /// A motion of a program that is searched for gouges.
+  struct Searched {
+    std::optional<DexelSnapshot> before = {};  ///< until the motion is complete
+    CarvedMotion carved = {};
+    std::optional<GougeCheck> check = {};
+  };
 
   bool work(ParticipantState& state, Batch& batch);
   void carve_waiting(Workers& workers);
@@ -172,6 +180,8 @@ class Carving {
   void note(ParticipantId id, const MotionResult& result);
   std::expected<void, Rejection> apply_air(ParticipantId id);
   Applied apply_or_join(const ProgramStep& step, std::int64_t& tiles);
+  void show_step(const ProgramStep& step, const MotionResult& done);
+  std::optional<CarvedMotion> search_on(ParticipantId id);
 
   const SessionLimits& limits_;
   Sculpture& sculpture_;
@@ -180,6 +190,7 @@ class Carving {
   AirSpace air_;
   Reserved reserved_;
   std::map<ParticipantId, AirPath> air_paths_;  ///< of programs
+  std::map<ParticipantId, Searched> searched_;  ///< of programs that have a target
   std::set<TileIndex> changed_;
   std::map<ParticipantId, Batch> batches_;  ///< in progress
   std::vector<ParticipantId> waiting_;      ///< whose batches wait, in the order of arrival

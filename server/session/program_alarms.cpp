@@ -19,6 +19,8 @@ const char* to_string(AlarmKind kind) {
       return "obstacle";
     case AlarmKind::kForce:
       return "force";
+    case AlarmKind::kGouge:
+      return "gouge";
   }
   return "force";
 }
@@ -30,14 +32,24 @@ void ProgramAlarms::follow(const ProgramMotion& motion, const CarvedMotion& carv
   // Stock pushes shank and holder too; that is the alarm above.
   note(AlarmKind::kObstacle, motion, carved.stock_contact_mm > 0 ? 0 : carved.collision_n);
   note(AlarmKind::kForce, motion, limit_n_ && carved.cutting_n > *limit_n_ ? carved.cutting_n : 0);
+  const Gouge gouge = carved.gouge.value_or(Gouge());
+  note(AlarmKind::kGouge, motion, gouge.depth_mm, gouge.at_mm);
 }
 
-void ProgramAlarms::note(AlarmKind kind, const ProgramMotion& motion, double amount) {
+/// Whether a motion without an alarm does not end it.
+bool ProgramAlarms::is_in_gap(AlarmKind kind, const ProgramMotion& motion) {
+  if (kind != AlarmKind::kGouge) return false;
+  without_gouge_mm_ += length(motion.to.tip_mm - motion.from.tip_mm);
+  return without_gouge_mm_ <= gouge_gap_mm_;
+}
+
+void ProgramAlarms::note(AlarmKind kind, const ProgramMotion& motion, double amount, Vec3 at_mm) {
   Open& open = open_[static_cast<std::size_t>(kind)];
   if (!(amount > 0)) {
-    open = {};
+    if (!is_in_gap(kind, motion)) open = {};
     return;
   }
+  if (kind == AlarmKind::kGouge) without_gouge_mm_ = 0;
   if (!open.is_open) {
     open.is_open = true;
     ++count_;
@@ -52,6 +64,7 @@ void ProgramAlarms::note(AlarmKind kind, const ProgramMotion& motion, double amo
   if (amount > open.greatest) {
     open.greatest = amount;
     alarm.tip_mm = motion.to.tip_mm;
+    alarm.at_mm = at_mm;
   }
   alarm.amount = kind == AlarmKind::kRapid ? alarm.amount + amount : open.greatest;
 }

@@ -14,6 +14,7 @@ const char* unit_of(AlarmKind kind) {
     case AlarmKind::kRapid:
       return "mm3";
     case AlarmKind::kShank:
+    case AlarmKind::kGouge:
       return "mm";
     default:
       return "N";
@@ -60,6 +61,10 @@ std::string program_json(const ProgramStatus& program) {
   json["tools"] = program.tools;
   json["read_as"] = program.read_as;
   json["warnings"] = program.warnings;
+  if (!program.target.empty()) {
+    json["target"] = program.target;
+    json["target_tolerance_mm"] = program.target_tolerance_mm;
+  }
   json["alarms"] = Json::array();
   for (const ProgramAlarm& alarm : program.alarms) {
     const Vec3 tip = alarm.tip_mm;
@@ -70,6 +75,9 @@ std::string program_json(const ProgramStatus& program) {
                               {"amount", alarm.amount},
                               {"unit", unit_of(alarm.kind)},
                               {"tip_mm", {tip.x, tip.y, tip.z}}});
+    if (alarm.kind != AlarmKind::kGouge) continue;
+    const Vec3 at = alarm.at_mm;
+    json["alarms"].back()["at_mm"] = {at.x, at.y, at.z};
   }
   return text(json);
 }

@@ -50,7 +50,13 @@ ProgramStatus ProgramRuns::start(ParticipantId participant, ProgramJob job, Prog
   if (!status.tools.empty()) status.tool = status.tools.front();
   run.text = std::move(options.text);
   run.motions.emplace(job.open(), job.rate_hz);
-  run.alarms = ProgramAlarms(options.force_limit_n);
+  const auto& target = options.target;
+  run.alarms = ProgramAlarms(options.force_limit_n, target ? target->part->grid().pitch_mm : 0);
+  if (target) {
+    status.target = target->name;
+    status.target_tolerance_mm = target->tolerance_mm;
+  }
+  run.target = std::move(options.target);
   run.memory = std::move(options.memory);
   run.clock.set_speed(options.speed, now);
   if (options.after != 0) {
@@ -94,6 +100,7 @@ void ProgramRuns::end(Run& run, ProgramState state) {
   ended_.push_back(run.status.participant);
   // A run that has ended keeps its status and text only.
   run.motions.reset();
+  run.target.reset();
   run.memory = MemoryBudget::Share();
   drop_ended_texts(kEndedTextBytesMax);
   end_wait(run.status);
@@ -236,7 +243,7 @@ bool ProgramRuns::step(Run& run, const Carve& carve) {
   const ProgramMotion& motion = *run.next();
   ProgramStatus& status = run.status;
   const auto carved = carve({status.participant, motion, status.pace == ProgramPace::kFeed,
-                             status.motions_done + 1 == status.motions});
+                             status.motions_done + 1 == status.motions, run.target.get()});
   ++changes_;
   status.waiting = !carved && carved.error().code == wire::ErrorCode::kBusy;
   if (status.waiting) return false;

@@ -21,8 +21,9 @@ namespace kerf {
 struct ProgramStep {
   ParticipantId participant = 0;
   const ProgramMotion& motion;
-  bool feel = false;     ///< compute its force
-  bool is_last = false;  ///< of the program
+  bool feel = false;                       ///< compute its force
+  bool is_last = false;                    ///< of the program
+  const GougeReference* target = nullptr;  ///< the part that it is to make; null: none
 };
 
 /// The programs of a session, carved in slices. Between slices the executor serves the agents, so
@@ -85,6 +86,7 @@ class ProgramRuns {
     MemoryBudget::Share memory = {};
     ProgramClock clock = {};
     ProgramAlarms alarms;
+    std::shared_ptr<const GougeReference> target = {};  ///< until it ends
     bool in_pieces = false;  ///< the next motion is cut in part: it is completed before a pause
     bool pauses = false;     ///< as soon as possible
     bool steps = false;      ///< pauses before the first motion of another line than

@@ -63,6 +63,8 @@ struct ProgramStatus : ProgramGlance {
   std::string read_as;        ///< language of its text, and why it: "Haas: line 3 has G154"
   std::vector<std::string> warnings;
   std::vector<ProgramAlarm> alarms;  ///< the first ProgramAlarms::kListedMax
+  std::string target;                ///< the part that it is to make; empty: none
+  double target_tolerance_mm = 0;    ///< below which depth a cut is an alarm
 };
 
 /// The text of a program as it was uploaded and its path, with the share of a budget that they
@@ -83,6 +85,8 @@ struct ProgramOptions {
   ProgramId after = 0;  ///< begins when this program has finished; 0: at once
   /// Mean cutting force of a motion above which there is an alarm, N; nothing: no limit.
   std::optional<double> force_limit_n = {};
+  /// The part that the program is to make; null: gouges are not searched, which costs time.
+  std::shared_ptr<const GougeReference> target = {};
   std::shared_ptr<const ProgramText> text = {};
   MemoryBudget::Share memory = {};  ///< held until the program ends
 };

@@ -26,7 +26,12 @@ const GROOVE_MM = 4;
 const SCENE = {
   name: 'Bracket',
   stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: { rays: 'tri-dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'tri-dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [{ id: 1, shape: 'flat', diameter_mm: GROOVE_MM, length_mm: 30 }],
 };
 
@@ -49,7 +54,10 @@ M30
 
 async function partOf(base) {
   const body = JSON.stringify(SCENE);
-  const created = await fetch(`${base}/v1/sessions?id=part`, { method: 'POST', body });
+  const created = await fetch(`${base}/v1/sessions?id=part`, {
+    method: 'POST',
+    body,
+  });
   assert.equal(created.status, 201);
   const session = `${base}/v1/sessions/part`;
   await carveProgram(session, program(5, 14), 'name=part.ngc&pace=fast');
@@ -134,6 +142,42 @@ async function checkLine({ page }) {
   assert.equal(await placed.getAttribute('data-line'), line);
 }
 
+/** A program that is watched while it runs: where it cuts into the part is listed, and is shown. */
+async function checkGouge({ page }) {
+  await page.getByRole('combobox', { name: 'Part that the program is to make' }).waitFor();
+  await page.locator('.programs').getByRole('spinbutton', { name: 'Tolerance' }).fill('0.2');
+  const text = program(5, 14).replace('Y-7', 'Y-1').replace('Z-5', 'Z-1.5');
+  await page.locator('.program-file').setInputFiles({
+    name: 'deep.ngc',
+    mimeType: 'text/plain',
+    buffer: Buffer.from(text),
+  });
+  await page.getByText('Watched for gouges into part.stl deeper than 0.2 mm.').waitFor();
+  const alarm = page.locator('.program-alarms').getByText('Gouge into the part');
+  const shown = await until('the alarm while the program runs', SETTLE_S, async () => {
+    const state = await page
+      .locator('.program-row-button[aria-pressed=true]')
+      .getAttribute('data-state');
+    return (
+      state === 'running' &&
+      (await alarm
+        .first()
+        .textContent({ timeout: 100 })
+        .catch(() => null))
+    );
+  });
+  const line = /lines? (\d+)/.exec(shown)[1];
+  assert(['5', '6'].includes(line), shown);
+  const depth = await until('the depth of the groove', SETTLE_S, async () => {
+    const [, mm, z] = /part, ([\d.]+) mm: .* Z (-[\d.]+)/.exec(await alarm.first().textContent());
+    return mm === '1.5' && { mm, z };
+  });
+  assert.equal(depth.z, '-1.5');
+  await alarm.first().click();
+  await page.locator(`.program-row.marked[data-line='${line}']`).waitFor();
+  await checkAccessible(page, 'a program with a gouge');
+}
+
 async function test(folder) {
   const { server, base, session } = await startServer(options, folder, 'bracket', SCENE);
   await carveProgram(session, program(5 + TOO_DEEP_MM, 8), 'name=bracket.ngc&pace=fast');
@@ -168,6 +212,8 @@ async function test(folder) {
     await checkPlaces(viewer);
     await writeFile(join(options.out, 'deviation-place.png'), await page.screenshot());
     await checkLine(viewer);
+    await checkGouge(viewer);
+    await writeFile(join(options.out, 'gouge.png'), await page.screenshot());
     assert.deepEqual(problems, []);
   } finally {
     await browser.close();

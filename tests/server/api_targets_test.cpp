@@ -183,5 +183,73 @@ TEST_F(ApiTargetsTest, OutlastTheServerAndEndWithTheSession) {
   EXPECT_TRUE(made("GET", kTargets, tokens[Role::kWatcher]).at("targets").empty());
 }
 
+/// Runs a program to its end.
+class ProgramTargets : public ApiTargetsTest {
+ protected:
+  ApiResponse start(const std::string& query, const std::string& text) {
+    ApiRequest request = *parse_target("/v1/sessions/block/programs?name=a.ngc" + query);
+    request.method = "POST";
+    request.token = tokens[Role::kSculptor];
+    request.body = text;
+    return api->handle(request);
+  }
+  Json status_of(const ApiResponse& started) {
+    EXPECT_EQ(started.status, 202U) << started.body;
+    const Json json =
+        made("GET", std::string(Json::parse(started.body).at("url")), tokens[Role::kWatcher]);
+    EXPECT_EQ(json.at("state"), "finished") << json;
+    return json;
+  }
+  /// The part begins 0.5 mm below the top of the stock.
+  static std::string deep(const std::string& y = "0") {
+    return "G21 G90 T1 M6\n"
+           "G0 X-30 Y" +
+           y +
+           " Z-0.5\n"
+           "G1 X-10 F900\n"  // line 3: down to the part
+           "G1 X10 Z-1.5\n"  // line 4: into it, ever deeper
+           "G0 Z9\n"
+           "M2\n";
+  }
+};
+
+TEST_F(ProgramTargets, CutsBelowThePartAreAlarmsWithLineAndPlace) {
+  ASSERT_EQ(send("?name=part.stl", part_).status, 201U);
+  for (const std::string y : {"-10", "10"}) {
+    const std::string sampled = y == "10" ? "&rate=50" : "";
+    const Json json =
+        status_of(start("&target=part.stl&target_tolerance_mm=0.2&pace=fast" + sampled, deep(y)));
+    EXPECT_EQ(json.at("target"), "part.stl");
+    EXPECT_EQ(json.at("target_tolerance_mm"), 0.2);
+    ASSERT_EQ(json.at("alarm_count"), 1) << json;
+    const Json alarm = json.at("alarms").at(0);
+    EXPECT_EQ(alarm.at("kind"), "gouge");
+    EXPECT_EQ(alarm.at("unit"), "mm");
+    EXPECT_EQ(alarm.at("from_line"), 4);
+    EXPECT_NEAR(alarm.at("amount"), 1, 0.02);
+    EXPECT_NEAR(alarm.at("at_mm").at(2), -1.5, 0.02);
+    EXPECT_NEAR(alarm.at("at_mm").at(1), std::stod(y), 0.5);
+  }
+}
+
+TEST_F(ProgramTargets, NothingIsSearchedWithoutATarget) {
+  send("?name=part.stl", part_);
+  const Json json = status_of(start("&pace=fast", deep()));
+  EXPECT_FALSE(json.contains("target"));
+  EXPECT_EQ(json.at("alarm_count"), 0);
+}
+
+TEST_F(ProgramTargets, WithinTheToleranceThereIsNoAlarm) {
+  send("?name=part.stl", part_);
+  const Json json = status_of(start("&target=part.stl&target_tolerance_mm=1.2&pace=fast", deep()));
+  EXPECT_EQ(json.at("alarm_count"), 0);
+}
+
+TEST_F(ProgramTargets, AreThoseOfTheSessionWithAToleranceAboveZero) {
+  send("?name=part.stl", part_);
+  EXPECT_EQ(code_of(start("&target=other.stl", deep())), "unknown_target");
+  EXPECT_EQ(code_of(start("&target=part.stl&target_tolerance_mm=0", deep())), "bad_value");
+}
+
 }  // namespace
 }  // namespace kerf::net

@@ -67,6 +67,34 @@ TEST(ProgramAlarms, ForcesCountAboveTheLimitAndPushesWithoutStock) {
   EXPECT_EQ(limited.list()[0].from_line, 2U);
 }
 
+/// The columns of a groove lie farther apart than the ends of the samples along it.
+TEST(ProgramAlarms, GougesWithinTwoPitchesOfPathAreOne) {
+  ProgramAlarms alarms({}, 0.5);
+  const auto follow = [&](std::uint32_t line, double from_x, double depth_mm) {
+    ProgramMotion motion = motion_at(line, from_x + 0.4);
+    motion.from.tip_mm = {from_x, 0, 0};
+    CarvedMotion carved{.removed_mm3 = 1};
+    if (depth_mm > 0) carved.gouge = Gouge{depth_mm, {from_x, 0, -depth_mm}};
+    alarms.follow(motion, carved);
+  };
+  follow(3, 0, 0.2);
+  follow(3, 0.4, 0);
+  follow(4, 0.8, 0);
+  follow(4, 1.2, 0.6);
+  follow(5, 1.6, 0.3);
+  ASSERT_EQ(alarms.count(), 1U);
+  const ProgramAlarm& first = alarms.list()[0];
+  EXPECT_EQ(first.kind, AlarmKind::kGouge);
+  EXPECT_EQ(first.from_line, 3U);
+  EXPECT_EQ(first.to_line, 5U);
+  EXPECT_EQ(first.amount, 0.6);
+  EXPECT_EQ(first.at_mm, (Vec3{1.2, 0, -0.6}));
+  for (const double x : {2.0, 2.4, 2.8}) follow(6, x, 0);
+  follow(6, 3.2, 0.2);
+  ASSERT_EQ(alarms.count(), 2U);
+  EXPECT_EQ(alarms.list()[1].from_line, 6U);
+}
+
 TEST(ProgramAlarms, TheFirstHundredAreListedAndAllAreCounted) {
   ProgramAlarms alarms;
   for (std::uint32_t line = 1; line <= 300; ++line) {

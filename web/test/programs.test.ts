@@ -158,7 +158,7 @@ describe('the sentences', () => {
       tool: 1,
       amount: 12.34,
       unit: 'mm3',
-      tip: [1, -2.04, 0] as [number, number, number],
+      place: [1, -2.04, 0] as [number, number, number],
     };
     expect(alarmText(alarm)).toBe(
       'Rapid through stock, 12.3 mm³: lines 14–18, at X 1.0 Y -2.0 Z 0.0',

@@ -18,9 +18,11 @@ class FakePrograms {
   readonly asked: string[] = [];
   programs: Json[] = [];
   alarms: Json[] = [];
+  targets: Json[] = [];
 
   readonly fetch = (address: string, { method }: { method: string }): Promise<unknown> => {
     const path = address.replace('/v1/sessions/demo/programs', '');
+    if (path.endsWith('/targets')) return answer(200, { targets: this.targets });
     if (path.startsWith('/v1/')) return answer(200, {}); // strokes: none
     this.asked.push(`${method} ${path}`);
     if (method === 'POST') {
@@ -127,6 +129,36 @@ describe('the panel of programs', () => {
     expect(server.asked.filter((asked) => asked.startsWith('POST'))).toEqual([
       expect.stringContaining('&dialect=haas&queue=1'),
     ]);
+  });
+
+  it('watches for gouges into the first part, unless the user wants none', async () => {
+    server.targets = [{ name: 'a part.stl' }, { name: 'b.stl' }];
+    await open(program(3));
+    const target = page
+      .all('program-speed')
+      .find((select) => select.getAttribute('aria-label') === 'Part that the program is to make')!;
+    const send = async (): Promise<string | undefined> => {
+      server.asked.length = 0;
+      const choose = page.all('program-file')[0]!;
+      choose.files = [{ name: 'new.nc', text: () => Promise.resolve('G1') }];
+      choose.dispatch('change');
+      await wait(500);
+      return server.asked.find((asked) => asked.startsWith('POST'));
+    };
+    expect(await send()).toContain('&target=a%20part.stl&target_tolerance_mm=0.05');
+    target.value = '';
+    target.dispatch('change');
+    expect(await send()).not.toContain('target');
+  });
+
+  it('names the part, and leads to the deepest place of a gouge', async () => {
+    server.alarms = [{ ...alarm(0.3, 14), kind: 'gouge', unit: 'mm', at_mm: [7, 8, 9] }];
+    await open(program(3, { alarm_count: 1, target: 'part.stl', target_tolerance_mm: 0.05 }));
+    expect(page.all('program-figures')[0]!.textContent).toContain(
+      'Watched for gouges into part.stl deeper than 0.05 mm.',
+    );
+    const [button] = alarms();
+    expect(button!.textContent).toBe('Gouge into the part, 0.3 mm: line 14, at X 7.0 Y 8.0 Z 9.0');
   });
 
   it('shows an alarm as far as the program has come, and asks once a second', async () => {

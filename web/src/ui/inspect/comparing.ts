@@ -3,7 +3,6 @@
 // whole surface, and the worst places.
 
 import { t } from '../../strings';
-import { recall, remember } from '../../strings/memory';
 import {
   distancesFrom,
   listTargets,
@@ -13,7 +12,7 @@ import {
   surveyDeviation,
 } from '../../link/targets';
 import type { TargetPart } from '../../link/targets';
-import { rangeOf, roundedUp } from '../../model/deviation';
+import { rangeOf } from '../../model/deviation';
 import type { DeviationPlace, DeviationSurvey } from '../../model/deviation';
 import { paintedEdge } from '../../model/refine';
 import type { LengthUnit } from '../../model/measure';
@@ -29,11 +28,11 @@ import type { CutNote } from './cut_note';
 import { DeviationControls } from './deviation_controls';
 import { signed } from './deviation_plot';
 import type { InspectHost } from './mount';
+import { partTolerance, rememberPartTolerance } from '../part_tolerance';
 
 /** While the block changes it is surveyed at most so often. */
 const SURVEY_EVERY_MS = 5000;
 const ARM_PX = 36;
-const TOLERANCE = 'tolerance';
 
 /** How far a part has to be moved to be in the middle of the block, with its top at the block's. */
 export function shiftInto(part: Bounds, block: Bounds): Vec3 {
@@ -99,7 +98,7 @@ export class Comparing {
   /** The panel was opened: others may have added parts. */
   async open(): Promise<void> {
     const { welcome } = this.host.model;
-    this.toleranceMm_ = Number(recall(TOLERANCE)) || roundedUp((welcome?.pitch_mm ?? 0.2) / 4);
+    this.toleranceMm_ = partTolerance(welcome?.pitch_mm);
     this.controls_.say('');
     await this.list_();
     if (this.parts_.length === 0)
@@ -259,7 +258,7 @@ export class Comparing {
 
   private setTolerance_(mm: number): void {
     this.toleranceMm_ = mm;
-    remember(TOLERANCE, String(mm));
+    rememberPartTolerance(mm);
     this.mark_(null);
     this.show_();
   }

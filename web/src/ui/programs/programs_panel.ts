@@ -19,7 +19,8 @@ import { PathControl } from './path_control';
 import type { PathHost } from './path_control';
 import { isOutdated, ProgramRequests } from './requests';
 import type { ProgramDetails } from './requests';
-import { duration } from './texts';
+import { TargetChoice } from './target_choice';
+import { duration, watchText } from './texts';
 import { TextView } from './text_view';
 import { Upload } from './upload';
 
@@ -29,16 +30,17 @@ const ASK_EVERY_MS = 1000; // for the details of a program that moves
 export class ProgramsPanel {
   private readonly requests_: ProgramRequests;
   private readonly upload_: Upload;
+  private readonly target_: TargetChoice;
   private readonly controls_: Controls;
   private readonly text_: TextView;
   private readonly list_ = new ProgramList((id) => this.press_(id));
   private readonly note_ = h('p', { class: 'program-note', role: 'status' });
   private readonly figures_ = h('p', { class: 'quiet program-figures' });
   private readonly progress_ = h('progress', { max: '1', 'aria-label': t('Progress') });
-  private readonly alarms_ = new AlarmList(({ fromLine, tip }) => {
+  private readonly alarms_ = new AlarmList(({ fromLine, place }) => {
     this.text_.mark({ line: fromLine, word: '' });
-    this.path_?.markLine(fromLine, tip);
-    this.path_?.lookAt(tip);
+    this.path_?.markLine(fromLine, place);
+    this.path_?.lookAt(place);
   });
   private readonly path_: PathControl | null;
   private readonly cut_: CutControl;
@@ -104,7 +106,8 @@ export class ProgramsPanel {
       { class: 'programs', 'aria-label': t('NC programs'), hidden: '' },
       h('header', {}, h('h2', {}, t('NC programs')), close),
     );
-    this.upload_ = new Upload(this.element_, {
+    this.target_ = new TargetChoice(session);
+    this.upload_ = new Upload(this.element_, this.target_, {
       chosen: (file, query) => void this.send_(file, query),
     });
     this.element_.append(
@@ -206,6 +209,7 @@ export class ProgramsPanel {
         t('line {0}, tool {1}{2}, ', count(program.line), program.tool, tools) +
         t('feed {0} mm/min, {1} removed.', figure(program.feed_mm_per_min), removed),
       ...(details?.readAs ? [t('Read as {0}.', details.readAs)] : []),
+      ...(details?.target ? [watchText(details)] : []),
       ...(details?.warnings ?? []).slice(0, 3),
     ];
     setText(this.figures_, lines.join(' '));
@@ -256,9 +260,11 @@ export class ProgramsPanel {
   /** Everything about the programs, also about those that ended long ago. */
   private async load_(): Promise<void> {
     try {
+      const targets = this.target_.update(this.model.welcome?.pitch_mm);
       const list = await this.requests_.list();
       for (const details of list) this.details_.set(details.program.id, details);
       this.model.programs.add(list.map(({ program }) => program));
+      await targets;
     } catch (problem) {
       this.tell_(problem);
     }

@@ -23,7 +23,8 @@ export interface Alarm {
   tool: number;
   amount: number;
   unit: string;
-  tip: Vec3;
+  /** The tip at its worst; of a gouge the deepest place. */
+  place: Vec3;
 }
 
 export interface ProgramDetails {
@@ -31,6 +32,9 @@ export interface ProgramDetails {
   tools: number[];
   /** Language of the program, and why it: "Haas: line 3 has G154". */
   readAs: string;
+  /** The part that is watched for gouges; empty: none. */
+  target: string;
+  targetToleranceMm: number;
   warnings: string[];
   alarms: Alarm[];
 }
@@ -54,7 +58,7 @@ function listOf(value: unknown): unknown[] {
 
 function alarmOf(value: unknown): Alarm {
   const from = value as Json;
-  const [x = 0, y = 0, z = 0] = listOf(from['tip_mm']).map(Number);
+  const [x = 0, y = 0, z = 0] = listOf(from['at_mm'] ?? from['tip_mm']).map(Number);
   return {
     kind: String(from['kind']),
     fromLine: Number(from['from_line']),
@@ -62,7 +66,7 @@ function alarmOf(value: unknown): Alarm {
     tool: Number(from['tool']),
     amount: Number(from['amount']),
     unit: String(from['unit']),
-    tip: [x, y, z],
+    place: [x, y, z],
   };
 }
 
@@ -72,6 +76,8 @@ function detailsOf(value: unknown): ProgramDetails {
     program: programOf(value),
     tools: listOf(from['tools']).map(Number),
     readAs: typeof from['read_as'] === 'string' ? from['read_as'] : '',
+    target: typeof from['target'] === 'string' ? from['target'] : '',
+    targetToleranceMm: Number(from['target_tolerance_mm'] ?? 0),
     warnings: listOf(from['warnings']).map(String),
     alarms: listOf(from['alarms']).map(alarmOf),
   };

@@ -5,7 +5,7 @@ import { t } from '../../strings';
 import { wallSeconds } from '../../model/programs';
 import type { ProgramInfo } from '../../wire/types';
 import { figure } from '../format';
-import type { Alarm } from './requests';
+import type { Alarm, ProgramDetails } from './requests';
 
 /** 4 → "4 s", 75 → "1:15", 3700 → "1:01:40" */
 export function duration(seconds: number): string {
@@ -42,11 +42,17 @@ export function stateText(program: ProgramInfo): string {
   }
 }
 
+/** For which gouges a program is watched. */
+export function watchText({ target, targetToleranceMm }: ProgramDetails): string {
+  return t('Watched for gouges into {0} deeper than {1} mm.', target, figure(targetToleranceMm));
+}
+
 const ALARMS: Record<string, string> = {
   rapid: t('Rapid through stock'),
   shank: t('Shank or holder in the stock'),
   obstacle: t('Collision with an obstacle'),
   force: t('Force over the limit'),
+  gouge: t('Gouge into the part'),
 };
 const UNITS: Record<string, string> = { mm3: 'mm³' };
 
@@ -57,6 +63,6 @@ export function alarmText(alarm: Alarm): string {
       : t('lines {0}–{1}', alarm.fromLine, alarm.toLine);
   const what = ALARMS[alarm.kind] ?? alarm.kind;
   const amount = `${figure(alarm.amount)} ${UNITS[alarm.unit] ?? alarm.unit}`;
-  const [x, y, z] = alarm.tip.map((value) => value.toFixed(1)) as [string, string, string];
+  const [x, y, z] = alarm.place.map((value) => value.toFixed(1)) as [string, string, string];
   return t('{0}, {1}: {2}, at X {3} Y {4} Z {5}', what, amount, lines, x, y, z);
 }

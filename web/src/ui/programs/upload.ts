@@ -3,9 +3,10 @@
 
 import { t } from '../../strings';
 import { h } from '../dom';
+import type { TargetChoice } from './target_choice';
 
 export interface UploadActions {
-  /** `query`: pace, dialect and queue, as in server/http/README.md. */
+  /** `query`: pace, dialect, queue and target, as in server/http/README.md. */
   chosen: (file: File, query: string) => void;
 }
 
@@ -59,8 +60,10 @@ export class Upload {
   /** `area`: where files may be dropped. */
   constructor(
     area: HTMLElement,
+    private readonly target: TargetChoice,
     private readonly actions: UploadActions,
   ) {
+    this.element.append(target.element);
     this.queue_.checked = true;
     this.file_.addEventListener('change', () => {
       this.send_(this.file_.files);
@@ -82,7 +85,7 @@ export class Upload {
 
   private send_(files: FileList | null): void {
     const dialect = this.dialect_.value === '' ? '' : `&dialect=${this.dialect_.value}`;
-    const query = `${this.pace_.value}${dialect}&queue=${this.queue_.checked ? 1 : 0}`;
+    const query = `${this.pace_.value}${dialect}&queue=${this.queue_.checked ? 1 : 0}${this.target.query}`;
     for (const file of files ?? []) this.actions.chosen(file, query);
   }
 }

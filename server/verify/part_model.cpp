@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/carve/part_model.h"
+#include "server/verify/part_model.h"
 
 #include <cmath>
 #include <utility>
@@ -38,7 +38,8 @@ DexelSnapshot material_of(const TriangleMesh& mesh, const DexelGrid& grid) {
 
 }  // namespace
 
-PartModel::PartModel(const IndexedMesh& mesh, const DexelGrid& grid) : surface_(mesh) {
+PartModel::PartModel(const IndexedMesh& mesh, const MeshDistance& surface, const DexelGrid& grid)
+    : surface_(surface), grid_(grid) {
   const TriangleMesh solid = in_scene(mesh);
   fault_ = mesh_stock_fault(solid);
   if (fault_.empty()) material_ = material_of(solid, grid);

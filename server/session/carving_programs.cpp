@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of Carving for the motions of programs.
+#include <utility>
+
+#include "server/session/carving.h"
+
+namespace kerf {
+namespace {
+
+/// Work of one turn in the search for gouges, in distances from the part: some 0.3 ms.
+constexpr std::size_t kDistancesPerTurn = 300;
+
+}  // namespace
+
+std::expected<void, Rejection> Carving::apply_air(ParticipantId id) {
+  const auto found = air_paths_.find(id);
+  if (found == air_paths_.end() || !found->second.joined()) return {};
+  // A motion that meets no stock is little work, however many tiles it crosses.
+  const Command command = *found->second.joined();
+  if (auto ok = record(id, command); !ok) return ok;
+  if (auto done = apply_recorded(id, command); !done) return std::unexpected(done.error());
+  found->second.clear();
+  return {};
+}
+
+Carving::Applied Carving::apply_or_join(const ProgramStep& step, std::int64_t& tiles) {
+  const ParticipantId id = step.participant;
+  const CpuCosts::Meter meter(costs_, id);
+  const ProgramMotion& motion = step.motion;
+  const MoveTool move{motion.tool, motion.from, motion.to, motion.duration_s, step.feel};
+  const Tool* tool = sculpture_.tool(move.tool);
+  const bool joinable = !step.is_last && tool != nullptr && air_.contains(move, *tool);
+  if (joinable) {
+    if (auto ok = sculpture_.check(move); !ok) return std::unexpected(to_rejection(ok.error()));
+    if (air_paths_[id].add(move)) return MotionResult{};
+  }
+  if (auto ok = apply_air(id); !ok) return std::unexpected(ok.error());
+  if (!joinable) return apply(id, move, tiles);
+  air_paths_[id].add(move);
+  return MotionResult{};
+}
+
+void Carving::end_program(ParticipantId id) {
+  // If the journal is paused, the last air moves of a cancelled program are lost.
+  (void)apply_air(id);
+  air_paths_.erase(id);
+  searched_.erase(id);
+}
+
+void Carving::show_step(const ProgramStep& step, const MotionResult& done) {
+  ParticipantState* state = participants_.find(step.participant);
+  if (state == nullptr) return;
+  const ProgramMotion& motion = step.motion;
+  const bool tool_changed = std::exchange(state->participant.tool, motion.tool) != motion.tool;
+  state->display.tool_id = motion.tool;
+  state->track.place(motion.to);
+  BatchSum sum;
+  sum.add(done, motion.duration_s);
+  wire::Result display;
+  sum.write(display);
+  state->update_display(display, sum);
+  if (tool_changed) participants_.note_tool_change();
+}
+
+/// Searches the motion that a program has completed for gouges; nothing if that is to go on.
+std::optional<CarvedMotion> Carving::search_on(ParticipantId id) {
+  const CpuCosts::Meter meter(costs_, id);
+  const auto found = searched_.find(id);
+  if (!found->second.check->advance(kDistancesPerTurn)) return std::nullopt;
+  CarvedMotion carved = std::move(found->second.carved);
+  carved.gouge = found->second.check->deepest();
+  searched_.erase(found);
+  return carved;
+}
+
+std::expected<std::optional<CarvedMotion>, Rejection> Carving::move(const ProgramStep& step) {
+  const ParticipantId id = step.participant;
+  const auto searched = searched_.find(id);
+  if (searched != searched_.end() && searched->second.check) return search_on(id);
+  std::int64_t tiles = kTilesPerTurn;
+  Applied result;
+  if (cuts_.contains(id)) {
+    result = advance(id, tiles);
+  } else if (auto ok = journal_.check_space_for_programs(); !ok) {
+    return std::unexpected(ok.error());
+  } else {
+    if (step.target != nullptr) searched_[id].before = sculpture_.snapshot();
+    result = apply_or_join(step, tiles);
+  }
+  if (!result) return std::unexpected(result.error());
+  if (!*result) return std::nullopt;
+  const MotionResult& done = **result;
+  show_step(step, done);
+  CarvedMotion carved{done.removed_mm3, done.stock_contact_mm,
+                      length(done.wrench.force_n - done.collision.force_n),
+                      length(done.collision.force_n)};
+  if (step.target == nullptr || done.cut_tiles.empty()) return carved;
+  Searched& search = searched_[id];
+  search.carved = std::move(carved);
+  search.check.emplace(*step.target, *std::move(search.before), sculpture_.snapshot(),
+                       done.cut_tiles);
+  search.before.reset();
+  return search_on(id);
+}
+
+}  // namespace kerf

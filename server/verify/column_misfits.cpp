@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/verify/column_misfits.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+// An interval of a ray is sampled in steps of the distance to the part, but at least this fraction
+// of the pitch.
+constexpr double kStepShare = 0.5;
+
+using Elements = std::vector<Dexel>;
+
+// Stores in `rest` what is in `whole` and not in `taken`.
+void subtract(std::span<const Dexel> whole, std::span<const Dexel> taken, Elements& rest) {
+  rest.clear();
+  auto first = taken.begin();
+  for (const Dexel& element : whole) {
+    std::int32_t bottom = element.bottom;
+    while (first != taken.end() && first->top <= bottom) ++first;
+    for (auto at = first; at != taken.end() && at->bottom < element.top; ++at) {
+      if (at->bottom > bottom) rest.push_back({bottom, at->bottom});
+      bottom = std::max(bottom, at->top);
+    }
+    if (bottom < element.top) rest.push_back({bottom, element.top});
+  }
+}
+
+void intersect(std::span<const Dexel> a, std::span<const Dexel> b, Elements& common) {
+  common.clear();
+  for (auto x = a.begin(), y = b.begin(); x != a.end() && y != b.end();) {
+    const Dexel both{std::max(x->bottom, y->bottom), std::min(x->top, y->top)};
+    if (both.bottom < both.top) common.push_back(both);
+    x->top < y->top ? ++x : ++y;
+  }
+}
+
+}  // namespace
+
+std::optional<ColumnMisfit> ColumnMisfits::gouge(const DexelSnapshot& before,
+                                                 const DexelSnapshot& after, std::int32_t i,
+                                                 std::int32_t j) {
+  subtract(before.column(i, j, whole_), after.column(i, j, left_), removed_);
+  if (removed_.empty()) return std::nullopt;
+  if (part_.material() == nullptr) {
+    parts_.swap(removed_);
+  } else {
+    intersect(removed_, part_.material()->column(i, j, of_part_), parts_);
+  }
+  return walk(-1, i, j);
+}
+
+std::optional<ColumnMisfit> ColumnMisfits::rest(std::span<const Dexel> material, std::int32_t i,
+                                                std::int32_t j) {
+  subtract(material, part_.material()->column(i, j, of_part_), parts_);
+  return walk(1, i, j);
+}
+
+// `side`: 1 outside the part, -1 inside.
+std::optional<ColumnMisfit> ColumnMisfits::walk(double side, std::int32_t i, std::int32_t j) {
+  ColumnMisfit found{.i = i, .j = j};
+  for (const Dexel& element : parts_)
+    if (!is_shallow(element)) walk(found, element, side);
+  if (found.depth_mm <= tolerance_mm_) return std::nullopt;
+  return found;
+}
+
+// Nothing is farther from the part's surface than from the end that lies on it.
+bool ColumnMisfits::is_shallow(const Dexel& element) const {
+  if ((element.top - element.bottom) * part_.grid().z_quantum_mm > tolerance_mm_) return false;
+  return std::ranges::any_of(of_part_, [&](const Dexel& d) {
+    return d.bottom == element.bottom || d.top == element.top || d.top == element.bottom ||
+           d.bottom == element.top;
+  });
+}
+
+void ColumnMisfits::walk(ColumnMisfit& found, const Dexel& element, double side) {
+  const DexelGrid& grid = part_.grid();
+  const double low = grid.z_mm(element.bottom);
+  const double high = grid.z_mm(element.top);
+  const double least = kStepShare * grid.pitch_mm;
+  for (double z = low; z <= high;) {
+    const double depth = side * part_.surface().signed_distance_mm(
+                                    {grid.x_mm(found.i), grid.y_mm(found.j), z}, near_);
+    ++distances_;
+    const double step = std::max(std::abs(depth), least);
+    if (depth > 0) found.length_mm += std::min(step, high - z);
+    if (depth > found.depth_mm) {
+      found.depth_mm = depth;
+      found.z_mm = z;
+    }
+    // The end of the interval is sampled as well.
+    z = z < high ? std::min(z + step, high) : high + 1;
+  }
+}
+
+}  // namespace kerf
