@@ -27,7 +27,12 @@ const SIZES = [
 const SCENE = {
   name: 'Carve here',
   stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [
     { id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 },
     { id: 4, shape: 'flat', diameter_mm: 8, length_mm: 30 },
@@ -50,7 +55,11 @@ async function startServer(folder) {
   });
   const token = (await readFile(admin, 'ascii')).trim();
   const ask = (path, method = 'GET', body = undefined) =>
-    fetch(base + path, { method, body, headers: { authorization: `Bearer ${token}` } });
+    fetch(base + path, {
+      method,
+      body,
+      headers: { authorization: `Bearer ${token}` },
+    });
   const created = await ask('/v1/sessions?id=e2e', 'POST', JSON.stringify(SCENE));
   assert.equal(created.status, 201, await created.text());
   return { server, base, ask };
@@ -199,6 +208,46 @@ async function undoAlone({ page, state }, server, line) {
   return undone;
 }
 
+/** Drags the mouse through fresh stock; returns how far the tool was behind, pixels. */
+async function quickStroke(viewer, y) {
+  const { page } = viewer;
+  const spring = page.locator('.carve-spring');
+  await spring.evaluate((one) => {
+    window.behindPx = 0;
+    const measured = () => (window.behindPx = Math.max(window.behindPx, one.offsetWidth));
+    new MutationObserver(measured).observe(one, { attributes: true });
+  });
+  await page.mouse.move(...(await placeOf(viewer, 0.3, y)));
+  await page.mouse.down();
+  for (const x of [0.32, 0.34, 0.45, 0.56, 0.67])
+    await page.mouse.move(...(await placeOf(viewer, x, y)));
+  await until('the tool at the pointer', SETTLE_S, () => spring.isHidden());
+  await page.mouse.up();
+  return page.evaluate(() => window.behindPx);
+}
+
+/** The force holds the tool back, as the user has chosen, also after the page is loaded again. */
+async function checkDrag(viewer, server) {
+  const { page } = viewer;
+  const drag = page.getByRole('button', { name: /^Drag: / });
+  assert.equal(await drag.textContent(), 'Drag: off');
+  const none = await quickStroke(viewer, 0.38);
+  assert.equal(none, 0);
+  for (const strength of ['light', 'strong']) {
+    await page.keyboard.press('d');
+    assert.equal(await drag.textContent(), `Drag: ${strength}`);
+  }
+  const { motions } = await session(server);
+  const strong = await quickStroke(viewer, 0.62);
+  assert(strong >= 6, `the tool was ${strong} px behind at most`);
+  const now = await settled(server, 'a dragged stroke', (block) => block.motions > motions);
+  await checkCopy(viewer, now, 'after a dragged stroke');
+  await drag.click();
+  assert.equal(await drag.textContent(), 'Drag: off');
+  console.log(`dragged: up to ${strong} px behind`);
+  assert.equal(await page.evaluate(() => localStorage.getItem('kerf.drag')), 'off');
+}
+
 async function checkSculptor(browser, server, line, folder) {
   const near = { ...server, base: line.base };
   const viewer = await openInvited(browser, near, 'sculptor', 'Grace');
@@ -236,6 +285,7 @@ async function checkSculptor(browser, server, line, folder) {
   await page.getByText('Your stroke was redone.').waitFor();
   await checkCopy(viewer, cut, 'after a redo');
   await checkAlone(viewer, server, line);
+  await checkDrag(viewer, server);
 
   await checkLayouts(viewer);
   await checkExcludesSections(viewer);

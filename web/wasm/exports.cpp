@@ -50,6 +50,8 @@ KERF_EXPORT(kerf_open) std::uint32_t kerf_open() {
 
 KERF_EXPORT(kerf_take) bool kerf_take() { return g_block->take(g_input); }
 
+KERF_EXPORT(kerf_force) double kerf_force() { return g_block->force_n(); }
+
 KERF_EXPORT(kerf_change) void kerf_change(bool undone) { g_block->change(undone); }
 
 KERF_EXPORT(kerf_settle) void kerf_settle() { g_block->settle(); }

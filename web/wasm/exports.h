@@ -22,6 +22,9 @@ std::uint32_t kerf_open();
 /// PageBlock::take of the frame in the input. This and the others below need an open block.
 bool kerf_take();
 
+/// PageBlock::force_n.
+double kerf_force();
+
 /// PageBlock::change and PageBlock::settle.
 void kerf_change(bool undone);
 void kerf_settle();

@@ -73,8 +73,13 @@ bool PageBlock::take(std::span<const std::byte> frame) {
   if (!message) return false;
   if (const auto* motion = std::get_if<wire::MotionBatch>(&message->body)) {
     has_cut_ = true;
+    force_n_ = 0;
     for (const wire::MotionSample& sample : motion->view()) {
       strokes_.move(replica_, sample, seen_);
+      if (const agent::Replica::NewestCut* cut = replica_.newest_cut()) {
+        const Vec3 force_n = cut->result.wrench.force_n - cut->result.collision.force_n;
+        force_n_ = std::max(force_n_, length(force_n));
+      }
     }
   } else if (const auto* stock = std::get_if<wire::StockPatch>(&message->body)) {
     const SolidSnapshot before = replica_.solid();

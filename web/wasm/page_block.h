@@ -35,6 +35,8 @@ class PageBlock {
   /// false if the page must ask for a reset of its stock: the frame is malformed, or the copy has
   /// diverged.
   bool take(std::span<const std::byte> frame);
+  /// Returns the greatest cutting force of the motions in the page's newest frame, N.
+  double force_n() const { return force_n_; }
   /// The page asks the server to undo its newest stroke, or to redo the one that it undid last: the
   /// surface changes at once, the state when the server's stock comes.
   void change(bool undone);
@@ -61,6 +63,7 @@ class PageBlock {
   SolidSnapshot shown_;                ///< at the last changed()
   std::map<TileIndex, bool> waiting_;  ///< changed since they were returned; whether by the page
   bool has_cut_ = false;               ///< since the last changed()
+  double force_n_ = 0;
 };
 
 }  // namespace kerf::page

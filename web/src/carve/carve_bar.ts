@@ -9,12 +9,14 @@ import { h, setText } from '../ui/dom';
 import { figure } from '../ui/format';
 import type { ToolInfo } from '../wire/types';
 import type { AimMode } from './aim';
+import type { DragStrength } from './drag';
 import { commonScale, silhouette } from './silhouette';
 
 export interface BarActions {
   chooseTool: (id: number) => void;
   chooseMode: (mode: AimMode) => void;
   toggleLean: () => void;
+  nextDrag: () => void;
   setDepth: (mm: number) => void;
   undo: () => void;
   redo: () => void;
@@ -27,6 +29,11 @@ const MODES: readonly [AimMode, string, string][] = [
   ['surface', t('Surface'), t('The tip follows the surface as it was when the stroke began (P)')],
   ['plane', t('Plane'), t('The tip stays on the plane on which the stroke began (P)')],
 ];
+const DRAGS: Record<DragStrength, string> = {
+  off: t('Drag: off'),
+  light: t('Drag: light'),
+  strong: t('Drag: strong'),
+};
 const SLIDER_STEPS = 1000;
 
 function button(label: string, title: string, action: () => void): HTMLButtonElement {
@@ -62,6 +69,7 @@ export class CarveBar {
   private readonly tools_ = new Map<number, HTMLElement>();
   private readonly modes_ = new Map<AimMode, HTMLElement>();
   private readonly lean_: HTMLElement;
+  private readonly drag_: HTMLElement;
   private readonly spaceMouse_: HTMLElement;
   private readonly slider_ = h('input', {
     type: 'range',
@@ -85,6 +93,11 @@ export class CarveBar {
       t('The axis leans with the surface, or with a pen, up to 45° (L)'),
       actions.toggleLean,
     );
+    this.drag_ = button(
+      DRAGS.off,
+      t('The harder it cuts, the later the tool follows the pointer: off, light or strong (D)'),
+      actions.nextDrag,
+    );
     this.slider_.addEventListener('input', () => actions.setDepth(this.sliderMm_()));
     this.spaceMouse_ = button(
       t('3D mouse'),
@@ -92,7 +105,7 @@ export class CarveBar {
       () => actions.spaceMouse?.(),
     );
     this.spaceMouse_.hidden = actions.spaceMouse === null;
-    const done = button(t('Done'), t('End carving (Esc)'), actions.done);
+    const done = button(t('Done'), t('Done: end carving (Esc)'), actions.done);
     done.classList.add('carve-done');
     this.element = h(
       'section',
@@ -107,6 +120,7 @@ export class CarveBar {
           ...modes,
         ),
         this.lean_,
+        this.drag_,
         h('div', { class: 'carve-depth' }, h('span', {}, t('Depth')), this.slider_, this.depth_),
         button(
           t('Undo'),
@@ -151,6 +165,11 @@ export class CarveBar {
   setMode(mode: AimMode, leans: boolean): void {
     for (const [one, element] of this.modes_) press(element, one === mode);
     press(this.lean_, leans);
+  }
+
+  setDrag(strength: DragStrength): void {
+    setText(this.drag_, DRAGS[strength]);
+    press(this.drag_, strength !== 'off');
   }
 
   setSpaceMouse(isThere: boolean): void {

@@ -26,6 +26,7 @@ import { makeCopy, NO_COPY } from './local_copy';
 import { Rumble } from './rumble';
 import { diagonalOf, overBlock } from './devices/start';
 import { Settling } from './settling';
+import { Spring } from './spring';
 import { ToolSettings } from './tool_settings';
 import type { Wielded } from './wielded';
 
@@ -38,6 +39,7 @@ const TURN_RAD_PER_PX = 0.006;
 export class CarveMode {
   private readonly bar_: CarveBar;
   private readonly gauge_ = new Gauge();
+  private readonly spring_ = new Spring();
   private readonly rumble_ = new Rumble();
   private readonly close_ = (): void => this.leave();
   private readonly copy_: BlockCopy | null; // null: the page has the block itself
@@ -97,7 +99,7 @@ export class CarveMode {
     this.host.oneOpen.opens(this.close_); // a section would hide what is carved
     this.main_.classList.add('carving');
     this.main_.append(this.bar_.element);
-    this.host.overlay.append(this.gauge_.element);
+    this.host.overlay.append(this.spring_.element, this.gauge_.element);
     this.button.setAttribute('aria-pressed', 'true');
     this.settings_.prepare(welcome);
     this.pointers_ = this.takePointers_();
@@ -145,6 +147,7 @@ export class CarveMode {
     Object.assign(this.viewer.rig.controls.mouseButtons, this.mouseButtons_);
     this.bar_.element.remove();
     this.gauge_.element.remove();
+    this.spring_.element.remove();
     this.main_.classList.remove('carving');
     this.button.setAttribute('aria-pressed', 'false');
     this.laidOut_();
@@ -176,6 +179,7 @@ export class CarveMode {
       chooseTool: (id) => this.settings_.chooseTool(id),
       chooseMode: (mode) => this.settings_.chooseMode(mode),
       toggleLean: () => this.settings_.toggleLean(),
+      nextDrag: () => this.settings_.nextDrag(),
       setDepth: (mm) => this.settings_.setDepth(mm),
       undo: () => this.undo_(),
       redo: () => this.redo_(),
@@ -187,6 +191,7 @@ export class CarveMode {
   private makeCopy_(): BlockCopy {
     return makeCopy(
       this.viewer,
+      (forceN) => this.feel_(forceN),
       () => this.link_.ask({ type: 'stock' }),
       (reason) => console.warn('The copy of the block has ended:', reason),
     );
@@ -239,6 +244,7 @@ export class CarveMode {
       nextTool: (step) => this.settings_.nextTool(step),
       togglePlane: () => this.settings_.togglePlane(),
       toggleLean: () => this.settings_.toggleLean(),
+      nextDrag: () => this.settings_.nextDrag(),
       space: (held) => {
         if (this.pointers_) this.pointers_.spaceHeld = held;
       },
@@ -311,6 +317,8 @@ export class CarveMode {
     if (this.hand_.isCutting && state?.at) this.stopStroke_();
     this.settling_?.step(state, this.link_.isAsking, now);
     this.hand_.settle(this.settings_.depthMm, now);
+    this.hand_.pull(this.gauge_.share, now);
+    this.spring_.update(this.hand_.isCutting ? this.hand_.drag.stretch : null);
     if (!this.viewer.eyeElsewhere) this.devices_.tick(now);
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
     if (now > this.noteUntilMs_ && this.isJoined_()) this.bar_.say(helpText());
@@ -361,8 +369,12 @@ export class CarveMode {
   private felt_(result: Parameters<CarveLinkEvents['result']>[0]): void {
     const { force_n, agent_sequence, motions_applied } = result;
     if (this.copy_) this.viewer.local.answered(agent_sequence, Number(motions_applied));
+    // The copy has told it before, unless it does not work.
+    if (!this.copy_?.works) this.feel_(Math.hypot(...force_n));
+  }
+
+  private feel_(forceN: number): void {
     const now = performance.now();
-    const forceN = Math.hypot(...force_n);
     this.gauge_.feel(forceN, now);
     this.rumble_.feel(forceN / this.viewer.arrowScale.forceFullN, this.inHand_, now);
   }

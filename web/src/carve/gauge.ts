@@ -11,6 +11,8 @@ export class Gauge {
   readonly element = h('div', { class: 'carve-gauge', hidden: '' });
   private readonly text_ = h('span');
   private shownN_ = 0;
+  private share_ = 0;
+  private sinceN_: number | null = null; // the greatest one since the last update
   private feltMs_ = -Infinity;
 
   constructor() {
@@ -30,16 +32,24 @@ export class Gauge {
     this.element.style.transform = `translate(-50%, -50%) translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
   }
 
+  /** The same as a share of the force that fills the ring, at most 1. */
+  get share(): number {
+    return this.share_;
+  }
+
   feel(forceN: number, nowMs: number): void {
-    this.shownN_ = forceN;
+    this.sinceN_ = Math.max(this.sinceN_ ?? 0, forceN);
     this.feltMs_ = nowMs;
   }
 
   /** `fullN`: the force that fills the ring. */
   update(fullN: number, nowMs: number): void {
-    if (nowMs - this.feltMs_ > STALE_MS) this.shownN_ = 0;
-    const share = Math.min(1, this.shownN_ / Math.max(fullN, 0.1));
-    this.element.style.setProperty('--share', share.toFixed(3));
+    // Between the moves of a pointer the tool rests, without force.
+    if (this.sinceN_ !== null) this.shownN_ = this.sinceN_;
+    else if (nowMs - this.feltMs_ > STALE_MS) this.shownN_ = 0;
+    this.sinceN_ = null;
+    this.share_ = Math.min(1, this.shownN_ / Math.max(fullN, 0.1));
+    this.element.style.setProperty('--share', this.share_.toFixed(3));
     this.element.classList.toggle('rests', this.shownN_ < 0.005);
     setText(this.text_, `${figure(this.shownN_)} N`);
   }

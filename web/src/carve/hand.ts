@@ -9,6 +9,8 @@ import type { Viewer } from '../view/viewer';
 import type { ToolInfo, Welcome } from '../wire/types';
 import { Aim } from './aim';
 import type { AimSettings, Sight } from './aim';
+import { Drag } from './drag';
+import type { DragStep } from './drag';
 import type { Pose } from './path_queue';
 import { PointerPath } from './pointer_path';
 import type { Place } from './pointers';
@@ -24,6 +26,8 @@ export class Hand {
   readonly settings: AimSettings = { mode: 'surface', depthMm: 1, leanMaxRad: 0 };
   /** Its path, as the server gets it. */
   readonly sampler = new Sampler(0);
+  /** By which it follows the pointer in a stroke. */
+  readonly drag = new Drag();
   private aim_: Aim | null = null;
   private tool_: ToolView | null = null;
   private surface_: { changes: number; surface: Surface } | null = null;
@@ -82,9 +86,11 @@ export class Hand {
     this.press_(place, depthMm);
     const pose = this.aim_?.begin(surface, ray);
     if (!this.aim_ || !pose) return surface.hit(ray) ? OUT_OF_REACH : '';
-    this.stroke_ = { surface, path: new PointerPath(place), movedMs: performance.now() };
+    const now = performance.now();
+    this.stroke_ = { surface, path: new PointerPath(place), movedMs: now };
+    this.drag.begin({ place, pose }, now);
     this.sampler.push(this.aim_.lifted(pose), false);
-    this.cutTo_(place, pose);
+    this.cutTo_({ place, pose });
     return '';
   }
 
@@ -94,13 +100,17 @@ export class Hand {
     this.settings.mode = 'plane';
   }
 
-  /** Continues the stroke; the tool is drawn at the newest place, ahead of the cut by half a step. */
+  /**
+   * Continues the stroke; unless it is dragged, the tool is drawn at the newest place, ahead of the cut
+   * by half a step.
+   */
   move(places: readonly Place[], depthMm: number): void {
     const { stroke_: stroke, aim_: aim } = this;
     const newest = places.at(-1);
     if (!stroke || !aim || !newest) return;
     for (const place of places) this.follow_(stroke.path.to(place), depthMm);
     stroke.movedMs = performance.now();
+    if (!this.keepUp_()) return;
     const pose = aim.peek(stroke.surface, this.ray_(newest));
     if (pose) this.show_(newest, pose);
   }
@@ -108,12 +118,20 @@ export class Hand {
   /** Cuts up to a pointer that rests. */
   settle(depthMm: number, nowMs: number): void {
     const { stroke_: stroke } = this;
-    if (stroke && nowMs - stroke.movedMs > RESTS_MS) this.follow_(stroke.path.end(), depthMm);
+    if (!stroke || nowMs - stroke.movedMs <= RESTS_MS) return;
+    this.follow_(stroke.path.end(), depthMm);
+    this.keepUp_();
   }
 
-  /** Lifts the tool. */
+  /** Moves the tool on, as far as the force lets it: `share` of the one that fills the ring. */
+  pull(share: number, nowMs: number): void {
+    if (this.stroke_) this.goOn_(this.drag.follow(share, nowMs));
+  }
+
+  /** Lifts the tool, at the pointer. */
   end(depthMm: number): void {
     if (this.stroke_) this.follow_(this.stroke_.path.end(), depthMm);
+    this.goOn_(this.drag.end());
     if (this.stroke_ && this.aim_ && this.last_) {
       this.sampler.push(this.aim_.lifted(this.last_.pose), false);
     }
@@ -167,11 +185,21 @@ export class Hand {
     for (const place of places) {
       this.press_(place, depthMm);
       const pose = this.stroke_ && this.aim_?.move(this.stroke_.surface, this.ray_(place));
-      if (pose) this.cutTo_(place, pose);
+      if (pose) this.drag.pull({ place, pose });
     }
   }
 
-  private cutTo_(place: Place, pose: Pose): void {
+  /** Unless it is held back, the tool is where the pointer is. */
+  private keepUp_(): boolean {
+    if (!this.drag.isSlow) this.goOn_(this.drag.end());
+    return !this.drag.isSlow;
+  }
+
+  private goOn_(way: readonly DragStep[]): void {
+    for (const step of way) this.cutTo_(step);
+  }
+
+  private cutTo_({ place, pose }: DragStep): void {
     this.show_(place, pose);
     this.sampler.push(pose, true);
   }

@@ -9,6 +9,7 @@ export interface CarveKeyActions {
   nextTool: (step: 1 | -1) => void;
   togglePlane: () => void;
   toggleLean: () => void;
+  nextDrag: () => void;
   space: (held: boolean) => void;
 }
 
@@ -30,6 +31,8 @@ function actionOf(event: KeyboardEvent, actions: CarveKeyActions): (() => void) 
       return actions.togglePlane;
     case 'l':
       return actions.toggleLean;
+    case 'd':
+      return actions.nextDrag;
     default:
       return null;
   }

@@ -19,9 +19,13 @@ async function compiled(): Promise<WebAssembly.Module | null> {
   return WebAssembly.compileStreaming(fetch(new URL('kerf.wasm', document.baseURI)));
 }
 
-/** `lacks`: the server must send its stock again; `ended`: the copy has, for a reason. */
+/**
+ * `felt`: the greatest cutting force of a frame's motions, N; `lacks`: the server must send its stock again; `ended`: the copy has, for
+ * a reason.
+ */
 export function makeCopy(
   viewer: Viewer,
+  felt: (forceN: number) => void,
   lacks: () => void,
   ended: (reason: string) => void,
 ): BlockCopy {
@@ -29,6 +33,7 @@ export function makeCopy(
   const copy = new BlockCopy(compiled(), worker as WorkerPort, {
     tiles: (tiles, newest) => viewer.applyCopy(tiles, newest),
     changes: () => viewer.local.hold(),
+    felt,
     lacks,
     failed: (reason) => {
       viewer.local.clear();

@@ -8,7 +8,7 @@ import type { Place } from './pointers';
 const STEP_PX = 4;
 const STEPS_MAX = 16; // of one event: each is a ray against the block
 
-function between(a: Place, b: Place, part: number): Place {
+export function between(a: Place, b: Place, part: number): Place {
   const mix = (from: number, to: number): number => from + part * (to - from);
   const pressure =
     a.pressure === null || b.pressure === null ? b.pressure : mix(a.pressure, b.pressure);

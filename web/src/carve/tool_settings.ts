@@ -5,11 +5,16 @@ import { toolProfile } from '../model/tool_profile';
 import type { ToolInfo, Welcome } from '../wire/types';
 import { LEAN_MAX_RAD } from './aim';
 import type { AimMode } from './aim';
+import { DRAG_STRENGTHS } from './drag';
+import type { DragStrength } from './drag';
+import { recall, remember } from '../strings/memory';
 import type { CarveBar } from './carve_bar';
 import type { Hand } from './hand';
 
 const DEPTH_OF_RADIUS = 0.5; // at the start, of the tool's radius
 const DEEPEST_RADII = 4;
+const DRAG = 'drag'; // as it is remembered
+const DEFAULT_DRAG: DragStrength = 'off'; // the tool is where the pointer is in the next frame
 
 export interface SettingsHost {
   isJoined: () => boolean;
@@ -26,7 +31,10 @@ export class ToolSettings {
 
   constructor(
     private readonly hand: Hand,
-    private readonly bar: Pick<CarveBar, 'setTools' | 'setTool' | 'setMode' | 'setDepth'>,
+    private readonly bar: Pick<
+      CarveBar,
+      'setTools' | 'setTool' | 'setMode' | 'setDrag' | 'setDepth'
+    >,
     private readonly host: SettingsHost,
   ) {}
 
@@ -46,6 +54,9 @@ export class ToolSettings {
   prepare(welcome: Welcome): void {
     if (welcome === this.welcome_) return;
     this.welcome_ = welcome;
+    const known = DRAG_STRENGTHS.find((one) => one === recall(DRAG));
+    this.hand.drag.strength = known ?? DEFAULT_DRAG;
+    this.bar.setDrag(this.hand.drag.strength);
     this.bar.setTools(welcome.tools);
     const tool = welcome.tools.find(({ id }) => id === this.tool_?.id) ?? welcome.tools[0];
     if (!tool) return;
@@ -87,6 +98,15 @@ export class ToolSettings {
     const { settings } = this.hand;
     settings.leanMaxRad = settings.leanMaxRad > 0 ? 0 : LEAN_MAX_RAD;
     this.showMode_();
+  }
+
+  /** The next strength of the drag by the cutting force. */
+  nextDrag(): void {
+    const { drag } = this.hand;
+    const at = DRAG_STRENGTHS.indexOf(drag.strength) + 1;
+    drag.strength = DRAG_STRENGTHS[at % DRAG_STRENGTHS.length]!;
+    remember(DRAG, drag.strength);
+    this.bar.setDrag(drag.strength);
   }
 
   setDepth(mm: number): void {

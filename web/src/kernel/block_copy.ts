@@ -10,6 +10,8 @@ export interface CopyEvents {
   tiles(tiles: TileTriangles[], newest: bigint): void;
   /** Tiles follow that have an undo or redo before the server has. */
   changes(): void;
+  /** The greatest cutting force of a frame's motions, N: sooner than the server's answer. */
+  felt(forceN: number): void;
   /** The server must send its stock again. */
   lacks(): void;
   /** The copy has ended: cuts are shown when the server's mesh comes. */
@@ -115,6 +117,9 @@ export class BlockCopy {
         return;
       case 'tiles':
         this.events.tiles(message.tiles, message.newest);
+        return;
+      case 'felt':
+        this.events.felt(message.forceN);
         return;
       case 'lacks':
         this.events.lacks();

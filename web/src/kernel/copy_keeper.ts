@@ -65,6 +65,7 @@ export class CopyKeeper {
         if (!this.isOpen_) return;
         kernel.take(message.frame);
         this.newest_ = message.newest;
+        this.post({ type: 'felt', forceN: kernel.force() });
         this.meshSoon_();
         return;
       case 'take':

@@ -29,6 +29,7 @@ interface Exports {
   kerf_output(): number;
   kerf_open(): number;
   kerf_take(): number;
+  kerf_force(): number;
   kerf_change(undone: boolean): void;
   kerf_settle(): void;
   kerf_changed(): number;
@@ -96,6 +97,11 @@ export class Kernel {
   take(frame: Uint8Array): boolean {
     this.put_(frame);
     return this.calls.kerf_take() !== 0;
+  }
+
+  /** The greatest cutting force of the motions in the page's newest frame, N. */
+  force(): number {
+    return this.calls.kerf_force();
   }
 
   /**

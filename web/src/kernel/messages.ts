@@ -25,6 +25,8 @@ export type FromWorker =
   | { type: 'loaded' }
   /** Tiles that the page has cut, and later changes of those that it displays. */
   | { type: 'tiles'; tiles: TileTriangles[]; newest: bigint }
+  /** The greatest cutting force of the page's motions in a frame, N. */
+  | { type: 'felt'; forceN: number }
   /** The server must send its stock again. */
   | { type: 'lacks' }
   /** The copy has ended. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as THREE from 'three';
 import { beforeEach, describe, expect, it, vi } from 'vitest';
+import type { DragStrength } from '../../src/carve/drag';
 import { Hand } from '../../src/carve/hand';
 import type { Pose } from '../../src/carve/path_queue';
 import type { Place } from '../../src/carve/pointers';
@@ -8,7 +9,7 @@ import type { Draft } from '../../src/carve/sample_log';
 import { DisplayedSurface } from '../../src/view/displayed_surface';
 import type { TileView } from '../../src/view/tile_view';
 import type { Viewer } from '../../src/view/viewer';
-import type { ToolInfo } from '../../src/wire/types';
+import type { ToolInfo, Vec3 } from '../../src/wire/types';
 import { block, SIDE, tileOf, WELCOME } from '../support/tiles';
 
 const BALL: ToolInfo = { id: 4, shape: 'ball', diameter_mm: 3, length_mm: 20 };
@@ -172,6 +173,50 @@ describe('hand', () => {
     expect(samples().at(-1)!.tip_mm[0]).toBeCloseTo(4);
     hand.settle(1, performance.now() + 100);
     expect(samples().at(-1)!.tip_mm[0]).toBeCloseTo(8);
+  });
+
+  it('cuts the same path when the force holds it back, only later', () => {
+    const path = (strength: DragStrength): Vec3[] => {
+      hand.drag.strength = strength;
+      const startMs = performance.now();
+      hand.begin(at(-6), 1);
+      hand.pull(1, startMs + 500); // the force is there
+      hand.move([at(0), at(6)], 1);
+      hand.settle(1, startMs + 1000);
+      const atOnce = scene.children[0]!.position.x;
+      if (strength === 'off') expect(atOnce).toBeCloseTo(6);
+      else expect(atOnce).toBeCloseTo(-6);
+      let last = atOnce;
+      for (let ms = 508; ms < 5000; ms += 8) {
+        hand.pull(1, startMs + ms);
+        const { x } = scene.children[0]!.position;
+        expect(x).toBeGreaterThanOrEqual(last - 1e-6);
+        expect(x).toBeLessThanOrEqual(6 + 1e-6);
+        if (strength === 'strong' && ms === 508) expect(x).toBeLessThan(0);
+        last = x;
+      }
+      expect(last).toBeCloseTo(6);
+      hand.end(1);
+      return samples()
+        .filter(({ buttons }) => buttons !== 0)
+        .map(({ tip_mm }) => tip_mm);
+    };
+    const ends = (['off', 'light', 'strong'] as const).map((strength) => path(strength));
+    for (const tips of ends) {
+      expect(tips[0]![0]).toBeCloseTo(-6);
+      expect(tips.at(-1)![0]).toBeCloseTo(6);
+      for (const [, y, z] of tips) expect([y, z]).toEqual([expect.closeTo(0), expect.closeTo(-3)]);
+    }
+  });
+
+  it('is at the pointer when the stroke ends, however slow it was', () => {
+    hand.drag.strength = 'strong';
+    hand.begin(at(-6), 1);
+    hand.pull(1, performance.now() + 500);
+    hand.move([at(0), at(6)], 1);
+    hand.end(1);
+    const cutting = samples().filter(({ buttons }) => buttons !== 0);
+    expect(cutting.at(-1)!.tip_mm[0]).toBeCloseTo(6);
   });
 
   it('shows others where it waits, clear of the block', () => {

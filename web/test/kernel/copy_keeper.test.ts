@@ -43,6 +43,9 @@ class FakeKernel {
     };
     return { x, y, positions: new Float32Array(), ...none };
   }
+  force(): number {
+    return 2.5;
+  }
   hash(): string {
     return 'abc';
   }
@@ -52,6 +55,7 @@ describe('the copy in a worker', () => {
   let kernel: FakeKernel;
   let copy: BlockCopy;
   let log: string[];
+  let felt: number[];
   let later: (() => void)[];
   let port: WorkerPort;
 
@@ -61,6 +65,7 @@ describe('the copy in a worker', () => {
     module: Promise<WebAssembly.Module | null> = Promise.resolve(EMPTY),
   ): void {
     log = [];
+    felt = [];
     later = [];
     port = {
       onmessage: null,
@@ -79,6 +84,7 @@ describe('the copy in a worker', () => {
     copy = new BlockCopy(module, port, {
       tiles: (tiles, newest) =>
         log.push(`tiles ${tiles.map(({ x, y }) => `${x},${y}`).join(' ')} to ${newest}`),
+      felt: (forceN) => felt.push(forceN),
       changes: () => log.push('changes'),
       lacks: () => log.push('lacks'),
       failed: (reason) => log.push(`failed ${reason}`),
@@ -105,6 +111,13 @@ describe('the copy in a worker', () => {
     expect(log).toEqual(['tiles 1,2 to 4']);
     rest();
     expect(log).toHaveLength(1);
+  });
+
+  it('tells the force of what the page cuts at once', () => {
+    copy.take(STOCK);
+    expect(felt).toEqual([]);
+    copy.cut(MOTION, 3n);
+    expect(felt).toEqual([2.5]);
   });
 
   it('meshes what others have cut only where the page displays its own', () => {

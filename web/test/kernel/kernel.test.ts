@@ -124,6 +124,22 @@ describe.skipIf(!existsSync(FILE))('kerf.wasm', () => {
     expect(hasFloor()).toBe(true);
   });
 
+  it('tells the force of the newest motion', () => {
+    kernel.open(JSON.stringify(WELCOME));
+    kernel.take(stock(0n));
+    kernel.take(
+      motion(1n, [
+        [4, 8, -2],
+        [9, 8, -2],
+      ]),
+    );
+    expect(kernel.force()).toBeGreaterThan(0.1);
+    // Out of the stock, and farther than the force is spread.
+    kernel.take(motion(3n, [[9, 8, 5]]));
+    kernel.take(motion(4n, [[9, 8, 9]]));
+    expect(kernel.force()).toBe(0);
+  });
+
   it('throws at a welcome that it cannot read', () => {
     expect(() => kernel.open('{"type":"welcome"}')).toThrow();
   });
