@@ -20,8 +20,7 @@ constexpr Route kRoutes[] = {
      .body_bytes_max = kSceneBytesMax,
      .runs = Runs::kWork,
      .action = Action::kAdminister,
-     .summary = "creates a session from a scene, or from a point of another; 201 `{id, url, "
-                "accuracy, parent}`"},
+     .summary = "creates a session from a scene or another; 201 `{id, url, accuracy, parent}`"},
     {.pattern = "/v1/templates",
      .handler = &Api::list_templates,
      .action = Action::kList,

@@ -369,7 +369,7 @@ export class CarveMode {
   private felt_(result: Parameters<CarveLinkEvents['result']>[0]): void {
     const { force_n, agent_sequence, motions_applied } = result;
     if (this.copy_) this.viewer.local.answered(agent_sequence, Number(motions_applied));
-    // The copy has told it before, unless it does not work.
+    // The copy has reported it before, unless it does not work.
     if (!this.copy_?.works) this.feel_(Math.hypot(...force_n));
   }
 

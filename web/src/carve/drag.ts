@@ -5,7 +5,7 @@
 // The law: a spring pulls the tool along the path, and a damper in proportion to the cutting force
 // holds it back; the tool has no mass. With the lag L, the length of the path ahead of the tool, and
 // the time constant T of spring and damper, dL/dt = v − L / T: in time dt the tool goes 1 − e^(−dt/T)
-// of the way. T is the greatest one of the strength times the force, as a share of the one that fills
+// of that path. T is the greatest one of the strength times the force, as a share of the one that fills
 // the gauge's ring; it follows the force within SMOOTH_MS. The tool never turns back, never passes the
 // pointer, is behind a steady one by v T, never by more than the spring's greatest length, and at the
 // pointer again some 0.2 s after the force has ended. Without force it is at the pointer at once.
@@ -78,7 +78,7 @@ export class Drag {
   }
 
   /**
-   * Returns the way of the tool since the last call, in order. `share`: the force on it, of the one
+   * Returns the steps of the tool since the last call, in order. `share`: the force on it, of the one
    * that fills the ring.
    */
   follow(share: number, nowMs: number): DragStep[] {
@@ -93,16 +93,16 @@ export class Drag {
     return rest < THERE_PX ? this.end() : this.walk_(lag - Math.min(rest, longestPx));
   }
 
-  /** The rest of the way at once. */
+  /** The rest of the path at once. */
   end(): DragStep[] {
-    const way = this.ahead_;
+    const steps = this.ahead_;
     this.ahead_ = [];
-    this.at_ = way.at(-1) ?? this.at_;
-    return way;
+    this.at_ = steps.at(-1) ?? this.at_;
+    return steps;
   }
 
   private walk_(px: number): DragStep[] {
-    const way: DragStep[] = [];
+    const steps: DragStep[] = [];
     let left = px;
     while (left > 0 && this.at_) {
       const [next] = this.ahead_;
@@ -113,9 +113,9 @@ export class Drag {
         this.at_ = next;
       } else this.at_ = inside(this.at_, next, left / length);
       left -= length;
-      way.push(this.at_);
+      steps.push(this.at_);
     }
-    return way;
+    return steps;
   }
 }
 

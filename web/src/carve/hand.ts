@@ -195,8 +195,8 @@ export class Hand {
     return !this.drag.isSlow;
   }
 
-  private goOn_(way: readonly DragStep[]): void {
-    for (const step of way) this.cutTo_(step);
+  private goOn_(steps: readonly DragStep[]): void {
+    for (const step of steps) this.cutTo_(step);
   }
 
   private cutTo_({ place, pose }: DragStep): void {

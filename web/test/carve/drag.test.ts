@@ -85,7 +85,7 @@ describe('drag by the cutting force', () => {
     expect(drag.lagPx).toBe(0);
   });
 
-  it('goes the same way whatever the times of the ticks', () => {
+  it('goes the same path whatever the times of the ticks', () => {
     drag.strength = 'strong';
     for (const tickMs of [1, 4, 16, 50]) {
       drag.begin(step(0), nowMs);
@@ -122,9 +122,9 @@ describe('drag by the cutting force', () => {
   it('leaves nothing of the path out', () => {
     drag.strength = 'strong';
     pass(500, 1, 0);
-    const way: DragStep[] = [];
+    const steps: DragStep[] = [];
     for (const px of [10, 20, 30]) drag.pull(step(px));
-    for (let n = 0; n < 400; ++n) way.push(...drag.follow(1, (nowMs += TICK_MS)));
-    for (const px of [10, 20, 30]) expect(way.some(({ place }) => place.x === px)).toBe(true);
+    for (let n = 0; n < 400; ++n) steps.push(...drag.follow(1, (nowMs += TICK_MS)));
+    for (const px of [10, 20, 30]) expect(steps.some(({ place }) => place.x === px)).toBe(true);
   });
 });
