@@ -91,7 +91,9 @@ CutCoupling::CutCoupling(const ContactLimits& limits, double least_most_mm_per_n
 
 void CutCoupling::adapt(Vec3 moved_mm, Vec3 arm_mm, double dt_s) noexcept {
   trembling_.take(forces_[(newest_ + kKept - latency_ticks_) % kKept], moved_mm, dt_s);
-  compliance_ *= std::exp(-dt_s / kFallS);
+  // At rest in a cut it stays: a stiffer tool would tremble again.
+  const bool rests = held_ || length(moved_mm) <= kLeastSpeed * dt_s;
+  if (!rests || !(length(slipped_n_) > 0)) compliance_ *= std::exp(-dt_s / kFallS);
   const double driven = (trembling_.driven() - kDriven) / (1 - kDriven);
   if (!(driven > 0) || !trembling_.grows()) return;
   // Where the path has a corner, a weak force, an answer late, may drive by chance.
@@ -128,6 +130,46 @@ Vec3 CutCoupling::follow(Vec3 arm_mm, const PastGrip& now) noexcept {
   return moved;
 }
 
+/// Returns what the force is along itself after a motion of `back_mm` the way it pushes: as the
+/// computed one, but falling by no more than the elastic tool is unloaded, and by no less than over
+/// the path of a heading. A computed force that is late does not drive the tool then.
+double CutCoupling::held_n(double target_n, double back_mm) const noexcept {
+  const double newtons = length(rendered_.force_n);
+  const double least = newtons - back_mm / compliance_;
+  const double most = newtons - back_mm / std::max(compliance_, kHeadingMm / newtons);
+  return std::clamp(target_n, least, most);
+}
+
+/// Moves the rendered wrench as the elastic tool would that is held at its place in the material.
+/// Returns false, having changed nothing, where it slips: the computed force is greater, the force
+/// would exceed that at which it last slipped, or the tool is slack.
+bool CutCoupling::hold(const Wrench& target, Vec3 moved_mm) noexcept {
+  const double newtons = length(rendered_.force_n);
+  if (!(newtons > 0) || !(compliance_ > 0)) return false;
+  const Vec3 along = rendered_.force_n * (1 / newtons);
+  const double back_mm = dot(along, moved_mm);
+  const double target_n = dot(along, target.force_n);
+  Vec3 force = rendered_.force_n - moved_mm * (1 / compliance_);
+  if (back_mm > 0) {
+    const double kept_n = held_n(target_n, back_mm);
+    if (!(kept_n > 0)) return false;
+    force = force + along * (kept_n - dot(along, force));
+  } else if (target_n > newtons) {
+    return false;
+  }
+  const double size_n = length(force);
+  if (size_n > length(slipped_n_) || !(dot(force, slipped_n_) > 0)) return false;
+  rendered_ = {force, rendered_.torque_nmm * (size_n / newtons)};
+  return true;
+}
+
+/// Returns the damping of a held tool: what the device renders stably beside the stiffest spring
+/// that it does. A stiffer coupling has less, in proportion, so that damping begins without a step.
+double CutCoupling::damping_at_rest(Vec3 arm_mm) const noexcept {
+  const ContactGains stable = gains_across(limits_, arm_mm);
+  return stable.damping * std::min(1.0, compliance_ * stable.stiffness);
+}
+
 Wrench CutCoupling::at(const Wrench& target, Vec3 arm_mm, const PastGrip& now,
                        double dt_s) noexcept {
   const Vec3 moved = follow(arm_mm, now);
@@ -139,15 +181,23 @@ Wrench CutCoupling::at(const Wrench& target, Vec3 arm_mm, const PastGrip& now,
   const double part = memory_mm > 0 ? 1 - std::exp(-length(moved) / memory_mm) : 1;
   const Wrench about_middle{target.force_n, target.torque_nmm - cross(arm_mm, target.force_n)};
   const Wrench before{rotated(rendered_.force_n, turned), rotated(rendered_.torque_nmm, turned)};
-  rendered_ = before + (about_middle - before) * part;
-  remember(rendered_.force_n);
-  if (part == 1) return target;
-  Vec3 torque = rendered_.torque_nmm + cross(arm_mm, rendered_.force_n);
+  held_ = hold(about_middle, moved);
+  if (!held_) {
+    rendered_ = before + (about_middle - before) * part;
+    slipped_n_ = rendered_.force_n;
+  }
+  const double damping = held_ ? damping_at_rest(arm_mm) : 0;
+  const Vec3 force = rendered_.force_n - now.velocity.at(arm_mm) * damping;
+  remember(force);
+  if (!held_ && part == 1) return target;
+  Vec3 torque = rendered_.torque_nmm + cross(arm_mm, force);
   torque = torque - now.grip.axis * dot(torque, now.grip.axis);
-  return {rendered_.force_n, torque};
+  return {force, torque};
 }
 
 void CutCoupling::release(Vec3 arm_mm, const PastGrip& now, double dt_s) noexcept {
+  held_ = false;
+  slipped_n_ = {};
   adapt(follow(arm_mm, now), arm_mm, dt_s);
   rendered_ = {};
   remember({});

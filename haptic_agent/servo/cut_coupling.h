@@ -47,6 +47,11 @@ class Trembling {
 /// In a hand that does not yield it is zero, and the wrench is the computed one. At most, it is as
 /// soft as the device alone renders it stably (stable_gains), or as `least_most_mm_per_n`. All
 /// components of the wrench are scaled and turned together.
+///
+/// A tool that turned back in its cut cuts nothing, and its computed force ends. Where c is not
+/// zero, the elastic tool holds it there: moved to and fro, it is unloaded and loaded again by 1 /
+/// c as far as to the force at which it turned back, and damped as the device renders it stably,
+/// like a body at rest in dry friction. Beyond that force, or once it is slack, the tool slips.
 class CutCoupling {
  public:
   /// `least_most_mm_per_n`: compliance up to which it may grow whatever the device renders.
@@ -62,6 +67,9 @@ class CutCoupling {
 
  private:
   Vec3 follow(Vec3 arm_mm, const PastGrip& now) noexcept;
+  bool hold(const Wrench& target, Vec3 moved_mm) noexcept;
+  double held_n(double target_n, double back_mm) const noexcept;
+  double damping_at_rest(Vec3 arm_mm) const noexcept;
   void adapt(Vec3 moved_mm, Vec3 arm_mm, double dt_s) noexcept;
   Vec3 turn(Vec3 moved_mm, double memory_mm) noexcept;
   void remember(Vec3 force_n) noexcept;
@@ -74,6 +82,9 @@ class CutCoupling {
   Trembling trembling_;
   /// About the middle of the cut.
   Wrench rendered_;
+  /// Whether the elastic tool holds the tool at rest, and the force at which it last slipped.
+  bool held_ = false;
+  Vec3 slipped_n_{};
   /// As LocalModel::heading, over the path over which the force follows.
   Vec3 heading_{};
   Grip grip_{};

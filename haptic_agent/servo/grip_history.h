@@ -9,6 +9,10 @@
 
 namespace kerf::agent {
 
+/// Path length over which the heading follows a new direction, mm. A device that renders k N/mm
+/// stably can reverse a force F over a length F/k; a shorter one would be a stiffer spring.
+inline constexpr double kHeadingMm = 0.5;
+
 /// The grip at one tick.
 struct PastGrip {
   std::uint64_t time_us = 0;

@@ -8,9 +8,6 @@
 namespace kerf::agent {
 namespace {
 
-/// Path length over which the heading follows a new direction, mm. A device that renders k N/mm
-/// stably can reverse a force F over a length F/k; a shorter one would be a stiffer spring.
-constexpr double kHeadingMm = 0.5;
 /// Below this speed an answer gives no damping coefficient, mm/s.
 constexpr double kMinSpeed = 2;
 /// Time constant of the weights in the trend: kTrendS plus kTrendOfLag of the delay.

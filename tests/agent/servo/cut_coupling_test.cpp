@@ -178,6 +178,63 @@ TEST(CutCoupling, NextCutHasNoDirectionOfTheLast) {
   EXPECT_NEAR(tool.felt.force_n.x, 0, 1e-12);
 }
 
+/// A tool in a cut of 1.5 N along x, to which trembling has made its coupling soft.
+struct Held : Cutting {
+  Held() : Cutting(pen(1e-5, 0.003)) {
+    tremble(500, 0.006);
+    for (int i = 0; i < 100; ++i) move({0.03, 0, 0}, {1, 0, 0});
+    loaded_n = -felt.force_n.x;
+  }
+  /// Moves along x where nothing is left to be cut; returns the force against that.
+  double retrace(double speed_mm_per_s, int ticks, Vec3 force_n = {}) {
+    for (int i = 0; i < ticks; ++i) {
+      now.grip.pivot_mm.x += speed_mm_per_s * kTickS;
+      now.velocity.linear = {speed_mm_per_s, 0, 0};
+      felt = coupling.at({force_n, cross(kArm, force_n)}, kArm, now, kTickS);
+    }
+    return -felt.force_n.x;
+  }
+
+  double loaded_n = 0;
+};
+
+TEST(CutCoupling, HoldsAToolThatTurnedBackInItsCut) {
+  Held tool;
+  ASSERT_GT(tool.loaded_n, 0.1) << "the test requires a force";
+  const double c = tool.coupling.compliance_mm_per_n();
+  const double damped_n = 2 * gains_across(pen(1e-5, 0.003), kArm).damping;
+  EXPECT_NEAR(tool.retrace(-2, 200), tool.loaded_n - 0.4 / c - damped_n, 1e-3);
+  EXPECT_NEAR(tool.retrace(2, 190), tool.loaded_n - 0.02 / c + damped_n, 1e-3)
+      << "the force returns with the place";
+  EXPECT_GT(tool.coupling.compliance_mm_per_n(), 0.99 * c) << "a stiffer one would tremble again";
+}
+
+TEST(CutCoupling, LetsGoOfAToolWhereItsCutEnded) {
+  Held tool;
+  tool.retrace(-2, 200);
+  EXPECT_NEAR(tool.retrace(20, 5000), 0, 1e-3);
+}
+
+TEST(CutCoupling, LetsGoOfAToolThatIsDrawnOut) {
+  Held tool;
+  const double slack_mm = tool.loaded_n * tool.coupling.compliance_mm_per_n();
+  EXPECT_NEAR(tool.retrace(-20, static_cast<int>(1.5 * slack_mm / 0.02)), 0, 1e-3);
+}
+
+TEST(CutCoupling, ALateForceDoesNotDriveAToolOutOfItsCut) {
+  Held tool;
+  const double c = tool.coupling.compliance_mm_per_n();
+  const double unloaded_n = tool.loaded_n - 0.4 / c;
+  EXPECT_LE(tool.retrace(-2, 200, {-3, 0, 0}), unloaded_n + 1e-3) << "it pushes the way it moves";
+}
+
+TEST(CutCoupling, StaysSoftWhileTheToolRestsInItsCut) {
+  Held tool;
+  const double c = tool.coupling.compliance_mm_per_n();
+  tool.retrace(0, 2000, tool.computed.force_n);
+  EXPECT_EQ(tool.coupling.compliance_mm_per_n(), c);
+}
+
 TEST(CutCoupling, NextCutIsNotSoftForTheTremblingOfOneASecondAgo) {
   Cutting tool(pen(2e-4, 0.003));
   tool.tremble(500, 0.006);

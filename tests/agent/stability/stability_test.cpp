@@ -232,6 +232,21 @@ TEST(Stability, StockThatAppearsAroundTheToolIsPassive) {
   }
 }
 
+TEST(Stability, AToolRestsInItsOwnCutWithTheCuttingButtonPressed) {
+  for (const double inertia_kg_m2 : {1e-5, 2e-4}) {
+    for (const double n_per_mm : {0.02, 0.2}) {
+      const SurroundOutcome outcome = surround({.mechanics = {.mass_kg = 0.3,
+                                                              .inertia_kg_m2 = inertia_kg_m2,
+                                                              .hand_n_per_mm = n_per_mm,
+                                                              .hand_nmm_per_rad = 670 * n_per_mm},
+                                                .line = {.rtt_ms = 50},
+                                                .by = Surrounding::kNothing,
+                                                .cutting = true});
+      EXPECT_LE(outcome.buzz_mm_per_s, 2) << inertia_kg_m2 << " kg m2, " << n_per_mm << " N/mm";
+    }
+  }
+}
+
 TEST(ShippedScenes, PlungesAreFeltAsComputed) {
   // The force falls from its peak to almost nothing in the tick in which a plunge turns into a cut.
   for (const std::string_view name : {"template:box", "template:cylinder"}) {

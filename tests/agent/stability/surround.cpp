@@ -4,31 +4,34 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "tests/agent/stability/test_bed.h"
 
 namespace kerf::agent {
 namespace {
 
-constexpr const char* kScene = R"({"name":"surround",
-    "stock":{"shape":"box","min_mm":[0,-20,-20],"max_mm":[40,20,0]},
+std::string scene_of(const Surround& surround) {
+  const std::string shape = surround.flat ? R"("flat")" : R"("ball")";
+  return R"({"name":"surround","stock":{"shape":"box","min_mm":[0,-20,-20],"max_mm":[40,20,0]},
     "accuracy":{"rays":"dexel","pitch_mm":0.5,"tolerance_mm":0.01,"motion":"tight"},
-    "tools":[{"id":1,"shape":"ball","diameter_mm":6,"length_mm":40},
-             {"id":2,"shape":"ball","diameter_mm":10,"length_mm":40}],
-    "force":{"law":"specific_energy","specific_force_n_per_mm2":0.1,"pivot_mm":60}})";
+    "tools":[{"id":1,"diameter_mm":6,"length_mm":40,"shape":)" +
+         shape + R"(},{"id":2,"diameter_mm":10,"length_mm":40,"shape":)" + shape +
+         R"(}],"force":{"law":"specific_energy","pivot_mm":60,"specific_force_n_per_mm2":)" +
+         std::to_string(surround.force_n_per_mm2) + "}}";
+}
 
 /// Time at rest before the slot, in which the agent arms; of the slot; in it, until the changes
 /// begin; of the motion to and fro; and at rest, with changes in its first half.
-constexpr double kRestS = 0.9, kSlotS = 1.2, kPauseS = 0.3, kSwingS = 1.8, kHeldS = 1.2;
+constexpr double kRestS = 0.9, kSlotS = 1.2, kPauseS = 0.3, kHeldS = 1.2;
 constexpr double kChangesFromS = kRestS + kSlotS + kPauseS;
-constexpr double kHeldFromS = kChangesFromS + kSwingS;
 constexpr int kChangeTicks = 400, kPressedTicks = 50, kBuzzTicks = 500;
-constexpr double kStartMm = -6, kEndMm = 18, kSwingMm = 4, kDepthMm = 3;
+constexpr double kStartMm = -6, kEndMm = 18, kDepthMm = 3;
 
-Vec3 target(double time_s) {
+Vec3 target(const Surround& surround, double time_s) {
   const double slot = std::clamp((time_s - kRestS) / kSlotS, 0.0, 1.0);
-  const double swing = std::clamp((time_s - kChangesFromS) / kSwingS, 0.0, 1.0);
-  const double aside = kSwingMm * std::sin(4 * std::numbers::pi * swing);
+  const double swing = std::clamp((time_s - kChangesFromS) / surround.swing_s, 0.0, 1.0);
+  const double aside = surround.swing_mm * std::sin(4 * std::numbers::pi * swing);
   return {kStartMm + (kEndMm - kStartMm) * slot + aside, 0, -kDepthMm};
 }
 
@@ -67,16 +70,16 @@ class Changes {
 }  // namespace
 
 SurroundOutcome surround(const Surround& surround) {
-  Plant plant(target, surround.mechanics, true);
-  TestBed bed(kScene, plant, {}, surround.line, true);
+  Plant plant([&](double time_s) { return target(surround, time_s); }, surround.mechanics, true);
+  TestBed bed(scene_of(surround), plant, {}, surround.line, true);
   constexpr int kFirst = static_cast<int>(kChangesFromS * 1000);
-  constexpr int kTicks = static_cast<int>((kHeldFromS + kHeldS) * 1000);
+  const int ticks = static_cast<int>((kChangesFromS + surround.swing_s + kHeldS) * 1000);
   Changes changes(surround);
   SurroundOutcome outcome;
-  for (int i = 0; i < kTicks; ++i) {
-    const bool on = i >= kFirst && i < kTicks - 2 * kBuzzTicks;
+  for (int i = 0; i < ticks; ++i) {
+    const bool on = i >= kFirst && i < ticks - 2 * kBuzzTicks;
     changes.press(plant, i - kFirst, on);
-    if (i == kTicks - kBuzzTicks) plant.begin_rest();
+    if (i == ticks - kBuzzTicks) plant.begin_rest();
     bed.tick(!surround.loses_ticks || i % 200 >= 4);
     changes.take(bed.session().info().removed_mm3);
     if (on) outcome.most_force_n = std::max(outcome.most_force_n, length(plant.acting().force_n));

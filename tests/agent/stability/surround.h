@@ -12,14 +12,17 @@ namespace kerf::agent {
 /// of one of 6 mm, and the latter again, every 0.4 s.
 enum class Surrounding : std::uint8_t { kNothing, kUndo, kLargerTool };
 
-/// Settings: a hand cuts a slot of 3 mm depth with a ball of 6 mm. Then stock appears around the
-/// tool, while the hand moves to and fro in the slot, then rests.
+/// Settings: a hand cuts a slot of 3 mm depth with a ball or an end mill of 6 mm. Then stock
+/// appears around the tool, while the hand moves to and fro in the slot, then rests.
 struct Surround {
   PlantMechanics mechanics{};
   LineQuality line{};
   Surrounding by = Surrounding::kUndo;
   bool cutting = false;      ///< the cutting button stays pressed; otherwise only for the slot
   bool loses_ticks = false;  ///< four in a row, 2 % in all
+  bool flat = false;         ///< an end mill in place of the ball
+  double force_n_per_mm2 = 0.1;
+  double swing_mm = 4, swing_s = 1.8;  ///< to and fro, twice
 };
 struct SurroundOutcome {
   double returned_mj = 0;    ///< most over any interval, in the plant
