@@ -130,7 +130,7 @@ Vec3 CutCoupling::follow(Vec3 arm_mm, const PastGrip& now) noexcept {
   return moved;
 }
 
-/// Returns what the force is along itself after a motion of `back_mm` the way it pushes: as the
+/// Returns what the force is along itself after it pushed the tool back by `back_mm`: as the
 /// computed one, but falling by no more than the elastic tool is unloaded, and by no less than over
 /// the path of a heading. A computed force that is late does not drive the tool then.
 double CutCoupling::held_n(double target_n, double back_mm) const noexcept {

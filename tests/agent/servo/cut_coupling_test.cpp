@@ -225,7 +225,8 @@ TEST(CutCoupling, ALateForceDoesNotDriveAToolOutOfItsCut) {
   Held tool;
   const double c = tool.coupling.compliance_mm_per_n();
   const double unloaded_n = tool.loaded_n - 0.4 / c;
-  EXPECT_LE(tool.retrace(-2, 200, {-3, 0, 0}), unloaded_n + 1e-3) << "it pushes the way it moves";
+  EXPECT_LE(tool.retrace(-2, 200, {-3, 0, 0}), unloaded_n + 1e-3)
+      << "it pushes to where the tool moves";
 }
 
 TEST(CutCoupling, StaysSoftWhileTheToolRestsInItsCut) {
