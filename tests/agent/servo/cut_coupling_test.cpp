@@ -209,6 +209,13 @@ TEST(CutCoupling, HoldsAToolThatTurnedBackInItsCut) {
   EXPECT_GT(tool.coupling.compliance_mm_per_n(), 0.99 * c) << "a stiffer one would tremble again";
 }
 
+TEST(CutCoupling, DampsAHeldTool) {
+  Held slow, fast;
+  const double c = slow.coupling.compliance_mm_per_n();
+  const double difference_n = slow.retrace(-1, 1) - fast.retrace(-20, 1);
+  EXPECT_GT(difference_n - 0.019 / c, 5 * gains_across(pen(1e-5, 0.003), kArm).damping);
+}
+
 TEST(CutCoupling, LetsGoOfAToolWhereItsCutEnded) {
   Held tool;
   tool.retrace(-2, 200);
