@@ -25,6 +25,7 @@ except ImportError:
     print("skipped: python3-yaml is not installed")
     sys.exit(77)
 
+from live_copy_test import is_copied_to  # noqa: E402
 from live_disk_test import until  # noqa: E402
 from live_server import PROGRAM, SCENE  # noqa: E402
 from wire_client import Http  # noqa: E402
@@ -86,11 +87,17 @@ class Manifest(unittest.TestCase):
         answer = json.loads(node.ask("GET", "/v1/sessions")[2])
         return [(s["id"], s["node"]) for s in answer.get("sessions", [])]
 
+    def is_copied(self, node, session):
+        info = json.loads(node.ask("GET", f"/v1/sessions/{session}")[2])
+        return is_copied_to(info, info["state_sequence"])
+
     def check_takeover(self, nodes, owner):
         """The session is at `owner`, all know it, and another one goes on when it is gone."""
         session, name = "block", owner.name
         for node in nodes:
             until(self, lambda n=node: self.listed(n), [(session, name)])
+        # A server that is gone before NATS has the session takes it along.
+        until(self, lambda: self.is_copied(owner, session), True)
         other = next(node for node in nodes if node is not owner)
         status, headers, _ = other.ask("GET", f"/v1/sessions/{session}")
         self.assertEqual(status, 307)
