@@ -25,18 +25,21 @@ const VIEWPORT = { width: 900, height: 640 }; // smaller, the bars cover the blo
 const UNDO_SHARE = 0.15;
 const TOOL_SHARE = 0.3; // of the strokes after which another tool is taken
 const CUT_SHARE = 0.15; // of the strokes during which a line breaks
+const CONNECTED_SHARE = 0.9; // of the strokes before which a page waits for its line
+const REST_MS = 12_000; // longer than a page waits before it tries its line again
+// So large that thousands of strokes, 1 mm deep, do not go through it.
 const SCENE = {
   name: 'Strokes',
-  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
+  stock: { shape: 'box', min_mm: [-400, -300, -300], max_mm: [400, 300, 0] },
   accuracy: {
     rays: 'dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
+    pitch_mm: 4,
+    tolerance_mm: 0.05,
     motion: 'tight',
   },
   tools: [
-    { id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 },
-    { id: 2, shape: 'flat', diameter_mm: 6, length_mm: 30 },
+    { id: 1, shape: 'ball', diameter_mm: 24, length_mm: 400 },
+    { id: 2, shape: 'flat', diameter_mm: 30, length_mm: 400 },
   ],
   machine: { kinematics: 'tool-vector' },
 };
@@ -71,9 +74,11 @@ function mouse(input, type, [x, y]) {
 
 async function drag({ page, state, line, input }, random) {
   const [left, top, right, bottom] = (await state()).blockBox;
+  if (random() < CONNECTED_SHARE)
+    await until('connection', SETTLE_S, async () => (await state()).status === 'connected');
   const place = () => [
-    left + (0.3 + 0.4 * random()) * (right - left),
-    top + (0.35 + 0.3 * random()) * (bottom - top),
+    left + (0.25 + 0.5 * random()) * (right - left),
+    top + (0.25 + 0.4 * random()) * (bottom - top),
   ];
   const [from, over, to] = [place(), place(), place()];
   const between = (a, b, share) => a.map((value, n) => value + share * (b[n] - value));
@@ -97,7 +102,7 @@ async function drag({ page, state, line, input }, random) {
 async function settled({ session }) {
   return until('rest', SETTLE_S, async () => {
     const before = await getJson(session);
-    await new Promise((resolve) => setTimeout(resolve, 3000));
+    await new Promise((resolve) => setTimeout(resolve, REST_MS));
     const now = await getJson(session);
     return before.state_hash === now.state_hash && before.motions === now.motions && now;
   });
@@ -149,6 +154,8 @@ async function test(folder) {
       });
     }
     await checkExport(server, folder, hash);
+    const after = await getJson(server.session);
+    assert.equal(after.state_hash, hash, 'the block has changed since it was at rest');
     console.log(`${drawn} strokes by pages, ${motions} motions in all: ${hash}`);
   } finally {
     await browser.close();
