@@ -124,11 +124,16 @@ async function middleOf(user, panel, { width, height }) {
   return [width / 2, (await user.boxOf('slider', 'Depth')).y / 2];
 }
 
-/** Drags across the block until there is a cut: as somebody does whose first try came too early. */
+/**
+ * Drags across the block until there is a cut: as somebody does whose first try came too early. Each
+ * try is beside the last one, because a groove that is cut deeper becomes no brighter.
+ */
 async function cut(user, panel, viewport) {
   await user.boxOf('slider', 'Depth'); // the bar of tools is there
+  let tries = 0;
   return until('a cut in the picture', SETTLE_S, async () => {
-    const [x, y] = (await middleOf(user, panel, viewport)).map(Math.round);
+    const [x, middle] = (await middleOf(user, panel, viewport)).map(Math.round);
+    const y = middle + 10 * (tries++ % 4);
     const before = await user.look();
     const points = [-40, -15, 10, 40].map((along) => [x + along, y + 2]);
     await user.drag(points);
