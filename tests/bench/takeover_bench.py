@@ -26,9 +26,8 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server"))
 
-from cluster_servers import Cluster, ClusterAgent, RasterPath  # noqa: E402
+from cluster_servers import Cluster, ClusterAgent, RasterPath, uninterrupted  # noqa: E402
 from live_programs_test import spiral  # noqa: E402
-from live_server import Server  # noqa: E402
 from wire_client import MESH, Closed, Rejected, Viewer, WebSocket  # noqa: E402
 
 
@@ -178,23 +177,6 @@ def print_times(what, times):
     if times:
         print(f"{what}: least {times[0]:.2f}, median {statistics.median(times):.2f}, "
               f"most {times[-1]:.2f} s")
-
-
-def uninterrupted(folder, agents):
-    """The block that a server to which nothing happens makes of the samples of all agents."""
-    plain = Server(os.path.join(folder, "plain"))
-    plain.create()
-    alone = type("Alone", (), {"servers": {"plain": plain}})
-    whole = [ClusterAgent(alone) for _ in agents]
-    threads = [threading.Thread(target=one.cut_all, args=(agent.sent,))
-               for one, agent in zip(whole, agents)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    info = plain.info()
-    plain.stop()
-    return info
 
 
 def warm_takeovers(options):

@@ -2,6 +2,7 @@
 """Several kerf-servers that share sessions over one nats-server, and what their agents may expect."""
 import os
 import signal
+import threading
 import time
 
 import nats_server
@@ -143,3 +144,20 @@ class ClusterAgent(DurableAgent):
             except (OSError, Closed, IndexError):
                 self.connect(None)
             time.sleep(0.02)
+
+
+def uninterrupted(folder, agents):
+    """What a server to which nothing happens says of a session with the samples of `agents`."""
+    plain = Server(os.path.join(folder, "plain"))
+    plain.create()
+    alone = type("Alone", (), {"servers": {"plain": plain}})
+    whole = [ClusterAgent(alone) for _ in agents]
+    threads = [threading.Thread(target=one.cut_all, args=(agent.sent,))
+               for one, agent in zip(whole, agents)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    info = plain.info()
+    plain.stop()
+    return info

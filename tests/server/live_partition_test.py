@@ -13,7 +13,7 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import nats_server  # noqa: E402
-from cluster_servers import Cluster, ClusterAgent, RasterPath  # noqa: E402
+from cluster_servers import Cluster, ClusterAgent, RasterPath, uninterrupted  # noqa: E402
 from delaying_relay import Line, Relay  # noqa: E402
 from live_disk_test import until  # noqa: E402
 from live_server import SCENE, Server  # noqa: E402
@@ -51,24 +51,6 @@ class Owners(threading.Thread):
         return self.seen
 
 
-def uninterrupted(agents):
-    """What a server that nothing happens to makes of the samples of several agents."""
-    with tempfile.TemporaryDirectory(prefix="kerf-test-") as folder:
-        server = Server(folder)
-        server.create()
-        alone = type("Alone", (), {"servers": {"alone": server}})
-        whole = [ClusterAgent(alone) for _ in agents]
-        threads = [threading.Thread(target=one.cut_all, args=(agent.sent,))
-                   for one, agent in zip(whole, agents)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-        info = server.info()
-        server.stop()
-    return info["motions"], info["state_hash"]
-
-
 class ClusterTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory(prefix="kerf-test-")
@@ -87,19 +69,29 @@ class ClusterTest(unittest.TestCase):
         info = self.cluster.servers[name].info()
         return info["motions"], info["state_hash"]
 
+    def expected(self, *agents):
+        """The block of the agents' samples, had nothing happened."""
+        info = uninterrupted(self.folder.name, agents)
+        return info["motions"], info["state_hash"]
+
 
 class Partition(ClusterTest):
+    def carve_at_a(self):
+        """An agent that has carved at server a, and the owners from then on."""
+        agent = ClusterAgent(self.cluster, tip=RasterPath(0))
+        agent.move(160)
+        agent.settle()
+        owners = Owners(self.cluster)
+        owners.start()
+        until(self, lambda: owners.seen, ["a"])
+        return agent, owners
+
     def test_an_owner_that_nats_does_not_hear_pauses_before_another_one_goes_on(self):
         with Relay(self.cluster.nats.port, Line()) as line:
             a = self.cluster.start("a", nats=f"nats://127.0.0.1:{line.port}")
             a.create()
             self.cluster.start("b")
-            agent = ClusterAgent(self.cluster, tip=RasterPath(0))
-            agent.move(160)
-            agent.settle()
-            owners = Owners(self.cluster)
-            owners.start()
-            until(self, lambda: owners.seen, ["a"])
+            agent, owners = self.carve_at_a()
             line.hold(True)
             del self.cluster.servers["a"]  # no agent comes to it any more
             self.assertEqual(self.cluster.wait_for_owner(), "b")
@@ -121,7 +113,7 @@ class Partition(ClusterTest):
             agent.move(64)
             agent.settle()
             self.assertEqual(owners.end(), ["a", "b"])
-            self.assertEqual(self.block("b"), uninterrupted([agent, second]))
+            self.assertEqual(self.block("b"), self.expected(agent, second))
 
     def cluster_of(self, *names):
         """The same servers, as an agent sees them that knows only some."""
@@ -131,12 +123,7 @@ class Partition(ClusterTest):
         a = self.cluster.start("a")
         a.create()
         self.cluster.start("b")
-        agent = ClusterAgent(self.cluster, tip=RasterPath(0))
-        agent.move(160)
-        agent.settle()
-        owners = Owners(self.cluster)
-        owners.start()
-        until(self, lambda: owners.seen, ["a"])
+        agent, owners = self.carve_at_a()
         hard = resource.prlimit(a.process.pid, resource.RLIMIT_FSIZE)[1]
         resource.prlimit(a.process.pid, resource.RLIMIT_FSIZE, (0, hard))
         agent.move(16)  # cut, and never on that disk
@@ -149,7 +136,7 @@ class Partition(ClusterTest):
         agent.move(64)
         agent.settle()
         self.assertEqual(owners.end(), ["a", "b"])
-        self.assertEqual(self.block("b"), uninterrupted([agent]))
+        self.assertEqual(self.block("b"), self.expected(agent))
 
     def test_two_servers_and_one_folder(self):
         a = self.cluster.start("a")
@@ -167,7 +154,7 @@ class Partition(ClusterTest):
         self.assertEqual(self.cluster.wait_for_owner(), "again")
         agent.move(50)
         agent.settle()
-        self.assertEqual(self.block("again"), uninterrupted([agent]))
+        self.assertEqual(self.block("again"), self.expected(agent))
 
 
 class NatsCluster(ClusterTest):
@@ -195,7 +182,7 @@ class NatsCluster(ClusterTest):
         agent.move(320)
         agent.settle()
         owners.end()
-        self.assertEqual(self.block(self.cluster.wait_for_owner()), uninterrupted([agent]))
+        self.assertEqual(self.block(self.cluster.wait_for_owner()), self.expected(agent))
 
 
 if __name__ == "__main__":
