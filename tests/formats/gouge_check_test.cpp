@@ -74,6 +74,25 @@ TEST_F(GougeCheckTest, EarlierCutsDoNotCount) {
   EXPECT_FALSE(check.deepest());
 }
 
+/// The second cut leaves what is on top of its columns as it is.
+TEST_F(GougeCheckTest, FindsGougesBelowAnOverhang) {
+  const auto cut_from_the_side = [&](double z) {
+    const Vec3 side{1, 0, 0};
+    const MoveTool move{3, {{20, 5, z}, side}, {{20, 15, z}, side}, 1, false};
+    return block_.apply(move).value().cut_tiles;
+  };
+  cut_from_the_side(7);
+  const auto before = block_.snapshot();
+  const auto tiles = cut_from_the_side(3);
+  const auto after = block_.snapshot();
+  GougeCheck check(reference_, before, after, tiles);
+  EXPECT_TRUE(check.advance(10'000'000));
+  const Misfits all = find_gouges(before, after, *reference_.part, kToleranceMm);
+  ASSERT_GT(all.count, 0);
+  ASSERT_TRUE(check.deepest());
+  EXPECT_EQ(check.deepest()->depth_mm, all.worst.front().depth_mm);
+}
+
 TEST_F(GougeCheckTest, PortionsOfTheWorkFindWhatASearchOfTheWholeBlockDoes) {
   std::mt19937 random(7);
   const auto value = [&](double low, double high) {
