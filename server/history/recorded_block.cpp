@@ -42,6 +42,7 @@ std::expected<void, std::string> RecordedBlock::settle(const std::stop_token& st
 }
 
 std::expected<StrokeSet, std::string> undone_strokes(const std::filesystem::path& journal,
+                                                     std::uint64_t last,
                                                      const std::stop_token& stop) {
   auto reader = JournalReader::open(journal, RecordOrder::kSequence, stop);
   if (!reader) return std::unexpected(describe(reader.error()));
@@ -50,7 +51,7 @@ std::expected<StrokeSet, std::string> undone_strokes(const std::filesystem::path
     if (stop.stop_requested()) return std::unexpected("stopped");
     const auto record = reader->next();
     if (!record) return std::unexpected(describe(record.error()));
-    if (!*record) return undone;
+    if (!*record || (*record)->sequence > last) return undone;
     const auto* change = std::get_if<StrokeChange>(&(*record)->command);
     if (change == nullptr) continue;
     if (change->undone) {

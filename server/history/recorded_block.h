@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <expected>
 #include <filesystem>
 #include <memory>
@@ -39,8 +40,10 @@ class RecordedBlock {
   std::uint64_t last_ = 0;                 ///< record
 };
 
-/// Returns the strokes of a journal that are undone after its last record.
+/// Returns the strokes of a journal that are undone after its record `last`. Who reads the records
+/// too passes the last one of that reader, because another may be committed in between.
 std::expected<StrokeSet, std::string> undone_strokes(const std::filesystem::path& journal,
+                                                     std::uint64_t last,
                                                      const std::stop_token& stop = {});
 
 }  // namespace kerf

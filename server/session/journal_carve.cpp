@@ -10,11 +10,11 @@ namespace kerf {
 
 std::expected<CarvedJournal, std::string> carve_without(const std::filesystem::path& journal,
                                                         const StrokeSet& without) {
-  auto left_out = undone_strokes(journal);
-  if (!left_out) return std::unexpected(left_out.error());
-  left_out->insert(without.begin(), without.end());
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
+  auto left_out = undone_strokes(journal, reader->last_sequence());
+  if (!left_out) return std::unexpected(left_out.error());
+  left_out->insert(without.begin(), without.end());
   const auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
   auto block = Sculpture::create(scene->settings);

@@ -3,12 +3,16 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <ostream>
+#include <set>
+#include <vector>
 
 #include "kernel/sculpture_state.h"
 #include "server/formats/forces_csv.h"
 #include "server/history/recorded_block.h"
 #include "server/session/force_plot.h"
+#include "server/session/participant.h"
 #include "server/session/replay.h"
 
 namespace kerf {
@@ -34,6 +38,30 @@ bool is_requested(const JournalRecord& record, const ProgramRequest& request,
          record.sequence <= request.last && (!request.only || *request.only == record.participant);
 }
 
+/// The motions of a journal that a program needs.
+class WrittenPath {
+ public:
+  explicit WrittenPath(const std::vector<JournalParticipant>& participants) {
+    for (const JournalParticipant& participant : participants) {
+      if (participant.kind == to_string(ParticipantKind::kProgram))
+        programs_.insert(participant.participant);
+    }
+  }
+  /// Whether a motion is to be written after those before it. A tool at rest leaves its imprint, if
+  /// it has not come there by a motion, which leaves it too. An agent rests a thousand times a
+  /// second; the dwells of a program are part of it.
+  bool needs(const MoveTool& move, ParticipantId participant) {
+    const bool is_there = last_ && last_->tool == move.tool && last_->to == move.to;
+    if (is_there && move.from == move.to && !programs_.contains(participant)) return false;
+    last_ = move;
+    return true;
+  }
+
+ private:
+  std::set<ParticipantId> programs_;
+  std::optional<MoveTool> last_;
+};
+
 /// A journal whose forces are computed again.
 struct FeltJournal {
   std::unique_ptr<JournalReader> reader;
@@ -58,11 +86,11 @@ ExportResult go_to(const FeltStart& start, const Scene& scene, Sculpture& block)
 std::expected<FeltJournal, std::string> open_felt(const std::filesystem::path& journal,
                                                   const FeltStart* start,
                                                   const std::stop_token& stop) {
-  auto undone = start != nullptr ? std::expected<StrokeSet, std::string>(start->undone)
-                                 : undone_strokes(journal, stop);
-  if (!undone) return std::unexpected(undone.error());
   auto reader = JournalReader::open(journal, RecordOrder::kSequence, stop);
   if (!reader) return std::unexpected(describe(reader.error()));
+  auto undone = start != nullptr ? std::expected<StrokeSet, std::string>(start->undone)
+                                 : undone_strokes(journal, reader->last_sequence(), stop);
+  if (!undone) return std::unexpected(undone.error());
   const auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
   auto sculpture = Sculpture::create(scene->settings);
@@ -107,22 +135,23 @@ ExportResult for_each_felt(const FeltJournal& journal, std::optional<Participant
 
 ExportResult export_program(const std::filesystem::path& journal, const ProgramRequest& request,
                             std::ostream& out, const std::stop_token& stop) {
-  const auto undone = undone_strokes(journal, stop);
-  if (!undone) return std::unexpected(undone.error());
   // The path of one participant needs no sorting.
   const auto order = request.only ? RecordOrder::kSequence : RecordOrder::kParticipant;
   auto reader = JournalReader::open(journal, order, stop);
   if (!reader) return std::unexpected(describe(reader.error()));
+  const auto undone = undone_strokes(journal, reader->last_sequence(), stop);
+  if (!undone) return std::unexpected(undone.error());
   const auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
   const auto made = make_program_writer(request.style, *scene, out);
   if (!made) return std::unexpected(made.error());
   ProgramWriter& writer = **made;
+  WrittenPath path(reader->participants());
   auto written =
       for_each_record(*reader, UINT64_MAX, stop, [&](const JournalRecord& record) -> ExportResult {
         const auto* move = std::get_if<MoveTool>(&record.command);
-        if (move == nullptr || move->from == move->to || !is_requested(record, request, *undone))
-          return {};
+        if (move == nullptr || !is_requested(record, request, *undone)) return {};
+        if (!path.needs(*move, record.participant)) return {};
         ProgramMotion motion;
         motion.tool = move->tool;
         motion.from = move->from;

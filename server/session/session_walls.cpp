@@ -39,10 +39,10 @@ std::expected<Program, std::string> read_motions(JournalReader& reader, const St
 
 ExportResult export_thin_walls(const std::filesystem::path& journal, const DexelSnapshot& field,
                                std::ostream& out, const std::stop_token& stop) {
-  const auto undone = undone_strokes(journal, stop);
-  if (!undone) return std::unexpected(undone.error());
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
+  const auto undone = undone_strokes(journal, reader->last_sequence(), stop);
+  if (!undone) return std::unexpected(undone.error());
   auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
   const auto program = read_motions(*reader, *undone, stop);

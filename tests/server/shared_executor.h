@@ -23,17 +23,21 @@ class SharedExecutor final : public Executor {
   }
   /// Runs all that is posted and, with `delayed`, all that waits.
   void run(bool delayed = false) {
-    for (;;) {
-      Work next;
-      {
-        const std::lock_guard lock(mutex_);
-        if (std::exchange(delayed, false)) queue_.release_delayed();
-        auto work = queue_.take_one();
-        if (!work) return;
-        next = *std::move(work);
-      }
-      next();
+    while (run_one(std::exchange(delayed, false))) {
     }
+  }
+  /// Runs the oldest posted work; false if there is none. With `delayed`, what waits is posted.
+  bool run_one(bool delayed = false) {
+    Work next;
+    {
+      const std::lock_guard lock(mutex_);
+      if (delayed) queue_.release_delayed();
+      auto work = queue_.take_one();
+      if (!work) return false;
+      next = *std::move(work);
+    }
+    next();
+    return true;
   }
   std::size_t waiting() {
     const std::lock_guard lock(mutex_);

@@ -9,37 +9,12 @@
 #include <cstdlib>
 #include <random>
 
+#include "tests/server/rack_scene.h"
 #include "tests/server/undo_fixture.h"
 #include "tests/support/shuffled_workers.h"
 
 namespace kerf {
 namespace {
-
-/// Every kind of cutter; number 11 has a shank and a holder, which do not cut.
-constexpr const char* kRackScene = R"({
-  "name": "Rack",
-  "stock": {"shape": "box", "min_mm": [-20, -20, -20], "max_mm": [20, 20, 0]},
-  "accuracy": {"rays": "RAYS", "pitch_mm": 0.6, "tolerance_mm": 0.02, "motion": "MOTION"},
-  "tools": [
-    {"id": 1, "shape": "ball", "diameter_mm": 8, "length_mm": 30},
-    {"id": 2, "shape": "flat", "diameter_mm": 6, "length_mm": 30},
-    {"id": 3, "shape": "taper", "diameter_mm": 2, "half_angle_deg": 8, "length_mm": 20},
-    {"id": 4, "shape": "taper", "diameter_mm": 3, "half_angle_deg": 6, "length_mm": 20,
-     "tip": "ball"},
-    {"id": 5, "shape": "cone_end", "diameter_mm": 6, "tip_angle_deg": 90, "length_mm": 20},
-    {"id": 6, "shape": "bull_nose", "diameter_mm": 8, "corner_radius_mm": 2, "length_mm": 30},
-    {"id": 7, "shape": "apt", "d_mm": 10, "r_mm": 1.5, "e_mm": 3.630717035815369,
-     "f_mm": 2.0250053615596113, "alpha_deg": 8, "beta_deg": 6, "h_mm": 25},
-    {"id": 8, "shape": "profile",
-     "profile_mm": [[0, 0], {"to": [1.5, 7], "radius": 3.75}, [1.5, 25]]},
-    {"id": 9, "shape": "profile", "profile_mm": [[0, 0], [4, 0], [4, 2], [1.5, 2], [1.5, 25]]},
-    {"id": 10, "shape": "profile", "profile_mm": [[0, 0], [4, 0], [2, 4], [2, 25]]},
-    {"id": 11, "shape": "profile",
-     "profile_mm": [[0, 0], {"to": [3, 8], "radius": 18}, [3, 12]],
-     "shank": {"diameter_mm": 5, "length_mm": 10},
-     "holder": [{"diameter_mm": 12, "length_mm": 6}]}],
-  "machine": {"kinematics": "tool-vector"}})";
-constexpr std::uint32_t kTools = 11;
 
 /// One of several schedules, which can be changed at any time.
 class ChosenWorkers final : public Workers {
@@ -66,10 +41,8 @@ class RandomHistory : public SessionUndo {
     snapshots_.writer = one_of(2) == 0 ? &writer_ : nullptr;
     snapshots_.limits = {.replay_time = {}, .age = std::chrono::hours(1), .pause = {}};
     renew();
-    std::string scene = kRackScene;
-    scene.replace(scene.find("RAYS"), 4, one_of(2) == 0 ? "dexel" : "tri-dexel");
-    scene.replace(scene.find("MOTION"), 6, one_of(8) == 0 ? "paper" : "tight");
-    create(scene);
+    const char* rays = one_of(2) == 0 ? "dexel" : "tri-dexel";
+    create(rack_scene(rays, one_of(8) == 0 ? "paper" : "tight"));
     join_hands();
     for (int round = 0; round < rounds; ++round) {
       SCOPED_TRACE("round " + std::to_string(round));
@@ -119,7 +92,7 @@ class RandomHistory : public SessionUndo {
       const Vec3 axis = tilted();
       lines.push_back({from, from + Vec3{uniform(-8, 8), uniform(-8, 8), uniform(-2, 2)}, axis,
                        one_of(2) == 0 ? axis : tilted(),
-                       1 + static_cast<std::uint32_t>(one_of(kTools))});
+                       1 + static_cast<std::uint32_t>(one_of(kRackTools))});
     }
     const int steps = 2 + static_cast<int>(one_of(10));
     for (int n = -2; n <= steps + 1; ++n) {
