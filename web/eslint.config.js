@@ -34,12 +34,14 @@ export default defineConfig(
   {
     files: [
       'tests/e2e/*_live.mjs',
+      'tests/e2e/page_bench.mjs',
       'tests/e2e/support/axe.mjs',
       'tests/e2e/support/browser.mjs',
       'tests/e2e/support/drop.mjs',
       'tests/e2e/support/firefox.mjs',
       'tests/e2e/support/headset.mjs',
       'tests/e2e/support/layout.mjs',
+      'tests/e2e/support/meter.mjs',
       'tests/e2e/support/texts.mjs',
     ],
     languageOptions: { globals: { ...globals.node, ...globals.browser } },

@@ -11,6 +11,7 @@ import { readFile, writeFile, stat } from 'node:fs/promises';
 import { join } from 'node:path';
 import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
 import { gltfErrors, stlFacts, tilesOf } from './support/checks.mjs';
+import { METER, read, reset } from './support/meter.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
 import { getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { WireViewer } from './support/wire_viewer.mjs';
@@ -46,7 +47,12 @@ async function download(url, file) {
 async function openViewers(base, browser) {
   const viewers = await Promise.all(
     ['Grace', 'Mary'].map((name) =>
-      openViewer(browser, `${base}/?session=${SESSION}&name=${name}`, { width: 900, height: 560 }),
+      openViewer(
+        browser,
+        `${base}/?session=${SESSION}&name=${name}`,
+        { width: 900, height: 560 },
+        { script: METER },
+      ),
     ),
   );
   const wire = new WireViewer(base, SESSION);
@@ -99,6 +105,9 @@ async function carve(base, folder, viewers) {
   assert.equal((await viewers[0].state()).sound, null, 'a page sounds that nobody asked to');
   await switchSound(viewers[0], true);
   assert.equal((await viewers[0].state()).sound.noise, 0);
+  const { page } = viewers[0];
+  await until('picture', SETTLE_S, () => page.evaluate(() => window.kerf.marks.picture));
+  await reset(page);
   const agents = [
     startAgent(base, folder, 'Ada', 1, '#c2410c'),
     startAgent(base, folder, 'Linus', 2, '#0f766e'),
@@ -119,6 +128,9 @@ async function carve(base, folder, viewers) {
     'Ada #c2410c',
     'Linus #0f766e',
   ]);
+  const { programs, pictures } = await read(page);
+  assert(pictures.length > 0);
+  assert.deepEqual(programs, [], 'shaders of the tools are compiled when they appear');
   await switchSound(viewers[0], false);
   const variance = await photograph(viewers[0], join(options.out, 'carving.png'));
   for (const agent of agents)

@@ -11,7 +11,7 @@ const FAST_MS = 13;
 const SAMPLES_DOWN = 6;
 const SAMPLES_UP = 90;
 const THROTTLE_AFTER = 30; // consecutive slow frames at the lowest ratio
-const THROTTLED_PAUSE_MS = 140;
+const THROTTLED_PAUSE_MS = 80; // at most 12 pictures a second
 
 /** Returns how many pixels a still picture has for each CSS pixel of a screen. */
 export function drawnRatio(devicePixelRatio: number): number {

@@ -6,6 +6,7 @@
 import * as THREE from 'three';
 import type { Bounds } from '../model/session';
 import { ambientLight } from './ambient_light';
+import { shadowSample } from './shader_samples';
 
 const GRID_VERTEX = /* glsl */ `
 varying vec3 vWorld;
@@ -73,6 +74,8 @@ export class Stage {
   });
   private readonly grid_ = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), this.gridMaterial_);
 
+  /** Objects that keep their programs: three.js deletes one whose last material is gone. */
+  private readonly samples_: THREE.Object3D[] = [];
   private size_ = '';
 
   /** Throws if WebGL 2 is not available. */
@@ -200,10 +203,28 @@ export class Stage {
     this.renderer.setSize(width, height, false);
   }
 
-  /** Resolves when the shaders of this stage and of an object that is to be in it are ready. */
-  async compile(object: THREE.Object3D, camera: THREE.Camera): Promise<void> {
-    await this.renderer.compileAsync(this.scene, camera);
-    await this.renderer.compileAsync(object, camera, this.scene);
+  /**
+   * Resolves when the shaders of this stage and of objects like those that are to be in it are ready,
+   * with those of their shadows. Keeps these objects.
+   */
+  async compile(objects: THREE.Object3D, camera: THREE.Camera): Promise<void> {
+    const shadows = shadowSample(objects);
+    this.samples_.push(objects, shadows);
+    const ready = [this.scene, objects].map((part) =>
+      this.renderer.compileAsync(part, camera, this.scene),
+    );
+    // What is drawn into a texture has programs of its own.
+    const texture = new THREE.WebGLRenderTarget(1, 1);
+    this.renderer.setRenderTarget(texture);
+    ready.push(this.renderer.compileAsync(shadows, camera, this.scene));
+    this.renderer.setRenderTarget(null);
+    await Promise.all(ready);
+    texture.dispose();
+    // Asked at the first drawing, these answers would come after all that the GPU has to do then.
+    for (const program of this.renderer.info.programs ?? []) {
+      program.getUniforms();
+      program.getAttributes();
+    }
   }
 
   /** `eye`: where the camera is in the scene, mm. */

@@ -22,6 +22,7 @@ import { DisplayedSurface } from './displayed_surface';
 import { tilesOf } from './parsed_tiles';
 import type { ParsedTile } from './parsed_tiles';
 import { LocalTiles } from './local_tiles';
+import { carverSample } from './shader_samples';
 import { Stage } from './stage';
 import { StockMaterial } from './stock_material';
 import { TileView } from './tile_view';
@@ -306,9 +307,8 @@ export class Viewer {
 
   /** Compiles the shaders beside the rest of the page, where the browser can, before it draws. */
   private async compile_(): Promise<void> {
-    const sample = this.tiles.sample();
-    await this.stage.compile(sample, this.rig.camera);
-    sample.geometry.dispose();
+    const samples = new THREE.Group().add(this.tiles.sample(), carverSample());
+    await this.stage.compile(samples, this.rig.camera);
     this.canDraw_ = true;
   }
 
