@@ -210,7 +210,8 @@ class ServerLink::Impl {
       housekeeping_.expires_after(kHousekeeping);
       co_await housekeeping_.async_wait(kAwait);
       traffic_.collect();
-      wake();
+      // Nothing has become due since the writing coroutine last looked, if it just did.
+      if (!std::exchange(looked_, false)) wake();
       if (!finished()) continue;
       // Cancels a pending reconnection.
       back_off_.cancel();
@@ -309,6 +310,7 @@ class ServerLink::Impl {
   asio::awaitable<void> write_all(Connection& connection) {
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
     while (!connection.loss && !finished()) {
+      looked_ = true;
       count_batch(traffic_.collect());
       for (int n = undos_.exchange(0); n > 0; --n) traffic_.ask(true);
       for (int n = redos_.exchange(0); n > 0; --n) traffic_.ask(false);
@@ -353,6 +355,7 @@ class ServerLink::Impl {
   int wake_fd_;
   asio::posix::stream_descriptor wake_;
   bool awaits_wake_ = false;  ///< the writing coroutine has written all that is due
+  bool looked_ = false;       ///< it has looked for what is due since the last housekeeping
   asio::steady_timer housekeeping_;
   asio::steady_timer back_off_;
   Traffic traffic_;

@@ -23,13 +23,20 @@ class MonotonicClock final : public Clock {
   void sleep_until_ns(std::uint64_t time_ns) noexcept override;
 };
 
+inline constexpr std::uint64_t kNsPerS = 1'000'000'000;
+
+/// Returns a time in nanoseconds as the kernel's calls take it.
+inline timespec timespec_of(std::uint64_t time_ns) noexcept {
+  return {.tv_sec = static_cast<time_t>(time_ns / kNsPerS),
+          .tv_nsec = static_cast<long>(time_ns % kNsPerS)};
+}
+
 /// Returns CLOCK_MONOTONIC in nanoseconds: the same value on every thread. Does not wait or
 /// allocate.
 inline std::uint64_t monotonic_ns() noexcept {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000 +
-         static_cast<std::uint64_t>(now.tv_nsec);
+  return static_cast<std::uint64_t>(now.tv_sec) * kNsPerS + static_cast<std::uint64_t>(now.tv_nsec);
 }
 
 /// As monotonic_ns, in microseconds.

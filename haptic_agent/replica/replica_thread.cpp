@@ -54,7 +54,7 @@ void ReplicaThread::run() {
 }
 
 void ReplicaThread::take_patches(FollowCpu& place) {
-  std::deque<std::vector<std::byte>> patches;
+  std::vector<std::vector<std::byte>> patches;
   {
     const std::scoped_lock lock(mutex_);
     patches.swap(patches_);

@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -69,7 +68,7 @@ class ReplicaThread final : public StockListener {
   const LeadCpu* lead_;
   SpscRing<ServersForce, 1024> forces_;
   std::mutex mutex_;  ///< guards patches_
-  std::deque<std::vector<std::byte>> patches_;
+  std::vector<std::vector<std::byte>> patches_;
   std::atomic<bool> wants_reset_{false}, stopping_{false};
   ReplicaReport report_;
   std::thread thread_;

@@ -36,6 +36,7 @@ ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 ar
 
 ContactModel::Touches ContactModel::touches_at(const Grip& grip) const noexcept {
   Touches touches;
+  if (answer_.plane_count == 0) return touches;
   const Vec3 turn = between(then_, grip).angular;
   for (std::uint32_t i = 0; i < answer_.plane_count; ++i) {
     const wire::ContactPlane& plane = answer_.planes[i];

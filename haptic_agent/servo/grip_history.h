@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -33,10 +34,22 @@ class GripHistory {
   void push(const PastGrip& now) noexcept { kept_[count_++ % kKept] = now; }
 
   /// Returns the newest grip not after `time_us`; null if that is too long ago or before the start.
+  /// Answers are mostly a few ticks old: the search begins at the newest.
   const PastGrip* at(std::uint64_t time_us) const noexcept {
-    std::size_t low = count_ > kKept ? count_ - kKept : 0;
+    const std::size_t kept = std::min(count_, kKept);
     std::size_t high = count_;
-    if (low == high || kept_[low % kKept].time_us > time_us) return nullptr;
+    for (std::size_t back = 1; high > count_ - kept; back *= 2) {
+      const std::size_t low = count_ - std::min(back, kept);
+      if (kept_[low % kKept].time_us <= time_us) return newest_in(low, high, time_us);
+      high = low;
+    }
+    return nullptr;
+  }
+
+ private:
+  /// As `at`, where the grip is known to be at `low` or later and before `high`.
+  const PastGrip* newest_in(std::size_t low, std::size_t high,
+                            std::uint64_t time_us) const noexcept {
     while (high - low > 1) {
       const std::size_t middle = low + (high - low) / 2;
       (kept_[middle % kKept].time_us <= time_us ? low : high) = middle;
@@ -44,7 +57,6 @@ class GripHistory {
     return &kept_[low % kKept];
   }
 
- private:
   std::array<PastGrip, kKept> kept_{};
   std::size_t count_ = 0;
 };

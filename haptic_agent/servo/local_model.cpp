@@ -86,7 +86,7 @@ Vec3 LocalModel::arm(const PastGrip& now) const noexcept {
   return rotated(arm_mm_, between(then_.grip, now.grip).angular);
 }
 
-Wrench LocalModel::cut(const PastGrip& now, double& rendered) const noexcept {
+Wrench LocalModel::cut(const PastGrip& now, Vec3 arm, double& rendered) const noexcept {
   rendered = 1;
   const double answered_n = length(cut_.force_n);
   if (trend_.empty() || !(answered_n > 0)) return {};
@@ -95,7 +95,6 @@ Wrench LocalModel::cut(const PastGrip& now, double& rendered) const noexcept {
   const Vec3 turn = turn_between(then_.heading, now.heading);
   const double cosine = dot(then_.heading, now.heading) / (length_now * length_then);
   const double kept = std::clamp((cosine - kNoneCos) / (kFullCos - kNoneCos), 0.0, 1.0);
-  const Vec3 arm = this->arm(now);
 
   double newtons = trend_.at(now.path_mm);
   if (settings_.law == CutLaw::kRemovalRate) {
@@ -130,17 +129,18 @@ Wrench LocalModel::at(const PastGrip& now, bool cutting, double dt_s) noexcept {
       stock_.at(now.grip, now.velocity, dt_s) + obstacles_.at(now.grip, now.velocity, dt_s);
   computed_ = stock_.computed() + obstacles_.computed();
   compliance_ = 0;
+  const Vec3 arm = this->arm(now);
   if (!cutting) {
     in_band_ = {};
-    coupling_.release(arm(now), now, dt_s);
+    coupling_.release(arm, now, dt_s);
     return touched;
   }
   double rendered = 1;
-  const Wrench cutting_wrench = cut(now, rendered);
+  const Wrench cutting_wrench = cut(now, arm, rendered);
   computed_ = computed_ + cutting_wrench;
   // The law of a damper is limited by itself.
   if (settings_.law == CutLaw::kRemovalRate) return touched + cutting_wrench * rendered;
-  const Wrench coupled = coupling_.at(within_band(cutting_wrench, dt_s), arm(now), now, dt_s);
+  const Wrench coupled = coupling_.at(within_band(cutting_wrench, dt_s), arm, now, dt_s);
   if (!trend_.empty()) compliance_ = coupling_.compliance_mm_per_n();
   return touched + coupled;
 }

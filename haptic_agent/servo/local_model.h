@@ -67,7 +67,8 @@ class LocalModel {
   static constexpr double kMillingMmPerN = 8;
 
   /// Returns the cutting wrench as computed; `rendered` is the share that the device can render.
-  Wrench cut(const PastGrip& now, double& rendered) const noexcept;
+  /// `arm`: as below.
+  Wrench cut(const PastGrip& now, Vec3 arm, double& rendered) const noexcept;
   /// Returns the arm from the pivot to the middle of the cut.
   Vec3 arm(const PastGrip& now) const noexcept;
   Wrench within_band(const Wrench& cutting, double dt_s) noexcept;

@@ -8,6 +8,12 @@ namespace {
 constexpr std::uint64_t kNsPerUs = 1000;
 }  // namespace
 
+void ServoLoop::put_off_alarm(std::uint64_t now_ns) noexcept {
+  if (alarm_ == nullptr || alarm_ns_ >= now_ns + kStaleNs) return;
+  alarm_ns_ = now_ns + kStaleNs + kAlarmSlackNs;
+  alarm_->set(alarm_ns_);
+}
+
 void ServoLoop::run(ServoTask& task) noexcept {
   std::uint64_t due_ns = clock_.now_ns() + kPeriodNs;
   std::uint64_t last_ns = 0;
@@ -17,6 +23,7 @@ void ServoLoop::run(ServoTask& task) noexcept {
     const std::uint64_t behind_ns = now_ns > due_ns ? now_ns - due_ns : 0;
     // Only the newest of the overdue ticks runs.
     const std::uint64_t lost = behind_ns / kPeriodNs;
+    put_off_alarm(now_ns);
     heartbeat_ns_.store(now_ns);
     if (lead_ != nullptr) lead_->note();
     stats_.lost += lost;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "haptic_agent/realtime/alarm.h"
 #include "haptic_agent/realtime/clock.h"
 #include "haptic_agent/realtime/histogram.h"
 #include "haptic_agent/realtime/lead_cpu.h"
@@ -40,6 +41,10 @@ class ServoLoop {
  public:
   static constexpr std::uint64_t kPeriodNs = 1'000'000;
   static constexpr std::uint64_t kLateNs = kPeriodNs / 4;
+  /// Age of a heartbeat after which the loop has stalled.
+  static constexpr std::uint64_t kStaleNs = 10'000'000;
+  /// The alarm need not be set again in every tick.
+  static constexpr std::uint64_t kAlarmSlackNs = kPeriodNs * 3 / 2;
 
   explicit ServoLoop(Clock& clock) noexcept : clock_(clock) {}
 
@@ -54,14 +59,22 @@ class ServoLoop {
   /// States the loop's processor from now on. Call before `run`, or on its thread, and only if that
   /// is real-time; `lead` must outlive the run.
   void announce(LeadCpu& lead) noexcept { lead_ = &lead; }
+  /// Keeps `alarm` set from now on: to go off kStaleNs after the newest heartbeat, or up to
+  /// kAlarmSlackNs later. It is set before the heartbeat, so that the thread that sees a new one
+  /// may wait for the alarm again. Call before `run`; `alarm` must outlive it.
+  void set_off_without_heartbeat(Alarm& alarm) noexcept { alarm_ = &alarm; }
   /// Read after `run` has returned, or within a tick.
   const CycleStats& stats() const noexcept { return stats_; }
 
  private:
+  void put_off_alarm(std::uint64_t now_ns) noexcept;
+
   Clock& clock_;
   std::atomic<bool> stop_{false};
   std::atomic<std::uint64_t> heartbeat_ns_{0};
   LeadCpu* lead_ = nullptr;
+  Alarm* alarm_ = nullptr;
+  std::uint64_t alarm_ns_ = 0;  ///< when it goes off
   CycleStats stats_;
 };
 

@@ -7,7 +7,9 @@ namespace kerf::agent {
 
 bool Watchdog::check(std::uint64_t now_ns) {
   const std::uint64_t beat_ns = loop_.heartbeat_ns();
-  if (beat_ns == 0 || now_ns < beat_ns || now_ns - beat_ns <= kStaleNs) return false;
+  if (beat_ns == 0 || now_ns < beat_ns || now_ns - beat_ns < ServoLoop::kStaleNs) {
+    return false;
+  }
   // At every check, not once per stall: a wrench may have been written after the first stop.
   stop_();
   if (beat_ns != stopped_at_) stops_.fetch_add(1);
@@ -15,25 +17,24 @@ bool Watchdog::check(std::uint64_t now_ns) {
   return true;
 }
 
-std::uint64_t Watchdog::next_check_ns(std::uint64_t now_ns) const {
-  const std::uint64_t stale_ns = loop_.heartbeat_ns() + kStaleNs + 1;
-  return stale_ns > now_ns && stale_ns <= now_ns + kStaleNs + 1 ? stale_ns : now_ns + kEveryNs;
-}
-
 void Watchdog::start() {
+  loop_.set_off_without_heartbeat(alarm_);
   thread_ = std::thread([this] {
     // If this is denied, the servo thread's warning explains it.
     request_fifo(kWatchdogPriority);
     MonotonicClock clock;
     while (!ending_.load()) {
-      clock.sleep_until_ns(next_check_ns(clock.now_ns()));
-      check(clock.now_ns());
+      alarm_.wait();
+      while (!ending_.load() && check(clock.now_ns())) {
+        clock.sleep_until_ns(clock.now_ns() + kEveryNs);
+      }
     }
   });
 }
 
 void Watchdog::end() {
   ending_.store(true);
+  alarm_.end();
   if (thread_.joinable()) thread_.join();
 }
 

@@ -10,33 +10,32 @@
 
 namespace kerf::agent {
 
-/// Monitors a loop's heartbeat from a thread of higher priority and stops the device when the loop
-/// stalls. The loop itself trips when it resumes.
+/// Stops the device, from a thread of higher priority, when a loop's heartbeat is missing. The
+/// thread sleeps until an alarm goes off that the loop puts off as long as it runs. The loop itself
+/// trips when it resumes.
 class Watchdog {
  public:
-  /// Period of the checks before the first heartbeat and during a stall. Otherwise the next check
-  /// is when the newest heartbeat becomes stale.
+  /// Period at which the device is stopped during a stall.
   static constexpr std::uint64_t kEveryNs = 5'000'000;
-  static constexpr std::uint64_t kStaleNs = 10'000'000;
 
   /// `loop` and everything that `stop` refers to must outlive the watchdog. `stop` must not wait.
-  Watchdog(const ServoLoop& loop, std::function<void()> stop)
-      : loop_(loop), stop_(std::move(stop)) {}
+  Watchdog(ServoLoop& loop, std::function<void()> stop) : loop_(loop), stop_(std::move(stop)) {}
   ~Watchdog() { end(); }
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
 
+  /// Call before the loop runs.
   void start();
+  /// Call after the loop has ended.
   void end();
   /// Checks the heartbeat at `now_ns` on the loop's clock; returns true if it stopped the device.
   bool check(std::uint64_t now_ns);
-  /// Returns when to check again, on the loop's clock.
-  std::uint64_t next_check_ns(std::uint64_t now_ns) const;
   /// Number of stalls detected.
   std::uint64_t stops() const noexcept { return stops_.load(); }
 
  private:
-  const ServoLoop& loop_;
+  ServoLoop& loop_;
+  Alarm alarm_;
   std::function<void()> stop_;
   std::atomic<std::uint64_t> stops_{0};
   std::uint64_t stopped_at_ = 0;  ///< heartbeat of the latest stall

@@ -3,6 +3,7 @@
 """Measures the load that one agent causes while it carves: CPU time, wake-ups and memory.
 
     tests/bench/agent_load.py [SECONDS]     of the release build; others: KERF_SERVER, KERF_AGENT
+    tests/bench/agent_load.py SECONDS --against AGENT [TURNS]    beside another agent, by turns (3)
 
 A server on loopback, an agent with a simulated hand that carves its figure in a block of 60 mm at a
 pitch of 0.25 mm. After 4 s, in which it arms and enters the stock, it reads /proc for SECONDS (10):
@@ -59,14 +60,15 @@ def role_of(pid, task):
     return ROLES.get(fields[37], "other")
 
 
-def measure(pid, seconds):
-    """Returns [(role, CPU %, wake-ups/s)] of the threads of a process."""
-    before, start = threads_of(pid), time.monotonic()
+def measure(pids, seconds):
+    """Returns [(role, CPU %, wake-ups/s)] of the threads of each process."""
+    before, start = [threads_of(pid) for pid in pids], time.monotonic()
     time.sleep(seconds)
-    after, passed = threads_of(pid), time.monotonic() - start
-    return [(role_of(pid, task), 100 * (cpu - before.get(task, (0, 0))[0]) / passed,
-             (wakes - before.get(task, (0, 0))[1]) / passed)
-            for task, (cpu, wakes) in sorted(after.items())]
+    after, passed = [threads_of(pid) for pid in pids], time.monotonic() - start
+    return [[(role_of(pid, task), 100 * (cpu - then.get(task, (0, 0))[0]) / passed,
+              (wakes - then.get(task, (0, 0))[1]) / passed)
+             for task, (cpu, wakes) in sorted(now.items())]
+            for pid, then, now in zip(pids, before, after)]
 
 
 def empty_loop(seconds):
@@ -74,34 +76,73 @@ def empty_loop(seconds):
     doctor = subprocess.Popen([AGENT, "doctor", "--seconds", str(seconds + 2)],
                               stdout=subprocess.DEVNULL)
     time.sleep(1)
-    rows = measure(doctor.pid, seconds)
+    rows = measure([doctor.pid], seconds)[0]
     doctor.wait()
     return max(cpu for _, cpu, _ in rows)
 
 
-def main():
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10
-    empty_before = empty_loop(seconds / 2)
+def measure_agents(programs, seconds):
+    """Returns [([(role, CPU %, wake-ups/s)], MB resident, the lines of its summary)] of agents that
+    run at the same time, each in a session of its own."""
     with tempfile.TemporaryDirectory() as data:
         server = Server(data)
-        server.create(scene=SCENE)
-        agent = subprocess.Popen(
-            [AGENT, "--server", f"http://127.0.0.1:{server.port}", "--session", "block",
-             "--device", "sim", "--duration", str(WARM_UP_S + seconds + 2)],
-            stdout=subprocess.PIPE, text=True)
+        agents = []
+        for n, program in enumerate(programs):
+            server.create(session=f"block{n}", scene=SCENE)
+            agents.append(subprocess.Popen(
+                [program, "--server", f"http://127.0.0.1:{server.port}", "--session", f"block{n}",
+                 "--device", "sim", "--duration", str(WARM_UP_S + seconds + 2)],
+                stdout=subprocess.PIPE, text=True))
         time.sleep(WARM_UP_S)
-        rows = measure(agent.pid, seconds)
-        memory_mb = resident_mb(agent.pid)
-        summary = agent.communicate()[0]
+        rows = measure([agent.pid for agent in agents], seconds)
+        memory_mb = [resident_mb(agent.pid) for agent in agents]
+        summaries = [agent.communicate()[0].splitlines() for agent in agents]
         server.stop()
-    print(f"{'thread':16} {'CPU %':>7} {'wake-ups/s':>11}")
+    return list(zip(rows, memory_mb, summaries))
+
+
+def by_role(rows):
+    """Returns [(role, CPU %, wake-ups/s)], the last for all together."""
+    table = []
     for role in [*ROLES.values(), "other"]:
         of_role = [row[1:] for row in rows if row[0] == role]
-        print(f"{role:16} {sum(c for c, _ in of_role):7.2f} {sum(w for _, w in of_role):11.0f}")
-    print(f"{'together':16} {sum(r[1] for r in rows):7.2f} {sum(r[2] for r in rows):11.0f}")
+        table.append((role, sum(c for c, _ in of_role), sum(w for _, w in of_role)))
+    return [*table, ("together", sum(r[1] for r in table), sum(r[2] for r in table))]
+
+
+def print_load(seconds):
+    empty_before = empty_loop(seconds / 2)
+    rows, memory_mb, summary = measure_agents([AGENT], seconds)[0]
+    print(f"{'thread':16} {'CPU %':>7} {'wake-ups/s':>11}")
+    for role, cpu, wakes in by_role(rows):
+        print(f"{role:16} {cpu:7.2f} {wakes:11.0f}")
     print(f"{'an empty loop':16} {empty_before:7.2f} before, {empty_loop(seconds / 2):.2f} after")
     print(f"resident {memory_mb:.1f} MB")
-    print(*[line for line in summary.splitlines() if "replica" in line or "loop" in line], sep="\n")
+    print(*[line for line in summary if "replica" in line or "loop" in line], sep="\n")
+
+
+def print_comparison(seconds, other, turns):
+    """Prints the CPU % of both agents, which run at the same time, in each turn, and the quotient.
+    What else the machine does disturbs both."""
+    print(f"{'turn':4}  {'other agent: servo replica link watchdog together':50}"
+          f"{'this one: the same':36} quotient")
+    for turn in range(turns):
+        pair = (other, AGENT) if turn % 2 == 0 else (AGENT, other)
+        loads = {program: by_role(rows)
+                 for program, (rows, _, _) in zip(pair, measure_agents(pair, seconds))}
+        table = [loads[other], loads[AGENT]]
+        cells = ["".join(f"{rows[n][1]:7.2f}" for n in (1, 2, 3, 0, 5)) for rows in table]
+        print(f"{turn + 1:4}  {cells[0]:50}{cells[1]:36} "
+              f"{table[1][-1][1] / table[0][-1][1]:.2f}", flush=True)
+
+
+def main():
+    arguments = sys.argv[1:]
+    seconds = float(arguments[0]) if arguments else 10
+    if arguments[1:2] == ["--against"]:
+        print_comparison(seconds, arguments[2], int(arguments[3]) if arguments[3:] else 3)
+    else:
+        print_load(seconds)
 
 
 if __name__ == "__main__":

@@ -322,5 +322,22 @@ TEST(GripHistory, FindsTheGripOfAnAnswer) {
   EXPECT_EQ(history.at(1'000'000), nullptr) << "too long ago";
 }
 
+TEST(GripHistory, FindsTheNewestGripThatIsNotLater) {
+  GripHistory history;
+  for (std::uint64_t count = 1; count <= 1500; ++count) {
+    history.push({.time_us = 10 * count});
+    if (count > 40 && count % 89 != 0) continue;
+    for (std::uint64_t time = 0; time <= 10 * count + 10; ++time) {
+      const std::uint64_t newest = std::min(time / 10, count);
+      const bool kept = newest > 0 && newest + GripHistory::kKept > count;
+      const PastGrip* found = history.at(time);
+      ASSERT_EQ(found != nullptr, kept) << time << " of " << count;
+      if (kept) {
+        ASSERT_EQ(found->time_us, 10 * newest) << time << " of " << count;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kerf::agent
