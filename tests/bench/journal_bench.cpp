@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints how many bytes of a journal one motion takes: of hands at 1 kHz with a commit every 10 ms,
 // and of programs that are carved fast. The size is that of the file, rows and index pages
-// included, without the empty journal of 28 kB.
+// included, without the empty journal of 28 kB. Of these are printed the share of the batches
+// themselves, the rest being SQLite's, and what no code can save: the entropy of the noise of the
+// encoders and of the agent's clock, as if the path of the hand were known.
 //
 //   journal_bench
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -20,12 +23,14 @@
 #include "server/formats/pose_grid.h"
 #include "server/store/journal_reader.h"
 #include "server/store/journal_writer.h"
+#include "server/store/sqlite.h"
 
 namespace {
 
 using namespace kerf;
 
 constexpr int kMotions = 12'000;
+constexpr double kArmMm = 100;  ///< between the encoders that tell the axis
 
 struct Kind {
   const char* name;
@@ -44,7 +49,6 @@ ToolPose hand(double t, const Kind& kind, std::mt19937_64& random) {
   std::normal_distribution<double> noise;
   const auto rough = [&] { return kind.noise_mm * noise(random); };
   const double lean = kind.lean_rad * std::sin(1.1 * t), turn = kind.lean_rad * std::sin(1.9 * t);
-  constexpr double kArmMm = 100;
   const Vec3 axis =
       normalized({std::sin(lean) * std::cos(turn) + rough() / kArmMm,
                   std::sin(turn) + rough() / kArmMm, std::cos(lean) * std::cos(turn)});
@@ -57,6 +61,38 @@ ToolPose hand(double t, const Kind& kind, std::mt19937_64& random) {
   }
   // Samples carry the axis as floats.
   return admit_pose({tip, kind.lean_rad > 0 ? Vec3(Vec3f(axis)) : Vec3{0, 0, 1}});
+}
+
+/// Bits of a normally distributed number with such a deviation, in steps, when it is rounded to
+/// them; exact to 0.01 from one step on.
+double bits_of_noise(double steps) {
+  return std::max(0.0, std::log2(steps * std::sqrt(2 * std::numbers::pi * std::numbers::e)));
+}
+
+/// Bytes of a motion that noise alone takes. Samples carry the axis as floats, so noise below their
+/// spacing is lost; the third component follows from the others.
+double noise_bytes(const Kind& kind) {
+  if (kind.noise_mm == 0) return 0;
+  Kind smooth = kind;
+  smooth.noise_mm = 0;
+  std::mt19937_64 unused;
+  double bits = 0;
+  for (int n = 0; n < kMotions; ++n) {
+    const Vec3f axis(hand(1e-3 * n, smooth, unused).axis);
+    for (const float component : {axis.x, axis.y}) {
+      const double spacing = std::nextafter(std::abs(component), 1.0F) - std::abs(component);
+      bits += bits_of_noise(kind.noise_mm / kArmMm / std::max(spacing, kAxisGrid));
+    }
+  }
+  // Half of the normal distribution: one bit less.
+  const double clock = kind.jitter_us > 0 ? bits_of_noise(kind.jitter_us) - 1 : 0;
+  return (bits / kMotions + 3 * bits_of_noise(kind.noise_mm / kTipGridMm) + clock) / 8;
+}
+
+/// Bytes of all batches of a journal.
+double batch_bytes(const std::filesystem::path& file) {
+  auto database = SqlDatabase::open(file, SqlMode::kRead).value();
+  return static_cast<double>(database.integer("SELECT sum(length(bytes)) FROM batches").value());
 }
 
 void measure(const Kind& kind, const std::filesystem::path& file) {
@@ -95,8 +131,11 @@ void measure(const Kind& kind, const std::filesystem::path& file) {
   int count = 0;
   while (reader.next().value()) ++count;
   const std::chrono::duration<double, std::micro> read = std::chrono::steady_clock::now() - start;
-  std::printf("%-46s %5.1f B a motion, %5.0f MB an hour of a hand; read in %.2f us a motion\n",
-              kind.name, bytes / count, bytes / count * 3.6, read.count() / count);
+  std::printf(
+      "%-46s %5.1f B a motion, of it batches %5.1f and noise alone %5.1f; %5.0f MB an hour of a "
+      "hand; read in %.2f us a motion\n",
+      kind.name, bytes / count, batch_bytes(file) / count, noise_bytes(kind), bytes / count * 3.6,
+      read.count() / count);
   remove_journal(file);
 }
 
