@@ -105,6 +105,7 @@ void PeerSocket::pump() {
   if (conversation().finishing()) limit_leaving();
   if (writing_) return;
   const bool leaves = conversation().take(out_);
+  if (!leaves) socket_.flush();  // what was to follow has been dropped
   if (!leaves && !conversation().finishing()) return;
   writing_ = true;
   if (!leaves) {

@@ -42,6 +42,14 @@ asio::awaitable<error_code> ByteStream::shake_hands() {
   }
 }
 
+void ByteStream::flush() {
+  if (is_sending_ || held_.empty() || !socket_.is_open()) return;
+  // A peer that does not read gets the rest before what is written next.
+  const auto count =
+      ::send(socket_.native_handle(), held_.data(), held_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (count > 0) held_.erase(held_.begin(), held_.begin() + count);
+}
+
 void ByteStream::end_sending() {
   if (!socket_.is_open()) return;
   if (tls_) tls_->say_end();

@@ -4,11 +4,13 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/async_result.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -43,8 +45,11 @@ class ByteStream {
 
   /// Shakes hands if there is TLS; the channel says why it failed.
   boost::asio::awaitable<boost::system::error_code> shake_hands();
-  /// Whether what is written is held for what is written next (MSG_MORE); ignored with TLS.
+  /// Whether what is written is held for what is written next, so that both leave together, in one
+  /// call of the operating system if it is short. Ignored with TLS.
   void hold(bool on) { hold_ = on; }
+  /// Sends what is held, because nothing follows.
+  void flush();
   /// Tells the peer that nothing more comes, in TLS too.
   void end_sending();
   /// Whether the peer has closed its end, as far as has arrived.
@@ -65,7 +70,8 @@ class ByteStream {
   auto async_write_some(const Buffers& buffers, Token&& token) {
     return boost::asio::async_initiate<Token, void(boost::system::error_code, std::size_t)>(
         [this](auto handler, const Buffers& from) {
-          if (!tls_) return socket_.async_send(from, hold_ ? MSG_MORE : 0, std::move(handler));
+          if (!tls_ && !hold_ && held_.empty()) return socket_.async_send(from, std::move(handler));
+          if (!tls_) return send(parts_of(from), std::move(handler));
           // One record for all parts, of at most the size that TLS allows.
           outgoing_.resize(std::min(boost::asio::buffer_size(from), kRecordBytes));
           boost::asio::buffer_copy(boost::asio::buffer(outgoing_), from);
@@ -76,6 +82,9 @@ class ByteStream {
 
  private:
   static constexpr std::size_t kRecordBytes = std::size_t{16} * 1024;
+  static constexpr std::size_t kHeldBytesMax = 2048;
+  /// Parts of a message that are sent at once; the others are sent afterwards.
+  using Parts = std::array<boost::asio::const_buffer, 6>;
   using Attempt = std::move_only_function<TlsStep(std::size_t& count)>;
 
   template <class Buffers>
@@ -87,13 +96,53 @@ class ByteStream {
     }
     return {};
   }
+  template <class Buffers>
+  static Parts parts_of(const Buffers& buffers) {
+    Parts parts{};
+    std::size_t count = 0;  // the first one is for what is held
+    const auto end = boost::asio::buffer_sequence_end(buffers);
+    for (auto part = boost::asio::buffer_sequence_begin(buffers); part != end; ++part) {
+      const boost::asio::const_buffer bytes = *part;
+      if (bytes.size() == 0) continue;
+      if (++count == parts.size()) break;
+      parts.at(count) = bytes;
+    }
+    return parts;
+  }
+  /// Sends the parts behind what is held, or holds them.
+  template <class Handler>
+  void send(Parts parts, Handler handler) {
+    const std::size_t bytes = boost::asio::buffer_size(parts);
+    if (hold_ && bytes > 0 && held_.size() + bytes <= kHeldBytesMax) {
+      const std::size_t before = held_.size();
+      held_.resize(before + bytes);
+      boost::asio::buffer_copy(boost::asio::buffer(held_) + before, parts);
+      auto held = [handler = std::move(handler), bytes]() mutable {
+        std::move(handler)(boost::system::error_code(), bytes);
+      };
+      return boost::asio::post(get_executor(), std::move(held));
+    }
+    parts.front() = boost::asio::buffer(held_);
+    is_sending_ = true;
+    auto sent = [this, parts, bytes, handler = std::move(handler)](boost::system::error_code error,
+                                                                   std::size_t count) mutable {
+      is_sending_ = false;
+      const std::size_t held = std::min(count, held_.size());
+      held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(held));
+      // Of what was asked to be written, nothing has left yet.
+      if (!error && count == held && bytes > 0) return send(parts, std::move(handler));
+      std::move(handler)(error, count - held);
+    };
+    socket_.async_send(parts, hold_ ? MSG_MORE : 0, std::move(sent));
+  }
   void read_tls(boost::asio::mutable_buffer to, Done done);
   void write_tls(Done done);
   void go_on(Attempt attempt, Done done, bool is_first);
 
   boost::asio::ip::tcp::socket socket_;
   std::unique_ptr<TlsChannel> tls_;
-  bool hold_ = false;
+  bool hold_ = false, is_sending_ = false;
+  std::vector<std::byte> held_;
   std::vector<std::byte> outgoing_;  ///< being written with TLS
 };
 

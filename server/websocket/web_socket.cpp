@@ -108,6 +108,8 @@ bool WebSocket::is_text() const { return state_->stream.got_text(); }
 
 void WebSocket::hold(bool on) { state_->stream.next_layer().hold(on); }
 
+void WebSocket::flush() { state_->stream.next_layer().flush(); }
+
 void WebSocket::write(bool text, std::array<asio::const_buffer, 2> parts, Written written) {
   state_->stream.text(text);
   state_->stream.async_write(parts, [written = std::move(written)](

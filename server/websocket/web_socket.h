@@ -75,9 +75,10 @@ class WebSocket {
   std::string_view text() const;
   bool is_text() const;
   /// The messages from now on are held until one follows for which hold is off, or a packet is
-  /// full; then they leave together, which costs about as much as one. At most 0.2 s; without TLS
-  /// only.
+  /// full; then they leave together, which costs about as much as one. Without TLS only. Call
+  /// flush() if none follows.
   void hold(bool on);
+  void flush();
   /// Sends the parts as one message. Their bytes must remain until `written` is called.
   void write(bool text, std::array<boost::asio::const_buffer, 2> parts, Written written);
   /// The same for a coroutine.

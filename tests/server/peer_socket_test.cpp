@@ -21,16 +21,20 @@ using boost::system::error_code;
 /// More than the socket buffers of both sides hold.
 constexpr std::size_t kLongFrameBytes = std::size_t{64} << 20;
 
-/// Sends one long frame.
-class LongConversation final : public Conversation {
+/// Sends one frame. With `promises_more` another one is to follow, which then does not.
+class OneFrame final : public Conversation {
  public:
-  LongConversation(std::shared_ptr<Session> session, Metrics& metrics)
-      : Conversation(std::move(session), metrics, Clock::now, {}, {}) {}
+  OneFrame(std::shared_ptr<Session> session, Metrics& metrics, std::size_t bytes,
+           bool promises_more = false)
+      : Conversation(std::move(session), metrics, Clock::now, {}, {}),
+        bytes_(bytes),
+        promises_more_(promises_more) {}
   bool take(OutFrame& out) override {
     if (std::exchange(taken_, true)) return false;
-    out = {.kind = OutFrame::Kind::kMesh, .bytes = std::vector<std::byte>(kLongFrameBytes)};
+    out = {.kind = OutFrame::Kind::kMesh, .bytes = std::vector<std::byte>(bytes_)};
     return true;
   }
+  bool has_more() const override { return promises_more_; }
   void end() override {}
 
  private:
@@ -41,12 +45,13 @@ class LongConversation final : public Conversation {
   void queue_pong(const wire::FrameStamp&, const wire::Pong&) override {}
   void discard_updates() override {}
 
-  bool taken_ = false;
+  std::size_t bytes_;
+  bool promises_more_, taken_ = false;
 };
 
-class LongPeer final : public PeerSocket {
+class Peer final : public PeerSocket {
  public:
-  LongPeer(tcp::socket socket, Conversation& conversation, bool& is_closed)
+  Peer(tcp::socket socket, Conversation& conversation, bool& is_closed)
       : PeerSocket(ByteStream(std::move(socket)), "kerf.test", -1, std::chrono::milliseconds(20)),
         conversation_(conversation),
         is_closed_(is_closed) {}
@@ -60,43 +65,75 @@ class LongPeer final : public PeerSocket {
   bool& is_closed_;
 };
 
-class PeerSocketTest : public SessionTest {};
+class PeerSocketTest : public SessionTest {
+ protected:
+  PeerSocketTest() : accepted_(io_), client_(io_) {
+    tcp::acceptor acceptor(io_, tcp::endpoint(asio::ip::address_v4::loopback(), 0));
+    client_.connect(acceptor.local_endpoint());
+    acceptor.accept(accepted_);
+  }
+  /// Lets the peer begin, once the client has asked for a WebSocket.
+  void accept(Conversation& conversation) {
+    asio::post(io_, [&] {
+      UpgradeRequest request;
+      boost::beast::flat_buffer buffer;
+      boost::beast::http::read(accepted_, buffer, request.message);
+      const auto made = std::make_shared<Peer>(std::move(accepted_), conversation, is_closed_);
+      peer_ = made;
+      made->start(std::move(request));
+    });
+  }
+  void run_until(const bool& done) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+    while (!done && std::chrono::steady_clock::now() < end) {
+      io_.run_one_for(std::chrono::milliseconds(10));
+    }
+  }
+
+  Metrics metrics_;
+  asio::io_context io_;
+  tcp::socket accepted_, client_;
+  bool is_closed_ = false;
+  std::weak_ptr<Peer> peer_;
+};
+
+constexpr WebSocketLimits kClientLimits{
+    .handshake = std::chrono::seconds(5), .idle = std::chrono::seconds(20), .message_bytes = 1024};
 
 TEST_F(PeerSocketTest, APeerThatDoesNotReadIsDisconnectedWhenItsConversationEnds) {
-  Metrics metrics;
-  LongConversation conversation(start(), metrics);
-  bool is_closed = false;
-  asio::io_context io;
-  tcp::socket accepted(io), client(io);
-  tcp::acceptor acceptor(io, tcp::endpoint(asio::ip::address_v4::loopback(), 0));
-  client.connect(acceptor.local_endpoint());
-  acceptor.accept(accepted);
-  WebSocket reader(std::move(client), {.handshake = std::chrono::seconds(5),
-                                       .idle = std::chrono::seconds(20),
-                                       .message_bytes = 1024});
-  std::weak_ptr<LongPeer> peer;
+  OneFrame conversation(start(), metrics_, kLongFrameBytes);
+  WebSocket reader(std::move(client_), kClientLimits);
   asio::co_spawn(
-      io,
+      io_,
       [&]() -> asio::awaitable<void> {
         const auto answer = co_await reader.shake_hands("localhost", "/x", "kerf.test");
         EXPECT_FALSE(answer.error) << answer.error.message();
         conversation.grant_expired();
-        if (const auto here = peer.lock()) here->pump();
+        if (const auto here = peer_.lock()) here->pump();
       },
       asio::detached);
-  asio::post(io, [&] {
-    UpgradeRequest request;
-    boost::beast::flat_buffer buffer;
-    boost::beast::http::read(accepted, buffer, request.message);
-    const auto made = std::make_shared<LongPeer>(std::move(accepted), conversation, is_closed);
-    peer = made;
-    made->start(std::move(request));
-  });
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
-  while (!is_closed && std::chrono::steady_clock::now() < end) {
-    io.run_one_for(std::chrono::milliseconds(10));
-  }
-  EXPECT_TRUE(is_closed);
+  accept(conversation);
+  run_until(is_closed_);
+  EXPECT_TRUE(is_closed_);
+}
+
+TEST_F(PeerSocketTest, AFrameArrivesAlsoIfTheOneThatWasToFollowIsDropped) {
+  OneFrame conversation(start(), metrics_, 10, true);
+  WebSocket reader(std::move(client_), kClientLimits);
+  bool has_arrived = false;
+  asio::co_spawn(
+      io_,
+      [&]() -> asio::awaitable<void> {
+        const auto answer = co_await reader.shake_hands("localhost", "/x", "kerf.test");
+        EXPECT_FALSE(answer.error) << answer.error.message();
+        has_arrived = !co_await reader.read() && reader.message().size() == 10;
+      },
+      asio::detached);
+  accept(conversation);
+  run_until(has_arrived);
+  EXPECT_TRUE(has_arrived);
+  reader.cut();
+  run_until(is_closed_);
 }
 
 }  // namespace

@@ -3,13 +3,14 @@
 #include "server/websocket/web_socket.h"
 
 #include <gtest/gtest.h>
-#include <linux/sockios.h>
 #include <sys/ioctl.h>
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/streambuf.hpp>
+#include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/read.hpp>
@@ -62,6 +63,7 @@ class WebSocketTest : public testing::Test {
 
   asio::io_context io_;
   tcp::socket server_, client_;
+  int client_handle_ = -1;
 };
 
 TEST_F(WebSocketTest, CarriesTextAndBinaryMessagesWhole) {
@@ -96,25 +98,51 @@ TEST_F(WebSocketTest, CarriesTextAndBinaryMessagesWhole) {
 }
 
 TEST_F(WebSocketTest, HeldMessagesLeaveWithTheNextOne) {
+  const std::string poses = "poses", tiles = "tiles", long_one(900, 'x');
+  bool all_written = false;
   run(
       [&]() -> asio::awaitable<void> {
         const auto socket = co_await accept("kerf.test");
-        const std::string first = "poses", second = "tiles";
+        int unread = 0;
+        const auto arrived = [&] {
+          ioctl(client_handle_, FIONREAD, &unread);
+          return unread;
+        };
         socket->hold(true);
-        EXPECT_FALSE(co_await socket->write(false, asio::buffer(first)));
-        EXPECT_FALSE(co_await socket->write(false, asio::buffer(first)));
-        // Nothing has been sent: the system says how many bytes wait.
-        int unsent = 0;
-        ioctl(socket->tcp().native_handle(), SIOCOUTQNSD, &unsent);
-        EXPECT_EQ(unsent, 14);
+        EXPECT_FALSE(co_await socket->write(false, asio::buffer(poses)));
+        EXPECT_FALSE(co_await socket->write(false, asio::buffer(poses)));
+        EXPECT_EQ(arrived(), 0);
         socket->hold(false);
-        EXPECT_FALSE(co_await socket->write(false, asio::buffer(second)));
+        EXPECT_FALSE(co_await socket->write(false, asio::buffer(tiles)));
+        EXPECT_EQ(arrived(), 3 * 7);
+        // Nothing follows.
+        socket->hold(true);
+        EXPECT_FALSE(co_await socket->write(false, asio::buffer(poses)));
+        EXPECT_EQ(arrived(), 3 * 7);
+        socket->flush();
+        socket->flush();
+        EXPECT_EQ(arrived(), 4 * 7);
+        // More than is held here waits in the operating system.
+        for (int n = 0; n < 4; ++n)
+          EXPECT_FALSE(co_await socket->write(false, asio::buffer(long_one)));
+        EXPECT_EQ(arrived(), 4 * 7);
+        socket->hold(false);
+        EXPECT_FALSE(co_await socket->write(false, asio::buffer(tiles)));
+        EXPECT_EQ(arrived(), 5 * 7 + 4 * 904);
+        all_written = true;
         EXPECT_TRUE(co_await socket->read()) << "the client has closed";
       },
       [&]() -> asio::awaitable<void> {
+        client_handle_ = client_.native_handle();
         WebSocket socket(std::move(client_), kLimits);
         EXPECT_FALSE((co_await socket.shake_hands("localhost", "/", "kerf.test")).error);
-        for (const char* text : {"poses", "poses", "tiles"}) {
+        asio::steady_timer pause(io_);
+        while (!all_written) {
+          pause.expires_after(std::chrono::milliseconds(1));
+          co_await pause.async_wait(asio::use_awaitable);
+        }
+        for (const std::string& text :
+             {poses, poses, tiles, poses, long_one, long_one, long_one, long_one, tiles}) {
           EXPECT_FALSE(co_await socket.read());
           EXPECT_EQ(socket.text(), text);
         }
