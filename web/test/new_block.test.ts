@@ -13,7 +13,6 @@ import {
   timeText,
   toolsInComments,
   toolsOf,
-  toolsText,
 } from '../src/model/new_block';
 import type { ToolChoice } from '../src/model/new_block';
 
@@ -137,10 +136,6 @@ test('stocks, ages and ids are put in a few words', () => {
     '⌀ 60 × 80 mm',
   );
   expect(stockText(undefined)).toBe('');
-  expect(toolsText([{ diameter_mm: 12 }, { diameter_mm: 6 }, { shape: 'profile' }])).toBe(
-    '⌀ 12, 6, and profile mm',
-  );
-  expect(toolsText(undefined)).toBe('');
   expect(['just now', '1 min ago', '59 min ago', '1 h ago', 'a day ago', '3 days ago']).toEqual(
     [59e3, 60e3, 3599e3, 3600e3, 86400e3, 3 * 86400e3].map((ago) => ageText(1e12 - ago, 1e12)),
   );

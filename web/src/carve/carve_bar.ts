@@ -10,7 +10,7 @@ import { figure } from '../ui/format';
 import type { ToolInfo } from '../wire/types';
 import type { AimMode } from './aim';
 import type { DragStrength } from './drag';
-import { commonScale, silhouette } from './silhouette';
+import { commonScale, silhouette } from '../ui/silhouette';
 
 export interface BarActions {
   chooseTool: (id: number) => void;

@@ -2,6 +2,7 @@
 // What there is for those who have no file at hand: a program, which carves a flower of waves, and a
 // block to carve by hand.
 
+import type { ToolInfo } from '../wire/types';
 import type { GivenFile } from './program_block';
 
 const RADIUS_MM = 34;
@@ -46,6 +47,9 @@ const BLOCK = {
   ],
 };
 
-export function exampleBlock(): GivenFile {
-  return { name: 'block.json', bytes: new TextEncoder().encode(JSON.stringify(BLOCK)) };
+export const EXAMPLE_TOOLS: readonly ToolInfo[] = BLOCK.tools;
+
+export function exampleBlock(tools: readonly ToolInfo[]): GivenFile {
+  const scene = JSON.stringify({ ...BLOCK, tools });
+  return { name: 'block.json', bytes: new TextEncoder().encode(scene) };
 }

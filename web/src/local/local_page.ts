@@ -95,8 +95,8 @@ export class LocalPage {
       choose: () => this.input_.choose(),
       example: () => this.take_([exampleProgram()]),
       goOn: (file) => this.take_([file]),
-      carve: () => {
-        this.take_([exampleBlock()]);
+      carve: (tools) => {
+        this.take_([exampleBlock(tools)]);
         this.carvesThen_ = true;
       },
     });

@@ -4,14 +4,18 @@
 import { t } from '../strings';
 import { h } from '../ui/dom';
 import { ageText } from '../model/new_block';
+import { ToolRack } from '../ui/tools/tool_rack';
+import type { ToolInfo } from '../wire/types';
 import { forgetStrokes, keptStrokes } from './autosave';
 import type { KeptStrokes } from './autosave';
+import { EXAMPLE_TOOLS } from './example';
 import type { GivenFile } from './program_block';
 
 export interface StartActions {
   choose: () => void;
   example: () => void;
-  carve: () => void;
+  /** Carves a block by hand with these tools. */
+  carve: (tools: readonly ToolInfo[]) => void;
   /** Opens the file of strokes that the browser has kept. */
   goOn: (file: GivenFile) => void;
 }
@@ -50,6 +54,7 @@ function offer(place: HTMLElement, kept: KeptStrokes, goOn: StartActions['goOn']
 }
 
 export function startCard({ choose, example, carve, goOn }: StartActions): HTMLElement {
+  const rack = new ToolRack(EXAMPLE_TOOLS, () => undefined);
   const kept = h('div', { class: 'kept-strokes', role: 'status' });
   keptStrokes().then(
     (strokes) => {
@@ -74,7 +79,13 @@ export function startCard({ choose, example, carve, goOn }: StartActions): HTMLE
       { class: 'page-actions' },
       button(t('Choose files…'), choose),
       button(t('Try an example'), example),
-      button(t('Carve a block by hand'), carve),
+      button(t('Carve a block by hand'), () => carve(rack.tools)),
+    ),
+    h(
+      'details',
+      { class: 'start-tools' },
+      h('summary', {}, t('Tools of the block by hand')),
+      rack.element,
     ),
   );
 }

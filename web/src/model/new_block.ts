@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes of new blocks: from a template, around a mesh, or for a program; what they cost, in words.
 
-import { language, t } from '../strings';
+import { t } from '../strings';
 import type { Vec3 } from '../wire/types';
 import { placementJson } from './placement';
 import type { Placement } from './placement';
@@ -208,14 +208,6 @@ export function bytesText(bytes: number): string {
 /** "0.05 mm: 38 µs a motion, up to 120 MB" */
 export function priceText({ usPerMotion, bytes }: Price, targetMm: number): string {
   return t('{0} mm: {1} a motion, up to {2}', targetMm, timeText(usPerMotion), bytesText(bytes));
-}
-
-/** "⌀ 12, 6 and 3 mm": the tools of a template. */
-export function toolsText(tools: unknown): string {
-  const sizes = (Array.isArray(tools) ? (tools as Scene[]) : []).map((tool) =>
-    typeof tool['diameter_mm'] === 'number' ? String(tool['diameter_mm']) : t('profile'),
-  );
-  return sizes.length === 0 ? '' : `⌀ ${new Intl.ListFormat(language).format(sizes)} mm`;
 }
 
 /** "120 × 80 × 20 mm", or "⌀ 60 × 80 mm" of a cylinder; empty if the stock is neither. */

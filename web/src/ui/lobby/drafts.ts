@@ -13,12 +13,13 @@ import {
   stockText,
   targetOf,
   toolsOf,
-  toolsText,
 } from '../../model/new_block';
 import type { Scene } from '../../model/new_block';
 import { unplaced } from '../../model/placement';
+import type { ToolInfo } from '../../wire/types';
 import { h } from '../dom';
 import { count, sentence } from '../format';
+import { ToolRack } from '../tools/tool_rack';
 import { uploadName } from '../programs/requests';
 import { duration } from '../programs/texts';
 import { placementForm } from './placement_form';
@@ -45,14 +46,21 @@ function nameOf(file: File): string {
   return file.name.replace(/\.[^.]*$/, '');
 }
 
-export function fromTemplate({ title, scene }: Template): Draft {
-  const { name, stock, tools } = scene;
-  const text = t('{0}, tools {1}', stockText(stock), toolsText(tools));
+/** A scene whose tools can be edited; `head`: what else its part of the form has. */
+function withTools(scene: () => Scene, changed: () => void, head: HTMLElement) {
+  const rack = new ToolRack((scene()['tools'] ?? []) as ToolInfo[], changed);
+  return {
+    element: h('div', { class: 'draft-tools' }, head, rack.element),
+    scene: (): Scene => ({ ...scene(), tools: rack.tools }),
+  };
+}
+
+export function fromTemplate({ title, scene }: Template, changed: () => void): Draft {
+  const { name, stock } = scene;
   return {
     name: typeof name === 'string' ? name : title,
     targetMm: targetOf(scene),
-    element: h('p', { class: 'quiet' }, text),
-    scene: () => scene,
+    ...withTools(() => scene, changed, h('p', { class: 'quiet' }, stockText(stock))),
     program: null,
   };
 }
@@ -65,8 +73,7 @@ async function fromMesh(file: File, changed: () => void, repair: boolean): Promi
   return {
     name: nameOf(file),
     targetMm: null,
-    element,
-    scene: () => meshScene(mesh.file, repair, placement),
+    ...withTools(() => meshScene(mesh.file, repair, placement), changed, element),
     program: null,
   };
 }

@@ -97,7 +97,7 @@ export class NewBlock {
     );
     button.addEventListener('click', () => {
       this.press_(button);
-      this.show_(fromTemplate(template));
+      this.show_(fromTemplate(template, () => this.changed_()));
     });
     return button;
   }

@@ -8,7 +8,7 @@ import type { Placement } from '../../model/placement';
 import type { Vec3 } from '../../wire/types';
 import { h, setText } from '../dom';
 import { count } from '../format';
-import { numberInput } from './number_input';
+import { numberInput } from '../number_input';
 
 function sizeText({ triangles, box }: UploadedMesh, placement: Placement): string {
   const { min, max } = placedBox(box, placement);

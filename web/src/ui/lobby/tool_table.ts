@@ -5,7 +5,7 @@ import { t } from '../../strings';
 import type { Box, ToolChoice } from '../../model/new_block';
 import type { Vec3 } from '../../wire/types';
 import { h } from '../dom';
-import { numberInput } from './number_input';
+import { numberInput } from '../number_input';
 
 const SHAPES: readonly [ToolChoice['shape'], string][] = [
   ['flat', t('flat end')],

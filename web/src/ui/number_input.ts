@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-import { h } from '../dom';
+import { h } from './dom';
 
 /** An input for a number; `set` is called with each number that is entered. */
 export function numberInput(
