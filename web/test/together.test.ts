@@ -2,6 +2,7 @@
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { headlineOf, namesOf } from '../src/model/headline';
+import { Newcomers } from '../src/model/newcomers';
 import { placeOf } from '../src/model/pin_place';
 import { SessionModel } from '../src/model/session';
 import { parseControl } from '../src/wire/control';
@@ -145,5 +146,18 @@ describe('the headline', () => {
     expect(farWith(program({ pace: 'fast', motions_done: 1, motions: 3 }))).toBe('33 %');
     expect(farWith(program({ state: 'finished' }))).toBe('');
     expect(farWith(program({ id: 1 }), program({ id: 2 }))).toBe('');
+  });
+});
+
+describe('who joins in', () => {
+  it('is the newest one, for some seconds; not who was there before, nor this viewer', () => {
+    const newcomers = new Newcomers();
+    const present = (...names: string[]) => sessionOf(names, []).participants.all();
+    expect(newcomers.update([], 9, 0)).toBe('');
+    expect(newcomers.update(present('Ada', 'Bo'), 9, 1000)).toBe('');
+    expect(newcomers.update(present('Ada', 'Bo', 'Cy'), 9, 2000)).toBe('Cy');
+    expect(newcomers.update(present('Ada', 'Bo', 'Cy'), 9, 7900)).toBe('Cy');
+    expect(newcomers.update(present('Ada', 'Bo', 'Cy'), 9, 8100)).toBe('');
+    expect(newcomers.update(present('Ada', 'Bo', 'Cy', 'Me'), 4, 9000)).toBe('');
   });
 });

@@ -5,6 +5,7 @@
 import { t } from '../strings';
 import { roleName } from '../strings/names';
 import { headlineOf } from '../model/headline';
+import { Newcomers } from '../model/newcomers';
 import type { SessionModel } from '../model/session';
 import { Badge } from './badge';
 import { h, iconButton, setText } from './dom';
@@ -21,6 +22,7 @@ export class TitleBar {
   private readonly name_: HTMLElement;
   private readonly who_ = h('span', { class: 'headline-who' });
   private readonly far_ = h('span', { class: 'headline-far' });
+  private readonly newcomers_ = new Newcomers();
   private readonly headline_ = h('p', { class: 'headline', hidden: '' }, this.who_, this.far_);
   private readonly role_ = h('span', { class: 'role', hidden: '' });
   private readonly invite_: HTMLElement;
@@ -58,7 +60,10 @@ export class TitleBar {
       this.name_.textContent = name;
       document.title = `${name} · Kerf`;
     }
-    const { who, far } = headlineOf(model, this.session, nowMs);
+    const { who: carving, far } = headlineOf(model, this.session, nowMs);
+    const newcomer = this.newcomers_.update(participants.all(), welcome?.participant ?? 0, nowMs);
+    const joins = newcomer === '' ? '' : t('{0} joins in', newcomer);
+    const who = [carving, joins].filter((text) => text !== '').join(' · ');
     this.headline_.hidden = who === '' || model.state?.at !== undefined;
     setText(this.who_, who);
     setText(this.far_, far);
