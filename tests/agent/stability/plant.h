@@ -73,8 +73,16 @@ class Plant final : public HapticDevice {
     buttons_ = buttons;
     tool_id_ = tool_id;
   }
-  /// Starts to measure the speed of the tip.
-  void begin_rest() { square_sum_ = 0, steps_ = 0; }
+  /// Starts to measure what the tip does while the hand is at rest.
+  void begin_rest() {
+    square_sum_ = 0, steps_ = 0;
+    rest_tip_ = tip();
+    rest_given_mj_ = given_mj_;
+  }
+  /// Displacement of the tip since then, and the work that the device has done on the hand; less
+  /// than zero: the hand has moved the device.
+  double moved_at_rest_mm() const { return length(tip() - rest_tip_); }
+  double given_at_rest_mj() const { return given_mj_ - rest_given_mj_; }
   /// Root mean square of the tip's speed since then, mm/s.
   double rms_mm_per_s() const { return steps_ > 0 ? std::sqrt(square_sum_ / steps_) : 0; }
   /// Greatest work done on the hand over any interval, mJ.
@@ -128,6 +136,8 @@ class Plant final : public HapticDevice {
   std::uint64_t start_us_ = 0, now_us_ = 0;
   double given_mj_ = 0, least_given_mj_ = 0, most_returned_mj_ = 0, square_sum_ = 0;
   int steps_ = 0;
+  Vec3 rest_tip_{};
+  double rest_given_mj_ = 0;
 };
 
 }  // namespace kerf::agent

@@ -87,6 +87,8 @@ SurroundOutcome surround(const Surround& surround) {
   outcome.changes = changes.count();
   outcome.returned_mj = plant.most_returned_mj();
   outcome.buzz_mm_per_s = plant.rms_mm_per_s();
+  outcome.moved_at_rest_mm = plant.moved_at_rest_mm();
+  outcome.given_at_rest_mj = plant.given_at_rest_mj();
   outcome.trips = bed.servo().supervisor().trips();
   return outcome;
 }

@@ -27,8 +27,9 @@ struct Surround {
 struct SurroundOutcome {
   double returned_mj = 0;    ///< most over any interval, in the plant
   double buzz_mm_per_s = 0;  ///< rms speed of the tip while the hand is at rest
-  double most_force_n = 0;   ///< that acted while stock appears
-  int changes = 0;           ///< times that the session's stock or the tool was another
+  double moved_at_rest_mm = 0, given_at_rest_mj = 0;  ///< meanwhile (Plant)
+  double most_force_n = 0;                            ///< that acted while stock appears
+  int changes = 0;  ///< times that the session's stock or the tool was another
   std::uint64_t trips = 0;
 };
 SurroundOutcome surround(const Surround& surround);
