@@ -102,6 +102,21 @@ describe('the copy in a worker', () => {
     copy.open('{}');
   });
 
+  it('forgets what it displayed and what was to be meshed when another block opens', () => {
+    copy.cut(MOTION, 3n);
+    kernel.next = [{ x: 1, y: 2, byPage: true }];
+    rest(); // 1,2 is displayed from the copy
+    copy.cut(MOTION, 4n);
+    kernel.next = [{ x: 5, y: 5, byPage: true }];
+    copy.take(STOCK); // 5,5 is to be meshed
+    copy.open('{}');
+    log.length = 0;
+    kernel.next = [{ x: 1, y: 2, byPage: false }]; // of the new block, cut by another
+    copy.cut(MOTION, 5n);
+    rest();
+    expect(log).toEqual([]);
+  });
+
   it('meshes what the page has cut, many motions at once', () => {
     copy.cut(MOTION, 3n);
     copy.cut(MOTION, 4n);
