@@ -43,11 +43,12 @@ asio::awaitable<error_code> ByteStream::shake_hands() {
 }
 
 void ByteStream::flush() {
-  if (is_sending_ || held_.empty() || !socket_.is_open()) return;
+  std::vector<std::byte>& held = out_->held;
+  if (out_->is_sending || held.empty() || !socket_.is_open()) return;
   // A peer that does not read gets the rest before what is written next.
   const auto count =
-      ::send(socket_.native_handle(), held_.data(), held_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-  if (count > 0) held_.erase(held_.begin(), held_.begin() + count);
+      ::send(socket_.native_handle(), held.data(), held.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (count > 0) held.erase(held.begin(), held.begin() + count);
 }
 
 void ByteStream::end_sending() {

@@ -34,6 +34,9 @@ class ByteStream {
                       std::unique_ptr<TlsChannel> tls = nullptr)
       : socket_(std::move(socket)), tls_(std::move(tls)) {}
   ByteStream(ByteStream&&) = default;
+  ~ByteStream() {
+    if (out_) out_->socket = nullptr;
+  }
 
   executor_type get_executor() { return socket_.get_executor(); }
   /// For options, addresses and waiting. What is read from it is ciphertext if there is TLS.
@@ -70,8 +73,9 @@ class ByteStream {
   auto async_write_some(const Buffers& buffers, Token&& token) {
     return boost::asio::async_initiate<Token, void(boost::system::error_code, std::size_t)>(
         [this](auto handler, const Buffers& from) {
-          if (!tls_ && !hold_ && held_.empty()) return socket_.async_send(from, std::move(handler));
-          if (!tls_) return send(parts_of(from), std::move(handler));
+          if (!tls_ && !hold_ && out_->held.empty())
+            return socket_.async_send(from, std::move(handler));
+          if (!tls_) return send_or_hold(parts_of(from), std::move(handler));
           // One record for all parts, of at most the size that TLS allows.
           outgoing_.resize(std::min(boost::asio::buffer_size(from), kRecordBytes));
           boost::asio::buffer_copy(boost::asio::buffer(outgoing_), from);
@@ -109,31 +113,48 @@ class ByteStream {
     }
     return parts;
   }
+  /// What is held. An operation that is in progress shares it, because one of a WebSocket's own,
+  /// such as a ping, may end after the stream.
+  struct Outgoing {
+    std::vector<std::byte> held;
+    bool is_sending = false;
+    boost::asio::ip::tcp::socket* socket = nullptr;  ///< null: the stream is gone
+  };
   /// Sends the parts behind what is held, or holds them.
   template <class Handler>
-  void send(Parts parts, Handler handler) {
+  void send_or_hold(Parts parts, Handler handler) {
+    std::vector<std::byte>& held = out_->held;
     const std::size_t bytes = boost::asio::buffer_size(parts);
-    if (hold_ && bytes > 0 && held_.size() + bytes <= kHeldBytesMax) {
-      const std::size_t before = held_.size();
-      held_.resize(before + bytes);
-      boost::asio::buffer_copy(boost::asio::buffer(held_) + before, parts);
-      auto held = [handler = std::move(handler), bytes]() mutable {
-        std::move(handler)(boost::system::error_code(), bytes);
-      };
-      return boost::asio::post(get_executor(), std::move(held));
+    if (!hold_ || bytes == 0 || held.size() + bytes > kHeldBytesMax) {
+      out_->socket = &socket_;
+      return send(out_, parts, hold_, std::move(handler));
     }
-    parts.front() = boost::asio::buffer(held_);
-    is_sending_ = true;
-    auto sent = [this, parts, bytes, handler = std::move(handler)](boost::system::error_code error,
-                                                                   std::size_t count) mutable {
-      is_sending_ = false;
-      const std::size_t held = std::min(count, held_.size());
-      held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(held));
+    const std::size_t before = held.size();
+    held.resize(before + bytes);
+    boost::asio::buffer_copy(boost::asio::buffer(held) + before, parts);
+    auto done = [handler = std::move(handler), bytes]() mutable {
+      std::move(handler)(boost::system::error_code(), bytes);
+    };
+    boost::asio::post(get_executor(), std::move(done));
+  }
+  template <class Handler>
+  static void send(const std::shared_ptr<Outgoing>& out, Parts parts, bool more, Handler handler) {
+    parts.front() = boost::asio::buffer(out->held);
+    out->is_sending = true;
+    auto sent = [out, parts, more, handler = std::move(handler)](boost::system::error_code error,
+                                                                 std::size_t count) mutable {
+      out->is_sending = false;
+      const std::size_t held = std::min(count, out->held.size());
+      out->held.erase(out->held.begin(), out->held.begin() + static_cast<std::ptrdiff_t>(held));
+      parts.front() = {};
       // Of what was asked to be written, nothing has left yet.
-      if (!error && count == held && bytes > 0) return send(parts, std::move(handler));
+      if (!error && out->socket != nullptr && count == held &&
+          boost::asio::buffer_size(parts) > 0) {
+        return send(out, parts, more, std::move(handler));
+      }
       std::move(handler)(error, count - held);
     };
-    socket_.async_send(parts, hold_ ? MSG_MORE : 0, std::move(sent));
+    out->socket->async_send(parts, more ? MSG_MORE : 0, std::move(sent));
   }
   void read_tls(boost::asio::mutable_buffer to, Done done);
   void write_tls(Done done);
@@ -141,8 +162,8 @@ class ByteStream {
 
   boost::asio::ip::tcp::socket socket_;
   std::unique_ptr<TlsChannel> tls_;
-  bool hold_ = false, is_sending_ = false;
-  std::vector<std::byte> held_;
+  bool hold_ = false;
+  std::shared_ptr<Outgoing> out_ = std::make_shared<Outgoing>();
   std::vector<std::byte> outgoing_;  ///< being written with TLS
 };
 
