@@ -124,6 +124,15 @@ Carving::Applied Carving::apply_recorded(ParticipantId id, const Command& comman
   return *std::move(result);
 }
 
+std::expected<void, Rejection> Carving::follow(ParticipantId id, Command command) {
+  if (auto* move = std::get_if<MoveTool>(&command)) move->feel = false;
+  if (since_) collect(command);
+  if (const auto applied = apply_recorded(id, command); !applied) {
+    return std::unexpected(applied.error());
+  }
+  return {};
+}
+
 std::optional<MotionResult> Carving::advance(ParticipantId id, std::int64_t& tiles) {
   if (tiles <= 0) return std::nullopt;
   const auto start = std::chrono::steady_clock::now();

@@ -68,6 +68,9 @@ class Carving {
   /// The program of a participant has ended: applies the motions that are still to be joined.
   void end_program(ParticipantId id);
 
+  /// Applies a command that is in the journal of a followed session, without a force.
+  std::expected<void, Rejection> follow(ParticipantId id, Command command);
+
   /// The participant leaves. A motion of it that is in the journal must be completed all the same:
   /// finish_left() does that. The rest of its batch is dropped.
   void leave(ParticipantId id);

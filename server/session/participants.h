@@ -121,6 +121,8 @@ class Participants {
   void unlisten_all() { listeners_.clear(); }
   /// Notes that the tool of a program has changed.
   void note_tool_change() { changed(true); }
+  /// Notes that the participants of the session at another server have changed.
+  void note_change_elsewhere() { changed(false); }
   /// Calls the listeners. A listener may unlisten itself or another one.
   void notify(const SessionEvent& event);
 

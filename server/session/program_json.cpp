@@ -2,6 +2,7 @@
 #include "server/session/program_json.h"
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 namespace kerf {
@@ -55,6 +56,40 @@ std::string text(const Json& json) {
 }  // namespace
 
 std::string program_json(const ProgramGlance& program) { return text(glance_json(program)); }
+
+std::optional<ProgramGlance> parse_program_glance(std::string_view text) {
+  constexpr std::array kStates = {ProgramState::kQueued,    ProgramState::kRunning,
+                                  ProgramState::kPaused,    ProgramState::kFinished,
+                                  ProgramState::kCancelled, ProgramState::kFailed};
+  try {
+    const Json json = Json::parse(text);
+    ProgramGlance program;
+    json.at("id").get_to(program.id);
+    json.at("participant").get_to(program.participant);
+    json.at("name").get_to(program.name);
+    program.pace = json.at("pace") == "feed" ? ProgramPace::kFeed : ProgramPace::kFast;
+    program.speed = json.value("speed", 1.0);
+    const auto state = std::ranges::find_if(
+        kStates, [&](ProgramState one) { return json.at("state") == to_string(one); });
+    if (state == kStates.end()) return std::nullopt;
+    program.state = *state;
+    program.after = json.value("after", ProgramId{0});
+    json.at("waiting").get_to(program.waiting);
+    json.at("motions_done").get_to(program.motions_done);
+    json.at("motions").get_to(program.motions);
+    json.at("line").get_to(program.line);
+    json.at("tool").get_to(program.tool);
+    json.at("feed_mm_per_min").get_to(program.feed_mm_per_min);
+    json.at("programmed_s").get_to(program.programmed_s);
+    json.at("elapsed_s").get_to(program.elapsed_s);
+    json.at("removed_volume_mm3").get_to(program.removed_mm3);
+    json.at("alarm_count").get_to(program.alarm_count);
+    program.error = json.value("error", "");
+    return program;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
 
 std::string program_json(const ProgramStatus& program) {
   Json json = glance_json(program);

@@ -19,7 +19,7 @@ Rejection session_closed() { return {wire::ErrorCode::kUnknownSession, "the sess
 
 }  // namespace
 
-Session::Session(std::string id, Replayed replayed, JournalWriter journal, SessionLimits limits,
+Session::Session(std::string id, Replayed replayed, SessionJournal journal, SessionLimits limits,
                  std::shared_ptr<Executor> executor, Executor& workers)
     : executor_(std::move(executor)),
       id_(std::move(id)),
@@ -27,7 +27,7 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
       sculpture_(std::move(replayed.sculpture)),
       start_(std::move(replayed.start)),
       limits_(limits),
-      journal_(std::move(journal), replayed.hash),
+      journal_(std::move(journal)),
       participants_(limits_, sculpture_, journal_, scene_.tools.begin()->first,
                     replayed.last_participant, std::move(replayed.resumable)),
       carving_(limits_, sculpture_, journal_, participants_),
@@ -179,6 +179,7 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.programs = program_update(with_snapshot);
   frame.pins = pin_update(with_snapshot);
   frame.tools.tools = participants_.tool_states();
+  show_live(frame, with_snapshot);
   frame.changed = carving_.take_changed();
   if (!frame.changed.empty() || with_snapshot) frame.snapshot = sculpture_.solid();
   return frame;

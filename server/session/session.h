@@ -23,6 +23,7 @@
 #include "server/session/disk_limits.h"
 #include "server/session/felt_start.h"
 #include "server/session/history_turns.h"
+#include "server/session/live_state.h"
 #include "server/session/participants.h"
 #include "server/session/pin_error.h"
 #include "server/session/program_runs.h"
@@ -41,15 +42,8 @@ namespace kerf {
 class BlockHistory;
 class Workers;
 
-/// How a session keeps snapshots of its block beside its journal.
-struct SnapshotOptions {
-  /// Writes them, and does other long work of the session that nobody waits for; outlives the
-  /// session. Null: none are written.
-  Executor* writer = nullptr;
-  SnapshotLimits limits;
-  /// Called with the reason when one cannot be written, after one that could; on any thread.
-  std::function<void(const std::string& id, const std::string& reason)> on_failure = {};
-};
+/// Ids of the viewers of followed sessions are greater than this, those of their owners smaller.
+inline constexpr ParticipantId kFollowerIds = 0x4000'0000;
 
 /// One block with its participants, programs and journal. Functions under "executor only" must run
 /// on the session's executor, which decides the order of motions.
@@ -64,7 +58,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   /// Takes over a replayed (or new) block and its journal. `workers` computes state hashes and must
   /// outlive the session.
-  Session(std::string id, Replayed replayed, JournalWriter journal, SessionLimits limits,
+  Session(std::string id, Replayed replayed, SessionJournal journal, SessionLimits limits,
           std::shared_ptr<Executor> executor, Executor& workers);
   ~Session();
 
@@ -228,9 +222,10 @@ class Session : public std::enable_shared_from_this<Session> {
   std::vector<Pin> pins() const;
 
   SessionInfo info() const;
-  std::vector<Participant> participants() const { return participants_.list(); }
-  /// The participants as viewers see them.
-  Roster roster() const { return participants_.roster(); }
+  /// All of them; of a followed session, its owner's viewers are not.
+  std::vector<Participant> participants() const;
+  /// The participants as viewers see them. Viewers at other servers are counted.
+  Roster roster() const;
   /// The agents and programs.
   std::vector<Participant> carvers() const { return participants_.carvers(); }
   SessionFrame frame(bool with_snapshot);
@@ -278,6 +273,19 @@ class Session : public std::enable_shared_from_this<Session> {
                                                                 std::uint64_t record,
                                                                 const std::stop_token& stop = {});
 
+  // Of a session that another server runs and this one follows:
+  /// Applies the next records, which are in the journal's file, for some milliseconds; returns how
+  /// many. Strokes that are undone or redone are carved later. The error is one sentence.
+  std::expected<std::size_t, std::string> follow(std::span<const JournalRecord> records);
+  /// Compares a hash of the owner with that of the solid; false: they are not of the same solid.
+  /// The error, one sentence, says how they differ.
+  std::expected<bool, std::string> compare_hash(StateHash owners) const;
+  void follow_lists(std::vector<NamedVersion> versions, std::vector<Pin> pins);
+  void follow_live(LiveState state, std::size_t viewers_elsewhere);
+  // Of one that others follow:
+  LiveState live_state() const;  ///< without the viewers
+  void note_viewers_elsewhere(std::size_t viewers);
+
   /// Calls `listener` on the executor at each event until unlisten() with the returned number.
   /// Changes of the participants are collected: they are reported every kChangeInterval at most.
   int listen(SessionListener listener) { return participants_.listen(std::move(listener)); }
@@ -285,6 +293,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Notifies the listeners and cancels the programs. Nothing is applied afterwards.
   void close(const std::string& reason, const std::string& redirect = {});
   bool closed() const { return closed_; }
+  /// Whether another server runs the session.
+  bool is_followed() const { return journal_.is_followed(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -324,6 +334,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<void, std::string> wait_for_pieces(const std::stop_token& stop);
   void end_settling(const StrokeSet& strokes);
   void retry_settling();
+  void settle_later();
+  void follow_change(const StrokeChange& change);
+  void show_live(SessionFrame& frame, bool all);
   /// Does long work that nobody waits for.
   Executor& background() { return snapshots_.writer != nullptr ? *snapshots_.writer : workers_; }
   /// Frees the memory of the history, unless somebody asks about it now.
@@ -367,6 +380,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint32_t last_pin_ = 0;  ///< number of the newest one since the server started
   std::uint64_t pin_changes_ = 0, pin_changes_sent_ = 0;
   JournalParent parent_;
+  std::optional<LiveState> live_;  ///< of a followed session: what its owner has stated last
+  std::string live_programs_sent_;
+  std::size_t viewers_elsewhere_ = 0;
   StrokeSet unsettled_;  ///< whose change is in the journal and not yet in the block
   std::atomic<std::uint64_t> shown_motions_ = 0;
   std::atomic<double> shown_removed_mm3_ = 0;

@@ -17,10 +17,17 @@ constexpr std::size_t kProgramRecordsMax = kJournalBufferRecords / 4;
 SessionJournal::SessionJournal(JournalWriter writer, StateHash replayed)
     : writer_(std::move(writer)), removal_sequence_(replayed.sequence), hash_(replayed) {}
 
+SessionJournal::SessionJournal(std::unique_ptr<FollowedJournal> followed, StateHash replayed)
+    : followed_(std::move(followed)), removal_sequence_(replayed.sequence), hash_(replayed) {}
+
 std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
                                                       const RecordedCommand& command,
                                                       RecordNote note) {
-  const auto appended = writer_.append(participant, command, note);
+  if (!writer_) {
+    return std::unexpected(
+        Rejection{wire::ErrorCode::kNotAllowed, "another server runs the session"});
+  }
+  const auto appended = writer_->append(participant, command, note);
   if (appended) return {};
   const JournalError& error = appended.error();
   const bool is_full = error.code == JournalErrorCode::kFull;
@@ -29,23 +36,29 @@ std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
 }
 
 std::expected<void, Rejection> SessionJournal::check_space_for_programs() const {
-  if (const auto error = writer_.pause()) {
+  if (!writer_) {
+    return std::unexpected(
+        Rejection{wire::ErrorCode::kNotAllowed, "another server runs the session"});
+  }
+  if (const auto error = writer_->pause()) {
     return std::unexpected(Rejection{wire::ErrorCode::kBusy, pause_text(*error)});
   }
-  if (writer_.lag() < kProgramRecordsMax) return {};
+  if (writer_->lag() < kProgramRecordsMax) return {};
   return std::unexpected(Rejection{wire::ErrorCode::kBusy, "the disk does not keep up"});
 }
 
 void SessionJournal::append(const Participant& participant, const std::optional<TokenHash>& token) {
-  writer_.append(JournalParticipant{participant.id, participant.name, participant.color,
-                                    to_string(participant.kind), token});
+  if (!writer_) return;
+  writer_->append(JournalParticipant{participant.id, participant.name, participant.color,
+                                     to_string(participant.kind), token});
 }
 
 void SessionJournal::append_removal(const Participant& participant) {
+  if (!writer_) return;
   JournalParticipant removed{participant.id, participant.name, participant.color,
                              to_string(participant.kind)};
   removed.is_removed = true;
-  writer_.append(removed);
+  writer_->append(removed);
 }
 
 std::optional<StateHash> SessionJournal::current_hash() const {
@@ -57,7 +70,7 @@ std::optional<StateHash> SessionJournal::current_hash() const {
 void SessionJournal::note_hash(StateHash state) {
   if (hash_ && hash_->sequence >= state.sequence) return;
   hash_ = state;
-  writer_.append(state);
+  if (writer_) writer_->append(state);
 }
 
 }  // namespace kerf

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "server/convert/rejection.h"
 #include "server/session/copy_state.h"
@@ -16,40 +18,59 @@
 
 namespace kerf {
 
+/// The journal of a session that another server runs: a copy, to which somebody else adds.
+struct FollowedJournal {
+  std::filesystem::path file;
+  std::uint32_t epoch = 1;                  ///< of the copy when it was opened
+  std::atomic<std::uint64_t> sequence = 0;  ///< of the last record that was applied
+};
+
 /// The journal of a running session, and the newest state hash of its solid.
 class SessionJournal {
  public:
   /// Continues a journal whose records have been replayed up to `replayed.sequence`.
   SessionJournal(JournalWriter writer, StateHash replayed);
+  /// The journal of a session that follows another server's. Nothing is written: commands are
+  /// rejected, and what else is appended has no effect.
+  SessionJournal(std::unique_ptr<FollowedJournal> followed, StateHash replayed);
 
   // ---- any thread ----
-  const std::filesystem::path& file() const { return writer_.file(); }
-  std::uint32_t epoch() const { return writer_.epoch(); }
-  /// Number of the last record appended.
-  std::uint64_t sequence() const { return writer_.last_sequence(); }
+  const std::filesystem::path& file() const { return writer_ ? writer_->file() : followed_->file; }
+  std::uint32_t epoch() const { return writer_ ? writer_->epoch() : followed_->epoch; }
+  bool is_followed() const { return followed_ != nullptr; }
+  /// Number of the last record appended, or applied.
+  std::uint64_t sequence() const {
+    return writer_ ? writer_->last_sequence() : followed_->sequence.load();
+  }
   /// Number of the last command that is committed.
-  std::uint64_t committed() const { return writer_.durable_sequence(); }
+  std::uint64_t committed() const { return writer_ ? writer_->durable_sequence() : sequence(); }
   /// Number of the last command that a loss of the machine may not take back: it is committed and,
   /// after require_copy(), copied too.
   std::uint64_t durable_sequence() const {
     return needs_copy_ ? std::min(committed(), copy_->record()) : committed();
   }
   /// Whether the lease of the session has run out.
-  bool is_fenced() const { return writer_.is_fenced(); }
+  bool is_fenced() const { return !writer_ || writer_->is_fenced(); }
   /// Call once, before the session is used.
   void require_copy() { needs_copy_ = true; }
   /// Records appended and not yet committed.
-  std::size_t lag() const { return writer_.lag(); }
+  std::size_t lag() const { return writer_ ? writer_->lag() : 0; }
   /// See JournalWriter.
-  std::optional<JournalError> pause() const { return writer_.pause(); }
-  void hold(std::optional<JournalError> error) { writer_.hold(std::move(error)); }
+  std::optional<JournalError> pause() const { return writer_ ? writer_->pause() : std::nullopt; }
+  void hold(std::optional<JournalError> error) {
+    if (writer_) writer_->hold(std::move(error));
+  }
   /// How far the copy of the journal on another machine goes.
   CopyNote& copy() const { return *copy_; }
-  JournalFigures figures() const { return writer_.figures(); }
+  JournalFigures figures() const { return writer_ ? writer_->figures() : JournalFigures{}; }
   /// Blocks until all records appended before the call are committed.
-  std::expected<void, JournalError> flush() { return writer_.flush(); }
+  std::expected<void, JournalError> flush() {
+    return writer_ ? writer_->flush() : std::expected<void, JournalError>();
+  }
   /// Commits and closes the file; later appends fail. Call once.
-  std::expected<void, JournalError> finish() { return writer_.finish(); }
+  std::expected<void, JournalError> finish() {
+    return writer_ ? writer_->finish() : std::expected<void, JournalError>();
+  }
 
   // ---- executor only ----
   /// Appends a command. Fails with kBusy when the disk fails ("paused: disk: …") or does not keep
@@ -61,11 +82,18 @@ class SessionJournal {
   void append(const Participant& participant, const std::optional<TokenHash>& token);
   /// Makes a participant unable to resume, also after a restart.
   void append_removal(const Participant& participant);
-  void append(const VersionChange& change) { writer_.append(change); }
-  void append(const PinChange& change) { writer_.append(change); }
+  void append(const VersionChange& change) {
+    if (writer_) writer_->append(change);
+  }
+  void append(const PinChange& change) {
+    if (writer_) writer_->append(change);
+  }
   /// Fails with kBusy while the journal is paused, or more records wait than programs may cause:
   /// the rest of the buffer is for agents, which cannot wait.
   std::expected<void, Rejection> check_space_for_programs() const;
+
+  /// Of a followed journal: record `sequence` is the next to be applied.
+  void advance(std::uint64_t sequence) { followed_->sequence = sequence; }
 
   /// The last command appended removed volume: hashes of earlier records are out of date.
   void note_removal() { removal_sequence_ = sequence(); }
@@ -79,7 +107,8 @@ class SessionJournal {
   void note_hash(StateHash state);
 
  private:
-  JournalWriter writer_;
+  std::optional<JournalWriter> writer_;        ///< of a session that this server runs
+  std::unique_ptr<FollowedJournal> followed_;  ///< of one that it follows
   std::uint64_t removal_sequence_;
   std::optional<StateHash> hash_;
   bool needs_copy_ = false;

@@ -40,7 +40,8 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(con
   const std::int64_t created_ms =
       parent.session.empty() ? time_of(file, 1).value_or(0) : parent.branched_ms;
   const std::int64_t active_ms = std::max(created_ms, time_of(file, last).value_or(0));
-  auto session = std::make_shared<Session>(id, *std::move(replayed), *std::move(journal),
+  SessionJournal kept(*std::move(journal), replayed->hash);
+  auto session = std::make_shared<Session>(id, *std::move(replayed), std::move(kept),
                                            options_.session, make_executor_(id), workers_);
   session->note_times(created_ms, active_ms);
   session->place_in(options_.places, options_.needs_copy);

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <future>
 #include <utility>
+
+#include "server/threads/run_and_wait.h"
 
 namespace kerf {
 namespace {
@@ -212,12 +213,10 @@ std::vector<std::string> SessionRegistry::ids() const {
 
 void SessionRegistry::end(const std::shared_ptr<Session>& session, const std::string& reason,
                           const std::string& redirect) {
-  std::promise<void> closed;
-  session->executor().post([&] {
+  run_and_wait(session->executor(), [&] {
     session->close(reason, redirect);
-    closed.set_value();
+    return true;
   });
-  closed.get_future().wait();
 }
 
 std::vector<JournalError> SessionRegistry::close_all(const std::string& reason,
@@ -228,6 +227,7 @@ std::vector<JournalError> SessionRegistry::close_all(const std::string& reason,
     end(session, reason, redirect);
     if (auto ok = session->finish_journal(true); !ok) failures.push_back(ok.error());
   }
+  for (const std::string& id : followed()) end_following(id, reason, redirect);
   const std::lock_guard lock(mutex_);
   sessions_.clear();
   return failures;

@@ -142,6 +142,16 @@ class SessionRegistry {
   void open(const std::string& id, LoadReport& report);
   /// Ends a session that another server continues, and leaves its journal where it is.
   void hand_over(const std::string& id, const std::string& reason, const std::string& redirect);
+  /// Opens a session that another server runs, from a copy of its journal in the data folder, to
+  /// which the caller adds: Session::follow(). It is in none of the lists of sessions. Viewers of
+  /// it get ids that no other server of a cluster gives, most likely.
+  std::expected<std::shared_ptr<Session>, JournalError> follow(const std::string& id);
+  /// Ends it, with a last snapshot: no effect for a session that is not followed.
+  void end_following(const std::string& id, const std::string& reason,
+                     const std::string& redirect = {});
+  std::vector<std::string> followed() const;
+  /// Null unless it is followed.
+  std::shared_ptr<Session> find_followed(const std::string& id) const;
   /// Of the data folder.
   std::filesystem::path journal_path(const std::string& id) const;
   std::filesystem::path closed_folder() const;
@@ -236,6 +246,7 @@ class SessionRegistry {
   Executor& workers_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Session>> sessions_;  ///< null during creation and close
+  std::map<std::string, std::shared_ptr<Session>> followed_;
   std::map<std::string, JournalError> unreadable_;
   std::deque<std::string> waiting_;      ///< to be loaded, in this order
   std::set<std::string> closed_in_use_;  ///< names that a ClosedFile holds

@@ -222,13 +222,17 @@ void Session::end_settling(const StrokeSet& strokes) {
 void Session::retry_settling() {
   executor_->post_after(kRetry, [weak = weak_from_this()] {
     const auto self = weak.lock();
-    if (!self || self->closed_ || self->unsettled_.empty()) return;
-    self->background().post([self] {
-      const auto lock = self->history_turns_.ask(kHistoryPatience);
-      SerialWorkers alone;
-      StrokesChanged ignored;
-      if (!lock || !self->settle(alone, {}, ignored)) self->retry_settling();
-    });
+    if (self && !self->closed_ && !self->unsettled_.empty()) self->settle_later();
+  });
+}
+
+/// Carves them where nobody waits.
+void Session::settle_later() {
+  background().post([self = shared_from_this()] {
+    const auto lock = self->history_turns_.ask(kHistoryPatience);
+    SerialWorkers alone;
+    StrokesChanged ignored;
+    if (!lock || !self->settle(alone, {}, ignored)) self->retry_settling();
   });
 }
 

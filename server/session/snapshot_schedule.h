@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <string>
+
+#include "server/threads/executor.h"
 
 namespace kerf {
 
@@ -75,6 +79,16 @@ class SnapshotSchedule {
   Snapshot written_, begun_ = {};
   Clock::time_point next_;
   bool is_writing_ = false, has_failed_ = false;
+};
+
+/// How a session keeps snapshots of its block beside its journal.
+struct SnapshotOptions {
+  /// Writes them, and does other long work of the session that nobody waits for; outlives the
+  /// session. Null: none are written.
+  Executor* writer = nullptr;
+  SnapshotLimits limits;
+  /// Called with the reason when one cannot be written, after one that could; on any thread.
+  std::function<void(const std::string& id, const std::string& reason)> on_failure = {};
 };
 
 }  // namespace kerf

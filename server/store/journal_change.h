@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/store/journal_error.h"
@@ -70,6 +71,10 @@ class JournalCopy {
  public:
   /// Begins an empty copy. Fails with kExists if the file exists.
   static std::expected<JournalCopy, JournalError> create(const std::filesystem::path& file);
+  /// Goes on with a copy that has been finished and ends at `position`. From then on the file has
+  /// each change that is whole, for its readers too; finish() is not called.
+  static std::expected<JournalCopy, JournalError> resume(const std::filesystem::path& file,
+                                                         const CopyPosition& position);
   JournalCopy(JournalCopy&&) noexcept = default;
   JournalCopy& operator=(JournalCopy&&) noexcept = default;
   /// Removes what has not been finished.
@@ -82,6 +87,10 @@ class JournalCopy {
   /// Leaves out the changes after the last one that is whole, verifies each record, and gives the
   /// file its name. kCorrupt if no change was whole, or a record is bad.
   std::expected<CopyPosition, JournalError> finish();
+  /// How far the copy goes with the last change that was whole; nullopt: none was.
+  const std::optional<CopyPosition>& whole() const { return whole_; }
+  /// Whether the named versions or the pins have changed since the last call.
+  bool take_changed_lists() { return std::exchange(lists_changed_, false); }
 
  private:
   JournalCopy(std::filesystem::path file, std::filesystem::path unfinished, SqlDatabase database);
@@ -91,6 +100,7 @@ class JournalCopy {
   std::optional<SqlDatabase> database_;
   CopyPosition position_;  ///< after the last change
   std::optional<CopyPosition> whole_;
+  bool lists_changed_ = false;
 };
 
 }  // namespace kerf

@@ -124,6 +124,20 @@ std::expected<JournalCopy, JournalError> JournalCopy::create(const std::filesyst
   return JournalCopy(file, unfinished, *std::move(database));
 }
 
+std::expected<JournalCopy, JournalError> JournalCopy::resume(const std::filesystem::path& file,
+                                                             const CopyPosition& position) {
+  // Not open_journal(): the copy is of the epoch of its journal.
+  auto database = SqlDatabase::open(file, SqlMode::kWrite);
+  if (!database) return std::unexpected(to_journal_error(file, database.error()));
+  // What a crash takes away is copied again.
+  auto begun = database->execute("PRAGMA synchronous=NORMAL;BEGIN;SAVEPOINT whole");
+  if (!begun) return std::unexpected(to_journal_error(file, begun.error()));
+  JournalCopy copy(file, {}, *std::move(database));
+  copy.position_ = position;
+  copy.whole_ = position;
+  return copy;
+}
+
 std::expected<void, JournalError> JournalCopy::apply(const JournalChange& change) {
   if (change.before != position_ && change.before == whole_) {
     if (auto ok = database_->execute("ROLLBACK TO whole"); !ok) {
@@ -143,11 +157,14 @@ std::expected<void, JournalError> JournalCopy::apply(const JournalChange& change
     if (auto ok = write_row(*database_, *row); !ok) {
       return std::unexpected(to_journal_error(file_, ok.error()));
     }
+    lists_changed_ = lists_changed_ || row->table->name == "versions" || row->table->name == "pins";
   }
   position_ = change.after;
   if (!change.is_whole) return {};
   whole_ = position_;
-  if (auto ok = database_->execute("RELEASE whole;SAVEPOINT whole"); !ok) {
+  const bool is_finished = unfinished_.empty();
+  const std::string end = is_finished ? "RELEASE whole;COMMIT;BEGIN;" : "RELEASE whole;";
+  if (auto ok = database_->execute(end + "SAVEPOINT whole"); !ok) {
     return std::unexpected(to_journal_error(file_, ok.error()));
   }
   return {};

@@ -10,7 +10,8 @@
 namespace kerf {
 
 /// Runs `work()` on the executor, blocks until it is done and returns its result. Calling it on a
-/// thread of the executor itself would deadlock.
+/// thread of the executor itself would deadlock. The promise belongs to the thread that keeps it:
+/// who waits for one may destroy it while set_value() has not returned.
 template <typename Work>
 std::invoke_result_t<Work&> run_and_wait(Executor& executor, Work work) {
   std::promise<std::invoke_result_t<Work&>> promise;

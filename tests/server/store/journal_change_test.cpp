@@ -109,6 +109,35 @@ TEST_F(JournalChangeTest, CopyHasEveryRowOfTheJournal) {
             1);
 }
 
+TEST_F(JournalChangeTest, AFinishedCopyThatGoesOnHasEachWholeChangeAtOnce) {
+  JournalWriter writer = create();
+  JournalChanges changes(file_);
+  append_motions(writer, 40);
+  auto first = JournalCopy::create(copied_);
+  ASSERT_TRUE(first);
+  pass_on(changes, *first);
+  const auto end = first->finish();
+  ASSERT_TRUE(end);
+  auto copy = JournalCopy::resume(copied_, *end);
+  ASSERT_TRUE(copy);
+  append_motions(writer, 40);
+  writer.append(VersionChange{{"half", 20, 5, 6, "Ada", "grant"}, false, {}});
+  ASSERT_TRUE(writer.flush());
+  EXPECT_FALSE(copy->take_changed_lists());
+  pass_on(changes, *copy);
+  EXPECT_EQ(dump(copied_), dump(file_)) << "also the epoch";
+  EXPECT_TRUE(copy->take_changed_lists());
+  append_motions(writer, 10);
+  auto change = changes.next();
+  ASSERT_TRUE(change && *change);
+  (*change)->is_whole = false;
+  ASSERT_TRUE(copy->apply(**change));
+  EXPECT_EQ(end_of_journal(copied_)->record, 80U) << "a part of a commit is not seen";
+  copy = std::unexpected(JournalError{});
+  EXPECT_EQ(end_of_journal(copied_)->record, 80U) << "nor kept";
+  EXPECT_FALSE(JournalCopy::resume(copied_, *end)->apply(**change)) << "it follows record 80";
+}
+
 TEST_F(JournalChangeTest, NothingIsReadTwice) {
   JournalWriter writer = create();
   append_motions(writer, 10);
