@@ -43,6 +43,19 @@ void describe_cluster(CLI::App& app, net::ServerOptions& server, std::string& du
                  "address of this server for agents and browsers, e.g. http://10.0.0.1:8080; "
                  "default: that of --listen")
       ->check(CLI::Validator(address, ""));
+  app.add_option_function<std::string>(
+         "--follow",
+         [&server](const std::string& word) { server.cluster.follow = *parse_follow(word); },
+         "none, viewed, or all: sessions of the other servers of which this one keeps the block, "
+         "cut as it is cut there: viewers may watch them here, and it goes on with them faster; "
+         "viewed: those for which viewers come; default: none")
+      ->check(CLI::IsMember({"none", "viewed", "all"}));
+  app.add_option("--lease-ms", server.cluster.lease_ms,
+                 "time for which this server may change a session after it has renewed its lease; "
+                 "another one takes the lease of a server that is gone a quarter later: a short "
+                 "time ends the wait of agents sooner, and pauses sessions when NATS is slow")
+      ->check(CLI::Range(kLeaseMsMin, kLeaseMsMax))
+      ->capture_default_str();
   app.add_option("--durable", durable,
                  "disk, or copied: when a sample is safe, and no agent sends it again: on this "
                  "machine's disk, or when NATS has it too; default: copied with --node, else disk")
@@ -54,6 +67,7 @@ std::string cluster_fault(const net::ServerOptions& server, const std::string& d
   const bool has_nats = !server.copies.url.empty();
   if (!cluster.node.empty() && !has_nats) return "--node needs --nats";
   if (durable == "copied" && !has_nats) return "--durable copied needs --nats";
+  if (cluster.follow != Follow::kNone && cluster.node.empty()) return "--follow needs --node";
   if (!cluster.advertise.empty() && cluster.node.empty()) return "--advertise needs --node";
   const bool is_any = server.address == "0.0.0.0" || server.address == "::";
   if (!cluster.node.empty() && cluster.advertise.empty() && is_any) {

@@ -7,7 +7,6 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <condition_variable>
-#include <future>
 #include <mutex>
 #include <stop_token>
 #include <thread>
@@ -19,6 +18,7 @@
 #include "server/socket/viewer_hub.h"
 #include "server/store/folder_lock.h"
 #include "server/threads/io_threads.h"
+#include "server/threads/run_and_wait.h"
 #include "server/threads/run_on.h"
 #include "server/threads/thread_pool.h"
 #include "server/tls/tls_context.h"
@@ -257,13 +257,11 @@ Server::~Server() {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   // The viewers' thread uses the other threads until its last turn: they are destroyed before it.
-  std::promise<void> ended;
-  impl_->viewers.post([&] {
+  run_and_wait(impl_->viewers, [this] {
     impl_->hubs.finish_reading();
     impl_->viewers.context().stop();
-    ended.set_value();
+    return true;
   });
-  ended.get_future().wait();
 }
 
 std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions options) {
@@ -291,6 +289,7 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
     if (!made) return std::unexpected(made.error());
     node = *std::move(made);
   }
+  if (node) options.http.other_servers = [at = node.get()] { return at->other_servers(); };
   auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock), *std::move(access),
                                      std::move(certificate), std::move(node));
   if (impl->node) {
@@ -353,7 +352,8 @@ std::expected<void, std::string> Server::listen() {
   asio::co_spawn(impl_->viewers.context(), impl_->accept(), asio::detached);
   if (impl_->node) {
     const std::string& advertised = impl_->options.cluster.advertise;
-    impl_->node->start(impl_->registry, advertised.empty() ? url() : advertised, log_report);
+    impl_->node->start(impl_->registry, advertised.empty() ? url() : advertised,
+                       impl_->options.cluster, log_report);
   }
   return {};
 }
@@ -363,13 +363,11 @@ void Server::stop() {
   impl_->loader = {};  // stops it
   impl_->disk_watch = {};
   // The acceptor belongs to the viewers' thread: it is closed there and destroyed here.
-  std::promise<void> closed;
-  impl_->viewers.post([&closed, impl = impl_.get()] {
+  run_and_wait(impl_->viewers, [this] {
     error_code ignored;
-    impl->acceptor.close(ignored);
-    closed.set_value();
+    impl_->acceptor.close(ignored);
+    return true;
   });
-  closed.get_future().wait();
   impl_->api.stop();
   std::string redirect = impl_->redirect();
   if (impl_->node) {

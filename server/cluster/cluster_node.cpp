@@ -32,6 +32,7 @@ std::expected<std::unique_ptr<ClusterNode>, std::string> ClusterNode::connect(
 }
 
 void ClusterNode::start(SessionRegistry& registry, std::string address,
+                        const ClusterOptions& options,
                         std::function<void(const LoadReport&)> report) {
   impl_->registry = &registry;
   impl_->address = std::move(address);
@@ -40,6 +41,12 @@ void ClusterNode::start(SessionRegistry& registry, std::string address,
     return std::jthread([impl, run](const std::stop_token& stop) { (impl->*run)(stop); });
   };
   impl_->find_local();
+  impl_->lease_time = {options.lease_ms * 1'000'000};
+  if (options.follow != Follow::kNone) {
+    impl_->followers =
+        std::make_unique<Followers>(impl_->nats, registry, impl_->node, options.follow);
+  }
+  impl_->live = std::make_unique<LiveStates>(impl_->nats, registry, impl_->node);
   impl_->renewer = thread(&Impl::renew_all);
   impl_->watcher = thread(&Impl::watch_all);
   for (int n = 0; n < kTakers; ++n) impl_->takers.push_back(thread(&Impl::take_all));
@@ -56,6 +63,8 @@ std::string ClusterNode::hold() {
     }
   }
   impl_->takers.clear();
+  if (impl_->followers) impl_->followers->stop();
+  impl_->live.reset();
   impl_->own.name_successor(name);
   if (name.empty()) return {};
   for (const std::string& id : impl_->own.sessions()) (void)impl_->own.renew(id, impl_->shown(id));
@@ -99,6 +108,7 @@ std::expected<void, std::string> ClusterNode::claim(const std::string& id, bool 
                     .run = impl.run,
                     .address = impl.address,
                     .epoch = std::max(known ? known->epoch : 0, *epoch) + 1,
+                    .time = impl.lease_time,
                     .to = {},
                     .shown = {}};
   const auto taken = impl.own.take(id, lease, *last ? (*last)->sequence : 0);
@@ -154,6 +164,11 @@ std::vector<std::string> ClusterNode::other_servers() const {
     addresses.push_back(server.address);
   }
   return addresses;
+}
+
+bool ClusterNode::wants_to_follow(const std::string& id) {
+  if (!impl_->followers || !address_of(id)) return false;
+  return impl_->followers->want(id);
 }
 
 std::optional<std::string> ClusterNode::place_for_new() {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "server/cluster/followers.h"
+#include "server/cluster/lease.h"
 #include "server/session/session_places.h"
 #include "server/session/session_registry.h"
 
@@ -16,6 +18,9 @@ struct ClusterOptions {
   std::string node;  ///< name of this server among the others; empty: it is alone
   std::string
       advertise;  ///< its address for clients, "http://HOST:PORT"; empty: that of the server
+  Follow follow = Follow::kNone;  ///< sessions of other servers
+  /// Time for which it may change a session after it has renewed the lease of it: LeaseTime.
+  std::int64_t lease_ms = LeaseTime{}.writes_ns / 1'000'000;
 };
 
 /// One of several servers that share sessions by leases at NATS: it renews the leases of its own
@@ -32,7 +37,7 @@ class ClusterNode final : public SessionPlaces {
   /// Takes part from now on, as the server at `address`; claims the sessions of the data folder
   /// that nobody has. The registry must outlive hold(). `report` is called, on any thread, with
   /// what the opening of a session has shown.
-  void start(SessionRegistry& registry, std::string address,
+  void start(SessionRegistry& registry, std::string address, const ClusterOptions& options,
              std::function<void(const LoadReport&)> report);
   /// Takes nothing more, and tells the others that the sessions will move. Returns the address of
   /// the server that is asked to take them; empty: there is none.
@@ -52,6 +57,7 @@ class ClusterNode final : public SessionPlaces {
   bool is_moving(const std::string& id) const override;
   std::vector<std::string> other_servers() const override;
   std::optional<std::string> place_for_new() override;
+  bool wants_to_follow(const std::string& id) override;
 
  private:
   struct Impl;

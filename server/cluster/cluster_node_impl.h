@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <random>
@@ -18,7 +19,9 @@
 #include <vector>
 
 #include "server/cluster/cluster_node.h"
+#include "server/cluster/followers.h"
 #include "server/cluster/lease_table.h"
+#include "server/cluster/live_states.h"
 #include "server/cluster/nats_connection.h"
 #include "server/cluster/own_leases.h"
 
@@ -46,10 +49,12 @@ struct ClusterNode::Impl {
   bool open(const std::string& id);
   void find_local();
   void hand_over_lost();
+  void follow_others();
 
   NatsConnection nats;
   int replicas;
   std::string node, run, address;
+  LeaseTime lease_time;
   SessionRegistry* registry = nullptr;
   std::function<void(const LoadReport&)> report;
   OwnLeases own;
@@ -66,6 +71,9 @@ struct ClusterNode::Impl {
   bool holds = false;
   std::map<std::string, std::int64_t> lost;  ///< sessions to be ended, and since when
   std::mt19937_64 chance{std::random_device{}()};
+  /// Both exist between start() and hold(), the first one as asked.
+  std::unique_ptr<Followers> followers;
+  std::unique_ptr<LiveStates> live;
   std::jthread renewer, watcher;
   std::vector<std::jthread> takers;
 };

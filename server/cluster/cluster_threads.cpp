@@ -24,6 +24,8 @@ constexpr std::int64_t kNoteNs = 1'000'000'000;
 /// session that this server has, so that the sessions of a lost server are spread.
 constexpr std::int64_t kSpreadNs = 150'000'000, kPerSessionNs = 30'000'000;
 constexpr std::size_t kSessionsCounted = 10;
+/// And later by this than a server that follows the session, and goes on with it at once.
+constexpr std::int64_t kFollowersFirstNs = 50'000'000;
 /// Time until a session that could not be taken is tried again.
 constexpr std::int64_t kRetryNs = 5'000'000'000;
 
@@ -171,8 +173,11 @@ std::optional<std::string> ClusterNode::Impl::next_to_take() {
     const auto again = again_ns.find(id);
     const bool has_failed = again != again_ns.end() && now < again->second;
     if (taking.contains(id) || has_failed || own.find(id)) continue;
-    const auto spread = static_cast<std::int64_t>(chance() % kSpreadNs) +
-                        static_cast<std::int64_t>(sessions) * kPerSessionNs;
+    const bool is_ready = followers && followers->is_following(id);
+    const auto spread = is_ready
+                            ? 0
+                            : kFollowersFirstNs + static_cast<std::int64_t>(chance() % kSpreadNs) +
+                                  static_cast<std::int64_t>(sessions) * kPerSessionNs;
     const auto due = due_ns.try_emplace(id, now + spread).first;
     if (now < due->second) continue;
     due->second = now + kRetryNs;
@@ -198,6 +203,7 @@ void ClusterNode::Impl::take(const std::string& id) {
   lease.address = address;
   lease.to.clear();
   lease.epoch = std::max(seen.lease.epoch, *epoch) + 1;
+  lease.time = lease_time;
   const auto taken = own.take(id, lease, seen.revision);
   if (!taken) return;
   log::info("session " + id + ": taken over" +
@@ -218,6 +224,7 @@ void ClusterNode::Impl::take(const std::string& id) {
 bool ClusterNode::Impl::open(const std::string& id) {
   const auto lease = own.find(id);
   if (!lease) return false;
+  if (followers) followers->finish(id);
   const auto prepared = prepare_journal(nats, id, lease->epoch, registry->journal_path(id),
                                         registry->closed_folder());
   if (!prepared) {
@@ -254,9 +261,26 @@ void ClusterNode::Impl::hand_over_lost() {
   }
 }
 
+/// The sessions that others have, also those that nobody runs now.
+void ClusterNode::Impl::follow_others() {
+  if (!followers) return;
+  std::vector<std::string> ids, taken;
+  {
+    const std::lock_guard lock(mutex);
+    if (holds || heard_ns == 0) return;
+    taken.assign(taking.begin(), taking.end());
+    for (const PlacedSession& session : table.elsewhere()) {
+      if (!taking.contains(session.id)) ids.push_back(session.id);
+    }
+  }
+  std::erase_if(ids, [&](const std::string& id) { return own.find(id).has_value(); });
+  followers->set_elsewhere(ids, taken);
+}
+
 void ClusterNode::Impl::take_all(const std::stop_token& stop) {
   do {
     hand_over_lost();
+    follow_others();
     while (const auto id = next_to_take()) {
       take(*id);
       hand_over_lost();

@@ -56,9 +56,20 @@ std::expected<std::optional<JournalChange>, std::string> FrameJoiner::add(
   return change;
 }
 
-std::expected<CopyPosition, std::string> fetch_copy(NatsConnection& nats,
-                                                    const std::string& session,
-                                                    const std::filesystem::path& to) {
+std::expected<std::optional<CopyEnd>, std::string> end_of_copy(NatsConnection& nats,
+                                                               const std::string& session) {
+  const auto last = nats.last_message(copy_stream(session), copy_subject(session));
+  if (!last && last.error().code == NatsErrorCode::kAbsent) return std::nullopt;
+  if (!last) return std::unexpected(last.error().reason);
+  if (!*last) return std::nullopt;
+  const auto frame = decode_frame((*last)->bytes);
+  if (!frame) return std::unexpected("the copy is damaged, or of another version of Kerf");
+  return CopyEnd{(*last)->sequence, frame->head};
+}
+
+std::expected<FetchedCopy, std::string> fetch_copy(NatsConnection& nats, const std::string& session,
+                                                   const std::filesystem::path& to) {
+  std::uint64_t whole = 0;
   auto copy = JournalCopy::create(to);
   if (!copy) return std::unexpected(describe(copy.error()));
   FrameJoiner joiner;
@@ -69,6 +80,7 @@ std::expected<CopyPosition, std::string> fetch_copy(NatsConnection& nats,
       fault = "message " + std::to_string(message.sequence) + ": " + change.error();
     } else if (*change) {
       if (const auto done = copy->apply(**change); !done) fault = describe(done.error());
+      if ((*change)->is_whole) whole = message.sequence;
     }
     return fault.empty();
   };
@@ -77,7 +89,7 @@ std::expected<CopyPosition, std::string> fetch_copy(NatsConnection& nats,
   if (!fault.empty()) return std::unexpected(fault);
   const auto position = copy->finish();
   if (!position) return std::unexpected(describe(position.error()));
-  return *position;
+  return FetchedCopy{*position, whole};
 }
 
 int print_copies(const std::string& url) {
@@ -106,14 +118,15 @@ int fetch_journal(const std::string& url, const std::string& session,
                   const std::filesystem::path& to) {
   auto nats = connect(url);
   if (!nats) return report(nats.error());
-  const auto position = fetch_copy(*nats, session, to);
-  if (!position) return report(position.error());
+  const auto fetched = fetch_copy(*nats, session, to);
+  if (!fetched) return report(fetched.error());
   // Without one the first start replays all records.
   const auto snapshot = fetch_snapshots(*nats, session, kAnyEpoch, to);
   if (!snapshot) {
     std::fprintf(stderr, "kerf-server: no snapshot is fetched: %s\n", snapshot.error().c_str());
   }
-  std::printf("%s: %llu records\n", to.c_str(), static_cast<unsigned long long>(position->record));
+  std::printf("%s: %llu records\n", to.c_str(),
+              static_cast<unsigned long long>(fetched->position.record));
   return 0;
 }
 

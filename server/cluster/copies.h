@@ -24,11 +24,24 @@ class FrameJoiner {
   std::vector<std::byte> rows_;
 };
 
-/// Writes the journal that a stream is the copy of to a new file, verifies it, and returns how far
-/// it goes. The error is one sentence.
-std::expected<CopyPosition, std::string> fetch_copy(NatsConnection& nats,
-                                                    const std::string& session,
-                                                    const std::filesystem::path& to);
+/// The last message of a copy, and how far the copy goes with it.
+struct CopyEnd {
+  std::uint64_t sequence = 0;
+  FrameHead head;
+};
+/// Nullopt: there is no copy. The error is one sentence.
+std::expected<std::optional<CopyEnd>, std::string> end_of_copy(NatsConnection& nats,
+                                                               const std::string& session);
+
+/// A copy that was fetched ends with its last change that is whole.
+struct FetchedCopy {
+  CopyPosition position;
+  std::uint64_t message = 0;  ///< the last one of that change
+};
+/// Writes the journal that a stream is the copy of to a new file, and verifies it. The error is one
+/// sentence.
+std::expected<FetchedCopy, std::string> fetch_copy(NatsConnection& nats, const std::string& session,
+                                                   const std::filesystem::path& to);
 
 /// `kerf-server copies`: prints a line for each session with a copy at NATS. These three return the
 /// exit status: 0, or 1 after an error, which they print.

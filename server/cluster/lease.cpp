@@ -15,6 +15,10 @@ constexpr std::pair<LeaseState, const char*> kStates[] = {{LeaseState::kHeld, "h
                                                           {LeaseState::kReleased, "released"},
                                                           {LeaseState::kClosed, "closed"}};
 
+constexpr std::int64_t kNsPerMs = 1'000'000;
+/// Of a server that does not state it.
+constexpr std::int64_t kDefaultMs = LeaseTime{}.writes_ns / kNsPerMs;
+
 std::vector<std::byte> to_bytes(const Json& json) {
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   const auto bytes = std::as_bytes(std::span(text));
@@ -53,6 +57,7 @@ std::vector<std::byte> encode_lease(const Lease& lease) {
                    {"run", lease.run},
                    {"address", lease.address},
                    {"epoch", lease.epoch},
+                   {"lease_ms", lease.time.writes_ns / kNsPerMs},
                    {"to", lease.to},
                    {"name", lease.shown.name},
                    {"motions", lease.shown.motions},
@@ -69,6 +74,7 @@ std::optional<Lease> decode_lease(std::span<const std::byte> bytes) {
                 .run = json.at("run"),
                 .address = json.at("address"),
                 .epoch = json.at("epoch"),
+                .time = {json.value("lease_ms", kDefaultMs) * kNsPerMs},
                 .to = json.value("to", ""),
                 .shown = {.epoch = 0,
                           .name = json.value("name", ""),

@@ -16,13 +16,17 @@ namespace kerf {
 inline constexpr const char* kClusterStream = "KERF_CLUSTER";
 inline constexpr const char* kClusterSubjects = "kerf.cluster.*.*";
 
-/// Of an owner, which renews its lease after kLeaseRenew and changes nothing from kLeaseWrites on
-/// after it has sent the last renewal that was stored. Others take the lease when it has not
-/// changed for kLeaseTaken after they have seen it: later, also by a clock that runs 20 % faster.
-inline constexpr std::int64_t kLeaseRenewNs = 1'000'000'000;
-inline constexpr std::int64_t kLeaseWritesNs = 2'500'000'000;
-inline constexpr std::int64_t kLeaseTakenNs = 3'100'000'000;
-static_assert(kLeaseTakenNs * 5 > kLeaseWritesNs * 6);
+/// How long a lease lasts. The owner renews it after renew_ns() and changes nothing from
+/// `writes_ns` on after it has sent the last renewal that was stored. Others take the lease when it
+/// has not changed for taken_ns() after they have seen it: later, also by a clock that runs 20 %
+/// faster.
+struct LeaseTime {
+  std::int64_t writes_ns = 2'500'000'000;
+  constexpr std::int64_t renew_ns() const { return writes_ns / 5 * 2; }
+  constexpr std::int64_t taken_ns() const { return writes_ns / 25 * 31; }
+};
+static_assert(LeaseTime{}.taken_ns() * 5 > LeaseTime{}.writes_ns * 6);
+inline constexpr std::int64_t kLeaseMsMin = 500, kLeaseMsMax = 60'000;
 
 enum class LeaseState : std::uint8_t {
   kHeld,
@@ -47,6 +51,7 @@ struct Lease {
   std::string run;          ///< random, of one run of it
   std::string address;      ///< "http://HOST:PORT"
   std::uint32_t epoch = 0;  ///< in which it may change the session
+  LeaseTime time = {};      ///< as its owner keeps it: servers may have different ones
   /// The server that is asked to take it: of an owner that is about to stop. Empty: any.
   std::string to;
   ShownSession shown;  ///< its epoch is not part of the message

@@ -45,7 +45,7 @@ const SeenLease* LeaseTable::find(const std::string& session) const {
 }
 
 bool LeaseTable::is_fresh(const SeenLease& seen, std::int64_t now_ns) const {
-  return now_ns - std::max(seen.since_ns, began_ns_) < kLeaseTakenNs;
+  return now_ns - std::max(seen.since_ns, began_ns_) < seen.lease.time.taken_ns();
 }
 
 std::vector<std::string> LeaseTable::takeable(std::int64_t now_ns) const {

@@ -47,6 +47,21 @@ NatsResult<std::optional<StreamMessage>> NatsWatch::next(std::chrono::millisecon
 NatsResult<NatsWatch> NatsConnection::watch(const std::string&, const std::string&) {
   return not_supported();
 }
+NatsResult<NatsWatch> NatsConnection::watch_from(const std::string&, const std::string&,
+                                                 std::uint64_t) {
+  return not_supported();
+}
+
+struct NatsListener::Impl {};
+NatsListener::NatsListener() = default;
+NatsListener::NatsListener(NatsListener&&) noexcept = default;
+NatsListener& NatsListener::operator=(NatsListener&&) noexcept = default;
+NatsListener::~NatsListener() = default;
+void NatsConnection::send(const std::string&, std::span<const std::byte>) {}
+NatsResult<NatsListener> NatsConnection::listen(const std::string&,
+                                                std::function<void(const StreamMessage&)>) {
+  return not_supported();
+}
 NatsResult<void> NatsConnection::read(const std::string&, const std::string&,
                                       const std::function<bool(StreamMessage)>&) {
   return not_supported();

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <chrono>
+#include <future>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -219,12 +220,24 @@ NatsWatch& NatsWatch::operator=(NatsWatch&&) noexcept = default;
 NatsWatch::~NatsWatch() = default;
 
 NatsResult<NatsWatch> NatsConnection::watch(const std::string& stream, const std::string& subject) {
+  return watch_since(stream, subject, 0);
+}
+
+NatsResult<NatsWatch> NatsConnection::watch_from(const std::string& stream,
+                                                 const std::string& subject, std::uint64_t first) {
+  return watch_since(stream, subject, first);
+}
+
+/// From message `first` on; 0: from the last message of each subject on.
+NatsResult<NatsWatch> NatsConnection::watch_since(const std::string& stream,
+                                                  const std::string& subject, std::uint64_t first) {
   if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
   jsSubOptions options;
   jsSubOptions_Init(&options);
   options.Stream = stream.c_str();
   options.Ordered = true;
-  options.Config.DeliverPolicy = js_DeliverLastPerSubject;
+  options.Config.DeliverPolicy = first == 0 ? js_DeliverLastPerSubject : js_DeliverByStartSequence;
+  options.Config.OptStartSeq = first;
   natsSubscription* raw = nullptr;
   jsErrCode code{};
   const natsStatus status =
@@ -233,6 +246,61 @@ NatsResult<NatsWatch> NatsConnection::watch(const std::string& stream, const std
   impl->subscription.reset(raw);
   if (status != NATS_OK) return failed(status, code);
   return NatsWatch(std::move(impl));
+}
+
+struct NatsListener::Impl {
+  std::function<void(const StreamMessage&)> take;
+  Subscription subscription;
+  std::future<void> ended;
+};
+
+NatsListener::NatsListener(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+NatsListener::NatsListener() = default;
+NatsListener::NatsListener(NatsListener&&) noexcept = default;
+NatsListener& NatsListener::operator=(NatsListener&&) noexcept = default;
+NatsListener::~NatsListener() {
+  if (!impl_ || !impl_->subscription) return;
+  natsSubscription_Unsubscribe(impl_->subscription.get());
+  impl_->ended.wait();  // no call is running or comes any more
+}
+
+void NatsConnection::send(const std::string& subject, std::span<const std::byte> bytes) {
+  if (!is_connected()) return;
+  (void)natsConnection_Publish(impl_->connection.get(), subject.c_str(), bytes.data(),
+                               static_cast<int>(bytes.size()));
+}
+
+NatsResult<NatsListener> NatsConnection::listen(const std::string& subject,
+                                                std::function<void(const StreamMessage&)> take) {
+  auto impl = std::make_unique<NatsListener::Impl>();
+  impl->take = std::move(take);
+  const auto call = [](natsConnection*, natsSubscription*, natsMsg* raw, void* listener) {
+    const Message message(raw);
+    const auto* data = reinterpret_cast<const std::byte*>(natsMsg_GetData(raw));
+    const auto size = static_cast<std::size_t>(natsMsg_GetDataLength(raw));
+    static_cast<NatsListener::Impl*>(listener)->take(
+        {0, {data, data + size}, natsMsg_GetSubject(raw)});
+  };
+  natsSubscription* raw = nullptr;
+  natsStatus status =
+      natsConnection_Subscribe(&raw, impl_->connection.get(), subject.c_str(), call, impl.get());
+  if (status != NATS_OK) return failed(status, jsErrCode{});
+  // The thread of the subscription has its end: who waits for it destroys the rest.
+  auto promise = std::make_unique<std::promise<void>>();
+  impl->ended = promise->get_future();
+  const auto end = [](void* owned) {
+    const std::unique_ptr<std::promise<void>> ended(static_cast<std::promise<void>*>(owned));
+    ended->set_value();
+  };
+  status = natsSubscription_SetOnCompleteCB(raw, end, promise.get());
+  if (status == NATS_OK) (void)promise.release();
+  impl->subscription.reset(raw);
+  if (status != NATS_OK) {  // nobody would say when the last call has ended
+    natsSubscription_Unsubscribe(impl->subscription.get());
+    (void)impl.release();  // NOLINT: a call may be running
+    return failed(status, jsErrCode{});
+  }
+  return NatsListener(std::move(impl));
 }
 
 NatsResult<std::optional<StreamMessage>> NatsWatch::next(std::chrono::milliseconds wait) {

@@ -52,6 +52,23 @@ class NatsWatch {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Calls a function with each message of a subject that is sent while it exists, on a thread of
+/// its own; the last call has returned when it is destroyed. Such messages are in no stream: they
+/// are lost while there is no connection.
+class NatsListener {
+ public:
+  NatsListener();  ///< hears nothing
+  NatsListener(NatsListener&&) noexcept;
+  NatsListener& operator=(NatsListener&&) noexcept;
+  ~NatsListener();
+
+ private:
+  friend class NatsConnection;
+  struct Impl;
+  explicit NatsListener(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
 /// What a stream keeps.
 enum class Keep : std::uint8_t { kAll, kLastOfSubject };
 
@@ -81,6 +98,15 @@ class NatsConnection {
                                     const std::string& id, std::uint64_t after,
                                     std::chrono::milliseconds wait = std::chrono::seconds(2));
   NatsResult<NatsWatch> watch(const std::string& stream, const std::string& subject);
+  /// Each message of a stream from number `first` on.
+  NatsResult<NatsWatch> watch_from(const std::string& stream, const std::string& subject,
+                                   std::uint64_t first);
+  /// Sends a message to those who listen to the subject now; no stream has that subject. Not sent
+  /// without a connection.
+  void send(const std::string& subject, std::span<const std::byte> bytes);
+  /// `subject` may have wildcards. The connection must outlive the result.
+  NatsResult<NatsListener> listen(const std::string& subject,
+                                  std::function<void(const StreamMessage&)> take);
   /// Calls `take` with each message of a stream, from the first to the one that is the last now.
   /// Ends early when it returns false.
   NatsResult<void> read(const std::string& stream, const std::string& subject,
@@ -94,6 +120,8 @@ class NatsConnection {
  private:
   struct Impl;
   explicit NatsConnection(std::unique_ptr<Impl> impl);
+  NatsResult<NatsWatch> watch_since(const std::string& stream, const std::string& subject,
+                                    std::uint64_t first);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -8,8 +8,11 @@
 namespace kerf {
 namespace {
 
-/// Shorter than the time between the end of a renewal's second and that of its fence.
-constexpr std::chrono::milliseconds kAnswer{700};
+/// Time for the answer to a renewal: about half of that until its fence ends.
+std::chrono::milliseconds answer_time(const LeaseTime& time) {
+  const std::chrono::nanoseconds left(time.writes_ns - time.renew_ns());
+  return std::chrono::duration_cast<std::chrono::milliseconds>(left / 2);
+}
 constexpr int kAttempts = 3;
 
 }  // namespace
@@ -17,7 +20,8 @@ constexpr int kAttempts = 3;
 NatsResult<std::uint64_t> OwnLeases::store(const std::string& session, const Lease& lease,
                                            std::uint64_t revision) {
   const std::string id = "lease/" + session + "/" + run_ + "/" + std::to_string(++messages_);
-  return nats_.publish(lease_subject(session), encode_lease(lease), id, revision, kAnswer);
+  return nats_.publish(lease_subject(session), encode_lease(lease), id, revision,
+                       answer_time(lease.time));
 }
 
 std::expected<void, LeaseError> OwnLeases::take(const std::string& session, Lease lease,
@@ -30,7 +34,7 @@ std::expected<void, LeaseError> OwnLeases::take(const std::string& session, Leas
         is_lost, is_lost ? "another server has taken the lease" : stored.error().reason});
   }
   auto fence = std::make_shared<WriteFence>();
-  fence->extend(sent + kLeaseWritesNs);
+  fence->extend(sent + lease.time.writes_ns);
   const std::lock_guard lock(mutex_);
   held_[session] = {std::move(lease), *stored, sent, std::move(fence)};
   return {};
@@ -85,10 +89,10 @@ std::expected<void, LeaseError> OwnLeases::renew(const std::string& session,
   const std::lock_guard lock(mutex_);
   const auto held = held_.find(session);
   if (held == held_.end()) return {};
+  held->second.fence->extend(sent + lease.time.writes_ns);
   held->second.lease = std::move(lease);
   held->second.revision = *stored;
   held->second.sent_ns = sent;
-  held->second.fence->extend(sent + kLeaseWritesNs);
   return {};
 }
 
@@ -144,7 +148,7 @@ std::vector<std::string> OwnLeases::due(std::int64_t now_ns) const {
   const std::lock_guard lock(mutex_);
   std::vector<std::string> ids;
   for (const auto& [id, held] : held_) {
-    if (now_ns - held.sent_ns >= kLeaseRenewNs) ids.push_back(id);
+    if (now_ns - held.sent_ns >= held.lease.time.renew_ns()) ids.push_back(id);
   }
   return ids;
 }

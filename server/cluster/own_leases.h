@@ -46,7 +46,7 @@ class OwnLeases {
   std::shared_ptr<const WriteFence> fence(const std::string& session) const;
   std::optional<Lease> find(const std::string& session) const;
   std::vector<std::string> sessions() const;
-  /// Those whose last renewal that was stored is a second old.
+  /// Those that are to be renewed.
   std::vector<std::string> due(std::int64_t now_ns) const;
 
  private:

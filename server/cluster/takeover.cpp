@@ -17,23 +17,6 @@ namespace {
 /// A former owner may add this many messages meanwhile before something is wrong.
 constexpr int kAttempts = 100;
 
-/// The last message of a copy, and how far the copy goes with it.
-struct CopyEnd {
-  std::uint64_t sequence = 0;
-  FrameHead head;
-};
-
-std::expected<std::optional<CopyEnd>, std::string> end_of_copy(NatsConnection& nats,
-                                                               const std::string& session) {
-  const auto last = nats.last_message(copy_stream(session), copy_subject(session));
-  if (!last && last.error().code == NatsErrorCode::kAbsent) return std::nullopt;
-  if (!last) return std::unexpected(last.error().reason);
-  if (!*last) return std::nullopt;
-  const auto frame = decode_frame((*last)->bytes);
-  if (!frame) return std::unexpected("the copy is damaged, or of another version of Kerf");
-  return CopyEnd{(*last)->sequence, frame->head};
-}
-
 /// Adds a change without rows after the last message of the copy, if that is `end`: the writers
 /// before `epoch` then learn that they are succeeded. False: it is not.
 std::expected<bool, std::string> add_mark(NatsConnection& nats, const std::string& session,
@@ -102,6 +85,28 @@ std::expected<void, std::string> put_away(const std::filesystem::path& file,
   return {};
 }
 
+std::filesystem::path fetched_file(const std::filesystem::path& file) {
+  return file.string() + "-fetched";
+}
+
+std::expected<FetchedCopy, std::string> fetch_beside(NatsConnection& nats,
+                                                     const std::string& session,
+                                                     const std::filesystem::path& file) {
+  remove_journal(fetched_file(file));
+  return fetch_copy(nats, session, fetched_file(file));
+}
+
+/// Makes the fetched copy the journal of the session.
+std::expected<void, std::string> put_in_place(const std::filesystem::path& file,
+                                              const std::string& session,
+                                              const std::filesystem::path& kept) {
+  if (auto ok = put_away(file, fetched_file(file), session, kept); !ok) return ok;
+  if (const auto failed = rename_new(fetched_file(file), file)) {
+    return std::unexpected(file.string() + ": " + failed.message());
+  }
+  return {};
+}
+
 }  // namespace
 
 std::expected<std::uint32_t, std::string> epoch_of_copy(NatsConnection& nats,
@@ -126,23 +131,35 @@ std::expected<void, std::string> prepare_journal(NatsConnection& nats, const std
     const auto continues = JournalChanges(file).begin(position);
     if (continues && *continues) return {};
   }
-  const std::filesystem::path fetched = file.string() + "-fetched";
-  remove_journal(fetched);
-  const auto got = fetch_copy(nats, session, fetched);
+  const auto got = fetch_beside(nats, session, file);
   if (!got) return std::unexpected(got.error());
-  if (*got != position) {
+  if (got->position != position) {
     // The copy ends within a commit: its changes after the last whole one are dropped.
     const auto now = end_of_copy(nats, session);
     if (!now || !*now) return std::unexpected("the copy has gone");
-    const auto added = add_mark(nats, session, epoch, (*now)->sequence, *got, true);
+    const auto added = add_mark(nats, session, epoch, (*now)->sequence, got->position, true);
     if (!added) return std::unexpected(added.error());
     if (!*added) return std::unexpected("another server adds to its copy");
   }
-  if (auto ok = put_away(file, fetched, session, kept); !ok) return ok;
-  if (const auto failed = rename_new(fetched, file)) {
-    return std::unexpected(file.string() + ": " + failed.message());
+  return put_in_place(file, session, kept);
+}
+
+std::expected<FetchedCopy, std::string> prepare_following(NatsConnection& nats,
+                                                          const std::string& session,
+                                                          const std::filesystem::path& file,
+                                                          const std::filesystem::path& kept) {
+  const auto end = end_of_copy(nats, session);
+  if (!end) return std::unexpected(end.error());
+  if (!*end) return std::unexpected("there is no copy of it");
+  const FrameHead& head = (*end)->head;
+  const auto here = end_of_journal(file);
+  if (here && head.is_last() && head.is_whole && *here == head.position()) {
+    return FetchedCopy{head.position(), (*end)->sequence};
   }
-  return {};
+  const auto got = fetch_beside(nats, session, file);
+  if (!got) return std::unexpected(got.error());
+  if (auto ok = put_in_place(file, session, kept); !ok) return std::unexpected(ok.error());
+  return *got;
 }
 
 }  // namespace kerf

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "server/cluster/copies.h"
 #include "server/cluster/nats_connection.h"
 
 namespace kerf {
@@ -24,5 +25,12 @@ std::expected<void, std::string> prepare_journal(NatsConnection& nats, const std
                                                  std::uint32_t epoch,
                                                  const std::filesystem::path& file,
                                                  const std::filesystem::path& kept);
+
+/// Makes `file` a copy of the journal of a session that another server runs, as it is now, and
+/// returns where it ends. A journal that is there is moved as above. The error is one sentence.
+std::expected<FetchedCopy, std::string> prepare_following(NatsConnection& nats,
+                                                          const std::string& session,
+                                                          const std::filesystem::path& file,
+                                                          const std::filesystem::path& kept);
 
 }  // namespace kerf

@@ -52,9 +52,19 @@ ApiResponse not_found() {
   return error_response(404, "not_found", "there is no resource at this path");
 }
 
-bool is_coming(const SessionRegistry& registry, const std::string& id) {
-  return registry.is_loading(id) ||
-         (registry.places() != nullptr && registry.places()->is_moving(id));
+bool is_coming(const SessionRegistry& registry, const std::string& id, bool only_looks) {
+  if (registry.is_loading(id)) return true;
+  if (registry.places() == nullptr) return false;
+  if (registry.places()->is_moving(id)) return true;
+  return only_looks && !registry.find(id) && registry.places()->wants_to_follow(id) &&
+         !registry.find_followed(id);
+}
+
+std::shared_ptr<Session> find_to_look(const SessionRegistry& registry, const std::string& id) {
+  auto session = registry.find(id);
+  if (session || registry.places() == nullptr) return session;
+  // It is wanted: it stays.
+  return registry.places()->wants_to_follow(id) ? registry.find_followed(id) : nullptr;
 }
 
 std::optional<std::string> other_place(const SessionRegistry& registry, const std::string& id) {
@@ -150,7 +160,7 @@ ApiResponse Api::handle(const ApiRequest& request) {
   ApiCall call{request, nullptr, std::move(match.captured), std::move(caller)};
   if (is_below_session(request.path)) {
     const std::string& id = request.path[2];
-    call.session = registry_.find(id);
+    call.session = only_looks(match) ? find_to_look(registry_, id) : registry_.find(id);
     // Who has no right here learns nothing of the sessions.
     const bool is_stranger = call.caller.role == Role::kNobody;
     if (!call.session)
@@ -272,6 +282,7 @@ std::optional<ApiResponse> Api::page_elsewhere(const ApiRequest& request) const 
   const std::string* id = request.query_value("session");
   if (!request.path.empty() || id == nullptr || registry_.find(*id)) return std::nullopt;
   if (!other_place(registry_, *id)) return std::nullopt;
+  if (registry_.places()->wants_to_follow(*id)) return std::nullopt;
   if (!may(access_.identify(request.token, *id).role, Action::kWatch)) return std::nullopt;
   return no_session(registry_, *id, request.target);
 }

@@ -76,8 +76,12 @@ ApiResponse at_other_server(const std::string& reason, std::string location);
 /// be read, otherwise 404.
 ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
                        const std::string& target);
-/// Whether a session is not open yet, here or at another server, but soon will be.
-bool is_coming(const SessionRegistry& registry, const std::string& id);
+/// Whether a session is not open yet, here or at another server, but soon will be. For a request
+/// that only looks, also the copy of one that another server runs: this one is asked to follow it.
+bool is_coming(const SessionRegistry& registry, const std::string& id, bool only_looks = false);
+/// The session, for a request that only looks at it: also one that another server runs and this one
+/// follows.
+std::shared_ptr<Session> find_to_look(const SessionRegistry& registry, const std::string& id);
 /// Where else a session runs: the address of that server; nullopt: nowhere, or there are no others.
 std::optional<std::string> other_place(const SessionRegistry& registry, const std::string& id);
 /// 404: the session has no target part of that name.

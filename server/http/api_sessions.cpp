@@ -77,6 +77,7 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
           {"journal_lag", info.journal_lag},
           {"copied", copy_json(session.copy())},
           {"paused", info.paused.empty() ? Json() : Json(info.paused)},
+          {"followed", session.is_followed()},
           {"disk_bytes", session.disk_bytes()},
           {"pitch_mm", session.scene().settings.pitch_mm},
           {"accuracy", Json::parse(accuracy_json(session.scene()))},

@@ -41,9 +41,15 @@ std::string_view host_of(std::string_view origin) {
   return scheme == origin.npos ? "" : origin.substr(scheme + 3);
 }
 
+std::vector<std::string> other_servers(const HttpOptions& options) {
+  return options.other_servers ? options.other_servers() : std::vector<std::string>{};
+}
+
 bool is_listed(std::string_view origin, const HttpOptions& options) {
-  return !origin.empty() &&
-         std::ranges::find(options.allow_origins, origin) != options.allow_origins.end();
+  if (origin.empty()) return false;
+  const auto others = other_servers(options);
+  return std::ranges::find(options.allow_origins, origin) != options.allow_origins.end() ||
+         std::ranges::find(others, origin) != others.end();
 }
 
 /// Returns whether a target is that of the page as other sites may frame it. The viewer reads the
@@ -64,12 +70,13 @@ std::string frames_of(const BrowserHeaders& headers, const HttpOptions& options,
 }
 
 /// The viewer: its decoder of meshes is WebAssembly, and colors are style attributes.
-std::string page_policy(const BrowserHeaders& headers) {
+std::string page_policy(const BrowserHeaders& headers, const HttpOptions& options) {
   std::string own = "'self'";
   // Some browsers do not count WebSockets as 'self'.
   const std::string_view host = headers.host;
   if (!host.empty() && !headers.is_secure) own.append(" ws://").append(host);
   if (!host.empty()) own.append(" wss://").append(host);
+  for (const std::string& server : other_servers(options)) own.append(" ").append(server);
   return "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' "
          "'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; worker-src 'self' "
          "blob:; connect-src " +
@@ -113,15 +120,15 @@ void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& optio
   const bool is_page = response.content_type.starts_with("text/html");
   const std::string frames = frames_of(headers, options, is_page);
   add("Content-Security-Policy",
-      (is_page ? page_policy(headers) : file_policy(response.content_type)) + "; frame-ancestors " +
-          frames);
+      (is_page ? page_policy(headers, options) : file_policy(response.content_type)) +
+          "; frame-ancestors " + frames);
   add("X-Content-Type-Options", "nosniff");
   if (frames == "'none'") add("X-Frame-Options", "DENY");  // cannot name origins
   add("Referrer-Policy", "no-referrer");
   if (headers.is_secure && !is_equal(name_of(headers.host), "localhost")) {
     add("Strict-Transport-Security", "max-age=15552000");
   }
-  if (options.allow_origins.empty()) return;
+  if (options.allow_origins.empty() && !options.other_servers) return;
   add("Vary", "Origin");
   if (!is_listed(headers.origin, options)) return;
   add("Access-Control-Allow-Origin", std::string(headers.origin));

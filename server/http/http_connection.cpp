@@ -77,7 +77,7 @@ class Connection {
   void end_deadline();
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
   asio::awaitable<bool> answer(const RequestHead& head, ApiResponse& response, bool keep_alive);
-  asio::awaitable<void> wait_until_loaded(const ApiRequest& target);
+  asio::awaitable<void> wait_until_loaded(const ApiRequest& target, bool only_looks);
   IoThreads& threads_for(Runs runs) const;
   void watch(const std::shared_ptr<std::stop_source>& gone);
   asio::awaitable<bool> reject_malformed();
@@ -184,7 +184,7 @@ asio::awaitable<bool> Connection::serve_one() {
   Caller caller;
   const RouteMatch match = match_route(request->method, request->path);
   auto rejection = context_.api.refuse(*request, match, caller);
-  if (!rejection) co_await wait_until_loaded(*request);
+  if (!rejection) co_await wait_until_loaded(*request, only_looks(match));
   if (beast::websocket::is_upgrade(parser.get())) {
     co_await upgrade(parser.get(), head, *request);
     co_return false;
@@ -220,17 +220,17 @@ asio::awaitable<bool> Connection::serve_one() {
   co_return co_await answer(head, response, keep_alive);
 }
 
-asio::awaitable<void> Connection::wait_until_loaded(const ApiRequest& target) {
-  if (!is_below_session(target.path) || !is_coming(context_.registry, target.path[2])) co_return;
-  context_.registry.hasten(target.path[2]);
+asio::awaitable<void> Connection::wait_until_loaded(const ApiRequest& target, bool only_looks) {
+  const std::string id = is_below_session(target.path) ? target.path[2] : "";
+  if (id.empty() || !is_coming(context_.registry, id, only_looks)) co_return;
+  context_.registry.hasten(id);
   end_deadline();
   ++context_.metrics.waiting_to_load;
   asio::steady_timer pause(stream_.get_executor());
   const auto end = std::chrono::steady_clock::now() + kLoadTime;
-  while (is_coming(context_.registry, target.path[2]) && std::chrono::steady_clock::now() < end) {
+  while (is_coming(context_.registry, id, only_looks) && std::chrono::steady_clock::now() < end) {
     pause.expires_after(kLoadPoll);
-    error_code ignored;
-    co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error_));
   }
   --context_.metrics.waiting_to_load;
 }

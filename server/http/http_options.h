@@ -26,6 +26,9 @@ struct HttpOptions {
   std::vector<std::string> allow_origins;  ///< besides the server's own host, e.g.
                                            ///< "https://kerf.example"
   std::vector<std::string> embed_origins;  ///< of sites that may frame the page at `/?embed`
+  /// The addresses of the other servers of a cluster, whose pages may use this one, and which the
+  /// page of this one may use; empty: there are none.
+  std::function<std::vector<std::string>()> other_servers;
   TrustedProxies proxies;
   /// Makes the process stop, soon; empty: it cannot be stopped by a request.
   std::function<void()> request_stop;

@@ -74,6 +74,18 @@ RouteMatch match_route(std::string_view method, const std::vector<std::string>& 
   return match;
 }
 
+bool only_looks(const RouteMatch& match) {
+  if (match.route == nullptr) return false;
+  const auto is_of_owner = [&](std::string_view part) {
+    return match.route->pattern.contains(part);
+  };
+  if (is_of_owner("/programs") || is_of_owner("/targets") || is_of_owner("/exports") ||
+      is_of_owner("/regions")) {
+    return false;
+  }
+  return match.route->action == Action::kWatch || match.route->action == Action::kDownload;
+}
+
 std::size_t body_bytes_max(const RouteMatch& match, std::string_view method) {
   if (match.route != nullptr) return match.route->body_bytes_max;
   return method == "POST" ? kRejectedBytesMax : 0;

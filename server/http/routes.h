@@ -53,6 +53,9 @@ struct RouteMatch {
   Upgrade upgrade = Upgrade::kNone;  ///< of the path, whatever the method
   std::string captured;              ///< by the last "{name}" of the pattern
 };
+/// Whether the request only looks at a session's block and its history: a server that follows the
+/// session serves it. Programs, targets, regions and people are known to its owner.
+bool only_looks(const RouteMatch& match);
 RouteMatch match_route(std::string_view method, const std::vector<std::string>& path);
 
 /// The most bytes that the body of the request may have.

@@ -81,6 +81,9 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   family("kerf_sessions", "Sessions that are open.")
       .Add({})
       .Set(static_cast<double>(sessions.size()));
+  family("kerf_sessions_followed", "Sessions of other servers whose blocks are kept here.")
+      .Add({})
+      .Set(static_cast<double>(registry.followed().size()));
   family("kerf_sessions_loading", "Sessions that are not loaded yet.")
       .Add({})
       .Set(static_cast<double>(registry.loading().size()));

@@ -53,6 +53,9 @@ class SessionPlaces {
   /// The address of the server that has fewer sessions than any other and than this one, and which
   /// is now thought to get one more; nullopt: a new session belongs here.
   virtual std::optional<std::string> place_for_new() = 0;
+  /// Asks this server to follow a session of another one, for viewers. Whether it does, or will
+  /// soon: the registry has it then (find_followed()).
+  virtual bool wants_to_follow(const std::string& id) = 0;
 };
 
 }  // namespace kerf

@@ -101,7 +101,8 @@ const std::vector<Module>& other_modules() {
         "server/store", "server/history", "server/feed", "server/rights",
         "server/threads/executor.h", "server/threads/run_and_wait.h",
         "server/threads/timed_mutex.h"}},
-      {"server/cluster", {"server/store", "server/session", "server/log"}},
+      {"server/cluster",
+       {"server/store", "server/history", "server/session", "server/threads", "server/log"}},
       {"server/metrics", {"server/session"}},
       // The protocols of agents and viewers as state machines: no socket, no thread, no Boost.
       {"server/conversation",

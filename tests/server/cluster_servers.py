@@ -43,7 +43,7 @@ class Cluster:
         owners = []
         for name, server in list(self.servers.items()):
             status, info = server.http.json("GET", f"/v1/sessions/{session}")
-            if status == 200 and info["paused"] is None:
+            if status == 200 and info["paused"] is None and not info["followed"]:
                 owners.append(name)
         assert len(owners) < 2, f"two servers run the session: {owners}"
         return owners[0] if owners else None

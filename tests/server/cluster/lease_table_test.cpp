@@ -9,6 +9,7 @@ namespace {
 using Ids = std::vector<std::string>;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kTakenNs = LeaseTime{}.taken_ns();
 
 Lease held_by(const std::string& node, std::uint32_t epoch = 1) {
   Lease lease;
@@ -29,18 +30,29 @@ TEST_F(LeaseTableTest, ALeaseIsTakenOnlyWhenItHasNotChangedForThreeSeconds) {
   EXPECT_EQ(table_.takeable(3 * kSecond), Ids());
   EXPECT_EQ(table_.address_of("s", 3 * kSecond), "http://b:8080");
   table_.note("s", held_by("b"), 7, 3 * kSecond);  // seen again, and not renewed
-  EXPECT_EQ(table_.takeable(kLeaseTakenNs), Ids{"s"});
-  EXPECT_TRUE(table_.is_moving("s", kLeaseTakenNs));
-  EXPECT_EQ(table_.address_of("s", kLeaseTakenNs), std::nullopt);
-  table_.note("s", held_by("b"), 8, kLeaseTakenNs);
-  EXPECT_EQ(table_.takeable(2 * kLeaseTakenNs - 1), Ids());
+  EXPECT_EQ(table_.takeable(kTakenNs), Ids{"s"});
+  EXPECT_TRUE(table_.is_moving("s", kTakenNs));
+  EXPECT_EQ(table_.address_of("s", kTakenNs), std::nullopt);
+  table_.note("s", held_by("b"), 8, kTakenNs);
+  EXPECT_EQ(table_.takeable(2 * kTakenNs - 1), Ids());
+}
+
+TEST_F(LeaseTableTest, ALeaseLastsAsLongAsItsOwnerStates) {
+  Lease lease = held_by("b");
+  lease.time = {kSecond};
+  const auto stated = decode_lease(encode_lease(lease));
+  ASSERT_TRUE(stated);
+  table_.note("s", *stated, 7, 0);
+  table_.note("t", held_by("b"), 8, 0);
+  EXPECT_EQ(table_.takeable(kSecond * 31 / 25 - 1), Ids());
+  EXPECT_EQ(table_.takeable(kSecond * 31 / 25), Ids{"s"});
 }
 
 TEST_F(LeaseTableTest, TimeWithoutAnythingToBeSeenDoesNotCount) {
   table_.note("s", held_by("b"), 7, 0);
   table_.begin(10 * kSecond);
   EXPECT_EQ(table_.takeable(13 * kSecond), Ids());
-  EXPECT_EQ(table_.takeable(10 * kSecond + kLeaseTakenNs), Ids{"s"});
+  EXPECT_EQ(table_.takeable(10 * kSecond + kTakenNs), Ids{"s"});
 }
 
 TEST_F(LeaseTableTest, AReleasedLeaseIsFreeAtOnceForTheServerThatItNames) {

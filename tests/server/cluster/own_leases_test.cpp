@@ -76,7 +76,7 @@ TEST_F(OwnLeasesTest, WhatIsGivenBackMayBeTaken) {
   EXPECT_EQ(decode_lease(stored().bytes)->to, "b");
   EXPECT_TRUE(b_->take("s", lease("b", 2), stored().sequence));
   EXPECT_TRUE(b_->due(boot_time_ns()).empty());
-  EXPECT_EQ(b_->due(boot_time_ns() + kLeaseRenewNs), std::vector<std::string>{"s"});
+  EXPECT_EQ(b_->due(boot_time_ns() + LeaseTime{}.renew_ns()), std::vector<std::string>{"s"});
 }
 
 }  // namespace

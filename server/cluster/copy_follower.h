@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+#include "server/cluster/copies.h"
+#include "server/cluster/nats_connection.h"
+#include "server/session/session_registry.h"
+
+namespace kerf {
+
+/// Follows a session that another server runs: fetches the copy of its journal, restores the block,
+/// and applies what the copy gets from then on, on a thread of its own. The registry has the
+/// session meanwhile (find_followed()).
+class CopyFollower {
+ public:
+  enum class State : std::uint8_t { kBegins, kFollows, kFailed };
+
+  /// `node` is the name of this server. All must outlive it.
+  CopyFollower(NatsConnection& nats, SessionRegistry& registry, std::string session,
+               std::string node);
+  ~CopyFollower();
+  CopyFollower(const CopyFollower&) = delete;
+  CopyFollower& operator=(const CopyFollower&) = delete;
+
+  State state() const { return state_; }
+  /// Applies what the copy has now, waiting for at most `wait`, and ends: the journal then has it.
+  /// The session is still in the registry.
+  void finish(std::chrono::milliseconds wait);
+
+ private:
+  struct Followed;
+  void run(const std::stop_token& stop);
+  std::expected<void, std::string> follow(const std::stop_token& stop);
+  std::expected<void, std::string> take_messages(Followed& followed, const std::stop_token& stop);
+  std::expected<void, std::string> take(Followed& followed, const StreamMessage& message);
+  std::expected<void, std::string> deliver(Followed& followed);
+  std::expected<void, std::string> deliver_lists(Followed& followed);
+  std::expected<void, std::string> compare(Followed& followed);
+  NatsListener hear_live(const std::shared_ptr<Session>& session) const;
+
+  NatsConnection& nats_;
+  SessionRegistry& registry_;
+  std::string id_, node_;
+  std::atomic<State> state_ = State::kBegins;
+  std::atomic<std::uint64_t> message_ = 0;  ///< the last one that was taken
+  std::jthread thread_;
+};
+
+/// The subject on which the owner of a session states its LiveState.
+std::string live_subject(const std::string& session);
+
+}  // namespace kerf
