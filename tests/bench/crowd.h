@@ -31,7 +31,7 @@ pid_t start_process(const Work& work) {
 }
 
 struct CrowdOptions {
-  std::uint16_t port = 0;
+  std::vector<std::uint16_t> ports;  ///< of servers among which the viewers are divided
   int viewers = 0;
   bool lists = false;
   /// They are served as if on a machine of their own (SCHED_FIFO, if that is allowed); otherwise
@@ -80,7 +80,8 @@ class Crowd {
       if (joins) {
         const auto number = static_cast<int>(viewers.size());
         viewers.push_back(
-            std::make_unique<Viewer>(options.port, number, options.lists, answers, report));
+            std::make_unique<Viewer>(options.ports.at(viewers.size() % options.ports.size()),
+                                     number, options.lists, answers, report));
         epoll_event event{.events = EPOLLIN, .data = {.ptr = viewers.back().get()}};
         epoll_ctl(poller, EPOLL_CTL_ADD, viewers.back()->descriptor(), &event);
       }

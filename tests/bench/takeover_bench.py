@@ -9,6 +9,8 @@ Two servers and one nats-server on this machine; --agents (one) at about 1 kHz e
 started again afterwards. Each agent cuts places of its own, so that a lost sample makes another
 block, and a sample that is cut twice another number of motions.
 
+With --standby the other server follows the session, and leases last one second: it is ready.
+
 With --motions N a program cuts N motions first, and each owner is succeeded by a server that has
 nothing of the session: it fetches the copy. --without-snapshots deletes those of NATS before each
 kill, so that all records are replayed.
@@ -82,7 +84,15 @@ class TimedViewer(threading.Thread):
                     self.seen_in.setdefault(viewer.welcome["epoch"], time.monotonic())
 
 
-def one_round(cluster, agents, viewers, chance):
+STANDBY = ("--follow", "all", "--lease-ms", "1000")
+
+
+def is_followed(server):
+    info = server.http.json("GET", "/v1/sessions/block")[1]
+    return info.get("followed", False)
+
+
+def one_round(cluster, agents, viewers, chance, words):
     """Kills the owner; returns the s until each agent's next samples were cut by another server,
     and until each viewer was sent tiles of it."""
     time.sleep(chance.uniform(0.5, 1.5))
@@ -101,7 +111,8 @@ def one_round(cluster, agents, viewers, chance):
         if agent.fault:
             raise agent.fault
     wait_until(lambda: all_in([viewer.seen_in for viewer in viewers]))
-    cluster.start(owner)
+    again = cluster.start(owner, *words)
+    wait_until(lambda: not words or is_followed(again))
     first = [[note[min(e for e in note if e > epoch)] - killed for note in notes] for notes in
              ([agent.cut_in for agent in agents], [viewer.seen_in for viewer in viewers])]
     return first
@@ -184,14 +195,17 @@ def warm_takeovers(options):
     with tempfile.TemporaryDirectory(prefix="kerf-bench-") as folder:
         cluster = Cluster(folder)
         try:
-            cluster.start("a").create()
-            cluster.start("b")
+            words = STANDBY if options.standby else ()
+            cluster.start("a", *words).create()
+            b = cluster.start("b", *words)
+            wait_until(lambda: not words or is_followed(b))
             agents = [TimedAgent(cluster, n) for n in range(options.agents)]
             viewers = [TimedViewer(cluster) for _ in range(options.viewers)]
             for thread in agents + viewers:
                 thread.start()
             wait_until(lambda: all(v.seen_in for v in viewers))
-            rounds = [one_round(cluster, agents, viewers, chance) for _ in range(options.rounds)]
+            rounds = [one_round(cluster, agents, viewers, chance, words)
+                      for _ in range(options.rounds)]
             for thread in agents + viewers:
                 thread.ended.set()
             for thread in agents + viewers:
@@ -221,6 +235,7 @@ def main():
     options.add_argument("--agents", type=int, default=1)
     options.add_argument("--viewers", type=int, default=0)
     options.add_argument("--motions", type=int, default=0)
+    options.add_argument("--standby", action="store_true")
     options.add_argument("--without-snapshots", action="store_true")
     options = options.parse_args()
     if options.motions:

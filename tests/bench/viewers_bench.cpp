@@ -54,7 +54,7 @@
 #include "tests/bench/crowd_viewer.h"
 #include "tests/bench/downloads.h"
 #include "tests/bench/live_client.h"
-#include "tests/bench/raster_agent.h"
+#include "tests/bench/raster.h"
 
 namespace {
 
@@ -94,17 +94,6 @@ Options parse(int argc, char** argv) {
   return options;
 }
 
-/// A block that is high enough for all layers of a raster of so many seconds.
-std::string scene_for(double seconds) {
-  const double layers = std::ceil(1000 * seconds / double(kLayer)) + 2;
-  return R"({"name": "bench",
-  "stock": {"shape": "box", "min_mm": [-40, -40, )" +
-         std::to_string(-30 - kDownMm * layers) + R"(], "max_mm": [40, 40, 0]},
-  "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
-  "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60},
-            {"id": 2, "shape": "flat", "diameter_mm": 6, "length_mm": 60}]})";
-}
-
 void change_tools(const std::atomic<bool>& stop, std::uint16_t port) {
   WebSocket agent(port, "/v1/sessions/bench/agent", "kerf.agent.v1");
   const auto say = [&](const std::string& text) { agent.send(1, std::as_bytes(std::span(text))); };
@@ -116,60 +105,10 @@ void change_tools(const std::atomic<bool>& stop, std::uint16_t port) {
   }
 }
 
-/// Cuts the raster at 1 kHz from sample `first` to `end`; returns the round trips, us.
-std::vector<double> cut_raster(WebSocket& agent, std::uint64_t first, std::uint64_t end,
-                               std::uint64_t ahead, AnswerTimes* answers) {
-  std::vector<double> trips_us;
-  std::vector<Clock::time_point> sent(end);
-  std::string payload;
-  std::vector<std::byte> frame;
-  std::uint64_t answered = 0;
-  const auto take = [&](Clock::time_point until) {
-    const auto opcode = agent.receive(payload, until);
-    if (opcode != 2) return opcode != 0;
-    const auto message = decode(std::as_bytes(std::span(payload)));
-    if (!message) fail("a frame of the server is malformed");
-    const auto* result = std::get_if<Result>(&message->body);
-    if (result != nullptr && result->agent_sequence >= first) {
-      if (answers != nullptr) answers->answered(result->motions_applied);
-      trips_us.push_back(
-          std::chrono::duration<double, std::micro>(Clock::now() - sent.at(result->agent_sequence))
-              .count());
-      answered = result->agent_sequence;
-    } else if (std::holds_alternative<StockPatch>(message->body)) {
-      frame.clear();
-      append(frame, {kNewEpoch, message->header.stamp.sequence, 0}, Ack{});
-      agent.send(2, frame);
-    }
-    return true;
-  };
-  const auto start = Clock::now();
-  for (std::uint64_t n = first; n < end; ++n) {
-    const auto tick = start + std::chrono::milliseconds(n - first);
-    while (Clock::now() < tick) take(tick);
-    MotionBatch batch;
-    batch.count = 1;
-    batch.samples[0] = sample_at(n, ahead);
-    frame.clear();
-    append(frame, {kNewEpoch, n, n * 1000}, batch);
-    sent[n] = Clock::now();
-    agent.send(2, frame);
-  }
-  // A sample that was rejected, because others before it waited for long, is not answered.
-  while (answered + 1 < end && take(in_seconds(2))) continue;
-  return trips_us;
-}
-
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t half = values.size() / 2;
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
-double at_share(std::vector<double>& values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * double(values.size() - 1))];
 }
 
 void print_memory(const std::vector<double>& memory_mb) {
@@ -189,43 +128,6 @@ double machine_cpu_seconds() {
   stat >> name >> user >> nice >> system >> idle >> waiting >> irq >> softirq;
   return (user + nice + system + irq + softirq) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
-
-/// The agents of one session.
-class Raster {
- public:
-  /// `answers`: null, or when their motions were answered.
-  Raster(std::uint16_t port, const std::string& session, int agents, AnswerTimes* answers)
-      : thread_name_("s:" + session), answers_(answers) {
-    for (int n = 0; n < agents; ++n) agents_.push_back(join_agent(port, session));
-  }
-  /// Of the session's thread in the server.
-  const std::string& thread_name() const { return thread_name_; }
-  /// Cuts `count` samples more with each agent; returns the round trips, us.
-  std::vector<double> cut(std::uint64_t count) {
-    std::vector<std::vector<double>> trips(agents_.size());
-    {
-      std::vector<std::jthread> threads;
-      for (std::size_t n = 0; n < agents_.size(); ++n) {
-        threads.emplace_back([&, n] {
-          const sched_param priority{.sched_priority = 60};
-          sched_setscheduler(0, SCHED_FIFO, &priority);
-          trips[n] =
-              cut_raster(agents_[n], next_, next_ + count, n * kLayer / agents_.size(), answers_);
-        });
-      }
-    }
-    next_ += count;
-    std::vector<double> all;
-    for (const auto& some : trips) all.insert(all.end(), some.begin(), some.end());
-    return all;
-  }
-
- private:
-  std::string thread_name_;
-  std::vector<WebSocket> agents_;
-  AnswerTimes* answers_;
-  std::uint64_t next_ = 1;  ///< sample
-};
 
 /// What the turns of agents beside viewers, or without them, have used.
 struct Used {
@@ -364,7 +266,7 @@ int main(int argc, char** argv) {
   AnswerTimes answers;
   const auto start = Clock::now();
   const bool has_load = options.busy > 0;
-  Crowd crowd({server.port(), options.viewers, options.lists, has_load}, answers);
+  Crowd crowd({{server.port()}, options.viewers, options.lists, has_load}, answers);
   const BusyLoops busy(options.busy);
   std::atomic<bool> stop = false;
   std::jthread agent;
