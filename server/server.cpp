@@ -349,12 +349,13 @@ std::expected<void, std::string> Server::listen() {
   if (acceptor.listen(asio::socket_base::max_listen_connections, error)) return fail();
   impl_->port = acceptor.local_endpoint(error).port();
   if (auto ok = impl_->listen_udp(); !ok) return ok;
-  asio::co_spawn(impl_->viewers.context(), impl_->accept(), asio::detached);
   if (impl_->node) {
     const std::string& advertised = impl_->options.cluster.advertise;
     impl_->node->start(impl_->registry, advertised.empty() ? url() : advertised,
                        impl_->options.cluster, log_report);
   }
+  // Requests ask the node: it is there before the first one.
+  asio::co_spawn(impl_->viewers.context(), impl_->accept(), asio::detached);
   return {};
 }
 
