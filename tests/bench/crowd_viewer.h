@@ -64,6 +64,17 @@ struct CrowdReport {
   std::atomic<std::uint64_t> text_bytes = 0, mesh_bytes = 0, mesh_frames = 0;
   /// Frames by staleness, ms; the last one counts all that are staler.
   std::array<std::atomic<std::uint32_t>, 20'001> stale_ms{};
+
+  /// The staleness, ms, that a share of the frames does not exceed.
+  std::size_t stale_at(double share) const {
+    std::uint64_t total = 0, passed = 0;
+    for (const auto& count : stale_ms) total += count;
+    for (std::size_t ms = 0; ms < stale_ms.size(); ++ms) {
+      passed += stale_ms.at(ms);
+      if (double(passed) >= share * double(total)) return ms;
+    }
+    return stale_ms.size();
+  }
 };
 
 /// One viewer, read without blocking. Of a mesh frame only the beginning is copied, because

@@ -136,16 +136,6 @@ void cut(const Servers& servers, Raster& raster, double seconds, const char* whe
   std::printf("\n");
 }
 
-std::size_t stale_ms(const CrowdReport& report, double share) {
-  std::uint64_t total = 0, passed = 0;
-  for (const auto& count : report.stale_ms) total += count;
-  for (std::size_t ms = 0; ms < report.stale_ms.size(); ++ms) {
-    passed += report.stale_ms.at(ms);
-    if (double(passed) >= share * double(total)) return ms;
-  }
-  return report.stale_ms.size();
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -171,7 +161,7 @@ int main(int argc, char** argv) {
       "%d viewers at %d followers: %d joined, %d dropped; each got %.1f mesh frames/s; "
       "staleness p50 %zu ms, p99 %zu ms\n",
       options.viewers, options.relays, report.joined.load(), report.dropped.load(),
-      double(report.mesh_frames) / options.viewers / options.seconds, stale_ms(report, 0.5),
-      stale_ms(report, 0.99));
+      double(report.mesh_frames) / options.viewers / options.seconds, report.stale_at(0.5),
+      report.stale_at(0.99));
   return report.joined == options.viewers && report.dropped == 0 ? 0 : 1;
 }

@@ -185,20 +185,11 @@ struct Bench {
 void print_viewers(const Options& options, const CrowdReport& report, const Used& without,
                    const Used& beside) {
   const double each = 1.0 / options.viewers, all = double(report.mesh_frames.load());
-  const auto stale_at = [&](double share) {
-    std::uint64_t total = 0, passed = 0;
-    for (const auto& count : report.stale_ms) total += count;
-    for (std::size_t ms = 0; ms < report.stale_ms.size(); ++ms) {
-      passed += report.stale_ms.at(ms);
-      if (double(passed) >= share * double(total)) return ms;
-    }
-    return report.stale_ms.size();
-  };
   std::printf(
       "each viewer: %.1f mesh frames/s, %.0f kB/s; staleness p50 %zu ms, p99 %zu ms; each costs "
       "the server %.2f ms of CPU per second\n",
       all * each / beside.seconds, double(report.mesh_bytes) * each / beside.seconds / 1e3,
-      stale_at(0.5), stale_at(0.99),
+      report.stale_at(0.5), report.stale_at(0.99),
       1e3 * each * (beside.server_s / beside.seconds - without.server_s / without.seconds));
   std::printf(
       "cores used: server %.2f without the viewers, %.2f beside them; viewers %.2f; foreign %.2f "
