@@ -24,7 +24,7 @@ export const NAVIGATIONS: readonly Navigation[] = [
     right: 'pan',
     zoom: { button: 'middle', key: 'ctrlKey' },
   },
-  { id: 'fusion', name: 'Fusion, Inventor, FreeCAD', middle: 'pan', right: 'pan' },
+  { id: 'fusion', name: 'Fusion, Inventor', middle: 'pan', right: 'pan' },
   {
     id: 'solidworks',
     name: 'SolidWorks',
