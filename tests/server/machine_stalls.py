@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tells a machine that stands still from a program that is late: counts the times at which a thread above
-all others, on any processor, was not woken for several milliseconds."""
+all others, on any processor, was woken 2 ms late or later."""
 import os
 import subprocess
 import sys
 
 # Above the agent's threads (90 at most) and the simulated device's (95).
 PRIORITY = 98
-# Waking late by this much loses ticks of a 1 kHz loop, whatever the loop does.
-STALL_S = 0.004
+# Waking late by this much loses a tick of a 1 kHz loop, whatever the loop does.
+STALL_S = 0.002
 
 WATCH = f"""
 import os, signal, sys, time
@@ -47,3 +47,20 @@ class MachineStalls:
             stalls += [float(line) for line in watch.communicate()[0].split()]
         self.watches = []
         return sorted(stalls, reverse=True)
+
+
+def succeeds(test, attempt, attempts=5):
+    """Calls attempt(0), attempt(1) … until one returns true, and returns whether one did. Skips `test`
+    if none did while the machine stood still in most of them: that says nothing about the agent."""
+    stalled = 0
+    for number in range(attempts):
+        stalls = MachineStalls()
+        test.addCleanup(stalls.end)
+        done = attempt(number)
+        stalled += bool(stalls.end())
+        if done:
+            return True
+    if 2 * stalled > attempts:
+        test.skipTest("this machine is too busy for a loop of 1 kHz: it stood still for 2 ms or longer "
+                      f"in {stalled} of {attempts} attempts")
+    return False
