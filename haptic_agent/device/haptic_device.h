@@ -105,6 +105,9 @@ class HapticDevice {
   /// Outputs a wrench until the next call; zero if the device is not ready. A device with its own
   /// thread sets the motors to zero if the next call does not come within kWrenchLifeUs.
   virtual void write(const Wrench& wrench) noexcept = 0;
+  /// Says whether forces are permitted in this tick, before `write`: not before the device is
+  /// armed, nor after a trip. A device may show it to its user.
+  virtual void show_force(bool on) noexcept { static_cast<void>(on); }
   /// Sets the force to zero immediately, until the next `write`. Callable from any thread: the
   /// watchdog calls it when the servo thread hangs.
   virtual void stop() noexcept = 0;

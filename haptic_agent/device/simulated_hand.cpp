@@ -41,7 +41,8 @@ DeviceCapabilities SimulatedHand::capabilities() const {
           .max_force_n = 15.0,
           .max_torque_nmm = 500.0,
           .moving_mass_kg = settings_.mass_kg,
-          .moving_inertia_kg_m2 = settings_.inertia_kg_m2};
+          .moving_inertia_kg_m2 = settings_.inertia_kg_m2,
+          .has_deadman = true};
 }
 
 void SimulatedHand::write(const Wrench& wrench) noexcept {
@@ -63,11 +64,12 @@ DeviceState SimulatedHand::read(std::uint64_t now_us) noexcept {
     step(std::min(left_s, kStepS));
     cutting = cutting || target_.cutting;
   }
+  const std::uint32_t held = act_ == Regrip::Act::kLetGo ? 0U : wire::kButtonDeadman;
   const Vec3 tip_mm = pivot_mm_ - axis_ * settings_.pivot_mm;
   max_deviation_mm_ = std::max(max_deviation_mm_, length(tip_mm - target_.tip_mm));
   return {.tip_mm = tip_mm,
           .axis = axis_,
-          .buttons = wire::kButtonDeadman | (cutting ? wire::kButtonCutting : 0U),
+          .buttons = held | (cutting ? wire::kButtonCutting : 0U),
           .tool_id = target_.tool_id,
           .time_us = now_us,
           .valid = true,
@@ -99,8 +101,19 @@ void SimulatedHand::step(double dt_s) noexcept {
   turn_rad_per_s_ = turn_rad_per_s_ - axis_ * dot(axis_, turn_rad_per_s_);
   axis_ = normalized(axis_ + cross(turn_rad_per_s_, axis_) * dt_s);
 
-  path_s_ += dt_s;
-  target_ = path_.at(std::max(0.0, path_s_));
+  follow_path(dt_s);
+}
+
+/// Moves the target along the path, or rests on it. The button that cuts stays as it is: pressed,
+/// the tool does not push its own cut aside, and is armed at rest.
+void SimulatedHand::follow_path(double dt_s) noexcept {
+  act_ = regrip_.step(force_on_, dt_s);
+  if (act_ == Regrip::Act::kWork) {
+    path_s_ += dt_s;
+    target_ = path_.at(std::max(0.0, path_s_));
+  } else {
+    target_.tip_mm_per_s = target_.turn_rad_per_s = {};
+  }
   if (target_.at_end) rested_s_ += dt_s;
 }
 

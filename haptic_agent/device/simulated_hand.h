@@ -5,6 +5,7 @@
 
 #include "haptic_agent/device/haptic_device.h"
 #include "haptic_agent/device/path_cursor.h"
+#include "haptic_agent/device/regrip.h"
 
 namespace kerf::agent {
 
@@ -24,8 +25,9 @@ struct HandSettings {
 };
 
 /// A simulated hand that follows a path: a mass and an inertia at the pivot, coupled to the path by
-/// springs and dampers. Force and torque deflect it from the path, as they would a user's hand. 5
-/// DOF: there is no rotation or torque about the tool's own axis.
+/// springs and dampers. Force and torque deflect it from the path, as they would a user's hand. It
+/// stops on its path and lets go while there is no force (Regrip). 5 DOF: there is no rotation or
+/// torque about the tool's own axis.
 class SimulatedHand final : public HapticDevice {
  public:
   SimulatedHand(PathCursor path, const HandSettings& settings);
@@ -33,6 +35,7 @@ class SimulatedHand final : public HapticDevice {
   DeviceCapabilities capabilities() const override;
   DeviceState read(std::uint64_t now_us) noexcept override;
   void write(const Wrench& wrench) noexcept override;
+  void show_force(bool on) noexcept override { force_on_ = on; }
   void stop() noexcept override { stopped_.store(true, std::memory_order_release); }
 
   /// Largest deviation of the tip from the path.
@@ -40,6 +43,7 @@ class SimulatedHand final : public HapticDevice {
 
  private:
   void step(double dt_s) noexcept;
+  void follow_path(double dt_s) noexcept;
 
   PathCursor path_;
   HandSettings settings_;
@@ -47,6 +51,9 @@ class SimulatedHand final : public HapticDevice {
   double turn_damping_nmm_s_per_rad_;
   Wrench wrench_;
   std::atomic<bool> stopped_{false};
+  Regrip regrip_;
+  Regrip::Act act_ = Regrip::Act::kWork;
+  bool force_on_ = true;
   PathPoint target_;
   Vec3 pivot_mm_;
   Vec3 pivot_mm_per_s_;

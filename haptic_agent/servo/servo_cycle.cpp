@@ -110,6 +110,7 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   const bool tripped = supervisor_.phase() == ServoPhase::kSafe;
   const double gain = supervisor_.tick(seen);
   if (tripped && supervisor_.phase() != ServoPhase::kSafe) output_.restart();
+  device_.show_force(gain > 0);
   device_.write(usable && gain > 0
                     ? output_.release(wrench * gain, velocity_.velocity(), moved, dt_s, now_us)
                     : output_.silence(now_us));
