@@ -24,9 +24,9 @@ class Cluster:
         os.makedirs(path, exist_ok=True)
         return path
 
-    def start(self, name, *more, nats=None):
+    def start(self, name, *more, nats=None, environment=None):
         self.servers[name] = Server(self.path(name), "--nats", nats or self.nats.url, "--node", name,
-                                    *more)
+                                    *more, environment=environment)
         return self.servers[name]
 
     def stop(self, name, how=signal.SIGTERM):

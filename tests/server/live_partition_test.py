@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Servers that cannot reach NATS, or NATS without one of its own: never two owners, nothing lost."""
+"""Servers that cannot reach NATS, NATS without one of its own, clocks that jump: never two owners,
+nothing lost."""
+import glob
 import json
 import os
 import resource
@@ -65,6 +67,16 @@ class ClusterTest(unittest.TestCase):
         while WebSocket.opened:
             WebSocket.opened.pop().close()
 
+    def carve_at_a(self):
+        """An agent that has carved at server a, and the owners from then on."""
+        agent = ClusterAgent(self.cluster, tip=RasterPath(0))
+        agent.move(160)
+        agent.settle()
+        owners = Owners(self.cluster)
+        owners.start()
+        until(self, lambda: owners.seen, ["a"])
+        return agent, owners
+
     def block(self, name):
         info = self.cluster.servers[name].info()
         return info["motions"], info["state_hash"]
@@ -76,16 +88,6 @@ class ClusterTest(unittest.TestCase):
 
 
 class Partition(ClusterTest):
-    def carve_at_a(self):
-        """An agent that has carved at server a, and the owners from then on."""
-        agent = ClusterAgent(self.cluster, tip=RasterPath(0))
-        agent.move(160)
-        agent.settle()
-        owners = Owners(self.cluster)
-        owners.start()
-        until(self, lambda: owners.seen, ["a"])
-        return agent, owners
-
     def test_an_owner_that_nats_does_not_hear_pauses_before_another_one_goes_on(self):
         with Relay(self.cluster.nats.port, Line()) as line:
             a = self.cluster.start("a", nats=f"nats://127.0.0.1:{line.port}")
@@ -155,6 +157,58 @@ class Partition(ClusterTest):
         agent.move(50)
         agent.settle()
         self.assertEqual(self.block("again"), self.expected(agent))
+
+
+class Clock:
+    """The time of day of one server, which jumps (Debian package libfaketime)."""
+
+    LIBRARY = next(iter(glob.glob("/usr/lib/*/faketime/libfaketimeMT.so.1")), None)
+
+    def __init__(self, path):
+        self.path = path
+        self.jump_to(0)
+        self.environment = {"LD_PRELOAD": self.LIBRARY, "FAKETIME_TIMESTAMP_FILE": path,
+                            "FAKETIME_NO_CACHE": "1", "FAKETIME_DONT_FAKE_MONOTONIC": "1"}
+
+    @staticmethod
+    def remove_shared_memory(pid):
+        """Of a process that was killed."""
+        for path in glob.glob(f"/dev/shm/*faketime_*_{pid}"):
+            os.remove(path)
+
+    def jump_to(self, offset_s):
+        with open(self.path + ".new", "w") as file:
+            file.write(f"{offset_s:+d}")
+        os.replace(self.path + ".new", self.path)
+
+
+@unittest.skipIf(Clock.LIBRARY is None, "libfaketime is not installed")
+class ClockJumps(ClusterTest):
+    def test_the_time_of_day_decides_nothing(self):
+        clocks = {name: Clock(os.path.join(self.folder.name, f"clock of {name}")) for name in "ab"}
+        for name, clock in clocks.items():
+            server = self.cluster.start(name, environment=clock.environment)
+            self.addCleanup(clock.remove_shared_memory, server.process.pid)
+        self.cluster.servers["a"].create()
+        agent, owners = self.carve_at_a()
+        day_s = 86400
+        for jump_s in (day_s, -day_s, 0):
+            clocks["a"].jump_to(jump_s)
+            clocks["b"].jump_to(-jump_s)
+            agent.move(64)
+            agent.settle()
+            until(self, lambda: round((self.active_s("a") - time.time()) / day_s) * day_s, jump_s)
+            time.sleep(4)  # longer than a lease that is not renewed
+        self.assertEqual(self.cluster.owner(), "a")
+        self.cluster.stop("a", signal.SIGKILL)
+        agent.move(64)
+        agent.settle()
+        self.assertEqual(owners.end(), ["a", "b"])
+        self.assertEqual(self.block("b"), self.expected(agent))
+
+    def active_s(self, name):
+        """When a session was carved last, by its server's clock."""
+        return self.cluster.servers[name].info()["active_ms"] / 1000
 
 
 class NatsCluster(ClusterTest):

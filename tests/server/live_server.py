@@ -31,11 +31,12 @@ SCENE = {
 
 
 class Server:
-    def __init__(self, data, *more, port=0, tls=None, host="127.0.0.1"):
+    def __init__(self, data, *more, port=0, tls=None, host="127.0.0.1", environment=None):
         self.data = data
         self.process = subprocess.Popen(
             [PROGRAM, "--listen", f"{host}:{port}", "--data", data, *more],
-            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            env={**os.environ, **(environment or {})})
         line = self.process.stdout.readline()
         if not line.startswith(f"https://{host}:" if tls else f"http://{host}:"):
             raise RuntimeError(self.process.communicate()[1])
