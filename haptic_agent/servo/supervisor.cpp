@@ -155,6 +155,7 @@ double Supervisor::tick(const SafetyInput& in) noexcept {
     if (trip != TripCode::kNone) {
       code_ = trip;
       ++trips_;
+      lost_.fill(0);  // they have tripped once: not again as soon as the device is held
       enter(ServoPhase::kSafe, in);
     } else if (!in.deadman || in.answer_age_us > kDisarmUs) {
       enter(ServoPhase::kReady, in);

@@ -191,6 +191,18 @@ TEST_F(SupervisorTest, StaysSafeUntilTheDeadmanIsReleased) {
   arm();
 }
 
+TEST_F(SupervisorTest, TheSameLostTicksTripOnce) {
+  arm();
+  in.lost_now = 30;  // 3 % of a second at once
+  expect_trip(TripCode::kLostTicksInARow);
+  in.lost_now = 0;
+  in.deadman = false;
+  pass(310);
+  in.deadman = true;
+  arm();
+  EXPECT_EQ(supervisor.trips(), 1U);
+}
+
 TEST_F(SupervisorTest, WithoutADeadmanReleasingTheCuttingButtonEndsATrip) {
   limits.has_deadman = false;
   supervisor = Supervisor(limits);
