@@ -8,7 +8,6 @@
 // owner, of nats-server and of each follower in both; how many viewers joined and were dropped, the
 // mesh frames to each, and the staleness of the frames: the time from the answer to a motion to its
 // agent until a viewer elsewhere has a frame that includes it. All share one machine.
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -141,10 +140,7 @@ void cut(const Servers& servers, Raster& raster, double seconds, const char* whe
 int main(int argc, char** argv) {
   const Options options = parse(argc, argv);
   std::setvbuf(stdout, nullptr, _IOLBF, 4096);
-  rlimit files{};
-  getrlimit(RLIMIT_NOFILE, &files);
-  files.rlim_cur = files.rlim_max;  // the servers inherit it
-  setrlimit(RLIMIT_NOFILE, &files);
+  allow_many_files();
   const Servers servers(options);
   post(servers.owner->port(), "/v1/sessions?id=bench&here=1", scene_for(2 * options.seconds));
   std::this_thread::sleep_for(std::chrono::seconds(3));  // until all know where it is

@@ -31,7 +31,6 @@
 // --calm       no agent
 // --lists      the viewers do not know 'participants_changed' and get complete lists
 #include <sched.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -247,10 +246,7 @@ void run_turns(const Bench& bench, Raster& apart, Raster& watched) {
 int main(int argc, char** argv) {
   const Options options = parse(argc, argv);
   std::setvbuf(stdout, nullptr, _IOLBF, 4096);
-  rlimit files{};
-  getrlimit(RLIMIT_NOFILE, &files);
-  files.rlim_cur = files.rlim_max;  // the server inherits it
-  setrlimit(RLIMIT_NOFILE, &files);
+  allow_many_files();
   const ServerProcess server(options.server);
   post(server.port(), "/v1/sessions?id=bench", scene_for(options.seconds));
   post(server.port(), "/v1/sessions?id=apart", scene_for(options.seconds));

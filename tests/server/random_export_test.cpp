@@ -4,7 +4,6 @@
 // programs exported from it carve it again, to the bit.
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <deque>
 #include <random>
 #include <thread>
@@ -12,6 +11,7 @@
 #include "server/formats/pose_grid.h"
 #include "tests/server/export_fixture.h"
 #include "tests/server/rack_scene.h"
+#include "tests/server/random_runs.h"
 
 namespace kerf {
 namespace {
@@ -245,18 +245,8 @@ class RandomExport : public SessionExport {
 };
 
 TEST_F(RandomExport, CarvesTheBlockOfTheSessionToTheBit) {
-  // KERF_EFFORT multiplies the sessions, KERF_SEED is the first seed, KERF_ROUNDS is the length of
-  // each, whose square is its cost.
-  const auto setting = [](const char* name, unsigned otherwise) {
-    const char* text = std::getenv(name);
-    return text == nullptr ? otherwise : static_cast<unsigned>(std::atoi(text));
-  };
-  const unsigned first = setting("KERF_SEED", 1), sessions = setting("KERF_EFFORT", 2);
-  const int rounds = static_cast<int>(setting("KERF_ROUNDS", 5));
-  for (unsigned seed = first; seed < first + sessions; ++seed) {
-    run(seed, rounds);
-    if (HasFailure()) return;
-  }
+  constexpr RandomRuns kSessions{.first_seed = 1, .count = 2, .rounds = 5};
+  kSessions.each([this](unsigned seed, int rounds) { run(seed, rounds); });
 }
 
 }  // namespace

@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <random>
 
 #include "tests/server/rack_scene.h"
+#include "tests/server/random_runs.h"
 #include "tests/server/undo_fixture.h"
 #include "tests/support/shuffled_workers.h"
 
@@ -155,18 +155,8 @@ class RandomHistory : public SessionUndo {
 };
 
 TEST_F(RandomHistory, EqualsTheSurvivingSetToTheBit) {
-  // KERF_EFFORT multiplies the histories, KERF_SEED is the first seed, KERF_ROUNDS is the length of
-  // each, whose square is its cost; gtest's --gtest_repeat does not change the seed.
-  const auto setting = [](const char* name, unsigned otherwise) {
-    const char* text = std::getenv(name);
-    return text == nullptr ? otherwise : static_cast<unsigned>(std::atoi(text));
-  };
-  const unsigned first = setting("KERF_SEED", 11), histories = setting("KERF_EFFORT", 1);
-  const int rounds = static_cast<int>(setting("KERF_ROUNDS", 40));
-  for (unsigned seed = first; seed < first + histories; ++seed) {
-    run(seed, rounds);
-    if (HasFailure()) return;
-  }
+  constexpr RandomRuns kHistories{.first_seed = 11, .count = 1, .rounds = 40};
+  kHistories.each([this](unsigned seed, int rounds) { run(seed, rounds); });
 }
 
 TEST_F(SessionUndo, UndoAndRedoAreActivity) {

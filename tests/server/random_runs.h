@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+namespace kerf {
+
+/// Which runs of a random test to make; the environment may ask for more and others.
+struct RandomRuns {
+  unsigned first_seed;  ///< KERF_SEED; gtest's --gtest_repeat does not change it
+  unsigned count;       ///< KERF_EFFORT
+  int rounds;           ///< KERF_ROUNDS: the length of each, whose square is its cost
+
+  /// Calls run(seed, rounds) for each, until the test has failed.
+  template <typename Run>
+  void each(Run run) const {
+    const unsigned first = setting("KERF_SEED", first_seed);
+    const unsigned end = first + setting("KERF_EFFORT", count);
+    const auto length = static_cast<int>(setting("KERF_ROUNDS", static_cast<unsigned>(rounds)));
+    for (unsigned seed = first; seed < end && !::testing::Test::HasFailure(); ++seed) {
+      run(seed, length);
+    }
+  }
+
+ private:
+  static unsigned setting(const char* name, unsigned otherwise) {
+    const char* text = std::getenv(name);
+    return text == nullptr ? otherwise : static_cast<unsigned>(std::atoi(text));
+  }
+};
+
+}  // namespace kerf
