@@ -2,12 +2,14 @@
 import './marks';
 import '@fontsource-variable/inter/wght.css';
 import './ui/style/index.css';
+import { joinEarly } from './link/early_socket';
 import { language, loadTexts } from './strings';
 
 // The code of the page runs when its texts are there: its constants have some of them.
 async function main(): Promise<void> {
   document.documentElement.lang = language;
   await loadTexts();
+  joinEarly();
   const { showPage } = await import('./page');
   await showPage();
 }

@@ -3,22 +3,12 @@
 
 import { installHook } from './hook';
 import { invitationIn, redeemInvitation } from './link/invitation';
+import { viewerName } from './link/viewer_name';
 import { sentence } from './ui/format';
 import { t } from './strings';
-import { recall, remember } from './strings/memory';
 import { failurePage } from './ui/notice';
 import { showSessions } from './ui/session_list';
 import { SessionPage } from './ui/session_page';
-import { nameThatFits } from './wire/names';
-
-function viewerName(parameters: URLSearchParams): string {
-  const requested = parameters.get('name')?.trim() ?? '';
-  const known = requested === '' ? recall('name') : requested;
-  if (known) return nameThatFits(known);
-  const name = t('Guest {0}', 100 + Math.floor(Math.random() * 900));
-  remember('name', name);
-  return name;
-}
 
 function openSession(app: HTMLElement, session: string, parameters: URLSearchParams): void {
   document.title = `${session} · Kerf`;

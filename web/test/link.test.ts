@@ -2,13 +2,19 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import WebSocket from 'ws';
 import { Backoff } from '../src/link/backoff';
+import { EarlySocket, helloText } from '../src/link/early_socket';
 import { redirectTarget } from '../src/link/redirect';
 import { ViewLink } from '../src/link/view_link';
-import type { LinkStatus, Socket } from '../src/link/view_link';
+import type { LinkOptions, LinkStatus, Socket } from '../src/link/view_link';
+import { VIEW_PROTOCOL } from '../src/wire/types';
 import { SessionModel } from '../src/model/session';
 import { FakeServer } from './support/fake_server.mjs';
 
 const CAMERA = { eye_mm: [0, -50, 90] as [number, number, number], error_rad: 0.001 };
+
+function openSocket(url: string, protocol: string): Socket {
+  return new WebSocket(url, protocol) as unknown as Socket;
+}
 
 /** Connects to the fake server; events update a model, mesh frames count as applied. */
 function join(
@@ -18,6 +24,7 @@ function join(
   follow: (redirect: string) => boolean = () => false,
   firstRetryMs = 5,
   name = 'Tester',
+  open: LinkOptions['open'] = openSocket,
 ) {
   const model = new SessionModel();
   const statuses: LinkStatus[] = [];
@@ -28,7 +35,7 @@ function join(
     {
       url: `ws://127.0.0.1:${port}/v1/sessions/${session}/view`,
       name,
-      open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
+      open,
       probe,
       look: () => (model.welcome ? CAMERA : null),
       follow,
@@ -86,6 +93,49 @@ describe('view link', () => {
     );
     expect(model.participants.carvers().map((p) => p.info.name)).toEqual(['Ada', 'Linus']);
     await vi.waitFor(() => expect(model.clock.rttMs).toBeGreaterThan(0), soon);
+    link.stop();
+  });
+
+  it('takes a connection that was greeted before it was there, and all that has come', async () => {
+    const url = `ws://127.0.0.1:${server.port}/v1/sessions/demo/view`;
+    const early = new EarlySocket(openSocket(url, VIEW_PROTOCOL), helloText('Early', null));
+    await vi.waitFor(() => expect(server.hellos).toEqual(['Early']), soon);
+    await new Promise((resolve) => setTimeout(resolve, 50)); // welcome and first frames arrive
+    const { link, model, applied, statuses } = join(
+      server.port,
+      'demo',
+      undefined,
+      undefined,
+      undefined,
+      'Early',
+      () => early.take(),
+    );
+    await vi.waitFor(() => expect(server.acks.length).toBeGreaterThan(4), soon);
+    expect(server.hellos).toEqual(['Early']);
+    expect(statuses).toEqual(['connecting', 'connected']);
+    expect(model.participants.carvers()).toHaveLength(2);
+    expect(applied).toEqual([...applied].sort((a, b) => Number(a - b)));
+    link.stop();
+  });
+
+  it('joins once more by itself when the greeted connection is lost before it is taken', async () => {
+    const url = `ws://127.0.0.1:${server.port}/v1/sessions/demo/view`;
+    const early = new EarlySocket(openSocket(url, VIEW_PROTOCOL), helloText('Early', null));
+    await vi.waitFor(() => expect(server.hellos).toHaveLength(1), soon);
+    server.dropViewers();
+    await new Promise((resolve) => setTimeout(resolve, 50));
+    let opened = 0;
+    const { link, model } = join(
+      server.port,
+      'demo',
+      undefined,
+      undefined,
+      undefined,
+      'Early',
+      (to, protocol) => (opened++ === 0 ? early.take() : openSocket(to, protocol)),
+    );
+    await vi.waitFor(() => expect(model.state).not.toBeNull(), soon);
+    expect(server.hellos).toEqual(['Early', 'Early']);
     link.stop();
   });
 

@@ -19,6 +19,7 @@ import type {
   ToolState,
 } from '../wire/types';
 import { Backoff } from './backoff';
+import { helloText } from './early_socket';
 import { Silence } from './silence';
 
 export type LinkStatus = 'connecting' | 'connected' | 'reconnecting' | 'stopped';
@@ -48,6 +49,8 @@ export interface LinkEvents {
 
 /** The part of WebSocket that is used, so that tests can substitute another implementation. */
 export interface Socket {
+  /** The hello was sent before the socket was handed over. */
+  readonly isGreeted?: boolean;
   binaryType: string;
   onopen: ((event: never) => void) | null;
   onmessage: ((event: { data: unknown }) => void) | null;
@@ -182,10 +185,8 @@ export class ViewLink {
     this.socket_ = socket;
     const current = (): boolean => generation === this.generation_ && !this.stopped_;
     socket.onopen = () => {
-      const look = this.options.look() ?? true;
-      const hello = { type: 'hello', name: this.name_, changes: true, repeat: true, look };
       if (!current()) return;
-      socket.send(JSON.stringify(hello));
+      if (!socket.isGreeted) socket.send(helloText(this.name_, this.options.look()));
       this.events.greeted();
     };
     socket.onmessage = (event) => {

@@ -5,9 +5,9 @@ import { t } from '../strings';
 import { mountCarve } from '../carve/mount';
 import type { CarveSwitch } from '../carve/mount';
 import { probeSession } from '../link/api';
+import { openView, viewUrl } from '../link/early_socket';
 import { redirectTarget } from '../link/redirect';
 import { ViewLink } from '../link/view_link';
-import type { Socket } from '../link/view_link';
 import { wrenchColors } from '../model/arrow_scale';
 import { BEAT_MS } from '../model/liveness';
 import { LookPolicy } from '../model/look_policy';
@@ -212,12 +212,11 @@ export class SessionPage {
   }
 
   private makeLink_(name: string): ViewLink {
-    const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
     return new ViewLink(
       {
-        url: `${scheme}://${location.host}/v1/sessions/${encodeURIComponent(this.session)}/view`,
+        url: viewUrl(this.session),
         name,
-        open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
+        open: openView,
         probe: () => probeSession(this.session),
         look: () => this.picture.look()?.look ?? null,
         follow: (redirect) => {

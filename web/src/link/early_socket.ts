@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first connection of a session's page, which is opened and greeted while the code of the page
+// loads: that takes longer than the server's answer.
+
+import { mark } from '../marks';
+import { VIEW_PROTOCOL } from '../wire/types';
+import type { Look } from '../wire/types';
+import type { Socket } from './view_link';
+import { viewerName } from './viewer_name';
+
+/** Address of a session's viewers at the server of this page. */
+export function viewUrl(session: string): string {
+  const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
+  return `${scheme}://${location.host}/v1/sessions/${encodeURIComponent(session)}/view`;
+}
+
+/** The message with which a viewer joins. `look`: null if one follows the welcome. */
+export function helloText(name: string, look: Look | null): string {
+  return JSON.stringify({ type: 'hello', name, changes: true, repeat: true, look: look ?? true });
+}
+
+/** Keeps the events of a connection until somebody takes it, who gets them in their order. */
+export class EarlySocket implements Socket {
+  binaryType = 'arraybuffer';
+  onopen: Socket['onopen'] = null;
+  onmessage: Socket['onmessage'] = null;
+  onclose: Socket['onclose'] = null;
+  onerror: Socket['onerror'] = null;
+  readonly isGreeted = true;
+  private isTaken_ = false;
+  private readonly waiting_: (() => void)[] = [];
+
+  /** Sends `hello` as soon as `socket` is open. */
+  constructor(
+    private readonly socket_: Socket,
+    hello: string,
+  ) {
+    socket_.binaryType = this.binaryType;
+    socket_.onopen = (event) => {
+      socket_.send(hello);
+      mark('hello');
+      this.pass_(() => this.onopen?.(event));
+    };
+    socket_.onmessage = (event) => this.pass_(() => this.onmessage?.(event));
+    socket_.onclose = (event) => this.pass_(() => this.onclose?.(event));
+    socket_.onerror = (event) => this.pass_(() => this.onerror?.(event));
+  }
+
+  /** From the next microtask on, the handlers that are set then get the events. */
+  take(): this {
+    queueMicrotask(() => {
+      this.isTaken_ = true;
+      for (const event of this.waiting_) event();
+    });
+    return this;
+  }
+
+  send(data: string | Uint8Array<ArrayBuffer>): void {
+    this.socket_.send(data);
+  }
+
+  close(code?: number, reason?: string): void {
+    this.socket_.close(code, reason);
+  }
+
+  private pass_(event: () => void): void {
+    if (this.isTaken_) event();
+    else this.waiting_.push(event);
+  }
+}
+
+let early: { url: string; socket: EarlySocket } | null = null;
+
+/** Joins the session that the page's address names, unless an invitation has to be redeemed first. */
+export function joinEarly(): void {
+  const parameters = new URLSearchParams(location.search);
+  const session = parameters.get('session');
+  if (!session || location.hash !== '') return;
+  const url = viewUrl(session);
+  const socket = new WebSocket(url, VIEW_PROTOCOL) as unknown as Socket;
+  early = { url, socket: new EarlySocket(socket, helloText(viewerName(parameters), null)) };
+}
+
+/** The connection of joinEarly() to `url`, once; a new one otherwise. */
+export function openView(url: string, protocol: string): Socket {
+  const found = early?.url === url ? early.socket.take() : null;
+  early = null;
+  return found ?? (new WebSocket(url, protocol) as unknown as Socket);
+}
