@@ -89,9 +89,10 @@ class Examples(LiveTest):
         self.assertEqual(hand.returncode, 0, text)
         self.assertRegex(text, "greatest force: [0-9.]+ N")
 
-    def test_the_ros_2_node_carves_with_a_stand_in_for_rclpy(self):
-        self.server.create("ros", SCENE)
-        given = {"server": f"http://127.0.0.1:{self.port}", "session": "ros", "library": LIBRARY}
+    def run_ros_node(self, session):
+        """Returns what the node felt most, N and Nm, in how many messages, and its output."""
+        self.server.create(session, SCENE)
+        given = {"server": f"http://127.0.0.1:{self.port}", "session": session, "library": LIBRARY}
         stand_in = os.path.join(os.path.dirname(os.path.abspath(__file__)), "ros_stand_in")
         node = subprocess.run(
             [sys.executable, ROS2_NODE], capture_output=True, text=True, timeout=100,
@@ -99,10 +100,21 @@ class Examples(LiveTest):
         self.assertEqual(node.returncode, 0, node.stdout + node.stderr)
         force, torque, count = map(float, re.search(
             r"greatest ([0-9.]+) N, ([0-9.]+) Nm in ([0-9]+) messages", node.stdout).groups())
-        self.assertTrue(0.1 < force <= 3.001, node.stdout)
+        return force, torque, count, node.stdout
+
+    def test_the_ros_2_node_carves_with_a_stand_in_for_rclpy(self):
+        runs = []
+
+        def attempt(number):
+            runs.append((f"ros_{number}", *self.run_ros_node(f"ros_{number}")))
+            return runs[-1][1] > 0.1
+
+        self.assertTrue(succeeds(self, attempt, 2), runs[-1][-1])
+        session, force, torque, count, output = runs[-1]
+        self.assertLessEqual(force, 3.001, output)
         self.assertEqual(torque, 0, "it has no motors for torque")
         self.assertGreater(count, 1000)
-        self.assertGreater(self.server.info("ros")["removed_volume_mm3"], 5, node.stdout)
+        self.assertGreater(self.server.info(session)["removed_volume_mm3"], 5, output)
 
     def test_faults_of_a_plugin_are_reported(self):
         for argument, code in (("plugin:/no/such.so", 2), (f"plugin:{PLUGIN}:9", 1)):
