@@ -142,6 +142,36 @@ async function checkColors(viewer) {
   await legend(page).getByRole('button', { name: 'second.ngc' }).click();
 }
 
+/** Mouse, finger and key find who cut a place, also while it is being cut. */
+async function checkTip(viewer, session) {
+  const { page } = viewer;
+  const tip = page.locator('.owner-tip');
+  const tells = (...texts) =>
+    until(`tip with ${texts}`, SETTLE_S, async () => {
+      const shown = (await tip.isVisible()) ? await tip.textContent() : '';
+      return texts.every((text) => shown.includes(text));
+    });
+  await page.mouse.move(...(await seen(viewer, 0, 8)));
+  await tells('second.ngc', 'line 6', '6 mm');
+  const row = (await sharesOf(page)).find(({ name }) => name === 'second.ngc');
+  const dot = await tip.locator('.owner-color').getAttribute('style');
+  assert.equal(/#[0-9a-f]{6}/i.exec(dot)[0], row.color);
+  await checkAccessible(page, 'who cut the place under the pointer');
+  await writeFile(join(options.out, 'owners-tip.png'), await page.screenshot());
+  await page.keyboard.press('Escape');
+  assert(!(await tip.isVisible()), 'Escape hides the tip');
+  await page.touchscreen.tap(...(await seen(viewer, 8, 0)));
+  await tells('first.ngc', 'line 6');
+  await page.mouse.move(5, 5);
+  await page.locator('.canvas').focus();
+  await page.keyboard.press('Enter'); // the middle, where the first one was before the second
+  await tells('first.ngc', 'line 6');
+  await page.mouse.move(...(await seen(viewer, 14, 10)));
+  await tells('The surface of the stock as it was.');
+  await carveProgram(session, groove('X14 Y10', 'X13'), 'name=third.ngc&pace=fast');
+  await tells('third.ngc');
+}
+
 /** The ground of the second groove leads to the line, in the text and in the picture. */
 async function checkLine(viewer) {
   const { page } = viewer;
@@ -188,6 +218,7 @@ async function test(folder) {
     const address = `${base}/?session=cross`;
     const viewer = await openViewer(browser, address, size, {
       reducedMotion: 'reduce',
+      hasTouch: true,
     });
     const { page, state, problems } = viewer;
     await until('picture', SETTLE_S, async () => (await state())?.snapshotComplete);
@@ -209,6 +240,7 @@ async function test(folder) {
     await page.locator('.canvas').focus();
     await page.keyboard.press('7');
     await nextFrames(page);
+    await checkTip(viewer, session);
     await checkLine(viewer);
     await writeFile(join(options.out, 'owners-line.png'), await page.screenshot());
     assert.deepEqual(problems, []);

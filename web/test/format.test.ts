@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { duration, feltBeside, figure, hashText, sentence, volume } from '../src/ui/format';
+import { duration, feltBeside, figure, hashText, moment, sentence, volume } from '../src/ui/format';
 
 describe('format', () => {
   it('keeps three significant digits', () => {
@@ -34,6 +34,12 @@ describe('format', () => {
       '59 min',
       '2 h',
     ]);
+  });
+
+  it('says when something was, with the day if that is another', () => {
+    const noon = new Date(2026, 10, 27, 12, 0, 5).getTime();
+    expect(moment(noon - 60_000, noon)).toBe('11:59:05');
+    expect(moment(noon - 24 * 3_600_000, noon)).toBe('Nov 26, 2026, 12:00:05');
   });
 
   it('turns reasons into sentences', () => {

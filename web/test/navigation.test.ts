@@ -1,19 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-import { describe, expect, it } from 'vitest';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { MOUSE } from 'three';
 import type { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { dragOf, navigationOf, NAVIGATIONS } from '../src/model/navigation';
+import { Chord, dragOf, navigationOf, NAVIGATIONS } from '../src/model/navigation';
 import { MouseButtons } from '../src/view/mouse_buttons';
 
 const NONE = { shiftKey: false, ctrlKey: false };
 
+/** Gives its listeners what is dispatched, and writes it down. */
 class Canvas {
-  private press_: (event: PointerEvent) => void = () => undefined;
-  addEventListener(_: string, press: (event: PointerEvent) => void): void {
-    this.press_ = press;
+  readonly sent: string[] = [];
+  private readonly acts_: Record<string, (event: PointerEvent) => void> = {};
+  addEventListener(type: string, act: (event: PointerEvent) => void): void {
+    this.acts_[type] = act;
   }
   press(button: number, keys: Partial<typeof NONE> = {}, pointerType = 'mouse'): void {
-    this.press_({ button, pointerType, ...NONE, ...keys } as PointerEvent);
+    this.acts_['pointerdown']!({ button, pointerType, ...NONE, ...keys } as PointerEvent);
+  }
+  move(buttons: number): void {
+    this.acts_['pointermove']!({ button: -1, buttons, clientX: 7 } as PointerEvent);
+  }
+  release(): void {
+    this.acts_['pointerup']!({ button: 1, buttons: 0 } as PointerEvent);
+  }
+  dispatchEvent(event: PointerEvent): void {
+    this.sent.push(`${event.type} ${event.button} at ${event.clientX}`);
+    this.acts_[event.type]!(event);
   }
 }
 
@@ -62,10 +74,99 @@ describe('what the mouse buttons do', () => {
     expect(mouseButtons).toEqual({ LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.DOLLY, RIGHT: MOUSE.PAN });
   });
 
+  it('is nothing for the right button of FreeCAD alone, and something with keys', () => {
+    const freecad = navigationOf('freecad');
+    expect(dragOf(freecad, 'right', NONE)).toBe('none');
+    // With a key the controls turn instead of panning, and pan instead of turning.
+    expect(dragOf(freecad, 'right', { ...NONE, ctrlKey: true })).toBe('rotate');
+    expect(dragOf(freecad, 'right', { ...NONE, shiftKey: true })).toBe('pan');
+    expect(dragOf(freecad, 'right', { shiftKey: true, ctrlKey: true })).toBe('zoom');
+    expect(dragOf(freecad, 'middle', NONE)).toBe('pan');
+    const { canvas, mouseButtons, buttons } = buttonsOf('freecad');
+    expect(mouseButtons).toEqual({ LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: null });
+    canvas.press(2, { shiftKey: true });
+    expect(mouseButtons.RIGHT).toBe(MOUSE.PAN);
+    buttons.set(navigationOf('kerf'));
+    expect(mouseButtons.RIGHT).toBe(MOUSE.PAN);
+  });
+
   it('is left alone where others have given the buttons another task', () => {
     const { canvas, mouseButtons } = buttonsOf('solidworks');
     mouseButtons.MIDDLE = MOUSE.PAN; // as while one carves
     canvas.press(1, { shiftKey: true });
     expect(mouseButtons.MIDDLE).toBe(MOUSE.PAN);
+  });
+});
+
+describe('buttons that are pressed together, as in FreeCAD', () => {
+  const [left, right, middle] = [1, 2, 4];
+
+  it('turn while both are held, and pan after that', () => {
+    const chord = new Chord();
+    chord.begin();
+    expect(chord.drag(middle, 0)).toBe('pan');
+    expect(chord.drag(middle + left, 100)).toBe('rotate');
+    expect(chord.drag(middle + left, 300)).toBe('rotate');
+    expect(chord.drag(middle, 500)).toBe('pan');
+    expect(chord.drag(middle + right, 600)).toBe('rotate');
+    expect(chord.drag(right, 700)).toBeNull();
+  });
+
+  it('zoom after a click of the other one, until the middle one is pressed again', () => {
+    const chord = new Chord();
+    chord.begin();
+    chord.drag(middle + right, 100);
+    expect(chord.drag(middle, 499)).toBe('zoom');
+    expect(chord.drag(middle, 5000)).toBe('zoom');
+    expect(chord.drag(middle + left, 5100)).toBe('rotate');
+    expect(chord.drag(middle, 5600)).toBe('pan');
+    chord.drag(middle + left, 6000);
+    chord.drag(middle, 6001);
+    chord.begin();
+    expect(chord.drag(middle, 7000)).toBe('pan');
+  });
+
+  describe('and the controls', () => {
+    beforeEach(() => {
+      vi.stubGlobal(
+        'PointerEvent',
+        class {
+          constructor(
+            readonly type: string,
+            init: object,
+          ) {
+            Object.assign(this, init);
+          }
+        },
+      );
+    });
+    afterEach(() => vi.unstubAllGlobals());
+
+    it('begin another drag where the buttons change, and end it with the middle one', () => {
+      const { canvas, mouseButtons } = buttonsOf('freecad');
+      canvas.move(left);
+      expect(canvas.sent).toEqual([]); // the left button alone is the controls' own
+      canvas.press(1);
+      canvas.move(middle);
+      expect(canvas.sent).toEqual([]);
+      canvas.move(middle + left);
+      expect(canvas.sent).toEqual(['pointerup 1 at 7', 'pointerdown 1 at 7']);
+      expect(mouseButtons.MIDDLE).toBe(MOUSE.ROTATE);
+      canvas.move(left);
+      expect(canvas.sent.slice(2)).toEqual(['pointerup 1 at 7']);
+      canvas.release();
+      canvas.press(1);
+      expect(mouseButtons.MIDDLE).toBe(MOUSE.PAN);
+      canvas.release();
+      canvas.move(middle + left);
+      expect(canvas.sent).toHaveLength(3);
+    });
+
+    it('do nothing of the kind in other presets', () => {
+      const { canvas, mouseButtons } = buttonsOf('fusion');
+      canvas.press(1);
+      canvas.move(middle + left);
+      expect([canvas.sent, mouseButtons.MIDDLE]).toEqual([[], MOUSE.PAN]);
+    });
   });
 });

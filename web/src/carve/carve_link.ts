@@ -4,9 +4,9 @@
 
 import { t } from '../strings';
 import type { BlockCopy } from '../kernel/block_copy';
+import { socketUrl } from '../link/address';
 import { Backoff } from '../link/backoff';
 import { Silence } from '../link/silence';
-import { pathOf } from '../link/strokes';
 import type { Socket } from '../link/view_link';
 import { parseAgentControl } from '../wire/agent_control';
 import type { AgentHello, AgentMessage, AgentRequest, AgentWelcome } from '../wire/agent_control';
@@ -350,10 +350,9 @@ export function linkToServer(
   who: CarveLinkOptions['who'],
   events: CarveLinkEvents,
 ): CarveLink {
-  const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
   return new CarveLink(
     {
-      url: `${scheme}://${location.host}${pathOf(session, 'agent')}`,
+      url: socketUrl(session, 'agent'),
       open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
       who,
       nowMs: () => performance.now(),

@@ -5,14 +5,9 @@
 import { mark } from '../marks';
 import { VIEW_PROTOCOL } from '../wire/types';
 import type { Look } from '../wire/types';
+import { socketUrl } from './address';
 import type { Socket } from './view_link';
 import { viewerName } from './viewer_name';
-
-/** Address of a session's viewers at the server of this page. */
-export function viewUrl(session: string): string {
-  const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
-  return `${scheme}://${location.host}/v1/sessions/${encodeURIComponent(session)}/view`;
-}
 
 /** The message with which a viewer joins. `look`: null if one follows the welcome. */
 export function helloText(name: string, look: Look | null): string {
@@ -76,7 +71,7 @@ export function joinEarly(): void {
   const parameters = new URLSearchParams(location.search);
   const session = parameters.get('session');
   if (!session || location.hash !== '') return;
-  const url = viewUrl(session);
+  const url = socketUrl(session, 'view');
   const socket = new WebSocket(url, VIEW_PROTOCOL) as unknown as Socket;
   early = { url, socket: new EarlySocket(socket, helloText(viewerName(parameters), null)) };
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests about the history of a session: named versions, branches, forces along the journal.
 
-import { ask, pathOf } from './strokes';
+import { pathOf } from './address';
+import { ask } from './strokes';
 
 /** A name for the block as it was after a record. */
 export interface Version {

@@ -2,7 +2,7 @@
 // Asks who cut the surface at many points, and who all those are.
 
 import { ask } from './server_error';
-import { pathOf } from './strokes';
+import { pathOf } from './address';
 
 /** Points of one request, so that one who undoes does not wait long for its answer. */
 export const OWNER_POINTS_MAX = 16_384;

@@ -2,7 +2,8 @@
 // Requests that set and remove pins. All reject with a sentence that says why.
 
 import type { Vec3 } from '../wire/types';
-import { ask, pathOf } from './strokes';
+import { pathOf } from './address';
+import { ask } from './strokes';
 
 /** Bytes of UTF-8 that the server takes as the text of a pin. */
 export const PIN_BYTES_MAX = 200;

@@ -2,13 +2,17 @@
 // Asks what the surface is at a place, and who cut it.
 
 import type { Vec3 } from '../wire/types';
-import { ask, pathOf } from './strokes';
+import { pathOf } from './address';
+import { ask } from './strokes';
 
 /** The motion that was the first to cut a place. */
 export interface Cut {
   record: number;
   participant: number;
   tool: number;
+  /** Of which the motion is a part: number of its first record, and when it began, ms since 1970. */
+  stroke: number;
+  beginMs: number;
   /** The program that moved the tool, if it did and is still listed; `line` 0: unknown. */
   program: { id: number; name: string; line: number } | null;
 }
@@ -39,6 +43,8 @@ function cutOf(value: unknown): Cut | null {
     record: numberIn(value, 'record'),
     participant: numberIn(value, 'participant'),
     tool: numberIn(value, 'tool'),
+    stroke: numberIn(value, 'stroke'),
+    beginMs: numberIn(value, 'begin_ms'),
     program: isObject(program)
       ? {
           id: numberIn(program, 'id'),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The address at which a session continues after its server was drained.
+// The address at which another server goes on with a session.
 
 /**
  * Returns the address to which the page at `page` goes when its server names `redirect`; null if it
@@ -16,4 +16,11 @@ export function redirectTarget(page: string, redirect: string): string | null {
   const isServer = to.href === `${to.origin}/`; // no user, path, query or fragment
   if (!isServer || to.origin === from.origin) return null;
   return `${to.origin}${from.pathname}${from.search}`;
+}
+
+/** Loads the page of the server that is named; false: it may not be followed. */
+export function followTo(redirect: string): boolean {
+  const target = redirectTarget(location.href, redirect);
+  if (target !== null) location.assign(target);
+  return target !== null;
 }

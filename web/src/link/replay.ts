@@ -2,7 +2,8 @@
 // Requests for the journal of a session, which the page replays by itself. Origin and spans never
 // change, so that caches answer most of them.
 
-import { ask, askBytes, pathOf } from './strokes';
+import { pathOf } from './address';
+import { ask, askBytes } from './strokes';
 
 /** Spans begin and end where everybody's do, so that they are in the caches. */
 export const SPAN_RECORDS = 32_768;

@@ -2,6 +2,7 @@
 // Requests that list strokes, undo and redo them.
 
 import { t } from '../strings';
+import { pathOf } from './address';
 
 /** An uninterrupted series of motions of one participant. */
 export interface Stroke {
@@ -19,10 +20,6 @@ export interface Stroke {
 }
 
 export type StrokeChange = 'undo' | 'redo';
-
-export function pathOf(session: string, what: string): string {
-  return `/v1/sessions/${encodeURIComponent(session)}/${what}`;
-}
 
 async function reasonOf(response: Response): Promise<string> {
   const body = (await response.json().catch(() => null)) as {

@@ -4,7 +4,7 @@
 import type { DeviationSurvey } from '../model/deviation';
 import type { Vec3 } from '../wire/types';
 import { ask } from './server_error';
-import { pathOf } from './strokes';
+import { pathOf } from './address';
 
 /** A mesh that the block is compared with. */
 export interface TargetPart {

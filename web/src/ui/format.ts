@@ -54,6 +54,15 @@ export function sentence(reason: string): string {
   return /[.!?…]$/.test(text) ? text : `${text}.`;
 }
 
+const CLOCK = new Intl.DateTimeFormat(language, { timeStyle: 'medium', hourCycle: 'h23' });
+const DAY = new Intl.DateTimeFormat(language, { dateStyle: 'medium' });
+
+/** Formats a time in ms since 1970, with its day if that is not today's. */
+export function moment(ms: number, nowMs: number): string {
+  const [day, clock] = [DAY.format(ms), CLOCK.format(ms)];
+  return day === DAY.format(nowMs) ? clock : `${day}, ${clock}`;
+}
+
 /** Formats how long ago something was: 3 s, 5 min, 2 h. */
 export function duration(milliseconds: number): string {
   const seconds = Math.max(0, Math.floor(milliseconds / 1000));

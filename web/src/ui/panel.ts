@@ -6,6 +6,8 @@ import type { StockMaterialPreset } from '../model/materials';
 import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
 import { h, setText } from './dom';
+import { capMouse } from './cap_mouse';
+import type { CapMouseHost } from './cap_mouse';
 import { languageChoice } from './language_choice';
 import { Figure, section } from './figures';
 import { count, duration, figure, hashText, volume } from './format';
@@ -25,6 +27,8 @@ export interface PanelActions {
   renamed: (name: string) => void;
   materialChosen: (look: StockMaterialPreset) => void;
   navigationChosen: (navigation: Navigation) => void;
+  /** What a 3D mouse moves. */
+  capMouse: CapMouseHost;
   /** The panel was resized. */
   layoutChanged: () => void;
   /** The bottom sheet (on phones) was opened or closed. */
@@ -94,6 +98,7 @@ export class Panel {
           { class: 'preferences' },
           languageChoice(),
           navigationChoice(actions.navigationChosen),
+          capMouse(actions.capMouse) ?? '',
         ),
       ),
     );

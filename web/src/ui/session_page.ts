@@ -4,9 +4,10 @@
 import { t } from '../strings';
 import { mountCarve } from '../carve/mount';
 import type { CarveSwitch } from '../carve/mount';
+import { socketUrl } from '../link/address';
 import { probeSession } from '../link/api';
-import { openView, viewUrl } from '../link/early_socket';
-import { redirectTarget } from '../link/redirect';
+import { openView } from '../link/early_socket';
+import { followTo } from '../link/redirect';
 import { ViewLink } from '../link/view_link';
 import { wrenchColors } from '../model/arrow_scale';
 import { BEAT_MS } from '../model/liveness';
@@ -111,6 +112,11 @@ export class SessionPage {
       renamed: (name) => this.link_.rename(name),
       materialChosen: (preset) => this.picture.setMaterial(preset),
       navigationChosen: (navigation) => this.picture.setNavigation(navigation),
+      capMouse: {
+        rig: () => this.rig_,
+        isBusy: () => this.carve.isActive() || this.carve.vr() !== null,
+        say: (text) => this.flash_.say(text),
+      },
       layoutChanged: () => this.resize_(),
       toggled: (open) => {
         this.toolbar_.element.classList.toggle('covered', open);
@@ -156,11 +162,9 @@ export class SessionPage {
       layoutChanged: () => this.resize_(),
     });
     this.toggleInspect_ = mountInspect({
+      ...pathHost,
       model: this.model,
       session,
-      picture: this.picture,
-      canvas: this.canvas_,
-      overlay: this.overlay_,
       toolbar,
       oneOpen,
       layoutChanged: () => this.resize_(),
@@ -214,16 +218,12 @@ export class SessionPage {
   private makeLink_(name: string): ViewLink {
     return new ViewLink(
       {
-        url: viewUrl(this.session),
+        url: socketUrl(this.session, 'view'),
         name,
         open: openView,
         probe: () => probeSession(this.session),
         look: () => this.picture.look()?.look ?? null,
-        follow: (redirect) => {
-          const target = redirectTarget(location.href, redirect);
-          if (target !== null) location.assign(target);
-          return target !== null;
-        },
+        follow: followTo,
         nowMs: () => performance.now(),
       },
       {

@@ -35,6 +35,8 @@ interface Flight {
 export class CameraRig {
   readonly camera = new THREE.PerspectiveCamera(FOV_DEG, 1, 1, 1000);
   readonly controls: OrbitControls;
+  /** Counts the pictures from another place than the one before. */
+  moves = 0;
   /** Draw in parallel projection. */
   parallel = false;
   private readonly buttons_: MouseButtons;
@@ -245,6 +247,7 @@ export class CameraRig {
     this.controls.update();
     const changed = this.changed_;
     this.changed_ = false;
+    if (changed) this.moves += 1;
     if (changed || this.parallel) this.placeParallel_();
     return changed;
   }

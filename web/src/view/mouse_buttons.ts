@@ -5,45 +5,88 @@
 
 import { MOUSE } from 'three';
 import type { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { dragOf, NAVIGATIONS } from '../model/navigation';
+import { Chord, dragOf, NAVIGATIONS } from '../model/navigation';
 import type { Drag, Navigation } from '../model/navigation';
 
-const ACTIONS: Record<Drag, MOUSE> = {
+const ACTIONS: Record<Drag, MOUSE | null> = {
   rotate: MOUSE.ROTATE,
   pan: MOUSE.PAN,
   zoom: MOUSE.DOLLY,
+  none: null,
 };
 const FIELDS = { middle: 'MIDDLE', right: 'RIGHT' } as const;
 const BUTTONS = { 1: 'middle', 2: 'right' } as const;
+const MIDDLE = 1;
 
 export class MouseButtons {
   private navigation_ = NAVIGATIONS[0]!;
+  /** What was given for each button last. */
+  private readonly given_: Record<'middle' | 'right', Drag> = { middle: 'zoom', right: 'pan' };
+  private readonly chord_ = new Chord();
+  private dragged_: Drag | null = null; // by a chord
+  private restarts_ = false;
 
   constructor(
     private readonly controls: OrbitControls,
-    element: HTMLElement,
+    private readonly element: HTMLElement,
   ) {
     // Before the controls hear of it.
     element.addEventListener('pointerdown', (event) => this.pressed_(event), { capture: true });
+    element.addEventListener('pointermove', (event) => this.moved_(event), { capture: true });
+    element.addEventListener('pointerup', () => this.released_(), { capture: true });
   }
 
   set(navigation: Navigation): void {
-    const { mouseButtons } = this.controls;
-    for (const [button, field] of Object.entries(FIELDS) as ['middle' | 'right', 'MIDDLE'][])
-      if (this.isOurs_(button)) mouseButtons[field] = ACTIONS[navigation[button]];
+    for (const button of ['middle', 'right'] as const)
+      if (this.isOurs_(button)) this.give_(button, navigation[button]);
     this.navigation_ = navigation;
+  }
+
+  private give_(button: 'middle' | 'right', drag: Drag): void {
+    this.controls.mouseButtons[FIELDS[button]] = ACTIONS[drag];
+    this.given_[button] = drag;
   }
 
   private pressed_(event: PointerEvent): void {
     const button = (BUTTONS as Record<number, 'middle' | 'right' | undefined>)[event.button];
-    if (!button || event.pointerType !== 'mouse' || !this.isOurs_(button)) return;
-    this.controls.mouseButtons[FIELDS[button]] = ACTIONS[dragOf(this.navigation_, button, event)];
+    const isMouse = event.pointerType === 'mouse';
+    if (!button || !isMouse || this.restarts_ || !this.isOurs_(button)) return;
+    this.give_(button, dragOf(this.navigation_, button, event));
+    if (button !== 'middle' || !this.navigation_.chord) return;
+    this.chord_.begin();
+    this.dragged_ = this.given_.middle;
+  }
+
+  /** A button that is pressed or released while another is held comes as a movement. */
+  private moved_(event: PointerEvent): void {
+    if (this.dragged_ === null || this.restarts_) return;
+    const drag = this.chord_.drag(event.buttons, performance.now());
+    if (drag === this.dragged_) return;
+    this.dragged_ = drag;
+    this.restarts_ = true;
+    this.send_('pointerup', event);
+    if (drag !== null) {
+      this.give_('middle', drag);
+      this.send_('pointerdown', event);
+    }
+    this.restarts_ = false;
+  }
+
+  private released_(): void {
+    if (!this.restarts_) this.dragged_ = null;
+  }
+
+  /** The controls begin another drag by another press only. */
+  private send_(type: 'pointerup' | 'pointerdown', event: PointerEvent): void {
+    const { pointerId, pointerType, isPrimary, clientX, clientY, buttons } = event;
+    const at = { pointerId, pointerType, isPrimary, clientX, clientY, buttons };
+    this.element.dispatchEvent(
+      new PointerEvent(type, { ...at, button: MIDDLE, bubbles: true, cancelable: true }),
+    );
   }
 
   /** While one carves, the buttons have other tasks. */
   private isOurs_(button: 'middle' | 'right'): boolean {
-    const now = this.controls.mouseButtons[FIELDS[button]];
-    const { [button]: usual, zoom } = this.navigation_;
-    return now === ACTIONS[usual] || (zoom?.button === button && now === MOUSE.DOLLY);
+    return this.controls.mouseButtons[FIELDS[button]] === ACTIONS[this.given_[button]];
   }
 }

@@ -158,11 +158,21 @@ export class Viewer {
     const y: number[] = [];
     for (let corner = 0; corner < 8; ++corner) {
       const at = (n: 0 | 1 | 2): number => ((corner >> n) & 1 ? max[n] : min[n]);
-      const seen = new THREE.Vector3(at(0), at(1), at(2)).project(this.rig.eye);
-      x.push(((1 + seen.x) / 2) * this.width_);
-      y.push(((1 - seen.y) / 2) * this.height_);
+      const [right, down] = this.seen_(new THREE.Vector3(at(0), at(1), at(2)));
+      x.push(right);
+      y.push(down);
     }
     return [Math.min(...x), Math.min(...y), Math.max(...x), Math.max(...y)];
+  }
+
+  /** Where the camera's target is in the picture, CSS pixels: the middle of what no panel covers. */
+  get middle(): [x: number, y: number] {
+    return this.seen_(this.rig.controls.target.clone());
+  }
+
+  private seen_(point: THREE.Vector3): [x: number, y: number] {
+    const { x, y } = point.project(this.rig.eye);
+    return [((1 + x) / 2) * this.width_, ((1 - y) / 2) * this.height_];
   }
 
   /** The corners of all triangles that are displayed, nine numbers each, mm. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A 3D mouse (SpaceMouse, SpaceNavigator) by WebHID: its cap moves and leans the tool, its left button
-// presses it, its right one takes the next tool.
+// presses it, its right one takes the next tool. Without a tool in hand it moves the camera
+// (`ui/cap_mouse.ts`).
 
 import type { Vec3 } from '../../wire/types';
 import { AT_REST, eased } from './deflection';
@@ -20,6 +21,10 @@ interface HidDevice {
 export interface Hid {
   getDevices: () => Promise<HidDevice[]>;
   requestDevice: (options: { filters: object[] }) => Promise<HidDevice[]>;
+  addEventListener: (
+    type: 'connect' | 'disconnect',
+    act: (event: { device: HidDevice }) => void,
+  ) => void;
 }
 
 // Logitech sold them at first. Usage 8 of the generic desktop page: multi-axis controller.
@@ -33,11 +38,15 @@ const RIGHT = 2;
 export class SpaceMouse {
   private move_: Vec3 = [0, 0, 0];
   private lean_: [number, number] = [0, 0];
+  private twist_ = 0;
   private buttons_ = 0;
   private presses_: Press[] = [];
   private readonly known_ = new Set<HidDevice>();
 
-  constructor(private readonly hid: Hid | undefined = (navigator as { hid?: Hid }).hid) {}
+  constructor(private readonly hid: Hid | undefined = (navigator as { hid?: Hid }).hid) {
+    hid?.addEventListener('disconnect', ({ device }) => this.unplugged_(device));
+    hid?.addEventListener('connect', () => void this.open(false));
+  }
 
   /** Whether the browser can have one. */
   get canBe(): boolean {
@@ -61,10 +70,19 @@ export class SpaceMouse {
     }
   }
 
-  read(): Deflection & { presses: Press[] } {
-    const { move_: move, lean_: lean, buttons_: buttons, presses_: presses } = this;
+  /** `twist`: of the cap, clockwise as seen from above, -1 to 1. */
+  read(): Deflection & { twist: number; presses: Press[] } {
+    const { move_: move, lean_: lean, twist_: twist, buttons_: buttons, presses_: presses } = this;
     this.presses_ = [];
-    return { ...AT_REST, move, lean, press: buttons & LEFT ? 1 : 0, presses };
+    return { ...AT_REST, move, lean, twist, press: buttons & LEFT ? 1 : 0, presses };
+  }
+
+  /** It says no more that it was let go. */
+  private unplugged_(device: HidDevice): void {
+    if (!this.known_.delete(device)) return;
+    this.move_ = [0, 0, 0];
+    this.turned_(0, 0, 0);
+    this.buttons_ = 0;
   }
 
   /** Axes are 16 bits: right, towards the user and down; then about these. */
@@ -72,9 +90,9 @@ export class SpaceMouse {
     const axis = (n: number): number => eased(data.getInt16(2 * n, true) / FULL, DEAD);
     if (reportId === TRANSLATION && data.byteLength >= 6) {
       this.move_ = [axis(0), -axis(2), axis(1)];
-      if (data.byteLength >= 12) this.leaned_(axis(3), axis(4)); // newer ones have one report
+      if (data.byteLength >= 12) this.turned_(axis(3), axis(4), axis(5)); // newer ones have one report
     } else if (reportId === ROTATION && data.byteLength >= 6) {
-      this.leaned_(axis(0), axis(1));
+      this.turned_(axis(0), axis(1), axis(2));
     } else if (reportId === BUTTONS && data.byteLength >= 1) {
       const now = data.getUint8(0);
       if (now & ~this.buttons_ & RIGHT) this.presses_.push('next');
@@ -83,7 +101,8 @@ export class SpaceMouse {
   }
 
   /** About the axis to the right the upper end goes towards the user, about that one to the left. */
-  private leaned_(aboutRight: number, aboutTowards: number): void {
+  private turned_(aboutRight: number, aboutTowards: number, aboutDown: number): void {
     this.lean_ = [-aboutTowards, aboutRight];
+    this.twist_ = aboutDown;
   }
 }

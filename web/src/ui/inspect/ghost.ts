@@ -3,7 +3,7 @@
 
 import { t } from '../../strings';
 import { ask } from '../../link/server_error';
-import { pathOf } from '../../link/strokes';
+import { pathOf } from '../../link/address';
 import { GhostView } from '../../view/inspect/ghost_view';
 import type { Viewer } from '../../view/viewer';
 

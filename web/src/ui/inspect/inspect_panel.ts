@@ -19,6 +19,7 @@ import { Measuring } from './measuring';
 import { Ghost } from './ghost';
 import type { InspectHost } from './mount';
 import { Owning } from './owning';
+import { OwnerTip } from './owner_tip';
 import { Picker } from './picker';
 import { Probing } from './probing';
 import { Sectioning } from './sectioning';
@@ -35,6 +36,7 @@ export class InspectPanel implements Layer {
   private readonly comparing_: Comparing | null = null;
   private readonly probing_: Probing | null = null;
   private readonly owning_: Owning | null = null;
+  private readonly tip_: OwnerTip | null = null;
   private readonly close_ = (): void => this.setOpen_(false);
   private readonly cube_ = new ViewCube((preset) => this.view_(preset));
   private readonly element_: HTMLElement;
@@ -64,12 +66,18 @@ export class InspectPanel implements Layer {
       picker.at(x, y, this.sectioning_.plane, this.sectioning_.outline, 2 * this.pitch_),
     );
     const { session } = host;
+    const main = opener.closest('main') ?? document.body;
     if (session !== null) {
       const authors = new Authors(host.model, session);
       const note = (): CutNote => new CutNote(host, session, authors);
       this.comparing_ = new Comparing(viewer, host, session, bounds, note());
       this.probing_ = new Probing(note());
-      this.owning_ = new Owning(viewer, host, session, authors, bounds);
+      const owning = new Owning(viewer, host, session, authors, bounds);
+      this.owning_ = owning;
+      const colorOf = (participant: number): string => owning.colorOf(participant);
+      const { pick } = this.measuring_;
+      // Not in the overlay, which is hidden from screen readers.
+      this.tip_ = new OwnerTip({ ...host, parent: main, session, authors, colorOf, pick });
       const say = (reason: string): void => this.comparing_?.say(reason);
       this.ghost_ = new Ghost(viewer, session, this.stock_, say);
     }
@@ -99,7 +107,6 @@ export class InspectPanel implements Layer {
       ),
       this.legend_,
     );
-    const main = opener.closest('main') ?? document.body;
     main.append(this.element_, this.sectioning_.handle);
     new ResizeObserver(() => {
       main.style.setProperty('--inspect', `${this.element_.offsetHeight}px`);
@@ -159,6 +166,7 @@ export class InspectPanel implements Layer {
       this.probing_?.choose(false);
       this.comparing_?.close();
       this.owning_?.choose(false);
+      this.tip_?.leave();
       this.ghost_?.show(false);
       this.setCurvature_(false);
       this.viewer.displayed.forget();
@@ -179,10 +187,23 @@ export class InspectPanel implements Layer {
     this.sectioning_.update(this.host.model.tiles.exact);
     this.comparing_?.update(performance.now());
     this.owning_?.update();
+    this.updateTip_();
     this.parallel_.setAttribute('aria-pressed', String(this.viewer.rig.parallel));
     if (!this.hover_) return;
     this.measuring_.hover(this.hover_.offsetX, this.hover_.offsetY);
     this.hover_ = null;
+  }
+
+  private updateTip_(): void {
+    const { owning_: owning, tip_: tip } = this;
+    const { moves, parallel } = this.viewer.rig;
+    if (this.tells_) tip?.update(`${owning?.revision}`, `${moves} ${parallel}`, performance.now());
+    else tip?.leave();
+  }
+
+  /** Whether a note says who cut what is pointed at, or pressed. */
+  private get tells_(): boolean {
+    return this.owning_?.isOn === true && !this.isPicking_;
   }
 
   /** It lies where the panel does. */
@@ -196,6 +217,7 @@ export class InspectPanel implements Layer {
     const isOpen = (): boolean => !this.element_.hidden;
     canvas.addEventListener('pointerdown', (event) => {
       this.pressedAt_ = event.isPrimary ? { x: event.offsetX, y: event.offsetY } : null;
+      this.tip_?.leave();
     });
     canvas.addEventListener('pointerup', (event) => {
       const { pressedAt_: at } = this;
@@ -204,7 +226,15 @@ export class InspectPanel implements Layer {
         this.press_(event.offsetX, event.offsetY);
     });
     canvas.addEventListener('pointermove', (event) => {
-      if (isOpen() && event.buttons === 0) this.hover_ = event;
+      if (!isOpen() || event.buttons !== 0) return;
+      this.hover_ = event;
+      if (this.tells_) this.tip_?.move(event.offsetX, event.offsetY, performance.now());
+    });
+    canvas.addEventListener('pointerleave', ({ pointerType }) => {
+      if (pointerType === 'mouse') this.tip_?.leave(); // a finger leaves with each tap
+    });
+    canvas.addEventListener('keydown', ({ key }) => {
+      if (isOpen() && key === 'Enter' && this.tells_) this.tip_?.press(...this.viewer.middle);
     });
     canvas.addEventListener(
       'dblclick',
@@ -214,7 +244,9 @@ export class InspectPanel implements Layer {
       { capture: true },
     );
     window.addEventListener('keydown', (event) => {
-      if (event.key !== 'Escape' || !isOpen() || !this.isPicking_) return;
+      if (event.key !== 'Escape' || !isOpen()) return;
+      this.tip_?.leave();
+      if (!this.isPicking_) return;
       this.sectioning_.waitForFace(false);
       this.measuring_.choose(null);
       this.probing_?.choose(false);
@@ -230,7 +262,8 @@ export class InspectPanel implements Layer {
   }
 
   private press_(x: number, y: number): void {
-    const picked = this.measuring_.pick(x, y);
+    if (this.tells_) this.tip_?.press(x, y);
+    const picked = this.isPicking_ ? this.measuring_.pick(x, y) : null;
     if (!picked) return;
     if (this.sectioning_.waitsForFace) this.sectioning_.along(picked.point, picked.normal);
     else if (this.probing_?.isOn) void this.probing_.press(picked);

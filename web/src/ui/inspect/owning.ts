@@ -25,6 +25,11 @@ export class Owning {
     t('Color by person'),
   );
   private readonly hint_ = h('p', { class: 'quiet inspect-hint', role: 'status', hidden: '' });
+  private readonly how_ = h(
+    'p',
+    { class: 'quiet inspect-hint', hidden: '' },
+    t('Who cut a place: point at it, press it, or press Enter for the middle of the picture.'),
+  );
   private readonly legend_ = h('ul', { class: 'owner-legend', 'aria-label': t('Who cut what') });
   readonly element: HTMLElement;
   private painted_: PaintedView | null = null;
@@ -50,6 +55,7 @@ export class Owning {
       h('div', { class: 'inspect-row' }, this.button_),
       this.hint_,
       this.legend_,
+      this.how_,
     );
   }
 
@@ -57,8 +63,20 @@ export class Owning {
     return this.button_.getAttribute('aria-pressed') === 'true';
   }
 
+  /** Differs when the colored surface does. */
+  get revision(): number {
+    return this.painted_?.revision ?? 0;
+  }
+
+  /** As in the legend. */
+  colorOf(participant: number): string {
+    const slot = this.owners_.indexOf(participant);
+    return this.colors_[slot] ?? this.authors.colorOf(participant);
+  }
+
   choose(on: boolean): void {
     if (on === this.isOn) return;
+    this.how_.hidden = !on;
     if (on) this.chosen();
     this.button_.setAttribute('aria-pressed', String(on));
     this.stop_.abort();

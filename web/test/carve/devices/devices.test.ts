@@ -4,34 +4,16 @@ import { Devices } from '../../../src/carve/devices/devices';
 import { eased, moved } from '../../../src/carve/devices/deflection';
 import { GamepadReader } from '../../../src/carve/devices/gamepad';
 import { SpaceMouse } from '../../../src/carve/devices/space_mouse';
-import type { Hid } from '../../../src/carve/devices/space_mouse';
 import type { Pose } from '../../../src/carve/path_queue';
 import type { Wielded } from '../../../src/carve/wielded';
 import type { Vec3 } from '../../../src/wire/types';
+import { fakeMouse } from '../../support/fake_space_mouse';
 
 const SIDES = { right: [1, 0, 0] as Vec3, towards: [0, -1, 0] as Vec3 };
 
 function pad(axes: number[], held: Record<number, number> = {}, mapping = 'standard'): Gamepad {
   const buttons = Array.from({ length: 17 }, (_, n) => ({ value: held[n] ?? 0 }));
   return { index: 0, mapping, axes, buttons } as unknown as Gamepad;
-}
-
-/** A 3D mouse that sends reports as the USB device does. */
-function fakeMouse(): { hid: Hid; report: (id: number, ...bytes: number[]) => void } {
-  const listeners: ((report: { reportId: number; data: DataView }) => void)[] = [];
-  const device = {
-    opened: false,
-    open: () => Promise.resolve(),
-    addEventListener: (_: string, act: (typeof listeners)[0]) => listeners.push(act),
-  };
-  const devices = (): Promise<(typeof device)[]> => Promise.resolve([device]);
-  return {
-    hid: { getDevices: devices, requestDevice: devices },
-    report: (reportId, ...bytes) => {
-      const data = new DataView(new Uint8Array(bytes).buffer);
-      for (const act of listeners) act({ reportId, data });
-    },
-  };
 }
 
 describe('a deflection', () => {
@@ -84,6 +66,8 @@ describe('a 3D mouse', () => {
     expect(mouse.read().move).toEqual([1, 1, 0]);
     report(2, 0x5e, 0x01, 0xa2, 0xfe, 0x00, 0x00); // about right, and against about towards
     expect(mouse.read().lean).toEqual([1, 1]);
+    report(2, 0x00, 0x00, 0x00, 0x00, 0x5e, 0x01); // about down: clockwise from above
+    expect(mouse.read()).toMatchObject({ lean: [-0, 0], twist: 1 });
     report(1, 0, 0, 0, 0, 0, 0);
     report(2, 0, 0, 0, 0, 0, 0);
     expect(mouse.read().move.every((part) => part === 0)).toBe(true);
@@ -93,9 +77,9 @@ describe('a 3D mouse', () => {
     const { hid, report } = fakeMouse();
     const mouse = new SpaceMouse(hid);
     await mouse.open(true);
-    report(1, 0, 0, 0x5e, 0x01, 0, 0, 0xa2, 0xfe, 0, 0, 0, 0);
-    const { move, lean } = mouse.read();
-    expect(move[2]).toBe(1);
+    report(1, 0, 0, 0x5e, 0x01, 0, 0, 0xa2, 0xfe, 0, 0, 0xa2, 0xfe);
+    const { move, lean, twist } = mouse.read();
+    expect([move[2], twist]).toEqual([1, -1]);
     expect(lean[1]).toBe(-1);
   });
 
@@ -120,6 +104,23 @@ describe('a 3D mouse', () => {
     report(1, 0x5e);
     report(3, 0x02);
     expect(mouse.read().presses).toEqual(['next']);
+  });
+});
+
+describe('a 3D mouse that is unplugged', () => {
+  it('rests, and is there again when it is plugged in', async () => {
+    const { hid, report, plug } = fakeMouse();
+    const mouse = new SpaceMouse(hid);
+    await mouse.open(false);
+    report(1, 0x5e, 0x01, 0, 0, 0, 0, 0x5e, 0x01, 0, 0, 0x5e, 0x01);
+    report(3, 0x01);
+    plug(false);
+    expect(mouse.isThere).toBe(false);
+    expect(mouse.read()).toMatchObject({ move: [0, 0, 0], lean: [-0, 0], twist: 0, press: 0 });
+    plug(true);
+    await vi.waitFor(() => expect(mouse.isThere).toBe(true));
+    report(1, 0x5e, 0x01, 0, 0, 0, 0);
+    expect(mouse.read().move[0]).toBe(1);
   });
 });
 

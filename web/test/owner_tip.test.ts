@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { SessionModel } from '../src/model/session';
+import { Authors } from '../src/ui/authors';
+import { OwnerTip } from '../src/ui/inspect/owner_tip';
+import type { Vec3 } from '../src/wire/types';
+import { FakeElement, stubPage } from './support/fake_dom';
+
+const CUT = { record: 12, stroke: 9, participant: 2, tool: 1, begin_ms: 1e12, program: null };
+const AUTHORS = { authors: [{ participant: 2, name: 'Ada', color: '#d9541e', kind: 'agent' }] };
+
+describe('the tip that tells who cut a place', () => {
+  let parent: FakeElement;
+  let tip: OwnerTip;
+  let asked: string[];
+  let cut: unknown;
+  let status: number;
+  let isOverBlock: boolean;
+
+  beforeEach(() => {
+    stubPage();
+    parent = new FakeElement();
+    asked = [];
+    cut = CUT;
+    status = 200;
+    isOverBlock = true;
+    vi.stubGlobal('fetch', (address: string) => {
+      asked.push(address.replace('/v1/sessions/demo/', ''));
+      const isProbe = address.includes('/probe');
+      const answer = isProbe ? { surface: null, cut } : AUTHORS;
+      const body = status === 200 ? answer : { error: { reason: 'the server is busy' } };
+      return Promise.resolve({ ok: status === 200, status, json: () => Promise.resolve(body) });
+    });
+    const model = new SessionModel();
+    tip = new OwnerTip({
+      model,
+      session: 'demo',
+      parent: parent as unknown as HTMLElement,
+      authors: new Authors(model, 'demo'),
+      colorOf: (participant) => `#00000${participant}`,
+      pick: (x, y) => {
+        const [point, normal]: Vec3[] = [
+          [x, y, 0],
+          [0, 0, 1],
+        ];
+        return isOverBlock
+          ? { snapped: { kind: 'face', point: point! }, point: point!, normal: normal! }
+          : null;
+      },
+    });
+  });
+  afterEach(() => vi.unstubAllGlobals());
+
+  const shown = (): string => {
+    const box = parent.all('owner-tip')[0]!;
+    return box.hidden ? '' : box.textContent;
+  };
+  const color = (): FakeElement => parent.all('owner-color')[0]!;
+  const settled = (): Promise<void> => new Promise((done) => setTimeout(done, 0));
+  async function rest(x: number, y: number, atMs = 0): Promise<void> {
+    tip.move(x, y, atMs);
+    tip.update('1', 'still', atMs + 200);
+    await settled();
+  }
+
+  it('names person, tool, stroke and time, in the color of the legend', async () => {
+    tip.update('1', 'still', 0);
+    await rest(30, 40);
+    expect(asked).toEqual(['probe?at_mm=30,40,0&normal=0,0,1', 'authors']);
+    expect(shown()).toMatch(/^Adano tool · stroke from record 9 · Sep \d, 2001, \d\d:46:40$/);
+    expect(color().hidden).toBe(false);
+    expect(color().getAttribute('style')).toBe('background:#000002');
+  });
+
+  it('names the program and its line instead', async () => {
+    cut = { ...CUT, program: { id: 1, name: 'first.ngc', line: 6 } };
+    tip.update('1', 'still', 0);
+    await rest(30, 40);
+    expect(shown()).toContain('first.ngcno tool · line 6 · ');
+  });
+
+  it('says that nobody has cut there, without a color', async () => {
+    cut = null;
+    tip.update('1', 'still', 0);
+    await rest(30, 40);
+    expect(shown()).toBe('The surface of the stock as it was.');
+    expect(color().hidden).toBe(true);
+  });
+
+  it('asks nothing beside the block, and goes on', async () => {
+    isOverBlock = false;
+    tip.update('1', 'still', 0);
+    await rest(30, 40);
+    expect([asked, shown()]).toEqual([[], '']);
+    isOverBlock = true;
+    await rest(90, 40, 1000);
+    expect(shown()).toContain('Ada');
+  });
+
+  it('says why the server tells nothing, and goes on', async () => {
+    status = 503;
+    tip.update('1', 'still', 0);
+    await rest(30, 40);
+    expect(shown()).toBe('The server is busy.');
+    status = 200;
+    await rest(90, 40, 1000);
+    expect(shown()).toContain('Ada');
+  });
+
+  it('goes when the pointer goes on, the picture moves, or the answer comes too late', async () => {
+    tip.update('1', 'still', 0);
+    await rest(30, 40);
+    tip.move(60, 40, 300);
+    expect(shown()).toBe('');
+    await rest(90, 40, 1000);
+    expect(shown()).toContain('Ada');
+    tip.update('1', 'turned', 1300);
+    expect(shown()).toBe('');
+    tip.move(10, 10, 2000);
+    tip.update('1', 'turned', 2200);
+    tip.leave();
+    await settled();
+    expect(shown()).toBe('');
+  });
+
+  it('is that of a press at once', async () => {
+    tip.update('1', 'still', 0);
+    tip.press(30, 40);
+    tip.update('1', 'still', 1);
+    await settled();
+    expect(shown()).toContain('Ada');
+  });
+
+  it('changes with the surface', async () => {
+    tip.update('1', 'still', 0);
+    await rest(30, 40);
+    cut = { ...CUT, participant: 7 };
+    tip.update('2', 'still', 2000);
+    await settled();
+    expect(shown()).toContain('Participant 7');
+  });
+});
