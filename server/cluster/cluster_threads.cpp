@@ -224,9 +224,9 @@ void ClusterNode::Impl::take(const std::string& id) {
 bool ClusterNode::Impl::open(const std::string& id) {
   const auto lease = own.find(id);
   if (!lease) return false;
-  if (followers) followers->finish(id);
+  const bool is_current = followers && followers->finish(id);
   const auto prepared = prepare_journal(nats, id, lease->epoch, registry->journal_path(id),
-                                        registry->closed_folder());
+                                        registry->closed_folder(), is_current);
   if (!prepared) {
     log_failure(id, prepared.error());
     return false;

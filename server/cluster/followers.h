@@ -57,8 +57,9 @@ class Followers {
   void set_elsewhere(const std::vector<std::string>& sessions,
                      const std::vector<std::string>& taken);
   /// This server is about to run the session: its journal gets what the copy has, and a snapshot,
-  /// and its viewers come again. No effect if it is not followed.
-  void finish(const std::string& session);
+  /// and its viewers come again. Whether the journal has all of the copy; false if the session is
+  /// not followed.
+  bool finish(const std::string& session);
   /// Follows nothing more, from now on.
   void stop();
 
