@@ -30,6 +30,7 @@ std::optional<Follow> parse_follow(std::string_view name) {
   if (name == "none") return Follow::kNone;
   if (name == "viewed") return Follow::kViewed;
   if (name == "all") return Follow::kAll;
+  if (name == "only") return Follow::kOnly;
   return std::nullopt;
 }
 
@@ -137,8 +138,8 @@ bool Followers::finish(const std::string& session) {
   }
   const bool has_all = follower && follower->finish(kFinish);
   end(session, std::move(follower), "the session goes on at this server");
-}
   return has_all;
+}
 
 /// Those that have failed, and those that nobody has looked at for a while.
 std::vector<std::string> Followers::unused() {

@@ -22,9 +22,10 @@ namespace kerf {
 enum class Follow : std::uint8_t {
   kNone,
   kViewed,  ///< those for which viewers come here, until a while after the last one has left
-  kAll      ///< all, so that it can go on with each at once
+  kAll,     ///< all, so that it can go on with each at once
+  kOnly     ///< as kViewed, and it runs none itself
 };
-/// Returns the policy that "none", "viewed" or "all" names.
+/// Returns the policy that "none", "viewed", "all" or "only" names.
 std::optional<Follow> parse_follow(std::string_view name);
 
 /// A server that follows a session, as it states every second to the owner.

@@ -127,6 +127,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<Admission, Rejection> admit(const JoinRequest& request);
   /// As admit(), for a participant that does not resume.
   std::expected<Participant, Rejection> join(const JoinRequest& request);
+  /// See Participants.
+  std::optional<double> viewer_turn() { return participants_.viewer_turn(); }
   void leave(ParticipantId id);
   /// A participant as it is now; nullopt for an unknown id.
   std::optional<Participant> participant(ParticipantId id) {
@@ -190,10 +192,10 @@ class Session : public std::enable_shared_from_this<Session> {
   /// the scene lacks, and an `after` that is unknown or has ended without having finished.
   std::expected<ProgramStatus, Rejection> start_program(ProgramJob job, ProgramOptions request,
                                                         const Caller& caller = Caller::local());
-  std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
-  std::vector<ProgramStatus> programs() const { return programs_.list(); }
   /// Lists the programs that had not ended when another server did, or this one at its last stop.
   void list_stopped(const std::vector<Attachment>& attachments);
+  std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
+  std::vector<ProgramStatus> programs() const { return programs_.list(); }
   /// See ProgramRuns.
   std::shared_ptr<const ProgramText> program_text(ProgramId id) const { return programs_.text(id); }
   void drop_ended_texts() { programs_.drop_ended_texts(0); }
