@@ -46,10 +46,11 @@ void describe_cluster(CLI::App& app, net::ServerOptions& server, std::string& du
   app.add_option_function<std::string>(
          "--follow",
          [&server](const std::string& word) { server.cluster.follow = *parse_follow(word); },
-         "none, viewed, or all: sessions of the other servers of which this one keeps the block, "
-         "cut as it is cut there: viewers may watch them here, and it goes on with them faster; "
-         "viewed: those for which viewers come; default: none")
-      ->check(CLI::IsMember({"none", "viewed", "all"}));
+         "none, viewed, all, or only: sessions of the other servers of which this one keeps the "
+         "block, cut as it is cut there: viewers may watch them here, and it goes on with them "
+         "faster; viewed: those for which viewers come; only: the same, and it runs no sessions "
+         "itself; default: none")
+      ->check(CLI::IsMember({"none", "viewed", "all", "only"}));
   app.add_option("--lease-ms", server.cluster.lease_ms,
                  "time for which this server may change a session after it has renewed its lease; "
                  "another one takes the lease of a server that is gone a quarter later: a short "

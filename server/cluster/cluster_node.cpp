@@ -37,6 +37,7 @@ void ClusterNode::start(SessionRegistry& registry, std::string address,
   impl_->registry = &registry;
   impl_->address = std::move(address);
   impl_->report = std::move(report);
+  impl_->only_follows = options.follow == Follow::kOnly;
   const auto thread = [impl = impl_.get()](void (Impl::*run)(const std::stop_token&)) {
     return std::jthread([impl, run](const std::stop_token& stop) { (impl->*run)(stop); });
   };
@@ -86,6 +87,9 @@ void ClusterNode::release(const std::vector<std::string>& unfinished) {
 
 std::expected<void, std::string> ClusterNode::claim(const std::string& id, bool is_known) {
   Impl& impl = *impl_;
+  if (impl.only_follows) {
+    return std::unexpected("this server only follows sessions (--follow only): ask another one");
+  }
   if (const auto made = impl.nats.make_stream(kClusterStream, kClusterSubjects, impl.replicas,
                                               Keep::kLastOfSubject);
       !made) {
@@ -176,7 +180,7 @@ std::optional<std::string> ClusterNode::place_for_new() {
   const std::size_t own = impl_->own.sessions().size();
   const std::lock_guard lock(impl_->mutex);
   const auto least = impl_->table.least_loaded(boot_time_ns());
-  if (!least || least->sessions >= own) return std::nullopt;
+  if (!least || (least->sessions >= own && !impl_->only_follows)) return std::nullopt;
   impl_->table.expect_session(least->name);
   return least->address;
 }

@@ -54,6 +54,7 @@ struct ClusterNode::Impl {
   NatsConnection nats;
   int replicas;
   std::string node, run, address;
+  bool only_follows = false;
   LeaseTime lease_time;
   SessionRegistry* registry = nullptr;
   std::function<void(const LoadReport&)> report;

@@ -82,7 +82,7 @@ void ClusterNode::Impl::state_itself() {
   const std::int64_t now = boot_time_ns();
   if (now - noted_ns < kNoteNs) return;
   noted_ns = now;
-  NodeNote note{run, address};
+  NodeNote note{run, address, only_follows};
   {
     const std::lock_guard lock(mutex);
     if (holds) note.address.clear();
@@ -164,7 +164,7 @@ std::optional<std::string> ClusterNode::Impl::next_to_take() {
   const std::int64_t now = boot_time_ns();
   const std::size_t sessions = std::min(own.sessions().size(), kSessionsCounted);
   const std::lock_guard lock(mutex);
-  if (holds || heard_ns == 0) return std::nullopt;
+  if (only_follows || holds || heard_ns == 0) return std::nullopt;
   auto free = table.takeable(now);
   for (const std::string& id : local) {
     if (table.find(id) == nullptr) free.push_back(id);
@@ -224,9 +224,9 @@ void ClusterNode::Impl::take(const std::string& id) {
 bool ClusterNode::Impl::open(const std::string& id) {
   const auto lease = own.find(id);
   if (!lease) return false;
-  if (followers) followers->finish(id);
+  const bool is_current = followers && followers->finish(id);
   const auto prepared = prepare_journal(nats, id, lease->epoch, registry->journal_path(id),
-                                        registry->closed_folder());
+                                        registry->closed_folder(), is_current);
   if (!prepared) {
     log_failure(id, prepared.error());
     return false;

@@ -115,6 +115,9 @@ std::expected<void, std::string> CopyFollower::take(Followed& followed,
   if (auto ok = followed.copy.apply(**change); !ok) return std::unexpected(describe(ok.error()));
   if (!(*change)->is_whole) return {};
   if (auto ok = deliver(followed); !ok) return ok;
+  if (followed.copy.take_changed_attachments()) {
+    if (auto ok = registry_.note_attachments(*followed.session); !ok) return ok;
+  }
   if (followed.copy.take_changed_lists()) return deliver_lists(followed);
   return compare(followed);
 }
@@ -184,15 +187,18 @@ NatsListener CopyFollower::hear_live(const std::shared_ptr<Session>& session) co
   return NatsListener();
 }
 
-void CopyFollower::finish(milliseconds wait) {
+bool CopyFollower::finish(milliseconds wait) {
   const auto end = Clock::now() + wait;
-  while (state_ == State::kFollows && Clock::now() < end) {
+  bool has_all = false;
+  while (!has_all && state_ == State::kFollows && Clock::now() < end) {
     const auto last = end_of_copy(nats_, id_);
-    if (!last || !*last || message_ >= (*last)->sequence) break;
-    std::this_thread::sleep_for(milliseconds(5));
+    has_all = last && *last && message_ >= (*last)->sequence;
+    if (!last || !*last) break;
+    if (!has_all) std::this_thread::sleep_for(milliseconds(5));
   }
   thread_.request_stop();
   thread_.join();
+  return has_all && state_ == State::kFollows;
 }
 
 }  // namespace kerf

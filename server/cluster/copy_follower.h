@@ -32,9 +32,9 @@ class CopyFollower {
   CopyFollower& operator=(const CopyFollower&) = delete;
 
   State state() const { return state_; }
-  /// Applies what the copy has now, waiting for at most `wait`, and ends: the journal then has it.
-  /// The session is still in the registry.
-  void finish(std::chrono::milliseconds wait);
+  /// Applies what the copy has now, waiting for at most `wait`, and ends. Whether the journal then
+  /// has all of it. The session is still in the registry.
+  bool finish(std::chrono::milliseconds wait);
 
  private:
   struct Followed;

@@ -30,6 +30,7 @@ std::optional<Follow> parse_follow(std::string_view name) {
   if (name == "none") return Follow::kNone;
   if (name == "viewed") return Follow::kViewed;
   if (name == "all") return Follow::kAll;
+  if (name == "only") return Follow::kOnly;
   return std::nullopt;
 }
 
@@ -126,17 +127,18 @@ void Followers::set_elsewhere(const std::vector<std::string>& sessions,
   for (auto& [id, follower] : gone) end(id, std::move(follower), "the session has ended");
 }
 
-void Followers::finish(const std::string& session) {
+bool Followers::finish(const std::string& session) {
   std::unique_ptr<CopyFollower> follower;
   {
     const std::lock_guard lock(mutex_);
     const auto found = followed_.find(session);
-    if (found == followed_.end()) return;
+    if (found == followed_.end()) return false;
     follower = std::move(found->second.follower);
     followed_.erase(found);
   }
-  if (follower) follower->finish(kFinish);
+  const bool has_all = follower && follower->finish(kFinish);
   end(session, std::move(follower), "the session goes on at this server");
+  return has_all;
 }
 
 /// Those that have failed, and those that nobody has looked at for a while.

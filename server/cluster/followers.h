@@ -22,9 +22,10 @@ namespace kerf {
 enum class Follow : std::uint8_t {
   kNone,
   kViewed,  ///< those for which viewers come here, until a while after the last one has left
-  kAll      ///< all, so that it can go on with each at once
+  kAll,     ///< all, so that it can go on with each at once
+  kOnly     ///< as kViewed, and it runs none itself
 };
-/// Returns the policy that "none", "viewed" or "all" names.
+/// Returns the policy that "none", "viewed", "all" or "only" names.
 std::optional<Follow> parse_follow(std::string_view name);
 
 /// A server that follows a session, as it states every second to the owner.
@@ -57,8 +58,9 @@ class Followers {
   void set_elsewhere(const std::vector<std::string>& sessions,
                      const std::vector<std::string>& taken);
   /// This server is about to run the session: its journal gets what the copy has, and a snapshot,
-  /// and its viewers come again. No effect if it is not followed.
-  void finish(const std::string& session);
+  /// and its viewers come again. Whether the journal has all of the copy; false if the session is
+  /// not followed.
+  bool finish(const std::string& session);
   /// Follows nothing more, from now on.
   void stop();
 

@@ -92,12 +92,14 @@ std::optional<Lease> decode_lease(std::span<const std::byte> bytes) {
 }
 
 std::vector<std::byte> encode_node(const NodeNote& note) {
-  return to_bytes({{"run", note.run}, {"address", note.address}});
+  return to_bytes(
+      {{"run", note.run}, {"address", note.address}, {"only_follows", note.only_follows}});
 }
 
 std::optional<NodeNote> decode_node(std::span<const std::byte> bytes) {
-  return from_bytes(bytes,
-                    [](const Json& json) { return NodeNote{json.at("run"), json.at("address")}; });
+  return from_bytes(bytes, [](const Json& json) {
+    return NodeNote{json.at("run"), json.at("address"), json.value("only_follows", false)};
+  });
 }
 
 std::string lease_subject(const std::string& session) {

@@ -60,7 +60,8 @@ struct Lease {
 /// A server, as it states every second.
 struct NodeNote {
   std::string run;
-  std::string address;  ///< empty: it stops
+  std::string address;        ///< empty: it stops
+  bool only_follows = false;  ///< it runs no sessions
 };
 
 std::vector<std::byte> encode_lease(const Lease& lease);

@@ -99,13 +99,15 @@ std::vector<OtherServer> LeaseTable::others(std::int64_t now_ns) const {
       const Lease& lease = entry.second.lease;
       return lease.run == run && lease.state == LeaseState::kHeld;
     });
-    list.push_back({name, node.note.address, static_cast<std::size_t>(sessions) + node.expected});
+    list.push_back({name, node.note.address, static_cast<std::size_t>(sessions) + node.expected,
+                    node.note.only_follows});
   }
   return list;
 }
 
 std::optional<OtherServer> LeaseTable::least_loaded(std::int64_t now_ns) const {
   auto list = others(now_ns);
+  std::erase_if(list, [](const OtherServer& server) { return server.only_follows; });
   const auto least = std::ranges::min_element(list, {}, &OtherServer::sessions);
   return least == list.end() ? std::nullopt : std::optional(std::move(*least));
 }

@@ -23,6 +23,7 @@ struct SeenLease {
 struct OtherServer {
   std::string name, address;
   std::size_t sessions = 0;
+  bool only_follows = false;
 };
 
 /// What one server has seen of the leases and of the other servers. Has no clock: times are ns of
@@ -51,7 +52,7 @@ class LeaseTable {
   std::vector<PlacedSession> elsewhere() const;
   /// The other servers that have stated themselves lately.
   std::vector<OtherServer> others(std::int64_t now_ns) const;
-  /// The one of them with the fewest sessions; nullopt: there is none.
+  /// The one of them with the fewest sessions, of those that run some; nullopt: there is none.
   std::optional<OtherServer> least_loaded(std::int64_t now_ns) const;
   /// A server is thought to get one session more, until it has it or has stated itself twice.
   void expect_session(const std::string& node);

@@ -96,14 +96,29 @@ std::expected<FetchedCopy, std::string> fetch_beside(NatsConnection& nats,
   return fetch_copy(nats, session, fetched_file(file));
 }
 
+/// Whether a journal can be continued instead of the copy that ends so.
+bool can_continue(const std::filesystem::path& file, const FrameHead& end, bool is_current) {
+  const CopyPosition position = end.position();
+  const auto continues = JournalChanges(file).begin(position);
+  if (!continues || !*continues) return false;
+  if (is_current) return true;
+  const auto here = end_of_journal(file);
+  if (here && here->record > position.record) return true;
+  // Rights, pins and the like may have changed in a later epoch, and without a record.
+  const auto epoch = epoch_written(file);
+  return epoch && *epoch >= end.epoch;
+}
+
 /// Makes the fetched copy the journal of the session.
 std::expected<void, std::string> put_in_place(const std::filesystem::path& file,
                                               const std::string& session,
                                               const std::filesystem::path& kept) {
   if (auto ok = put_away(file, fetched_file(file), session, kept); !ok) return ok;
-  if (const auto failed = rename_new(fetched_file(file), file)) {
-    return std::unexpected(file.string() + ": " + failed.message());
-  }
+  const std::filesystem::path mark = file.string() + kCopiedSuffix;
+  std::error_code failed;
+  std::filesystem::rename(fetched_file(file).string() + kCopiedSuffix, mark, failed);
+  if (!failed) failed = rename_new(fetched_file(file), file);
+  if (failed) return std::unexpected(file.string() + ": " + failed.message());
   return {};
 }
 
@@ -119,7 +134,8 @@ std::expected<std::uint32_t, std::string> epoch_of_copy(NatsConnection& nats,
 std::expected<void, std::string> prepare_journal(NatsConnection& nats, const std::string& session,
                                                  std::uint32_t epoch,
                                                  const std::filesystem::path& file,
-                                                 const std::filesystem::path& kept) {
+                                                 const std::filesystem::path& kept,
+                                                 bool is_current) {
   const auto end = end_epochs(nats, session, epoch);
   if (!end) return std::unexpected(end.error());
   std::error_code error;
@@ -127,10 +143,7 @@ std::expected<void, std::string> prepare_journal(NatsConnection& nats, const std
   if (!*end && is_here) return {};
   if (!*end) return std::unexpected("there is neither a copy nor a journal of it here");
   const CopyPosition position = (*end)->head.position();
-  if (is_here) {
-    const auto continues = JournalChanges(file).begin(position);
-    if (continues && *continues) return {};
-  }
+  if (is_here && can_continue(file, (*end)->head, is_current)) return {};
   const auto got = fetch_beside(nats, session, file);
   if (!got) return std::unexpected(got.error());
   if (got->position != position) {
@@ -153,7 +166,9 @@ std::expected<FetchedCopy, std::string> prepare_following(NatsConnection& nats,
   if (!*end) return std::unexpected("there is no copy of it");
   const FrameHead& head = (*end)->head;
   const auto here = end_of_journal(file);
-  if (here && head.is_last() && head.is_whole && *here == head.position()) {
+  const auto epoch = epoch_written(file);
+  if (here && head.is_last() && head.is_whole && *here == head.position() && epoch &&
+      *epoch >= head.epoch) {
     return FetchedCopy{head.position(), (*end)->sequence};
   }
   const auto got = fetch_beside(nats, session, file);

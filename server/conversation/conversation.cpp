@@ -66,7 +66,7 @@ bool Conversation::is_of_this_epoch(const wire::Message& message) {
 }
 
 void Conversation::hello_expired() {
-  if (self_ || finishing_ || broken_) return;
+  if (self_ || hello_waits_ || finishing_ || broken_) return;
   reject({wire::ErrorCode::kNoHello, "no hello within 5 s"}, true);
   finish();
 }

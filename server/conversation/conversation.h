@@ -111,6 +111,7 @@ class Conversation {
   Metrics& metrics_;
   Now now_;
   std::optional<Participant> self_;
+  bool hello_waits_ = false;  ///< the answer to a hello that was accepted is to come
   std::uint64_t pongs_ = 0;
 
  private:

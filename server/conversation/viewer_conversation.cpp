@@ -23,11 +23,13 @@ void ViewerConversation::on_hello(const HelloMessage& hello) {
                  hello.repeat ? TileNodes::kRepeated : TileNodes::kSingle};
   JoinRequest request = join_request(ParticipantKind::kViewer, hello);
   request.feel = false;
+  hello_waits_ = true;
   actions_.emplace_back(std::move(request));
 }
 
 void ViewerConversation::joined(const std::expected<Participant, Rejection>& self,
                                 const Roster& roster) {
+  hello_waits_ = false;
   if (self) {
     self_ = *self;
     say(viewer_welcome(session(), *self_, roster));

@@ -79,7 +79,7 @@ ApiResponse at_other_server(const std::string& reason, std::string location) {
 
 ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
                        const std::string& target) {
-  if (is_coming(registry, id)) {
+  if (is_coming(registry, id) || registry.find(id)) {  // the latter: it has just come
     ApiResponse response = error_response(503, "session_loading",
                                           "session " + id + " is being loaded; try again later");
     response.headers.emplace_back("Retry-After", "1");
@@ -151,7 +151,16 @@ Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& m
       uploads_(options.upload_bytes),
       programs_(options.program_bytes),
       upload_folder_(options.data_folder / "uploads"),
-      targets_(options.data_folder / "targets") {}
+      targets_(options.data_folder / "targets") {
+  registry_.set_hooks(
+      {[this](Session& session, Opening opening) { return adopt(session, opening); },
+       [this](const std::string& id) {
+         if (!registry_.find_followed(id)) forget(id);
+       }});
+  access_.report_to([this](const std::string& id, AttachmentChange change) {
+    if (const auto session = registry_.find(id)) session->attach(std::move(change));
+  });
+}
 
 ApiResponse Api::handle(const ApiRequest& request) {
   RouteMatch match = match_route(request.method, request.path);
@@ -160,9 +169,11 @@ ApiResponse Api::handle(const ApiRequest& request) {
   ApiCall call{request, nullptr, std::move(match.captured), std::move(caller)};
   if (is_below_session(request.path)) {
     const std::string& id = request.path[2];
-    call.session = only_looks(match) ? find_to_look(registry_, id) : registry_.find(id);
+    if (!call.caller.belongs_elsewhere) {
+      call.session = only_looks(match) ? find_to_look(registry_, id) : registry_.find(id);
+    }
     // Who has no right here learns nothing of the sessions.
-    const bool is_stranger = call.caller.role == Role::kNobody;
+    const bool is_stranger = call.caller.role == Role::kNobody && !call.caller.belongs_elsewhere;
     if (!call.session)
       return is_stranger ? needs_token(call.caller) : no_session(registry_, id, request.target);
   }
@@ -196,11 +207,19 @@ std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMat
   const Action unknown = is_below ? Action::kWatch : Action::kReach;
   const Action action = match.route != nullptr ? match.route->action : unknown;
   if (may(caller.role, action)) return std::nullopt;
+  caller.belongs_elsewhere = caller.has_bad_token && is_below &&
+                             parse_access_token(request.token) && is_not_here(request.path[2]);
+  if (caller.belongs_elsewhere) return std::nullopt;
   if (caller.has_bad_token || caller.role == Role::kNobody) return needs_token(caller);
   return error_response(403, wire::to_string(wire::ErrorCode::kNotAllowed),
                         "a " + std::string(to_string(caller.role)) + " may not " +
                             std::string(to_string(action)) + "; it takes a " +
                             std::string(to_string(lowest_invited(action))));
+}
+
+/// Whether a session runs at another server, or is about to come.
+bool Api::is_not_here(const std::string& id) const {
+  return !registry_.find(id) && (is_coming(registry_, id) || other_place(registry_, id));
 }
 
 void Api::tell_regions(Session& session) const {

@@ -205,6 +205,17 @@ class Api {
   std::optional<PagePreview> preview_of(const ApiRequest& request) const;
   /// The response to a request for the page of a session of another server; nullopt: it is another.
   std::optional<ApiResponse> page_elsewhere(const ApiRequest& request) const;
+  bool is_not_here(const std::string& id) const;
+  /// A session comes with its attachments, or gets the rights and target parts that this server
+  /// has kept for it as attachments. The error is one sentence.
+  std::expected<void, std::string> adopt(Session& session, Opening opening);
+  std::expected<void, std::string> adopt_targets(const std::string& id,
+                                                 const std::vector<Attachment>& attachments);
+  void attach_all(Session& session);
+  /// Nothing of a session is kept here any more.
+  void forget(const std::string& id);
+  /// Attaches a target part as it is now, or removes it from the attachments.
+  void attach_target(Session& session, const std::string& name);
   /// Mutes a participant, or ends that; for a person, also its other connections and later ones.
   AccessResult<void> mute(Session& session, ParticipantId id, const std::string& person,
                           bool muted);
@@ -234,6 +245,7 @@ class Api {
   MemoryBudget programs_;
   UploadFolder upload_folder_;
   TargetParts targets_;
+  std::mutex attach_mutex_;  ///< the newest state of a part is the one that is attached last
   std::once_flag carvers_made_;
   std::unique_ptr<ThreadPool> carvers_;  ///< carve tiles for undo, redo and the past
   mutable std::mutex drain_mutex_;       ///< guards drain_to_

@@ -32,12 +32,18 @@ ExportResult write_plot(const ForcePlotRequest& plot, Session& session, std::ost
   return export_force_plot(session.journal_file(), plot, out, stop, &*start);
 }
 
+/// The journal without its attachments: rights and target parts are not for everybody.
+Made write_journal(const std::filesystem::path& journal, const std::filesystem::path& path) {
+  if (auto copied = copy_journal(journal, path); !copied) return reason_only(copied);
+  return reason_only(remove_attachments(path));
+}
+
 Made write_motions(const DownloadRequest& download, Session& session, const SolidSnapshot& solid,
                    const std::filesystem::path& path, const std::stop_token& stop) {
   if (auto ok = session.flush(); !ok) return std::unexpected(MakeError{describe(ok.error())});
   const std::string_view name = download.kind.name;
   const auto& journal = session.journal_file();
-  if (name == "journal") return reason_only(copy_journal(journal, path));
+  if (name == "journal") return write_journal(journal, path);
   std::ofstream out(path, std::ios::binary);
   if (!out) return std::unexpected(MakeError{"the file cannot be created"});
   const auto written = name == "thin_walls.json"

@@ -87,6 +87,7 @@ ApiResponse Api::change_participant(const ApiCall& call) {
       return true;
     });
   }
+  (void)session.flush();
   return json_response(200, Json{{"participant", id}}.dump());
 }
 
@@ -118,6 +119,7 @@ ApiResponse Api::remove_participant(const ApiCall& call) {
     if (!ended) return access_failure(ended.error());
     grants = *std::move(ended);
   }
+  (void)session.flush();
   const bool removed = run_and_wait(session.executor(), [&] {
     const bool done = session.remove(target->participant.id, reason);
     session.remove_holders(grants, reason);
@@ -158,6 +160,7 @@ ApiResponse Api::reserve(const ApiCall& call) {
   const auto id = access_.reserve(session.id(), region);
   if (!id) return access_failure(id.error());
   tell_regions(session);
+  (void)session.flush();
   return json_response(201, Json{{"region", *id}}.dump());
 }
 
@@ -168,6 +171,7 @@ ApiResponse Api::release(const ApiCall& call) {
     return access_failure(done.error());
   }
   tell_regions(*call.session);
+  (void)call.session->flush();
   return json_response(200, Json{{"released", *id}}.dump());
 }
 

@@ -93,6 +93,7 @@ ApiResponse Api::invite(const ApiCall& call) {
   invitation.color = value("color");
   const auto issued = access_.invite(call.session->id(), invitation);
   if (!issued) return access_failure(issued.error());
+  (void)call.session->flush();
   Json json = grant_json(issued->grant);
   json["token"] = issued->token;
   const std::string link = "/?session=" + call.session->id() + "#invite=" + issued->token;
@@ -107,6 +108,7 @@ ApiResponse Api::invite(const ApiCall& call) {
 ApiResponse Api::revoke(const ApiCall& call) {
   auto ended = access_.revoke(call.session->id(), call.captured);
   if (!ended) return access_failure(ended.error());
+  (void)call.session->flush();
   run_and_wait(call.session->executor(), [&] {
     call.session->remove_holders(*ended, "the invitation was revoked");
     return true;
@@ -131,6 +133,7 @@ ApiResponse Api::redeem(const ApiCall& call) {
     if (issued.error().fault != AccessFault::kUnknown) return access_failure(issued.error());
     return error_response(401, "bad_token", issued.error().reason);
   }
+  (void)call.session->flush();
   ApiResponse response = joined(access_.identify(issued->token, id));
   response.status = 201;
   const std::int64_t lifetime_s = issued->grant.expires_s - issued->grant.created_s;

@@ -235,6 +235,7 @@ ApiResponse Api::close_session(const ApiCall& call) {
   const bool purge = value != nullptr && *value == "1";
   // First, so that nobody has rights to a later session of the same id.
   if (auto done = access_.forget(call.session->id()); !done) return access_failure(done.error());
+  call.session->attach({});
   if (auto ok = registry_.close(call.session->id(), purge); !ok) {
     return registry_failure(ok.error());
   }

@@ -115,11 +115,15 @@ ApiResponse Api::set_target(const ApiCall& call) {
   const auto put = targets_.put(call.session->id(), name == nullptr ? std::string() : *name,
                                 call.request.body, *shift_mm);
   if (!put) return error_response(put.error().status, put.error().code, put.error().reason);
+  attach_target(*call.session, put->name);
+  (void)call.session->flush();
   return json_response(201, target_text(shown_facts(*put)));
 }
 
 ApiResponse Api::remove_target(const ApiCall& call) {
   if (!targets_.remove(call.session->id(), call.captured)) return unknown_target(call.captured);
+  attach_target(*call.session, call.captured);
+  (void)call.session->flush();
   return json_response(200, target_text({{"removed", call.captured}}));
 }
 

@@ -81,7 +81,9 @@ std::expected<UpgradeTarget, ApiResponse> open_upgrade(const RequestHead& head,
     return std::unexpected(*std::move(rejection));
   }
   const std::string& id = request.path[2];
-  target.session = only_looks(match) ? find_to_look(registry, id) : registry.find(id);
+  if (!target.caller.belongs_elsewhere) {
+    target.session = only_looks(match) ? find_to_look(registry, id) : registry.find(id);
+  }
   if (!target.session) target.redirect = other_place(registry, id).value_or("");
   if (!target.session && target.redirect.empty()) {
     return std::unexpected(no_session(registry, id, request.target));

@@ -12,6 +12,7 @@
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/text_file.h"
 #include "server/session/hash_text.h"
+#include "server/store/byte_code.h"
 #include "server/store/plain_text.h"
 
 namespace kerf::net {
@@ -59,12 +60,10 @@ Json stored_facts(const TargetFacts& facts) {
           {"fault", facts.fault}};
 }
 
-/// Nothing if the file is missing or damaged.
-std::optional<TargetFacts> read_facts(const fs::path& path) {
-  const auto text = read_file(path);
-  if (!text) return std::nullopt;
+/// Nothing if the text is damaged.
+std::optional<TargetFacts> parse_facts(const std::string& text) {
   try {
-    const Json json = Json::parse(*text);
+    const Json json = Json::parse(text);
     return TargetFacts{json.at("name").get<std::string>(),
                        json.at("tag").get<std::string>(),
                        json.at("triangles").get<std::size_t>(),
@@ -75,6 +74,12 @@ std::optional<TargetFacts> read_facts(const fs::path& path) {
   } catch (const Json::exception&) {
     return std::nullopt;
   }
+}
+
+/// Nothing if the file is missing or damaged.
+std::optional<TargetFacts> read_facts(const fs::path& path) {
+  const auto text = read_file(path);
+  return text ? parse_facts(*text) : std::nullopt;
 }
 
 bool write_part_file(const fs::path& path, const std::string& bytes) {
@@ -130,19 +135,60 @@ std::expected<TargetFacts, TargetError> TargetParts::put(const std::string& sess
                                        "a session has at most " + std::to_string(kPartsOfSession) +
                                            " target parts: remove one first"});
   }
-  std::error_code error;
-  fs::create_directories(folder_ / session, error);
-  const fs::path facts = facts_file(session, name);
-  fs::path mesh = facts;
-  mesh.replace_extension(kMeshExtension);
-  if (!write_part_file(mesh, bytes) ||
-      !write_part_file(facts, stored_facts((*part)->facts()).dump())) {
-    fs::remove(mesh, error);
-    fs::remove(facts, error);
+  if (!store(session, (*part)->facts(), bytes)) {
     return std::unexpected(TargetError{500, "disk", "the file could not be stored"});
   }
   keep(session, *part);
   return (*part)->facts();
+}
+
+bool TargetParts::store(const std::string& session, const TargetFacts& facts,
+                        const std::string& bytes) const {
+  std::error_code error;
+  fs::create_directories(folder_ / session, error);
+  const fs::path file = facts_file(session, facts.name);
+  fs::path mesh = file;
+  mesh.replace_extension(kMeshExtension);
+  if (write_part_file(mesh, bytes) && write_part_file(file, stored_facts(facts).dump())) {
+    return true;
+  }
+  fs::remove(mesh, error);
+  fs::remove(file, error);
+  return false;
+}
+
+std::optional<std::vector<std::byte>> TargetParts::pack(const std::string& session,
+                                                        const std::string& name) const {
+  std::optional<std::string> facts, mesh;
+  {
+    const std::lock_guard lock(mutex_);
+    fs::path file = facts_file(session, name);
+    facts = read_file(file);
+    mesh = read_file(file.replace_extension(kMeshExtension));
+  }
+  if (!facts || !mesh) return std::nullopt;
+  ByteWriter out;
+  out.reserve(sizeof(std::uint32_t) + facts->size() + mesh->size());
+  out.put(static_cast<std::uint32_t>(facts->size()));
+  out.put(std::as_bytes(std::span(*facts)));
+  out.put(std::as_bytes(std::span(*mesh)));
+  return out.take();
+}
+
+bool TargetParts::unpack(const std::string& session, std::span<const std::byte> bytes) {
+  ByteReader in(bytes);
+  const auto size = in.get<std::uint32_t>();
+  const auto text = in.get_bytes(size);
+  if (in.truncated()) return false;
+  const auto string_of = [](std::span<const std::byte> part) {
+    return std::string(reinterpret_cast<const char*>(part.data()), part.size());
+  };
+  const auto facts = parse_facts(string_of(text));
+  if (!facts) return false;
+  const std::lock_guard lock(mutex_);
+  const auto here = read_facts(facts_file(session, facts->name));
+  if (here && here->tag == facts->tag) return true;
+  return store(session, *facts, string_of(bytes.subspan(sizeof size + text.size())));
 }
 
 std::vector<TargetFacts> TargetParts::list(const std::string& session) const {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,11 @@ class TargetParts {
   /// part.
   std::shared_ptr<const PartModel> model(const std::string& session, const std::string& name,
                                          const DexelGrid& grid);
+  /// A part as bytes, from which unpack() makes it elsewhere; nullopt if there is none.
+  std::optional<std::vector<std::byte>> pack(const std::string& session,
+                                             const std::string& name) const;
+  /// False if the bytes are none, or cannot be stored. A part that is there already stays.
+  bool unpack(const std::string& session, std::span<const std::byte> bytes);
   /// Returns whether the session had such a part.
   bool remove(const std::string& session, const std::string& name);
   /// Deletes the parts of a session.
@@ -90,6 +96,7 @@ class TargetParts {
   };
   std::filesystem::path facts_file(const std::string& session, const std::string& name) const;
   // With the mutex locked:
+  bool store(const std::string& session, const TargetFacts& facts, const std::string& bytes) const;
   std::vector<TargetFacts> stored(const std::string& session) const;
   std::shared_ptr<const TargetPart> known(const std::string& session, const std::string& tag);
   void keep(const std::string& session, std::shared_ptr<const TargetPart> part);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/rights/default_color.h"
+#include "server/rights/rights_rows.h"
 #include "server/wire/limits.h"
 
 namespace kerf {
@@ -94,6 +95,7 @@ Caller Access::identify(std::string_view token, std::string_view session) const 
 
 AccessResult<void> Access::put(const Grant& grant) {
   if (auto done = file_.put(grant); !done) return fail(AccessFault::kStorage, done.error());
+  report(grant.session, stored(grant));
   const std::scoped_lock lock(mutex_);
   grants_.insert_or_assign(grant.id, grant);
   return {};
@@ -201,12 +203,15 @@ AccessResult<std::vector<std::string>> Access::revoke(std::string_view session,
   }
   if (auto done = file_.remove(id); !done) return fail(AccessFault::kStorage, done.error());
   std::vector<std::string> ended;
-  const std::scoped_lock lock(mutex_);
-  std::erase_if(grants_, [&](const auto& entry) {
-    const bool ends = entry.first == id || entry.second.invitation == id;
-    if (ends) ended.push_back(entry.first);
-    return ends;
-  });
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(grants_, [&](const auto& entry) {
+      const bool ends = entry.first == id || entry.second.invitation == id;
+      if (ends) ended.push_back(entry.first);
+      return ends;
+    });
+  }
+  for (const std::string& grant : ended) report(std::string(session), {kGrantKind, grant});
   return ended;
 }
 
@@ -276,6 +281,7 @@ AccessResult<std::uint32_t> Access::reserve(const std::string& session, Region r
   if (auto done = file_.put(session, region); !done) {
     return fail(AccessFault::kStorage, done.error());
   }
+  report(session, stored(region));
   list.push_back(region);
   const std::scoped_lock lock(mutex_);
   regions_.insert_or_assign(session, std::move(list));
@@ -292,6 +298,7 @@ AccessResult<void> Access::release(const std::string& session, std::uint32_t reg
   if (auto done = file_.remove_region(session, region); !done) {
     return fail(AccessFault::kStorage, done.error());
   }
+  report(session, {kRegionKind, std::to_string(region)});
   const std::scoped_lock lock(mutex_);
   std::erase_if(found->second, has_id);
   return {};
@@ -306,6 +313,50 @@ AccessResult<void> Access::forget(const std::string& session) {
   std::erase_if(grants_, [&](const auto& entry) { return entry.second.session == session; });
   regions_.erase(session);
   return {};
+}
+
+std::vector<AttachmentChange> Access::attachments(const std::string& session) const {
+  std::vector<AttachmentChange> list;
+  for (const Grant& grant : grants(session)) list.push_back(stored(grant));
+  for (const Region& region : regions(session)) list.push_back(stored(region));
+  return list;
+}
+
+AccessResult<std::vector<std::string>> Access::adopt(const std::string& session,
+                                                     const std::vector<Attachment>& attachments) {
+  std::vector<Grant> adopted;
+  std::vector<Region> reserved;
+  for (const Attachment& attachment : attachments) {
+    auto grant = grant_of(attachment, session);
+    if (grant && is_valid(*grant)) adopted.push_back(*std::move(grant));
+    if (auto region = region_of(attachment)) reserved.push_back(*std::move(region));
+  }
+  std::ranges::sort(reserved, {}, &Region::id);
+  const std::scoped_lock writing(file_mutex_);
+  std::map<std::string, Grant, std::less<>> before;
+  for (Grant& grant : grants(session)) before.emplace(grant.id, std::move(grant));
+  const auto is_known = [&](const Grant& grant) {
+    const auto found = before.find(grant.id);
+    return found != before.end() && found->second == grant;
+  };
+  if (adopted.size() == before.size() && std::ranges::all_of(adopted, is_known) &&
+      reserved == regions(session)) {
+    return std::vector<std::string>();
+  }
+  if (auto done = file_.replace(session, adopted, reserved); !done) {
+    return fail(AccessFault::kStorage, done.error());
+  }
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(grants_, [&](const auto& entry) { return entry.second.session == session; });
+  regions_.erase(session);
+  if (!reserved.empty()) regions_.emplace(session, std::move(reserved));
+  for (Grant& grant : adopted) {
+    before.erase(grant.id);
+    grants_.insert_or_assign(grant.id, std::move(grant));
+  }
+  std::vector<std::string> ended;
+  for (const auto& [id, grant] : before) ended.push_back(id);
+  return ended;
 }
 
 }  // namespace kerf

@@ -17,6 +17,7 @@
 #include "server/rights/grant.h"
 #include "server/rights/grant_file.h"
 #include "server/rights/region.h"
+#include "server/store/attachment.h"
 
 namespace kerf {
 
@@ -100,6 +101,18 @@ class Access {
   /// A session is gone: another one of the same id begins without grants and regions.
   AccessResult<void> forget(const std::string& session);
 
+  /// Calls `report` with each change of the rights of a session from now on, in their order, as one
+  /// of its attachments (rights_rows.h); not for forget() and adopt(). Call once, before the
+  /// others.
+  using Report = std::function<void(const std::string& session, AttachmentChange change)>;
+  void report_to(Report report) { report_ = std::move(report); }
+  /// The rights of a session as its attachments.
+  std::vector<AttachmentChange> attachments(const std::string& session) const;
+  /// Makes the rights of a session those that its attachments say; others of these are left out,
+  /// and so is what has expired. Returns the grants that have ended with it.
+  AccessResult<std::vector<std::string>> adopt(const std::string& session,
+                                               const std::vector<Attachment>& attachments);
+
  private:
   explicit Access(AccessOptions options);
   std::int64_t now_s() const;
@@ -107,11 +120,15 @@ class Access {
   /// The grant of a token in a session; null if there is none.
   const Grant* find(std::string_view token, std::string_view session) const;
   AccessResult<void> put(const Grant& grant);
+  void report(const std::string& session, AttachmentChange change) const {
+    if (report_) report_(session, std::move(change));
+  }
   AccessResult<std::vector<std::string>> change_person(const std::string& id,
                                                        const std::function<void(Grant&)>& change);
   AccessResult<Issued> issue(Grant grant);
 
   AccessOptions options_;
+  Report report_ = {};
   Regime regime_ = Regime::kLocal;
   std::optional<TokenHash> admin_;
   /// Guards the file and is held by all that change the members below, which may therefore read

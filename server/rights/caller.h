@@ -19,6 +19,8 @@ struct Caller {
   std::int64_t remaining_s = -1;  ///< until the grant expires; negative: it does not
   std::string network = {};       ///< from which it comes; empty: unknown
   bool has_bad_token = false;     ///< a token that is unknown, expired or of another session
+  /// The token may be one of a session that is not here, whose rights are where it runs.
+  bool belongs_elsewhere = false;
 
   /// Somebody on a server without rights: loopback, without tokens.
   static Caller local() {

@@ -25,6 +25,7 @@ struct Grant {
   std::int64_t uses = 0, used = 0;
   TokenHash hash{};
 
+  friend bool operator==(const Grant&, const Grant&) = default;
   bool is_pass() const { return !invitation.empty(); }
   /// Whether it belongs to one person, so that what happens to that person lasts: a pass, or an
   /// invitation by name.

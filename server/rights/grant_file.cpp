@@ -178,4 +178,25 @@ GrantFile::Done GrantFile::forget(const std::string& session) {
   return run("DELETE FROM regions WHERE session=?", {session});
 }
 
+GrantFile::Done GrantFile::replace(const std::string& session, const std::vector<Grant>& grants,
+                                   const std::vector<Region>& regions) {
+  if (file_.empty()) return {};
+  if (auto done = open(); !done) return done;
+  const auto execute = [&](const char* sql) -> Done {
+    if (auto done = database_->execute(sql); !done) return std::unexpected(failure(done.error()));
+    return {};
+  };
+  if (auto done = execute("BEGIN IMMEDIATE"); !done) return done;
+  Done done = forget(session);
+  for (const Grant& grant : grants) {
+    if (done) done = put(grant);
+  }
+  for (const Region& region : regions) {
+    if (done) done = put(session, region);
+  }
+  if (done) done = execute("COMMIT");
+  if (!done) (void)database_->execute("ROLLBACK");
+  return done;
+}
+
 }  // namespace kerf

@@ -44,6 +44,9 @@ class GrantFile {
   Done remove_region(const std::string& session, std::uint32_t region);
   /// Removes all grants and regions of a session.
   Done forget(const std::string& session);
+  /// Makes these its grants and regions, at once.
+  Done replace(const std::string& session, const std::vector<Grant>& grants,
+               const std::vector<Region>& regions);
 
  private:
   Done open();

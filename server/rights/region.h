@@ -15,6 +15,7 @@ struct Region {
   Vec3 min_mm = {}, max_mm = {};
   std::uint32_t participant = 0;  ///< who may cut; 0: owners only
   std::string person = {};        ///< the grant of that participant, if it has one of its own
+  friend bool operator==(const Region&, const Region&) = default;
 };
 
 }  // namespace kerf

@@ -36,7 +36,9 @@ std::expected<void, Rejection> Carving::record(ParticipantId id, const Command& 
   if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
   ParticipantState* state = participants_.find(id);
   const bool begins_stroke = state != nullptr && !state->in_stroke;
-  if (auto ok = journal_.append(id, recorded(command), {agent_sequence, begins_stroke}); !ok)
+  if (auto ok =
+          journal_.append(id, recorded(command), {agent_sequence, begins_stroke, program_line_});
+      !ok)
     return ok;
   if (state != nullptr) state->in_stroke = true;
   if (since_) collect(command);

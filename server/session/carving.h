@@ -199,6 +199,7 @@ class Carving {
   std::vector<ParticipantId> waiting_;      ///< whose batches wait, in the order of arrival
   std::map<ParticipantId, Cut> cuts_;
   std::optional<std::vector<Since>> since_;  ///< set while motions are collected
+  std::uint32_t program_line_ = 0;           ///< of the motion that is recorded; 0: no program's
   std::vector<ParticipantId> left_;          ///< whose cuts may be in progress
   std::chrono::steady_clock::duration work_time_{0};
   std::atomic<std::uint64_t> motions_applied_{0};

@@ -85,7 +85,9 @@ std::expected<std::optional<CarvedMotion>, Rejection> Carving::move(const Progra
     return std::unexpected(ok.error());
   } else {
     if (step.target != nullptr) searched_[id].before = sculpture_.snapshot();
+    program_line_ = step.motion.line;
     result = apply_or_join(step, tiles);
+    program_line_ = 0;
   }
   if (!result) return std::unexpected(result.error());
   if (!*result) return std::nullopt;

@@ -42,6 +42,7 @@ struct JoinRequest {
   bool is_personal = false;  ///< the grant belongs to this person alone
   bool is_muted = false;
   std::string network = {};  ///< from which it comes, for limits; empty: unknown
+  bool has_turn = false;     ///< a viewer that has waited for viewer_turn()
 };
 
 /// A participant that has joined, and how it continues after a loss of the connection.

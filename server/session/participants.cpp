@@ -73,6 +73,7 @@ std::expected<void, Rejection> Participants::check_rate(const JoinRequest& reque
     return std::unexpected(Rejection{wire::ErrorCode::kBusy,
                                      "too many guests join from your network; try again later"});
   }
+  if (request.kind == ParticipantKind::kViewer && request.has_turn) return {};
   RateLimit& fresh = request.role == Role::kGuest ? guest_joins_ : carver_joins_;
   RateLimit& carvers = resumed != 0 ? resumable_.find(resumed)->resumes : fresh;
   RateLimit& joins = request.kind == ParticipantKind::kViewer ? viewer_joins_ : carvers;

@@ -68,6 +68,17 @@ ProgramStatus ProgramRuns::start(ParticipantId participant, ProgramJob job, Prog
   return kept.status;
 }
 
+void ProgramRuns::add_ended(ProgramStatus status, std::shared_ptr<const ProgramText> text) {
+  drop_oldest();
+  ++changes_;
+  Run run;
+  run.status = std::move(status);
+  run.status.id = ++last_id_;
+  run.text = std::move(text);
+  runs_.emplace(last_id_, std::move(run));
+  drop_ended_texts(kEndedTextBytesMax);
+}
+
 void ProgramRuns::begin(Run& run, Clock::time_point now) {
   run.status.state = ProgramState::kRunning;
   run.clock.run(now);

@@ -47,6 +47,8 @@ class ProgramRuns {
   /// `options.after` names a program that has not ended, or 0.
   ProgramStatus start(ParticipantId participant, ProgramJob job, ProgramOptions options,
                       Clock::time_point now);
+  /// Lists a program that ended before, with a number of its own and its text.
+  void add_ended(ProgramStatus status, std::shared_ptr<const ProgramText> text);
   /// False if the program has ended or is still queued.
   bool order(ProgramId id, ProgramOrder order, Clock::time_point now);
   /// Carves the program as fast as possible from now on, or at `speed` times its feed rate; false

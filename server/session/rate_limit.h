@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 namespace kerf {
 
@@ -13,15 +14,19 @@ class RateLimit {
   RateLimit(double rate_per_s, double burst) : rate_(rate_per_s), burst_(burst), tokens_(burst) {}
 
   /// Takes one token; false if the bucket is empty.
-  bool allow(Clock::time_point now) {
+  bool allow(Clock::time_point now) { return take(now, 0).has_value(); }
+  /// Takes one token, which may be one that is still to come: returns the time until then, s.
+  /// Nothing is taken, and nullopt returned, if that is more than `wait_max_s`.
+  std::optional<double> take(Clock::time_point now, double wait_max_s) {
     if (last_ != Clock::time_point{}) {
       const double passed_s = std::chrono::duration<double>(now - last_).count();
       tokens_ = std::min(burst_, tokens_ + passed_s * rate_);
     }
     last_ = now;
-    if (tokens_ < 1) return false;
+    const double wait_s = tokens_ < 1 ? (1 - tokens_) / rate_ : 0;
+    if (wait_s > wait_max_s) return std::nullopt;
     tokens_ -= 1;
-    return true;
+    return wait_s;
   }
 
  private:

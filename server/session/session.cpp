@@ -232,7 +232,7 @@ void Session::note_hash(StateHash state) {
 void Session::close(const std::string& reason, const std::string& redirect) {
   if (closed_) return;
   programs_.cancel_all();
-  retire_programs();
+  retire_programs(false);
   closed_ = true;
   keep_last_state();
   participants_.notify(

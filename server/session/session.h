@@ -85,6 +85,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<JournalError> pause() const { return journal_.pause(); }
   JournalFigures journal_figures() const { return journal_.figures(); }
   CopyNote& copy() const { return journal_.copy(); }
+  /// Stores or removes an attachment of the journal; without effect in a followed session.
+  void attach(AttachmentChange change) { journal_.attach(std::move(change)); }
   /// Size of the journal, its side files and the snapshots, bytes.
   std::uintmax_t disk_bytes() const { return session_bytes(journal_.file()); }
   /// Waits for nothing, also while the executor is busy.
@@ -125,6 +127,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<Admission, Rejection> admit(const JoinRequest& request);
   /// As admit(), for a participant that does not resume.
   std::expected<Participant, Rejection> join(const JoinRequest& request);
+  /// See Participants.
+  std::optional<double> viewer_turn() { return participants_.viewer_turn(); }
   void leave(ParticipantId id);
   /// A participant as it is now; nullopt for an unknown id.
   std::optional<Participant> participant(ParticipantId id) {
@@ -188,6 +192,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// the scene lacks, and an `after` that is unknown or has ended without having finished.
   std::expected<ProgramStatus, Rejection> start_program(ProgramJob job, ProgramOptions request,
                                                         const Caller& caller = Caller::local());
+  /// Lists the programs that had not ended when another server did, or this one at its last stop.
+  void list_stopped(const std::vector<Attachment>& attachments);
   std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
   std::vector<ProgramStatus> programs() const { return programs_.list(); }
   /// See ProgramRuns.
@@ -305,7 +311,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<std::vector<ProgramGlance>> program_update(bool all);
   std::optional<std::vector<Pin>> pin_update(bool all);
   void run_programs();
-  void retire_programs();
+  /// `for_good`: their attachments go too.
+  void retire_programs(bool for_good = true);
   void forget_batch(ParticipantId id);
   void finish_left();
   MotionAnswer rejected_move() const;

@@ -99,6 +99,7 @@ void SessionRegistry::hand_over(const std::string& id, const std::string& reason
   }
   end(session, reason, redirect);
   (void)session->finish_journal();  // what is lost with it, the other server does not have either
+  if (hooks_.left) hooks_.left(id);
   const std::lock_guard lock(mutex_);
   sessions_.erase(id);
 }

@@ -37,9 +37,16 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::follow(
   session->note_times(created_ms, active_ms);
   session->place_in(options_.places, false);
   if (options_.snapshots.writer != nullptr) session->keep_snapshots(options_.snapshots);
+  if (auto ok = note_attachments(*session); !ok) {
+    return std::unexpected(JournalError{JournalErrorCode::kIo, file.string(), 0, ok.error()});
+  }
   const std::lock_guard lock(mutex_);
   followed_[id] = session;
   return session;
+}
+
+std::expected<void, std::string> SessionRegistry::note_attachments(Session& followed) const {
+  return call_opened(followed, Opening::kFollowed);
 }
 
 void SessionRegistry::end_following(const std::string& id, const std::string& reason,

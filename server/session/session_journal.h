@@ -60,6 +60,10 @@ class SessionJournal {
   void hold(std::optional<JournalError> error) {
     if (writer_) writer_->hold(std::move(error));
   }
+  /// Stores or removes an attachment; without effect in a followed journal.
+  void attach(AttachmentChange change) {
+    if (writer_) writer_->append(std::move(change));
+  }
   /// How far the copy of the journal on another machine goes.
   CopyNote& copy() const { return *copy_; }
   JournalFigures figures() const { return writer_ ? writer_->figures() : JournalFigures{}; }

@@ -22,6 +22,8 @@ struct SessionLimits {
   /// time is let in, one that joins and leaves all the time is not.
   double carver_joins_per_s = 10, carver_joins_burst = 100;
   double viewer_joins_per_s = 250, viewer_joins_burst = 1000;
+  /// So long a viewer waits for its turn before it is rejected: until viewers_max can have come.
+  double viewer_wait_max_s = 4;
   /// Guests of an open server (server/rights): fewer at a time, slower to come, and with a slower
   /// tool.
   std::size_t guest_agents_max = 8;

@@ -14,7 +14,8 @@
 namespace kerf {
 
 std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(const std::string& id,
-                                                                             Opened& opened) {
+                                                                             Opened& opened,
+                                                                             Opening opening) {
   const auto file = journal_path(id);
   std::error_code often_absent;
   std::filesystem::remove(unfinished_file(snapshot_file(file)), often_absent);
@@ -47,7 +48,16 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(con
   session->place_in(options_.places, options_.needs_copy);
   if (options_.carvers != nullptr) session->carve_on(*options_.carvers);
   if (options_.snapshots.writer != nullptr) session->keep_snapshots(options_.snapshots);
+  if (auto ok = call_opened(*session, opening); !ok) {
+    return std::unexpected(JournalError{JournalErrorCode::kIo, file.string(), 0, ok.error()});
+  }
   return session;
+}
+
+std::expected<void, std::string> SessionRegistry::call_opened(Session& session,
+                                                              Opening opening) const {
+  if (!hooks_.opened) return {};
+  return hooks_.opened(session, opening);
 }
 
 std::expected<void, JournalError> SessionRegistry::find_journals() {
@@ -101,7 +111,7 @@ void SessionRegistry::load(const std::string& id, LoadReport& report) {
   Opened opened;
   std::expected<std::shared_ptr<Session>, JournalError> session;
   try {
-    session = start(id, opened);
+    session = start(id, opened, Opening::kLoaded);
   } catch (const std::system_error& error) {  // of the operating system
     session = failed(JournalErrorCode::kIo, error);
   } catch (const std::exception& error) {  // e.g. not enough memory for this block

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/session/session.h"
+#include "server/session/stopped_program.h"
 #include "server/wire/limits.h"
 
 namespace kerf {
@@ -55,8 +56,10 @@ std::expected<ProgramStatus, Rejection> Session::start_program(ProgramJob job,
   if (!job.totals.tools.empty()) request.tool = job.totals.tools.front().tool;
   const auto joined = join(request);
   if (!joined) return std::unexpected(joined.error());
+  const auto text = options.text;
   ProgramStatus status =
       programs_.start(joined->id, std::move(job), std::move(options), Clock::now());
+  if (text && !is_ended(status.state)) attach(stored(status, text->text));
   schedule_programs();
   return status;
 }
@@ -114,9 +117,19 @@ void Session::run_programs() {
   }
 }
 
-void Session::retire_programs() {
+void Session::list_stopped(const std::vector<Attachment>& attachments) {
+  const auto lines = read_program_lines(journal_.file());
+  if (!lines) return;  // they are shown by the next start
+  for (StoppedProgram& program : stopped_programs(attachments, *lines)) {
+    attach(ended_program(program.status.participant));
+    programs_.add_ended(std::move(program.status), std::move(program.text));
+  }
+}
+
+void Session::retire_programs(bool for_good) {
   for (const ParticipantId id : programs_.take_ended()) {
     carving_.end_program(id);
+    if (for_good) attach(ended_program(id));
     leave(id);
   }
 }

@@ -175,7 +175,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
 std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::start_new(
     const std::string& id, const std::expected<void, JournalError>& written) {
   Opened opened;
-  auto session = written ? start(id, opened) : std::unexpected(written.error());
+  auto session = written ? start(id, opened, Opening::kNew) : std::unexpected(written.error());
   const std::lock_guard lock(mutex_);
   if (!session) {
     sessions_.erase(id);

@@ -75,6 +75,18 @@ struct IgnoredSnapshot {
   std::uint64_t used_sequence;  ///< last record of the one before it; 0: all records were replayed
 };
 
+/// How a session comes to a server.
+enum class Opening : std::uint8_t { kNew, kLoaded, kFollowed };
+
+/// What the server does beside a session. Called on a thread that may wait.
+struct SessionHooks {
+  /// It is open, and nobody finds it yet; of a followed one, also when its copy got attachments.
+  /// An error, one sentence, ends it.
+  std::function<std::expected<void, std::string>(Session&, Opening)> opened = {};
+  /// Another server goes on with it.
+  std::function<void(const std::string& id)> left = {};
+};
+
 /// Outcome of SessionRegistry::load_all or load_next.
 struct LoadReport {
   std::vector<std::string> loaded;     ///< sessions that are open now
@@ -108,6 +120,9 @@ class SessionRegistry {
   /// Creates the executor of one session.
   using MakeExecutor = std::function<std::shared_ptr<Executor>(const std::string& id)>;
   SessionRegistry(RegistryOptions options, MakeExecutor make_executor, Executor& workers);
+
+  /// Call before any session is opened.
+  void set_hooks(SessionHooks hooks) { hooks_ = std::move(hooks); }
 
   /// Lists the journals of the data folder without reading them: their sessions are loading from
   /// now on. The error is that of a folder that cannot be read.
@@ -149,6 +164,8 @@ class SessionRegistry {
   /// Ends it, with a last snapshot: no effect for a session that is not followed.
   void end_following(const std::string& id, const std::string& reason,
                      const std::string& redirect = {});
+  /// Its copy has got other attachments. After an error, one sentence, it must be followed no more.
+  std::expected<void, std::string> note_attachments(Session& followed) const;
   std::vector<std::string> followed() const;
   /// Null unless it is followed.
   std::shared_ptr<Session> find_followed(const std::string& id) const;
@@ -225,8 +242,9 @@ class SessionRegistry {
     std::string snapshot_fault = {};
     std::uint64_t snapshot_sequence = 0;
   };
-  std::expected<std::shared_ptr<Session>, JournalError> start(const std::string& id,
-                                                              Opened& opened);
+  std::expected<void, std::string> call_opened(Session& session, Opening opening) const;
+  std::expected<std::shared_ptr<Session>, JournalError> start(const std::string& id, Opened& opened,
+                                                              Opening opening);
   void load(const std::string& id, LoadReport& report);
   /// Starts the session of a journal that has been written, or failed to be, and deletes what
   /// cannot be started.
@@ -242,6 +260,7 @@ class SessionRegistry {
            const std::string& redirect = {});
 
   RegistryOptions options_;
+  SessionHooks hooks_;
   MakeExecutor make_executor_;
   Executor& workers_;
   mutable std::mutex mutex_;

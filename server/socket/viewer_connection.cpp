@@ -4,6 +4,11 @@
 #include <sys/socket.h>
 
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/this_coro.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <chrono>
 #include <utility>
 
 #include "server/conversation/viewer_conversation.h"
@@ -41,7 +46,8 @@ class ViewerConnection final : public PeerSocket {
  private:
   Conversation& conversation() override { return conversation_; }
   asio::awaitable<void> act() override;
-  asio::awaitable<void> join(const JoinRequest& request);
+  asio::awaitable<bool> wait_for_turn();
+  asio::awaitable<void> join(JoinRequest request);
   void leave_hub();
   void closed() override;
 
@@ -67,8 +73,24 @@ asio::awaitable<void> ViewerConnection::act() {
   }
 }
 
-asio::awaitable<void> ViewerConnection::join(const JoinRequest& request) {
+/// Waits until the viewer may join; false: it has to be rejected. An audience that is larger than
+/// what is let in at once comes one after the other.
+asio::awaitable<bool> ViewerConnection::wait_for_turn() {
+  auto ask = [session = session_] { return session->viewer_turn(); };
+  const auto wait_s = co_await run_on(threads_of(*session_), std::move(ask));
+  if (!wait_s) co_return false;
+  if (*wait_s <= 0) co_return true;
+  error_code ignored;
+  asio::steady_timer timer(co_await asio::this_coro::executor);
+  timer.expires_after(std::chrono::duration_cast<std::chrono::microseconds>(
+      std::chrono::duration<double>(*wait_s)));
+  co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  co_return true;
+}
+
+asio::awaitable<void> ViewerConnection::join(JoinRequest request) {
   using Joined = std::pair<std::expected<Participant, Rejection>, Roster>;
+  request.has_turn = co_await wait_for_turn();
   auto join = [session = session_, request]() {
     auto joined = session->join(request);
     return Joined{std::move(joined), session->roster()};

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -35,7 +36,7 @@ struct JournalChange {
   std::vector<std::byte> rows;
 };
 
-/// Bytes of batches after which a change ends.
+/// Bytes of batches, and of attachments, after which a change ends.
 inline constexpr std::size_t kChangeBytes = std::size_t{4} << 20;
 
 /// Reads what has been committed to a journal since the last time. Runs beside the writer, on
@@ -61,10 +62,16 @@ class JournalChanges {
   bool is_first_ = true;
   /// The rows of the small tables that the copy has: by table and key.
   std::map<std::string, std::vector<std::byte>> sent_;
+  /// The numbers of the fixed rows that it has: by table.
+  std::map<std::uint8_t, std::set<std::int64_t>> fixed_;
 };
 
 /// How far a copy goes that has all of a journal.
 std::expected<CopyPosition, JournalError> end_of_journal(const std::filesystem::path& file);
+
+/// The epoch in which the server of a session has written this journal; 0: the file was made from
+/// changes, and of what is no record it may have less than the copy has by now.
+std::expected<std::uint32_t, JournalError> epoch_written(const std::filesystem::path& file);
 
 /// Writes changes into a copy of a journal. The file has its name only when it is complete.
 class JournalCopy {
@@ -91,6 +98,8 @@ class JournalCopy {
   const std::optional<CopyPosition>& whole() const { return whole_; }
   /// Whether the named versions or the pins have changed since the last call.
   bool take_changed_lists() { return std::exchange(lists_changed_, false); }
+  /// The same of the attachments.
+  bool take_changed_attachments() { return std::exchange(attachments_changed_, false); }
 
  private:
   JournalCopy(std::filesystem::path file, std::filesystem::path unfinished, SqlDatabase database);
@@ -100,7 +109,7 @@ class JournalCopy {
   std::optional<SqlDatabase> database_;
   CopyPosition position_;  ///< after the last change
   std::optional<CopyPosition> whole_;
-  bool lists_changed_ = false;
+  bool lists_changed_ = false, attachments_changed_ = false;
 };
 
 }  // namespace kerf

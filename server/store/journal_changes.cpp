@@ -193,12 +193,70 @@ SqlResult<void> read_small(SqlDatabase& database, bool all, std::map<std::string
   return {};
 }
 
+/// Adds what has come to a table of fixed rows, and gone from it, since `sent`. Stops after
+/// kChangeBytes; false: then.
+SqlResult<bool> read_fixed(SqlDatabase& database, const JournalTable& table,
+                           std::set<std::int64_t>& sent, Rows& rows) {
+  const std::string name(table.name), key(table.key);
+  const auto count = database.integer("SELECT count(*) FROM " + name);
+  if (!count) return std::unexpected(count.error());
+  const auto last = database.integer("SELECT coalesce(max(" + key + "),0) FROM " + name);
+  if (!last) return std::unexpected(last.error());
+  // A row that comes has a greater number than any before.
+  const bool is_same = static_cast<std::size_t>(*count) == sent.size() &&
+                       *last == (sent.empty() ? 0 : *sent.rbegin());
+  if (is_same) return true;
+  std::set<std::int64_t> now;
+  auto read = for_each(database, "SELECT " + key + " FROM " + name, [&](const SqlStatement& row) {
+    now.insert(row.integer(0));
+    return true;
+  });
+  if (!read) return std::unexpected(read.error());
+  std::erase_if(sent, [&](std::int64_t number) {
+    const bool is_gone = !now.contains(number);
+    if (is_gone) append(rows, removal(table, name + '\n' + std::to_string(number)));
+    return is_gone;
+  });
+  const std::size_t before = rows.size();
+  for (const std::int64_t number : now) {
+    if (sent.contains(number)) continue;
+    if (rows.size() - before >= kChangeBytes) return false;
+    read =
+        for_each(database, "SELECT * FROM " + name + " WHERE " + key + "=" + std::to_string(number),
+                 [&](const SqlStatement& row) {
+                   append(rows, encode_row(table, row));
+                   return false;
+                 });
+    if (!read) return std::unexpected(read.error());
+    sent.insert(number);
+  }
+  return true;
+}
+
+/// The same for all such tables.
+SqlResult<bool> read_all_fixed(SqlDatabase& database, bool all,
+                               std::map<std::uint8_t, std::set<std::int64_t>>& sent, Rows& rows) {
+  bool is_last = true;
+  for (const JournalTable& table : kJournalTables) {
+    if (table.kind != TableKind::kFixed) continue;
+    if (all) append(rows, begin_row(table, RowChange::kClear));
+    const auto exists = database.has_table(table.name);
+    if (!exists) return std::unexpected(exists.error());
+    if (!*exists) continue;
+    const auto read = read_fixed(database, table, sent[table.number], rows);
+    if (!read) return read;
+    is_last = is_last && *read;
+  }
+  return is_last;
+}
+
 }  // namespace
 
 std::expected<bool, JournalError> JournalChanges::begin(const CopyPosition& position) {
   position_ = position;
   is_first_ = true;
   sent_.clear();
+  fixed_.clear();
   if (position.scene_crc == 0) return true;
   auto database = open_journal(file_, SqlMode::kRead);
   if (!database) return std::unexpected(database.error());
@@ -224,6 +282,16 @@ std::expected<CopyPosition, JournalError> end_of_journal(const std::filesystem::
   const auto crc = checksum_of_record(*database, record);
   if (!crc) return std::unexpected(to_journal_error(file, crc.error()));
   return CopyPosition{record, 0, *scene, *crc};
+}
+
+std::expected<std::uint32_t, JournalError> epoch_written(const std::filesystem::path& file) {
+  auto database = open_journal(file, SqlMode::kRead);
+  if (!database) return std::unexpected(database.error());
+  std::error_code error;
+  if (std::filesystem::exists(file.string() + kCopiedSuffix, error)) return 0;
+  const auto epoch = database->integer("SELECT epoch FROM session");
+  if (!epoch) return std::unexpected(to_journal_error(file, epoch.error()));
+  return static_cast<std::uint32_t>(*epoch);
 }
 
 std::expected<std::optional<JournalChange>, JournalError> JournalChanges::next() {
@@ -267,6 +335,9 @@ std::expected<std::optional<JournalChange>, JournalError> JournalChanges::read(
   // Of the last commit: they would be ahead of records that are still to come.
   if (change.is_whole) {
     if (auto ok = read_small(database, is_first_, sent_, rows); !ok) return failed(ok.error());
+    const auto is_all = read_all_fixed(database, is_first_, fixed_, rows);
+    if (!is_all) return failed(is_all.error());
+    change.is_whole = *is_all;
     is_first_ = false;
   }
   position_ = change.after;

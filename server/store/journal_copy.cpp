@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <fstream>
 #include <utility>
 
 #include "server/store/byte_code.h"
@@ -81,6 +82,13 @@ SqlResult<void> write_row(SqlDatabase& database, const RowCode& row) {
   return {};
 }
 
+std::expected<void, JournalError> mark_copied(const std::filesystem::path& file) {
+  const std::filesystem::path mark = file.string() + kCopiedSuffix;
+  if (std::ofstream(mark)) return {};
+  return std::unexpected(
+      JournalError{JournalErrorCode::kIo, mark.string(), 0, "the file cannot be created"});
+}
+
 /// Reads a journal from its first to its last record.
 std::expected<void, JournalError> verify(const std::filesystem::path& file) {
   auto reader = JournalReader::open(file);
@@ -130,6 +138,7 @@ std::expected<JournalCopy, JournalError> JournalCopy::resume(const std::filesyst
   auto database = SqlDatabase::open(file, SqlMode::kWrite);
   if (!database) return std::unexpected(to_journal_error(file, database.error()));
   // What a crash takes away is copied again.
+  if (auto ok = mark_copied(file); !ok) return std::unexpected(ok.error());
   auto begun = database->execute("PRAGMA synchronous=NORMAL;BEGIN;SAVEPOINT whole");
   if (!begun) return std::unexpected(to_journal_error(file, begun.error()));
   JournalCopy copy(file, {}, *std::move(database));
@@ -158,6 +167,7 @@ std::expected<void, JournalError> JournalCopy::apply(const JournalChange& change
       return std::unexpected(to_journal_error(file_, ok.error()));
     }
     lists_changed_ = lists_changed_ || row->table->name == "versions" || row->table->name == "pins";
+    attachments_changed_ = attachments_changed_ || row->table->name == "attachments";
   }
   position_ = change.after;
   if (!change.is_whole) return {};
@@ -177,6 +187,7 @@ std::expected<CopyPosition, JournalError> JournalCopy::finish() {
   }
   database_.reset();  // which empties and removes the write-ahead log
   if (auto good = verify(unfinished_); !good) return std::unexpected(good.error());
+  if (auto ok = mark_copied(file_); !ok) return std::unexpected(ok.error());
   if (const auto error = rename_new(unfinished_, file_)) {
     const auto code =
         error == std::errc::file_exists ? JournalErrorCode::kExists : JournalErrorCode::kIo;

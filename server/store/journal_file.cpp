@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "server/store/attachment.h"
 #include "server/store/crc32.h"
 #include "server/store/named_version.h"
 #include "server/store/pin.h"
@@ -67,9 +68,10 @@ SqlResult<void> insert_files(SqlDatabase& database,
 }
 
 /// Suffixes of the write-ahead log and its index, which SQLite keeps beside an open database and
-/// leaves after a crash, of the snapshots (block_snapshot.h), and of one that is not complete.
-constexpr const char* kSideFileSuffixes[] = {"-wal", "-shm", "-snapshot", "-snapshot-previous",
-                                             "-snapshot.tmp"};
+/// leaves after a crash, of the snapshots (block_snapshot.h), of one that is not complete, and of
+/// the mark of a copy.
+constexpr const char* kSideFileSuffixes[] = {
+    "-wal", "-shm", "-snapshot", "-snapshot-previous", "-snapshot.tmp", kCopiedSuffix};
 
 JournalError make_error(JournalErrorCode code, const std::filesystem::path& file,
                         std::string reason) {
@@ -133,6 +135,7 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
     if (auto ok = database->execute(begin + kTables); !ok) return ok;
     if (auto ok = create_version_table(*database); !ok) return ok;
     if (auto ok = create_pin_table(*database); !ok) return ok;
+    if (auto ok = create_attachment_table(*database); !ok) return ok;
     // The table of the records has the last page: a file without its end is damaged.
     const std::string setup = std::string(kTables2) +
                               "PRAGMA application_id=" + std::to_string(kJournalApplicationId) +
@@ -189,6 +192,7 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
                                           std::to_string(kJournalVersion)));
   }
   if (mode == SqlMode::kWrite) {
+    std::filesystem::remove(file.string() + kCopiedSuffix, ignored);  // often absent
     const std::string setup = "PRAGMA synchronous=FULL; UPDATE session SET epoch=epoch+1";
     if (*version < kJournalVersion) {
       if (auto ok = migrate(*database); !ok) {
@@ -202,6 +206,9 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
       return std::unexpected(to_journal_error(file, ok.error()));
     }
     if (auto ok = create_pin_table(*database); !ok) {
+      return std::unexpected(to_journal_error(file, ok.error()));
+    }
+    if (auto ok = create_attachment_table(*database); !ok) {
       return std::unexpected(to_journal_error(file, ok.error()));
     }
   }

@@ -17,6 +17,9 @@ namespace kerf {
 inline constexpr const char* kJournalExtension = ".kerf";
 /// "KERF", the application_id of the SQLite file. It identifies journals.
 inline constexpr std::int64_t kJournalApplicationId = 0x4B455246;
+/// Beside a journal that was made from changes there is an empty file of its name with this at the
+/// end, until the journal is opened for writing.
+inline constexpr const char* kCopiedSuffix = "-copied";
 /// Version of the tables. Opening a file of an older version for writing makes it one of this
 /// version; its records stay as they are. A newer one is rejected with kForeignVersion.
 inline constexpr std::int64_t kJournalVersion = 2;

@@ -48,8 +48,10 @@ SqlResult<void> insert_version(SqlStatement& statement, std::uint64_t sequence) 
 
 }  // namespace
 
-JournalGroups::JournalGroups(SqlDatabase database, Inserts inserts)
-    : database_(std::move(database)), inserts_(std::move(inserts)) {}
+JournalGroups::JournalGroups(SqlDatabase database, Inserts inserts, std::int64_t last_attachment)
+    : last_attachment_(last_attachment),
+      database_(std::move(database)),
+      inserts_(std::move(inserts)) {}
 
 SqlResult<JournalGroups> JournalGroups::prepare(SqlDatabase database) {
   auto batch = database.prepare("INSERT INTO batches VALUES(?,?,?,?,?,?)");
@@ -69,10 +71,13 @@ SqlResult<JournalGroups> JournalGroups::prepare(SqlDatabase database) {
   if (!token) return std::unexpected(token.error());
   auto removal = database.prepare("DELETE FROM agents WHERE participant=?");
   if (!removal) return std::unexpected(removal.error());
+  const auto last = last_attachment(database);
+  if (!last) return std::unexpected(last.error());
   return JournalGroups(
       std::move(database),
       {*std::move(batch), *std::move(participant), *std::move(hash), *std::move(version),
-       *std::move(agent), *std::move(progress), *std::move(token), *std::move(removal)});
+       *std::move(agent), *std::move(progress), *std::move(token), *std::move(removal)},
+      *last);
 }
 
 JournalGroups::Batch JournalGroups::encode(const std::vector<Pending>& group) {
@@ -119,6 +124,9 @@ SqlResult<void> JournalGroups::insert(const Pending& pending) {
     return store_version(database_, *change);
   }
   if (const auto* change = std::get_if<PinChange>(&pending)) return store_pin(database_, *change);
+  if (const auto* change = std::get_if<AttachmentChange>(&pending)) {
+    return store_attachment(database_, *change, ++last_attachment_);
+  }
   return insert_hash(inserts_.hash, std::get<StateHash>(pending));
 }
 
@@ -147,6 +155,26 @@ SqlResult<void> JournalGroups::note_progress(const std::vector<Pending>& group) 
   return {};
 }
 
+/// Stores the line of each program's newest motion in the group, with its record.
+SqlResult<void> JournalGroups::note_lines(const std::vector<Pending>& group) {
+  std::map<ParticipantId, std::uint32_t> newest;
+  for (const Pending& item : group) {
+    const auto* command = std::get_if<PendingCommand>(&item);
+    if (command != nullptr && command->note.program_line != 0) {
+      newest[command->participant] = command->note.program_line;
+    }
+  }
+  if (newest.empty()) return {};
+  auto insert = database_.prepare("INSERT OR REPLACE INTO program_lines VALUES(?,?)");
+  if (!insert) return std::unexpected(insert.error());
+  for (const auto& [participant, line] : newest) {
+    insert->bind(1, std::int64_t{participant});
+    insert->bind(2, std::int64_t{line});
+    if (auto ok = run(*insert); !ok) return ok;
+  }
+  return {};
+}
+
 SqlResult<void> JournalGroups::commit_after(const std::vector<Pending>& group,
                                             std::uint64_t stored) {
   if (auto ok = database_.execute("BEGIN IMMEDIATE"); !ok) return ok;
@@ -156,6 +184,7 @@ SqlResult<void> JournalGroups::commit_after(const std::vector<Pending>& group,
     if (outcome) outcome = insert(item);
   }
   if (outcome) outcome = note_progress(group);
+  if (outcome) outcome = note_lines(group);
   if (outcome) outcome = database_.execute("COMMIT");
   // SQLite may have rolled back by itself; then this fails without an effect.
   if (!outcome) (void)database_.execute("ROLLBACK");

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/store/attachment.h"
 #include "server/store/journal_reader.h"
 #include "server/store/journal_record.h"
 #include "server/store/named_version.h"
@@ -19,6 +20,7 @@ namespace kerf {
 struct RecordNote {
   std::uint64_t agent_sequence = 0;  ///< of the agent's sample; 0: not an agent's
   bool begins_stroke = false;
+  std::uint32_t program_line = 0;  ///< of a program's motion; 0: not a program's
 };
 
 struct PendingCommand {
@@ -34,7 +36,7 @@ struct RecarvedHash {
 };
 /// One row of a journal that has not been committed.
 using Pending = std::variant<PendingCommand, JournalParticipant, StateHash, RecarvedHash,
-                             VersionChange, PinChange>;
+                             VersionChange, PinChange, AttachmentChange>;
 
 /// Commits groups of rows to the tables of a journal, each in one transaction. The commands of a
 /// group are one batch.
@@ -53,7 +55,7 @@ class JournalGroups {
   struct Inserts {
     SqlStatement batch, participant, hash, version, agent, progress, token, removal;
   };
-  JournalGroups(SqlDatabase database, Inserts inserts);
+  JournalGroups(SqlDatabase database, Inserts inserts, std::int64_t last_attachment);
   /// The commands of a group, encoded once: a batch builds on the one before.
   struct Batch {
     BatchHead head;
@@ -63,10 +65,12 @@ class JournalGroups {
   SqlResult<void> commit_after(const std::vector<Pending>& group, std::uint64_t stored);
   SqlResult<void> insert_batch();
   SqlResult<void> note_progress(const std::vector<Pending>& group);
+  SqlResult<void> note_lines(const std::vector<Pending>& group);
   SqlResult<void> insert(const Pending& pending);
 
   BatchEncoder encoder_;
-  Batch batch_;  ///< of the last group
+  Batch batch_;                       ///< of the last group
+  std::int64_t last_attachment_ = 0;  ///< the greatest number that was given
   SqlDatabase database_;
   Inserts inserts_;  // destroyed before the database
 };

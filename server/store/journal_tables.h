@@ -11,6 +11,7 @@ namespace kerf {
 enum class TableKind : std::uint8_t {
   kRecords,  ///< appended in the order of their sequence
   kSmall,    ///< few rows, any of which may change or go
+  kFixed,    ///< rows come and go, and do not change; their numbers only grow
   kOrigin    ///< written when the journal is created
 };
 
@@ -24,7 +25,7 @@ struct JournalTable {
   std::string_view create;   ///< what creates it in a copy; empty: every journal has it
 };
 
-inline constexpr std::array<JournalTable, 11> kJournalTables = {{
+inline constexpr std::array<JournalTable, 13> kJournalTables = {{
     {1, "session", TableKind::kSmall, "ttiti", "", ""},
     {2, "participants", TableKind::kSmall, "ittt", "participant", ""},
     {3, "kernel_versions", TableKind::kSmall, "ii", "sequence", ""},
@@ -42,6 +43,12 @@ inline constexpr std::array<JournalTable, 11> kJournalTables = {{
     {11, "parent", TableKind::kOrigin, "tiiii", "",
      "CREATE TABLE IF NOT EXISTS parent(session TEXT NOT NULL, record INTEGER NOT NULL, epoch "
      "INTEGER NOT NULL, branched_ms INTEGER NOT NULL, crc INTEGER NOT NULL)"},
+    {12, "attachments", TableKind::kFixed, "ittbi", "number",
+     "CREATE TABLE IF NOT EXISTS attachments(number INTEGER PRIMARY KEY, kind TEXT NOT NULL, name "
+     "TEXT NOT NULL, bytes BLOB NOT NULL, crc INTEGER NOT NULL)"},
+    {13, "program_lines", TableKind::kSmall, "ii", "participant",
+     "CREATE TABLE IF NOT EXISTS program_lines(participant INTEGER PRIMARY KEY, line INTEGER NOT "
+     "NULL)"},
 }};
 
 }  // namespace kerf

@@ -69,6 +69,8 @@ class JournalWriter {
   /// Stores or removes a named version.
   void append(const VersionChange& change);
   void append(const PinChange& change);
+  /// Stores or removes an attachment. Any thread.
+  void append(AttachmentChange change);
   /// Appends the hash of a block that this kernel has carved from the records of another one, and
   /// the version of this kernel, in one transaction.
   void append_recarved(StateHash state);

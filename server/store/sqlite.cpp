@@ -36,7 +36,9 @@ void SqlStatement::bind(int parameter, std::string_view text) {
                       SQLITE_UTF8);
 }
 void SqlStatement::bind(int parameter, std::span<const std::byte> blob) {
-  sqlite3_bind_blob64(statement_.get(), parameter, blob.data(), blob.size(), SQLITE_TRANSIENT);
+  // A null pointer would be NULL, which a column may not take.
+  const void* bytes = blob.empty() ? static_cast<const void*>("") : blob.data();
+  sqlite3_bind_blob64(statement_.get(), parameter, bytes, blob.size(), SQLITE_TRANSIENT);
 }
 
 SqlResult<bool> SqlStatement::step() {

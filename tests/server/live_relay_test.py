@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Viewers watch a session at servers that follow it, and one of these goes on with it at once."""
+import json
 import os
 import random
 import signal
@@ -49,6 +50,25 @@ class Relays(unittest.TestCase):
         status, answer = self.a.http.json("POST", "/v1/sessions/block/" + path, body)
         self.assertLess(status, 300, answer)
         return answer
+
+    def test_a_server_that_only_follows_shows_sessions_and_runs_none(self):
+        b = self.follower(follow="only")
+        Viewer(b.port, "block").settled()
+        scene = json.dumps(dict(SCENE, name="other"))
+
+        def place_for_new():
+            return b.http.request("POST", "/v1/sessions", scene)[1].get("location")
+
+        until(self, place_for_new, f"http://127.0.0.1:{self.a.port}/v1/sessions?here=1")
+        status, answer = b.http.json("POST", "/v1/sessions?here=1", scene)
+        self.assertEqual((status, answer["error"]["code"]), (503, "no_lease"))
+        self.assertIn("only follows", answer["error"]["reason"])
+        self.cluster.stop("a", signal.SIGKILL)
+        # The lease is free, and has been for as long as it took the third server to get it.
+        c = self.cluster.start("c")
+        self.assertEqual(self.cluster.wait_for_owner(), "c")
+        until(self, lambda: self.block(b) == self.block(c), True)
+        self.assertTrue(b.info()["followed"])
 
     def test_viewers_see_the_same_block_at_a_server_that_follows_through_undo_and_redo(self):
         b, chance = self.follower(), random.Random(5)

@@ -172,6 +172,43 @@ TEST_F(ParticipantsTest, APeerThatJoinsAndLeavesAgainAndAgainIsRejectedInTheEnd)
   EXPECT_LT(joined, 10'000U);
 }
 
+TEST(RateLimit, ATokenThatIsStillToComeIsTakenForWhoWaitsForIt) {
+  RateLimit limit(2, 3);
+  RateLimit::Clock::time_point now{std::chrono::hours(1)};
+  for (int n = 0; n < 3; ++n) EXPECT_EQ(limit.take(now, 1), 0.0);
+  EXPECT_EQ(limit.take(now, 1), 0.5);
+  EXPECT_EQ(limit.take(now, 1), 1.0);
+  EXPECT_FALSE(limit.take(now, 1)) << "it would wait longer";
+  EXPECT_FALSE(limit.allow(now));
+  now += std::chrono::milliseconds(500);
+  EXPECT_EQ(limit.take(now, 1), 1.0) << "after those that wait";
+  now += std::chrono::milliseconds(1500);
+  EXPECT_TRUE(limit.allow(now));
+}
+
+TEST_F(ParticipantsTest, AsManyViewersAsThereMayBeGetATurnAndThoseBeyondNone) {
+  std::size_t turns = 0;
+  double last_s = 0;
+  while (const auto wait_s = participants.viewer_turn()) {
+    EXPECT_LE(*wait_s, limits.viewer_wait_max_s);
+    EXPECT_GE(*wait_s, turns < 1000 ? 0.0 : last_s - 0.5) << "one after the other";
+    last_s = *wait_s;
+    ASSERT_LT(++turns, 10'000U);
+  }
+  EXPECT_GE(turns, limits.viewers_max);
+  JoinRequest request{.kind = ParticipantKind::kViewer, .name = "", .color = ""};
+  EXPECT_FALSE(participants.join(request)) << "it has not waited";
+  request.has_turn = true;
+  EXPECT_TRUE(participants.join(request));
+  request.kind = ParticipantKind::kAgent;
+  for (int n = 0; n < 200; ++n) {
+    const auto joined = participants.join(request);
+    if (!joined) return;
+    participants.leave(joined->id);
+  }
+  ADD_FAILURE() << "agents do not wait: their joins are limited";
+}
+
 TEST_F(ParticipantsTest, AnAgentThatIsPresentCanResumeHoweverManyComeAfterIt) {
   const SessionLimits many{.agents_max = 2, .carver_joins_per_s = 1e9, .carver_joins_burst = 1e9};
   Participants others{many, sculpture, journal, 1, 0};

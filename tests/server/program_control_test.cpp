@@ -4,6 +4,7 @@
 
 #include <thread>
 
+#include "server/session/stopped_program.h"
 #include "tests/server/session_fixture.h"
 
 namespace kerf {
@@ -212,6 +213,93 @@ TEST_F(SessionTest, APausedProgramWakesNobodyUntilItIsResumed) {
   EXPECT_TRUE(session->order_program(id, ProgramOrder::kResume));
   executor->run();
   EXPECT_EQ(session->program(id)->state, ProgramState::kFinished);
+}
+
+class StoppedPrograms : public SessionTest {
+ protected:
+  void SetUp() override {
+    SessionTest::SetUp();
+    session = start();
+  }
+  ProgramId begin(const std::string& name) {
+    Program program = program_at({1, 4, 7, 9});
+    program.name = name;
+    for (ProgramMotion& motion : program.motions) {
+      motion.from = {{0, 0, -1}, {0, 0, 1}};
+      motion.to = {{0, double(motion.line), -1}, {0, 0, 1}};
+    }
+    ProgramOptions options{ProgramPace::kFeed, 2.5};
+    options.text = std::make_shared<const ProgramText>("text of " + name);
+    return session->start_program(program, std::move(options))->id;
+  }
+  /// Carves the next line.
+  void step(ProgramId id) {
+    EXPECT_TRUE(session->order_program(id, ProgramOrder::kStep));
+    for (int n = 0; n < 3; ++n) executor->run_delayed();
+  }
+  /// What the next server shows.
+  std::vector<StoppedProgram> stopped() {
+    EXPECT_TRUE(session->flush());
+    return stopped_programs(*read_attachments(session->journal_file()),
+                            *read_program_lines(session->journal_file()));
+  }
+  std::shared_ptr<Session> session;
+};
+
+TEST_F(StoppedPrograms, AreThoseThatHaveNotEndedEachWithTheLineOfItsNewestRecord) {
+  begin("waits.ngc");
+  const ProgramId runs = begin("runs.ngc");
+  session->cancel_program(begin("ends.ngc"));
+  EXPECT_TRUE(session->order_program(runs, ProgramOrder::kPause));
+  EXPECT_TRUE(session->set_program_pace(runs, ProgramPace::kFast, 1));
+  step(runs);
+  step(runs);
+  ASSERT_EQ(session->program(runs)->line, 4U);
+  auto list = stopped();
+  ASSERT_EQ(list.size(), 2U);
+  EXPECT_EQ(list[0].status.name, "waits.ngc");
+  EXPECT_TRUE(list[0].status.error.ends_with("before its first motion")) << list[0].status.error;
+  EXPECT_EQ(list[0].status.pace, ProgramPace::kFeed);
+  EXPECT_EQ(list[0].status.speed, 2.5);
+  EXPECT_EQ(list[1].status.line, 4U);
+  EXPECT_EQ(list[1].status.motions, 4U);
+  EXPECT_EQ(list[1].status.state, ProgramState::kCancelled);
+  EXPECT_TRUE(list[1].status.error.ends_with("before line 4 is cut; go on with that line"));
+  EXPECT_EQ(list[1].text->text, "text of runs.ngc");
+  step(runs);
+  step(runs);
+  ASSERT_EQ(session->program(runs)->state, ProgramState::kFinished);
+  EXPECT_EQ(stopped().size(), 1U) << "one that has finished is not shown again";
+}
+
+TEST_F(StoppedPrograms, AreShownOnceAfterTheEndOfTheirServer) {
+  begin("job.ngc");
+  session->close("the server stops");
+  ASSERT_TRUE(session->finish_journal());
+  const auto shown = [&] {
+    session.reset();
+    restart();
+    EXPECT_TRUE(registry->load_all().failures.empty());
+    session = registry->find("block");
+    session->list_stopped(*read_attachments(session->journal_file()));
+    EXPECT_TRUE(session->flush());
+    return session->programs();
+  };
+  const auto programs = shown();
+  ASSERT_EQ(programs.size(), 1U);
+  EXPECT_EQ(programs[0].name, "job.ngc");
+  EXPECT_EQ(programs[0].participant, 1U);
+  EXPECT_EQ(session->program_text(programs[0].id)->text, "text of job.ngc");
+  EXPECT_TRUE(shown().empty());
+}
+
+TEST_F(StoppedPrograms, AreNoneOfDamagedBytes) {
+  begin("job.ngc");
+  EXPECT_TRUE(session->flush());
+  auto attachments = *read_attachments(session->journal_file());
+  ASSERT_EQ(attachments.size(), 1U);
+  attachments.front().bytes.pop_back();
+  EXPECT_TRUE(stopped_programs(attachments, {}).empty());
 }
 
 TEST_F(SessionTest, AProgramFollowsOnlyOneThatCanFinish) {

@@ -19,8 +19,9 @@ constexpr const char* kScene = R"({"name": "bench",
   "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
   "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60}]})";
 
-std::unique_ptr<Server> start(const std::filesystem::path& folder) {
+std::unique_ptr<Server> start(const std::filesystem::path& folder, SessionLimits limits = {}) {
   ServerOptions options;
+  options.session = limits;
   options.port = 0;
   options.udp.on = false;
   options.http.data_folder = folder;
@@ -55,6 +56,27 @@ void cut_until_the_end(bench::WebSocket& agent) {
     if (!agent.try_send(2, frame)) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+}
+
+// Two are let in at once, and one each quarter of a second.
+TEST(Audience, ThatIsLargerThanWhatIsLetInAtOnceComesOneAfterTheOther) {
+  const test::TemporaryFolder folder;
+  const auto server = start(
+      folder.path(), {.viewer_joins_per_s = 4, .viewer_joins_burst = 2, .viewer_wait_max_s = 1.5});
+  bench::post(server->port(), "/v1/sessions?id=bench", kScene);
+  std::vector<bench::WebSocket> viewers;
+  for (int n = 0; n < 30; ++n) {
+    viewers.push_back(bench::join(server->port(), "view", wire::kViewProtocol));
+  }
+  int welcomed = 0, rejected = 0;
+  std::string payload;
+  for (auto& viewer : viewers) {
+    while (viewer.receive(payload, bench::in_seconds(30)) != 1) continue;
+    welcomed += payload.contains("\"welcome\"") ? 1 : 0;
+    rejected += payload.contains("too many participants join") ? 1 : 0;
+  }
+  EXPECT_GE(welcomed, 2 + 6) << "those that wait for 1.5 s at most are let in";
+  EXPECT_EQ(welcomed + rejected, 30);
 }
 
 // Peers that neither read nor close are still there when the threads end, one after the other.

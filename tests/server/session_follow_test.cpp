@@ -119,6 +119,30 @@ TEST_F(SessionFollow, ItsBlockIsThatOfItsOwnerThroughRandomCutsUndoAndRedo) {
   EXPECT_EQ(on_follower([&] { return follower_->sequence(); }), session_->sequence());
 }
 
+// The tiles of the stroke are carved again from the records, and replaced; what is cut meanwhile is
+// not among these records.
+TEST_F(SessionFollow, WhatItsOwnerCutsWhileAStrokeIsTakenOutStaysInItsBlock) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  const StrokeId under = stroke(bo, {-15, 0, -2}, {15, 0, -2}, 1500);
+  follow();
+  int meanwhile = 0;
+  for (int round = 0; round < 6; ++round) {
+    if (round % 2 == 0) undo({under});
+    if (round % 2 == 1) redo({under});
+    ASSERT_TRUE(pass_on());
+    for (int n = 0; n < 20; ++n) {
+      const bool is_settling = on_follower([&] { return follower_->is_between_records(); });
+      meanwhile += is_settling ? 1 : 0;
+      const double x = -14 + 1.4 * n, depth = -3 - 0.5 * round;
+      stroke(ada, {x, -1, depth}, {x, 1, depth}, 2);
+      ASSERT_TRUE(pass_on());
+    }
+    ASSERT_EQ(followers_hash(), hash()) << round;
+  }
+  EXPECT_GT(meanwhile, 0) << "the strokes are taken out too soon: make the stroke longer";
+}
+
 TEST_F(SessionFollow, ItsJournalIsOneWithWhichAServerGoesOn) {
   create();
   const ParticipantId ada = join("Ada");

@@ -41,6 +41,15 @@ TEST_F(ViewerConversationTest, AHelloIsAnActionThatIsAnsweredAfterTheJoin) {
   EXPECT_EQ(list[0].at("name"), session->scene().name);
 }
 
+TEST_F(ViewerConversationTest, WhoWaitsForItsTurnHasSaidHello) {
+  send_text(*eve, R"({"type":"hello","name":"Eve"})");
+  eve->hello_expired();
+  EXPECT_FALSE(eve->finishing());
+  eve->joined(std::unexpected(Rejection{wire::ErrorCode::kBadMessage, "a bad name"}), {});
+  eve->hello_expired();
+  EXPECT_TRUE(eve->finishing()) << "the hello was rejected, and no other one came";
+}
+
 TEST_F(ViewerConversationTest, ARejectedHelloMayBeRepeated) {
   send_text(*eve, R"({"type":"hello","color":"red"})");
   perform_join(*eve);

@@ -110,6 +110,17 @@ TEST_F(LeaseTableTest, ServersCountThatHaveStatedThemselvesLately) {
   EXPECT_TRUE(table_.others(6 * kSecond).empty());
 }
 
+TEST_F(LeaseTableTest, AServerThatOnlyFollowsIsThereAndGetsNoSessions) {
+  const NodeNote note{.run = "b's run", .address = "http://b", .only_follows = true};
+  EXPECT_TRUE(decode_node(encode_node(note))->only_follows);
+  table_.note("b", note, 0);
+  EXPECT_EQ(table_.others(0).size(), 1U);
+  EXPECT_FALSE(table_.least_loaded(0));
+  table_.note("c", {.run = "c's run", .address = "http://c"}, 0);
+  table_.note("s", held_by("c"), 1, 0);
+  EXPECT_EQ(table_.least_loaded(0)->name, "c");
+}
+
 TEST_F(LeaseTableTest, TheServerWithTheFewestSessionsIsTheLeastLoadedOne) {
   const auto state = [&](const std::string& node) {
     table_.note(node, {.run = node + "'s run", .address = "http://" + node}, 0);

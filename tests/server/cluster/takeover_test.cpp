@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/cluster/change_frame.h"
+#include "server/store/attachment.h"
 #include "server/store/journal_change.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_writer.h"
@@ -49,7 +50,7 @@ class TakeoverTest : public test::NatsTest {
   std::uint64_t records(const std::filesystem::path& file) { return end_of_journal(file)->record; }
 
   const std::filesystem::path first_ = folder_ / "first.kerf", second_ = folder_ / "second.kerf",
-                              kept_ = folder_ / "closed";
+                              third_ = folder_ / "third.kerf", kept_ = folder_ / "closed";
 };
 
 TEST_F(TakeoverTest, TheFormerOwnerCanAddNothingToTheCopyThatWasRead) {
@@ -84,6 +85,34 @@ TEST_F(TakeoverTest, AJournalThatHasTheCopyStaysAndOneThatIsBehindIsReplaced) {
   ASSERT_TRUE(prepare_journal(*nats_, "demo", 4, second_, kept_));
   EXPECT_EQ(records(second_), 10U);
   EXPECT_FALSE(std::filesystem::exists(kept_)) << "the copy has all of it";
+}
+
+TEST_F(TakeoverTest, AJournalOfAnEarlierEpochLacksWhatIsNoRecord) {
+  std::uint64_t last = 0;
+  {
+    JournalWriter writer = create(first_);
+    append(writer, 5);
+    ASSERT_TRUE(copy_journal(first_, second_));
+    ASSERT_TRUE(copy_journal(first_, third_));
+    JournalChanges changes(first_);
+    last = *copy(changes, 0);
+    // A later owner, of epoch 2, who adds no record.
+    JournalWriter later = *JournalWriter::open(second_, 5);
+    later.append(AttachmentChange{"grant", "g", std::vector<std::byte>(3)});
+    ASSERT_TRUE(later.flush());
+    JournalChanges more(second_);
+    ASSERT_TRUE(*more.begin(changes.position()));
+    ASSERT_TRUE(copy(more, last));
+  }
+  ASSERT_TRUE(prepare_journal(*nats_, "demo", 3, third_, kept_, true));
+  EXPECT_TRUE(read_attachments(third_)->empty()) << "it has followed the copy until now";
+  ASSERT_TRUE(prepare_journal(*nats_, "demo", 4, second_, kept_));
+  EXPECT_EQ(epoch_written(second_).value_or(0), 2U) << "that of the later owner stays";
+  ASSERT_TRUE(prepare_journal(*nats_, "demo", 5, third_, kept_));
+  EXPECT_EQ(read_attachments(third_)->size(), 1U);
+  EXPECT_FALSE(std::filesystem::exists(kept_)) << "nothing was lost with it";
+  ASSERT_TRUE(prepare_following(*nats_, "demo", first_, kept_));
+  EXPECT_EQ(read_attachments(first_)->size(), 1U) << "who follows has what is no record too";
 }
 
 TEST_F(TakeoverTest, AJournalWithOtherRecordsIsKeptAside) {

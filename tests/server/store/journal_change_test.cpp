@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "server/store/attachment.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_reader.h"
 #include "server/store/journal_tables.h"
@@ -136,6 +137,98 @@ TEST_F(JournalChangeTest, AFinishedCopyThatGoesOnHasEachWholeChangeAtOnce) {
   copy = std::unexpected(JournalError{});
   EXPECT_EQ(end_of_journal(copied_)->record, 80U) << "nor kept";
   EXPECT_FALSE(JournalCopy::resume(copied_, *end)->apply(**change)) << "it follows record 80";
+}
+
+AttachmentChange attached(const std::string& name, std::size_t bytes) {
+  return {"grant", name, std::vector<std::byte>(bytes, std::byte{7})};
+}
+
+TEST_F(JournalChangeTest, AttachmentsComeToTheCopyAreReplacedThereAndGo) {
+  JournalWriter writer = create();
+  JournalChanges changes(file_);
+  auto first = JournalCopy::create(copied_);
+  ASSERT_TRUE(first);
+  writer.append(attached("a", 3));
+  writer.append(attached("b", 4));
+  ASSERT_TRUE(writer.flush());
+  pass_on(changes, *first);
+  const auto end = first->finish();
+  ASSERT_TRUE(end);
+  EXPECT_EQ(read_attachments(copied_)->size(), 2U);
+  auto copy = JournalCopy::resume(copied_, *end);
+  ASSERT_TRUE(copy);
+  EXPECT_FALSE(copy->take_changed_attachments());
+  // The last one of all goes and another one comes: as many as before.
+  writer.append(AttachmentChange{"grant", "b"});
+  writer.append(attached("c", 5));
+  ASSERT_TRUE(writer.flush());
+  pass_on(changes, *copy);
+  EXPECT_TRUE(copy->take_changed_attachments());
+  EXPECT_EQ(dump(copied_), dump(file_));
+  writer.append(attached("a", 6));
+  ASSERT_TRUE(writer.flush());
+  pass_on(changes, *copy);
+  EXPECT_EQ(dump(copied_), dump(file_));
+  const auto copied = read_attachments(copied_);
+  ASSERT_EQ(copied->size(), 2U);
+  EXPECT_EQ(copied->back().name, "a") << "stored last";
+  EXPECT_EQ(copied->back().bytes.size(), 6U);
+  EXPECT_FALSE(*changes.next()) << "nothing is read twice";
+  writer.append(AttachmentChange{});
+  ASSERT_TRUE(writer.flush());
+  pass_on(changes, *copy);
+  EXPECT_TRUE(read_attachments(copied_)->empty());
+}
+
+TEST_F(JournalChangeTest, LargeAttachmentsAreSeveralChangesOfWhichOnlyTheLastIsWhole) {
+  JournalWriter writer = create();
+  for (const char* name : {"a", "b", "c"}) writer.append(attached(name, kChangeBytes));
+  ASSERT_TRUE(writer.flush());
+  JournalChanges changes(file_);
+  auto copy = JournalCopy::create(copied_);
+  ASSERT_TRUE(copy);
+  for (const bool is_whole : {false, false, true}) {
+    const auto change = changes.next();
+    ASSERT_TRUE(change && *change);
+    EXPECT_EQ((*change)->is_whole, is_whole);
+    ASSERT_TRUE(copy->apply(**change));
+  }
+  EXPECT_FALSE(*changes.next());
+  ASSERT_TRUE(copy->finish());
+  EXPECT_EQ(dump(copied_), dump(file_));
+}
+
+TEST_F(JournalChangeTest, ADamagedAttachmentIsLeftOutAndAllCanBeRemovedFromAFile) {
+  {
+    JournalWriter writer = create();
+    for (const char* name : {"a", "b"}) writer.append(attached(name, 3));
+    ASSERT_TRUE(writer.flush());
+  }
+  auto database = SqlDatabase::open(file_, SqlMode::kWrite);
+  ASSERT_TRUE(database);
+  ASSERT_TRUE(database->execute("UPDATE attachments SET bytes=x'0102' WHERE name='a'"));
+  database = std::unexpected(SqlError{});
+  ASSERT_EQ(read_attachments(file_)->size(), 1U);
+  ASSERT_TRUE(copy_journal(file_, copied_));
+  ASSERT_TRUE(remove_attachments(copied_));
+  EXPECT_TRUE(read_attachments(copied_)->empty());
+  EXPECT_EQ(read_attachments(file_)->front().name, "b");
+}
+
+TEST_F(JournalChangeTest, ACopyIsOfNoEpochUntilASessionIsRunWithIt) {
+  JournalChanges changes(file_);
+  create();
+  EXPECT_EQ(epoch_written(file_), 1U);
+  auto first = JournalCopy::create(copied_);
+  ASSERT_TRUE(first);
+  pass_on(changes, *first);
+  const auto end = first->finish();
+  ASSERT_TRUE(end);
+  EXPECT_EQ(epoch_written(copied_), 0U);
+  ASSERT_TRUE(JournalWriter::open(copied_, 0));
+  EXPECT_EQ(epoch_written(copied_), 2U);
+  ASSERT_TRUE(JournalCopy::resume(copied_, *end));
+  EXPECT_EQ(epoch_written(copied_), 0U);
 }
 
 TEST_F(JournalChangeTest, NothingIsReadTwice) {

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the server keeps for a session beside its records, as attachments of its journal: with them
+// it moves to another server.
+#include <algorithm>
+#include <set>
+
+#include "server/http/api.h"
+#include "server/rights/rights_rows.h"
+#include "server/store/attachment.h"
+#include "server/threads/run_and_wait.h"
+
+namespace kerf::net {
+namespace {
+
+constexpr const char* kTargetKind = "target";
+/// A journal with an attachment of this kind has all others too.
+constexpr const char* kCompleteKind = "complete";
+
+bool is_complete(const std::vector<Attachment>& attachments) {
+  return std::ranges::find(attachments, kCompleteKind, &Attachment::kind) != attachments.end();
+}
+
+}  // namespace
+
+void Api::forget(const std::string& id) {
+  // Grants that stay in the file are replaced when the session comes again.
+  (void)access_.forget(id);
+  targets_.forget(id);
+}
+
+void Api::attach_all(Session& session) {
+  for (AttachmentChange& change : access_.attachments(session.id())) {
+    session.attach(std::move(change));
+  }
+  for (const TargetFacts& facts : targets_.list(session.id())) attach_target(session, facts.name);
+  session.attach({kCompleteKind, "", std::vector<std::byte>()});
+}
+
+void Api::attach_target(Session& session, const std::string& name) {
+  const std::lock_guard lock(attach_mutex_);
+  session.attach({kTargetKind, name, targets_.pack(session.id(), name)});
+}
+
+std::expected<void, std::string> Api::adopt(Session& session, Opening opening) {
+  const std::string& id = session.id();
+  // One of the same id may have been here, and have ended elsewhere.
+  if (opening == Opening::kNew) forget(id);
+  const auto attachments = read_attachments(session.journal_file());
+  if (!attachments) return std::unexpected(describe(attachments.error()));
+  // A journal from before attachments, or of a session that was closed: what is here counts.
+  if (!is_complete(*attachments)) {
+    attach_all(session);
+    return {};
+  }
+  const auto ended = access_.adopt(id, *attachments);
+  if (!ended) return std::unexpected(ended.error().reason);
+  if (opening == Opening::kFollowed) {
+    session.executor().post([self = session.shared_from_this(), ended = *ended] {
+      self->remove_holders(ended, "the invitation was revoked");
+    });
+    return {};
+  }
+  const auto grants = access_.grants(id);
+  for (const Attachment& attachment : *attachments) {
+    const bool is_grant = attachment.kind == kGrantKind;
+    if (is_grant && std::ranges::find(grants, attachment.name, &Grant::id) == grants.end()) {
+      session.attach({kGrantKind, attachment.name});  // it has expired
+    }
+  }
+  run_and_wait(session.executor(), [&] {
+    session.list_stopped(*attachments);
+    return true;
+  });
+  return adopt_targets(id, *attachments);
+}
+
+std::expected<void, std::string> Api::adopt_targets(const std::string& id,
+                                                    const std::vector<Attachment>& attachments) {
+  std::set<std::string> attached;
+  for (const Attachment& attachment : attachments) {
+    if (attachment.kind != kTargetKind) continue;
+    attached.insert(attachment.name);
+    if (!targets_.unpack(id, attachment.bytes)) {
+      return std::unexpected("target part " + attachment.name + " of session " + id +
+                             " cannot be stored");
+    }
+  }
+  for (const TargetFacts& facts : targets_.list(id)) {
+    if (!attached.contains(facts.name)) targets_.remove(id, facts.name);
+  }
+  return {};
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/rights/grant.h"
+#include "server/rights/region.h"
+#include "server/store/attachment.h"
+
+namespace kerf {
+
+/// Kinds of the attachments of a session that are its rights: a grant, named by its id, and a
+/// reserved region, named by its number.
+inline constexpr const char* kGrantKind = "grant";
+inline constexpr const char* kRegionKind = "region";
+
+/// All of a grant but its session; its token only as the hash.
+AttachmentChange stored(const Grant& grant);
+AttachmentChange stored(const Region& region);
+/// What an attachment of a session says; nullopt if it is of another kind or its bytes are none.
+std::optional<Grant> grant_of(const Attachment& attachment, const std::string& session);
+std::optional<Region> region_of(const Attachment& attachment);
+
+}  // namespace kerf
