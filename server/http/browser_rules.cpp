@@ -76,7 +76,10 @@ std::string page_policy(const BrowserHeaders& headers, const HttpOptions& option
   const std::string_view host = headers.host;
   if (!host.empty() && !headers.is_secure) own.append(" ws://").append(host);
   if (!host.empty()) own.append(" wss://").append(host);
-  for (const std::string& server : other_servers(options)) own.append(" ").append(server);
+  for (const std::string& server : other_servers(options)) {
+    // http: does not count for ws:. The hand goes on at the owner of a session.
+    own.append(" ").append(server).append(" ws").append(server.substr(std::string("http").size()));
+  }
   return "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' "
          "'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; worker-src 'self' "
          "blob:; connect-src " +

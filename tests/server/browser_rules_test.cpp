@@ -90,6 +90,21 @@ TEST(BrowserRules, ThePageMayLoadWhatItNeedsFromItsOwnServerOnly) {
   EXPECT_EQ(header(data, "Content-Security-Policy"), "default-src 'none'; frame-ancestors 'none'");
 }
 
+TEST(BrowserRules, ThePageMayAlsoUseTheOtherServersOfItsCluster) {
+  HttpOptions options;
+  options.other_servers = [] {
+    return std::vector<std::string>{"http://10.0.0.2:8080", "https://heir.example"};
+  };
+  ApiResponse page;
+  page.content_type = "text/html";
+  add_browser_headers({"localhost:8080", ""}, options, page);
+  EXPECT_TRUE(header(page, "Content-Security-Policy")
+                  .contains(" http://10.0.0.2:8080 ws://10.0.0.2:8080"
+                            " https://heir.example wss://heir.example data:"));
+  EXPECT_TRUE(origin_allowed({"localhost:8080", "http://10.0.0.2:8080"}, options));
+  EXPECT_FALSE(origin_allowed({"localhost:8080", "http://10.0.0.3:8080"}, options));
+}
+
 TEST(BrowserRules, AScriptMayHaveWebAssemblyWhereAWorkerRunsIt) {
   ApiResponse script;
   script.content_type = "text/javascript; charset=utf-8";

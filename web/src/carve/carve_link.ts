@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page's connection as an agent of the session: joins, sends samples, delivers results, and
-// after a loss continues as the same participant, without a gap in its path.
+// after a loss continues as the same participant, without a gap in its path, also at another server.
 
 import { t } from '../strings';
 import type { BlockCopy } from '../kernel/block_copy';
 import { socketUrl } from '../link/address';
 import { Backoff } from '../link/backoff';
+import { Servers } from '../link/servers';
 import { Silence } from '../link/silence';
 import type { Socket } from '../link/view_link';
 import { parseAgentControl } from '../wire/agent_control';
@@ -47,6 +48,7 @@ export type AgentLink = Pick<
 >;
 
 export interface CarveLinkOptions {
+  /** At the server that the page comes from; that one may send it on to another. */
   url: string;
   open(url: string, protocol: string): Socket;
   /** Who joins: name and color of the watcher, and the tool. */
@@ -73,7 +75,8 @@ export class CarveLink {
   private token_ = '';
   private sequence_ = 0n;
   private readonly silence_ = new Silence(PING_EVERY_MS);
-  private byeReason_ = '';
+  private readonly servers_: Servers;
+  private bye_ = { reason: '', redirect: '' };
   /**
    * The copy forgets its own motions after four seconds (haptic_agent/replica), so that it cuts no
    * more after a loss until it has the server's stock again.
@@ -94,6 +97,7 @@ export class CarveLink {
     private readonly events: CarveLinkEvents,
   ) {
     this.backoff_ = options.backoff ?? new Backoff();
+    this.servers_ = new Servers(options.url);
   }
 
   get status(): CarveStatus {
@@ -165,9 +169,9 @@ export class CarveLink {
   private connect_(reason: string): void {
     const generation = ++this.generation_;
     this.become_('joining', reason);
-    this.byeReason_ = '';
+    this.bye_ = { reason: '', redirect: '' };
     this.silence_.begin(this.options.nowMs());
-    const socket = this.options.open(this.options.url, AGENT_PROTOCOL);
+    const socket = this.options.open(this.servers_.url, AGENT_PROTOCOL);
     socket.binaryType = 'arraybuffer';
     this.socket_ = socket;
     const isCurrent = (): boolean => generation === this.generation_;
@@ -178,7 +182,7 @@ export class CarveLink {
       if (isCurrent()) this.received_(data);
     };
     socket.onclose = ({ reason: why }) => {
-      if (isCurrent()) this.lost_(this.byeReason_ || why || t('The connection was lost.'));
+      if (isCurrent()) this.lost_(this.bye_.reason || why || t('The connection was lost.'));
     };
     socket.onerror = () => {
       // A close event always follows.
@@ -211,7 +215,12 @@ export class CarveLink {
   }
 
   private lost_(reason: string): void {
+    const isNamed = this.servers_.lost(this.bye_.redirect, this.status_ === 'ready');
     this.drop_();
+    if (isNamed) {
+      this.connect_('');
+      return;
+    }
     this.become_('lost', reason);
     this.retry_ = setTimeout(() => this.connect_(reason), this.backoff_.next());
   }
@@ -294,7 +303,7 @@ export class CarveLink {
         this.answered_(message);
         return;
       case 'bye':
-        this.byeReason_ = message.reason;
+        this.bye_ = message;
         return;
       case 'error': {
         this.failed_(message.code, message.reason, message.fatal);
@@ -318,6 +327,7 @@ export class CarveLink {
     const { token, resumed, agentSequence } = welcome.resume;
     this.welcome_ = welcome;
     this.token_ = token;
+    this.servers_.welcomed(welcome.others);
     if (!resumed) this.options.copy.open(text);
     this.again_ = this.log_.toResend(agentSequence);
     this.awaitsStock_ = resumed && this.options.copy.works && this.again_.length > 0;

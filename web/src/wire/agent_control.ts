@@ -43,6 +43,8 @@ export interface AgentWelcome {
     /** The newest sample that the server has of this participant; 0: none. */
     agentSequence: bigint;
   };
+  /** Addresses of other servers that may go on with the session. */
+  others: string[];
 }
 
 /** What has come of an `undo` or `redo`; with a code nothing has changed. */
@@ -57,7 +59,8 @@ export type AgentMessage =
   | AgentWelcome
   | StrokeAnswer
   | { type: 'error'; code: string; reason: string; fatal: boolean }
-  | { type: 'bye'; reason: string };
+  /** `redirect`: the address of the server that has the session; empty: none is named. */
+  | { type: 'bye'; reason: string; redirect: string };
 
 function welcomeOf(from: Json): AgentWelcome {
   const limits = object(from['limits'], 'limits');
@@ -75,6 +78,7 @@ function welcomeOf(from: Json): AgentWelcome {
       resumed: flag(resume, 'resumed'),
       agentSequence: BigInt(Math.trunc(number(resume, 'agent_sequence'))),
     },
+    others: Array.isArray(from['others']) ? from['others'].map(String) : [],
   };
 }
 
@@ -98,7 +102,11 @@ function messageOf(from: Json): AgentMessage | null {
         fatal: flag(from, 'fatal'),
       };
     case 'bye':
-      return { type: 'bye', reason: text(from, 'reason') };
+      return {
+        type: 'bye',
+        reason: text(from, 'reason'),
+        redirect: from['redirect'] === undefined ? '' : text(from, 'redirect'),
+      };
     default:
       return null;
   }

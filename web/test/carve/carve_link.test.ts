@@ -5,7 +5,6 @@ import { CarveLink } from '../../src/carve/carve_link';
 import type { Draft } from '../../src/carve/sample_log';
 import { Backoff } from '../../src/link/backoff';
 import type { Socket } from '../../src/link/view_link';
-import { parseAgentControl } from '../../src/wire/agent_control';
 import { decodeFrame } from '../../src/wire/decode';
 import { encodeFrame } from '../../src/wire/encode';
 import { FrameType } from '../../src/wire/types';
@@ -279,6 +278,40 @@ describe('carve link', () => {
     expect([link.isAsking, link.waiting]).toEqual([false, 0]);
   });
 
+  const AT = '/v1/sessions/s/agent';
+
+  /** The server says that another one has the session, and closes. */
+  function sendOn(socket: FakeSocket, redirect: string): void {
+    socket.say({ type: 'bye', reason: 'it is elsewhere', redirect });
+    socket.onclose?.({ code: 1000, reason: '' });
+  }
+
+  it('goes on at the server that has the session, as the same participant', () => {
+    link.join();
+    sendOn(sockets[0]!, 'http://owner:81');
+    expect(sockets.map(({ url }) => url)).toEqual([`ws://host${AT}`, `ws://owner:81${AT}`]);
+    expect(log).toEqual(['joining', 'joining']);
+    sockets[1]!.onopen?.();
+    sockets[1]!.say(WELCOME);
+    link.send(drafts(5));
+    sendOn(sockets[1]!, 'http://heir:82');
+    expect(sockets[2]!.url).toBe(`ws://heir:82${AT}`);
+    sockets[2]!.onopen?.();
+    expect(sockets[2]!.texts[0]).toMatchObject({ resume: 'ab12' });
+    const resume = { token: 'ab12', resumed: true, agent_sequence: 3 };
+    sockets[2]!.say({ ...WELCOME, resume });
+    expect(sockets[2]!.motions).toEqual([[3, 4, 5]]);
+  });
+
+  it('takes no redirect of an earlier connection', () => {
+    link.join();
+    sendOn(sockets[0]!, 'http://owner:81');
+    sockets[1]!.onclose?.({ code: 1006, reason: '' });
+    vi.advanceTimersByTime(150);
+    expect(sockets[2]!.url).toBe(`ws://host${AT}`);
+    expect(log.at(-1)).toBe('joining The connection was lost.');
+  });
+
   it('does not come back after it was removed, and tries again when it was too early', () => {
     const socket = join();
     socket.say({ type: 'error', code: 'removed', reason: 'an owner', fatal: true });
@@ -353,32 +386,5 @@ describe('carve link', () => {
       vi.advanceTimersByTime(1000);
     }
     expect(log.at(-1)).toBe('joined 500');
-  });
-});
-
-describe('messages to an agent', () => {
-  it('reads the welcome', () => {
-    expect(parseAgentControl(JSON.stringify(WELCOME))).toEqual({
-      ok: true,
-      value: {
-        type: 'welcome',
-        participant: 3,
-        epoch: 5,
-        color: '#d9541e',
-        speedMmPerS: 500,
-        samplesPerMessage: 16,
-        samplesPerS: 1250,
-        resume: { token: 'ab12', resumed: false, agentSequence: 0n },
-      },
-    });
-  });
-
-  it('skips unknown messages and rejects invalid ones', () => {
-    expect(parseAgentControl('{"type":"participants","participants":[]}')).toEqual({
-      ok: true,
-      value: null,
-    });
-    for (const text of ['', '[]', '{"type":"bye"}', JSON.stringify({ ...WELCOME, limits: 1 })])
-      expect(parseAgentControl(text).ok).toBe(false);
   });
 });

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// End-to-end test of carving in a page that comes from a server which follows the session: its hand
+// goes on at the owner, and both have the cut. Then the owner hands the session over. See README.md.
+//
+// node follower_live.mjs --server PROGRAM --web FOLDER --out FOLDER
+
+import assert from 'node:assert/strict';
+import { writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { launchBrowser, openViewer } from './support/browser.mjs';
+import { findNats, startNats, startNode } from './support/cluster.mjs';
+import { stop, until } from './support/processes.mjs';
+import { getJson, optionsOf, runTest } from './support/session.mjs';
+
+const options = optionsOf(['server', 'web', 'out']);
+
+const SETTLE_S = 90; // software WebGL on a busy machine
+const SCENE = {
+  name: 'Shared',
+  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
+  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  tools: [{ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
+};
+
+const sessionOf = (base) => getJson(`${base}/v1/sessions/shared`);
+
+/** Where a place of the block's box is in the page. */
+async function placeOf({ state }, x, y) {
+  const [left, top, right, bottom] = (await state()).blockBox;
+  return [left + x * (right - left), top + y * (bottom - top)];
+}
+
+/** Drags the mouse across the block; `y` is a share of the block's box. */
+async function drag(viewer, y) {
+  const { mouse } = viewer.page;
+  await mouse.move(...(await placeOf(viewer, 0.35, y)));
+  await mouse.down();
+  for (const x of [0.45, 0.55, 0.65]) await mouse.move(...(await placeOf(viewer, x, y)));
+  await mouse.up();
+}
+
+/** Waits until both servers have the same block, as `isDone` says; returns the session. */
+async function equalBlocks(what, [owner, follower], isDone) {
+  return until(what, SETTLE_S, async () => {
+    const [one, other] = [await sessionOf(owner.base), await sessionOf(follower.base)];
+    const isEqual = one.motions === other.motions && one.state_hash === other.state_hash;
+    return isEqual && isDone(one) && one;
+  });
+}
+
+/** The page displays the block, and its copy is that block. */
+async function checkPage({ page, state }, { state_hash: hash }, what) {
+  await until(`the page's block ${what}`, SETTLE_S, async () => {
+    const { hash: shown, copyTiles } = await state();
+    const copy = await page.evaluate(() => window.kerf.copyHash());
+    return shown === hash && copy === hash && copyTiles === 0;
+  });
+}
+
+async function stopped({ server }) {
+  assert.equal(await stop(server), 0, `a server exited with an error: ${server.errors}`);
+}
+
+/** The owner stops and names the follower: the hand goes on there, as the same participant. */
+async function checkHandover(viewer, owner, follower, { motions }) {
+  const { page, state } = viewer;
+  await stopped(owner);
+  await until('the follower owns the session', SETTLE_S, async () => {
+    const response = await fetch(`${follower.base}/v1/sessions/shared`);
+    return response.ok && !(await response.json()).followed;
+  });
+  await page.locator('main[data-carve=ready]').waitFor();
+  await until('the page watches', SETTLE_S, async () => (await state()).status === 'connected');
+  await drag(viewer, 0.6);
+  const cut = await until('the cut there', SETTLE_S, async () => {
+    const now = await sessionOf(follower.base);
+    return now.motions > motions && now;
+  });
+  await checkPage(viewer, cut, 'after the handover');
+  const { authors } = await getJson(`${follower.base}/v1/sessions/shared/authors`);
+  assert.deepEqual(
+    authors.map(({ name }) => name),
+    ['Vi'],
+  );
+}
+
+async function startPair(folder) {
+  const nats = await startNats(findNats(), folder);
+  const owner = await startNode(options, folder, nats, 'owner');
+  const body = JSON.stringify(SCENE);
+  const created = await fetch(`${owner.base}/v1/sessions?id=shared`, { method: 'POST', body });
+  assert.equal(created.status, 201, await created.text());
+  const follower = await startNode(options, folder, nats, 'follower', '--follow', 'viewed');
+  await until('the servers know each other', SETTLE_S, async () => {
+    const response = await fetch(`${follower.base}/`);
+    const policy = response.headers.get('content-security-policy') ?? '';
+    return policy.includes(owner.base.replace('http', 'ws'));
+  });
+  return { owner, follower };
+}
+
+async function test(folder) {
+  const { owner, follower } = await startPair(folder);
+  const browser = await launchBrowser();
+  try {
+    const size = { width: 840, height: 600 };
+    const viewer = await openViewer(browser, `${follower.base}/?session=shared&name=Vi`, size);
+    const { page, state, problems } = viewer;
+    await until('picture', SETTLE_S, async () => (await state())?.snapshotComplete);
+    assert.equal(new URL(page.url()).origin, follower.base, 'the follower shows the block itself');
+    await page.keyboard.press('c');
+    await page.locator('main[data-carve=ready]').waitFor();
+    await drag(viewer, 0.45);
+    const both = [owner, follower];
+    const cut = await equalBlocks('the cut at both', both, ({ motions }) => motions > 0);
+    assert((await sessionOf(follower.base)).followed, 'the page does not come from a follower');
+    await checkPage(viewer, cut, 'after the cut');
+    await writeFile(join(options.out, 'follower.png'), await page.screenshot());
+    await page.keyboard.press('Control+z');
+    await equalBlocks('undo at both', both, ({ removed_volume_mm3: mm3 }) => mm3 === 0);
+    await page.keyboard.press('Control+y');
+    const isRedone = ({ removed_volume_mm3: mm3 }) => mm3 === cut.removed_volume_mm3;
+    const redone = await equalBlocks('redo at both', both, isRedone);
+    await checkPage(viewer, redone, 'after redo');
+    assert.deepEqual(problems, []);
+    await checkHandover(viewer, owner, follower, redone);
+  } finally {
+    await browser.close();
+  }
+  await stopped(follower);
+}
+
+if (findNats() === null) {
+  console.log('skipped: nats-server is not installed (docker/packages.txt)');
+  process.exit(77);
+}
+await runTest(test, options.out);
