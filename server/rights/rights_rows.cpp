@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <cstring>
-#include <string_view>
 
 #include "server/store/byte_code.h"
 
@@ -12,16 +11,6 @@ namespace {
 
 /// Of the bytes of both kinds.
 constexpr std::uint8_t kLayout = 1;
-
-void put_text(ByteWriter& out, std::string_view text) {
-  out.put(static_cast<std::uint32_t>(text.size()));
-  out.put(std::as_bytes(std::span(text)));
-}
-
-std::string get_text(ByteReader& in) {
-  const auto bytes = in.get_bytes(in.get<std::uint32_t>());
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 void put_number(ByteWriter& out, std::int64_t number) {
   out.put(static_cast<std::uint64_t>(number));
@@ -38,9 +27,9 @@ bool is_read(const ByteReader& in) { return !in.truncated() && in.at_end(); }
 AttachmentChange stored(const Grant& grant) {
   ByteWriter out;
   out.put(kLayout);
-  put_text(out, to_string(grant.role));
+  out.put_text(to_string(grant.role));
   for (const std::string* text : {&grant.invitation, &grant.name, &grant.color}) {
-    put_text(out, *text);
+    out.put_text(*text);
   }
   for (const std::int64_t number :
        {grant.created_s, grant.expires_s, std::int64_t{grant.muted}, grant.uses, grant.used}) {
@@ -56,10 +45,10 @@ std::optional<Grant> grant_of(const Attachment& attachment, const std::string& s
   Grant grant;
   grant.id = attachment.name;
   grant.session = session;
-  const auto role = parse_role(get_text(in));
-  grant.invitation = get_text(in);
-  grant.name = get_text(in);
-  grant.color = get_text(in);
+  const auto role = parse_role(in.get_text());
+  grant.invitation = in.get_text();
+  grant.name = in.get_text();
+  grant.color = in.get_text();
   grant.created_s = get_number(in);
   grant.expires_s = get_number(in);
   grant.muted = get_number(in) != 0;
@@ -79,7 +68,7 @@ AttachmentChange stored(const Region& region) {
   out.put(region.min_mm);
   out.put(region.max_mm);
   out.put(region.participant);
-  put_text(out, region.person);
+  out.put_text(region.person);
   return {kRegionKind, std::to_string(region.id), out.take()};
 }
 
@@ -91,7 +80,7 @@ std::optional<Region> region_of(const Attachment& attachment) {
   region.min_mm = in.get_vec3();
   region.max_mm = in.get_vec3();
   region.participant = in.get<std::uint32_t>();
-  region.person = get_text(in);
+  region.person = in.get_text();
   if (!is_read(in)) return std::nullopt;
   return region;
 }

@@ -67,12 +67,12 @@ class Participants {
   }
   /// Removes a participant and notifies the listeners; no effect for an unknown id.
   void leave(ParticipantId id);
-  /// Changes the tool of a participant and notifies the listeners if it differs.
   /// Seconds after which one viewer more may join, with has_turn; nullopt: it is rejected, because
   /// too many wait already.
   std::optional<double> viewer_turn() {
     return viewer_joins_.take(Clock::now(), limits_.viewer_wait_max_s);
   }
+  /// Changes the tool of a participant and notifies the listeners if it differs.
   std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
 
   /// Ends a participant's connections: an agent cannot resume. The listeners make it leave. False

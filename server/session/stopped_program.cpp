@@ -13,16 +13,6 @@ namespace {
 
 constexpr std::uint8_t kLayout = 1;
 
-void put_text(ByteWriter& out, const std::string& text) {
-  out.put(static_cast<std::uint32_t>(text.size()));
-  out.put(std::as_bytes(std::span(text)));
-}
-
-std::string get_text(ByteReader& in) {
-  const auto bytes = in.get_bytes(in.get<std::uint32_t>());
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 std::optional<StoppedProgram> program_of(const Attachment& attachment) {
   ByteReader in(attachment.bytes);
   if (attachment.kind != kProgramKind || in.get<std::uint8_t>() != kLayout) return std::nullopt;
@@ -31,13 +21,13 @@ std::optional<StoppedProgram> program_of(const Attachment& attachment) {
   const std::string& number = attachment.name;
   const auto parsed =
       std::from_chars(number.data(), number.data() + number.size(), status.participant);
-  status.name = get_text(in);
-  status.read_as = get_text(in);
+  status.name = in.get_text();
+  status.read_as = in.get_text();
   status.pace = in.get<std::uint8_t>() == 0 ? ProgramPace::kFast : ProgramPace::kFeed;
   status.speed = in.get_double();
   status.motions = in.get<std::uint64_t>();
   status.programmed_s = in.get_double();
-  program.text = std::make_shared<const ProgramText>(get_text(in));
+  program.text = std::make_shared<const ProgramText>(in.get_text());
   if (parsed.ec != std::errc() || in.truncated() || !in.at_end()) return std::nullopt;
   return program;
 }
@@ -47,13 +37,13 @@ std::optional<StoppedProgram> program_of(const Attachment& attachment) {
 AttachmentChange stored(const ProgramStatus& status, const std::string& text) {
   ByteWriter out;
   out.put(kLayout);
-  put_text(out, status.name);
-  put_text(out, status.read_as);
+  out.put_text(status.name);
+  out.put_text(status.read_as);
   out.put(static_cast<std::uint8_t>(status.pace == ProgramPace::kFeed ? 1 : 0));
   out.put(status.speed);
   out.put(static_cast<std::uint64_t>(status.motions));
   out.put(status.programmed_s);
-  put_text(out, text);
+  out.put_text(text);
   return {kProgramKind, std::to_string(status.participant), out.take()};
 }
 

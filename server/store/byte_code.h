@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -34,6 +36,11 @@ class ByteWriter {
   }
   void put(std::span<const std::byte> bytes) {
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  }
+  /// Its length and its bytes.
+  void put_text(std::string_view text) {
+    put(static_cast<std::uint32_t>(text.size()));
+    put(std::as_bytes(std::span(text)));
   }
   void reserve(std::size_t size) { bytes_.reserve(size); }
   std::vector<std::byte> take() { return std::move(bytes_); }
@@ -71,6 +78,10 @@ class ByteReader {
   ToolPose get_pose() {
     const Vec3 tip_mm = get_vec3();
     return {tip_mm, get_vec3()};
+  }
+  std::string get_text() {
+    const auto bytes = get_bytes(get<std::uint32_t>());
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
   /// The next bytes; empty if there are not as many.
   std::span<const std::byte> get_bytes(std::size_t count) {
