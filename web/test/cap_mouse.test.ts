@@ -189,6 +189,27 @@ describe('a 3D mouse for the camera', () => {
     expect([pressed(none), frames.length, stored.size]).toEqual(['false', 0, 0]);
   });
 
+  it('asks again while none is there, and moves the picture once a frame all the same', async () => {
+    stored.set('kerf.space-mouse', 'block');
+    const mouse = fakeMouse(false);
+    const made = make(mouse);
+    await vi.waitFor(() => expect(frames).toHaveLength(1), { timeout: 30_000 });
+    made.button.click();
+    await opened(made);
+    expect([frames.length, stored.get('kerf.space-mouse')]).toEqual([1, 'block']);
+  });
+
+  it('waits for the picture', async () => {
+    stored.set('kerf.space-mouse', 'block');
+    const mouse = fakeMouse();
+    const host = { rig: () => undefined, isBusy: () => false, say: () => undefined };
+    const { element } = new CapMouse(host, mouse.hid);
+    await opened({ button: (element as unknown as FakeElement).children[0]! });
+    mouse.report(1, 0x5e, 0x01, 0, 0, 0, 0);
+    expect(() => frame(1000)).not.toThrow();
+    expect(frames).toHaveLength(1);
+  });
+
   it('stays off where it was turned off, and is shown as off when it is unplugged', async () => {
     stored.set('kerf.space-mouse', 'off');
     make(fakeMouse());

@@ -162,6 +162,28 @@ describe('buttons that are pressed together, as in FreeCAD', () => {
       expect(canvas.sent).toHaveLength(3);
     });
 
+    it('pan again after a press that ended with zooming', () => {
+      const { canvas, mouseButtons } = buttonsOf('freecad');
+      const now = vi.spyOn(performance, 'now').mockReturnValue(1000);
+      canvas.press(1);
+      canvas.move(middle + left);
+      canvas.move(middle);
+      now.mockRestore();
+      expect(mouseButtons.MIDDLE).toBe(MOUSE.DOLLY);
+      canvas.release();
+      canvas.press(1);
+      canvas.move(middle);
+      expect(mouseButtons.MIDDLE).toBe(MOUSE.PAN);
+    });
+
+    it('leave the right button alone', () => {
+      const { canvas } = buttonsOf('freecad');
+      canvas.press(2, { ctrlKey: true });
+      canvas.move(right);
+      canvas.move(right + left);
+      expect(canvas.sent).toEqual([]);
+    });
+
     it('do nothing of the kind in other presets', () => {
       const { canvas, mouseButtons } = buttonsOf('fusion');
       canvas.press(1);

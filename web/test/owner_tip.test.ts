@@ -129,6 +129,8 @@ describe('the tip that tells who cut a place', () => {
     tip.update('1', 'still', 1);
     await settled();
     expect(shown()).toContain('Ada');
+    tip.press(90, 40);
+    expect(shown()).toBe('');
   });
 
   it('changes with the surface', async () => {

@@ -121,8 +121,35 @@ describe('hand', () => {
     hand.end(1);
     expect(hand.settings.mode).toBe('surface');
     hand.holdPlane();
+    hand.holdPlane(); // the finger still rests
     hand.end(1); // one that found nothing to cut
     expect(hand.settings.mode).toBe('surface');
+    hand.settings.mode = 'plane';
+    hand.end(1);
+    expect(hand.settings.mode).toBe('plane'); // what the user has chosen since then
+  });
+
+  it('goes on with a stroke while another pointer moves away', () => {
+    hand.begin(at(-6), 1);
+    hand.hover(null, true);
+    hand.moveTo({ tip: [9, 9, 9], axis: [0, 0, 1] }, true, true);
+    expect(hand.pose!.tip[0]).toBeCloseTo(-6);
+    hand.move([at(6)], 1);
+    hand.end(1);
+    for (const { tip_mm } of samples()) expect(tip_mm[2]).toBeLessThan(0);
+  });
+
+  it('is shown again where it is when its settings change', () => {
+    hand.settings.depthMm = 1;
+    hand.hover(at(2), false);
+    const { tip } = hand.pose!;
+    hand.settings.depthMm = 1.5;
+    hand.hoverAgain(false);
+    expect(hand.pose!.tip[0]).toBeCloseTo(tip[0]);
+    expect(hand.pose!.tip[2]).toBeCloseTo(tip[2] - 0.5);
+    hand.hide();
+    hand.hoverAgain(false);
+    expect(hand.pose).toBeNull();
   });
 
   it('cuts with a device that is no pointer from where the tool was, and lifts it there', () => {
@@ -135,9 +162,32 @@ describe('hand', () => {
     const drafts = [1, 2, 3, 4, 5, 6].flatMap((n) => hand.sampler.take(n * 1e5));
     const cuts = drafts.map(({ tip_mm: [x], buttons }) => [x, buttons !== 0]);
     expect(cuts[0]).toEqual([0, false]);
+    expect(cuts.filter(([, is]) => !is)).toHaveLength(2);
     expect(cuts.filter(([, is]) => is).at(-1)).toEqual([2, true]);
     expect(cuts.at(-1)).toEqual([2, false]);
     expect(hand.isCutting).toBe(false);
+  });
+
+  it('begins each stroke of such a device where the tool is then, and ends it when it rests', () => {
+    const pose = (x: number): Pose => ({ tip: [x, 0, -1], axis: [0, 0, 1] });
+    hand.moveTo(pose(0), false, true);
+    expect(samples()).toHaveLength(1);
+    hand.lift();
+    expect(samples()).toEqual([]); // it did not cut
+    hand.moveTo(pose(2), true, true);
+    hand.lift();
+    samples();
+    hand.moveTo(pose(2.5), true, true);
+    expect(samples()[0]).toMatchObject({ tip_mm: [2.5, 0, -1], buttons: 0 });
+    hand.rest();
+    expect([hand.isCutting, hand.pose]).toEqual([false, null]);
+    expect(samples().at(-1)).toMatchObject({ tip_mm: [2.5, 0, -1], buttons: 0 });
+  });
+
+  it('is drawn and sends nothing before others may see it', () => {
+    hand.moveTo({ tip: [1, 0, -1], axis: [0, 0, 1] }, true, false);
+    expect(hand.pose!.tip).toEqual([1, 0, -1]);
+    expect([hand.isCutting, samples()]).toEqual([false, []]);
   });
 
   it('cuts less deep under less pressure', () => {
@@ -173,6 +223,16 @@ describe('hand', () => {
     expect(samples().at(-1)!.tip_mm[0]).toBeCloseTo(4);
     hand.settle(1, performance.now() + 100);
     expect(samples().at(-1)!.tip_mm[0]).toBeCloseTo(8);
+  });
+
+  it('does not cut up to a pointer that has just moved, however long the stroke lasts', () => {
+    const now = vi.spyOn(performance, 'now').mockReturnValue(1000);
+    hand.begin(at(0), 1);
+    now.mockReturnValue(5000);
+    hand.move([at(8)], 1);
+    hand.settle(1, 5030);
+    expect(samples().at(-1)!.tip_mm[0]).toBeCloseTo(4);
+    now.mockRestore();
   });
 
   it('cuts the same path when the force holds it back, only later', () => {

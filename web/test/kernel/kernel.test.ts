@@ -2,7 +2,7 @@
 // kerf.wasm in the page's hands. tests/determinism compares its bytes with the server's kernel.
 import { existsSync, readFileSync } from 'node:fs';
 import { beforeAll, describe, expect, it } from 'vitest';
-import { Kernel } from '../../src/kernel/kernel';
+import { hashText, Kernel } from '../../src/kernel/kernel';
 import { encodeFrame } from '../../src/wire/encode';
 import { FrameType, STOCK_RESET } from '../../src/wire/types';
 import type { Sample, Vec3 } from '../../src/wire/types';
@@ -144,10 +144,27 @@ describe.skipIf(!existsSync(FILE))('kerf.wasm', () => {
     expect(() => kernel.open('{"type":"welcome"}')).toThrow();
   });
 
+  it('says why it cannot open a block', async () => {
+    const fresh = await Kernel.of(await WebAssembly.compile(readFileSync(FILE)));
+    const huge = { shape: 'box', min_mm: [0, 0, -10], max_mm: [3000, 3000, 0] };
+    const accuracy = { ...WELCOME.accuracy, pitch_mm: 0.001 };
+    const open = (): void => fresh.open(JSON.stringify({ ...WELCOME, stock: huge, accuracy }));
+    expect(open).toThrow('the stock needs more than 2^36 columns');
+    fresh.open(JSON.stringify(WELCOME));
+    expect(fresh.take(stock(0n))).toBe(true);
+  });
+
   it('asks for the stock again after a malformed frame', async () => {
     const fresh = await Kernel.of(await WebAssembly.compile(readFileSync(FILE)));
     fresh.open(JSON.stringify(WELCOME));
     expect(fresh.take(new Uint8Array(7))).toBe(false);
     expect(fresh.take(stock(0n))).toBe(true);
+  });
+});
+
+describe('a hash', () => {
+  it('is written as by the server: 16 digits, without a sign', () => {
+    expect(hashText(0xabn)).toBe('00000000000000ab');
+    expect(hashText(-1n)).toBe('ffffffffffffffff');
   });
 });

@@ -50,6 +50,9 @@ export class FakeElement {
   set value(value: string) {
     this.setAttribute('value', value);
   }
+  get valueAsNumber(): number {
+    return this.value === '' ? NaN : Number(this.value);
+  }
 
   append(...nodes: (FakeElement | string)[]): void {
     for (const node of nodes) this.put_(node, null);
