@@ -7,7 +7,6 @@
 #include "server/http/api.h"
 #include "server/rights/rights_rows.h"
 #include "server/store/attachment.h"
-#include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
 namespace {
@@ -45,7 +44,7 @@ std::expected<void, std::string> Api::adopt(Session& session, Opening opening) {
   const std::string& id = session.id();
   // One of the same id may have been here, and have ended elsewhere.
   if (opening == Opening::kNew) forget(id);
-  const auto attachments = read_attachments(session.journal_file());
+  auto attachments = read_attachments(session.journal_file());
   if (!attachments) return std::unexpected(describe(attachments.error()));
   // A journal from before attachments, or of a session that was closed: what is here counts.
   if (!is_complete(*attachments)) {
@@ -67,11 +66,12 @@ std::expected<void, std::string> Api::adopt(Session& session, Opening opening) {
       session.attach({kGrantKind, attachment.name});  // it has expired
     }
   }
-  run_and_wait(session.executor(), [&] {
-    session.list_stopped(*attachments);
-    return true;
+  if (auto done = adopt_targets(id, *attachments); !done) return done;
+  // Any request that finds the session comes after it.
+  session.executor().post([weak = session.weak_from_this(), list = *std::move(attachments)] {
+    if (const auto self = weak.lock()) self->list_stopped(list);
   });
-  return adopt_targets(id, *attachments);
+  return {};
 }
 
 std::expected<void, std::string> Api::adopt_targets(const std::string& id,
