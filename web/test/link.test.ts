@@ -75,6 +75,14 @@ describe('view link', () => {
 
   const soon = { timeout: 10_000, interval: 5 };
 
+  /** A connection to which hello was said. */
+  async function greeted(): Promise<EarlySocket> {
+    const url = `ws://127.0.0.1:${server.port}/v1/sessions/demo/view`;
+    const early = new EarlySocket(openSocket(url, VIEW_PROTOCOL), helloText('Early', null));
+    await vi.waitFor(() => expect(server.hellos).toEqual(['Early']), soon);
+    return early;
+  }
+
   it('joins, receives participants and tools, and measures the round trip', async () => {
     const { link, model } = join(server.port, 'demo');
     await vi.waitFor(
@@ -97,9 +105,7 @@ describe('view link', () => {
   });
 
   it('takes a connection that was greeted before it was there, and all that has come', async () => {
-    const url = `ws://127.0.0.1:${server.port}/v1/sessions/demo/view`;
-    const early = new EarlySocket(openSocket(url, VIEW_PROTOCOL), helloText('Early', null));
-    await vi.waitFor(() => expect(server.hellos).toEqual(['Early']), soon);
+    const early = await greeted();
     await new Promise((resolve) => setTimeout(resolve, 50)); // welcome and first frames arrive
     const { link, model, applied, statuses } = join(
       server.port,
@@ -119,9 +125,7 @@ describe('view link', () => {
   });
 
   it('joins once more by itself when the greeted connection is lost before it is taken', async () => {
-    const url = `ws://127.0.0.1:${server.port}/v1/sessions/demo/view`;
-    const early = new EarlySocket(openSocket(url, VIEW_PROTOCOL), helloText('Early', null));
-    await vi.waitFor(() => expect(server.hellos).toHaveLength(1), soon);
+    const early = await greeted();
     server.dropViewers();
     await new Promise((resolve) => setTimeout(resolve, 50));
     let opened = 0;
