@@ -140,7 +140,7 @@ async function checkSides(viewer) {
   const luminances = [];
   for (const side of SIDES) {
     await page.keyboard.press(side);
-    await page.waitForTimeout(500); // until the still picture is drawn
+    await page.waitForTimeout(1500); // the still picture is drawn, and seen for a second
     luminances.push(await luminanceIn(page, (await state()).blockBox));
   }
   const text = luminances.map((value) => value.toFixed(3)).join(', ');

@@ -35,3 +35,19 @@ describe('quality on a very slow device', () => {
     expect(quality.pauseMs).toBe(0);
   });
 });
+
+describe('a still picture', () => {
+  it('waits longer after one that was soon replaced, at most two seconds', () => {
+    const quality = new Quality(1);
+    const after = (): number => quality.stillAfterMs;
+    const first = after();
+    quality.moved(50);
+    const second = after();
+    expect(second).toBeGreaterThan(first);
+    for (let i = 0; i < 9; ++i) quality.moved(50);
+    expect(after()).toBeGreaterThan(second);
+    expect(after()).toBeLessThan(2100);
+    quality.moved(3000);
+    expect(after()).toBe(first);
+  });
+});

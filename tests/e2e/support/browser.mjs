@@ -4,7 +4,8 @@
 import { writeFile } from 'node:fs/promises';
 import { chromium } from 'playwright-core';
 
-const SOFTWARE_WEBGL = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+// As Chromium does without a GPU: SwiftShader draws WebGL, the page is put together by the CPU.
+const SOFTWARE_WEBGL = ['--use-angle=swiftshader-webgl', '--enable-unsafe-swiftshader'];
 const ARGS = [
   '--no-sandbox',
   '--disable-background-networking',

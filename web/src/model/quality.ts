@@ -11,7 +11,10 @@ const FAST_MS = 13;
 const SAMPLES_DOWN = 6;
 const SAMPLES_UP = 90;
 const THROTTLE_AFTER = 30; // consecutive slow frames at the lowest ratio
-const THROTTLED_PAUSE_MS = 80; // at most 12 pictures a second
+const THROTTLED_PAUSE_MS = 60; // at most 16 pictures a second
+const STILL_AFTER_MS = 260;
+const STILL_AFTER_MAX_MS = 2080;
+const STILL_SEEN_MS = 1000;
 
 /** Returns how many pixels a still picture has for each CSS pixel of a screen. */
 export function drawnRatio(devicePixelRatio: number): number {
@@ -23,6 +26,7 @@ export class Quality {
   private slow_ = 0;
   private fast_ = 0;
   private throttled_ = false;
+  private stillAfterMs_ = STILL_AFTER_MS;
 
   /**
    * @param fullRatio the pixel ratio of a still picture
@@ -67,6 +71,22 @@ export class Quality {
 
   get stillRatio(): number {
     return this.fullRatio;
+  }
+
+  /** Time without a change after which a still picture is drawn, ms. */
+  get stillAfterMs(): number {
+    return this.stillAfterMs_;
+  }
+
+  /**
+   * Takes for how long the still picture was shown until the next change. One that was soon
+   * replaced was not worth its time, which moving ones could have had: the next one waits longer.
+   */
+  moved(milliseconds: number): void {
+    this.stillAfterMs_ =
+      milliseconds < STILL_SEEN_MS
+        ? Math.min(4 * this.stillAfterMs_, STILL_AFTER_MAX_MS)
+        : STILL_AFTER_MS;
   }
 
   /** Whether shadows are updated while the picture moves; not on slow devices. */

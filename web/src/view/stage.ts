@@ -46,6 +46,16 @@ void main() {
 const UP = new THREE.Vector3(0, 0, 1);
 const FACING_LIGHT = 0.65;
 
+/** True if the CPU draws WebGL instead of a GPU (remote desktops, virtual machines). */
+export function drawsInSoftware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  if (!gl) return false;
+  const info = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  gl.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 export class Stage {
   readonly scene = new THREE.Scene();
   readonly renderer: THREE.WebGLRenderer;
@@ -78,11 +88,19 @@ export class Stage {
   private readonly samples_: THREE.Object3D[] = [];
   private size_ = '';
 
-  /** Throws if WebGL 2 is not available. */
-  constructor(canvas: HTMLCanvasElement) {
+  /**
+   * @param smooth edges are smooth: four samples a pixel, which take the CPU more than twice the
+   * time of one
+   * @throws Error if WebGL 2 is not available
+   */
+  constructor(
+    canvas: HTMLCanvasElement,
+    readonly drawsInSoftware: boolean,
+    smooth: boolean,
+  ) {
     this.renderer = new THREE.WebGLRenderer({
       canvas,
-      antialias: true,
+      antialias: smooth,
       alpha: true,
       stencil: true, // for the caps of sections
       powerPreference: 'high-performance',
@@ -99,14 +117,6 @@ export class Stage {
     this.grid_.renderOrder = -1;
     this.ground_.receiveShadow = true;
     this.scene.add(this.ground_, this.grid_);
-  }
-
-  /** True if the CPU draws instead of a GPU (remote desktops, virtual machines). */
-  get drawsInSoftware(): boolean {
-    const gl = this.renderer.getContext();
-    const info = gl.getExtension('WEBGL_debug_renderer_info');
-    const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
-    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
   }
 
   private addLight_(): void {
@@ -199,8 +209,7 @@ export class Stage {
     const size = `${width}x${height}@${pixelRatio}`;
     if (size === this.size_) return;
     this.size_ = size;
-    this.renderer.setPixelRatio(pixelRatio);
-    this.renderer.setSize(width, height, false);
+    this.renderer.setDrawingBufferSize(width, height, pixelRatio);
   }
 
   /**

@@ -23,11 +23,10 @@ import { tilesOf } from './parsed_tiles';
 import type { ParsedTile } from './parsed_tiles';
 import { LocalTiles } from './local_tiles';
 import { carverSample } from './shader_samples';
-import { Stage } from './stage';
+import { drawsInSoftware, Stage } from './stage';
 import { StockMaterial } from './stock_material';
 import { TileView } from './tile_view';
 
-const STILL_AFTER_MS = 260;
 const ARROW_FRACTION = 0.34; // length of a full-scale arrow relative to the block's diagonal
 
 /** Something drawn with the block. */
@@ -74,11 +73,9 @@ export class Viewer {
     private readonly model: SessionModel,
     private readonly fixedQuality: boolean,
   ) {
-    this.stage = new Stage(canvas);
-    this.quality_ = new Quality(
-      drawnRatio(window.devicePixelRatio),
-      !fixedQuality && this.stage.drawsInSoftware,
-    );
+    const weak = drawsInSoftware();
+    this.stage = new Stage(canvas, weak, fixedQuality || !weak);
+    this.quality_ = new Quality(drawnRatio(window.devicePixelRatio), weak && !fixedQuality);
     this.stage.scene.add(this.tiles.group);
     this.carvers = new CarverViews(this.stage.scene, overlay, model);
     this.rig = new CameraRig(canvas, window.matchMedia('(prefers-reduced-motion: reduce)').matches);
@@ -312,7 +309,8 @@ export class Viewer {
     if (!this.canDraw_ || this.eyeElsewhere || this.isRecording) return;
     if (this.dirty_) {
       if (nowMs - this.lastDrawMs_ >= this.quality_.pauseMs) this.drawMoving_(nowMs);
-    } else if (!this.stillDrawn_ && nowMs - this.lastDrawMs_ > STILL_AFTER_MS) this.drawStill_();
+    } else if (!this.stillDrawn_ && nowMs - this.lastDrawMs_ > this.quality_.stillAfterMs)
+      this.drawStill_(nowMs);
   }
 
   /** Compiles the shaders beside the rest of the page, where the browser can, before it draws. */
@@ -323,8 +321,8 @@ export class Viewer {
   }
 
   private drawMoving_(nowMs: number): void {
-    const moving = !this.stillDrawn_;
-    if (moving && !this.fixedQuality) this.quality_.frame(nowMs - this.lastDrawMs_);
+    if (this.stillDrawn_) this.quality_.moved(nowMs - this.lastDrawMs_);
+    else if (!this.fixedQuality) this.quality_.frame(nowMs - this.lastDrawMs_);
     this.stage.setSize(this.width_, this.height_, this.quality_.movingRatio);
     this.draw_(this.shadowsDirty_ && this.quality_.shadowsWhileMoving);
     this.dirty_ = false;
@@ -332,10 +330,11 @@ export class Viewer {
     this.lastDrawMs_ = nowMs;
   }
 
-  private drawStill_(): void {
+  private drawStill_(nowMs: number): void {
     this.stage.setSize(this.width_, this.height_, this.quality_.stillRatio);
     this.draw_(this.shadowsDirty_);
     this.stillDrawn_ = true;
+    this.lastDrawMs_ = nowMs;
     this.quality_.rested();
   }
 
