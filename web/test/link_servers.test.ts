@@ -207,6 +207,18 @@ describe('a viewer of a session that several servers share', () => {
     link.stop();
   });
 
+  it('counts the attempts since it was let in last', async () => {
+    const { link, socket, reloads, fail } = join({ 'http://heir:2': { isForItsPage: true } });
+    socket().welcome();
+    socket().bye('http://heir:2');
+    expect(await fail(3)).toEqual(['heir:2', 'home:1', 'heir:2']);
+    socket().welcome();
+    socket().bye('http://heir:2');
+    await fail(3);
+    expect(reloads).toEqual([]);
+    link.stop();
+  });
+
   it('stops where a server says that there is no such session', async () => {
     const { socket, statuses, fail } = join({ 'http://heir:2': { final: 'None.' } });
     socket().welcome();

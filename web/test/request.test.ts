@@ -58,6 +58,7 @@ describe('requests of the page', () => {
       `include ${HEIR}/v1/sessions/s/model.stl`,
     ]);
     expect(socketUrl('s', 'agent')).toBe('ws://heir:2/v1/sessions/s/agent');
+    expect(socketUrl('a b', 'view')).toBe('ws://heir:2/v1/sessions/a%20b/view');
     expect(pageAddress()).toBe(`${HEIR}/?session=s`);
     expect(pageAddress('?list')).toBe(`${HEIR}/?list`);
     useServer(HOME);
