@@ -289,7 +289,10 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
     if (!made) return std::unexpected(made.error());
     node = *std::move(made);
   }
-  if (node) options.http.other_servers = [at = node.get()] { return at->other_servers(); };
+  if (node) {
+    options.http.other_servers = [at = node.get()] { return at->other_servers(); };
+    options.http.page_servers = [at = node.get()] { return at->page_servers(); };
+  }
   auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock), *std::move(access),
                                      std::move(certificate), std::move(node));
   if (impl->node) {

@@ -170,6 +170,11 @@ std::vector<std::string> ClusterNode::other_servers() const {
   return addresses;
 }
 
+std::vector<std::string> ClusterNode::page_servers() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->table.page_servers(boot_time_ns());
+}
+
 bool ClusterNode::wants_to_follow(const std::string& id) {
   if (!impl_->followers || !address_of(id)) return false;
   return impl_->followers->want(id);

@@ -56,6 +56,9 @@ class ClusterNode final : public SessionPlaces {
   std::optional<std::string> address_of(const std::string& id) const override;
   bool is_moving(const std::string& id) const override;
   std::vector<std::string> other_servers() const override;
+  /// The addresses of the other servers whose pages may still be open: of those that have stated
+  /// themselves within kPageLifeNs (lease_table.h), also where they are gone.
+  std::vector<std::string> page_servers() const;
   std::optional<std::string> place_for_new() override;
   bool wants_to_follow(const std::string& id) override;
 

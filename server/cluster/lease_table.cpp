@@ -32,6 +32,8 @@ void LeaseTable::note_new(const Lease& lease) {
 }
 
 void LeaseTable::note(const std::string& node, NodeNote note, std::int64_t now_ns) {
+  if (note.run != run_ && !note.address.empty()) pages_[note.address] = now_ns;
+  std::erase_if(pages_, [&](const auto& page) { return now_ns - page.second >= kPageLifeNs; });
   SeenNode& seen = nodes_[node];
   seen.note = std::move(note);
   seen.since_ns = now_ns;
@@ -103,6 +105,14 @@ std::vector<OtherServer> LeaseTable::others(std::int64_t now_ns) const {
                     node.note.only_follows});
   }
   return list;
+}
+
+std::vector<std::string> LeaseTable::page_servers(std::int64_t now_ns) const {
+  std::vector<std::string> addresses;
+  for (const auto& [address, since_ns] : pages_) {
+    if (now_ns - since_ns < kPageLifeNs) addresses.push_back(address);
+  }
+  return addresses;
 }
 
 std::optional<OtherServer> LeaseTable::least_loaded(std::int64_t now_ns) const {

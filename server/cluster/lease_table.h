@@ -12,6 +12,9 @@
 
 namespace kerf {
 
+/// For so long pages of a server that is gone may use the others, ns: a day.
+inline constexpr std::int64_t kPageLifeNs = 86'400'000'000'000;
+
 /// A lease as it was seen last.
 struct SeenLease {
   Lease lease;
@@ -52,7 +55,10 @@ class LeaseTable {
   std::vector<PlacedSession> elsewhere() const;
   /// The other servers that have stated themselves lately.
   std::vector<OtherServer> others(std::int64_t now_ns) const;
-  /// The one of them with the fewest sessions, of those that run some; nullopt: there is none.
+  /// The addresses at which other servers have stated themselves within kPageLifeNs.
+  std::vector<std::string> page_servers(std::int64_t now_ns) const;
+  /// The one of the others with the fewest sessions, of those that run some; nullopt: there is
+  /// none.
   std::optional<OtherServer> least_loaded(std::int64_t now_ns) const;
   /// A server is thought to get one session more, until it has it or has stated itself twice.
   void expect_session(const std::string& node);
@@ -73,6 +79,7 @@ class LeaseTable {
   std::int64_t began_ns_ = 0;
   std::map<std::string, SeenLease> leases_;
   std::map<std::string, SeenNode> nodes_;
+  std::map<std::string, std::int64_t> pages_;  ///< when each other address was stated last
 };
 
 }  // namespace kerf

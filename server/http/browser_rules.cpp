@@ -41,15 +41,20 @@ std::string_view host_of(std::string_view origin) {
   return scheme == origin.npos ? "" : origin.substr(scheme + 3);
 }
 
-std::vector<std::string> other_servers(const HttpOptions& options) {
-  return options.other_servers ? options.other_servers() : std::vector<std::string>{};
+std::vector<std::string> list_of(const std::function<std::vector<std::string>()>& servers) {
+  return servers ? servers() : std::vector<std::string>{};
+}
+
+/// Returns whether an origin is that of a server of the cluster.
+bool is_of_cluster(std::string_view origin, const HttpOptions& options) {
+  const auto servers = list_of(options.page_servers);
+  return std::ranges::find(servers, origin) != servers.end();
 }
 
 bool is_listed(std::string_view origin, const HttpOptions& options) {
   if (origin.empty()) return false;
-  const auto others = other_servers(options);
   return std::ranges::find(options.allow_origins, origin) != options.allow_origins.end() ||
-         std::ranges::find(others, origin) != others.end();
+         is_of_cluster(origin, options);
 }
 
 /// Returns whether a target is that of the page as other sites may frame it. The viewer reads the
@@ -76,7 +81,7 @@ std::string page_policy(const BrowserHeaders& headers, const HttpOptions& option
   const std::string_view host = headers.host;
   if (!host.empty() && !headers.is_secure) own.append(" ws://").append(host);
   if (!host.empty()) own.append(" wss://").append(host);
-  for (const std::string& server : other_servers(options)) {
+  for (const std::string& server : list_of(options.other_servers)) {
     // http: does not count for ws:. The hand goes on at the owner of a session.
     own.append(" ").append(server).append(" ws").append(server.substr(std::string("http").size()));
   }
@@ -131,10 +136,12 @@ void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& optio
   if (headers.is_secure && !is_equal(name_of(headers.host), "localhost")) {
     add("Strict-Transport-Security", "max-age=15552000");
   }
-  if (options.allow_origins.empty() && !options.other_servers) return;
+  if (options.allow_origins.empty() && !options.page_servers) return;
   add("Vary", "Origin");
   if (!is_listed(headers.origin, options)) return;
   add("Access-Control-Allow-Origin", std::string(headers.origin));
+  // The pass of an invitation; to a page of another site browsers do not give it (SameSite).
+  if (is_of_cluster(headers.origin, options)) add("Access-Control-Allow-Credentials", "true");
   add("Access-Control-Expose-Headers",
       "Accept-Ranges, Content-Disposition, Content-Range, ETag, Location, Retry-After");
 }

@@ -29,7 +29,8 @@ bool origin_allowed(const BrowserHeaders& headers, const HttpOptions& options);
 /// Adds the headers that restrict what a browser does with a response: content is what its type
 /// says, nothing frames it, the page loads nothing from elsewhere, and no address is sent to other
 /// sites. Sites of `embed_origins` may frame the page at `/?embed`, which changes nothing, and
-/// nothing else. Pages of listed origins may read the response (CORS). Over TLS, browsers are asked
+/// nothing else. Pages of listed origins may read the response (CORS), those of the servers of a
+/// cluster with the browser's pass. Over TLS, browsers are asked
 /// to use nothing else for this host (HSTS), but for localhost, where other ports are other
 /// programs.
 void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& options,

@@ -26,9 +26,12 @@ struct HttpOptions {
   std::vector<std::string> allow_origins;  ///< besides the server's own host, e.g.
                                            ///< "https://kerf.example"
   std::vector<std::string> embed_origins;  ///< of sites that may frame the page at `/?embed`
-  /// The addresses of the other servers of a cluster, whose pages may use this one, and which the
-  /// page of this one may use; empty: there are none.
+  /// The addresses of the other servers of a cluster, which the page of this one may use; empty:
+  /// there are none.
   std::function<std::vector<std::string>()> other_servers;
+  /// The addresses of those whose pages may use this server, with the pass that a browser has for
+  /// it: also of servers that are gone, because their pages go on here. Empty: there are none.
+  std::function<std::vector<std::string>()> page_servers;
   TrustedProxies proxies;
   /// Makes the process stop, soon; empty: it cannot be stopped by a request.
   std::function<void()> request_stop;

@@ -101,8 +101,22 @@ TEST(BrowserRules, ThePageMayAlsoUseTheOtherServersOfItsCluster) {
   EXPECT_TRUE(header(page, "Content-Security-Policy")
                   .contains(" http://10.0.0.2:8080 ws://10.0.0.2:8080"
                             " https://heir.example wss://heir.example data:"));
-  EXPECT_TRUE(origin_allowed({"localhost:8080", "http://10.0.0.2:8080"}, options));
-  EXPECT_FALSE(origin_allowed({"localhost:8080", "http://10.0.0.3:8080"}, options));
+}
+
+TEST(BrowserRules, PagesOfTheClusterMayUseThisServerWithTheirPass) {
+  HttpOptions options;
+  options.page_servers = [] { return std::vector<std::string>{"http://10.0.0.2:8080"}; };
+  options.allow_origins = {"https://site.example"};
+  const auto with_pass = [&](std::string_view origin) {
+    ApiResponse data;
+    add_browser_headers({"localhost:8080", origin}, options, data);
+    EXPECT_EQ(header(data, "Access-Control-Allow-Origin"),
+              origin_allowed({"localhost:8080", origin}, options) ? origin : "");
+    return header(data, "Access-Control-Allow-Credentials");
+  };
+  EXPECT_EQ(with_pass("http://10.0.0.2:8080"), "true");
+  EXPECT_EQ(with_pass("https://site.example"), "");
+  EXPECT_EQ(with_pass("http://10.0.0.3:8080"), "");
 }
 
 TEST(BrowserRules, AScriptMayHaveWebAssemblyWhereAWorkerRunsIt) {

@@ -2,6 +2,7 @@
 // What the address means: a session, the lobby, an invitation.
 
 import { installHook } from './hook';
+import { watchPolicy } from './link/forbidden';
 import { invitationIn, redeemInvitation } from './link/invitation';
 import { viewerName } from './link/viewer_name';
 import { sentence } from './ui/format';
@@ -12,6 +13,7 @@ import { SessionPage } from './ui/session_page';
 
 function openSession(app: HTMLElement, session: string, parameters: URLSearchParams): void {
   document.title = `${session} · Kerf`;
+  watchPolicy();
   const fullQuality = parameters.get('quality') === 'full';
   const embedded = parameters.has('embed');
   const page = new SessionPage(app, session, viewerName(parameters), fullQuality, embedded);

@@ -34,10 +34,19 @@ describe('history', () => {
     await renameVersion('demo', 'half & half', 'a & b');
     await deleteVersion('demo', 'half & half');
     expect(fetched.mock.calls).toEqual([
-      ['/v1/sessions/a%20b/versions?name=half%20%26%20half&at=7', { method: 'POST' }],
-      ['/v1/sessions/demo/versions?name=now', { method: 'POST' }],
-      ['/v1/sessions/demo/versions/half%20%26%20half?name=a%20%26%20b', { method: 'PATCH' }],
-      ['/v1/sessions/demo/versions/half%20%26%20half', { method: 'DELETE' }],
+      [
+        '/v1/sessions/a%20b/versions?name=half%20%26%20half&at=7',
+        { credentials: 'include', method: 'POST' },
+      ],
+      ['/v1/sessions/demo/versions?name=now', { credentials: 'include', method: 'POST' }],
+      [
+        '/v1/sessions/demo/versions/half%20%26%20half?name=a%20%26%20b',
+        { credentials: 'include', method: 'PATCH' },
+      ],
+      [
+        '/v1/sessions/demo/versions/half%20%26%20half',
+        { credentials: 'include', method: 'DELETE' },
+      ],
     ]);
   });
 
@@ -46,8 +55,8 @@ describe('history', () => {
     expect(await branch('demo', 12, 'copy')).toBe('copy');
     await branch('demo', null, 'copy');
     expect(fetched.mock.calls).toEqual([
-      ['/v1/sessions?from=demo%4012&id=copy', { method: 'POST' }],
-      ['/v1/sessions?from=demo&id=copy', { method: 'POST' }],
+      ['/v1/sessions?from=demo%4012&id=copy', { credentials: 'include', method: 'POST' }],
+      ['/v1/sessions?from=demo&id=copy', { credentials: 'include', method: 'POST' }],
     ]);
   });
 

@@ -39,7 +39,8 @@ describe('an invitation', () => {
   });
 
   it('is made as a complete link', async () => {
-    vi.stubGlobal('location', { href: 'https://kerf.example/?session=demo' });
+    const location = { origin: 'https://kerf.example', pathname: '/', search: '?session=demo' };
+    vi.stubGlobal('location', location);
     const respond = answer(201, { link: `/?session=demo#invite=${TOKEN}` });
     expect(await makeInvitation('demo', 'watcher', 24)).toBe(
       `https://kerf.example/?session=demo#invite=${TOKEN}`,

@@ -20,8 +20,8 @@ function openSocket(url: string, protocol: string): Socket {
 function join(
   port: number,
   session: string,
-  probe: () => Promise<string | null> = () => Promise.resolve(null),
-  follow: (redirect: string) => boolean = () => false,
+  probe: LinkOptions['probe'] = () => Promise.resolve({}),
+  reloadAt: LinkOptions['reloadAt'] = () => false,
   firstRetryMs = 5,
   name = 'Tester',
   open: LinkOptions['open'] = openSocket,
@@ -31,6 +31,7 @@ function join(
   const reasons: string[] = [];
   const applied: bigint[] = [];
   const names: string[] = [];
+  const servers: string[] = [];
   const link = new ViewLink(
     {
       url: `ws://127.0.0.1:${port}/v1/sessions/${session}/view`,
@@ -38,12 +39,13 @@ function join(
       open,
       probe,
       look: () => (model.welcome ? CAMERA : null),
-      follow,
+      reloadAt,
       nowMs: () => performance.now(),
       backoff: new Backoff(firstRetryMs, 4 * firstRetryMs),
     },
     {
       greeted: () => undefined,
+      served: (origin) => servers.push(origin),
       renamed: (accepted) => names.push(accepted),
       pinged: () => undefined,
       status: (status, reason) => {
@@ -62,7 +64,7 @@ function join(
     },
   );
   link.start();
-  return { link, model, statuses, reasons, applied, names };
+  return { link, model, statuses, reasons, applied, names, servers };
 }
 
 describe('view link', () => {
@@ -240,7 +242,7 @@ describe('view link', () => {
 
   it('stops with the reason if the session does not exist', async () => {
     const { model } = join(server.port, 'nowhere', () =>
-      Promise.resolve('There is no session “nowhere” on this server.'),
+      Promise.resolve({ final: 'There is no session “nowhere” on this server.' }),
     );
     await vi.waitFor(() => expect(model.status).toBe('stopped'), soon);
     expect(model.statusReason).toContain('nowhere');
@@ -285,56 +287,6 @@ describe('view link', () => {
       ws.close(1001);
     }
     await vi.waitFor(() => expect(reasons).toContain('The server is going down.'), soon);
-    link.stop();
-  });
-
-  it('follows a bye to the next server once the first one is gone', async () => {
-    const followed: string[] = [];
-    const follow = (redirect: string): boolean => followed.push(redirect) > 0;
-    const { link, model, statuses } = join(server.port, 'demo', undefined, follow);
-    const count = (): number => statuses.filter((status) => status === 'connected').length;
-    const drain = (): void => {
-      for (const { ws } of server.viewers) {
-        ws.send(JSON.stringify({ type: 'bye', reason: 'Moving.', redirect: 'http://next:1' }));
-        ws.close(1001);
-      }
-    };
-    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
-    drain();
-    // A server at the old address has the session: nothing to follow.
-    await vi.waitFor(() => expect(count()).toBe(2), soon);
-    expect(followed).toEqual([]);
-    drain();
-    void server.close();
-    await vi.waitFor(() => expect(followed).toEqual(['http://next:1']), soon);
-    const tried = statuses.length;
-    await new Promise((resolve) => setTimeout(resolve, 100));
-    expect(statuses).toHaveLength(tried); // the page leaves: no more attempts
-    link.stop();
-  });
-
-  it('goes to another server that the welcome names once its own is gone', async () => {
-    const followed: string[] = [];
-    const follow = (redirect: string): boolean => followed.push(redirect) > 0;
-    server.others = ['http://other:1', 'http://third:1'];
-    const { link, model, statuses } = join(server.port, 'demo', undefined, follow);
-    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
-    server.dropViewers();
-    const count = (): number => statuses.filter((status) => status === 'connected').length;
-    await vi.waitFor(() => expect(count()).toBe(2), soon);
-    expect(followed).toEqual([]);
-    server.dropViewers();
-    void server.close();
-    await vi.waitFor(() => expect(followed).toEqual(['http://other:1']), soon);
-    link.stop();
-  });
-
-  it('follows a server that says bye to each connection, instead of a welcome', async () => {
-    const followed: string[] = [];
-    const follow = (redirect: string): boolean => followed.push(redirect) > 0;
-    server.redirect = 'http://owner:1';
-    const { link } = join(server.port, 'demo', undefined, follow);
-    await vi.waitFor(() => expect(followed).toEqual(['http://owner:1']), soon);
     link.stop();
   });
 

@@ -41,16 +41,17 @@ function join() {
   const none = (): undefined => undefined;
   const link = new ViewLink(
     {
-      url: '',
+      url: 'ws://host/v1/sessions/demo/view',
       name: 'Tester',
       open: () => socket,
-      probe: () => Promise.resolve(null),
+      probe: () => Promise.resolve({}),
       look: () => null,
-      follow: () => false,
+      reloadAt: () => false,
       nowMs: () => 0,
     },
     {
       greeted: none,
+      served: none,
       renamed: none,
       pinged: none,
       status: none,

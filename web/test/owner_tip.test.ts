@@ -3,7 +3,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { SessionModel } from '../src/model/session';
 import { Authors } from '../src/ui/authors';
 import { OwnerTip } from '../src/ui/inspect/owner_tip';
-import type { Vec3 } from '../src/wire/types';
+import type { ParticipantInfo, Vec3 } from '../src/wire/types';
 import { FakeElement, stubPage } from './support/fake_dom';
 
 const CUT = { record: 12, stroke: 9, participant: 2, tool: 1, begin_ms: 1e12, program: null };
@@ -12,6 +12,7 @@ const AUTHORS = { authors: [{ participant: 2, name: 'Ada', color: '#d9541e', kin
 describe('the tip that tells who cut a place', () => {
   let parent: FakeElement;
   let tip: OwnerTip;
+  let model: SessionModel;
   let asked: string[];
   let cut: unknown;
   let status: number;
@@ -31,7 +32,7 @@ describe('the tip that tells who cut a place', () => {
       const body = status === 200 ? answer : { error: { reason: 'the server is busy' } };
       return Promise.resolve({ ok: status === 200, status, json: () => Promise.resolve(body) });
     });
-    const model = new SessionModel();
+    model = new SessionModel();
     tip = new OwnerTip({
       model,
       session: 'demo',
@@ -79,6 +80,23 @@ describe('the tip that tells who cut a place', () => {
     expect(shown()).toContain('first.ngcno tool · line 6 · ');
   });
 
+  it('names the stroke of a program whose line is not known', async () => {
+    cut = { ...CUT, program: { id: 1, name: 'first.ngc', line: 0 } };
+    tip.update('1', 'still', 0);
+    await rest(30, 40);
+    expect(shown()).toContain('first.ngcno tool · stroke from record 9 · ');
+  });
+
+  it('asks for names once, and takes those of who is there now', async () => {
+    tip.update('1', 'still', 0);
+    await rest(30, 40);
+    const info = { participant: 2, name: 'Ada L.', color: '#d9541e', tool: 1, kind: 'agent' };
+    model.participants.setList([info] as ParticipantInfo[]);
+    await rest(90, 40, 1000);
+    expect(shown()).toContain('Ada L.');
+    expect(asked.filter((what) => what === 'authors')).toHaveLength(1);
+  });
+
   it('says that nobody has cut there, without a color', async () => {
     cut = null;
     tip.update('1', 'still', 0);
@@ -116,9 +134,32 @@ describe('the tip that tells who cut a place', () => {
     expect(shown()).toContain('Ada');
     tip.update('1', 'turned', 1300);
     expect(shown()).toBe('');
+    tip.update('1', 'turned', 1500); // at rest again
+    await settled();
+    expect(shown()).toContain('Ada');
     tip.move(10, 10, 2000);
     tip.update('1', 'turned', 2200);
     tip.leave();
+    await settled();
+    expect(shown()).toBe('');
+  });
+
+  it('says no error of a place that the pointer has left', async () => {
+    status = 503;
+    tip.update('1', 'still', 0);
+    tip.move(30, 40, 0);
+    tip.update('1', 'still', 200);
+    tip.leave();
+    await settled();
+    expect(asked).toHaveLength(1);
+    expect(shown()).toBe('');
+  });
+
+  it('goes where the block is cut away under the pointer', async () => {
+    tip.update('1', 'still', 0);
+    await rest(30, 40);
+    isOverBlock = false;
+    tip.update('2', 'still', 2000);
     await settled();
     expect(shown()).toBe('');
   });

@@ -21,13 +21,19 @@ describe('strokes', () => {
     const strokes = [stroke(1, 3), { id: 'two' }, null, stroke(9, 4, true)];
     const fetched = answer(200, { strokes });
     expect(await listStrokes('a b', 7)).toEqual([stroke(1, 3), stroke(9, 4, true)]);
-    expect(fetched).toHaveBeenCalledWith('/v1/sessions/a%20b/strokes?since=7', { method: 'GET' });
+    expect(fetched).toHaveBeenCalledWith('/v1/sessions/a%20b/strokes?since=7', {
+      credentials: 'include',
+      method: 'GET',
+    });
   });
 
   it('are changed one by one, and a failure has the reason of the server', async () => {
     const fetched = answer(200, { strokes: [9] });
     await changeStroke('demo', 'undo', 9);
-    expect(fetched).toHaveBeenCalledWith('/v1/sessions/demo/undo?strokes=9', { method: 'POST' });
+    expect(fetched).toHaveBeenCalledWith('/v1/sessions/demo/undo?strokes=9', {
+      credentials: 'include',
+      method: 'POST',
+    });
     answer(409, { error: { code: 'bad_stroke', reason: 'stroke 9 is undone already' } });
     await expect(changeStroke('demo', 'undo', 9)).rejects.toThrow('stroke 9 is undone already');
     answer(502, 'no JSON object');

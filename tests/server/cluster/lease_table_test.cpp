@@ -110,6 +110,16 @@ TEST_F(LeaseTableTest, ServersCountThatHaveStatedThemselvesLately) {
   EXPECT_TRUE(table_.others(6 * kSecond).empty());
 }
 
+TEST_F(LeaseTableTest, PagesOfAServerThatIsGoneGoOnForADay) {
+  table_.note("a", {.run = "a's run", .address = "http://a"}, 0);
+  table_.note("b", {.run = "b's run", .address = "http://b"}, 0);
+  table_.note("b", {.run = "b's run", .address = ""}, kSecond);  // it stops
+  EXPECT_EQ(table_.page_servers(kPageLifeNs - 1), Ids{"http://b"});
+  EXPECT_EQ(table_.page_servers(kPageLifeNs), Ids());
+  table_.note("b", {.run = "another", .address = "http://b:81"}, 2 * kSecond);
+  EXPECT_EQ(table_.page_servers(3 * kSecond), (Ids{"http://b", "http://b:81"}));
+}
+
 TEST_F(LeaseTableTest, AServerThatOnlyFollowsIsThereAndGetsNoSessions) {
   const NodeNote note{.run = "b's run", .address = "http://b", .only_follows = true};
   EXPECT_TRUE(decode_node(encode_node(note))->only_follows);

@@ -2,6 +2,8 @@
 // HTTP requests of the viewer: the list of sessions, and whether a session exists.
 
 import { t } from '../strings';
+import { isForbidden } from './forbidden';
+import { noAnswer, request } from './request';
 
 export interface SessionSummary {
   id: string;
@@ -47,11 +49,10 @@ function summaryOf(value: unknown): SessionSummary | null {
  * user.
  */
 export async function listSessions(): Promise<SessionSummary[]> {
-  const response = await fetch('/v1/sessions', { headers: { accept: 'application/json' } }).catch(
-    () => {
-      throw new Error(t('The server did not answer.'));
-    },
-  );
+  const headers = { accept: 'application/json' };
+  const response = await request('/v1/sessions', { headers }).catch(() => {
+    throw new Error(noAnswer());
+  });
   if (response.status === 401) throw new InvitationNeeded();
   if (!response.ok)
     throw new Error(t('The server answered {0} {1}.', response.status, response.statusText));
@@ -64,16 +65,31 @@ export async function listSessions(): Promise<SessionSummary[]> {
   return list.map(summaryOf).filter((summary) => summary !== null);
 }
 
-/**
- * Returns why a session can never be joined, as a sentence for the user; null if a retry may
- * succeed.
- */
-export async function probeSession(id: string): Promise<string | null> {
-  try {
-    const response = await fetch(`/v1/sessions/${encodeURIComponent(id)}`);
-    if (response.status === 401) return INVITATION_NEEDED;
-    return response.status === 404 ? t('There is no session “{0}” on this server.', id) : null;
-  } catch {
-    return null; // the server is unreachable, perhaps only for now
-  }
+/** What is known of a server that does not let the page join a session. */
+export interface Rejection {
+  /** Why nothing else can be tried: a sentence for the user. Missing: a retry may succeed. */
+  final?: string;
+  /** Whether only a page of that server itself may be let in, with a pass that it has. */
+  isForItsPage?: boolean;
+}
+
+/** Whether a server answers, though the browser hides what from this page. */
+async function hidesAnswers(address: string): Promise<boolean> {
+  return fetch(address, { mode: 'no-cors' }).then(
+    () => true,
+    () => false, // unreachable, perhaps only for now
+  );
+}
+
+/** Asks the server with this origin why it does not let the page join a session. */
+export async function probeSession(id: string, server: string): Promise<Rejection> {
+  const address = `${server}/v1/sessions/${encodeURIComponent(id)}`;
+  const isOwn = server === location.origin;
+  const response = await fetch(address, { credentials: 'include' }).catch(() => null);
+  if (response?.status === 404)
+    return { final: t('There is no session “{0}” on this server.', id) };
+  if (response?.status === 401)
+    return isOwn ? { final: INVITATION_NEEDED } : { isForItsPage: true };
+  if (response || isOwn) return {};
+  return { isForItsPage: isForbidden(server) || (await hidesAnswers(address)) };
 }

@@ -3,6 +3,7 @@
 // a cookie that scripts cannot read, so that no token stays in the page.
 
 import { t } from '../strings';
+import { noAnswer, pageAddress, request } from './request';
 
 export type InvitedRole = 'watcher' | 'sculptor' | 'owner';
 
@@ -39,11 +40,11 @@ export async function redeemInvitation(
   name: string,
 ): Promise<string | null> {
   const address = `${pathOf(session, 'join')}?name=${encodeURIComponent(name)}`;
-  const response = await fetch(address, {
+  const response = await request(address, {
     method: 'POST',
     headers: { authorization: `Bearer ${token}` },
   }).catch(() => null);
-  if (!response) return t('The server did not answer.');
+  if (!response) return noAnswer();
   return response.ok ? null : reasonOf(response);
 }
 
@@ -57,11 +58,11 @@ export async function makeInvitation(
   hours: number,
 ): Promise<string> {
   const address = `${pathOf(session, 'invitations')}?role=${role}&hours=${hours}`;
-  const response = await fetch(address, { method: 'POST' }).catch(() => {
-    throw new Error(t('The server did not answer.'));
+  const response = await request(address, { method: 'POST' }).catch(() => {
+    throw new Error(noAnswer());
   });
   if (!response.ok) throw new Error(await reasonOf(response));
   const body = (await response.json()) as { link?: unknown };
   if (typeof body.link !== 'string') throw new Error(t('The server sent no link.'));
-  return new URL(body.link, location.href).href;
+  return new URL(body.link, pageAddress()).href;
 }

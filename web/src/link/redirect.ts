@@ -18,9 +18,9 @@ export function redirectTarget(page: string, redirect: string): string | null {
   return `${to.origin}${from.pathname}${from.search}`;
 }
 
-/** Loads the page of the server that is named; false: it may not be followed. */
-export function followTo(redirect: string): boolean {
-  const target = redirectTarget(location.href, redirect);
+/** Loads the page of another server instead of this one; false: it may not be followed. */
+export function reloadAt(server: string): boolean {
+  const target = redirectTarget(location.href, server);
   if (target !== null) location.assign(target);
   return target !== null;
 }

@@ -2,6 +2,7 @@
 // Errors of the server's HTTP interface.
 
 import { t } from '../strings';
+import { noAnswer, request } from './request';
 
 /** Why the server rejected a request: one sentence, and the place of the fault if it has one. */
 export class ServerError extends Error {
@@ -48,9 +49,9 @@ export async function ask(
   body: BodyInit | null = null,
   signal: AbortSignal | null = null,
 ): Promise<Response> {
-  const response = await fetch(path, { method, body, signal }).catch((problem: unknown) => {
+  const response = await request(path, { method, body, signal }).catch((problem: unknown) => {
     if (signal?.aborted) throw problem;
-    throw new ServerError(t('The server did not answer.'));
+    throw new ServerError(noAnswer());
   });
   if (!response.ok) throw await errorOf(response);
   return response;

@@ -24,6 +24,11 @@ export class Servers {
     return this.urls_[this.at_]!;
   }
 
+  /** The origin of the server at which that is. */
+  get server(): string {
+    return new URL(this.url.replace(/^ws/, 'http')).origin;
+  }
+
   /** The server has accepted the connection, and names others. */
   welcomed(others: readonly string[]): void {
     const { url } = this;

@@ -3,6 +3,7 @@
 
 import { t } from '../strings';
 import { pathOf } from './address';
+import { noAnswer, request } from './request';
 
 /** An uninterrupted series of motions of one participant. */
 export interface Stroke {
@@ -30,8 +31,8 @@ async function reasonOf(response: Response): Promise<string> {
 }
 
 async function answerOf(path: string, method: string): Promise<Response> {
-  const response = await fetch(path, { method }).catch(() => {
-    throw new Error(t('The server did not answer.'));
+  const response = await request(path, { method }).catch(() => {
+    throw new Error(noAnswer());
   });
   if (!response.ok) throw new Error(await reasonOf(response));
   return response;

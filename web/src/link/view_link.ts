@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The viewer's connection to one session: sends hello, delivers typed events, acknowledges each
 // mesh frame after it was applied (the acknowledgement is the credit for the next one), measures
-// the round trip, and reconnects after a loss.
+// the round trip, and reconnects after a loss, also at another server.
 
 import { t } from '../strings';
 import { decodeFrame } from '../wire/decode';
@@ -18,8 +18,10 @@ import type {
   ServerMessage,
   ToolState,
 } from '../wire/types';
+import type { Rejection } from './api';
 import { Backoff } from './backoff';
 import { helloText } from './early_socket';
+import { Servers } from './servers';
 import { Silence } from './silence';
 
 export type LinkStatus = 'connecting' | 'connected' | 'reconnecting' | 'stopped';
@@ -27,6 +29,8 @@ export type LinkStatus = 'connecting' | 'connected' | 'reconnecting' | 'stopped'
 export interface LinkEvents {
   /** The hello was sent. */
   greeted(): void;
+  /** The server with this origin lets the viewer in. The welcome follows. */
+  served(server: string): void;
   /** The server has welcomed the viewer under a name given to rename(), cut to its limit. */
   renamed(name: string): void;
   /** The status changed; `reason` is a sentence for the user, empty if there is no problem. */
@@ -61,31 +65,29 @@ export interface Socket {
 }
 
 export interface LinkOptions {
+  /** At the server that the page comes from; that one may send it on to another. */
   url: string;
   /** Under which the viewer joins, cut to what the server takes; rename() changes it. */
   name: string;
   open(url: string, protocol: string): Socket;
-  /**
-   * Queries over HTTP why no connection can be made. A string stops the link and is shown to the
-   * user; null retries.
-   */
-  probe(): Promise<string | null>;
+  /** Queries over HTTP why the server with this origin does not let the viewer in. */
+  probe(server: string): Promise<Rejection>;
   /**
    * The camera, once the block has been seen. It stands in the hello, so that the first snapshot
    * has the right levels of detail. Before, null: a look follows the welcome.
    */
   look(): Look | null;
   /**
-   * Goes to the server that continues the session, once this one no longer answers. False: it may
-   * not be followed, and the link retries here.
+   * Leaves this page for that of a server which lets in only its own, when no other one does. False:
+   * it may not be followed, and the link goes on trying.
    */
-  follow(redirect: string): boolean;
+  reloadAt(server: string): boolean;
   nowMs(): number;
   backoff?: Backoff;
 }
 
-/** After so many failed connections a server that named its successor counts as gone. */
-const ATTEMPTS_BEFORE_FOLLOWING = 3;
+/** Connections that are not accepted before the page is left for that of another server. */
+const ATTEMPTS_BEFORE_RELOADING = 3;
 const PING_EVERY_MS = 2000;
 
 export class ViewLink {
@@ -95,8 +97,9 @@ export class ViewLink {
   private epoch_ = 0;
   private sequence_ = 0n;
   private readonly silence_ = new Silence(PING_EVERY_MS);
-  private byeReason_ = '';
-  private redirect_ = ''; // named by the last bye; after a welcome, another server, if there is one
+  private readonly servers_: Servers;
+  private bye_ = { reason: '', redirect: '' };
+  private forItsPage_: string | null = null; // the server that lets in only pages of its own
   private failures_ = 0; // connections since the last welcome that were not accepted
   private welcomed_ = false;
   private blocks_ = 0; // counts welcomes: each begins another block
@@ -113,6 +116,7 @@ export class ViewLink {
     private readonly events: LinkEvents,
   ) {
     this.backoff_ = options.backoff ?? new Backoff();
+    this.servers_ = new Servers(options.url);
     this.name_ = nameThatFits(options.name);
   }
 
@@ -177,10 +181,10 @@ export class ViewLink {
     const generation = ++this.generation_;
     this.welcomed_ = false;
     this.retryAtMs_ = null;
-    this.byeReason_ = '';
+    this.bye_ = { reason: '', redirect: '' };
     this.silence_.begin(this.options.nowMs());
     this.events.status(status, reason);
-    const socket = this.options.open(this.options.url, VIEW_PROTOCOL);
+    const socket = this.options.open(this.servers_.url, VIEW_PROTOCOL);
     socket.binaryType = 'arraybuffer';
     this.socket_ = socket;
     const current = (): boolean => generation === this.generation_ && !this.stopped_;
@@ -195,7 +199,7 @@ export class ViewLink {
     socket.onclose = (event) => {
       if (current())
         void this.lost_(
-          this.byeReason_ || event.reason || t('The connection to the server was lost.'),
+          this.bye_.reason || event.reason || t('The connection to the server was lost.'),
         );
     };
     socket.onerror = () => {
@@ -213,22 +217,33 @@ export class ViewLink {
   }
 
   private async lost_(reason: string): Promise<void> {
+    const { server } = this.servers_;
+    const isNamed = this.servers_.lost(this.bye_.redirect, this.welcomed_);
     this.drop_();
+    if (isNamed) {
+      this.connect_('reconnecting', reason);
+      return;
+    }
     const generation = this.generation_;
     this.events.status('reconnecting', reason);
-    if (this.redirect_ !== '' && ++this.failures_ > ATTEMPTS_BEFORE_FOLLOWING) {
-      if (this.options.follow(this.redirect_)) return;
-      this.redirect_ = '';
-    }
-    const final = await this.options.probe();
+    const { final, isForItsPage } = await this.options.probe(server);
     if (this.stopped_ || generation !== this.generation_) return;
-    if (final !== null) {
+    if (final !== undefined) {
       this.stop(final);
       return;
     }
+    if (isForItsPage) this.forItsPage_ = server;
+    if (this.leaves_()) return;
     const delayMs = this.backoff_.next();
     this.retryAtMs_ = this.options.nowMs() + delayMs;
     this.retryTimer_ = setTimeout(() => this.connect_('reconnecting', reason), delayMs);
+  }
+
+  /** Loads the page of another server if nothing else is left. */
+  private leaves_(): boolean {
+    this.failures_ += 1;
+    if (this.forItsPage_ === null || this.failures_ <= ATTEMPTS_BEFORE_RELOADING) return false;
+    return this.options.reloadAt(this.forItsPage_);
   }
 
   private tick_(): void {
@@ -282,21 +297,21 @@ export class ViewLink {
     if (message.type === 'welcome') {
       this.welcomed_ = true;
       this.blocks_ += 1;
-      this.redirect_ = message.others?.[0] ?? '';
+      this.servers_.welcomed(message.others ?? []);
+      this.forItsPage_ = null;
       this.failures_ = 0;
       this.epoch_ = message.epoch;
       this.backoff_.reset();
       if (this.chosen_ !== null) this.events.renamed(this.chosen_);
       this.chosen_ = null;
+      this.events.served(this.servers_.server);
       this.events.message(message);
       this.events.status('connected', '');
       this.tick_();
       return;
     }
-    if (message.type === 'bye') {
-      this.byeReason_ = message.reason;
-      this.redirect_ = message.redirect ?? '';
-    }
+    if (message.type === 'bye')
+      this.bye_ = { reason: message.reason, redirect: message.redirect ?? '' };
     this.events.message(message);
     if (message.type !== 'error' || !message.fatal) return;
     // Retry after errors that may pass, such as a late hello or a full server; only a missing

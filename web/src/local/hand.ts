@@ -54,6 +54,11 @@ export class LocalHand {
     return this.switch_.isActive();
   }
 
+  /** Whether a tool is in the hand, in the page or in a headset. */
+  get hasTool(): boolean {
+    return this.isActive || this.switch_.vr() !== null;
+  }
+
   /** Whether another block may take the place of this one: strokes that are in no file would go. */
   mayGo(): boolean {
     const question = t('The last strokes by hand are in no KERF file. Go on without them?');

@@ -89,6 +89,11 @@ export class LocalPage {
         this.path_?.markLine(line);
       },
       materialChosen: (preset) => this.picture_.setMaterial(preset),
+      capMouse: {
+        rig: () => this.rig_,
+        isBusy: () => this.hand_.hasTool,
+        say: (text) => this.panel_.showError(text, null),
+      },
       layoutChanged: () => this.resize_(),
     });
     this.start_ = startCard({
@@ -301,13 +306,8 @@ export class LocalPage {
     this.path_?.reach(progress.carved, about.motions, progress.line);
   }
 
-  private carved_({
-    progress,
-    tiles,
-    hash,
-    rate,
-    carvingMs,
-  }: FromWorker & { type: 'carved' }): void {
+  private carved_(message: FromWorker & { type: 'carved' }): void {
+    const { progress, tiles, hash, rate, carvingMs } = message;
     this.moved_(progress.carved);
     const { about_: about } = this;
     if (!about) return;

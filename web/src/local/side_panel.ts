@@ -5,6 +5,8 @@
 import { t } from '../strings';
 import '../ui/style/programs.css';
 import type { StockMaterialPreset } from '../model/materials';
+import { capMouse } from '../ui/cap_mouse';
+import type { CapMouseHost } from '../ui/cap_mouse';
 import { h, setText } from '../ui/dom';
 import { Figure, section } from '../ui/figures';
 import { count, figure, volume } from '../ui/format';
@@ -30,6 +32,8 @@ export interface SideActions {
   save: () => void;
   linePressed: (line: number) => void;
   materialChosen: (preset: StockMaterialPreset) => void;
+  /** What a 3D mouse moves. */
+  capMouse: CapMouseHost;
   layoutChanged: () => void;
 }
 
@@ -138,7 +142,7 @@ export class SidePanel {
           this.took_,
           this.stored_,
         ),
-        languageChoice(),
+        h('div', { class: 'preferences' }, languageChoice(), capMouse(actions.capMouse) ?? ''),
       ),
     );
     this.handle_.addEventListener('click', () => this.toggle_());

@@ -47,3 +47,9 @@ export function iconButton(
 export function setText(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
+
+/** Copies a text; calls `done` when it is copied. On plain HTTP pages may not, and nothing happens. */
+export function copyText(text: string, done: () => void): void {
+  const clipboard = navigator.clipboard as Clipboard | undefined;
+  void clipboard?.writeText(text).then(done);
+}

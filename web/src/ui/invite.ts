@@ -4,7 +4,7 @@
 import { language, t } from '../strings';
 import { makeInvitation } from '../link/invitation';
 import type { InvitedRole } from '../link/invitation';
-import { h, setText } from './dom';
+import { copyText, h, setText } from './dom';
 import { sentence } from './format';
 
 const ROLES: readonly [InvitedRole, string, string][] = [
@@ -67,10 +67,7 @@ export function inviteDialog(session: string): HTMLDialogElement {
         const end = t('It works until {0}', untilText(Number(time.value)));
         setText(note, t('Anyone with this link gets the role. {0}. It is shown only here.', end));
         showCode(code, address).catch((problem: unknown) => console.warn('No QR code:', problem));
-        const clipboard = navigator.clipboard as Clipboard | undefined; // undefined on plain HTTP
-        void clipboard
-          ?.writeText(address)
-          .then(() => setText(note, t('Copied. Send it to the person. {0}.', end)));
+        copyText(address, () => setText(note, t('Copied. Send it to the person. {0}.', end)));
       },
       (problem: unknown) => setText(note, sentence((problem as Error).message)),
     );

@@ -5,7 +5,8 @@ import { language, LANGUAGES, t } from '../strings';
 import { remember } from '../strings/memory';
 import { h } from './dom';
 
-export function languageChoice(): HTMLElement {
+/** @param reload loads the page again: texts are chosen once */
+export function languageChoice(reload = (): void => location.reload()): HTMLElement {
   const select = h(
     'select',
     { class: 'language', 'aria-label': t('Language') },
@@ -14,7 +15,7 @@ export function languageChoice(): HTMLElement {
   select.value = language;
   select.addEventListener('change', () => {
     remember('language', select.value);
-    location.reload(); // texts are chosen once
+    reload();
   });
   return select;
 }

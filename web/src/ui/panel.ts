@@ -2,6 +2,7 @@
 // The side panel (a bottom sheet on phones): figures, participants, plots, downloads, material.
 
 import { t } from '../strings';
+import { pageAddress } from '../link/request';
 import type { StockMaterialPreset } from '../model/materials';
 import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
@@ -96,7 +97,7 @@ export class Panel {
         h(
           'div',
           { class: 'preferences' },
-          languageChoice(),
+          languageChoice(() => location.assign(pageAddress())),
           navigationChoice(actions.navigationChosen),
           capMouse(actions.capMouse) ?? '',
         ),

@@ -7,7 +7,8 @@ import type { CarveSwitch } from '../carve/mount';
 import { socketUrl } from '../link/address';
 import { probeSession } from '../link/api';
 import { openView } from '../link/early_socket';
-import { followTo } from '../link/redirect';
+import { reloadAt } from '../link/redirect';
+import { notLoaded, pageAddress, useServer } from '../link/request';
 import { ViewLink } from '../link/view_link';
 import { wrenchColors } from '../model/arrow_scale';
 import { BEAT_MS } from '../model/liveness';
@@ -18,7 +19,7 @@ import type { SoundLevels } from '../model/sound';
 import type { CameraRig } from '../view/camera_rig';
 import { mark, marks } from '../marks';
 import { ArrowScale } from './arrow_scale';
-import { h } from './dom';
+import { copyText, h } from './dom';
 import { sentence } from './format';
 import { helpDialog } from './help';
 import { insetsOf } from './insets';
@@ -127,10 +128,7 @@ export class SessionPage {
     this.inviteDialog_ = inviteDialog(session);
     this.toolbar_ = this.makeToolbar_();
     this.bar_ = new TitleBar(session, {
-      copyLink: () => {
-        const clipboard = navigator.clipboard as Clipboard | undefined; // undefined on plain HTTP
-        void clipboard?.writeText(location.href).then(() => this.flash_.say(t('Link copied.')));
-      },
+      copyLink: () => copyText(pageAddress(), () => this.flash_.say(t('Link copied.'))),
       invite: () => this.inviteDialog_.showModal(),
     });
     app.replaceChildren(
@@ -221,13 +219,14 @@ export class SessionPage {
         url: socketUrl(this.session, 'view'),
         name,
         open: openView,
-        probe: () => probeSession(this.session),
+        probe: (server) => probeSession(this.session, server),
         look: () => this.picture.look()?.look ?? null,
-        follow: followTo,
+        reloadAt,
         nowMs: () => performance.now(),
       },
       {
         greeted: () => mark('hello'),
+        served: useServer,
         renamed: (name) => remember('name', name),
         status: (status, reason) => {
           this.model.setStatus(status, reason);
@@ -303,6 +302,7 @@ export class SessionPage {
     listenToKeys(embedded ? withoutPanels(keys) : keys);
     window.addEventListener('resize', () => this.resize_());
     window.addEventListener('online', () => this.link_.retryNow());
+    window.addEventListener('vite:preloadError', () => this.flash_.say(notLoaded()));
     document.addEventListener('visibilitychange', () => {
       if (!document.hidden) this.link_.retryNow();
     });

@@ -4,6 +4,7 @@
 
 import { t } from '../strings';
 import { roleName } from '../strings/names';
+import { pageAddress } from '../link/request';
 import { headlineOf } from '../model/headline';
 import { Newcomers } from '../model/newcomers';
 import type { SessionModel } from '../model/session';
@@ -40,6 +41,7 @@ export class TitleBar {
       h('img', { src: './icon.svg', alt: '', width: '28', height: '28' }),
       h('span', { class: 'brand-name' }, 'Kerf'),
     );
+    home.addEventListener('click', () => home.setAttribute('href', pageAddress('?list')));
     this.element = h(
       'header',
       { class: 'bar' },

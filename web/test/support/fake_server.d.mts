@@ -4,8 +4,6 @@ export class FakeServer {
   readonly acks: bigint[];
   readonly hellos: string[];
   refusedName: string | null;
-  others: string[];
-  redirect: string | null;
   readonly lookMessages: unknown[];
   readonly firstLooks: unknown[];
   readonly viewers: Set<{

@@ -59,8 +59,6 @@ export class FakeServer {
     this.acks = [];
     this.hellos = [];
     this.refusedName = null; // refused like one that is too long
-    this.others = []; // the servers that the welcome names
-    this.redirect = null; // the server to which every viewer is sent
     this.lookMessages = [];
     this.firstLooks = [];
   }
@@ -151,13 +149,6 @@ export class FakeServer {
       viewer.ws.send(JSON.stringify({ type: 'error', code: 'too_large', reason, fatal: true }));
       return;
     }
-    if (this.redirect !== null) {
-      viewer.ws.send(
-        JSON.stringify({ type: 'bye', reason: 'Elsewhere.', redirect: this.redirect }),
-      );
-      viewer.ws.close(1001);
-      return;
-    }
     viewer.name = message.name;
     this.hellos.push(message.name);
     this.firstLooks.push(message.look);
@@ -180,7 +171,6 @@ export class FakeServer {
         },
         tools: TOOLS,
         participants: this.participants_(),
-        ...(this.others.length > 0 ? { others: this.others } : {}),
         grid: {
           origin_mm: [-half, -half, -this.block.heightMm],
           columns: [this.block.columns, this.block.columns],

@@ -5,6 +5,7 @@
 import { t } from '../../strings';
 import '../style/timeline.css';
 import { branch, deleteVersion, nameVersion, renameVersion } from '../../link/history';
+import { pageAddress } from '../../link/request';
 import { changeStroke } from '../../link/strokes';
 import type { Stroke, StrokeChange } from '../../link/strokes';
 import { Seeker } from '../../model/seeker';
@@ -274,7 +275,7 @@ export class Timeline {
   private async branch_(id: string): Promise<void> {
     try {
       const made = await branch(this.host.session, this.record_, id);
-      location.assign(`?session=${encodeURIComponent(made)}`);
+      location.assign(pageAddress(`?session=${encodeURIComponent(made)}`));
     } catch (problem) {
       this.tell_(problem);
     }

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { SidePanel } from '../../src/local/side_panel';
+import type { SideActions } from '../../src/local/side_panel';
+import type { FakeElement } from '../support/fake_dom';
+import { stubPage } from '../support/fake_dom';
+import { fakeMouse } from '../support/fake_space_mouse';
+
+describe('the panel of the page without a server', () => {
+  let frames: ((nowMs: number) => void)[];
+  let stored: Map<string, string>;
+
+  beforeEach(() => {
+    stubPage();
+    frames = [];
+    stored = new Map();
+    Object.assign(document, { hasFocus: () => true });
+    vi.stubGlobal('localStorage', {
+      getItem: (key: string) => stored.get(key) ?? null,
+      setItem: (key: string, value: string) => stored.set(key, value),
+    });
+    vi.stubGlobal('requestAnimationFrame', (act: (nowMs: number) => void) => frames.push(act));
+  });
+  afterEach(() => vi.unstubAllGlobals());
+
+  /** Makes a panel whose 3D mouse moves what is recorded in `moves`. */
+  function make(isBusy: () => boolean): { preferences: FakeElement; moves: string[] } {
+    const moves: string[] = [];
+    const note =
+      (name: string) =>
+      (...values: number[]): void => {
+        if (name === 'pan') moves.push(`${name} ${values.map((v) => v.toFixed(3)).join(' ')}`);
+      };
+    const rig = { orbit: note('orbit'), pan: note('pan'), zoom: note('zoom'), fit: note('fit') };
+    const capMouse = { rig: () => rig, isBusy, say: () => undefined };
+    const none = (): undefined => undefined;
+    const actions: SideActions = {
+      ...{ choose: none, remove: none, stop: none, seek: none, play: none, takeHome: none },
+      ...{ save: none, linePressed: none, materialChosen: none, layoutChanged: none },
+      capMouse,
+    };
+    const { element } = new SidePanel(actions);
+    return { preferences: (element as unknown as FakeElement).all('preferences')[0]!, moves };
+  }
+
+  function frame(nowMs: number): void {
+    for (const act of frames.splice(0)) act(nowMs);
+  }
+
+  it('has a 3D mouse move the picture, but not while a tool is in hand', async () => {
+    const mouse = fakeMouse();
+    vi.stubGlobal('navigator', { hid: mouse.hid, language: 'en' });
+    stored.set('kerf.space-mouse', 'block');
+    let isBusy = false;
+    const { preferences, moves } = make(() => isBusy);
+    const [button] = preferences.all('quiet-action');
+    expect(button!.textContent).toBe('3D mouse');
+    const isOn = (): void => expect(button!.getAttribute('aria-pressed')).toBe('true');
+    await vi.waitFor(isOn, { timeout: 30_000 });
+    frame(1000);
+    // Recorded: the cap of a SpaceMouse pushed to the right.
+    mouse.report(1, 0x5e, 0x01, 0x00, 0x00, 0x00, 0x00, 0, 0, 0, 0, 0, 0);
+    frame(1020);
+    isBusy = true;
+    frame(1040);
+    expect(moves.filter((move) => move !== 'pan 0.000 0.000')).toEqual(['pan -0.020 0.000']);
+  });
+
+  it('has no 3D mouse where the browser can have none', () => {
+    vi.stubGlobal('navigator', { language: 'en' });
+    expect(make(() => false).preferences.all('quiet-action')).toEqual([]);
+  });
+});
