@@ -38,6 +38,7 @@ function join(
       open,
       probe,
       look: () => (model.welcome ? CAMERA : null),
+      budget: 0,
       follow,
       nowMs: () => performance.now(),
       backoff: new Backoff(firstRetryMs, 4 * firstRetryMs),
@@ -78,7 +79,7 @@ describe('view link', () => {
   /** A connection to which hello was said. */
   async function greeted(): Promise<EarlySocket> {
     const url = `ws://127.0.0.1:${server.port}/v1/sessions/demo/view`;
-    const early = new EarlySocket(openSocket(url, VIEW_PROTOCOL), helloText('Early', null));
+    const early = new EarlySocket(openSocket(url, VIEW_PROTOCOL), helloText('Early', null, 0));
     await vi.waitFor(() => expect(server.hellos).toEqual(['Early']), soon);
     return early;
   }

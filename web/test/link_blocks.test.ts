@@ -46,6 +46,7 @@ function join() {
       open: () => socket,
       probe: () => Promise.resolve(null),
       look: () => null,
+      budget: 0,
       follow: () => false,
       nowMs: () => 0,
     },

@@ -75,6 +75,8 @@ export interface LinkOptions {
    * has the right levels of detail. Before, null: a look follows the welcome.
    */
   look(): Look | null;
+  /** Bytes of the surface per second that the server may send; 0: any; missing: the page's. */
+  budget?: number;
   /**
    * Goes to the server that continues the session, once this one no longer answers. False: it may
    * not be followed, and the link retries here.
@@ -186,7 +188,7 @@ export class ViewLink {
     const current = (): boolean => generation === this.generation_ && !this.stopped_;
     socket.onopen = () => {
       if (!current()) return;
-      if (!socket.isGreeted) socket.send(helloText(this.name_, this.options.look()));
+      if (!socket.isGreeted) socket.send(this.hello_());
       this.events.greeted();
     };
     socket.onmessage = (event) => {
@@ -203,6 +205,10 @@ export class ViewLink {
     };
     clearInterval(this.pingTimer_);
     this.pingTimer_ = setInterval(() => this.tick_(), PING_EVERY_MS);
+  }
+
+  private hello_(): string {
+    return helloText(this.name_, this.options.look(), this.options.budget);
   }
 
   private drop_(): void {
