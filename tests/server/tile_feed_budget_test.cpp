@@ -145,6 +145,24 @@ TEST_P(TileFeedBudgetTest, ATileThatChangesIsNeverOldWhateverTheBlockLacks) {
   EXPECT_LT(oldest_s, 1.0);
 }
 
+TEST_P(TileFeedBudgetTest, AChangeLeavesAtOnceWhileOthersComeToTheirLevel) {
+  Limited viewer(feed_, 200'000);
+  settle(viewer);
+  for (int n = 0; n < 8; ++n) cut();
+  // All are coarse, and some have come to their level since.
+  const auto coarse = [&] { return viewer.screen.levels()[1]; };
+  int most = 0;
+  for (int n = 0; n < 300 && coarse() >= most; ++n) {
+    most = std::max(most, coarse());
+    viewer.tick(now_ += kTick);
+  }
+  ASSERT_GT(coarse(), 0);
+  const std::size_t frames = viewer.sent.size();
+  cut();
+  viewer.tick(now_);
+  EXPECT_GT(viewer.sent.size(), frames);
+}
+
 TEST_P(TileFeedBudgetTest, ACoarseTileHasNoCracksToExactOnes) {
   Limited viewer(feed_, 100'000);
   settle(viewer);
