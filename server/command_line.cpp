@@ -29,6 +29,7 @@
 #include "server/maintenance.h"
 #include "server/rights/admin_token.h"
 #include "server/store/journal_file.h"
+#include "server/viewer_options.h"
 #include "server/wire/control.h"
 
 namespace kerf {
@@ -322,6 +323,7 @@ void describe_server(CLI::App& app, Words& line) {
           ""));
   describe_sites(app, line);
   describe_disk(app, line);
+  describe_viewers(app, line.server);
   describe_rights(app, line);
   describe_tls(app, line);
   describe_proxy(app, line);

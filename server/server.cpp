@@ -162,7 +162,8 @@ struct Server::Impl {
   Api api;
   IoThreads immediate, control, workers, exports;  ///< after `api`, which their work uses
   HubDirectory hubs;
-  PeerContext peers{options.session, metrics, hubs, udp, viewers, meshing, past};
+  PeerContext peers{options.session,       metrics, hubs,    udp,
+                    options.viewer_budget, viewers, meshing, past};
   HttpContext context{options.http, registry, metrics, api,  immediate,        control,
                       workers,      exports,  peers,   open, certificate.get()};
   tcp::acceptor acceptor;

@@ -41,6 +41,8 @@ struct ServerOptions {
   std::string drain_to;
   ReplicationOptions copies;
   ClusterOptions cluster;
+  /// Bytes of mesh frames per second that each viewer may be sent at most; 0: any.
+  std::uint32_t viewer_budget = 0;
   bool needs_copy = false;  ///< samples are durable when they are copied too
   /// PEM files of the certificate and its key; both empty: no TLS.
   std::filesystem::path tls_certificate, tls_key;

@@ -265,16 +265,18 @@ void ClusterNode::Impl::hand_over_lost() {
 void ClusterNode::Impl::follow_others() {
   if (!followers) return;
   std::vector<std::string> ids, taken;
+  std::int64_t known_ns = 0;
   {
     const std::lock_guard lock(mutex);
     if (holds || heard_ns == 0) return;
+    known_ns = boot_time_ns();
     taken.assign(taking.begin(), taking.end());
     for (const PlacedSession& session : table.elsewhere()) {
       if (!taking.contains(session.id)) ids.push_back(session.id);
     }
   }
   std::erase_if(ids, [&](const std::string& id) { return own.find(id).has_value(); });
-  followers->set_elsewhere(ids, taken);
+  followers->set_elsewhere(ids, taken, known_ns);
 }
 
 void ClusterNode::Impl::take_all(const std::stop_token& stop) {

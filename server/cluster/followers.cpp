@@ -93,6 +93,7 @@ bool Followers::want(const std::string& session) {
   auto [found, is_new] = followed_.try_emplace(session);
   Followed& one = found->second;
   one.wanted_ns = now;
+  if (is_new) one.begun_ns = now;
   if (is_new) one.follower = std::make_unique<CopyFollower>(nats_, registry_, session, node_);
   return one.follower != nullptr && one.follower->state() != CopyFollower::State::kFailed;
 }
@@ -105,7 +106,7 @@ bool Followers::is_following(const std::string& session) const {
 }
 
 void Followers::set_elsewhere(const std::vector<std::string>& sessions,
-                              const std::vector<std::string>& taken) {
+                              const std::vector<std::string>& taken, std::int64_t known_ns) {
   if (policy_ == Follow::kAll) {
     for (const std::string& id : sessions) (void)want(id);
   }
@@ -116,7 +117,8 @@ void Followers::set_elsewhere(const std::vector<std::string>& sessions,
   {
     const std::lock_guard lock(mutex_);
     for (auto one = followed_.begin(); one != followed_.end();) {
-      if (is_in(sessions, one->first) || is_in(taken, one->first)) {
+      const bool is_newer = one->second.begun_ns >= known_ns;
+      if (is_newer || is_in(sessions, one->first) || is_in(taken, one->first)) {
         ++one;
       } else {
         gone.emplace(one->first, std::move(one->second.follower));

@@ -53,10 +53,11 @@ class Followers {
   /// will be soon.
   bool want(const std::string& session);
   bool is_following(const std::string& session) const;
-  /// The sessions that other servers have, and those that this one is about to take: others are
-  /// followed no more.
+  /// The sessions that other servers have, and those that this one is about to take, as they were
+  /// known at the time `known_ns` (boot_time_ns): others are followed no more, unless they are
+  /// wanted since then only.
   void set_elsewhere(const std::vector<std::string>& sessions,
-                     const std::vector<std::string>& taken);
+                     const std::vector<std::string>& taken, std::int64_t known_ns);
   /// This server is about to run the session: its journal gets what the copy has, and a snapshot,
   /// and its viewers come again. Whether the journal has all of the copy; false if the session is
   /// not followed.
@@ -67,7 +68,8 @@ class Followers {
  private:
   struct Followed {
     std::unique_ptr<CopyFollower> follower;  ///< null: it has failed
-    std::int64_t wanted_ns = 0;              ///< when somebody wanted it last
+    std::int64_t begun_ns = 0;
+    std::int64_t wanted_ns = 0;  ///< when somebody wanted it last
     std::int64_t failed_ns = 0;
   };
   void run(const std::stop_token& stop);

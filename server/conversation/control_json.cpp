@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 constexpr double kEyeMaxMm = 1e6;
 constexpr const char* kMustBeBool = "must be true or false";
 
-Rejection bad_field(const char* field, const char* rule) {
+Rejection bad_field(const char* field, const std::string& rule) {
   return {wire::ErrorCode::kBadMessage, std::string("field \"") + field + "\" " + rule};
 }
 
@@ -97,6 +97,27 @@ std::expected<void, Rejection> read_look(const Json& object, HelloMessage& hello
   return {};
 }
 
+/// Reads the budget of a viewer; nothing if it is not stated.
+std::expected<std::optional<std::uint32_t>, Rejection> budget_of(const Json& object) {
+  const auto found = object.find("budget");
+  if (found == object.end()) return std::nullopt;
+  const auto budget = found->is_number_unsigned() ? found->get<std::uint64_t>() : 1;
+  if (budget != 0 && (budget < kBudgetMin || budget > kBudgetMax)) {
+    return std::unexpected(bad_field(
+        "budget", "must be 0 (none) or a whole number from " + std::to_string(kBudgetMin) + " to " +
+                      std::to_string(kBudgetMax) + " bytes per second"));
+  }
+  return static_cast<std::uint32_t>(budget);
+}
+
+std::expected<ControlMessage, Rejection> parse_look(const Json& object) {
+  const auto look = look_of(object);
+  if (!look) return std::unexpected(look.error());
+  const auto budget = budget_of(object);
+  if (!budget) return std::unexpected(budget.error());
+  return LookMessage{*look, *budget};
+}
+
 std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
   HelloMessage hello;
   auto name = text_field(object, "name");
@@ -120,6 +141,9 @@ std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
     hello.*field = found->get<bool>();
   }
   if (const auto look = read_look(object, hello); !look) return std::unexpected(look.error());
+  const auto budget = budget_of(object);
+  if (!budget) return std::unexpected(budget.error());
+  hello.budget = budget->value_or(0);
   auto resume = text_field(object, "resume");
   if (!resume) return std::unexpected(resume.error());
   hello.resume = *std::move(resume);
@@ -230,11 +254,7 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view frame) {
     if (!tool) return std::unexpected(tool.error());
     return ToolMessage{*tool};
   }
-  if (*type == wire::kTypeLook) {
-    const auto look = look_of(object);
-    if (!look) return std::unexpected(look.error());
-    return LookMessage{*look};
-  }
+  if (*type == wire::kTypeLook) return parse_look(object);
   if (*type == wire::kTypeSeek) return parse_seek(object);
   if (*type == wire::kTypeCamera) return parse_camera(object);
   if (*type == wire::kTypeStock) return StockMessage{};
@@ -268,7 +288,8 @@ std::string agent_welcome(const Session& session, const Admission& admission,
   return text(json);
 }
 
-std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster) {
+std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster,
+                           std::uint32_t budget) {
   Json json = welcome(session, self);
   const DexelGrid& grid = session.grid();
   if (!session.scene().name.empty()) json["name"] = session.scene().name;
@@ -277,6 +298,7 @@ std::string viewer_welcome(const Session& session, const Participant& self, cons
   json["grid"] = {{"origin_mm", {grid.origin_mm.x, grid.origin_mm.y, grid.origin_mm.z}},
                   {"columns", {grid.columns_x, grid.columns_y}},
                   {"tile", kTileSide}};
+  if (budget > 0) json["budget"] = budget;
   return text(json);
 }
 

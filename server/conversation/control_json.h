@@ -30,6 +30,7 @@ struct HelloMessage {
   bool repeat = false;        ///< viewer: understands nodes for several tiles
   bool look_follows = false;  ///< viewer: sends a look at once, which the first snapshot awaits
   std::optional<ViewerLook> look;  ///< viewer: where it looks from, if it knows
+  std::uint32_t budget = 0;        ///< viewer: bytes of mesh frames per second; 0: any
   bool durable = false;            ///< agent: keeps what is not durable and sends it again
   std::string resume;              ///< agent: token of the participant that it continues as
 };
@@ -39,6 +40,7 @@ struct ToolMessage {
 /// Finite; the eye at most 1000 m away, the angle from 0 to 1.
 struct LookMessage {
   ViewerLook look;
+  std::optional<std::uint32_t> budget;  ///< as in the hello; nothing: as before
 };
 /// Requests the block as it was after a record, and on from there.
 struct SeekMessage {
@@ -78,6 +80,8 @@ using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage, Seek
                                     CameraMessage, StockMessage, ChangeMessage>;
 /// Rates of a seek but 0.
 inline constexpr double kRateMin = 0.25, kRateMax = 64;
+/// Budgets of a viewer but 0, bytes per second.
+inline constexpr std::uint32_t kBudgetMin = 25'000, kBudgetMax = 1'000'000'000;
 
 /// Parses one text frame. Unknown fields are ignored. Errors are bad_json (not a JSON object) and
 /// bad_message (names the field).
@@ -85,7 +89,9 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view text);
 
 std::string agent_welcome(const Session& session, const Admission& admission,
                           const SessionLimits& limits, const datagram::Offer* udp = nullptr);
-std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster);
+/// `budget`: bytes of mesh frames per second; 0: any.
+std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster,
+                           std::uint32_t budget);
 /// The complete list, for viewers.
 std::string participants_message(const Roster& roster);
 /// The agents and programs, for agents.

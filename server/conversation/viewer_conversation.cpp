@@ -6,9 +6,16 @@
 namespace kerf::net {
 
 ViewerConversation::ViewerConversation(std::shared_ptr<Session> session, Metrics& metrics, Now now,
-                                       std::function<void()> wake, Caller caller)
-    : Conversation(std::move(session), metrics, std::move(now), std::move(wake),
-                   std::move(caller)) {}
+                                       std::function<void()> wake, Caller caller,
+                                       std::uint32_t budget_max)
+    : Conversation(std::move(session), metrics, std::move(now), std::move(wake), std::move(caller)),
+      budget_max_(budget_max),
+      budget_(budget_max) {}
+
+void ViewerConversation::set_budget(std::uint32_t stated) {
+  const bool is_bounded = budget_max_ > 0 && (stated == 0 || stated > budget_max_);
+  budget_ = is_bounded ? budget_max_ : stated;
+}
 
 std::optional<ViewerAction> ViewerConversation::take_action() {
   if (actions_.empty()) return std::nullopt;
@@ -21,6 +28,7 @@ void ViewerConversation::on_hello(const HelloMessage& hello) {
   takes_changes_ = hello.changes;
   first_look_ = {hello.look_follows, hello.look,
                  hello.repeat ? TileNodes::kRepeated : TileNodes::kSingle};
+  set_budget(hello.budget);
   JoinRequest request = join_request(ParticipantKind::kViewer, hello);
   request.feel = false;
   hello_waits_ = true;
@@ -32,7 +40,7 @@ void ViewerConversation::joined(const std::expected<Participant, Rejection>& sel
   hello_waits_ = false;
   if (self) {
     self_ = *self;
-    say(viewer_welcome(session(), *self_, roster));
+    say(viewer_welcome(session(), *self_, roster, budget_));
   } else {
     reject_hello(self.error());
   }
@@ -63,6 +71,10 @@ void ViewerConversation::on_control(const ControlMessage& message) {
   if (!looks_.allow(now_())) {
     return reject({wire::ErrorCode::kTooFast, "'look' is limited to 5 per second"});
   }
+  if (look->budget) {
+    set_budget(*look->budget);
+    actions_.emplace_back(ViewerBudget{budget_});
+  }
   actions_.emplace_back(look->look);
 }
 
@@ -81,7 +93,7 @@ void ViewerConversation::begin_again(const Roster& roster) {
   out_.drop_surface();
   meshes_before_ = meshes_;
   sent_state_.reset();
-  say(viewer_welcome(session(), *self_, roster));
+  say(viewer_welcome(session(), *self_, roster, budget_));
   wake();
 }
 

@@ -30,6 +30,11 @@ struct MeshAck {
   std::uint64_t sequence = 0;
 };
 
+/// The viewer's budget has changed: bytes of mesh frames per second; 0: any.
+struct ViewerBudget {
+  std::uint32_t bytes_per_s = 0;
+};
+
 /// How a viewer's first snapshot starts: from its first look if that is known or follows at once,
 /// otherwise with exact tiles. Tiles that were sent before a look would be sent twice.
 struct FirstLook {
@@ -39,8 +44,9 @@ struct FirstLook {
 };
 
 /// What a viewer's owner must do elsewhere: join the session on the session's executor and pass the
-/// result to joined(), forward a view or an ack to the TileFeed, seek, show its camera.
-using ViewerAction = std::variant<JoinRequest, ViewerLook, MeshAck, SeekMessage, CameraMessage>;
+/// result to joined(), forward a view, a budget or an ack to the TileFeed, seek, show its camera.
+using ViewerAction =
+    std::variant<JoinRequest, ViewerLook, ViewerBudget, MeshAck, SeekMessage, CameraMessage>;
 
 /// The server's side of one viewer's protocol. It lives on the viewers' thread, not on the
 /// session's executor, so a hello becomes an action and the answer waits for joined().
@@ -60,8 +66,10 @@ class ViewerConversation final : public Conversation {
   /// settled.
   static constexpr std::chrono::milliseconds kStateInterval{250};
 
+  /// `budget_max`: of the budgets of all viewers, bytes of mesh frames per second; 0: none.
   ViewerConversation(std::shared_ptr<Session> session, Metrics& metrics, Now now,
-                     std::function<void()> wake, Caller caller = Caller::local());
+                     std::function<void()> wake, Caller caller = Caller::local(),
+                     std::uint32_t budget_max = 0);
 
   /// The next action, in the order of the frames that caused them; nothing if there is none. Until
   /// the result of a JoinRequest is known, no further frame may be passed to receive().
@@ -75,6 +83,9 @@ class ViewerConversation final : public Conversation {
   const Participant& self() const { return *self_; }
   /// As the hello states it.
   const FirstLook& first_look() const { return first_look_; }
+  /// Bytes of mesh frames per second that the viewer may be sent: what it has stated, and at most
+  /// what all may have; 0: any.
+  std::uint32_t budget() const { return budget_; }
 
   /// From now on the viewer is sent the surface of another block, that of the past or that of the
   /// present: tiles and frames of the last one are dropped, and a welcome makes the viewer begin
@@ -107,6 +118,7 @@ class ViewerConversation final : public Conversation {
   void end() override {}
 
  private:
+  void set_budget(std::uint32_t stated);
   void on_hello(const HelloMessage& hello) override;
   void on_control(const ControlMessage& message) override;
   void on_message(const wire::Message& message, Clock::time_point arrived) override;
@@ -121,6 +133,8 @@ class ViewerConversation final : public Conversation {
   ViewerOutbox out_;
   std::deque<ViewerAction> actions_;
   FirstLook first_look_;
+  const std::uint32_t budget_max_;
+  std::uint32_t budget_;
   bool takes_changes_ = false;     ///< understands participants_changed
   bool has_participants_ = false;  ///< a list or a change has been sent since the welcome
   /// Mesh frames of the blocks before the present one, and all; a viewer sees one numbering.

@@ -10,13 +10,6 @@
 namespace kerf {
 namespace {
 
-/// Approximate sizes in a frame, for the byte budget: the JSON of a tile's mesh, and its node.
-constexpr std::size_t kMeshJsonBytes = 900, kNodeBytes = 200;
-/// A frame ends with the last of so many tiles meshed for it, which takes some 0.1 s: other viewers
-/// wait meanwhile, and tiles that share a mesh take hardly any bytes.
-constexpr std::uint64_t kMeshedMax = 200;
-/// Number of frames kept for other viewers in step.
-constexpr std::size_t kRecentFramesMax = 16;
 /// Number of encoded forms kept per tile, for viewers at different distances.
 constexpr std::size_t kFormsMax = 6;
 
@@ -36,12 +29,6 @@ std::uint64_t hash_of(const TileMesh& mesh) {
   for (const std::uint32_t index : mesh.indices) mix(index);
   for (const std::uint8_t original : mesh.original) mix(original);
   return hash;
-}
-
-std::uint64_t word_of(const TileDetail& detail) {
-  std::uint64_t word = detail.level;
-  for (const std::uint8_t side : detail.side) word = word << 8U | side;
-  return word;
 }
 
 }  // namespace
@@ -110,15 +97,18 @@ void TileFeed::take_update() {
   for (const TileIndex tile : tiles_that_read(grid, changed_columns(before, snapshot_, changed))) {
     const auto n = static_cast<std::uint32_t>(tile.y * grid.tiles_x() + tile.x);
     tiles_[n].stale = true;
+    if (meshed_ == n) meshed_.reset();
     for (auto& [id, viewer] : viewers_) viewer.queue_change(n);
   }
 }
 
-ViewerId TileFeed::add_viewer(const std::optional<ViewerLook>& look, TileNodes nodes) {
+ViewerId TileFeed::add_viewer(const std::optional<ViewerLook>& look, TileNodes nodes,
+                              std::uint32_t budget) {
   const std::scoped_lock lock(mutex_);
   take_update();
   Viewer viewer;
   viewer.nodes = nodes;
+  if (budget > 0) viewer.budget = ByteBudget(budget);
   viewer.sent_tiles.resize(tiles_.size());
   viewer.level.resize(tiles_.size());
   viewer.in_changed.resize(tiles_.size());
@@ -168,6 +158,20 @@ void TileFeed::look(ViewerId viewer_id, const ViewerLook& look) {
   }
 }
 
+void TileFeed::set_budget(ViewerId viewer_id, std::uint32_t bytes_per_s) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = viewers_.find(viewer_id);
+  if (found == viewers_.end()) return;
+  auto& budget = found->second.budget;
+  if (bytes_per_s == 0) {
+    budget.reset();
+  } else if (budget) {
+    budget->set_bytes_per_s(bytes_per_s);
+  } else {
+    budget = ByteBudget(bytes_per_s);
+  }
+}
+
 TileIndex TileFeed::index_of(std::uint32_t tile) const {
   const auto n = static_cast<std::int32_t>(tile);
   const std::int32_t tiles_x = snapshot_.grid().tiles_x();
@@ -197,6 +201,15 @@ TileDetail TileFeed::detail_of(const Viewer& viewer, std::uint32_t tile) const {
   return detail;
 }
 
+const TileMesh& TileFeed::mesh_of(std::uint32_t tile) {
+  if (meshed_ == tile) return mesh_;
+  mesh_ = mesh_tile(snapshot_, index_of(tile));
+  meshed_ = tile;
+  ++stats_.tiles_meshed;
+  stats_.triangles_meshed += mesh_.indices.size() / 3;
+  return mesh_;
+}
+
 TileFeed::SharedTile TileFeed::current(std::uint32_t tile, const TileDetail& detail) {
   CachedTile& cached = tiles_[tile];
   const auto known = [&]() -> SharedTile {
@@ -206,9 +219,7 @@ TileFeed::SharedTile TileFeed::current(std::uint32_t tile, const TileDetail& det
   if (!cached.stale) {
     if (auto encoded = known()) return encoded;
   }
-  const TileMesh mesh = mesh_tile(snapshot_, index_of(tile));
-  ++stats_.tiles_meshed;
-  stats_.triangles_meshed += mesh.indices.size() / 3;
+  const TileMesh& mesh = mesh_of(tile);
   if (std::exchange(cached.stale, false)) {
     const std::uint64_t hash = hash_of(mesh);
     if (cached.version > 0 && cached.mesh_hash == hash) {
@@ -227,77 +238,6 @@ TileFeed::SharedTile TileFeed::current(std::uint32_t tile, const TileDetail& det
   if (cached.forms.size() == kFormsMax) cached.forms.pop_front();
   cached.forms.push_back({detail, std::make_shared<const EncodedTile>(std::move(encoded))});
   return cached.forms.back().encoded;
-}
-
-void TileFeed::select_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes_max,
-                            Selection& selection) {
-  while (!queue.empty() && selection.bytes < bytes_max &&
-         (selection.tiles.empty() || stats_.tiles_meshed < selection.meshed_max)) {
-    const std::uint32_t tile = queue.pop();
-    if (&queue == &viewer.changed) viewer.in_changed[tile] = false;
-    const TileDetail detail = detail_of(viewer, tile);
-    auto encoded = current(tile, detail);
-    SentTile& sent = viewer.sent_tiles[tile];
-    if (sent.version == encoded->version && sent.detail == detail) continue;
-    sent = {encoded->version, detail};
-    selection.bytes += kNodeBytes;
-    if (selection.shapes.insert(encoded->shape_hash).second) {
-      selection.bytes += encoded->bytes() + kMeshJsonBytes;
-    }
-    selection.tiles.push_back({tile, {detail, std::move(encoded)}});
-  }
-}
-
-std::optional<FeedFrame> TileFeed::next_frame(ViewerId viewer_id) {
-  const std::scoped_lock lock(mutex_);
-  take_update();
-  const auto found = viewers_.find(viewer_id);
-  if (found == viewers_.end()) return std::nullopt;
-  Viewer& viewer = found->second;
-  if (viewer.sent - viewer.acked >= settings_.frames_in_flight_max) return std::nullopt;
-
-  const bool first_snapshot = !viewer.first.empty();
-  Selection selection;
-  // During the first snapshot, changes get at most half of a frame, so that neither starves the
-  // other.
-  const unsigned share = first_snapshot ? 2 : 1;
-  selection.meshed_max = stats_.tiles_meshed + kMeshedMax / share;
-  select_tiles(viewer, viewer.changed, settings_.frame_bytes_max / share, selection);
-  selection.meshed_max = stats_.tiles_meshed + kMeshedMax / share;
-  select_tiles(viewer, viewer.first, settings_.frame_bytes_max, selection);
-  if (selection.tiles.empty()) return std::nullopt;
-
-  FeedFrame frame;
-  if (first_snapshot) frame.flags |= kFirstSnapshot;
-  if (first_snapshot && viewer.first.empty()) frame.flags |= kFirstSnapshotEnd;
-  frame.sequence = ++viewer.sent;
-  frame.glb = compose(selection.tiles, viewer);
-  viewer.revision = revision_;
-  return frame;
-}
-
-std::shared_ptr<const std::vector<std::byte>> TileFeed::compose(const std::vector<Picked>& tiles,
-                                                                const Viewer& viewer) {
-  std::vector<std::uint64_t> key{viewer.revision, revision_, std::uint64_t(viewer.nodes)};
-  for (const auto& [tile, form] : tiles) {
-    key.push_back(std::uint64_t{tile} << 32U | form.encoded->version);
-    key.push_back(word_of(form.detail));
-  }
-  for (const ComposedFrame& recent : recent_) {
-    if (recent.key != key) continue;
-    ++stats_.frames_shared;
-    return recent.glb;
-  }
-  std::vector<const EncodedTile*> encoded;
-  encoded.reserve(tiles.size());
-  for (const Picked& picked : tiles) encoded.push_back(picked.form.encoded.get());
-  auto glb = std::make_shared<const std::vector<std::byte>>(
-      write_mesh_glb(encoded, quantization_, viewer.revision, revision_, viewer.nodes));
-  ++stats_.frames_composed;
-  stats_.bytes_composed += glb->size();
-  if (recent_.size() == kRecentFramesMax) recent_.pop_front();
-  recent_.push_back({std::move(key), glb});
-  return glb;
 }
 
 bool TileFeed::ack(ViewerId viewer_id, std::uint64_t sequence) {
@@ -321,6 +261,7 @@ std::optional<TileFeed::ViewerState> TileFeed::viewer_state(ViewerId viewer_id) 
   }
   state.applied = state.sent && viewer.acked == viewer.sent;
   state.frames_in_flight = static_cast<std::uint32_t>(viewer.sent - viewer.acked);
+  state.waits_for_budget = viewer.budget && !viewer.has_all_tiles();
   return state;
 }
 

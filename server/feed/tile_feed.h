@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <unordered_map>
 #include <unordered_set>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
+#include "server/feed/byte_budget.h"
 #include "server/feed/mesh_glb.h"
 #include "server/feed/tile_detail.h"
 
@@ -42,7 +44,8 @@ inline constexpr std::uint8_t kFirstSnapshotEnd = 2;  ///< its last part
 /// for all viewers (once per level of detail), when the first of them is about to receive it. For
 /// each viewer the feed keeps a set of tiles to send rather than a queue of frames, so newer
 /// versions replace older ones that were not sent. At most `frames_in_flight_max` frames per viewer
-/// are in flight.
+/// are in flight. A viewer with a budget gets coarser tiles while it does not suffice for exact
+/// ones (README.md).
 ///
 /// Has no thread and no clock. note_change() may be called on the session's thread and never waits
 /// for meshing. All other functions are for the viewer threads; they take a lock that is held while
@@ -73,28 +76,33 @@ class TileFeed {
     TileFeed& feed_;
   };
 
-  /// Adds a viewer. Until it looks from somewhere, all its tiles are exact.
+  /// Adds a viewer. Until it looks from somewhere, all its tiles are exact. `budget`: bytes per
+  /// second that its frames may have; 0: any.
   ViewerId add_viewer(const std::optional<ViewerLook>& look = std::nullopt,
-                      TileNodes nodes = TileNodes::kSingle);
+                      TileNodes nodes = TileNodes::kSingle, std::uint32_t budget = 0);
   void remove_viewer(ViewerId viewer);  ///< unknown viewers are ignored
   std::size_t viewers() const;
   /// Sets the viewpoint of a viewer, and sends the tiles again whose level of detail changes.
   /// Unknown viewers are ignored. Costs a few operations per tile of the block.
   void look(ViewerId viewer, const ViewerLook& look);
+  /// Sets the budget of a viewer, bytes per second; 0: none. Unknown viewers are ignored.
+  void set_budget(ViewerId viewer, std::uint32_t bytes_per_s);
 
   /// Returns the next frame for a viewer; nullopt if it has every tile, or while the limit of
-  /// frames in flight is reached. After note_change (for each viewer), ack, look and add_viewer,
-  /// call it until it returns nullopt.
-  std::optional<FeedFrame> next_frame(ViewerId viewer);
+  /// frames in flight is reached or its budget is used up. After note_change (for each viewer),
+  /// ack, look and add_viewer, and from time to time while it waits for its budget, call it until
+  /// it returns nullopt. `now`, which never decreases, counts for viewers with a budget only.
+  std::optional<FeedFrame> next_frame(ViewerId viewer, ByteBudget::Time now = {});
   /// The viewer applied every frame up to `sequence`. Returns false, without effect, for a frame
   /// that was not sent (a protocol error of the peer) or an unknown viewer.
   bool ack(ViewerId viewer, std::uint64_t sequence);
 
   struct ViewerState {
     std::uint64_t revision = 0;  ///< newest revision of the feed
-    bool sent = false;           ///< next_frame has returned every tile of that revision
-    bool applied = false;        ///< and the viewer has acknowledged them
+    bool sent = false;     ///< next_frame has returned every tile of that revision at its level
+    bool applied = false;  ///< and the viewer has acknowledged them
     std::uint32_t frames_in_flight = 0;
+    bool waits_for_budget = false;  ///< tiles are left that its budget brings later
   };
   /// Returns nullopt for an unknown viewer.
   std::optional<ViewerState> viewer_state(ViewerId viewer) const;
@@ -124,6 +132,7 @@ class TileFeed {
   class TileQueue {
    public:
     bool empty() const { return head_ == tiles_.size(); }
+    std::size_t size() const { return tiles_.size() - head_; }
     void push(std::uint32_t tile) { tiles_.push_back(tile); }
     std::uint32_t pop();
 
@@ -135,6 +144,7 @@ class TileFeed {
   struct SentTile {
     std::uint32_t version = 0;  ///< 0: never sent
     TileDetail detail;
+    std::uint64_t frame = 0;  ///< its sequence
   };
   struct Viewer {
     TileNodes nodes = TileNodes::kSingle;
@@ -145,7 +155,11 @@ class TileFeed {
     TileQueue first;                    ///< tiles of the first snapshot not sent yet
     TileQueue changed;                  ///< tiles changed since they were sent
     std::vector<bool> in_changed;
-    bool has_all_tiles() const { return first.empty() && changed.empty(); }
+    std::optional<ByteBudget> budget;
+    /// Tiles that are coarser than their level until the budget suffices, after the frame that
+    /// brought them.
+    std::set<std::pair<std::uint64_t, std::uint32_t>> coarse;
+    bool has_all_tiles() const { return first.empty() && changed.empty() && coarse.empty(); }
     /// Queues a changed tile unless it is queued already.
     void queue_change(std::uint32_t tile);
   };
@@ -162,6 +176,7 @@ class TileFeed {
   /// The tiles of the next frame of a viewer.
   struct Selection {
     std::vector<Picked> tiles;
+    bool is_coarse = false;                    ///< the budget does not suffice for exact tiles
     std::unordered_set<std::uint64_t> shapes;  ///< of their meshes
     std::size_t bytes = 0;                     ///< of the frame, about
     std::uint64_t meshed_max = 0;              ///< Stats::tiles_meshed at which the frame ends
@@ -175,9 +190,15 @@ class TileFeed {
   std::optional<std::uint32_t> number_of(TileIndex index) const;
   TileDetail detail_of(const Viewer& viewer, std::uint32_t tile) const;
   SharedTile current(std::uint32_t tile, const TileDetail& detail);
+  /// The newest mesh of a tile. Valid until the next call.
+  const TileMesh& mesh_of(std::uint32_t tile);
   /// Level of detail of a tile from a viewpoint; `level` is the present one.
   std::uint8_t level_from(const ViewerLook& look, std::uint32_t tile, std::uint8_t level) const;
+  bool is_full(const Selection& selection, std::size_t bytes_max) const;
   void select_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes_max, Selection& selection);
+  void select_coarse_tiles(Viewer& viewer, std::size_t bytes_max, Selection& selection);
+  void select_tile(Viewer& viewer, std::uint32_t tile, Selection& selection);
+  Picked coarser(Picked exact);
   std::shared_ptr<const std::vector<std::byte>> compose(const std::vector<Picked>& tiles,
                                                         const Viewer& viewer);
 
@@ -196,6 +217,8 @@ class TileFeed {
   std::vector<CachedTile> tiles_;  ///< row-major
   std::unordered_map<ViewerId, Viewer> viewers_;
   ViewerId next_viewer_ = 1;
+  std::optional<std::uint32_t> meshed_;  ///< the tile of `mesh_`, if that is its newest one
+  TileMesh mesh_;
   std::deque<ComposedFrame> recent_;  ///< recent frames, shared by viewers in step
   Stats stats_;
 };

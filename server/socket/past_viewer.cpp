@@ -29,6 +29,7 @@ PastViewer::PastViewer(std::shared_ptr<Session> session, ViewerConversation* vie
       side_(std::make_shared<Side>()) {
   side_->session = std::move(session);
   side_->first_look = look;
+  side_->budget = viewer->budget();
 }
 
 std::int64_t PastViewer::journal_clock() const {
@@ -62,8 +63,13 @@ void PastViewer::look(const ViewerLook& look) {
   start_job();
 }
 
+void PastViewer::set_budget(std::uint32_t bytes_per_s) {
+  next_.budget = bytes_per_s;
+  start_job();
+}
+
 void PastViewer::tick() {
-  if (rate_ > 0 && is_shown_) start_job();
+  if (is_shown_ && (rate_ > 0 || waits_for_budget_)) start_job();
 }
 
 void PastViewer::end() {
@@ -112,6 +118,7 @@ PastViewer::Result PastViewer::run_job(Side& side, const Job& job, const std::st
   try {
     go(side, job, stop, result);
     if (job.look && !side.feed) side.first_look = job.look;
+    if (job.budget && !side.feed) side.budget = *job.budget;
     if (side.feed || result.has_moved) serve(side, job, result);
   } catch (const std::exception& error) {  // e.g. not enough memory for another block
     result.error = error.what();
@@ -125,7 +132,7 @@ void PastViewer::serve(Side& side, const Job& job, Result& result) {
   const std::vector<TileIndex> changed = block.take_changed();
   if (!side.feed) {
     side.feed = std::make_unique<TileFeed>(block.solid(), block.record());
-    side.viewer = side.feed->add_viewer(side.first_look);
+    side.viewer = side.feed->add_viewer(side.first_look, TileNodes::kSingle, side.budget);
   } else if (job.record || job.until_ms) {
     side.feed->note_change(block.solid(), changed, block.record());
   }
@@ -133,11 +140,15 @@ void PastViewer::serve(Side& side, const Job& job, Result& result) {
     result.has_bad_ack = !side.feed->ack(side.viewer, sequence) || result.has_bad_ack;
   }
   if (job.look) side.feed->look(side.viewer, *job.look);
-  while (auto frame = side.feed->next_frame(side.viewer)) result.frames.push_back(*frame);
+  if (job.budget) side.feed->set_budget(side.viewer, *job.budget);
+  const auto now = Clock::now();
+  while (auto frame = side.feed->next_frame(side.viewer, now)) result.frames.push_back(*frame);
   result.state.sequence = result.state.motions = block.record();
   result.state.removed_mm3 = block.removed_mm3();
   result.state.past = PastPlace{block.record(), block.time_ms(), 0};
-  result.state.settled = side.feed->viewer_state(side.viewer)->sent;
+  const auto viewer_state = *side.feed->viewer_state(side.viewer);
+  result.state.settled = viewer_state.sent;
+  result.waits_for_budget = viewer_state.waits_for_budget;
   result.with_hash = job.with_hash;
   if (job.with_hash) result.state.hash = block.solid().hash();
   result.tools = block.tools();
@@ -159,6 +170,7 @@ void PastViewer::deliver(Result result) {
   job_runs_ = false;
   if (viewer_ == nullptr) return;
   context_.metrics.mesh_made(result.tiles, result.bytes);
+  waits_for_budget_ = result.waits_for_budget;
   const bool has_failed = !result.error.empty() || result.has_no_record;
   // One that the next seek has ended has not failed.
   if (has_failed && !next_.record) reject(result);

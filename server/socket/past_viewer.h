@@ -33,7 +33,9 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
   bool is_shown() const { return is_shown_; }
   void acknowledge(std::uint64_t sequence);
   void look(const ViewerLook& look);
-  /// Plays on. Call some thirty times a second.
+  /// Sets the bytes of mesh frames per second that the viewer may be sent; 0: any.
+  void set_budget(std::uint32_t bytes_per_s);
+  /// Plays on, and sends what has waited for the budget. Call some thirty times a second.
   void tick();
   /// The viewer has left, or looks at the present again.
   void end();
@@ -48,6 +50,7 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
     std::unique_ptr<TileFeed> feed;
     ViewerId viewer = 0;
     std::optional<ViewerLook> first_look;
+    std::uint32_t budget = 0;
     TileFeed::Stats counted;  ///< already reported to the metrics
   };
   struct Job {
@@ -56,11 +59,13 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
     bool with_hash = false;
     std::vector<std::uint64_t> acks;
     std::optional<ViewerLook> look;
-    bool empty() const { return !record && !until_ms && acks.empty() && !look; }
+    std::optional<std::uint32_t> budget;
+    bool empty() const { return !record && !until_ms && acks.empty() && !look && !budget; }
   };
   struct Result {
     std::string error;  ///< empty: none
     bool has_no_record = false, is_late = false, has_bad_ack = false, has_moved = false;
+    bool waits_for_budget = false;
     std::int64_t next_ms = 0;
     std::uint64_t tiles = 0, bytes = 0;
     std::vector<FeedFrame> frames;
@@ -85,7 +90,7 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
   std::function<void(bool)> on_first_;
   std::shared_ptr<Side> side_;
   Job next_;
-  bool job_runs_ = false, is_shown_ = false;
+  bool job_runs_ = false, is_shown_ = false, waits_for_budget_ = false;
   std::stop_source stop_;        ///< of the job that runs
   double rate_ = 0;              ///< 0: it rests
   std::int64_t journal_ms_ = 0;  ///< the time in the journal at `since_`

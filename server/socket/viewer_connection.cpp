@@ -35,7 +35,8 @@ class ViewerConnection final : public PeerSocket {
         session_(std::move(session)),
         context_(context),
         conversation_(
-            session_, context.metrics, Clock::now, [this] { pump(); }, std::move(caller)) {
+            session_, context.metrics, Clock::now, [this] { pump(); }, std::move(caller),
+            context.viewer_budget) {
     ++context_.metrics.viewers;
   }
   ~ViewerConnection() override {
@@ -63,6 +64,8 @@ asio::awaitable<void> ViewerConnection::act() {
       co_await join(*request);
     } else if (const auto* look = std::get_if<ViewerLook>(&*action)) {
       hub_->look(conversation_.id(), *look);
+    } else if (const auto* budget = std::get_if<ViewerBudget>(&*action)) {
+      hub_->set_budget(conversation_.id(), budget->bytes_per_s);
     } else if (const auto* ack = std::get_if<MeshAck>(&*action)) {
       hub_->acknowledge(conversation_.id(), ack->sequence);
     } else if (const auto* seek = std::get_if<SeekMessage>(&*action)) {

@@ -57,13 +57,14 @@ void ViewerHub::remove(ParticipantId id) {
 void ViewerHub::join_feed(ParticipantId id, const std::optional<ViewerLook>& look) {
   Viewer& viewer = viewers_[id];
   const TileNodes nodes = viewer.conversation->first_look().nodes;
-  next_job_.joined.push_back({id, ++viewer.stay, look, nodes});
+  next_job_.joined.push_back({id, ++viewer.stay, look, nodes, viewer.conversation->budget()});
 }
 
 void ViewerHub::leave_feed(ParticipantId id) {
   std::erase_if(next_job_.joined, [&](const Job::Joined& joined) { return joined.id == id; });
   std::erase_if(next_job_.acks, [&](const auto& ack) { return ack.first == id; });
   next_job_.looks.erase(id);
+  next_job_.budgets.erase(id);
   next_job_.left.push_back(id);
 }
 
@@ -87,6 +88,15 @@ void ViewerHub::look(ParticipantId id, const ViewerLook& look) {
   } else {
     next_job_.looks[id] = look;
   }
+  start_job();
+}
+
+void ViewerHub::set_budget(ParticipantId id, std::uint32_t bytes_per_s) {
+  const Viewer* viewer = find(id);
+  if (viewer == nullptr) return;
+  if (viewer->past) viewer->past->set_budget(bytes_per_s);
+  if (viewer->is_past()) return;
+  next_job_.budgets[id] = bytes_per_s;
   start_job();
 }
 
@@ -177,6 +187,7 @@ asio::awaitable<void> ViewerHub::run() {
       for (auto& [id, viewer] : viewers_) {
         if (viewer.past) viewer.past->tick();
       }
+      if (has_waiting_) next_job_.is_for_waiting = true;
       read_session();
       if (!next_job_.empty()) start_job();
     }

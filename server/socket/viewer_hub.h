@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,8 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void acknowledge(ParticipantId id, std::uint64_t sequence);
   /// Sets the position from which a viewer looks; only the newest counts.
   void look(ParticipantId id, const ViewerLook& look);
+  /// Sets the bytes of mesh frames per second that a viewer may be sent; 0: any.
+  void set_budget(ParticipantId id, std::uint32_t bytes_per_s);
   /// Shows a viewer the past, or the present again.
   void seek(ParticipantId id, const SeekMessage& seek);
   /// Shows the viewer's camera to the others, or no longer; only the newest counts.
@@ -69,7 +72,8 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
       std::uint64_t stay = 0;  ///< Viewer::stay
     };
     ById<Member> ids;
-    TileFeed::Stats counted;  ///< already reported to the metrics
+    std::set<ParticipantId> waiting;  ///< for their budgets
+    TileFeed::Stats counted;          ///< already reported to the metrics
   };
   struct Viewer {
     ViewerConversation* conversation = nullptr;
@@ -94,20 +98,23 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   /// Requests that have come since the last job.
   struct Job {
     bool is_for_all = false;         ///< the surface has changed: every viewer needs a frame
+    bool is_for_waiting = false;     ///< time has passed: those that wait for their budgets do
     std::optional<Surface> surface;  ///< it has changed to this since, unless the feed knows it
     struct Joined {
       ParticipantId id = 0;
       std::uint64_t stay = 0;
       std::optional<ViewerLook> look;
       TileNodes nodes = TileNodes::kSingle;
+      std::uint32_t budget = 0;
     };
     std::vector<ParticipantId> left;  ///< before those who join
     std::vector<Joined> joined;
     std::vector<std::pair<ParticipantId, std::uint64_t>> acks;
     std::map<ParticipantId, ViewerLook> looks;
+    std::map<ParticipantId, std::uint32_t> budgets;
     bool empty() const {
-      return !is_for_all && !surface && joined.empty() && left.empty() && acks.empty() &&
-             looks.empty();
+      return !is_for_all && !is_for_waiting && !surface && joined.empty() && left.empty() &&
+             acks.empty() && looks.empty() && budgets.empty();
     }
   };
   struct JobResult {
@@ -124,6 +131,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     };
     std::vector<Sent> sent;
     std::uint64_t tiles = 0, bytes = 0;
+    bool has_waiting = false;  ///< viewers wait for their budgets
   };
 
   void listen();
@@ -161,6 +169,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   Job next_job_;
   bool job_runs_ = false, job_is_due_ = false, running_ = false, listening_ = false;
   bool has_feed_ = false;         ///< a job has made the feed
+  bool has_waiting_ = false;      ///< viewers wait for their budgets
   bool is_reading_ = false;       ///< the session's thread has been asked for its state
   bool reads_after_job_ = false;  ///< a crowd's reading waits for the job that runs
   Clock::time_point next_reading_{};

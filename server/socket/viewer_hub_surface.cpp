@@ -46,9 +46,10 @@ ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, Job& job) {
     if (found == side.ids.end()) continue;
     side.feed->remove_viewer(found->second.id);
     side.ids.erase(found);
+    side.waiting.erase(id);
   }
-  for (const auto& [id, stay, look, nodes] : job.joined) {
-    side.ids[id] = {side.feed->add_viewer(look, nodes), stay};
+  for (const auto& [id, stay, look, nodes, budget] : job.joined) {
+    side.ids[id] = {side.feed->add_viewer(look, nodes, budget), stay};
   }
   for (const auto& [id, sequence] : job.acks) {
     const auto found = side.ids.find(id);
@@ -60,17 +61,26 @@ ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, Job& job) {
     const auto found = side.ids.find(id);
     if (found != side.ids.end()) side.feed->look(found->second.id, look);
   }
+  for (const auto& [id, budget] : job.budgets) {
+    const auto found = side.ids.find(id);
+    if (found != side.ids.end()) side.feed->set_budget(found->second.id, budget);
+  }
   if (job.is_for_all) {
     for (const auto& [id, viewer] : side.ids) serve(side, id, result);
   } else {
     for (const auto& joined : job.joined) serve(side, joined.id, result);
     for (const auto& [id, sequence] : job.acks) serve(side, id, result);
     for (const auto& [id, look] : job.looks) serve(side, id, result);
+    for (const auto& [id, budget] : job.budgets) serve(side, id, result);
+    if (job.is_for_waiting) {
+      for (const ParticipantId id : std::set(side.waiting)) serve(side, id, result);
+    }
   }
   const auto stats = side.feed->stats();
   result.tiles = stats.tiles_meshed - side.counted.tiles_meshed;
   result.bytes = stats.bytes_composed - side.counted.bytes_composed;
   side.counted = stats;
+  result.has_waiting = !side.waiting.empty();
   return result;
 }
 
@@ -79,14 +89,23 @@ void ViewerHub::serve(FeedSide& side, ParticipantId id, JobResult& result) {
   const auto found = side.ids.find(id);
   if (found == side.ids.end()) return;
   const auto [viewer, stay] = found->second;
-  while (auto frame = side.feed->next_frame(viewer)) result.frames.push_back({id, stay, *frame});
+  const auto now = Clock::now();
+  while (auto frame = side.feed->next_frame(viewer, now)) {
+    result.frames.push_back({id, stay, *frame});
+  }
   const auto state = side.feed->viewer_state(viewer);
+  if (state && state->waits_for_budget) {
+    side.waiting.insert(id);
+  } else {
+    side.waiting.erase(id);
+  }
   if (state && state->sent) result.sent.push_back({id, stay, state->revision});
 }
 
 void ViewerHub::deliver(JobResult result) {
   job_runs_ = false;
   has_feed_ = true;
+  has_waiting_ = result.has_waiting;
   context_.metrics.mesh_made(result.tiles, result.bytes);
   if (reads_after_job_) {
     next_reading_ = Clock::now() + kCrowdTick;

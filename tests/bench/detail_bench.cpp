@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <ctime>
 #include <functional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "server/feed/mesh_glb.h"
@@ -20,6 +22,7 @@ namespace {
 
 using namespace kerf;
 using Levels = std::function<int(TileIndex)>;
+using Details = std::function<TileDetail(TileIndex)>;
 
 double cpu_seconds() {
   std::timespec now{};
@@ -56,11 +59,11 @@ IndexedMesh joined(const std::vector<TileMesh>& tiles) {
 }
 
 std::vector<TileMesh> show(const char* name, const std::vector<TileMesh>& exact,
-                           const DexelGrid& grid, const Levels& levels) {
+                           const DexelGrid& grid, const Details& details) {
   std::vector<TileMesh> meshes;
   const double start = cpu_seconds();
   for (const TileMesh& mesh : exact) {
-    meshes.push_back(coarser_tile(mesh, grid, detail_of(grid, mesh.tile, levels)));
+    meshes.push_back(coarser_tile(mesh, grid, details(mesh.tile)));
   }
   const double seconds = cpu_seconds() - start;
   const MeshQuantization quantization = mesh_quantization(grid);
@@ -129,13 +132,22 @@ int main(int argc, char** argv) {
   std::printf(
       "block 100 x 100 x 50 mm, five axes, pitch %.3g mm, %zu tiles; meshing %.0f us/tile\n",
       pitch_mm, exact.size(), 1e6 * (cpu_seconds() - start) / static_cast<double>(exact.size()));
-  for (int level = 0; level <= kDetailLevelMax; ++level) {
+  const auto from = [&grid](Levels levels) -> Details {
+    return [&grid, levels = std::move(levels)](TileIndex tile) {
+      return detail_of(grid, tile, levels);
+    };
+  };
+  for (std::uint8_t level = 0; level <= kDetailLevelMax; ++level) {
     const std::string name = "level " + std::to_string(level);
-    const auto coarse = show(name.c_str(), exact, grid, [level](TileIndex) { return level; });
-    if (level > 0) print_error(exact, coarse, pitch_mm);
+    const auto coarse = show(name.c_str(), exact, grid, from([level](TileIndex) { return level; }));
+    if (level == 0) continue;
+    print_error(exact, coarse, pitch_mm);
+    // As a budget sends tiles.
+    show("    with exact borders", exact, grid,
+         [level](TileIndex) { return TileDetail{.level = level, .side = {}}; });
   }
-  show("whole block, 1000 px high", exact, grid, look_from(grid, 300, 1000, 0.5));
-  show("whole block on a phone, 800 px", exact, grid, look_from(grid, 480, 800, 1));
-  show("close to its middle, 1000 px high", exact, grid, look_from(grid, 60, 1000, 0.5));
+  show("whole block, 1000 px high", exact, grid, from(look_from(grid, 300, 1000, 0.5)));
+  show("whole block on a phone, 800 px", exact, grid, from(look_from(grid, 480, 800, 1)));
+  show("close to its middle, 1000 px high", exact, grid, from(look_from(grid, 60, 1000, 0.5)));
   return 0;
 }

@@ -287,10 +287,10 @@ class WebSocket {
     const auto at = [&](std::size_t i) { return static_cast<unsigned char>(buffer_[i]); };
     if (buffer_.size() < 2) return 0;
     std::size_t head = 2, size = at(1) & 0x7FU;
-    if (size == 126) {
-      if (buffer_.size() < 4) return 0;
-      size = (std::size_t{at(2)} << 8) | at(3);
-      head = 4;
+    if (size >= 126) {
+      const std::size_t end = size == 126 ? 4 : 10;
+      if (buffer_.size() < end) return 0;
+      for (size = 0; head < end; ++head) size = size << 8 | at(head);
     }
     if (buffer_.size() < head + size) return 0;
     const auto opcode = static_cast<unsigned char>(at(0) & 0x0FU);

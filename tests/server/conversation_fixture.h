@@ -55,9 +55,9 @@ class ConversationTest : public SessionTest {
                                        return offer;
                                      }});
   }
-  std::unique_ptr<ViewerConversation> viewer() {
+  std::unique_ptr<ViewerConversation> viewer(std::uint32_t budget_max = 0) {
     return std::make_unique<ViewerConversation>(
-        session, metrics, [this] { return now; }, [this] { ++wakes; });
+        session, metrics, [this] { return now; }, [this] { ++wakes; }, Caller::local(), budget_max);
   }
 
   void send_text(Conversation& conversation, std::string_view text) {

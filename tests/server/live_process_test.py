@@ -138,7 +138,8 @@ class Configuration(LiveTest):
         for options in (("--allow-origin", "kerf.example"), ("--allow-origin", "https://kerf.example/"),
                         ("--allow-origin", "null"), ("--allow-host", "https://kerf.example"),
                         ("--allow-host", "a b"), ("--disk-reserve", "nan"), ("--disk-total", "-1"),
-                        ("--snapshot-after", "inf"), ("--web", "/does/not/exist")):
+                        ("--snapshot-after", "inf"), ("--viewer-budget", "24"),
+                        ("--viewer-budget", "nan"), ("--web", "/does/not/exist")):
             with self.subTest(options):
                 address, code, log = self.run_server("--listen", "127.0.0.1:0", *options)
                 self.assertEqual(address, "")
@@ -146,7 +147,8 @@ class Configuration(LiveTest):
                 self.assertIn(options[0], log)
                 self.assertIn(options[1], log)
         for options in (("--allow-host", "kerf.example"), ("--allow-host", "kerf.example:8443"),
-                        ("--allow-origin", "https://kerf.example:8443"), ("--disk-reserve", "1e3")):
+                        ("--allow-origin", "https://kerf.example:8443"), ("--disk-reserve", "1e3"),
+                        ("--viewer-budget", "0"), ("--viewer-budget", "62.5")):
             with self.subTest(options):
                 self.assertEqual(self.run_server("--listen", "127.0.0.1:0", *options)[1], 0)
 

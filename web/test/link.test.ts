@@ -40,6 +40,7 @@ function join(
       probe,
       look: () => (model.welcome ? CAMERA : null),
       reloadAt,
+      budget: 0,
       nowMs: () => performance.now(),
       backoff: new Backoff(firstRetryMs, 4 * firstRetryMs),
     },
@@ -80,7 +81,7 @@ describe('view link', () => {
   /** A connection to which hello was said. */
   async function greeted(): Promise<EarlySocket> {
     const url = `ws://127.0.0.1:${server.port}/v1/sessions/demo/view`;
-    const early = new EarlySocket(openSocket(url, VIEW_PROTOCOL), helloText('Early', null));
+    const early = new EarlySocket(openSocket(url, VIEW_PROTOCOL), helloText('Early', null, 0));
     await vi.waitFor(() => expect(server.hellos).toEqual(['Early']), soon);
     return early;
   }

@@ -47,6 +47,7 @@ function join() {
       probe: () => Promise.resolve({}),
       look: () => null,
       reloadAt: () => false,
+      budget: 0,
       nowMs: () => 0,
     },
     {

@@ -6,12 +6,23 @@ import { mark } from '../marks';
 import { VIEW_PROTOCOL } from '../wire/types';
 import type { Look } from '../wire/types';
 import { socketUrl } from './address';
+import { viewBudget } from './budget';
 import type { Socket } from './view_link';
 import { viewerName } from './viewer_name';
 
-/** The message with which a viewer joins. `look`: null if one follows the welcome. */
-export function helloText(name: string, look: Look | null): string {
-  return JSON.stringify({ type: 'hello', name, changes: true, repeat: true, look: look ?? true });
+/**
+ * The message with which a viewer joins. `look`: null if one follows the welcome; `budget`: bytes of
+ * the surface per second, 0: any.
+ */
+export function helloText(name: string, look: Look | null, budget = viewBudget()): string {
+  return JSON.stringify({
+    type: 'hello',
+    name,
+    changes: true,
+    repeat: true,
+    look: look ?? true,
+    ...(budget > 0 ? { budget } : {}),
+  });
 }
 
 /** Keeps the events of a connection until somebody takes it, who gets them in their order. */
@@ -73,7 +84,8 @@ export function joinEarly(): void {
   if (!session || location.hash !== '') return;
   const url = socketUrl(session, 'view');
   const socket = new WebSocket(url, VIEW_PROTOCOL) as unknown as Socket;
-  early = { url, socket: new EarlySocket(socket, helloText(viewerName(parameters), null)) };
+  const hello = helloText(viewerName(parameters), null, viewBudget(parameters));
+  early = { url, socket: new EarlySocket(socket, hello) };
 }
 
 /** The connection of joinEarly() to `url`, once; a new one otherwise. */

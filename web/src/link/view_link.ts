@@ -77,6 +77,8 @@ export interface LinkOptions {
    * has the right levels of detail. Before, null: a look follows the welcome.
    */
   look(): Look | null;
+  /** Bytes of the surface per second that the server may send; 0: any; missing: the page's. */
+  budget?: number;
   /**
    * Leaves this page for that of a server which lets in only its own, when no other one does. False:
    * it may not be followed, and the link goes on trying.
@@ -190,7 +192,7 @@ export class ViewLink {
     const current = (): boolean => generation === this.generation_ && !this.stopped_;
     socket.onopen = () => {
       if (!current()) return;
-      if (!socket.isGreeted) socket.send(helloText(this.name_, this.options.look()));
+      if (!socket.isGreeted) socket.send(this.hello_());
       this.events.greeted();
     };
     socket.onmessage = (event) => {
@@ -207,6 +209,10 @@ export class ViewLink {
     };
     clearInterval(this.pingTimer_);
     this.pingTimer_ = setInterval(() => this.tick_(), PING_EVERY_MS);
+  }
+
+  private hello_(): string {
+    return helloText(this.name_, this.options.look(), this.options.budget);
   }
 
   private drop_(): void {

@@ -31,8 +31,13 @@ export function badgeOf(
     state,
     label: LABELS[state],
     brief: `RTT ${milliseconds(model.clock.rttMs)}`,
-    more: t(' · {0} frames/s · {1}', model.frames.perSecond(nowMs), age),
+    more: t(' · {0} frames/s · {1}', model.frames.perSecond(nowMs), age) + budgetOf(model),
   };
+}
+
+function budgetOf({ welcome }: SessionModel): string {
+  if (welcome?.budget === undefined) return '';
+  return t(' · at most {0} kB/s', Math.round(welcome.budget / 1000));
 }
 
 export class Badge {

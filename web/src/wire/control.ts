@@ -135,6 +135,7 @@ function welcomeOf(from: Json): Welcome {
     ...roleOf(from),
     ...mayOf(from),
     ...forceOf(from),
+    ...(from['budget'] === undefined ? {} : { budget: number(from, 'budget') }),
     ...(Array.isArray(from['others']) ? { others: from['others'].map(String) } : {}),
     grid: {
       origin_mm: numbers(grid, 'origin_mm', 3) as Vec3,

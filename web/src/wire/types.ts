@@ -267,6 +267,8 @@ export interface Welcome {
   may?: string[];
   /** The servers that go on with the session when this one is gone. */
   others?: string[];
+  /** Bytes of the surface per second that the server sends at most; missing: any. */
+  budget?: number;
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
 

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cluster/followers.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "server/store/write_fence.h"
+#include "tests/server/cluster/nats_fixture.h"
+#include "tests/server/manual_executor.h"
+#include "tests/support/eventually.h"
+
+namespace kerf {
+namespace {
+
+class FollowersTest : public test::NatsTest {
+ protected:
+  std::shared_ptr<test::ManualExecutor> executor_ = std::make_shared<test::ManualExecutor>();
+};
+
+/// A viewer that came just after the leases were listed got a `bye`: the session had ended.
+TEST_F(FollowersTest, AListOfSessionsDoesNotEndWhatIsWantedSinceItWasMade) {
+  RegistryOptions options;
+  options.data_folder = folder_.path();
+  SessionRegistry registry(options, [this](const std::string&) { return executor_; }, *executor_);
+  Followers followers(*nats_, registry, "b", Follow::kViewed);
+  const std::int64_t known_ns = boot_time_ns();
+  ASSERT_TRUE(followers.want("demo"));
+  // It has no copy, so following it has failed; at the beginning that is not known.
+  ASSERT_TRUE(test::eventually([&] { return !followers.want("demo"); }));
+  followers.set_elsewhere({}, {}, known_ns);
+  EXPECT_FALSE(followers.want("demo")) << "it has ended, and begins again";
+  followers.set_elsewhere({"demo"}, {}, boot_time_ns());
+  EXPECT_FALSE(followers.want("demo"));
+  followers.set_elsewhere({}, {"demo"}, boot_time_ns());
+  EXPECT_FALSE(followers.want("demo"));
+  followers.set_elsewhere({}, {}, boot_time_ns());
+  EXPECT_TRUE(followers.want("demo")) << "it has not ended";
+}
+
+}  // namespace
+}  // namespace kerf
