@@ -109,15 +109,18 @@ describe('a 3D mouse for the camera', () => {
     frame(1020);
     mouse.report(1, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0, 0, 0, 0, 0x5e, 0x01);
     frame(1040);
-    mouse.report(1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
+    // Pushed away from the user: the block goes away.
+    mouse.report(1, 0x00, 0x00, 0xa2, 0xfe, 0x00, 0x00, 0, 0, 0, 0, 0, 0);
     frame(1060);
-    expect(moves).toEqual(['pan -0.020 0.000', 'orbit 0.030 0.000']);
+    mouse.report(1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
+    frame(1080);
+    expect(moves).toEqual(['pan -0.020 0.000', 'orbit 0.030 0.000', 'zoom 1.030']);
     made.button.click();
     expect([pressed(made), stored.get('kerf.space-mouse')]).toEqual(['false', 'off']);
     mouse.report(1, 0x5e, 0x01, 0, 0, 0, 0);
-    frame(1080);
     frame(1100);
-    expect([moves.length, frames.length]).toEqual([2, 0]);
+    frame(1120);
+    expect([moves.length, frames.length]).toEqual([3, 0]);
   });
 
   it('has a dead zone', async () => {
