@@ -60,7 +60,8 @@ async function restingBox({ state }) {
   let [box, rests] = [null, 0];
   await until('a picture at rest', SETTLE_S, async () => {
     const { blockBox } = await state();
-    rests = box?.join() === blockBox.join() ? rests + 1 : 0;
+    const moves = box === null || blockBox.some((side, n) => Math.abs(side - box[n]) > 0.01);
+    rests = moves ? 0 : rests + 1;
     box = blockBox;
     return rests === 5;
   });

@@ -37,6 +37,7 @@ describe('the first connection of a page', () => {
     FakeWebSocket.all = [];
     vi.stubGlobal('WebSocket', FakeWebSocket);
     vi.stubGlobal('localStorage', { getItem: () => 'Ada', setItem: () => undefined });
+    vi.stubGlobal('navigator', {});
   });
   afterEach(() => vi.unstubAllGlobals());
 

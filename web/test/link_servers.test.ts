@@ -79,6 +79,7 @@ function join(rejections: Record<string, Rejection> = {}) {
       },
       probe: (server) => Promise.resolve(rejections[server] ?? {}),
       look: () => (model.welcome ? { eye_mm: [0, -50, 90], error_rad: 0.001 } : null),
+      budget: 0,
       reloadAt: (server) => reloads.push(server) > 0,
       nowMs: () => performance.now(),
       backoff: new Backoff(100, 100),
