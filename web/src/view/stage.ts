@@ -89,8 +89,7 @@ export class Stage {
   private size_ = '';
 
   /**
-   * @param smooth edges are smooth: four samples a pixel, which take the CPU more than twice the
-   * time of one
+   * @param smooth whether edges are smooth: four samples a pixel, which take the CPU much longer
    * @throws Error if WebGL 2 is not available
    */
   constructor(
