@@ -47,7 +47,7 @@ describe('tiles of the copy', () => {
 
   /** The server's mesh of the tile, with so many motions. */
   function serve(height: number, motions: number): void {
-    const tile = { ...tileOf(2, 1, () => height, `at ${height}`), motions };
+    const tile = { ...tileOf(2, 1, () => height), motions };
     local.set(tile, 2, 1, SIDE);
   }
 

@@ -2,8 +2,13 @@
 // Reads the GLB of a mesh frame: one node per tile (server/wire/README.md), and of glTF what the
 // server writes, nothing else.
 
-import { shapeName } from './shape_name';
-import type { Numbers } from './shape_name';
+type Numbers =
+  | Int8Array<ArrayBuffer>
+  | Uint8Array<ArrayBuffer>
+  | Int16Array<ArrayBuffer>
+  | Uint16Array<ArrayBuffer>
+  | Uint32Array<ArrayBuffer>
+  | Float32Array<ArrayBuffer>;
 
 /** Decompresses a buffer view, as MeshoptDecoder does. */
 export interface BufferDecoder {
@@ -26,8 +31,6 @@ export interface VertexValues {
 
 /** The triangles of one or more tiles. */
 export interface TileShape {
-  /** Equal for equal shapes, also of other frames. */
-  name: string;
   positions: VertexValues;
   /** The fourth value of each is 1 where the surface is that of the untouched stock, else 0. */
   normals: VertexValues;
@@ -159,8 +162,7 @@ class Reader {
     const { array: index } = this.values_(indices, 1);
     if (!(index instanceof Uint16Array || index instanceof Uint32Array))
       throw new Error('indices must have 16 or 32 bits');
-    const name = shapeName([positions.array, normals.array, index]);
-    this.shapes.push({ name, positions, normals, index });
+    this.shapes.push({ positions, normals, index });
     this.shapeOf_.set(mesh, this.shapes.length - 1);
     return this.shapes.length - 1;
   }

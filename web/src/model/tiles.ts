@@ -25,6 +25,12 @@ export function tileAt(key: number): [x: number, y: number] {
   return [key % 65536, Math.floor(key / 65536)];
 }
 
+/** Packs the square of `side` x `side` tiles in which a tile is into one number, as a Map key. */
+export function squareOf(key: number, side: number): number {
+  const [x, y] = tileAt(key);
+  return tileKey(Math.floor(x / side), Math.floor(y / side));
+}
+
 export class TileTable {
   private readonly entries_ = new Map<number, TileEntry>();
   private generation_ = 0;

@@ -5,31 +5,13 @@
 import * as THREE from 'three';
 import type { Layer, Viewer } from './viewer';
 
-/** The tiles as they are displayed now, which stay. Their shapes are shared. */
-function copiesOf(tiles: THREE.Group): THREE.InstancedMesh[] {
-  const copies: THREE.InstancedMesh[] = [];
-  for (const mesh of tiles.children) {
-    if (!(mesh instanceof THREE.InstancedMesh)) continue;
-    const kept = new THREE.InstancedMesh(
-      mesh.geometry as THREE.BufferGeometry,
-      mesh.material as THREE.Material,
-      mesh.count,
-    );
-    kept.instanceMatrix.array.set(mesh.instanceMatrix.array.subarray(0, 16 * mesh.count));
-    kept.matrixAutoUpdate = false;
-    kept.receiveShadow = true;
-    copies.push(kept);
-  }
-  return copies;
-}
-
 export class CompareView implements Layer {
-  private readonly meshes_: THREE.InstancedMesh[];
+  private readonly meshes_: THREE.Mesh[];
   private readonly kept_ = new THREE.Group();
   private part_ = 0.5;
 
   constructor(private readonly viewer: Viewer) {
-    this.meshes_ = copiesOf(viewer.tiles.group);
+    this.meshes_ = viewer.tiles.copies();
     this.kept_.add(...this.meshes_);
     this.kept_.matrixAutoUpdate = false;
     viewer.layers.add(this);
@@ -58,13 +40,8 @@ export class CompareView implements Layer {
   }
 
   dispose(): void {
-    const { tiles, layers } = this.viewer;
-    layers.delete(this);
-    const used = new Set(tiles.tiles().map(({ geometry }) => geometry));
-    for (const mesh of this.meshes_) {
-      if (!used.has(mesh.geometry)) mesh.geometry.dispose();
-      mesh.dispose();
-    }
+    this.viewer.layers.delete(this);
+    for (const { geometry } of this.meshes_) geometry.dispose();
     this.viewer.touch();
   }
 }

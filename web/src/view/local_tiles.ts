@@ -26,7 +26,6 @@ export class LocalTiles {
   private readonly covered_ = new Map<number, Covered>();
   /** With how many motions of the block the server had answered a sample, in order. */
   private results_: { sequence: bigint; motions: number }[] = [];
-  private count_ = 0;
   private isOpen_ = false;
   private isHeld_ = false;
   /** The newest sample that was answered when the server's tiles only were displayed last. */
@@ -154,7 +153,6 @@ export class LocalTiles {
       level: 0,
       motions: 0,
       triangles: index.length / 3,
-      shape: `of the copy ${(this.count_ += 1)}`,
       geometry: index.length > 0 ? geometry : null,
       matrix: new THREE.Matrix4().makeTranslation(...originMm),
     };

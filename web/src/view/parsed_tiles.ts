@@ -16,8 +16,6 @@ export interface ParsedTile {
   triangles: number;
   /** Motions of the block that are in it. */
   motions: number;
-  /** Equal for tiles of the same shape. */
-  shape: string;
   /** null if no material is left in the tile */
   geometry: THREE.BufferGeometry | null;
   matrix: THREE.Matrix4;
@@ -58,7 +56,6 @@ export function tilesOf({ motions, nodes, shapes }: MeshFrame): ParsedTile[] {
       ...tile,
       motions,
       triangles: (made?.index.length ?? 0) / 3,
-      shape: made?.name ?? '',
       geometry: shape === null ? null : geometries[shape]!,
       matrix: new THREE.Matrix4()
         .makeTranslation(...translation)

@@ -36,11 +36,7 @@ export function shadowSample(object: THREE.Object3D): THREE.Group {
     if (!(part instanceof THREE.Mesh) || !part.castShadow) return;
     const { geometry, material } = part as THREE.Mesh<THREE.BufferGeometry, THREE.Material>;
     const depth = new THREE.MeshDepthMaterial({ side: SHADOW_SIDES[material.side] });
-    sample.add(
-      part instanceof THREE.InstancedMesh
-        ? new THREE.InstancedMesh(geometry, depth, 1)
-        : new THREE.Mesh(geometry, depth),
-    );
+    sample.add(new THREE.Mesh(geometry, depth));
   });
   return sample;
 }

@@ -1,133 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// The block's surface. Tiles of the same shape, such as the untouched ones of a box, are instances of
-// one mesh: one draw call, however many frames they came in. Tiles are replaced as a whole; the GPU
-// buffers of a shape are released with its last tile.
+// The block's surface. The tiles of a square of the block are one mesh, thus one draw call, and
+// another where shadows are drawn. Tiles are replaced as a whole.
 
 import * as THREE from 'three';
-import { tileAt, tileKey } from '../model/tiles';
+import { squareOf, tileAt, tileKey } from '../model/tiles';
 import { ORIGINAL_ATTRIBUTE } from './parsed_tiles';
 import type { ParsedTile } from './parsed_tiles';
+import { TileSquare } from './tile_square';
+import type { PlacedShape } from './tile_square';
+
+/** Tiles along a side of a square. */
+const SQUARE = 16;
 
 /** A displayed tile. */
-export interface DisplayedTile {
+export interface DisplayedTile extends PlacedShape {
   key: number;
-  geometry: THREE.BufferGeometry;
-  matrix: THREE.Matrix4;
-}
-
-/** The tiles of one shape. */
-class Batch {
-  mesh: THREE.InstancedMesh;
-  private readonly keys_: number[] = []; // of the instances, in their order
-  private readonly at_ = new Map<number, number>(); // the instance of a key
-
-  constructor(
-    readonly shape: string,
-    geometry: THREE.BufferGeometry,
-    material: THREE.Material,
-    private readonly group: THREE.Group,
-  ) {
-    this.mesh = this.make_(geometry, material, 1);
-  }
-
-  get size(): number {
-    return this.keys_.length;
-  }
-
-  add(key: number, matrix: THREE.Matrix4): void {
-    if (this.size === this.mesh.instanceMatrix.count) this.grow_();
-    this.mesh.setMatrixAt(this.size, matrix);
-    this.at_.set(key, this.size);
-    this.keys_.push(key);
-    this.changed_();
-  }
-
-  /** The last tile takes the place of the one that leaves. */
-  remove(key: number): void {
-    const at = this.at_.get(key)!;
-    const last = this.keys_.pop()!;
-    this.at_.delete(key);
-    if (at < this.size) {
-      const matrix = new THREE.Matrix4();
-      this.mesh.getMatrixAt(this.size, matrix);
-      this.mesh.setMatrixAt(at, matrix);
-      this.keys_[at] = last;
-      this.at_.set(last, at);
-    }
-    this.changed_();
-  }
-
-  matrixOf(key: number): THREE.Matrix4 {
-    const matrix = new THREE.Matrix4();
-    this.mesh.getMatrixAt(this.at_.get(key)!, matrix);
-    return matrix;
-  }
-
-  tiles(): DisplayedTile[] {
-    return this.keys_.map((key, at) => {
-      const matrix = new THREE.Matrix4();
-      this.mesh.getMatrixAt(at, matrix);
-      return { key, geometry: this.mesh.geometry, matrix };
-    });
-  }
-
-  dispose(): void {
-    this.group.remove(this.mesh);
-    this.mesh.geometry.dispose();
-    this.mesh.dispose();
-  }
-
-  private changed_(): void {
-    this.mesh.count = this.size;
-    this.mesh.instanceMatrix.needsUpdate = true;
-    this.mesh.boundingSphere = null; // computed again when it is needed
-  }
-
-  private grow_(): void {
-    const { geometry, material, instanceMatrix } = this.mesh;
-    const old = this.mesh;
-    this.mesh = this.make_(geometry, material as THREE.Material, 4 * this.size);
-    this.mesh.instanceMatrix.array.set(instanceMatrix.array);
-    this.group.remove(old);
-    old.dispose();
-  }
-
-  private make_(
-    geometry: THREE.BufferGeometry,
-    material: THREE.Material,
-    capacity: number,
-  ): THREE.InstancedMesh {
-    const mesh = new THREE.InstancedMesh(geometry, material, capacity);
-    mesh.matrixAutoUpdate = false;
-    mesh.castShadow = true;
-    mesh.receiveShadow = true;
-    this.group.add(mesh);
-    return mesh;
-  }
 }
 
 export class TileView {
   readonly group = new THREE.Group();
   /** Counts up whenever the surface changes. */
   changes = 0;
-  private readonly batches_ = new Map<string, Batch>();
-  private readonly batchOf_ = new Map<number, Batch>();
+  private readonly squares_ = new Map<number, TileSquare>();
 
   constructor(private readonly material: THREE.Material) {
     this.group.matrixAutoUpdate = false;
   }
 
-  /** Number of distinct shapes, each of which is a draw call. */
-  get shapes(): number {
-    return this.batches_.size;
-  }
-
   /** Returns a tile that is not displayed, by which shaders can be compiled. */
   sample(): THREE.Mesh {
-    const mesh = new THREE.InstancedMesh(new THREE.PlaneGeometry(), this.material, 1);
-    mesh.castShadow = true;
-    mesh.receiveShadow = true;
-    return mesh;
+    return new TileSquare(this.material).mesh;
   }
 
   /** Displays the tile at x, y of those that `tile` stands for, whose sides have `sideMm`. */
@@ -138,42 +40,38 @@ export class TileView {
       this.remove(key);
       return;
     }
-    const batch = this.batch_(tile.shape, tile.geometry);
-    if (this.batchOf_.get(key) !== batch) this.remove(key);
-    else batch.remove(key);
-    const matrix = new THREE.Matrix4().makeTranslation(
-      (x - tile.x) * sideMm,
-      (y - tile.y) * sideMm,
-      0,
-    );
-    batch.add(key, matrix.multiply(tile.matrix));
-    this.batchOf_.set(key, batch);
+    const matrix = new THREE.Matrix4()
+      .makeTranslation((x - tile.x) * sideMm, (y - tile.y) * sideMm, 0)
+      .multiply(tile.matrix);
+    this.square_(key).set(key, { geometry: tile.geometry, matrix });
   }
 
   remove(key: number): void {
-    const batch = this.batchOf_.get(key);
-    if (!batch) return;
+    const square = this.squares_.get(squareOf(key, SQUARE));
+    if (!square?.get(key)) return;
     this.changes += 1;
-    this.batchOf_.delete(key);
-    batch.remove(key);
-    if (batch.size > 0) return;
-    this.batches_.delete(batch.shape);
-    batch.dispose();
+    square.remove(key);
+    if (square.size > 0) return;
+    this.squares_.delete(squareOf(key, SQUARE));
+    square.dispose();
   }
 
   /** The tile that is displayed at a key, as it would be set again; null: none. */
   get(key: number): ParsedTile | null {
-    const batch = this.batchOf_.get(key);
-    if (!batch) return null;
+    const shown = this.squares_.get(squareOf(key, SQUARE))?.get(key);
+    if (!shown) return null;
     const [x, y] = tileAt(key);
-    const { geometry } = batch.mesh;
-    const matrix = batch.matrixOf(key);
     const one = { columns: 1, rows: 1, version: 0, level: 0, motions: 0, triangles: 0 };
-    return { x, y, ...one, shape: batch.shape, geometry, matrix };
+    return { x, y, ...one, ...shown };
   }
 
   tiles(): DisplayedTile[] {
-    return [...this.batches_.values()].flatMap((batch) => batch.tiles());
+    return [...this.squares_.values()].flatMap((square) => square.tiles());
+  }
+
+  /** The meshes of the tiles as they are displayed now, which stay. */
+  copies(): THREE.Mesh[] {
+    return [...this.squares_.values()].map((square) => square.copy());
   }
 
   /** Returns what says of a tile's vertices whether they are on the surface of the untouched stock. */
@@ -184,35 +82,32 @@ export class TileView {
 
   /** Returns the first intersection of a ray with the block, or null. */
   pick(raycaster: THREE.Raycaster): THREE.Vector3 | null {
-    const meshes = [...this.batches_.values()].map(({ mesh }) => mesh);
-    return raycaster.intersectObjects(meshes, false)[0]?.point ?? null;
+    return raycaster.intersectObjects(this.group.children, false)[0]?.point ?? null;
   }
 
   /** The corners of all triangles, nine numbers each, mm. */
   corners(): number[] {
     const corners: number[] = [];
-    const [matrix, at] = [new THREE.Matrix4(), new THREE.Vector3()];
-    for (const { mesh } of this.batches_.values()) {
-      const { index, attributes } = mesh.geometry;
+    const at = new THREE.Vector3();
+    for (const { geometry, matrix } of this.tiles()) {
+      const { index, attributes } = geometry;
       const position = attributes['position']!;
       const count = index?.count ?? position.count;
-      for (let instance = 0; instance < mesh.count; ++instance) {
-        mesh.getMatrixAt(instance, matrix);
-        for (let n = 0; n < count; ++n) {
-          at.fromBufferAttribute(position, index?.getX(n) ?? n).applyMatrix4(matrix);
-          corners.push(at.x, at.y, at.z);
-        }
+      for (let n = 0; n < count; ++n) {
+        at.fromBufferAttribute(position, index?.getX(n) ?? n).applyMatrix4(matrix);
+        corners.push(at.x, at.y, at.z);
       }
     }
     return corners;
   }
 
-  private batch_(shape: string, geometry: THREE.BufferGeometry): Batch {
-    let batch = this.batches_.get(shape);
-    if (!batch) {
-      batch = new Batch(shape, geometry, this.material, this.group);
-      this.batches_.set(shape, batch);
+  private square_(key: number): TileSquare {
+    let square = this.squares_.get(squareOf(key, SQUARE));
+    if (!square) {
+      square = new TileSquare(this.material);
+      this.squares_.set(squareOf(key, SQUARE), square);
+      this.group.add(square.mesh);
     }
-    return batch;
+    return square;
   }
 }

@@ -99,7 +99,7 @@ describe('hand', () => {
     hand.move([at(0), at(2)], 1);
     samples();
     tiles.set(
-      tileOf(2, 2, () => -3, 'cut'),
+      tileOf(2, 2, () => -3),
       2,
       2,
       SIDE,
@@ -292,7 +292,7 @@ describe('hand', () => {
 
   it('says why it does not begin', () => {
     // An overhang, seen from below: its normal points down.
-    const overhang = tileOf(2, 2, () => -2, 'overhang');
+    const overhang = tileOf(2, 2, () => -2);
     overhang.geometry!.setIndex([...overhang.geometry!.index!.array].reverse());
     tiles.set(overhang, 2, 2, SIDE);
     eye.z = -500;

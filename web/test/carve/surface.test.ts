@@ -80,7 +80,7 @@ describe('surface', () => {
     const { changes } = view;
     expect(changes).toBe(TILES * TILES);
     view.set(
-      tileOf(2, 2, () => -5, 'cut'),
+      tileOf(2, 2, () => -5),
       2,
       2,
       SIDE,

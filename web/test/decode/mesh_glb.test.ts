@@ -11,33 +11,13 @@ import type { ParsedTile } from '../../src/view/parsed_tiles';
 import { compressGlb } from '../support/compress_glb';
 import { writeMeshGlb } from '../support/glb.mjs';
 import type { TestTile } from '../support/glb.mjs';
-import { NO_DECODER, parsedTiles, STEP_MM, triangle } from '../support/mesh_frames';
+import { NO_DECODER, parsedTiles, STEP_MM, triangle, waves } from '../support/mesh_frames';
 
 beforeAll(async () => {
   // GLTFLoader reads this browser global even for files without images.
   Object.assign(globalThis, { self: globalThis });
   await Promise.all([MeshoptDecoder.ready, MeshoptEncoder.ready]);
 });
-
-/** A surface of waves over a raster, of which every third vertex is original. */
-function waves(x: number, y: number, raster: number): TestTile {
-  const tile: TestTile = { x, y, version: 3, positions: [], normals: [], indices: [] };
-  tile.original = [];
-  for (let j = 0; j <= raster; ++j)
-    for (let i = 0; i <= raster; ++i) {
-      const slope = 0.3 * Math.cos(i);
-      const length = Math.hypot(slope, 1);
-      tile.positions.push(8 * x + (8 * i) / raster, 8 * y + (8 * j) / raster, 0.3 * Math.sin(i));
-      tile.normals.push(-slope / length, 0, 1 / length);
-      tile.original.push(j % 3 === 0 ? 1 : 0);
-    }
-  for (let j = 0; j < raster; ++j)
-    for (let i = 0; i < raster; ++i) {
-      const a = j * (raster + 1) + i;
-      tile.indices.push(a, a + 1, a + raster + 2, a, a + raster + 2, a + raster + 1);
-    }
-  return tile;
-}
 
 /** The corners of the triangles and their normals in the world, and the original ones. */
 function cornersOf(geometry: THREE.BufferGeometry, matrix: THREE.Matrix4): number[] {
@@ -114,14 +94,6 @@ describe('a mesh frame', () => {
     };
     expect(bits(whole!)).toEqual([1, 1, 1]);
     expect(bits(part!)).toEqual([1, 0, 1]);
-    expect(part!.shape).not.toBe(parsedTiles([triangle(0, 0, 1)])[0]!.shape);
-  });
-
-  it('names equal shapes alike, also in other frames', () => {
-    const [one, other] = parsedTiles([triangle(1, 0, 1), triangle(3, 0, 9)]);
-    expect(one!.shape).toBe(other!.shape);
-    expect(parsedTiles([triangle(0, 0, 2)])[0]!.shape).toBe(one!.shape);
-    expect(parsedTiles([waves(0, 0, 5)])[0]!.shape).not.toBe(one!.shape);
   });
 
   it('may contain an empty tile', () => {

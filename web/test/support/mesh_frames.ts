@@ -33,6 +33,26 @@ export function triangle(
   };
 }
 
+/** A surface of waves over a raster, of which every third vertex is original. */
+export function waves(x: number, y: number, raster: number): TestTile {
+  const tile: TestTile = { x, y, version: 3, positions: [], normals: [], indices: [] };
+  tile.original = [];
+  for (let j = 0; j <= raster; ++j)
+    for (let i = 0; i <= raster; ++i) {
+      const slope = 0.3 * Math.cos(i);
+      const length = Math.hypot(slope, 1);
+      tile.positions.push(8 * x + (8 * i) / raster, 8 * y + (8 * j) / raster, 0.3 * Math.sin(i));
+      tile.normals.push(-slope / length, 0, 1 / length);
+      tile.original.push(j % 3 === 0 ? 1 : 0);
+    }
+  for (let j = 0; j < raster; ++j)
+    for (let i = 0; i < raster; ++i) {
+      const a = j * (raster + 1) + i;
+      tile.indices.push(a, a + 1, a + raster + 2, a, a + raster + 2, a + raster + 1);
+    }
+  return tile;
+}
+
 export function parsedTiles(tiles: TestTile[]): ParsedTile[] {
   return tilesOf(readMeshGlb(writeMeshGlb(tiles, STEP_MM, 0, 1), NO_DECODER));
 }

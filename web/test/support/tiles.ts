@@ -2,6 +2,7 @@
 // A block of 5 x 5 tiles with a surface of given heights, as the page displays one.
 
 import * as THREE from 'three';
+import { ORIGINAL_ATTRIBUTE } from '../../src/view/parsed_tiles';
 import type { ParsedTile } from '../../src/view/parsed_tiles';
 import { TileView } from '../../src/view/tile_view';
 import type { Welcome } from '../../src/wire/types';
@@ -15,12 +16,7 @@ export const WELCOME = {
 } as unknown as Welcome;
 
 /** A tile with a surface of heights at a raster, quantized as the server's are. */
-export function tileOf(
-  x: number,
-  y: number,
-  height: (x: number, y: number) => number,
-  shape: string,
-): ParsedTile {
+export function tileOf(x: number, y: number, height: (x: number, y: number) => number): ParsedTile {
   const raster = 8;
   const geometry = new THREE.BufferGeometry();
   const words: number[] = [];
@@ -30,6 +26,11 @@ export function tileOf(
       words.push(u * 1000, v * 1000, height(-20 + x * SIDE + u, -20 + y * SIDE + v) * 1000);
     }
   geometry.setAttribute('position', new THREE.BufferAttribute(new Int16Array(words), 3));
+  const vertices = words.length / 3;
+  const up = Array.from({ length: vertices }, () => [0, 0, 127]).flat();
+  geometry.setAttribute('normal', new THREE.BufferAttribute(new Int8Array(up), 3, true));
+  const original = new THREE.BufferAttribute(new Int8Array(vertices), 1);
+  geometry.setAttribute(ORIGINAL_ATTRIBUTE, original);
   const index: number[] = [];
   for (let j = 0; j < raster; ++j)
     for (let i = 0; i < raster; ++i) {
@@ -49,7 +50,6 @@ export function tileOf(
     level: 0,
     motions: 0,
     triangles: 128,
-    shape,
     geometry,
     matrix,
   };
@@ -58,6 +58,6 @@ export function tileOf(
 export function block(height: (x: number, y: number) => number): TileView {
   const view = new TileView(new THREE.MeshBasicMaterial());
   for (let y = 0; y < TILES; ++y)
-    for (let x = 0; x < TILES; ++x) view.set(tileOf(x, y, height, `${x},${y}`), x, y, SIDE);
+    for (let x = 0; x < TILES; ++x) view.set(tileOf(x, y, height), x, y, SIDE);
   return view;
 }

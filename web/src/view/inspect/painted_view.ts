@@ -7,7 +7,7 @@ import * as THREE from 'three';
 import type { Valued } from '../../model/owners';
 import { refined } from '../../model/refine';
 import type { Triangles } from '../../model/refine';
-import { tileAt } from '../../model/tiles';
+import { squareOf } from '../../model/tiles';
 import type { DisplayedTile } from '../tile_view';
 import type { Viewer } from '../viewer';
 import { VALUE_ATTRIBUTE } from './painted_material';
@@ -32,7 +32,7 @@ export interface Painting {
 }
 export type Answers = Float32Array | Uint32Array;
 
-/** Tiles of such a square are one draw call. */
+/** Tiles along the side of a square, which is one draw call. */
 const SQUARE = 8;
 
 interface PaintedTile extends Valued {
@@ -45,11 +45,6 @@ interface Question {
   tile: DisplayedTile;
   triangles: Triangles;
   numbers: Float32Array<ArrayBuffer>;
-}
-
-function squareOf(key: number): number {
-  const [x, y] = tileAt(key);
-  return Math.floor(y / SQUARE) * 65536 + Math.floor(x / SQUARE);
 }
 
 function isSame(a: DisplayedTile, b: DisplayedTile): boolean {
@@ -213,7 +208,7 @@ export class PaintedView {
   /** Makes the meshes again in which these tiles are. */
   private draw_(keys: readonly number[]): void {
     if (keys.length > 0) this.revision += 1;
-    for (const square of new Set(keys.map(squareOf))) {
+    for (const square of new Set(keys.map((key) => squareOf(key, SQUARE)))) {
       const old = this.squares_.get(square);
       if (old) {
         this.group_.remove(old);
@@ -221,7 +216,7 @@ export class PaintedView {
         this.squares_.delete(square);
       }
       const tiles = [...this.painted_]
-        .filter(([key]) => squareOf(key) === square)
+        .filter(([key]) => squareOf(key, SQUARE) === square)
         .map(([, tile]) => tile)
         .filter(({ values }) => values.length > 0);
       if (tiles.length === 0) continue;
