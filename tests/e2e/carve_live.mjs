@@ -128,8 +128,10 @@ async function carve(base, folder, viewers) {
     'Ada #c2410c',
     'Linus #0f766e',
   ]);
-  const { programs, pictures } = await read(page);
-  assert(pictures.length > 0);
+  const { programs } = await until('a picture of them', SETTLE_S, async () => {
+    const all = await read(page);
+    return all.pictures.length > 0 && all;
+  });
   assert.deepEqual(programs, [], 'shaders of the tools are compiled when they appear');
   await switchSound(viewers[0], false);
   const variance = await photograph(viewers[0], join(options.out, 'carving.png'));

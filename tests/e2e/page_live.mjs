@@ -9,7 +9,7 @@ import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
-import { launchBrowser, luminanceIn, openViewer } from './support/browser.mjs';
+import { differenceOf, launchBrowser, luminanceIn, openViewer } from './support/browser.mjs';
 import { stop, until } from './support/processes.mjs';
 import { optionsOf, runTest, startServer } from './support/session.mjs';
 
@@ -148,6 +148,30 @@ async function checkSides(viewer) {
   assert(Math.max(...luminances) <= 2 * Math.min(...luminances), text);
 }
 
+/** What is read back from WebGL is what WebGL draws on the page's canvas, but for edges. */
+async function checkReadback(browser, base) {
+  const [read, drawn] = await Promise.all(
+    ['', '&quality=full'].map(async (quality) => {
+      const address = `${base}/?session=page&name=Alan${quality}`;
+      const viewer = await openViewer(browser, address, { width: 640, height: 480 });
+      await untilWhole(viewer);
+      await viewer.page.waitForTimeout(1500); // the still picture
+      return viewer;
+    }),
+  );
+  const is2d = await Promise.all(
+    [read, drawn].map(({ page }) =>
+      page.locator('.canvas').evaluate((canvas) => canvas.getContext('2d') !== null),
+    ),
+  );
+  assert.deepEqual(is2d, [true, false]);
+  const box = (await read.state()).blockBox;
+  const difference = await differenceOf(read.page, drawn.page, box);
+  console.log(`read back and drawn differ by ${difference.toFixed(2)} of 255`);
+  assert(difference < 2, `${difference}`);
+  for (const { page } of [read, drawn]) await page.context().close();
+}
+
 /** People, figures and downloads are there where WebGL is not. */
 async function checkWithoutWebGl(base, scratch) {
   const browser = await launchBrowser(['--disable-gpu', '--disable-3d-apis']);
@@ -191,6 +215,7 @@ async function test(folder) {
     await checkLayouts(viewer);
     await checkSides(viewer);
     await checkCalls(viewer);
+    await checkReadback(browser, base);
     await page.goto(`${base}/?list`);
     await page.getByText('Choose a block to watch').waitFor(); // although there is only one
     assert.deepEqual(problems, []);

@@ -40,6 +40,7 @@ export function installHook(page: SessionPage): void {
       forceSamples: forces.count,
     })),
     hasPicture: page.picture.viewer !== null,
+    pictures: page.picture.viewer?.pictures ?? null,
     copyTiles: page.picture.viewer?.local.size ?? 0,
     blockBox: page.picture.viewer?.blockBox ?? null,
     drawCalls: page.picture.viewer?.drawCalls ?? 0,

@@ -51,14 +51,16 @@ export async function goTo(page, url) {
   };
 }
 
-/** Waits until the page has drawn what it shows now. */
+/** Waits until a picture is shown that was begun after this call, or what is shown is up to date. */
 export function nextFrames(page) {
-  return page.evaluate(
-    () =>
-      new Promise((resolve) => {
-        requestAnimationFrame(() => requestAnimationFrame(resolve));
-      }),
-  );
+  return page.evaluate(async () => {
+    const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+    const pictures = () => window.kerf?.state().pictures;
+    await frame();
+    const { begun } = pictures() ?? { begun: 0 };
+    while (pictures() && !pictures().isLast && pictures().shown <= begun) await frame();
+    await frame();
+  });
 }
 
 /** Pixels of a screenshot, RGBA, of the part that begins at x, y. */
@@ -97,6 +99,18 @@ export async function countPixels(page, box, { leastRedOverBlue }) {
   for (let i = 0; i < rgba.length; i += 4)
     if (rgba[i] - rgba[i + 2] >= leastRedOverBlue) count += 1;
   return count;
+}
+
+/** Mean difference of brightness, 0 to 255, of two pages of one size in a box: left, top, right, bottom. */
+export async function differenceOf(page, other, [left, top, right, bottom]) {
+  const box = [left, top, right - left, bottom - top].map(Math.floor);
+  const [one, two] = await Promise.all(
+    [page, other].map(async (each) => {
+      const png = await each.screenshot({ timeout: 120_000 });
+      return brightnessOf(await pixelsOf(each, png, box));
+    }),
+  );
+  return one.reduce((sum, value, n) => sum + Math.abs(value - two[n]), 0) / one.length;
 }
 
 /** Mean luminance, 0 to 1, of the middle of a box of the page: left, top, right, bottom. */

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures a page from outside of its code: pictures that it draws, tasks that block it, and the
-// time from an input until the picture that shows it is painted.
+// time from an input until the picture that shows it is painted. Without a GPU the page draws on a
+// canvas that is not in the document, and puts the picture on one that is when it is ready.
 
 /** The script that measures; it runs before the page's own. */
 export const METER = `
   const meter = { pictures: [], tasks: [], inputs: [], presented: [], programs: [], waits: [] };
   window.meter = meter;
+  const isPut = () => document.querySelector('.canvas').getContext('2d') !== null;
   let drawn = false;
   let waiting = [];
   for (const name of ['drawElements', 'drawElementsInstanced', 'drawArrays']) {
@@ -33,6 +35,16 @@ export const METER = `
     const now = performance.now();
     for (const at of data) meter.inputs.push(now - at);
   };
+  let drawing = [];
+  const put = CanvasRenderingContext2D.prototype.putImageData;
+  CanvasRenderingContext2D.prototype.putImageData = function (...all) {
+    if (this.canvas.matches('.canvas')) {
+      const shown = drawing;
+      drawing = [];
+      request(() => painted.port2.postMessage(shown));
+    }
+    return put.apply(this, all);
+  };
   const request = window.requestAnimationFrame.bind(window);
   window.requestAnimationFrame = (callback) =>
     request((now) => {
@@ -40,7 +52,8 @@ export const METER = `
       callback(now);
       if (!drawn) return;
       meter.pictures.push(now);
-      painted.port2.postMessage(waiting);
+      if (isPut()) drawing = waiting;
+      else painted.port2.postMessage(waiting);
       waiting = [];
     });
   addEventListener('keydown', ({ timeStamp }) => waiting.push(timeStamp), { capture: true });

@@ -10,6 +10,7 @@ export function installLocalHook(page: LocalPage): void {
     return {
       ...facts,
       hasPicture: viewer !== null,
+      pictures: viewer?.pictures ?? null,
       copyTiles: viewer?.local.size ?? 0,
       blockBox: viewer?.blockBox ?? null,
     };

@@ -118,6 +118,10 @@ export class Stage {
     this.scene.add(this.ground_, this.grid_);
   }
 
+  get gl(): WebGL2RenderingContext {
+    return this.renderer.getContext() as WebGL2RenderingContext;
+  }
+
   private addLight_(): void {
     this.key_.castShadow = true;
     this.key_.shadow.mapSize.set(2048, 2048);

@@ -22,6 +22,7 @@ import { DisplayedSurface } from './displayed_surface';
 import { tilesOf } from './parsed_tiles';
 import type { ParsedTile } from './parsed_tiles';
 import { LocalTiles } from './local_tiles';
+import { Readback } from './readback';
 import { carverSample } from './shader_samples';
 import { drawsInSoftware, Stage } from './stage';
 import { StockMaterial } from './stock_material';
@@ -63,6 +64,9 @@ export class Viewer {
   private fitted_ = false;
   private compiled_: Promise<void> | null = null;
   private canDraw_ = false;
+  private begun_ = 0;
+  private shown_ = 0;
+  private readonly readback_: Readback | null; // null: the page shows the canvas that is drawn on
   /** Where a headset looks from, which draws instead of the page; null: none. */
   eyeElsewhere: THREE.Vector3 | null = null;
 
@@ -74,7 +78,10 @@ export class Viewer {
     private readonly fixedQuality: boolean,
   ) {
     const weak = drawsInSoftware();
-    this.stage = new Stage(canvas, weak, fixedQuality || !weak);
+    const isReadBack = weak && !fixedQuality;
+    const drawn = isReadBack ? document.createElement('canvas') : canvas;
+    this.stage = new Stage(drawn, weak, !isReadBack);
+    this.readback_ = isReadBack ? new Readback(this.stage.gl, canvas) : null;
     this.quality_ = new Quality(drawnRatio(window.devicePixelRatio), weak && !fixedQuality);
     this.stage.scene.add(this.tiles.group);
     this.carvers = new CarverViews(this.stage.scene, overlay, model);
@@ -175,6 +182,12 @@ export class Viewer {
   /** The corners of all triangles that are displayed, nine numbers each, mm. */
   surface(): number[] {
     return this.tiles.corners();
+  }
+
+  /** How many pictures were begun and are shown; `isLast`: the last one shows all there is. */
+  get pictures(): { begun: number; shown: number; isLast: boolean } {
+    const isLast = !this.dirty_ && this.begun_ === this.shown_;
+    return { begun: this.begun_, shown: this.shown_, isLast };
   }
 
   /** Calls of the last picture, those of its shadows included if they changed. */
@@ -306,7 +319,7 @@ export class Viewer {
     const tip = this.followed_ === null ? null : this.carvers.tipOf(this.followed_);
     if (tip) this.rig.followPoint(tip);
     if (this.rig.update(nowMs, since)) this.touch();
-    if (!this.canDraw_ || this.eyeElsewhere || this.isRecording) return;
+    if (!this.canDraw_ || this.eyeElsewhere || this.isRecording || this.readback_?.isBusy) return;
     if (this.dirty_) {
       if (nowMs - this.lastDrawMs_ >= this.quality_.pauseMs) this.drawMoving_(nowMs);
     } else if (!this.stillDrawn_ && nowMs - this.lastDrawMs_ > this.quality_.stillAfterMs)
@@ -343,8 +356,14 @@ export class Viewer {
     const camera = this.rig.eye;
     this.stage.render(camera, withShadows);
     for (const layer of this.layers) layer.draw?.(this.stage.renderer, camera);
-    mark('picture');
-    this.carvers.placeLabels(camera, this.width_, this.height_, this.clearTop_);
-    for (const layer of this.layers) layer.drawn?.(camera, this.width_, this.height_);
+    this.begun_ += 1;
+    const shown = (): void => {
+      this.shown_ += 1;
+      mark('picture');
+      this.carvers.placeLabels(camera, this.width_, this.height_, this.clearTop_);
+      for (const layer of this.layers) layer.drawn?.(camera, this.width_, this.height_);
+    };
+    if (this.readback_) void this.readback_.show(shown);
+    else shown();
   }
 }
