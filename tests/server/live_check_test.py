@@ -157,6 +157,16 @@ class Check(LiveTest):
             os.remove(file)
         self.server = Server(self.folder.name)
 
+    def test_a_folder_of_no_server_is_no_good_one(self):
+        with tempfile.TemporaryDirectory() as other:
+            for words in (("check", other), ("backup", other, os.path.join(other, "to"))):
+                status, text = run(*words)
+                self.assertEqual(status, 1, text)
+                self.assertIn("no server has used this folder", text)
+                self.assertEqual(os.listdir(other), [])
+        self.assertEqual(self.server.http.json("DELETE", "/v1/sessions/block?purge=1")[0], 200)
+        self.assertEqual(run("check", self.folder.name), (0, ""))  # a server without sessions
+
     def test_a_damaged_page_is_found_in_any_table(self):
         self.server.stop()
         with sqlite3.connect(self.journal) as journal:
