@@ -139,6 +139,13 @@ void accept_configuration(CLI::App& app) {
   app.allow_config_extras(CLI::config_extras_mode::error);
 }
 
+/// What is wrong with the file of --config, of CLI11's words, which call it INI.
+std::string config_fault(std::string reason) {
+  constexpr std::string_view kUnknown = "INI was not able to parse ";
+  if (!reason.starts_with(kUnknown)) return reason;
+  return "there is no option '" + reason.substr(kUnknown.size()) + "'";
+}
+
 /// The commands that verify or copy files instead of serving sessions.
 struct Commands {
   std::string folder, journal, backup, session, fetched;
@@ -379,7 +386,7 @@ std::expected<CommandLine, int> read_command_line(int argc, char** argv) {
     app.parse(argc, argv);
     take_environment_lists(app);
   } catch (const CLI::ConfigError& error) {
-    return reject(std::string("--config: ") + error.what() + "; --help lists the options");
+    return reject("--config: " + config_fault(error.what()) + "; --help lists the options");
   } catch (const CLI::ParseError& error) {
     return std::unexpected(app.exit(error));
   }

@@ -13,6 +13,7 @@
 #include "server/session/journal_check.h"
 #include "server/session/session_registry.h"
 #include "server/store/block_snapshot.h"
+#include "server/store/folder_lock.h"
 #include "server/store/journal_file.h"
 
 namespace kerf {
@@ -112,9 +113,26 @@ bool copy_sessions(const std::filesystem::path& data, const std::filesystem::pat
   return good;
 }
 
+/// Whether a folder is one of a server, or a backup. Says so if it is not: a mistyped name would
+/// pass for a folder without faults, or for a backup of everything.
+bool is_data_folder(const std::filesystem::path& folder) {
+  std::error_code unread;
+  if (std::filesystem::exists(folder / FolderLock::kFileName, unread)) return true;
+  if (std::filesystem::exists(folder / kClosedFolder, unread)) return true;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, unread)) {
+    if (entry.path().extension().string().starts_with(kJournalExtension)) return true;
+  }
+  const std::string reason = unread ? unread.message()
+                                    : "there is no journal (*.kerf), and no server has used this "
+                                      "folder; name the one of --data";
+  std::fprintf(stderr, "kerf-server: %s: %s\n", folder.c_str(), reason.c_str());
+  return false;
+}
+
 }  // namespace
 
 int check_data(const std::filesystem::path& folder) {
+  if (!is_data_folder(folder)) return 1;
   bool good = check_files(folder, "");
   const auto closed = folder / kClosedFolder;
   if (std::filesystem::exists(closed)) {
@@ -124,10 +142,7 @@ int check_data(const std::filesystem::path& folder) {
 }
 
 int back_up(const std::filesystem::path& data, const std::filesystem::path& to) {
-  if (!std::filesystem::is_directory(data)) {
-    std::fprintf(stderr, "kerf-server: %s is not a folder\n", data.c_str());
-    return 1;
-  }
+  if (!is_data_folder(data)) return 1;
   bool good = copy_sessions(data, to);
   const auto closed = data / kClosedFolder;
   if (std::filesystem::exists(closed)) good = copy_sessions(closed, to / kClosedFolder) && good;

@@ -212,8 +212,8 @@ std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMat
   if (caller.belongs_elsewhere) return std::nullopt;
   if (caller.has_bad_token || caller.role == Role::kNobody) return needs_token(caller);
   return error_response(403, wire::to_string(wire::ErrorCode::kNotAllowed),
-                        "a " + std::string(to_string(caller.role)) + " may not " +
-                            std::string(to_string(action)) + "; it takes a " +
+                        "the role " + std::string(to_string(caller.role)) + " may not " +
+                            std::string(to_string(action)) + "; it takes the role " +
                             std::string(to_string(lowest_invited(action))));
 }
 
@@ -263,7 +263,11 @@ ApiResponse Api::ready(const ApiCall& call) {
     is_paused = is_paused || error->code != JournalErrorCode::kSessionLimit;
   }
   Json unreadable = Json::array();
-  for (const UnreadableSession& session : registry_.unreadable()) unreadable.push_back(session.id);
+  for (const UnreadableSession& session : registry_.unreadable()) {
+    unreadable.push_back(session.id);
+    // It is tried again, as the commit of a paused one: a disk that is full at the start.
+    is_paused = is_paused || session.error.code == JournalErrorCode::kIo;
+  }
   const bool loaded = registry_.loaded();
   const char* status = !loaded ? "loading" : is_paused ? "paused" : "ready";
   Json json = {{"status", status},

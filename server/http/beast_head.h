@@ -26,6 +26,11 @@ inline std::string values_of(const BeastRequest& request, const char* name) {
   return list;
 }
 
+/// Whether the body has an encoding of transfer, so that Content-Length does not tell its end.
+inline bool is_encoded(const BeastRequest& request) {
+  return request.count(boost::beast::http::field::transfer_encoding) > 0;
+}
+
 inline RequestHead head_of(const BeastRequest& request) {
   const auto value = [&](boost::beast::http::field name) { return view(request[name]); };
   return {.method = view(request.method_string()),

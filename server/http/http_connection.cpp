@@ -195,8 +195,8 @@ asio::awaitable<bool> Connection::serve_one() {
   }
   if (request->method == "OPTIONS" && !head.origin.empty() && !match.allow.empty()) {
     ApiResponse allowed = preflight(match.allow);
-    const bool more = parser.get().keep_alive() && parser.content_length().value_or(0) == 0;
-    co_return co_await answer(head, allowed, more && !parser.chunked());
+    const bool has_body = is_encoded(parser.get()) || parser.content_length().value_or(0) > 0;
+    co_return co_await answer(head, allowed, parser.get().keep_alive() && !has_body);
   }
   if (rejection) co_return co_await answer(head, *rejection, false);
   if (!co_await read_body(parser, body_bytes_max(match, request->method))) co_return false;
@@ -254,9 +254,9 @@ asio::awaitable<bool> Connection::reject_malformed() {
 asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_max) {
   const auto length = parser.content_length();
   const RequestHead head = understand(parser.get());
-  if (parser.chunked() && bytes_max > 0) {
-    co_return co_await reject(head, 411, "length_required",
-                              "the body needs a Content-Length; chunked bodies are not supported");
+  // Memory is reserved by the length, and an unknown coding does not tell where the body ends.
+  if (is_encoded(parser.get())) {
+    co_return co_await reject(head, 411, "length_required", "the body needs a Content-Length");
   }
   if (length && *length > bytes_max) {
     const std::string reason = "the body has " + std::to_string(*length) + " bytes; the limit is " +

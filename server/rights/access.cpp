@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <ranges>
 #include <utility>
 
@@ -114,6 +115,19 @@ AccessResult<Issued> Access::issue(Grant grant) {
   return Issued{std::move(grant), token->text()};
 }
 
+std::string Access::rarest_color(const std::string& session) const {
+  std::map<std::string, std::size_t> persons;
+  for (const Grant& grant : grants_ | std::views::values) {
+    const bool is_person = grant.is_personal() && root_of(grant.id) == grant.id;
+    if (is_person && grant.session == session) ++persons[grant.color];
+  }
+  std::string rarest = default_color(0);
+  for (std::size_t n = 1; n < kDefaultColors; ++n) {
+    if (persons[default_color(n)] < persons[rarest]) rarest = default_color(n);
+  }
+  return rarest;
+}
+
 AccessResult<Issued> Access::invite(const std::string& session, const Invitation& invitation) {
   if (invitation.lifetime_s < 0 || invitation.lifetime_s > kLifetimeMaxS) {
     return fail(AccessFault::kInvalid, "an invitation lasts at most 366 days");
@@ -140,6 +154,7 @@ AccessResult<Issued> Access::invite(const std::string& session, const Invitation
   grant.role = invitation.role;
   grant.name = invitation.name;
   grant.color = invitation.color;
+  if (!grant.name.empty() && grant.color.empty()) grant.color = rarest_color(session);
   grant.uses = invitation.uses;
   if (invitation.lifetime_s > 0) grant.expires_s = now_s() + invitation.lifetime_s;
   return issue(std::move(grant));
@@ -180,7 +195,7 @@ AccessResult<Issued> Access::redeem(std::string_view token, const std::string& s
   pass.uses = pass.used = 0;
   pass.invitation = found.id;
   if (pass.name.empty()) pass.name = name;
-  if (pass.color.empty()) pass.color = default_color(passes);
+  if (pass.color.empty()) pass.color = rarest_color(session);
   return issue(std::move(pass));
 }
 

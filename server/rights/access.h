@@ -126,6 +126,8 @@ class Access {
   AccessResult<std::vector<std::string>> change_person(const std::string& id,
                                                        const std::function<void(Grant&)>& change);
   AccessResult<Issued> issue(Grant grant);
+  /// The color that the fewest persons of a session have.
+  std::string rarest_color(const std::string& session) const;
 
   AccessOptions options_;
   Report report_ = {};

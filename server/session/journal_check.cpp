@@ -12,12 +12,15 @@
 #include "server/session/hash_text.h"
 #include "server/session/replay.h"
 #include "server/store/block_snapshot.h"
+#include "server/store/page_check.h"
 
 namespace kerf {
 namespace {
 
 constexpr const char* kSnapshotExtensions[] = {".kerf-snapshot", ".kerf-snapshot-previous"};
 constexpr const char* kDeleteIt = "delete it: it only makes the next start quicker";
+constexpr const char* kNoJournal = "its journal cannot be read";
+constexpr const char* kKeepIt = "keep it until the journal can be read again";
 
 /// What an operator can do about a journal that cannot be read.
 std::string remedy_of(const JournalError& error) {
@@ -57,6 +60,11 @@ CheckedFile check_journal(const std::filesystem::path& file) {
     if (!record || !*record) break;
     records = (*record)->sequence;
   }
+  if (checked.faults.empty()) {
+    if (const auto pages = check_pages(file); !pages) {
+      checked.faults.push_back(fault_of(pages.error()));
+    }
+  }
   if (reader->dropped_hashes() > 0) {
     checked.faults.push_back({"it ends before its newest state hash: records were lost",
                               "nothing; the server goes on after record " +
@@ -77,14 +85,14 @@ std::optional<std::string> snapshot_problem(const std::filesystem::path& journal
     return "it is of version " + std::to_string(head.kernel_version) + " of the kernel";
   }
   auto reader = JournalReader::open(journal);
-  if (!reader) return "its journal cannot be read";
+  if (!reader) return kNoJournal;
   const auto mark = reader->mark(head.sequence);
   if (!mark) return mark.error().reason;
   if (*mark != head.mark) return "it is not a snapshot of " + journal.filename().string();
   const auto scene = journal_scene(*reader, journal);
-  if (!scene) return "its journal cannot be read";
+  if (!scene) return kNoJournal;
   const auto block = Sculpture::create(scene->settings);
-  if (!block) return "its journal cannot be read";
+  if (!block) return kNoJournal;
   const auto snapshot = read_snapshot(file, *block);
   return snapshot ? std::nullopt : std::optional(snapshot.error().reason);
 }
@@ -105,7 +113,7 @@ CheckedFile check_snapshot(const std::filesystem::path& file) {
   if (!std::filesystem::exists(journal, ignored)) {
     checked.faults.push_back({"there is no journal " + journal.filename().string(), kDeleteIt});
   } else if (const auto problem = snapshot_problem(journal, file, *head)) {
-    checked.faults.push_back({*problem, kDeleteIt});
+    checked.faults.push_back({*problem, *problem == kNoJournal ? kKeepIt : kDeleteIt});
   }
   return checked;
 }

@@ -2,7 +2,11 @@
 #include "server/store/sqlite.h"
 
 #include <sqlite3.h>
+#include <sys/statvfs.h>
 
+#include <cstdio>
+#include <string>
+#include <system_error>
 #include <utility>
 
 namespace kerf {
@@ -14,6 +18,29 @@ constexpr int kStepsBetweenStops = 10'000;
 SqlError last_error(sqlite3* database) {
   if (database == nullptr) return {SQLITE_NOMEM, "out of memory"};
   return {sqlite3_extended_errcode(database), sqlite3_errmsg(database)};
+}
+
+/// Whether nobody can change what the file says: it is on a file system that is mounted read-only,
+/// and has no write-ahead log.
+bool is_frozen(const std::filesystem::path& file) {
+  struct statvfs system{};
+  if (statvfs(file.c_str(), &system) != 0 || (system.f_flag & ST_RDONLY) == 0) return false;
+  std::error_code missing;
+  const auto log_bytes = std::filesystem::file_size(file.string() + "-wal", missing);
+  return missing || log_bytes == 0;
+}
+
+/// The name by which SQLite opens a file that does not change: without a log, and without the
+/// shared memory beside it, which needs a folder that can be written.
+std::string frozen_name(const std::filesystem::path& file) {
+  std::string name = "file:";
+  for (const char byte : file.string()) {
+    char code[4];
+    std::snprintf(code, sizeof code, "%%%02X", static_cast<unsigned char>(byte));
+    const bool is_plain = byte != '%' && byte != '?' && byte != '#';
+    name += is_plain ? std::string(1, byte) : code;
+  }
+  return name + "?immutable=1";
 }
 
 }  // namespace
@@ -71,8 +98,13 @@ SqlResult<SqlDatabase> SqlDatabase::open(const std::filesystem::path& file, SqlM
   // log.
   int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_READWRITE;
   if (mode == SqlMode::kCreate) flags |= SQLITE_OPEN_CREATE;
+  std::string name = file.string();
+  if (mode == SqlMode::kRead && is_frozen(file)) {
+    flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
+    name = frozen_name(file);
+  }
   sqlite3* raw = nullptr;
-  const int code = sqlite3_open_v2(file.c_str(), &raw, flags, nullptr);
+  const int code = sqlite3_open_v2(name.c_str(), &raw, flags, nullptr);
   SqlDatabase database(raw);
   if (code != SQLITE_OK) return std::unexpected(last_error(raw));
   sqlite3_busy_timeout(raw, 5000);

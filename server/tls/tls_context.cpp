@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <ctime>
+#include <system_error>
 #include <utility>
 
 namespace kerf::net {
@@ -14,8 +15,10 @@ namespace {
 
 /// Takes the first error of this thread's queue and empties it.
 std::string library_error() {
-  const char* reason = ERR_reason_error_string(ERR_peek_error());
+  const unsigned long code = ERR_peek_error();
+  const char* reason = ERR_reason_error_string(code);
   ERR_clear_error();
+  if (ERR_SYSTEM_ERROR(code)) return std::generic_category().message(ERR_GET_REASON(code));
   return reason == nullptr ? "unknown error" : reason;
 }
 
@@ -58,11 +61,18 @@ std::expected<TlsContext, std::string> TlsContext::of_server(
                            " cannot be used: " + library_error());
   }
   // A server cannot be asked for the password of a key.
-  SSL_CTX_set_default_passwd_cb(native.get(), [](char*, int, int, void*) { return -1; });
+  bool is_encrypted = false;
+  SSL_CTX_set_default_passwd_cb_userdata(native.get(), &is_encrypted);
+  SSL_CTX_set_default_passwd_cb(native.get(), [](char*, int, int, void* asked) {
+    *static_cast<bool*>(asked) = true;
+    return -1;
+  });
   if (SSL_CTX_use_PrivateKey_file(native.get(), key.c_str(), SSL_FILETYPE_PEM) != 1) {
-    return std::unexpected("the private key " + key.string() +
-                           " cannot be used: " + library_error());
+    const std::string reason = library_error();
+    return std::unexpected("the private key " + key.string() + " cannot be used: " +
+                           (is_encrypted ? "it needs a password; store it without one" : reason));
   }
+  SSL_CTX_set_default_passwd_cb_userdata(native.get(), nullptr);
   TlsContext context(std::move(native));
   const X509* own = SSL_CTX_get0_certificate(context.native());
   context.expires_s_ = to_seconds(X509_get0_notAfter(own));

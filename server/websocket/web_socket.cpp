@@ -32,16 +32,22 @@ beast::string_view view(std::string_view text) { return {text.data(), text.size(
 }  // namespace
 
 struct WebSocket::State {
-  explicit State(ByteStream below) : stream(std::move(below)) {}
+  State(ByteStream below, const WebSocketLimits& times) : stream(std::move(below)), limits(times) {}
+  /// Whether silence of the peer ends the connection. Takes effect at the next read, or at once.
+  void limit_silence(bool on) {
+    stream.set_option(websocket::stream_base::timeout{
+        .handshake_timeout = limits.handshake,
+        .idle_timeout = on ? limits.idle : websocket::stream_base::none(),
+        .keep_alive_pings = true});
+  }
   websocket::stream<ByteStream, false> stream;
+  WebSocketLimits limits;
   beast::flat_buffer in;
 };
 
 WebSocket::WebSocket(ByteStream stream, const WebSocketLimits& limits)
-    : state_(std::make_unique<State>(std::move(stream))) {
-  state_->stream.set_option(websocket::stream_base::timeout{.handshake_timeout = limits.handshake,
-                                                            .idle_timeout = limits.idle,
-                                                            .keep_alive_pings = true});
+    : state_(std::make_unique<State>(std::move(stream), limits)) {
+  state_->limit_silence(false);
   state_->stream.auto_fragment(false);
   state_->stream.read_message_max(limits.message_bytes);
 }
@@ -90,7 +96,10 @@ asio::awaitable<HandshakeAnswer> WebSocket::shake_hands(std::string_view host,
 asio::awaitable<error_code> WebSocket::read() {
   error_code error;
   state_->in.clear();
+  // Who does not read does not see what comes, pongs included: a long batch is being cut.
+  state_->limit_silence(true);
   co_await state_->stream.async_read(state_->in, asio::redirect_error(asio::use_awaitable, error));
+  state_->limit_silence(false);
   co_return error;
 }
 

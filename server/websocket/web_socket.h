@@ -25,7 +25,7 @@ struct UpgradeRequest;
 struct WebSocketLimits {
   std::chrono::milliseconds handshake;  ///< for the opening and for the closing handshake
   /// A peer from which nothing has come for half of this time is pinged; after all of it, reading
-  /// fails.
+  /// fails. It counts from the beginning of a read: who reads nothing for long loses no peer.
   std::chrono::milliseconds idle;
   std::size_t message_bytes;  ///< a longer one ends the connection with close code 1009
 };

@@ -195,6 +195,22 @@ TEST_F(AccessTest, APersonKeepsNameColorAndMuteOverARestart) {
   EXPECT_EQ(role_of(grace->token), Role::kOwner);
 }
 
+TEST_F(AccessTest, PersonsHaveDifferentLastingColors) {
+  std::set<std::string> colors;
+  for (const char* name : {"Ada", "Grace", "Mary"}) {
+    const auto by_name = access->invite("block", {.role = Role::kSculptor, .name = name}).value();
+    const std::string color = by_name.grant.color;
+    EXPECT_EQ(access->redeem(by_name.token, "block", "").value().grant.color, color);
+    // An agent comes with the invitation itself, each time.
+    EXPECT_EQ(access->identify(by_name.token, "block").color, color);
+    colors.insert(color);
+    colors.insert(access->redeem(invite(Role::kWatcher).token, "block", "").value().grant.color);
+  }
+  EXPECT_EQ(colors.size(), 6U);
+  EXPECT_FALSE(colors.contains(""));
+  for (int n = 0; n < 10; ++n) ASSERT_TRUE(access->redeem(invite(Role::kOwner).token, "block", ""));
+}
+
 TEST_F(AccessTest, DecisionsAboutAPersonInvitedByNameHoldForItsLink) {
   const auto ada = access->invite("block", {.role = Role::kSculptor, .name = "Ada"}).value();
   const auto pass = access->redeem(ada.token, "block", "").value();

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Snapshots of a real server, and the commands that verify its files."""
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -146,10 +148,56 @@ class Check(LiveTest):
         self.assertRegex(text, r"block.kerf: corrupt_journal: record \d+: .* -> restore a copy")
         self.assertEqual(run("replay", self.journal)[0], 1)
         self.assertEqual(run("check", os.path.join(self.folder.name, "none"))[0], 1)
+        self.sql("PRAGMA user_version=77")
+        self.assertRegex(run("check", self.folder.name)[1],
+                         "(?m)^block.kerf-snapshot-previous: its journal cannot be read -> keep it")
         os.remove(self.journal)
         self.assertIn("there is no journal block.kerf", run("check", self.folder.name)[1])
         for file in (self.snapshot, self.previous):
             os.remove(file)
+        self.server = Server(self.folder.name)
+
+    def test_a_folder_of_no_server_is_no_good_one(self):
+        with tempfile.TemporaryDirectory() as other:
+            for words in (("check", other), ("backup", other, os.path.join(other, "to"))):
+                status, text = run(*words)
+                self.assertEqual(status, 1, text)
+                self.assertIn("no server has used this folder", text)
+                self.assertEqual(os.listdir(other), [])
+        self.assertEqual(self.server.http.json("DELETE", "/v1/sessions/block?purge=1")[0], 200)
+        self.assertEqual(run("check", self.folder.name), (0, ""))  # a server without sessions
+
+    def test_a_damaged_page_is_found_in_any_table(self):
+        self.server.stop()
+        with sqlite3.connect(self.journal) as journal:
+            page = journal.execute(
+                "SELECT rootpage FROM sqlite_master WHERE name='program_lines'").fetchone()[0]
+            size = journal.execute("PRAGMA page_size").fetchone()[0]
+        journal.close()
+        self.assertEqual(run("check", self.folder.name)[0], 0)
+        with open(self.journal, "r+b") as file:
+            file.seek((page - 1) * size)
+            file.write(b"\xff" * size)
+        status, text = run("check", self.folder.name)
+        self.assertEqual(status, 1, text)
+        self.assertRegex(text, r"block.kerf: corrupt_journal: .*age .* -> restore a copy")
+
+    def test_copies_on_a_medium_that_cannot_be_written_are_read(self):
+        self.carved()
+        self.server.stop()
+        mount = 'mount --bind "$1" "$1" && mount -o remount,bind,ro "$1" && exec "$0" "$2" "$3" $4'
+        other = tempfile.TemporaryDirectory()
+        self.addCleanup(other.cleanup)
+        odd = os.path.join(other.name, "100% of #1?")
+        shutil.copytree(self.folder.name, odd)
+        for words in (("check", odd), ("replay", os.path.join(odd, "block.kerf")),
+                      ("backup", odd, os.path.join(other.name, "to"))):
+            done = subprocess.run(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", mount,
+                                   PROGRAM, odd, *words], capture_output=True, text=True, timeout=60)
+            if "unshare" in done.stderr:
+                self.skipTest("this machine permits no mounts of one's own: " + done.stderr)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(run("check", os.path.join(other.name, "to"))[0], 0)
         self.server = Server(self.folder.name)
 
 

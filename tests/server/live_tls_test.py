@@ -197,16 +197,19 @@ class Tls(unittest.TestCase):
         agent.move([(0, 0, 5)])
         agent.result()
         first = self.serial()
-        # The last one stays while the new one is no certificate, has expired, or has another key.
-        for name, key in (("pose.csv", "good.key"), ("old.pem", "old.key"), ("next.pem", "good.key")):
+        # The last one stays while the new one is no certificate, has expired, or has another key, or
+        # one that a server cannot read.
+        openssl("pkey", "-in", self.path("next.key"), "-aes128", "-passout", "pass:secret", "-out",
+                self.path("locked.key"))
+        for name, key, why in (("pose.csv", "good.key", "no start line"), ("old.pem", "old.key", "has expired"),
+                               ("next.pem", "good.key", "mismatch"), ("next.pem", "locked.key", "without one")):
             for source, kind in ((name, ".pem"), (key, ".key")):
                 with open(self.path(source), "rb") as file:
                     bytes_read = file.read()
                 with open(self.path("used" + kind), "wb") as file:
                     file.write(bytes_read)
             self.server.process.send_signal(signal.SIGHUP)
-            self.assertIn("nothing is changed",
-                          self.log_line("SIGHUP"))
+            self.assertRegex(self.log_line("SIGHUP"), "nothing is changed.*" + why)
             self.assertEqual(self.serial(), first)
         self.install("next")
         self.server.process.send_signal(signal.SIGHUP)

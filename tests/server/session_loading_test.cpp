@@ -148,6 +148,7 @@ TEST_F(SessionLoading, OnlyAFailureOfTheDiskIsTriedAgain) {
   const LoadReport memory = load_with([] { throw std::bad_alloc(); });
   ASSERT_EQ(memory.failures.size(), 1U);
   EXPECT_EQ(memory.failures[0].code, JournalErrorCode::kNotLoaded);
+  EXPECT_EQ(ask("GET", "/readyz").status, 200U);  // it will not change by itself
   EXPECT_TRUE(registry->retry_disk_failures().empty());
   EXPECT_EQ(tries, 1);
 
@@ -156,7 +157,10 @@ TEST_F(SessionLoading, OnlyAFailureOfTheDiskIsTriedAgain) {
   ASSERT_EQ(system.failures.size(), 1U);
   EXPECT_EQ(system.failures[0].code, JournalErrorCode::kIo);
   EXPECT_TRUE(registry->retry_disk_failures().empty());
+  EXPECT_EQ(ask("GET", "/readyz").status, 503U);
+  EXPECT_EQ(body(ask("GET", "/readyz"))["status"], "paused");
   EXPECT_EQ(registry->retry_disk_failures(), std::vector<std::string>{"a"});
+  EXPECT_EQ(ask("GET", "/readyz").status, 200U);
   EXPECT_EQ(tries, 3);
 }
 

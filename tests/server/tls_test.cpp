@@ -75,6 +75,7 @@ TEST_F(TlsTest, FilesThatCannotBeUsedAreNamed) {
   const auto server = TlsContext::of_server("/no/such/chain.pem", "/no/such/key.pem");
   ASSERT_FALSE(server);
   EXPECT_NE(server.error().find("/no/such/chain.pem"), std::string::npos);
+  EXPECT_NE(server.error().find("No such file"), std::string::npos) << server.error();
   const auto client = TlsContext::of_client("/no/such/authority.pem");
   ASSERT_FALSE(client);
   EXPECT_NE(client.error().find("/no/such/authority.pem"), std::string::npos);

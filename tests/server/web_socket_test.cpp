@@ -51,11 +51,12 @@ class WebSocketTest : public testing::Test {
   }
 
   /// Accepts a WebSocket that speaks `protocol` on the server's socket.
-  asio::awaitable<std::unique_ptr<WebSocket>> accept(std::string_view protocol) {
+  asio::awaitable<std::unique_ptr<WebSocket>> accept(std::string_view protocol,
+                                                     WebSocketLimits limits = kLimits) {
     UpgradeRequest request;
     boost::beast::flat_buffer buffer;
     boost::beast::http::read(server_, buffer, request.message);
-    auto socket = std::make_unique<WebSocket>(std::move(server_), kLimits);
+    auto socket = std::make_unique<WebSocket>(std::move(server_), limits);
     const error_code error = co_await socket->accept(request, protocol);
     EXPECT_FALSE(error) << error.message();
     co_return socket;
@@ -94,6 +95,36 @@ TEST_F(WebSocketTest, CarriesTextAndBinaryMessagesWhole) {
         EXPECT_EQ(socket.text(), first + second);
         EXPECT_FALSE(co_await socket.write(false, asio::buffer(end)));
         EXPECT_FALSE(co_await socket.close(1000));
+      });
+}
+
+TEST_F(WebSocketTest, ASilentPeerIsDroppedOnlyWhileSomebodyReads) {
+  WebSocketLimits limits = kLimits;
+  limits.idle = std::chrono::milliseconds(50);
+  const std::string hello = "hello";
+  bool is_over = false;
+  run(
+      [&]() -> asio::awaitable<void> {
+        const auto socket = co_await accept("kerf.test", limits);
+        for (int n = 0; n < 2; ++n) {
+          asio::steady_timer work(io_, 4 * limits.idle);  // it does not see the peer's pongs
+          co_await work.async_wait(asio::use_awaitable);
+          EXPECT_FALSE(co_await socket->read()) << n;
+        }
+        EXPECT_TRUE(co_await socket->read());
+        is_over = true;
+      },
+      [&]() -> asio::awaitable<void> {
+        WebSocket socket(std::move(client_), kLimits);  // reads nothing, so it answers no ping
+        EXPECT_FALSE((co_await socket.shake_hands("localhost", "/", "kerf.test")).error);
+        for (int n = 0; n < 2; ++n) {
+          EXPECT_FALSE(co_await socket.write(true, asio::buffer(hello)));
+        }
+        asio::steady_timer pause(io_);
+        while (!is_over) {
+          pause.expires_after(std::chrono::milliseconds(5));
+          co_await pause.async_wait(asio::use_awaitable);
+        }
       });
 }
 
