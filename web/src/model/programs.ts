@@ -3,6 +3,12 @@
 
 import type { ProgramInfo } from '../wire/types';
 
+/** Of the names of NC and APT programs. */
+export const PROGRAM_ENDINGS: readonly string[] =
+  '.ngc .nc .tap .gcode .cnc .txt .eia .iso .mpf .spf .h .hnc .apt .aptsource .cls .cl .ncl'.split(
+    ' ',
+  );
+
 export function isOpen(program: ProgramInfo): boolean {
   return program.state === 'queued' || program.state === 'running' || program.state === 'paused';
 }
