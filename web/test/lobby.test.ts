@@ -105,6 +105,7 @@ describe('a program as the beginning of a block', () => {
     answers = { programs: facts };
     expect((await draftOf('PART.H')).program?.name).toBe('PART.H');
     expect((await draftOf('part.mpf')).name).toBe('part');
+    expect((await draftOf('part.cldata')).name).toBe('part');
     await expect(draftOf('part.docx')).rejects.toThrow('its name must end in');
   });
 

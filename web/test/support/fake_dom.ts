@@ -75,6 +75,9 @@ export class FakeElement {
   closest(): FakeElement | null {
     return null;
   }
+  removeAttribute(name: string): void {
+    this.attributes_.delete(name);
+  }
   setAttribute(name: string, value: string): void {
     this.attributes_.set(name, value);
   }
