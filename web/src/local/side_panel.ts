@@ -184,6 +184,7 @@ export class SidePanel {
     this.text_.follow(true);
     this.showError('', null);
     this.setHash(null, 0);
+    this.setStored('');
   }
 
   setStatus(status: Status): void {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { NO_FILES } from '../../src/local/given_files';
 import { SidePanel } from '../../src/local/side_panel';
 import type { SideActions } from '../../src/local/side_panel';
 import type { FakeElement } from '../support/fake_dom';
@@ -79,6 +80,16 @@ describe('the panel of the page without a server', () => {
     expect(text()).toContain('Reading…');
     panel.setStatus('failed');
     expect(text()).not.toContain('Reading…');
+  });
+
+  it('says of other files nothing that was verified of the ones before', () => {
+    vi.stubGlobal('navigator', { language: 'en' });
+    const { panel } = make(() => false);
+    const text = (): string => (panel.element as unknown as FakeElement).textContent;
+    panel.setStored('verified: record 9');
+    expect(text()).toContain('verified');
+    panel.setFiles(NO_FILES, null);
+    expect(text()).not.toContain('verified');
   });
 
   it('has no 3D mouse where the browser can have none', () => {
