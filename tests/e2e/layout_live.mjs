@@ -98,7 +98,11 @@ async function faultsOf({ page, state: stateOf }, [width, height], name) {
   }
   // The place that the alarm leads to is not hidden.
   const [marker] = await boxesIn(page, ['.path-marker']);
+  const listed = await page
+    .locator('.program-list')
+    .evaluate((list) => list.clientHeight >= list.querySelector('button').offsetHeight);
   return [
+    ...(listed ? [] : ['the list of programs is cut off']),
     ...outside(boxes, [width, height]),
     ...(await intersecting(page, [...OVER, '.path-marker'])),
     ...(marker ? [] : ['no place of the alarm']),
@@ -128,6 +132,8 @@ async function checkSizes(viewer, name, scheme) {
 
 async function checkDialog({ page }, part, name) {
   const bad = [];
+  const scrolled = await page.locator(part).evaluate(({ scrollTop }) => scrollTop);
+  if (scrolled > 0) bad.push(`${name}: its beginning is out of sight, ${scrolled} pixels above`);
   for (const size of SIZES) {
     await page.setViewportSize({ width: size[0], height: size[1] });
     await nextFrames(page);

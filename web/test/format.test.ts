@@ -45,6 +45,8 @@ describe('format', () => {
   it('turns reasons into sentences', () => {
     expect(sentence('no hello within 5 s')).toBe('No hello within 5 s.');
     expect(sentence('All is well.')).toBe('All is well.');
+    expect(sentence("my part.ngc:6: 'Q' is unknown")).toBe("my part.ngc:6: 'Q' is unknown.");
+    expect(sentence('notes.docx cannot be read')).toBe('notes.docx cannot be read.');
   });
 });
 

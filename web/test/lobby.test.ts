@@ -4,6 +4,7 @@ import type { SessionSummary } from '../src/link/api';
 import { SessionModel } from '../src/model/session';
 import { History } from '../src/ui/history';
 import { Cards } from '../src/ui/lobby/cards';
+import { fromFile } from '../src/ui/lobby/drafts';
 import { Lobby } from '../src/ui/lobby/lobby';
 import { FakeElement, stubPage } from './support/fake_dom';
 
@@ -96,6 +97,24 @@ describe('the alert of the lobby', () => {
   });
 });
 
+describe('a program as the beginning of a block', () => {
+  const facts = { kinematics: 'xyz', tools: [1], feed_mm: null, motions: 9, programmed_s: 5 };
+  const draftOf = (name: string) => fromFile(new File(['M30\n'], name), () => undefined, false);
+
+  it('may have any name that the server reads', async () => {
+    answers = { programs: facts };
+    expect((await draftOf('PART.H')).program?.name).toBe('PART.H');
+    expect((await draftOf('part.mpf')).name).toBe('part');
+    expect((await draftOf('part.cldata')).name).toBe('part');
+    await expect(draftOf('part.docx')).rejects.toThrow('its name must end in');
+  });
+
+  it('has motions', async () => {
+    answers = { programs: { ...facts, motions: 0 } };
+    await expect(draftOf('empty.ngc')).rejects.toThrow('empty.ngc moves no tool');
+  });
+});
+
 describe('the list of strokes', () => {
   it('is read again after an undo, which adds no motion', async () => {
     answers = { strokes: { strokes: [] } };
@@ -115,5 +134,17 @@ describe('the list of strokes', () => {
     const before = asked.length;
     await tick(30_000, 4);
     expect(asked).toHaveLength(before + 1);
+  });
+
+  it('has the names of those who left before the page came', async () => {
+    const stroke = { id: 1, last: 9, participant: 3, tool: 1, begin_ms: 0, end_ms: 9, motions: 9 };
+    answers = {
+      strokes: { strokes: [{ ...stroke, undone: false }] },
+      authors: { authors: [{ participant: 3, name: 'Lin', color: '#778899', kind: 'agent' }] },
+    };
+    const history = new History(new SessionModel(), 'demo');
+    const element = history.element as unknown as FakeElement;
+    element.all('quiet-action')[0]!.click();
+    await vi.waitFor(() => expect(element.all('strokes')[0]?.textContent).toContain('Lin'));
   });
 });

@@ -80,17 +80,24 @@ test.each([
   ['(G20 IS NOT USED)\nG21\n(T1 D=6)', 'flat', 6, 0],
   ['G200\n(T1 D=6)', 'flat', 6, 0],
   ['(T1 D=6)\nG21\nG20', 'flat', 6, 0],
+  ['G20\n(T1 1/2 IN BALL)', 'ball', 12.7, 0],
+  ['G20\n(T1 D=1-1/4 FLAT)', 'flat', 31.75, 0],
+  ['G21\n(T1 1 1/2" FLAT)', 'flat', 38.1, 0],
   ['UNITS/INCHES\n(T1 D=1)', 'flat', 25.4, 0],
 ])('%s: sizes without a unit are in that of the program', (text, shape, diameterMm, cornerMm) => {
   expect(toolsInComments(text).get(1)).toEqual({ shape, diameterMm, cornerMm });
 });
 
-test.each(['(T1)', 'T1 D6', '(T1 D=0)', '(5 AXIS, TOOLS 1 AND 2)', '(TOP OF PART D=5)'])(
-  'the line %s describes none',
-  (text) => {
-    expect(toolsInComments(text).size).toBe(0);
-  },
-);
+test.each([
+  '(T1)',
+  'T1 D6',
+  '(T1 D=0)',
+  '(T1 1/0 IN)',
+  '(5 AXIS, TOOLS 1 AND 2)',
+  '(TOP OF PART D=5)',
+])('the line %s describes none', (text) => {
+  expect(toolsInComments(text).size).toBe(0);
+});
 
 test('tools without a description can be edited, and programs without tools have one', () => {
   const facts = { kinematics: 'xyz', tools: [2, 7], feedMm: null, motions: 1, programmedS: 1 };
@@ -123,6 +130,8 @@ test('prices are short sentences', () => {
   expect(timeText(2.34e6)).toBe('2.3 s');
   expect(bytesText(1.2e8)).toBe('120 MB');
   expect(bytesText(0)).toBe('0 B');
+  expect(bytesText(999_600)).toBe('1 MB');
+  expect(timeText(999.6)).toBe('1 ms');
   expect(priceText({ bytes: 2e6, usPerMotion: 50 }, 0.2)).toBe(
     '0.2 mm: 50 µs a motion, up to 2 MB',
   );

@@ -47,6 +47,29 @@ describe('participants', () => {
     expect(people.get(5)).toBeUndefined();
   });
 
+  it('of the past keep the names of those who have left', () => {
+    const people = new Participants();
+    people.setList([ada, grace]);
+    people.change({ type: 'participants_changed', changed: [], left: [1], viewers: 0 });
+    people.looksBack = true;
+    people.applyTools([toolState(0), toolState(1, { participant: 5 })], 1000);
+    expect(people.get(1)?.info).toMatchObject({ name: 'Ada', color: '#112233' });
+    people.learn([
+      { participant: 1, name: 'Ada', color: '#112233' },
+      { participant: 5, name: 'Lin', color: '#778899' },
+    ]);
+    expect(people.get(5)?.info).toMatchObject({ name: 'Lin', color: '#778899', kind: 'agent' });
+    expect(people.author(5)?.name).toBe('Lin');
+  });
+
+  it('who are there have the names of the list, not older ones that the server is asked for', () => {
+    const people = new Participants();
+    people.setList([{ ...ada, name: 'Countess' }]);
+    people.learn([{ participant: 1, name: 'Ada', color: '#112233' }]);
+    expect(people.get(1)?.info.name).toBe('Countess');
+    expect(people.author(1)?.name).toBe('Countess');
+  });
+
   it('follow the list and keep their forces when renamed', () => {
     const people = new Participants();
     people.setList([ada, grace]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import {
+  cornersOf,
   feedAt,
   feedCurveOf,
   nearestInPicture,
@@ -55,6 +56,15 @@ describe('the path of a program', () => {
       null,
     ]);
     expect(feedCurveOf(pathOfAnswer({}))).toEqual({ timesS: [], feeds: [] });
+  });
+
+  it('has a feed that is plotted between two rapids, too', () => {
+    const curve = { timesS: [0, 1, 3, 4], feeds: [null, null, 600, null] };
+    expect(cornersOf(curve)).toEqual([
+      [0, 1, 1, 3, 3, 4],
+      [null, null, 600, 600, null, null],
+    ]);
+    expect(cornersOf({ timesS: [], feeds: [] })).toEqual([[], []]);
   });
 
   it('is read as the server writes it', () => {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Asks who cut the surface at many points, and who all those are.
 
+import type { Author } from '../model/participants';
 import { ask } from './server_error';
 import { pathOf } from './address';
 
@@ -8,14 +9,6 @@ import { pathOf } from './address';
 export const OWNER_POINTS_MAX = 16_384;
 /** Place and normal. */
 export const OWNER_NUMBERS = 6;
-
-/** Who could carve, also if they have left. */
-export interface Author {
-  participant: number;
-  name: string;
-  /** #rrggbb */
-  color: string;
-}
 
 /**
  * Returns the participant that cut the surface at each point, 0 where it is that of the stock.

@@ -210,8 +210,7 @@ export class LocalPage {
     const isEmpty = first === null;
     setText(this.title_, first?.name ?? t('Without a server'));
     this.setStatus_(isEmpty ? 'empty' : 'reading');
-    if (isEmpty) this.clearPicture_();
-    else void this.open_(this.files_);
+    if (!isEmpty) void this.open_(this.files_);
   }
 
   private async open_(files: GivenFiles): Promise<void> {
@@ -374,6 +373,7 @@ export class LocalPage {
     this.status_ = status;
     this.panel_.setStatus(status);
     this.start_.hidden = status !== 'empty';
+    if (status === 'empty' || status === 'failed') this.clearPicture_();
   }
 
   private clearPicture_(): void {

@@ -184,6 +184,7 @@ export class SidePanel {
     this.text_.follow(true);
     this.showError('', null);
     this.setHash(null, 0);
+    this.setStored('');
   }
 
   setStatus(status: Status): void {
@@ -193,7 +194,7 @@ export class SidePanel {
     if (status === 'reading') {
       this.bar_.removeAttribute('value');
       setText(this.where_, t('Reading…'));
-    }
+    } else if (status === 'failed') setText(this.where_, '');
     this.scrub_.disabled = this.about_ === null;
     for (const one of [...this.takeHome_, this.save_])
       one.disabled = status !== 'rest' || this.about_ === null;

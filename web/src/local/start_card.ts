@@ -66,7 +66,7 @@ export function startCard({ choose, example, carve, goOn }: StartActions): HTMLE
     'section',
     { class: 'start', 'aria-label': t('Without a server') },
     kept,
-    h('h2', {}, t('Drop an NC program here')),
+    h('h2', {}, t('Drop an NC program or a KERF file here')),
     h(
       'p',
       {},

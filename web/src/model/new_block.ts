@@ -127,17 +127,24 @@ function shapeIn(comment: string): ToolChoice['shape'] | null {
 }
 
 const MM_PER_INCH = 25.4;
-const NUMBER = String.raw`(\d+\.?\d*|\.\d+)`;
+// A size in inches may be a fraction or a mixed number: 1/2, 1-1/4, 1 1/4.
+const NUMBER = String.raw`((?:\d+[ -])?\d+/[1-9]\d*|\d+\.?\d*|\.\d+)`;
 const UNIT = String.raw`(?:\s*(MM|INCH(?:ES)?|IN|")(?![A-Z]))`;
 const DIAMETER = new RegExp(String.raw`\bD(?:IA(?:METER)?)?\s*[=:]?\s*${NUMBER}${UNIT}?`, 'i');
 const SIZE = new RegExp(NUMBER + UNIT, 'i');
 const CORNER = new RegExp(String.raw`\bCR?\s*=\s*${NUMBER}${UNIT}?`, 'i');
 
+function valueOf(number: string): number {
+  const fraction = /^(?:(\d+)[ -])?(\d+)\/(\d+)$/.exec(number);
+  if (!fraction) return Number(number);
+  return Number(fraction[1] ?? 0) + Number(fraction[2]) / Number(fraction[3]);
+}
+
 /** The length, mm, that a pattern has found: in the unit behind it, or in that of the program. */
 function lengthMm(found: RegExpExecArray, programUnitMm: number): number {
   const unit = found[2];
   const unitMm = unit === undefined ? programUnitMm : /mm/i.test(unit) ? 1 : MM_PER_INCH;
-  return Number((Number(found[1]) * unitMm).toFixed(6));
+  return Number((valueOf(found[1]!) * unitMm).toFixed(6));
 }
 
 /** The unit of a program, mm: inches after G20 or UNITS/INCHES, whichever unit comes first. */
@@ -192,17 +199,17 @@ function rounded(value: number): string {
 
 /** 38 → "38 µs", 3007 → "3 ms" */
 export function timeText(microseconds: number): string {
-  if (microseconds < 1000) return `${rounded(microseconds)} µs`;
-  return microseconds < 1e6
-    ? `${rounded(microseconds / 1000)} ms`
-    : `${rounded(microseconds / 1e6)} s`;
+  const shown = Number(rounded(microseconds)); // 999.6 µs are 1 ms
+  if (shown < 1000) return `${shown} µs`;
+  return shown < 1e6 ? `${rounded(shown / 1000)} ms` : `${rounded(shown / 1e6)} s`;
 }
 
 /** 120e6 → "120 MB" */
 export function bytesText(bytes: number): string {
   const units = ['B', 'kB', 'MB', 'GB', 'TB'];
-  const step = Math.min(units.length - 1, Math.max(0, Math.floor(Math.log10(bytes || 1) / 3)));
-  return `${rounded(bytes / 1000 ** step)} ${units[step]!}`;
+  const shown = Number(rounded(bytes)); // 999,600 are 1 MB
+  const step = Math.min(units.length - 1, Math.max(0, Math.floor(Math.log10(shown || 1) / 3)));
+  return `${rounded(shown / 1000 ** step)} ${units[step]!}`;
 }
 
 /** "0.05 mm: 38 µs a motion, up to 120 MB" */

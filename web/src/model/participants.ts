@@ -19,6 +19,14 @@ export function colorOfUnknown(participant: number): string {
   return UNKNOWN_COLORS[participant % UNKNOWN_COLORS.length]!;
 }
 
+/** Who carves, or has carved. */
+export interface Author {
+  participant: number;
+  name: string;
+  /** #rrggbb */
+  color: string;
+}
+
 export interface Participant {
   info: ParticipantInfo;
   track: PoseTrack;
@@ -40,6 +48,7 @@ function isSamePerson(viewer: ParticipantInfo, { kind, name, color }: Participan
 
 export class Participants {
   private readonly byId_ = new Map<number, Participant>();
+  private readonly authors_ = new Map<number, Author>(); // also those who have left
   private revision_ = 0;
   private viewers_ = 0;
   /**
@@ -68,6 +77,23 @@ export class Participants {
     for (const id of change.left) this.byId_.delete(id);
     this.viewers_ = change.viewers;
     this.revision_ += 1;
+  }
+
+  /** Takes who could carve, as the server tells it of those who have left, too. */
+  learn(authors: readonly Author[]): void {
+    for (const author of authors) {
+      const { participant, name, color } = author;
+      const known = this.byId_.get(participant);
+      if (known && this.authors_.has(participant)) continue; // the list is newer
+      this.authors_.set(participant, author);
+      if (known) known.info = { ...known.info, name, color };
+    }
+    this.revision_ += 1;
+  }
+
+  /** Who a participant is or was; undefined: it left before the page came. */
+  author(participant: number): Author | undefined {
+    return this.authors_.get(participant);
   }
 
   /** Number of viewers, listed or not. */
@@ -143,14 +169,22 @@ export class Participants {
 
   private admit_({ participant, tool_id }: ToolState): Participant | undefined {
     if (!this.looksBack) return undefined;
-    const name = t('Participant {0}', participant);
-    const color = colorOfUnknown(participant);
-    this.put_({ participant, name, color, kind: 'agent', tool: tool_id });
+    const { name, color } = this.authors_.get(participant) ?? {
+      name: t('Participant {0}', participant),
+      color: colorOfUnknown(participant),
+    };
+    this.enter_({ participant, name, color, kind: 'agent', tool: tool_id });
     this.revision_ += 1;
     return this.byId_.get(participant);
   }
 
   private put_(info: ParticipantInfo): void {
+    const { participant, name, color, kind } = info;
+    if (kind !== 'viewer') this.authors_.set(participant, { participant, name, color });
+    this.enter_(info);
+  }
+
+  private enter_(info: ParticipantInfo): void {
     const known = this.byId_.get(info.participant);
     if (known) {
       known.info = info;

@@ -99,6 +99,16 @@ export function feedCurveOf({ points, kinds, timesS }: ProgramPath): FeedCurve {
   return curve;
 }
 
+/**
+ * Corners of the curve for a plot that joins consecutive points and leaves gaps at nulls: two for each
+ * span, so that a feed between two rapids is drawn, too.
+ */
+export function cornersOf({ timesS, feeds }: FeedCurve): [number[], (number | null)[]] {
+  const spans = timesS.slice(1);
+  const times = spans.flatMap((endS, n) => [timesS[n]!, endS]);
+  return [times, spans.flatMap((_, n) => [feeds[n + 1]!, feeds[n + 1]!])];
+}
+
 /** The feed at a time; null: a rapid, or nothing moves then. */
 export function feedAt({ timesS, feeds }: FeedCurve, timeS: number): number | null {
   const n = timesS.findIndex((endS, k) => k > 0 && endS >= timeS);

@@ -3,6 +3,13 @@
 
 import type { ProgramInfo } from '../wire/types';
 
+const NC = 'nc ngc cnc tap gcode txt eia iso din min gc g mpf spf h hnc fnc nct ncc ptp pim anc';
+const OTHERS = 'pgm prg apt aptsource cl cld cldata cls ncl';
+/** Of the names of NC and APT programs, as server/formats reads them. */
+export const PROGRAM_ENDINGS: readonly string[] = `${NC} ${OTHERS}`
+  .split(' ')
+  .map((ending) => `.${ending}`);
+
 export function isOpen(program: ProgramInfo): boolean {
   return program.state === 'queued' || program.state === 'running' || program.state === 'paused';
 }

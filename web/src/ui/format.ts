@@ -48,9 +48,15 @@ export function milliseconds(value: number): string {
   return value >= 10 ? `${Math.round(value)} ms` : `${TENTHS.format(value)} ms`;
 }
 
-/** Turns a reason into a sentence: "no hello within 5 s" → "No hello within 5 s." */
+const BEGINS_WITH_FILE = /^[^:]*\.\w+:\d+:|^\S+\.\w+ /;
+
+/**
+ * Turns a reason into a sentence: "no hello within 5 s" → "No hello within 5 s." The name of a file
+ * stays as it is: "part.ngc:6: 'Q' is not known" → "part.ngc:6: 'Q' is not known."
+ */
 export function sentence(reason: string): string {
-  const text = reason.charAt(0).toUpperCase() + reason.slice(1);
+  const first = reason.charAt(0);
+  const text = (BEGINS_WITH_FILE.test(reason) ? first : first.toUpperCase()) + reason.slice(1);
   return /[.!?…]$/.test(text) ? text : `${text}.`;
 }
 

@@ -59,7 +59,8 @@ export function helpDialog(): HTMLDialogElement {
   const dialog = h(
     'dialog',
     { class: 'help', 'aria-label': t('Keyboard and pointer') },
-    h('h2', {}, t('Keyboard')),
+    // Else the button at the end has the focus, and the beginning is out of sight.
+    h('h2', { tabindex: '-1', autofocus: '' }, t('Keyboard')),
     table(KEYS),
     h('h2', {}, t('Mouse, pen and touch')),
     table(POINTERS),

@@ -7,6 +7,7 @@ import { changeStroke, listStrokes } from '../link/strokes';
 import type { Stroke, StrokeChange } from '../link/strokes';
 import type { SessionModel } from '../model/session';
 import { nextStroke, whyNotUndo } from '../model/stroke_choice';
+import { Authors } from './authors';
 import { h, setText } from './dom';
 import { sentence } from './format';
 import type { StrokeList } from './stroke_list';
@@ -24,6 +25,7 @@ export class History {
   );
   private readonly note_ = h('p', { class: 'quiet history-note', role: 'status' });
   private readonly body_ = h('div', { hidden: '' });
+  private readonly authors_: Authors;
   private list_: StrokeList | null = null;
   private selected_: number | null = null;
   private busy_ = false;
@@ -34,6 +36,7 @@ export class History {
     private readonly model: SessionModel,
     private readonly session: string,
   ) {
+    this.authors_ = new Authors(model, session);
     this.element = h(
       'div',
       {},
@@ -85,7 +88,7 @@ export class History {
 
   private async changeOne_(change: StrokeChange, stroke: Stroke): Promise<string> {
     await changeStroke(this.session, change, stroke.id);
-    const name = this.model.participants.get(stroke.participant)?.info.name;
+    const { name } = this.model.participants.author(stroke.participant) ?? {};
     return changedText(change, name ?? '');
   }
 
@@ -110,7 +113,7 @@ export class History {
     if (!open) return;
     if (!this.list_) {
       const { StrokeList } = await import('./stroke_list');
-      this.list_ ??= new StrokeList(this.model, (change, stroke) => {
+      this.list_ ??= new StrokeList(this.model, this.authors_, (change, stroke) => {
         void this.attempt_(() => this.changeOne_(change, stroke));
       });
       this.body_.replaceChildren(this.list_.element);
@@ -120,7 +123,10 @@ export class History {
 
   private async refresh_(): Promise<void> {
     try {
-      this.list_?.show(await listStrokes(this.session));
+      const strokes = await listStrokes(this.session);
+      if (strokes.some(({ participant }) => !this.authors_.knows(participant)))
+        await this.authors_.load();
+      this.list_?.show(strokes);
     } catch (problem) {
       setText(this.note_, sentence((problem as Error).message));
     }

@@ -5,30 +5,24 @@ import { language, t } from '../strings';
 import type { Stroke, StrokeChange } from '../link/strokes';
 import type { SessionModel } from '../model/session';
 import { toolName } from '../model/tool_profile';
+import type { Authors } from './authors';
 import { h } from './dom';
 import { count } from './format';
 
 const SHOWN_MAX = 200;
 const CLOCK = new Intl.DateTimeFormat(language, { timeStyle: 'medium', hourCycle: 'h23' });
 
-interface Author {
-  name: string;
-  color: string;
-}
-
 export class StrokeList {
   readonly element = h('ol', { class: 'strokes', 'aria-label': t('Strokes, newest first') });
-  private readonly authors_ = new Map<number, Author>(); // also of those who have left
 
   constructor(
     private readonly model: SessionModel,
+    private readonly authors: Authors,
     private readonly change: (change: StrokeChange, stroke: Stroke) => void,
   ) {}
 
   /** Shows these strokes, given oldest first. */
   show(strokes: readonly Stroke[]): void {
-    for (const { info } of this.model.participants.carvers())
-      this.authors_.set(info.participant, info);
     const newest = strokes.slice(-SHOWN_MAX).reverse();
     this.element.replaceChildren(...newest.map((stroke) => this.row_(stroke)));
     const hidden = strokes.length - newest.length;
@@ -39,8 +33,7 @@ export class StrokeList {
   }
 
   private row_(stroke: Stroke): HTMLElement {
-    const author = this.authors_.get(stroke.participant);
-    const name = author?.name ?? t('Participant {0}', stroke.participant);
+    const name = this.authors.nameOf(stroke.participant);
     const tool = toolName(this.model.tool(stroke.tool));
     const change: StrokeChange = stroke.undone ? 'redo' : 'undo';
     const label = change === 'undo' ? t('Undo') : t('Redo');
@@ -55,7 +48,7 @@ export class StrokeList {
       'li',
       {
         class: stroke.undone ? 'stroke undone' : 'stroke',
-        style: `--who:${author?.color ?? '#7a8699'}`,
+        style: `--who:${this.authors.colorOf(stroke.participant)}`,
         title: t('Record {0}', stroke.id),
       },
       h('span', { class: 'stroke-dot' }),

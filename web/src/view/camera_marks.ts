@@ -33,6 +33,7 @@ interface Mark {
 export class CameraMarks implements Layer {
   private readonly marks_ = new Map<number, Mark>();
   private readonly geometry_ = new THREE.BufferGeometry();
+  private shown_ = '[]';
 
   constructor(
     private readonly viewer: Viewer,
@@ -42,7 +43,11 @@ export class CameraMarks implements Layer {
     viewer.layers.add(this);
   }
 
+  /** May be called often: the picture is drawn again only if they have changed. */
   show(cameras: readonly ShownCamera[]): void {
+    const shown = JSON.stringify(cameras);
+    if (shown === this.shown_) return;
+    this.shown_ = shown;
     const listed = new Set(cameras.map(({ participant }) => participant));
     for (const [id, mark] of this.marks_) {
       if (!listed.has(id)) this.remove_(id, mark);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { NO_FILES } from '../../src/local/given_files';
 import { SidePanel } from '../../src/local/side_panel';
 import type { SideActions } from '../../src/local/side_panel';
 import type { FakeElement } from '../support/fake_dom';
@@ -24,7 +25,11 @@ describe('the panel of the page without a server', () => {
   afterEach(() => vi.unstubAllGlobals());
 
   /** Makes a panel whose 3D mouse moves what is recorded in `moves`. */
-  function make(isBusy: () => boolean): { preferences: FakeElement; moves: string[] } {
+  function make(isBusy: () => boolean): {
+    preferences: FakeElement;
+    moves: string[];
+    panel: SidePanel;
+  } {
     const moves: string[] = [];
     const note =
       (name: string) =>
@@ -39,8 +44,9 @@ describe('the panel of the page without a server', () => {
       ...{ save: none, linePressed: none, materialChosen: none, layoutChanged: none },
       capMouse,
     };
-    const { element } = new SidePanel(actions);
-    return { preferences: (element as unknown as FakeElement).all('preferences')[0]!, moves };
+    const panel = new SidePanel(actions);
+    const element = panel.element as unknown as FakeElement;
+    return { preferences: element.all('preferences')[0]!, moves, panel };
   }
 
   function frame(nowMs: number): void {
@@ -64,6 +70,26 @@ describe('the panel of the page without a server', () => {
     isBusy = true;
     frame(1040);
     expect(moves.filter((move) => move !== 'pan 0.000 0.000')).toEqual(['pan -0.020 0.000']);
+  });
+
+  it('no longer says that files are read when they are of no use', () => {
+    vi.stubGlobal('navigator', { language: 'en' });
+    const { panel } = make(() => false);
+    const text = (): string => (panel.element as unknown as FakeElement).textContent;
+    panel.setStatus('reading');
+    expect(text()).toContain('Reading…');
+    panel.setStatus('failed');
+    expect(text()).not.toContain('Reading…');
+  });
+
+  it('says of other files nothing that was verified of the ones before', () => {
+    vi.stubGlobal('navigator', { language: 'en' });
+    const { panel } = make(() => false);
+    const text = (): string => (panel.element as unknown as FakeElement).textContent;
+    panel.setStored('verified: record 9');
+    expect(text()).toContain('verified');
+    panel.setFiles(NO_FILES, null);
+    expect(text()).not.toContain('verified');
   });
 
   it('has no 3D mouse where the browser can have none', () => {

@@ -23,6 +23,8 @@ export class FakeElement {
   private readonly attributes_ = new Map<string, string>();
   private readonly listeners_ = new Map<string, ((event: unknown) => void)[]>();
 
+  constructor(private readonly tag = '') {}
+
   get children(): FakeElement[] {
     return this.nodes_.filter((node) => node instanceof FakeElement);
   }
@@ -75,6 +77,17 @@ export class FakeElement {
   closest(): FakeElement | null {
     return null;
   }
+  /** The first element of this name below this one. */
+  querySelector(tag: string): FakeElement | null {
+    for (const child of this.children) {
+      const found = child.tag === tag ? child : child.querySelector(tag);
+      if (found) return found;
+    }
+    return null;
+  }
+  removeAttribute(name: string): void {
+    this.attributes_.delete(name);
+  }
   setAttribute(name: string, value: string): void {
     this.attributes_.set(name, value);
   }
@@ -126,7 +139,8 @@ export class FakeElement {
 /** Replaces the browser's globals until vi.unstubAllGlobals(); returns the body. */
 export function stubPage(): FakeElement {
   const body = new FakeElement();
-  vi.stubGlobal('document', { body, activeElement: null, createElement: () => new FakeElement() });
+  const createElement = (tag: string): FakeElement => new FakeElement(tag);
+  vi.stubGlobal('document', { body, activeElement: null, createElement });
   vi.stubGlobal(
     'ResizeObserver',
     class {

@@ -67,7 +67,6 @@ export class CutNote {
   }
 
   private textOf_({ participant, tool, record, program }: Cut): string {
-    this.authors.note();
     const name = program?.name ?? this.authors.nameOf(participant);
     return program && program.line > 0
       ? t('Cut by {0} in line {1}, with tool {2}, in record {3}.', name, program.line, tool, record)

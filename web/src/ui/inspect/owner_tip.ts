@@ -95,7 +95,6 @@ export class OwnerTip {
   }
 
   private nameOf_({ participant, program }: Cut): string {
-    this.host.authors.note();
     return program?.name ?? this.host.authors.nameOf(participant);
   }
 

@@ -148,7 +148,6 @@ export class Owning {
 
   /** The first to be found keep their own colors. */
   private colorAll_(): void {
-    this.authors.note();
     this.colors_ = [];
     for (const owner of this.owners_.slice(0, SLOTS - 1))
       this.colors_.push(distinctFrom(this.authors.colorOf(owner), this.colors_));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sessions as cards: picture, name, people, age, size, the one that changed last first.
+// The sessions as cards: picture, name, people, age, size, the one that was active last first.
 // They follow what happens on the server.
 
 import { t } from '../../strings';
@@ -76,7 +76,7 @@ class Card {
     const version = this.versions_.next(summary.motions, summary.removedVolumeMm3);
     if (version !== null) this.picture_.src = pictureUrl(summary.id, version, 480);
     const { activeMs } = summary;
-    const age = activeMs === null ? '' : t('changed {0} · ', ageText(activeMs, Date.now()));
+    const age = activeMs === null ? '' : t('active {0} · ', ageText(activeMs, Date.now()));
     setText(this.facts_, t('{0}{1} motions', age, count(summary.motions)));
     void this.ask_();
   }

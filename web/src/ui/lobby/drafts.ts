@@ -15,6 +15,7 @@ import {
   toolsOf,
 } from '../../model/new_block';
 import type { Scene } from '../../model/new_block';
+import { PROGRAM_ENDINGS } from '../../model/programs';
 import { unplaced } from '../../model/placement';
 import type { ToolInfo } from '../../wire/types';
 import { h } from '../dom';
@@ -36,7 +37,6 @@ export interface Draft {
 }
 
 export const MESH_ENDINGS = ['.stl', '.ply', '.obj', '.3mf', '.glb'];
-export const PROGRAM_ENDINGS = ['.ngc', '.nc', '.tap', '.gcode', '.apt', '.cls'];
 
 function endsIn(name: string, endings: readonly string[]): boolean {
   return endings.some((ending) => name.toLowerCase().endsWith(ending));
@@ -81,6 +81,7 @@ async function fromMesh(file: File, changed: () => void, repair: boolean): Promi
 async function fromProgram(file: File, changed: () => void): Promise<Draft> {
   const text = await file.text();
   const facts = await describeProgram(uploadName(file.name), text);
+  if (facts.motions === 0) throw new Error(t('{0} moves no tool: nothing to carve', file.name));
   const tools = toolsOf(facts, text);
   const box = stockFor(facts.feedMm, tools);
   const size = t(

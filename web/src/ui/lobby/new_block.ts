@@ -7,12 +7,13 @@ import { closeSession, createSession } from '../../link/lobby_requests';
 import type { Template } from '../../link/lobby_requests';
 import { ServerError } from '../../link/server_error';
 import { adapted, freeId, TARGET_DEFAULT_MM } from '../../model/new_block';
+import { PROGRAM_ENDINGS } from '../../model/programs';
 import { h, setText } from '../dom';
 import { sentence } from '../format';
 import { ICONS } from '../icons';
 import { ProgramRequests } from '../programs/requests';
 import { Accuracy } from './accuracy';
-import { fromFile, fromTemplate, MESH_ENDINGS, PROGRAM_ENDINGS } from './drafts';
+import { fromFile, fromTemplate, MESH_ENDINGS } from './drafts';
 import type { Draft } from './drafts';
 import { sessionUrl } from './session_url';
 
@@ -25,6 +26,7 @@ export class NewBlock {
     role: 'group',
     'aria-label': t('Begin with'),
   });
+  private readonly note_ = h('p', { class: 'quiet', role: 'status' });
   private readonly fault_ = h('div', { class: 'fault', role: 'alert', hidden: '' });
   private readonly name_ = h('input', {
     class: 'text-input',
@@ -72,6 +74,7 @@ export class NewBlock {
       ),
       h('p', { class: 'quiet' }, t('or begin with')),
       this.choices_,
+      this.note_,
       this.fault_,
       this.form_,
     );
@@ -145,18 +148,22 @@ export class NewBlock {
     this.press_(null);
     this.form_.hidden = true;
     this.tell_('');
+    setText(this.note_, t('Reading {0} …', file.name));
     const reading = ++this.reading_;
     try {
       const draft = await fromFile(file, () => this.changed_(), repair);
       if (reading === this.reading_) this.show_(draft);
     } catch (problem) {
-      if (reading === this.reading_) await this.tellFault_(file, problem as Error);
+      if (reading !== this.reading_) return;
+      setText(this.note_, '');
+      await this.tellFault_(file, problem as Error);
     }
   }
 
   private show_(draft: Draft): void {
     this.reading_ += 1; // a file that is still being read no longer counts
     this.draft_ = draft;
+    setText(this.note_, '');
     this.tell_('');
     this.name_.value = draft.name;
     this.own_.replaceChildren(draft.element);

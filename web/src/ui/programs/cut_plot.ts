@@ -7,7 +7,7 @@ import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { spanAt } from '../../model/cut_curve';
 import type { CutCurve } from '../../model/cut_curve';
-import { feedAt } from '../../model/program_path';
+import { cornersOf, feedAt } from '../../model/program_path';
 import type { FeedCurve } from '../../model/program_path';
 import { h, setText } from '../dom';
 import { figure } from '../format';
@@ -19,6 +19,7 @@ const LEFT = 44; // of the plotted part, CSS pixels
 const RIGHT = 12;
 const STEP = 0.01; // of the time, by a key
 const PAGE = 0.1;
+const STEPPED = uPlot.paths.stepped!({ align: -1 }); // a value is that of the span before
 
 export class CutPlot {
   private readonly now_ = h('div', { class: 'cut-now', hidden: '' });
@@ -82,7 +83,7 @@ export class CutPlot {
   setFeeds(feeds: FeedCurve | null): void {
     if (feeds === null || feeds === this.feeds_) return;
     this.feeds_ = feeds;
-    this.plots_[2]!.setData([feeds.timesS, feeds.feeds]);
+    this.plots_[2]!.setData(cornersOf(feeds));
     this.place_();
   }
 
@@ -92,7 +93,7 @@ export class CutPlot {
     if (timeS !== null) this.put_(this.now_, timeS);
   }
 
-  private plot_(title: string, color: string, hasTimes: boolean): uPlot {
+  private plot_(title: string, color: string, isFeed: boolean): uPlot {
     const stroke = getComputedStyle(document.documentElement).getPropertyValue(color).trim();
     const axis = {
       stroke: '#7a8699',
@@ -106,10 +107,10 @@ export class CutPlot {
     return new uPlot(
       {
         width: 280,
-        height: hasTimes ? HEIGHT + TIMES_HEIGHT : HEIGHT,
+        height: isFeed ? HEIGHT + TIMES_HEIGHT : HEIGHT,
         legend: { show: false },
         cursor: { show: false },
-        padding: [6, RIGHT, hasTimes ? 0 : 4, 0],
+        padding: [6, RIGHT, isFeed ? 0 : 4, 0],
         scales: {
           x: { time: false, range: () => [0, this.totalS_] },
           y: { range: (_plot, _low, high) => [0, high > 0 ? high * 1.1 : 1] },
@@ -117,7 +118,7 @@ export class CutPlot {
         axes: [
           {
             ...axis,
-            show: hasTimes,
+            show: isFeed,
             size: TIMES_HEIGHT,
             space: 60,
             values: (_plot, at) => at.map((timeS) => duration(timeS)),
@@ -131,7 +132,7 @@ export class CutPlot {
             width: 1.4,
             fill: `${stroke}26`,
             points: { show: false },
-            paths: uPlot.paths.stepped!({ align: -1 }), // a value is that of the span before
+            paths: isFeed ? uPlot.paths.linear!() : STEPPED,
           },
         ],
       },

@@ -2,6 +2,7 @@
 // Choosing or dropping an NC or APT file, and how it is to be run.
 
 import { t } from '../../strings';
+import { PROGRAM_ENDINGS } from '../../model/programs';
 import { h } from '../dom';
 import type { TargetChoice } from './target_choice';
 
@@ -10,8 +11,6 @@ export interface UploadActions {
   chosen: (file: File, query: string) => void;
 }
 
-const EXTENSIONS =
-  '.ngc,.nc,.tap,.gcode,.cnc,.txt,.eia,.iso,.mpf,.spf,.h,.hnc,.apt,.aptsource,.cls,.cl,.ncl';
 /** Names of the server, and of the controls. */
 const DIALECTS: [string, string][] = [
   ['linuxcnc', 'LinuxCNC'],
@@ -26,7 +25,7 @@ const DIALECTS: [string, string][] = [
 export class Upload {
   private readonly file_ = h('input', {
     type: 'file',
-    accept: EXTENSIONS,
+    accept: PROGRAM_ENDINGS.join(','),
     class: 'program-file',
     'aria-label': t('NC or APT program'),
   });

@@ -182,7 +182,6 @@ export class Timeline {
   private update_(): void {
     const { model } = this.host;
     const nowMs = performance.now();
-    this.authors_.note();
     if (model.problems !== this.problems_ && this.seeker_.wish) {
       this.seeker_.rejected();
       this.tell_(new Error(model.problem));
