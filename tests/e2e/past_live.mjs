@@ -117,7 +117,7 @@ async function checkTimeline(viewer, session) {
   await page.getByRole('button', { name: 'Play', exact: true }).click();
   await until('a tool of the past', SETTLE_S, async () => {
     const { past: place, participants } = await state();
-    return place?.record > 1 && participants.some(({ name }) => name === 'Participant 1');
+    return place?.record > 1 && participants.some(({ name }) => name === 'zigzag.ngc');
   });
   await scrub(page, [0.3]);
   await checkBlock(viewer, session, record);
