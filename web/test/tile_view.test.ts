@@ -27,8 +27,10 @@ const gone = (x: number, y: number): TestTile => ({
   indices: [],
 });
 
-const meshesOf = (view: TileView): THREE.Mesh[] =>
-  view.group.children.filter((child) => child instanceof THREE.Mesh);
+function meshesOf(view: TileView): THREE.Mesh[] {
+  const isMesh = (child: THREE.Object3D): child is THREE.Mesh => child instanceof THREE.Mesh;
+  return view.group.children.filter(isMesh);
+}
 
 const textOf = (place: number[]): string =>
   place.map((value) => Number(value.toFixed(3)) + 0).join(' ');

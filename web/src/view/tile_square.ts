@@ -6,8 +6,8 @@
 import * as THREE from 'three';
 import { ORIGINAL_ATTRIBUTE } from './parsed_tiles';
 
-/** Room for tiles that grow, relative to what the tiles need when the arrays are made. */
-const ROOM = 1.5;
+/** Length of new arrays relative to what the tiles need, so that tiles may grow. */
+const CAPACITY = 1.5;
 
 /** Values between two changes that are sent with them: less work than a call more. */
 const NEAR = 4096;
@@ -124,7 +124,7 @@ export class TileSquare {
     const before = this.parts_.get(key);
     const isInPlace = before && vertices <= before.vertices && indices <= before.indices;
     if (before && !isInPlace) this.erase_(before);
-    const part = isInPlace ? before : this.room_(vertices, indices);
+    const part = isInPlace ? before : this.append_(vertices, indices);
     this.parts_.set(key, { ...part, tile });
     if (this.fits_()) this.write_(this.parts_.get(key)!);
     else this.rebuild_();
@@ -150,8 +150,8 @@ export class TileSquare {
     this.mesh.geometry.dispose();
   }
 
-  /** Behind all others. */
-  private room_(vertices: number, indices: number): Omit<Part, 'tile'> {
+  /** A part behind all others. */
+  private append_(vertices: number, indices: number): Omit<Part, 'tile'> {
     const [firstVertex, firstIndex] = [this.usedVertices_, this.usedIndices_];
     this.usedVertices_ += vertices;
     this.usedIndices_ += indices;
@@ -163,14 +163,14 @@ export class TileSquare {
     return this.usedVertices_ <= positions.count && this.usedIndices_ <= index.count;
   }
 
-  /** Makes the arrays anew, without the gaps of tiles that have gone or grown. */
+  /** Makes new arrays, without the gaps of tiles that have gone or grown. */
   private rebuild_(): void {
     this.usedVertices_ = this.usedIndices_ = 0;
     for (const part of this.parts_.values())
-      Object.assign(part, this.room_(verticesOf(part.tile), indicesOf(part.tile)));
+      Object.assign(part, this.append_(verticesOf(part.tile), indicesOf(part.tile)));
     this.mesh.geometry.dispose();
     const [vertices, indices] = [this.usedVertices_, this.usedIndices_];
-    this.arrays_ = new Arrays(Math.ceil(ROOM * vertices), Math.ceil(ROOM * indices));
+    this.arrays_ = new Arrays(Math.ceil(CAPACITY * vertices), Math.ceil(CAPACITY * indices));
     this.mesh.geometry = this.arrays_.geometry;
     for (const part of this.parts_.values()) this.write_(part);
   }
