@@ -338,6 +338,7 @@ export class Viewer {
     else if (!this.fixedQuality) this.quality_.frame(nowMs - this.lastDrawMs_);
     this.stage.setSize(this.width_, this.height_, this.quality_.movingRatio);
     this.draw_(this.shadowsDirty_ && this.quality_.shadowsWhileMoving);
+    this.present_();
     this.dirty_ = false;
     this.stillDrawn_ = false;
     this.lastDrawMs_ = nowMs;
@@ -346,6 +347,7 @@ export class Viewer {
   private drawStill_(nowMs: number): void {
     this.stage.setSize(this.width_, this.height_, this.quality_.stillRatio);
     this.draw_(this.shadowsDirty_);
+    this.present_();
     this.stillDrawn_ = true;
     this.lastDrawMs_ = nowMs;
     this.quality_.rested();
@@ -356,14 +358,24 @@ export class Viewer {
     const camera = this.rig.eye;
     this.stage.render(camera, withShadows);
     for (const layer of this.layers) layer.draw?.(this.stage.renderer, camera);
+    if (this.readback_) return;
     this.begun_ += 1;
-    const shown = (): void => {
-      this.shown_ += 1;
-      mark('picture');
-      this.carvers.placeLabels(camera, this.width_, this.height_, this.clearTop_);
-      for (const layer of this.layers) layer.drawn?.(camera, this.width_, this.height_);
-    };
-    if (this.readback_) void this.readback_.show(shown);
-    else shown();
+    this.place_(camera);
+  }
+
+  /** Shows what has been drawn, if that is not on the page's canvas already. */
+  private present_(): void {
+    if (!this.readback_) return;
+    this.begun_ += 1;
+    const camera = this.rig.eye.clone(); // which may move until the picture is there
+    void this.readback_.show(() => this.place_(camera));
+  }
+
+  /** Puts what is drawn with HTML into its place in the picture that is shown now. */
+  private place_(camera: THREE.Camera): void {
+    this.shown_ += 1;
+    mark('picture');
+    this.carvers.placeLabels(camera, this.width_, this.height_, this.clearTop_);
+    for (const layer of this.layers) layer.drawn?.(camera, this.width_, this.height_);
   }
 }
