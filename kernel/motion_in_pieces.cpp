@@ -75,7 +75,11 @@ std::optional<MotionResult> Sculpture::advance(MotionInPieces& pieces, std::int6
                  [&s](const SubMotion& part) { s.parts.push_back(part); });
     }
     while (s.part < s.parts.size()) {
-      if (tiles <= 0) return std::nullopt;
+      if (tiles <= 0) {
+        // Its sweeps reach many tiles: left pending, all would wait for the next snapshot.
+        normals_[s.removed.size()].resolve(field);
+        return std::nullopt;
+      }
       tiles -= cut_piece(s, tiles);
     }
     const double quantum_mm3 = field.grid().quantum_mm3();

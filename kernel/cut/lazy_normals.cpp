@@ -21,6 +21,9 @@ constexpr std::size_t kJobsPerThread = 2;
 /// Tiles that are resolved at a time while a batch is collected: about 0.1 ms.
 constexpr std::size_t kTilesAtOnce = 32;
 
+/// Ends that are collected before their normals are computed, which bounds their memory to 2 MB.
+constexpr std::size_t kEndsAtOnce = 65'536;
+
 /// Marks, of the topmost elements of eight columns from `first` on, the ends that now lie at an end
 /// of the removed element.
 void mark_topmost(DexelTile& tile, std::size_t first, const RemovedGroup& group, NormalCode code) {
@@ -127,11 +130,19 @@ void LazyNormals::resolve_until(DexelField& field, Workers& workers, Batch& batc
 void LazyNormals::resolve_tiles(DexelField& field, const Batch& batch,
                                 std::span<const TileIndex> tiles, Job& job) {
   if (job.size() < batch.sweeps.size()) job.resize(batch.sweeps.size());
+  std::size_t ends = 0;
   for (const TileIndex at : tiles) {
     DexelTile* tile = field.editable(at);
     assert(tile != nullptr);  // It was changed after the last snapshot, so it is not shared.
-    collect(*tile, at, field.grid(), batch, job);
+    ends += collect(*tile, at, field.grid(), batch, job);
+    if (ends < kEndsAtOnce) continue;
+    resolve_collected(batch, job);
+    ends = 0;
   }
+  resolve_collected(batch, job);
+}
+
+void LazyNormals::resolve_collected(const Batch& batch, Job& job) {
   for (std::size_t n = 0; n < batch.sweeps.size(); ++n) {
     resolve_ends(batch.sweeps[n], job[n].tops, 1);
     resolve_ends(batch.sweeps[n], job[n].bottoms, -1);
@@ -140,17 +151,20 @@ void LazyNormals::resolve_tiles(DexelField& field, const Batch& batch,
   }
 }
 
-void LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid, const Batch& batch,
-                          Job& job) {
+std::size_t LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid,
+                                 const Batch& batch, Job& job) {
+  std::size_t ends = 0;
   const auto take = [&](int column, EndCodes& codes, Dexel element) {
     const double x = grid.x_mm(at.x * kTileSide + column % kTileSide);
     const double y = grid.y_mm(at.y * kTileSide + column / kTileSide);
     if (batch.has(codes.top)) {
       job[codes.top - batch.first_code].tops.push_back({&codes.top, x, y, grid.z_mm(element.top)});
+      ++ends;
     }
     if (batch.has(codes.bottom)) {
       job[codes.bottom - batch.first_code].bottoms.push_back(
           {&codes.bottom, x, y, grid.z_mm(element.bottom)});
+      ++ends;
     }
   };
   for (int column = 0; column < kTileColumns; ++column) {
@@ -164,6 +178,7 @@ void LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid, 
     const std::span<EndCodes> lower = tile.lower_codes.edit(column);
     for (std::size_t n = 0; n < lower.size(); ++n) take(column, lower[n], elements[n]);
   }
+  return ends;
 }
 
 }  // namespace kerf

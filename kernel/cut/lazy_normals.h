@@ -68,8 +68,11 @@ class LazyNormals {
     bool has(NormalCode code) const { return code - first_code < sweeps.size(); }
   };
 
-  static void collect(DexelTile& tile, TileIndex at, const DexelGrid& grid, const Batch& batch,
-                      Job& job);
+  /// Returns how many ends it has added to the job.
+  static std::size_t collect(DexelTile& tile, TileIndex at, const DexelGrid& grid,
+                             const Batch& batch, Job& job);
+  /// Computes the normals of the ends in the job, and empties it.
+  static void resolve_collected(const Batch& batch, Job& job);
   static void resolve_tiles(DexelField& field, const Batch& batch, std::span<const TileIndex> tiles,
                             Job& job);
   void resolve_until(DexelField& field, Workers& workers, Batch& batch, std::size_t end);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 
+#include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
 
 namespace kerf {
@@ -120,6 +121,33 @@ TEST(MotionInPieces, APieceCutsNoMoreTilesThanAllowed) {
   while (!sculpture.advance(motion, 1)) ++pieces;
   EXPECT_GE(pieces, 16);
   EXPECT_LE(pieces, sculpture.tiles_in_reach(across) + 1);
+}
+
+/// Topmost elements along Z with a normal that is pending: codes of normals are at least 2^16.
+int pending_ends(const Sculpture& sculpture) {
+  const DexelField& field = *sculpture.field(RayAxis::kZ);
+  const auto is_pending = [](NormalCode code) { return code != kStockNormal && code < 0x10000; };
+  int pending = 0;
+  for (std::int32_t y = 0; y < field.grid().tiles_y(); ++y) {
+    for (std::int32_t x = 0; x < field.grid().tiles_x(); ++x) {
+      const DexelTile* tile = field.find({x, y});
+      if (tile == nullptr) continue;
+      pending += static_cast<int>(std::ranges::count_if(tile->topmost_codes, [&](EndCodes codes) {
+        return is_pending(codes.top) || is_pending(codes.bottom);
+      }));
+    }
+  }
+  return pending;
+}
+
+TEST(MotionInPieces, NoNormalsArePendingBetweenPieces) {
+  Sculpture sculpture = block(Rays::kDexel, true);
+  const MoveTool across{2, {{-10, 12, -2}, {0, 0, 1}}, {{34, 12, -2}, {0, 0, 1}}, 1, false};
+  MotionInPieces motion = sculpture.begin(across).value();
+  int pieces = 0;
+  for (; !sculpture.advance(motion, 2); ++pieces) EXPECT_EQ(pending_ends(sculpture), 0) << pieces;
+  EXPECT_GE(pieces, 8);
+  EXPECT_GT(pending_ends(sculpture), 0) << "those of the last piece";
 }
 
 TEST(MotionInPieces, ReachCountsTheTilesThatAMotionMayChange) {
