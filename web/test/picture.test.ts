@@ -35,11 +35,15 @@ const last: Header = { type: 3, flags: MESH_SNAPSHOT_LAST, epoch: 1, sequence: 1
 class FakeViewer {
   static made: FakeViewer[] = [];
   readonly calls: string[] = [];
+  picture: Promise<void> = Promise.resolve();
   constructor() {
     FakeViewer.made.push(this);
   }
   set arrowsVisible(visible: boolean) {
     this.calls.push(`arrows ${visible}`);
+  }
+  shown(): Promise<void> {
+    return this.picture;
   }
   resize({ width }: Viewport): void {
     this.calls.push(`resize ${width}`);
@@ -135,6 +139,25 @@ describe('picture', () => {
     expect(decode).toHaveBeenCalledTimes(1); // the frame that came before this was known
     await picture.applyMesh(last, new Uint8Array());
     expect(decode).toHaveBeenCalledTimes(1);
+  });
+
+  it('takes the next frame when a picture is shown, or at once while the block is not complete', async () => {
+    const model = new SessionModel();
+    const { picture } = makePicture(model);
+    model.apply(welcome);
+    picture.welcome(welcome);
+    await picture.applyMesh({ ...last, flags: 0 }, new Uint8Array());
+    let show = (): void => undefined;
+    FakeViewer.made[0]!.picture = new Promise((resolve) => (show = resolve));
+    await picture.applyMesh({ ...last, flags: 0 }, new Uint8Array());
+    model.tiles.finishSnapshot();
+    const applied = vi.fn();
+    void picture.applyMesh({ ...last, sequence: 2n }, new Uint8Array()).then(applied);
+    await new Promise((resolve) => setTimeout(resolve));
+    expect(FakeViewer.made[0]!.calls).toContain('mesh 2 of 5');
+    expect(applied).not.toHaveBeenCalled();
+    show();
+    await vi.waitFor(() => expect(applied).toHaveBeenCalled());
   });
 
   it('decodes a frame while the view opens', () => {

@@ -8,6 +8,7 @@ import { pathOfAnswer } from '../model/program_path';
 import { SessionModel } from '../model/session';
 import { tileKey } from '../model/tiles';
 import { h, setText } from '../ui/dom';
+import { eachFrame } from '../ui/frames';
 import { insetsOf } from '../ui/insets';
 import { mountInspect } from '../ui/inspect/mount';
 import { OneOpen } from '../ui/one_open';
@@ -144,11 +145,7 @@ export class LocalPage {
   }
 
   start(): void {
-    const frame = (nowMs: number): void => {
-      this.frame_(nowMs);
-      requestAnimationFrame(frame);
-    };
-    requestAnimationFrame(frame);
+    eachFrame(this.picture_, (nowMs) => this.frame_(nowMs));
   }
 
   private frame_(nowMs: number): void {

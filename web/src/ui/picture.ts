@@ -55,7 +55,11 @@ export class Picture {
     else this.opening_ ??= this.open_();
   }
 
-  /** Displays a mesh frame once there is a view; it is decoded while the view opens. */
+  /**
+   * Displays a mesh frame once there is a view; it is decoded while the view opens. Resolves, once
+   * the block is there, when the picture that is being drawn is shown: the server is to mesh no more
+   * than the page can show.
+   */
   async applyMesh(header: Header, glb: Uint8Array): Promise<void> {
     const { tiles } = this.model;
     const { generation } = tiles;
@@ -63,6 +67,7 @@ export class Picture {
     if (generation !== tiles.generation) return; // joined again meanwhile: a new snapshot follows
     if (this.viewer && frame) this.viewer.applyMesh(header, frame);
     else if (header.flags & MESH_SNAPSHOT_LAST) tiles.finishSnapshot();
+    if (tiles.complete) await this.shown();
   }
 
   /** Where the page looks from; null before the first welcome. */
@@ -71,6 +76,11 @@ export class Picture {
     if (!welcome) return null;
     const error = this.errorRad_();
     return this.viewer?.look(error) ?? firstLook(welcome, this.viewport_, error);
+  }
+
+  /** Resolves once the picture that is being drawn is shown. */
+  shown(): Promise<void> {
+    return this.viewer?.shown() ?? Promise.resolve();
   }
 
   tick(nowMs: number): void {

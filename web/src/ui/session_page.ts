@@ -21,6 +21,7 @@ import { mark, marks } from '../marks';
 import { ArrowScale } from './arrow_scale';
 import { copyText, h } from './dom';
 import { sentence } from './format';
+import { eachFrame } from './frames';
 import { helpDialog } from './help';
 import { insetsOf } from './insets';
 import { mountInspect } from './inspect/mount';
@@ -188,11 +189,7 @@ export class SessionPage {
 
   start(): void {
     setInterval(() => this.model.liveness.beat(performance.now()), BEAT_MS);
-    const frame = (nowMs: number): void => {
-      this.frame_(nowMs);
-      requestAnimationFrame(frame);
-    };
-    requestAnimationFrame(frame);
+    eachFrame(this.picture, (nowMs) => this.frame_(nowMs));
   }
 
   private frame_(nowMs: number): void {

@@ -23,6 +23,7 @@ export function copyUpright(rows: Uint8Array, width: number, image: Uint8Clamped
 export class Readback {
   private readonly screen_: CanvasRenderingContext2D;
   private isBusy_ = false;
+  private shown_: Promise<void> = Promise.resolve();
 
   /**
    * @param gl of a canvas that is not in the document
@@ -45,8 +46,17 @@ export class Readback {
     return this.isBusy_;
   }
 
-  /** Shows what has just been drawn as soon as it is there, and calls `shown` then. */
-  async show(shown: () => void): Promise<void> {
+  /** Resolves once the last picture is shown, or has failed. */
+  get shown(): Promise<void> {
+    return this.shown_;
+  }
+
+  /** Shows what has just been drawn as soon as it is there, and calls `placed` then. */
+  show(placed: () => void): void {
+    this.shown_ = this.show_(placed).catch((problem: unknown) => console.error(problem));
+  }
+
+  private async show_(placed: () => void): Promise<void> {
     const { gl } = this;
     const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
     const rows = new Uint8Array(4 * width * height);
@@ -64,7 +74,7 @@ export class Readback {
     gl.deleteBuffer(buffer);
     if (gl.isContextLost()) return;
     this.put_(rows, width, height);
-    shown();
+    placed();
   }
 
   /** Resolves when all that was asked of WebGL so far is done, or its context is lost. */

@@ -326,6 +326,11 @@ export class Viewer {
       this.drawStill_(nowMs);
   }
 
+  /** Resolves once the picture that is being drawn is shown. */
+  shown(): Promise<void> {
+    return this.readback_?.shown ?? Promise.resolve();
+  }
+
   /** Compiles the shaders beside the rest of the page, where the browser can, before it draws. */
   private async compile_(): Promise<void> {
     const samples = new THREE.Group().add(this.tiles.sample(), carverSample());
@@ -368,7 +373,7 @@ export class Viewer {
     if (!this.readback_) return;
     this.begun_ += 1;
     const camera = this.rig.eye.clone(); // which may move until the picture is there
-    void this.readback_.show(() => this.place_(camera));
+    this.readback_.show(() => this.place_(camera));
   }
 
   /** Puts what is drawn with HTML into its place in the picture that is shown now. */
