@@ -37,6 +37,10 @@ constexpr double kTriDexelCost = 5.5;
 // Length of the motion whose footprint determines the number of columns, mm.
 constexpr double kTravelMm = 1;
 
+// CPU time of meshing the tiles of a block for a newcomer, us per column of the field along Z, from
+// which alone pages get the surface.
+constexpr double kJoinUsPerColumn = 2.6;
+
 constexpr double kBytesMax = 4.0 * 1024 * 1024 * 1024;
 constexpr double kBytesPerColumn = 8.3;
 // Fewest pitches per tool radius; below this, cuts fall between the rays.
@@ -249,6 +253,11 @@ double predicted_bytes(const Accuracy& a, const StockShape& stock) {
   if (fields(a.rays) == 1) return kBytesPerColumn * x * y;
   const double z = double(grid.height_quanta) * grid.z_quantum_mm / a.pitch_mm;
   return kBytesPerColumn * (x * y + y * z + z * x);
+}
+
+double predicted_join_s(const Accuracy& a, const StockShape& stock) {
+  const DexelGrid grid = make_grid(stock, std::max(a.pitch_mm, kPitchMinMm));
+  return 1e-6 * kJoinUsPerColumn * double(grid.columns_x) * double(grid.columns_y);
 }
 
 std::expected<AccuracyChoice, AccuracyError> choose_accuracy(const AccuracyRequest& r,

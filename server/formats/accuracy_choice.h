@@ -67,6 +67,10 @@ double predicted_error_mm(const Accuracy& accuracy);
 double predicted_us(const Accuracy& accuracy, const AccuracyUse& use);
 /// Returns the size of the stock in memory if all of it has been touched, bytes.
 double predicted_bytes(const Accuracy& accuracy, const StockShape& stock);
+/// Returns the CPU time that the server takes to mesh the block for a page that joins when all of
+/// it has been touched and no other page has its tiles yet, s, by the cost model of
+/// server/carve/README.md. Transfer and the page's own work are not included.
+double predicted_join_s(const Accuracy& accuracy, const StockShape& stock);
 
 /// Chooses the cheapest accuracy whose predicted surface error meets the target, with at most 4 GiB
 /// of stock and a pitch no larger than the radius of the smallest tool and wall_pitch_mm. Uses + -

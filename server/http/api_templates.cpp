@@ -40,6 +40,7 @@ std::string Api::price_of(const Scene& scene) {
               {"predicted_error_mm", predicted_error_mm(accuracy)},
               {"columns", {grid.columns_x, grid.columns_y}},
               {"bytes", predicted_bytes(accuracy, scene.settings.stock)},
+              {"join_s", predicted_join_s(accuracy, scene.settings.stock)},
               {"us_per_motion", predicted_us(accuracy, use_of(scene))},
               {"stock", Json::parse(stock_json(scene))},
               {"tools", Json::parse(tools_json(scene))}}

@@ -46,7 +46,7 @@ async function runProgram({ page, state }, base) {
   await page.goto(base);
   await page.getByLabel('Run an NC program').setInputFiles(file('first part.ngc', PROGRAM));
   const create = page.getByRole('button', { name: 'Create and run' });
-  await page.getByText(/^0\.1 mm: .* a motion, up to .*B$/).waitFor();
+  await page.getByText(/^0\.1 mm: .* a motion; carved all over .*B, joins in .*s$/).waitFor();
   assert.equal(await page.getByLabel('Diameter of tool 5, mm').inputValue(), '4');
   assert.equal(await page.getByLabel('Shape of tool 5').inputValue(), 'ball');
   assert.equal(await page.getByLabel('Stock from Z, mm').inputValue(), '-4');
@@ -77,7 +77,7 @@ async function checkFaults(page, base) {
   await page.getByText('Repaired: closed 1 hole (the longest boundary: 42.4 mm).').waitFor();
   await page.getByLabel('Unit of its numbers').selectOption('inch');
   await page.getByText('254.0 × 254.0 × 254.0 mm, from X 0.0', { exact: false }).waitFor();
-  await page.getByText(/^0\.1 mm: .* a motion, up to .*B$/).waitFor();
+  await page.getByText(/^0\.1 mm: .* a motion; carved all over .*B, joins in .*s$/).waitFor();
   await keep(page, 'lobby-repaired');
   await page.getByLabel('Carve a model').setInputFiles(file('a.step', 'ISO-10303-21;'));
   await page
@@ -99,7 +99,7 @@ async function placeModel(page, base) {
   await page
     .getByText('20.0 × 20.0 × 20.0 mm, from X 0.0 Y 0.0 Z -25.0', { exact: false })
     .waitFor();
-  await page.getByText(/^0\.1 mm: .* a motion, up to .*B$/).waitFor();
+  await page.getByText(/^0\.1 mm: .* a motion; carved all over .*B, joins in .*s$/).waitFor();
   await keep(page, 'lobby-placed');
   await page.getByRole('button', { name: 'Create', exact: true }).click();
   await page.waitForURL(`${base}/?session=part`);

@@ -132,8 +132,8 @@ test('prices are short sentences', () => {
   expect(bytesText(0)).toBe('0 B');
   expect(bytesText(999_600)).toBe('1 MB');
   expect(timeText(999.6)).toBe('1 ms');
-  expect(priceText({ bytes: 2e6, usPerMotion: 50 }, 0.2)).toBe(
-    '0.2 mm: 50 µs a motion, up to 2 MB',
+  expect(priceText({ bytes: 2e6, usPerMotion: 50, joinS: 0.41 }, 0.2)).toBe(
+    '0.2 mm: 50 µs a motion; carved all over 2 MB, joins in 410 ms',
   );
 });
 

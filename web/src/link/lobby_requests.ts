@@ -77,6 +77,7 @@ export async function priceOf(scene: Scene, signal: AbortSignal | null = null): 
   return {
     bytes: Number(body['bytes']),
     usPerMotion: Number(body['us_per_motion']),
+    joinS: Number(body['join_s']),
   };
 }
 

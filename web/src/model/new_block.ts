@@ -41,6 +41,8 @@ export interface Price {
   bytes: number;
   /** Of a motion of 1 mm. */
   usPerMotion: number;
+  /** Until the server has meshed such a block for the first page that joins. */
+  joinS: number;
 }
 
 const TOOL_DEFAULT_MM = 6;
@@ -212,9 +214,15 @@ export function bytesText(bytes: number): string {
   return `${rounded(shown / 1000 ** step)} ${units[step]!}`;
 }
 
-/** "0.05 mm: 38 µs a motion, up to 120 MB" */
-export function priceText({ usPerMotion, bytes }: Price, targetMm: number): string {
-  return t('{0} mm: {1} a motion, up to {2}', targetMm, timeText(usPerMotion), bytesText(bytes));
+/** "0.05 mm: 38 µs a motion; carved all over 120 MB, joins in 0.4 s" */
+export function priceText({ usPerMotion, bytes, joinS }: Price, targetMm: number): string {
+  return t(
+    '{0} mm: {1} a motion; carved all over {2}, joins in {3}',
+    targetMm,
+    timeText(usPerMotion),
+    bytesText(bytes),
+    timeText(1e6 * joinS),
+  );
 }
 
 /** "120 × 80 × 20 mm", or "⌀ 60 × 80 mm" of a cylinder; empty if the stock is neither. */
