@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -28,7 +29,7 @@ std::int32_t cell_of(float mm, double pitch_mm) {
 }
 
 /// The part of a tile's mesh in the cells that it shares with its neighbors: places (groups of
-/// vertices with equal position) and open edges.
+/// vertices with equal position), and the open edges between them.
 class Border {
  public:
   Border(const TileMesh& mesh, const DexelGrid& grid) : place_(mesh.positions_mm.size(), kNone) {
@@ -47,7 +48,6 @@ class Border {
       if (mask[v] != 0) vertices.push_back(v);
     }
     weld(mesh, vertices, mask);
-    find_open_edges(mesh, mask);
   }
 
   std::size_t places() const { return positions_.size(); }
@@ -57,7 +57,20 @@ class Border {
   std::uint32_t place(std::uint32_t vertex) const { return place_[vertex]; }
   /// Bit n: the place lies in the cells shared with neighbor n. Two bits in a corner of the tile.
   std::uint8_t sides(std::uint32_t place) const { return sides_[place]; }
-  const std::vector<OpenEdge>& open_edges() const { return open_; }
+
+  /// Returns the open edges of triangles that have the mesh's vertices as corners.
+  std::vector<OpenEdge> open_edges(std::span<const std::uint32_t> indices) const {
+    std::vector<OpenEdge> edges;  // from the smaller place; count: +1, or -1 if reversed
+    for (std::size_t t = 0; t < indices.size(); t += 3) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint32_t a = place_[indices[t + c]];
+        const std::uint32_t b = place_[indices[t + (c + 1) % 3]];
+        if (a == kNone || b == kNone || a == b || (sides_[a] & sides_[b]) == 0) continue;
+        edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
+      }
+    }
+    return summed(std::move(edges));
+  }
 
  private:
   void weld(const TileMesh& mesh, std::vector<std::uint32_t>& vertices,
@@ -74,33 +87,25 @@ class Border {
     }
   }
 
-  void find_open_edges(const TileMesh& mesh, const std::vector<std::uint8_t>& mask) {
-    std::vector<OpenEdge> edges;  // from the smaller place; count: +1, or -1 if reversed
-    for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        const std::uint32_t a = mesh.indices[t + c];
-        const std::uint32_t b = mesh.indices[t + (c + 1) % 3];
-        if ((mask[a] & mask[b]) == 0 || place_[a] == place_[b]) continue;
-        const auto [low, high] = std::minmax(place_[a], place_[b]);
-        edges.push_back({low, high, place_[a] == low ? 1 : -1});
-      }
-    }
+  /// Adds up the edges between the same places, and drops those that have an opposite one.
+  static std::vector<OpenEdge> summed(std::vector<OpenEdge> edges) {
     std::ranges::sort(edges);
+    std::vector<OpenEdge> open;
     for (std::size_t n = 0; n < edges.size();) {
       OpenEdge sum{edges[n].from, edges[n].to, 0};
       for (; n < edges.size() && edges[n].from == sum.from && edges[n].to == sum.to; ++n) {
         sum.count += edges[n].count;
       }
       if (sum.count < 0) sum = {sum.to, sum.from, -sum.count};
-      if (sum.count != 0) open_.push_back(sum);
+      if (sum.count != 0) open.push_back(sum);
     }
+    return open;
   }
 
   std::vector<std::uint32_t> place_;  ///< by vertex; kNone outside the border cells
   std::vector<Position> positions_;   ///< by place, ascending
   std::vector<std::uint8_t> sides_;
   std::vector<std::vector<std::uint32_t>> at_;
-  std::vector<OpenEdge> open_;
 };
 
 double distance_to_segment(const Position& p, const Position& a, const Position& b) {
@@ -115,10 +120,11 @@ double distance_to_segment(const Position& p, const Position& a, const Position&
 /// replaces it.
 class BorderCollapse {
  public:
-  BorderCollapse(const Border& border, const std::array<double, 4>& error_mm)
+  BorderCollapse(const Border& border, std::span<const OpenEdge> open_edges,
+                 const std::array<double, 4>& error_mm)
       : border_(border), error_mm_(error_mm), target_(border.places()), next_(border.places()) {
     std::iota(target_.begin(), target_.end(), 0U);
-    for (const OpenEdge& edge : border.open_edges()) {
+    for (const OpenEdge& edge : open_edges) {
       // Places where the surface touches itself become junctions, which are not moved.
       const bool plain = edge.count == 1;
       for (const auto& [a, b] : {std::pair{edge.from, edge.to}, {edge.to, edge.from}}) {
@@ -224,7 +230,7 @@ std::uint32_t like(const TileMesh& mesh, const Border& border, std::uint32_t pla
 TileMesh with_coarser_borders(const TileMesh& mesh, const DexelGrid& grid,
                               const std::array<double, 4>& side_error_mm) {
   const Border border(mesh, grid);
-  const BorderCollapse collapse(border, side_error_mm);
+  const BorderCollapse collapse(border, border.open_edges(mesh.indices), side_error_mm);
   std::vector<std::uint32_t> moved(mesh.positions_mm.size());
   for (std::uint32_t v = 0; v < moved.size(); ++v) {
     const std::uint32_t place = border.place(v);
@@ -243,17 +249,10 @@ TileMesh with_coarser_borders(const TileMesh& mesh, const DexelGrid& grid,
   return out;
 }
 
-bool same_border(const TileMesh& a, const TileMesh& b, const DexelGrid& grid) {
-  const auto edges = [&](const TileMesh& mesh) {
-    const Border border(mesh, grid);
-    std::vector<std::pair<std::pair<Position, Position>, int>> list;
-    for (const OpenEdge& edge : border.open_edges()) {
-      list.push_back({{border.position(edge.from), border.position(edge.to)}, edge.count});
-    }
-    std::ranges::sort(list);
-    return list;
-  };
-  return edges(a) == edges(b);
+bool same_border(const TileMesh& mesh, std::span<const std::uint32_t> indices,
+                 const DexelGrid& grid) {
+  const Border border(mesh, grid);
+  return border.open_edges(mesh.indices) == border.open_edges(indices);
 }
 
 }  // namespace kerf

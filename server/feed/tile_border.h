@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <span>
 
 #include "kernel/dexel/dexel_grid.h"
 #include "kernel/surface/tile_mesh.h"
@@ -14,7 +16,9 @@ namespace kerf {
 TileMesh with_coarser_borders(const TileMesh& mesh, const DexelGrid& grid,
                               const std::array<double, 4>& side_error_mm);
 
-/// Returns true if two meshes of a tile have the same open edges along its borders.
-bool same_border(const TileMesh& a, const TileMesh& b, const DexelGrid& grid);
+/// Returns true if other triangles between the vertices of a tile's mesh, three `indices` each, have
+/// the same open edges along its borders as the mesh has.
+bool same_border(const TileMesh& mesh, std::span<const std::uint32_t> indices,
+                 const DexelGrid& grid);
 
 }  // namespace kerf

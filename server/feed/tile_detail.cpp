@@ -35,9 +35,9 @@ std::vector<std::uint32_t> simplified(const TileMesh& mesh, double error_mm) {
 /// border changed.
 TileMesh with_simpler_inside(TileMesh mesh, const DexelGrid& grid, double error_mm) {
   if (mesh.indices.empty()) return mesh;
-  TileMesh inside = mesh;
-  inside.indices = simplified(mesh, error_mm);
-  return same_border(mesh, inside, grid) ? inside : mesh;
+  std::vector<std::uint32_t> indices = simplified(mesh, error_mm);
+  if (same_border(mesh, indices, grid)) mesh.indices = std::move(indices);
+  return mesh;
 }
 
 /// Removes triangles with two corners at the same position (but different normals), and unused
@@ -82,6 +82,7 @@ TileMesh coarser_tile(const TileMesh& mesh, const DexelGrid& grid, const TileDet
   const double error_mm = detail_error_mm(detail.level, grid.pitch_mm);
   // The inside first: slivers along simplified borders would block the collapses.
   TileMesh out = with_simpler_inside(mesh, grid, error_mm);
+  compact(out);
   out = with_coarser_borders(out, grid, side_error_mm);
   out = with_simpler_inside(std::move(out), grid, error_mm);
   compact(out);
