@@ -388,7 +388,8 @@ std::expected<CommandLine, int> read_command_line(int argc, char** argv) {
   } catch (const CLI::ConfigError& error) {
     return reject("--config: " + config_fault(error.what()) + "; --help lists the options");
   } catch (const CLI::ParseError& error) {
-    return std::unexpected(app.exit(error));
+    if (error.get_exit_code() == 0) return std::unexpected(app.exit(error));
+    return reject(error.what() + std::string("; --help lists the options"));
   }
   if (const auto status = commands.run(app, line.server.copies.url))
     return std::unexpected(*status);

@@ -39,7 +39,7 @@ constexpr double kTravelMm = 1;
 
 // CPU time of meshing the tiles of a block for a newcomer, us per column of the field along Z, from
 // which alone pages get the surface.
-constexpr double kJoinUsPerColumn = 2.6;
+constexpr double kJoinUsPerColumn = 1.7;
 
 constexpr double kBytesMax = 4.0 * 1024 * 1024 * 1024;
 constexpr double kBytesPerColumn = 8.3;

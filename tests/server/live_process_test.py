@@ -171,6 +171,12 @@ class Configuration(LiveTest):
         self.assertEqual((address, code), ("", 2))
         self.assertIn("--config: there is no option 'lisen'", log)
 
+    def test_an_unknown_option_exits_with_2_and_says_what_to_do(self):
+        for options in (("--lisen", "127.0.0.2:0"), ("--disk-total", "many")):
+            address, code, log = self.run_server(*options)
+            self.assertEqual((address, code), ("", 2))
+            self.assertRegex(log, r"^kerf-server: .*--help lists the options\n$")
+
 
 class Metrics(LiveTest):
     """Served, listed in the README and shown by the dashboard are the same metrics."""
