@@ -43,6 +43,11 @@ FileFault fault_of(const JournalError& error) {
           remedy_of(error)};
 }
 
+FileFault left_out(const std::string& table, std::int64_t rows) {
+  return {"the checksums of " + std::to_string(rows) + " rows of " + table + " are wrong",
+          "restore a copy of the file; the server leaves these rows out"};
+}
+
 CheckedFile check_journal(const std::filesystem::path& file) {
   CheckedFile checked{file.filename().string(), {}, {}};
   auto reader = JournalReader::open(file);
@@ -59,6 +64,11 @@ CheckedFile check_journal(const std::filesystem::path& file) {
     if (!record) checked.faults.push_back(fault_of(record.error()));
     if (!record || !*record) break;
     records = (*record)->sequence;
+  }
+  if (const auto damaged = reader->damaged_rows(); !damaged) {
+    checked.faults.push_back(fault_of(damaged.error()));
+  } else {
+    for (const auto& [table, rows] : *damaged) checked.faults.push_back(left_out(table, rows));
   }
   if (checked.faults.empty()) {
     if (const auto pages = check_pages(file); !pages) {

@@ -83,6 +83,21 @@ std::expected<std::vector<Attachment>, JournalError> read_attachments(
   }
 }
 
+SqlResult<std::int64_t> damaged_attachments(SqlDatabase& database) {
+  const auto exists = database.has_table("attachments");
+  if (!exists) return std::unexpected(exists.error());
+  if (!*exists) return 0;
+  auto rows = database.prepare("SELECT kind, name, bytes, crc FROM attachments");
+  if (!rows) return std::unexpected(rows.error());
+  std::int64_t damaged = 0;
+  for (;;) {
+    const auto row = rows->step();
+    if (!row) return std::unexpected(row.error());
+    if (!*row) return damaged;
+    if (rows->integer(3) != checksum(rows->text(0), rows->text(1), rows->blob(2))) ++damaged;
+  }
+}
+
 std::expected<std::map<ParticipantId, std::uint32_t>, JournalError> read_program_lines(
     const std::filesystem::path& journal) {
   auto database = open_journal(journal, SqlMode::kRead);

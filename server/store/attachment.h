@@ -42,6 +42,8 @@ SqlResult<void> store_attachment(SqlDatabase& database, const AttachmentChange& 
 /// is damaged is left out. None if there is no table.
 std::expected<std::vector<Attachment>, JournalError> read_attachments(
     const std::filesystem::path& journal);
+/// The number of attachments whose rows are damaged.
+SqlResult<std::int64_t> damaged_attachments(SqlDatabase& database);
 /// The lines of the programs' newest motions in a journal, by participant, as committed.
 std::expected<std::map<ParticipantId, std::uint32_t>, JournalError> read_program_lines(
     const std::filesystem::path& journal);

@@ -2,11 +2,13 @@
 #include "server/store/journal_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <utility>
 
 #include "kernel/math/hash.h"
+#include "server/store/attachment.h"
 #include "server/store/crc32.h"
 
 namespace kerf {
@@ -138,6 +140,36 @@ std::expected<void, JournalError> JournalReader::read_agents() {
     found->agent_sequence = agent_sequence;
     std::ranges::copy(token, found->token.emplace().begin());
   }
+}
+
+std::expected<std::vector<JournalReader::DamagedRows>, JournalError>
+JournalReader::damaged_rows() {
+  const std::string up_to_last = " WHERE record<=" + std::to_string(rows_->last());
+  struct Table {
+    std::string name, rows;  ///< which rows belong to records that are there
+    std::int64_t good = 0;
+  };
+  const auto agents = std::ranges::count_if(
+      participants_, [](const JournalParticipant& one) { return one.token.has_value(); });
+  const std::array<Table, 4> tables{{
+      {"agents", " WHERE participant IN (SELECT participant FROM participants)", agents},
+      {"versions", up_to_last, std::ssize(versions_)},
+      {"pins", up_to_last, std::ssize(pins_)},
+      {"parent", "", parent_.session.empty() ? 0 : 1},
+  }};
+  std::vector<DamagedRows> damaged;
+  for (const Table& table : tables) {
+    const auto exists = has_table(table.name);
+    if (!exists) return std::unexpected(exists.error());
+    if (!*exists) continue;
+    const auto rows = integer("SELECT COUNT(*) FROM " + table.name + table.rows);
+    if (!rows) return std::unexpected(rows.error());
+    if (*rows > table.good) damaged.push_back({table.name, *rows - table.good});
+  }
+  const auto attachments = damaged_attachments(*database_);
+  if (!attachments) return std::unexpected(to_journal_error(file_, attachments.error()));
+  if (*attachments > 0) damaged.push_back({"attachments", *attachments});
+  return damaged;
 }
 
 std::expected<std::optional<std::uint64_t>, JournalError> JournalReader::mark(

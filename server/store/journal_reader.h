@@ -66,6 +66,13 @@ class JournalReader {
   /// Number of state hashes that were left out because they are beyond the last record: the journal
   /// has lost the records before them.
   std::size_t dropped_hashes() const { return dropped_hashes_; }
+  /// Rows that are left out everywhere because their checksums are wrong.
+  struct DamagedRows {
+    std::string table;
+    std::int64_t rows = 0;
+  };
+  /// Returns those of the tables beside the records, by table; none: all are good.
+  std::expected<std::vector<DamagedRows>, JournalError> damaged_rows();
   /// Number of the last record.
   std::uint64_t last_sequence() const { return rows_->last(); }
   /// Returns a number that tells the journal, as far as record `sequence`, from another one: of the

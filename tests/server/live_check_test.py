@@ -70,6 +70,20 @@ class Check(LiveTest):
         self.restart()
         self.assertEqual(self.server.http.json("GET", "/v1/sessions/block")[0], 500)
 
+    def test_check_names_the_tables_whose_rows_are_damaged(self):
+        self.carved()
+        for path in ("versions?name=rough", "pins?text=here&at_mm=0,0,0&normal=0,0,1"):
+            self.assertEqual(self.server.http.json("POST", "/v1/sessions/block/" + path)[0], 201)
+        self.server.stop()
+        self.assertEqual(run("check", self.folder.name)[0], 0)
+        for table in ("versions", "pins"):
+            self.sql(f"UPDATE {table} SET crc=crc+1")
+            status, text = run("check", self.folder.name)
+            self.assertEqual(status, 1, text)
+            self.assertRegex(text, rf"the checksums of \d+ rows of {table} are wrong")
+            self.sql(f"UPDATE {table} SET crc=crc-1")
+        self.assertEqual(run("check", self.folder.name)[0], 0)
+
     def test_a_backup_of_a_running_server_serves_the_same_block(self):
         expected = self.carved()
         until(self, lambda: self.server.info()["journal_lag"], 0)
