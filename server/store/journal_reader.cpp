@@ -142,8 +142,7 @@ std::expected<void, JournalError> JournalReader::read_agents() {
   }
 }
 
-std::expected<std::vector<JournalReader::DamagedRows>, JournalError>
-JournalReader::damaged_rows() {
+std::expected<std::vector<JournalReader::DamagedRows>, JournalError> JournalReader::damaged_rows() {
   const std::string up_to_last = " WHERE record<=" + std::to_string(rows_->last());
   struct Table {
     std::string name, rows;  ///< which rows belong to records that are there

@@ -76,7 +76,7 @@ void measure(const Block& block, int repetitions) {
 
 int main(int argc, char** argv) {
   const int repetitions = argc > 1 ? std::max(1, std::atoi(argv[1])) : 3;
-  std::printf("   side    pitch  rays        tiles    measured  predicted  ratio      bytes  a tile\n");
+  std::puts("   side    pitch  rays        tiles    measured  predicted  ratio      bytes  a tile");
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel})
     for (const double side_mm : {40.0, 80.0, 160.0})
       for (const double pitch_mm : {0.5, 0.25, 0.1})
