@@ -123,7 +123,8 @@ async function checkExport({ session }, folder, hash) {
 
 async function test(folder) {
   const server = await startServer(options, folder, 'strokes', SCENE);
-  const browser = await launchBrowser();
+  // By default Playwright ends this program at a SIGINT.
+  const browser = await launchBrowser(undefined, { handleSIGINT: false });
   const pages = [];
   try {
     for (const name of ['Ada', 'Grace']) pages.push(await enter(browser, server, name));

@@ -13,9 +13,10 @@ const ARGS = [
   '--no-first-run',
 ];
 
-/** `graphics`: what the browser draws with. */
-export function launchBrowser(graphics = SOFTWARE_WEBGL) {
+/** `graphics`: what the browser draws with; `others` are further options of Playwright. */
+export function launchBrowser(graphics = SOFTWARE_WEBGL, others = {}) {
   return chromium.launch({
+    ...others,
     executablePath: process.env.KERF_CHROMIUM ?? '/usr/bin/chromium',
     args: [...ARGS, ...graphics],
   });
