@@ -25,6 +25,7 @@ function join(
   firstRetryMs = 5,
   name = 'Tester',
   open: LinkOptions['open'] = openSocket,
+  needsTiles: () => Promise<void> = () => Promise.resolve(),
 ) {
   const model = new SessionModel();
   const statuses: LinkStatus[] = [];
@@ -39,6 +40,7 @@ function join(
       open,
       probe,
       look: () => (model.welcome ? CAMERA : null),
+      needsTiles,
       reloadAt,
       budget: 0,
       nowMs: () => performance.now(),
@@ -149,6 +151,23 @@ describe('view link', () => {
   it('acknowledges each mesh frame in order after it was applied', async () => {
     const { link, applied } = join(server.port, 'demo');
     await vi.waitFor(() => expect(server.acks.length).toBeGreaterThan(4), soon);
+    link.stop();
+    expect(server.acks).toEqual(applied.slice(0, server.acks.length));
+  });
+
+  it('applies mesh frames at once, and acknowledges them when more are of use', async () => {
+    let needsMore = (): void => undefined;
+    const needed = new Promise<void>((resolve) => (needsMore = resolve));
+    const probe = () => Promise.resolve({});
+    const { link, applied } = join(
+      ...([server.port, 'demo', probe, () => false, 5, 'Tester', openSocket] as const),
+      () => needed,
+    );
+    await vi.waitFor(() => expect(applied.length).toBeGreaterThan(0), soon);
+    await new Promise((resolve) => setTimeout(resolve, 20));
+    expect(server.acks).toEqual([]);
+    needsMore();
+    await vi.waitFor(() => expect(server.acks.length).toBeGreaterThan(0), soon);
     link.stop();
     expect(server.acks).toEqual(applied.slice(0, server.acks.length));
   });

@@ -141,7 +141,7 @@ describe('picture', () => {
     expect(decode).toHaveBeenCalledTimes(1);
   });
 
-  it('takes the next frame when a picture is shown, or at once while the block is not complete', async () => {
+  it('needs more tiles when a picture is shown, or at once while the block is not complete', async () => {
     const model = new SessionModel();
     const { picture } = makePicture(model);
     model.apply(welcome);
@@ -149,15 +149,16 @@ describe('picture', () => {
     await picture.applyMesh({ ...last, flags: 0 }, new Uint8Array());
     let show = (): void => undefined;
     FakeViewer.made[0]!.picture = new Promise((resolve) => (show = resolve));
-    await picture.applyMesh({ ...last, flags: 0 }, new Uint8Array());
+    await picture.needsTiles();
     model.tiles.finishSnapshot();
-    const applied = vi.fn();
-    void picture.applyMesh({ ...last, sequence: 2n }, new Uint8Array()).then(applied);
-    await new Promise((resolve) => setTimeout(resolve));
+    await picture.applyMesh({ ...last, sequence: 2n }, new Uint8Array()); // waits for no picture
     expect(FakeViewer.made[0]!.calls).toContain('mesh 2 of 5');
-    expect(applied).not.toHaveBeenCalled();
+    const ready = vi.fn();
+    void picture.needsTiles().then(ready);
+    await new Promise((resolve) => setTimeout(resolve));
+    expect(ready).not.toHaveBeenCalled();
     show();
-    await vi.waitFor(() => expect(applied).toHaveBeenCalled());
+    await vi.waitFor(() => expect(ready).toHaveBeenCalled());
   });
 
   it('decodes a frame while the view opens', () => {

@@ -84,6 +84,8 @@ export interface LinkOptions {
    * it may not be followed, and the link goes on trying.
    */
   reloadAt(server: string): boolean;
+  /** Resolves when another mesh frame is of use: one is acknowledged then. Missing: at once. */
+  needsTiles?(): Promise<void>;
   nowMs(): number;
   backoff?: Backoff;
 }
@@ -365,7 +367,10 @@ export class ViewLink {
       }
       // Failed frames are acknowledged too: without credit the stream would stop; their tiles are
       // sent again when they change.
-      if (current()) this.sendFrame_(FrameType.Ack, { kind: 'ack' }, header.sequence);
+      const ready = this.options.needsTiles?.() ?? Promise.resolve();
+      void ready.then(() => {
+        if (current()) this.sendFrame_(FrameType.Ack, { kind: 'ack' }, header.sequence);
+      });
     });
   }
 }

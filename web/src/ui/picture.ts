@@ -55,11 +55,7 @@ export class Picture {
     else this.opening_ ??= this.open_();
   }
 
-  /**
-   * Displays a mesh frame once there is a view; it is decoded while the view opens. Resolves, once
-   * the block is there, when the picture that is being drawn is shown: the server is to mesh no more
-   * than the page can show.
-   */
+  /** Displays a mesh frame once there is a view; it is decoded while the view opens. */
   async applyMesh(header: Header, glb: Uint8Array): Promise<void> {
     const { tiles } = this.model;
     const { generation } = tiles;
@@ -67,7 +63,6 @@ export class Picture {
     if (generation !== tiles.generation) return; // joined again meanwhile: a new snapshot follows
     if (this.viewer && frame) this.viewer.applyMesh(header, frame);
     else if (header.flags & MESH_SNAPSHOT_LAST) tiles.finishSnapshot();
-    if (tiles.complete) await this.shown();
   }
 
   /** Where the page looks from; null before the first welcome. */
@@ -81,6 +76,14 @@ export class Picture {
   /** Resolves once the picture that is being drawn is shown. */
   shown(): Promise<void> {
     return this.viewer?.shown() ?? Promise.resolve();
+  }
+
+  /**
+   * Resolves when more tiles are of use: at once until the block is there, then once the picture that
+   * is being drawn is shown. The server is to mesh no more than the page can show.
+   */
+  needsTiles(): Promise<void> {
+    return this.model.tiles.complete ? this.shown() : Promise.resolve();
   }
 
   tick(nowMs: number): void {

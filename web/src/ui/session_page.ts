@@ -218,6 +218,7 @@ export class SessionPage {
         open: openView,
         probe: (server) => probeSession(this.session, server),
         look: () => this.picture.look()?.look ?? null,
+        needsTiles: () => this.picture.needsTiles(),
         reloadAt,
         nowMs: () => performance.now(),
       },
