@@ -214,7 +214,7 @@ export function bytesText(bytes: number): string {
   return `${rounded(shown / 1000 ** step)} ${units[step]!}`;
 }
 
-/** "0.05 mm: 38 µs a motion; carved all over 120 MB, joins in 0.4 s" */
+/** "0.05 mm: 38 µs a motion; carved all over 120 MB, joins in 410 ms" */
 export function priceText({ usPerMotion, bytes, joinS }: Price, targetMm: number): string {
   return t(
     '{0} mm: {1} a motion; carved all over {2}, joins in {3}',
