@@ -7,6 +7,7 @@ import * as THREE from 'three';
 import type { Bounds } from '../model/session';
 import { ambientLight } from './ambient_light';
 import { shadowSample } from './shader_samples';
+import { adaptShadows } from './soft_shadows';
 
 const GRID_VERTEX = /* glsl */ `
 varying vec3 vWorld;
@@ -45,6 +46,7 @@ void main() {
 
 const UP = new THREE.Vector3(0, 0, 1);
 const FACING_LIGHT = 0.65;
+const SHADOW_RADIUS = 7; // texels of the shadow map
 
 /** True if the CPU draws WebGL instead of a GPU (remote desktops, virtual machines). */
 export function drawsInSoftware(): boolean {
@@ -109,6 +111,7 @@ export class Stage {
     this.renderer.localClippingEnabled = true;
     this.renderer.toneMapping = THREE.NeutralToneMapping;
     this.renderer.toneMappingExposure = 1.0;
+    adaptShadows();
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
@@ -125,7 +128,7 @@ export class Stage {
   private addLight_(): void {
     this.key_.castShadow = true;
     this.key_.shadow.mapSize.set(2048, 2048);
-    this.key_.shadow.radius = 7;
+    this.softShadows = true;
     this.scene.add(this.ambient_);
     for (const light of [this.key_, this.fill_, this.head_]) this.scene.add(light, light.target);
   }
@@ -205,6 +208,11 @@ export class Stage {
 
   get gridVisible(): boolean {
     return this.grid_.visible;
+  }
+
+  /** Whether edges of shadows are soft, which takes the CPU a third of a picture's time. */
+  set softShadows(soft: boolean) {
+    this.key_.shadow.radius = soft ? SHADOW_RADIUS : 0;
   }
 
   /** Does nothing if the size is unchanged, because setting a canvas' size clears it. */

@@ -71,12 +71,13 @@ vec3 stockInner = mix(stockCore, stockRing, stockRings * 0.5);
 vec3 stockOuterColor = stockSkin * (1.0 - 0.22 * stockRings);
 diffuseColor.rgb = mix(stockInner, stockOuterColor, stockOuter);
 // Darkens valleys and deep cut surfaces, brightens ridges.
-float stockRelief = clamp(ridge(vStockPosition, stockNormal) * stockDetail, -1.0, 0.6);
+float stockRidge = ridge(vStockPosition, stockNormal) * stockDetail;
+float stockRelief = clamp(stockRidge, -1.0, 0.6);
 float stockDepth = (stockMax.z - vStockPosition.z) / (stockMax.z - stockMin.z);
 float stockSky = 1.0 - 0.22 * smoothstep(0.0, 0.6, stockDepth) * (1.0 - stockOuter);
 diffuseColor.rgb *= stockSky * (1.0 + 0.42 * stockRelief);
 // Hollow blue, raised red; full color at six times the radius of a fully shaded valley.
-float stockBend = clamp(6.0 * ridge(vStockPosition, stockNormal) * stockDetail, -1.0, 1.0);
+float stockBend = clamp(6.0 * stockRidge, -1.0, 1.0);
 vec3 stockBent = stockBend < 0.0 ? vec3(0.03, 0.13, 0.62) : vec3(0.62, 0.05, 0.03);
 diffuseColor.rgb =
     mix(diffuseColor.rgb, mix(vec3(0.62), stockBent, abs(stockBend)), stockCurvature);

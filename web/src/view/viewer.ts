@@ -321,7 +321,8 @@ export class Viewer {
     if (this.rig.update(nowMs, since)) this.touch();
     if (!this.canDraw_ || this.eyeElsewhere || this.isRecording || this.readback_?.isBusy) return;
     if (this.dirty_) {
-      if (nowMs - this.lastDrawMs_ >= this.quality_.pauseMs) this.drawMoving_(nowMs);
+      const pauseMs = this.readback_ ? 0 : this.quality_.pauseMs; // nothing waits for those read back
+      if (nowMs - this.lastDrawMs_ >= pauseMs) this.drawMoving_(nowMs);
     } else if (!this.stillDrawn_ && nowMs - this.lastDrawMs_ > this.quality_.stillAfterMs)
       this.drawStill_(nowMs);
   }
@@ -342,7 +343,10 @@ export class Viewer {
     if (this.stillDrawn_) this.quality_.moved(nowMs - this.lastDrawMs_);
     else if (!this.fixedQuality) this.quality_.frame(nowMs - this.lastDrawMs_);
     this.stage.setSize(this.width_, this.height_, this.quality_.movingRatio);
-    this.draw_(this.shadowsDirty_ && this.quality_.shadowsWhileMoving);
+    const { shadowsWhileMoving } = this.quality_;
+    this.stage.softShadows = shadowsWhileMoving;
+    this.draw_(this.shadowsDirty_ && shadowsWhileMoving);
+    this.stage.softShadows = true;
     this.present_();
     this.dirty_ = false;
     this.stillDrawn_ = false;
