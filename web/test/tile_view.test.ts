@@ -193,6 +193,25 @@ describe('tile view', () => {
     expect(view.group.children).toHaveLength(0);
   });
 
+  it('makes few new buffers for tiles that grow with each motion', () => {
+    const view = new TileView(new THREE.MeshBasicMaterial());
+    const corner = (n: number): number[] => [n % 8, Math.floor(n / 8), -1];
+    const strip = (x: number, y: number, triangles: number): ParsedTile =>
+      parsed({
+        ...triangle(x, y, 1),
+        positions: Array.from({ length: triangles + 2 }, (_, n) => corner(n)).flat(),
+        normals: Array.from({ length: triangles + 2 }, () => [0, 0, 1]).flat(),
+        indices: Array.from({ length: triangles }, (_, n) => [n, n + 1, n + 2]).flat(),
+      });
+    const made = new Set<THREE.BufferGeometry>();
+    for (let triangles = 20; triangles < 60; ++triangles) {
+      for (let n = 0; n < 64; ++n) show(view, strip(n % 8, Math.floor(n / 8), triangles));
+      if (triangles >= 21) made.add(meshesOf(view)[0]!.geometry);
+    }
+    expect(drawn(view)).toHaveLength(59 * 64);
+    expect(made.size).toBeLessThan(8);
+  });
+
   it('copies what is displayed, which stays', () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
     show(view, at(0, 0, -1));

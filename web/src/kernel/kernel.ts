@@ -68,6 +68,13 @@ export function trianglesOf(
   };
 }
 
+/** The memory of tiles, which a worker gives away instead of copying it. */
+export function buffersOf(tiles: readonly TileTriangles[]): ArrayBuffer[] {
+  return tiles.flatMap(({ positions, normals, index, original }) =>
+    [positions, normals, index, original].map(({ buffer }) => buffer),
+  );
+}
+
 /** A state's hash, as the server writes it. */
 export function hashText(hash: bigint): string {
   return BigInt.asUintN(64, hash).toString(16).padStart(16, '0');

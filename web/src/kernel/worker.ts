@@ -2,16 +2,20 @@
 // The worker of the page's copy of the block.
 
 import { CopyKeeper } from './copy_keeper';
-import { Kernel } from './kernel';
-import type { ToWorker } from './messages';
+import { buffersOf, Kernel } from './kernel';
+import type { FromWorker, ToWorker } from './messages';
+
+function post(message: FromWorker): void {
+  postMessage(message, { transfer: message.type === 'tiles' ? buffersOf(message.tiles) : [] });
+}
 
 const keeper = new CopyKeeper(
-  (message) => postMessage(message),
+  post,
   (module) => Kernel.of(module),
   (act) => setTimeout(act),
 );
 // Such as a module that this browser does not pass to workers.
-onmessageerror = () => postMessage({ type: 'failed', reason: 'A message cannot be read.' });
+onmessageerror = () => post({ type: 'failed', reason: 'A message cannot be read.' });
 let last = Promise.resolve();
 onmessage = ({ data }: MessageEvent<ToWorker>) => {
   if (data.type === 'load') last = keeper.receive(data);

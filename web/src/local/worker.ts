@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The worker of the page without a server.
 
+import { buffersOf } from '../kernel/kernel';
 import { Carver } from './carver';
 import type { FromWorker, ToWorker } from './messages';
 import { ProgramBlock } from './program_block';
 
 /** What need not be copied. */
-function buffersOf(message: FromWorker): Transferable[] {
+function transferOf(message: FromWorker): Transferable[] {
   if (message.type === 'model') return [message.bytes.buffer];
-  if (message.type !== 'carved') return [];
-  return message.tiles.flatMap(({ positions, normals, index, original }) => [
-    positions.buffer,
-    normals.buffer,
-    index.buffer,
-    original.buffer,
-  ]);
+  return message.type === 'carved' ? buffersOf(message.tiles) : [];
 }
 
 // A timer would wait; the messages of a channel come after those that wait already.
@@ -23,7 +18,7 @@ const waiting: (() => void)[] = [];
 channel.port1.onmessage = () => waiting.shift()?.();
 
 const carver = new Carver({
-  post: (message) => self.postMessage(message, { transfer: buffersOf(message) }),
+  post: (message) => self.postMessage(message, { transfer: transferOf(message) }),
   load: (module) => ProgramBlock.of(module),
   later: (act) => {
     waiting.push(act);

@@ -9,6 +9,9 @@ import { ORIGINAL_ATTRIBUTE } from './parsed_tiles';
 /** Length of new arrays relative to what the tiles need, so that tiles may grow. */
 const CAPACITY = 1.5;
 
+/** Length of a tile's part likewise, once it has outgrown one: carved on, it grows again. */
+const PART_CAPACITY = 1.25;
+
 /** Values between two changes that are sent with them: less work than a call more. */
 const NEAR = 4096;
 
@@ -21,6 +24,7 @@ export interface PlacedShape {
 /** Where a tile is in the arrays of its square. */
 interface Part {
   tile: PlacedShape;
+  hasGrown: boolean;
   firstVertex: number;
   vertices: number; // that it may have
   firstIndex: number;
@@ -120,13 +124,13 @@ export class TileSquare {
 
   /** Adds or replaces a tile. */
   set(key: number, tile: PlacedShape): void {
-    const [vertices, indices] = [verticesOf(tile), indicesOf(tile)];
     const before = this.parts_.get(key);
-    const isInPlace = before && vertices <= before.vertices && indices <= before.indices;
+    const isInPlace =
+      before && verticesOf(tile) <= before.vertices && indicesOf(tile) <= before.indices;
     if (before && !isInPlace) this.erase_(before);
-    const part = isInPlace ? before : this.append_(vertices, indices);
-    this.parts_.set(key, { ...part, tile });
-    if (this.fits_()) this.write_(this.parts_.get(key)!);
+    const part = isInPlace ? { ...before, tile } : this.append_(tile, before !== undefined);
+    this.parts_.set(key, part);
+    if (this.fits_()) this.write_(part);
     else this.rebuild_();
     this.arrays_.geometry.setDrawRange(0, this.usedIndices_);
   }
@@ -151,11 +155,18 @@ export class TileSquare {
   }
 
   /** A part behind all others. */
-  private append_(vertices: number, indices: number): Omit<Part, 'tile'> {
-    const [firstVertex, firstIndex] = [this.usedVertices_, this.usedIndices_];
-    this.usedVertices_ += vertices;
-    this.usedIndices_ += indices;
-    return { firstVertex, vertices, firstIndex, indices };
+  private append_(tile: PlacedShape, hasGrown: boolean): Part {
+    const room = hasGrown ? PART_CAPACITY : 1;
+    const part = {
+      ...{ tile, hasGrown },
+      firstVertex: this.usedVertices_,
+      vertices: Math.ceil(room * verticesOf(tile)),
+      firstIndex: this.usedIndices_,
+      indices: 3 * Math.ceil((room * indicesOf(tile)) / 3),
+    };
+    this.usedVertices_ += part.vertices;
+    this.usedIndices_ += part.indices;
+    return part;
   }
 
   private fits_(): boolean {
@@ -163,11 +174,11 @@ export class TileSquare {
     return this.usedVertices_ <= positions.count && this.usedIndices_ <= index.count;
   }
 
-  /** Makes new arrays, without the gaps of tiles that have gone or grown. */
+  /** Makes new arrays, without the gaps that tiles have left. */
   private rebuild_(): void {
     this.usedVertices_ = this.usedIndices_ = 0;
-    for (const part of this.parts_.values())
-      Object.assign(part, this.append_(verticesOf(part.tile), indicesOf(part.tile)));
+    for (const [key, { tile, hasGrown }] of this.parts_)
+      this.parts_.set(key, this.append_(tile, hasGrown));
     this.mesh.geometry.dispose();
     const [vertices, indices] = [this.usedVertices_, this.usedIndices_];
     this.arrays_ = new Arrays(Math.ceil(CAPACITY * vertices), Math.ceil(CAPACITY * indices));
