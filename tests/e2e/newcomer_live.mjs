@@ -32,6 +32,9 @@ ${['0 0 0 0 10 0 10 0 0', '0 0 0 10 0 0 0 0 10', '0 0 0 0 0 10 0 10 0']
 endsolid open
 `;
 
+/** Of the accuracy that a block has at first. */
+const PRICE = /^0\.1\smm: .* a motion; carved all over .*B, joins in .*s$/;
+
 function file(name, text) {
   return { name, mimeType: 'text/plain', buffer: Buffer.from(text) };
 }
@@ -46,7 +49,7 @@ async function runProgram({ page, state }, base) {
   await page.goto(base);
   await page.getByLabel('Run an NC program').setInputFiles(file('first part.ngc', PROGRAM));
   const create = page.getByRole('button', { name: 'Create and run' });
-  await page.getByText(/^0\.1 mm: .* a motion; carved all over .*B, joins in .*s$/).waitFor();
+  await page.getByText(PRICE).waitFor();
   assert.equal(await page.getByLabel('Diameter of tool 5, mm').inputValue(), '4');
   assert.equal(await page.getByLabel('Shape of tool 5').inputValue(), 'ball');
   assert.equal(await page.getByLabel('Stock from Z, mm').inputValue(), '-4');
@@ -77,7 +80,7 @@ async function checkFaults(page, base) {
   await page.getByText('Repaired: closed 1 hole (the longest boundary: 42.4 mm).').waitFor();
   await page.getByLabel('Unit of its numbers').selectOption('inch');
   await page.getByText('254.0 × 254.0 × 254.0 mm, from X 0.0', { exact: false }).waitFor();
-  await page.getByText(/^0\.1 mm: .* a motion; carved all over .*B, joins in .*s$/).waitFor();
+  await page.getByText(PRICE).waitFor();
   await keep(page, 'lobby-repaired');
   await page.getByLabel('Carve a model').setInputFiles(file('a.step', 'ISO-10303-21;'));
   await page
@@ -99,7 +102,7 @@ async function placeModel(page, base) {
   await page
     .getByText('20.0 × 20.0 × 20.0 mm, from X 0.0 Y 0.0 Z -25.0', { exact: false })
     .waitFor();
-  await page.getByText(/^0\.1 mm: .* a motion; carved all over .*B, joins in .*s$/).waitFor();
+  await page.getByText(PRICE).waitFor();
   await keep(page, 'lobby-placed');
   await page.getByRole('button', { name: 'Create', exact: true }).click();
   await page.waitForURL(`${base}/?session=part`);
@@ -127,14 +130,33 @@ endfacet
   return OPEN_STL.replace('endsolid', `${side}endsolid`);
 }
 
-/** The price follows the slider; a scene without one cannot be created. */
+/** A template's block gets another size. */
+async function sizeTemplate(page, base) {
+  await page.getByRole('button', { name: /^Cylinder/ }).click();
+  const create = page.getByRole('button', { name: 'Create', exact: true });
+  await page.getByLabel('Diameter, mm').fill('30');
+  await page.getByLabel('Height, mm').fill('0');
+  await page.locator('.price.bad').waitFor();
+  assert(await create.isDisabled());
+  await page.getByLabel('Height, mm').fill('50');
+  await page.locator('.price:not(.bad)').waitFor();
+  await keep(page, 'lobby-size');
+  await create.click();
+  await page.waitForURL(`${base}/?session=bust`);
+  const { stock } = await getJson(`${base}/v1/sessions/bust`);
+  assert.deepEqual([stock.radius_mm, stock.min_z_mm, stock.max_z_mm], [15, -50, 0]);
+  await fetch(`${base}/v1/sessions/bust`, { method: 'DELETE' });
+  await page.goto(`${base}/?list`);
+}
+
+/** The price follows the slider. */
 async function checkPrice(page) {
   await page.getByRole('button', { name: 'Milling job' }).click();
   const price = page.locator('.price');
   const priceAt = async (place, target) => {
     await page.getByLabel('Accuracy').fill(place);
-    await price.getByText(new RegExp(`^${target} mm:`)).waitFor();
-    return (await price.textContent()).replace(/^.*up to /, '');
+    await price.getByText(new RegExp(`^${target}\\smm:`)).waitFor();
+    return (await price.textContent()).replace(/^.*carved all over /, '');
   };
   assert.notEqual(await priceAt('0', '1'), await priceAt('5', '0.02'));
 }
@@ -167,6 +189,7 @@ async function test(folder) {
     await runProgram(viewer, base);
     await checkFaults(viewer.page, base);
     await placeModel(viewer.page, base);
+    await sizeTemplate(viewer.page, base);
     await checkPrice(viewer.page);
     await checkCards(viewer.page);
     // The browser reports the answers that are errors; the list may still ask for the picture of a

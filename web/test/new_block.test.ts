@@ -125,15 +125,15 @@ test('a scene for a program has its tools, stock and machine', () => {
 });
 
 test('prices are short sentences', () => {
-  expect(timeText(38.4)).toBe('38 µs');
-  expect(timeText(3007)).toBe('3 ms');
-  expect(timeText(2.34e6)).toBe('2.3 s');
-  expect(bytesText(1.2e8)).toBe('120 MB');
-  expect(bytesText(0)).toBe('0 B');
-  expect(bytesText(999_600)).toBe('1 MB');
-  expect(timeText(999.6)).toBe('1 ms');
+  expect(timeText(38.4)).toBe('38\u00a0µs');
+  expect(timeText(3007)).toBe('3\u00a0ms');
+  expect(timeText(2.34e6)).toBe('2.3\u00a0s');
+  expect(bytesText(1.2e8)).toBe('120\u00a0MB');
+  expect(bytesText(0)).toBe('0\u00a0B');
+  expect(bytesText(999_600)).toBe('1\u00a0MB');
+  expect(timeText(999.6)).toBe('1\u00a0ms');
   expect(priceText({ bytes: 2e6, usPerMotion: 50, joinS: 0.41 }, 0.2)).toBe(
-    '0.2 mm: 50 µs a motion; carved all over 2 MB, joins in 410 ms',
+    '0.2\u00a0mm: 50\u00a0µs a motion; carved all over 2\u00a0MB, joins in 410\u00a0ms',
   );
 });
 

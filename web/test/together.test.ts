@@ -150,14 +150,16 @@ describe('the headline', () => {
 });
 
 describe('who joins in', () => {
-  it('is the newest one, for some seconds; not who was there before, nor this viewer', () => {
+  it('is the newest one, for some seconds; not who was there before, nor oneself', () => {
     const newcomers = new Newcomers();
     const present = (...names: string[]) => sessionOf(names, []).participants.all();
-    expect(newcomers.update([], 9, 0)).toBe('');
-    expect(newcomers.update(present('Ada', 'Bo'), 9, 1000)).toBe('');
-    expect(newcomers.update(present('Ada', 'Bo', 'Cy'), 9, 2000)).toBe('Cy');
-    expect(newcomers.update(present('Ada', 'Bo', 'Cy'), 9, 7900)).toBe('Cy');
-    expect(newcomers.update(present('Ada', 'Bo', 'Cy'), 9, 8100)).toBe('');
-    expect(newcomers.update(present('Ada', 'Bo', 'Cy', 'Me'), 4, 9000)).toBe('');
+    const update = (names: string[], nowMs: number): string =>
+      newcomers.update(present(...names), ({ info }) => info.name === 'Me', nowMs);
+    expect(update([], 0)).toBe('');
+    expect(update(['Ada', 'Bo'], 1000)).toBe('');
+    expect(update(['Ada', 'Bo', 'Cy'], 2000)).toBe('Cy');
+    expect(update(['Ada', 'Bo', 'Cy'], 7900)).toBe('Cy');
+    expect(update(['Ada', 'Bo', 'Cy'], 8100)).toBe('');
+    expect(update(['Ada', 'Bo', 'Cy', 'Me'], 9000)).toBe('');
   });
 });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes of new blocks: from a template, around a mesh, or for a program; what they cost, in words.
 
-import { t } from '../strings';
+import { language, t } from '../strings';
 import type { Vec3 } from '../wire/types';
 import { placementJson } from './placement';
 import type { Placement } from './placement';
@@ -195,30 +195,39 @@ export function toolsOf(facts: ProgramFacts, text: string): ToolChoice[] {
   }));
 }
 
-function rounded(value: number): string {
-  return String(Number(value.toPrecision(2)));
+const DIGITS = new Intl.NumberFormat(language, { maximumSignificantDigits: 2 });
+const TENTHS = new Intl.NumberFormat(language, { maximumFractionDigits: 1 });
+
+/** With two digits: 999.6 µs are 1 ms. */
+function rounded(value: number): number {
+  return Number(value.toPrecision(2));
+}
+
+/** A number and its unit, which stay on one line. */
+function amount(value: number, unit: string): string {
+  return `${DIGITS.format(value)}\u00a0${unit}`;
 }
 
 /** 38 → "38 µs", 3007 → "3 ms" */
 export function timeText(microseconds: number): string {
-  const shown = Number(rounded(microseconds)); // 999.6 µs are 1 ms
-  if (shown < 1000) return `${shown} µs`;
-  return shown < 1e6 ? `${rounded(shown / 1000)} ms` : `${rounded(shown / 1e6)} s`;
+  const shown = rounded(microseconds);
+  if (shown < 1000) return amount(shown, 'µs');
+  return shown < 1e6 ? amount(shown / 1000, 'ms') : amount(shown / 1e6, 's');
 }
 
 /** 120e6 → "120 MB" */
 export function bytesText(bytes: number): string {
   const units = ['B', 'kB', 'MB', 'GB', 'TB'];
-  const shown = Number(rounded(bytes)); // 999,600 are 1 MB
+  const shown = rounded(bytes);
   const step = Math.min(units.length - 1, Math.max(0, Math.floor(Math.log10(shown || 1) / 3)));
-  return `${rounded(shown / 1000 ** step)} ${units[step]!}`;
+  return amount(shown / 1000 ** step, units[step]!);
 }
 
 /** "0.05 mm: 38 µs a motion; carved all over 120 MB, joins in 410 ms" */
 export function priceText({ usPerMotion, bytes, joinS }: Price, targetMm: number): string {
   return t(
-    '{0} mm: {1} a motion; carved all over {2}, joins in {3}',
-    targetMm,
+    '{0}: {1} a motion; carved all over {2}, joins in {3}',
+    amount(targetMm, 'mm'),
     timeText(usPerMotion),
     bytesText(bytes),
     timeText(1e6 * joinS),
@@ -228,7 +237,7 @@ export function priceText({ usPerMotion, bytes, joinS }: Price, targetMm: number
 /** "120 × 80 × 20 mm", or "⌀ 60 × 80 mm" of a cylinder; empty if the stock is neither. */
 export function stockText(stock: unknown): string {
   const from = (stock ?? {}) as Record<string, unknown>;
-  const side = (value: number): string => String(Number(value.toFixed(1)));
+  const side = (value: number): string => TENTHS.format(value);
   if (typeof from['radius_mm'] === 'number') {
     const height = Number(from['max_z_mm']) - Number(from['min_z_mm']);
     return `⌀ ${side(2 * from['radius_mm'])} × ${side(height)} mm`;

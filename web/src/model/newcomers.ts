@@ -10,13 +10,21 @@ export class Newcomers {
   private readonly known_ = new Set<number>();
   private newest_ = { name: '', atMs: -Infinity };
 
-  /** Takes all who are there now, this viewer included; returns the name of the newest, or ''. */
-  update(present: readonly Participant[], own: number, nowMs: number): string {
+  /**
+   * Takes all who are there now; returns the name of the newest, or ''. `isSelf`: this viewer and its
+   * hand, which are not news to it.
+   */
+  update(
+    present: readonly Participant[],
+    isSelf: (participant: Participant) => boolean,
+    nowMs: number,
+  ): string {
     const isFirst = this.known_.size === 0;
-    for (const { info } of present) {
-      if (this.known_.has(info.participant)) continue;
-      this.known_.add(info.participant);
-      if (!isFirst && info.participant !== own) this.newest_ = { name: info.name, atMs: nowMs };
+    for (const one of present) {
+      const { participant, name } = one.info;
+      if (this.known_.has(participant)) continue;
+      this.known_.add(participant);
+      if (!isFirst && !isSelf(one)) this.newest_ = { name, atMs: nowMs };
     }
     return nowMs - this.newest_.atMs < NEW_MS ? this.newest_.name : '';
   }

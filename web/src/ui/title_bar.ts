@@ -7,6 +7,7 @@ import { roleName } from '../strings/names';
 import { pageAddress } from '../link/request';
 import { headlineOf } from '../model/headline';
 import { Newcomers } from '../model/newcomers';
+import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
 import { Badge } from './badge';
 import { h, iconButton, setText } from './dom';
@@ -63,7 +64,10 @@ export class TitleBar {
       document.title = `${name} · Kerf`;
     }
     const { who: carving, far } = headlineOf(model, this.session, nowMs);
-    const newcomer = this.newcomers_.update(participants.all(), welcome?.participant ?? 0, nowMs);
+    const isSelf = (one: Participant): boolean =>
+      one.info.participant === welcome?.participant ||
+      participants.isAgentOf(welcome?.participant, one);
+    const newcomer = this.newcomers_.update(participants.all(), isSelf, nowMs);
     const joins = newcomer === '' ? '' : t('{0} joins in', newcomer);
     const who = [carving, joins].filter((text) => text !== '').join(' · ');
     this.headline_.hidden = who === '' || model.state?.at !== undefined;

@@ -42,7 +42,7 @@ export class DeviationControls {
   private readonly hint_ = h('p', { class: 'quiet inspect-hint', role: 'status' });
   private readonly tolerance_ = h('input', {
     type: 'number',
-    class: 'inspect-number',
+    class: 'inspect-number long', // four digits of an inch behind zeros
     min: '0',
     step: 'any',
     'aria-label': t('Tolerance'),

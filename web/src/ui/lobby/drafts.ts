@@ -10,12 +10,12 @@ import {
   meshScene,
   programScene,
   stockFor,
-  stockText,
   targetOf,
   toolsOf,
 } from '../../model/new_block';
 import type { Scene } from '../../model/new_block';
 import { PROGRAM_ENDINGS } from '../../model/programs';
+import { resized, sizesOf } from '../../model/stock_size';
 import { unplaced } from '../../model/placement';
 import type { ToolInfo } from '../../wire/types';
 import { h } from '../dom';
@@ -24,6 +24,7 @@ import { ToolRack } from '../tools/tool_rack';
 import { uploadName } from '../programs/requests';
 import { duration } from '../programs/texts';
 import { placementForm } from './placement_form';
+import { sizeRow } from './size_row';
 import { boxTable, toolTable } from './tool_table';
 
 export interface Draft {
@@ -57,10 +58,15 @@ function withTools(scene: () => Scene, changed: () => void, head: HTMLElement) {
 
 export function fromTemplate({ title, scene }: Template, changed: () => void): Draft {
   const { name, stock } = scene;
+  const sizes = sizesOf(stock);
   return {
     name: typeof name === 'string' ? name : title,
     targetMm: targetOf(scene),
-    ...withTools(() => scene, changed, h('p', { class: 'quiet' }, stockText(stock))),
+    ...withTools(
+      () => ({ ...scene, stock: resized(stock, sizes) }),
+      changed,
+      sizes.length > 0 ? sizeRow(sizes, changed) : h('div'),
+    ),
     program: null,
   };
 }
