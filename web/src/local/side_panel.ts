@@ -43,6 +43,11 @@ function button(text: string, action: () => void): HTMLButtonElement {
   return element;
 }
 
+/** Whether `motions` counts the records of a journal: motions, undo and others. */
+function isJournal({ kernel_version }: About): boolean {
+  return kernel_version !== undefined;
+}
+
 export class SidePanel {
   private readonly handle_ = h(
     'button',
@@ -203,6 +208,7 @@ export class SidePanel {
   setAbout(about: About): void {
     this.about_ = about;
     this.scrub_.max = String(about.motions);
+    this.motions_.label = isJournal(about) ? t('Records') : t('Motions');
     this.motions_.set(count(about.motions));
     this.pitch_.set(figure(about.pitch_mm), 'mm');
     const lines = [...about.notes, ...about.warnings];
@@ -220,7 +226,10 @@ export class SidePanel {
     if (follows) this.scrub_.value = String(carved);
     this.removed_.set(...volume(progress.removed_mm3));
     this.triangles_.set(count(triangles));
-    const where = t('Motion {0} of {1}', count(carved), count(about.motions));
+    const [at, end] = [count(carved), count(about.motions)];
+    const where = isJournal(about)
+      ? t('Record {0} of {1}', at, end)
+      : t('Motion {0} of {1}', at, end);
     const time = `${duration(progress.machining_s)} / ${duration(about.machining_s)}`;
     const place = line > 0 ? t('{0}, line {1}, {2}', where, count(line), time) : where;
     setText(this.where_, place);

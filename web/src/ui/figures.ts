@@ -5,17 +5,18 @@ import { h, setText } from './dom';
 
 /** A number with its unit, under a label. */
 export class Figure {
+  private readonly label_ = h('dt');
   private readonly value_ = h('b');
   private readonly unit_ = h('small');
   readonly element: HTMLElement;
 
   constructor(label: string) {
-    this.element = h(
-      'div',
-      { class: 'figure' },
-      h('dt', {}, label),
-      h('dd', {}, this.value_, this.unit_),
-    );
+    this.label = label;
+    this.element = h('div', { class: 'figure' }, this.label_, h('dd', {}, this.value_, this.unit_));
+  }
+
+  set label(label: string) {
+    setText(this.label_, label);
   }
 
   set(value: string, unit = ''): void {

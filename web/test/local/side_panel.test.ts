@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { NO_FILES } from '../../src/local/given_files';
+import type { About, Progress } from '../../src/local/program_block';
 import { SidePanel } from '../../src/local/side_panel';
 import type { SideActions } from '../../src/local/side_panel';
 import type { FakeElement } from '../support/fake_dom';
 import { stubPage } from '../support/fake_dom';
 import { fakeMouse } from '../support/fake_space_mouse';
+
+const ABOUT: About = {
+  ...{ name: 'Bowl', rays: 'dexel', pitch_mm: 0.2, tolerance_mm: 0.01, pivot_mm: 20 },
+  ...{ motions: 5, lines: 0, machining_s: 3, notes: [], warnings: [], tools: [] },
+  stock: { shape: 'box', min_mm: [0, 0, -9], max_mm: [9, 9, 0] },
+  grid: { origin_mm: [0, 0, -9], columns: [45, 45], tile: 32 },
+};
+const PROGRESS: Progress = {
+  ...{ carved: 2, machining_s: 1, time_s: 1, next_s: 2, removed_mm3: 3, line: 0 },
+};
 
 describe('the panel of the page without a server', () => {
   let frames: ((nowMs: number) => void)[];
@@ -90,6 +101,21 @@ describe('the panel of the page without a server', () => {
     expect(text()).toContain('verified');
     panel.setFiles(NO_FILES, null);
     expect(text()).not.toContain('verified');
+  });
+
+  it('counts motions of a program, and records of a journal', () => {
+    vi.stubGlobal('navigator', { language: 'en' });
+    const { panel } = make(() => false);
+    const text = (): string => (panel.element as unknown as FakeElement).textContent;
+    panel.setFiles(NO_FILES, null);
+    panel.setAbout(ABOUT);
+    panel.setProgress(PROGRESS, 12, true);
+    expect(text()).toContain('Motions5');
+    expect(text()).toContain('Motion 2 of 5');
+    panel.setAbout({ ...ABOUT, kernel_version: 9 });
+    panel.setProgress(PROGRESS, 12, true);
+    expect(text()).toContain('Records5');
+    expect(text()).toContain('Record 2 of 5');
   });
 
   it('has no 3D mouse where the browser can have none', () => {
