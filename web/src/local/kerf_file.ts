@@ -168,14 +168,17 @@ function participantsOf(database: Database): ParticipantInfo[] {
   return list;
 }
 
+/** Of which the message says what is wrong with the file; other errors here are those of SQLite. */
+class FileFault extends Error {}
+
 function check(database: Database): void {
   if (integer(database, 'PRAGMA application_id') !== APPLICATION_ID)
-    throw new Error(t('it is not a journal of Kerf'));
+    throw new FileFault(t('it is not a journal of Kerf'));
   const version = integer(database, 'PRAGMA user_version');
   const hasSingles =
     hasTable(database, 'commands') && integer(database, 'SELECT count(*) FROM commands') > 0;
   if (version !== VERSION || hasSingles)
-    throw new Error(t('it is of a version that only kerf-server reads'));
+    throw new FileFault(t('it is of a version that only kerf-server reads'));
 }
 
 /** Opens a copy of a file in memory; null: a new one. */
@@ -190,11 +193,20 @@ export async function openDatabase(given: Uint8Array | null): Promise<Database> 
   return new sql.Database(bytes);
 }
 
+/** What is wrong with a file that SQLite does not read. */
+function faultOf(problem: unknown): unknown {
+  if (problem instanceof FileFault || !(problem instanceof Error)) return problem;
+  return problem.message === 'file is not a database'
+    ? new FileFault(t('it is not a journal of Kerf'))
+    : new FileFault(
+        t('it is damaged ({0}): “kerf-server check” says what can be saved', problem.message),
+      );
+}
+
 /** Rejects with a clause that says what is wrong with the file. */
 export async function readKerfFile(given: Uint8Array): Promise<KerfFile> {
-  let database: Database | null = null;
+  const database = await openDatabase(given);
   try {
-    database = await openDatabase(given);
     check(database);
     return {
       journal: { origin: originOf(database), spans: [spanOf(database)] },
@@ -204,7 +216,9 @@ export async function readKerfFile(given: Uint8Array): Promise<KerfFile> {
         ? integer(database, 'SELECT version FROM kernel_versions ORDER BY sequence DESC LIMIT 1')
         : 1,
     };
+  } catch (problem) {
+    throw faultOf(problem);
   } finally {
-    database?.close();
+    database.close();
   }
 }
