@@ -36,6 +36,17 @@ describe('quality on a very slow device', () => {
   });
 });
 
+describe('shadows of a moving picture', () => {
+  it('are drawn at once, but at times on a slow device, and with hard edges there', () => {
+    const takenBy = (quality: Quality): number[] =>
+      [1900, 2100, 2200, 4000, 4200].filter((nowMs) => quality.takesShadows(nowMs));
+    expect(takenBy(new Quality(1))).toEqual([1900, 2100, 2200, 4000, 4200]);
+    expect(takenBy(new Quality(1, true))).toEqual([2100, 4200]);
+    expect(new Quality(1).softWhileMoving).toBe(true);
+    expect(new Quality(1, true).softWhileMoving).toBe(false);
+  });
+});
+
 describe('a still picture', () => {
   it('waits longer after one that was soon replaced, at most two seconds', () => {
     const quality = new Quality(1);

@@ -15,6 +15,8 @@ const THROTTLED_PAUSE_MS = 60; // at most 16 pictures a second
 const STILL_AFTER_MS = 260;
 const STILL_AFTER_MAX_MS = 2080;
 const STILL_SEEN_MS = 1000;
+const SLOW_LEVEL = 3; // of the levels, from which on a device is slow
+const SHADOWS_EVERY_MS = 2000;
 
 /** Returns how many pixels a still picture has for each CSS pixel of a screen. */
 export function drawnRatio(devicePixelRatio: number): number {
@@ -27,6 +29,7 @@ export class Quality {
   private fast_ = 0;
   private throttled_ = false;
   private stillAfterMs_ = STILL_AFTER_MS;
+  private shadowsMs_ = 0;
 
   /**
    * @param fullRatio the pixel ratio of a still picture
@@ -89,9 +92,16 @@ export class Quality {
         : STILL_AFTER_MS;
   }
 
-  /** Whether shadows are updated while the picture moves; not on slow devices. */
-  get shadowsWhileMoving(): boolean {
-    return this.level_ < 3;
+  /** Whether the edges of shadows are soft while the picture moves; not on slow devices. */
+  get softWhileMoving(): boolean {
+    return this.level_ < SLOW_LEVEL;
+  }
+
+  /** Whether shadows that have changed are drawn with a moving picture: now and then where slow. */
+  takesShadows(nowMs: number): boolean {
+    const takes = this.level_ < SLOW_LEVEL || nowMs - this.shadowsMs_ >= SHADOWS_EVERY_MS;
+    if (takes) this.shadowsMs_ = nowMs;
+    return takes;
   }
 
   private step_(by: number): boolean {

@@ -343,9 +343,8 @@ export class Viewer {
     if (this.stillDrawn_) this.quality_.moved(nowMs - this.lastDrawMs_);
     else if (!this.fixedQuality) this.quality_.frame(nowMs - this.lastDrawMs_);
     this.stage.setSize(this.width_, this.height_, this.quality_.movingRatio);
-    const { shadowsWhileMoving } = this.quality_;
-    this.stage.softShadows = shadowsWhileMoving;
-    this.draw_(this.shadowsDirty_ && shadowsWhileMoving);
+    this.stage.softShadows = this.quality_.softWhileMoving;
+    this.draw_(this.shadowsDirty_ && this.quality_.takesShadows(nowMs));
     this.stage.softShadows = true;
     this.present_();
     this.dirty_ = false;
