@@ -130,7 +130,7 @@ async function test(folder) {
     for (const name of ['Ada', 'Grace']) pages.push(await enter(browser, server, name));
     const agent = start(options.agent, [
       ...['--server', server.base, '--session', 'strokes', '--device', 'sim'],
-      ...['--duration', '86400', '--name', 'Mary', '--tool', '1'],
+      ...['--loop', '--duration', '86400', '--name', 'Mary', '--tool', '1'],
     ]);
     const strokes = Number(options.strokes);
     let drawn = 0;

@@ -12,7 +12,7 @@ export class Newcomers {
 
   /**
    * Takes all who are there now; returns the name of the newest, or ''. `isSelf`: this viewer and its
-   * hand, which are not news to it.
+   * hand, neither of which is new to it.
    */
   update(
     present: readonly Participant[],

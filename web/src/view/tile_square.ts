@@ -156,13 +156,13 @@ export class TileSquare {
 
   /** A part behind all others. */
   private append_(tile: PlacedShape, hasGrown: boolean): Part {
-    const room = hasGrown ? PART_CAPACITY : 1;
+    const factor = hasGrown ? PART_CAPACITY : 1;
     const part = {
       ...{ tile, hasGrown },
       firstVertex: this.usedVertices_,
-      vertices: Math.ceil(room * verticesOf(tile)),
+      vertices: Math.ceil(factor * verticesOf(tile)),
       firstIndex: this.usedIndices_,
-      indices: 3 * Math.ceil((room * indicesOf(tile)) / 3),
+      indices: 3 * Math.ceil((factor * indicesOf(tile)) / 3),
     };
     this.usedVertices_ += part.vertices;
     this.usedIndices_ += part.indices;

@@ -25,7 +25,7 @@ describe('a file that is no good journal', () => {
     vi.unstubAllGlobals();
   });
 
-  it('is told from a journal', async () => {
+  it('is not taken for a journal', async () => {
     const other = new TextEncoder().encode('solid cube\n'.repeat(500));
     await expect(readKerfFile(other)).rejects.toThrow(/^it is not a journal of Kerf$/);
     const empty = await openDatabase(null);
