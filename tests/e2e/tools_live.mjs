@@ -80,7 +80,7 @@ async function checkFault(page) {
   await page.locator('.price.bad').getByText('profile_mm').waitFor();
   assert(await create.isDisabled());
   await field(page, 'Height', 4).fill(String(DOVETAIL[3][1]));
-  await page.getByText(/^0\.\d+ mm: .* a motion; carved all over .*B, joins in .*s$/).waitFor();
+  await page.getByText(/^0\.\d+\smm: .* a motion; carved all over .*B, joins in .*s$/).waitFor();
   await until('button', SETTLE_S, () => create.isEnabled());
   await create.click();
 }
