@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shadows whose softness can be changed from picture to picture. three.js takes five samples of the
-// shadow map for each pixel, whatever the light's radius is. Without a GPU they take up to a third
-// of a picture's time. So a radius of 0 takes one, and the circle of the others is turned by
-// constants instead of a sine and a cosine for each.
+// shadow map for each pixel, whatever the light's radius is, which take a CPU long. So a radius of 0
+// takes one, and the circle of the others is turned by constants instead of a sine and a cosine for
+// each.
 
 import { ShaderChunk } from 'three';
 

@@ -210,7 +210,7 @@ export class Stage {
     return this.grid_.visible;
   }
 
-  /** Whether edges of shadows are soft, which takes a CPU up to a third of a picture's time. */
+  /** Whether edges of shadows are soft, which takes a CPU longer. */
   set softShadows(soft: boolean) {
     this.key_.shadow.radius = soft ? SHADOW_RADIUS : 0;
   }
