@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shadows whose softness can be changed from picture to picture. three.js takes five samples of the
-// shadow map for each pixel, whatever the light's radius is, which take a CPU long. So a radius of 0
-// takes one, and the circle of the others is turned by constants instead of a sine and a cosine for
-// each.
+// Takes one sample of the shadow map for each pixel where the light's radius is 0. three.js takes
+// five at any radius, which is slow on a CPU. The five are turned by a constant matrix instead of a
+// sine and a cosine for each.
 
 import { ShaderChunk } from 'three';
 
@@ -12,7 +11,7 @@ const GOLDEN_ANGLE = 2.399963229728653;
 /** three's code in getShadow() for shadow maps of the type PCF. */
 const FIVE_SAMPLES = /float phi = interleavedGradientNoise\([^;]*;\s*shadow = \([^;]*\) \* 0\.2;/;
 
-// A loop, because a CPU computes both sides of every other branch.
+// A loop, whose samples a CPU skips.
 const SAMPLED = /* glsl */ `
 int samples = shadowRadius > 0.0 ? ${SAMPLES} : 1;
 float phi = interleavedGradientNoise( gl_FragCoord.xy ) * PI2;

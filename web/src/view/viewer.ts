@@ -321,7 +321,7 @@ export class Viewer {
     if (this.rig.update(nowMs, since)) this.touch();
     if (!this.canDraw_ || this.eyeElsewhere || this.isRecording || this.readback_?.isBusy) return;
     if (this.dirty_) {
-      const pauseMs = this.readback_ ? 0 : this.quality_.pauseMs; // nothing waits for those read back
+      const pauseMs = this.readback_ ? 0 : this.quality_.pauseMs; // reading back blocks nothing
       if (nowMs - this.lastDrawMs_ >= pauseMs) this.drawMoving_(nowMs);
     } else if (!this.stillDrawn_ && nowMs - this.lastDrawMs_ > this.quality_.stillAfterMs)
       this.drawStill_(nowMs);
