@@ -6,6 +6,8 @@
 #include <cassert>
 #include <utility>
 
+#include "kernel/math/int_lanes.h"
+
 namespace kerf {
 namespace {
 
@@ -26,15 +28,23 @@ constexpr std::size_t kEndsAtOnce = 65'536;
 
 /// Marks, of the topmost elements of eight columns from `first` on, the ends that now lie at an end
 /// of the removed element.
-void mark_topmost(DexelTile& tile, std::size_t first, const RemovedGroup& group, NormalCode code) {
-  const std::int32_t *bottom = &tile.bottom[first], *top = &tile.top[first];
+KERF_INLINE void mark_topmost_in_lanes(DexelTile& tile, std::size_t first,
+                                       const RemovedGroup& group, NormalCode code) {
+  const IntLanes bottom = load_ints(&tile.bottom[first]), top = load_ints(&tile.top[first]);
+  const IntLanes lo = load_ints(group.bottom), hi = load_ints(group.top);
+  const IntMask is_cut = less(lo, hi) & less(bottom, top);
   EndCodes* codes = &tile.topmost_codes[first];
-  for (int c = 0; c < RemovedGroup::kLanes; ++c) {
-    const bool any = (group.bottom[c] < group.top[c]) & (bottom[c] < top[c]);
-    codes[c].top = (any & (top[c] == group.bottom[c])) ? code : codes[c].top;
-    codes[c].bottom = (any & (bottom[c] == group.top[c])) ? code : codes[c].bottom;
+  for (unsigned rest = bits(is_cut & equal(top, lo)); rest != 0; rest &= rest - 1) {
+    codes[std::countr_zero(rest)].top = code;
+  }
+  for (unsigned rest = bits(is_cut & equal(bottom, hi)); rest != 0; rest &= rest - 1) {
+    codes[std::countr_zero(rest)].bottom = code;
   }
 }
+KERF_FOR_EACH_TARGET(void, mark_topmost,
+                     (DexelTile & tile, std::size_t first, const RemovedGroup& group,
+                      NormalCode code),
+                     (tile, first, group, code))
 
 /// Computes the normals of the upper or lower ends that one sweep made, eight at a time.
 template <class End>

@@ -42,23 +42,23 @@ KERF_INLINE void subtract_in_lanes(const ColumnBlock& block, unsigned rows, cons
     const auto split = static_cast<std::int32_t>(elements.split[row] >> elements.first_bit & 0xFFU);
     const IntLanes lo = greater(cut_b, b);
     const IntLanes hi = lesser(cut_t, t);
-    const IntLanes divides = (lo < hi) & (lo > b) & (hi < t);
-    IntLanes takes = (lo < hi) & ~divides, left = divides;
+    const IntMask cuts = less(lo, hi);
+    const IntMask divides = cuts & less(b, lo) & less(hi, t);
+    IntMask takes = cuts & ~divides, left = divides;
     if (split != 0) {
-      const IntLanes several = (lane_bits() & split) != 0;
+      const IntMask several = equal(lane_bits() & split, lane_bits());
       takes &= ~several;
-      left |= several & (cut_b < cut_t);
+      left |= several & less(cut_b, cut_t);
     }
     if (any(takes)) {
       // The element loses its top or its bottom; if it loses both, it is gone.
-      const IntLanes gone = takes & (lo == b) & (hi == t);
-      const IntLanes new_t = (takes & (hi == t)) ? lo : t;
-      const IntLanes new_b = (takes & (lo == b)) ? hi : b;
+      const IntMask at_bottom = takes & equal(lo, b), at_top = takes & equal(hi, t);
+      const IntMask gone = at_bottom & at_top;
       BlockChange::Row& stays = change.rows[row];
-      store_ints(stays.bottom, gone ? IntLanes{} : new_b);
-      store_ints(stays.top, gone ? IntLanes{} : new_t);
-      const IntLanes removed_lo = takes ? lo : IntLanes{};
-      const IntLanes removed_hi = takes ? hi : IntLanes{};
+      store_ints(stays.bottom, select(gone, IntLanes{}, select(at_bottom, hi, b)));
+      store_ints(stays.top, select(gone, IntLanes{}, select(at_top, lo, t)));
+      const IntLanes removed_lo = select(takes, lo, IntLanes{});
+      const IntLanes removed_hi = select(takes, hi, IntLanes{});
       RemovedGroup& group = *groups++;
       group.i = first_i;
       group.j = first_j + row;

@@ -59,8 +59,10 @@ TEST(IntLanes, EveryOperationMatchesPlainIntegers) {
       }
       if (a[k] < b[k]) mask |= 1U << i;
     }
-    ASSERT_EQ(bits(x < y), mask);
-    ASSERT_EQ(any(x < y), mask != 0);
+    const Ints chosen = stored(select(less(x, y), x, y));
+    ASSERT_EQ(chosen, least);
+    ASSERT_EQ(bits(less(x, y)), mask);
+    ASSERT_EQ(any(less(x, y)), mask != 0);
   }
 }
 
@@ -77,10 +79,11 @@ TEST(IntLanes, EachLaneHasItsOwnBit) {
     EXPECT_EQ(lane_numbers()[i], i);
     Ints one{};
     one[std::size_t(i)] = -1;
-    EXPECT_EQ(bits(load_ints(one.data())), 1U << i);
-    EXPECT_TRUE(any(load_ints(one.data())));
+    const IntMask mask = equal(load_ints(one.data()), IntLanes{} - 1);
+    EXPECT_EQ(bits(mask), 1U << i);
+    EXPECT_TRUE(any(mask));
   }
-  EXPECT_FALSE(any(IntLanes{}));
+  EXPECT_FALSE(any(less(IntLanes{}, IntLanes{})));
 }
 
 }  // namespace
