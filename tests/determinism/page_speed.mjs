@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How fast kerf.wasm carves and displays strokes, beside the same functions compiled for this
-// machine: a ball of 10 mm, 2 mm deep in fresh stock at 0.1 mm, in frames of 1 mm with 8 samples.
+// machine: tools of 10 mm, upright and turning, 2 mm deep in fresh stock at 0.1 mm, in frames of
+// 1 mm with 8 samples.
 //
 // node page_speed.mjs page_job kerf.wasm FOLDER
 
@@ -16,22 +17,33 @@ const BOX = [
   [60, 60, 0],
 ];
 const TILES = [19, 19, 7];
-const TOOLS = [{ id: 1, shape: 'ball', diameter_mm: 10, length_mm: 30 }];
+const SIZE = { id: 1, diameter_mm: 10, length_mm: 30 };
+const TOOLS = {
+  ball: { ...SIZE, shape: 'ball' },
+  flat: { ...SIZE, shape: 'flat' },
+  'bull nose': { ...SIZE, shape: 'bull_nose', corner_radius_mm: 2 },
+  cone: { ...SIZE, shape: 'cone_end', tip_angle_deg: 90 },
+};
+const LEAN_RAD = 0.3; // of a tool that turns, to both sides along a groove
 const SAMPLES = 8;
-const LINES = [12, 20, 28, 36, 44];
+const LINES = [20, 36];
 const FROM_MM = 10;
-const TO_MM = 50;
-const ROUNDS = 3;
+const TO_MM = 30;
+const ROUNDS = 7;
 
 /** Parallel grooves. 'c': a frame is carved; 'd': the tiles that have changed are meshed. */
-function job(rays) {
+function job(rays, tool, turns) {
   const tiles = everyTile(rays, TILES).map((at) => [...at, null]);
   const sent = [
-    ['w', welcome(rays, 0.1, BOX, TOOLS)],
+    ['w', welcome(rays, 0.1, BOX, [tool])],
     ['f', stock(1, 0n, tiles)],
   ];
   let sequence = 0n;
-  const sample = (x, y, z) => ({ sequence: ++sequence, tip: [x, y, z], axis: [0, 0, 1], tool: 1 });
+  const sample = (x, y, z) => {
+    const lean = turns ? LEAN_RAD * Math.sin((x - FROM_MM) / 5) : 0;
+    const axis = [Math.sin(lean), 0, Math.cos(lean)];
+    return { sequence: ++sequence, tip: [x, y, z], axis, tool: 1 };
+  };
   for (const y of LINES) {
     for (let z = 2; z > -2; z -= 1) sent.push(['c', motion([sample(FROM_MM, y, z)])]);
     sent.push(['d', Buffer.alloc(0)]);
@@ -67,10 +79,8 @@ async function timeWasm(sent) {
   return [carved, displayed];
 }
 
-mkdirSync(folder, { recursive: true });
-for (const rays of ['dexel', 'tri-dexel']) {
-  const sent = job(rays);
-  const path = join(folder, `speed-${rays}.job`);
+/** The least times of carving and displaying a millimeter, natively and by kerf.wasm. */
+async function measure(sent, path) {
   writeFileSync(path, jobFile(sent));
   const least = { native: [Infinity, Infinity], page: [Infinity, Infinity] };
   for (let round = 0; round < ROUNDS; ++round) {
@@ -82,12 +92,22 @@ for (const rays of ['dexel', 'tri-dexel']) {
       least.page[n] = Math.min(least.page[n], page[n]);
     }
   }
-  const length = LINES.length * (TO_MM - FROM_MM);
-  for (const [n, what] of ['carved', 'displayed'].entries()) {
-    const [native, page] = [least.native[n] / length, least.page[n] / length];
-    console.log(
-      `${rays}, 1 mm ${what}: ${native.toFixed(2)} ms natively, ${page.toFixed(2)} ms by ` +
-        `kerf.wasm, ${(page / native).toFixed(2)} times`,
-    );
+  return least;
+}
+
+mkdirSync(folder, { recursive: true });
+const length = LINES.length * (TO_MM - FROM_MM);
+for (const rays of ['dexel', 'tri-dexel']) {
+  for (const [name, tool] of Object.entries(TOOLS)) {
+    for (const turns of [false, true]) {
+      const least = await measure(job(rays, tool, turns), join(folder, 'speed.job'));
+      for (const [n, what] of ['carved', 'displayed'].entries()) {
+        const [native, page] = [least.native[n] / length, least.page[n] / length];
+        console.log(
+          `${rays}, ${name}${turns ? ' that turns' : ''}, 1 mm ${what}: ${native.toFixed(2)} ms ` +
+            `natively, ${page.toFixed(2)} ms by kerf.wasm, ${(page / native).toFixed(2)} times`,
+        );
+      }
+    }
   }
 }
