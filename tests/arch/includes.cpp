@@ -179,6 +179,10 @@ const std::vector<Library>& libraries() {
        "the command line belongs to the programs"},
       {{"nats/"}, false, {"server/cluster"}, "one class speaks to NATS"},
       {{"libusb"}, false, {"haptic_agent/device"}, "USB belongs to the devices"},
+      {{"wasm_simd128.h"},
+       true,
+       {"kernel/math/lane_mask_wasm.h", "kernel/math/int_mask_wasm.h"},
+       "instructions of one machine belong to the lanes"},
   };
   return kLibraries;
 }
