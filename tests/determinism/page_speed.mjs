@@ -3,7 +3,7 @@
 // machine: tools of 10 mm, upright and turning, 2 mm deep in fresh stock at 0.1 mm, in frames of
 // 1 mm with 8 samples.
 //
-// node page_speed.mjs page_job kerf.wasm FOLDER
+// node page_speed.mjs page_job kerf.wasm FOLDER [TOOL]
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
@@ -11,7 +11,7 @@ import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { everyTile, jobFile, motion, openKernel, stock, welcome } from './page_frames.mjs';
 
-const [, , program, file, folder] = process.argv;
+const [, , program, file, folder, only] = process.argv;
 const BOX = [
   [0, 0, -20],
   [60, 60, 0],
@@ -26,10 +26,10 @@ const TOOLS = {
 };
 const LEAN_RAD = 0.3; // of a tool that turns, to both sides along a groove
 const SAMPLES = 8;
-const LINES = [20, 36];
+const LINES = [12, 20, 28, 36, 44];
 const FROM_MM = 10;
-const TO_MM = 30;
-const ROUNDS = 7;
+const TO_MM = 50;
+const ROUNDS = 5;
 
 /** Parallel grooves. 'c': a frame is carved; 'd': the tiles that have changed are meshed. */
 function job(rays, tool, turns) {
@@ -99,6 +99,7 @@ mkdirSync(folder, { recursive: true });
 const length = LINES.length * (TO_MM - FROM_MM);
 for (const rays of ['dexel', 'tri-dexel']) {
   for (const [name, tool] of Object.entries(TOOLS)) {
+    if (only && only !== name) continue;
     for (const turns of [false, true]) {
       const least = await measure(job(rays, tool, turns), join(folder, 'speed.job'));
       for (const [n, what] of ['carved', 'displayed'].entries()) {
