@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#ifdef __wasm_simd128__  // Empty for other machines, so that it compiles alone there too.
+
 #include <wasm_simd128.h>
 
 #include "kernel/math/int_lanes.h"
@@ -68,3 +70,5 @@ KERF_INLINE IntLanes to_int_lanes(Lanes v) {
 }  // namespace kerf
 
 #pragma GCC diagnostic pop
+
+#endif

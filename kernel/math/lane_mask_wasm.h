@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#ifdef __wasm_simd128__  // Empty for other machines, so that it compiles alone there too.
+
 #include <wasm_simd128.h>
 
 #include "kernel/math/lanes.h"
@@ -106,3 +108,5 @@ KERF_INLINE LaneMask mask_of(unsigned bits) {
 }  // namespace kerf
 
 #pragma GCC diagnostic pop
+
+#endif
