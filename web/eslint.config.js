@@ -36,6 +36,7 @@ export default defineConfig(
       'tests/e2e/*_live.mjs',
       'tests/e2e/page_bench.mjs',
       'tests/e2e/support/axe.mjs',
+      'tests/e2e/support/block.mjs',
       'tests/e2e/support/browser.mjs',
       'tests/e2e/support/drop.mjs',
       'tests/e2e/support/firefox.mjs',

@@ -8,6 +8,7 @@ import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
+import { placeOf, restingBlock } from './support/block.mjs';
 import { launchBrowser, openViewer } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
@@ -82,21 +83,9 @@ async function stlVolume({ ask }) {
   return volumeOf(stlCorners(Buffer.from(await response.arrayBuffer())));
 }
 
-/** Waits until the server has as much removed as a probe says, and the hash of it. */
-async function settled(server, what, isDone) {
-  return until(what, SETTLE_S, async () => {
-    const before = await session(server);
-    await new Promise((resolve) => setTimeout(resolve, 120));
-    const now = await session(server);
-    const isStill = before.motions === now.motions && before.state_hash === now.state_hash;
-    return isStill && isDone(now) && now;
-  });
-}
-
-/** Where a place of the block's box is in the page. */
-async function placeOf({ state }, x, y) {
-  const [left, top, right, bottom] = (await state()).blockBox;
-  return [left + x * (right - left), top + y * (bottom - top)];
+/** The session once the server's block, as `isDone` says, is the page's, with the server's meshes. */
+function settled(viewer, server, what, isDone) {
+  return restingBlock(viewer, () => session(server), what, SETTLE_S, isDone);
 }
 
 /** Drags the mouse across the block, in jumps: the tool follows in small steps all the same. */
@@ -132,13 +121,7 @@ function depthDisplayed(page) {
   });
 }
 
-/** The page's copy is the server's block, and the server's meshes are displayed again. */
-async function checkCopy({ page, state }, { state_hash: hash }, what) {
-  await until(`the copy ${what}`, SETTLE_S, async () => {
-    const copy = await page.evaluate(() => window.kerf.copyHash());
-    return copy === hash && (await state()).copyTiles === 0;
-  });
-}
+const isUncut = ({ removed_volume_mm3: mm3 }) => Math.abs(mm3) < 1e-6;
 
 /** The export of the session, carved by kerf-carve, is the block. */
 async function checkExport(server, folder, { state_hash: hash }) {
@@ -189,8 +172,7 @@ async function checkAlone(viewer, server, line) {
   line.cut();
   await page.locator('main[data-carve=lost]').waitFor();
   await page.locator('main[data-carve=ready]').waitFor();
-  const now = await settled(server, 'a stroke again', (block) => block.motions > motions);
-  await checkCopy(viewer, now, 'after a loss');
+  await settled(viewer, server, 'stroke after a loss', (block) => block.motions > motions);
 }
 
 /** An undo is displayed though nothing of the server comes. Then the connection breaks. */
@@ -200,12 +182,10 @@ async function undoAlone({ page, state }, server, line) {
   await page.keyboard.press('Control+z');
   await until('an undo', SETTLE_S, async () => (await depthDisplayed(page)) < 0.5 * DEPTH_MM);
   assert.deepEqual((await state()).tiles, tiles, "a mesh of the server's has come");
-  const isUncut = ({ removed_volume_mm3: mm3 }) => Math.abs(mm3) < 1e-6;
-  const undone = await settled(server, 'undo', isUncut);
+  await until('undo at the server', SETTLE_S, async () => isUncut(await session(server)));
   line.cut();
   await page.locator('main[data-carve=lost]').waitFor();
   await page.locator('main[data-carve=ready]').waitFor();
-  return undone;
 }
 
 /** Drags the mouse through fresh stock; returns how far the tool was behind, pixels. */
@@ -240,8 +220,7 @@ async function checkDrag(viewer, server) {
   const { motions } = await session(server);
   const strong = await quickStroke(viewer, 0.62);
   assert(strong >= 6, `the tool was ${strong} px behind at most`);
-  const now = await settled(server, 'a dragged stroke', (block) => block.motions > motions);
-  await checkCopy(viewer, now, 'after a dragged stroke');
+  await settled(viewer, server, 'dragged stroke', (block) => block.motions > motions);
   await drag.click();
   assert.equal(await drag.textContent(), 'Drag: off');
   console.log(`dragged: up to ${strong} px behind`);
@@ -265,25 +244,24 @@ async function checkSculptor(browser, server, line, folder) {
   await checkAccessible(page, 'the page while one carves');
   await new Promise((resolve) => setTimeout(resolve, STOCK_MS));
   await dragAcross(viewer);
-  const cut = await settled(server, 'a cut', ({ removed_volume_mm3: mm3 }) => mm3 > 0);
+  const isCut = ({ removed_volume_mm3: mm3 }) => mm3 > 0;
+  const cut = await settled(viewer, server, 'cut', isCut);
   const volume = await stlVolume(server);
   // A groove of a ball, some 12 to 30 mm long: the cap of the ball below the surface is its section.
   const section = 9 * Math.acos(1 - DEPTH_MM / 3) - (3 - DEPTH_MM) * Math.sqrt(9 - 1.5 ** 2);
   const length = (BLOCK_MM3 - volume) / section;
   assert(length > 12 && length < 30, `${length} mm`);
   await checkExport(server, folder, cut);
-  await checkCopy(viewer, cut, 'after a stroke');
   console.log(`a stroke of ${cut.motions} motions and ${length.toFixed(1)} mm: ${cut.state_hash}`);
 
-  const undone = await undoAlone(viewer, server, line);
-  await checkCopy(viewer, undone, 'after an undo');
+  await undoAlone(viewer, server, line);
+  await settled(viewer, server, 'undo', isUncut);
   assert(Math.abs((await stlVolume(server)) - BLOCK_MM3) < 0.01);
   await comeBack(page);
-  await checkCopy(viewer, undone, 'of one who has left and come back');
+  await settled(viewer, server, 'undone block of one who has left and come back', isUncut);
   await page.getByRole('button', { name: 'Redo' }).last().click();
-  await settled(server, 'redo', ({ state_hash: hash }) => hash === cut.state_hash);
   await page.getByText('Your stroke was redone.').waitFor();
-  await checkCopy(viewer, cut, 'after a redo');
+  await settled(viewer, server, 'redo', ({ state_hash: hash }) => hash === cut.state_hash);
   await checkAlone(viewer, server, line);
   await checkDrag(viewer, server);
 

@@ -6,6 +6,7 @@
 
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
+import { placeOf, restingBlock } from './support/block.mjs';
 import { launchFirefox, openInFirefox } from './support/firefox.mjs';
 import { intersecting } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
@@ -102,11 +103,6 @@ async function checkSurface({ page }, session, what) {
   console.log(`${what}: ${corners.length / 9} triangles, as the server's`);
 }
 
-async function placeOf({ state }, x, y) {
-  const [left, top, right, bottom] = (await state()).blockBox;
-  return [left + x * (right - left), top + y * (bottom - top)];
-}
-
 async function dragMouse(viewer) {
   const { mouse } = viewer.page;
   await mouse.move(...(await placeOf(viewer, 0.3, 0.6)));
@@ -126,12 +122,8 @@ async function dragFinger(viewer) {
 }
 
 /** The server's block, once a probe of it holds and the page's copy is equal to it. */
-async function settled({ page, state }, session, what, isDone) {
-  return until(what, SETTLE_S, async () => {
-    const now = await getJson(session);
-    const hash = await page.evaluate(() => window.kerf.copyHash());
-    return isDone(now) && hash === now.state_hash && (await state()).copyTiles === 0 && now;
-  });
+function settled(viewer, session, what, isDone) {
+  return restingBlock(viewer, () => getJson(session), what, SETTLE_S, isDone);
 }
 
 /** Carves a stroke, undoes and redoes it. */

@@ -7,6 +7,7 @@
 import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { placeOf, restingBlock } from './support/block.mjs';
 import { launchBrowser, openViewer } from './support/browser.mjs';
 import { findNats, startNats, startNode } from './support/cluster.mjs';
 import { stop, until } from './support/processes.mjs';
@@ -23,12 +24,6 @@ const SCENE = {
 };
 
 const sessionOf = (base) => getJson(`${base}/v1/sessions/shared`);
-
-/** Where a place of the block's box is in the page. */
-async function placeOf({ state }, x, y) {
-  const [left, top, right, bottom] = (await state()).blockBox;
-  return [left + x * (right - left), top + y * (bottom - top)];
-}
 
 /** Drags the mouse across the block; `y` is a share of the block's box. */
 async function drag(viewer, y) {
@@ -48,13 +43,9 @@ async function equalBlocks(what, [owner, follower], isDone) {
   });
 }
 
-/** The page displays the block, and its copy is that block. */
-async function checkPage({ page, state }, { state_hash: hash }, what) {
-  await until(`the page's block ${what}`, SETTLE_S, async () => {
-    const { hash: shown, copyTiles } = await state();
-    const copy = await page.evaluate(() => window.kerf.copyHash());
-    return shown === hash && copy === hash && copyTiles === 0;
-  });
+/** Waits until a server, as `isDone` says, and the page have the same block; returns the session. */
+function equalPage(viewer, { base }, what, isDone) {
+  return restingBlock(viewer, () => sessionOf(base), what, SETTLE_S, isDone);
 }
 
 async function stopped({ server }) {
@@ -72,11 +63,7 @@ async function checkHandover(viewer, owner, follower, { motions }) {
   await page.locator('main[data-carve=ready]').waitFor();
   await until('the page watches', SETTLE_S, async () => (await state()).status === 'connected');
   await drag(viewer, 0.6);
-  const cut = await until('the cut there', SETTLE_S, async () => {
-    const now = await sessionOf(follower.base);
-    return now.motions > motions && now;
-  });
-  await checkPage(viewer, cut, 'after the handover');
+  await equalPage(viewer, follower, 'cut after the handover', (now) => now.motions > motions);
   const { authors } = await getJson(`${follower.base}/v1/sessions/shared/authors`);
   assert.deepEqual(
     authors.map(({ name }) => name),
@@ -112,16 +99,16 @@ async function test(folder) {
     await page.locator('main[data-carve=ready]').waitFor();
     await drag(viewer, 0.45);
     const both = [owner, follower];
+    await equalPage(viewer, follower, 'cut in the page', ({ motions }) => motions > 0);
     const cut = await equalBlocks('the cut at both', both, ({ motions }) => motions > 0);
     assert((await sessionOf(follower.base)).followed, 'the page does not come from a follower');
-    await checkPage(viewer, cut, 'after the cut');
     await writeFile(join(options.out, 'follower.png'), await page.screenshot());
     await page.keyboard.press('Control+z');
     await equalBlocks('undo at both', both, ({ removed_volume_mm3: mm3 }) => mm3 === 0);
     await page.keyboard.press('Control+y');
     const isRedone = ({ removed_volume_mm3: mm3 }) => mm3 === cut.removed_volume_mm3;
     const redone = await equalBlocks('redo at both', both, isRedone);
-    await checkPage(viewer, redone, 'after redo');
+    await equalPage(viewer, follower, 'redo in the page', isRedone);
     assert.deepEqual(problems, []);
     await checkHandover(viewer, owner, follower, redone);
   } finally {

@@ -9,6 +9,7 @@ import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { copyFile, mkdir, readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { placeOf } from './support/block.mjs';
 import { checkAccessible } from './support/axe.mjs';
 import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
 import { dropFiles } from './support/drop.mjs';
@@ -48,11 +49,6 @@ async function settled(viewer, what, isDone) {
     const state = await viewer.state();
     return isDone(state) && state;
   });
-}
-
-async function placeOf({ state }, x, y) {
-  const [left, top, right, bottom] = (await state()).blockBox;
-  return [left + x * (right - left), top + y * (bottom - top)];
 }
 
 async function stroke(viewer, y) {

@@ -7,6 +7,7 @@
 import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { restingBlock } from './support/block.mjs';
 import { launchBrowser, openViewer } from './support/browser.mjs';
 import { findNats, startNats, startNode } from './support/cluster.mjs';
 import { stop, until } from './support/processes.mjs';
@@ -81,19 +82,11 @@ async function drag(viewer, y) {
 
 /** Waits until page, its copy of the block and a server have the same block after a stroke. */
 async function strokeAt(viewer, server, y) {
-  const { page, state } = viewer;
   const before = (await getJson(server.base + PATH)).motions;
   await drag(viewer, y);
-  return until('the cut in server and page', SETTLE_S, async () => {
-    const session = await getJson(server.base + PATH);
-    assert(session.motions > before, `${session.motions} motions, as before the stroke`);
-    const { hash, copyTiles } = await state();
-    const copy = await page.evaluate(() => window.kerf.copyHash());
-    const shown = { hash, copy, copyTiles };
-    const { state_hash: wanted } = session;
-    assert.deepEqual(shown, { hash: wanted, copy: wanted, copyTiles: 0 });
-    return session;
-  });
+  const read = () => getJson(server.base + PATH);
+  const isCut = ({ motions }) => motions > before;
+  return restingBlock(viewer, read, 'cut in server and page', SETTLE_S, isCut);
 }
 
 /** Where the camera is and looks. */

@@ -7,6 +7,7 @@
 import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { restingBlock } from './support/block.mjs';
 import { launchBrowser, openViewer } from './support/browser.mjs';
 import { aboutX, Headset, headsetScript, turnedX } from './support/headset.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
@@ -44,19 +45,9 @@ function holding([x, y, z]) {
   return [x * M_PER_MM, 0.9 + (z + 10) * M_PER_MM + AHEAD_M, -0.55 - y * M_PER_MM];
 }
 
-async function session({ session: url }) {
-  return getJson(url);
-}
-
-async function settled(server, what, isDone) {
-  return until(what, SETTLE_S, async () => {
-    const before = await session(server);
-    await new Promise((resolve) => setTimeout(resolve, 150));
-    const now = await session(server);
-    return (
-      before.motions === now.motions && before.state_hash === now.state_hash && isDone(now) && now
-    );
-  });
+/** The session once the server's block, as `isDone` says, is the page's. */
+function settled({ session }, viewer, what, isDone) {
+  return restingBlock(viewer, () => getJson(session), what, SETTLE_S, isDone);
 }
 
 /** Pulls the trigger over the block, moves through it, and lets go. */
@@ -102,8 +93,8 @@ async function pressOnPanel(headset, name) {
   await headset.frames(2);
 }
 
-/** The export of the session, carved by kerf-carve, is the block; so is the page's copy. */
-async function checkHashes(server, { page }, folder, { state_hash: hash }) {
+/** The export of the session, carved by kerf-carve, is the block. */
+async function checkExport(server, folder, { state_hash: hash }) {
   const response = await fetch(`${server.session}/program.ngc`);
   await writeFile(join(folder, 'program.ngc'), await response.text());
   await writeFile(join(folder, 'scene.json'), JSON.stringify(SCENE));
@@ -114,15 +105,11 @@ async function checkHashes(server, { page }, folder, { state_hash: hash }) {
   ]);
   const { state_hash: carved } = JSON.parse(await readFile(report, 'utf8'));
   assert.equal(carved, hash, 'kerf-carve makes another block of the export');
-  await until("the page's copy", SETTLE_S, async () => {
-    const copy = await page.evaluate(() => window.kerf.copyHash());
-    return copy === hash;
-  });
 }
 
 async function checkStroke(server, viewer, headset, folder) {
   await stroke(headset);
-  const cut = await settled(server, 'a cut', ({ removed_volume_mm3: mm3 }) => mm3 > 0);
+  const cut = await settled(server, viewer, 'cut', ({ removed_volume_mm3: mm3 }) => mm3 > 0);
   // A ball's cap as the section, and at the ends half balls' caps.
   const [r, h] = [3, DEPTH_MM];
   const section = r * r * Math.acos(1 - h / r) - (r - h) * Math.sqrt(2 * r * h - h * h);
@@ -130,7 +117,7 @@ async function checkStroke(server, viewer, headset, folder) {
   const expected = section * (TO_MM - FROM_MM) + caps;
   const removed = cut.removed_volume_mm3;
   assert(Math.abs(removed / expected - 1) < 0.05, `${removed} mm³ instead of ${expected}`);
-  await checkHashes(server, viewer, folder, cut);
+  await checkExport(server, folder, cut);
   assert((await headset.state()).pulses > 0, 'the controller does not pulse');
   return cut;
 }
@@ -138,9 +125,9 @@ async function checkStroke(server, viewer, headset, folder) {
 async function checkUndo(server, viewer, headset, { state_hash: hash }) {
   const isUncut = ({ removed_volume_mm3: mm3 }) => Math.abs(mm3) < 1e-6;
   await headset.press('right', 'a-button');
-  await settled(server, 'undo', isUncut);
+  await settled(server, viewer, 'undo', isUncut);
   await pressOnPanel(headset, 'redo');
-  await settled(server, 'redo', (now) => now.state_hash === hash);
+  await settled(server, viewer, 'redo', (now) => now.state_hash === hash);
 }
 
 /** Others who carve have hands. */
