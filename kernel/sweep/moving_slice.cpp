@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-std::variant<ConeSide, ArcSide> side_of(const ToolPiece& slice) {
+PieceSide side_of(const ToolPiece& slice) {
   if (const auto* arc = std::get_if<ArcPiece>(&slice)) return ArcSide(*arc);
   return ConeSide(std::get<FrustumPiece>(slice));
 }
@@ -103,21 +103,12 @@ RowBits MovingSlice::know(const ColumnBlock& block) const {
 
 RowBits MovingSlice::add_simple_rows(ColumnBlock& block) const {
   const RowBits known = know(block);
-  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
-    add_simple_cone_rows(*cone, path_, known, block);
-  } else {
-    add_simple_arc_rows(std::get<ArcSide>(side_), path_, known, block);
-  }
+  add_simple_rows_of_slice(side_, path_, known, block);
   return known;
 }
 
 void MovingSlice::evaluate(const RowBits& known, ColumnBlock& block) const {
-  if (block.rows == 0) return;
-  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
-    evaluate_cone(*cone, path_, known, block);
-  } else {
-    evaluate_arc(std::get<ArcSide>(side_), path_, known, block);
-  }
+  if (block.rows != 0) evaluate_slice(side_, path_, known, block);
 }
 
 }  // namespace kerf

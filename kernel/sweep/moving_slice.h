@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <variant>
-
 #include "kernel/sweep/column_block.h"
 #include "kernel/sweep/piece_side.h"
 #include "kernel/sweep/slice_path.h"
@@ -42,7 +40,7 @@ class MovingSlice {
  private:
   RowBits know(const ColumnBlock& block) const;
 
-  std::variant<ConeSide, ArcSide> side_;
+  PieceSide side_;
   SlicePath path_;
   ShownDiscs shown_;
   Trail ahead_;  ///< of the motion back

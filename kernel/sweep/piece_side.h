@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <variant>
 
 #include "kernel/math/tolerance.h"
 #include "kernel/math/vec3_lanes.h"
@@ -370,5 +371,8 @@ struct ArcSide {
     return met;
   }
 };
+
+/// The side of a slice of either kind.
+using PieceSide = std::variant<ConeSide, ArcSide>;
 
 }  // namespace kerf

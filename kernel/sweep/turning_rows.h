@@ -147,21 +147,10 @@ class Stations {
   std::size_t made_ = 0, spare_count_ = 0, count_ = 0;
 };
 
-/// Calls search_packed of a side, compiled for each instruction set.
-KERF_DECLARE_TARGETS(void, search_packed_cone,
-                     (const ConeSide& side, const SlicePath& path, PackedRays& rays, bool finish,
+/// search_packed, compiled for each instruction set.
+KERF_DECLARE_TARGETS(void, search_packed_rays,
+                     (const PieceSide& side, const SlicePath& path, PackedRays& rays, bool finish,
                       ColumnBlock& block))
-KERF_DECLARE_TARGETS(void, search_packed_arc,
-                     (const ArcSide& side, const SlicePath& path, PackedRays& rays, bool finish,
-                      ColumnBlock& block))
-inline void search_rays(const ConeSide& side, const SlicePath& path, PackedRays& rays, bool finish,
-                        ColumnBlock& block) {
-  search_packed_cone(side, path, rays, finish, block);
-}
-inline void search_rays(const ArcSide& side, const SlicePath& path, PackedRays& rays, bool finish,
-                        ColumnBlock& block) {
-  search_packed_arc(side, path, rays, finish, block);
-}
 
 /// Adds the intervals between two stations to a row, of the rays `asked`. Upper ends are searched
 /// only where they lie below `top`.
@@ -384,17 +373,11 @@ KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, const Ro
 
 /// evaluate_rows and add_simple_rows, compiled for each instruction set, each in a unit of its own
 /// (turning_unit.h).
-KERF_DECLARE_TARGETS(void, evaluate_cone,
-                     (const ConeSide& side, const SlicePath& path, const RowBits& known,
+KERF_DECLARE_TARGETS(void, evaluate_slice,
+                     (const PieceSide& side, const SlicePath& path, const RowBits& known,
                       ColumnBlock& block))
-KERF_DECLARE_TARGETS(void, evaluate_arc,
-                     (const ArcSide& side, const SlicePath& path, const RowBits& known,
-                      ColumnBlock& block))
-KERF_DECLARE_TARGETS(void, add_simple_cone_rows,
-                     (const ConeSide& side, const SlicePath& path, const RowBits& known,
-                      ColumnBlock& block))
-KERF_DECLARE_TARGETS(void, add_simple_arc_rows,
-                     (const ArcSide& side, const SlicePath& path, const RowBits& known,
+KERF_DECLARE_TARGETS(void, add_simple_rows_of_slice,
+                     (const PieceSide& side, const SlicePath& path, const RowBits& known,
                       ColumnBlock& block))
 
 }  // namespace kerf
