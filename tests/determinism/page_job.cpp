@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs a job (page_bytes.mjs) on the functions that kerf.wasm exports, compiled for this machine,
-// and prints what they return: a line for each welcome, frame and tile. Usage: page_job FILE
+// and prints what they return: a line for each welcome, frame and tile. A welcome that is rejected
+// ends it. Usage: page_job FILE
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -55,10 +57,19 @@ void run_timed(char kind) {
   g_displayed += std::chrono::steady_clock::now() - begin;
 }
 
+/// Ends the program: without a block no other frame can be taken.
+[[noreturn]] void stop_rejected(std::uint32_t length) {
+  std::fprintf(stderr, "The welcome is rejected: %.*s\n", static_cast<int>(length),
+               reinterpret_cast<const char*>(kerf_output()));
+  std::exit(1);
+}
+
 void run(char kind, std::span<const char> bytes) {
   std::memcpy(kerf_input(static_cast<std::uint32_t>(bytes.size())), bytes.data(), bytes.size());
   if (kind == 'w') {
-    std::printf("open %u\n", kerf_open());
+    const std::uint32_t error = kerf_open();
+    std::printf("open %u\n", error);
+    if (error > 0) stop_rejected(error);
   } else if (kind == 'u' || kind == 'r') {
     kerf_change(kind == 'u');
     print_changed();
