@@ -80,6 +80,46 @@ function shuffled(count: number): number[] {
 const at = (x: number, y: number, z: number): ParsedTile =>
   parsed(triangle(x, y, 1, [0, 0, z, 8, 0, z, 0, 8, z]));
 
+/** A slab between the heights `low` and `high`. */
+const slab = (low: number, high: number): ParsedTile => {
+  const square = [0, 0, 8, 0, 8, 8, 0, 8];
+  const face = (z: number): number[] =>
+    [0, 2, 4, 6].flatMap((n) => [square[n]!, square[n + 1]!, z]);
+  return parsed({
+    ...triangle(0, 0, 1, [...face(high), ...face(low)]),
+    normals: [1, -1].flatMap((up) => [0, 1, 2, 3].flatMap(() => [0, 0, up])),
+    indices: [0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6],
+  });
+};
+
+/** The edges of triangles that no other has in the opposite direction, each with its number. */
+function openEdges(triangles: string[]): string[] {
+  const open = new Map<string, number>();
+  for (const triangle of triangles) {
+    const corners = triangle.split(', ');
+    corners.forEach((from, n) => {
+      const to = corners[(n + 1) % 3]!;
+      const [edge, step] = from < to ? [`${from}, ${to}`, 1] : [`${to}, ${from}`, -1];
+      open.set(edge, (open.get(edge) ?? 0) + step);
+    });
+  }
+  return [...open]
+    .filter(([, count]) => count !== 0)
+    .map(([edge, count]) => `${edge}: ${count}`)
+    .sort();
+}
+
+/** Twice the area of triangles, of those that face upward and of the others, seen from above. */
+function areas(triangles: string[]): [up: number, down: number] {
+  const sum: [number, number] = [0, 0];
+  for (const triangle of triangles) {
+    const [a, b, c] = triangle.split(', ').map((corner) => corner.split(' ').map(Number));
+    const twice = (b![0]! - a![0]!) * (c![1]! - a![1]!) - (c![0]! - a![0]!) * (b![1]! - a![1]!);
+    sum[twice > 0 ? 0 : 1] += twice;
+  }
+  return sum;
+}
+
 describe('tile view', () => {
   it('draws the right tiles, in whatever order they are set, replaced and removed', () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
@@ -117,6 +157,57 @@ describe('tile view', () => {
     check();
     for (const n of [...left.keys()]) view.remove(tileKey(n % side, Math.floor(n / side)));
     expect(view.group.children).toHaveLength(0);
+  });
+
+  it('draws an untouched square with a triangle for each edge of its rim', () => {
+    const view = new TileView(new THREE.MeshBasicMaterial());
+    for (let n = 0; n < 256; ++n) view.set(slab(-20, 0), n % 16, Math.floor(n / 16), 8);
+    view.mergeSlabs();
+    expect(drawn(view)).toHaveLength(2 * 4 * 16);
+    expect(openEdges(drawn(view))).toEqual(openEdges(displayed(view)));
+    expect(areas(drawn(view))).toEqual(areas(displayed(view)));
+  });
+
+  it('draws rectangles of slabs that fit what is around them, whatever changes', () => {
+    const view = new TileView(new THREE.MeshBasicMaterial());
+    const shapes = [slab(-20, 0), slab(-20, -5), parsed(waves(0, 0, 2)), slab(-20, 0)];
+    const side = 24; // two squares in each direction, the second of which is not full
+    const order = shuffled(side * side);
+    for (const n of order) view.set(shapes[0]!, n % side, Math.floor(n / side), 8);
+    let most = 0;
+    for (const [step, n] of order.slice(0, 96).entries()) {
+      const [x, y] = [n % side, Math.floor(n / side)];
+      const shape = [0, 1, 1, 2, 0, 3][step % 6]!;
+      if (step % 11 === 0) view.remove(tileKey(x, y));
+      else view.set(shapes[shape]!, x, y, 8);
+      if (step % 8 !== 0) continue;
+      view.mergeSlabs();
+      most = Math.max(most, displayed(view).length - drawn(view).length);
+      expect(openEdges(drawn(view))).toEqual(openEdges(displayed(view)));
+      expect(areas(drawn(view))).toEqual(areas(displayed(view)));
+      if (step % 16 !== 0) continue;
+      // A slab that changes before the next picture leaves no hole meanwhile.
+      view.set(shapes[2]!, x, y, 8);
+      expect(openEdges(drawn(view))).toEqual(openEdges(displayed(view)));
+    }
+    expect(most).toBeGreaterThan(1000);
+  });
+
+  it('does not merge slabs of which some are cut', () => {
+    const view = new TileView(new THREE.MeshBasicMaterial());
+    const cut = slab(-20, 0);
+    const original = cut.geometry!.getAttribute(ORIGINAL_ATTRIBUTE);
+    const other = slab(-20, 0);
+    const changed = other.geometry!.getAttribute(ORIGINAL_ATTRIBUTE);
+    for (let n = 0; n < 4; ++n) changed.setX(n, 1 - original.getX(n));
+    for (let n = 0; n < 16; ++n)
+      view.set(n % 2 === 0 ? cut : other, Math.floor(n / 4) + (n % 2) * 4, n % 4, 8);
+    view.mergeSlabs();
+    expect(openEdges(drawn(view))).toEqual(openEdges(displayed(view)));
+    for (const triangle of drawn(view)) {
+      const xs = triangle.split(', ').map((corner) => Number(corner.split(' ')[0]));
+      expect(Math.min(...xs) < 32 && Math.max(...xs) > 32).toBe(false);
+    }
   });
 
   it('draws a large block in few calls', () => {

@@ -4,7 +4,10 @@
 // and of the indices, and only what was replaced goes to the GPU.
 
 import * as THREE from 'three';
+import { tileAt } from '../model/tiles';
 import { ORIGINAL_ATTRIBUTE } from './parsed_tiles';
+import { slabOf, slabRectangles } from './slabs';
+import type { Slab } from './slabs';
 
 /** Length of new arrays relative to what the tiles need, so that tiles may grow. */
 const CAPACITY = 1.5;
@@ -25,6 +28,7 @@ export interface PlacedShape {
 interface Part {
   tile: PlacedShape;
   hasGrown: boolean;
+  slab: Slab | null;
   firstVertex: number;
   vertices: number; // that it may have
   firstIndex: number;
@@ -101,8 +105,15 @@ export class TileSquare {
   private arrays_ = new Arrays(0, 0);
   private usedVertices_ = 0;
   private usedIndices_ = 0;
+  private slabsChanged_ = false;
+  /** Whose indices are those of a rectangle of slabs. */
+  private readonly merged_ = new Set<Part>();
 
-  constructor(material: THREE.Material) {
+  /** @param side number of tiles along a side of the square */
+  constructor(
+    material: THREE.Material,
+    private readonly side: number,
+  ) {
     this.mesh = new THREE.Mesh(this.arrays_.geometry, material);
     this.mesh.matrixAutoUpdate = false;
     this.mesh.castShadow = true;
@@ -125,6 +136,7 @@ export class TileSquare {
   /** Adds or replaces a tile. */
   set(key: number, tile: PlacedShape): void {
     const before = this.parts_.get(key);
+    if (before?.slab) this.separateSlabs_();
     const isInPlace =
       before && verticesOf(tile) <= before.vertices && indicesOf(tile) <= before.indices;
     if (before && !isInPlace) this.erase_(before);
@@ -136,8 +148,40 @@ export class TileSquare {
   }
 
   remove(key: number): void {
-    this.erase_(this.parts_.get(key)!);
+    const part = this.parts_.get(key)!;
+    if (part.slab) this.separateSlabs_();
+    this.erase_(part);
     this.parts_.delete(key);
+  }
+
+  /** Draws rectangles of slabs with fewer triangles from now on, until one of them changes. */
+  mergeSlabs(): void {
+    if (!this.slabsChanged_) return;
+    this.separateSlabs_();
+    this.slabsChanged_ = false;
+    const slabs = new Map<number, Part>();
+    for (const [key, part] of this.parts_) {
+      const [x, y] = tileAt(key);
+      if (part.slab) slabs.set((y % this.side) * this.side + (x % this.side), part);
+    }
+    const at = (x: number, y: number): Part | undefined => slabs.get(y * this.side + x);
+    const slabAt = (x: number, y: number): Slab | null => at(x, y)?.slab ?? null;
+    for (const { x, y, columns, rows, indices } of slabRectangles(this.side, slabAt)) {
+      let used = 0;
+      for (let n = 0; n < columns * rows; n += 1) {
+        const part = at(x + (n % columns), y + Math.floor(n / columns))!;
+        this.fillIndices_(part, indices.slice(used, used + part.indices));
+        this.merged_.add(part);
+        used += part.indices;
+      }
+    }
+  }
+
+  /** Has slabs drawn by their own triangles again. */
+  private separateSlabs_(): void {
+    this.slabsChanged_ = true;
+    for (const part of this.merged_) this.writeIndices_(part);
+    this.merged_.clear();
   }
 
   /** A mesh of the tiles as they are now, with vertices of its own. */
@@ -158,7 +202,7 @@ export class TileSquare {
   private append_(tile: PlacedShape, hasGrown: boolean): Part {
     const factor = hasGrown ? PART_CAPACITY : 1;
     const part = {
-      ...{ tile, hasGrown },
+      ...{ tile, hasGrown, slab: null },
       firstVertex: this.usedVertices_,
       vertices: Math.ceil(factor * verticesOf(tile)),
       firstIndex: this.usedIndices_,
@@ -176,6 +220,7 @@ export class TileSquare {
 
   /** Makes new arrays, without the gaps that tiles have left. */
   private rebuild_(): void {
+    this.merged_.clear();
     this.usedVertices_ = this.usedIndices_ = 0;
     for (const [key, { tile, hasGrown }] of this.parts_)
       this.parts_.set(key, this.append_(tile, hasGrown));
@@ -189,11 +234,33 @@ export class TileSquare {
   private write_(part: Part): void {
     this.writePositions_(part);
     this.writeNormals_(part);
-    const { firstVertex, firstIndex, indices, tile } = part;
+    this.writeIndices_(part);
+    part.slab = this.slabOf_(part);
+    if (part.slab) this.slabsChanged_ = true;
+  }
+
+  private slabOf_({ tile, firstVertex }: Part): Slab | null {
+    const { positions, normals } = this.arrays_;
+    const upward = (n: number): { z: number; original: number } => ({
+      z: normals.array[4 * n + 2]!,
+      original: normals.array[4 * n + 3]!,
+    });
+    return slabOf(positions.array, [firstVertex, verticesOf(tile), indicesOf(tile)], upward);
+  }
+
+  private writeIndices_(part: Part): void {
+    const from = part.tile.geometry.index!.array;
+    this.fillIndices_(
+      part,
+      Array.from(from, (vertex) => part.firstVertex + vertex),
+    );
+  }
+
+  /** Triangles without area take what is left of a part. */
+  private fillIndices_({ firstIndex, indices }: Part, vertices: ArrayLike<number>): void {
     const { index } = this.arrays_;
-    const from = tile.geometry.index!.array;
-    for (let n = 0; n < from.length; n += 1) index.array[firstIndex + n] = firstVertex + from[n]!;
-    index.array.fill(0, firstIndex + from.length, firstIndex + indices);
+    index.array.set(vertices, firstIndex);
+    index.array.fill(0, firstIndex + vertices.length, firstIndex + indices);
     changed(index, firstIndex, indices);
   }
 
@@ -234,10 +301,7 @@ export class TileSquare {
     changed(this.arrays_.normals, 4 * firstVertex, 4 * count);
   }
 
-  /** Triangles without area take the place of a tile's. */
-  private erase_({ firstIndex, indices }: Part): void {
-    const { index } = this.arrays_;
-    index.array.fill(0, firstIndex, firstIndex + indices);
-    changed(index, firstIndex, indices);
+  private erase_(part: Part): void {
+    this.fillIndices_(part, []);
   }
 }

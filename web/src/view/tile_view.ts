@@ -29,7 +29,7 @@ export class TileView {
 
   /** Returns a tile that is not displayed, by which shaders can be compiled. */
   sample(): THREE.Mesh {
-    return new TileSquare(this.material).mesh;
+    return new TileSquare(this.material, SQUARE).mesh;
   }
 
   /** Displays the tile at x, y of those that `tile` stands for, whose sides have `sideMm`. */
@@ -69,6 +69,11 @@ export class TileView {
     return [...this.squares_.values()].flatMap((square) => square.tiles());
   }
 
+  /** Has rectangles of slabs drawn with fewer triangles, until one of them changes. */
+  mergeSlabs(): void {
+    for (const square of this.squares_.values()) square.mergeSlabs();
+  }
+
   /** The meshes of the tiles as they are displayed now, which stay. */
   copies(): THREE.Mesh[] {
     return [...this.squares_.values()].map((square) => square.copy());
@@ -104,7 +109,7 @@ export class TileView {
   private square_(key: number): TileSquare {
     let square = this.squares_.get(squareOf(key, SQUARE));
     if (!square) {
-      square = new TileSquare(this.material);
+      square = new TileSquare(this.material, SQUARE);
       this.squares_.set(squareOf(key, SQUARE), square);
       this.group.add(square.mesh);
     }

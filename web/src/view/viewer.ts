@@ -363,6 +363,7 @@ export class Viewer {
 
   private draw_(withShadows: boolean): void {
     if (withShadows) this.shadowsDirty_ = false;
+    this.tiles.mergeSlabs();
     const camera = this.rig.eye;
     this.stage.render(camera, withShadows);
     for (const layer of this.layers) layer.draw?.(this.stage.renderer, camera);
