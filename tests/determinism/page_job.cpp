@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs a job (page_bytes.mjs) on the functions that kerf.wasm exports, compiled for this machine,
-// and prints what they return: a line for each welcome, frame and tile. A welcome that is rejected
-// ends it. Usage: page_job FILE
+// and prints what they return: a line for each welcome, frame and tile; of frames that are timed, a
+// line for each block. A welcome that is rejected ends it. Usage: page_job FILE
 
 #include <chrono>
 #include <cstddef>
@@ -41,8 +41,15 @@ void print_changed() {
   }
 }
 
-/// Time spent on frames that are only carved, and on the tiles that are displayed then.
+/// Time spent on frames of a block that are only carved, and on the tiles that are displayed then.
 std::chrono::duration<double, std::milli> g_carved, g_displayed;
+
+void print_times() {
+  if (g_carved.count() > 0) {
+    std::printf("time %.3f %.3f\n", g_carved.count(), g_displayed.count());
+  }
+  g_carved = g_displayed = {};
+}
 
 void run_timed(char kind) {
   const auto begin = std::chrono::steady_clock::now();
@@ -67,6 +74,7 @@ void run_timed(char kind) {
 void run(char kind, std::span<const char> bytes) {
   std::memcpy(kerf_input(static_cast<std::uint32_t>(bytes.size())), bytes.data(), bytes.size());
   if (kind == 'w') {
+    print_times();
     const std::uint32_t error = kerf_open();
     std::printf("open %u\n", error);
     if (error > 0) stop_rejected(error);
@@ -96,8 +104,6 @@ int main(int argc, char** argv) {
     run(job[at], std::span(job).subspan(at + 5, bytes));
     at += 5 + bytes;
   }
-  if (g_carved.count() > 0) {
-    std::printf("time %.3f %.3f\n", g_carved.count(), g_displayed.count());
-  }
+  print_times();
   return job.empty() ? 1 : 0;
 }
