@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // How fast kerf.wasm carves and displays strokes, beside the same functions compiled for this
 // machine: tools of 10 mm, upright and turning, 2 mm deep in fresh stock at 0.1 mm, in frames of
-// 1 mm with 8 samples. Each carves a block, and then the same again as another one: by then the
-// machine has compiled the functions of kerf.wasm for speed, and both have their memory.
+// 1 mm with 8 samples. Each carves a block, and then the same again as another one: by then node
+// has compiled the functions of kerf.wasm for speed, and both have their memory.
 //
 // node page_speed.mjs page_job kerf.wasm FOLDER [TOOL]
 

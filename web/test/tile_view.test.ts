@@ -200,10 +200,10 @@ describe('tile view', () => {
     const other = slab(-20, 0);
     const changed = other.geometry!.getAttribute(ORIGINAL_ATTRIBUTE);
     for (let n = 0; n < 4; ++n) changed.setX(n, 1 - original.getX(n));
-    for (let n = 0; n < 16; ++n)
-      view.set(n % 2 === 0 ? cut : other, Math.floor(n / 4) + (n % 2) * 4, n % 4, 8);
+    for (let n = 0; n < 32; ++n) view.set(n % 8 < 4 ? cut : other, n % 8, Math.floor(n / 8), 8);
     view.mergeSlabs();
     expect(openEdges(drawn(view))).toEqual(openEdges(displayed(view)));
+    expect(drawn(view)).toHaveLength(2 * 2 * 16);
     for (const triangle of drawn(view)) {
       const xs = triangle.split(', ').map((corner) => Number(corner.split(' ')[0]));
       expect(Math.min(...xs) < 32 && Math.max(...xs) > 32).toBe(false);

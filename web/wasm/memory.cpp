@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// memcpy and memset in vectors of sixteen bytes: those of wasi-libc, in words of four, took a tenth
-// of a stroke's time, most of it for structures of eight numbers of kernel/math.
+// Copies and fills memory in vectors of sixteen bytes. Clang calls memcpy and memset for the
+// structures of eight numbers of kernel/math, and those of wasi-libc use words of four bytes.
 
 #include <cstddef>
 

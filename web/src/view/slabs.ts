@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tiles that are slabs: one horizontal square above, and one below, as of stock that nothing has
-// cut, or a floor. A rectangle of slabs is drawn with far fewer triangles, which a CPU that draws
-// needs most of its time for. Its rim keeps the corners of its tiles, so that it fits what is around
-// it as exactly as they do.
+// Finds rectangles of slabs, to draw them with fewer triangles. A slab is a tile with one horizontal
+// square above and one below, as of stock that nothing has cut. The rim of a rectangle keeps the
+// corners of its tiles, so that it fits what is around it as exactly as they do.
 
 const VERTICES = 8;
 const INDICES = 12;
