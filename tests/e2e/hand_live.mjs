@@ -37,17 +37,13 @@ const PROGRAM = [
   '',
 ].join('\n');
 
-async function atRest({ state }) {
-  const { status, hash, waiting } = await state();
-  return status === 'rest' && hash !== null && waiting === 0;
-}
-
 /** Waits for the state after what a hand has done; `isDone`: of a state. */
 async function settled(viewer, what, isDone) {
   return until(what, SETTLE_S, async () => {
-    if (!(await atRest(viewer))) return false;
+    // All of one state: on a busy machine a stroke pauses, and the block of a pause has a hash too.
     const state = await viewer.state();
-    return isDone(state) && state;
+    const isAtRest = state.status === 'rest' && state.hash !== null && !state.isBusy;
+    return isAtRest && state.waiting === 0 && isDone(state) && state;
   });
 }
 

@@ -201,13 +201,14 @@ class Takeover(unittest.TestCase):
                 answer = at.http.json("GET", "/v1/sessions")[1]["sessions"]
                 return sorted((s["id"], s["node"]) for s in answer)
             until(self, listed, [("block", "a"), ("other", "b")])
-        status, answer = b.http.json("POST", "/v1/sessions?id=block", json.dumps(SCENE))
+        again = "/v1/sessions?id=block&here=1"  # here: never at the one with fewer sessions
+        status, answer = b.http.json("POST", again, json.dumps(SCENE))
         self.assertEqual((status, answer["error"]["code"]), (409, "session_exists"))
         socket = WebSocket(b.port, "/v1/sessions/block/view", "kerf.view.v1")
         self.assertEqual(socket.receive_json("bye")["redirect"], f"http://127.0.0.1:{self.a.port}")
         self.assertEqual(self.a.http.request("DELETE", "/v1/sessions/block")[0], 200)
         until(self, lambda: b.http.request("GET", "/v1/sessions/block")[0], 404)
-        status, answer = b.http.json("POST", "/v1/sessions?id=block", json.dumps(SCENE))
+        status, answer = b.http.json("POST", again, json.dumps(SCENE))
         self.assertEqual((status, answer["error"]["code"]), (503, "no_lease"))
         self.assertIn("kerf-server forget block", answer["error"]["reason"])
 

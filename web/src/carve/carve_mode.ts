@@ -114,6 +114,11 @@ export class CarveMode {
     this.timer_ = setInterval(() => this.tick_(), TICK_MS);
   }
 
+  /** Whether something of the path is still drawn, sent or not answered. */
+  get isBusy(): boolean {
+    return this.hand_.isCutting || !this.delivery_.isSent || this.link_.isAsking;
+  }
+
   /** The hash of the page's copy of the block; null: it has none. */
   copyHash(): Promise<string> | null {
     return this.copy_?.works ? this.copy_.hash() : null;

@@ -34,6 +34,11 @@ export class Delivery {
     this.step();
   }
 
+  /** Whether nothing of the path waits. */
+  get isSent(): boolean {
+    return this.path.waiting === 0 && this.link.waiting === 0;
+  }
+
   /** Sends what is due. */
   step(): void {
     const { link, path } = this;
@@ -41,8 +46,7 @@ export class Delivery {
       link.send(path.take(Math.round(performance.now() * 1000)));
       for (const request of path.takeRequests()) link.ask(request);
     }
-    const isSent = path.waiting === 0 && link.waiting === 0;
-    const isDone = isSent || link.status === 'off' || this.hasEnded();
+    const isDone = this.isSent || link.status === 'off' || this.hasEnded();
     if (this.leaves_ && isDone) this.stop_();
   }
 

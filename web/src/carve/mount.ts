@@ -40,6 +40,8 @@ export interface CarveHost {
 export interface CarveSwitch {
   toggle: () => void;
   isActive: () => boolean;
+  /** Whether something of the path is still drawn, sent or not answered. */
+  isBusy: () => boolean;
   /** Shows whether this viewer may carve. */
   update: () => void;
   /** The hash of the page's copy of the block; null: it has none. */
@@ -112,5 +114,6 @@ export function mountCarve(host: CarveHost): CarveSwitch {
     },
   });
   const isActive = (): boolean => mode?.isActive ?? false;
-  return { toggle, isActive, update, copyHash: () => mode?.copyHash() ?? null, vr };
+  const isBusy = (): boolean => mode?.isBusy ?? false;
+  return { toggle, isActive, isBusy, update, copyHash: () => mode?.copyHash() ?? null, vr };
 }

@@ -54,6 +54,11 @@ export class LocalHand {
     return this.switch_.isActive();
   }
 
+  /** Whether the block does not have everything yet that the hand has done. */
+  get isBusy(): boolean {
+    return this.switch_.isBusy();
+  }
+
   /** Whether a tool is in the hand, in the page or in a headset. */
   get hasTool(): boolean {
     return this.isActive || this.switch_.vr() !== null;

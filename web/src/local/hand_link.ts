@@ -44,8 +44,9 @@ export class HandLink implements AgentLink {
     return this.status === 'ready' && this.sequence_ - this.answered_ < UNANSWERED_MAX;
   }
 
+  /** Whether the worker has not answered samples, an undo or a redo yet. */
   get isAsking(): boolean {
-    return this.asked_ > 0;
+    return this.asked_ > 0 || this.answered_ < this.sequence_;
   }
 
   join(): void {

@@ -161,7 +161,7 @@ export class LocalPage {
   get facts() {
     const { status_: status, problem_: problem, hash_: hash, progress_: progress } = this;
     return {
-      ...{ status, problem, hash, carved: progress?.carved ?? 0 },
+      ...{ status, problem, hash, carved: progress?.carved ?? 0, isBusy: this.hand_.isBusy },
       motions: this.about_?.motions ?? 0,
       removedMm3: progress?.removed_mm3 ?? 0,
       waiting: this.waiting_.size,
@@ -240,10 +240,11 @@ export class LocalPage {
         this.panel_.setJournal(true);
         return;
       case 'felt':
-        this.moved_(message.progress.carved);
+      case 'changed':
+        this.hash_ = null; // that of the block before
+        if (message.type === 'felt') this.moved_(message.progress.carved);
         this.hand_.heard(message);
         return;
-      case 'changed':
       case 'saved':
         this.hand_.heard(message);
         return;
