@@ -49,14 +49,17 @@ export async function run(program, parameters) {
   return process_.lines.join('\n');
 }
 
+/** On a busy machine a server that hands its sessions over takes its time. */
+const STOP_MS = 30_000;
+
 /**
- * Stops a program by a signal, and kills it if it is still running after 5 s. Returns its exit
+ * Stops a program by a signal, and kills it if it is still running after STOP_MS. Returns its exit
  * code.
  */
 export async function stop(process_, signal = 'SIGTERM') {
   if (!running.has(process_)) return process_.code;
   process_.child.kill(signal);
-  const kill = setTimeout(() => process_.child.kill('SIGKILL'), 5000);
+  const kill = setTimeout(() => process_.child.kill('SIGKILL'), STOP_MS);
   const code = await process_.ended;
   clearTimeout(kill);
   return code;

@@ -10,6 +10,8 @@ import { join } from 'node:path';
 import { parseArgs } from 'node:util';
 import { start, stopAll, until } from './processes.mjs';
 
+const SETTLE_S = 60; // on a busy machine
+
 /** The options of the command line, all of which are needed; `others` have values otherwise. */
 export function optionsOf(names, others = {}) {
   const options = Object.fromEntries(names.map((name) => [name, { type: 'string' }]));
@@ -48,7 +50,7 @@ export async function startEmptyServer({ server: program, web, others = [] }, fo
     web,
     ...others,
   ]);
-  const base = await until('server address', 20, () => {
+  const base = await until('server address', SETTLE_S, () => {
     assert.equal(server.code, undefined, `the server exited: ${server.errors}`);
     return server.lines.find((line) => line.startsWith('http'));
   });
@@ -81,7 +83,7 @@ export async function carveProgram(session, text, query) {
   });
   assert.equal(posted.status, 202, await posted.clone().text());
   const { id } = await posted.json();
-  await until('end of the program', 20, async () => {
+  await until('end of the program', SETTLE_S, async () => {
     const { state, error } = await getJson(`${session}/programs/${id}`);
     assert.notEqual(state, 'failed', error);
     return state === 'finished';
