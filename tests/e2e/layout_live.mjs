@@ -19,6 +19,7 @@ import { clashesIn } from './support/texts.mjs';
 const options = optionsOf(['server', 'web', 'out'], { sizes: 'some', schemes: 'light,dark' });
 
 const SETTLE_S = 60; // software WebGL on a busy machine
+const LAYOUT_S = 30; // each size that has a fault takes so long
 const SOME = [
   [320, 640],
   [844, 390],
@@ -115,7 +116,7 @@ async function checkSizes(viewer, name, scheme) {
   for (const size of SIZES) {
     await page.setViewportSize({ width: size[0], height: size[1] });
     let faults = [];
-    await until('layout', 6, async () => {
+    await until('layout', LAYOUT_S, async () => {
       await nextFrames(page);
       faults = await faultsOf(viewer, size, name);
       return faults.length === 0;

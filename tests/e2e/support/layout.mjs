@@ -3,6 +3,8 @@
 
 import { until } from './processes.mjs';
 
+const SETTLE_S = 60; // software WebGL on a busy machine
+
 function intersect(a, b) {
   return a[0] < b[2] - 1 && b[0] < a[2] - 1 && a[1] < b[3] - 1 && b[1] < a[3] - 1;
 }
@@ -44,7 +46,7 @@ export function outside(boxes, [width, height]) {
 /** Waits until in a page of this size neither the block nor a visible element covers another. */
 export async function checkFreeBlock({ page, state }, [width, height], selectors) {
   await page.setViewportSize({ width, height });
-  await until(`free block at ${width} × ${height}`, 10, async () => {
+  await until(`free block at ${width} × ${height}`, SETTLE_S, async () => {
     const found = await intersecting(page, selectors, [(await state()).blockBox]);
     if (found.length > 0) throw new Error(found.join(', '));
     return true;
