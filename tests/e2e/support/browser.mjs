@@ -6,6 +6,8 @@ import { chromium } from 'playwright-core';
 
 // As Chromium does without a GPU: SwiftShader draws WebGL, the page is put together by the CPU.
 const SOFTWARE_WEBGL = ['--use-angle=swiftshader-webgl', '--enable-unsafe-swiftshader'];
+/** A busy machine loads a browser slowly. */
+export const START_MS = 120_000;
 const ARGS = [
   '--no-sandbox',
   '--disable-background-networking',
@@ -16,6 +18,7 @@ const ARGS = [
 /** `graphics`: what the browser draws with; `others` are further options of Playwright. */
 export function launchBrowser(graphics = SOFTWARE_WEBGL, others = {}) {
   return chromium.launch({
+    timeout: START_MS,
     ...others,
     executablePath: process.env.KERF_CHROMIUM ?? '/usr/bin/chromium',
     args: [...ARGS, ...graphics],
@@ -52,14 +55,23 @@ export async function goTo(page, url) {
   };
 }
 
-/** Waits until a picture is shown that was begun after this call, or what is shown is up to date. */
+/**
+ * Waits until a picture is shown that was begun after this call, or what is shown is up to date: in
+ * two frames, because a page that was drawing notes at its next frame what that picture lacks.
+ */
 export function nextFrames(page) {
   return page.evaluate(async () => {
     const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
     const pictures = () => window.kerf?.state().pictures;
     await frame();
     const { begun } = pictures() ?? { begun: 0 };
-    while (pictures() && !pictures().isLast && pictures().shown <= begun) await frame();
+    let upToDate = 0;
+    while (upToDate < 2) {
+      const now = pictures();
+      if (!now || now.shown > begun) break;
+      upToDate = now.isLast ? upToDate + 1 : 0;
+      await frame();
+    }
     await frame();
   });
 }

@@ -3,7 +3,7 @@
 // BiDi, which the Firefox that Debian ships understands, unlike the protocol of playwright-core.
 
 import puppeteer from 'puppeteer-core';
-import { goTo } from './browser.mjs';
+import { goTo, START_MS } from './browser.mjs';
 import { start, stop, until } from './processes.mjs';
 
 const PREFERENCES = {
@@ -30,6 +30,7 @@ export async function launchFirefox() {
     browser: 'firefox',
     executablePath: process.env.KERF_FIREFOX ?? '/usr/bin/firefox-esr',
     headless: false,
+    timeout: START_MS,
     env: { ...process.env, DISPLAY: name },
     extraPrefsFirefox: PREFERENCES,
   });
