@@ -155,6 +155,21 @@ async function checkExcludesSections({ page }) {
   assert.equal(await page.locator('.inspect:visible').count(), 0, 'a section stays');
 }
 
+/** Cuts the line; waits until the page has lost its connection and joined again. */
+async function cutLine(page, line) {
+  // Noted in the page: on a busy machine it may have joined again before it is asked.
+  await page.evaluate(() => {
+    const main = document.querySelector('main');
+    window.hasLost = main.dataset.carve === 'lost';
+    new MutationObserver(() => (window.hasLost ||= main.dataset.carve === 'lost')).observe(main, {
+      attributeFilter: ['data-carve'],
+    });
+  });
+  line.cut();
+  await until('loss of the connection', SETTLE_S, () => page.evaluate(() => window.hasLost));
+  await page.locator('main[data-carve=ready]').waitFor();
+}
+
 /**
  * A second stroke in the groove is displayed though nothing of the server comes. Then the connection
  * breaks, which leaves no difference.
@@ -162,30 +177,26 @@ async function checkExcludesSections({ page }) {
 async function checkAlone(viewer, server, line) {
   const { page, state } = viewer;
   const { motions } = await session(server);
-  const before = (await state()).tiles;
   line.hold();
+  const before = (await state()).tiles;
   await dragAcross(viewer);
   await until('the cut', SETTLE_S, async () => (await depthDisplayed(page)) > 1.5 * DEPTH_MM);
   assert.deepEqual((await state()).tiles, before, "a mesh of the server's has come");
   assert((await state()).copyTiles > 0);
   await writeFile(join(options.out, 'carve-alone.png'), await page.screenshot());
-  line.cut();
-  await page.locator('main[data-carve=lost]').waitFor();
-  await page.locator('main[data-carve=ready]').waitFor();
+  await cutLine(page, line);
   await settled(viewer, server, 'stroke after a loss', (block) => block.motions > motions);
 }
 
 /** An undo is displayed though nothing of the server comes. Then the connection breaks. */
 async function undoAlone({ page, state }, server, line) {
-  const { tiles } = await state();
   line.hold();
+  const { tiles } = await state();
   await page.keyboard.press('Control+z');
   await until('an undo', SETTLE_S, async () => (await depthDisplayed(page)) < 0.5 * DEPTH_MM);
   assert.deepEqual((await state()).tiles, tiles, "a mesh of the server's has come");
   await until('undo at the server', SETTLE_S, async () => isUncut(await session(server)));
-  line.cut();
-  await page.locator('main[data-carve=lost]').waitFor();
-  await page.locator('main[data-carve=ready]').waitFor();
+  await cutLine(page, line);
 }
 
 /** Drags the mouse through fresh stock; returns how far the tool was behind, pixels. */
@@ -197,10 +208,16 @@ async function quickStroke(viewer, y) {
     const measured = () => (window.behindPx = Math.max(window.behindPx, one.offsetWidth));
     new MutationObserver(measured).observe(one, { attributes: true });
   });
-  await page.mouse.move(...(await placeOf(viewer, 0.3, y)));
+  const places = [];
+  for (const x of [0.3, 0.32, 0.34, 0.45, 0.56, 0.67]) places.push(await placeOf(viewer, x, y));
+  const [first, ...others] = places;
+  await page.mouse.move(...first);
   await page.mouse.down();
-  for (const x of [0.32, 0.34, 0.45, 0.56, 0.67])
-    await page.mouse.move(...(await placeOf(viewer, x, y)));
+  // As fast as a hand: the page is not asked between them, because a force counts for 250 ms only.
+  for (const place of others) {
+    await page.mouse.move(...place);
+    await new Promise((resolve) => setTimeout(resolve, 25));
+  }
   await until('the tool at the pointer', SETTLE_S, () => spring.isHidden());
   await page.mouse.up();
   return page.evaluate(() => window.behindPx);
@@ -225,6 +242,14 @@ async function checkDrag(viewer, server) {
   assert.equal(await drag.textContent(), 'Drag: off');
   console.log(`dragged: up to ${strong} px behind`);
   assert.equal(await page.evaluate(() => localStorage.getItem('kerf.drag')), 'off');
+}
+
+/**
+ * On a busy machine a line may be held for longer than the 10 s after which a page tries it again;
+ * the browser reports that such a try was cut.
+ */
+function isOfHeldLine(text) {
+  return /^WebSocket connection to .* failed|net::ERR_(EMPTY_RESPONSE|CONNECTION_)/.test(text);
 }
 
 async function checkSculptor(browser, server, line, folder) {
@@ -268,11 +293,14 @@ async function checkSculptor(browser, server, line, folder) {
   await checkLayouts(viewer);
   await checkExcludesSections(viewer);
   await page.keyboard.press('Escape');
-  await until('no agent', 10, async () => {
+  await until('no agent', SETTLE_S, async () => {
     const { participants } = await session(server);
     return participants.every(({ kind }) => kind === 'viewer');
   });
-  assert.deepEqual(problems, []);
+  assert.deepEqual(
+    problems.filter((text) => !isOfHeldLine(text)),
+    [],
+  );
 }
 
 async function checkWatcher(browser, server) {
