@@ -9,7 +9,13 @@ import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
-import { differenceOf, launchBrowser, luminanceIn, openViewer } from './support/browser.mjs';
+import {
+  differenceOf,
+  launchBrowser,
+  luminanceIn,
+  nextFrames,
+  openViewer,
+} from './support/browser.mjs';
 import { stop, until } from './support/processes.mjs';
 import { optionsOf, runTest, startServer } from './support/session.mjs';
 
@@ -103,7 +109,7 @@ async function checkCalls({ page, state }) {
 async function checkLayouts({ page, state }) {
   for (const [width, height] of SIZES) {
     await page.setViewportSize({ width, height });
-    await until(`free block at ${width} × ${height}`, 10, async () => {
+    await until(`free block at ${width} × ${height}`, SETTLE_S, async () => {
       const all = await page.evaluate(() =>
         ['.bar', '.toolbar', '.panel'].map((selector) => {
           const { left, top, right, bottom } = document
@@ -129,6 +135,17 @@ function intersect(a, b) {
   return a[0] < b[2] - 1 && b[0] < a[2] - 1 && a[1] < b[3] - 1 && b[1] < a[3] - 1;
 }
 
+/** Waits until the picture at rest is shown: while it moves, it has fewer pixels than its place. */
+async function stillPicture({ page }) {
+  await nextFrames(page);
+  await until('still picture', SETTLE_S, () =>
+    page.evaluate(() => {
+      const { width, clientWidth } = document.querySelector('.canvas');
+      return width === clientWidth && window.kerf.state().pictures.isLast;
+    }),
+  );
+}
+
 /** No side of the block is twice as bright as another. */
 async function checkSides(viewer) {
   const { page, state } = viewer;
@@ -140,7 +157,7 @@ async function checkSides(viewer) {
   const luminances = [];
   for (const side of SIDES) {
     await page.keyboard.press(side);
-    await page.waitForTimeout(1500); // the still picture is drawn, and seen for a second
+    await stillPicture(viewer);
     luminances.push(await luminanceIn(page, (await state()).blockBox));
   }
   const text = luminances.map((value) => value.toFixed(3)).join(', ');
@@ -155,7 +172,7 @@ async function checkReadback(browser, base) {
       const address = `${base}/?session=page&name=Alan${quality}`;
       const viewer = await openViewer(browser, address, { width: 640, height: 480 });
       await untilWhole(viewer);
-      await viewer.page.waitForTimeout(1500); // the still picture
+      await stillPicture(viewer);
       return viewer;
     }),
   );
