@@ -76,26 +76,24 @@ async function isHued(viewer, [x, y], hue) {
 
 const legend = (page) => page.getByRole('list', { name: 'Who cut what' });
 
-async function sharesOf(page) {
-  const rows = await legend(page).locator('button').all();
-  return Promise.all(
-    rows.map(async (row) => {
-      const style = await row.locator('.owner-color').getAttribute('style');
-      return {
-        name: await row.locator('.owner-name').textContent(),
-        percent: parseFloat(await row.locator('.owner-share').textContent()),
-        color: /#[0-9a-f]{6}/i.exec(style)[0],
-      };
-    }),
-  );
+/** The rows of the legend, and whether a hint is shown: of one moment, because both change. */
+function legendNow(page) {
+  return page.locator('.owners').evaluate((owners) => ({
+    waits: owners.querySelector('[role=status]').checkVisibility(),
+    rows: [...owners.querySelectorAll('.owner-legend button')].map((row) => ({
+      name: row.querySelector('.owner-name').textContent,
+      percent: parseFloat(row.querySelector('.owner-share').textContent),
+      color: /#[0-9a-f]{6}/i.exec(row.querySelector('.owner-color').getAttribute('style'))[0],
+    })),
+  }));
 }
 
-/** The hint is gone when the whole surface has colors. */
+/** The hint is gone when the whole surface has colors; names may come later. */
 async function colored(page) {
   return until('all colors', SETTLE_S, async () => {
-    const rows = await sharesOf(page);
-    const waits = await page.locator('.owners [role=status]').isVisible();
-    return !waits && rows.length === 2 && rows;
+    const { waits, rows } = await legendNow(page);
+    const names = rows.map(({ name }) => name).sort();
+    return !waits && names.join() === 'first.ngc,second.ngc' && rows;
   });
 }
 
@@ -153,7 +151,7 @@ async function checkTip(viewer, session) {
     });
   await page.mouse.move(...(await seen(viewer, 0, 8)));
   await tells('second.ngc', 'line 6', '6 mm');
-  const row = (await sharesOf(page)).find(({ name }) => name === 'second.ngc');
+  const row = (await legendNow(page)).rows.find(({ name }) => name === 'second.ngc');
   const dot = await tip.locator('.owner-color').getAttribute('style');
   assert.equal(/#[0-9a-f]{6}/i.exec(dot)[0], row.color);
   await checkAccessible(page, 'who cut the place under the pointer');
