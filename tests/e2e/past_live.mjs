@@ -114,11 +114,16 @@ async function checkTimeline(viewer, session) {
   await checkBlock(viewer, session, Math.max(0, record - 100) + 1);
   await playhead(page).press('Home');
   await page.getByLabel('Speed of playing').selectOption('0.25');
-  await page.getByRole('button', { name: 'Play', exact: true }).click();
-  await until('a tool of the past', SETTLE_S, async () => {
-    const { past: place, participants } = await state();
-    return place?.record > 1 && participants.some(({ name }) => name === 'zigzag.ngc');
-  });
+  // Asked for in each frame of the page: on a busy machine a program may end between two questions.
+  const showsTool = () => {
+    const { past: place, participants } = window.kerf.state();
+    const plays = place?.rate > 0 && place.record > 1;
+    return plays && participants.some(({ name }) => name === 'zigzag.ngc');
+  };
+  await Promise.all([
+    page.waitForFunction(showsTool, null, { timeout: 1000 * SETTLE_S }),
+    page.getByRole('button', { name: 'Play', exact: true }).click(),
+  ]);
   await scrub(page, [0.3]);
   await checkBlock(viewer, session, record);
   return record;
