@@ -55,17 +55,18 @@ async function carvedHere(folder) {
   return { ...report, stl: await readFile(join(folder, 'here.stl')) };
 }
 
-const atRest = async ({ state }) => {
-  const { status, hash, waiting } = await state();
-  return status === 'rest' && hash !== null && waiting === 0;
-};
+/** The state of a page at rest; null: it is not. Of one moment, because the page may go on. */
+async function atRest({ state }) {
+  const now = await state();
+  return now.status === 'rest' && now.hash !== null && now.waiting === 0 ? now : null;
+}
 
 async function checkCarving(viewer, here) {
-  const { page, state } = viewer;
+  const { page } = viewer;
   await checkAccessible(page, 'the empty page');
   await dropFiles(page, { [NAME]: PROGRAM, 'wave.json': SCENE });
-  await until('carved program', SETTLE_S, () => atRest(viewer));
-  const { hash, carved, motions } = await state();
+  const carvedProgram = await until('carved program', SETTLE_S, () => atRest(viewer));
+  const { hash, carved, motions } = carvedProgram;
   assert.equal(hash, here.state_hash);
   assert.equal(carved, motions);
   await page.getByText(here.state_hash).waitFor();
@@ -83,16 +84,17 @@ async function checkScrubbing(viewer, here) {
   const { page, state } = viewer;
   const scrub = page.getByRole('slider', { name: 'Place along the program' });
   await scrub.fill('100');
-  await until('state of motion 100', SETTLE_S, async () => {
-    return (await atRest(viewer)) && (await state()).carved === 100;
+  const then = await until('state of motion 100', SETTLE_S, async () => {
+    const rests = await atRest(viewer);
+    return rests?.carved === 100 && rests;
   });
-  assert.notEqual((await state()).hash, here.state_hash);
+  assert.notEqual(then.hash, here.state_hash);
   await page.getByText('Motion 100 of', { exact: false }).waitFor();
   const spread = await photograph(viewer, join(options.out, 'local-scrubbed.png'));
   assert(spread > 4, `the picture is blank: ${spread}`);
   await scrub.fill(String((await state()).motions));
   await until('state of the end', SETTLE_S, async () => {
-    return (await atRest(viewer)) && (await state()).hash === here.state_hash;
+    return (await atRest(viewer))?.hash === here.state_hash;
   });
 }
 
