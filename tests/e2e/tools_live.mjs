@@ -164,7 +164,7 @@ async function checkLocal(browser, host) {
   await page.keyboard.press('Escape');
   await carveUntil(viewer, async () => {
     const { status, hash, waiting } = await state();
-    return status === 'rest' && waiting === 0 && hash !== before;
+    return status === 'rest' && waiting === 0 && hash !== null && hash !== before;
   });
   await writeFile(join(options.out, 'tools-local-carved.png'), await page.screenshot());
 }
