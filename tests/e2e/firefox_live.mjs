@@ -16,7 +16,6 @@ import { assertSameSurface, sectionArea, stlCorners } from './support/surface.mj
 const options = optionsOf(['server', 'web', 'out']);
 
 const SETTLE_S = 90; // software WebGL on a busy machine
-const STOCK_MS = 1500; // in which the server's stock comes
 const SCENE = {
   name: 'In Firefox',
   stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
@@ -132,7 +131,8 @@ async function checkCarving(viewer, session, drag) {
   const before = await getJson(session);
   await page.locator('button[aria-label^="Carve"]').click();
   await page.waitForSelector('main[data-carve=ready]');
-  await new Promise((resolve) => setTimeout(resolve, STOCK_MS));
+  const isBefore = ({ state_hash: hash }) => hash === before.state_hash;
+  await settled(viewer, session, 'stock of the server in the page', isBefore);
   await drag(viewer);
   const cut = await settled(
     viewer,
@@ -143,7 +143,7 @@ async function checkCarving(viewer, session, drag) {
   await page.keyboard.down('Control');
   await page.keyboard.press('z');
   await page.keyboard.up('Control');
-  await settled(viewer, session, 'undo', (block) => block.state_hash === before.state_hash);
+  await settled(viewer, session, 'undo', isBefore);
   await page.keyboard.down('Control');
   await page.keyboard.press('y');
   await page.keyboard.up('Control');
