@@ -60,6 +60,11 @@ async function checkHandover(viewer, owner, follower, { motions }) {
     const response = await fetch(`${follower.base}/v1/sessions/shared`);
     return response.ok && !(await response.json()).followed;
   });
+  // What the page says of its hand may still be of the owner that has stopped.
+  await until('the hand at the follower', SETTLE_S, async () => {
+    const { participants } = await sessionOf(follower.base);
+    return participants.some(({ kind }) => kind === 'agent');
+  });
   await page.locator('main[data-carve=ready]').waitFor();
   await until('the page watches', SETTLE_S, async () => (await state()).status === 'connected');
   await drag(viewer, 0.6);
