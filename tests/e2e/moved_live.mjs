@@ -102,6 +102,9 @@ async function carversOf(server) {
 async function checkMoved(viewer, server, first, camera, y) {
   const { page, state } = viewer;
   await until('the page watches and carves', SETTLE_S, async () => {
+    // What the page says may still be of the server before: this one has its hand.
+    const { participants } = await getJson(server.base + PATH);
+    if (!participants.some(({ kind }) => kind === 'agent')) return false;
     const { status } = await state();
     return status === 'connected' && (await page.locator('main[data-carve=ready]').count()) > 0;
   });
