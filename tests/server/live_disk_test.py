@@ -11,19 +11,9 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
-from live_server import SCENE, LiveTest, Server  # noqa: E402
+from live_server import SCENE, LiveTest, Server, until  # noqa: E402
 from live_session_test import Agent, carve  # noqa: E402
 from wire_client import Viewer  # noqa: E402
-
-
-def until(test, ask, wanted, timeout=30):
-    """Waits until `ask()` is `wanted`."""
-    end = time.monotonic() + timeout
-    found = ask()
-    while found != wanted and time.monotonic() < end:
-        time.sleep(0.05)
-        found = ask()
-    test.assertEqual(found, wanted)
 
 
 class FullDisk(LiveTest):

@@ -64,6 +64,16 @@ class Server:
         return self.info(session)["state_hash"]
 
 
+def until(test, ask, wanted, timeout=WAIT_S):
+    """Waits until `ask()` is `wanted`."""
+    end = time.monotonic() + timeout
+    found = ask()
+    while found != wanted and time.monotonic() < end:
+        time.sleep(0.05)
+        found = ask()
+    test.assertEqual(found, wanted)
+
+
 class FolderTest(unittest.TestCase):
     """A folder per test, and a server with one session `block` in it."""
 
