@@ -79,7 +79,8 @@ class Programs(LiveTest):
         self.assertEqual(self.server.hash(), self.server.hash("straight"))
 
     def test_programs_of_a_queue_run_one_after_the_other(self):
-        first = self.upload(spiral(20), "pace=feed&name=first.ngc")
+        # So slow that it is not at its end before it is paused.
+        first = self.upload(spiral(20), "pace=feed&speed=0.1&name=first.ngc")
         self.change(first, "do=pause")
         second = self.upload(spiral(20), "pace=fast&queue=1&name=second.ngc")
         third = self.upload(spiral(20), f"pace=fast&after={second['id']}&name=third.ngc")
@@ -98,7 +99,7 @@ class Programs(LiveTest):
     def test_viewers_hear_of_programs_and_their_paths_can_be_drawn(self):
         viewer = Viewer(self.port, "block")
         text = spiral(200)
-        program = self.upload(text, "pace=feed&name=s.ngc")
+        program = self.upload(text, "pace=feed&speed=0.1&name=s.ngc")
         self.change(program, "do=pause")
         sent = viewer.receive_json("programs")["programs"]
         while sent[0]["state"] != "paused":
