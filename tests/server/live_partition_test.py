@@ -2,6 +2,7 @@
 """Servers that cannot reach NATS, NATS without one of its own, clocks that jump: never two owners,
 nothing lost."""
 import glob
+import http.client
 import json
 import os
 import resource
@@ -40,8 +41,8 @@ class Owners(threading.Thread):
             except AssertionError as fault:
                 self.fault = fault
                 return
-            except OSError:
-                continue  # a server ends
+            except (OSError, http.client.HTTPException):
+                continue  # a server ends, perhaps within an answer
             if owner and (not self.seen or self.seen[-1] != owner):
                 self.seen.append(owner)
 
