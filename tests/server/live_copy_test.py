@@ -144,7 +144,9 @@ class Copy(FolderTest):
             folder = self.fetch(f"copy{kill}")
             copy, journal = batches(folder), batches(self.path("a"))
             self.assertEqual(copy, journal[:len(copy)], f"seed {seed}")
-            self.assertGreaterEqual(copy[-1][0] + copy[-1][1] - 1, stated, f"seed {seed}")
+            # A server that is killed early has copied the journal without any record.
+            last = copy[-1][0] + copy[-1][1] - 1 if copy else 0
+            self.assertGreaterEqual(last, stated, f"seed {seed}")
             self.assertEqual(run("check", folder)[0], 0, f"seed {seed}")
             self.server = self.start("a")
         self.wait_for_copy()
