@@ -11,6 +11,7 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 from cluster_servers import Cluster, ClusterAgent, RasterPath, uninterrupted  # noqa: E402
+from live_copy_test import is_copied_to  # noqa: E402
 from live_disk_test import until  # noqa: E402
 from live_programs_test import spiral  # noqa: E402
 from live_server import SCENE  # noqa: E402
@@ -26,10 +27,16 @@ class Relays(unittest.TestCase):
         self.addCleanup(self.cluster.end)
         self.a = self.cluster.start("a")
         self.a.create()
+        # What has no copy yet cannot be followed, and is tried again after seconds only.
+        until(self, self.has_copy, True)
 
     def tearDown(self):
         while WebSocket.opened:
             WebSocket.opened.pop().close()
+
+    def has_copy(self):
+        info = self.a.info()
+        return is_copied_to(info, info["state_sequence"])
 
     def follower(self, name="b", follow="viewed"):
         """A server that knows of the session and has nothing of it."""
@@ -39,12 +46,19 @@ class Relays(unittest.TestCase):
 
     @staticmethod
     def block(server):
-        info = server.info()
+        """What a server shows of the session; None: nothing yet, or at the moment."""
+        status, info = server.http.json("GET", "/v1/sessions/block")
+        if status != 200:
+            return None
         return info["motions"], info["state_hash"], info["state_sequence"]
 
     def wait_until_equal(self, *servers):
+        def is_equal(server):
+            block = self.block(server)
+            return block is not None and block == self.block(self.a)
+
         for server in servers:
-            until(self, lambda s=server: self.block(s) == self.block(self.a), True)
+            until(self, lambda s=server: is_equal(s), True)
 
     def post(self, path, body=None):
         status, answer = self.a.http.json("POST", "/v1/sessions/block/" + path, body)
@@ -65,9 +79,9 @@ class Relays(unittest.TestCase):
         self.assertIn("only follows", answer["error"]["reason"])
         self.cluster.stop("a", signal.SIGKILL)
         # The lease is free, and has been for as long as it took the third server to get it.
-        c = self.cluster.start("c")
+        self.a = self.cluster.start("c")
         self.assertEqual(self.cluster.wait_for_owner(), "c")
-        until(self, lambda: self.block(b) == self.block(c), True)
+        self.wait_until_equal(b)
         self.assertTrue(b.info()["followed"])
 
     def test_viewers_see_the_same_block_at_a_server_that_follows_through_undo_and_redo(self):
@@ -119,7 +133,7 @@ class Relays(unittest.TestCase):
         agent = Agent(self.a.port, "block", "Ada")
         agent.move([(0, 0, 1), (0, 0, -1), (5, 0, -1)])
         agent.result()
-        program = self.post("programs?pace=feed&name=s.ngc", spiral(2000))
+        program = self.post("programs?pace=feed&speed=0.1&name=s.ngc", spiral(2000))
 
         def newest(viewer, kind):
             while viewer.take() != kind:
@@ -155,7 +169,7 @@ class Relays(unittest.TestCase):
             owner.process.communicate()
             agent.move(100)
             agent.settle()
-            self.assertEqual(self.cluster.owner(), heir)
+            self.assertEqual(self.cluster.wait_for_owner(), heir)
             self.cluster.start(name, "--follow", "all")
             until(self, lambda n=name: self.cluster.servers[n].http.json(
                 "GET", "/v1/sessions/block")[1].get("followed"), True)
