@@ -14,6 +14,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import nats_server  # noqa: E402
 from cluster_servers import Cluster, ClusterAgent  # noqa: E402
+from delaying_relay import Line, Relay  # noqa: E402
 from live_agent_test import AGENT, rows  # noqa: E402
 from live_copy_test import batches, is_copied_to, run  # noqa: E402
 from live_disk_test import until  # noqa: E402
@@ -75,7 +76,7 @@ class Takeover(unittest.TestCase):
         agent.move(200)
         agent.settle()
         for n in range(3):
-            owner = self.cluster.owner()
+            owner = self.cluster.wait_for_owner()
             kill = threading.Timer(0.05 * n, self.cluster.servers[owner].process.kill)
             kill.start()
             while kill.is_alive():
@@ -87,13 +88,22 @@ class Takeover(unittest.TestCase):
         agent.settle()
         self.assertEqual(len(agent.epochs), 4)
         self.assertEqual(agent.welcome["participant"], 1)
-        self.assertEqual(self.block(self.cluster.owner()), self.uninterrupted(len(agent.sent)))
+        owner = self.cluster.wait_for_owner()
+        self.assertEqual(self.block(owner), self.uninterrupted(len(agent.sent)))
 
     def test_a_stopped_owner_that_is_continued_changes_nothing(self):
+        self.cluster.stop("a")
+        line = Relay(self.cluster.nats.port, Line()).__enter__()
+        self.addCleanup(line.__exit__)
+        self.a = self.cluster.start("a", nats=f"nats://127.0.0.1:{line.port}")
+        self.addCleanup(self.a.process.kill)
+        self.assertEqual(self.cluster.wait_for_owner(), "a")
         b = self.cluster.start("b")
         agent = ClusterAgent(self.cluster)
         agent.move(100)
         agent.settle()
+        # What NATS sends in the meantime waits until the samples have been answered.
+        line.hold(True)
         self.a.process.send_signal(signal.SIGSTOP)
         try:
             del self.cluster.servers["a"]
@@ -113,6 +123,8 @@ class Takeover(unittest.TestCase):
                 form, message = agent.socket.receive()
                 if form == "text":
                     reasons.append(message)
+                    if message["type"] == "error":
+                        line.hold(False)
                 elif message[5] & 1:
                     durable = int.from_bytes(message[32:40], "little")
                     self.assertLessEqual(durable, acknowledged)
@@ -213,11 +225,13 @@ class Takeover(unittest.TestCase):
         self.assertIn("kerf-server forget block", answer["error"]["reason"])
 
     def cut_until_snapshot(self, agent, server, record):
-        """Cuts until a snapshot with that record, and another one, are copied."""
+        """Cuts until a snapshot after that record, and then another one, are copied."""
         end = time.monotonic() + 60
-        while (server.info()["copied"] or {"snapshot": 0})["snapshot"] <= record:
-            self.assertLess(time.monotonic(), end, server.info()["copied"])
-            agent.move(16)
+        for _ in range(2):
+            while (server.info()["copied"] or {"snapshot": 0})["snapshot"] <= record:
+                self.assertLess(time.monotonic(), end, server.info()["copied"])
+                agent.move(16)
+            record = server.info()["copied"]["snapshot"]
         agent.settle()
 
     def test_a_takeover_begins_with_the_copied_snapshot_and_a_damaged_one_costs_only_time(self):
@@ -285,12 +299,13 @@ class Takeover(unittest.TestCase):
         self.wait_for_others(self.a, 1)
         path = os.path.join(self.folder.name, "rows.csv")
         with open(path, "w", encoding="ascii") as file:
-            file.write(rows(2400.0))
+            file.write(rows(240.0))
         agent = subprocess.Popen(
             [AGENT, "--server", f"http://127.0.0.1:{self.a.port}", "--session", "block",
              "--name", "Ada", "--device", "replay:" + path, "--tool", "2", "--status-json", "-"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        until(self, lambda: self.a.info()["motions"] > 100, True)
+        # With these records the copy has the agent, who could not resume otherwise.
+        until(self, lambda: (self.a.info()["copied"] or {"record": 0})["record"] > 100, True)
         self.cluster.stop("a", signal.SIGKILL)
         out, log = agent.communicate(timeout=60)
         self.assertEqual(agent.returncode, 0, log)
