@@ -129,7 +129,7 @@ class Rights(unittest.TestCase):
 
     def test_a_revoked_and_an_expired_invitation_end_connections(self):
         invitation = self.invite("watcher")
-        brief = self.invite("watcher", hours=2 / 3600)
+        brief = self.invite("watcher", hours=5 / 3600)  # long enough to join with it
         sockets = []
         for token in (invitation["token"], brief["token"]):
             socket = WebSocket(self.port, "/v1/sessions/block/view", "kerf.view.v1",
