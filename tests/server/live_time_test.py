@@ -13,7 +13,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from live_server import PROGRAM, LiveTest, Server  # noqa: E402
 from live_disk_test import until  # noqa: E402
 from live_undo_test import stroke  # noqa: E402
-from wire_client import Agent, Viewer  # noqa: E402
+from wire_client import WAIT_S, Agent, Viewer  # noqa: E402
 
 
 def utc(seconds):
@@ -110,8 +110,8 @@ class PointsInTime(LiveTest):
         self.assertEqual(live.welcomes, 1)
 
     def await_message(self, viewer, kind):
-        end = time.monotonic() + 10
-        while viewer.take(3) != kind:
+        end = time.monotonic() + WAIT_S
+        while viewer.take() != kind:
             self.assertLess(time.monotonic(), end, kind)
         return viewer.last
 
