@@ -232,7 +232,7 @@ class BadUpgrades(LiveTest):
 
     def test_missing_hello_ends_the_connection(self):
         silent = Agent(self.port, "block", hello=False)
-        error = silent.receive_json("error", 8)
+        error = silent.receive_json("error")
         self.assertEqual((error["code"], error["fatal"]), ("no_hello", True))
         with self.assertRaises(Closed):
             silent.receive(5)
