@@ -19,7 +19,7 @@ namespace {
 
 TEST_F(SessionTest, SamplesAboveTheRateLimitLeaveAGapInTheCut) {
   limits.samples_burst = 2;
-  limits.samples_per_s = 20;
+  limits.samples_per_s = 4;  // none comes back during the first three, on a busy machine too
   restart();
   const auto session = start();
   const auto id = join(*session);
@@ -30,7 +30,7 @@ TEST_F(SessionTest, SamplesAboveTheRateLimitLeaveAGapInTheCut) {
   ASSERT_EQ(dropped.rejections.size(), 1U);
   EXPECT_EQ(dropped.rejections[0].code, wire::ErrorCode::kTooFast);
   // The rate limit recovers while the tool moves elsewhere.
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));
   const auto elsewhere = move(*session, id, -12, 5, -3);
   EXPECT_TRUE(elsewhere.rejections.empty());
   EXPECT_EQ(elsewhere.result.removed_mm3, 0);
