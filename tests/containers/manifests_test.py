@@ -26,8 +26,7 @@ except ImportError:
     sys.exit(77)
 
 from live_copy_test import is_copied_to  # noqa: E402
-from live_disk_test import until  # noqa: E402
-from live_server import PROGRAM, SCENE  # noqa: E402
+from live_server import PROGRAM, SCENE, until  # noqa: E402
 from wire_client import Http  # noqa: E402
 
 UID = 10001  # of the image

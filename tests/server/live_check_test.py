@@ -11,8 +11,7 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
-from live_disk_test import until  # noqa: E402
-from live_server import PROGRAM, LiveTest, Server  # noqa: E402
+from live_server import PROGRAM, LiveTest, Server, until  # noqa: E402
 from live_session_test import Agent, carve  # noqa: E402
 
 

@@ -17,9 +17,8 @@ from cluster_servers import Cluster, ClusterAgent  # noqa: E402
 from delaying_relay import Line, Relay  # noqa: E402
 from live_agent_test import AGENT, rows  # noqa: E402
 from live_copy_test import batches, is_copied_to, run  # noqa: E402
-from live_disk_test import until  # noqa: E402
 from live_resume_test import DurableAgent  # noqa: E402
-from live_server import SCENE, Server  # noqa: E402
+from live_server import SCENE, Server, until  # noqa: E402
 from wire_client import CUTTING, MOTION, Closed, Viewer, WebSocket, header, sample  # noqa: E402
 
 

@@ -15,9 +15,8 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import nats_server  # noqa: E402
-from live_disk_test import until  # noqa: E402
 from live_resume_test import DurableAgent  # noqa: E402
-from live_server import PROGRAM, SCENE, FolderTest, Server  # noqa: E402
+from live_server import PROGRAM, SCENE, FolderTest, Server, until  # noqa: E402
 
 
 def run(*words):

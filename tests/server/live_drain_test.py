@@ -9,8 +9,7 @@ import unittest
 
 from delaying_relay import Line, Relay
 from live_agent_test import AGENT, rows
-from live_disk_test import until
-from live_server import LiveTest, Server
+from live_server import LiveTest, Server, until
 from wire_client import Agent, Viewer, WebSocket
 
 

@@ -18,8 +18,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import nats_server  # noqa: E402
 from cluster_servers import Cluster, ClusterAgent, RasterPath, uninterrupted  # noqa: E402
 from delaying_relay import Line, Relay  # noqa: E402
-from live_disk_test import until  # noqa: E402
-from live_server import SCENE, Server  # noqa: E402
+from live_server import SCENE, Server, until  # noqa: E402
 from wire_client import Closed, WebSocket  # noqa: E402
 
 

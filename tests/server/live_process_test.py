@@ -14,8 +14,7 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
-from live_disk_test import until  # noqa: E402
-from live_server import PROGRAM, SCENE, LiveTest, Server  # noqa: E402
+from live_server import PROGRAM, SCENE, LiveTest, Server, until  # noqa: E402
 from wire_client import ACK, Agent, Viewer, header, motion_frame, sample  # noqa: E402
 
 

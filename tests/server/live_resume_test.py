@@ -13,8 +13,7 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 from live_agent_test import AGENT, rows  # noqa: E402
-from live_disk_test import until  # noqa: E402
-from live_server import LiveTest, Server  # noqa: E402
+from live_server import LiveTest, Server, until  # noqa: E402
 from wire_client import CUTTING, MOTION, PING, PONG, RESULT, WebSocket, header, sample  # noqa: E402
 
 

@@ -10,8 +10,7 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
-from live_server import PROGRAM, LiveTest, Server  # noqa: E402
-from live_disk_test import until  # noqa: E402
+from live_server import PROGRAM, LiveTest, Server, until  # noqa: E402
 from live_undo_test import stroke  # noqa: E402
 from wire_client import WAIT_S, Agent, Viewer  # noqa: E402
 

@@ -12,8 +12,7 @@ import time
 import unittest
 
 from live_agent_test import AGENT, rows
-from live_disk_test import until
-from live_server import SCENE, Server
+from live_server import SCENE, Server, until
 from wire_client import Agent, WebSocket
 
 ADMIN = "0123456789abcdef0123456789abcdef"
