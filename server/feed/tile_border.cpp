@@ -10,10 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "server/feed/float3.h"
+#include "server/feed/tile_cells.h"
+
 namespace kerf {
 namespace {
 
-using Position = std::array<float, 3>;
+using Position = Float3;
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 /// An edge without an opposite one within the tile, between two places.
@@ -23,89 +26,101 @@ struct OpenEdge {
   friend auto operator<=>(const OpenEdge&, const OpenEdge&) = default;
 };
 
-/// Returns the cell of a vertex along one axis: cell i lies between columns i and i + 1.
-std::int32_t cell_of(float mm, double pitch_mm) {
-  return static_cast<std::int32_t>(std::floor(static_cast<double>(mm) / pitch_mm - 0.5));
-}
-
 /// The part of a tile's mesh in the cells that it shares with its neighbors: places (groups of
 /// vertices with equal position), and the open edges between them.
 class Border {
  public:
   Border(const TileMesh& mesh, const DexelGrid& grid) : place_(mesh.positions_mm.size(), kNone) {
-    std::vector<std::uint8_t> mask(mesh.positions_mm.size());
     const std::array<std::int32_t, 2> tile{mesh.tile.x, mesh.tile.y};
     const std::array<std::int32_t, 2> columns{grid.columns_x, grid.columns_y};
-    std::vector<std::uint32_t> vertices;
-    for (std::uint32_t v = 0; v < mask.size(); ++v) {
+    std::vector<Vertex> vertices;
+    for (std::uint32_t v = 0; v < place_.size(); ++v) {
+      Vertex vertex{mesh.positions_mm[v], v, 0};
       for (std::size_t axis = 0; axis < 2; ++axis) {
         const std::int32_t first = tile[axis] * kTileSide;
         const std::int32_t end = std::min(first + kTileSide, columns[axis]);
-        const std::int32_t cell = cell_of(mesh.positions_mm[v][axis], grid.pitch_mm);
-        if (cell == first - 1 && first > 0) mask[v] |= 1U << (2 * axis);
-        if (cell == end - 1 && end < columns[axis]) mask[v] |= 2U << (2 * axis);
+        const std::int32_t cell = cell_of(vertex.position[axis], grid.pitch_mm);
+        if (cell == first - 1 && first > 0) vertex.sides |= 1U << (2 * axis);
+        if (cell == end - 1 && end < columns[axis]) vertex.sides |= 2U << (2 * axis);
       }
-      if (mask[v] != 0) vertices.push_back(v);
+      if (vertex.sides != 0) vertices.push_back(vertex);
     }
-    weld(mesh, vertices, mask);
+    weld(vertices);
   }
 
   std::size_t places() const { return positions_.size(); }
   const Position& position(std::uint32_t place) const { return positions_[place]; }
   /// The vertices of a place: the mesh has one for each normal there.
-  const std::vector<std::uint32_t>& vertices(std::uint32_t place) const { return at_[place]; }
+  std::span<const std::uint32_t> vertices(std::uint32_t place) const {
+    return std::span(vertices_).subspan(first_[place], first_[place + 1] - first_[place]);
+  }
   std::uint32_t place(std::uint32_t vertex) const { return place_[vertex]; }
   /// Bit n: the place lies in the cells shared with neighbor n. Two bits in a corner of the tile.
   std::uint8_t sides(std::uint32_t place) const { return sides_[place]; }
 
   /// Returns the open edges of triangles that have the mesh's vertices as corners.
   std::vector<OpenEdge> open_edges(std::span<const std::uint32_t> indices) const {
-    std::vector<OpenEdge> edges;  // from the smaller place; count: +1, or -1 if reversed
+    std::vector<Step> steps;
     for (std::size_t t = 0; t < indices.size(); t += 3) {
       for (std::size_t c = 0; c < 3; ++c) {
         const std::uint32_t a = place_[indices[t + c]];
         const std::uint32_t b = place_[indices[t + (c + 1) % 3]];
         if (a == kNone || b == kNone || a == b || (sides_[a] & sides_[b]) == 0) continue;
-        edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
+        const std::uint64_t low = std::min(a, b), high = std::max(a, b);
+        steps.push_back({low << 32U | high, a < b ? 1 : -1});
       }
     }
-    return summed(std::move(edges));
+    return summed(std::move(steps));
   }
 
  private:
-  void weld(const TileMesh& mesh, std::vector<std::uint32_t>& vertices,
-            const std::vector<std::uint8_t>& mask) {
-    std::ranges::sort(vertices, {}, [&](std::uint32_t v) { return mesh.positions_mm[v]; });
-    for (const std::uint32_t v : vertices) {
-      if (positions_.empty() || positions_.back() != mesh.positions_mm[v]) {
-        positions_.push_back(mesh.positions_mm[v]);
-        sides_.push_back(mask[v]);
-        at_.emplace_back();
+  struct Vertex {
+    Position position;
+    std::uint32_t number;
+    std::uint8_t sides;
+  };
+
+  /// An edge of a triangle: its smaller place and its greater one, 32 bits each; -1: reversed.
+  struct Step {
+    std::uint64_t places = 0;
+    int count = 0;
+  };
+
+  void weld(std::vector<Vertex>& vertices) {
+    std::ranges::sort(vertices, {},
+                      [](const Vertex& v) { return std::pair(v.position, v.number); });
+    for (const Vertex& vertex : vertices) {
+      if (positions_.empty() || positions_.back() != vertex.position) {
+        positions_.push_back(vertex.position);
+        sides_.push_back(vertex.sides);
+        first_.push_back(static_cast<std::uint32_t>(vertices_.size()));
       }
-      place_[v] = static_cast<std::uint32_t>(positions_.size() - 1);
-      at_.back().push_back(v);
+      place_[vertex.number] = static_cast<std::uint32_t>(positions_.size() - 1);
+      vertices_.push_back(vertex.number);
     }
+    first_.push_back(static_cast<std::uint32_t>(vertices_.size()));
   }
 
   /// Adds up the edges between the same places, and drops those that have an opposite one.
-  static std::vector<OpenEdge> summed(std::vector<OpenEdge> edges) {
-    std::ranges::sort(edges);
+  static std::vector<OpenEdge> summed(std::vector<Step> steps) {
+    std::ranges::sort(steps, {}, &Step::places);
     std::vector<OpenEdge> open;
-    for (std::size_t n = 0; n < edges.size();) {
-      OpenEdge sum{edges[n].from, edges[n].to, 0};
-      for (; n < edges.size() && edges[n].from == sum.from && edges[n].to == sum.to; ++n) {
-        sum.count += edges[n].count;
-      }
+    for (std::size_t n = 0; n < steps.size();) {
+      const std::uint64_t places = steps[n].places;
+      OpenEdge sum{static_cast<std::uint32_t>(places >> 32U), static_cast<std::uint32_t>(places),
+                   0};
+      for (; n < steps.size() && steps[n].places == places; ++n) sum.count += steps[n].count;
       if (sum.count < 0) sum = {sum.to, sum.from, -sum.count};
       if (sum.count != 0) open.push_back(sum);
     }
     return open;
   }
 
-  std::vector<std::uint32_t> place_;  ///< by vertex; kNone outside the border cells
-  std::vector<Position> positions_;   ///< by place, ascending
-  std::vector<std::uint8_t> sides_;
-  std::vector<std::vector<std::uint32_t>> at_;
+  std::vector<std::uint32_t> place_;     ///< by vertex; kNone outside the border cells
+  std::vector<Position> positions_;      ///< by place, ascending
+  std::vector<std::uint8_t> sides_;      ///< by place
+  std::vector<std::uint32_t> first_;     ///< by place, and one more: in vertices_
+  std::vector<std::uint32_t> vertices_;  ///< by place
 };
 
 double distance_to_segment(const Position& p, const Position& a, const Position& b) {
@@ -122,34 +137,49 @@ class BorderCollapse {
  public:
   BorderCollapse(const Border& border, std::span<const OpenEdge> open_edges,
                  const std::array<double, 4>& error_mm)
-      : border_(border), error_mm_(error_mm), target_(border.places()), next_(border.places()) {
+      : border_(border), error_mm_(error_mm), target_(border.places()), passed_(border.places()) {
     std::iota(target_.begin(), target_.end(), 0U);
-    for (const OpenEdge& edge : open_edges) {
-      // Places where the surface touches itself become junctions, which are not moved.
-      const bool plain = edge.count == 1;
-      for (const auto& [a, b] : {std::pair{edge.from, edge.to}, {edge.to, edge.from}}) {
-        next_[a].push_back(b);
-        if (!plain) next_[a].push_back(kNone);
-      }
-    }
-    passed_.resize(border.places());
-    for (std::uint32_t p = 0; p < next_.size(); ++p) {
-      if (next_[p].empty() || !is_junction(p)) continue;
-      for (const std::uint32_t q : next_[p]) {
+    connect(open_edges);
+    for (std::uint32_t p = 0; p < target_.size(); ++p) {
+      if (next(p).empty() || !is_junction(p)) continue;
+      for (const std::uint32_t q : next(p)) {
         if (q != kNone && !is_junction(q) && !passed_[q]) collapse(walk(p, q));
       }
     }
     // The remaining chains are rings without a junction; their smallest place serves as one.
-    for (std::uint32_t p = 0; p < next_.size(); ++p) {
-      if (!next_[p].empty() && !is_junction(p) && !passed_[p]) collapse(walk(p, next_[p][0]));
+    for (std::uint32_t p = 0; p < target_.size(); ++p) {
+      if (!next(p).empty() && !is_junction(p) && !passed_[p]) collapse(walk(p, next(p)[0]));
     }
   }
 
   std::uint32_t target(std::uint32_t place) const { return target_[place]; }
 
  private:
+  void connect(std::span<const OpenEdge> open_edges) {
+    first_.resize(target_.size() + 1);
+    // Places where the surface touches itself become junctions, which are not moved.
+    const auto ends = [](const OpenEdge& edge) { return edge.count == 1 ? 1U : 2U; };
+    for (const OpenEdge& edge : open_edges) {
+      for (const std::uint32_t p : {edge.from, edge.to}) first_[p + 1] += ends(edge);
+    }
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    next_.assign(first_.back(), kNone);
+    std::vector<std::uint32_t> end(first_);
+    for (const OpenEdge& edge : open_edges) {
+      for (const auto& [a, b] : {std::pair{edge.from, edge.to}, {edge.to, edge.from}}) {
+        next_[end[a]] = b;
+        end[a] += ends(edge);
+      }
+    }
+  }
+
+  /// The places beside `p` along open edges; kNone: a second edge to the one before.
+  std::span<const std::uint32_t> next(std::uint32_t p) const {
+    return std::span(next_).subspan(first_[p], first_[p + 1] - first_[p]);
+  }
+
   bool is_junction(std::uint32_t p) const {
-    return next_[p].size() != 2 || !std::has_single_bit(border_.sides(p));
+    return next(p).size() != 2 || !std::has_single_bit(border_.sides(p));
   }
 
   std::vector<std::uint32_t> walk(std::uint32_t start, std::uint32_t second) {
@@ -159,7 +189,7 @@ class BorderCollapse {
     while (!is_junction(here) && here != start) {
       passed_[here] = true;
       chain.push_back(here);
-      const auto& both = next_[here];
+      const auto both = next(here);
       before = std::exchange(here, both[0] == before ? both[1] : both[0]);
     }
     chain.push_back(here);
@@ -211,8 +241,9 @@ class BorderCollapse {
   const Border& border_;
   const std::array<double, 4>& error_mm_;
   std::vector<std::uint32_t> target_;
-  std::vector<std::vector<std::uint32_t>> next_;  ///< along open edges, by place
   std::vector<bool> passed_;
+  std::vector<std::uint32_t> first_;  ///< by place, and one more: in next_
+  std::vector<std::uint32_t> next_;
 };
 
 /// Returns the vertex of `place` whose normal is closest to that of vertex `v`.

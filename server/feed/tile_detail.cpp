@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/feed/quad_merge.h"
 #include "server/feed/tile_border.h"
 
 namespace kerf {
@@ -80,8 +81,9 @@ TileMesh coarser_tile(const TileMesh& mesh, const DexelGrid& grid, const TileDet
     side_error_mm[n] = detail_error_mm(detail.side[n], grid.pitch_mm);
   }
   const double error_mm = detail_error_mm(detail.level, grid.pitch_mm);
+  TileMesh out = mesh;
   // The inside first: slivers along simplified borders would block the collapses.
-  TileMesh out = with_simpler_inside(mesh, grid, error_mm);
+  out.indices = merged_quads(mesh, grid, error_mm);
   compact(out);
   out = with_coarser_borders(out, grid, side_error_mm);
   out = with_simpler_inside(std::move(out), grid, error_mm);

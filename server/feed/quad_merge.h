@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernel/dexel/dexel_grid.h"
+#include "kernel/surface/tile_mesh.h"
+
+namespace kerf {
+
+/// Merges the quadrangles of a tile's mesh into larger right triangles between some of their
+/// corners, where the surface is smooth enough (a restricted quadtree: Lindstrom et al. 1996,
+/// "Real-time, continuous level of detail rendering of height fields"). Returns the indices of all
+/// triangles, three each. A corner that is left out was at most `error_mm` from the triangles that
+/// replace it, along its normal. Triangles of other shapes, at creases, walls and flat rectangles,
+/// stay, and so does every edge of the tile's border: the surface is closed where it was.
+std::vector<std::uint32_t> merged_quads(const TileMesh& mesh, const DexelGrid& grid,
+                                        double error_mm);
+
+}  // namespace kerf

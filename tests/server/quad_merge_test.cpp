@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/feed/quad_merge.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "server/feed/tile_border.h"
+#include "server/formats/model/mesh_distance.h"
+#include "tests/support/carvings.h"
+#include "tests/support/mesh_check.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kPitchMm = 0.25;
+const BoxStock kBlock{{-3, 2, 1}, {28, 28, 9}};
+
+Sculpture block(Rays rays = Rays::kDexel) {
+  SculptureSettings settings;
+  settings.stock = kBlock;
+  settings.pitch_mm = kPitchMm;
+  settings.rays = rays;
+  return std::move(Sculpture::create(settings).value());
+}
+
+Sculpture carved_block(unsigned seed, Rays rays) {
+  Sculpture sculpture = block(rays);
+  test::RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, seed);
+  for (int n = 0; n < 20; ++n) carver.cut();
+  return sculpture;
+}
+
+/// A block whose top was milled away by a tool that sinks from one side to the other.
+Sculpture ramp(const ToolShape& shape) {
+  Sculpture sculpture = block();
+  sculpture.apply(DefineTool{1, make_tool(shape).value()}).value();
+  const Vec3 up{0, 0, 1};
+  sculpture.apply(MoveTool{1, {{-10, 15, 9}, up}, {{40, 15, 4}, up}, 1, false}).value();
+  return sculpture;
+}
+
+std::vector<TileMesh> merged(const std::vector<TileMesh>& exact, const DexelGrid& grid,
+                             double error_mm) {
+  std::vector<TileMesh> meshes = exact;
+  for (TileMesh& mesh : meshes) mesh.indices = merged_quads(mesh, grid, error_mm);
+  return meshes;
+}
+
+std::size_t triangles_of(const std::vector<TileMesh>& meshes) {
+  return test::check_mesh(meshes).triangles;
+}
+
+/// The greatest distance of a vertex that a triangle had from the triangles that there are now, mm.
+double farthest_mm(const TileMesh& exact, const TileMesh& now) {
+  IndexedMesh mesh;
+  mesh.positions_mm.assign(now.positions_mm.begin(), now.positions_mm.end());
+  for (std::size_t t = 0; t < now.indices.size(); t += 3) {
+    mesh.triangles.push_back({now.indices[t], now.indices[t + 1], now.indices[t + 2]});
+  }
+  IndexedMesh before;
+  before.positions_mm.assign(exact.positions_mm.begin(), exact.positions_mm.end());
+  const MeshDistance distance(mesh);
+  double most = 0;
+  std::uint32_t near = 0;
+  for (const std::uint32_t vertex : std::set(exact.indices.begin(), exact.indices.end())) {
+    most = std::max(most, distance.distance_mm(before.position(vertex), near));
+  }
+  return most;
+}
+
+class QuadMergeOfRays : public testing::TestWithParam<Rays> {};
+
+TEST_P(QuadMergeOfRays, BlockStaysClosedAndBordersKeepTheirEdges) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    Sculpture sculpture = carved_block(seed, GetParam());
+    const DexelGrid& grid = sculpture.grid();
+    const auto exact = test::mesh_all(sculpture.solid());
+    for (const double error_mm : {0.02, 0.2, 2.0}) {
+      const auto meshes = merged(exact, grid, error_mm);
+      EXPECT_EQ(test::check_mesh(meshes).open_edges, 0U) << seed << ", " << error_mm;
+      for (std::size_t n = 0; n < exact.size(); ++n) {
+        EXPECT_TRUE(same_border(exact[n], meshes[n].indices, grid)) << seed << ", tile " << n;
+      }
+    }
+  }
+}
+
+TEST_P(QuadMergeOfRays, NoVertexIsFartherFromTheSurfaceThanTheError) {
+  std::size_t before = 0, after = 0;
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    Sculpture sculpture = carved_block(seed, GetParam());
+    const auto exact = test::mesh_all(sculpture.solid());
+    for (const double error_mm : {0.01, 0.03, 0.1}) {
+      const auto meshes = merged(exact, sculpture.grid(), error_mm);
+      for (std::size_t n = 0; n < exact.size(); ++n) {
+        if (exact[n].indices.empty()) continue;
+        EXPECT_LE(farthest_mm(exact[n], meshes[n]), error_mm) << seed << ", tile " << n;
+      }
+      before += triangles_of(exact);
+      after += triangles_of(meshes);
+    }
+  }
+  EXPECT_LT(after, before * 9 / 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(, QuadMergeOfRays, testing::Values(Rays::kDexel, Rays::kTriDexel));
+
+TEST(QuadMerge, PlaneThatLeansTakesFewTriangles) {
+  Sculpture sculpture = ramp(FlatShape{.diameter_mm = 60, .length_mm = 30});
+  const auto exact = test::mesh_all(sculpture.solid());
+  const auto meshes = merged(exact, sculpture.grid(), 0.01);
+  for (std::size_t n = 0; n < exact.size(); ++n) {
+    // Those of the first row and column have sides of the block, which stay.
+    if (exact[n].tile != TileIndex{1, 1}) continue;
+    EXPECT_GT(exact[n].indices.size() / 3, 1700U);
+    // A side of 32 quadrangles keeps all vertices, with triangles that become larger from there.
+    EXPECT_LT(meshes[n].indices.size() / 3, 700U);
+  }
+}
+
+TEST(QuadMerge, GreaterErrorsLeaveFewerTriangles) {
+  Sculpture sculpture = ramp(BallShape{.diameter_mm = 24, .length_mm = 30});
+  const auto exact = test::mesh_all(sculpture.solid());
+  std::size_t finer = triangles_of(exact);
+  for (const double error_mm : {0.005, 0.02, 0.08}) {
+    const std::size_t triangles = triangles_of(merged(exact, sculpture.grid(), error_mm));
+    EXPECT_LT(triangles, finer) << error_mm;
+    finer = triangles;
+  }
+}
+
+TEST(QuadMerge, CreasesKeepTheirVertices) {
+  Sculpture sculpture = ramp(FlatShape{.diameter_mm = 12, .length_mm = 30});
+  std::size_t creases = 0;
+  for (const TileMesh& mesh : test::mesh_all(sculpture.solid())) {
+    const auto indices = merged_quads(mesh, sculpture.grid(), 0.1);
+    const std::set<std::uint32_t> kept(indices.begin(), indices.end());
+    std::multiset<std::array<float, 3>> positions;
+    for (const std::uint32_t v : std::set(mesh.indices.begin(), mesh.indices.end())) {
+      positions.insert(mesh.positions_mm[v]);
+    }
+    for (const std::uint32_t v : std::set(mesh.indices.begin(), mesh.indices.end())) {
+      if (positions.count(mesh.positions_mm[v]) < 2) continue;
+      ++creases;
+      EXPECT_TRUE(kept.contains(v));
+    }
+  }
+  EXPECT_GT(creases, 100U);
+}
+
+TEST(QuadMerge, UntouchedBlockAndErrorOfZeroChangeNothing) {
+  Sculpture untouched = block();
+  for (const TileMesh& mesh : test::mesh_all(untouched.solid())) {
+    EXPECT_EQ(merged_quads(mesh, untouched.grid(), 0.1).size(), mesh.indices.size());
+  }
+  EXPECT_TRUE(merged_quads({}, untouched.grid(), 0.1).empty());
+}
+
+}  // namespace
+}  // namespace kerf
