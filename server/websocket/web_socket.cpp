@@ -21,6 +21,7 @@ using boost::system::error_code;
 /// For Beast: the end of the connection below a WebSocket that has been closed.
 template <class Handler>
 void async_teardown(beast::role_type role, ByteStream& stream, Handler&& handler) {
+  stream.flush();  // the close frame may be held behind a message that does not follow any more
   if (stream.tls() != nullptr && stream.socket().is_open()) stream.tls()->say_end();
   websocket::async_teardown(role, stream.socket(), std::forward<Handler>(handler));
 }

@@ -14,6 +14,7 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/read.hpp>
+#include <boost/beast/websocket/error.hpp>
 #include <exception>
 #include <string>
 
@@ -193,6 +194,26 @@ TEST_F(WebSocketTest, ALongerMessageThanTheLimitEndsTheConnection) {
         const std::string bytes(kLimits.message_bytes + 1, 'x');
         EXPECT_FALSE(co_await socket.write(false, asio::buffer(bytes)));
         EXPECT_TRUE(co_await socket.read());
+      });
+}
+
+TEST_F(WebSocketTest, WhatIsHeldAndTheCloseFrameArriveBeforeTheEnd) {
+  const std::string poses = "poses";
+  run(
+      [&]() -> asio::awaitable<void> {
+        const auto socket = co_await accept("kerf.test");
+        socket->hold(true);
+        EXPECT_FALSE(co_await socket->write(false, asio::buffer(poses)));
+        EXPECT_TRUE(co_await socket->read()) << "the message is too long";
+      },
+      [&]() -> asio::awaitable<void> {
+        WebSocket socket(std::move(client_), kLimits);
+        co_await socket.shake_hands("localhost", "/x", "kerf.test");
+        const std::string bytes(kLimits.message_bytes + 1, 'x');
+        EXPECT_FALSE(co_await socket.write(false, asio::buffer(bytes)));
+        EXPECT_FALSE(co_await socket.read());
+        EXPECT_EQ(socket.text(), poses);
+        EXPECT_EQ(co_await socket.read(), boost::beast::websocket::error::closed);
       });
 }
 
