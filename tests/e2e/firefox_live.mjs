@@ -132,6 +132,7 @@ async function checkCarving(viewer, session, drag) {
   await page.locator('button[aria-label^="Carve"]').click();
   await page.waitForSelector('main[data-carve=ready]');
   const isBefore = ({ state_hash: hash }) => hash === before.state_hash;
+  await page.mouse.move(...(await placeOf(viewer, 0.4, 0.5))); // stock comes to where a tool is
   await settled(viewer, session, 'stock of the server in the page', isBefore);
   await drag(viewer);
   const cut = await settled(
