@@ -42,8 +42,8 @@ describe('shadows of a moving picture', () => {
       [1900, 2100, 2200, 4000, 4200].filter((nowMs) => quality.takesShadows(nowMs));
     expect(takenBy(new Quality(1))).toEqual([1900, 2100, 2200, 4000, 4200]);
     expect(takenBy(new Quality(1, true))).toEqual([2100, 4200]);
-    expect(new Quality(1).softWhileMoving).toBe(true);
-    expect(new Quality(1, true).softWhileMoving).toBe(false);
+    expect(new Quality(1).isSlow).toBe(false);
+    expect(new Quality(1, true).isSlow).toBe(true);
   });
 });
 

@@ -92,14 +92,14 @@ export class Quality {
         : STILL_AFTER_MS;
   }
 
-  /** Whether the edges of shadows are soft while the picture moves; not on slow devices. */
-  get softWhileMoving(): boolean {
-    return this.level_ < SLOW_LEVEL;
+  /** Whether a moving picture is drawn as quickly as it can be. */
+  get isSlow(): boolean {
+    return this.level_ >= SLOW_LEVEL;
   }
 
   /** Whether shadows that have changed are drawn with a moving picture: now and then where slow. */
   takesShadows(nowMs: number): boolean {
-    const takes = this.level_ < SLOW_LEVEL || nowMs - this.shadowsMs_ >= SHADOWS_EVERY_MS;
+    const takes = !this.isSlow || nowMs - this.shadowsMs_ >= SHADOWS_EVERY_MS;
     if (takes) this.shadowsMs_ = nowMs;
     return takes;
   }

@@ -6,6 +6,7 @@
 import * as THREE from 'three';
 import type { Bounds } from '../model/session';
 import { ambientLight } from './ambient_light';
+import { shadowOnGround } from './ground_shadow';
 import { shadowSample } from './shader_samples';
 import { adaptShadows } from './soft_shadows';
 
@@ -24,15 +25,16 @@ uniform float reach;
 uniform float step;
 uniform vec2 footMin;
 uniform vec2 footMax;
-float lines(float spacing) {
+float lines(float spacing, vec2 pixel) {
   vec2 at = vWorld.xy / spacing;
-  vec2 width = fwidth(at);
+  vec2 width = pixel / spacing;
   vec2 line = 1.0 - smoothstep(vec2(0.0), width * 1.2, abs(fract(at - 0.5) - 0.5));
   return max(line.x, line.y) * (1.0 - smoothstep(0.25, 0.6, max(width.x, width.y)));
 }
 void main() {
   float fade = 1.0 - smoothstep(0.25 * reach, reach, distance(vWorld.xy, center));
-  float ink = max(0.20 * lines(step), 0.42 * lines(step * 10.0));
+  vec2 pixel = fwidth(vWorld.xy);
+  float ink = max(0.20 * lines(step, pixel), 0.42 * lines(step * 10.0, pixel));
   ink *= fade * fade;
   // A soft contact shadow around the block's foot.
   vec2 beside = max(max(footMin - vWorld.xy, vWorld.xy - footMax), vec2(0.0));
@@ -86,6 +88,9 @@ export class Stage {
   });
   private readonly grid_ = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), this.gridMaterial_);
 
+  private readonly groundArea_ = new THREE.Box2();
+  private readonly blockShadow_ = new THREE.Box2();
+
   /** Objects that keep their programs: three.js deletes one whose last material is gone. */
   private readonly samples_: THREE.Object3D[] = [];
   private size_ = '';
@@ -128,7 +133,7 @@ export class Stage {
   private addLight_(): void {
     this.key_.castShadow = true;
     this.key_.shadow.mapSize.set(2048, 2048);
-    this.softShadows = true;
+    this.isQuick = false;
     this.scene.add(this.ambient_);
     for (const light of [this.key_, this.fill_, this.head_]) this.scene.add(light, light.target);
   }
@@ -188,10 +193,17 @@ export class Stage {
     shadow.normalBias = Math.max(0.6 * pitchMm, diagonal / 900);
     shadow.bias = -0.0004;
     const reach = 2.1 * diagonal;
-    for (const sheet of [this.ground_, this.grid_]) {
-      sheet.position.set(center.x, center.y, min.z - 0.0005 * diagonal);
-      sheet.scale.set(2 * reach, 2 * reach, 1);
-    }
+    const groundZ = min.z - 0.0005 * diagonal;
+    this.groundArea_.setFromCenterAndSize(
+      new THREE.Vector2(center.x, center.y),
+      new THREE.Vector2(2 * reach, 2 * reach),
+    );
+    const light = this.key_.position.clone().sub(center);
+    this.blockShadow_.copy(shadowOnGround(new THREE.Box3(min, max), light, groundZ));
+    this.ground_.position.setZ(groundZ);
+    this.isQuick = false;
+    this.grid_.position.set(center.x, center.y, groundZ);
+    this.grid_.scale.set(2 * reach, 2 * reach, 1);
     const { uniforms } = this.gridMaterial_;
     Object.assign(uniforms, {
       center: { value: new THREE.Vector2(center.x, center.y) },
@@ -210,9 +222,15 @@ export class Stage {
     return this.grid_.visible;
   }
 
-  /** Whether edges of shadows are soft, which takes a CPU longer. */
-  set softShadows(soft: boolean) {
-    this.key_.shadow.radius = soft ? SHADOW_RADIUS : 0;
+  /**
+   * Whether the picture is drawn quickly, for a CPU: edges of shadows are hard, and the ground has no
+   * shadow but the block's, because each pixel that may have one takes a CPU's time.
+   */
+  set isQuick(quick: boolean) {
+    this.key_.shadow.radius = quick ? 0 : SHADOW_RADIUS;
+    const { min, max } = quick ? this.blockShadow_ : this.groundArea_;
+    this.ground_.position.setX((min.x + max.x) / 2).setY((min.y + max.y) / 2);
+    this.ground_.scale.set(max.x - min.x, max.y - min.y, 1);
   }
 
   /** Does nothing if the size is unchanged, because setting a canvas' size clears it. */

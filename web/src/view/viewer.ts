@@ -343,9 +343,9 @@ export class Viewer {
     if (this.stillDrawn_) this.quality_.moved(nowMs - this.lastDrawMs_);
     else if (!this.fixedQuality) this.quality_.frame(nowMs - this.lastDrawMs_);
     this.stage.setSize(this.width_, this.height_, this.quality_.movingRatio);
-    this.stage.softShadows = this.quality_.softWhileMoving;
+    this.stage.isQuick = this.quality_.isSlow;
     this.draw_(this.shadowsDirty_ && this.quality_.takesShadows(nowMs));
-    this.stage.softShadows = true;
+    this.stage.isQuick = false;
     this.present_();
     this.dirty_ = false;
     this.stillDrawn_ = false;
