@@ -173,7 +173,7 @@ async function checkFramed(browser, base, named, other) {
     [named, `${base}/?session=wall`],
   ]) {
     const blocked = await frameIn(browser, site, refused);
-    // The frame is told of by a process of its own, perhaps later than its page.
+    // A process of its own reports the frame, perhaps later than its page.
     await until(`no ${refused} in ${site.origin}`, SETTLE_S, () =>
       blocked.url().startsWith('chrome-error:'),
     );
