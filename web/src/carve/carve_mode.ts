@@ -120,7 +120,7 @@ export class CarveMode {
   }
 
   /** The hash of the page's copy of the block; null: it has none. */
-  copyHash(): Promise<string> | null {
+  copyHash(): Promise<string | null> | null {
     return this.copy_?.works ? this.copy_.hash() : null;
   }
 

@@ -45,7 +45,7 @@ export interface CarveSwitch {
   /** Shows whether this viewer may carve. */
   update: () => void;
   /** The hash of the page's copy of the block; null: it has none. */
-  copyHash: () => Promise<string> | null;
+  copyHash: () => Promise<string | null> | null;
   /** What a headset shows; null: there is none. */
   vr: () => VrState | null;
 }

@@ -33,7 +33,7 @@ export class BlockCopy {
   readonly isThere: Promise<boolean>;
   private works_ = false;
   private asked_ = 0;
-  private readonly hashes_ = new Map<number, (hash: string) => void>();
+  private readonly hashes_ = new Map<number, (hash: string | null) => void>();
 
   /** `module` is kerf.wasm, or null where there is none. */
   constructor(
@@ -52,6 +52,8 @@ export class BlockCopy {
     const end = (reason: string): void => {
       this.works_ = false;
       tell(false);
+      for (const answer of this.hashes_.values()) answer(null);
+      this.hashes_.clear();
       events.failed(reason);
     };
     worker.onerror = ({ message }) => end(message ?? 'Its worker did not load.');
@@ -102,8 +104,8 @@ export class BlockCopy {
     if (this.works_ && keys.length > 0) this.worker.postMessage({ type: 'hidden', keys });
   }
 
-  /** The hash of its state. */
-  hash(): Promise<string> {
+  /** The hash of its state; null: there is no block. */
+  hash(): Promise<string | null> {
     const id = ++this.asked_;
     return new Promise((resolve) => {
       this.hashes_.set(id, resolve);

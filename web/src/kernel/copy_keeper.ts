@@ -30,6 +30,7 @@ export class CopyKeeper {
         this.kernel_ = await this.load(message.module);
         this.post({ type: 'loaded' });
       } else if (this.kernel_) this.heard_(this.kernel_, message);
+      else if (message.type === 'hash') this.post({ type: 'hash', id: message.id, hash: null });
     } catch (problem) {
       this.failed_(problem);
     }
@@ -47,7 +48,7 @@ export class CopyKeeper {
         for (const key of message.keys) this.shown_.delete(key);
         return;
       case 'hash':
-        if (this.isOpen_) this.post({ type: 'hash', id: message.id, hash: kernel.hash() });
+        this.post({ type: 'hash', id: message.id, hash: this.isOpen_ ? kernel.hash() : null });
         return;
       case 'change':
         if (!this.isOpen_) return;

@@ -31,4 +31,4 @@ export type FromWorker =
   | { type: 'lacks' }
   /** The copy has ended. */
   | { type: 'failed'; reason: string }
-  | { type: 'hash'; id: number; hash: string };
+  | { type: 'hash'; id: number; hash: string | null };

@@ -179,12 +179,13 @@ describe('the copy in a worker', () => {
     expect(await copy.hash()).toBe('abc');
   });
 
-  it('ends when the kernel does', () => {
+  it('ends when the kernel does', async () => {
     copy.open('');
     expect(log).toEqual(['failed no stock']);
     expect(copy.works).toBe(false);
     copy.cut(MOTION, 1n);
     expect(later).toEqual([]);
+    expect(await copy.hash()).toBeNull();
   });
 
   it('is not there where its worker does not load', async () => {
@@ -198,8 +199,11 @@ describe('the copy in a worker', () => {
     expect(log).toEqual(['failed A message of its worker cannot be read.']);
   });
 
-  it('ends when its worker does', () => {
+  it('ends when its worker does', async () => {
+    port.postMessage = () => undefined;
+    const hash = copy.hash(); // which nobody answers
     port.onerror!({ message: 'out of memory' });
+    expect(await hash).toBeNull();
     expect([copy.works, log]).toEqual([false, ['failed out of memory']]);
   });
 

@@ -66,6 +66,23 @@ describe('the link of a hand to the page that has the block', () => {
     expect(events.joined).toHaveBeenCalledWith(expect.objectContaining({ participant: OWN }));
   });
 
+  it('waits for an answer to each sample and to each undo', () => {
+    join();
+    expect(link.isAsking).toBe(false);
+    link.send(drafts(20));
+    link.heard(felt(16n));
+    expect(link.isAsking).toBe(true);
+    link.heard(felt(20n));
+    expect(link.isAsking).toBe(false);
+    link.ask({ type: 'undo' });
+    expect(link.isAsking).toBe(true);
+    link.heard({ type: 'changed', undone: true, reason: '' });
+    expect(link.isAsking).toBe(false);
+    link.send(drafts(1));
+    link.drop();
+    expect(link.isAsking).toBe(false);
+  });
+
   it('numbers samples, and divides long paths into frames', () => {
     join();
     link.send(drafts(20));
