@@ -18,16 +18,22 @@ constexpr int kAttempts = 3;
 }  // namespace
 
 NatsResult<std::uint64_t> OwnLeases::store(const std::string& session, const Lease& lease,
-                                           std::uint64_t revision) {
+                                           std::uint64_t revision, int attempts) {
   const std::string id = "lease/" + session + "/" + run_ + "/" + std::to_string(++messages_);
-  return nats_.publish(lease_subject(session), encode_lease(lease), id, revision,
-                       answer_time(lease.time));
+  const std::vector<std::byte> bytes = encode_lease(lease);
+  for (int n = 1;; ++n) {
+    auto stored =
+        nats_.publish(lease_subject(session), bytes, id, revision, answer_time(lease.time));
+    // An answer that is late leaves open whether it is stored: NATS knows the message by its id.
+    const bool is_answered = stored || stored.error().code == NatsErrorCode::kNotNext;
+    if (is_answered || n == attempts || !nats_.is_connected()) return stored;
+  }
 }
 
 std::expected<void, LeaseError> OwnLeases::take(const std::string& session, Lease lease,
                                                 std::uint64_t revision) {
   const std::int64_t sent = boot_time_ns();
-  const auto stored = store(session, lease, revision);
+  const auto stored = store(session, lease, revision, kAttempts);
   if (!stored) {
     const bool is_lost = stored.error().code == NatsErrorCode::kNotNext;
     return std::unexpected(LeaseError{
@@ -45,7 +51,7 @@ std::expected<std::uint64_t, LeaseError> OwnLeases::store_own(const std::string&
                                                               const Lease& lease,
                                                               std::uint64_t revision) {
   for (int n = 0; n < kAttempts; ++n) {
-    const auto stored = store(session, lease, revision);
+    const auto stored = store(session, lease, revision, 1);
     if (stored) return *stored;
     if (stored.error().code != NatsErrorCode::kNotNext) {
       return std::unexpected(LeaseError{false, stored.error().reason});

@@ -57,7 +57,7 @@ class OwnLeases {
     std::shared_ptr<WriteFence> fence;
   };
   NatsResult<std::uint64_t> store(const std::string& session, const Lease& lease,
-                                  std::uint64_t revision);
+                                  std::uint64_t revision, int attempts);
   std::expected<std::uint64_t, LeaseError> store_own(const std::string& session, const Lease& lease,
                                                      std::uint64_t revision);
 

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <csignal>
+#include <thread>
+
 #include "tests/server/cluster/nats_fixture.h"
 
 namespace kerf {
@@ -65,6 +69,22 @@ TEST_F(OwnLeasesTest, ARenewalWhoseAnswerWasLostIsNotThatOfAnother) {
   ASSERT_TRUE(nats_->publish(lease_subject("s"), first.bytes, "lost", first.sequence));
   EXPECT_TRUE(a_->renew("s", {}));
   EXPECT_TRUE(a_->fence("s")->is_open());
+}
+
+TEST_F(OwnLeasesTest, ALeaseWhoseAnswerIsLateIsTakenOnce) {
+  // Longer than one attempt waits, shorter than all of them.
+  kill(process_, SIGSTOP);
+  std::jthread later([this] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+    kill(process_, SIGCONT);
+  });
+  ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
+  EXPECT_TRUE(a_->find("s"));
+  const StreamMessage first = stored();
+  EXPECT_EQ(decode_lease(first.bytes)->node, "a");
+  EXPECT_FALSE(b_->take("s", lease("b", 1), 0));
+  ASSERT_TRUE(a_->renew("s", {}));
+  EXPECT_EQ(stored().sequence, first.sequence + 1);
 }
 
 TEST_F(OwnLeasesTest, WhatIsGivenBackMayBeTaken) {
