@@ -70,13 +70,36 @@ async function checkCarving(viewer, here) {
   assert.equal(hash, here.state_hash);
   assert.equal(carved, motions);
   await page.getByText(here.state_hash).waitFor();
+  const stl = await readFile(await takenHome(page, 'stl'));
+  assert(stl.equals(here.stl), "the page's STL file is not that of kerf-carve");
+  await checkThreemf(await takenHome(page, '3mf'), stl);
+}
+
+/** The path of the file that a button gives. */
+async function takenHome(page, format) {
   const [download] = await Promise.all([
     page.waitForEvent('download'),
-    page.getByRole('button', { name: 'STL' }).click(),
+    page.getByRole('button', { name: format.toUpperCase(), exact: true }).click(),
   ]);
-  assert.equal(download.suggestedFilename(), 'wave.stl');
-  const stl = await readFile(await download.path());
-  assert(stl.equals(here.stl), "the page's STL file is not that of kerf-carve");
+  assert.equal(download.suggestedFilename(), `wave.${format}`);
+  return download.path();
+}
+
+/** Python reads the archive; it has the triangles of the STL file, and is compressed. */
+async function checkThreemf(path, stl) {
+  const script = [
+    'import re, sys, zipfile',
+    'zip = zipfile.ZipFile(sys.argv[1])',
+    'assert zip.testzip() is None',
+    'print(len(re.findall(rb"<triangle ", zip.read("3D/3dmodel.model"))))',
+  ].join('\n');
+  const { stdout, stderr } = spawnSync('python3', ['-c', script, path], {
+    encoding: 'utf8',
+  });
+  assert.equal(stderr, '');
+  assert.equal(Number(stdout), (stl.length - 84) / 50, 'the 3MF file has other triangles');
+  const { length } = await readFile(path);
+  assert(3 * length < stl.length, `a 3MF file of ${length} bytes for an STL of ${stl.length}`);
 }
 
 /** The scrub bar goes back: another state, and at the end the same again. */

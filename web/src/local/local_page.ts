@@ -18,7 +18,7 @@ import type { CameraRig } from '../view/camera_rig';
 import { asWelcome } from './as_welcome';
 import { titleBar, viewToolbar } from './bars';
 import { CarvingWorker } from './carving_worker';
-import { download } from './download';
+import { downloadModel } from './download';
 import { exampleBlock, exampleProgram } from './example';
 import { FilesInput } from './files_input';
 import { NO_FILES, placeOfError, withFiles } from './given_files';
@@ -230,7 +230,7 @@ export class LocalPage {
         this.carved_(message);
         return;
       case 'model':
-        download(`${this.about_?.name ?? 'block'}.${message.format}`, message.bytes);
+        void downloadModel(this.about_?.name ?? 'block', message.format, message.bytes);
         return;
       case 'handed':
         this.about_ = message.about;
