@@ -229,7 +229,7 @@ bool find_half(const std::array<TileCell, 3>& cells, Half& half) {
     present |= 1U << half.corner[c];
   }
   if (!std::has_single_bit(0b1111U ^ present)) return false;
-  // Counter-clockwise, the steps to the second corner and from there to the third are three at most.
+  // Counter-clockwise, the steps to the second corner and on to the third are three at most.
   const unsigned step = (half.corner[1] - half.corner[0]) & 3U;
   const unsigned next = (half.corner[2] - half.corner[1]) & 3U;
   half.faces_up = step + next <= 3;

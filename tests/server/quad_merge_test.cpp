@@ -121,6 +121,41 @@ TEST(QuadMerge, PlaneThatLeansTakesFewTriangles) {
   }
 }
 
+/// A tile that is a bowl with ripples, whose surface passes no layer of cells: a vertex in each
+/// column of them. Every other vertex is raised.
+TileMesh bowl() {
+  constexpr std::uint32_t kSide = kTileSide + 1;
+  TileMesh mesh;
+  for (std::uint32_t n = 0; n < kSide * kSide; ++n) {
+    const std::uint32_t column = n % kSide, row = n / kSide;
+    const double x = column - kTileSide / 2.0, y = row - kTileSide / 2.0;
+    const double ripple_mm = column % 2 == 1 || row % 2 == 1 ? -0.004 : 0;
+    const Vec3 normal = normalized({-x / 2000, -y / 2000, 1});
+    mesh.positions_mm.push_back({float(column * kPitchMm), float(row * kPitchMm),
+                                 float((x * x + y * y) / 4000 * kPitchMm + ripple_mm)});
+    mesh.normals.push_back({float(normal.x), float(normal.y), float(normal.z)});
+    mesh.original.push_back(0);
+    if (column == kTileSide || row == kTileSide) continue;
+    const std::uint32_t up = n + kSide;
+    mesh.indices.insert(mesh.indices.end(), {n, n + 1, up + 1, n, up + 1, up});
+  }
+  return mesh;
+}
+
+TEST(QuadMerge, ErrorsOfFinerTrianglesAddUp) {
+  const TileMesh exact = bowl();
+  const DexelGrid grid = block().grid();
+  std::size_t fewest = exact.indices.size();
+  for (double error_mm = 0.001; error_mm < 0.05; error_mm *= 1.15) {
+    TileMesh mesh = exact;
+    mesh.indices = merged_quads(exact, grid, error_mm);
+    // The other half is for vertices that are joined before.
+    EXPECT_LE(farthest_mm(exact, mesh), 0.5001 * error_mm);
+    fewest = std::min(fewest, mesh.indices.size());
+  }
+  EXPECT_LT(fewest, exact.indices.size() / 3);
+}
+
 TEST(QuadMerge, GreaterErrorsLeaveFewerTriangles) {
   Sculpture sculpture = ramp(BallShape{.diameter_mm = 24, .length_mm = 30});
   const auto exact = test::mesh_all(sculpture.solid());
