@@ -88,8 +88,8 @@ export class Stage {
   });
   private readonly grid_ = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), this.gridMaterial_);
 
-  private readonly groundArea_ = new THREE.Box2();
-  private readonly blockShadow_ = new THREE.Box2();
+  private readonly groundArea_ = new THREE.Box2(new THREE.Vector2(), new THREE.Vector2());
+  private readonly blockShadow_ = this.groundArea_.clone();
 
   /** Objects that keep their programs: three.js deletes one whose last material is gone. */
   private readonly samples_: THREE.Object3D[] = [];
