@@ -19,10 +19,12 @@ namespace {
 /// Vertices on a side of the lattice: one in each cell.
 constexpr int kSide = kCellsOfTile;
 constexpr std::uint32_t kNoVertex = ~std::uint32_t{0};
-constexpr float kKept = std::numeric_limits<float>::infinity();
+constexpr float kKept = std::numeric_limits<float>::infinity();  ///< error of a vertex that stays
 /// How far beside the middle of its neighbors a vertex may be that is left out, pitches. In a
 /// smooth surface each vertex is near the middle of its cell.
 constexpr float kBesideMax = 0.5F;
+
+/// The place of a cell in an array of the lattice.
 constexpr std::size_t at(int x, int y) {
   return static_cast<std::size_t>(y) * kSide + static_cast<std::size_t>(x);
 }
@@ -102,7 +104,7 @@ class Sheet {
         for (std::size_t n = 0; n < 4; ++n) {
           std::uint32_t& vertex = vertex_[cells[n]];
           if (vertex == kNoVertex) vertex = quad.corner[n];
-          // Another sheet: neither is merged.
+          // A vertex of another sheet is there: this quadrangle stays.
           if (vertex != quad.corner[n]) is_taken_[at(x, y)] = false;
         }
       }

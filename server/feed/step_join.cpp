@@ -19,6 +19,7 @@ constexpr float kSteep = 0.4F;
 
 constexpr std::uint32_t kNoOther = ~std::uint32_t{0};
 
+/// Which vertices of a tile go, and to which others.
 class StepJoin {
  public:
   StepJoin(const TileMesh& mesh, std::span<const TileCell> cells, double pitch_mm, float error_mm)

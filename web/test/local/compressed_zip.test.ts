@@ -60,6 +60,17 @@ describe('an archive of stored parts', () => {
     ]);
   });
 
+  it('has a header before each part that leads to the next one', async () => {
+    const bytes = await (await compressedZip(archive(0))).arrayBuffer();
+    const view = new DataView(bytes);
+    let [at, parts] = [0, 0];
+    for (; view.getUint32(at, true) === 0x04034b50; parts += 1) {
+      expect(view.getUint16(at + 8, true)).toBe(8);
+      at += 30 + view.getUint16(at + 26, true) + view.getUint32(at + 18, true);
+    }
+    expect([parts, view.getUint32(at, true)]).toEqual([3, 0x02014b50]);
+  });
+
   it('stays where the browser does not compress', async () => {
     const stored = archive(0);
     vi.stubGlobal('CompressionStream', undefined);
