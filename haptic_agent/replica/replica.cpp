@@ -152,10 +152,15 @@ std::optional<wire::Result> Replica::answer(const wire::MotionSample& sample) {
     cuts_.push_back({sample.time_us, *move});
     while (cuts_.front().time_us + kRememberedUs < sample.time_us) cuts_.pop_front();
     known = is_settled(*move, known);
-    if (known) add_motion(sum, block_, *move, *result);
+    if (known) {
+      add_motion(sum, block_, *move, *result, held_);
+    } else {
+      held_.drop();
+    }
     newest_cut_ = NewestCut{*move, *std::move(result)};
   } else {
     known = is_known(MoveTool{sample.tool_id, *pose, *pose});
+    add_rest(sum, *step, held_);
     const auto* touch = std::get_if<ToolTrack::Touch>(&*step);
     if (known && touch != nullptr) add_touch(sum, block_, *touch);
   }
@@ -252,7 +257,9 @@ void Replica::replace(std::span<const TileReplacement> tiles, std::uint64_t serv
   }
   for (const TileReplacement& tile : tiles) {
     block_.replace({&tile, 1}, since[tile.at]);
-    if (is_near(tile.at)) unsettled_mm_ = settling_mm();
+    if (!is_near(tile.at)) continue;
+    unsettled_mm_ = settling_mm();
+    held_.drop();
   }
 }
 
@@ -270,6 +277,7 @@ std::expected<void, std::string_view> Replica::take(const wire::StockPatch& patc
     block_ = source_.make();
     known_.clear();
     known_region_ = {};
+    held_.drop();
   } else if (patch.returned) {
     return take_returned(patch);
   }

@@ -95,6 +95,7 @@ class Replica {
   std::optional<Sculpture> stock_;
   OtherTools others_;
   ToolTrack track_;
+  HeldCut held_;
   std::set<FieldTile> known_;
   /// Per field, the region of the last query, all of whose tiles were known. Speeds up the next
   /// query, which mostly overlaps it.

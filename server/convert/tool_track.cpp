@@ -36,7 +36,7 @@ std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSamp
   const std::uint64_t passed_us = sample.time_us > from_us ? sample.time_us - from_us : 0;
   const double duration_s = static_cast<double>(passed_us) * kSecondsPerMicrosecond;
   if (!cuts(sample)) return Touch{tool_, *pose, duration_s};
-  if (from == *pose && !has_obstacles(sculpture)) return Step{};  // rests without contact
+  if (from == *pose && !has_obstacles(sculpture)) return Step{Rest{duration_s}};
   if (passed_us == 0) return reject(kBadMessage, "time_us must increase from sample to sample");
   const double distance_mm = length(pose->tip_mm - from.tip_mm);
   if (distance_mm > speed_max_mm_per_s * duration_s) {
@@ -57,11 +57,23 @@ void add_touch(BatchSum& sum, const Sculpture& sculpture, const ToolTrack::Touch
 }
 
 void add_motion(BatchSum& sum, const Sculpture& sculpture, const MoveTool& move,
-                const MotionResult& result) {
-  sum.add(result, move.duration_s);
-  if (!move.feel) return;
+                const MotionResult& result, HeldCut& held) {
+  if (!move.feel) {
+    held.drop();
+    sum.add(result, move.duration_s);
+    return;
+  }
+  held.add_motion(sum, sculpture, move, result);
   if (has_obstacles(sculpture) || !sculpture.tool(move.tool)->non_cutting.empty()) {
     sum.touch(sculpture.contact(move.tool, move.to, true));
+  }
+}
+
+void add_rest(BatchSum& sum, const ToolTrack::Step& step, HeldCut& held) {
+  if (const auto* rest = std::get_if<ToolTrack::Rest>(&step)) {
+    held.add_rest(sum, rest->duration_s);
+  } else if (!std::holds_alternative<MoveTool>(step)) {
+    held.drop();
   }
 }
 

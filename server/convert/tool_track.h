@@ -8,6 +8,7 @@
 
 #include "kernel/sculpture.h"
 #include "server/convert/batch_sum.h"
+#include "server/convert/held_cut.h"
 #include "server/convert/rejection.h"
 #include "server/wire/types.h"
 
@@ -28,8 +29,12 @@ class ToolTrack {
     ToolPose pose;
     double duration_s = 0;
   };
-  /// std::monostate: no motion, because the tool was just placed or rests.
-  using Step = std::variant<std::monostate, Touch, MoveTool>;
+  /// The tool rests where it cut last.
+  struct Rest {
+    double duration_s = 0;
+  };
+  /// std::monostate: no motion, because the tool was just placed.
+  using Step = std::variant<std::monostate, Touch, Rest, MoveTool>;
 
   /// Converts the next sample to a step. Rejects invalid poses, unknown tools, timestamps that do
   /// not advance, and a tip faster than `speed_max_mm_per_s` while cutting. If pose and tool are
@@ -53,8 +58,11 @@ class ToolTrack {
 
 /// Adds the contact force of obstacles and stock at the pose of `touch` to a result.
 void add_touch(BatchSum& sum, const Sculpture& sculpture, const ToolTrack::Touch& touch);
-/// Adds an applied motion, and the contact planes at its end, to a result.
+/// Adds an applied motion, and the contact planes at its end, to a result. `held`: that of the
+/// participant, to which the motion is noted.
 void add_motion(BatchSum& sum, const Sculpture& sculpture, const MoveTool& move,
-                const MotionResult& result);
+                const MotionResult& result, HeldCut& held);
+/// Adds the force that a resting tool keeps; ends it if the step is not a rest in a cut.
+void add_rest(BatchSum& sum, const ToolTrack::Step& step, HeldCut& held);
 
 }  // namespace kerf

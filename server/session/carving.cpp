@@ -181,7 +181,9 @@ std::expected<std::optional<MoveTool>, Rejection> Carving::read_sample(
   if (!cuts(sample) || !state.track.pose()) state.in_stroke = false;
   auto step = state.track.take(sample, sculpture_, state.speed_mm_per_s);
   if (!step) return std::unexpected(step.error());
+  add_rest(batch.sum, *step, state.held);
   if (state.is_in_stock) {
+    state.held.drop();
     if (auto rejection = leave_stock(state, sample)) return std::unexpected(*std::move(rejection));
     return std::nullopt;
   }
@@ -206,7 +208,7 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
   if (journal_.sequence() != before) state.durable.journaled(journal_.sequence());
   if (!result) return sample_rejection(sample, result.error().code, result.error().reason);
   state.cuts = true;
-  if (*result) add_motion(batch.sum, sculpture_, **move, **result);
+  if (*result) add_motion(batch.sum, sculpture_, **move, **result, state.held);
   return std::nullopt;
 }
 
@@ -234,7 +236,7 @@ bool Carving::work(ParticipantState& state, Batch& batch) {
     const MoveTool move = cut->second.move;
     const auto result = advance(state.participant.id, tiles);
     if (!result) return false;
-    add_motion(batch.sum, sculpture_, move, *result);
+    add_motion(batch.sum, sculpture_, move, *result, state.held);
   }
   while (batch.next < batch.samples.size()) {
     if (tiles <= 0) return false;

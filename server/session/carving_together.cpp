@@ -119,7 +119,7 @@ void Carving::take_next(ParticipantState& state, Batch& batch, Together& round,
 void Carving::begin_pieces(const Recorded& of, const MoveTool& move, std::int64_t& tiles) {
   const CpuCosts::Meter meter(costs_, of.state->participant.id);
   const auto result = cut_recorded(of.state->participant.id, move, tiles);
-  if (result && *result) add_motion(of.batch->sum, sculpture_, move, **result);
+  if (result && *result) add_motion(of.batch->sum, sculpture_, move, **result, of.state->held);
 }
 
 void Carving::apply_together(const Together& round, Workers& workers) {
@@ -130,7 +130,7 @@ void Carving::apply_together(const Together& round, Workers& workers) {
   sculpture_.apply(round.moves, used, [&](std::size_t n, const MotionResult& result) {
     const auto [state, batch] = round.of[n];
     note(state->participant.id, result);
-    add_motion(batch->sum, sculpture_, round.moves[n], result);
+    add_motion(batch->sum, sculpture_, round.moves[n], result, state->held);
   });
   // A replay has one thread.
   work_time_ += used.count() * (std::chrono::steady_clock::now() - start);

@@ -25,6 +25,7 @@ struct ParticipantState {
   bool feel = true;           ///< compute forces for it
   ParticipantId feel_of = 0;  ///< participant whose force it receives too; 0: none
   ToolTrack track;
+  HeldCut held;
   std::uint64_t last_sequence = 0;  ///< agent_sequence of the newest sample
   /// It has resumed and sent no new sample yet: known ones place the tool, as it was before.
   bool has_resumed = false;

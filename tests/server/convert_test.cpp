@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "server/convert/batch_sum.h"
+#include "server/convert/held_cut.h"
 #include "server/convert/sample_pose.h"
 #include "server/formats/pose_grid.h"
 
@@ -88,6 +89,61 @@ TEST(BatchSum, EmptyBatchHasNoForce) {
   wire::Result result;
   BatchSum().write(result);
   EXPECT_EQ(result, wire::Result{});
+}
+
+/// A block with a ball of 6 mm under a force law.
+Sculpture block_with(ForceLaw law) {
+  SculptureSettings settings;
+  settings.stock = BoxStock{{-10, -10, -10}, {10, 10, 0}};
+  settings.pitch_mm = 0.5;
+  settings.force.law = law;
+  return Sculpture::create(settings).value();
+}
+
+/// Force after a cut of 10 N and a rest of 3 ms.
+wire::Result rest_after_cut(ForceLaw law, bool dropped = false) {
+  const Sculpture block = block_with(law);
+  const MoveTool move{1, {{0, 0, 1}, {0, 0, 1}}, {{0, 0, -1}, {0, 0, 1}}, 0.001, true};
+  HeldCut held;
+  BatchSum cut, rest;
+  held.add_motion(cut, block, move, result_of(10, 1, 4));
+  if (dropped) held.drop();
+  held.add_rest(rest, 0.003);
+  wire::Result result;
+  rest.write(result);
+  return result;
+}
+
+TEST(HeldCut, AToolAtRestKeepsTheForceOfItsCut) {
+  const wire::Result result = rest_after_cut(ForceLaw::kSpecificEnergy);
+  EXPECT_FLOAT_EQ(result.force_n.x, 10);
+  EXPECT_FLOAT_EQ(result.engaged_area_mm2, 4);
+  EXPECT_EQ(result.removed_mm3, 0) << "it removes nothing";
+}
+
+TEST(HeldCut, ForcesOfSpeedEndWithIt) {
+  EXPECT_EQ(rest_after_cut(ForceLaw::kDexelRemovalRate).force_n.x, 0);
+  EXPECT_EQ(rest_after_cut(ForceLaw::kMechanistic).force_n.x, 0);
+}
+
+TEST(HeldCut, IsDroppedWhereTheToolLeavesItsCut) {
+  EXPECT_EQ(rest_after_cut(ForceLaw::kSpecificEnergy, true).force_n.x, 0);
+}
+
+TEST(HeldCut, AMotionWithoutTravelAddsTheContactToTheHeldForce) {
+  const Sculpture block = block_with(ForceLaw::kSpecificEnergy);
+  const ToolPose at{{0, 0, -1}, {0, 0, 1}};
+  HeldCut held;
+  BatchSum cut, rest;
+  held.add_motion(cut, block, {1, {{0, 0, 1}, {0, 0, 1}}, at, 0.001, true}, result_of(10, 1, 4));
+  MotionResult touching;
+  touching.wrench.force_n = touching.collision.force_n = {0, 2, 0};
+  held.add_motion(rest, block, {1, at, at, 0.001, true}, touching);
+  wire::Result result;
+  rest.write(result);
+  EXPECT_FLOAT_EQ(result.force_n.x, 10);
+  EXPECT_FLOAT_EQ(result.force_n.y, 2);
+  EXPECT_FLOAT_EQ(result.collision_force_n.y, 2);
 }
 
 TEST(BatchSum, SetsTheCollidingStatus) {

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "kernel/sculpture.h"
+#include "server/convert/batch_sum.h"
+
+namespace kerf {
+
+/// The force of one participant's newest motion, which its tool keeps while it rests in the cut.
+///
+/// The law `specific_energy` gives a force per travel: a motion without travel has none, although
+/// nothing has changed. A device that rounds its poses to 0.05 mm and moves at 2 mm/s travels in
+/// one of 25 samples; held over the others, the force does the work u V, whatever the rounding.
+/// Under the other laws the force ends with the speed, and nothing is held.
+class HeldCut {
+ public:
+  /// Adds the result of a motion to a sum, or, if the motion rests, the held force in its place.
+  /// `result` must have been felt.
+  void add_motion(BatchSum& sum, const Sculpture& sculpture, const MoveTool& move,
+                  const MotionResult& result);
+  /// Adds the held force over `duration_s` of rest. Adds nothing if there is none.
+  void add_rest(BatchSum& sum, double duration_s) const;
+  /// Ends the force: the tool has left its cut, was exchanged, or stock has come back.
+  void drop() { held_ = {}; }
+
+ private:
+  /// The cut alone, without contact.
+  struct Held {
+    Wrench wrench;
+    CuttingModel cutting;
+  };
+  Held held_;
+};
+
+}  // namespace kerf
