@@ -17,7 +17,9 @@ struct CarryDeficit {
 template <typename Deficit = CarryDeficit>
 class BasicEnergyAccount {
  public:
-  explicit BasicEnergyAccount(double ceiling_mj) noexcept : ceiling_mj_(ceiling_mj) {}
+  /// Begins at `level_mj`, at most the ceiling.
+  explicit BasicEnergyAccount(double ceiling_mj, double level_mj = 0) noexcept
+      : ceiling_mj_(ceiling_mj), level_mj_(std::min(level_mj, ceiling_mj)) {}
 
   /// Accounts for work done on the user (negative: by the user).
   void settle(double work_mj) noexcept {
@@ -36,7 +38,7 @@ class BasicEnergyAccount {
 
  private:
   double ceiling_mj_;
-  double level_mj_ = 0;
+  double level_mj_;
   double given_mj_ = 0;
   double least_given_mj_ = 0;
   double most_returned_mj_ = 0;

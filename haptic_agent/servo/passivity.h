@@ -17,6 +17,9 @@ struct PassivitySettings {
   /// Bound of the error of the work estimate, mJ. Twice this is kept out of the account: it may be
   /// overdrawn by this much before the output is cut off, and by as much again until that acts.
   double reserve_mj = 6;
+  /// Level at which the account begins, mJ. From nothing, the first cut after arming would be felt
+  /// only as its own work fills the account, over millimetres of travel.
+  double start_mj = 6;
   /// Greatest damping of the damper that dissipates a deficit: N s/mm, N mm s/rad. The root of
   /// their ratio is the lever arm that weighs rotation against translation, mm.
   double max_damping = 0.01;
@@ -39,7 +42,8 @@ template <typename Deficit = CarryDeficit>
 class BasicPassivity {
  public:
   explicit BasicPassivity(const PassivitySettings& settings) noexcept
-      : settings_(settings), account_(settings.tank_mj - 2 * settings.reserve_mj) {}
+      : settings_(settings),
+        account_(settings.tank_mj - 2 * settings.reserve_mj, settings.start_mj) {}
 
   /// Accounts for the displacement between the ticks at `from_us` and `now_us`: for the greatest
   /// work of any written wrench that may have acted.
@@ -86,7 +90,9 @@ class BasicPassivity {
   }
 
   /// Resets the account after the user has re-armed the device; the bound holds again from here.
-  void restart() noexcept { account_ = BasicEnergyAccount<Deficit>(account_.ceiling_mj()); }
+  void restart() noexcept {
+    account_ = BasicEnergyAccount<Deficit>(account_.ceiling_mj(), settings_.start_mj);
+  }
 
   const BasicEnergyAccount<Deficit>& account() const noexcept { return account_; }
   /// The account is overdrawn by more than an estimate can err; the output stays zero until

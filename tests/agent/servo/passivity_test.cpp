@@ -27,6 +27,7 @@ Passivity after(const Wrench& written, Vec3 moved_mm, PassivitySettings settings
 }
 /// One with `level_mj` >= 0 in its account.
 Passivity filled(double level_mj, PassivitySettings settings = {}) {
+  settings.start_mj = 0;
   return after(pushing(-1), {level_mj, 0, 0}, settings);
 }
 
@@ -40,6 +41,14 @@ TEST(EnergyAccount, FillsToTheCeilingAndCarriesADeficit) {
   EXPECT_DOUBLE_EQ(account.level_mj(), -1);
   EXPECT_DOUBLE_EQ(account.given_mj(), -14);
   EXPECT_DOUBLE_EQ(account.most_returned_mj(), 12);
+}
+
+TEST(Passivity, CoversTheFirstCutBeforeTheUserHasDoneWork) {
+  PassivitySettings reference{.latency_us = 3000, .mass_kg = 0.15, .inertia_kg_m2 = 2e-4};
+  const Wrench cut{{0, 0, 1.5}, {90, 0, 0}};
+  EXPECT_EQ(Passivity(reference).share(cut, {}, kStartUs), 1);
+  reference.start_mj = 0;
+  EXPECT_LT(Passivity(reference).share(cut, {}, kStartUs), 0.01);
 }
 
 TEST(WrittenWrenches, SettleTheGreatestWorkOfAnyThatMayHaveActed) {
