@@ -19,6 +19,11 @@ constexpr double kEarlierS = 0.03;
 constexpr double kGrows = 1.2;
 /// Speed below which trembling counts little, mm/s: encoders of a few micrometers tremble as fast.
 constexpr double kLeastSpeed = 1;
+/// Longest time between two reversals of trembling, and the share of the last peak from which on
+/// the opposite velocity is one. The filters answer to one change of velocity with a peak and 0.14
+/// of it in the opposite direction.
+constexpr double kHalfPeriodS = 0.04;
+constexpr double kReversed = 0.4;
 /// Share of the power from which on a force counts as driving. A force that is a quarter of a
 /// period late has none; noise has less than this.
 constexpr double kDriven = 0.2;
@@ -66,10 +71,27 @@ void Trembling::take(Vec3 force_n, Vec3 moved_mm, double dt_s) noexcept {
   const double fast = part_of(dt_s, kFastS), mean = part_of(dt_s, kMeanS);
   const Vec3 force = force_.take(force_n, fast);
   const Vec3 velocity = velocity_.take(moved_mm * (1 / dt_s), fast);
+  count_reversals(velocity, dt_s);
   power_ += (dot(force, velocity) - power_) * mean;
   force_square_ += (dot(force, force) - force_square_) * mean;
   speed_square_ += (dot(velocity, velocity) - speed_square_) * mean;
   earlier_square_ += (speed_square_ - earlier_square_) * part_of(dt_s, kEarlierS);
+}
+
+void Trembling::count_reversals(Vec3 velocity, double dt_s) noexcept {
+  since_s_ += dt_s;
+  const double square = dot(velocity, velocity), peak_square = dot(peak_, peak_);
+  if (since_s_ > kHalfPeriodS) {
+    reversals_ = 0;
+    since_s_ = 0;
+    peak_ = velocity;
+  } else if (dot(velocity, peak_) < 0 && square > kReversed * kReversed * peak_square) {
+    ++reversals_;
+    since_s_ = 0;
+    peak_ = velocity;
+  } else if (square > peak_square) {
+    peak_ = velocity;
+  }
 }
 
 double Trembling::driven() const noexcept {
@@ -95,7 +117,7 @@ void CutCoupling::adapt(Vec3 moved_mm, Vec3 arm_mm, double dt_s) noexcept {
   const bool rests = held_ || length(moved_mm) <= kLeastSpeed * dt_s;
   if (!rests || !(length(slipped_n_) > 0)) compliance_ *= std::exp(-dt_s / kFallS);
   const double driven = (trembling_.driven() - kDriven) / (1 - kDriven);
-  if (!(driven > 0) || !trembling_.grows()) return;
+  if (!(driven > 0) || !trembling_.grows() || !trembling_.swings()) return;
   // Where the path has a corner, a weak force, an answer late, may drive by chance.
   const double mass = moved_mass(limits_, arm_mm, across(arm_mm));
   const double most = kResonance * kFastS * kFastS * kMmPerM / mass;  // mm/N

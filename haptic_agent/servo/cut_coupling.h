@@ -23,6 +23,10 @@ class Trembling {
   double driven() const noexcept;
   /// Whether it has become stronger over the last hundredths of a second.
   bool grows() const noexcept;
+  /// Whether the point swings to and fro: its velocity has reversed twice, each time within half a
+  /// period of the slowest trembling. The onset of a stroke and its end change velocity and force
+  /// once; trembling does so again and again.
+  bool swings() const noexcept { return reversals_ >= kReversals; }
   /// Displacement over force, rms, mm/N.
   double compliance() const noexcept;
 
@@ -32,7 +36,15 @@ class Trembling {
     Vec3 mean{}, mean_of_rest{};
     Vec3 take(Vec3 value, double part) noexcept;
   };
+  void count_reversals(Vec3 velocity, double dt_s) noexcept;
+
+  static constexpr int kReversals = 2;
+
   Fast force_, velocity_;
+  /// The greatest fast velocity since it reversed last, the time since then, and how often it has.
+  Vec3 peak_{};
+  double since_s_ = 0;
+  int reversals_ = 0;
   double power_ = 0, force_square_ = 0, speed_square_ = 0, earlier_square_ = 0;
 };
 

@@ -103,6 +103,24 @@ TEST(CutCoupling, AWeakForceDrivesNoCorner) {
   EXPECT_LT(coupling.compliance_mm_per_n(), 0.1);
 }
 
+TEST(CutCoupling, TheOnsetOfAStrokeIsNoTrembling) {
+  // Pecks of 3 Hz, 2 mm deep, along the axis: the force begins and ends while the tool moves fast,
+  // one tick late.
+  CutCoupling coupling(pen(2e-4), 4);
+  PastGrip now{};
+  double force_n = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double phase = 2 * kPi * 3 * kTickS * i;
+    const double mm_per_s = -1.5 * 2 * kPi * 3 * std::sin(phase);
+    now.grip.pivot_mm.z += mm_per_s * kTickS;
+    now.velocity.linear = {0, 0, mm_per_s};
+    const Wrench computed{{0, 0, force_n}, {}};
+    EXPECT_EQ(coupling.at(computed, kArm, now, kTickS), computed) << i;
+    force_n = mm_per_s < 0 && now.grip.pivot_mm.z < -1 ? 2 : 0;
+  }
+  EXPECT_EQ(coupling.compliance_mm_per_n(), 0);
+}
+
 TEST(CutCoupling, ForceThatBrakesTheTremblingIsTheComputedOne) {
   Cutting tool(pen(1e-5));
   for (const double late_s : {0.0, 0.001, 0.002}) {
