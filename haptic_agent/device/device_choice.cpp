@@ -18,6 +18,8 @@ namespace {
 
 /// Longer than arming takes at the longest network delay (haptic_agent/README.md).
 constexpr double kRestAtStartS = 0.5;
+/// Encoders of the simulated hand, in the class of an Inverse3 or Omega.
+constexpr double kSimulatedQuantumMm = 0.01, kSimulatedQuantumRad = 2e-4;
 
 std::expected<DeviceChoice, std::string> with_file(DeviceKind kind, std::string_view path) {
   auto script = load_script(std::string(path));
@@ -145,6 +147,8 @@ std::expected<std::unique_ptr<HapticDevice>, std::string> make_device(
   return std::make_unique<SimulatedHand>(
       std::move(path), HandSettings{.stiffness_n_per_mm = options.stiffness_n_per_mm,
                                     .pivot_mm = place.pivot_mm,
+                                    .quantum_mm = kSimulatedQuantumMm,
+                                    .quantum_rad = kSimulatedQuantumRad,
                                     .rest_at_start_s = kRestAtStartS});
 }
 

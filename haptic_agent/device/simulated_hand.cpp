@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "haptic_agent/device/encoder.h"
 #include "haptic_agent/device/units.h"
 #include "server/wire/types.h"
 
@@ -40,6 +41,8 @@ DeviceCapabilities SimulatedHand::capabilities() const {
           .actuated_dof = 5,
           .max_force_n = 15.0,
           .max_torque_nmm = 500.0,
+          .resolution_mm = settings_.quantum_mm,
+          .resolution_rad = settings_.quantum_rad,
           .moving_mass_kg = settings_.mass_kg,
           .moving_inertia_kg_m2 = settings_.inertia_kg_m2,
           .has_deadman = true};
@@ -67,8 +70,8 @@ DeviceState SimulatedHand::read(std::uint64_t now_us) noexcept {
   const std::uint32_t held = act_ == Regrip::Act::kLetGo ? 0U : wire::kButtonDeadman;
   const Vec3 tip_mm = pivot_mm_ - axis_ * settings_.pivot_mm;
   max_deviation_mm_ = std::max(max_deviation_mm_, length(tip_mm - target_.tip_mm));
-  return {.tip_mm = tip_mm,
-          .axis = axis_,
+  return {.tip_mm = rounded(tip_mm, settings_.quantum_mm),
+          .axis = normalized(rounded(axis_, settings_.quantum_rad)),
           .buttons = held | (cutting ? wire::kButtonCutting : 0U),
           .tool_id = target_.tool_id,
           .time_us = now_us,

@@ -20,6 +20,8 @@ struct HandSettings {
   /// Distance from the tip along the axis to the pivot, where the hand holds the tool; torques are
   /// about it.
   double pivot_mm = 60.0;
+  /// Quanta to which the device rounds tip and axis; 0: not at all.
+  double quantum_mm = 0, quantum_rad = 0;
   /// Time spent at the first pose, as a user waits until the device is armed.
   double rest_at_start_s = 0;
 };

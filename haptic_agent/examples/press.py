@@ -37,7 +37,8 @@ class Capabilities(Sized):
                 ("max_damping_n_s_per_mm", c_double), ("latency_us", c_uint32),
                 ("max_vibration_hz", c_uint32), ("moving_mass_kg", c_double),
                 ("moving_inertia_kg_m2", c_double), ("workspace_min_mm", Vector),
-                ("workspace_max_mm", Vector)]
+                ("workspace_max_mm", Vector), ("resolution_mm", c_double),
+                ("resolution_rad", c_double)]
 
 
 class Options(Sized):

@@ -42,7 +42,7 @@ extern "C" {
 /** Version of this interface. Programs and plugins of one ABI number work with every library of the
  * same number; a library with a higher minor number knows more functions and fields. */
 #define KERF_AGENT_ABI 1
-#define KERF_AGENT_MINOR 4
+#define KERF_AGENT_MINOR 5
 #define KERF_AGENT_VERSION ((KERF_AGENT_ABI << 16) | KERF_AGENT_MINOR)
 
 /** Result of a call: KERF_AGENT_OK or a negative number. */
@@ -129,6 +129,10 @@ typedef struct kerf_agent_capabilities {
   /** Range of the tip in session coordinates, mm: outside the force is switched off. Equal corners:
    * unknown, not supervised. */
   double workspace_min_mm[3], workspace_max_mm[3];
+  /** Steps of the encoders as the pose shows them: of the tip's coordinates, mm, 0 to 1, and of the
+   * axis, rad, 0 to 0.1. The library estimates the pose between the steps, so that a cut is felt at
+   * any speed. 0: unknown; then it finds them from the first steps of each coordinate. Minor 5. */
+  double resolution_mm, resolution_rad;
 } kerf_agent_capabilities;
 
 /** Flags of kerf_agent_options. */

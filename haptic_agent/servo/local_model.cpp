@@ -124,9 +124,10 @@ Wrench LocalModel::within_band(const Wrench& cutting, double dt_s) noexcept {
   return in_band_;
 }
 
-Wrench LocalModel::at(const PastGrip& now, bool cutting, double dt_s) noexcept {
-  const Wrench touched =
-      stock_.at(now.grip, now.velocity, dt_s) + obstacles_.at(now.grip, now.velocity, dt_s);
+Wrench LocalModel::at(const PastGrip& now, const PastGrip& measured, bool cutting,
+                      double dt_s) noexcept {
+  const Wrench touched = stock_.at(measured.grip, measured.velocity, dt_s) +
+                         obstacles_.at(measured.grip, measured.velocity, dt_s);
   computed_ = stock_.computed() + obstacles_.computed();
   compliance_ = 0;
   const Vec3 arm = this->arm(now);

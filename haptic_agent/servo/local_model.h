@@ -40,14 +40,15 @@ class LocalModel {
         coupling_(settings.contact,
                   settings.law == CutLaw::kMechanistic ? kMillingMmPerN : kCutMmPerN) {}
 
-  /// Takes an answer of the server. `then`: the grip when the answered pose was measured. If the
+  /// Takes an answer of the server. `then`: the grip that was sent; `now`: the measured one. If the
   /// replica has already answered a newer pose, only the obstacles of this answer are used.
   void take(const ServerWrench& answer, const PastGrip& then, const PastGrip& now) noexcept;
   /// Takes an answer of the local replica, which has no obstacles.
   void take_replica(const ServerWrench& answer, const PastGrip& then, const PastGrip& now) noexcept;
-  /// Returns the wrench at the newest grip, `dt_s` after the previous one. `cutting`: the user
-  /// presses the cutting button.
-  Wrench at(const PastGrip& now, bool cutting, double dt_s) noexcept;
+  /// Returns the wrench at the newest grip, `dt_s` after the previous one: that of the cut at
+  /// `now`, as estimated between the steps of the encoders, and that of contacts at `measured`.
+  /// `cutting`: the user presses the cutting button.
+  Wrench at(const PastGrip& now, const PastGrip& measured, bool cutting, double dt_s) noexcept;
   /// Returns the wrench of the last call of `at` before it was reduced to the stiffness and damping
   /// that the device renders stably: the one that the session computes.
   const Wrench& computed() const noexcept { return computed_; }

@@ -24,6 +24,8 @@ constexpr double kTickS = 1e-3;
 /// Cosine of the turn that makes a corner, and the step below which noise of encoders may turn.
 constexpr double kTurnCos = 0.9;
 constexpr double kLeastStepMm = 0.01;
+/// Share by which the force of two answers differs where it changes.
+constexpr double kChangeShare = 0.03;
 
 /// Gains that follow from the device's mass and latency: those of the dampers act a latency and a
 /// period late, and what they may take from the least mass in that time is limited.
@@ -60,6 +62,8 @@ ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings setti
         std::min(settings.model.contact.max_damping, settings.model.max_damping);
   }
   settings.model.max_vibration_hz = device.max_vibration_hz;
+  settings.resolution_mm = device.resolution_mm;
+  settings.resolution_rad = device.resolution_rad;
   adapt_to_mechanics(device, settings);
   settings.passivity.longest_tick_us = settings.safety.lost_in_a_row * kTickUs;
   settings.safety.continuous_force_n = device.continuous_force_n;
@@ -85,7 +89,9 @@ ServoCycle::ServoCycle(HapticDevice& device, SampleRing& samples,
       model_(settings.model),
       velocity_(settings.velocity_cutoff_hz),
       output_(settings.passivity, settings.limits),
-      supervisor_(settings.safety) {}
+      supervisor_(settings.safety),
+      estimator_(settings.resolution_mm, settings.resolution_rad),
+      estimated_velocity_(settings.velocity_cutoff_hz) {}
 
 bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   if (last_us_ == 0) {
@@ -99,8 +105,9 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   last_us_ = now_us;
 
   const DeviceState state = device_.read(now_us);
-  const bool usable = send(state);
+  const bool usable = is_usable(state);
   const Twist moved = follow(state, usable, now_us, dt_s);
+  if (usable) send(state);
   output_.settle(moved, now_us - passed_us, now_us);
   const bool cutting = (state.buttons & wire::kButtonCutting) != 0;
   computed_ = guided_ = {};
@@ -112,7 +119,7 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   if (tripped && supervisor_.phase() != ServoPhase::kSafe) output_.restart();
   device_.show_force(gain > 0);
   device_.write(usable && gain > 0
-                    ? output_.release(wrench * gain, velocity_.velocity(), moved, dt_s, now_us)
+                    ? output_.release(wrench * gain, now_.velocity, sent_moved_, dt_s, now_us)
                     : output_.silence(now_us));
   note_felt(usable && gain > 0);
   note(seen, wrench);
@@ -126,16 +133,21 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   return true;
 }
 
-bool ServoCycle::send(const DeviceState& state) noexcept {
+bool ServoCycle::is_usable(const DeviceState& state) noexcept {
   const double axis_error = std::abs(length(state.axis) - 1.0);
-  if (!state.valid || !is_finite(state.tip_mm) || !(axis_error <= wire::kAxisLengthTolerance / 2)) {
-    ++report_.invalid_poses;
-    return false;
+  if (state.valid && is_finite(state.tip_mm) && axis_error <= wire::kAxisLengthTolerance / 2) {
+    return true;
   }
+  ++report_.invalid_poses;
+  return false;
+}
+
+/// Passes the estimated pose to the link and the replica.
+void ServoCycle::send(const DeviceState& state) noexcept {
   const bool motors = settings_.safety.motors;
   const wire::MotionSample sample{.time_us = state.time_us,
-                                  .tip_mm = state.tip_mm,
-                                  .axis = Vec3f(state.axis),
+                                  .tip_mm = sent_tip_mm_,
+                                  .axis = Vec3f(now_.grip.axis),
                                   .tool_id = state.tool_id != 0 ? state.tool_id : settings_.tool_id,
                                   .buttons = state.buttons | (motors ? wire::kButtonFelt : 0U),
                                   .felt_share = motors ? static_cast<float>(share_) : 0.0F};
@@ -146,24 +158,23 @@ bool ServoCycle::send(const DeviceState& state) noexcept {
   }
   if (replica_ != nullptr) pass_to_replica(sample);
   if (must_wake_link(sample.buttons)) listener_.sample_ready();
-  return true;
 }
 
 /// Returns whether the tool travels by more than kTurnCos from its heading: the force of the cut
 /// may change at once there, as where a plunge turns into a slot.
-bool ServoCycle::turns(Vec3 tip_mm) const noexcept {
-  const Vec3 step = tip_mm - tip_mm_;
-  const double step_mm = length(step);
-  return has_grip_ && step_mm > kLeastStepMm &&
-         dot(step, now_.heading) < kTurnCos * step_mm * length(now_.heading);
+bool ServoCycle::turns(Vec3 step_mm) const noexcept {
+  const double size_mm = length(step_mm);
+  return size_mm > kLeastStepMm &&
+         dot(step_mm, now_.heading) < kTurnCos * size_mm * length(now_.heading);
 }
 
 /// Wakes the replica for every second sample: a thread that wakes costs more than a cut. The chips
-/// and teeth of a milling cutter, and corners of the path, need an answer to each.
+/// and teeth of a milling cutter, corners of the path, and a force that changes, as in a plunge,
+/// need an answer to each.
 void ServoCycle::pass_to_replica(const wire::MotionSample& sample) noexcept {
   if (!replica_->push(sample)) ++report_.replica_overflows;
   replica_waits_ =
-      !replica_waits_ && settings_.model.law != CutLaw::kMechanistic && !turns(sample.tip_mm);
+      !replica_waits_ && settings_.model.law != CutLaw::kMechanistic && !turns_ && !force_changes_;
   if (!replica_waits_) replica_->wake();
 }
 
@@ -178,28 +189,45 @@ bool ServoCycle::must_wake_link(std::uint32_t buttons) noexcept {
   return true;
 }
 
-/// Updates grip, velocity and history; returns the displacement since the previous tick.
+/// Updates grip, velocity and history; returns the displacement measured since the previous tick.
 Twist ServoCycle::follow(const DeviceState& state, bool usable, std::uint64_t now_us,
                          double dt_s) noexcept {
   if (!usable) {
     has_grip_ = false;
     velocity_.reset();
+    estimated_velocity_.reset();
+    estimator_.reset();
     return {};
   }
   const Grip grip{state.tip_mm + state.axis * settings_.pivot_mm, state.axis};
-  const Twist moved = has_grip_ ? between(now_.grip, grip) : Twist{};
-  const Vec3 step = has_grip_ ? state.tip_mm - tip_mm_ : Vec3{};
-  jumped_mm_ = length(step);
+  const Twist moved = has_grip_ ? between(measured_.grip, grip) : Twist{};
+  jumped_mm_ = has_grip_ ? length(state.tip_mm - tip_mm_) : 0;
   tip_mm_ = state.tip_mm;
+  estimate(state, std::min(state.time_us, now_us), dt_s);
+  measured_ = now_;
+  measured_.grip = grip;
+  measured_.velocity = velocity_.take(moved, dt_s);
   has_grip_ = true;
-  // Answers refer to the sample's own time, which may be before the tick's.
-  now_ = {.time_us = std::min(state.time_us, now_us),
-          .grip = grip,
-          .velocity = velocity_.take(moved, dt_s),
-          .path_mm = now_.path_mm + jumped_mm_,
-          .heading = LocalModel::heading(now_.heading, step)};
-  history_.push(now_);
   return moved;
+}
+
+/// Sets the grip that is sent, `dt_s` after the last one. Answers refer to the sample's own time,
+/// which may be before the tick's.
+void ServoCycle::estimate(const DeviceState& state, std::uint64_t time_us, double dt_s) noexcept {
+  PoseEstimator::Pose pose{state.tip_mm, state.axis};
+  // The path of a device without motors is cut as it is: nothing of it is felt.
+  if (settings_.safety.motors) pose = estimator_.take(pose, dt_s);
+  const Grip grip{pose.tip_mm + pose.axis * settings_.pivot_mm, pose.axis};
+  sent_moved_ = has_grip_ ? between(now_.grip, grip) : Twist{};
+  const Vec3 step_mm = has_grip_ ? pose.tip_mm - sent_tip_mm_ : Vec3{};
+  turns_ = turns(step_mm);
+  sent_tip_mm_ = pose.tip_mm;
+  now_ = {.time_us = time_us,
+          .grip = grip,
+          .velocity = estimated_velocity_.take(sent_moved_, dt_s),
+          .path_mm = now_.path_mm + length(step_mm),
+          .heading = LocalModel::heading(now_.heading, step_mm)};
+  history_.push(now_);
 }
 
 std::uint64_t ServoCycle::answer_age(std::uint64_t now_us) const noexcept {
@@ -222,12 +250,15 @@ void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
   ServerWrench next;
   if (wrenches_.read(next)) {
     interpolator_.take(next, now_us);
-    model_.take(next, grip_at(next.pose_us), now_);
+    model_.take(next, grip_at(next.pose_us), measured_);
     has_answer_ = true;
     if (now_us - replica_us_ > kReplicaFreshUs) engaged_mm2_ = next.engaged_area_mm2;
   }
   if (replica_ != nullptr && replica_->read(next)) {
-    model_.take_replica(next, grip_at(next.pose_us), now_);
+    model_.take_replica(next, grip_at(next.pose_us), measured_);
+    const double change_n = length(next.wrench.force_n - replica_force_n_);
+    force_changes_ = change_n > kChangeShare * length(next.wrench.force_n);
+    replica_force_n_ = next.wrench.force_n;
     replica_us_ = now_us;
     engaged_mm2_ = next.engaged_area_mm2;
     ++report_.replica_answers;
@@ -244,7 +275,7 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
   Wrench session = interpolator_.newest().wrench;
   switch (settings_.mode) {
     case ForceMode::kModel:
-      own = own + model_.at(now_, cutting, dt_s);
+      own = own + model_.at(now_, measured_, cutting, dt_s);
       session = model_.computed();
       note_softness(model_.compliance_mm_per_n());
       break;
@@ -258,7 +289,7 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
   heard_n_ = length(session.force_n) * share;
   computed_ = followed_ + session;
   if (guidance_ != nullptr) {
-    guided_ = guidance_->at(now_);
+    guided_ = guidance_->at(measured_);
     own = own + guided_;
     computed_ = computed_ + guided_;
     guided_ = guided_ * share;
@@ -269,7 +300,7 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
 SafetyInput ServoCycle::safety_input(const DeviceState& state, bool usable,
                                      const Wrench& requested) const noexcept {
   const Twist& velocity = velocity_.velocity();
-  const Vec3 arm = now_.grip.axis * -settings_.pivot_mm;
+  const Vec3 arm = measured_.grip.axis * -settings_.pivot_mm;
   return {.now_us = last_us_,
           .dt_s = static_cast<double>(lost_now_ + 1) * kTickUs * kSPerUs,
           .present = state.valid && state.phase == DevicePhase::kReady,

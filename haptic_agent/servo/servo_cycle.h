@@ -13,6 +13,7 @@
 #include "haptic_agent/servo/heard_cut.h"
 #include "haptic_agent/servo/local_model.h"
 #include "haptic_agent/servo/output_stage.h"
+#include "haptic_agent/servo/pose_estimator.h"
 #include "haptic_agent/servo/replica_exchange.h"
 #include "haptic_agent/servo/sample_ring.h"
 #include "haptic_agent/servo/servo_loop.h"
@@ -53,6 +54,8 @@ struct ServoSettings {
   double pivot_mm = 60;
   /// Cut-off frequency of the velocity estimate; depends on the device.
   double velocity_cutoff_hz = 100;
+  /// Quanta of the device's poses (DeviceCapabilities).
+  double resolution_mm = 0, resolution_rad = 0;
 };
 
 /// Returns `settings` adapted to a device: stable stiffness and damping, ratings, workspace.
@@ -123,8 +126,10 @@ class ServoCycle final : public ServoTask {
   FlightRecorder& recorder() noexcept { return recorder_; }
 
  private:
-  bool send(const DeviceState& state) noexcept;
-  bool turns(Vec3 tip_mm) const noexcept;
+  bool is_usable(const DeviceState& state) noexcept;
+  void send(const DeviceState& state) noexcept;
+  bool turns(Vec3 step_mm) const noexcept;
+  void estimate(const DeviceState& state, std::uint64_t time_us, double dt_s) noexcept;
   void pass_to_replica(const wire::MotionSample& sample) noexcept;
   bool must_wake_link(std::uint32_t buttons) noexcept;
   Twist follow(const DeviceState& state, bool usable, std::uint64_t now_us, double dt_s) noexcept;
@@ -155,7 +160,11 @@ class ServoCycle final : public ServoTask {
   LatestValue<ServoStatus> status_;
   LatestValue<HeardCut> heard_;
   ServoReport report_;
-  PastGrip now_;
+  PoseEstimator estimator_;
+  VelocityEstimator estimated_velocity_;
+  /// The grip as measured, which contacts, guides, passivity and safety refer to, and as estimated
+  /// between the steps of the encoders, which is sent and cuts.
+  PastGrip measured_, now_;
   /// Wrench of the followed participant, low-pass filtered.
   Wrench followed_{};
   /// Part of the requested wrench that comes from the guides.
@@ -165,14 +174,21 @@ class ServoCycle final : public ServoTask {
   double share_ = 1;
   /// What is heard: the session's force, and the engaged area of the newest answer.
   double heard_n_ = 0, engaged_mm2_ = 0;
-  Vec3 tip_mm_{};
+  /// The measured tip, and the estimated one.
+  Vec3 tip_mm_{}, sent_tip_mm_{};
+  /// Displacement of the estimated grip in this tick.
+  Twist sent_moved_{};
   double jumped_mm_ = 0;
+  bool turns_ = false;
   bool has_grip_ = false;
   bool has_answer_ = false;
   /// Time of the replica's latest answer; 0: never.
   std::uint64_t replica_us_ = 0;
   /// The replica has a sample for which it was not woken.
   bool replica_waits_ = false;
+  /// The force of the replica's newest answer, and whether it differs from the one before.
+  Vec3 replica_force_n_{};
+  bool force_changes_ = false;
   /// Samples for which the link was not woken, and the buttons for which it was.
   int unsent_ = 0;
   std::uint32_t sent_buttons_ = 0;

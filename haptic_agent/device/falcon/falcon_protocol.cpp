@@ -16,6 +16,9 @@ constexpr std::uint64_t kAnswerUs = 10'000;
 constexpr std::uint64_t kSilenceUs = 500'000;
 /// A request and a reply through the serial chip, whose latency timer is 1 ms.
 constexpr std::uint64_t kLatencyUs = 3000;
+/// How far a count of one leg moves the grip (angle_of, 110 mm arms); in the middle the Jacobian is
+/// about one.
+constexpr double kResolutionMm = 0.043;
 /// An assumption for the grip and its three legs. The grip does not turn: no torque moves it.
 constexpr double kMovingMassKg = 0.1;
 constexpr double kMovingInertiaKgM2 = 1;
@@ -44,6 +47,7 @@ DeviceCapabilities FalconProtocol::capabilities() const {
           .max_stiffness_n_per_mm = 3.0,
           .max_damping_n_s_per_mm = 0.02,
           .latency_us = kLatencyUs,
+          .resolution_mm = kResolutionMm,
           .moving_mass_kg = kMovingMassKg,
           .moving_inertia_kg_m2 = kMovingInertiaKgM2,
           .workspace_min_mm = settings_.middle_mm - reach,

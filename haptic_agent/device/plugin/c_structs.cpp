@@ -50,6 +50,8 @@ std::string fault_of(const kerf_agent_capabilities& given) {
       {"max_vibration_hz", static_cast<double>(given.max_vibration_hz), kMaxVibrationHz},
       {"moving_mass_kg", given.moving_mass_kg, 100},
       {"moving_inertia_kg_m2", given.moving_inertia_kg_m2, 10},
+      {"resolution_mm", given.resolution_mm, 1},
+      {"resolution_rad", given.resolution_rad, 0.1},
   };
   if (std::string fault = fault_of(ranges); !fault.empty()) return fault;
   if (given.max_vibration_hz != 0 && given.max_vibration_hz < kMinVibrationHz) {
@@ -89,6 +91,8 @@ std::expected<DeviceCapabilities, std::string> capabilities_of(
       .max_damping_n_s_per_mm = given.max_damping_n_s_per_mm,
       .max_vibration_hz = static_cast<double>(given.max_vibration_hz),
       .latency_us = given.latency_us,
+      .resolution_mm = given.resolution_mm,
+      .resolution_rad = given.resolution_rad,
       .moving_mass_kg = given.moving_mass_kg,
       .moving_inertia_kg_m2 = given.moving_inertia_kg_m2,
       .workspace_min_mm = vec_of(given.workspace_min_mm),

@@ -52,6 +52,8 @@ constexpr NumberKey kNumberKeys[] = {
     {"max_damping_n_s_per_mm", &kerf_agent_capabilities::max_damping_n_s_per_mm},
     {"moving_mass_kg", &kerf_agent_capabilities::moving_mass_kg},
     {"moving_inertia_kg_m2", &kerf_agent_capabilities::moving_inertia_kg_m2},
+    {"resolution_mm", &kerf_agent_capabilities::resolution_mm},
+    {"resolution_rad", &kerf_agent_capabilities::resolution_rad},
 };
 
 struct IntegerKey {

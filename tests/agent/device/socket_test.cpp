@@ -26,7 +26,7 @@ using std::chrono::milliseconds;
 
 constexpr std::string_view kRated =
     "kerf-device 1 name=fake sensed_dof=3 actuated_dof=3 max_force_n=10 latency_us=2000 "
-    "max_vibration_hz=300 "
+    "max_vibration_hz=300 resolution_mm=0.055 resolution_rad=0.001 "
     "workspace_min_mm=-50,-50,-50 workspace_max_mm=50,50,50";
 
 TEST(LineProtocol, ReadsCapabilities) {
@@ -37,6 +37,8 @@ TEST(LineProtocol, ReadsCapabilities) {
   EXPECT_EQ(device->max_force_n, 10);
   EXPECT_EQ(device->latency_us, 2000U);
   EXPECT_EQ(device->max_vibration_hz, 300);
+  EXPECT_EQ(device->resolution_mm, 0.055);
+  EXPECT_EQ(device->resolution_rad, 0.001);
   EXPECT_EQ(device->workspace_max_mm.y, 50);
   EXPECT_FALSE(device->has_deadman);
   EXPECT_TRUE(parse_device_line("kerf-device 1 deadman=1")->has_deadman);
@@ -52,6 +54,7 @@ TEST(LineProtocol, MalformedCapabilitiesAreRejectedWithAReason) {
            {"kerf-device 1 latency_us=30000", "latency_us is 30000"},
            {"kerf-device 1 max_vibration_hz=2000", "max_vibration_hz is 2000"},
            {"kerf-device 1 max_vibration_hz=5", "at least 20"},
+           {"kerf-device 1 resolution_mm=2", "resolution_mm is 2"},
            {"kerf-device 1 max_force_n=nan", "max_force_n=nan"},
            {"kerf-device 1 max_force_n=200", "max_force_n is 200"},
            {"kerf-device 1 workspace_min_mm=1,2", "workspace_min_mm"},

@@ -53,10 +53,11 @@ TEST(LocalModel, ReproducesAnAnswerWithoutDelay) {
   const PastGrip now = move_along_x(start(), 200);
   const ServerWrench answer = cut_of(now, 3);
   model.take(answer, now, now);
-  const Wrench output = model.at(now, true, kDt);
+  const Wrench output = model.at(now, now, true, kDt);
   EXPECT_NEAR(output.force_n.x, -3, 1e-9);
   EXPECT_NEAR(output.torque_nmm.y, answer.wrench.torque_nmm.y, 1e-6);
-  EXPECT_EQ(model.at(now, false, kDt), Wrench{}) << "no cutting force without the cutting button";
+  EXPECT_EQ(model.at(now, now, false, kDt), Wrench{})
+      << "no cutting force without the cutting button";
 }
 
 /// Returns the range of the rendered force, over the mean, where answers of this age alternate.
@@ -69,7 +70,7 @@ double rendered_ripple(CutLaw law, double max_vibration_hz = 0, std::size_t late
     const PastGrip& now = path.back();
     const PastGrip& then = path[path.size() - 1 - std::min(late_ticks, path.size() - 1)];
     model.take_replica(cut_of(then, i % 4 < 2 ? 2.5 : 3.5), then, now);
-    const double newtons = -model.at(now, true, kDt).force_n.x;
+    const double newtons = -model.at(now, now, true, kDt).force_n.x;
     if (i < 20) continue;
     least = std::min(least, newtons);
     most = std::max(most, newtons);
@@ -102,14 +103,14 @@ TEST(LocalModel, BandKeepsTheMeanForceAndNothingAfterACut) {
     const PastGrip then = now;
     now = next(now, {0.05, 0, 0});
     model.take_replica(cut_of(then, 3), then, now);
-    newtons = -model.at(now, true, kDt).force_n.x;
+    newtons = -model.at(now, now, true, kDt).force_n.x;
   }
   EXPECT_NEAR(newtons, 3, 1e-6);
   EXPECT_NEAR(-model.computed().force_n.x, 3, 1e-6);
-  EXPECT_EQ(model.at(now, false, kDt), Wrench{}) << "the button is released";
-  EXPECT_LT(-model.at(now, true, kDt).force_n.x, 1) << "a new cut begins";
+  EXPECT_EQ(model.at(now, now, false, kDt), Wrench{}) << "the button is released";
+  EXPECT_LT(-model.at(now, now, true, kDt).force_n.x, 1) << "a new cut begins";
   model.take_replica(ServerWrench{.pose_us = now.time_us}, now, now);
-  EXPECT_EQ(model.at(now, true, kDt), Wrench{}) << "nothing is engaged";
+  EXPECT_EQ(model.at(now, now, true, kDt), Wrench{}) << "nothing is engaged";
 }
 
 TEST(LocalModel, ExtrapolatesARisingForceFromDelayedAnswers) {
@@ -122,7 +123,7 @@ TEST(LocalModel, ExtrapolatesARisingForceFromDelayedAnswers) {
   double worst = 0, held = 0;
   for (int i = 100; i < 300; ++i) {
     model.take(cut_of(path[i - kLate], newtons(i - kLate)), path[i - kLate], path[i]);
-    const double output = -model.at(path[i], true, kDt).force_n.x;
+    const double output = -model.at(path[i], path[i], true, kDt).force_n.x;
     if (i < 150) continue;
     worst = std::max(worst, std::abs(output - newtons(i)));
     held = std::max(held, std::abs(newtons(i - kLate) - newtons(i)));
@@ -137,7 +138,7 @@ TEST(LocalModel, ForceTurnsWithTheDirectionOfTravel) {
   model.take(cut_of(now, 3), now, now);
   const double half = std::sqrt(0.5);
   for (int i = 0; i < 200; ++i) now = next(now, {0.05 * half, 0.05 * half, 0});
-  const Vec3 force = model.at(now, true, kDt).force_n;
+  const Vec3 force = model.at(now, now, true, kDt).force_n;
   EXPECT_NEAR(force.x, -3 * half, 0.02);
   EXPECT_NEAR(force.y, -3 * half, 0.02);
 }
@@ -146,10 +147,10 @@ TEST(LocalModel, ForceFadesOnReversal) {
   LocalModel model({});
   PastGrip now = move_along_x(start(), 200);
   model.take(cut_of(now, 3), now, now);
-  double before = model.at(now, true, kDt).force_n.x;
+  double before = model.at(now, now, true, kDt).force_n.x;
   for (int i = 0; i < 100; ++i) {
     now = next(now, {-0.05, 0, 0});
-    const double force = model.at(now, true, kDt).force_n.x;
+    const double force = model.at(now, now, true, kDt).force_n.x;
     EXPECT_LE(std::abs(force - before), 0.7) << "no step at tick " << i;
     before = force;
   }
@@ -160,12 +161,12 @@ TEST(LocalModel, RemovalRateLawIsADamperWithinTheDeviceLimit) {
   LocalModel model({.law = CutLaw::kRemovalRate, .max_damping = 0.04});
   PastGrip now = move_along_x(start(), 200);
   model.take(cut_of(now, 1.5), now, now);  // 50 mm/s: 0.03 N s/mm
-  EXPECT_NEAR(model.at(now, true, kDt).force_n.x, -1.5, 1e-9);
+  EXPECT_NEAR(model.at(now, now, true, kDt).force_n.x, -1.5, 1e-9);
   now = next(now, {0.1, 0, 0});
-  EXPECT_NEAR(model.at(now, true, kDt).force_n.x, -3, 0.02) << "twice as fast";
+  EXPECT_NEAR(model.at(now, now, true, kDt).force_n.x, -3, 0.02) << "twice as fast";
   model.take(cut_of(now, 30), now, now);
   now = next(now, {0.05, 0, 0});
-  const Wrench rendered = model.at(now, true, kDt);
+  const Wrench rendered = model.at(now, now, true, kDt);
   EXPECT_LE(std::abs(rendered.force_n.x), 0.04 * 50 + 1e-9);
   const double factor = rendered.force_n.x / model.computed().force_n.x;
   EXPECT_LT(factor, 0.2) << "what the server computes is far above the device's damping";
@@ -178,7 +179,7 @@ TEST(LocalModel, RemovalRateLawIsAWeakerDamperOnAPenThatTurnsEasily) {
         {.law = CutLaw::kRemovalRate, .contact = {.mass_kg = 0.1, .inertia_kg_m2 = inertia_kg_m2}});
     const PastGrip now = move_along_x(start(), 200);
     model.take(cut_of(now, 0.9), now, now);
-    return -model.at(now, true, kDt).force_n.x;
+    return -model.at(now, now, true, kDt).force_n.x;
   };
   EXPECT_NEAR(rendered_n(1), 0.83, 0.01) << "half of 0.1 kg / 3 ms, at 50 mm/s";
   EXPECT_LT(rendered_n(1e-5), 0.05);
@@ -190,7 +191,7 @@ TEST(LocalModel, TorqueNotDueToTheCutCenterIsKept) {
   ServerWrench answer = cut_of(now, 3);
   answer.wrench.torque_nmm = answer.wrench.torque_nmm + Vec3{7, 0, 0};
   model.take(answer, now, now);
-  EXPECT_NEAR(model.at(now, true, kDt).torque_nmm.x, 7, 1e-9);
+  EXPECT_NEAR(model.at(now, now, true, kDt).torque_nmm.x, 7, 1e-9);
 }
 
 ServerWrench wall_at(const PastGrip& then, double depth_mm, double stiffness = 1) {

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "haptic_agent/servo/step_tracker.h"
+#include "kernel/math/vec3.h"
+
+namespace kerf::agent {
+
+/// Estimates the pose of a device between the steps of its encoders (StepTracker), each coordinate
+/// of tip and axis by itself. Without it, a tool whose pose is rounded to 0.05 mm moves in one of
+/// dozens of ticks, along the axes of the encoders: it cuts a staircase, and the force of the cut
+/// is that of its treads.
+class PoseEstimator {
+ public:
+  struct Pose {
+    Vec3 tip_mm{}, axis{0, 0, 1};
+  };
+
+  /// Quanta of the tip, mm, and of the axis, rad; 0: unknown (StepTracker).
+  PoseEstimator(double resolution_mm, double resolution_rad) noexcept;
+
+  /// Takes the pose measured `dt_s` after the last one; returns the estimate for the present time.
+  Pose take(const Pose& measured, double dt_s) noexcept;
+  void reset() noexcept;
+
+ private:
+  std::array<StepTracker, 3> tip_, axis_;
+};
+
+}  // namespace kerf::agent

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace kerf::agent {
+
+/// Estimates one coordinate of a pose between the steps of its encoder.
+///
+/// When the measured value steps, the true one is midway between the two values, at some time since
+/// the last measurement: a step is the only exact measurement that an encoder makes. A line is
+/// fitted to the newest steps that one line explains, and continued until the next step, but not
+/// out of the cell whose value the encoder shows. So the estimate has no delay in steady motion,
+/// after two steps, and is never more than a cell off.
+class StepTracker {
+ public:
+  /// `quantum`: size of the encoder's steps, in the coordinate's unit; 0: unknown. Then steps count
+  /// as an encoder's once kStepsOfEncoder of them followed rests within kDetectS, and their median
+  /// is its quantum; until then the estimate is the measured value.
+  explicit StepTracker(double quantum) noexcept : declared_(quantum) {}
+
+  /// Takes the value measured `dt_s` after the last one; returns the estimate for the present time.
+  double take(double measured, double dt_s) noexcept;
+  /// Forgets the motion, but not the quantum; the next value is taken as it is.
+  void reset() noexcept;
+  /// Rate of the estimate, per second.
+  double rate() const noexcept { return rate_; }
+  /// Size of the encoder's steps, as declared or found; 0: none has been found.
+  double quantum() const noexcept { return declared_ > 0 ? declared_ : found_; }
+
+  static constexpr std::size_t kStepsOfEncoder = 4;
+  static constexpr double kDetectS = 0.5;
+
+ private:
+  /// The true value `at` is reached at the time `s`.
+  struct Step {
+    double s, at, size;
+    bool rested;  ///< the value had not changed in the measurement before
+  };
+  static constexpr std::size_t kKept = 16;
+
+  const Step& newest(std::size_t back) const noexcept {
+    return steps_[(count_ + kKept - 1 - back) % kKept];
+  }
+  std::size_t kept() const noexcept { return count_ < kKept ? count_ : kKept; }
+  void step_to(double measured, double dt_s) noexcept;
+  void find_quantum() noexcept;
+  void fit(double dt_s) noexcept;
+  std::size_t explained(double dt_s) const noexcept;
+
+  double declared_, found_ = 0;
+  std::array<Step, kKept> steps_{};
+  std::size_t count_ = 0;
+  double now_s_ = 0;
+  double measured_ = 0, estimate_ = 0, rate_ = 0;
+  /// The fitted line: its value at the newest step, and its slope.
+  double line_ = 0, slope_ = 0;
+  bool has_value_ = false, rested_ = true;
+};
+
+}  // namespace kerf::agent
