@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "haptic_agent/device/encoder.h"
 #include "haptic_agent/device/haptic_device.h"
 #include "haptic_agent/servo/grip.h"
 #include "server/wire/types.h"
@@ -19,10 +20,13 @@ namespace kerf::agent {
 struct PlantMechanics {
   double mass_kg = 0.1;
   double inertia_kg_m2 = 1e-4;
-  double hand_n_per_mm = 0.5;  ///< critically damped, as is the rotation
+  double hand_n_per_mm = 0.5;
   double hand_nmm_per_rad = 300;
+  double damping_ratio = 1;  ///< of the hand, and of its rotation; 1: critical
   std::uint64_t latency_us = 0;
   double pivot_mm = 60;
+  Vec3 axis{0, 0, 1};                      ///< to which the hand turns the tool; unit
+  double quantum_mm = 0, quantum_rad = 0;  ///< to which the device rounds tip and axis, declared
 };
 
 /// A device of five degrees of freedom, held by a spring-damper hand that follows a target. The
@@ -30,13 +34,13 @@ struct PlantMechanics {
 /// steps of 0.125 ms, as the motors and the hand see it.
 class Plant final : public HapticDevice {
  public:
-  using Target = std::function<Vec3(double time_s)>;  ///< of the tip; the axis stays +z
+  using Target = std::function<Vec3(double time_s)>;  ///< of the tip
 
   Plant(Target target, const PlantMechanics& mechanics, bool cutting)
       : target_(std::move(target)),
         m_(mechanics),
         buttons_(cutting ? wire::kButtonCutting : 0U),
-        grip_{target_(0) + Vec3{0, 0, mechanics.pivot_mm}, {0, 0, 1}} {}
+        grip_{target_(0) + mechanics.axis * mechanics.pivot_mm, mechanics.axis} {}
 
   DeviceCapabilities capabilities() const override {
     return {.name = "plant",
@@ -47,14 +51,16 @@ class Plant final : public HapticDevice {
             .max_stiffness_n_per_mm = 3,
             .max_damping_n_s_per_mm = 0.06,
             .latency_us = declared_latency_us_.value_or(m_.latency_us),
+            .resolution_mm = m_.quantum_mm,
+            .resolution_rad = m_.quantum_rad,
             .moving_mass_kg = m_.mass_kg,
             .moving_inertia_kg_m2 = declared_inertia_kg_m2_.value_or(m_.inertia_kg_m2)};
   }
   DeviceState read(std::uint64_t now_us) noexcept override {
     if (start_us_ == 0) start_us_ = now_us_ = now_us;
     while (now_us_ < now_us) move();
-    return {.tip_mm = tip(),
-            .axis = grip_.axis,
+    return {.tip_mm = rounded(tip(), m_.quantum_mm),
+            .axis = normalized(rounded(grip_.axis, m_.quantum_rad)),
             .buttons = wire::kButtonDeadman | buttons_,
             .tool_id = tool_id_,
             .time_us = now_us,
@@ -88,6 +94,7 @@ class Plant final : public HapticDevice {
   /// Greatest work done on the hand over any interval, mJ.
   double most_returned_mj() const { return most_returned_mj_; }
   Vec3 tip() const { return grip_.pivot_mm - grip_.axis * m_.pivot_mm; }
+  Vec3 axis() const { return grip_.axis; }
   const Wrench& acting() const { return acting_; }
 
  private:
@@ -101,14 +108,14 @@ class Plant final : public HapticDevice {
     }
     const double dt = kStepUs * 1e-6;
     const double time_s = static_cast<double>(now_us_ - start_us_) * 1e-6;
-    const Vec3 goal = target_(time_s) + Vec3{0, 0, m_.pivot_mm};
-    const double damping = 2 * std::sqrt(m_.hand_n_per_mm * m_.mass_kg / kMmPerM);
+    const Vec3 goal = target_(time_s) + m_.axis * m_.pivot_mm;
+    const double damping =
+        2 * m_.damping_ratio * std::sqrt(m_.hand_n_per_mm * m_.mass_kg / kMmPerM);
     const Vec3 pull = (goal - grip_.pivot_mm) * m_.hand_n_per_mm - v_.linear * damping;
     v_.linear = v_.linear + (pull + acting_.force_n) * (kMmPerM / m_.mass_kg * dt);
     const double inertia = m_.inertia_kg_m2 * kMmPerM;  // N mm s^2
-    const double turn_damping = 2 * std::sqrt(m_.hand_nmm_per_rad * inertia);
-    const Vec3 twist =
-        cross(grip_.axis, Vec3{0, 0, 1}) * m_.hand_nmm_per_rad - v_.angular * turn_damping;
+    const double turn_damping = 2 * m_.damping_ratio * std::sqrt(m_.hand_nmm_per_rad * inertia);
+    const Vec3 twist = cross(grip_.axis, m_.axis) * m_.hand_nmm_per_rad - v_.angular * turn_damping;
     v_.angular = v_.angular + (twist + acting_.torque_nmm) * (dt / inertia);
     v_.angular = v_.angular - grip_.axis * dot(grip_.axis, v_.angular);
     grip_.pivot_mm = grip_.pivot_mm + v_.linear * dt;
