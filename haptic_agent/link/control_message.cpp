@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/link/control_message.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
@@ -191,6 +192,20 @@ std::expected<ControlMessage, ControlError> parse_control(std::string_view text)
   } catch (const json::exception& error) {
     return std::unexpected(ControlError{ControlFault::kMalformed, error.what()});
   }
+}
+
+std::string reason_of_body(std::string_view body) {
+  constexpr std::size_t kMaxBytes = 200;
+  constexpr bool kThrows = false;
+  if (const json message = json::parse(body, nullptr, kThrows); message.is_object()) {
+    const json error = message.value("error", json());
+    const json reason = error.is_object() ? error.value("reason", json()) : error;
+    return reason.is_string() ? reason.get<std::string>().substr(0, kMaxBytes) : std::string{};
+  }
+  const std::size_t begin = std::min(body.find_first_not_of(" \r\n\t"), body.size());
+  body.remove_prefix(begin);
+  if (body.starts_with('<') || body.starts_with('[') || body.starts_with('{')) return {};
+  return std::string(body.substr(0, std::min(body.find_first_of("\r\n"), kMaxBytes)));
 }
 
 }  // namespace kerf::agent

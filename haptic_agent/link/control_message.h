@@ -122,4 +122,8 @@ inline constexpr double kPivotMaxMm = 5000;
 /// range.
 std::expected<ControlMessage, ControlError> parse_control(std::string_view text);
 
+/// Returns what the body of a declined HTTP request says to a user: the reason of the server's JSON
+/// error; a line of plain text, at most 200 bytes; nothing of markup or of other JSON.
+std::string reason_of_body(std::string_view body);
+
 }  // namespace kerf::agent

@@ -14,8 +14,6 @@ namespace {
 constexpr std::uint64_t kPingEveryUs = 100'000;
 /// While the link waits for nothing but the server's disk.
 constexpr std::uint64_t kLastPingsEveryUs = 20'000;
-/// Maximum length of a quoted HTTP body.
-constexpr std::size_t kMaxQuotedBytes = 200;
 constexpr unsigned kHttpClientError = 400;
 constexpr unsigned kHttpTooMany = 429;
 constexpr unsigned kHttpServerError = 500;
@@ -23,11 +21,10 @@ constexpr unsigned kHttpServerError = 500;
 }  // namespace
 
 Loss declined(const std::string& session, unsigned status, std::string_view body) {
-  std::string quote(body.substr(0, kMaxQuotedBytes));
-  std::erase(quote, '\n');
-  std::string reason = "the server rejected session '" + session + "': HTTP ";
-  reason += std::to_string(status);
-  if (!quote.empty()) reason += ": " + quote;
+  const std::string said = reason_of_body(body);
+  std::string reason = "the server rejected session '" + session + "': ";
+  if (!said.empty()) reason += said + " (HTTP " + std::to_string(status) + ")";
+  if (said.empty()) reason += "HTTP " + std::to_string(status);
   const bool final =
       status >= kHttpClientError && status < kHttpServerError && status != kHttpTooMany;
   return {std::move(reason), final};

@@ -274,7 +274,7 @@ TEST_F(ServerLinkTest, UnknownSessionIsFinal) {
   link.start();
   const auto welcome = link.wait_welcome();
   ASSERT_FALSE(welcome);
-  EXPECT_NE(welcome.error().find("404: no such block"), std::string::npos) << welcome.error();
+  EXPECT_NE(welcome.error().find("no such block (HTTP 404)"), std::string::npos) << welcome.error();
   link.stop(0);
 }
 
