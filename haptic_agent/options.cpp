@@ -130,6 +130,9 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
                  "longer than its driver declares (kerf-agent doctor measures it)")
       ->type_name("MS")
       ->check(number_in(0.0, kMaxLatencyMs));
+  app.add_flag("--always-cut", options.always_cut,
+               "for a device without a button: the tool cuts whenever the force is on, and only "
+               "touches while it is off");
   app.add_flag_callback(
       "--no-copy", [&options] { options.keep_copy = false; },
       "in mode model, render the server's answers only. Otherwise a replica of the block near the "

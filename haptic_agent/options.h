@@ -22,6 +22,8 @@ struct Options {
   ForceMode mode = ForceMode::kModel;
   /// Declared latency of the device; ignored if its driver declares a longer one.
   std::uint64_t latency_us = 0;
+  /// The tool cuts whenever force is permitted, for a device without a button.
+  bool always_cut = false;
   /// Factor of the session's guides, 0 to 1.
   double guide_strength = 1;
   /// In mode model: maintain a replica of the block near the tool and render its forces.

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <functional>
 #include <iostream>
+#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -27,30 +28,40 @@ namespace {
 /// How long to wait for the last answers at the end. A slow server gets time to finish the cut.
 constexpr double kDrainS = 10.0;
 
-/// Calls `leave` on SIGINT or SIGTERM. Construct it before any other thread starts, so that all
-/// threads inherit the blocked signals and only this one receives them.
-class LeaveOnSignal {
+/// Calls `leave` on SIGINT or SIGTERM, and re-arms a cycle on SIGUSR1. Construct it before any
+/// other thread starts, so that all threads inherit the blocked signals and only this one receives
+/// them.
+class ActOnSignal {
  public:
-  explicit LeaveOnSignal(std::function<void()> leave) : leave_(std::move(leave)) {
+  explicit ActOnSignal(std::function<void()> leave) : leave_(std::move(leave)) {
     sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&signals_, signal);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
   }
   void start() {
     thread_ = std::jthread([this](const std::stop_token& stop) { wait(stop); });
+  }
+  /// The cycle that SIGUSR1 re-arms; null: none.
+  void rearms(ServoCycle* cycle) {
+    const std::scoped_lock lock(mutex_);
+    cycle_ = cycle;
   }
 
  private:
   void wait(const std::stop_token& stop) {
     constexpr timespec kLookUp{.tv_sec = 0, .tv_nsec = 100'000'000};
     while (!stop.stop_requested()) {
-      if (sigtimedwait(&signals_, nullptr, &kLookUp) > 0) leave_();
+      const int signal = sigtimedwait(&signals_, nullptr, &kLookUp);
+      if (signal == SIGINT || signal == SIGTERM) leave_();
+      const std::scoped_lock lock(mutex_);
+      if (signal == SIGUSR1 && cycle_ != nullptr) cycle_->rearm();
     }
   }
 
   sigset_t signals_{};
   std::function<void()> leave_;
+  std::mutex mutex_;  ///< guards cycle_
+  ServoCycle* cycle_ = nullptr;
   std::jthread thread_;
 };
 
@@ -112,11 +123,17 @@ bool write_status(const std::string& where, const Summary& summary) {
   return static_cast<bool>(file);
 }
 
-ServoSettings servo_settings(const Options& options, const Welcome& welcome,
-                             const HapticDevice& device, std::uint32_t tool) {
+/// The device's capabilities, with what the command line adds.
+DeviceCapabilities rated_by(const Options& options, const HapticDevice& device) {
   DeviceCapabilities capabilities = device.capabilities();
   capabilities.latency_us = std::max(capabilities.latency_us, options.latency_us);
-  return settings_for(capabilities,
+  capabilities.always_cut = capabilities.always_cut || options.always_cut;
+  return capabilities;
+}
+
+ServoSettings servo_settings(const Options& options, const Welcome& welcome,
+                             const HapticDevice& device, std::uint32_t tool) {
+  return settings_for(rated_by(options, device),
                       {.limits = options.limits,
                        .tool_id = tool,
                        .duration_us = static_cast<std::uint64_t>(options.duration_s * kUsPerS),
@@ -170,7 +187,8 @@ void play_sound(const Options& options, const Spindle& spindle, ServoCycle& cycl
 
 /// Runs the device at 1 kHz until it ends; fills in the servo's part of the summary.
 void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, LeadCpu& lead, int cpu,
-               Summary& summary) {
+               const ForceReasons& reasons, ActOnSignal& signals, Summary& summary) {
+  signals.rearms(&cycle);
   const MotorSwitch motors{.zero = [&device] { device.write({}); },
                            .stop = [&device] { device.stop(); }};
   summary.watchdog_stops = run_watched(loop, cycle, motors, [&] {
@@ -179,8 +197,11 @@ void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, LeadCpu
     if (!summary.realtime.warning.empty())
       print_line(join({"warning: ", summary.realtime.warning}));
   });
+  signals.rearms(nullptr);
   summary.trips = cycle.supervisor().trips();
   summary.last_trip = cycle.supervisor().code();
+  summary.no_force = cycle.no_force();
+  summary.no_force_text = reasons.of(summary.no_force, summary.last_trip);
   summary.degraded_ticks = cycle.supervisor().degraded_ticks();
   summary.projected_wrenches = cycle.passivity().projected();
   summary.given_mj = cycle.passivity().account().given_mj();
@@ -230,7 +251,7 @@ int run_agent(Options options) {
   options.link.hello.stock = keep_copy;
   options.link.traffic.copy = keep_copy ? &replica : nullptr;
   std::function<void()> leave = [&loop] { loop.stop(); };
-  LeaveOnSignal signals([&leave] { leave(); });
+  ActOnSignal signals([&leave] { leave(); });
   ServerLink link(options.link, samples, wrenches);
   leave = [&] {
     loop.stop();
@@ -264,20 +285,20 @@ int run_agent(Options options) {
   ServoCycle cycle(device, samples, wrenches, link, settings,
                    keep_copy ? start_replica(replica, exchange, std::move(block)) : nullptr,
                    &guidance);
+  const ForceReasons reasons(rated_by(options, device));
   {
-    const TripWriter trips(cycle.recorder(), options.trip_log);
+    const TripWriter trips(cycle, reasons, options.trip_log);
     std::optional<SoundPlayer> sound;
     play_sound(options, spindle, cycle, sound);
     std::optional<TerminalView> view;
-    if (options.view) view.emplace(cycle.status(), link_status, settings, std::cerr);
-    run_servo(device, loop, cycle, lead, options.cpu, summary);
+    if (options.view) view.emplace(cycle.status(), link_status, settings, reasons, std::cerr);
+    run_servo(device, loop, cycle, lead, options.cpu, reasons, signals, summary);
   }
   replica.stop();
   summary.copy = replica.report();
   summary.guides = guidance.uses();
   link.stop(kDrainS);
   summary.link = link.report();
-
   return report(options, summary);
 }
 

@@ -20,13 +20,13 @@ namespace {
 /// Returns the exit code of a process from its wait status.
 int code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : kFailed; }
 
-/// Waits until all children have ended; forwards SIGINT and SIGTERM as SIGTERM.
+/// Waits until all children have ended; forwards SIGINT and SIGTERM as SIGTERM, and SIGUSR1.
 int supervise(std::vector<pid_t> children, const sigset_t& signals) {
   int worst = 0;
   while (!children.empty()) {
     const int signal = sigwaitinfo(&signals, nullptr);
-    if (signal == SIGINT || signal == SIGTERM) {
-      for (const pid_t child : children) kill(child, SIGTERM);
+    if (signal == SIGINT || signal == SIGTERM || signal == SIGUSR1) {
+      for (const pid_t child : children) kill(child, signal == SIGUSR1 ? SIGUSR1 : SIGTERM);
     }
     int status = 0;
     for (pid_t ended = 0; (ended = waitpid(-1, &status, WNOHANG)) > 0;) {
@@ -56,7 +56,7 @@ int run_agents(Options options) {
   if (options.more_devices.empty()) return run_agent(std::move(options));
   sigset_t signals{}, before{};
   sigemptyset(&signals);
-  for (const int signal : {SIGINT, SIGTERM, SIGCHLD}) sigaddset(&signals, signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGCHLD}) sigaddset(&signals, signal);
   sigprocmask(SIG_BLOCK, &signals, &before);
   std::vector<pid_t> children;
   for (Options& one : split_options(options)) {

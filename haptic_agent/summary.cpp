@@ -143,10 +143,21 @@ json guides_json(const Summary& s) {
   return guides;
 }
 
+/// The reasons that occurred, with their ticks.
+json no_force_json(const Summary& s) {
+  json ticks = json::object();
+  for (std::size_t i = 1; i < kNoForceNames.size(); ++i) {
+    if (s.servo.no_force_ticks[i] > 0)
+      ticks[std::string(kNoForceNames[i])] = s.servo.no_force_ticks[i];
+  }
+  return {{"reason", to_string(s.no_force)}, {"text", s.no_force_text}, {"ticks", ticks}};
+}
+
 json safety_json(const Summary& s) {
   return {{"trips", s.trips},
           {"last_trip", to_string(s.last_trip)},
           {"degraded_ticks", s.degraded_ticks},
+          {"no_force", no_force_json(s)},
           {"watchdog_stops", s.watchdog_stops}};
 }
 
@@ -205,6 +216,19 @@ std::string soft_line(const ServoReport& servo) {
          "to "
       << servo.softest_mm_per_n << " mm per N. A firmer grip avoids that\n";
   return out.str();
+}
+
+/// Returns the line about ticks without the computed force; empty if there are none.
+std::string no_force_line(const ServoReport& servo) {
+  std::ostringstream out;
+  const char* separator = "unfelt   ";
+  for (std::size_t i = 1; i < kNoForceNames.size(); ++i) {
+    if (servo.no_force_ticks[i] == 0) continue;
+    out << separator << kNoForceNames[i] << " in " << servo.no_force_ticks[i] << " ticks";
+    separator = ", ";
+  }
+  std::string line = out.str();
+  return line.empty() ? line : line + "\n";
 }
 
 /// Returns the line about samples that a loss of the server could affect; empty if none did.
@@ -266,9 +290,10 @@ void print_summary(std::ostream& out, const Summary& s) {
       << std::setprecision(2) << s.servo.max_force_n << " N and " << s.servo.max_torque_nmm
       << " N·mm (server: " << l.max_server_force_n << " N), saturated in " << s.saturated_ticks
       << " ticks, faded in " << s.servo.decayed_ticks << '\n'
-      << felt_lines(s.servo.felt) << soft_line(s.servo) << guides_line(s.guides) << Copy{s.copy}
-      << "energy   " << -s.given_mj << " mJ dissipated, at most " << s.most_returned_mj
-      << " mJ returned over any interval; " << s.projected_wrenches << " wrenches reduced\n"
+      << felt_lines(s.servo.felt) << no_force_line(s.servo) << soft_line(s.servo)
+      << guides_line(s.guides) << Copy{s.copy} << "energy   " << -s.given_mj
+      << " mJ dissipated, at most " << s.most_returned_mj << " mJ returned over any interval; "
+      << s.projected_wrenches << " wrenches reduced\n"
       << "safety   " << s.trips << " trips" << (s.trips > 0 ? ", last: " : "")
       << (s.trips > 0 ? to_string(s.last_trip) : "") << "; degraded in " << s.degraded_ticks
       << " ticks; stopped by the watchdog " << s.watchdog_stops << " times\n"

@@ -31,6 +31,9 @@ struct Summary {
   std::uint64_t trips = 0;
   TripCode last_trip = TripCode::kNone;
   std::uint64_t degraded_ticks = 0;
+  /// Why there was no force at the end, or less than computed, and the sentence about it.
+  NoForce no_force = NoForce::kNone;
+  std::string no_force_text;
   std::uint64_t projected_wrenches = 0;
   /// Net work done on the user, and its maximum over any interval.
   double given_mj = 0;

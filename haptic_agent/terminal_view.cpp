@@ -12,13 +12,29 @@ namespace {
 
 constexpr int kBarColumns = 30;
 constexpr const char* kEndOfLine = "\x1b[K\n";
-constexpr const char* kSixLinesUp = "\x1b[6A";
+constexpr const char* kNineLinesUp = "\x1b[9A";
+/// Of the sentence about the force: a terminal of 80 columns does not break them.
+constexpr std::size_t kReasonColumns = 70;
+constexpr int kReasonLines = 3;
 
 /// Empty if the server does not offer UDP.
 std::string udp_rate(const UdpReport& udp) {
   if (!udp.offered) return {};
   return "datagrams " + std::to_string(udp.sent) + " out, " + std::to_string(udp.received) +
          " in, " + std::to_string(udp.lost) + " lost, ";
+}
+
+/// Returns a sentence in kReasonLines lines, broken at spaces.
+std::string reason_lines(std::string_view reason) {
+  std::string text;
+  for (int line = 0; line < kReasonLines; ++line) {
+    std::size_t end = reason.size();
+    if (end > kReasonColumns) end = std::min(reason.rfind(' ', kReasonColumns), reason.size());
+    text.append(line == 0 && end > 0 ? "why     " : "        ").append(reason.substr(0, end));
+    text += kEndOfLine;
+    reason.remove_prefix(std::min(end + 1, reason.size()));
+  }
+  return text;
 }
 
 }  // namespace
@@ -31,7 +47,7 @@ std::string bar(double value, double most, int columns) {
 }
 
 std::string view_text(const ServoStatus& servo, const LinkStatus& link, const WrenchLimits& limits,
-                      double tank_mj) {
+                      double tank_mj, std::string_view reason) {
   constexpr double kMsPerUs = 1e-3;
   const auto ms = [](auto us) { return static_cast<double>(us) * kMsPerUs; };
   const double force = length(servo.output.force_n);
@@ -51,13 +67,15 @@ std::string view_text(const ServoStatus& servo, const LinkStatus& link, const Wr
       << std::noshowpos << " ms, connection " << link.connections
       << (link.udp.carries ? ", UDP" : ", WebSocket") << kEndOfLine << "rate    "
       << link.samples_sent << " poses sent, " << link.results << " answers received, "
-      << udp_rate(link.udp) << "tip " << servo.speed_mm_per_s << " mm/s" << kEndOfLine;
+      << udp_rate(link.udp) << "tip " << servo.speed_mm_per_s << " mm/s" << kEndOfLine
+      << reason_lines(reason);
   return out.str();
 }
 
 TerminalView::TerminalView(LatestValue<ServoStatus>& servo, LatestValue<LinkStatus>& link,
-                           const ServoSettings& settings, std::ostream& out)
-    : thread_([&servo, &link, &out, limits = settings.limits,
+                           const ServoSettings& settings, const ForceReasons& reasons,
+                           std::ostream& out)
+    : thread_([&servo, &link, &reasons, &out, limits = settings.limits,
                tank_mj = settings.passivity.tank_mj](const std::stop_token& stop) {
         constexpr std::chrono::milliseconds kEvery{100};
         ServoStatus status;
@@ -66,8 +84,10 @@ TerminalView::TerminalView(LatestValue<ServoStatus>& servo, LatestValue<LinkStat
         while (!stop.stop_requested()) {
           servo.read(status);
           link.read(linked);
-          if (!first) out << kSixLinesUp;
-          out << view_text(status, linked, limits, tank_mj) << std::flush;
+          if (!first) out << kNineLinesUp;
+          out << view_text(status, linked, limits, tank_mj,
+                           reasons.of(status.no_force, status.code))
+              << std::flush;
           first = false;
           std::this_thread::sleep_for(kEvery);
         }

@@ -3,8 +3,10 @@
 
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <thread>
 
+#include "haptic_agent/force_reason.h"
 #include "haptic_agent/link/link_report.h"
 #include "haptic_agent/servo/servo_cycle.h"
 
@@ -13,17 +15,17 @@ namespace kerf::agent {
 /// Returns a bar of `columns` characters, filled to value / most.
 std::string bar(double value, double most, int columns);
 
-/// Returns the state of the agent in six lines, each ended by the escape code that erases to the
-/// end of the line.
+/// Returns the state of the agent in nine lines, each ended by the escape code that erases to the
+/// end of the line. `reason`: why there is no force, or less than computed; the last three lines.
 std::string view_text(const ServoStatus& servo, const LinkStatus& link, const WrenchLimits& limits,
-                      double tank_mj);
+                      double tank_mj, std::string_view reason);
 
 /// Prints the agent's state on a terminal ten times per second, in place, from an ordinary thread.
 class TerminalView {
  public:
   /// All references must outlive the view. Starts at once.
   TerminalView(LatestValue<ServoStatus>& servo, LatestValue<LinkStatus>& link,
-               const ServoSettings& settings, std::ostream& out);
+               const ServoSettings& settings, const ForceReasons& reasons, std::ostream& out);
   ~TerminalView();
   TerminalView(const TerminalView&) = delete;
   TerminalView& operator=(const TerminalView&) = delete;

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/trip_log.h"
 
+#include <unistd.h>
+
 #include <chrono>
 #include <fstream>
 #include <iostream>
 #include <sstream>
+
+#include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/realtime/clock.h"
 
 namespace kerf::agent {
 namespace {
@@ -14,40 +19,6 @@ std::ostream& operator<<(std::ostream& out, const Vec3& v) {
 }
 
 }  // namespace
-
-std::string_view trip_reason(TripCode code) {
-  switch (code) {
-    case TripCode::kNone:
-      return "no fault";
-    case TripCode::kDeviceLost:
-      return "the device was lost or is not ready; check its cable and power";
-    case TripCode::kNotFinite:
-      return "the device sent a pose that is no number; its driver is at fault";
-    case TripCode::kWorkspace:
-      return "the device left its workspace";
-    case TripCode::kJump:
-      return "the tip jumped by more than 5 mm in a tick; the device lost its calibration, or its "
-             "driver sends wrong poses";
-    case TripCode::kSpeed:
-      return "the tip moved faster than 1 m/s";
-    case TripCode::kTurnSpeed:
-      return "the tool turned faster than 15 rad/s";
-    case TripCode::kLostTicksInARow:
-      return "5 ticks of the 1 kHz loop were lost in a row; kerf-agent doctor tells why";
-    case TripCode::kLostTicks:
-      return "2 % of the 1 kHz loop's ticks were lost in a second; kerf-agent doctor tells why";
-    case TripCode::kThermalForce:
-      return "the motors gave more force than they may for long; push less";
-    case TripCode::kThermalTorque:
-      return "the motors gave more torque than they may for long; push less";
-    case TripCode::kOverdrawn:
-      return "the device returned more energy than the agent allows; it may be slower or lighter "
-             "than its driver declares (kerf-agent --latency)";
-    case TripCode::kRejectedWrench:
-      return "the session's force is no number; the server or the scene is at fault";
-  }
-  return "unknown fault";
-}
 
 std::string trip_csv(const FlightLog& log) {
   std::ostringstream out;
@@ -63,11 +34,17 @@ std::string trip_csv(const FlightLog& log) {
   return out.str();
 }
 
-TripWriter::TripWriter(FlightRecorder& recorder, std::string file)
-    : recorder_(recorder), file_(std::move(file)), thread_([this](const std::stop_token& stop) {
+TripWriter::TripWriter(ServoCycle& cycle, const ForceReasons& reasons, std::string file)
+    : cycle_(cycle),
+      recorder_(cycle.recorder()),
+      reasons_(reasons),
+      watch_(reasons),
+      file_(std::move(file)),
+      thread_([this](const std::stop_token& stop) {
         constexpr std::chrono::milliseconds kLookUp{100};
         while (!stop.stop_requested()) {
           write_one();
+          tell(monotonic_us());
           std::this_thread::sleep_for(kLookUp);
         }
       }) {}
@@ -81,10 +58,9 @@ TripWriter::~TripWriter() {
 void TripWriter::write_one() {
   const FlightLog* log = recorder_.log();
   if (log == nullptr) return;
-  std::cerr << "kerf-agent: force switched off (" << to_string(log->code)
-            << "): " << trip_reason(log->code)
-            << ". To go on, release the device for 0.3 s, or its cutting button if it does not "
-               "sense that it is held\n";
+  std::cerr << join({"kerf-agent: force switched off (", to_string(log->code),
+                     "): ", reasons_.of(NoForce::kTripped, log->code), "; or kill -USR1 ",
+                     std::to_string(::getpid()), "\n"});
   if (!file_.empty()) {
     std::ofstream out(file_, std::ios::app);
     out << trip_csv(*log);
@@ -92,6 +68,11 @@ void TripWriter::write_one() {
     if (!out) std::cerr << "kerf-agent: cannot write " << file_ << '\n';
   }
   recorder_.done();
+}
+
+void TripWriter::tell(std::uint64_t now_us) {
+  const std::string line = watch_.look(cycle_.no_force(), now_us);
+  if (!line.empty()) std::cerr << join({"kerf-agent: ", line, "\n"}) << std::flush;
 }
 
 }  // namespace kerf::agent

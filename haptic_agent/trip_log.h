@@ -3,10 +3,12 @@
 
 #include <atomic>
 #include <string>
-#include <string_view>
 #include <thread>
 
+#include "haptic_agent/force_reason.h"
+#include "haptic_agent/force_watch.h"
 #include "haptic_agent/servo/flight_recorder.h"
+#include "haptic_agent/servo/servo_cycle.h"
 
 namespace kerf::agent {
 
@@ -14,23 +16,24 @@ namespace kerf::agent {
 /// line per tick.
 std::string trip_csv(const FlightLog& log);
 
-/// Returns what happened, and what the user may do about it; a sentence without its full stop.
-std::string_view trip_reason(TripCode code);
-
-/// Logs trips from an ordinary thread: the reason to standard error, the ticks appended to a file
-/// if one is given.
+/// Tells the user from an ordinary thread, on standard error, of trips at once and of other reasons
+/// why there is no force (ForceWatch); appends the ticks before a trip to a file if one is given.
 class TripWriter {
  public:
-  /// `recorder` must outlive the object. `file` may be empty.
-  TripWriter(FlightRecorder& recorder, std::string file);
+  /// `cycle` and `reasons` must outlive the object. `file` may be empty.
+  TripWriter(ServoCycle& cycle, const ForceReasons& reasons, std::string file);
   ~TripWriter();
   TripWriter(const TripWriter&) = delete;
   TripWriter& operator=(const TripWriter&) = delete;
 
  private:
   void write_one();
+  void tell(std::uint64_t now_us);
 
+  const ServoCycle& cycle_;
   FlightRecorder& recorder_;
+  const ForceReasons& reasons_;
+  ForceWatch watch_;
   std::string file_;
   std::jthread thread_;
 };

@@ -27,6 +27,8 @@ enum class DevicePhase : std::uint8_t {
 /// stroke, and redo the one that was undone last. The link takes them out of the samples.
 inline constexpr std::uint32_t kButtonUndo = 256;
 inline constexpr std::uint32_t kButtonRedo = 512;
+/// Likewise: a press re-arms after a trip. The servo takes it out.
+inline constexpr std::uint32_t kButtonRearm = 1024;
 
 /// A pose and its context, as read from a device.
 struct DeviceState {
@@ -78,6 +80,8 @@ struct DeviceCapabilities {
   /// Whether the device senses that the user holds it, and reports it as wire::kButtonDeadman.
   /// Otherwise that bit is set in every valid state.
   bool has_deadman = false;
+  /// It has no button that cuts: the tool cuts whenever force is permitted; without motors, always.
+  bool always_cut = false;
 };
 
 /// Returns a wrench without the parts for which a device has no motors: zero without a rated force,

@@ -71,7 +71,7 @@ class DeviceLoop final : public ServoTask {
 }  // namespace
 
 AgentSession::AgentSession(SessionOptions options)
-    : options_(std::move(options)), device_(options_.device) {
+    : options_(std::move(options)), reasons_(options_.device), device_(options_.device) {
   LinkSettings& link = options_.link;
   link.lead = &lead_;
   link.traffic.status = &link_status_;
@@ -136,17 +136,12 @@ bool AgentSession::choose_tool(std::uint32_t tool) noexcept {
   return true;
 }
 
-void AgentSession::rearm() {
-  if (status().tripped != 0) released_until_us_.store(monotonic_us() + kRearmUs);
-}
-
 Wrench AgentSession::step(const kerf_agent_pose& pose, std::uint64_t now_us) noexcept {
   DeviceState state = state_of(pose, options_.device.has_deadman, now_us);
   const bool repeated = last_us_ != 0 && now_us < last_us_ + kShortestUs;
   if (repeated && is_pose(pose)) return state.valid ? device_.taken() : Wrench{};
   last_us_ = now_us;
   if (state.tool_id == 0) state.tool_id = tool();
-  if (now_us < released_until_us_.load()) state.buttons &= ~wire::kButtonDeadman;
   state.finished = false;
   device_.give(state);
   cycle_->tick(now_us);
@@ -174,7 +169,9 @@ kerf_agent_status AgentSession::status() {
                            .felt_torque_nmm = {},
                            .computed_force_n = {},
                            .computed_torque_nmm = {},
-                           .energy_mj = servo.energy_mj};
+                           .energy_mj = servo.energy_mj,
+                           .no_force_name = text_of(servo.no_force),
+                           .no_force_text = reasons_.of(servo.no_force, servo.code).c_str()};
   set(status.felt_force_n, servo.output.force_n);
   set(status.felt_torque_nmm, servo.output.torque_nmm);
   set(status.computed_force_n, servo.computed.force_n);

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "haptic_agent/force_reason.h"
 #include "haptic_agent/guides/guide_model.h"
 #include "haptic_agent/library/kerf_agent.h"
 #include "haptic_agent/link/server_link.h"
@@ -66,8 +67,8 @@ class AgentSession {
   std::uint32_t tool() const noexcept { return tool_.load(); }
   /// From any thread. Returns false if the session has no such tool.
   bool choose_tool(std::uint32_t tool) noexcept;
-  /// If the envelope has tripped, the device counts as released for kRearmUs. From any thread.
-  void rearm();
+  /// Supervisor::rearm. From any thread.
+  void rearm() noexcept { cycle_->rearm(); }
   /// From any thread.
   void ask(bool undone) noexcept { link_->ask(undone); }
   bool connected() const noexcept { return link_->connected(); }
@@ -93,14 +94,13 @@ class AgentSession {
   void close(double drain_s);
 
   static constexpr std::uint64_t kShortestUs = 500;
-  /// Longer than the supervisor demands of a user who re-arms.
-  static constexpr std::uint64_t kRearmUs = 350'000;
 
  private:
   explicit AgentSession(SessionOptions options);
   std::optional<SessionFailure> join();
 
   SessionOptions options_;
+  const ForceReasons reasons_;
   SampleRing samples_;
   LatestValue<ServerWrench> wrenches_;
   LatestValue<LinkStatus> link_status_;
@@ -118,7 +118,7 @@ class AgentSession {
   std::atomic_flag ticking_;
   std::atomic<bool> lost_{false}, stopping_{false};
   std::atomic<std::uint32_t> tool_{0};
-  std::atomic<std::uint64_t> released_until_us_{0}, ticks_{0};
+  std::atomic<std::uint64_t> ticks_{0};
   std::uint64_t last_us_ = 0;  ///< of the newest tick; belongs to the thread that entered
 
   std::mutex status_mutex_;  ///< guards both: LatestValue has one reader

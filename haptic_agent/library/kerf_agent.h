@@ -75,7 +75,8 @@ enum {
   KERF_AGENT_CUT = 1,     /**< the tool removes material; without it the tool only touches */
   KERF_AGENT_DEADMAN = 2, /**< the user holds the device; ignored without KERF_AGENT_HAS_DEADMAN */
   KERF_AGENT_UNDO = 256,  /**< a press calls kerf_agent_undo. Minor 3 */
-  KERF_AGENT_REDO = 512   /**< a press calls kerf_agent_redo. Minor 3 */
+  KERF_AGENT_REDO = 512,  /**< a press calls kerf_agent_redo. Minor 3 */
+  KERF_AGENT_REARM = 1024 /**< a press ends KERF_AGENT_PHASE_SAFE (kerf_agent_rearm). Minor 5 */
 };
 
 typedef struct kerf_agent_pose {
@@ -83,7 +84,7 @@ typedef struct kerf_agent_pose {
   uint32_t state; /**< KERF_AGENT_ABSENT ... KERF_AGENT_FINISHED */
   double tip_mm[3];
   double axis[3];   /**< of length 1 ± 0.0005, from the tip to the spindle */
-  uint32_t buttons; /**< KERF_AGENT_CUT ... KERF_AGENT_REDO */
+  uint32_t buttons; /**< KERF_AGENT_CUT ... KERF_AGENT_REARM */
   uint32_t tool_id; /**< 0: the one that kerf_agent_choose_tool chose */
   /** When it was measured; 0: now. A pose that is 20 ms old, or over 20 ms ahead, is not valid. */
   uint64_t time_us;
@@ -100,14 +101,18 @@ typedef struct kerf_agent_wrench {
 enum {
   /** The device senses that the user holds it and reports KERF_AGENT_DEADMAN. Without this flag the
    * library takes the device for held whenever it is ready. */
-  KERF_AGENT_HAS_DEADMAN = 1
+  KERF_AGENT_HAS_DEADMAN = 1,
+  /** The device has no button that cuts: the tool cuts whenever the force is on (RAMP, ACTIVE,
+   * DEGRADED) and only touches while it is off; without motors it always cuts. Minor 5; libraries
+   * before reject it. */
+  KERF_AGENT_ALWAYS_CUT = 2
 };
 
 /** A device's ratings, from its data sheet or measured. They decide which forces are safe: rate low
  * rather than high, except `latency_us`. */
 typedef struct kerf_agent_capabilities {
   uint32_t struct_size;
-  uint32_t flags;            /**< KERF_AGENT_HAS_DEADMAN */
+  uint32_t flags;            /**< KERF_AGENT_HAS_DEADMAN, KERF_AGENT_ALWAYS_CUT */
   const char* name;          /**< at most 64 bytes are used; null: "device" */
   uint32_t sensed_dof;       /**< 3 or 5: with 3 the axis is (0, 0, 1) throughout; 0: 5 */
   uint32_t actuated_dof;     /**< 0 (no motors), 3 (force) or 5 (force, torque across the axis) */
@@ -185,8 +190,9 @@ enum {
   KERF_AGENT_PHASE_ARMED = 1, /**< no force: the tip must be slow and the force small for 50 ms */
   KERF_AGENT_PHASE_RAMP = 2,  /**< the force rises to its full value within 0.5 s */
   KERF_AGENT_PHASE_ACTIVE = 3,
-  KERF_AGENT_PHASE_DEGRADED = 4, /**< as ACTIVE; the server is late or the loop loses ticks */
-  KERF_AGENT_PHASE_SAFE = 5      /**< tripped: no force until the user re-arms */
+  /** As ACTIVE; the server is late, or the loop loses ticks, and the force is scaled down. */
+  KERF_AGENT_PHASE_DEGRADED = 4,
+  KERF_AGENT_PHASE_SAFE = 5 /**< tripped: no force until the user re-arms */
 };
 
 /** State of the newest tick. */
@@ -205,6 +211,11 @@ typedef struct kerf_agent_status {
   double felt_force_n[3], felt_torque_nmm[3];         /**< the newest wrench */
   double computed_force_n[3], computed_torque_nmm[3]; /**< what the session computes there */
   double energy_mj; /**< in the tank that bounds what the device may return, -6 to 18 */
+  /** Why there is no force, or less than is computed, in a word: "tripped", "not_held", "homing",
+   * "no_answer", "ticks_lost", "limited", …; "none" if all of it is output. Minor 5. */
+  const char* no_force_name;
+  /** The same as a sentence for the user, with the remedy; "" if all is output. Minor 5 */
+  const char* no_force_text;
 } kerf_agent_status;
 
 /** Where the device works: known when the session is. */
@@ -274,10 +285,11 @@ KERF_AGENT_API kerf_agent_result kerf_agent_get_status(kerf_agent* agent,
                                                        kerf_agent_status* status);
 /** From the next pose on; NO_TOOL. */
 KERF_AGENT_API kerf_agent_result kerf_agent_choose_tool(kerf_agent* agent, uint32_t tool_id);
-/** Ends KERF_AGENT_PHASE_SAFE as the user does by releasing the device and holding it again: during
- * the next 0.35 s the device counts as released. No effect in other phases. Call it only when the
- * user asks for it: for devices without a deadman sensor, whose user can also release the cutting
- * button for 0.3 s. */
+/** Ends KERF_AGENT_PHASE_SAFE in the next tick in which the device is ready, as the user does by
+ * releasing it and holding it again; the force returns after 50 ms at rest and half a second. No
+ * effect in other phases. Call it only when the user asks for it. The user of a device without a
+ * deadman sensor can also release the cutting button for 0.3 s, or hold the tip still for a second
+ * (within 2 mm) and then move it 10 mm away and back within 2 s (minor 5). */
 KERF_AGENT_API kerf_agent_result kerf_agent_rearm(kerf_agent* agent);
 
 /** Undoes the user's newest stroke that is not undone: what the tool cut between touching down and
@@ -291,8 +303,9 @@ KERF_AGENT_API kerf_agent_result kerf_agent_redo(kerf_agent* agent);
  * vendor's library: takes the newest pose and sets `wrench` to what the device outputs until the
  * next tick. Call it every millisecond; a call within 0.5 ms after a tick returns the same wrench
  * again if its pose is valid. The loop must set its motors to zero when it stops calling; five
- * missing ticks, or 2 % in a second, trip the safety envelope. INVALID (null, a pose that is not
- * finite or an axis that is not of length 1: the envelope trips), LOST, BUSY: the wrench is zero.
+ * missing ticks, or half of those of a second, trip the safety envelope; fewer scale the force
+ * down. INVALID (null, a pose that is not finite or an axis that is not of length 1: the envelope
+ * trips), LOST, BUSY: the wrench is zero.
  */
 KERF_AGENT_API kerf_agent_result kerf_agent_step(kerf_agent* agent, const kerf_agent_pose* pose,
                                                  kerf_agent_wrench* wrench);

@@ -72,6 +72,7 @@ ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings setti
   settings.safety.workspace_max_mm = device.workspace_max_mm;
   settings.safety.has_deadman = device.has_deadman;
   settings.safety.motors = device.max_force_n > 0;
+  settings.always_cut = settings.always_cut || device.always_cut;
   return settings;
 }
 
@@ -104,13 +105,15 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   lost_now_ -= lost_now_ > 0 ? 1 : 0;
   last_us_ = now_us;
 
-  const DeviceState state = device_.read(now_us);
+  DeviceState state = device_.read(now_us);
+  take_buttons(state);
   const bool usable = is_usable(state);
   const Twist moved = follow(state, usable, now_us, dt_s);
   if (usable) send(state);
   output_.settle(moved, now_us - passed_us, now_us);
   const bool cutting = (state.buttons & wire::kButtonCutting) != 0;
   computed_ = guided_ = {};
+  faded_ = false;
   heard_n_ = 0;
   const Wrench wrench = usable ? requested_wrench(now_us, cutting, dt_s) : Wrench{};
   const SafetyInput seen = safety_input(state, usable, wrench);
@@ -118,9 +121,11 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   const double gain = supervisor_.tick(seen);
   if (tripped && supervisor_.phase() != ServoPhase::kSafe) output_.restart();
   device_.show_force(gain > 0);
+  const std::uint64_t saturated = output_.limiter().saturated();
   device_.write(usable && gain > 0
                     ? output_.release(wrench * gain, now_.velocity, sent_moved_, dt_s, now_us)
                     : output_.silence(now_us));
+  limited_ = output_.limiter().saturated() != saturated;
   note_felt(usable && gain > 0);
   note(seen, wrench);
   note_heard(seen, usable);
@@ -131,6 +136,21 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
     return false;
   }
   return true;
+}
+
+/// Takes the request to re-arm, and presses the cutting button of a device that has none while it
+/// is held and force is permitted.
+void ServoCycle::take_buttons(DeviceState& state) noexcept {
+  const bool pressed = (state.buttons & kButtonRearm) != 0;
+  if (rearm_.exchange(false, std::memory_order_relaxed) || (pressed && !rearm_pressed_)) {
+    supervisor_.rearm();
+  }
+  rearm_pressed_ = pressed;
+  state.buttons &= ~kButtonRearm;
+  const ServoPhase phase = supervisor_.phase();
+  const bool on = phase >= ServoPhase::kRamp && phase < ServoPhase::kSafe &&
+                  (state.buttons & wire::kButtonDeadman) != 0;
+  if (settings_.always_cut && on) state.buttons |= wire::kButtonCutting;
 }
 
 bool ServoCycle::is_usable(const DeviceState& state) noexcept {
@@ -269,7 +289,8 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
   take_answers(now_us);
   if (!has_answer_) return {};
   const double share = wrench_share(answer_age(now_us));
-  if (share < 1.0) ++report_.decayed_ticks;
+  faded_ = share < 1.0;
+  if (faded_) ++report_.decayed_ticks;
   followed_ = followed_ + (interpolator_.newest().felt - followed_) * (dt_s / (kFeltS + dt_s));
   Wrench own = followed_;
   Wrench session = interpolator_.newest().wrench;
@@ -307,6 +328,7 @@ SafetyInput ServoCycle::safety_input(const DeviceState& state, bool usable,
           .finite = usable || !state.valid,
           .deadman = (state.buttons & wire::kButtonDeadman) != 0,
           .cutting = (state.buttons & wire::kButtonCutting) != 0,
+          .device = state.phase,
           .tip_mm = tip_mm_,
           .jumped_mm = jumped_mm_,
           .tip_mm_per_s = length(velocity.at(arm)),
@@ -318,7 +340,9 @@ SafetyInput ServoCycle::safety_input(const DeviceState& state, bool usable,
           .guided = guided_,
           .output = output_.released(),
           .starving = output_.passivity().starving(),
-          .overdrawn = output_.passivity().overdrawn()};
+          .overdrawn = output_.passivity().overdrawn(),
+          .faded = faded_,
+          .limited = limited_};
 }
 
 void ServoCycle::note_softness(double mm_per_n) noexcept {
@@ -357,7 +381,11 @@ void ServoCycle::note(const SafetyInput& seen, const Wrench& requested) noexcept
                  .energy_mj = output_.passivity().account().level_mj(),
                  .speed_mm_per_s = seen.tip_mm_per_s,
                  .answer_age_us = seen.answer_age_us,
-                 .felt_share = share_});
+                 .felt_share = share_,
+                 .no_force = supervisor_.no_force(),
+                 .lost_gain = supervisor_.lost_gain()});
+  reason_.store(supervisor_.no_force(), std::memory_order_relaxed);
+  ++report_.no_force_ticks[static_cast<std::size_t>(supervisor_.no_force())];
 }
 
 void ServoCycle::note_heard(const SafetyInput& seen, bool usable) noexcept {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 
@@ -56,6 +57,8 @@ struct ServoSettings {
   double velocity_cutoff_hz = 100;
   /// Quanta of the device's poses (DeviceCapabilities).
   double resolution_mm = 0, resolution_rad = 0;
+  /// The tool cuts whenever force is permitted, as if the cutting button were pressed then.
+  bool always_cut = false;
 };
 
 /// Returns `settings` adapted to a device: stable stiffness and damping, ratings, workspace.
@@ -77,6 +80,8 @@ struct ServoReport {
   double max_force_n = 0;
   double max_torque_nmm = 0;
   FeltReport felt{};
+  /// Ticks per reason why no force, or less than computed, was output (NoForce).
+  std::array<std::uint64_t, kNoForceNames.size()> no_force_ticks{};
   /// Ticks with a cut whose force followed the tip by more than kSoftMmPerN, because it shook the
   /// tool (CutCoupling), and the softest.
   std::uint64_t soft_ticks = 0;
@@ -97,6 +102,9 @@ struct ServoStatus {
   std::uint64_t answer_age_us = 0;
   /// Share of the computed wrench that is output.
   double felt_share = 1;
+  NoForce no_force = NoForce::kNone;
+  /// Factor of the force for lost ticks.
+  double lost_gain = 1;
 };
 
 /// Samples that the link sends together while the replica answers, and how old, us, its answer may
@@ -115,17 +123,22 @@ class ServoCycle final : public ServoTask {
              ReplicaExchange* replica = nullptr, Guidance* guidance = nullptr) noexcept;
 
   bool tick(std::uint64_t now_us) noexcept override;
+  /// The user re-arms after a trip (Supervisor::rearm). From any thread, or a signal handler.
+  void rearm() noexcept { rearm_.store(true, std::memory_order_relaxed); }
 
   const ServoReport& report() const noexcept { return report_; }
   const WrenchLimiter& limiter() const noexcept { return output_.limiter(); }
   const Passivity& passivity() const noexcept { return output_.passivity(); }
   const Supervisor& supervisor() const noexcept { return supervisor_; }
+  /// Why there is no force now, or less than is computed. From any thread.
+  NoForce no_force() const noexcept { return reason_.load(std::memory_order_relaxed); }
   /// Each for one other thread.
   LatestValue<ServoStatus>& status() noexcept { return status_; }
   LatestValue<HeardCut>& heard() noexcept { return heard_; }
   FlightRecorder& recorder() noexcept { return recorder_; }
 
  private:
+  void take_buttons(DeviceState& state) noexcept;
   bool is_usable(const DeviceState& state) noexcept;
   void send(const DeviceState& state) noexcept;
   bool turns(Vec3 step_mm) const noexcept;
@@ -182,6 +195,12 @@ class ServoCycle final : public ServoTask {
   bool turns_ = false;
   bool has_grip_ = false;
   bool has_answer_ = false;
+  /// This tick's wrench was faded; the previous one was limited.
+  bool faded_ = false, limited_ = false;
+  std::atomic<bool> rearm_{false};
+  std::atomic<NoForce> reason_{NoForce::kArming};
+  /// The device's button that re-arms was pressed in the previous tick.
+  bool rearm_pressed_ = false;
   /// Time of the replica's latest answer; 0: never.
   std::uint64_t replica_us_ = 0;
   /// The replica has a sample for which it was not woken.

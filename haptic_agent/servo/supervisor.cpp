@@ -25,8 +25,6 @@ constexpr std::uint64_t kRecoverUs = 200 * kUsPerMs;
 constexpr std::uint64_t kStarvingUs = 100 * kUsPerMs;
 /// How long the user must let go to clear a trip.
 constexpr std::uint64_t kForgiveUs = 300 * kUsPerMs;
-constexpr std::uint64_t kSlotUs = 100 * kUsPerMs;
-constexpr double kTicksPerS = 1000;
 
 bool outside(Vec3 p, Vec3 low, Vec3 high) noexcept {
   if (low == high) return false;
@@ -39,35 +37,31 @@ bool small(const Wrench& wrench) noexcept {
 
 }  // namespace
 
-void Supervisor::count_lost(const SafetyInput& in) noexcept {
-  const std::uint64_t slot = in.now_us / kSlotUs;
-  if (slot - lost_slot_ > lost_.size()) {
-    lost_.fill(0);
-    lost_slot_ = slot;
-  }
-  while (lost_slot_ < slot) lost_[++lost_slot_ % lost_.size()] = 0;
-  lost_[slot % lost_.size()] += static_cast<std::uint32_t>(in.lost_now);
+bool Supervisor::is_fresh(const SafetyInput& in) noexcept {
+  return in.has_answer && in.answer_age_us <= kFreshUs;
 }
 
-double Supervisor::lost_share() const noexcept {
-  std::uint64_t lost = 0;
-  for (const std::uint32_t slot : lost_) lost += slot;
-  return static_cast<double>(lost) / kTicksPerS;
+bool Supervisor::is_small(const SafetyInput& in) noexcept {
+  return small(in.requested - in.guided);
+}
+
+bool Supervisor::is_slow(const SafetyInput& in) noexcept { return in.tip_mm_per_s < kArmingMmPerS; }
+
+bool Supervisor::reaches(const SafetyInput& in) const noexcept {
+  return !outside(in.tip_mm, limits_.workspace_min_mm, limits_.workspace_max_mm);
 }
 
 TripCode Supervisor::fault(const SafetyInput& in) noexcept {
   if (!in.finite) return TripCode::kNotFinite;
   if (!is_finite(in.requested)) return TripCode::kRejectedWrench;
-  if (outside(in.tip_mm, limits_.workspace_min_mm, limits_.workspace_max_mm)) {
-    return TripCode::kWorkspace;
-  }
+  if (!reaches(in)) return TripCode::kWorkspace;
   constexpr double kMsPerS = 1000;
   const double ticks = std::max(1.0, in.dt_s * kMsPerS);
   if (in.jumped_mm > limits_.jump_mm * ticks) return TripCode::kJump;
   if (in.tip_mm_per_s > limits_.tip_mm_per_s) return TripCode::kSpeed;
   if (in.turn_rad_per_s > limits_.turn_rad_per_s) return TripCode::kTurnSpeed;
   if (in.lost_now >= limits_.lost_in_a_row) return TripCode::kLostTicksInARow;
-  if (lost_share() > limits_.lost_share) return TripCode::kLostTicks;
+  if (lost_.share() > limits_.lost_share) return TripCode::kLostTicks;
   if (force_.too_much()) return TripCode::kThermalForce;
   if (torque_.too_much()) return TripCode::kThermalTorque;
   if (in.overdrawn) return TripCode::kOverdrawn;
@@ -80,6 +74,10 @@ void Supervisor::enter(ServoPhase phase, const SafetyInput& in) noexcept {
   steady_from_us_ = 0;
   starving_from_us_ = 0;
   pressed_ = false;
+  asked_ = false;
+  gesture_.restart();
+  // Ticks that were lost without a force, or have tripped once, did no harm to this one.
+  if (phase == ServoPhase::kRamp) lost_.clear();
 }
 
 bool Supervisor::lets_go(const SafetyInput& in) noexcept {
@@ -88,24 +86,34 @@ bool Supervisor::lets_go(const SafetyInput& in) noexcept {
   return !limits_.has_deadman && pressed_ && !in.cutting;
 }
 
+/// Whether the user has re-armed by other means than letting go: at once, without a wait. The
+/// gesture counts where it cannot be a stroke: without the button, and where no force would be
+/// felt.
+bool Supervisor::ends_trip(const SafetyInput& in) noexcept {
+  const bool may = !limits_.has_deadman && in.present && in.finite && !in.cutting && reaches(in) &&
+                   is_small(in) && in.jumped_mm <= limits_.jump_mm;
+  const bool gestured = gesture_.done(in.tip_mm, may, in.now_us);
+  return in.present && (asked_ || gestured);
+}
+
 /// Transitions kReady to kArmed, kArmed to kRamp and kSafe to kReady: each requires a condition to
 /// hold for some time.
 void Supervisor::advance(const SafetyInput& in) noexcept {
-  const bool fresh = in.has_answer && in.answer_age_us <= kFreshUs;
   bool holds = false;
   std::uint64_t wait_us = 0;
   ServoPhase next = phase_;
   switch (phase_) {
     case ServoPhase::kReady:
-      holds = in.present && in.deadman && fresh;
+      holds = in.present && in.deadman && is_fresh(in) && reaches(in);
       next = ServoPhase::kArmed;
       break;
     case ServoPhase::kArmed:
-      holds = fresh && in.tip_mm_per_s < kArmingMmPerS && small(in.requested - in.guided);
+      holds = is_fresh(in) && is_slow(in) && is_small(in);
       wait_us = kArmingUs;
       next = ServoPhase::kRamp;
       break;
     case ServoPhase::kSafe:
+      if (ends_trip(in)) return enter(ServoPhase::kReady, in);
       holds = in.present && lets_go(in);
       wait_us = kForgiveUs;
       next = ServoPhase::kReady;
@@ -142,20 +150,12 @@ void Supervisor::monitor(const SafetyInput& in) noexcept {
   if (well && in.now_us - steady_from_us_ >= kRecoverUs) enter(ServoPhase::kActive, in);
 }
 
-double Supervisor::tick(const SafetyInput& in) noexcept {
-  if (!limits_.motors) {
-    phase_ = ServoPhase::kActive;
-    return 1;
-  }
-  count_lost(in);
-  force_.take(length(in.output.force_n), in.dt_s);
-  torque_.take(length(in.output.torque_nmm), in.dt_s);
+void Supervisor::step(const SafetyInput& in) noexcept {
   if (has_force()) {
     const TripCode trip = in.present ? fault(in) : TripCode::kDeviceLost;
     if (trip != TripCode::kNone) {
       code_ = trip;
       ++trips_;
-      lost_.fill(0);  // they have tripped once: not again as soon as the device is held
       enter(ServoPhase::kSafe, in);
     } else if (!in.deadman || in.answer_age_us > kDisarmUs) {
       enter(ServoPhase::kReady, in);
@@ -167,10 +167,24 @@ double Supervisor::tick(const SafetyInput& in) noexcept {
   } else {
     advance(in);
   }
+}
+
+double Supervisor::tick(const SafetyInput& in) noexcept {
+  if (!limits_.motors) {
+    phase_ = ServoPhase::kActive;
+    no_force_ = NoForce::kNoMotors;
+    return 1;
+  }
+  lost_.note(in.now_us, in.lost_now, in.dt_s);
+  force_.take(length(in.output.force_n), in.dt_s);
+  torque_.take(length(in.output.torque_nmm), in.dt_s);
+  step(in);
+  no_force_ = why(in);
   if (!has_force()) return 0;
-  if (phase_ != ServoPhase::kRamp) return 1;
+  if (phase_ != ServoPhase::kRamp) return lost_.gain();
   const double ramped_s = static_cast<double>(in.now_us - since_us_) / kUsPerS;
-  return limits_.ramp_s > 0 ? std::min(1.0, ramped_s / limits_.ramp_s) : 1.0;
+  const double ramp = limits_.ramp_s > 0 ? std::min(1.0, ramped_s / limits_.ramp_s) : 1.0;
+  return ramp * lost_.gain();
 }
 
 }  // namespace kerf::agent

@@ -5,7 +5,11 @@
 #include <cstdint>
 #include <string_view>
 
+#include "haptic_agent/device/haptic_device.h"
 #include "haptic_agent/servo/grip.h"
+#include "haptic_agent/servo/lost_ticks.h"
+#include "haptic_agent/servo/no_force.h"
+#include "haptic_agent/servo/rearm_gesture.h"
 #include "haptic_agent/servo/thermal.h"
 
 namespace kerf::agent {
@@ -70,14 +74,15 @@ struct SafetyLimits {
   double turn_rad_per_s = 15;
   double jump_mm = 5;  ///< of the tip, per ms
   std::uint64_t lost_in_a_row = 5;
-  double lost_share = 0.02;  ///< of the ticks of the last second
+  double lost_share = 0.5;  ///< of the ticks of the last second
   /// 0: unknown, not checked.
   double continuous_force_n = 0;
   double continuous_torque_nmm = 0;
   Vec3 workspace_min_mm{};
   Vec3 workspace_max_mm{};  ///< equal to the minimum: unknown, not checked
   double ramp_s = 0.5;
-  /// The device senses that it is held. Otherwise the user lets go of the cutting button instead.
+  /// The device senses that it is held. Otherwise the user lets go of the cutting button instead,
+  /// or makes a RearmGesture.
   bool has_deadman = true;
   /// A device without motors needs no arming and cannot trip.
   bool motors = true;
@@ -91,6 +96,7 @@ struct SafetyInput {
   bool finite = true;   ///< of the pose
   bool deadman = false;
   bool cutting = false;  ///< the button that cuts
+  DevicePhase device = DevicePhase::kReady;
   Vec3 tip_mm{};
   double jumped_mm = 0;  ///< displacement of the tip since the previous tick
   double tip_mm_per_s = 0;
@@ -103,11 +109,14 @@ struct SafetyInput {
   Wrench output{};             ///< of the previous tick
   bool starving = false;
   bool overdrawn = false;
+  bool faded = false;    ///< the requested wrench was faded, because answers are old
+  bool limited = false;  ///< the previous wrench was shortened to the limits of force and torque
 };
 
-/// Decides in each tick whether force may be output, and with which gain. A trip ends when the user
-/// has let go for 0.3 s: released the deadman or, of a device without one, released the cutting
-/// button, which must have been pressed since the trip.
+/// Decides in each tick whether force may be output, and with which gain: that of the ramp times
+/// that of LostTicks. A trip ends when the user has let go for 0.3 s: released the deadman or, of a
+/// device without one, released the cutting button, which must have been pressed since the trip; or
+/// makes a RearmGesture with such a device; or asks for it by other means (`rearm`).
 class Supervisor {
  public:
   explicit Supervisor(const SafetyLimits& limits) noexcept
@@ -115,6 +124,14 @@ class Supervisor {
 
   /// Returns the gain for this tick, 0 to 1.
   double tick(const SafetyInput& in) noexcept;
+
+  /// Ends a trip in the next tick in which the device is present. No effect in other phases.
+  void rearm() noexcept { asked_ = phase_ == ServoPhase::kSafe; }
+
+  /// Why there is no force after the newest tick, or less than is computed.
+  NoForce no_force() const noexcept { return no_force_; }
+  /// Factor of the force for lost ticks.
+  double lost_gain() const noexcept { return lost_.gain(); }
 
   ServoPhase phase() const noexcept { return phase_; }
   /// Code of the latest trip; kNone before the first.
@@ -132,8 +149,16 @@ class Supervisor {
   void advance(const SafetyInput& in) noexcept;
   void monitor(const SafetyInput& in) noexcept;
   bool lets_go(const SafetyInput& in) noexcept;
-  void count_lost(const SafetyInput& in) noexcept;
-  double lost_share() const noexcept;
+  bool ends_trip(const SafetyInput& in) noexcept;
+  void step(const SafetyInput& in) noexcept;
+  NoForce why(const SafetyInput& in) const noexcept;
+  static bool is_fresh(const SafetyInput& in) noexcept;
+  static bool is_small(const SafetyInput& in) noexcept;
+  static bool is_slow(const SafetyInput& in) noexcept;
+  bool reaches(const SafetyInput& in) const noexcept;
+
+  /// Lost ticks that scale the force by less are not worth a word.
+  static constexpr double kTellingGain = 0.98;
 
   SafetyLimits limits_;
   ThermalLoad force_, torque_;
@@ -145,8 +170,10 @@ class Supervisor {
   std::uint64_t starving_from_us_ = 0;
   bool pressed_ = false;  ///< the cutting button, since the start of the phase
   std::uint64_t degraded_ticks_ = 0;
-  std::array<std::uint32_t, 10> lost_{};  ///< per tenth of a second
-  std::uint64_t lost_slot_ = 0;
+  LostTicks lost_;
+  RearmGesture gesture_;
+  bool asked_ = false;  ///< `rearm` was called in this kSafe
+  NoForce no_force_ = NoForce::kAbsent;
 };
 
 }  // namespace kerf::agent

@@ -93,6 +93,8 @@ TEST(Options, CopyIsKeptUnlessDeclined) {
   EXPECT_TRUE(read({"--session", "demo", "--device", "sim"})->keep_copy);
   EXPECT_TRUE(read({"--session", "demo", "--device", "sim", "--copy"})->keep_copy);
   EXPECT_FALSE(read({"--session", "demo", "--device", "sim", "--no-copy"})->keep_copy);
+  EXPECT_FALSE(read({"--session", "demo", "--device", "sim"})->always_cut);
+  EXPECT_TRUE(read({"--session", "demo", "--device", "sim", "--always-cut"})->always_cut);
 }
 
 TEST(Options, LatencyIsInMilliseconds) {

@@ -19,12 +19,16 @@ TEST(TerminalView, BarIsClampedToItsLength) {
   EXPECT_EQ(bar(1, 0, 2), "[..]");
 }
 
-TEST(TerminalView, PrintsTheStateInSixLines) {
+TEST(TerminalView, PrintsTheStateInNineLines) {
   ServoStatus servo{.phase = ServoPhase::kSafe, .code = TripCode::kJump, .trips = 2};
   servo.output.force_n = {0, 3, 4};
   servo.computed.force_n = {0, 9, 12};
-  const std::string text = view_text(servo, {.rtt_us = 25'300}, {}, 30);
-  EXPECT_EQ(std::ranges::count(text, '\n'), 6);
+  const std::string reason = "a sentence of more than seventy letters, " + std::string(60, 'x');
+  const std::string text = view_text(servo, {.rtt_us = 25'300}, {}, 30, reason);
+  EXPECT_EQ(std::ranges::count(text, '\n'), 9);
+  EXPECT_NE(text.find("why     a sentence of more than seventy letters,\x1b[K\n        xxx"),
+            std::string::npos)
+      << text;
   for (const char* part :
        {"safe", "trips 2, last pose_jump", "5.0 N of 15.0 computed", "round trip 25.3 ms"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
@@ -35,7 +39,7 @@ TEST(TerminalView, NamesTheCurrentTransport) {
   const auto text = [](const UdpReport& udp) {
     LinkStatus link;
     link.udp = udp;
-    return view_text({}, link, {}, 30);
+    return view_text({}, link, {}, 30, "");
   };
   EXPECT_NE(text({}).find("WebSocket"), std::string::npos);
   EXPECT_EQ(text({}).find("datagrams"), std::string::npos);
@@ -43,7 +47,7 @@ TEST(TerminalView, NamesTheCurrentTransport) {
       text({.offered = true, .carries = true, .sent = 1234, .received = 1200, .lost = 34});
   EXPECT_NE(carried.find("UDP"), std::string::npos);
   EXPECT_NE(carried.find("datagrams 1234 out, 1200 in, 34 lost"), std::string::npos) << carried;
-  EXPECT_EQ(std::ranges::count(carried, '\n'), 6);
+  EXPECT_EQ(std::ranges::count(carried, '\n'), 9);
 }
 
 TEST(TripLog, WritesTheCodeAndOneLinePerTick) {

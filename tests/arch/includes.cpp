@@ -40,7 +40,7 @@ const std::vector<Module>& agent_modules() {
       {"haptic_agent/library",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "haptic_agent/realtime",
         "haptic_agent/device", "haptic_agent/servo", "haptic_agent/link", "haptic_agent/replica",
-        "haptic_agent/guides"}},
+        "haptic_agent/guides", "haptic_agent/force_reason.h"}},
       {"haptic_agent/doctor",
        {"haptic_agent/realtime", "haptic_agent/device", "haptic_agent/servo",
         "haptic_agent/link/server_url.h", "haptic_agent/force_notice.h",

@@ -18,6 +18,8 @@ constexpr std::uint32_t kMaxLatencyUs = 20'000;
 /// Below, a band would delay the force of a cut itself.
 constexpr std::uint32_t kMinVibrationHz = 20, kMaxVibrationHz = 1000;
 
+constexpr std::uint32_t kKnownFlags = KERF_AGENT_HAS_DEADMAN | KERF_AGENT_ALWAYS_CUT;
+
 struct Range {
   std::string_view field;
   double value, most;
@@ -62,7 +64,7 @@ std::string fault_of(const kerf_agent_capabilities& given) {
   if ((given.max_force_n > 0) != (given.actuated_dof > 0)) {
     return "max_force_n and actuated_dof must both be 0, for a device without motors, or neither";
   }
-  if ((given.flags & ~std::uint32_t{KERF_AGENT_HAS_DEADMAN}) != 0) return "unknown bits in flags";
+  if ((given.flags & ~kKnownFlags) != 0) return "unknown bits in flags";
   for (int i = 0; i < 3; ++i) {
     const double least = given.workspace_min_mm[i], most = given.workspace_max_mm[i];
     if (!(std::abs(least) <= kMaxMm && std::abs(most) <= kMaxMm && least <= most)) {
@@ -97,7 +99,8 @@ std::expected<DeviceCapabilities, std::string> capabilities_of(
       .moving_inertia_kg_m2 = given.moving_inertia_kg_m2,
       .workspace_min_mm = vec_of(given.workspace_min_mm),
       .workspace_max_mm = vec_of(given.workspace_max_mm),
-      .has_deadman = (given.flags & KERF_AGENT_HAS_DEADMAN) != 0};
+      .has_deadman = (given.flags & KERF_AGENT_HAS_DEADMAN) != 0,
+      .always_cut = (given.flags & KERF_AGENT_ALWAYS_CUT) != 0};
 }
 
 bool is_pose(const kerf_agent_pose& pose) noexcept {
@@ -106,9 +109,10 @@ bool is_pose(const kerf_agent_pose& pose) noexcept {
          std::abs(length(vec_of(pose.axis)) - 1) <= wire::kAxisLengthTolerance / 2;
 }
 
-static_assert(KERF_AGENT_UNDO == kButtonUndo && KERF_AGENT_REDO == kButtonRedo);
+static_assert(KERF_AGENT_UNDO == kButtonUndo && KERF_AGENT_REDO == kButtonRedo &&
+              KERF_AGENT_REARM == kButtonRearm);
 constexpr std::uint32_t kKnownButtons =
-    wire::kButtonCutting | wire::kButtonDeadman | kButtonUndo | kButtonRedo;
+    wire::kButtonCutting | wire::kButtonDeadman | kButtonUndo | kButtonRedo | kButtonRearm;
 
 DeviceState state_of(const kerf_agent_pose& pose, bool has_deadman, std::uint64_t now_us) noexcept {
   DeviceState state{.tip_mm = vec_of(pose.tip_mm),

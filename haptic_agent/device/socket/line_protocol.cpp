@@ -66,8 +66,15 @@ constexpr IntegerKey kIntegerKeys[] = {
     {"actuated_dof", &kerf_agent_capabilities::actuated_dof},
     {"latency_us", &kerf_agent_capabilities::latency_us},
     {"max_vibration_hz", &kerf_agent_capabilities::max_vibration_hz},
-    {"deadman", &kerf_agent_capabilities::flags},
 };
+
+struct FlagKey {
+  std::string_view key;
+  std::uint32_t flag;
+};
+
+constexpr FlagKey kFlagKeys[] = {{"deadman", KERF_AGENT_HAS_DEADMAN},
+                                 {"always_cut", KERF_AGENT_ALWAYS_CUT}};
 
 /// Reads one KEY=VALUE; returns false if the key is unknown or the value malformed.
 bool read_key(std::string_view key, std::string_view value, kerf_agent_capabilities& given) {
@@ -76,6 +83,12 @@ bool read_key(std::string_view key, std::string_view value, kerf_agent_capabilit
   }
   for (const IntegerKey& known : kIntegerKeys) {
     if (key == known.key) return read_integer(value, given.*known.field);
+  }
+  for (const FlagKey& known : kFlagKeys) {
+    if (key != known.key) continue;
+    if (value != "0" && value != "1") return false;
+    given.flags = value == "1" ? given.flags | known.flag : given.flags & ~known.flag;
+    return true;
   }
   if (key == "workspace_min_mm") return read_vector(value, given.workspace_min_mm);
   if (key == "workspace_max_mm") return read_vector(value, given.workspace_max_mm);

@@ -33,6 +33,9 @@ std::expected<DeviceCapabilities, std::string> parse_device_line(std::string_vie
 std::optional<SocketPose> parse_pose_line(std::string_view line, bool has_deadman,
                                           std::uint64_t now_us) noexcept;
 
+/// The line, beside poses, with which the device's user re-arms after a trip.
+inline constexpr std::string_view kRearmLine = "rearm";
+
 /// `session PARTICIPANT PIVOT X0 Y0 Z0 X1 Y1 Z1`, with a newline.
 std::string session_line(const StockBox& stock, double pivot_mm, std::uint32_t participant);
 

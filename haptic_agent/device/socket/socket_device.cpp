@@ -146,6 +146,10 @@ void SocketDevice::serve() {
 bool SocketDevice::take_lines() {
   bool fresh = false;
   for (std::string line; stream_.next(line);) {
+    if (line == kRearmLine) {
+      rearm_.store(true, std::memory_order_relaxed);
+      continue;
+    }
     const std::uint64_t now_us = monotonic_us();
     const auto pose = parse_pose_line(line, capabilities_.has_deadman, now_us);
     if (!pose) return false;
@@ -200,6 +204,12 @@ void SocketDevice::report(const std::string& trouble) {
   if (!settings_.notice) return;
   settings_.notice(trouble.empty() ? join({"the ", capabilities_.name, " is connected again"})
                                    : trouble);
+}
+
+DeviceState SocketDevice::read(std::uint64_t now_us) noexcept {
+  DeviceState state = mailbox_.fetch(now_us);
+  if (rearm_.exchange(false, std::memory_order_relaxed)) state.buttons |= kButtonRearm;
+  return state;
 }
 
 void SocketDevice::write(const Wrench& wrench) noexcept {

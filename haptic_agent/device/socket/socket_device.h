@@ -41,7 +41,7 @@ class SocketDevice final : public HapticDevice {
   SocketDevice& operator=(const SocketDevice&) = delete;
 
   DeviceCapabilities capabilities() const override { return capabilities_; }
-  DeviceState read(std::uint64_t now_us) noexcept override { return mailbox_.fetch(now_us); }
+  DeviceState read(std::uint64_t now_us) noexcept override;
   void write(const Wrench& wrench) noexcept override;
   void stop() noexcept override;
   std::string trouble() const override;
@@ -74,6 +74,8 @@ class SocketDevice final : public HapticDevice {
   int wake_fd_;
   mutable std::mutex mutex_;  ///< guards trouble_
   std::string trouble_;
+  /// The device has sent kRearmLine, and the servo has not read it yet.
+  std::atomic<bool> rearm_{false};
   std::atomic<bool> ending_{false};
   std::thread thread_;
 };

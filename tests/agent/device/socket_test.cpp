@@ -42,6 +42,9 @@ TEST(LineProtocol, ReadsCapabilities) {
   EXPECT_EQ(device->workspace_max_mm.y, 50);
   EXPECT_FALSE(device->has_deadman);
   EXPECT_TRUE(parse_device_line("kerf-device 1 deadman=1")->has_deadman);
+  EXPECT_FALSE(device->always_cut);
+  const auto both = parse_device_line("kerf-device 1 always_cut=1 deadman=1");
+  EXPECT_TRUE(both->always_cut && both->has_deadman);
 }
 
 TEST(LineProtocol, MalformedCapabilitiesAreRejectedWithAReason) {
@@ -59,7 +62,8 @@ TEST(LineProtocol, MalformedCapabilitiesAreRejectedWithAReason) {
            {"kerf-device 1 max_force_n=200", "max_force_n is 200"},
            {"kerf-device 1 workspace_min_mm=1,2", "workspace_min_mm"},
            {"kerf-device 1 sensed_dof=6", "sensed_dof"},
-           {"kerf-device 1 deadman=2", "flags"},
+           {"kerf-device 1 deadman=2", "deadman=2"},
+           {"kerf-device 1 always_cut=yes", "always_cut=yes"},
            {"kerf-device 1 max_force_n=5", "actuated_dof"},
            {"kerf-device 1 actuated_dof=3", "max_force_n"},
            {"kerf-device 1  name=x", "KEY=VALUE"}}) {
@@ -79,6 +83,8 @@ TEST(LineProtocol, ReadsPosesAndNothingElse) {
   EXPECT_EQ(pose->state.buttons, wire::kButtonCutting | wire::kButtonDeadman);
   EXPECT_EQ(pose->state.time_us, 77U);
   EXPECT_EQ(pose->accepted, 65535);
+  EXPECT_EQ(parse_pose_line("pose ready 0 0 0 0 0 1 1792 0", true, 1)->state.buttons,
+            kButtonUndo | kButtonRedo | kButtonRearm);
   EXPECT_TRUE(parse_pose_line("pose finished 0 0 0 0 0 1 0 0", true, 1)->state.finished);
   EXPECT_EQ(parse_pose_line("pose homing 0 0 0 0 0 1 0 0", true, 1)->state.phase,
             DevicePhase::kHoming);
@@ -244,6 +250,22 @@ TEST_F(SocketDeviceTest, ExchangesPosesAndWrenches) {
     process.say("pose ready 1 2 3 0 0 1 1 " + std::to_string(number) + "\n");
     return agent->command_echo().count > 0;
   }));
+}
+
+TEST_F(SocketDeviceTest, LineThatRearmsIsReadOnceAsAButton) {
+  open();
+  ASSERT_TRUE(ready());
+  EXPECT_EQ(agent->read(monotonic_us()).buttons & kButtonRearm, 0U);
+  process.say("rearm\n");
+  int pressed = 0;
+  ASSERT_TRUE(eventually([&] {
+    process.say("pose ready 1 2 3 0 0 1 1 0\n");
+    const DeviceState state = agent->read(monotonic_us());
+    if ((state.buttons & kButtonRearm) != 0) ++pressed;
+    return pressed > 0 && state.valid && (state.buttons & kButtonRearm) == 0;
+  }));
+  EXPECT_EQ(pressed, 1);
+  EXPECT_EQ(agent->trouble(), "");
 }
 
 TEST_F(SocketDeviceTest, ProcessThatDoesNotReadIsLost) {

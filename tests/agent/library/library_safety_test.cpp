@@ -123,5 +123,45 @@ TEST_F(LibraryTest, DeviceWithoutMotorsGetsNoForce) {
   EXPECT_EQ(most, 0);
 }
 
+TEST_F(LibraryTest, StatusSaysWhyThereIsNoForceAndWhatToDo) {
+  serve();
+  device_.flags = KERF_AGENT_HAS_DEADMAN;
+  connect();
+  int ticks = 0;
+  ASSERT_TRUE(tick_until(pose_at(1), [&] { return ++ticks > 100; }, false));
+  EXPECT_STREQ(status().no_force_name, "not_held");
+  EXPECT_NE(std::string(status().no_force_text).find("hold its grip"), std::string::npos);
+  ASSERT_TRUE(feel(KERF_AGENT_DEADMAN));
+  std::this_thread::sleep_for(milliseconds(1));
+  step(pose_at(std::numeric_limits<double>::infinity()));
+  EXPECT_STREQ(status().no_force_name, "tripped");
+  const std::string text = status().no_force_text;
+  EXPECT_NE(text.find("no number"), std::string::npos) << text;
+  EXPECT_NE(text.find("release the device for 0.3 s"), std::string::npos) << text;
+}
+
+TEST_F(LibraryTest, PressOfTheButtonThatRearmsEndsATrip) {
+  serve();
+  connect();
+  ASSERT_TRUE(feel());
+  std::this_thread::sleep_for(milliseconds(1));
+  step(pose_at(std::numeric_limits<double>::infinity()));
+  ASSERT_EQ(status().tripped, 1U);
+  ASSERT_TRUE(
+      tick_until(pose_at(1, KERF_AGENT_REARM), [&] { return status().tripped == 0; }, false));
+  EXPECT_TRUE(feel());
+}
+
+TEST_F(LibraryTest, CallersOfAnOlderHeaderGetTheStatusThatTheyKnow) {
+  serve();
+  connect();
+  auto known = sized<kerf_agent_status>();
+  known.struct_size = offsetof(kerf_agent_status, no_force_name);
+  const char* const untouched = "untouched";
+  known.no_force_name = untouched;
+  EXPECT_EQ(kerf_agent_get_status(agent_, &known), KERF_AGENT_OK);
+  EXPECT_EQ(known.no_force_name, untouched);
+}
+
 }  // namespace
 }  // namespace kerf::agent

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "haptic_agent/servo/supervisor.h"
+
+namespace kerf::agent {
+
+/// Returns what happened at a trip, and what the user may do about it; a sentence without its full
+/// stop.
+std::string_view trip_reason(TripCode code);
+
+/// Returns what the user of a device does to go on after a trip; a sentence without its full stop.
+std::string_view rearm_remedy(const DeviceCapabilities& device);
+
+/// The sentences for NoForce: why no force is felt, or not all of it, with the remedy.
+class ForceReasons {
+ public:
+  explicit ForceReasons(const DeviceCapabilities& device);
+
+  /// One sentence without its full stop; empty for kNone. `code` counts for kTripped only. Valid as
+  /// long as the object.
+  const std::string& of(NoForce reason, TripCode code) const noexcept {
+    return reason == NoForce::kTripped ? tripped_[static_cast<std::size_t>(code)]
+                                       : other_[static_cast<std::size_t>(reason)];
+  }
+
+ private:
+  std::array<std::string, kNoForceNames.size()> other_;
+  std::array<std::string, kTripNames.size()> tripped_;
+};
+
+}  // namespace kerf::agent
