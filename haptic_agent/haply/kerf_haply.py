@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Serves a Haply Inverse3, with a VerseGrip if there is one, to `kerf-agent --device socket:`.
 
-Exchanges cursor positions and forces with the Haply Inverse Service (its simulation channel, a
-WebSocket with JSON, as documented for version 3.5) and lines with the agent
-(haptic_agent/device/socket/README.md). README.md beside this file."""
+Exchanges positions and forces with the Haply Inverse Service (its simulation channel, versions 3.1
+to 3.5) and lines with the agent (haptic_agent/device/socket/README.md). See README.md here."""
 import argparse
 import base64
 import hashlib
@@ -18,13 +17,16 @@ import sys
 import time
 from urllib.parse import urlsplit
 
-MM_PER_M = 1000.0
-PERIOD_S = 1e-3
+MM_PER_M, PERIOD_S = 1000.0, 1e-3
 WRENCH_LIFE_S = 0.02  # a wrench that the agent has not renewed for this time ends
 MOST_M = 100.0  # a cursor farther away is an error of the service
 SERVICE_QUIET_S = 0.5  # a service that does not answer for this time is lost
-RETRY_S = 0.5
-START_ABOVE_MM = 10.0
+RETRY_S, START_ABOVE_MM = 0.5, 10.0
+WORDS = ("vector", "values")  # names of the force in set_cursor_force: of 3.5, and of 3.1
+# A force of LEAST_N is not carried out if ECHO_SHARE of it is not reported within UNTAKEN_S.
+LEAST_N, ECHO_SHARE, UNTAKEN_S = 0.1, 0.05, 0.15
+RAMP_S = 0.5  # in which the force rises after the service takes it at last
+BUTTONS = (1, 1024, 256)  # bits of a pose for the grip's a, b, c: cut, re-arm, undo
 GUID = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"  # RFC 6455
 TEXT, CLOSE, PING, PONG = 1, 8, 9, 10
 
@@ -138,6 +140,40 @@ def axis_of(quaternion, sign):
     return [s * (x * y - w * z), sign - s * (x * x + z * z), s * (y * z + w * x)]
 
 
+class ForceWord:
+    """The name of the force. The service ignores others without a word; 3.5, whose messages state a
+    `session_id`, takes `vector`, 3.1 `values`. If its `current_cursor_force` stays zero while a
+    force is commanded, it is sent the other one."""
+
+    def __init__(self, inventory):
+        self.guess = self.word = WORDS["session_id" not in inventory]
+        self.confirmed, self.unheard_s, self.rise_from_s = False, None, None
+
+    def scale(self, now_s):
+        """Factor of the force, which rises from zero when the service begins to take it."""
+        return 1.0 if self.rise_from_s is None else min(1.0, (now_s - self.rise_from_s) / RAMP_S)
+
+    def judge(self, now_s, commanded, reported):
+        """Takes the forces commanded and reported, N; returns a line for the user, or nothing."""
+        newtons = math.hypot(*commanded)
+        if reported is None or newtons < LEAST_N or math.hypot(*reported) > ECHO_SHARE * newtons:
+            self.confirmed |= reported is not None and newtons >= LEAST_N
+            self.unheard_s = None
+            return ""
+        self.unheard_s = self.unheard_s or now_s
+        if now_s - self.unheard_s < UNTAKEN_S:
+            return ""
+        if self.confirmed:
+            return "the Inverse Service no longer carries out the force; see Haply Hub"
+        if self.rise_from_s is None:
+            self.unheard_s, self.rise_from_s = None, now_s
+            self.word = WORDS[self.guess == WORDS[0]]
+            return f"the Inverse Service ignores '{self.guess}'; the force is sent as '{self.word}'"
+        self.word = self.guess
+        return ("the Inverse Service takes no force, named 'vector' or 'values': nothing is felt; "
+                "update Haply Hub, and see in it whether the device is ready")
+
+
 class Inverse3:
     """Reads one Inverse3 and one grip out of the service's states."""
 
@@ -149,10 +185,13 @@ class Inverse3:
         self.axis_sign = axis_sign
         self.grip_kind = next((kind for kind in ("wireless_verse_grip", "verse_grip",
                                                  "custom_verse_grip") if inventory.get(kind)), None)
-        self.position, self.axis, self.cut, self.state = [0.0] * 3, [0.0, 0.0, 1.0], False, "homing"
+        self.position, self.axis, self.buttons, self.state = [0.0] * 3, [0.0, 0.0, 1.0], 0, "homing"
+        self.word, self.reported_n, self.said = ForceWord(inventory), None, set()
 
     def take(self, message):
         """Takes a state update; a device that is missing from it is absent."""
+        if message.get("error"):
+            self.say(f"the Inverse Service reports: {str(message['error'])[:200]}")
         device = next((d for d in message.get("inverse3") or []
                        if d.get("device_id") == self.device_id), None)
         if device is None:
@@ -161,18 +200,27 @@ class Inverse3:
         status = device.get("status") or {}
         self.state = "homing" if status.get("calibrated") is False else "ready"
         self.position = [MM_PER_M * v for v in position_of(device["state"]["cursor_position"])]
+        reported = device["state"].get("current_cursor_force")
+        self.reported_n = reported and [float(reported[name]) for name in "xyz"]
         grips = message.get(self.grip_kind) or [] if self.grip_kind else []
         if grips:
             state = grips[0]["state"]
             self.axis = axis_of(state["orientation"], self.axis_sign)
-            self.cut = bool(state.get("button") or (state.get("buttons") or {}).get("a"))
+            pressed = state.get("buttons") or {}
+            held = (state.get("button") or pressed.get("a"), pressed.get("b"), pressed.get("c"))
+            self.buttons = sum(bit for bit, on in zip(BUTTONS, held) if on)
         elif self.grip_kind:
-            self.cut = False
+            self.buttons = 0
 
     def command(self, force_n):
-        force = dict(zip("xyz", force_n))
-        return {"inverse3": [{"device_id": self.device_id,
-                              "commands": {"set_cursor_force": {"vector": force}}}]}
+        commands = {"set_cursor_force": {self.word.word: dict(zip("xyz", force_n))}}
+        return {"inverse3": [{"device_id": self.device_id, "commands": commands}]}
+
+    def say(self, line):
+        """Tells the user, of each thing once."""
+        if line and line not in self.said:
+            print(line, file=sys.stderr, flush=True)
+        self.said.add(line)
 
 
 def hello(device, handshake):
@@ -212,10 +260,10 @@ class Agent:
             self.renewed_s = now_s
         return (self.force_n if now_s - self.renewed_s <= WRENCH_LIFE_S else [0.0] * 3), self.number
 
-    def pose(self, state, tip_mm, axis, cut, accepted):
-        words = [state, *(f"{v:.6f}" for v in tip_mm), *(f"{v:.9f}" for v in axis), int(cut), accepted]
+    def pose(self, state, tip_mm, axis, buttons, accepted):
+        place = " ".join([*(f"{v:.6f}" for v in tip_mm), *(f"{v:.9f}" for v in axis)])
         try:
-            self.socket.send(("pose " + " ".join(map(str, words)) + "\n").encode())
+            self.socket.send(f"pose {state} {place} {buttons} {accepted}\n".encode())
         except BlockingIOError:
             raise Lost("it does not read") from None
 
@@ -229,19 +277,21 @@ class Agent:
 def run(service, device, agent):
     """Exchanges states and forces until one side is lost. The cursor holds the tool at its pivot:
     where it is when the device is ready, the tip is START_ABOVE_MM above the stock."""
-    offset, accepted, due_s = None, 0, time.monotonic()
+    offset, due_s = None, time.monotonic()
     while True:
-        force_n, number = agent.wrench(time.monotonic())
-        ready = device.state == "ready"
-        service.send(device.command(force_n if ready else [0.0] * 3))
+        now_s = time.monotonic()
+        force_n, accepted = agent.wrench(now_s)
+        scale = device.word.scale(now_s) if device.state == "ready" else 0.0
+        sent_n = [scale * f for f in force_n]
+        service.send(device.command(sent_n))
         device.take(service.receive())
-        accepted = number
+        device.say(device.word.judge(now_s, sent_n, device.reported_n))
         if device.state == "ready" and offset is None:
             pivot = [s + agent.pivot_mm * a for s, a in zip(agent.start_mm, device.axis)]
             offset = [p - c for p, c in zip(pivot, device.position)]
         tip = [c + o - agent.pivot_mm * a
                for c, o, a in zip(device.position, offset or [0.0] * 3, device.axis)]
-        agent.pose(device.state, tip, device.axis, device.cut, accepted)
+        agent.pose(device.state, tip, device.axis, device.buttons, accepted)
         due_s = max(due_s + PERIOD_S, time.monotonic() - PERIOD_S)
         time.sleep(max(0.0, due_s - time.monotonic()))
 
@@ -263,7 +313,8 @@ def capabilities(device, options):
     dof = 5 if device.grip_kind else 3
     return (f"kerf-device 1 name=haply_inverse3 sensed_dof={dof} actuated_dof=3 "
             f"max_force_n={options.max_force:g} max_stiffness_n_per_mm={options.max_stiffness:g} "
-            f"latency_us={int(options.latency * 1000)}\n")
+            f"latency_us={int(options.latency * 1000)}"
+            f"{' always_cut=1' if options.cut == 'always' else ''}\n")
 
 
 def serve(listener, options):
@@ -276,6 +327,8 @@ def serve(listener, options):
             service, device = open_service(options)
             print(f"{options.service}: Inverse3 {device.device_id}, "
                   f"{device.grip_kind or 'no grip'}; waiting for kerf-agent", flush=True)
+            if not device.grip_kind and options.cut == "button":
+                print("no button: the tool only touches; see --cut always", flush=True)
             said = ""
             connection = listener.accept()[0]
             with connection:
@@ -329,6 +382,8 @@ def main():
                         "kerf-agent doctor")
     parser.add_argument("--axis-sign", type=int, choices=(-1, 1), default=-1,
                         help="-1: the grip points from the spindle to the tip (%(default)s)")
+    parser.add_argument("--cut", choices=("button", "always"), default="button",
+                        help="with the grip's button a, or while the force is on (%(default)s)")
     parser.add_argument("--profile", default="org.kerf.agent:inverse3", help="name for Haply Hub")
     options = parser.parse_args()
     try:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Emulates the Haply Inverse Service for the tests: its simulation channel, a WebSocket on which one
-state answers each message, with an Inverse3 in a simulated hand and a Wireless VerseGrip."""
+state answers each message, with an Inverse3 in a simulated hand and a Wireless VerseGrip. It ignores
+names that it does not know without a word, as the service does."""
 import base64
 import hashlib
 import json
@@ -13,11 +14,16 @@ GUID = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 
 
 class Service:
-    """`aim(t)` returns where the hand wants the cursor t seconds after the first command, in m."""
+    """`aim(t)` returns where the hand wants the cursor t seconds after the first command, in m.
+    `word`: the name of the force that it takes, `vector` (3.5) or `values` (3.1); `session_id`:
+    whether its messages state one, as those of 3.5 do."""
 
-    def __init__(self, aim=lambda t: (0.0, 0.0, 0.0), orientation=(0, 1, 0, 0), port=0):
+    def __init__(self, aim=lambda t: (0.0, 0.0, 0.0), orientation=(0, 1, 0, 0), port=0,
+                 word="vector", session_id=True):
+        self.word, self.session_id, self.ignored, self.error = word, session_id, 0, None
         self.aim, self.orientation = aim, orientation  # w, x, y, z
         self.calibrated, self.button, self.grips = True, False, True
+        self.more_buttons = {"b": False, "c": False}
         self.forces, self.profiles, self.faults = [], [], []  # forces: (seconds, (x, y, z) in N)
         self.listener = socket.create_server(("127.0.0.1", port))
         self.port = self.listener.getsockname()[1]
@@ -68,7 +74,7 @@ class Service:
 
     def _talk(self, peer, stream):
         at, speed, last_s = list(self.aim(0)), [0.0] * 3, time.monotonic()
-        self._send(peer, self._state(at, config=True))
+        self._send(peer, self._state(at, (0, 0, 0), config=True))
         first = True
         while (message := self._receive(stream)) is not None:
             if first != ("session" in message):
@@ -78,14 +84,16 @@ class Service:
             first = False
             device, = message["inverse3"]
             assert device["device_id"] == "049D"
-            force = tuple(device["commands"]["set_cursor_force"]["vector"][n] for n in "xyz")
+            sent = device["commands"]["set_cursor_force"].get(self.word)
+            self.ignored += sent is None
+            force = tuple(sent[n] for n in "xyz") if sent else (0, 0, 0)
             now_s = time.monotonic()
             if self.begun_s is None and any(force):
                 self.begun_s = now_s
             self.forces.append((now_s, force))
             self._move(at, speed, force, min(now_s - last_s, 0.01), now_s)
             last_s = now_s
-            self._send(peer, self.odd.pop(0) if self.odd else self._state(at))
+            self._send(peer, self.odd.pop(0) if self.odd else self._state(at, force))
 
     def _move(self, at, speed, force, dt, now_s):
         """A mass of 0.3 kg, held by 1 N/mm with some damping."""
@@ -97,20 +105,26 @@ class Service:
                 speed[i] += pull / 0.3 * dt / steps
                 at[i] += speed[i] * dt / steps
 
-    def _state(self, at, config=False):
+    def _state(self, at, force, config=False):
         zero = dict.fromkeys("xyz", 0.0)
         inverse3 = {"device_id": "049D",
                     "state": {"cursor_position": dict(zip("xyz", at)), "cursor_velocity": zero,
-                              "current_cursor_force": zero, "control_mode": "force"},
+                              "current_cursor_force": dict(zip("xyz", force)),
+                              "control_mode": "force"},
                     "status": {"calibrated": self.calibrated, "in_use": True, "ready": True}}
         grip = {"device_id": "6157",
                 "state": {"orientation": dict(zip("wxyz", self.orientation)), "hall": 0,
-                          "buttons": {"a": self.button, "b": False, "c": False}},
+                          "buttons": {"a": self.button, **self.more_buttons}},
                 "status": {"connected": True}}
         if config:
             inverse3["config"] = {"type": "inverse3", "handedness": "right"}
             grip["config"] = {"type": "wireless_verse_grip"}
-        return {"inverse3": [inverse3], "wireless_verse_grip": [grip] if self.grips else []}
+        message = {"inverse3": [inverse3], "wireless_verse_grip": [grip] if self.grips else []}
+        if self.session_id:
+            message["session_id"] = 7
+        if self.error:
+            message["error"] = self.error
+        return message
 
     @staticmethod
     def _send(peer, message):

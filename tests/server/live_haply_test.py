@@ -131,6 +131,80 @@ class Adapter(unittest.TestCase):
         agent.leave()
         self.wait(lambda: self.service.newest_force() == (0, 0, 0))
 
+    def restart(self, *more, **service):
+        """Another service, and an adapter to it."""
+        self.bridge.stop()
+        self.service.stop()
+        self.service = Service(**service)
+        self.bridge = Bridge(self.folder.name, self.service, *more)
+
+    def push(self, agent, newtons=2, least=1):
+        """Sends a force until the service carries out half of it; returns how many poses it took."""
+        for number in range(1, 3000):
+            agent.socket.sendall(f"wrench {number} 0 0 {newtons} 0 0 0\n".encode())
+            if self.service.newest_force()[2] > least:
+                return number
+            agent.pose()
+        self.fail("the service carries out no force")
+
+    def test_speaks_both_dialects_from_the_first_message_on(self):
+        for word, session_id in (("vector", True), ("values", False)):
+            self.restart(word=word, session_id=session_id)
+            agent = self.bridge.join()
+            agent.pose()
+            self.push(agent)
+            self.assertEqual(self.service.ignored, 0, word)
+            agent.leave()
+            self.assertEqual(self.bridge.stop()[1], "", word)
+
+    def test_a_service_that_ignores_the_force_is_sent_the_other_dialect(self):
+        for word, session_id in (("vector", False), ("values", True)):
+            self.restart(word=word, session_id=session_id)
+            agent = self.bridge.join()
+            agent.pose()
+            self.push(agent)
+            first = next(f for _, f in self.service.forces if any(f))
+            self.assertLess(first[2], 0.2, "it rises from zero")
+            agent.leave()
+            self.assertIn(f"the force is sent as '{word}'", self.bridge.stop()[1])
+
+    def test_a_service_that_takes_no_force_is_reported_once(self):
+        self.restart(word="other")
+        agent = self.bridge.join()
+        agent.pose()
+        for number in range(1, 1200):
+            agent.socket.sendall(f"wrench {number} 0 0 2 0 0 0\n".encode())
+            agent.pose()
+        agent.leave()
+        lines = self.bridge.stop()[1].splitlines()
+        self.assertEqual(sum("takes no force" in line for line in lines), 1, lines)
+        self.assertEqual(len([line for line in lines if "force" in line]), 2, lines)
+
+    def test_an_error_of_the_service_is_reported_once(self):
+        agent = self.bridge.join()
+        self.service.error = "the device is in use"
+        for _ in range(50):
+            agent.pose()
+        agent.leave()
+        self.assertEqual(self.bridge.stop()[1].count("reports: the device is in use"), 1)
+
+    def test_buttons_b_and_c_rearm_and_undo(self):
+        agent = self.bridge.join()
+        self.service.more_buttons = {"b": True, "c": False}
+        agent.pose_when(lambda pose: pose[3] == 1024)
+        self.service.more_buttons = {"b": False, "c": True}
+        agent.pose_when(lambda pose: pose[3] == 256)
+        agent.leave()
+
+    def test_without_a_grip_it_cuts_if_asked_to(self):
+        for more, states in (((), False), (("--cut", "always"), True)):
+            self.restart(*more)
+            self.service.grips = False
+            agent = self.bridge.join()
+            self.assertEqual("always_cut=1" in agent.capabilities, states)
+            agent.leave()
+            self.assertEqual("--cut always" in self.bridge.stop()[0], not states)
+
     def test_an_uncalibrated_device_and_a_missing_grip(self):
         self.service.calibrated = False
         agent = self.bridge.join()
