@@ -10,7 +10,10 @@
 #include <time.h>
 
 #define PERIOD_NS 1000000L
-#define END_S 3.5
+#define ABOVE_MM 5 /* where the hand begins, and waits */
+#define CUT_S 1.2  /* of its path: from here on it cuts, until the end */
+#define END_S 2.7
+#define LONGEST_S 60 /* with all waits */
 
 /* A mass of 0.2 kg, pulled to a target by a hand of 0.5 N/mm with damping: mm and seconds. */
 struct hand {
@@ -26,46 +29,63 @@ static void move(struct hand* hand, const double target[3], const kerf_agent_wre
   }
 }
 
-/* The path of the hand: waits 5 mm above, presses 2 mm deep without cutting, cuts 15 mm along x. */
-static int aim(double t, const kerf_agent_session* session, double target[3]) {
-  const double sink = t < 0.8 ? 0 : t < 1.5 ? 10 * (t - 0.8) : 7;
-  const double run = t < 2 ? 0 : 10 * (t - 2);
-  target[0] = (session->stock_min_mm[0] + session->stock_max_mm[0]) / 2 + run;
-  target[1] = (session->stock_min_mm[1] + session->stock_max_mm[1]) / 2;
-  target[2] = session->stock_max_mm[2] + 5 - sink;
-  return t >= 2;
+/* The path of the hand: sinks 7 mm, the last 2 into the stock, without cutting; then cuts 15 mm
+ * along x. */
+static void aim(double t, const kerf_agent_session* session, double goal[3]) {
+  const double sink = t < 0.7 ? 10 * t : 7;
+  const double run = t < CUT_S ? 0 : 10 * (t - CUT_S);
+  goal[0] = (session->stock_min_mm[0] + session->stock_max_mm[0]) / 2 + run;
+  goal[1] = (session->stock_min_mm[1] + session->stock_max_mm[1]) / 2;
+  goal[2] = session->stock_max_mm[2] + ABOVE_MM - sink;
+}
+
+/* Moves the target towards the goal, at 20 mm/s at most; returns 1 when it is there. */
+static int approach(const double goal[3], double target[3]) {
+  double left = 0;
+  for (int i = 0; i < 3; ++i) {
+    target[i] += fmax(-0.02, fmin(0.02, goal[i] - target[i]));
+    left = fmax(left, fabs(goal[i] - target[i]));
+  }
+  return left < 1e-9;
 }
 
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-/* Prints the state; returns 1 after the safety envelope has tripped, for example for lost ticks. */
-static int print(kerf_agent* agent, double t, const struct hand* hand) {
-  kerf_agent_status status = {.struct_size = sizeof status};
-  kerf_agent_get_status(agent, &status);
+static void print(const kerf_agent_status* status, double t, const struct hand* hand) {
   printf("%4.2f s  z %6.2f mm  feels %5.2f N of %5.2f  %s\n", t, hand->at[2],
-         length(status.felt_force_n), length(status.computed_force_n),
-         status.tripped ? status.trip_text : status.phase_text);
-  return (int)status.tripped;
+         length(status->felt_force_n), length(status->computed_force_n),
+         status->no_force_text != NULL ? status->no_force_text : status->phase_text);
 }
 
+/* The path goes on while the force is on. Otherwise, as after a trip on a busy machine, the hand
+ * lifts the tool and waits. */
 static int feel(kerf_agent* agent) {
   kerf_agent_session session = {.struct_size = sizeof session};
+  kerf_agent_status status = {.struct_size = sizeof status};
   kerf_agent_get_session(agent, &session);
   kerf_agent_pose pose = {.struct_size = sizeof pose, .state = KERF_AGENT_READY, .axis = {0, 0, 1}};
   kerf_agent_wrench wrench = {.struct_size = sizeof wrench};
   struct hand hand = {0};
+  double target[3], t = 0, pressed = 0, cut = 0;
+  aim(0, &session, target);
   aim(0, &session, hand.at);
-  double pressed = 0, cut = 0;
   const struct sched_param priority = {.sched_priority = 80};
   sched_setscheduler(0, SCHED_FIFO, &priority); /* if permitted */
   struct timespec due;
   clock_gettime(CLOCK_MONOTONIC, &due);
-  for (int tick = 0, trips = 0; tick < (int)(END_S * 1000); ++tick) {
+  for (int tick = 0; t < END_S; ++tick) {
     due.tv_nsec += PERIOD_NS;
     if (due.tv_nsec >= 1000 * PERIOD_NS) due.tv_nsec -= 1000 * PERIOD_NS, ++due.tv_sec;
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, NULL);
-    double target[3];
-    const int cutting = aim(tick * 1e-3, &session, target);
+    if (tick % 10 == 0) kerf_agent_get_status(agent, &status);
+    if (status.tripped) kerf_agent_rearm(agent); /* A program asks its user first. */
+    const int on = status.phase >= KERF_AGENT_PHASE_RAMP && status.phase < KERF_AGENT_PHASE_SAFE;
+    double goal[3];
+    aim(t, &session, goal);
+    if (!on) goal[2] = session.stock_max_mm[2] + ABOVE_MM;
+    const int there = approach(goal, target) && on;
+    const int cutting = there && t >= CUT_S;
+    if (there) t += 1e-3;
     move(&hand, target, &wrench);
     for (int i = 0; i < 3; ++i) pose.tip_mm[i] = hand.at[i];
     pose.buttons = cutting ? KERF_AGENT_CUT : 0;
@@ -73,11 +93,10 @@ static int feel(kerf_agent* agent) {
     const double newtons = length(wrench.force_n);
     if (cutting && newtons > cut) cut = newtons;
     if (!cutting && newtons > pressed) pressed = newtons;
-    if (tick % 250 == 0 && print(agent, tick * 1e-3, &hand)) {
-      if (++trips > 20) return 2;
-      kerf_agent_rearm(agent); /* A program asks its user first. */
-      tick = 0;                /* The hand lifts the tool and tries again. */
-    }
+    if (tick % 250 == 0) print(&status, tick * 1e-3, &hand);
+    if (tick < LONGEST_S * 1000) continue;
+    printf("gave up after %d s, with %d trips\n", LONGEST_S, (int)status.trips);
+    return 2;
   }
   printf("greatest force: pressing %.2f N, cutting %.2f N\n", pressed, cut);
   return pressed > 0.1 && cut > 0.1 ? 0 : 2;
@@ -100,6 +119,7 @@ int main(int argc, char** argv) {
                                       .server = argv[1],
                                       .session = argv[2],
                                       .name = "C example",
+                                      .patience_s = 5,
                                       .device = &device};
   kerf_agent* agent = NULL;
   kerf_agent_result result = kerf_agent_connect(&options, &agent);

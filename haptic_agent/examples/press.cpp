@@ -23,7 +23,9 @@ struct Close {
   void operator()(kerf_agent* agent) const { kerf_agent_close(agent, 2); }
 };
 
-/// A mass of 0.2 kg, pulled along a path by a spring of 0.5 N/mm with damping: mm and seconds.
+/// A mass of 0.2 kg, pulled along a path by a spring of 0.5 N/mm with damping: mm and seconds. The
+/// path goes on while the force is on; otherwise, as after a trip on a busy machine, the hand lifts
+/// the tool and waits.
 class Hand {
  public:
   explicit Hand(kerf_agent* agent) : agent_(agent) {
@@ -33,46 +35,58 @@ class Hand {
       start_[i] = (session.stock_min_mm[i] + session.stock_max_mm[i]) / 2;
     }
     start_[2] = session.stock_max_mm[2] + 5;
-    at_ = start_;
+    at_ = target_ = start_;
   }
 
   void read(kerf_agent_pose& pose) {
-    const double t = ++tick_ * 1e-3;
-    // Waits above the stock, presses 2 mm deep without cutting, cuts 15 mm along x.
-    const std::array<double, 3> target{start_[0] + 10 * std::max(0.0, t - 2), start_[1],
-                                       start_[2] - std::clamp(10 * (t - 0.8), 0.0, 7.0)};
+    if (++tick_ % 10 == 0) kerf_agent_get_status(agent_, &status_);
+    if (status_.tripped != 0) kerf_agent_rearm(agent_);  // A program asks its user first.
+    const bool on = status_.phase >= KERF_AGENT_PHASE_RAMP && status_.phase < KERF_AGENT_PHASE_SAFE;
+    // Sinks 7 mm, the last 2 into the stock, without cutting; cuts 15 mm along x.
+    std::array<double, 3> goal{start_[0] + 10 * std::max(0.0, t_ - kCutS), start_[1],
+                               start_[2] - std::min(10 * t_, 7.0)};
+    if (!on) goal[2] = start_[2];
     for (int i = 0; i < 3; ++i) {
-      const double pull = 0.5 * (target[i] - at_[i]) - 0.02 * speed_[i] + force_[i];
+      target_[i] += std::clamp(goal[i] - target_[i], -0.02, 0.02);  // at 20 mm/s at most
+      const double pull = 0.5 * (target_[i] - at_[i]) - 0.02 * speed_[i] + force_[i];
       speed_[i] += pull / 0.2e-3 * 1e-3;
       at_[i] += speed_[i] * 1e-3;
     }
+    const bool there = on && std::abs(goal[0] - target_[0]) + std::abs(goal[2] - target_[2]) < 1e-9;
+    cutting_ = there && t_ >= kCutS;
+    if (there) t_ += 1e-3;
     std::copy(at_.begin(), at_.end(), pose.tip_mm);
     pose.axis[2] = 1;
-    pose.buttons = t >= 2 ? KERF_AGENT_CUT : 0;
-    pose.state = t < 3.5 ? KERF_AGENT_READY : KERF_AGENT_FINISHED;
+    pose.buttons = cutting_ ? KERF_AGENT_CUT : 0;
+    pose.state = t_ < kEndS && tick_ < kMostTicks ? KERF_AGENT_READY : KERF_AGENT_FINISHED;
   }
 
   void write(const kerf_agent_wrench& wrench) {
     std::copy(wrench.force_n, wrench.force_n + 3, force_.begin());
     const double newtons = std::hypot(force_[0], force_[1], force_[2]);
-    double& most = tick_ < 2000 ? pressed : cut;
+    double& most = cutting_ ? cut : pressed;
     most = std::max(most, newtons);
     if (tick_ % 250 != 0) return;
-    auto status = sized<kerf_agent_status>();
-    kerf_agent_get_status(agent_, &status);
     std::printf("%4.2f s  z %6.2f mm  feels %5.2f N  %s\n", tick_ * 1e-3, at_[2], newtons,
-                status.tripped != 0 ? status.trip_text : status.phase_text);
-    if (status.tripped == 0 || status.trips > 20) return;
-    kerf_agent_rearm(agent_);  // A program asks its user first.
-    tick_ = 0;                 // The hand lifts the tool and tries again.
+                status_.no_force_text != nullptr ? status_.no_force_text : "");
+    if (tick_ >= kMostTicks) {
+      std::printf("gave up after 60 s, with %d trips\n", static_cast<int>(status_.trips));
+    }
   }
 
   double pressed = 0, cut = 0;
 
  private:
+  /// Of its path: from when on it cuts, and its end, s; and of all ticks, with waits.
+  static constexpr double kCutS = 1.2, kEndS = 2.7;
+  static constexpr int kMostTicks = 60'000;
+
   kerf_agent* agent_;
-  std::array<double, 3> start_{}, at_{}, speed_{}, force_{};
+  kerf_agent_status status_ = sized<kerf_agent_status>();
+  std::array<double, 3> start_{}, target_{}, at_{}, speed_{}, force_{};
+  double t_ = 0;
   int tick_ = 0;
+  bool cutting_ = false;
 };
 
 int fail() {
@@ -98,6 +112,7 @@ int main(int argc, char** argv) {
   options.server = argv[1];
   options.session = argv[2];
   options.name = "C++ example";
+  options.patience_s = 5;
   options.device = &device;
   kerf_agent* opened = nullptr;
   if (kerf_agent_connect(&options, &opened) != KERF_AGENT_OK) return fail();

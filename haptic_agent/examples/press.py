@@ -5,10 +5,13 @@ simulated hand lowers the tool onto the middle of the stock, presses, then cuts 
 it feels. A real device reads its encoders in `read_pose` and sets its motors in `write_wrench`."""
 import ctypes
 import ctypes.util
+import glob
+import os
 import sys
 from ctypes import CFUNCTYPE, POINTER, byref, c_char_p, c_double, c_int32, c_uint32, c_uint64, c_void_p
 
 READY, FINISHED, CUT, ABI = 3, 4, 1, 1
+RAMP, DEGRADED = 2, 4  # phases with a force
 Vector = c_double * 3
 
 
@@ -60,7 +63,8 @@ class Status(Sized):
                 ("tripped", c_uint32), ("phase_text", c_char_p), ("trip_text", c_char_p),
                 ("trips", c_uint64), ("ticks", c_uint64), ("round_trip_us", c_uint64),
                 ("answer_age_us", c_uint64), ("felt_factor", c_double), ("felt", Vector * 2),
-                ("computed", Vector * 2), ("energy_mj", c_double)]
+                ("computed", Vector * 2), ("energy_mj", c_double), ("no_force_name", c_char_p),
+                ("no_force_text", c_char_p)]
 
 
 ReadPose = CFUNCTYPE(None, c_void_p, c_uint64, POINTER(Pose))
@@ -74,52 +78,80 @@ class Device(Sized):
 
 
 class Hand:
-    """A mass of 0.2 kg, pulled along a path by a spring of 0.5 N/mm with damping."""
+    """A mass of 0.2 kg, pulled along a path by a spring of 0.5 N/mm with damping. Its path goes on
+    while the force is on; otherwise, as after a trip, it lifts the tool and waits."""
 
     def __init__(self, kerf, agent, session):
         self.kerf, self.agent, self.status = kerf, agent, Status()
         low, high = session.stock_min_mm, session.stock_max_mm
         self.start = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2] + 5]
         self.at, self.speed, self.force = list(self.start), [0.0] * 3, [0.0] * 3
-        self.tick, self.pressed, self.cut = 0, 0.0, 0.0
+        self.target, self.on_path, self.t, self.tick = list(self.start), False, 0.0, 0
+        self.pressed, self.cut = 0.0, 0.0
 
-    def aim(self, t):
-        """Waits above the stock, presses 2 mm deep without cutting, cuts 15 mm along x."""
+    def aim(self):
+        """Sinks 7 mm, the last 2 into the stock, without cutting; cuts 15 mm along x."""
         x, y, z = self.start
-        return (x + 10 * max(0.0, t - 2), y, z - min(7.0, max(0.0, 10 * (t - 0.8))))
+        return [x + 10 * max(0.0, self.t - 1.2), y, z - min(7.0, 10 * self.t)]
 
     def read_pose(self, _, now_us, pose):
-        t = self.tick * 1e-3
-        for i, target in enumerate(self.aim(t)):
-            pull = 0.5 * (target - self.at[i]) - 0.02 * self.speed[i] + self.force[i]
+        self.tick += 1
+        if self.tick % 10 == 0:
+            self.kerf.kerf_agent_get_status(self.agent, byref(self.status))
+        if self.status.tripped:
+            self.kerf.kerf_agent_rearm(self.agent)  # a program asks its user first
+        goal = self.aim()
+        if not RAMP <= self.status.phase <= DEGRADED:
+            goal[2] = self.start[2]
+        for i in range(3):  # at 20 mm/s at most
+            self.target[i] += max(-0.02, min(0.02, goal[i] - self.target[i]))
+            pull = 0.5 * (self.target[i] - self.at[i]) - 0.02 * self.speed[i] + self.force[i]
             self.speed[i] += pull / 0.2e-3 * 1e-3
             self.at[i] += self.speed[i] * 1e-3
-        pose[0].state = READY if t < 3.5 else FINISHED
+        self.on_path = max(abs(a - b) for a, b in zip(self.target, self.aim())) < 1e-9
+        if self.on_path:
+            self.t += 1e-3
+        pose[0].state = FINISHED if self.t >= 2.7 or self.tick >= 60_000 else READY
         pose[0].tip_mm[:] = self.at
         pose[0].axis[2] = 1
-        pose[0].buttons = CUT if t >= 2 else 0
-        self.tick += 1
+        pose[0].buttons = CUT if self.is_cutting() else 0
+
+    def is_cutting(self):
+        return self.on_path and self.t >= 1.2
 
     def write_wrench(self, _, wrench):
         self.force = wrench[0].force_n[:]
         newtons = sum(f * f for f in self.force) ** 0.5
-        cutting = self.tick > 2000
-        self.cut = max(self.cut, newtons if cutting else 0)
-        self.pressed = max(self.pressed, 0 if cutting else newtons)
+        self.cut = max(self.cut, newtons if self.is_cutting() else 0)
+        self.pressed = max(self.pressed, 0 if self.is_cutting() else newtons)
         if self.tick % 250 == 0:
-            self.kerf.kerf_agent_get_status(self.agent, byref(self.status))
-            print(f"{self.tick * 1e-3:4.2f} s  z {self.at[2]:6.2f} mm  feels {newtons:5.2f} N",
-                  self.status.trip_text.decode() if self.status.tripped else "")
-            if self.status.tripped and self.status.trips <= 20:
-                self.kerf.kerf_agent_rearm(self.agent)  # a program asks its user first
-                self.tick = 0  # the hand lifts the tool and tries again
+            print(f"{self.tick * 1e-3:4.2f} s  z {self.at[2]:6.2f} mm  feels {newtons:5.2f} N  "
+                  + (self.status.no_force_text or b"").decode(), flush=True)
+
+
+def load(named):
+    """Loads libkerf_agent: the file that is named, that of this source tree, or that installed."""
+    tree = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
+    built = glob.glob(os.path.join(tree, "build", "*", "haptic_agent", "libkerf_agent.so.1"))
+    installed = ctypes.util.find_library("kerf_agent") or "libkerf_agent.so.1"
+    places = [named] if named else sorted(built, key=os.path.getmtime, reverse=True) + [installed]
+    faults = []
+    for place in places:
+        try:
+            return ctypes.CDLL(place)
+        except OSError as fault:
+            faults.append(str(fault))
+    source = tree if os.path.exists(os.path.join(tree, "run.sh")) else "Kerf's source folder"
+    sys.exit("cannot load libkerf_agent (" + "; ".join(faults) + ").\nBuild it with "
+             f"`./run.sh --build-only` in {source}, which writes "
+             "build/release/haptic_agent/libkerf_agent.so.1; or install the package "
+             "libkerf-agent1; or name the file, as the last argument of press.py")
 
 
 def main():
     if len(sys.argv) not in (3, 4):
         sys.exit("usage: press.py http://HOST:PORT SESSION [LIBRARY]")
-    name = sys.argv[3] if len(sys.argv) == 4 else ctypes.util.find_library("kerf_agent")
-    kerf = ctypes.CDLL(name or "libkerf_agent.so.1")
+    kerf = load(sys.argv[3] if len(sys.argv) == 4 else None)
     kerf.kerf_agent_last_error.restype = c_char_p
     kerf.kerf_agent_close.argtypes = [c_void_p, c_double]
     kerf.kerf_agent_close.restype = None
@@ -131,7 +163,7 @@ def main():
     device = Capabilities(name=b"simulated hand", sensed_dof=3, actuated_dof=3, max_force_n=10,
                           max_stiffness_n_per_mm=2, moving_mass_kg=0.2, moving_inertia_kg_m2=1e-4)
     options = Options(server=sys.argv[1].encode(), session=sys.argv[2].encode(),
-                      name=b"Python example", device=ctypes.pointer(device))
+                      name=b"Python example", patience_s=5, device=ctypes.pointer(device))
     agent = c_void_p()
     check(kerf.kerf_agent_connect(byref(options), byref(agent)))
     session = Session()
@@ -140,7 +172,12 @@ def main():
     loop = Device(abi=ABI, read_pose=ReadPose(hand.read_pose),
                   write_wrench=WriteWrench(hand.write_wrench))
     check(kerf.kerf_agent_run(agent, byref(loop), None))
+    why = (hand.status.no_force_text or b"").decode()
     kerf.kerf_agent_close(agent, 2)
+    if hand.tick >= 60_000:
+        print(f"gave up after 60 s, with {hand.status.trips} trips: {why}")
+    elif hand.pressed <= 0.1 or hand.cut <= 0.1:
+        print("felt little: is there stock at the middle of the top? An earlier run may have cut it")
     print(f"greatest force: pressing {hand.pressed:.2f} N, cutting {hand.cut:.2f} N")
     return 0 if hand.pressed > 0.1 and hand.cut > 0.1 else 1
 

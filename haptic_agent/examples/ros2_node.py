@@ -10,7 +10,7 @@ from geometry_msgs.msg import PoseStamped, WrenchStamped
 from rclpy.node import Node
 from std_msgs.msg import Bool, Empty
 
-from press import CUT, READY, Capabilities, Options, Pose, Session, Wrench
+from press import CUT, READY, Capabilities, Options, Pose, Session, Wrench, load
 
 MM_PER_M = 1000.0
 POSE_LIFE_S = 0.02
@@ -21,8 +21,8 @@ class KerfNode(Node):
         super().__init__("kerf")
         given = {name: self.declare_parameter(name, default).value for name, default in (
             ("server", "http://localhost:8080"), ("session", "ammonite"), ("max_force_n", 5.0),
-            ("library", "libkerf_agent.so.1"), ("frame", "base"), ("latency_ms", 5.0))}
-        self.kerf = kerf = ctypes.CDLL(given["library"])
+            ("library", ""), ("frame", "base"), ("latency_ms", 5.0))}
+        self.kerf = kerf = load(given["library"])
         kerf.kerf_agent_last_error.restype = c_char_p
         kerf.kerf_agent_close.argtypes = [c_void_p, c_double]
         device = Capabilities(name=b"ros2", sensed_dof=5, actuated_dof=3,
