@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A user of the real kerf-agent whose device has neither deadman nor button: learns why there is
+no force, goes on after trips, and cuts."""
+import json
+import os
+import signal
+import socket
+import subprocess
+import threading
+import time
+import unittest
+
+from live_server import SCENE, LiveTest
+
+AGENT = os.environ["KERF_AGENT"]
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+PRESS_PY = os.path.join(ROOT, "haptic_agent", "examples", "press.py")
+WAIT_S = 20
+
+
+class Device(threading.Thread):
+    """Serves poses at about 500 Hz over a socket; the test moves the tip."""
+
+    def __init__(self, path, keys):
+        super().__init__(daemon=True)
+        self.listener = socket.create_server(path, family=socket.AF_UNIX)
+        self.keys, self.tip, self.more, self.ended = keys, [0.0, 0.0, 10.0], [], False
+        self.start()
+
+    def run(self):
+        agent = self.listener.accept()[0]
+        with agent:
+            agent.sendall(f"kerf-device 1 name=bare sensed_dof=3 actuated_dof=3 max_force_n=10 "
+                          f"moving_mass_kg=0.2 moving_inertia_kg_m2=1e-4{self.keys}\n".encode())
+            agent.setblocking(False)
+            while not self.ended:
+                try:
+                    while agent.recv(65536):
+                        pass
+                except BlockingIOError:
+                    pass
+                except OSError:
+                    return
+                x, y, z = self.tip
+                lines = [self.more.pop(0)] if self.more else []
+                lines.append(f"pose ready {x:.3f} {y:.3f} {z:.3f} 0 0 1 0 0")
+                try:
+                    agent.sendall(("\n".join(lines) + "\n").encode())
+                except OSError:
+                    return
+                time.sleep(0.002)
+
+    def jump(self):
+        """By more than the agent takes for a motion: trips it."""
+        self.tip[0] += 30
+        time.sleep(0.1)
+        self.tip[0] -= 30
+
+    def move(self, axis, by_mm, seconds):
+        steps = int(seconds * 100)
+        for _ in range(steps):
+            self.tip[axis] += by_mm / steps
+            time.sleep(seconds / steps)
+
+
+class Rearm(LiveTest):
+    def begin(self, session, keys="", *more):
+        self.server.create(session, SCENE)
+        path = os.path.join(self.folder.name, session)
+        self.device = Device(path, keys)
+        self.agent = subprocess.Popen(
+            [AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session", session, "--device",
+             f"socket:{path}", "--status-json", "-", *more],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.log = []
+        self.reader = threading.Thread(
+            target=lambda: self.log.extend(iter(self.agent.stderr.readline, "")), daemon=True)
+        self.reader.start()
+
+    def end(self):
+        """Ends the agent; returns its summary."""
+        self.agent.send_signal(signal.SIGINT)
+        out = self.agent.stdout.read()
+        self.agent.wait(WAIT_S)
+        self.reader.join(WAIT_S)
+        self.agent.stdout.close()
+        self.agent.stderr.close()
+        self.device.ended = True
+        self.device.listener.close()
+        return json.loads(out)
+
+    def wait(self, condition, repeat=lambda: None):
+        until_s = time.monotonic() + WAIT_S
+        while not condition():
+            self.assertLess(time.monotonic(), until_s, "".join(self.log))
+            repeat()
+            time.sleep(0.02)
+
+    def said(self, text):
+        return sum(text in line for line in self.log)
+
+    def trip(self):
+        """A jump of the tip trips; a machine that is busy may have done so before."""
+        before = self.said("force switched off")
+        self.wait(lambda: self.said("force switched off") > before, self.device.jump)
+
+    def goes_on(self, act):
+        """The agent says that the force is on after the user has acted. A busy machine may trip it
+        at once again: then the user acts again."""
+        before = self.said("the force is on")
+        self.wait(lambda: self.said("the force is on") > before, act)
+
+    def test_each_request_ends_a_trip_of_a_device_without_deadman_and_button(self):
+        self.begin("requests")
+        self.wait(lambda: self.said("carving 'requests'"))
+
+        def line():
+            self.device.more.append("rearm")
+            time.sleep(1.5)
+
+        def signalled():
+            self.agent.send_signal(signal.SIGUSR1)
+            time.sleep(1.5)
+
+        def gesture():
+            time.sleep(1.2)
+            self.device.move(2, 12, 0.4)
+            self.device.move(2, -12, 0.4)
+            time.sleep(1.5)
+
+        for act in (line, signalled, gesture):
+            time.sleep(1)
+            self.trip()
+            self.goes_on(act)
+        self.assertIn("To go on, hold the tip still for a second, then move it 1 cm away and back",
+                      "".join(self.log))
+        status = self.end()
+        self.assertGreaterEqual(status["safety"]["trips"], 3)
+        self.assertGreater(status["safety"]["no_force"]["ticks"]["tripped"], 100)
+
+    def test_without_a_button_it_cuts_while_the_force_is_on(self):
+        for session, keys, *more in (("stated", " always_cut=1"), ("asked", "", "--always-cut")):
+            self.begin(session, keys, *more)
+            self.wait(lambda: self.said(f"carving '{session}'"))
+
+            def stroke():
+                time.sleep(1)
+                self.agent.send_signal(signal.SIGUSR1)  # a busy machine may have tripped it
+                self.device.move(2, -11, 1.5)
+                self.device.move(2, 11, 1)
+
+            self.wait(lambda: self.server.info(session)["removed_volume_mm3"] > 5, stroke)
+            self.end()
+
+    def test_without_a_button_and_the_option_it_only_touches(self):
+        self.begin("touches")
+        self.wait(lambda: self.said("carving 'touches'"))
+        time.sleep(1)
+        self.device.move(2, -11, 1.5)
+        self.device.move(2, 11, 1)
+        self.end()
+        self.assertEqual(self.server.info("touches")["removed_volume_mm3"], 0)
+
+    def test_says_why_there_is_no_force_once(self):
+        self.begin("unheld", " deadman=1")
+        self.wait(lambda: self.said("no force: the device is not held; hold its grip"))
+        time.sleep(1.5)
+        self.assertEqual(self.said("no force"), 1, "".join(self.log))
+        no_force = self.end()["safety"]["no_force"]
+        self.assertEqual(no_force["reason"], "not_held")
+        self.assertIn("not held", no_force["text"])
+
+    def test_a_missing_session_is_named_in_a_sentence(self):
+        done = subprocess.run([AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session",
+                               "nowhere", "--device", "sim", "--patience", "1"],
+                              capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("nowhere", done.stderr)
+        self.assertNotIn("{", done.stderr)
+
+    def test_the_python_example_says_how_the_library_is_built(self):
+        alone = os.path.join(self.folder.name, "a", "b")
+        os.makedirs(alone)
+        with open(PRESS_PY) as source, open(os.path.join(alone, "press.py"), "w") as copy:
+            copy.write(source.read())
+        for named in ((), ("/no/such/libkerf_agent.so.1",)):
+            done = subprocess.run(["python3", os.path.join(alone, "press.py"), "http://localhost:1",
+                                   "x", *named], capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("./run.sh --build-only", done.stderr)
+            self.assertIn(named[0] if named else "libkerf_agent.so.1", done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
