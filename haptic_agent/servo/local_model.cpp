@@ -9,7 +9,7 @@ namespace kerf::agent {
 namespace {
 
 /// Below this speed an answer gives no damping coefficient, mm/s.
-constexpr double kMinSpeed = 2;
+constexpr double kMinSpeed = 0.2;
 /// Time constant of the weights in the trend: kTrendS plus kTrendOfLag of the delay.
 constexpr double kTrendS = 0.005;
 constexpr double kTrendOfLag = 0.5;

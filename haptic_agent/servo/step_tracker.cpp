@@ -40,21 +40,25 @@ void StepTracker::find_quantum() noexcept {
   found_ = *middle;
 }
 
-/// Returns how many of the steps before the newest lie on one line with it.
+/// Returns whether one line explains the newest step and `steps` before it.
+bool StepTracker::is_line(std::size_t steps, double dt_s) const noexcept {
+  const Step &last = newest(0), &first = newest(steps);
+  const double slope = (last.at - first.at) / (last.s - first.s);
+  const double off = kOffQuanta * quantum() + kOffTicks * dt_s * std::abs(slope);
+  for (std::size_t i = 1; i < steps; ++i) {
+    const double line = last.at - slope * (last.s - newest(i).s);
+    if (std::abs(newest(i).at - line) > off) return false;
+  }
+  return true;
+}
+
+/// Returns how many of the steps before the newest lie on one line with it. Tries half as many more
+/// each time, so that a tick costs little.
 std::size_t StepTracker::explained(double dt_s) const noexcept {
-  const Step& last = newest(0);
   std::size_t most = 0;
-  for (std::size_t n = 1; n < kept(); ++n) {
-    const Step& first = newest(n);
-    const double over_s = last.s - first.s;
-    if (n > 1 && over_s > kLongestFitS) break;
-    const double slope = (last.at - first.at) / over_s;
-    const double off = kOffQuanta * quantum() + kOffTicks * dt_s * std::abs(slope);
-    bool all = true;
-    for (std::size_t i = 1; i < n && all; ++i) {
-      all = std::abs(newest(i).at - (last.at - slope * (last.s - newest(i).s))) <= off;
-    }
-    if (!all) break;
+  for (std::size_t n = 1; n < kept(); n += std::max<std::size_t>(1, n / 2)) {
+    if (n > 1 && newest(0).s - newest(n).s > kLongestFitS) break;
+    if (!is_line(n, dt_s)) break;
     most = n;
   }
   return most;

@@ -38,7 +38,7 @@ class StepTracker {
     double s, at, size;
     bool rested;  ///< the value had not changed in the measurement before
   };
-  static constexpr std::size_t kKept = 16;
+  static constexpr std::size_t kKept = 64;
 
   const Step& newest(std::size_t back) const noexcept {
     return steps_[(count_ + kKept - 1 - back) % kKept];
@@ -47,6 +47,7 @@ class StepTracker {
   void step_to(double measured, double dt_s) noexcept;
   void find_quantum() noexcept;
   void fit(double dt_s) noexcept;
+  bool is_line(std::size_t steps, double dt_s) const noexcept;
   std::size_t explained(double dt_s) const noexcept;
 
   double declared_, found_ = 0;

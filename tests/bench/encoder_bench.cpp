@@ -31,7 +31,7 @@ struct Worst {
 
   void add(const EncoderCutOutcome& cut) {
     const auto off = [](const FeltSums& sums) {
-      return sums.computed_mean() > 0 ? std::abs(sums.felt_mean() / sums.computed_mean() - 1) : 0;
+      return sums.computed_mean() > 0 ? std::abs(sums.felt_mean() / sums.computed_mean() - 1) : 1;
     };
     double off_by = off(cut.force), rms_by = cut.force.error();
     mean = std::max(mean, off_by);
