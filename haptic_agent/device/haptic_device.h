@@ -27,13 +27,15 @@ enum class DevicePhase : std::uint8_t {
 /// stroke, and redo the one that was undone last. The link takes them out of the samples.
 inline constexpr std::uint32_t kButtonUndo = 256;
 inline constexpr std::uint32_t kButtonRedo = 512;
+/// While it is held the tool stays in the block and the hand moves back. The servo takes it out.
+inline constexpr std::uint32_t kButtonClutch = 1024;
 
 /// A pose and its context, as read from a device.
 struct DeviceState {
   Vec3 tip_mm{};
   /// Unit, from the tip to the spindle.
   Vec3 axis{0, 0, 1};
-  /// As wire::MotionSample::buttons; kButtonUndo, kButtonRedo.
+  /// As wire::MotionSample::buttons; kButtonUndo, kButtonRedo, kButtonClutch.
   std::uint32_t buttons = 0;
   /// The tool requested by a path; 0: the tool that the user chose.
   std::uint32_t tool_id = 0;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "haptic_agent/device/units.h"
+#include "haptic_agent/servo/mapping/block_settings.h"
 #include "haptic_agent/servo/silence_decay.h"
 
 namespace kerf::agent {
@@ -83,9 +84,12 @@ ServoCycle::ServoCycle(HapticDevice& device, SampleRing& samples,
       guidance_(guidance),
       settings_(settings),
       model_(settings.model),
+      hand_(settings.mapping),
       velocity_(settings.velocity_cutoff_hz),
       output_(settings.passivity, settings.limits),
-      supervisor_(settings.safety) {}
+      supervisor_(settings.safety) {
+  if (guidance_ != nullptr) guidance_->adapt(block_settings(settings_, settings_.mapping.at_start));
+}
 
 bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   if (last_us_ == 0) {
@@ -99,16 +103,18 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   last_us_ = now_us;
 
   const DeviceState state = device_.read(now_us);
-  const bool usable = send(state);
+  const DeviceState tool = map(state, now_us);
+  const bool usable = send(tool, state.tip_mm);
   const Twist moved = follow(state, usable, now_us, dt_s);
   output_.settle(moved, now_us - passed_us, now_us);
-  const bool cutting = (state.buttons & wire::kButtonCutting) != 0;
+  const bool cutting = (tool.buttons & wire::kButtonCutting) != 0;
   computed_ = guided_ = {};
   heard_n_ = 0;
   const Wrench wrench = usable ? requested_wrench(now_us, cutting, dt_s) : Wrench{};
   const SafetyInput seen = safety_input(state, usable, wrench);
   const bool tripped = supervisor_.phase() == ServoPhase::kSafe;
-  const double gain = supervisor_.tick(seen);
+  // The supervisor judges the whole wrench: it does not arm a tool that is pressed.
+  const double gain = supervisor_.tick(seen) * hand_.share(now_us);
   if (tripped && supervisor_.phase() != ServoPhase::kSafe) output_.restart();
   device_.show_force(gain > 0);
   device_.write(usable && gain > 0
@@ -126,7 +132,26 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   return true;
 }
 
-bool ServoCycle::send(const DeviceState& state) noexcept {
+/// Returns the state of the tool in the block. Model and output work in device space; samples,
+/// answers and guides are those of the block (mapping/README.md).
+DeviceState ServoCycle::map(const DeviceState& device, std::uint64_t now_us) noexcept {
+  if (MappingRequest request; mapping_requests_.read(request)) hand_.change(request);
+  const DeviceState tool = hand_.follow(device, now_us);
+  if (hand_.has_resumed()) take_mapping();
+  if (reach_ != nullptr && (hand_.has_resumed() || last_us_ == start_us_)) {
+    const SpaceBox workspace{settings_.safety.workspace_min_mm, settings_.safety.workspace_max_mm};
+    if (workspace.has_volume()) reach_->write(hand_.map().reach_of(workspace));
+  }
+  return tool;
+}
+
+/// Forgets what was said of the block where device space was before.
+void ServoCycle::take_mapping() noexcept {
+  model_ = LocalModel(settings_.model);
+  if (guidance_ != nullptr) guidance_->adapt(block_settings(settings_, hand_.map().mapping()));
+}
+
+bool ServoCycle::send(const DeviceState& state, Vec3 device_tip_mm) noexcept {
   const double axis_error = std::abs(length(state.axis) - 1.0);
   if (!state.valid || !is_finite(state.tip_mm) || !(axis_error <= wire::kAxisLengthTolerance / 2)) {
     ++report_.invalid_poses;
@@ -144,7 +169,7 @@ bool ServoCycle::send(const DeviceState& state) noexcept {
   } else {
     ++report_.ring_overflows;
   }
-  if (replica_ != nullptr) pass_to_replica(sample);
+  if (replica_ != nullptr) pass_to_replica(sample, device_tip_mm);
   if (must_wake_link(sample.buttons)) listener_.sample_ready();
   return true;
 }
@@ -160,10 +185,10 @@ bool ServoCycle::turns(Vec3 tip_mm) const noexcept {
 
 /// Wakes the replica for every second sample: a thread that wakes costs more than a cut. The chips
 /// and teeth of a milling cutter, and corners of the path, need an answer to each.
-void ServoCycle::pass_to_replica(const wire::MotionSample& sample) noexcept {
+void ServoCycle::pass_to_replica(const wire::MotionSample& sample, Vec3 device_tip_mm) noexcept {
   if (!replica_->push(sample)) ++report_.replica_overflows;
   replica_waits_ =
-      !replica_waits_ && settings_.model.law != CutLaw::kMechanistic && !turns(sample.tip_mm);
+      !replica_waits_ && settings_.model.law != CutLaw::kMechanistic && !turns(device_tip_mm);
   if (!replica_waits_) replica_->wake();
 }
 
@@ -219,15 +244,21 @@ void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
     const PastGrip* then = history_.at(time_us);
     return then != nullptr ? *then : now_;
   };
+  const auto in_device = [this](const ServerWrench& answer, const PastGrip& then) {
+    return hand_.map().to_device(answer, then.grip.axis, settings_.pivot_mm);
+  };
   ServerWrench next;
   if (wrenches_.read(next)) {
+    const PastGrip then = grip_at(next.pose_us);
+    next = in_device(next, then);
     interpolator_.take(next, now_us);
-    model_.take(next, grip_at(next.pose_us), now_);
+    if (hand_.holds_for(next.pose_us)) model_.take(next, then, now_);
     has_answer_ = true;
     if (now_us - replica_us_ > kReplicaFreshUs) engaged_mm2_ = next.engaged_area_mm2;
   }
   if (replica_ != nullptr && replica_->read(next)) {
-    model_.take_replica(next, grip_at(next.pose_us), now_);
+    const PastGrip then = grip_at(next.pose_us);
+    if (hand_.holds_for(next.pose_us)) model_.take_replica(in_device(next, then), then, now_);
     replica_us_ = now_us;
     engaged_mm2_ = next.engaged_area_mm2;
     ++report_.replica_answers;
@@ -236,7 +267,7 @@ void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
 
 Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double dt_s) noexcept {
   take_answers(now_us);
-  if (!has_answer_) return {};
+  if (!has_answer_ || hand_.is_away()) return {};
   const double share = wrench_share(answer_age(now_us));
   if (share < 1.0) ++report_.decayed_ticks;
   followed_ = followed_ + (interpolator_.newest().felt - followed_) * (dt_s / (kFeltS + dt_s));
@@ -258,7 +289,7 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
   heard_n_ = length(session.force_n) * share;
   computed_ = followed_ + session;
   if (guidance_ != nullptr) {
-    guided_ = guidance_->at(now_);
+    guided_ = hand_.map().to_device(guidance_->at(hand_.map().to_block(now_)));
     own = own + guided_;
     computed_ = computed_ + guided_;
     guided_ = guided_ * share;
@@ -330,9 +361,10 @@ void ServoCycle::note(const SafetyInput& seen, const Wrench& requested) noexcept
 }
 
 void ServoCycle::note_heard(const SafetyInput& seen, bool usable) noexcept {
-  heard_.write({.running = usable && seen.cutting,
-                .force_n = heard_n_,
-                .removed_mm3_per_s = engaged_mm2_ * seen.tip_mm_per_s});
+  heard_.write(
+      {.running = usable && seen.cutting,
+       .force_n = heard_n_,
+       .removed_mm3_per_s = engaged_mm2_ * seen.tip_mm_per_s * hand_.map().mapping().scale});
 }
 
 }  // namespace kerf::agent

@@ -12,6 +12,7 @@
 #include "haptic_agent/servo/guidance.h"
 #include "haptic_agent/servo/heard_cut.h"
 #include "haptic_agent/servo/local_model.h"
+#include "haptic_agent/servo/mapping/hand_mapping.h"
 #include "haptic_agent/servo/output_stage.h"
 #include "haptic_agent/servo/replica_exchange.h"
 #include "haptic_agent/servo/sample_ring.h"
@@ -51,6 +52,7 @@ struct ServoSettings {
   SafetyLimits safety{.motors = false};
   /// Distance of the pivot from the tip along the axis, mm.
   double pivot_mm = 60;
+  MappingSettings mapping{};
   /// Cut-off frequency of the velocity estimate; depends on the device.
   double velocity_cutoff_hz = 100;
 };
@@ -121,11 +123,18 @@ class ServoCycle final : public ServoTask {
   LatestValue<ServoStatus>& status() noexcept { return status_; }
   LatestValue<HeardCut>& heard() noexcept { return heard_; }
   FlightRecorder& recorder() noexcept { return recorder_; }
+  /// Changes of the mapping, from one other thread.
+  LatestValue<MappingRequest>& mapping_requests() noexcept { return mapping_requests_; }
+  /// Writes the place of the device's workspace in the block there whenever it has changed, if it
+  /// is known. Call it before the first tick.
+  void tell_reach(LatestValue<Reach>& reach) noexcept { reach_ = &reach; }
 
  private:
-  bool send(const DeviceState& state) noexcept;
+  DeviceState map(const DeviceState& device, std::uint64_t now_us) noexcept;
+  void take_mapping() noexcept;
+  bool send(const DeviceState& tool, Vec3 device_tip_mm) noexcept;
   bool turns(Vec3 tip_mm) const noexcept;
-  void pass_to_replica(const wire::MotionSample& sample) noexcept;
+  void pass_to_replica(const wire::MotionSample& sample, Vec3 device_tip_mm) noexcept;
   bool must_wake_link(std::uint32_t buttons) noexcept;
   Twist follow(const DeviceState& state, bool usable, std::uint64_t now_us, double dt_s) noexcept;
   void take_answers(std::uint64_t now_us) noexcept;
@@ -147,6 +156,9 @@ class ServoCycle final : public ServoTask {
   ServoSettings settings_;
   WrenchInterpolator interpolator_;
   LocalModel model_;
+  HandMapping hand_;
+  LatestValue<MappingRequest> mapping_requests_;
+  LatestValue<Reach>* reach_ = nullptr;
   GripHistory history_;
   VelocityEstimator velocity_;
   OutputStage output_;
