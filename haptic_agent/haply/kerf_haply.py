@@ -25,6 +25,7 @@ MOST_M = 100.0  # a cursor farther away is an error of the service
 SERVICE_QUIET_S = 0.5  # a service that does not answer for this time is lost
 RETRY_S = 0.5
 START_ABOVE_MM = 10.0
+CUT, CLUTCH = 1, 1024  # buttons of the pose
 GUID = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"  # RFC 6455
 TEXT, CLOSE, PING, PONG = 1, 8, 9, 10
 
@@ -149,7 +150,7 @@ class Inverse3:
         self.axis_sign = axis_sign
         self.grip_kind = next((kind for kind in ("wireless_verse_grip", "verse_grip",
                                                  "custom_verse_grip") if inventory.get(kind)), None)
-        self.position, self.axis, self.cut, self.state = [0.0] * 3, [0.0, 0.0, 1.0], False, "homing"
+        self.position, self.axis, self.buttons, self.state = [0.0] * 3, [0.0, 0.0, 1.0], 0, "homing"
 
     def take(self, message):
         """Takes a state update; a device that is missing from it is absent."""
@@ -165,9 +166,11 @@ class Inverse3:
         if grips:
             state = grips[0]["state"]
             self.axis = axis_of(state["orientation"], self.axis_sign)
-            self.cut = bool(state.get("button") or (state.get("buttons") or {}).get("a"))
+            pressed = state.get("buttons") or {}
+            self.buttons = CUT if state.get("button") or pressed.get("a") else 0
+            self.buttons |= CLUTCH if pressed.get("b") else 0
         elif self.grip_kind:
-            self.cut = False
+            self.buttons = 0
 
     def command(self, force_n):
         force = dict(zip("xyz", force_n))
@@ -212,8 +215,8 @@ class Agent:
             self.renewed_s = now_s
         return (self.force_n if now_s - self.renewed_s <= WRENCH_LIFE_S else [0.0] * 3), self.number
 
-    def pose(self, state, tip_mm, axis, cut, accepted):
-        words = [state, *(f"{v:.6f}" for v in tip_mm), *(f"{v:.9f}" for v in axis), int(cut), accepted]
+    def pose(self, state, tip_mm, axis, buttons, accepted):
+        words = [state, *(f"{v:.6f}" for v in tip_mm), *(f"{v:.9f}" for v in axis), buttons, accepted]
         try:
             self.socket.send(("pose " + " ".join(map(str, words)) + "\n").encode())
         except BlockingIOError:
@@ -241,7 +244,7 @@ def run(service, device, agent):
             offset = [p - c for p, c in zip(pivot, device.position)]
         tip = [c + o - agent.pivot_mm * a
                for c, o, a in zip(device.position, offset or [0.0] * 3, device.axis)]
-        agent.pose(device.state, tip, device.axis, device.cut, accepted)
+        agent.pose(device.state, tip, device.axis, device.buttons, accepted)
         due_s = max(due_s + PERIOD_S, time.monotonic() - PERIOD_S)
         time.sleep(max(0.0, due_s - time.monotonic()))
 

@@ -103,8 +103,9 @@ bool is_pose(const kerf_agent_pose& pose) noexcept {
 }
 
 static_assert(KERF_AGENT_UNDO == kButtonUndo && KERF_AGENT_REDO == kButtonRedo);
+static_assert(KERF_AGENT_CLUTCH == kButtonClutch);
 constexpr std::uint32_t kKnownButtons =
-    wire::kButtonCutting | wire::kButtonDeadman | kButtonUndo | kButtonRedo;
+    wire::kButtonCutting | wire::kButtonDeadman | kButtonUndo | kButtonRedo | kButtonClutch;
 
 DeviceState state_of(const kerf_agent_pose& pose, bool has_deadman, std::uint64_t now_us) noexcept {
   DeviceState state{.tip_mm = vec_of(pose.tip_mm),

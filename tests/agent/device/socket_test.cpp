@@ -77,6 +77,9 @@ TEST(LineProtocol, ReadsPosesAndNothingElse) {
   EXPECT_EQ(pose->state.time_us, 77U);
   EXPECT_EQ(pose->accepted, 65535);
   EXPECT_TRUE(parse_pose_line("pose finished 0 0 0 0 0 1 0 0", true, 1)->state.finished);
+  EXPECT_EQ(parse_pose_line("pose ready 0 0 0 0 0 1 3842 0", true, 1)->state.buttons,
+            wire::kButtonDeadman | kButtonUndo | kButtonRedo | kButtonClutch)
+      << "unknown bits are dropped";
   EXPECT_EQ(parse_pose_line("pose homing 0 0 0 0 0 1 0 0", true, 1)->state.phase,
             DevicePhase::kHoming);
   for (const char* line : {"", "pose", "pose ready 1 2 3 0 0 1 0", "pose ready 1 2 3 0 0 1 0 0 0",
