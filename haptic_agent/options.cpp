@@ -92,7 +92,34 @@ struct Texts {
   std::string server = "http://localhost:8080";
   std::string token_file;
   std::vector<std::string> devices;
+  MappingTexts mapping;
 };
+
+/// Options of the mapping between device and block.
+void describe_mapping(CLI::App& app, MappingTexts& texts) {
+  app.add_option("--scale", texts.scale,
+                 "mm in the block per mm of the device: 0.025 carves a tooth, 8 a figure of 1 m; "
+                 "auto fits the stock to the device's workspace")
+      ->type_name("S|auto")
+      ->capture_default_str();
+  app.add_option("--turn", texts.turn_deg,
+                 "turn the device against the block by these degrees about z, so that forward is "
+                 "where your view looks; or X,Y,Z: about any axis, as a rotation vector")
+      ->type_name("DEG")
+      ->capture_default_str();
+  app.add_option("--gain", texts.gain,
+                 "force at the hand per force in the block; the stiffness at the hand is scale x "
+                 "gain of that in the block")
+      ->type_name("G")
+      ->check(number_in(kGainMin, kGainMax))
+      ->capture_default_str();
+  app.add_option("--clutch", texts.clutch,
+                 "button that holds the tool in the block while your hand moves back. own: the "
+                 "device's clutch button, if it has one; undo, redo: that button in place of its "
+                 "purpose; deadman: letting go of the device")
+      ->type_name("BUTTON")
+      ->capture_default_str();
+}
 
 /// Options of the force, in the order of the help.
 void describe_force(CLI::App& app, Options& options, Texts& texts) {
@@ -229,6 +256,7 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
       ->type_name("N_PER_MM")
       ->check(number_in(1e-2, kMaxStiffnessNPerMm))
       ->capture_default_str();
+  describe_mapping(app, texts.mapping);
   describe_force(app, options, texts);
   describe_link(app, options);
 }
@@ -257,6 +285,9 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   auto token = read_token(texts.token_file);
   if (!token) return reject(token.error());
   options.link.token = *std::move(token);
+  auto mapping = read_mapping(texts.mapping);
+  if (!mapping) return reject(mapping.error());
+  options.mapping = *std::move(mapping);
   options.mode = kModes.at(texts.mode);
   options.latency_us = static_cast<std::uint64_t>(texts.latency_ms * kUsPerMs);
   for (const std::string& text : texts.devices) {

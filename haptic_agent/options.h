@@ -7,6 +7,7 @@
 
 #include "haptic_agent/device/device_choice.h"
 #include "haptic_agent/link/server_link.h"
+#include "haptic_agent/mapping_options.h"
 #include "haptic_agent/servo/servo_cycle.h"
 
 namespace kerf::agent {
@@ -24,6 +25,7 @@ struct Options {
   std::uint64_t latency_us = 0;
   /// The tool cuts whenever force is permitted, for a device without a button.
   bool always_cut = false;
+  MappingOptions mapping;
   /// Factor of the session's guides, 0 to 1.
   double guide_strength = 1;
   /// In mode model: maintain a replica of the block near the tool and render its forces.

@@ -92,6 +92,31 @@ std::expected<std::uint32_t, std::string> pick_tool(const Options& options,
   return tool != 0 ? tool : welcome.tool_ids.front();
 }
 
+/// Connects the link to the rest of the program.
+void set_up_link(LinkSettings& link, const TrafficOptions& ends, LeadCpu& lead, ServoLoop& loop) {
+  const bool deadband = link.traffic.deadband;
+  link.traffic = ends;
+  link.traffic.deadband = deadband;
+  link.hello.stock = ends.copy != nullptr;
+  link.hello.reach = ends.reach != nullptr;
+  link.notice = print_line;
+  link.failed = [&loop] { loop.stop(); };
+  link.lead = &lead;
+}
+
+/// Chooses how the device is mapped to the block, and reports it to the user.
+std::expected<MappingSettings, std::string> map_device(const Options& options,
+                                                       const Welcome& welcome,
+                                                       const HapticDevice& device) {
+  const DeviceCapabilities capabilities = device.capabilities();
+  auto mapping = mapping_of(options.mapping, capabilities, welcome.stock);
+  if (!mapping) return mapping;
+  const std::string notice =
+      mapping_notice(options.mapping, mapping->at_start, capabilities, welcome.stock);
+  if (!notice.empty()) print_line(notice);
+  return mapping;
+}
+
 /// Creates the device and tells the user.
 std::expected<std::unique_ptr<HapticDevice>, std::string> open_device(const Options& options,
                                                                       const Welcome& welcome,
@@ -132,14 +157,16 @@ DeviceCapabilities rated_by(const Options& options, const HapticDevice& device) 
 }
 
 ServoSettings servo_settings(const Options& options, const Welcome& welcome,
-                             const HapticDevice& device, std::uint32_t tool) {
+                             const HapticDevice& device, std::uint32_t tool,
+                             const MappingSettings& mapping) {
   return settings_for(rated_by(options, device),
                       {.limits = options.limits,
                        .tool_id = tool,
                        .duration_us = static_cast<std::uint64_t>(options.duration_s * kUsPerS),
                        .mode = options.mode,
                        .model = {.law = welcome.law},
-                       .pivot_mm = welcome.pivot_mm});
+                       .pivot_mm = welcome.pivot_mm,
+                       .mapping = mapping});
 }
 
 /// The spindle of a law that has one; otherwise a usual one.
@@ -237,19 +264,15 @@ int run_agent(Options options) {
   MonotonicClock clock;
   ServoLoop loop(clock);
   std::atomic<bool> joined{false};
-
   LatestValue<LinkStatus> link_status;
-  options.link.traffic.status = &link_status;
-  options.link.notice = print_line;
+  LatestValue<Reach> reach;
   options.device_options.notice = print_line;
-  options.link.failed = [&loop] { loop.stop(); };
   LeadCpu lead;
-  options.link.lead = &lead;
   ReplicaExchange exchange;
   ReplicaThread replica(exchange, &lead);
   const bool keep_copy = options.keep_copy && options.mode == ForceMode::kModel;
-  options.link.hello.stock = keep_copy;
-  options.link.traffic.copy = keep_copy ? &replica : nullptr;
+  StockListener* const copy = keep_copy ? &replica : nullptr;
+  set_up_link(options.link, {.status = &link_status, .copy = copy, .reach = &reach}, lead, loop);
   std::function<void()> leave = [&loop] { loop.stop(); };
   ActOnSignal signals([&leave] { leave(); });
   ServerLink link(options.link, samples, wrenches);
@@ -276,8 +299,11 @@ int run_agent(Options options) {
   const auto opened = open_device(options, *welcome, *tool);
   if (!opened) return give_up(opened.error());
   HapticDevice& device = **opened;
+  const auto mapping = map_device(options, *welcome, device);
+  if (!mapping) return give_up(mapping.error());
+  summary.mapping = mapping->at_start;
 
-  const ServoSettings settings = servo_settings(options, *welcome, device, *tool);
+  const ServoSettings settings = servo_settings(options, *welcome, device, *tool, *mapping);
   auto block = BlockSource::read(welcome->text);
   const Spindle spindle = block ? spindle_of(block->force()) : Spindle{};
   notify_of_force(block, *welcome, settings, guide_notice(*guides, options.guide_strength));
@@ -285,6 +311,7 @@ int run_agent(Options options) {
   ServoCycle cycle(device, samples, wrenches, link, settings,
                    keep_copy ? start_replica(replica, exchange, std::move(block)) : nullptr,
                    &guidance);
+  cycle.tell_reach(reach);
   const ForceReasons reasons(rated_by(options, device));
   {
     const TripWriter trips(cycle, reasons, options.trip_log);

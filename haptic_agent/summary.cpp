@@ -120,6 +120,13 @@ json force_json(const Summary& s) {
           {"softest_mm_per_n", s.servo.softest_mm_per_n}};
 }
 
+json mapping_json(const WorkspaceMapping& m) {
+  return {{"scale", m.scale},
+          {"force_gain", m.gain},
+          {"stiffness_at_hand", m.stiffness_scale()},
+          {"turn_rad", {m.turn_rad.x, m.turn_rad.y, m.turn_rad.z}}};
+}
+
 json copy_json(const Summary& s) {
   return {{"samples", s.copy.samples},
           {"answered", s.copy.answered},
@@ -318,6 +325,7 @@ std::string summary_json(const Summary& s) {
                         {"participant", s.welcome.participant},
                         {"device", s.device},
                         {"failure", l.failure},
+                        {"mapping", mapping_json(s.mapping)},
                         {"servo", servo_json(s)},
                         {"link", link_json(s)},
                         {"force", force_json(s)},

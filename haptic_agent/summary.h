@@ -19,6 +19,7 @@ namespace kerf::agent {
 struct Summary {
   Welcome welcome;
   std::string device;
+  WorkspaceMapping mapping;
   RealtimeReport realtime;
   CycleStats cycles;
   ServoReport servo;

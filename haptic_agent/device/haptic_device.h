@@ -29,13 +29,15 @@ inline constexpr std::uint32_t kButtonUndo = 256;
 inline constexpr std::uint32_t kButtonRedo = 512;
 /// Likewise: a press re-arms after a trip. The servo takes it out.
 inline constexpr std::uint32_t kButtonRearm = 1024;
+/// While it is held the tool stays in the block and the hand moves back. The servo takes it out.
+inline constexpr std::uint32_t kButtonClutch = 2048;
 
 /// A pose and its context, as read from a device.
 struct DeviceState {
   Vec3 tip_mm{};
   /// Unit, from the tip to the spindle.
   Vec3 axis{0, 0, 1};
-  /// As wire::MotionSample::buttons; kButtonUndo, kButtonRedo.
+  /// As wire::MotionSample::buttons; kButtonUndo, kButtonRedo, kButtonRearm, kButtonClutch.
   std::uint32_t buttons = 0;
   /// The tool requested by a path; 0: the tool that the user chose.
   std::uint32_t tool_id = 0;

@@ -48,7 +48,7 @@ ContactGains stable_turn_gains(const ServoSettings& settings, double stiffness, 
 
 GuideModel::GuideModel(const std::vector<Guide>& guides, const ServoSettings& settings,
                        double strength)
-    : settings_(settings), strength_(strength) {
+    : settings_(settings), session_pivot_mm_(settings.pivot_mm), strength_(strength) {
   for (const Guide& guide : guides) {
     Compiled compiled{.guide = guide, .tree = {}, .last_mm = {}};
     if (auto* path = std::get_if<PathGuide>(&compiled.guide.shape)) {
@@ -210,7 +210,9 @@ Wrench GuideModel::taught(Compiled& compiled, const PathGuide& path, const Guide
       (compiled.heading * heading_mm + moved_mm) * (1 / (heading_mm + length(moved_mm)));
   const double forward = std::max(0.0, dot(compiled.heading, near.tangent));
   const double fade = std::clamp(2 - near.distance_mm / path.within_mm, 0.0, 1.0);
-  const Wrench felt = near.felt * path.felt_share;
+  Wrench felt = near.felt * path.felt_share;
+  const Vec3 farther_mm = near.axis * (session_pivot_mm_ - settings_.pivot_mm);
+  felt.torque_nmm = felt.torque_nmm + cross(farther_mm, felt.force_n);
   const double share = share_within({guide.max_force_n, path.max_torque_nmm}, felt);
   const Vec3 damper = near.tangent * (-g.damping * dot(near.tangent, tip.velocity_mm_per_s));
   const double part = strength_ * forward * fade;

@@ -28,11 +28,13 @@ struct GuideUse {
 /// no stiffer than the device renders stably (stable_gains).
 class GuideModel final : public Guidance {
  public:
-  /// `settings`: those of the servo cycle. `strength`: factor of all guides, 0 to 1. Allocates;
+  /// `settings`: those of the servo cycle, with the pivot of the session. `strength`: factor of all
+  /// guides, 0 to 1. Allocates;
   /// `at` does not.
   GuideModel(const std::vector<Guide>& guides, const ServoSettings& settings, double strength);
 
   Wrench at(const PastGrip& now) noexcept override;
+  void adapt(const ServoSettings& settings) noexcept override { settings_ = settings; }
 
   const std::vector<GuideUse>& uses() const noexcept { return uses_; }
 
@@ -68,6 +70,8 @@ class GuideModel final : public Guidance {
   Wrench push(const Guide& guide, Vec3 normal, double depth_mm, const Tip& tip) const noexcept;
 
   ServoSettings settings_;
+  /// Distance from the tip of the pivot to which a teacher's torque refers.
+  double session_pivot_mm_;
   double strength_;
   std::vector<Compiled> guides_;
   std::vector<GuideUse> uses_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "haptic_agent/device/plugin/c_structs.h"
+#include "haptic_agent/library/mapping_struct.h"
 #include "haptic_agent/realtime/clock.h"
 #include "haptic_agent/realtime/realtime_thread.h"
 #include "haptic_agent/servo/watchdog.h"
@@ -75,6 +76,8 @@ AgentSession::AgentSession(SessionOptions options)
   LinkSettings& link = options_.link;
   link.lead = &lead_;
   link.traffic.status = &link_status_;
+  link.traffic.reach = &reach_;
+  link.hello.reach = true;
   link.failed = [this] { lost_.store(true); };
   link.hello.stock = options_.keep_copy;
   link.traffic.copy = options_.keep_copy ? &replica_ : nullptr;
@@ -123,6 +126,7 @@ std::optional<SessionFailure> AgentSession::join() {
   if (!guides->empty()) guidance_.emplace(*guides, settings, 1.0);
   cycle_.emplace(device_, samples_, wrenches_, *link_, settings, replica,
                  guidance_ ? &*guidance_ : nullptr);
+  cycle_->tell_reach(reach_);
   return std::nullopt;
 }
 
@@ -134,6 +138,23 @@ bool AgentSession::choose_tool(std::uint32_t tool) noexcept {
   if (std::ranges::find(welcome_.tool_ids, tool) == welcome_.tool_ids.end()) return false;
   tool_.store(tool);
   return true;
+}
+
+std::expected<void, std::string> AgentSession::set_mapping(const kerf_agent_mapping& given) {
+  const DeviceCapabilities& device = options_.device;
+  auto request = mapping_request_of(given, {welcome_.stock.min_mm, welcome_.stock.max_mm},
+                                    {device.workspace_min_mm, device.workspace_max_mm});
+  if (!request) return std::unexpected(request.error());
+  const std::scoped_lock lock(mapping_mutex_);
+  mapping_ = *request;
+  mapping_flags_ = given.flags;
+  cycle_->mapping_requests().write(mapping_);
+  return {};
+}
+
+kerf_agent_mapping AgentSession::mapping() {
+  const std::scoped_lock lock(mapping_mutex_);
+  return mapping_struct(mapping_.mapping, mapping_flags_);
 }
 
 Wrench AgentSession::step(const kerf_agent_pose& pose, std::uint64_t now_us) noexcept {

@@ -69,6 +69,9 @@ class AgentSession {
   bool choose_tool(std::uint32_t tool) noexcept;
   /// Supervisor::rearm. From any thread.
   void rearm() noexcept { cycle_->rearm(); }
+  /// From any thread, as kerf_agent_set_mapping. The error is one sentence.
+  std::expected<void, std::string> set_mapping(const kerf_agent_mapping& given);
+  kerf_agent_mapping mapping();
   /// From any thread.
   void ask(bool undone) noexcept { link_->ask(undone); }
   bool connected() const noexcept { return link_->connected(); }
@@ -104,6 +107,7 @@ class AgentSession {
   SampleRing samples_;
   LatestValue<ServerWrench> wrenches_;
   LatestValue<LinkStatus> link_status_;
+  LatestValue<Reach> reach_;
   LeadCpu lead_;
   ReplicaExchange exchange_;
   ReplicaThread replica_{exchange_, &lead_};
@@ -120,6 +124,10 @@ class AgentSession {
   std::atomic<std::uint32_t> tool_{0};
   std::atomic<std::uint64_t> ticks_{0};
   std::uint64_t last_us_ = 0;  ///< of the newest tick; belongs to the thread that entered
+
+  std::mutex mapping_mutex_;  ///< guards mapping_ and its writer to the cycle
+  MappingRequest mapping_;
+  std::uint32_t mapping_flags_ = 0;
 
   std::mutex status_mutex_;  ///< guards both: LatestValue has one reader
   ServoStatus servo_now_;

@@ -266,6 +266,26 @@ kerf_agent_result kerf_agent_choose_tool(kerf_agent* agent, uint32_t tool_id) {
   return fail(KERF_AGENT_NO_TOOL, "the session does not have this tool");
 }
 
+kerf_agent_result kerf_agent_set_mapping(kerf_agent* agent, const kerf_agent_mapping* mapping) {
+  AgentSession* joined = session_of(agent);
+  if (joined == nullptr) return KERF_AGENT_INVALID;
+  kerf_agent_mapping known{};
+  if (mapping == nullptr) return fail(KERF_AGENT_INVALID, "mapping is null");
+  if (!read_struct(mapping, known)) {
+    return fail(KERF_AGENT_UNSUPPORTED, "mapping: struct_size of another version");
+  }
+  return guarded([&] {
+    const auto set = joined->set_mapping(known);
+    return set ? KERF_AGENT_OK : fail(KERF_AGENT_INVALID, "mapping: " + set.error());
+  });
+}
+
+kerf_agent_result kerf_agent_get_mapping(kerf_agent* agent, kerf_agent_mapping* mapping) {
+  AgentSession* joined = session_of(agent);
+  if (joined == nullptr) return KERF_AGENT_INVALID;
+  return guarded([&] { return answer(joined->mapping(), mapping); });
+}
+
 kerf_agent_result kerf_agent_rearm(kerf_agent* agent) {
   AgentSession* joined = session_of(agent);
   if (joined == nullptr) return KERF_AGENT_INVALID;

@@ -72,11 +72,14 @@ enum {
 
 /** Bits of kerf_agent_pose.buttons. */
 enum {
-  KERF_AGENT_CUT = 1,     /**< the tool removes material; without it the tool only touches */
-  KERF_AGENT_DEADMAN = 2, /**< the user holds the device; ignored without KERF_AGENT_HAS_DEADMAN */
-  KERF_AGENT_UNDO = 256,  /**< a press calls kerf_agent_undo. Minor 3 */
-  KERF_AGENT_REDO = 512,  /**< a press calls kerf_agent_redo. Minor 3 */
-  KERF_AGENT_REARM = 1024 /**< a press ends KERF_AGENT_PHASE_SAFE (kerf_agent_rearm). Minor 5 */
+  KERF_AGENT_CUT = 1,      /**< the tool removes material; without it the tool only touches */
+  KERF_AGENT_DEADMAN = 2,  /**< the user holds the device; ignored without KERF_AGENT_HAS_DEADMAN */
+  KERF_AGENT_UNDO = 256,   /**< a press calls kerf_agent_undo. Minor 3 */
+  KERF_AGENT_REDO = 512,   /**< a press calls kerf_agent_redo. Minor 3 */
+  KERF_AGENT_REARM = 1024, /**< a press ends KERF_AGENT_PHASE_SAFE (kerf_agent_rearm). Minor 5 */
+  /** While it is held the tool stays in the block, without force and without cutting, and the hand
+   * moves back, as a mouse is lifted. Minor 5 */
+  KERF_AGENT_CLUTCH = 2048
 };
 
 typedef struct kerf_agent_pose {
@@ -84,7 +87,7 @@ typedef struct kerf_agent_pose {
   uint32_t state; /**< KERF_AGENT_ABSENT ... KERF_AGENT_FINISHED */
   double tip_mm[3];
   double axis[3];   /**< of length 1 ± 0.0005, from the tip to the spindle */
-  uint32_t buttons; /**< KERF_AGENT_CUT ... KERF_AGENT_REARM */
+  uint32_t buttons; /**< KERF_AGENT_CUT ... KERF_AGENT_CLUTCH */
   uint32_t tool_id; /**< 0: the one that kerf_agent_choose_tool chose */
   /** When it was measured; 0: now. A pose that is 20 ms old, or over 20 ms ahead, is not valid. */
   uint64_t time_us;
@@ -218,6 +221,32 @@ typedef struct kerf_agent_status {
   const char* no_force_text;
 } kerf_agent_status;
 
+/** Flags of kerf_agent_mapping. */
+enum {
+  /** Fit the stock to the device's workspace, of which it fills at most four fifths; `scale` is
+   * ignored. INVALID if the capabilities state no workspace. */
+  KERF_AGENT_MAPPING_FIT = 1,
+  /** Put `device_mm` at `block_mm`. Without this flag the tool stays where it is in the block or,
+   * before the first pose, the middle of the workspace does (if it is unknown, the middle of the
+   * stock's top). */
+  KERF_AGENT_MAPPING_PLACE = 2
+};
+
+/** How the space of the device lies in that of the block: poses, workspace and ratings are given in
+ * the device's own millimeters and directions, forces on the hand too. Minor 5. */
+typedef struct kerf_agent_mapping {
+  uint32_t struct_size;
+  uint32_t flags;      /**< KERF_AGENT_MAPPING_FIT, KERF_AGENT_MAPPING_PLACE */
+  double scale;        /**< mm in the block per mm of the device, 0.001 to 1000; 0: 1 */
+  double force_gain;   /**< force at the hand per force in the block, 0.01 to 100; 0: 1 */
+  double turn_rad[3];  /**< rotation vector, length at most 2 pi: turns the device in the block */
+  double device_mm[3]; /**< with PLACE: this point of the device, within 1e5 mm of zero, ... */
+  double block_mm[3];  /**< ... is at this point of the block, likewise */
+  /** Only written, by kerf_agent_get_mapping: stiffness at the hand per stiffness in the block,
+   * scale times force_gain. Ignored by kerf_agent_set_mapping. */
+  double stiffness_scale;
+} kerf_agent_mapping;
+
 /** Where the device works: known when the session is. */
 typedef struct kerf_agent_place {
   uint32_t struct_size;
@@ -291,6 +320,15 @@ KERF_AGENT_API kerf_agent_result kerf_agent_choose_tool(kerf_agent* agent, uint3
  * deadman sensor can also release the cutting button for 0.3 s, or hold the tip still for a second
  * (within 2 mm) and then move it 10 mm away and back within 2 s (minor 5). */
 KERF_AGENT_API kerf_agent_result kerf_agent_rearm(kerf_agent* agent);
+
+/** Maps the device to the block from the next pose on; the force ends then and rises again within
+ * 0.25 s. INVALID (a value is out of range), UNSUPPORTED. Minor 5. */
+KERF_AGENT_API kerf_agent_result kerf_agent_set_mapping(kerf_agent* agent,
+                                                        const kerf_agent_mapping* mapping);
+/** The mapping that was set last, with scale and points of a fit; at first the identity. A clutch
+ * changes none of it. Minor 5. */
+KERF_AGENT_API kerf_agent_result kerf_agent_get_mapping(kerf_agent* agent,
+                                                        kerf_agent_mapping* mapping);
 
 /** Undoes the user's newest stroke that is not undone: what the tool cut between touching down and
  * lifting. Redo takes back the undo of the stroke that was undone last. Returns at once; a line of

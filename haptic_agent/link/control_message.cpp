@@ -109,6 +109,7 @@ Welcome read_welcome(const json& message) {
                   .tool_ids = {},
                   .udp = read_offer(message),
                   .resume = read_resume(message),
+                  .takes_reach = message.contains("reach") && message["reach"] == true,
                   .others = read_others(message),
                   .text = without_secrets(message)};
   for (const json& tool : message.at("tools")) welcome.tool_ids.push_back(tool.at("id"));
@@ -166,6 +167,7 @@ std::string hello_text(const Hello& hello) {
   if (hello.feel_of != 0) message["feel_of"] = hello.feel_of;
   if (hello.tool_id != 0) message["tool"] = hello.tool_id;
   if (hello.udp) message["udp"] = true;
+  if (hello.reach) message["reach"] = true;
   if (!hello.resume.empty()) message["resume"] = hello.resume;
   return message.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -176,6 +178,16 @@ std::string tool_text(std::uint32_t tool_id) {
 
 std::string change_text(bool undone) {
   return json{{"type", undone ? wire::kTypeUndo : wire::kTypeRedo}}.dump();
+}
+
+std::string reach_text(const Reach& reach) {
+  const auto numbers = [](Vec3 v) { return json{v.x, v.y, v.z}; };
+  return json{{"type", wire::kTypeReach},
+              {"center_mm", numbers(reach.center_mm)},
+              {"half_mm", numbers(reach.half_mm)},
+              {"turn_rad", numbers(reach.turn_rad)},
+              {"scale", reach.scale}}
+      .dump();
 }
 
 std::string stock_text() { return json{{"type", wire::kTypeStock}}.dump(); }

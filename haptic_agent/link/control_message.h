@@ -11,6 +11,7 @@
 
 #include "haptic_agent/device/carving_figure.h"
 #include "haptic_agent/servo/local_model.h"
+#include "haptic_agent/servo/mapping/workspace_mapping.h"
 #include "server/datagram/key.h"
 
 namespace kerf::agent {
@@ -28,6 +29,8 @@ struct Hello {
   bool udp = false;
   /// Request updates of the stock near the tool, and the poses of other tools there.
   bool stock = false;
+  /// Ask whether the server takes where the device reaches (reach_text).
+  bool reach = false;
   /// Token of an earlier welcome: continue as the same participant. Not to be logged.
   std::string resume = {};
 };
@@ -60,6 +63,8 @@ struct Welcome {
   std::optional<datagram::Offer> udp;
   /// Empty: the server does not support it.
   std::optional<Resume> resume;
+  /// The server takes where the device reaches.
+  bool takes_reach = false;
   /// Addresses of the other servers that may continue the session; invalid ones are left out.
   std::vector<std::string> others;
   /// The message without its secrets, from which the replica is created.
@@ -100,6 +105,8 @@ std::string hello_text(const Hello& hello);
 std::string tool_text(std::uint32_t tool_id);
 /// Undoes the agent's newest stroke, or redoes the one that was undone last.
 std::string change_text(bool undone);
+/// States where the device reaches in the block.
+std::string reach_text(const Reach& reach);
 /// Requests the stock near the tool from scratch.
 std::string stock_text();
 

@@ -229,6 +229,7 @@ class ServerLink::Impl {
     if (welcome.resume) server_has = welcome.resume->agent_sequence;
     traffic_.begin(welcome.epoch, settings_.hello.tool_id, monotonic_us(), welcome.udp.has_value(),
                    server_has);
+    traffic_.offer_reach(welcome.takes_reach);
     if (welcome.resume) settings_.hello.resume = welcome.resume->token;
     if (welcome.resume && welcome.resume->resumed) traffic_.note_resumed();
     if (welcome_) notice("connected again");

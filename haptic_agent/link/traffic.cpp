@@ -102,7 +102,19 @@ bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
          dot(turned, turned) < kDeadbandRad * kDeadbandRad;
 }
 
+/// Returns whether the server must hear where the device reaches.
+bool Traffic::take_reach() noexcept {
+  if (options_.reach == nullptr || !reach_taken_) return false;
+  Reach reach;
+  if (options_.reach->read(reach)) {
+    device_reach_ = reach;
+    reach_due_ = true;
+  }
+  return device_reach_.has_value() && std::exchange(reach_due_, false);
+}
+
 std::string Traffic::take_control() {
+  if (take_reach()) return reach_text(*device_reach_);
   if (options_.copy != nullptr && options_.copy->wants_reset()) return stock_text();
   if (!asked_.empty() && !(transport_.over_udp() && queue_.in_flight())) {
     leave_udp();

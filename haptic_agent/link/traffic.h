@@ -15,6 +15,7 @@
 #include "haptic_agent/link/stock_listener.h"
 #include "haptic_agent/link/transport_switch.h"
 #include "haptic_agent/realtime/latest_value.h"
+#include "haptic_agent/servo/mapping/workspace_mapping.h"
 #include "haptic_agent/servo/sample_ring.h"
 #include "haptic_agent/servo/wrench_interpolator.h"
 #include "server/wire/types.h"
@@ -39,6 +40,8 @@ struct TrafficOptions {
   LatestValue<LinkStatus>* status = nullptr;
   /// Receives stock updates; null: none are requested.
   StockListener* copy = nullptr;
+  /// Where the device reaches, whenever that changes; null: it is not stated.
+  LatestValue<Reach>* reach = nullptr;
 };
 
 /// The protocol of the link without its sockets: decides which frame is due, handles received
@@ -53,6 +56,8 @@ class Traffic {
   /// to which the server has the samples of this agent, if it states what is durable.
   void begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us,
              bool udp_offered = false, std::optional<std::uint64_t> server_has = {});
+  /// Whether the server takes where the device reaches. Call it after `begin`: it is stated again.
+  void offer_reach(bool taken) noexcept { reach_taken_ = reach_due_ = taken; }
   /// The server has recognized the agent.
   void note_resumed() noexcept { ++report_.resumed; }
   /// Records that the user requested UDP.
@@ -92,6 +97,7 @@ class Traffic {
 
  private:
   void take_buttons(wire::MotionSample& sample);
+  bool take_reach() noexcept;
   bool holds_back(const wire::MotionSample& sample) const noexcept;
   void take_pong(const wire::Pong& pong, std::uint64_t now_us);
   void take_felt(const wire::ToolStates& states);
@@ -144,6 +150,9 @@ class Traffic {
   /// Requests to undo (true) or redo that are not sent yet.
   std::deque<bool> asked_;
   std::uint32_t pressed_ = 0;  ///< kButtonUndo, kButtonRedo of the last sample
+  /// Where the device reaches, and whether the server is to hear of it.
+  std::optional<Reach> device_reach_;
+  bool reach_taken_ = false, reach_due_ = false;
   /// Sequence of the stock frame to acknowledge.
   std::optional<std::uint64_t> ack_due_;
 };

@@ -5,6 +5,8 @@
 
 namespace kerf::agent {
 
+struct ServoSettings;
+
 /// Forces that depend on the device's motion alone, in addition to those of the session: the guides
 /// of the scene (haptic_agent/guides).
 class Guidance {
@@ -13,6 +15,9 @@ class Guidance {
   /// Returns force and torque about the pivot at the newest grip. Called by the servo thread, once
   /// per tick; neither waits nor allocates.
   virtual Wrench at(const PastGrip& now) noexcept = 0;
+  /// Called by the servo thread when the mapping has changed. `settings`: those of the device as it
+  /// is seen in the block (block_settings).
+  virtual void adapt(const ServoSettings& settings) noexcept { static_cast<void>(settings); }
 };
 
 }  // namespace kerf::agent

@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "haptic_agent/device/units.h"
+#include "haptic_agent/servo/mapping/block_settings.h"
 #include "haptic_agent/servo/silence_decay.h"
 
 namespace kerf::agent {
@@ -16,65 +15,13 @@ constexpr std::uint64_t kTickUs = 1000;
 /// Time constant of the low-pass filter for a followed participant's wrench, which arrives in
 /// steps.
 constexpr double kFeltS = 0.01;
-/// Share of a device's stable stiffness and damping that is used.
-constexpr double kStableShare = 0.5;
-/// Share of mass / delay up to which a damper may be set.
-constexpr double kDamperShare = 0.25;
-constexpr double kTickS = 1e-3;
 /// Cosine of the turn that makes a corner, and the step below which noise of encoders may turn.
 constexpr double kTurnCos = 0.9;
 constexpr double kLeastStepMm = 0.01;
 /// Share by which the force of two answers differs where it changes.
 constexpr double kChangeShare = 0.03;
 
-/// Gains that follow from the device's mass and latency: those of the dampers act a latency and a
-/// period late, and what they may take from the least mass in that time is limited.
-void adapt_to_mechanics(const DeviceCapabilities& device, ServoSettings& settings) {
-  const double latency_s = static_cast<double>(device.latency_us) * kSPerUs;
-  const double filter_s = 1 / (2 * std::numbers::pi * settings.velocity_cutoff_hz);
-  ContactLimits& contact = settings.model.contact;
-  contact.force_delay_s = latency_s + kTickS;
-  contact.velocity_delay_s = latency_s + kTickS + filter_s;
-  PassivitySettings& passivity = settings.passivity;
-  passivity.latency_us = device.latency_us;
-  if (device.moving_mass_kg > 0 && device.moving_inertia_kg_m2 > 0) {
-    contact.mass_kg = passivity.mass_kg = device.moving_mass_kg;
-    contact.inertia_kg_m2 = passivity.inertia_kg_m2 = device.moving_inertia_kg_m2;
-  }
-  const double stable_per_s = kDamperShare / contact.velocity_delay_s;
-  passivity.max_damping =
-      std::min(passivity.max_damping, stable_per_s * passivity.mass_kg / kMmPerM);
-  passivity.max_turn_damping =
-      std::min(passivity.max_turn_damping, stable_per_s * passivity.inertia_kg_m2 * kNmmPerNm);
-}
-
 }  // namespace
-
-ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings settings) {
-  settings.limits = within(device, settings.limits);
-  if (device.max_stiffness_n_per_mm > 0) {
-    settings.model.contact.max_stiffness = kStableShare * device.max_stiffness_n_per_mm;
-  }
-  if (device.max_damping_n_s_per_mm > 0) {
-    settings.model.max_damping = kStableShare * device.max_damping_n_s_per_mm;
-    settings.passivity.max_damping = settings.model.max_damping;
-    settings.model.contact.max_damping =
-        std::min(settings.model.contact.max_damping, settings.model.max_damping);
-  }
-  settings.model.max_vibration_hz = device.max_vibration_hz;
-  settings.resolution_mm = device.resolution_mm;
-  settings.resolution_rad = device.resolution_rad;
-  adapt_to_mechanics(device, settings);
-  settings.passivity.longest_tick_us = settings.safety.lost_in_a_row * kTickUs;
-  settings.safety.continuous_force_n = device.continuous_force_n;
-  settings.safety.continuous_torque_nmm = device.continuous_torque_nmm;
-  settings.safety.workspace_min_mm = device.workspace_min_mm;
-  settings.safety.workspace_max_mm = device.workspace_max_mm;
-  settings.safety.has_deadman = device.has_deadman;
-  settings.safety.motors = device.max_force_n > 0;
-  settings.always_cut = settings.always_cut || device.always_cut;
-  return settings;
-}
 
 ServoCycle::ServoCycle(HapticDevice& device, SampleRing& samples,
                        LatestValue<ServerWrench>& wrenches, SampleListener& listener,
@@ -88,11 +35,14 @@ ServoCycle::ServoCycle(HapticDevice& device, SampleRing& samples,
       guidance_(guidance),
       settings_(settings),
       model_(settings.model),
+      hand_(settings.mapping),
       velocity_(settings.velocity_cutoff_hz),
       output_(settings.passivity, settings.limits),
       supervisor_(settings.safety),
       estimator_(settings.resolution_mm, settings.resolution_rad),
-      estimated_velocity_(settings.velocity_cutoff_hz) {}
+      estimated_velocity_(settings.velocity_cutoff_hz) {
+  if (guidance_ != nullptr) guidance_->adapt(block_settings(settings_, settings_.mapping.at_start));
+}
 
 bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   if (last_us_ == 0) {
@@ -109,16 +59,18 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   take_buttons(state);
   const bool usable = is_usable(state);
   const Twist moved = follow(state, usable, now_us, dt_s);
-  if (usable) send(state);
+  const DeviceState tool = map(state, usable, now_us);
+  if (usable) send(tool);
   output_.settle(moved, now_us - passed_us, now_us);
-  const bool cutting = (state.buttons & wire::kButtonCutting) != 0;
+  const bool cutting = (tool.buttons & wire::kButtonCutting) != 0;
   computed_ = guided_ = {};
   faded_ = false;
   heard_n_ = 0;
   const Wrench wrench = usable ? requested_wrench(now_us, cutting, dt_s) : Wrench{};
   const SafetyInput seen = safety_input(state, usable, wrench);
   const bool tripped = supervisor_.phase() == ServoPhase::kSafe;
-  const double gain = supervisor_.tick(seen);
+  // The supervisor judges the whole wrench: it does not arm a tool that is pressed.
+  const double gain = supervisor_.tick(seen) * hand_.share(now_us);
   if (tripped && supervisor_.phase() != ServoPhase::kSafe) output_.restart();
   device_.show_force(gain > 0);
   const std::uint64_t saturated = output_.limiter().saturated();
@@ -162,14 +114,38 @@ bool ServoCycle::is_usable(const DeviceState& state) noexcept {
   return false;
 }
 
-/// Passes the estimated pose to the link and the replica.
-void ServoCycle::send(const DeviceState& state) noexcept {
+/// Returns the state of the tool in the block, from the estimated pose. Model and output work in
+/// device space; samples, answers and guides are those of the block (mapping/README.md).
+DeviceState ServoCycle::map(const DeviceState& device, bool usable, std::uint64_t now_us) noexcept {
+  if (MappingRequest request; mapping_requests_.read(request)) hand_.change(request);
+  DeviceState estimated = device;
+  if (usable) {
+    estimated.tip_mm = sent_tip_mm_;
+    estimated.axis = now_.grip.axis;
+  }
+  const DeviceState tool = hand_.follow(estimated, now_us);
+  if (hand_.has_resumed()) take_mapping();
+  if (reach_ != nullptr && (hand_.has_resumed() || last_us_ == start_us_)) {
+    const SpaceBox workspace{settings_.safety.workspace_min_mm, settings_.safety.workspace_max_mm};
+    if (workspace.has_volume()) reach_->write(hand_.map().reach_of(workspace));
+  }
+  return tool;
+}
+
+/// Forgets what was said of the block where device space was before.
+void ServoCycle::take_mapping() noexcept {
+  model_ = LocalModel(settings_.model);
+  if (guidance_ != nullptr) guidance_->adapt(block_settings(settings_, hand_.map().mapping()));
+}
+
+/// Passes the pose of the tool to the link and the replica.
+void ServoCycle::send(const DeviceState& tool) noexcept {
   const bool motors = settings_.safety.motors;
-  const wire::MotionSample sample{.time_us = state.time_us,
-                                  .tip_mm = sent_tip_mm_,
-                                  .axis = Vec3f(now_.grip.axis),
-                                  .tool_id = state.tool_id != 0 ? state.tool_id : settings_.tool_id,
-                                  .buttons = state.buttons | (motors ? wire::kButtonFelt : 0U),
+  const wire::MotionSample sample{.time_us = tool.time_us,
+                                  .tip_mm = tool.tip_mm,
+                                  .axis = Vec3f(tool.axis),
+                                  .tool_id = tool.tool_id != 0 ? tool.tool_id : settings_.tool_id,
+                                  .buttons = tool.buttons | (motors ? wire::kButtonFelt : 0U),
                                   .felt_share = motors ? static_cast<float>(share_) : 0.0F};
   if (samples_.push(sample)) {
     ++report_.samples;
@@ -267,18 +243,24 @@ void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
     const PastGrip* then = history_.at(time_us);
     return then != nullptr ? *then : now_;
   };
+  const auto in_device = [this](const ServerWrench& answer, const PastGrip& then) {
+    return hand_.map().to_device(answer, then.grip.axis, settings_.pivot_mm);
+  };
   ServerWrench next;
   if (wrenches_.read(next)) {
+    const PastGrip then = grip_at(next.pose_us);
+    next = in_device(next, then);
     interpolator_.take(next, now_us);
-    model_.take(next, grip_at(next.pose_us), measured_);
+    if (hand_.holds_for(next.pose_us)) model_.take(next, then, measured_);
     has_answer_ = true;
     if (now_us - replica_us_ > kReplicaFreshUs) engaged_mm2_ = next.engaged_area_mm2;
   }
   if (replica_ != nullptr && replica_->read(next)) {
-    model_.take_replica(next, grip_at(next.pose_us), measured_);
+    const PastGrip then = grip_at(next.pose_us);
     const double change_n = length(next.wrench.force_n - replica_force_n_);
     force_changes_ = change_n > kChangeShare * length(next.wrench.force_n);
     replica_force_n_ = next.wrench.force_n;
+    if (hand_.holds_for(next.pose_us)) model_.take_replica(in_device(next, then), then, measured_);
     replica_us_ = now_us;
     engaged_mm2_ = next.engaged_area_mm2;
     ++report_.replica_answers;
@@ -287,7 +269,7 @@ void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
 
 Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double dt_s) noexcept {
   take_answers(now_us);
-  if (!has_answer_) return {};
+  if (!has_answer_ || hand_.is_away()) return {};
   const double share = wrench_share(answer_age(now_us));
   faded_ = share < 1.0;
   if (faded_) ++report_.decayed_ticks;
@@ -310,7 +292,7 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
   heard_n_ = length(session.force_n) * share;
   computed_ = followed_ + session;
   if (guidance_ != nullptr) {
-    guided_ = guidance_->at(measured_);
+    guided_ = hand_.map().to_device(guidance_->at(hand_.map().to_block(measured_)));
     own = own + guided_;
     computed_ = computed_ + guided_;
     guided_ = guided_ * share;
@@ -389,9 +371,10 @@ void ServoCycle::note(const SafetyInput& seen, const Wrench& requested) noexcept
 }
 
 void ServoCycle::note_heard(const SafetyInput& seen, bool usable) noexcept {
-  heard_.write({.running = usable && seen.cutting,
-                .force_n = heard_n_,
-                .removed_mm3_per_s = engaged_mm2_ * seen.tip_mm_per_s});
+  heard_.write(
+      {.running = usable && seen.cutting,
+       .force_n = heard_n_,
+       .removed_mm3_per_s = engaged_mm2_ * seen.tip_mm_per_s * hand_.map().mapping().scale});
 }
 
 }  // namespace kerf::agent

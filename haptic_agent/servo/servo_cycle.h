@@ -13,6 +13,7 @@
 #include "haptic_agent/servo/guidance.h"
 #include "haptic_agent/servo/heard_cut.h"
 #include "haptic_agent/servo/local_model.h"
+#include "haptic_agent/servo/mapping/hand_mapping.h"
 #include "haptic_agent/servo/output_stage.h"
 #include "haptic_agent/servo/pose_estimator.h"
 #include "haptic_agent/servo/replica_exchange.h"
@@ -53,6 +54,7 @@ struct ServoSettings {
   SafetyLimits safety{.motors = false};
   /// Distance of the pivot from the tip along the axis, mm.
   double pivot_mm = 60;
+  MappingSettings mapping{};
   /// Cut-off frequency of the velocity estimate; depends on the device.
   double velocity_cutoff_hz = 100;
   /// Quanta of the device's poses (DeviceCapabilities).
@@ -136,11 +138,18 @@ class ServoCycle final : public ServoTask {
   LatestValue<ServoStatus>& status() noexcept { return status_; }
   LatestValue<HeardCut>& heard() noexcept { return heard_; }
   FlightRecorder& recorder() noexcept { return recorder_; }
+  /// Changes of the mapping, from one other thread.
+  LatestValue<MappingRequest>& mapping_requests() noexcept { return mapping_requests_; }
+  /// Writes the place of the device's workspace in the block there whenever it has changed, if it
+  /// is known. Call it before the first tick.
+  void tell_reach(LatestValue<Reach>& reach) noexcept { reach_ = &reach; }
 
  private:
   void take_buttons(DeviceState& state) noexcept;
   bool is_usable(const DeviceState& state) noexcept;
-  void send(const DeviceState& state) noexcept;
+  DeviceState map(const DeviceState& device, bool usable, std::uint64_t now_us) noexcept;
+  void take_mapping() noexcept;
+  void send(const DeviceState& tool) noexcept;
   bool turns(Vec3 step_mm) const noexcept;
   void estimate(const DeviceState& state, std::uint64_t time_us, double dt_s) noexcept;
   void pass_to_replica(const wire::MotionSample& sample) noexcept;
@@ -165,6 +174,9 @@ class ServoCycle final : public ServoTask {
   ServoSettings settings_;
   WrenchInterpolator interpolator_;
   LocalModel model_;
+  HandMapping hand_;
+  LatestValue<MappingRequest> mapping_requests_;
+  LatestValue<Reach>* reach_ = nullptr;
   GripHistory history_;
   VelocityEstimator velocity_;
   OutputStage output_;

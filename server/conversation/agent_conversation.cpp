@@ -77,7 +77,7 @@ void AgentConversation::on_hello(const HelloMessage& hello) {
   std::optional<datagram::Offer> offer;
   if (hello.udp && open_udp_) offer = open_udp_();
   has_udp_ = offer.has_value();
-  say(agent_welcome(session(), *admission, limits_, offer ? &*offer : nullptr));
+  say(agent_welcome(session(), *admission, limits_, offer ? &*offer : nullptr, hello.reach));
   out_.put_participants(carvers_message(session().carvers()));
 }
 
@@ -85,6 +85,10 @@ void AgentConversation::on_control(const ControlMessage& message) {
   if (std::holds_alternative<StockMessage>(message)) return session().reset_stock(self_->id);
   if (const auto* change = std::get_if<ChangeMessage>(&message)) {
     return change_stroke(change->undone);
+  }
+  if (const auto* reach = std::get_if<ReachMessage>(&message)) {
+    if (reaches_.allow(now_())) return session().set_reach(self_->id, reach->reach);
+    return reject({wire::ErrorCode::kTooFast, "'reach' is limited to 10 per second"});
   }
   const auto* tool = std::get_if<ToolMessage>(&message);
   if (tool == nullptr) {

@@ -110,6 +110,7 @@ class AgentConversation final : public Conversation {
   bool left_ = false;
 
   RateLimit tools_{kToolsPerS, kToolsBurst};
+  RateLimit reaches_{kToolsPerS, kToolsBurst};
   /// Whether a stroke is being undone or redone; expires with the conversation.
   std::shared_ptr<bool> changes_ = std::make_shared<bool>(false);
 

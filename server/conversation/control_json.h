@@ -31,6 +31,7 @@ struct HelloMessage {
   bool look_follows = false;  ///< viewer: sends a look at once, which the first snapshot awaits
   std::optional<ViewerLook> look;  ///< viewer: where it looks from, if it knows
   std::uint32_t budget = 0;        ///< viewer: bytes of mesh frames per second; 0: any
+  bool reach = false;              ///< agent: may state where its device reaches
   bool durable = false;            ///< agent: keeps what is not durable and sends it again
   std::string resume;              ///< agent: token of the participant that it continues as
 };
@@ -70,6 +71,10 @@ struct PastPlace {
   double rate = 0;           ///< with which it plays; 0: it rests
   friend bool operator==(const PastPlace&, const PastPlace&) = default;
 };
+/// States where the agent's device reaches: coordinates of at most 1000 m; nothing: no longer.
+struct ReachMessage {
+  std::optional<DeviceReach> reach;
+};
 /// Requests that stock frames start again with an empty replica.
 struct StockMessage {};
 /// Undoes the newest stroke of the agent, or redoes the one that was undone last.
@@ -77,7 +82,7 @@ struct ChangeMessage {
   bool undone = true;
 };
 using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage, SeekMessage,
-                                    CameraMessage, StockMessage, ChangeMessage>;
+                                    CameraMessage, StockMessage, ChangeMessage, ReachMessage>;
 /// Rates of a seek but 0.
 inline constexpr double kRateMin = 0.25, kRateMax = 64;
 /// Budgets of a viewer but 0, bytes per second.
@@ -87,8 +92,10 @@ inline constexpr std::uint32_t kBudgetMin = 25'000, kBudgetMax = 1'000'000'000;
 /// bad_message (names the field).
 std::expected<ControlMessage, Rejection> parse_control(std::string_view text);
 
+/// `reach`: the agent may state where its device reaches.
 std::string agent_welcome(const Session& session, const Admission& admission,
-                          const SessionLimits& limits, const datagram::Offer* udp = nullptr);
+                          const SessionLimits& limits, const datagram::Offer* udp = nullptr,
+                          bool reach = false);
 /// `budget`: bytes of mesh frames per second; 0: any.
 std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster,
                            std::uint32_t budget);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "kernel/sculpture.h"
@@ -13,14 +14,25 @@ enum class ParticipantKind { kAgent, kProgram, kViewer };
 /// Returns "agent", "program" or "viewer".
 const char* to_string(ParticipantKind kind);
 
+/// Where the device of an agent can bring the tip of its tool: a box in the block, which may be
+/// turned.
+struct DeviceReach {
+  Vec3 center_mm;
+  Vec3 half_mm;      ///< half of its edges, greater than zero
+  Vec3 turn_rad;     ///< rotation vector: turns the box about its center
+  double scale = 1;  ///< mm in the block per mm of the device
+  friend bool operator==(const DeviceReach&, const DeviceReach&) = default;
+};
+
 /// A participant of a session. Ids are never reused within a session, not even after a restart.
 struct Participant {
   ParticipantId id = 0;
   ParticipantKind kind = ParticipantKind::kViewer;
-  std::string name, color;           ///< color as "#rrggbb"
-  ToolId tool = 0;                   ///< 0 for viewers
-  Role role = Role::kAdministrator;  ///< everybody's on a server without rights
-  bool is_muted = false;             ///< its motions are rejected
+  std::string name, color;                ///< color as "#rrggbb"
+  ToolId tool = 0;                        ///< 0 for viewers
+  Role role = Role::kAdministrator;       ///< everybody's on a server without rights
+  bool is_muted = false;                  ///< its motions are rejected
+  std::optional<DeviceReach> reach = {};  ///< of an agent that has stated it
 };
 
 /// The parameters of a new participant.

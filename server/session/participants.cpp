@@ -219,6 +219,13 @@ std::expected<void, Rejection> Participants::choose_tool(ParticipantId id, ToolI
   return {};
 }
 
+void Participants::set_reach(ParticipantId id, const std::optional<DeviceReach>& reach) {
+  ParticipantState* state = find(id);
+  if (state == nullptr || state->participant.reach == reach) return;
+  state->participant.reach = reach;
+  changed(false);
+}
+
 ParticipantState* Participants::find(ParticipantId id) {
   const auto found = states_.find(id);
   return found == states_.end() ? nullptr : &found->second;

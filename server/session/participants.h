@@ -74,6 +74,9 @@ class Participants {
   }
   /// Changes the tool of a participant and notifies the listeners if it differs.
   std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
+  /// Sets where the device of an agent reaches, or that it does not say, and notifies the listeners
+  /// of a difference; no effect for an unknown id.
+  void set_reach(ParticipantId id, const std::optional<DeviceReach>& reach);
 
   /// Ends a participant's connections: an agent cannot resume. The listeners make it leave. False
   /// for an unknown id.

@@ -5,7 +5,8 @@ namespace kerf {
 namespace {
 
 bool is_different(const Participant& one, const Participant& other) {
-  return one.tool != other.tool || one.role != other.role || one.is_muted != other.is_muted;
+  return one.tool != other.tool || one.role != other.role || one.is_muted != other.is_muted ||
+         one.reach != other.reach;
 }
 
 }  // namespace

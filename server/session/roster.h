@@ -20,7 +20,7 @@ struct Roster {
 
 /// The difference between two rosters of one session.
 struct RosterChange {
-  std::vector<Participant> changed;  ///< new in the list, or with another tool, role or mute
+  std::vector<Participant> changed;  ///< new in the list, or with another tool, role, mute or reach
   std::vector<ParticipantId> left;   ///< no longer in the list
   std::size_t viewers = 0;           ///< of the newer roster
 };

@@ -120,6 +120,10 @@ std::expected<void, Rejection> Session::choose_tool(ParticipantId id, ToolId too
   return participants_.choose_tool(id, tool);
 }
 
+void Session::set_reach(ParticipantId id, const std::optional<DeviceReach>& reach) {
+  participants_.set_reach(id, reach);
+}
+
 MotionAnswer Session::rejected_move() const {
   MotionAnswer answer;
   answer.rejections.push_back(

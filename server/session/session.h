@@ -49,10 +49,8 @@ inline constexpr ParticipantId kFollowerIds = 0x4000'0000;
 /// on the session's executor, which decides the order of motions.
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  /// The least time between two reports of changed participants.
-  static constexpr std::chrono::milliseconds kChangeInterval{250};
-  /// The least time between two reports of changed programs.
-  static constexpr std::chrono::milliseconds kProgramUpdateInterval{250};
+  /// The least times between two reports of changed participants, and of changed programs.
+  static constexpr std::chrono::milliseconds kChangeInterval{250}, kProgramUpdateInterval{250};
   /// An agent that has sent a sample within this time is moving.
   static constexpr std::chrono::milliseconds kAgentIsActive{200};
 
@@ -156,6 +154,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Replaces the regions of the block that are reserved.
   void reserve(const std::vector<Region>& regions) { carving_.reserve(regions); }
   std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
+  void set_reach(ParticipantId id, const std::optional<DeviceReach>& reach);
   /// Validates, journals and applies each sample in turn. A rejected sample changes nothing and
   /// does not stop the samples after it.
   MotionAnswer move(ParticipantId id, std::span<const wire::MotionSample> samples);

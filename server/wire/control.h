@@ -20,6 +20,7 @@ inline constexpr std::string_view kTypeLook = "look";
 inline constexpr std::string_view kTypeSeek = "seek";
 inline constexpr std::string_view kTypeCamera = "camera";
 inline constexpr std::string_view kTypeStock = "stock";
+inline constexpr std::string_view kTypeReach = "reach";
 inline constexpr std::string_view kTypeUndo = "undo";
 inline constexpr std::string_view kTypeRedo = "redo";
 inline constexpr std::string_view kTypeStroke = "stroke";

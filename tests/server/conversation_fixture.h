@@ -82,8 +82,9 @@ class ConversationTest : public SessionTest {
     const auto joined = session->join(*request);
     conversation.joined(joined, session->roster());
   }
-  void join_viewer(ViewerConversation& conversation) {
-    send_text(conversation, R"({"type":"hello","name":"Eve"})");
+  void join_viewer(ViewerConversation& conversation,
+                   std::string_view hello = R"({"type":"hello","name":"Eve"})") {
+    send_text(conversation, hello);
     perform_join(conversation);
     ASSERT_TRUE(conversation.has_joined());
     drain(conversation);

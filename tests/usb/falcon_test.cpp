@@ -135,6 +135,16 @@ TEST_F(Falcon, ReportsTheGripPosition) {
   }));
   EXPECT_EQ(state.axis, (Vec3{0, 0, 1}));
   EXPECT_EQ(state.buttons, wire::kButtonCutting | wire::kButtonDeadman);
+  for (const std::uint8_t small : {0x1, 0x2, 0x8}) {
+    rig.query([small](FalconModel& model) {
+      model.press(small);
+      return 0;
+    });
+    EXPECT_TRUE(eventually([&] {
+      return device->read(agent::monotonic_us()).buttons ==
+             (wire::kButtonDeadman | agent::kButtonClutch);
+    }));
+  }
 }
 
 TEST_F(Falcon, SendsOneCommandPerAnswer) {

@@ -69,6 +69,14 @@ TEST_F(ReferenceDevice, HomesAndReportsThePose) {
   EXPECT_LT(length(state.axis - axis), 1e-4);
   EXPECT_EQ(state.buttons, wire::kButtonCutting | wire::kButtonDeadman);
   EXPECT_TRUE(device->trouble().empty());
+  rig.query([](ReferenceFirmware& firmware) {
+    firmware.press(ref::kClutchButton | ref::kGripSensor);
+    return 0;
+  });
+  EXPECT_TRUE(eventually([&] {
+    return device->read(agent::monotonic_us()).buttons ==
+           (agent::kButtonClutch | wire::kButtonDeadman);
+  }));
 }
 
 TEST_F(ReferenceDevice, NoForceBeforeHoming) {

@@ -71,6 +71,20 @@ describe('control messages', () => {
     expect(parse(list)).toEqual({ ok: true, value: list });
   });
 
+  it('parses where a device reaches', () => {
+    const reach = {
+      center_mm: [1, 2, 3],
+      half_mm: [60, 50, 40],
+      turn_rad: [0, 0, 1.5],
+      scale: 0.5,
+    };
+    const ada = { ...welcome.participants[0]!, reach };
+    const list = { type: 'participants', participants: [ada], viewers: 1 };
+    expect(parse(list)).toEqual({ ok: true, value: list });
+    for (const bad of [7, {}, { ...reach, half_mm: [1, 2] }, { ...reach, turn_rad: [0, 0, null] }])
+      expect(parse({ ...list, participants: [{ ...ada, reach: bad }] }).ok).toBe(false);
+  });
+
   it('replaces a color that is not six hexadecimal digits', () => {
     const evil = { ...welcome.participants[0], color: 'red;background:url(//evil)' };
     const result = parse({ type: 'participants', participants: [evil] });

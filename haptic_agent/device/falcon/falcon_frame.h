@@ -23,6 +23,8 @@ inline constexpr std::uint8_t kBlueLight = 0x4;
 inline constexpr std::uint8_t kRedLight = 0x8;
 
 inline constexpr std::uint8_t kCenterButton = 0x4;
+/// The three others.
+inline constexpr std::uint8_t kSmallButtons = 0xB;
 inline constexpr std::uint8_t kAllHomed = 0x7;
 
 /// The Falcon's answer to a command.

@@ -100,9 +100,11 @@ bool FalconProtocol::take(std::span<const std::uint8_t> packet, std::uint64_t no
   position_mm_ = position;
   pose_us_ = now_us;
   const bool cutting = (state_->buttons & kCenterButton) != 0;
+  const bool clutch = (state_->buttons & kSmallButtons) != 0;
   mailbox_.publish({.tip_mm = settings_.middle_mm + to_kerf(*position - kMiddleMm),
                     .axis = {0, 0, 1},
-                    .buttons = wire::kButtonDeadman | (cutting ? wire::kButtonCutting : 0U),
+                    .buttons = wire::kButtonDeadman | (cutting ? wire::kButtonCutting : 0U) |
+                               (clutch ? kButtonClutch : 0U),
                     .time_us = now_us,
                     .valid = true,
                     .phase = DevicePhase::kReady});

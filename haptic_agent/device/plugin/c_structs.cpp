@@ -109,10 +109,10 @@ bool is_pose(const kerf_agent_pose& pose) noexcept {
          std::abs(length(vec_of(pose.axis)) - 1) <= wire::kAxisLengthTolerance / 2;
 }
 
-static_assert(KERF_AGENT_UNDO == kButtonUndo && KERF_AGENT_REDO == kButtonRedo &&
-              KERF_AGENT_REARM == kButtonRearm);
-constexpr std::uint32_t kKnownButtons =
-    wire::kButtonCutting | wire::kButtonDeadman | kButtonUndo | kButtonRedo | kButtonRearm;
+static_assert(KERF_AGENT_UNDO == kButtonUndo && KERF_AGENT_REDO == kButtonRedo);
+static_assert(KERF_AGENT_REARM == kButtonRearm && KERF_AGENT_CLUTCH == kButtonClutch);
+constexpr std::uint32_t kKnownButtons = wire::kButtonCutting | wire::kButtonDeadman | kButtonUndo |
+                                        kButtonRedo | kButtonRearm | kButtonClutch;
 
 DeviceState state_of(const kerf_agent_pose& pose, bool has_deadman, std::uint64_t now_us) noexcept {
   DeviceState state{.tip_mm = vec_of(pose.tip_mm),

@@ -168,13 +168,14 @@ bool ReferenceProtocol::take(std::span<const std::uint8_t> packet, std::uint64_t
       place_.middle_mm + Vec3{0, 0, place_.pivot_mm} + pose->grip_mm - middle_grip(identity_.pen);
   const bool cutting = (report->buttons & kCutButton) != 0;
   const bool held = (report->buttons & kGripSensor) != 0;
-  mailbox_.publish(
-      {.tip_mm = grip_mm - pose->axis * place_.pivot_mm,
-       .axis = pose->axis,
-       .buttons = (cutting ? wire::kButtonCutting : 0U) | (held ? wire::kButtonDeadman : 0U),
-       .time_us = now_us,
-       .valid = true,
-       .phase = phase()});
+  const bool clutch = (report->buttons & kClutchButton) != 0;
+  mailbox_.publish({.tip_mm = grip_mm - pose->axis * place_.pivot_mm,
+                    .axis = pose->axis,
+                    .buttons = (cutting ? wire::kButtonCutting : 0U) |
+                               (held ? wire::kButtonDeadman : 0U) | (clutch ? kButtonClutch : 0U),
+                    .time_us = now_us,
+                    .valid = true,
+                    .phase = phase()});
   return true;
 }
 

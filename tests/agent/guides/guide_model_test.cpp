@@ -9,6 +9,7 @@
 #include <random>
 
 #include "haptic_agent/guides/surface_distance.h"
+#include "haptic_agent/servo/mapping/block_settings.h"
 
 namespace kerf::agent {
 namespace {
@@ -116,6 +117,33 @@ TEST(GuideModel, StrokeIsFeltForwardAndNearOnly) {
   forward = move(5, 19, 3);  // beyond 2 mm the guide pulls back with 1 N, and half is felt
   EXPECT_NEAR(forward.force_n.x, -0.25, 0.01);
   EXPECT_NEAR(forward.force_n.y, -1, 1e-9);
+}
+
+/// Wrench at a hand whose tip is there, behind a mapping.
+Wrench felt(GuideModel& guides, const SpaceMap& map, Vec3 tip_mm) {
+  return map.to_device(guides.at(map.to_block(at(tip_mm))));
+}
+
+TEST(GuideModel, ThroughAMappingItsForceIsGainedAndHasTheHandsLever) {
+  const SpaceMap map({.scale = 0.1, .gain = 2, .turn_rad = {0, 0, std::numbers::pi / 2}});
+  GuideModel wall = model({.shape = PlaneGuide{{0, 0, 0}, {1, 0, 0}}});
+  wall.adapt(block_settings(settings(), map.mapping()));
+  // Device +y is the block's -x: 10 mm of the hand are 1 mm in the wall, which pushes with 1 N.
+  expect_force(felt(wall, map, {0, 10, 0}), {0, -2, 0}, {-100, 0, 0});
+
+  const SpaceMap half({.scale = 0.5, .gain = 2});
+  GuideModel stroke =
+      model({.shape = PathGuide{
+                 .within_mm = 2,
+                 .stroke = true,
+                 .felt_share = 0.5,
+                 .file = {},
+                 .paths = {line({0, 0, 0}, {20, 0, 0}, {0, 0, 1}, {{-1, 0, 0}, {0, 50, 0}})}}});
+  stroke.adapt(block_settings(settings(), half.mapping()));
+  Wrench last;
+  for (double x = 0; x < 38; x += 0.2) last = felt(stroke, half, {x, 0, 0});
+  EXPECT_NEAR(last.force_n.x, -1, 0.02);
+  EXPECT_NEAR(last.torque_nmm.y, 50, 1) << "the teacher's force is at the tip";
 }
 
 TEST(GuideModel, StrengthOfTheUserScalesAllAndZeroSwitchesOff) {

@@ -6,8 +6,10 @@ import { ArrowScale } from '../model/arrow_scale';
 import type { Participant } from '../model/participants';
 import { emptyPose } from '../model/pose_track';
 import type { Pose } from '../model/pose_track';
+import { stockBounds } from '../model/session';
 import type { SessionModel } from '../model/session';
 import { Label } from './labels';
+import { ReachView } from './reach_view';
 import { ToolView } from './tool_view';
 import { WrenchView } from './wrench_view';
 
@@ -20,6 +22,8 @@ interface Carver {
   toolId: number;
   color: string;
   wrench: WrenchView;
+  /** Null: the device does not state where it reaches. */
+  reach: ReachView | null;
   label: Label;
   pose: Pose;
   hasPose: boolean;
@@ -92,7 +96,9 @@ export class CarverViews {
     const present = this.model.participants.carvers();
     this.scale.update(present, nowMs);
     for (const participant of present) {
-      if (this.move_(this.carver_(participant), participant, nowMs)) changed = true;
+      const carver = this.carver_(participant);
+      if (this.move_(carver, participant, nowMs)) changed = true;
+      if (this.outline_(carver, participant)) changed = true;
     }
     return changed;
   }
@@ -121,6 +127,25 @@ export class CarverViews {
     return true;
   }
 
+  /** Draws the box in which the device reaches, while the tool is drawn. */
+  private outline_(carver: Carver, { info }: Participant): boolean {
+    const { welcome } = this.model;
+    let changed = false;
+    if (welcome && carver.reach?.reach !== info.reach) {
+      carver.reach?.dispose();
+      carver.reach = info.reach
+        ? new ReachView(info.reach, carver.color, stockBounds(welcome.stock))
+        : null;
+      if (carver.reach) this.scene.add(carver.reach.outline);
+      changed = true;
+    }
+    if (!carver.reach) return changed;
+    const shows = carver.hasPose && carver.reach.matters;
+    if (carver.reach.outline.visible === shows) return changed;
+    carver.reach.outline.visible = shows;
+    return true;
+  }
+
   /** Where a tool is in the past is known only while the block plays. */
   private hide_({ wrench, label, drawn }: Carver, tool: ToolView): true {
     tool.group.visible = false;
@@ -139,6 +164,7 @@ export class CarverViews {
         toolId: 0,
         color,
         wrench: new WrenchView(),
+        reach: null,
         label: new Label(this.overlay),
         pose: emptyPose(),
         hasPose: false,
@@ -172,6 +198,7 @@ export class CarverViews {
     if (!carver) return;
     carver.tool?.dispose();
     carver.wrench.dispose();
+    carver.reach?.dispose();
     carver.label.dispose();
     this.carvers_.delete(id);
   }

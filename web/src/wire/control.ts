@@ -12,6 +12,7 @@ import type {
   Pin,
   ProgramInfo,
   ProgramState,
+  Reach,
   ServerMessage,
   ShownCamera,
   Stock,
@@ -31,6 +32,17 @@ function participantOf(value: unknown): ParticipantInfo {
     ...(typeof from['tool'] === 'number' ? { tool: from['tool'] } : {}),
     ...roleOf(from),
     ...(from['muted'] === true ? { muted: true } : {}),
+    ...(from['reach'] === undefined ? {} : { reach: reachOf(from['reach']) }),
+  };
+}
+
+function reachOf(value: unknown): Reach {
+  const from = object(value, 'reach');
+  return {
+    center_mm: numbers(from, 'center_mm', 3) as Vec3,
+    half_mm: numbers(from, 'half_mm', 3) as Vec3,
+    turn_rad: numbers(from, 'turn_rad', 3) as Vec3,
+    scale: number(from, 'scale'),
   };
 }
 

@@ -179,6 +179,17 @@ export type Decoded<T> = { ok: true; value: T } | { ok: false; error: DecodeErro
 
 export type ParticipantKind = 'agent' | 'program' | 'viewer';
 
+/** Where a device can bring the tip of its tool: a box in the block, which may be turned. */
+export interface Reach {
+  center_mm: Vec3;
+  /** Half of its edges. */
+  half_mm: Vec3;
+  /** Rotation vector: turns the box about its center. */
+  turn_rad: Vec3;
+  /** Millimeters in the block per millimeter of the device. */
+  scale: number;
+}
+
 export interface ParticipantInfo {
   participant: number;
   name: string;
@@ -189,6 +200,8 @@ export interface ParticipantInfo {
   role?: string;
   /** Its motions are rejected. */
   muted?: boolean;
+  /** Of an agent whose device states it. */
+  reach?: Reach;
 }
 
 /** A step of an outline: a straight line to a point (r, h), or an arc. */

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <expected>
+#include <string>
+
+#include "haptic_agent/device/carving_figure.h"
+#include "haptic_agent/device/haptic_device.h"
+#include "haptic_agent/servo/mapping/hand_mapping.h"
+
+namespace kerf::agent {
+
+/// Texts of the command line.
+struct MappingTexts {
+  std::string scale = "1";
+  double gain = 1;
+  std::string turn_deg = "0";
+  std::string clutch = "own";
+};
+
+struct MappingOptions {
+  MappingChoice choice{};
+  ClutchButton clutch = ClutchButton::kOwn;
+};
+
+/// Reads `--scale` (a number from kScaleMin to kScaleMax, or auto), `--turn` (degrees about z, or a
+/// rotation vector of three) and `--clutch` (own, deadman, undo or redo). The error is one sentence
+/// that begins with the option.
+std::expected<MappingOptions, std::string> read_mapping(const MappingTexts& texts);
+
+/// Returns the settings of a device; the error, of a clutch that it cannot have, is one sentence.
+std::expected<MappingSettings, std::string> mapping_of(const MappingOptions& options,
+                                                       const DeviceCapabilities& device,
+                                                       const StockBox& stock);
+
+/// Returns the line for the user: scale, what it makes of the device's workspace, force gain and
+/// stiffness at the hand; and what to do if the workspace is not known or the stock does not fit.
+/// Empty for a device of unknown workspace without a mapping.
+std::string mapping_notice(const MappingOptions& options, const WorkspaceMapping& mapping,
+                           const DeviceCapabilities& device, const StockBox& stock);
+
+}  // namespace kerf::agent

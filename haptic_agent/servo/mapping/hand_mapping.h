@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "haptic_agent/servo/mapping/workspace_mapping.h"
+
+namespace kerf::agent {
+
+/// The button that is the clutch: while it is held the tool stays in the block and the hand moves
+/// back, as a mouse is lifted. kButtonClutch of a device that has one always is.
+enum class ClutchButton : std::uint8_t {
+  /// No other.
+  kOwn,
+  /// The release of the deadman: the tool stays while nobody holds the device.
+  kDeadman,
+  /// The button that otherwise undoes, or redoes.
+  kUndo,
+  kRedo,
+};
+
+struct MappingSettings {
+  WorkspaceMapping at_start{};
+  ClutchButton clutch = ClutchButton::kOwn;
+};
+
+/// A change of the mapping while the loop runs.
+struct MappingRequest {
+  WorkspaceMapping mapping{};
+  /// The tool stays where it is, and the mapping's points count only before the first pose.
+  bool keeps_tool = true;
+};
+
+/// The mapping of a running device: follows its poses, clutch and changes. Where clutch or change
+/// have moved device space against the block, earlier answers do not hold, and the force comes back
+/// over kResumeUs.
+class HandMapping {
+ public:
+  /// Time in which the force rises again.
+  static constexpr std::uint64_t kResumeUs = 250'000;
+
+  explicit HandMapping(const MappingSettings& settings) noexcept
+      : map_(settings.at_start), clutch_(settings.clutch) {}
+
+  /// Takes the newest state of the device; returns the tool's in the block. The clutch is not among
+  /// its buttons, and it does not cut while the clutch is held, nor over a change.
+  DeviceState follow(const DeviceState& device, std::uint64_t now_us) noexcept;
+  /// The mapping from the next pose on.
+  void change(const MappingRequest& request) noexcept { request_ = request; }
+
+  const SpaceMap& map() const noexcept { return map_; }
+  /// The clutch is held: no force.
+  bool is_away() const noexcept { return is_away_; }
+  /// The newest pose is the first one after a clutch or a change.
+  bool has_resumed() const noexcept { return has_resumed_; }
+  /// Whether an answer to the pose measured at `pose_us` holds for the present mapping.
+  bool holds_for(std::uint64_t pose_us) const noexcept { return pose_us >= valid_from_us_; }
+  /// Share of the force, 0 to 1.
+  double share(std::uint64_t now_us) const noexcept;
+
+ private:
+  bool is_clutch(std::uint32_t buttons) const noexcept;
+  bool take_change(Vec3 device_tip_mm) noexcept;
+
+  SpaceMap map_;
+  ClutchButton clutch_;
+  std::optional<MappingRequest> request_;
+  bool is_away_ = false, has_resumed_ = false;
+  /// Tip of the tool in the block at the newest pose; nothing before the first.
+  std::optional<Vec3> tool_mm_;
+  std::uint64_t valid_from_us_ = 0;
+  std::uint64_t resumed_us_ = 0;  ///< 0: never
+};
+
+}  // namespace kerf::agent
