@@ -54,14 +54,15 @@ std::string check_name(const std::string& name) {
 
 const std::map<std::string, ForceMode> kModes = {{"model", ForceMode::kModel},
                                                  {"interpolated", ForceMode::kInterpolated},
-                                                 {"hold", ForceMode::kHold}};
+                                                 {"hold", ForceMode::kHold},
+                                                 {"paper", ForceMode::kPaper}};
 
 /// As CLI::IsMember, but tells what to type.
 CLI::Validator mode_name() {
   const auto check = [](const std::string& text) -> std::string {
-    return kModes.contains(text) ? "" : "must be model, interpolated or hold";
+    return kModes.contains(text) ? "" : "must be model, interpolated, hold or paper";
   };
-  return {check, "{model,interpolated,hold}"};
+  return {check, "{model,interpolated,hold,paper}"};
 }
 
 enum class Numbers { kAny, kWhole };
@@ -121,7 +122,8 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
                  "how forces are rendered.\n"
                  "model: computed for the current pose from the newest answer;\n"
                  "interpolated: from the last answer to the newest, linearly;\n"
-                 "hold: the newest answer, until the next arrives")
+                 "hold: the newest answer, until the next arrives;\n"
+                 "paper: the loop of Zhu & Lee 2004: computed at 100 Hz, interpolated to 1 kHz")
       ->type_name("MODE")
       ->check(mode_name())
       ->capture_default_str();

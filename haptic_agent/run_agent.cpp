@@ -125,6 +125,11 @@ ServoSettings servo_settings(const Options& options, const Welcome& welcome,
                        .pivot_mm = welcome.pivot_mm});
 }
 
+/// Whether the replica's answers are rendered in a mode.
+constexpr bool has_replica(ForceMode mode) {
+  return mode == ForceMode::kModel || mode == ForceMode::kPaper;
+}
+
 /// The spindle of a law that has one; otherwise a usual one.
 Spindle spindle_of(const ForceSettings& force) {
   if (force.law != ForceLaw::kMechanistic) return {};
@@ -216,7 +221,6 @@ int run_agent(Options options) {
   MonotonicClock clock;
   ServoLoop loop(clock);
   std::atomic<bool> joined{false};
-
   LatestValue<LinkStatus> link_status;
   options.link.traffic.status = &link_status;
   options.link.notice = print_line;
@@ -226,7 +230,7 @@ int run_agent(Options options) {
   options.link.lead = &lead;
   ReplicaExchange exchange;
   ReplicaThread replica(exchange, &lead);
-  const bool keep_copy = options.keep_copy && options.mode == ForceMode::kModel;
+  const bool keep_copy = options.keep_copy && has_replica(options.mode);
   options.link.hello.stock = keep_copy;
   options.link.traffic.copy = keep_copy ? &replica : nullptr;
   std::function<void()> leave = [&loop] { loop.stop(); };
@@ -238,7 +242,6 @@ int run_agent(Options options) {
   };
   signals.start();
   link.start();
-
   Summary summary;
   const auto give_up = [&link](const std::string& reason) {
     link.stop(0);
@@ -277,7 +280,6 @@ int run_agent(Options options) {
   summary.guides = guidance.uses();
   link.stop(kDrainS);
   summary.link = link.report();
-
   return report(options, summary);
 }
 

@@ -82,6 +82,7 @@ ServoCycle::ServoCycle(HapticDevice& device, SampleRing& samples,
       replica_(replica),
       guidance_(guidance),
       settings_(settings),
+      mode_(settings.mode),
       model_(settings.model),
       velocity_(settings.velocity_cutoff_hz),
       output_(settings.passivity, settings.limits),
@@ -117,6 +118,7 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   note_felt(usable && gain > 0);
   note(seen, wrench);
   note_heard(seen, usable);
+  put_on_tapes(state, usable, seen);
 
   const bool timed_out = settings_.duration_us > 0 && now_us - start_us_ >= settings_.duration_us;
   if (state.finished || timed_out) {
@@ -159,11 +161,13 @@ bool ServoCycle::turns(Vec3 tip_mm) const noexcept {
 }
 
 /// Wakes the replica for every second sample: a thread that wakes costs more than a cut. The chips
-/// and teeth of a milling cutter, and corners of the path, need an answer to each.
+/// and teeth of a milling cutter, corners of the path, and the mean of an update in mode paper need
+/// an answer to each.
 void ServoCycle::pass_to_replica(const wire::MotionSample& sample) noexcept {
   if (!replica_->push(sample)) ++report_.replica_overflows;
-  replica_waits_ =
-      !replica_waits_ && settings_.model.law != CutLaw::kMechanistic && !turns(sample.tip_mm);
+  replica_waits_ = !replica_waits_ && settings_.model.law != CutLaw::kMechanistic &&
+                   mode_.load(std::memory_order_relaxed) != ForceMode::kPaper &&
+                   !turns(sample.tip_mm);
   if (!replica_waits_) replica_->wake();
 }
 
@@ -204,10 +208,12 @@ Twist ServoCycle::follow(const DeviceState& state, bool usable, std::uint64_t no
 
 std::uint64_t ServoCycle::answer_age(std::uint64_t now_us) const noexcept {
   const ServerWrench& newest = interpolator_.newest();
-  if (settings_.mode != ForceMode::kModel) {
+  const ForceMode mode = mode_.load(std::memory_order_relaxed);
+  const bool replica = replica_us_ != 0 && now_us - replica_us_ <= kFullWrenchUs;
+  if (mode == ForceMode::kInterpolated || mode == ForceMode::kHold ||
+      (mode == ForceMode::kPaper && !replica)) {
     return answer_age_us(now_us, newest.arrival_us, newest.pose_us);
   }
-  const bool replica = replica_us_ != 0 && now_us - replica_us_ <= kFullWrenchUs;
   if (!replica) return model_age_us(now_us, newest.arrival_us, newest.pose_us);
   // Forces also fade if the server's answers become too late.
   return std::max(replica_age_us(now_us, newest.arrival_us),
@@ -224,12 +230,18 @@ void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
     interpolator_.take(next, now_us);
     model_.take(next, grip_at(next.pose_us), now_);
     has_answer_ = true;
-    if (now_us - replica_us_ > kReplicaFreshUs) engaged_mm2_ = next.engaged_area_mm2;
+    if (now_us - replica_us_ > kReplicaFreshUs) {
+      engaged_mm2_ = next.engaged_area_mm2;
+      paper_.take(next.wrench);
+      answered_ = next.wrench;
+    }
   }
   if (replica_ != nullptr && replica_->read(next)) {
     model_.take_replica(next, grip_at(next.pose_us), now_);
     replica_us_ = now_us;
     engaged_mm2_ = next.engaged_area_mm2;
+    paper_.take(next.wrench);
+    answered_ = next.wrench;
     ++report_.replica_answers;
   }
 }
@@ -242,7 +254,9 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
   followed_ = followed_ + (interpolator_.newest().felt - followed_) * (dt_s / (kFeltS + dt_s));
   Wrench own = followed_;
   Wrench session = interpolator_.newest().wrench;
-  switch (settings_.mode) {
+  // In every mode, so that a change of the mode finds the update that is in progress.
+  const Wrench paper = paper_.at(now_us);
+  switch (mode_.load(std::memory_order_relaxed)) {
     case ForceMode::kModel:
       own = own + model_.at(now_, cutting, dt_s);
       session = model_.computed();
@@ -253,6 +267,13 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
       break;
     case ForceMode::kHold:
       own = own + interpolator_.newest().wrench;
+      break;
+    case ForceMode::kPaper:
+      own = own + paper;
+      session = answered_;
+      break;
+    case ForceMode::kSilent:
+      session = {};
       break;
   }
   heard_n_ = length(session.force_n) * share;
