@@ -14,6 +14,7 @@
 
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/link/token.h"
+#include "haptic_agent/record/recorded_device.h"
 #include "haptic_agent/wrapped_help.h"
 #include "server/wire/control.h"
 #include "server/wire/limits.h"
@@ -160,6 +161,11 @@ void describe_link(CLI::App& app, Options& options) {
       ->expected(0, 1)
       ->default_str("default");
   app.add_flag("--view", options.view, "show state, force, energy and link on the terminal");
+  app.add_option(
+         "--record", options.record_file,
+         "record pose, forces, energy and state of every tick to this MCAP file, which must "
+         "not exist yet")
+      ->type_name("FILE");
   app.add_option("--trip-log", options.trip_log,
                  "write the last 200 ms before each safety trip to this file")
       ->type_name("FILE");
@@ -172,7 +178,9 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   app.set_version_flag("--version", std::string("kerf-agent ") + kVersion + " (" +
                                         std::string(wire::kAgentProtocol) + ")");
   app.footer(
-      "kerf-agent doctor --help: checks of device, permissions, 1 kHz loop and server.\n\n"
+      "kerf-agent doctor --help: checks of device, permissions, 1 kHz loop and server.\n"
+      "kerf-agent feel --help: feel the strokes of a recording again, without a server.\n"
+      "kerf-agent export --help: a recording as a table.\n\n"
       "Exit status: 0 if it carved or was ended by Ctrl-C; 1 if the server could not be\n"
       "reached, refused it or was lost for good, or the device failed; 2 for an invalid\n"
       "command line or file.");
@@ -203,7 +211,8 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
                  "socket:PATH or socket:HOST:PORT: a device that another process serves;\n"
                  "sim: a simulated hand that carves a figure;\n"
                  "sim:FILE: one that follows an .apt, .cls or .csv path;\n"
-                 "replay:FILE: the exact path, without a simulated hand")
+                 "replay:FILE: the exact path, without a simulated hand;\n"
+                 "FILE may also be a recording (.mcap) of --record")
       ->type_name("DEVICE")
       ->required();
   app.add_option("--name", options.link.hello.name, "your name, as displayed to others")
@@ -259,7 +268,7 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   options.mode = kModes.at(texts.mode);
   options.latency_us = static_cast<std::uint64_t>(texts.latency_ms * kUsPerMs);
   for (const std::string& text : texts.devices) {
-    auto device = choose_device(text);
+    auto device = choose_device_or_recording(text);
     if (!device) return reject(device.error());
     options.more_devices.push_back(*std::move(device));
   }

@@ -35,6 +35,8 @@ struct Options {
   bool view = false;
   /// File for the last 200 ms before a trip; empty: standard error.
   std::string trip_log;
+  /// MCAP file for every tick of the loop; empty: none. It must not exist.
+  std::string record_file;
   /// File for the summary as JSON; "-": standard output; empty: none.
   std::string status_json;
 };

@@ -14,6 +14,7 @@
 #include "haptic_agent/device/units.h"
 #include "haptic_agent/force_notice.h"
 #include "haptic_agent/guides/guide_model.h"
+#include "haptic_agent/laboratory.h"
 #include "haptic_agent/replica/replica_thread.h"
 #include "haptic_agent/servo/watchdog.h"
 #include "haptic_agent/sound/sound_player.h"
@@ -208,7 +209,7 @@ int report(const Options& options, Summary& summary) {
                                  std::to_string(summary.link.unanswered), " samples"});
   }
   print_summary(options.status_json == "-" ? std::cerr : std::cout, summary);
-  const bool written = write_status(options.status_json, summary);
+  const bool written = write_status(options.status_json, summary) && summary.record.error.empty();
   if (!summary.link.failure.empty()) print_line(summary.link.failure);
   return written && summary.link.failure.empty() ? 0 : kFailed;
 }
@@ -267,6 +268,8 @@ int run_agent(Options options) {
   ServoCycle cycle(device, samples, wrenches, link, settings,
                    keep_copy ? start_replica(replica, exchange, std::move(block)) : nullptr,
                    &guidance);
+  auto laboratory = Laboratory::start(options, *welcome, device, settings, cycle, loop, print_line);
+  if (!laboratory) return give_up(laboratory.error());
   {
     const TripWriter trips(cycle.recorder(), options.trip_log);
     std::optional<SoundPlayer> sound;
@@ -280,6 +283,7 @@ int run_agent(Options options) {
   summary.guides = guidance.uses();
   link.stop(kDrainS);
   summary.link = link.report();
+  laboratory->finish(summary);
   return report(options, summary);
 }
 

@@ -36,6 +36,11 @@ const std::vector<Module>& agent_modules() {
       {"haptic_agent/guides",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/formats/guide.h",
         "server/formats/guide_reader.h", "haptic_agent/device", "haptic_agent/servo"}},
+      // Recordings of the loop, and what is played from them.
+      {"haptic_agent/record",
+       {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "server/store/crc32.h",
+        "server/formats/guide.h", "haptic_agent/realtime", "haptic_agent/device",
+        "haptic_agent/servo"}},
       {"haptic_agent/sound", {"haptic_agent/realtime", "haptic_agent/servo/heard_cut.h"}},
       {"haptic_agent/library",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "haptic_agent/realtime",
@@ -47,7 +52,8 @@ const std::vector<Module>& agent_modules() {
         "haptic_agent/wrapped_help.h", "server/tls"}},
       {"haptic_agent/demo", {"kernel/math"}},
       {"haptic_agent/examples", {"kernel/math", "haptic_agent"}},
-      {"haptic_agent", {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire"}},
+      {"haptic_agent",
+       {"kernel/math/vec3.h", "kernel/math/wrench.h", "kernel/kernel_version.h", "server/wire"}},
   };
   return kModules;
 }
@@ -164,7 +170,10 @@ const std::vector<Library>& libraries() {
        "meshes are compressed where they are encoded"},
       {{"png.h"}, false, {"server/picture"}, "pictures are written in one place"},
       {{"sqlite3.h"}, false, {"server/store"}, "only the store knows the database"},
-      {{"zstd.h"}, false, {"server/store"}, "only the store compresses files with it"},
+      {{"zstd.h"},
+       false,
+       {"server/store", "haptic_agent/record"},
+       "only files that are stored are compressed with it"},
       {{"openssl/"},
        false,
        {"server/store", "server/datagram", "server/tls"},
@@ -175,7 +184,8 @@ const std::vector<Library>& libraries() {
        false,
        {"server/command_line.cpp", "server/cluster_options.cpp", "server/viewer_options.cpp",
         "server/carve", "haptic_agent/main.cpp", "haptic_agent/options.cpp",
-        "haptic_agent/wrapped_help.cpp", "haptic_agent/doctor"},
+        "haptic_agent/recording_commands.cpp", "haptic_agent/wrapped_help.cpp",
+        "haptic_agent/doctor"},
        "the command line belongs to the programs"},
       {{"nats/"}, false, {"server/cluster"}, "one class speaks to NATS"},
       {{"libusb"}, false, {"haptic_agent/device"}, "USB belongs to the devices"},
