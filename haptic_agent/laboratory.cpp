@@ -93,8 +93,8 @@ mcap::Texts end_of_session(const Summary& summary) {
 
 std::expected<Laboratory, std::string> Laboratory::start(
     const Options& options, const Welcome& welcome, const HapticDevice& device,
-    const ServoSettings& settings, ServoCycle& cycle, ServoLoop& /*loop*/,
-    std::function<void(const std::string&)> /*say*/) {
+    const ServoSettings& settings, ServoCycle& cycle, ServoLoop& loop,
+    std::function<void(const std::string&)> say) {
   Laboratory laboratory;
   if (!options.record_file.empty()) {
     auto recorder = Recorder::start(
@@ -104,10 +104,20 @@ std::expected<Laboratory, std::string> Laboratory::start(
     laboratory.recorder_ = *std::move(recorder);
     cycle.record_on(laboratory.recorder_->tape());
   }
+  if (!options.study_file.empty()) {
+    auto study = Study::create(options.study_file, options.study, STDIN_FILENO);
+    if (!study) return std::unexpected("no study: " + study.error());
+    laboratory.study_ = *std::move(study);
+    cycle.record_on(laboratory.study_->tape());
+    laboratory.study_->start({.set_mode = [&cycle](ForceMode mode) { cycle.set_mode(mode); },
+                              .say = std::move(say),
+                              .done = [&loop] { loop.stop(); }});
+  }
   return laboratory;
 }
 
 void Laboratory::finish(Summary& summary) {
+  if (study_) summary.study = study_->finish();
   if (recorder_) summary.record = recorder_->finish(end_of_session(summary));
 }
 

@@ -8,11 +8,12 @@
 
 #include "haptic_agent/options.h"
 #include "haptic_agent/record/recorder.h"
+#include "haptic_agent/study/study.h"
 #include "haptic_agent/summary.h"
 
 namespace kerf::agent {
 
-/// Recording of a session, if the command line asks for it (--record).
+/// Recording and study of a session, as far as the command line asks for them (--record, --study).
 class Laboratory {
  public:
   /// Creates the files and starts both; call before the loop runs. `cycle` and `loop` must outlive
@@ -30,6 +31,7 @@ class Laboratory {
 
  private:
   std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<Study> study_;
 };
 
 }  // namespace kerf::agent

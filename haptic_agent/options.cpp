@@ -28,6 +28,7 @@ constexpr double kMaxId = 1e9;
 constexpr double kMaxCpu = 1023;
 constexpr double kMaxLatencyMs = 20;
 constexpr double kUsPerMs = 1000;
+constexpr double kTicksPerS = 1000;
 constexpr double kMaxForceN = 50.0;
 constexpr double kMaxTorqueNmm = 2000.0;
 constexpr double kMaxSpeed = 100.0;
@@ -90,6 +91,7 @@ CLI::Validator number_in(double least, double most, Numbers numbers = Numbers::k
 
 struct Texts {
   std::string mode = "model";
+  double interval_s = 5;
   double latency_ms = 0;
   std::string server = "http://localhost:8080";
   std::string token_file;
@@ -139,6 +141,32 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
       "tool gives the force, which hides the round trip and takes some 2 % of a processor");
   // The default, for command lines that state it.
   app.add_flag_callback("--copy", [&options] { options.keep_copy = true; })->group("");
+}
+
+/// Options of a two-alternative test.
+void describe_study(CLI::App& app, Options& options, Texts& texts) {
+  constexpr double kMaxTrials = 1000, kMaxIntervalS = 120;
+  CLI::Option* study =
+      app.add_option("--study", options.study_file,
+                     "blind test: in each trial cut during A and B, one rendered in mode paper and "
+                     "one in mode model, then press a or b. Writes a line per trial to this CSV "
+                     "file, which must not exist yet")
+          ->type_name("FILE");
+  app.add_option("--trials", options.study.trials, "trials of the study")
+      ->type_name("N")
+      ->check(number_in(1, kMaxTrials, Numbers::kWhole))
+      ->needs(study)
+      ->capture_default_str();
+  app.add_option("--seed", options.study.seed, "decides the order in each trial")
+      ->type_name("N")
+      ->check(number_in(0, kMaxId, Numbers::kWhole))
+      ->needs(study)
+      ->capture_default_str();
+  app.add_option("--interval", texts.interval_s, "length of A and of B, s of force")
+      ->type_name("S")
+      ->check(number_in(1, kMaxIntervalS))
+      ->needs(study)
+      ->capture_default_str();
 }
 
 /// Options of the link and of the output of the program.
@@ -239,6 +267,7 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
       ->capture_default_str();
   describe_force(app, options, texts);
   describe_link(app, options);
+  describe_study(app, options, texts);
 }
 
 }  // namespace
@@ -267,6 +296,10 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   options.link.token = *std::move(token);
   options.mode = kModes.at(texts.mode);
   options.latency_us = static_cast<std::uint64_t>(texts.latency_ms * kUsPerMs);
+  options.study.interval_ticks = static_cast<std::uint64_t>(texts.interval_s * kTicksPerS);
+  if (!options.study_file.empty() && (options.view || texts.devices.size() > 1)) {
+    return reject("--study takes the terminal for one device: leave --view and others out");
+  }
   for (const std::string& text : texts.devices) {
     auto device = choose_device_or_recording(text);
     if (!device) return reject(device.error());

@@ -291,6 +291,7 @@ void print_summary(std::ostream& out, const Summary& s) {
   }
   out << '\n';
   if (!s.record.file.empty()) out << record_text(s.record) << '\n';
+  if (!s.study.file.empty()) out << study_text(s.study) << '\n';
   for (const auto& [code, complaint] : l.complaints) {
     out << "error    " << complaint.count << " x " << code << ": " << complaint.first_reason
         << '\n';

@@ -13,6 +13,7 @@
 #include "haptic_agent/replica/replica_thread.h"
 #include "haptic_agent/servo/servo_cycle.h"
 #include "haptic_agent/servo/servo_loop.h"
+#include "haptic_agent/study/study.h"
 
 namespace kerf::agent {
 
@@ -40,6 +41,7 @@ struct Summary {
   ReplicaReport copy;
   std::vector<GuideUse> guides;
   RecordReport record;
+  StudyReport study;
 };
 
 /// Prints the summary as text.

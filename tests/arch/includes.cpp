@@ -41,6 +41,7 @@ const std::vector<Module>& agent_modules() {
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "server/store/crc32.h",
         "server/formats/guide.h", "haptic_agent/realtime", "haptic_agent/device",
         "haptic_agent/servo"}},
+      {"haptic_agent/study", {"haptic_agent/realtime", "haptic_agent/servo"}},
       {"haptic_agent/sound", {"haptic_agent/realtime", "haptic_agent/servo/heard_cut.h"}},
       {"haptic_agent/library",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "haptic_agent/realtime",

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests recordings of the real kerf-agent with the real server: kerf-agent --record,
-export, replay of a recording, feel and --mode paper."""
+"""Tests recordings and studies of the real kerf-agent with the real server: kerf-agent --record,
+export, replay of a recording, feel, --mode paper and --study."""
 import csv
 import io
 import json
@@ -102,6 +102,29 @@ class RecordTest(LiveTest):
                                 "--record", file)
         self.assertGreater(status["copy"]["felt_ticks"], 100, "the replica answers")
         self.assertEqual(set(row["mode"] for row in self.export(file)), {"paper"})
+
+    def test_a_study_writes_a_line_for_each_answer(self):
+        file = self.file("study.csv")
+        agent = subprocess.Popen(
+            self.words("--device", "sim", "--loop", "--study", file, "--trials", "2",
+                       "--interval", "1", "--seed", "4"),
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for line in agent.stderr:
+            if "a or b?" in line:
+                agent.stdin.write("a\n")
+                agent.stdin.flush()
+        output = agent.stdout.read()
+        agent.communicate()
+        self.assertEqual(agent.returncode, 0, output)
+        with open(file) as table:
+            rows = list(csv.DictReader(table))
+        self.assertEqual([row["trial"] for row in rows], ["1", "2"])
+        for row in rows:
+            self.assertEqual({row["mode_a"], row["mode_b"]}, {"kerf", "paper"})
+            self.assertEqual(row["correct"], "1" if row["mode_a"] == "kerf" else "0")
+            self.assertGreaterEqual(float(row["reaction_s"]), 0)
+        right = sum(int(row["correct"]) for row in rows)
+        self.assertIn(f"2 trials in {file}, {right} named Kerf's loop", output)
 
 
 if __name__ == "__main__":
