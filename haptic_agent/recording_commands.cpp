@@ -67,7 +67,7 @@ void describe(CLI::App& app, FeelOptions& options) {
       ->type_name("N_PER_MM")
       ->check(CLI::Range(1e-2, 2e1))
       ->capture_default_str();
-  app.add_option("--record", options.record_file, "record what is felt now to this MCAP file")
+  app.add_option("--record", options.record_file, "record this playing to another MCAP file")
       ->type_name("FILE");
   app.add_option("--trip-log", options.trip_log,
                  "write the last 200 ms before each safety trip to this file")
@@ -178,8 +178,8 @@ int feel(const CLI::App& app, const FeelOptions& options, const Recording& recor
 int run_feel(int argc, const char* const* argv, std::ostream& out) {
   FeelOptions options;
   CLI::App app(
-      "Plays what was felt in the strokes of a recording: along their path, as fast as the hand "
-      "moves, the device outputs what was felt there. Needs no server.",
+      "Plays the forces of a recording: along the path of its strokes, as fast as the hand "
+      "moves, the device outputs the force that was felt there. Needs no server.",
       "kerf-agent feel");
   describe(app, options);
   if (const auto code = parse(app, argc, argv, out)) return *code;

@@ -53,7 +53,8 @@ class ByteWriter {
   Bytes& bytes_;
 };
 
-/// Reads what ByteWriter writes. A read beyond the end returns zeros and fails the reader for good.
+/// Reads the formats of ByteWriter. A read beyond the end returns zeros and fails the reader for
+/// good.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}

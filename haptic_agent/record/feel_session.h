@@ -10,7 +10,7 @@
 
 namespace kerf::agent {
 
-/// Stands in for a session where there is none: it answers each sample at once, with no force. The
+/// Replaces the session where there is none: answers each sample at once, with no force. The
 /// supervisor arms the device as with a server.
 class NoSession final : public SampleListener {
  public:

@@ -45,8 +45,8 @@ struct ChannelType {
 
 /// Writes an MCAP file with one channel: messages in chunks, compressed by Zstandard and with a
 /// CRC-32, each followed by its index; at the end statistics, indexes and a footer. Every chunk is
-/// on its way to the disk as soon as it is full, with one call of the operating system: of a
-/// program that is killed, the file is whole up to its last chunk.
+/// written by one system call as soon as it is full: a program that is killed leaves a file that is
+/// whole up to its last chunk.
 class McapWriter {
  public:
   /// Creates the file. Fails if it exists, so that no recording is overwritten; the error is one

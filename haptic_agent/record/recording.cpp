@@ -56,7 +56,7 @@ class RecordingReader {
         recording_.cut_off = false;
         return;
       }
-      // The summary repeats what has been read.
+      // The summary repeats records that were read before.
       if (op == Op::kDataEnd) ended_ = true;
       if (!ended_) record(op, ByteReader(content), in_chunk);
     }
@@ -204,7 +204,7 @@ std::expected<Guide, std::string> stroke_of(const Recording& recording) {
     ticks = in_stroke ? ticks + 1 : 1;
     in_stroke = true;
     if (!poses.empty() && length(tick.tip_mm - poses.back().tip_mm) < kStrokeStepMm) continue;
-    // The mean of the way here: a force of single ticks would be felt at any speed.
+    // The mean since the last pose: a pose with the force of one tick would keep its noise.
     poses.push_back({.tip_mm = tick.tip_mm, .axis = tick.axis, .felt = sum * (1 / ticks)});
     sum = {};
     ticks = 0;

@@ -23,9 +23,9 @@ struct Recording {
   bool cut_off = false;
 };
 
-/// Reads a recording of kerf-agent: chunks compressed by Zstandard or not at all, and what precedes
-/// the place where a file was cut off. Fails for other files, for a wrong CRC and for a recording
-/// without ticks; the error is one sentence without its full stop.
+/// Reads a recording of kerf-agent: chunks compressed by Zstandard or not at all; of a file that
+/// was cut off, everything before the cut. Fails for other files, for a wrong CRC and for a
+/// recording without ticks; the error is one sentence without its full stop.
 std::expected<Recording, std::string> read_recording(const std::string& path);
 /// As above, of the bytes of a file.
 std::expected<Recording, std::string> parse_recording(std::span<const std::byte> bytes);
@@ -38,9 +38,9 @@ void write_csv(std::ostream& out, const Recording& recording);
 /// Returns the path of a recording: the pose of each tick that has one, with its time.
 std::expected<PoseScript, std::string> path_of(const Recording& recording);
 
-/// Returns the strokes of a recording as a teacher's stroke (../guides): what was felt at the poses
-/// between touching down and lifting, at distances of at least kStrokeStepMm of the tip, with the
-/// greatest force and torque among them as its limits. Fails if nothing was felt in a cut.
+/// Returns the strokes of a recording as a teacher's stroke (../guides): the felt wrench at the
+/// poses between touching down and lifting, at distances of at least kStrokeStepMm of the tip, with
+/// the greatest force and torque among them as its limits. Fails if nothing was felt in a cut.
 std::expected<Guide, std::string> stroke_of(const Recording& recording);
 inline constexpr double kStrokeStepMm = 0.05;
 

@@ -97,7 +97,7 @@ void Study::run(const std::stop_token& stop) {
   calls_.done();
 }
 
-/// Takes what the servo has done, and tells it and the user what comes now.
+/// Takes the servo's new ticks; sets its mode and announces the state that follows from them.
 void Study::follow_ticks() {
   for (TickRecord tick; tape_.pop(tick);) run_.take(tick);
   calls_.set_mode(run_.mode());

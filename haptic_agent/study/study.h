@@ -22,7 +22,7 @@ struct StudyReport {
 /// Returns one line about a study, without a line break.
 std::string study_text(const StudyReport& report);
 
-/// What a study calls; from its own thread.
+/// Callbacks of a study, from its own thread.
 struct StudyCalls {
   std::function<void(ForceMode)> set_mode;
   /// Shows a sentence to the user.

@@ -36,7 +36,7 @@ const std::vector<Module>& agent_modules() {
       {"haptic_agent/guides",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/formats/guide.h",
         "server/formats/guide_reader.h", "haptic_agent/device", "haptic_agent/servo"}},
-      // Recordings of the loop, and what is played from them.
+      // Recordings of the loop, and playing them.
       {"haptic_agent/record",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "server/store/crc32.h",
         "server/formats/guide.h", "haptic_agent/realtime", "haptic_agent/device",

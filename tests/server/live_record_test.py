@@ -92,7 +92,7 @@ class RecordTest(LiveTest):
             if "0 trips" not in done.stdout:
                 continue
             most = max(abs(float(row["felt_fx_n"])) + abs(float(row["felt_fy_n"])) for row in rows)
-            self.assertGreater(most, 0.05, "what was recorded is felt")
+            self.assertGreater(most, 0.05, "the recorded force is felt")
             return
         self.skipTest("this machine is too busy for a loop of 1 kHz")
 

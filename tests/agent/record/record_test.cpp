@@ -151,7 +151,7 @@ TEST_F(RecordTest, SaysWhyAFileCannotBeCreated) {
 }
 
 TEST_F(RecordTest, FailedWriteIsReportedAndItsTicksAreCounted) {
-  // A limit of the file's size stands for a full disk: the write fails in the same way.
+  // A limit of the file's size stands for a full disk: the write fails likewise.
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
@@ -215,7 +215,7 @@ TEST_F(RecordTest, DamagedBytesAreRejectedOrHarmless) {
       ++rejected;
       continue;
     }
-    // What is accepted is what was recorded: chunks have a CRC.
+    // Ticks that are accepted are the recorded ones: chunks have a CRC.
     for (std::size_t n = 0; n < recording->ticks.size(); ++n) {
       const std::uint64_t first = (recording->ticks[n].time_us - 5'000'000) / 1000;
       ASSERT_TRUE(same(recording->ticks[n], tick_at(first))) << at;
@@ -268,7 +268,7 @@ TEST_F(RecordTest, TableIsAPoseListToo) {
   EXPECT_EQ(std::ranges::count(header, ','), std::ranges::count(row, ','));
 }
 
-TEST_F(RecordTest, StrokesHoldTheMeanOfWhatWasFeltOnTheWay) {
+TEST_F(RecordTest, StrokesHoldTheMeanForceBetweenTheirPoses) {
   Recording recording;
   for (std::uint64_t n = 0; n < 1000; ++n) {
     TickRecord tick = tick_at(n);

@@ -3,7 +3,7 @@ import type { Picture } from './picture';
 
 /**
  * Greatest number of pictures per second: `?frames=` of the page's address, from 1 to 240, such as
- * the 20 of Zhu & Lee 2004 beside an agent in mode paper. 0: as many as the browser shows.
+ * the 20 of Zhu & Lee 2004 with an agent in mode paper. 0: as many as the browser shows.
  */
 export function frameLimit(parameters: URLSearchParams): number {
   const limit = Number(parameters.get('frames') ?? '0');
