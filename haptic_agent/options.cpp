@@ -14,6 +14,7 @@
 
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/link/token.h"
+#include "haptic_agent/record/recorded_device.h"
 #include "haptic_agent/wrapped_help.h"
 #include "server/wire/control.h"
 #include "server/wire/limits.h"
@@ -27,6 +28,7 @@ constexpr double kMaxId = 1e9;
 constexpr double kMaxCpu = 1023;
 constexpr double kMaxLatencyMs = 20;
 constexpr double kUsPerMs = 1000;
+constexpr double kTicksPerS = 1000;
 constexpr double kMaxForceN = 50.0;
 constexpr double kMaxTorqueNmm = 2000.0;
 constexpr double kMaxSpeed = 100.0;
@@ -54,14 +56,15 @@ std::string check_name(const std::string& name) {
 
 const std::map<std::string, ForceMode> kModes = {{"model", ForceMode::kModel},
                                                  {"interpolated", ForceMode::kInterpolated},
-                                                 {"hold", ForceMode::kHold}};
+                                                 {"hold", ForceMode::kHold},
+                                                 {"paper", ForceMode::kPaper}};
 
 /// As CLI::IsMember, but tells what to type.
 CLI::Validator mode_name() {
   const auto check = [](const std::string& text) -> std::string {
-    return kModes.contains(text) ? "" : "must be model, interpolated or hold";
+    return kModes.contains(text) ? "" : "must be model, interpolated, hold or paper";
   };
-  return {check, "{model,interpolated,hold}"};
+  return {check, "{model,interpolated,hold,paper}"};
 }
 
 enum class Numbers { kAny, kWhole };
@@ -88,6 +91,7 @@ CLI::Validator number_in(double least, double most, Numbers numbers = Numbers::k
 
 struct Texts {
   std::string mode = "model";
+  double interval_s = 5;
   double latency_ms = 0;
   std::string server = "http://localhost:8080";
   std::string token_file;
@@ -148,7 +152,8 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
                  "how forces are rendered.\n"
                  "model: computed for the current pose from the newest answer;\n"
                  "interpolated: from the last answer to the newest, linearly;\n"
-                 "hold: the newest answer, until the next arrives")
+                 "hold: the newest answer, until the next arrives;\n"
+                 "paper: the loop of Zhu & Lee 2004: computed at 100 Hz, interpolated to 1 kHz")
       ->type_name("MODE")
       ->check(mode_name())
       ->capture_default_str();
@@ -166,6 +171,32 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
       "tool gives the force, which hides the round trip and takes some 2 % of a processor");
   // The default, for command lines that state it.
   app.add_flag_callback("--copy", [&options] { options.keep_copy = true; })->group("");
+}
+
+/// Options of a two-alternative test.
+void describe_study(CLI::App& app, Options& options, Texts& texts) {
+  constexpr double kMaxTrials = 1000, kMaxIntervalS = 120;
+  CLI::Option* study =
+      app.add_option("--study", options.study_file,
+                     "blind test: in each trial cut during A and B, one rendered in mode paper and "
+                     "one in mode model, then press a or b. Writes a line per trial to this CSV "
+                     "file, which must not exist yet")
+          ->type_name("FILE");
+  app.add_option("--trials", options.study.trials, "trials of the study")
+      ->type_name("N")
+      ->check(number_in(1, kMaxTrials, Numbers::kWhole))
+      ->needs(study)
+      ->capture_default_str();
+  app.add_option("--seed", options.study.seed, "decides the order in each trial")
+      ->type_name("N")
+      ->check(number_in(0, kMaxId, Numbers::kWhole))
+      ->needs(study)
+      ->capture_default_str();
+  app.add_option("--interval", texts.interval_s, "length of A and of B, s of force")
+      ->type_name("S")
+      ->check(number_in(1, kMaxIntervalS))
+      ->needs(study)
+      ->capture_default_str();
 }
 
 /// Options of the link and of the output of the program.
@@ -188,6 +219,11 @@ void describe_link(CLI::App& app, Options& options) {
       ->expected(0, 1)
       ->default_str("default");
   app.add_flag("--view", options.view, "show state, force, energy and link on the terminal");
+  app.add_option(
+         "--record", options.record_file,
+         "record pose, forces, energy and state of every tick to this MCAP file, which must "
+         "not exist yet")
+      ->type_name("FILE");
   app.add_option("--trip-log", options.trip_log,
                  "write the last 200 ms before each safety trip to this file")
       ->type_name("FILE");
@@ -200,7 +236,9 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   app.set_version_flag("--version", std::string("kerf-agent ") + kVersion + " (" +
                                         std::string(wire::kAgentProtocol) + ")");
   app.footer(
-      "kerf-agent doctor --help: checks of device, permissions, 1 kHz loop and server.\n\n"
+      "kerf-agent doctor --help: checks of device, permissions, 1 kHz loop and server.\n"
+      "kerf-agent feel --help: feel the strokes of a recording again, without a server.\n"
+      "kerf-agent export --help: a recording as a table.\n\n"
       "Exit status: 0 if it carved or was ended by Ctrl-C; 1 if the server could not be\n"
       "reached, refused it or was lost for good, or the device failed; 2 for an invalid\n"
       "command line or file.");
@@ -231,7 +269,8 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
                  "socket:PATH or socket:HOST:PORT: a device that another process serves;\n"
                  "sim: a simulated hand that carves a figure;\n"
                  "sim:FILE: one that follows an .apt, .cls or .csv path;\n"
-                 "replay:FILE: the exact path, without a simulated hand")
+                 "replay:FILE: the exact path, without a simulated hand;\n"
+                 "FILE may also be a recording (.mcap) of --record")
       ->type_name("DEVICE")
       ->required();
   app.add_option("--name", options.link.hello.name, "your name, as displayed to others")
@@ -259,6 +298,7 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   describe_mapping(app, texts.mapping);
   describe_force(app, options, texts);
   describe_link(app, options);
+  describe_study(app, options, texts);
 }
 
 }  // namespace
@@ -290,8 +330,12 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   options.mapping = *std::move(mapping);
   options.mode = kModes.at(texts.mode);
   options.latency_us = static_cast<std::uint64_t>(texts.latency_ms * kUsPerMs);
+  options.study.interval_ticks = static_cast<std::uint64_t>(texts.interval_s * kTicksPerS);
+  if (!options.study_file.empty() && (options.view || texts.devices.size() > 1)) {
+    return reject("--study takes the terminal for one device: leave --view and others out");
+  }
   for (const std::string& text : texts.devices) {
-    auto device = choose_device(text);
+    auto device = choose_device_or_recording(text);
     if (!device) return reject(device.error());
     options.more_devices.push_back(*std::move(device));
   }

@@ -9,6 +9,7 @@
 #include "haptic_agent/link/server_link.h"
 #include "haptic_agent/mapping_options.h"
 #include "haptic_agent/servo/servo_cycle.h"
+#include "haptic_agent/study/trial_run.h"
 
 namespace kerf::agent {
 
@@ -39,6 +40,12 @@ struct Options {
   bool view = false;
   /// File for the last 200 ms before a trip; empty: standard error.
   std::string trip_log;
+  /// MCAP file for every tick of the loop; empty: none. It must not exist.
+  std::string record_file;
+  /// Table of a two-alternative test of the paper's loop and Kerf's, which runs if it is named; it
+  /// must not exist.
+  std::string study_file;
+  TrialSettings study{};
   /// File for the summary as JSON; "-": standard output; empty: none.
   std::string status_json;
 };

@@ -15,6 +15,7 @@
 #include "haptic_agent/device/units.h"
 #include "haptic_agent/force_notice.h"
 #include "haptic_agent/guides/guide_model.h"
+#include "haptic_agent/laboratory.h"
 #include "haptic_agent/replica/replica_thread.h"
 #include "haptic_agent/servo/watchdog.h"
 #include "haptic_agent/sound/sound_player.h"
@@ -169,6 +170,11 @@ ServoSettings servo_settings(const Options& options, const Welcome& welcome,
                        .mapping = mapping});
 }
 
+/// Whether the replica's answers are rendered in a mode.
+constexpr bool has_replica(ForceMode mode) {
+  return mode == ForceMode::kModel || mode == ForceMode::kPaper;
+}
+
 /// The spindle of a law that has one; otherwise a usual one.
 Spindle spindle_of(const ForceSettings& force) {
   if (force.law != ForceLaw::kMechanistic) return {};
@@ -251,7 +257,7 @@ int report(const Options& options, Summary& summary) {
                                  std::to_string(summary.link.unanswered), " samples"});
   }
   print_summary(options.status_json == "-" ? std::cerr : std::cout, summary);
-  const bool written = write_status(options.status_json, summary);
+  const bool written = write_status(options.status_json, summary) && summary.record.error.empty();
   if (!summary.link.failure.empty()) print_line(summary.link.failure);
   return written && summary.link.failure.empty() ? 0 : kFailed;
 }
@@ -270,7 +276,7 @@ int run_agent(Options options) {
   LeadCpu lead;
   ReplicaExchange exchange;
   ReplicaThread replica(exchange, &lead);
-  const bool keep_copy = options.keep_copy && options.mode == ForceMode::kModel;
+  const bool keep_copy = options.keep_copy && has_replica(options.mode);
   StockListener* const copy = keep_copy ? &replica : nullptr;
   set_up_link(options.link, {.status = &link_status, .copy = copy, .reach = &reach}, lead, loop);
   std::function<void()> leave = [&loop] { loop.stop(); };
@@ -282,7 +288,6 @@ int run_agent(Options options) {
   };
   signals.start();
   link.start();
-
   Summary summary;
   const auto give_up = [&link](const std::string& reason) {
     link.stop(0);
@@ -313,6 +318,8 @@ int run_agent(Options options) {
                    &guidance);
   cycle.tell_reach(reach);
   const ForceReasons reasons(rated_by(options, device));
+  auto laboratory = Laboratory::start(options, *welcome, device, settings, cycle, loop, print_line);
+  if (!laboratory) return give_up(laboratory.error());
   {
     const TripWriter trips(cycle, reasons, options.trip_log);
     std::optional<SoundPlayer> sound;
@@ -326,6 +333,7 @@ int run_agent(Options options) {
   summary.guides = guidance.uses();
   link.stop(kDrainS);
   summary.link = link.report();
+  laboratory->finish(summary);
   return report(options, summary);
 }
 

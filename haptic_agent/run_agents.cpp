@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <filesystem>
 #include <iostream>
 #include <string>
 #include <utility>
@@ -47,6 +48,11 @@ std::vector<Options> split_options(const Options& options) {
     one.device = options.more_devices[i];
     if (!one.link.hello.name.empty()) one.link.hello.name += " " + number;
     if (!one.status_json.empty() && one.status_json != "-") one.status_json += "." + number;
+    if (!one.record_file.empty()) {
+      const std::filesystem::path file(one.record_file);
+      const std::string name = file.stem().string() + "." + number + file.extension().string();
+      one.record_file = (file.parent_path() / name).string();
+    }
     all.push_back(std::move(one));
   }
   return all;

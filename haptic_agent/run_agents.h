@@ -7,7 +7,8 @@
 
 namespace kerf::agent {
 
-/// Splits the options into one set per device: names "Ada", "Ada 2", …, summaries FILE, FILE.2, …
+/// Splits the options into one set per device: names "Ada", "Ada 2", …, summaries FILE, FILE.2, …,
+/// recordings a.mcap, a.2.mcap, …
 std::vector<Options> split_options(const Options& options);
 
 /// Runs one agent per device. With several devices each agent has its own process, so that a

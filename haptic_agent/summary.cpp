@@ -168,6 +168,15 @@ json safety_json(const Summary& s) {
           {"watchdog_stops", s.watchdog_stops}};
 }
 
+json record_json(const RecordReport& record) {
+  if (record.file.empty()) return nullptr;
+  return {{"file", record.file},
+          {"ticks", record.ticks},
+          {"lost", record.lost},
+          {"bytes", record.bytes},
+          {"error", record.error}};
+}
+
 struct Quantiles {
   const Histogram& of;
 };
@@ -313,6 +322,8 @@ void print_summary(std::ostream& out, const Summary& s) {
         << " mm";
   }
   out << '\n';
+  if (!s.record.file.empty()) out << record_text(s.record) << '\n';
+  if (!s.study.file.empty()) out << study_text(s.study) << '\n';
   for (const auto& [code, complaint] : l.complaints) {
     out << "error    " << complaint.count << " x " << code << ": " << complaint.first_reason
         << '\n';
@@ -332,6 +343,7 @@ std::string summary_json(const Summary& s) {
                         {"guides", guides_json(s)},
                         {"copy", copy_json(s)},
                         {"safety", safety_json(s)},
+                        {"record", record_json(s.record)},
                         {"removed_mm3", l.removed_mm3},
                         {"imprint_results", l.imprint_results},
                         {"motions_in_session", l.motions_in_session},

@@ -9,9 +9,11 @@
 #include "haptic_agent/guides/guide_model.h"
 #include "haptic_agent/link/server_link.h"
 #include "haptic_agent/realtime/realtime_thread.h"
+#include "haptic_agent/record/recorder.h"
 #include "haptic_agent/replica/replica_thread.h"
 #include "haptic_agent/servo/servo_cycle.h"
 #include "haptic_agent/servo/servo_loop.h"
+#include "haptic_agent/study/study.h"
 
 namespace kerf::agent {
 
@@ -42,6 +44,8 @@ struct Summary {
   LinkReport link;
   ReplicaReport copy;
   std::vector<GuideUse> guides;
+  RecordReport record;
+  StudyReport study;
 };
 
 /// Prints the summary as text.

@@ -34,6 +34,7 @@ ServoCycle::ServoCycle(HapticDevice& device, SampleRing& samples,
       replica_(replica),
       guidance_(guidance),
       settings_(settings),
+      mode_(settings.mode),
       model_(settings.model),
       hand_(settings.mapping),
       velocity_(settings.velocity_cutoff_hz),
@@ -81,6 +82,7 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   note_felt(usable && gain > 0);
   note(seen, wrench);
   note_heard(seen, usable);
+  put_on_tapes(state, usable, seen);
 
   const bool timed_out = settings_.duration_us > 0 && now_us - start_us_ >= settings_.duration_us;
   if (state.finished || timed_out) {
@@ -165,12 +167,12 @@ bool ServoCycle::turns(Vec3 step_mm) const noexcept {
 }
 
 /// Wakes the replica for every second sample: a thread that wakes costs more than a cut. The chips
-/// and teeth of a milling cutter, corners of the path, and a force that changes, as in a plunge,
-/// need an answer to each.
+/// and teeth of a milling cutter, corners of the path, a force that changes, as in a plunge, and
+/// the mean of an update in mode paper need an answer to each.
 void ServoCycle::pass_to_replica(const wire::MotionSample& sample) noexcept {
   if (!replica_->push(sample)) ++report_.replica_overflows;
-  replica_waits_ =
-      !replica_waits_ && settings_.model.law != CutLaw::kMechanistic && !turns_ && !force_changes_;
+  replica_waits_ = !replica_waits_ && settings_.model.law != CutLaw::kMechanistic && !turns_ &&
+                   !force_changes_ && mode_.load(std::memory_order_relaxed) != ForceMode::kPaper;
   if (!replica_waits_) replica_->wake();
 }
 
@@ -228,10 +230,12 @@ void ServoCycle::estimate(const DeviceState& state, std::uint64_t time_us, doubl
 
 std::uint64_t ServoCycle::answer_age(std::uint64_t now_us) const noexcept {
   const ServerWrench& newest = interpolator_.newest();
-  if (settings_.mode != ForceMode::kModel) {
+  const ForceMode mode = mode_.load(std::memory_order_relaxed);
+  const bool replica = replica_us_ != 0 && now_us - replica_us_ <= kFullWrenchUs;
+  if (mode == ForceMode::kInterpolated || mode == ForceMode::kHold ||
+      (mode == ForceMode::kPaper && !replica)) {
     return answer_age_us(now_us, newest.arrival_us, newest.pose_us);
   }
-  const bool replica = replica_us_ != 0 && now_us - replica_us_ <= kFullWrenchUs;
   if (!replica) return model_age_us(now_us, newest.arrival_us, newest.pose_us);
   // Forces also fade if the server's answers become too late.
   return std::max(replica_age_us(now_us, newest.arrival_us),
@@ -253,16 +257,23 @@ void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
     interpolator_.take(next, now_us);
     if (hand_.holds_for(next.pose_us)) model_.take(next, then, measured_);
     has_answer_ = true;
-    if (now_us - replica_us_ > kReplicaFreshUs) engaged_mm2_ = next.engaged_area_mm2;
+    if (now_us - replica_us_ > kReplicaFreshUs) {
+      engaged_mm2_ = next.engaged_area_mm2;
+      paper_.take(next.wrench);
+      answered_ = next.wrench;
+    }
   }
   if (replica_ != nullptr && replica_->read(next)) {
     const PastGrip then = grip_at(next.pose_us);
+    next = in_device(next, then);
     const double change_n = length(next.wrench.force_n - replica_force_n_);
     force_changes_ = change_n > kChangeShare * length(next.wrench.force_n);
     replica_force_n_ = next.wrench.force_n;
-    if (hand_.holds_for(next.pose_us)) model_.take_replica(in_device(next, then), then, measured_);
+    if (hand_.holds_for(next.pose_us)) model_.take_replica(next, then, measured_);
     replica_us_ = now_us;
     engaged_mm2_ = next.engaged_area_mm2;
+    paper_.take(next.wrench);
+    answered_ = next.wrench;
     ++report_.replica_answers;
   }
 }
@@ -276,7 +287,9 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
   followed_ = followed_ + (interpolator_.newest().felt - followed_) * (dt_s / (kFeltS + dt_s));
   Wrench own = followed_;
   Wrench session = interpolator_.newest().wrench;
-  switch (settings_.mode) {
+  // In every mode, so that a change of the mode finds the update that is in progress.
+  const Wrench paper = paper_.at(now_us);
+  switch (mode_.load(std::memory_order_relaxed)) {
     case ForceMode::kModel:
       own = own + model_.at(now_, measured_, cutting, dt_s);
       session = model_.computed();
@@ -287,6 +300,13 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
       break;
     case ForceMode::kHold:
       own = own + interpolator_.newest().wrench;
+      break;
+    case ForceMode::kPaper:
+      own = own + paper;
+      session = answered_;
+      break;
+    case ForceMode::kSilent:
+      session = {};
       break;
   }
   heard_n_ = length(session.force_n) * share;

@@ -3,23 +3,27 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 
 #include "haptic_agent/device/haptic_device.h"
 #include "haptic_agent/realtime/latest_value.h"
 #include "haptic_agent/servo/felt.h"
 #include "haptic_agent/servo/flight_recorder.h"
+#include "haptic_agent/servo/force_mode.h"
 #include "haptic_agent/servo/grip_history.h"
 #include "haptic_agent/servo/guidance.h"
 #include "haptic_agent/servo/heard_cut.h"
 #include "haptic_agent/servo/local_model.h"
 #include "haptic_agent/servo/mapping/hand_mapping.h"
 #include "haptic_agent/servo/output_stage.h"
+#include "haptic_agent/servo/paper_loop.h"
 #include "haptic_agent/servo/pose_estimator.h"
 #include "haptic_agent/servo/replica_exchange.h"
 #include "haptic_agent/servo/sample_ring.h"
 #include "haptic_agent/servo/servo_loop.h"
 #include "haptic_agent/servo/supervisor.h"
+#include "haptic_agent/servo/tick_tape.h"
 #include "haptic_agent/servo/velocity_estimator.h"
 #include "haptic_agent/servo/wrench_interpolator.h"
 
@@ -30,16 +34,6 @@ class SampleListener {
  public:
   virtual ~SampleListener() = default;
   virtual void sample_ready() noexcept = 0;
-};
-
-/// How the server's answers are rendered.
-enum class ForceMode : std::uint8_t {
-  /// Local model, extrapolated to the current pose: accurate at any delay.
-  kModel,
-  /// Zhu & Lee: linear interpolation from the previous wrench to the newest.
-  kInterpolated,
-  /// The newest wrench until the next.
-  kHold,
 };
 
 struct ServoSettings {
@@ -128,6 +122,13 @@ class ServoCycle final : public ServoTask {
   /// The user re-arms after a trip (Supervisor::rearm). From any thread, or a signal handler.
   void rearm() noexcept { rearm_.store(true, std::memory_order_relaxed); }
 
+  /// Every tick goes to `tape` from now on, which must outlive the cycle; at most kTapes of them.
+  /// Call before the loop runs.
+  static constexpr std::size_t kTapes = 2;
+  void record_on(TickTape& tape) noexcept;
+  /// Renders in this mode from the next tick on. From any thread.
+  void set_mode(ForceMode mode) noexcept { mode_.store(mode, std::memory_order_relaxed); }
+
   const ServoReport& report() const noexcept { return report_; }
   const WrenchLimiter& limiter() const noexcept { return output_.limiter(); }
   const Passivity& passivity() const noexcept { return output_.passivity(); }
@@ -164,6 +165,7 @@ class ServoCycle final : public ServoTask {
   void note_felt(bool on) noexcept;
   void note(const SafetyInput& seen, const Wrench& requested) noexcept;
   void note_heard(const SafetyInput& seen, bool usable) noexcept;
+  void put_on_tapes(const DeviceState& state, bool usable, const SafetyInput& seen) noexcept;
 
   HapticDevice& device_;
   SampleRing& samples_;
@@ -172,7 +174,10 @@ class ServoCycle final : public ServoTask {
   ReplicaExchange* replica_;
   Guidance* guidance_;
   ServoSettings settings_;
+  std::atomic<ForceMode> mode_;
+  std::array<TickTape*, kTapes> tapes_{};
   WrenchInterpolator interpolator_;
+  PaperLoop paper_;
   LocalModel model_;
   HandMapping hand_;
   LatestValue<MappingRequest> mapping_requests_;
@@ -194,6 +199,8 @@ class ServoCycle final : public ServoTask {
   Wrench followed_{};
   /// Part of the requested wrench that comes from the guides.
   Wrench guided_{};
+  /// The newest answer, of the replica or the server.
+  Wrench answered_{};
   /// The wrench that the session computes at the newest pose, and the share of it that is output.
   Wrench computed_{};
   double share_ = 1;

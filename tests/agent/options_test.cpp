@@ -56,9 +56,9 @@ TEST(Options, HelpNamesTheModesAsTheyAreTyped) {
   testing::internal::CaptureStdout();
   ASSERT_FALSE(read({"--help"}));
   const std::string help = testing::internal::GetCapturedStdout();
-  EXPECT_NE(help.find("{model,interpolated,hold}"), std::string::npos) << help;
+  EXPECT_NE(help.find("{model,interpolated,hold,paper}"), std::string::npos) << help;
   EXPECT_EQ(help.find("->"), std::string::npos) << "no numbers of an enumeration\n" << help;
-  EXPECT_EQ(help.find("model,interpolated,hold} OR"), std::string::npos) << help;
+  EXPECT_EQ(help.find("model,interpolated,hold,paper} OR"), std::string::npos) << help;
   for (const char* part : {"UINT", "FLOAT", "INT in", "{false}", "e+0"}) {
     EXPECT_EQ(help.find(part), std::string::npos) << part << " is no word for a user\n" << help;
   }
@@ -77,7 +77,7 @@ TEST(Options, HelpFitsATerminalOf80Columns) {
   }
 }
 
-TEST(Options, ModeIsOneOfTheThreeNames) {
+TEST(Options, ModeIsOneOfTheFourNames) {
   const auto mode = [](const char* name) {
     const auto options = read({"--session", "demo", "--device", "sim", "--mode", name});
     return options ? std::optional(options->mode) : std::nullopt;
@@ -86,6 +86,8 @@ TEST(Options, ModeIsOneOfTheThreeNames) {
   EXPECT_EQ(mode("model"), ForceMode::kModel);
   EXPECT_EQ(mode("interpolated"), ForceMode::kInterpolated);
   EXPECT_EQ(mode("hold"), ForceMode::kHold);
+  EXPECT_EQ(mode("paper"), ForceMode::kPaper);
+  EXPECT_EQ(mode("silent"), std::nullopt);
   EXPECT_EQ(mode("2"), std::nullopt) << "a number of the enumeration is no name";
 }
 
@@ -136,7 +138,7 @@ TEST(Options, AMistakeIsAnsweredWithWhatToType) {
   EXPECT_EQ(complaint({}),
             "kerf-agent: --session is required; kerf-agent --help lists the options\n");
   EXPECT_EQ(complaint({"--session", "a", "--device", "sim", "--mode", "fast"}),
-            "kerf-agent: --mode: must be model, interpolated or hold\n");
+            "kerf-agent: --mode: must be model, interpolated, hold or paper\n");
   EXPECT_EQ(complaint({"--session", "a", "--device", "sim", "--tool", "0"}),
             "kerf-agent: --tool: must be a whole number from 1 to 1000000000\n");
   EXPECT_EQ(complaint({"--session", "a", "--device", "sim", "--cpu", "1.5"}),

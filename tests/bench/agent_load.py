@@ -4,6 +4,7 @@
 
     tests/bench/agent_load.py [SECONDS]     of the release build; others: KERF_SERVER, KERF_AGENT
     tests/bench/agent_load.py SECONDS --against AGENT [TURNS]    beside another agent, by turns (3)
+    tests/bench/agent_load.py SECONDS --record [TURNS]    with --record, beside itself without (3)
 
 A server on loopback, an agent with a simulated hand that carves its figure in a block of 60 mm at a
 pitch of 0.25 mm. After 4 s, in which it arms and enters the stock, it reads /proc for SECONDS (10):
@@ -83,15 +84,18 @@ def empty_loop(seconds):
 
 def measure_agents(programs, seconds):
     """Returns [([(role, CPU %, wake-ups/s)], MB resident, the lines of its summary)] of agents that
-    run at the same time, each in a session of its own."""
+    run at the same time, each in a session of its own. A program may be followed by options; DATA in
+    them is a folder that is removed at the end."""
     with tempfile.TemporaryDirectory() as data:
         server = Server(data)
         agents = []
-        for n, program in enumerate(programs):
+        for n, command in enumerate(programs):
+            program, *options = command if isinstance(command, tuple) else (command,)
             server.create(session=f"block{n}", scene=SCENE)
             agents.append(subprocess.Popen(
                 [program, "--server", f"http://127.0.0.1:{server.port}", "--session", f"block{n}",
-                 "--device", "sim", "--duration", str(WARM_UP_S + seconds + 2)],
+                 "--device", "sim", "--duration", str(WARM_UP_S + seconds + 2),
+                 *(option.replace("DATA", data) for option in options)],
                 stdout=subprocess.PIPE, text=True))
         time.sleep(WARM_UP_S)
         rows = measure([agent.pid for agent in agents], seconds)
@@ -136,10 +140,32 @@ def print_comparison(seconds, other, turns):
               f"{table[1][-1][1] / table[0][-1][1]:.2f}", flush=True)
 
 
+def print_recording(seconds, turns):
+    """Prints the CPU % of an agent that records and of one that does not, which run at the same
+    time, in each turn, and the mean difference."""
+    differences = []
+    print(f"{'turn':4}  {'without: servo, other threads, together':42}{'with --record':26} difference")
+    for turn in range(turns):
+        pair = [(AGENT,), (AGENT, "--record", f"DATA/load{turn}.mcap")]
+        if turn % 2 == 1:
+            pair.reverse()
+        results = dict(zip(pair, measure_agents(pair, seconds)))
+        plain, recording = (by_role(results[command][0]) for command in sorted(pair, key=len))
+        cells = ["".join(f"{rows[n][1]:7.2f}" for n in (1, 4, 5)) for rows in (plain, recording)]
+        differences.append([recording[n][1] - plain[n][1] for n in (1, 4, 5)])
+        print(f"{turn + 1:4}  {cells[0]:42}{cells[1]:26} {differences[-1][2]:+.2f}", flush=True)
+        print(*[line for line in results[max(pair, key=len)][2] if line.startswith("record")])
+    servo, other, together = (sum(column) / turns for column in zip(*differences))
+    print(f"recording takes, in the mean: servo {servo:+.2f}, writer {other:+.2f}, "
+          f"together {together:+.2f} % of a core")
+
+
 def main():
     arguments = sys.argv[1:]
     seconds = float(arguments[0]) if arguments else 10
-    if arguments[1:2] == ["--against"]:
+    if arguments[1:2] == ["--record"]:
+        print_recording(seconds, int(arguments[2]) if arguments[2:] else 3)
+    elif arguments[1:2] == ["--against"]:
         print_comparison(seconds, arguments[2], int(arguments[3]) if arguments[3:] else 3)
     else:
         print_load(seconds)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, it, vi } from 'vitest';
-import { eachFrame } from '../src/ui/frames';
+import { eachFrame, frameLimit } from '../src/ui/frames';
 import type { Picture } from '../src/ui/picture';
 
 afterEach(() => vi.unstubAllGlobals());
@@ -26,4 +26,30 @@ it('calls back in each frame, but not while a picture is being drawn', async () 
   show();
   await vi.waitFor(() => expect(asked).toHaveLength(3));
   expect(frames).toEqual([16, 32]);
+});
+
+it('calls back in 20 of 60 frames per second if the address asks for that', async () => {
+  let ask: ((nowMs: number) => void) | undefined;
+  vi.stubGlobal('requestAnimationFrame', (callback: (nowMs: number) => void) => (ask = callback));
+  const picture = { shown: () => Promise.resolve() } as unknown as Picture;
+  const frames: number[] = [];
+  eachFrame(
+    picture,
+    (nowMs) => frames.push(nowMs),
+    frameLimit(new URLSearchParams('session=a&frames=20')),
+  );
+  // Frames of 16 or 17 ms, as browsers report them.
+  for (let n = 0; n < 120; ++n) {
+    ask!(1000 + Math.round((n * 1000) / 60));
+    await Promise.resolve();
+    await Promise.resolve();
+  }
+  expect(frames).toHaveLength(40);
+  expect(frames.slice(0, 3)).toEqual([1000, 1050, 1100]);
+});
+
+it('draws every frame for addresses without a limit or with one out of range', () => {
+  for (const search of ['', 'frames=', 'frames=0', 'frames=241', 'frames=-1', 'frames=x']) {
+    expect(frameLimit(new URLSearchParams(search))).toBe(0);
+  }
 });

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <new>
 #include <vector>
 
@@ -106,10 +107,13 @@ TEST(Allocation, DoesNotHappenInATick) {
   LatestValue<ServerWrench> wrenches;
   Listener listener;
   ReplicaExchange replica;
-  for (const ForceMode mode : {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold}) {
+  for (const ForceMode mode : {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold,
+                               ForceMode::kPaper, ForceMode::kSilent}) {
     const ServoSettings settings = settings_for(device.capabilities(), {.mode = mode});
     GuideModel guides(every_guide(), settings, 1);
     ServoCycle cycle(device, samples, wrenches, listener, settings, &replica, &guides);
+    const auto tape = std::make_unique<TickTape>();
+    cycle.record_on(*tape);
     int in_ticks = 0;
     double most_n = 0;
     for (std::uint64_t now_us = 10'000; now_us < 3'000'000; now_us += 1000) {

@@ -21,7 +21,7 @@ import { mark, marks } from '../marks';
 import { ArrowScale } from './arrow_scale';
 import { copyText, h } from './dom';
 import { sentence } from './format';
-import { eachFrame } from './frames';
+import { eachFrame, frameLimit } from './frames';
 import { helpDialog } from './help';
 import { insetsOf } from './insets';
 import { mountInspect } from './inspect/mount';
@@ -189,7 +189,8 @@ export class SessionPage {
 
   start(): void {
     setInterval(() => this.model.liveness.beat(performance.now()), BEAT_MS);
-    eachFrame(this.picture, (nowMs) => this.frame_(nowMs));
+    const limit = frameLimit(new URLSearchParams(location.search));
+    eachFrame(this.picture, (nowMs) => this.frame_(nowMs), limit);
   }
 
   private frame_(nowMs: number): void {

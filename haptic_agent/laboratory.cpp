@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptic_agent/laboratory.h"
+
+#include <kerf/version.h>
+#include <unistd.h>
+
+#include <sstream>
+#include <utility>
+
+#include "kernel/kernel_version.h"
+
+namespace kerf::agent {
+namespace {
+
+template <typename T>
+std::string text_of(const T& value) {
+  std::ostringstream out;
+  constexpr int kDigits = 15;
+  out.precision(kDigits);
+  out << value;
+  return out.str();
+}
+
+std::string text_of(Vec3 v) { return text_of(v.x) + ' ' + text_of(v.y) + ' ' + text_of(v.z); }
+
+std::string name_of(CutLaw law) {
+  switch (law) {
+    case CutLaw::kSpecificEnergy:
+      return "specific_energy";
+    case CutLaw::kRemovalRate:
+      return "drr";
+    case CutLaw::kMechanistic:
+      return "mechanistic";
+  }
+  return "unknown";
+}
+
+std::string name_of(ForceMode mode) {
+  switch (mode) {
+    case ForceMode::kModel:
+      return "model";
+    case ForceMode::kInterpolated:
+      return "interpolated";
+    case ForceMode::kHold:
+      return "hold";
+    case ForceMode::kPaper:
+      return "paper";
+    case ForceMode::kSilent:
+      return "silent";
+  }
+  return "unknown";
+}
+
+/// The metadata of a recording.
+mcap::Texts about_session(const Options& options, const Welcome& welcome,
+                          const DeviceCapabilities& device, const ServoSettings& settings) {
+  return {{"agent_version", kVersion},
+          {"kernel_version", text_of(kKernelVersion)},
+          {"session", welcome.session},
+          {"participant", text_of(welcome.participant)},
+          {"name", options.link.hello.name},
+          {"tool_id", text_of(settings.tool_id)},
+          {"pivot_mm", text_of(settings.pivot_mm)},
+          {"stock_min_mm", text_of(welcome.stock.min_mm)},
+          {"stock_max_mm", text_of(welcome.stock.max_mm)},
+          {"force_law", name_of(welcome.law)},
+          {"mode", name_of(settings.mode)},
+          {"limit_force_n", text_of(settings.limits.force_n)},
+          {"limit_torque_nmm", text_of(settings.limits.torque_nmm)},
+          {"device", device.name},
+          {"device_sensed_dof", text_of(device.sensed_dof)},
+          {"device_actuated_dof", text_of(device.actuated_dof)},
+          {"device_max_force_n", text_of(device.max_force_n)},
+          {"device_max_torque_nmm", text_of(device.max_torque_nmm)},
+          {"device_max_stiffness_n_per_mm", text_of(device.max_stiffness_n_per_mm)},
+          {"device_max_damping_n_s_per_mm", text_of(device.max_damping_n_s_per_mm)},
+          {"device_latency_us", text_of(settings.passivity.latency_us)},
+          {"device_moving_mass_kg", text_of(device.moving_mass_kg)},
+          {"device_moving_inertia_kg_m2", text_of(device.moving_inertia_kg_m2)},
+          {"device_has_deadman", device.has_deadman ? "true" : "false"}};
+}
+
+/// The metadata at its end.
+mcap::Texts end_of_session(const Summary& summary) {
+  return {{"server_minus_agent_clock_us", text_of(summary.link.clock.offset_us())},
+          {"loop_ticks_run", text_of(summary.cycles.ticks)},
+          {"loop_ticks_lost", text_of(summary.cycles.lost)},
+          {"trips", text_of(summary.trips)},
+          {"last_trip", std::string(to_string(summary.last_trip))}};
+}
+
+}  // namespace
+
+std::expected<Laboratory, std::string> Laboratory::start(
+    const Options& options, const Welcome& welcome, const HapticDevice& device,
+    const ServoSettings& settings, ServoCycle& cycle, ServoLoop& loop,
+    std::function<void(const std::string&)> say) {
+  Laboratory laboratory;
+  if (!options.record_file.empty()) {
+    auto recorder = Recorder::start(
+        options.record_file, about_session(options, welcome, device.capabilities(), settings),
+        welcome.text);
+    if (!recorder) return std::unexpected("no recording: " + recorder.error());
+    laboratory.recorder_ = *std::move(recorder);
+    cycle.record_on(laboratory.recorder_->tape());
+  }
+  if (!options.study_file.empty()) {
+    auto study = Study::create(options.study_file, options.study, STDIN_FILENO);
+    if (!study) return std::unexpected("no study: " + study.error());
+    laboratory.study_ = *std::move(study);
+    cycle.record_on(laboratory.study_->tape());
+    laboratory.study_->start({.set_mode = [&cycle](ForceMode mode) { cycle.set_mode(mode); },
+                              .say = std::move(say),
+                              .done = [&loop] { loop.stop(); }});
+  }
+  return laboratory;
+}
+
+void Laboratory::finish(Summary& summary) {
+  if (study_) summary.study = study_->finish();
+  if (recorder_) summary.record = recorder_->finish(end_of_session(summary));
+}
+
+}  // namespace kerf::agent

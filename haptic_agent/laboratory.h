@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <expected>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "haptic_agent/options.h"
+#include "haptic_agent/record/recorder.h"
+#include "haptic_agent/study/study.h"
+#include "haptic_agent/summary.h"
+
+namespace kerf::agent {
+
+/// Recording and study of a session, as far as the command line asks for them (--record, --study).
+class Laboratory {
+ public:
+  /// Creates the files and starts both; call before the loop runs. `cycle` and `loop` must outlive
+  /// the object. The study ends the loop after its last answer. `say` shows a sentence to the user,
+  /// from any thread. The error is one sentence without its full stop.
+  static std::expected<Laboratory, std::string> start(const Options& options,
+                                                      const Welcome& welcome,
+                                                      const HapticDevice& device,
+                                                      const ServoSettings& settings,
+                                                      ServoCycle& cycle, ServoLoop& loop,
+                                                      std::function<void(const std::string&)> say);
+
+  /// After the loop and the link have ended: completes the files, and the summary.
+  void finish(Summary& summary);
+
+ private:
+  std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<Study> study_;
+};
+
+}  // namespace kerf::agent
