@@ -2,9 +2,9 @@
 #include "haptic_agent/force_notice.h"
 
 #include <algorithm>
-#include <iomanip>
 #include <sstream>
 
+#include "haptic_agent/plain_number.h"
 #include "haptic_agent/servo/cut_coupling.h"
 
 namespace kerf::agent {
@@ -39,15 +39,15 @@ std::string force_notice(const Welcome& welcome, const ServoSettings& settings, 
   const bool viscous = welcome.law == CutLaw::kRemovalRate;
   const char* const unit = viscous ? " N s/mm" : " N";
   std::ostringstream out;
-  out << std::setprecision(2) << "cuts may exceed the device: above " << load.most / load.per_mm2
-      << " mm² of engaged area (" << load.most << unit;
+  out << "cuts may exceed the device: above " << plain_number(load.most / load.per_mm2, 2)
+      << " mm² of engaged area (" << plain_number(load.most, 2) << unit;
   if (!viscous && load.most < settings.limits.force_n) {
-    out << " at the tip, " << std::setprecision(3) << settings.limits.torque_nmm
-        << " N·mm about the pivot" << std::setprecision(2);
+    out << " at the tip, " << plain_number(settings.limits.torque_nmm, 3)
+        << " N·mm about the pivot";
   }
-  out << ") force and torque are felt reduced, both by one factor, down to " << load.most / full
-      << " in a full cut of tool " << tool << " (" << std::setprecision(3) << full_cut_mm2
-      << " mm², " << full << unit << ")";
+  out << ") force and torque are felt reduced, both by one factor, down to "
+      << plain_number(load.most / full, 2) << " in a full cut of tool " << tool << " ("
+      << plain_number(full_cut_mm2, 3) << " mm², " << plain_number(full, 3) << unit << ")";
   return out.str();
 }
 
@@ -59,8 +59,8 @@ std::string grip_notice(const ServoSettings& settings) {
   const double stiffness = gains_across(settings.model.contact, arm_mm).stiffness;
   if (!(stiffness < kFirmNPerMm)) return {};
   std::ostringstream out;
-  out << std::setprecision(2) << "the device is light for its latency: at its tip it can render "
-      << stiffness
+  out << "the device is light for its latency: at its tip it can render "
+      << plain_number(stiffness, 2)
       << " N/mm stably. Held loosely, the force of a cut follows each turn late, and is wrong by a "
          "tenth or more; a firm grip makes it true";
   return out.str();

@@ -187,11 +187,8 @@ std::vector<ContactPlane> Sculpture::contact(ToolId id, const ToolPose& given, b
   if (used == nullptr || !check_pose("the", given)) return planes;
   const ToolPose pose{given.tip_mm, normalized(given.axis)};
   if (obstacles_) obstacles_->planes(*used, pose, planes);
-  const auto touch = [&](std::span<const ToolPiece> pieces) {
-    stock_planes(pieces, pose, fields_, settings_.force, settings_.tolerance_mm, planes);
-  };
-  touch(used->non_cutting);
-  if (!cutting) touch(used->pieces);
+  stock_planes(cutting ? used->non_cutting_parts : used->whole_parts, pose, fields_,
+               settings_.force, settings_.tolerance_mm, planes);
   std::ranges::stable_sort(planes, std::greater{}, &ContactPlane::depth_mm);
   return planes;
 }

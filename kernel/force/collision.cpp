@@ -3,8 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
+#include "kernel/force/body_contact.h"
 #include "kernel/force/signed_distance.h"
+#include "kernel/math/rotation.h"
+#include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
@@ -56,7 +61,7 @@ Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
 }
 
 /// Returns the deepest point of a convex body of revolution by ternary search over its discs: the
-/// least distance of a disc is a convex function of its height.
+/// least distance of a disc is a convex function of its height. Of equally deep points, the lowest.
 Vec3 deepest_of_discs(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle) {
   const auto point = [&](double z) {
     return deepest_of_disc({pose.tip_mm + pose.axis * z, pose.axis, radius_at(piece, z)}, obstacle);
@@ -67,7 +72,7 @@ Vec3 deepest_of_discs(const ToolPiece& piece, const ToolPose& pose, const Obstac
   double best_z = lo, best = depth(lo);
   const auto consider = [&](double z) {
     const double d = depth(z);
-    if (d < best) {
+    if (d < best - kDepthEpsilonMm) {
       best = d;
       best_z = z;
     }
@@ -86,40 +91,114 @@ Vec3 deepest_of_discs(const ToolPiece& piece, const ToolPose& pose, const Obstac
 }
 
 Vec3 deepest_point(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle) {
-  if (const auto* ball = std::get_if<BallPiece>(&piece)) {
-    const Vec3 center = pose.tip_mm + pose.axis * ball->center_mm;
-    return center - distance(obstacle, center).outward * ball->radius_mm;
+  const auto* arc = std::get_if<ArcPiece>(&piece);
+  if (arc != nullptr && arc->center_r_mm == 0) {
+    // Of the whole ball; the arc may be a part of it.
+    const Vec3 center = pose.tip_mm + pose.axis * arc->center_z_mm;
+    const Vec3 p = center - distance(obstacle, center).outward * arc->radius_mm;
+    const double z = dot(p - pose.tip_mm, pose.axis);
+    if (z >= arc->z0_mm - kDepthEpsilonMm && z <= arc->z1_mm + kDepthEpsilonMm) return p;
   }
   return deepest_of_discs(piece, pose, obstacle);
+}
+
+/// A point of a tool, and its distance from an obstacle.
+struct Nearest {
+  Vec3 point;
+  SignedDistance at;
+};
+
+/// Returns the deepest point of a part, or nothing if it is farther away than `reach_mm`. Of
+/// equally deep points, the lowest.
+std::optional<Nearest> deepest_of(const ConvexPart& part, const ToolPose& pose,
+                                  const Obstacle& obstacle, double reach_mm) {
+  std::optional<Nearest> best;
+  for (const ToolPiece& piece : part.pieces) {
+    const Extent e = extent(piece);
+    const double half = (e.z1_mm - e.z0_mm) / 2;
+    const Vec3 middle = pose.tip_mm + pose.axis * (e.z0_mm + half);
+    const double bound = std::sqrt(half * half + e.radius_mm * e.radius_mm);
+    // Distances of two points differ by no more than the points do.
+    if (distance(obstacle, middle).distance_mm - bound > reach_mm) continue;
+    const Vec3 p = deepest_point(piece, pose, obstacle);
+    const SignedDistance at = distance(obstacle, p);
+    if (!(at.distance_mm < (best ? reach_mm - kDepthEpsilonMm : reach_mm))) continue;
+    best = {p, at};
+    reach_mm = at.distance_mm;
+  }
+  return best;
 }
 
 /// Distance on both sides of a point within which an obstacle's normal changes at a crease, and the
 /// greatest cosine of the change.
 constexpr double kCreaseMm = 0.05;
 constexpr double kCreaseCos = 0.9;
+/// A deepest point within this share of a disc's radius is of the disc, else of its rim: the search
+/// finds points of the rim to a few hundredths of the radius.
+constexpr double kDiscShare = 0.9;
 
-/// Returns the direction in which an obstacle pushes a piece at its deepest point `p`. Where two
-/// faces of the obstacle are equally near, the nearer one changes with the least motion. But at the
-/// deepest point of a smooth surface, a weighted mean of both normals is along the surface's own.
-Vec3 push_direction(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle, Vec3 p,
-                    Vec3 outward) {
+/// The surface of a part at a point: smooth, with a normal into the part, or an edge across the
+/// axis.
+struct SurfaceAt {
+  bool edge = false;
+  Vec3 inward;
+  Vec3 tangents[2];  ///< of the surface; the first one is along the edge
+};
+
+SurfaceAt surface_at(const ConvexPart& part, const ToolPose& pose, Vec3 p) {
   const double z = dot(p - pose.tip_mm, pose.axis);
   const Vec3 across = p - pose.tip_mm - pose.axis * z;
-  const Extent whole = extent(piece);
-  const bool at_rim = z < whole.z0_mm + kCreaseMm || z > whole.z1_mm - kCreaseMm;
-  if (at_rim || std::holds_alternative<BallPiece>(piece) || across == Vec3{}) return outward;
-  const Vec3 radial = normalized(across);
-  const double slope =
-      (radius_at(piece, z + kCreaseMm) - radius_at(piece, z - kCreaseMm)) / (2 * kCreaseMm);
-  const auto is_crease = [&](Vec3 along) {
-    const Vec3 step = normalized(along) * kCreaseMm;
-    return dot(distance(obstacle, p + step).outward, distance(obstacle, p - step).outward) <
-           kCreaseCos;
+  const double r = length(across);
+  const Vec3 radial = r > 0 ? across * (1 / r) : any_perpendicular(pose.axis);
+  const Vec3 around = cross(pose.axis, radial);
+  const auto is_near = [z](double edge_mm) { return std::abs(z - edge_mm) < kCreaseMm; };
+  const Extent whole = extent(part);
+  const bool bottom = is_near(whole.z0_mm), top = is_near(whole.z1_mm);
+  if (bottom || top) {
+    const double end_mm = bottom ? whole.z0_mm : whole.z1_mm;
+    const Vec3 inward = bottom ? pose.axis : -pose.axis;
+    if (r < kDiscShare * radius_at(part, end_mm)) return {false, inward, {around, radial}};
+  }
+  const auto* first = std::get_if<ArcPiece>(&part.pieces.front());
+  const auto* last = std::get_if<ArcPiece>(&part.pieces.back());
+  const bool rim = (bottom && (first == nullptr || !is_level_below(*first))) ||
+                   (top && (last == nullptr || !is_level_above(*last)));
+  if (rim || std::ranges::any_of(part.ridges_mm, is_near)) return {true, {}, {around, {}}};
+  const ToolPiece* piece = &part.pieces.front();
+  for (const ToolPiece& other : part.pieces) {
+    if (extent(other).z0_mm <= z) piece = &other;
+  }
+  Vec3 outward = radial - pose.axis * slope_at(*piece, z);
+  if (const auto* arc = std::get_if<ArcPiece>(piece)) {
+    outward = radial * std::max(0.0, r - arc->center_r_mm) + pose.axis * (z - arc->center_z_mm);
+  }
+  const Vec3 inward = -normalized(outward);
+  return {false, inward, {around, cross(inward, around)}};
+}
+
+/// Returns the direction in which an obstacle pushes a part at its deepest point `p`. Where two
+/// faces of the obstacle are equally near, the nearer one changes with the least motion. But at the
+/// deepest point of a smooth surface, a weighted mean of both normals is along the surface's own,
+/// and at that of an edge, one is across the edge.
+Vec3 push_direction(const ConvexPart& part, const ToolPose& pose, const Obstacle& obstacle, Vec3 p,
+                    Vec3 outward) {
+  const SurfaceAt surface = surface_at(part, pose, p);
+  const auto normals = [&](Vec3 along) {
+    const Vec3 step = along * kCreaseMm;
+    return std::pair(distance(obstacle, p - step).outward, distance(obstacle, p + step).outward);
   };
-  if (!is_crease(pose.axis + radial * slope) && !is_crease(cross(pose.axis, radial)))
-    return outward;
-  const Vec3 inward = normalized(pose.axis * slope - radial);
-  return dot(inward, outward) > 0 ? inward : outward;
+  const auto [behind, ahead] = normals(surface.tangents[0]);
+  bool crease = dot(behind, ahead) < kCreaseCos;
+  Vec3 direction = surface.inward;
+  if (surface.edge) {
+    const double back = dot(behind, surface.tangents[0]), on = dot(ahead, surface.tangents[0]);
+    crease = crease && back < 0 && on > 0;
+    direction = behind * on - ahead * back;
+  } else if (!crease) {
+    const auto [left, right] = normals(surface.tangents[1]);
+    crease = dot(left, right) < kCreaseCos;
+  }
+  return crease && dot(direction, outward) > 0 ? normalized(direction) : outward;
 }
 
 /// Greatest number of triangles of a mesh. Every query visits all of them, and each piece of a
@@ -182,23 +261,33 @@ std::string check_shape(const MeshObstacle& m) {
   return {};
 }
 
-/// Calls visit(obstacle, p, distance of p and direction of the push) for the deepest point p of
-/// each piece against each obstacle whose bounding ball is nearer to the tool's than `reach_mm`.
+/// Returns the contact plane of a part with an obstacle, or nothing if it is farther away than
+/// `reach_mm`.
+std::optional<ContactPlane> plane_of(const ConvexPart& part, const ToolPose& pose,
+                                     const Obstacle& obstacle, double reach_mm) {
+  const auto found = deepest_of(part, pose, obstacle, reach_mm);
+  if (!found) return {};
+  const auto& [p, at] = *found;
+  const Vec3 normal =
+      at.distance_mm < 0 ? push_direction(part, pose, obstacle, p, at.outward) : at.outward;
+  return ContactPlane{
+      p, normal, -at.distance_mm, obstacle.stiffness_n_per_mm, 2 * kContactReachMm, false};
+}
+
+/// Calls visit(planes) for each obstacle with the planes of the parts that are nearer than
+/// `reach_mm`.
 template <typename Bounded, typename Visit>
-void each_piece(const std::vector<Bounded>& obstacles, const Tool& tool, const ToolPose& pose,
-                double reach_mm, Visit visit) {
+void each_obstacle(const std::vector<Bounded>& obstacles, const Tool& tool, const ToolPose& pose,
+                   double reach_mm, Visit visit) {
   const Vec3 tool_middle = pose.tip_mm + pose.axis * (tool.whole_length_mm / 2);
   const double tool_radius = tool.whole_length_mm / 2 + tool.whole_radius_mm + reach_mm;
   for (const Bounded& b : obstacles) {
     if (length(tool_middle - b.center_mm) > tool_radius + b.radius_mm) continue;
-    for (const auto* pieces : {&tool.pieces, &tool.non_cutting}) {
-      for (const ToolPiece& piece : *pieces) {
-        const Vec3 p = deepest_point(piece, pose, b.obstacle);
-        SignedDistance at = distance(b.obstacle, p);
-        if (at.distance_mm < 0) at.outward = push_direction(piece, pose, b.obstacle, p, at.outward);
-        visit(b.obstacle, p, at);
-      }
+    BodyContact contact;
+    for (const ConvexPart& part : tool.whole_parts) {
+      if (const auto plane = plane_of(part, pose, b.obstacle, reach_mm)) contact.add(*plane);
     }
+    visit(contact.shared());
   }
 }
 
@@ -220,23 +309,17 @@ Obstacles::Obstacles(std::vector<Obstacle> obstacles) {
 
 Wrench Obstacles::push(const Tool& tool, const ToolPose& pose, double pivot_mm) const {
   Wrench sum;
-  const Vec3 pivot = pose.tip_mm + pose.axis * pivot_mm;
-  each_piece(obstacles_, tool, pose, 0, [&](const Obstacle& o, Vec3 p, const SignedDistance& d) {
-    if (d.distance_mm >= 0) return;
-    const Vec3 f = d.outward * (-d.distance_mm * o.stiffness_n_per_mm);
-    sum = sum + Wrench{f, cross(p - pivot, f)};
+  each_obstacle(obstacles_, tool, pose, 0, [&](std::span<const ContactPlane> planes) {
+    sum = sum + wrench_of(planes, pose, pivot_mm);
   });
-  sum.torque_nmm = sum.torque_nmm - pose.axis * dot(sum.torque_nmm, pose.axis);
   return sum;
 }
 
 void Obstacles::planes(const Tool& tool, const ToolPose& pose,
                        std::vector<ContactPlane>& out) const {
-  const auto visit = [&](const Obstacle& o, Vec3 p, const SignedDistance& d) {
-    if (d.distance_mm >= kContactReachMm) return;
-    out.push_back({p, d.outward, -d.distance_mm, o.stiffness_n_per_mm, 2 * kContactReachMm, false});
-  };
-  each_piece(obstacles_, tool, pose, kContactReachMm, visit);
+  each_obstacle(obstacles_, tool, pose, kContactReachMm, [&](std::span<const ContactPlane> planes) {
+    out.insert(out.end(), planes.begin(), planes.end());
+  });
 }
 
 }  // namespace kerf

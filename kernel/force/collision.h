@@ -24,13 +24,15 @@ class Obstacles {
   /// All obstacles must be valid (check_obstacle).
   explicit Obstacles(std::vector<Obstacle> obstacles);
 
-  /// Computes F_collision (N) and τ_collision (N·mm) on the tool at a pose. Each convex piece,
-  /// cutting or not, is pushed out of each obstacle in the shortest direction by
-  /// stiffness x depth of its deepest point. The torque is about the point `pivot_mm` from the tip
-  /// on the axis, without its component about the axis. Zero without contact.
+  /// Computes F_collision (N) and τ_collision (N·mm) on the tool at a pose: the wrench of the union
+  /// of its pieces, cutting or not, however they are divided. Each convex part is pushed out of
+  /// each obstacle in the shortest direction by stiffness x depth of its deepest point; parts that
+  /// one obstacle pushes in one direction share the push of the deepest (BodyContact). The torque
+  /// is about the point `pivot_mm` from the tip on the axis, without its component about the axis.
+  /// Zero without contact.
   Wrench push(const Tool& tool, const ToolPose& pose, double pivot_mm) const;
-  /// Appends the contact plane of each convex piece with each obstacle nearer than kContactReachMm.
-  /// wrench_of these planes equals `push`.
+  /// Appends the contact plane of each convex part with each obstacle nearer than kContactReachMm,
+  /// at most BodyContact::kPlanesMax per obstacle. wrench_of these planes equals `push`.
   void planes(const Tool& tool, const ToolPose& pose, std::vector<ContactPlane>& out) const;
 
  private:

@@ -37,8 +37,9 @@ constexpr double kWallElementsLeast = 1024;
 constexpr double kGrazingSine = 0.02;
 /// Least distance from the axis, in radii of the tool: the cutting speed is zero on the axis.
 constexpr double kAxisShare = 0.05;
-/// Thinnest chip of Kienzle's law, mm: its coefficient is unbounded at 0.
-constexpr double kChipMinMm = 0.001;
+/// Thinnest chip of Kienzle's law, mm: its coefficient is unbounded at 0, where the force of a tool
+/// at rest must be 0 (README.md, "Small feeds").
+constexpr double kChipMinMm = 0.00005;
 /// Most evaluations of the surface in the search for the pose at which a motion cut an element.
 constexpr int kEntryEvaluations = 8;
 /// Paths below half a pitch or this share of the radius are short: the surface and its normal at

@@ -9,9 +9,10 @@
 namespace kerf {
 namespace {
 
-/// mm per tooth. Below this feed the edge forces fade to zero at rest: a tooth that follows its
-/// predecessor without a chip has nothing to plow. About the radius of a sharp edge.
-constexpr double kEdgeFeedMm = 0.002;
+/// mm per tooth. Below this feed the edge forces fade to zero, which only tells rest from motion:
+/// an edge plows however small its feed is (README.md, "Small feeds"), but a tool at rest must not
+/// be driven.
+constexpr double kRestFeedMm = 0.00005;
 /// Most turns of a harmonic in a motion: a faster one has no place in a mean over the motion.
 constexpr double kTurnsMax = 0.5;
 
@@ -97,7 +98,7 @@ Wrench MillingForce::finish(MillingEngagement& e, const MillingTravel& t) const 
   if (!(path_mm > 0)) return {};
   const double feed_mm = feed_per_tooth_mm(path_mm, duration_s_);
   const double per_path = settings_.teeth / (2 * kMillingPi * path_mm) * settings_.scale;
-  const double fade = std::min(1.0, feed_mm / kEdgeFeedMm);
+  const double fade = std::min(1.0, feed_mm / kRestFeedMm);
   const Wrench cut = at(due.cut, middle, duration_s_), edge = at(due.edge, middle, duration_s_);
   return cut * (per_path * feed_mm) + edge * (per_path * fade);
 }

@@ -6,36 +6,56 @@
 #include <vector>
 
 #include "kernel/dexel/stock_column.h"
+#include "kernel/force/body_contact.h"
 #include "kernel/math/tolerance.h"
 #include "kernel/piece/bounds.h"
 
 namespace kerf {
 namespace {
 
-/// Signed distance function of a point (r, h) of the half-plane from a piece's side and bottom:
-/// exact inside and near the piece, convex, with a gradient of at most 1. The top is excluded: a
-/// piece adjoins the one above, so a point cannot leave through it.
+/// Signed distance of a point (r, h) of the half-plane from a surface, negative inside.
 struct Outside {
   double mm;
   double nr, nh;  ///< unit gradient
 };
 
-Outside below(double z0, double h, Outside side) {
-  return z0 - h > side.mm ? Outside{z0 - h, 0, -1} : side;
-}
-
-Outside round(const CircleDistance<double>& d) {
-  return d.length > 0 ? Outside{d.mm, d.across / d.length, d.along / d.length}
-                      : Outside{d.mm, 1, 0};
-}
-
-Outside outside(const BallPiece& b, double r, double h) { return round(side_distance(b, r, h)); }
 Outside outside(const FrustumPiece& f, double r, double h) {
   const FrustumSide side(f);
-  return below(f.z0_mm, h, {side.distance(r, h - f.z0_mm), side.cosine, -side.slope * side.cosine});
+  return {side.distance(r, h - f.z0_mm), side.cosine, -side.slope * side.cosine};
 }
-Outside outside(const ArcPiece& a, double r, double h) {
-  return below(a.z0_mm, h, round(side_distance(a, r, h)));
+
+/// The distance from an arc that other pieces adjoin, or none does, below and above. Where one
+/// does, the arc is continued along its tangent, else as a circle.
+Outside outside(const ArcPiece& a, double r, double h, bool joined_below, bool joined_above) {
+  const double across = r - a.center_r_mm, along = h - a.center_z_mm;
+  const auto tangent = [&](bool joined, double end) {
+    const double nh = joined ? end / a.radius_mm : (end < 0 ? -1.0 : 1.0);
+    const double nr = joined ? half_chord(a.radius_mm, end) / a.radius_mm : 0;
+    return Outside{nr * across + nh * along - a.radius_mm, nr, nh};
+  };
+  const Outside below = joined_below ? tangent(true, a.z0_mm - a.center_z_mm) : tangent(false, -1);
+  const Outside above = joined_above ? tangent(true, a.z1_mm - a.center_z_mm) : tangent(false, 1);
+  const bool within =
+      below.nr * along - below.nh * across >= 0 && above.nr * along - above.nh * across <= 0;
+  if (!within) return below.mm > above.mm ? below : above;
+  const double n = std::sqrt(across * across + along * along);
+  return n > 0 ? Outside{n - a.radius_mm, across / n, along / n} : Outside{-a.radius_mm, 1, 0};
+}
+
+/// Signed distance function of a point from a part's side and bottom: exact inside and near the
+/// part, convex, with a gradient of at most 1. The top is excluded: a part adjoins the one above,
+/// so a point cannot leave through it; nor through the bottom where the part below covers it.
+Outside outside(const ConvexPart& part, double r, double h) {
+  Outside most{-1e300, 1, 0};
+  const std::size_t last = part.pieces.size() - 1;
+  for (std::size_t k = 0; k <= last; ++k) {
+    const auto* arc = std::get_if<ArcPiece>(&part.pieces[k]);
+    const Outside o = arc != nullptr ? outside(*arc, r, h, k > 0 || part.covered, k < last)
+                                     : outside(std::get<FrustumPiece>(part.pieces[k]), r, h);
+    if (o.mm > most.mm) most = o;
+  }
+  const double bottom = extent(part.pieces.front()).z0_mm - h;
+  return bottom > most.mm && !part.covered ? Outside{bottom, 0, -1} : most;
 }
 
 struct Heights {
@@ -47,11 +67,11 @@ struct Deepest {
 };
 
 constexpr int kSearchSteps = 60;  ///< each keeps at most 9/10 of the interval of heights
-/// A piece of a tool at a pose in the frame of a field.
-class PlacedPiece {
+/// A part of a tool at a pose in the frame of a field.
+class PlacedPart {
  public:
-  PlacedPiece(const ToolPiece& piece, const ToolPose& pose)
-      : piece_(piece), pose_(pose), reach_(extent(piece)) {
+  PlacedPart(const ConvexPart& part, const ToolPose& pose)
+      : part_(part), pose_(pose), reach_(extent(part)) {
     const Bounds box = cylinder_bounds(reach_, pose.tip_mm, pose.axis);
     lo = box.lo_mm;
     hi = box.hi_mm;
@@ -65,7 +85,7 @@ class PlacedPiece {
     const double h = dot(p, pose_.axis);
     const Vec3 across = p - pose_.axis * h;
     const double r = length(across);
-    const Outside o = std::visit([&](const auto& s) { return outside(s, r, h); }, piece_);
+    const Outside o = outside(part_, r, h);
     if (outward != nullptr) {
       const Vec3 e = r > 0 ? across * (1 / r) : Vec3{};
       *outward = e * o.nr + pose_.axis * o.nh;
@@ -73,7 +93,7 @@ class PlacedPiece {
     return o.mm;
   }
 
-  /// Returns the part of a column's heights that is not above the piece's top.
+  /// Returns the heights of a column that are not above the part's top.
   Heights below_top(double x, double y, Heights z) const {
     const Vec3 u = pose_.axis, t = pose_.tip_mm;
     const double rest = reach_.z1_mm - (x - t.x) * u.x - (y - t.y) * u.y;  // u.z (z - t.z) <= rest
@@ -83,7 +103,7 @@ class PlacedPiece {
     return z;
   }
 
-  /// Finds the deepest point of a column inside the piece. Between two heights a convex function is
+  /// Finds the deepest point of a column inside the part. Between two heights a convex function is
   /// above its tangents there. The next height to evaluate is where the tangents meet; the value
   /// there is a lower bound, which shows when no point of the column, or of columns up to
   /// `around_mm` away in x and y, can be more than `threshold_mm` inside, and when the deepest
@@ -122,12 +142,12 @@ class PlacedPiece {
     return {z, mm, outward};
   }
 
-  const ToolPiece& piece_;
+  const ConvexPart& part_;
   ToolPose pose_;
   Extent reach_;
 };
 
-/// Accumulates the overlap of a piece with the stock: depth, centroid and mean normal.
+/// Accumulates the overlap of a part with the stock: depth, centroid and mean normal.
 struct Overlap {
   double depth = 0;
   Vec3 deepest, deepest_outward;
@@ -138,21 +158,21 @@ struct Overlap {
   Vec3 direction() const { return outward == Vec3{} ? deepest_outward : outward; }
 };
 
-/// Contact of one piece with one field, in the field's frame.
+/// Contact of one part with one field, in the field's frame.
 class FieldContact {
  public:
-  FieldContact(const DexelField& field, const PlacedPiece& piece)
-      : field_(field), grid_(field.grid()), piece_(piece) {
+  FieldContact(const DexelField& field, const PlacedPart& part)
+      : field_(field), grid_(field.grid()), part_(part) {
     const auto first = [&](double v, double origin, std::int32_t n) {
       const double i = std::ceil((v - origin) / grid_.pitch_mm - 0.5);
       return static_cast<std::int32_t>(std::clamp(i, 0.0, double(n)));
     };
-    i0_ = first(piece.lo.x, grid_.origin_mm.x, grid_.columns_x);
-    i1_ = first(piece.hi.x, grid_.origin_mm.x, grid_.columns_x);
-    j0_ = first(piece.lo.y, grid_.origin_mm.y, grid_.columns_y);
-    j1_ = first(piece.hi.y, grid_.origin_mm.y, grid_.columns_y);
-    z_ = {std::max(piece.lo.z, grid_.origin_mm.z),
-          std::min(piece.hi.z, grid_.z_mm(grid_.height_quanta))};
+    i0_ = first(part.lo.x, grid_.origin_mm.x, grid_.columns_x);
+    i1_ = first(part.hi.x, grid_.origin_mm.x, grid_.columns_x);
+    j0_ = first(part.lo.y, grid_.origin_mm.y, grid_.columns_y);
+    j1_ = first(part.hi.y, grid_.origin_mm.y, grid_.columns_y);
+    z_ = {std::max(part.lo.z, grid_.origin_mm.z),
+          std::min(part.hi.z, grid_.z_mm(grid_.height_quanta))};
   }
 
   bool beside() const { return i0_ >= i1_ || j0_ >= j1_ || z_.lo >= z_.hi; }
@@ -199,7 +219,7 @@ class FieldContact {
       tile->read((j % kTileSide) * kTileSide + i % kTileSide, solid_);
     }
     for (const Dexel& d : solid_) {
-      const Heights z = piece_.below_top(
+      const Heights z = part_.below_top(
           grid_.x_mm(i), grid_.y_mm(j),
           {std::max(z_.lo, grid_.z_mm(d.bottom)), std::min(z_.hi, grid_.z_mm(d.top))});
       if (z.lo < z.hi) visit(z);
@@ -213,7 +233,7 @@ class FieldContact {
     const double half = s.side / 2.0;
     const double x = grid_.origin_mm.x + (s.i + half) * grid_.pitch_mm;
     const double y = grid_.origin_mm.y + (s.j + half) * grid_.pitch_mm;
-    if (piece_.least(x, y, z, found.depth, half * grid_.pitch_mm).pruned) return;
+    if (part_.least(x, y, z, found.depth, half * grid_.pitch_mm).pruned) return;
     const std::int32_t h = s.side / 2;
     search({s.i, s.j, h}, z, found);
     search({s.i + h, s.j, h}, z, found);
@@ -224,31 +244,31 @@ class FieldContact {
   void search_column(std::int32_t i, std::int32_t j, Overlap& found) {
     const double x = grid_.x_mm(i), y = grid_.y_mm(j);
     each_solid(i, j, [&](Heights z) {
-      const Deepest d = piece_.least(x, y, z, found.depth);
+      const Deepest d = part_.least(x, y, z, found.depth);
       if (!(-d.outside > found.depth)) return;
       found.depth = -d.outside;
       Vec3 outward;
-      piece_.at({x, y, d.z}, &outward);
+      part_.at({x, y, d.z}, &outward);
       found.deepest = from_frame(grid_.axis, {x, y, d.z});
       found.deepest_outward = from_frame(grid_.axis, outward);
     });
   }
 
   void add_sample(double x, double y, Heights z, double area, Overlap& found) const {
-    const Deepest d = piece_.least(x, y, z, 0);
+    const Deepest d = part_.least(x, y, z, 0);
     if (!(d.outside < 0)) return;
     const auto edge = [&](double in, double out) {
-      if (piece_.at({x, y, out}) <= 0) return out;
+      if (part_.at({x, y, out}) <= 0) return out;
       for (int i = 0; i < 24; ++i) {
         const double middle = (in + out) / 2;
-        (piece_.at({x, y, middle}) <= 0 ? in : out) = middle;
+        (part_.at({x, y, middle}) <= 0 ? in : out) = middle;
       }
       return in;
     };
     const double bottom = edge(d.z, z.lo), top = edge(d.z, z.hi);
     const Vec3 p{x, y, (bottom + top) / 2};
     Vec3 outward;
-    const double weight = -piece_.at(p, &outward) * (top - bottom) * area;
+    const double weight = -part_.at(p, &outward) * (top - bottom) * area;
     if (!(weight > 0)) return;
     found.weight += weight;
     found.moment = found.moment + from_frame(grid_.axis, p) * weight;
@@ -257,20 +277,20 @@ class FieldContact {
 
   const DexelField& field_;
   const DexelGrid& grid_;
-  const PlacedPiece& piece_;
-  std::int32_t i0_, i1_, j0_, j1_;  ///< columns within the piece's bounding box
+  const PlacedPart& part_;
+  std::int32_t i0_, i1_, j0_, j1_;  ///< columns within the part's bounding box
   Heights z_;
   std::vector<Dexel> solid_;
 };
 
-Overlap overlap(const ToolPiece& piece, const ToolPose& pose, std::span<const DexelField> fields,
+Overlap overlap(const ConvexPart& part, const ToolPose& pose, std::span<const DexelField> fields,
                 double allowance_mm, bool whole) {
   Overlap found;
   found.depth = allowance_mm;
   const auto each = [&](auto visit) {
     for (const DexelField& field : fields) {
       const RayAxis axis = field.grid().axis;
-      const PlacedPiece placed(piece, {to_frame(axis, pose.tip_mm), to_frame(axis, pose.axis)});
+      const PlacedPart placed(part, {to_frame(axis, pose.tip_mm), to_frame(axis, pose.axis)});
       FieldContact contact(field, placed);
       if (contact.beside()) return;  // Disjoint in one field means disjoint in all.
       visit(contact);
@@ -283,52 +303,55 @@ Overlap overlap(const ToolPiece& piece, const ToolPose& pose, std::span<const De
   return found;
 }
 
+/// Returns the contact of parts with the stock.
+BodyContact contact_of(std::span<const ConvexPart> parts, const ToolPose& pose,
+                       std::span<const DexelField> fields, const ForceSettings& settings,
+                       double allowance_mm) {
+  BodyContact contact;
+  for (const ConvexPart& part : parts) {
+    const Overlap found = overlap(part, pose, fields, allowance_mm, true);
+    const double depth = found.depth - allowance_mm;
+    if (!(depth > 0)) continue;
+    contact.add({found.point(), normalized(found.direction()) * -1, depth,
+                 settings.contact_stiffness_n_per_mm, kContactReachMm, true});
+  }
+  return contact;
+}
+
 }  // namespace
 
 StockContact stock_contact(const Tool& tool, const ToolPose& pose,
                            std::span<const DexelField> fields, const ForceSettings& settings,
                            double allowance_mm) {
-  StockContact sum;
-  const Vec3 pivot = pose.tip_mm + pose.axis * settings.pivot_mm;
-  for (const ToolPiece& piece : tool.non_cutting) {
-    const Overlap found = overlap(piece, pose, fields, allowance_mm, true);
-    const double depth = found.depth - allowance_mm;
-    if (!(depth > 0)) continue;
-    sum.depth_mm = std::max(sum.depth_mm, depth);
-    const Vec3 f = normalized(found.direction()) * (-depth * settings.contact_stiffness_n_per_mm);
-    sum.wrench = sum.wrench + Wrench{f, cross(found.point() - pivot, f)};
-  }
-  Vec3& torque = sum.wrench.torque_nmm;
-  torque = torque - pose.axis * dot(torque, pose.axis);
+  BodyContact contact = contact_of(tool.non_cutting_parts, pose, fields, settings, allowance_mm);
+  const std::span<const ContactPlane> planes = contact.shared();
+  StockContact sum{.wrench = wrench_of(planes, pose, settings.pivot_mm)};
+  for (const ContactPlane& plane : planes) sum.depth_mm = std::max(sum.depth_mm, plane.depth_mm);
   return sum;
 }
 
-void stock_planes(std::span<const ToolPiece> pieces, const ToolPose& pose,
+void stock_planes(std::span<const ConvexPart> parts, const ToolPose& pose,
                   std::span<const DexelField> fields, const ForceSettings& settings,
                   double allowance_mm, std::vector<ContactPlane>& out) {
-  for (const ToolPiece& piece : pieces) {
-    const Overlap found = overlap(piece, pose, fields, allowance_mm, true);
-    const double depth = found.depth - allowance_mm;
-    if (!(depth > 0)) continue;
-    out.push_back({found.point(), normalized(found.direction()) * -1, depth,
-                   settings.contact_stiffness_n_per_mm, kContactReachMm, true});
-  }
+  BodyContact contact = contact_of(parts, pose, fields, settings, allowance_mm);
+  const std::span<const ContactPlane> planes = contact.shared();
+  out.insert(out.end(), planes.begin(), planes.end());
 }
 
 double deepest_stock_contact(const Tool& tool, const ToolMotion& motion,
                              std::span<const DexelField> fields, double allowance_mm) {
   constexpr double kPosesMax = 256;
   double thinnest = tool.whole_radius_mm;
-  for (const ToolPiece& piece : tool.non_cutting) {
-    thinnest = std::min(thinnest, extent(piece).radius_mm);
+  for (const ConvexPart& part : tool.non_cutting_parts) {
+    thinnest = std::min(thinnest, extent(part).radius_mm);
   }
   const double path = motion.travel_mm + motion.turn_rad * tool.whole_length_mm;
   const double n = std::clamp(std::ceil(path / (thinnest / 2)), 1.0, kPosesMax);
   double deepest = 0;
   for (double k = 1; k <= n; ++k) {
     const ToolPose pose = k == n ? motion.to : motion.at(k / n);
-    for (const ToolPiece& piece : tool.non_cutting) {
-      const Overlap found = overlap(piece, pose, fields, allowance_mm, false);
+    for (const ConvexPart& part : tool.non_cutting_parts) {
+      const Overlap found = overlap(part, pose, fields, allowance_mm, false);
       deepest = std::max(deepest, found.depth - allowance_mm);
     }
   }

@@ -138,6 +138,14 @@ inline constexpr double kMissAllowanceMm = 1e-3;
 
 // --- Force (kernel/force) ---
 
+/// mm. Pieces of a tool form one convex part where their union is convex within this much: twice
+/// kMissAllowanceMm, so that outlines rounded to 0.001 mm do not come apart. Owner:
+/// tool/convex_part. If it grows, contact begins earlier in the corners of outlines.
+inline constexpr double kHullAllowanceMm = 2e-3;
+/// mm. Corners of an outline that stand out by less are left out. Owner: tool/convex_part. If it
+/// grows, contacts become shallower.
+inline constexpr double kStraightMm = 1e-6;
+
 /// mm. Radii that differ by less are equal, and heights that differ by less touch: a piece that
 /// ends where the next begins. Owner: force/surface_weight. If it grows, narrow shoulders get no
 /// weight.

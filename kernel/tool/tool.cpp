@@ -91,6 +91,10 @@ std::expected<Tool, ToolError> make_tool(std::vector<ToolPiece> cutting,
     tool.whole_length_mm = std::max(tool.whole_length_mm, e.z1_mm);
     tool.whole_radius_mm = std::max(tool.whole_radius_mm, e.radius_mm);
   }
+  std::vector<ToolPiece> all = cutting;
+  all.insert(all.end(), non_cutting.begin(), non_cutting.end());
+  tool.whole_parts = convex_parts(all);
+  tool.non_cutting_parts = convex_parts(non_cutting);
   tool.pieces = std::move(cutting);
   tool.non_cutting = std::move(non_cutting);
   return tool;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernel/piece/tool_piece.h"
+#include "kernel/tool/convex_part.h"
 #include "kernel/tool/tool_shape.h"
 
 namespace kerf {
@@ -21,6 +22,8 @@ struct Tool {
   std::vector<ToolPiece> non_cutting;  ///< shank and holder, upwards: they collide, never cut
   double whole_length_mm = 0;          ///< as length_mm and radius_mm, over all pieces
   double whole_radius_mm = 0;
+  std::vector<ConvexPart> whole_parts;        ///< of all pieces, for contact (convex_parts)
+  std::vector<ConvexPart> non_cutting_parts;  ///< likewise of shank and holder alone
   friend bool operator==(const Tool&, const Tool&) = default;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -192,7 +193,9 @@ std::string force_note(const Scene& scene) {
     const double steady_mm = steady_radial_mm(fields, s.pitch_mm, diameter_mm);
     out << std::exchange(separator, ", ") << "tool " << id << " ";
     if (steady_mm <= diameter_mm) {
-      out << std::setprecision(2) << steady_mm << " mm";
+      // Two digits, in plain decimals also from 100 mm on.
+      const double step = std::pow(10.0, std::floor(std::log10(steady_mm)) - 1);
+      out << std::setprecision(6) << std::round(steady_mm / step) * step << " mm";
     } else {
       out << "none";
       never = true;

@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "haptic_agent/plain_number.h"
+
 namespace kerf::agent {
 namespace {
 
@@ -29,6 +31,26 @@ TEST(ForceNotice, StatesTheEngagementFromWhichOnTheDeviceReducesTheForce) {
                            "down to 0.028", "tool 3 (180 mm², 90 N)", "both by one factor"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
   }
+}
+
+TEST(ForceNotice, LargeAndSmallNumbersArePlainDecimals) {
+  // 2.5 N over 0.0165 N/mm² is 151.5 mm².
+  const std::string text =
+      force_notice(welcome_of(CutLaw::kSpecificEnergy, 0.0165, 0), reference_settings(), 3, 123456);
+  for (const char* part : {"above 150 mm²", "(123000 mm², 2040 N)", "down to 0.0012"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
+  }
+  EXPECT_EQ(text.find("e+"), std::string::npos) << text;
+}
+
+TEST(PlainNumber, HasTheDigitsThatAreAskedFor) {
+  EXPECT_EQ(plain_number(151.5, 2), "150");
+  EXPECT_EQ(plain_number(99.6, 2), "100");
+  EXPECT_EQ(plain_number(9.96, 2), "10");
+  EXPECT_EQ(plain_number(0.0996, 2), "0.1");
+  EXPECT_EQ(plain_number(0.00001234, 2), "0.000012");
+  EXPECT_EQ(plain_number(-2.5, 3), "-2.5");
+  EXPECT_EQ(plain_number(0, 2), "0");
 }
 
 TEST(ForceNotice, ViscousLawIsLimitedByTheDampingOfTheDevice) {

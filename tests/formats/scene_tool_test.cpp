@@ -140,6 +140,12 @@ TEST(SceneTool, CanonicalTextReadsBackEqual) {
   }
 }
 
+TEST(SceneTool, ExplanationOfALargeToolHasPlainDecimals) {
+  const Scene scene = scene_of(R"("shape": "flat", "diameter_mm": 2000, "length_mm": 30)");
+  const std::string text = explain_scene(scene);
+  EXPECT_EQ(text.find("e+"), std::string::npos) << text;
+}
+
 TEST(SceneTool, ToolTextNamesShapeAndDimensions) {
   EXPECT_EQ(tool_text(scene_of(kBullNose).tools.at(1).shape),
             "bull nose, diameter 10 mm, length 30 mm, corner radius 1 mm");

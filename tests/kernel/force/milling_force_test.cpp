@@ -86,7 +86,7 @@ Vec3 model(const MillingSettings& m, double from_rad, double to_rad, double dept
   for (int i = 0; i < kSteps; ++i) {
     const double phi = from_rad + (to_rad - from_rad) * (i + 0.5) / kSteps;
     const double chip = feed * std::sin(phi);
-    const auto c = [chip](double n) { return chip * std::pow(std::max(chip, 1e-3), -n); };
+    const auto c = [chip](double n) { return chip * std::pow(std::max(chip, 5e-5), -n); };
     const EdgeCoefficients &k = m.cut_n_per_mm2, &e = m.chip_exponents;
     const double t = k.tangential * c(e.tangential) + m.edge_n_per_mm.tangential;
     const double r = k.radial * c(e.radial) + m.edge_n_per_mm.radial;
