@@ -3,7 +3,8 @@ import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
 import { reachesAll, rotated } from '../src/model/reach';
 import { ReachView } from '../src/view/reach_view';
-import type { Reach, Vec3 } from '../src/wire/types';
+import type { Reach } from '../src/wire/reach';
+import type { Vec3 } from '../src/wire/types';
 
 const stock = { min: [-50, -30, -20] as Vec3, max: [50, 30, 0] as Vec3 };
 

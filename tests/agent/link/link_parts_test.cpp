@@ -140,18 +140,6 @@ TEST(Control, HelloOmitsUnsetFields) {
     EXPECT_TRUE(replica.value(key, false)) << key;
 }
 
-TEST(Control, ReachIsStatedIfTheServerTakesIt) {
-  EXPECT_EQ(nlohmann::json::parse(hello_text({.name = "", .color = "", .reach = true}))["reach"],
-            true);
-  auto message = nlohmann::json::parse(welcome_text());
-  EXPECT_FALSE(std::get<Welcome>(*parse_control(message.dump())).takes_reach);
-  message["reach"] = true;
-  EXPECT_TRUE(std::get<Welcome>(*parse_control(message.dump())).takes_reach);
-  EXPECT_EQ(nlohmann::json::parse(reach_text({{1, 2, 3}, {4, 5, 6}, {0, 0, 0.5}, 0.1})),
-            nlohmann::json::parse(R"({"type":"reach","center_mm":[1.0,2.0,3.0],
-                "half_mm":[4.0,5.0,6.0],"turn_rad":[0.0,0.0,0.5],"scale":0.1})"));
-}
-
 TEST(Control, TheTokenIsPresentedAndNotInTheTextOfTheWelcome) {
   const auto hello = nlohmann::json::parse(hello_text({.name = "", .color = "", .resume = "abc"}));
   EXPECT_EQ(hello["resume"], "abc");

@@ -1,11 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "haptic_agent/link/control_message.h"
 #include "haptic_agent/link/traffic.h"
+#include "tests/agent/link/fake_server.h"
 
 namespace kerf::agent {
 namespace {
+
+TEST(Control, ReachIsStatedIfTheServerTakesIt) {
+  EXPECT_EQ(nlohmann::json::parse(hello_text({.name = "", .color = "", .reach = true}))["reach"],
+            true);
+  auto message = nlohmann::json::parse(welcome_text());
+  EXPECT_FALSE(std::get<Welcome>(*parse_control(message.dump())).takes_reach);
+  message["reach"] = true;
+  EXPECT_TRUE(std::get<Welcome>(*parse_control(message.dump())).takes_reach);
+  EXPECT_EQ(nlohmann::json::parse(reach_text({{1, 2, 3}, {4, 5, 6}, {0, 0, 0.5}, 0.1})),
+            nlohmann::json::parse(R"({"type":"reach","center_mm":[1.0,2.0,3.0],
+                "half_mm":[4.0,5.0,6.0],"turn_rad":[0.0,0.0,0.5],"scale":0.1})"));
+}
 
 TEST(TrafficReach, IsStatedWhenItChangesAndOnEachConnectionThatTakesIt) {
   SampleRing ring;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where a participant's device reaches in the block.
 
-import type { Reach, Vec3 } from '../wire/types';
+import type { Reach } from '../wire/reach';
+import type { Vec3 } from '../wire/types';
 
 /** Rotates by a rotation vector (Rodrigues). */
 export function rotated(v: Vec3, turn: Vec3): Vec3 {

@@ -4,7 +4,8 @@
 
 import * as THREE from 'three';
 import { reachesAll } from '../model/reach';
-import type { Reach, Vec3 } from '../wire/types';
+import type { Reach } from '../wire/reach';
+import type { Vec3 } from '../wire/types';
 
 const OPACITY = 0.35;
 

@@ -5,6 +5,7 @@
 
 import { colorOf, InvalidField, list, number, numbers, object, text } from './json_fields';
 import type { Json } from './json_fields';
+import type { Reach } from './reach';
 import type {
   Decoded,
   ParticipantInfo,
@@ -12,7 +13,6 @@ import type {
   Pin,
   ProgramInfo,
   ProgramState,
-  Reach,
   ServerMessage,
   ShownCamera,
   Stock,

@@ -3,6 +3,8 @@
 // server/wire/README.md, with the unit as suffix. u64 fields are bigint, because number is exact
 // only up to 2^53.
 
+import type { Reach } from './reach';
+
 export const MAGIC = 0x3146524b; // the bytes 'KRF1'
 export const HEADER_BYTES = 32;
 export const HEADER_BYTES_MAX = 256; // a header may grow in a later minor version
@@ -179,17 +181,6 @@ export type Decoded<T> = { ok: true; value: T } | { ok: false; error: DecodeErro
 
 export type ParticipantKind = 'agent' | 'program' | 'viewer';
 
-/** Where a device can bring the tip of its tool: a box in the block, which may be turned. */
-export interface Reach {
-  center_mm: Vec3;
-  /** Half of its edges. */
-  half_mm: Vec3;
-  /** Rotation vector: turns the box about its center. */
-  turn_rad: Vec3;
-  /** Millimeters in the block per millimeter of the device. */
-  scale: number;
-}
-
 export interface ParticipantInfo {
   participant: number;
   name: string;
@@ -200,8 +191,7 @@ export interface ParticipantInfo {
   role?: string;
   /** Its motions are rejected. */
   muted?: boolean;
-  /** Of an agent whose device states it. */
-  reach?: Reach;
+  reach?: Reach; // of an agent whose device states it
 }
 
 /** A step of an outline: a straight line to a point (r, h), or an arc. */
