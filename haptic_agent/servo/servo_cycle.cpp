@@ -392,7 +392,7 @@ void ServoCycle::note(const SafetyInput& seen, const Wrench& requested) noexcept
 
 void ServoCycle::note_heard(const SafetyInput& seen, bool usable) noexcept {
   heard_.write(
-      {.running = usable && seen.cutting,
+      {.running = usable && seen.cutting && !hand_.is_away(),
        .force_n = heard_n_,
        .removed_mm3_per_s = engaged_mm2_ * seen.tip_mm_per_s * hand_.map().mapping().scale});
 }
