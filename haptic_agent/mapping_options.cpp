@@ -72,7 +72,7 @@ bool reaches(const WorkspaceMapping& mapping, const SpaceBox& workspace, const S
   return true;
 }
 
-/// What is to be said of the fit; empty: nothing.
+/// Returns a remark about the fit; empty if none is needed.
 std::string fit_remark(const MappingOptions& options, const WorkspaceMapping& mapping,
                        const SpaceBox& workspace, const SpaceBox& stock) {
   if (!workspace.has_volume()) {

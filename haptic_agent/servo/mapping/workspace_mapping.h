@@ -99,7 +99,7 @@ class SpaceMap {
   std::array<Vec3, 3> rows_{};
 };
 
-/// What a user asks for.
+/// A request of the user.
 struct MappingChoice {
   double scale = 1;
   /// Fit the stock to the workspace, if that is known, in place of `scale`.

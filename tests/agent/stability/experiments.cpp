@@ -52,13 +52,6 @@ Vec3 pressing(const Press& press, double time_s) {
   return press.sideways ? Vec3{-3 + depth, 0, -10} : Vec3{15, 0, -depth};
 }
 
-/// The mapping of the device, about the point at which the tool touches the surface.
-WorkspaceMapping mapping_of(const Press& press) {
-  WorkspaceMapping mapping = press.mapping;
-  mapping.device_mm = mapping.block_mm = press.sideways ? Vec3{-3, 0, -10} : Vec3{15, 0, 0};
-  return mapping;
-}
-
 constexpr const char* kCarvingScene = R"({"name":"carving",
     "stock":{"shape":"box","min_mm":[-30,-30,-20],"max_mm":[30,30,0]},
     "accuracy":{"rays":"dexel","pitch_mm":0.25,"tolerance_mm":0.01,"motion":"tight"},
@@ -112,17 +105,10 @@ SwingOutcome swing(const Swing& swing) {
 }
 
 PressOutcome press(const Press& press) {
-  // The hand moves as far as it does without a mapping, in the direction that leads to the surface.
-  const WorkspaceMapping mapping = mapping_of(press);
-  WorkspaceMapping turn = mapping;
-  turn.scale = 1;
-  const SpaceMap path(turn);
-  Plant plant([&](double time_s) { return path.to_device(pressing(press, time_s)); },
-              press.mechanics, false);
+  Plant plant([&](double time_s) { return pressing(press, time_s); }, press.mechanics, false);
   if (press.ignores_latency) plant.declare_latency(0);
   if (press.ignores_inertia) plant.declare_inertia(1);
-  TestBed bed(press_scene(press.obstacle, press.guides), plant, {.mapping = {.at_start = mapping}},
-              press.line, true);
+  TestBed bed(press_scene(press.obstacle, press.guides), plant, {}, press.line, true);
   const int ticks = static_cast<int>((kRestS + kPressS + kHeldS) * 1000);
   double most_n = 0;
   for (int i = 0; i < ticks; ++i) {

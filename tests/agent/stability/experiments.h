@@ -64,8 +64,6 @@ struct Press {
   bool ignores_latency = false;  ///< the device declares none
   bool ignores_inertia = false;  ///< the device declares one so great that no limit follows
   std::string guides = {};       ///< JSON list; there is no surface then, only the guides push
-  /// Of the device; the point of the surface that is pressed stays where it is.
-  WorkspaceMapping mapping = {};
 };
 struct PressOutcome {
   double returned_mj = 0;    ///< most over any interval, in the plant

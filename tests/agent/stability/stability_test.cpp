@@ -69,34 +69,6 @@ TEST(Stability, PressedToolRestsAtAnyLatencyOfTheDevice) {
   }
 }
 
-TEST(Stability, PressedToolRestsBehindAMapping) {
-  for (const WorkspaceMapping& mapping :
-       {WorkspaceMapping{.scale = 0.025, .gain = 1}, WorkspaceMapping{.scale = 0.025, .gain = 40},
-        WorkspaceMapping{.scale = 1, .gain = 5, .turn_rad = {0, 0, 2}},
-        WorkspaceMapping{.scale = 8, .gain = 1}, WorkspaceMapping{.scale = 2, .gain = 5}}) {
-    for (const char* guides : {"", kPressedGuides[0], kPressedGuides[5]}) {
-      double most_n = 0;
-      for (Press p : presses()) {
-        if (*guides != '\0' && p.obstacle) continue;
-        p.mapping = mapping;
-        p.guides = guides;
-        const PressOutcome outcome = press(p);
-        const std::string which =
-            "scale " + std::to_string(mapping.scale) + ", gain " + std::to_string(mapping.gain) +
-            ", " + std::to_string(p.mechanics.latency_us) + " us, " +
-            std::to_string(p.mechanics.mass_kg) + " kg" + (p.sideways ? ", sideways, " : ", ") +
-            (p.obstacle ? "obstacle" : "stock") + guides;
-        EXPECT_LE(outcome.buzz_mm_per_s, 5) << which;
-        EXPECT_LE(outcome.returned_mj, PassivitySettings{}.tank_mj) << which;
-        EXPECT_EQ(outcome.trips, 0U) << which;
-        most_n = std::max(most_n, outcome.most_force_n);
-      }
-      EXPECT_GT(most_n, 0.02 * std::min(1.0, mapping.gain * mapping.scale))
-          << mapping.scale << guides << ": the test requires a contact";
-    }
-  }
-}
-
 TEST(Stability, PressedToolBuzzesIfTheDeviceDeclaresNoLatency) {
   double worst = 0;
   for (Press p : presses()) {
