@@ -8,8 +8,8 @@
 namespace kerf::agent {
 namespace {
 
-constexpr double kSPerUs = 1e-6;
-constexpr std::uint64_t kTickUs = 1000;
+constexpr double kSecondsPerUs = 1e-6;
+constexpr std::uint64_t kPeriodUs = 1000;
 /// Share of a device's stable stiffness and damping that is used.
 constexpr double kStableShare = 0.5;
 /// Share of mass / delay up to which a damper may be set.
@@ -19,7 +19,7 @@ constexpr double kTickS = 1e-3;
 /// Gains that follow from the device's mass and latency: those of the dampers act a latency and a
 /// period late, and what they may take from the least mass in that time is limited.
 void adapt_to_mechanics(const DeviceCapabilities& device, ServoSettings& settings) {
-  const double latency_s = static_cast<double>(device.latency_us) * kSPerUs;
+  const double latency_s = static_cast<double>(device.latency_us) * kSecondsPerUs;
   const double filter_s = 1 / (2 * std::numbers::pi * settings.velocity_cutoff_hz);
   ContactLimits& contact = settings.model.contact;
   contact.force_delay_s = latency_s + kTickS;
@@ -54,7 +54,7 @@ ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings setti
   settings.resolution_mm = device.resolution_mm;
   settings.resolution_rad = device.resolution_rad;
   adapt_to_mechanics(device, settings);
-  settings.passivity.longest_tick_us = settings.safety.lost_in_a_row * kTickUs;
+  settings.passivity.longest_tick_us = settings.safety.lost_in_a_row * kPeriodUs;
   settings.safety.continuous_force_n = device.continuous_force_n;
   settings.safety.continuous_torque_nmm = device.continuous_torque_nmm;
   settings.safety.workspace_min_mm = device.workspace_min_mm;
