@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/force/obstacle_patch.h"
 #include "kernel/force/signed_distance.h"
 
 namespace kerf {
@@ -182,8 +183,19 @@ std::string check_shape(const MeshObstacle& m) {
   return {};
 }
 
-/// Calls visit(obstacle, p, distance of p and direction of the push) for the deepest point p of
-/// each piece against each obstacle whose bounding ball is nearer to the tool's than `reach_mm`.
+/// Returns the contact plane of a piece with an obstacle.
+ContactPlane plane_of(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle) {
+  const Vec3 p = deepest_point(piece, pose, obstacle);
+  SignedDistance at = distance(obstacle, p);
+  if (at.distance_mm < 0) at.outward = push_direction(piece, pose, obstacle, p, at.outward);
+  ContactPlane plane{
+      p, at.outward, -at.distance_mm, obstacle.stiffness_n_per_mm, 2 * kContactReachMm, false};
+  if (plane.depth_mm > 0) obstacle_patch(piece, pose, obstacle, p).place(plane);
+  return plane;
+}
+
+/// Calls visit(plane) for each piece with each obstacle whose bounding ball is nearer to the tool's
+/// than `reach_mm`.
 template <typename Bounded, typename Visit>
 void each_piece(const std::vector<Bounded>& obstacles, const Tool& tool, const ToolPose& pose,
                 double reach_mm, Visit visit) {
@@ -193,10 +205,7 @@ void each_piece(const std::vector<Bounded>& obstacles, const Tool& tool, const T
     if (length(tool_middle - b.center_mm) > tool_radius + b.radius_mm) continue;
     for (const auto* pieces : {&tool.pieces, &tool.non_cutting}) {
       for (const ToolPiece& piece : *pieces) {
-        const Vec3 p = deepest_point(piece, pose, b.obstacle);
-        SignedDistance at = distance(b.obstacle, p);
-        if (at.distance_mm < 0) at.outward = push_direction(piece, pose, b.obstacle, p, at.outward);
-        visit(b.obstacle, p, at);
+        visit(plane_of(piece, pose, b.obstacle));
       }
     }
   }
@@ -219,24 +228,16 @@ Obstacles::Obstacles(std::vector<Obstacle> obstacles) {
 }
 
 Wrench Obstacles::push(const Tool& tool, const ToolPose& pose, double pivot_mm) const {
-  Wrench sum;
-  const Vec3 pivot = pose.tip_mm + pose.axis * pivot_mm;
-  each_piece(obstacles_, tool, pose, 0, [&](const Obstacle& o, Vec3 p, const SignedDistance& d) {
-    if (d.distance_mm >= 0) return;
-    const Vec3 f = d.outward * (-d.distance_mm * o.stiffness_n_per_mm);
-    sum = sum + Wrench{f, cross(p - pivot, f)};
-  });
-  sum.torque_nmm = sum.torque_nmm - pose.axis * dot(sum.torque_nmm, pose.axis);
-  return sum;
+  std::vector<ContactPlane> all;
+  each_piece(obstacles_, tool, pose, 0, [&](const ContactPlane& plane) { all.push_back(plane); });
+  return wrench_of(all, pose, pivot_mm);
 }
 
 void Obstacles::planes(const Tool& tool, const ToolPose& pose,
                        std::vector<ContactPlane>& out) const {
-  const auto visit = [&](const Obstacle& o, Vec3 p, const SignedDistance& d) {
-    if (d.distance_mm >= kContactReachMm) return;
-    out.push_back({p, d.outward, -d.distance_mm, o.stiffness_n_per_mm, 2 * kContactReachMm, false});
-  };
-  each_piece(obstacles_, tool, pose, kContactReachMm, visit);
+  each_piece(obstacles_, tool, pose, kContactReachMm, [&](const ContactPlane& plane) {
+    if (plane.depth_mm > -kContactReachMm) out.push_back(plane);
+  });
 }
 
 }  // namespace kerf

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "kernel/dexel/stock_column.h"
+#include "kernel/force/contact_patch.h"
+#include "kernel/force/stock_faces.h"
 #include "kernel/math/tolerance.h"
 #include "kernel/piece/bounds.h"
 
@@ -131,11 +133,18 @@ class PlacedPiece {
 struct Overlap {
   double depth = 0;
   Vec3 deepest, deepest_outward;
-  double weight = 0;
-  Vec3 moment, outward;  ///< sums over samples by their weight
+  PatchSum patch;
+  Vec3 outward;  ///< sum over samples by their weight
+  StockFaces faces;
 
-  Vec3 point() const { return weight > 0 ? moment * (1 / weight) : deepest; }
-  Vec3 direction() const { return outward == Vec3{} ? deepest_outward : outward; }
+  Vec3 point() const { return patch.weight() > 0 ? patch.center_mm() : deepest; }
+  /// Returns the direction of the push: that of the stock's faces, as far as there are any, towards
+  /// which the tool's own surface is turned.
+  Vec3 push() const {
+    const Vec3 own = normalized(outward == Vec3{} ? deepest_outward : outward) * -1;
+    const Vec3 face = faces.towards(own);
+    return face == Vec3{} ? own : face;
+  }
 };
 
 /// Contact of one piece with one field, in the field's frame.
@@ -180,7 +189,11 @@ class FieldContact {
     for (std::int32_t j = first(j0_, j1_); j < j1_; j += step) {
       for (std::int32_t i = first(i0_, i1_); i < i1_; i += step) {
         const double x = grid_.x_mm(i), y = grid_.y_mm(j);
-        each_solid(i, j, [&](Heights z) { add_sample(x, y, z, double(step) * step, found); });
+        each_solid(i, j, [&](Heights z) {
+          const Heights inside = add_sample(x, y, z, double(step) * step, found);
+          if (inside.lo < inside.hi)
+            found.faces.add(field_, i, j, inside.lo, inside.hi, double(step) * step);
+        });
       }
     }
   }
@@ -234,9 +247,10 @@ class FieldContact {
     });
   }
 
-  void add_sample(double x, double y, Heights z, double area, Overlap& found) const {
+  /// Returns the heights of the column that are inside the piece.
+  Heights add_sample(double x, double y, Heights z, double area, Overlap& found) const {
     const Deepest d = piece_.least(x, y, z, 0);
-    if (!(d.outside < 0)) return;
+    if (!(d.outside < 0)) return {1, 0};
     const auto edge = [&](double in, double out) {
       if (piece_.at({x, y, out}) <= 0) return out;
       for (int i = 0; i < 24; ++i) {
@@ -249,10 +263,10 @@ class FieldContact {
     const Vec3 p{x, y, (bottom + top) / 2};
     Vec3 outward;
     const double weight = -piece_.at(p, &outward) * (top - bottom) * area;
-    if (!(weight > 0)) return;
-    found.weight += weight;
-    found.moment = found.moment + from_frame(grid_.axis, p) * weight;
+    if (!(weight > 0)) return {1, 0};
+    found.patch.add(from_frame(grid_.axis, p), weight);
     found.outward = found.outward + from_frame(grid_.axis, outward) * weight;
+    return {bottom, top};
   }
 
   const DexelField& field_;
@@ -295,7 +309,7 @@ StockContact stock_contact(const Tool& tool, const ToolPose& pose,
     const double depth = found.depth - allowance_mm;
     if (!(depth > 0)) continue;
     sum.depth_mm = std::max(sum.depth_mm, depth);
-    const Vec3 f = normalized(found.direction()) * (-depth * settings.contact_stiffness_n_per_mm);
+    const Vec3 f = found.push() * (depth * settings.contact_stiffness_n_per_mm);
     sum.wrench = sum.wrench + Wrench{f, cross(found.point() - pivot, f)};
   }
   Vec3& torque = sum.wrench.torque_nmm;
@@ -310,8 +324,9 @@ void stock_planes(std::span<const ToolPiece> pieces, const ToolPose& pose,
     const Overlap found = overlap(piece, pose, fields, allowance_mm, true);
     const double depth = found.depth - allowance_mm;
     if (!(depth > 0)) continue;
-    out.push_back({found.point(), normalized(found.direction()) * -1, depth,
-                   settings.contact_stiffness_n_per_mm, kContactReachMm, true});
+    out.push_back({found.point(), found.push(), depth, settings.contact_stiffness_n_per_mm,
+                   kContactReachMm, true});
+    if (!touches_with_a_point(piece)) found.patch.place(out.back());
   }
 }
 
