@@ -64,6 +64,10 @@ struct DeviceCapabilities {
   /// Greatest time from the measurement of a pose until a wrench that was computed from it acts, in
   /// addition to the loop's period: transfers in both directions, drivers, current control.
   std::uint64_t latency_us = 0;
+  /// Quantum of the measured tip and axis: the poses are rounded to about multiples of it; 0:
+  /// unknown.
+  double resolution_mm = 0;
+  double resolution_rad = 0;
   /// Least mass that a force at the pivot moves, and least inertia about the pivot across the
   /// tool's axis, of the device alone, which a user may let go; 0: unknown.
   double moving_mass_kg = 0;

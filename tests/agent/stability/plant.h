@@ -19,10 +19,12 @@ namespace kerf::agent {
 struct PlantMechanics {
   double mass_kg = 0.1;
   double inertia_kg_m2 = 1e-4;
-  double hand_n_per_mm = 0.5;  ///< critically damped, as is the rotation
+  double hand_n_per_mm = 0.5;
   double hand_nmm_per_rad = 300;
+  double damping_ratio = 1;  ///< of the hand, and of its rotation; 1: critical
   std::uint64_t latency_us = 0;
   double pivot_mm = 60;
+  Vec3 axis{0, 0, 1};  ///< to which the hand turns the tool; unit
 };
 
 /// A device of five degrees of freedom, held by a spring-damper hand that follows a target. The
@@ -30,13 +32,13 @@ struct PlantMechanics {
 /// steps of 0.125 ms, as the motors and the hand see it.
 class Plant final : public HapticDevice {
  public:
-  using Target = std::function<Vec3(double time_s)>;  ///< of the tip; the axis stays +z
+  using Target = std::function<Vec3(double time_s)>;  ///< of the tip
 
   Plant(Target target, const PlantMechanics& mechanics, bool cutting)
       : target_(std::move(target)),
         m_(mechanics),
         buttons_(cutting ? wire::kButtonCutting : 0U),
-        grip_{target_(0) + Vec3{0, 0, mechanics.pivot_mm}, {0, 0, 1}} {}
+        grip_{target_(0) + mechanics.axis * mechanics.pivot_mm, mechanics.axis} {}
 
   DeviceCapabilities capabilities() const override {
     return {.name = "plant",
@@ -101,14 +103,14 @@ class Plant final : public HapticDevice {
     }
     const double dt = kStepUs * 1e-6;
     const double time_s = static_cast<double>(now_us_ - start_us_) * 1e-6;
-    const Vec3 goal = target_(time_s) + Vec3{0, 0, m_.pivot_mm};
-    const double damping = 2 * std::sqrt(m_.hand_n_per_mm * m_.mass_kg / kMmPerM);
+    const Vec3 goal = target_(time_s) + m_.axis * m_.pivot_mm;
+    const double damping =
+        2 * m_.damping_ratio * std::sqrt(m_.hand_n_per_mm * m_.mass_kg / kMmPerM);
     const Vec3 pull = (goal - grip_.pivot_mm) * m_.hand_n_per_mm - v_.linear * damping;
     v_.linear = v_.linear + (pull + acting_.force_n) * (kMmPerM / m_.mass_kg * dt);
     const double inertia = m_.inertia_kg_m2 * kMmPerM;  // N mm s^2
-    const double turn_damping = 2 * std::sqrt(m_.hand_nmm_per_rad * inertia);
-    const Vec3 twist =
-        cross(grip_.axis, Vec3{0, 0, 1}) * m_.hand_nmm_per_rad - v_.angular * turn_damping;
+    const double turn_damping = 2 * m_.damping_ratio * std::sqrt(m_.hand_nmm_per_rad * inertia);
+    const Vec3 twist = cross(grip_.axis, m_.axis) * m_.hand_nmm_per_rad - v_.angular * turn_damping;
     v_.angular = v_.angular + (twist + acting_.torque_nmm) * (dt / inertia);
     v_.angular = v_.angular - grip_.axis * dot(grip_.axis, v_.angular);
     grip_.pivot_mm = grip_.pivot_mm + v_.linear * dt;
