@@ -89,6 +89,7 @@ CLI::Validator number_in(double least, double most, Numbers numbers = Numbers::k
 struct Texts {
   std::string mode = "model";
   double latency_ms = 0;
+  std::string profile;
   std::string server = "http://localhost:8080";
   std::string token_file;
   std::vector<std::string> devices;
@@ -130,6 +131,10 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
                  "longer than its driver declares (kerf-agent doctor measures it)")
       ->type_name("MS")
       ->check(number_in(0.0, kMaxLatencyMs));
+  app.add_option("--profile", texts.profile,
+                 "file of kerf-agent doctor --identify: the device's measured latency, mass and "
+                 "resolution, in place of what its driver declares")
+      ->type_name("FILE");
   app.add_flag_callback(
       "--no-copy", [&options] { options.keep_copy = false; },
       "in mode model, render the server's answers only. Otherwise a replica of the block near the "
@@ -256,6 +261,11 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   options.link.token = *std::move(token);
   options.mode = kModes.at(texts.mode);
   options.latency_us = static_cast<std::uint64_t>(texts.latency_ms * kUsPerMs);
+  if (!texts.profile.empty()) {
+    auto profile = read_profile(texts.profile);
+    if (!profile) return reject("--profile: " + profile.error());
+    options.profile = *std::move(profile);
+  }
   for (const std::string& text : texts.devices) {
     auto device = choose_device(text);
     if (!device) return reject(device.error());

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <expected>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "haptic_agent/device/device_choice.h"
+#include "haptic_agent/device/device_profile.h"
 #include "haptic_agent/link/server_link.h"
 #include "haptic_agent/servo/servo_cycle.h"
 
@@ -22,6 +24,8 @@ struct Options {
   ForceMode mode = ForceMode::kModel;
   /// Declared latency of the device; ignored if its driver declares a longer one.
   std::uint64_t latency_us = 0;
+  /// Measured values of the device, in place of those that its driver declares.
+  std::optional<DeviceProfile> profile;
   /// Factor of the session's guides, 0 to 1.
   double guide_strength = 1;
   /// In mode model: maintain a replica of the block near the tool and render its forces.

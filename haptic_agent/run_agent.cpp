@@ -20,6 +20,7 @@
 #include "haptic_agent/summary.h"
 #include "haptic_agent/terminal_view.h"
 #include "haptic_agent/trip_log.h"
+#include "haptic_agent/z_width.h"
 
 namespace kerf::agent {
 namespace {
@@ -112,11 +113,16 @@ bool write_status(const std::string& where, const Summary& summary) {
   return static_cast<bool>(file);
 }
 
+/// What the device declares, what its profile has measured, and the latency of the command line.
+DeviceCapabilities capabilities_of(const HapticDevice& device, const Options& options) {
+  DeviceCapabilities capabilities = with_profile(device.capabilities(), options.profile);
+  capabilities.latency_us = std::max(capabilities.latency_us, options.latency_us);
+  return capabilities;
+}
+
 ServoSettings servo_settings(const Options& options, const Welcome& welcome,
                              const HapticDevice& device, std::uint32_t tool) {
-  DeviceCapabilities capabilities = device.capabilities();
-  capabilities.latency_us = std::max(capabilities.latency_us, options.latency_us);
-  return settings_for(capabilities,
+  return settings_for(capabilities_of(device, options),
                       {.limits = options.limits,
                        .tool_id = tool,
                        .duration_us = static_cast<std::uint64_t>(options.duration_s * kUsPerS),
@@ -144,16 +150,20 @@ ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange
   return &exchange;
 }
 
-/// Tells the user of the session's guides, and if cuts are softer than computed, or with the first
-/// tool may exceed the device.
+/// Tells the user of the session's guides and of the device's Z-width, and if cuts are softer than
+/// computed, or with the first tool may exceed the device.
 void notify_of_force(const std::expected<BlockSource, std::string>& block, const Welcome& welcome,
-                     const ServoSettings& settings, const std::string& guides) {
+                     const ServoSettings& settings, const std::string& z_width,
+                     const std::string& guides) {
   if (!guides.empty()) print_line(guides);
-  if (const std::string notice = grip_notice(settings); !notice.empty()) print_line(notice);
+  const auto print_if = [](const std::string& notice) {
+    if (!notice.empty()) print_line(notice);
+  };
+  print_if(z_width);
+  print_if(grip_notice(settings));
   if (!block) return;
   const std::uint32_t tool = settings.tool_id;
-  const std::string notice = force_notice(welcome, settings, tool, block->full_cut_mm2(tool));
-  if (!notice.empty()) print_line(notice);
+  print_if(force_notice(welcome, settings, tool, block->full_cut_mm2(tool)));
 }
 
 /// Starts to play what the servo hears, if that is asked for and can be.
@@ -259,7 +269,9 @@ int run_agent(Options options) {
   const ServoSettings settings = servo_settings(options, *welcome, device, *tool);
   auto block = BlockSource::read(welcome->text);
   const Spindle spindle = block ? spindle_of(block->force()) : Spindle{};
-  notify_of_force(block, *welcome, settings, guide_notice(*guides, options.guide_strength));
+  notify_of_force(block, *welcome, settings,
+                  z_width_notice(capabilities_of(device, options), settings),
+                  guide_notice(*guides, options.guide_strength));
   GuideModel guidance(*guides, settings, options.guide_strength);
   ServoCycle cycle(device, samples, wrenches, link, settings,
                    keep_copy ? start_replica(replica, exchange, std::move(block)) : nullptr,
