@@ -93,6 +93,7 @@ struct Texts {
   std::string mode = "model";
   double interval_s = 5;
   double latency_ms = 0;
+  std::string profile;
   std::string server = "http://localhost:8080";
   std::string token_file;
   std::vector<std::string> devices;
@@ -165,6 +166,10 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
   app.add_flag("--always-cut", options.always_cut,
                "for a device without a button: the tool cuts whenever the force is on, and only "
                "touches while it is off");
+  app.add_option("--profile", texts.profile,
+                 "file of kerf-agent doctor --identify: the device's measured latency, mass and "
+                 "resolution, in place of what its driver declares")
+      ->type_name("FILE");
   app.add_flag_callback(
       "--no-copy", [&options] { options.keep_copy = false; },
       "in mode model, render the server's answers only. Otherwise a replica of the block near the "
@@ -333,6 +338,11 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   options.study.interval_ticks = static_cast<std::uint64_t>(texts.interval_s * kTicksPerS);
   if (!options.study_file.empty() && (options.view || texts.devices.size() > 1)) {
     return reject("--study takes the terminal for one device: leave --view and others out");
+  }
+  if (!texts.profile.empty()) {
+    auto profile = read_profile(texts.profile);
+    if (!profile) return reject("--profile: " + profile.error());
+    options.profile = *std::move(profile);
   }
   for (const std::string& text : texts.devices) {
     auto device = choose_device_or_recording(text);

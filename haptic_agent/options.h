@@ -2,10 +2,12 @@
 #pragma once
 
 #include <expected>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "haptic_agent/device/device_choice.h"
+#include "haptic_agent/device/device_profile.h"
 #include "haptic_agent/link/server_link.h"
 #include "haptic_agent/mapping_options.h"
 #include "haptic_agent/servo/servo_cycle.h"
@@ -27,6 +29,8 @@ struct Options {
   /// The tool cuts whenever force is permitted, for a device without a button.
   bool always_cut = false;
   MappingOptions mapping;
+  /// Measured values of the device, in place of those that its driver declares.
+  std::optional<DeviceProfile> profile;
   /// Factor of the session's guides, 0 to 1.
   double guide_strength = 1;
   /// In mode model: maintain a replica of the block near the tool and render its forces.

@@ -22,6 +22,7 @@
 #include "haptic_agent/summary.h"
 #include "haptic_agent/terminal_view.h"
 #include "haptic_agent/trip_log.h"
+#include "haptic_agent/z_width.h"
 
 namespace kerf::agent {
 namespace {
@@ -149,9 +150,10 @@ bool write_status(const std::string& where, const Summary& summary) {
   return static_cast<bool>(file);
 }
 
-/// The device's capabilities, with what the command line adds.
+/// The device's capabilities: what it declares, what its profile has measured, and what the command
+/// line adds.
 DeviceCapabilities rated_by(const Options& options, const HapticDevice& device) {
-  DeviceCapabilities capabilities = device.capabilities();
+  DeviceCapabilities capabilities = with_profile(device.capabilities(), options.profile);
   capabilities.latency_us = std::max(capabilities.latency_us, options.latency_us);
   capabilities.always_cut = capabilities.always_cut || options.always_cut;
   return capabilities;
@@ -194,16 +196,20 @@ ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange
   return &exchange;
 }
 
-/// Tells the user of the session's guides, and if cuts are softer than computed, or with the first
-/// tool may exceed the device.
+/// Tells the user of the session's guides and of the device's Z-width, and if cuts are softer than
+/// computed, or with the first tool may exceed the device.
 void notify_of_force(const std::expected<BlockSource, std::string>& block, const Welcome& welcome,
-                     const ServoSettings& settings, const std::string& guides) {
-  if (!guides.empty()) print_line(guides);
-  if (const std::string notice = grip_notice(settings); !notice.empty()) print_line(notice);
+                     const ServoSettings& settings, const HapticDevice& device,
+                     const Options& options, const std::vector<Guide>& guides) {
+  const auto print_if = [](const std::string& notice) {
+    if (!notice.empty()) print_line(notice);
+  };
+  print_if(guide_notice(guides, options.guide_strength));
+  print_if(z_width_notice(rated_by(options, device), settings));
+  print_if(grip_notice(settings));
   if (!block) return;
   const std::uint32_t tool = settings.tool_id;
-  const std::string notice = force_notice(welcome, settings, tool, block->full_cut_mm2(tool));
-  if (!notice.empty()) print_line(notice);
+  print_if(force_notice(welcome, settings, tool, block->full_cut_mm2(tool)));
 }
 
 /// Starts to play what the servo hears, if that is asked for and can be.
@@ -311,7 +317,7 @@ int run_agent(Options options) {
   const ServoSettings settings = servo_settings(options, *welcome, device, *tool, *mapping);
   auto block = BlockSource::read(welcome->text);
   const Spindle spindle = block ? spindle_of(block->force()) : Spindle{};
-  notify_of_force(block, *welcome, settings, guide_notice(*guides, options.guide_strength));
+  notify_of_force(block, *welcome, settings, device, options, *guides);
   GuideModel guidance(*guides, settings, options.guide_strength);
   ServoCycle cycle(device, samples, wrenches, link, settings,
                    keep_copy ? start_replica(replica, exchange, std::move(block)) : nullptr,

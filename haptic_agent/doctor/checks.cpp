@@ -15,6 +15,7 @@
 #include "haptic_agent/device/units.h"
 #include "haptic_agent/force_notice.h"
 #include "haptic_agent/realtime/clock.h"
+#include "haptic_agent/z_width.h"
 
 namespace kerf::agent {
 namespace {
@@ -165,6 +166,8 @@ std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s) {
     findings.push_back(judge_latency(device->capabilities(), device->command_echo()));
     const std::optional<Finding> grip = judge_grip(device->capabilities());
     if (grip) findings.push_back(*grip);
+    const DeviceCapabilities rated = device->capabilities();
+    findings.push_back({.what = z_width_notice(rated, settings_for(rated, {}))});
   }
   return findings;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +32,12 @@ std::string udev_rule(UsbId id);
 
 /// Waits until the device is ready, at most `wait_s`; then measures the latency of one with motors.
 std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s);
+
+/// Waits as check_device does, and identifies the device (Identification): writes its profile to
+/// `path` and returns the findings. `warn` is called with what it will do before it starts.
+std::vector<Finding> identify_device(const DeviceChoice& choice, double wait_s,
+                                     const std::string& path,
+                                     const std::function<void(const std::string&)>& warn);
 
 /// Judges the measured latency of a device with motors against the declared one.
 Finding judge_latency(const DeviceCapabilities& device, const CommandEcho& echo);

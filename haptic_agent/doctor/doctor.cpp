@@ -24,6 +24,7 @@ struct DoctorOptions {
   double seconds = 5;
   double wait_s = 10;
   bool load = false;
+  std::string profile{};
 };
 
 /// Accepts a number of seconds from `least` to kMeasureMaxS; shows no range in the help.
@@ -58,6 +59,11 @@ void describe(CLI::App& app, DoctorOptions& options) {
       ->type_name("S")
       ->check(seconds_in(0))
       ->capture_default_str();
+  app.add_option("--identify", options.profile,
+                 "find moving mass, friction, latency and resolution of the device by shaking it, "
+                 "about 20 s with up to 1 N; nobody may hold it. Writes FILE for kerf-agent "
+                 "--profile")
+      ->type_name("FILE");
   app.footer(
       "Exit status: 0 if nothing is missing, 1 if something is, 2 for an invalid command line.");
   app.add_flag("--load", options.load, "keep all cores busy during the measurement");
@@ -110,10 +116,20 @@ int examine(const DoctorOptions& options, std::ostream& out) {
     }
     server = *std::move(parsed);
   }
+  if (!options.profile.empty() && choices.size() != 1) {
+    out << "kerf-agent doctor: --identify needs exactly one --device\n";
+    return kBadOptions;
+  }
   Printer printer(out);
   for (const Finding& finding : judge_usb(survey_usb())) printer.print(finding);
   for (const DeviceChoice& choice : choices) {
     for (const Finding& finding : check_device(choice, options.wait_s)) printer.print(finding);
+  }
+  if (!options.profile.empty()) {
+    const auto warn = [&out](const std::string& text) { out << text << std::endl; };
+    for (const Finding& finding :
+         identify_device(choices.front(), options.wait_s, options.profile, warn))
+      printer.print(finding);
   }
   const RealtimeReport rights = probe_realtime();
   printer.print(judge_priority(rights));

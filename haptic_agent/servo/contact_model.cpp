@@ -11,9 +11,19 @@ namespace kerf::agent {
 
 namespace {
 
-/// Shares of the limits at which oscillation would begin.
+/// Share of the stiffness at which oscillation would begin.
 constexpr double kStiffnessShare = 0.8;
-constexpr double kDampingShare = 0.5;
+/// Share of mass / delay that a damper has: more, the less late the spring is than the damper.
+constexpr double kDampingShare = 0.4, kDampingSlope = 0.1;
+/// Ages of an answer over which a difference fades, and the least time, s. Where the contact moves
+/// on the tool, the difference is late stiffness, and what is late drives the tool.
+constexpr double kFadeAges = 2;
+constexpr double kLeastFadeS = 0.002;
+/// A greater difference is that of a contact which appears or ends, and fades slowly, N.
+constexpr double kStepN = 0.2;
+/// Friction of a tool on a surface, as a share of the normal force: that of steel on greased steel
+/// or dry wax. It is viscous up to the device's stable damping, so that it ends with the motion.
+constexpr double kFriction = 0.1;
 
 }  // namespace
 
@@ -28,10 +38,19 @@ ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 ar
   double damping = limits.max_damping;
   const double mass = moved_mass(limits, arm_mm, normal);
   if (mass > 0)
-    damping = std::min(damping, kDampingShare * mass / limits.velocity_delay_s / kMmPerM);
-  const double stable = kStiffnessShare * damping / limits.force_delay_s;
-  return {.stiffness = std::min({stiffness, limits.max_stiffness, share * stable}),
-          .damping = share * damping};
+    damping = std::min(
+        damping, (kDampingShare / limits.velocity_delay_s + kDampingSlope / limits.force_delay_s) *
+                     mass / kMmPerM);
+  double stable = damping / limits.force_delay_s;
+  if (mass > 0) {
+    // Of a free mass, with the damper that suits it best: found by simulation, within a tenth.
+    const double delays_s2 = limits.force_delay_s * limits.velocity_delay_s;
+    const double free = 0.25 * (1 + limits.force_delay_s / limits.velocity_delay_s);
+    stable = std::min(stable, free * mass / delays_s2 / kMmPerM);
+  }
+  return {
+      .stiffness = std::min({stiffness, limits.max_stiffness, share * kStiffnessShare * stable}),
+      .damping = share * damping};
 }
 
 ContactModel::Touches ContactModel::touches_at(const Grip& grip) const noexcept {
@@ -41,13 +60,18 @@ ContactModel::Touches ContactModel::touches_at(const Grip& grip) const noexcept 
   for (std::uint32_t i = 0; i < answer_.plane_count; ++i) {
     const wire::ContactPlane& plane = answer_.planes[i];
     if ((plane.flags & flags_) == 0) continue;
+    if ((plane.flags & wire::kContactContinues) == 0 || touches.contacts == 0) ++touches.contacts;
+    const std::uint32_t contact = touches.contacts - 1;
+    touches.points[contact] += 1;
     const Vec3 arm = rotated(plane.point_mm - then_.pivot_mm, turn);
     const Vec3 moved = grip.pivot_mm + arm - plane.point_mm;
     const double depth = static_cast<double>(plane.depth_mm) - dot(Vec3(plane.normal), moved);
     // Beyond its radius the plane's force fades to zero over another radius.
     const double fade =
         std::clamp(2 - length(moved) / static_cast<double>(plane.radius_mm), 0.0, 1.0);
-    if (depth > 0 && fade > 0) touches.all[touches.count++] = {&plane, arm, depth, fade};
+    if (!(depth > 0) || !(fade > 0)) continue;
+    touches.all[touches.count++] = {&plane, arm, depth, fade, contact};
+    touches.depths_mm[contact] += depth * fade;
   }
   return touches;
 }
@@ -56,17 +80,27 @@ template <typename Gains>
 Wrench ContactModel::push(const Touches& touches, Vec3 axis, const Twist& velocity,
                           const Gains& gains) noexcept {
   const auto touched = std::span(touches.all).first(touches.count);
+  const auto load_of = [&](std::uint32_t c) { return touches.depths_mm[c] / touches.points[c]; };
   double load = 0;
-  for (const Touch& touch : touched) load += touch.depth_mm * touch.fade;
+  for (std::uint32_t c = 0; c < touches.contacts; ++c) load += load_of(c);
   Wrench sum;
   for (const Touch& touch : touched) {
     const Vec3 normal(touch.plane->normal);
-    const ContactGains g = gains(*touch.plane, touch.arm_mm, touch.depth_mm * touch.fade / load);
-    const double speed = dot(normal, velocity.at(touch.arm_mm));
+    const auto along = [&](Vec3 direction) {
+      return gains(*touch.plane, touch.arm_mm, direction, load_of(touch.contact) / load,
+                   touches.points[touch.contact]);
+    };
+    const ContactGains g = along(normal);
+    const Vec3 moves = velocity.at(touch.arm_mm);
+    const double speed = dot(normal, moves);
     // A contact pushes and never pulls.
     const double newtons =
         std::max(0.0, g.stiffness * touch.depth_mm - g.damping * speed) * touch.fade;
-    const Vec3 force = normal * newtons;
+    const Vec3 slides = moves - normal * speed;
+    const double slip = length(slides);
+    const double drag =
+        slip > 0 ? std::min(kFriction * newtons / slip, along(slides * (1 / slip)).damping) : 0;
+    const Vec3 force = normal * newtons - slides * drag;
     sum = sum + Wrench{force, cross(touch.arm_mm, force)};
   }
   sum.torque_nmm = sum.torque_nmm - axis * dot(sum.torque_nmm, axis);
@@ -76,14 +110,17 @@ Wrench ContactModel::push(const Touches& touches, Vec3 axis, const Twist& veloci
 Wrench ContactModel::damped(const Touches& touches, Vec3 axis,
                             const Twist& velocity) const noexcept {
   return push(touches, axis, velocity,
-              [this](const wire::ContactPlane& plane, Vec3 arm_mm, double share) {
-                return stable_gains(limits_, static_cast<double>(plane.stiffness_n_per_mm), arm_mm,
-                                    Vec3(plane.normal), share);
+              [this](const wire::ContactPlane& plane, Vec3 arm_mm, Vec3 direction, double share,
+                     double points) {
+                ContactLimits limits = limits_;
+                limits.max_stiffness /= points;
+                return stable_gains(limits, static_cast<double>(plane.stiffness_n_per_mm), arm_mm,
+                                    direction, share / points);
               });
 }
 
 Wrench ContactModel::undamped(const Touches& touches, Vec3 axis) noexcept {
-  return push(touches, axis, {}, [](const wire::ContactPlane& plane, Vec3, double) {
+  return push(touches, axis, {}, [](const wire::ContactPlane& plane, Vec3, Vec3, double, double) {
     return ContactGains{.stiffness = static_cast<double>(plane.stiffness_n_per_mm)};
   });
 }
@@ -94,10 +131,16 @@ void ContactModel::take(const ServerWrench& answer, const Grip& then, const Grip
   answer_ = answer;
   then_ = then;
   fading_ = before - damped(touches_at(now), now.axis, velocity);
+  const std::uint64_t age_us = answer.arrival_us - std::min(answer.arrival_us, answer.pose_us);
+  constexpr double kSPerUs = 1e-6;
+  fade_s_ =
+      length(fading_.force_n) > kStepN
+          ? kFadeS
+          : std::clamp(kFadeAges * kSPerUs * static_cast<double>(age_us), kLeastFadeS, kFadeS);
 }
 
 Wrench ContactModel::at(const Grip& now, const Twist& velocity, double dt_s) noexcept {
-  fading_ = fading_ * std::exp(-dt_s / kFadeS);
+  fading_ = fading_ * std::exp(-dt_s / fade_s_);
   const Touches touches = touches_at(now);
   computed_ = undamped(touches, now.axis);
   return damped(touches, now.axis, velocity) + fading_;

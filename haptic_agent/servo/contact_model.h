@@ -11,14 +11,15 @@ namespace kerf::agent {
 
 /// Limits within which a device renders a contact stably, and the mechanics that they follow from.
 struct ContactLimits {
-  /// Upper limit of the springs, N/mm, and of the dampers beside them, N s/mm.
+  /// Upper limit of the springs, N/mm, and of the dampers beside them, N s/mm: what the device
+  /// renders stably at this delay.
   double max_stiffness = 1.5;
   double max_damping = 0.004;
   /// Least mass and inertia of the device (DeviceCapabilities); 0: unknown, no limit follows.
   double mass_kg = 0;
   double inertia_kg_m2 = 0;
-  /// Time from a pose to its force, on average: latency, and half to one period; and the same for
-  /// the velocity, whose estimate is filtered.
+  /// Time from a pose to its force, on average: latency and half a period; and from the velocity,
+  /// whose estimate is filtered.
   double force_delay_s = 0.001;
   double velocity_delay_s = 0.003;
 };
@@ -33,21 +34,24 @@ struct ContactGains {
 /// the device's mechanics are unknown.
 double moved_mass(const ContactLimits& limits, Vec3 arm_mm, Vec3 normal) noexcept;
 
-/// Returns gains at which a contact of a free device does not oscillate. A spring that acts t late
-/// drives like a damper of -stiffness t, for which the damper must make up; that damper itself acts
-/// late and may not exceed half of mass / delay. `arm_mm`: from the pivot to the contact, at which
-/// a push along `normal` also turns the device and moves less mass; `share`: of the load that this
-/// contact bears, 0 to 1.
+/// Returns gains at which a contact of a free device does not oscillate (README.md, "Stiffness"). A
+/// spring that acts t late drives like a damper of -stiffness t, for which the damper must make up;
+/// that damper itself acts late and may not exceed about half of mass / delay. `arm_mm`: from the
+/// pivot to the contact, at which a push along `normal` also turns the device and moves less mass;
+/// `share`: of the load that this contact bears, 0 to 1.
 ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 arm_mm, Vec3 normal,
                           double share) noexcept;
 
 /// Renders the contact planes of the newest answer as damped springs that act on the moving tool
-/// between two answers. Planes bear the device's greatest stiffness together, each as much as its
-/// depth is of the sum: one that is just touched changes nothing. A difference between the planes
-/// of two answers fades in, so that a new answer never causes a step of the force.
+/// between two answers. Contacts bear the device's greatest stiffness together, each as much as its
+/// depth is of the sum: one that is just touched changes nothing. The points of one contact share
+/// equally at any depth, so that they push as springs do, which return no work over a cycle. A
+/// difference between the planes of two answers fades in, so that a new answer never causes a step
+/// of the force.
 class ContactModel {
  public:
-  /// Time constant with which a difference between two answers fades, s.
+  /// Longest time constant with which a difference between two answers fades, s: twice the age of
+  /// the newer one.
   static constexpr double kFadeS = 0.015;
 
   /// Planes with none of `flags` (wire::ContactPlane) are ignored.
@@ -67,18 +71,23 @@ class ContactModel {
   Wrench in_answer() const noexcept;
 
  private:
-  /// A plane that pushes at a grip.
+  /// A plane that pushes at a grip, and the contact that it is a point of.
   struct Touch {
     const wire::ContactPlane* plane;
     Vec3 arm_mm;
     double depth_mm, fade;
+    std::uint32_t contact;
   };
   struct Touches {
     std::array<Touch, wire::kMaxContactPlanes> all;
     std::uint32_t count = 0;
+    /// Points of each contact, and the sum of the depths of those that push.
+    std::array<double, wire::kMaxContactPlanes> points{}, depths_mm{};
+    std::uint32_t contacts = 0;
   };
   Touches touches_at(const Grip& grip) const noexcept;
-  /// `gains`: called with a plane, the arm to its contact, and its share of the load.
+  /// `gains`: called with a plane, the arm to it, a direction, the contact's share of the load, and
+  /// the number of its points.
   template <typename Gains>
   static Wrench push(const Touches& touches, Vec3 axis, const Twist& velocity,
                      const Gains& gains) noexcept;
@@ -90,6 +99,7 @@ class ContactModel {
   ServerWrench answer_;
   Grip then_;
   Wrench fading_;
+  double fade_s_ = kFadeS;
   Wrench computed_;
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernel/force/body_contact.h"
+#include "kernel/force/obstacle_patch.h"
 #include "kernel/force/signed_distance.h"
 #include "kernel/math/rotation.h"
 #include "kernel/math/tolerance.h"
@@ -270,8 +271,10 @@ std::optional<ContactPlane> plane_of(const ConvexPart& part, const ToolPose& pos
   const auto& [p, at] = *found;
   const Vec3 normal =
       at.distance_mm < 0 ? push_direction(part, pose, obstacle, p, at.outward) : at.outward;
-  return ContactPlane{
+  ContactPlane plane{
       p, normal, -at.distance_mm, obstacle.stiffness_n_per_mm, 2 * kContactReachMm, false};
+  if (plane.depth_mm > 0) obstacle_patch(part, pose, obstacle, p).place(plane);
+  return plane;
 }
 
 /// Calls visit(planes) for each obstacle with the planes of the parts that are nearer than

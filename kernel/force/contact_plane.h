@@ -12,12 +12,16 @@ namespace kerf {
 /// a device renders the contact while the tool moves a little (the intermediate representation of
 /// Y. Adachi et al., 1995).
 struct ContactPlane {
-  Vec3 point_mm;        ///< deepest point of the tool
+  Vec3 point_mm;        ///< where it pushes: the center of pressure
   Vec3 normal;          ///< unit, out of the surface
-  double depth_mm = 0;  ///< penetration of that point; negative: a gap
+  double depth_mm = 0;  ///< penetration of the deepest point; negative: a gap
   double stiffness_n_per_mm = 0;
   double radius_mm = 0;  ///< radius around `point_mm` in which the plane is valid
   bool stock = false;    ///< of the stock, not of an obstacle
+  /// Half axes of the ellipse about `point_mm`, normal to `normal`, at whose rim springs resist
+  /// turning as the area of the contact does; zero: a point (contact_patch.h).
+  Vec3 half_a_mm{}, half_b_mm{};
+  bool continues = false;  ///< a further point of the contact of the plane before it (spread)
 };
 
 /// Distance, in mm, at which the plane of an obstacle is reported before contact. If it grows,

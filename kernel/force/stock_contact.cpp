@@ -7,6 +7,8 @@
 
 #include "kernel/dexel/stock_column.h"
 #include "kernel/force/body_contact.h"
+#include "kernel/force/contact_patch.h"
+#include "kernel/force/stock_faces.h"
 #include "kernel/math/tolerance.h"
 #include "kernel/piece/bounds.h"
 
@@ -151,11 +153,18 @@ class PlacedPart {
 struct Overlap {
   double depth = 0;
   Vec3 deepest, deepest_outward;
-  double weight = 0;
-  Vec3 moment, outward;  ///< sums over samples by their weight
+  PatchSum patch;
+  Vec3 outward;  ///< sum over samples by their weight
+  StockFaces faces;
 
-  Vec3 point() const { return weight > 0 ? moment * (1 / weight) : deepest; }
-  Vec3 direction() const { return outward == Vec3{} ? deepest_outward : outward; }
+  Vec3 point() const { return patch.weight() > 0 ? patch.center_mm() : deepest; }
+  /// Returns the direction of the push: that of the stock's faces, as far as there are any, towards
+  /// which the tool's own surface is turned.
+  Vec3 push() const {
+    const Vec3 own = normalized(outward == Vec3{} ? deepest_outward : outward) * -1;
+    const Vec3 face = faces.towards(own);
+    return face == Vec3{} ? own : face;
+  }
 };
 
 /// Contact of one part with one field, in the field's frame.
@@ -200,7 +209,11 @@ class FieldContact {
     for (std::int32_t j = first(j0_, j1_); j < j1_; j += step) {
       for (std::int32_t i = first(i0_, i1_); i < i1_; i += step) {
         const double x = grid_.x_mm(i), y = grid_.y_mm(j);
-        each_solid(i, j, [&](Heights z) { add_sample(x, y, z, double(step) * step, found); });
+        each_solid(i, j, [&](Heights z) {
+          const Heights inside = add_sample(x, y, z, double(step) * step, found);
+          if (inside.lo < inside.hi)
+            found.faces.add(field_, i, j, inside.lo, inside.hi, double(step) * step);
+        });
       }
     }
   }
@@ -254,9 +267,10 @@ class FieldContact {
     });
   }
 
-  void add_sample(double x, double y, Heights z, double area, Overlap& found) const {
+  /// Returns the heights of the column that are inside the part.
+  Heights add_sample(double x, double y, Heights z, double area, Overlap& found) const {
     const Deepest d = part_.least(x, y, z, 0);
-    if (!(d.outside < 0)) return;
+    if (!(d.outside < 0)) return {1, 0};
     const auto edge = [&](double in, double out) {
       if (part_.at({x, y, out}) <= 0) return out;
       for (int i = 0; i < 24; ++i) {
@@ -269,10 +283,10 @@ class FieldContact {
     const Vec3 p{x, y, (bottom + top) / 2};
     Vec3 outward;
     const double weight = -part_.at(p, &outward) * (top - bottom) * area;
-    if (!(weight > 0)) return;
-    found.weight += weight;
-    found.moment = found.moment + from_frame(grid_.axis, p) * weight;
+    if (!(weight > 0)) return {1, 0};
+    found.patch.add(from_frame(grid_.axis, p), weight);
     found.outward = found.outward + from_frame(grid_.axis, outward) * weight;
+    return {bottom, top};
   }
 
   const DexelField& field_;
@@ -312,8 +326,11 @@ BodyContact contact_of(std::span<const ConvexPart> parts, const ToolPose& pose,
     const Overlap found = overlap(part, pose, fields, allowance_mm, true);
     const double depth = found.depth - allowance_mm;
     if (!(depth > 0)) continue;
-    contact.add({found.point(), normalized(found.direction()) * -1, depth,
-                 settings.contact_stiffness_n_per_mm, kContactReachMm, true});
+    ContactPlane plane{found.point(),   found.push(), depth, settings.contact_stiffness_n_per_mm,
+                       kContactReachMm, true};
+    const double height_mm = dot(found.deepest - pose.tip_mm, pose.axis);
+    if (!touches_with_a_point(part, height_mm)) found.patch.place(plane);
+    contact.add(plane);
   }
   return contact;
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "kernel/force/contact_patch.h"
+
 namespace kerf {
 
 void BatchSum::add(const MotionResult& result, double duration_s) {
@@ -24,14 +26,15 @@ void BatchSum::add(const MotionResult& result, double duration_s) {
 
 void BatchSum::touch(std::span<const ContactPlane> planes) {
   planes_count_ = 0;
-  for (const ContactPlane& plane : planes.first(std::min(planes.size(), planes_.size()))) {
+  for (const ContactPlane& plane : spread(planes, planes_.size())) {
     planes_[planes_count_++] = {
         .point_mm = plane.point_mm,
         .normal = Vec3f(plane.normal),
         .depth_mm = static_cast<float>(plane.depth_mm),
         .stiffness_n_per_mm = static_cast<float>(plane.stiffness_n_per_mm),
         .radius_mm = static_cast<float>(plane.radius_mm),
-        .flags = plane.stock ? wire::kContactStock : wire::kContactObstacle};
+        .flags = (plane.stock ? wire::kContactStock : wire::kContactObstacle) |
+                 (plane.continues ? wire::kContactContinues : 0U)};
   }
 }
 

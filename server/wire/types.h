@@ -62,15 +62,18 @@ struct MotionBatch {
 /// Bits of ContactPlane::flags: the kind of surface.
 inline constexpr std::uint32_t kContactObstacle = 1;
 inline constexpr std::uint32_t kContactStock = 2;
+/// A further point of the contact of the plane before it, which touches with an area. All points of
+/// a contact have equal parts of its stiffness.
+inline constexpr std::uint32_t kContactContinues = 4;
 
 /// Plane approximation of a surface near one point of the tool (Adachi's intermediate
 /// representation), from which an agent renders the contact between two results.
 struct ContactPlane {
-  /// Deepest point of the tool, at the pose of the answered sample.
+  /// Where the surface pushes the tool, at the pose of the answered sample.
   Vec3 point_mm{};
   /// Unit vector out of the surface: the direction of the contact force.
   Vec3f normal{};
-  /// Penetration of that point; negative: width of the gap.
+  /// Penetration there; negative: width of the gap.
   float depth_mm = 0.0F;
   /// Contact force per depth.
   float stiffness_n_per_mm = 0.0F;

@@ -49,7 +49,7 @@ const std::vector<Module>& agent_modules() {
         "haptic_agent/guides", "haptic_agent/force_reason.h"}},
       {"haptic_agent/doctor",
        {"haptic_agent/realtime", "haptic_agent/device", "haptic_agent/servo",
-        "haptic_agent/link/server_url.h", "haptic_agent/force_notice.h",
+        "haptic_agent/link/server_url.h", "haptic_agent/force_notice.h", "haptic_agent/z_width.h",
         "haptic_agent/wrapped_help.h", "server/tls"}},
       {"haptic_agent/demo", {"kernel/math"}},
       {"haptic_agent/examples", {"kernel/math", "haptic_agent"}},

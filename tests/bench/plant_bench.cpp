@@ -7,6 +7,7 @@
 //   plant_bench guides [0 | 3]
 //   plant_bench surround [0 | 3]
 //   plant_bench random | resting [RUNS] [MOST_MS] [SEED]           default: 1000, 3, 1
+//   plant_bench tools [RUNS] [SEED]                                default: 1000, 1
 //
 // The parts can be run separately, each for minutes; the latencies of a table at the same time.
 //
@@ -23,8 +24,9 @@
 // seconds with an adversarial network (tests/agent/servo/adversary.h), and the same with deliberate
 // errors. `random` presses with random devices, hands, latencies up to MOST_MS, lost ticks, lines,
 // surfaces and guides, and prints the worst three runs of each measure. `resting`: random devices,
-// hands, tools and forces in the slot with the cutting button pressed. Fails if the tank is
-// exceeded, a wrench leaves its limits, or the tip moves faster than 5 mm/s rms.
+// hands, tools and forces in the slot with the cutting button pressed. `tools`: random tools,
+// tilted and upright, rest on faces. Fails if the tank is exceeded, a wrench leaves its limits, or
+// the tip moves faster than 5 mm/s rms, with `tools` 2 mm/s.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -42,6 +44,7 @@
 #include "tests/agent/servo/adversary.h"
 #include "tests/agent/stability/experiments.h"
 #include "tests/agent/stability/surround.h"
+#include "tests/bench/plant_tools.h"
 
 namespace {
 
@@ -340,10 +343,12 @@ int main(int argc, char** argv) {
   const std::string_view part = argc > 1 ? argv[1] : "all";
   const int number = argc > 2 ? std::atoi(argv[2]) : -1;
   const auto runs = [&](std::string_view name) { return part == "all" || part == name; };
+  const auto argument = [&](int n, int otherwise) {
+    return argc > n ? std::atoi(argv[n]) : otherwise;
+  };
+  if (part == "tools")
+    return tools_table(argument(2, 1000), static_cast<std::uint32_t>(argument(3, 1))) ? 0 : 1;
   if (part == "random" || part == "resting") {
-    const auto argument = [&](int n, int otherwise) {
-      return argc > n ? std::atoi(argv[n]) : otherwise;
-    };
     const auto table = part == "random" ? random_table : resting_table;
     return table(argument(2, 1000), argument(3, 3), static_cast<std::uint32_t>(argument(4, 1))) ? 0
                                                                                                 : 1;
@@ -356,7 +361,8 @@ int main(int argc, char** argv) {
     std::fprintf(stderr,
                  "plant_bench [all | traces] [TRACES]\nplant_bench surfaces [0 | 1 | 2 | 3]\n"
                  "plant_bench guides [0 | 3]\nplant_bench surround [0 | 3]\n"
-                 "plant_bench random | resting [RUNS] [MOST_MS] [SEED]\n");
+                 "plant_bench random | resting [RUNS] [MOST_MS] [SEED]\n"
+                 "plant_bench tools [RUNS] [SEED]\n");
     return 2;
   }
   bool holds = true;

@@ -175,13 +175,13 @@ TEST(LocalModel, RemovalRateLawIsADamperWithinTheDeviceLimit) {
 
 TEST(LocalModel, RemovalRateLawIsAWeakerDamperOnAPenThatTurnsEasily) {
   const auto rendered_n = [](double inertia_kg_m2) {
-    LocalModel model(
-        {.law = CutLaw::kRemovalRate, .contact = {.mass_kg = 0.1, .inertia_kg_m2 = inertia_kg_m2}});
+    LocalModel model({.law = CutLaw::kRemovalRate,
+                      .contact = {.mass_kg = 0.05, .inertia_kg_m2 = inertia_kg_m2}});
     const PastGrip now = move_along_x(start(), 200);
     model.take(cut_of(now, 0.9), now, now);
     return -model.at(now, now, true, kDt).force_n.x;
   };
-  EXPECT_NEAR(rendered_n(1), 0.83, 0.01) << "half of 0.1 kg / 3 ms, at 50 mm/s";
+  EXPECT_NEAR(rendered_n(1), 0.583, 0.01) << "0.7 of 0.05 kg / 3 ms, at 50 mm/s";
   EXPECT_LT(rendered_n(1e-5), 0.05);
 }
 
@@ -297,8 +297,11 @@ TEST(ContactGains, FollowFromMassAndDelay) {
   const ContactLimits slow{
       .mass_kg = 0.05, .inertia_kg_m2 = 1e-4, .force_delay_s = 0.004, .velocity_delay_s = 0.008};
   const ContactGains axial = stable_gains(slow, 50, {0, 0, -60}, normal, 1);
-  EXPECT_NEAR(axial.damping, 0.5 * 0.05 / 0.008 / 1000, 1e-12);
-  EXPECT_NEAR(axial.stiffness, 0.8 * axial.damping / 0.004, 1e-12);
+  EXPECT_NEAR(axial.damping, 0.6 * 0.05 / 0.008 / 1000, 1e-12);
+  EXPECT_NEAR(axial.stiffness, 0.8 * 0.375 * 0.05 / (0.004 * 0.008) / 1000, 1e-12);
+  ContactLimits weak = slow;
+  weak.max_damping = 0.001;
+  EXPECT_NEAR(stable_gains(weak, 50, {0, 0, -60}, normal, 1).stiffness, 0.8 * 0.001 / 0.004, 1e-12);
   // Across the axis, a push at 60 mm turns a light pen: 1 / (1/m + r^2/I) = 17.9 g.
   const ContactGains across = stable_gains(slow, 50, {60, 0, 0}, normal, 1);
   EXPECT_NEAR(across.damping / axial.damping, 1 / (1 + 0.05 * 36), 1e-12);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/agent/stability/experiments.h"
+#include "tests/agent/stability/face_rest.h"
 #include "tests/agent/stability/held_cut.h"
 #include "tests/agent/stability/shipped_scenes.h"
 #include "tests/agent/stability/surround.h"
@@ -244,6 +245,29 @@ TEST(Stability, AToolRestsInItsOwnCutWithTheCuttingButtonPressed) {
                                                 .cutting = true});
       EXPECT_LE(outcome.buzz_mm_per_s, 2) << inertia_kg_m2 << " kg m2, " << n_per_mm << " N/mm";
     }
+  }
+}
+
+/// Hands that a flat tool shook by 6 to 29 mm/s while its contact was one point, pushed along the
+/// normal of the tool.
+TEST(Stability, AFlatToolRestsOnAFace) {
+  constexpr std::size_t kFlat6 = 0, kFlat12 = 1, kFlat20 = 2, kSlot = 9;
+  const FaceRest rests[] = {
+      {.mechanics = {1.55, 4.4e-5, 1.181, 493, 0.83, 1000}, .tool = kFlat12, .tilt_rad = 0.24},
+      {.mechanics = {0.06, 4.4e-5, 0.334, 303, 0.14, 0}, .tool = kSlot, .depth_mm = 5},
+      {.mechanics = {0.07, 2.7e-4, 0.892, 753, 0.23, 3000}, .tool = kFlat20, .tilt_rad = 0.24},
+      {.mechanics = {0.08, 4e-5, 1.021, 70, 0.14, 0}, .tool = kFlat6, .depth_mm = 2.2},
+      {.mechanics = {1.74, 1.2e-5, 0.334, 541, 0.31, 3000}, .tool = kFlat6, .tilt_rad = 0.02},
+      {.mechanics = {0.2, 2e-4, 0.4, 268, 0.5, 1000}, .tool = kFlat6, .tilt_rad = 0.3}};
+  for (const FaceRest& rest : rests) {
+    const FaceRestOutcome outcome = rest_on_face(rest);
+    const std::string which = std::string(kFaceTools[rest.tool].name) + ", " +
+                              std::to_string(rest.tilt_rad) + " rad, " +
+                              std::to_string(rest.mechanics.mass_kg) + " kg";
+    EXPECT_LE(outcome.buzz_mm_per_s, 2) << which;
+    EXPECT_LE(outcome.returned_mj, 5) << which;
+    EXPECT_EQ(outcome.trips, 0U) << which;
+    EXPECT_GT(outcome.force_n, 0.3) << which << ": the test requires a contact";
   }
 }
 

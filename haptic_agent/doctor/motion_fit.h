@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <expected>
+#include <string>
+#include <vector>
+
+namespace kerf::agent {
+
+/// One coordinate of a device, and what acts along it: mm and N, or rad and N mm, at one tick.
+struct MotionRecord {
+  double position = 0, effort = 0;
+};
+
+/// The mechanics along that coordinate. Position, effort and time are in mm, N and s, or rad, N mm
+/// and s: a mass of 1 N s²/mm is 1000 kg, an inertia of 1 N mm s² is 1e-3 kg m².
+struct MotionFit {
+  double mass = 0;
+  double viscous = 0;    ///< effort per velocity
+  double friction = 0;   ///< Coulomb's
+  double stiffness = 0;  ///< of what holds the device; about 0 if nothing does
+  double latency_s = 0;  ///< from a written effort to its action
+  double quantum = 0;    ///< of the measured position; 0: none found
+  /// Share of the effort that the fit does not explain, rms over rms.
+  double error = 0;
+};
+
+/// Fits mass, viscous and Coulomb friction, a spring and a constant effort to a motion at 1 kHz,
+/// for the latency from 0 to 15 ms that explains it best. Both sides of the equation of motion pass
+/// the same low pass, so that the steps of the encoder, not the motion, are lost. The error is one
+/// sentence: the device hardly moved, or the fit explains less than half of the effort.
+std::expected<MotionFit, std::string> fit_motion(const std::vector<MotionRecord>& motion);
+
+/// Returns the quantum of measured positions: the greatest step of which all changes from tick to
+/// tick are multiples, within a tenth; 0 if there is none.
+double quantum_of(const std::vector<MotionRecord>& motion);
+
+}  // namespace kerf::agent

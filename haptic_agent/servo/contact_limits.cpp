@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptic_agent/servo/contact_limits.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "haptic_agent/device/units.h"
+
+namespace kerf::agent {
+namespace {
+
+constexpr double kPeriodS = 1e-3;
+/// The filter may delay the velocity by as long as a damper of this strength takes to stop the mass
+/// at the tip, N s/m: 1.6 ms, that of 100 Hz, from 20 g on.
+constexpr double kFilterNSPerM = 12.5;
+/// Most by which one step of an encoder may change the force of a damper, N.
+constexpr double kEncoderStepN = 0.1;
+/// Step of an encoder that declares none, mm.
+constexpr double kUnknownStepMm = 0.02;
+
+double filter_s(double cutoff_hz) { return 1 / (2 * std::numbers::pi * cutoff_hz); }
+
+}  // namespace
+
+double velocity_cutoff_hz(const DeviceCapabilities& device, double pivot_mm,
+                          double usual_hz) noexcept {
+  const ContactLimits mechanics{.mass_kg = device.moving_mass_kg,
+                                .inertia_kg_m2 = device.moving_inertia_kg_m2};
+  const double tip_kg = moved_mass(mechanics, {0, 0, -pivot_mm}, {1, 0, 0});
+  if (!(tip_kg > 0)) return usual_hz;
+  return std::max(usual_hz, 1 / (2 * std::numbers::pi * (tip_kg / kFilterNSPerM)));
+}
+
+ContactLimits contact_limits(const DeviceCapabilities& device, double cutoff_hz) noexcept {
+  ContactLimits limits;
+  constexpr double kSPerUs = 1e-6;
+  const double latency_s = static_cast<double>(device.latency_us) * kSPerUs;
+  const double prompt_s = kPeriodS + filter_s(cutoff_hz);
+  limits.force_delay_s = latency_s + kPeriodS / 2;
+  limits.velocity_delay_s = latency_s + prompt_s;
+  if (device.moving_mass_kg > 0 && device.moving_inertia_kg_m2 > 0) {
+    limits.mass_kg = device.moving_mass_kg;
+    limits.inertia_kg_m2 = device.moving_inertia_kg_m2;
+  }
+  if (device.max_stiffness_n_per_mm > 0) limits.max_stiffness = device.max_stiffness_n_per_mm;
+  if (device.max_damping_n_s_per_mm > 0) {
+    const double step_mm = device.resolution_mm > 0 ? device.resolution_mm : kUnknownStepMm;
+    limits.max_damping =
+        std::min(device.max_damping_n_s_per_mm * prompt_s / limits.velocity_delay_s,
+                 kEncoderStepN * prompt_s / step_mm);
+  }
+  return limits;
+}
+
+}  // namespace kerf::agent

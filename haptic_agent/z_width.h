@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "haptic_agent/device/haptic_device.h"
+#include "haptic_agent/servo/servo_cycle.h"
+
+namespace kerf::agent {
+
+/// The stiffest wall and the strongest damper beside it that a device renders stably (its Z-width):
+/// along the tool's axis, and across it at the tip, where a push also turns the device.
+struct ZWidth {
+  ContactGains along{}, across{};
+};
+/// `settings`: of settings_for.
+ZWidth z_width(const ServoSettings& settings) noexcept;
+
+/// Returns a line with the Z-width of a device and, if that is less than the stiffness that the
+/// device declares, the reason and what would help. Empty for a device without motors.
+std::string z_width_notice(const DeviceCapabilities& device, const ServoSettings& settings);
+
+}  // namespace kerf::agent
