@@ -56,7 +56,7 @@ std::string grip_notice(const ServoSettings& settings) {
   constexpr double kFirmNPerMm = 0.2;
   if (!settings.safety.motors || settings.model.law == CutLaw::kRemovalRate) return {};
   const Vec3 arm_mm{0, 0, -settings.pivot_mm};
-  const double stiffness = gains_across(settings.model.contact, arm_mm).stiffness;
+  const double stiffness = gains_across(cut_limits(settings.model.contact), arm_mm).stiffness;
   if (!(stiffness < kFirmNPerMm)) return {};
   std::ostringstream out;
   out << "the device is light for its latency: at its tip it can render "

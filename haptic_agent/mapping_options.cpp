@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <numbers>
 #include <optional>
 #include <sstream>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/plain_number.h"
 #include "server/wire/limits.h"
 
 namespace kerf::agent {
@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kMaxTurnDeg = 360;
+constexpr int kDigits = 3;
 /// Speed of the hand, mm/s, below which the server's limit of cuts is worth a word.
 constexpr double kFastHandMmPerS = 300;
 constexpr std::pair<std::string_view, ClutchButton> kClutches[] = {
@@ -25,18 +26,6 @@ constexpr std::pair<std::string_view, ClutchButton> kClutches[] = {
     {"deadman", ClutchButton::kDeadman},
     {"undo", ClutchButton::kUndo},
     {"redo", ClutchButton::kRedo}};
-
-/// Three significant digits without an exponent.
-std::string short_number(double value) {
-  const int leading = value > 0 ? static_cast<int>(std::floor(std::log10(value))) : 0;
-  std::ostringstream out;
-  out << std::fixed << std::setprecision(std::max(0, 2 - leading)) << value;
-  std::string text = out.str();
-  if (text.find('.') == text.npos) return text;
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text;
-}
 
 /// Degrees about z, or three of a rotation vector; nothing if they are neither.
 std::optional<Vec3> read_turn(std::string_view text) {
@@ -129,24 +118,25 @@ std::string mapping_notice(const MappingOptions& options, const WorkspaceMapping
   const bool changes = options.choice.fits || !SpaceMap(mapping).is_identity();
   if (!workspace.has_volume() && !changes) return {};
   std::ostringstream out;
-  out << "scale " << short_number(mapping.scale) << " (device ";
+  out << "scale " << plain_number(mapping.scale, kDigits) << " (device ";
   if (workspace.has_volume()) {
     const double edge_mm = longest(workspace.size());
-    out << short_number(edge_mm) << " mm → block " << short_number(edge_mm * mapping.scale)
-        << " mm";
+    out << plain_number(edge_mm, kDigits) << " mm → block "
+        << plain_number(edge_mm * mapping.scale, kDigits) << " mm";
   } else {
-    out << "1 mm → block " << short_number(mapping.scale) << " mm";
+    out << "1 mm → block " << plain_number(mapping.scale, kDigits) << " mm";
   }
   out << ")";
   if (mapping.turn_rad != Vec3{}) {
-    out << ", turned by " << short_number(length(mapping.turn_rad) / kRadPerDeg) << " degrees";
+    out << ", turned by " << plain_number(length(mapping.turn_rad) / kRadPerDeg, kDigits)
+        << " degrees";
   }
-  out << ", force gain " << short_number(mapping.gain) << ", stiffness at the hand "
-      << short_number(mapping.stiffness_scale()) << " x"
+  out << ", force gain " << plain_number(mapping.gain, kDigits) << ", stiffness at the hand "
+      << plain_number(mapping.stiffness_scale(), kDigits) << " x"
       << fit_remark(options, mapping, workspace, {stock.min_mm, stock.max_mm});
   const double fastest = wire::kMaxSpeedMmPerS / mapping.scale;
   if (fastest < kFastHandMmPerS) {
-    out << "; the server takes no cuts faster than " << short_number(fastest)
+    out << "; the server takes no cuts faster than " << plain_number(fastest, kDigits)
         << " mm/s of the hand";
   }
   return out.str();

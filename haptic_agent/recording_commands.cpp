@@ -152,12 +152,13 @@ int feel(const CLI::App& app, const FeelOptions& options, const Recording& recor
     recorder = *std::move(started);
     cycle.record_on(recorder->tape());
   }
+  const ForceReasons reasons(capabilities);
   MonotonicClock clock;
   ServoLoop loop(clock);
   signalled.store(&loop);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, end_loop);
   {
-    const TripWriter trips(cycle.recorder(), options.trip_log);
+    const TripWriter trips(cycle, reasons, options.trip_log);
     run_watched(loop, cycle,
                 {.zero = [&device] { device.write({}); }, .stop = [&device] { device.stop(); }},
                 [] {

@@ -41,7 +41,7 @@ ZWidth z_width(const ServoSettings& settings) noexcept {
   const ContactLimits& limits = settings.model.contact;
   const Vec3 arm_mm = kAxis * -settings.pivot_mm;
   return {.along = stable_gains(limits, limits.max_stiffness, arm_mm, kAxis, 1),
-          .across = gains_across(limits, arm_mm)};
+          .across = stable_gains(limits, limits.max_stiffness, arm_mm, {1, 0, 0}, 1)};
 }
 
 std::string z_width_notice(const DeviceCapabilities& device, const ServoSettings& settings) {

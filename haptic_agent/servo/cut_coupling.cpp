@@ -10,6 +10,10 @@ namespace kerf::agent {
 namespace {
 
 constexpr double kDelayTickS = 0.001;
+constexpr double kPeriodShare = 0.75;
+/// Of a cut (cut_limits, gains_across): N s/mm, and the time constant of 100 Hz.
+constexpr double kCutStiffnessShare = 0.5, kCutDamping = 0.004;
+constexpr double kMassShare = 0.5, kSpringShare = 0.8, kFilterS = 0.00159;
 /// Time constants of the high passes, 16 Hz, of the means of power and squares, and of the earlier
 /// mean with which trembling is compared.
 constexpr double kFastS = 0.01;
@@ -22,7 +26,7 @@ constexpr double kLeastSpeed = 1;
 /// Longest time between two reversals of trembling, and the share of the last peak from which on
 /// the opposite velocity is one. The filters answer to one change of velocity with a peak and 0.14
 /// of it in the opposite direction.
-constexpr double kHalfPeriodS = 0.04;
+constexpr double kHalfPeriodS = 0.08;
 constexpr double kReversed = 0.4;
 /// Share of the power from which on a force counts as driving. A force that is a quarter of a
 /// period late has none; noise has less than this.
@@ -55,8 +59,19 @@ Vec3 across(Vec3 arm_mm) noexcept {
 
 }  // namespace
 
+ContactLimits cut_limits(ContactLimits contact) noexcept {
+  contact.max_stiffness *= kCutStiffnessShare;
+  contact.max_damping = std::min(contact.max_damping, kCutDamping);
+  return contact;
+}
+
 ContactGains gains_across(const ContactLimits& limits, Vec3 arm_mm) noexcept {
-  return stable_gains(limits, limits.max_stiffness, arm_mm, across(arm_mm), 1);
+  const double delay_s = limits.force_delay_s + kDelayTickS / 2;  // at most: a whole period
+  double damping = limits.max_damping;
+  const double mass = moved_mass(limits, arm_mm, across(arm_mm));
+  if (mass > 0) damping = std::min(damping, kMassShare * mass / (delay_s + kFilterS) / kMmPerM);
+  return {.stiffness = std::min(limits.max_stiffness, kSpringShare * damping / delay_s),
+          .damping = damping};
 }
 
 Vec3 Trembling::Fast::take(Vec3 value, double part) noexcept {
@@ -107,7 +122,8 @@ double Trembling::compliance() const noexcept {
 
 CutCoupling::CutCoupling(const ContactLimits& limits, double least_most_mm_per_n) noexcept
     : limits_(limits), least_most_(least_most_mm_per_n) {
-  const double ticks = std::round(limits.force_delay_s / kDelayTickS) - 1;
+  // The delay is the latency and half to one period.
+  const double ticks = std::round(limits.force_delay_s / kDelayTickS - kPeriodShare);
   latency_ticks_ = static_cast<std::size_t>(std::clamp(ticks, 0.0, kKept - 1.0));
 }
 

@@ -9,7 +9,14 @@
 
 namespace kerf::agent {
 
-/// Returns the gains of a contact across the arm from pivot to cut, where a push moves least mass.
+/// Returns the limits of a device for the force of a cut. Softer than for contacts: half of the
+/// stiffness, and damping of at most 4 N s/m. A cut that is coupled more stiffly shakes soft hands
+/// (found by trial, `felt_bench hands`).
+ContactLimits cut_limits(ContactLimits contact) noexcept;
+
+/// Returns the gains of the coupling of a cut across the arm from pivot to cut, where a push moves
+/// least mass: a damper of half of that mass over its delay, with the filter of 100 Hz, and a
+/// spring of 0.8 of damper / delay.
 ContactGains gains_across(const ContactLimits& limits, Vec3 arm_mm) noexcept;
 
 /// Watches whether a force drives the trembling of a point or brakes it. Trembling: what varies

@@ -37,7 +37,7 @@ class LocalModel {
       : settings_(settings),
         stock_(settings.contact, wire::kContactStock),
         obstacles_(settings.contact, wire::kContactObstacle),
-        coupling_(settings.contact,
+        coupling_(cut_limits(settings.contact),
                   settings.law == CutLaw::kMechanistic ? kMillingMmPerN : kCutMmPerN) {}
 
   /// Takes an answer of the server. `then`: the grip that was sent; `now`: the measured one. If the

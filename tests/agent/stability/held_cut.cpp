@@ -26,7 +26,7 @@ double section_mm2() {
 /// A slot of 1 N at `scale` 1: 0.05 mm per tooth at 20 mm/s.
 constexpr double kMillingScale = 0.028;
 
-std::string force_of(const HeldCut& cut) {
+std::string force_of(const HandHeldCut& cut) {
   if (cut.mechanistic) {
     return R"("law":"mechanistic","material":"aluminium-6061","spindle_rpm":12000,"teeth":2,"scale":)" +
            std::to_string(kMillingScale * cut.newtons);
@@ -35,7 +35,7 @@ std::string force_of(const HeldCut& cut) {
          std::to_string(cut.newtons / section_mm2());
 }
 
-std::string scene_of(const HeldCut& cut) {
+std::string scene_of(const HandHeldCut& cut) {
   return R"({"name":"held","stock":{"shape":"box","min_mm":[-15,-20,-10],"max_mm":[40,75,0]},
     "accuracy":{"rays":"dexel","pitch_mm":0.25,"tolerance_mm":0.01,"motion":"tight"},
     "tools":[{"id":1,"shape":"ball","diameter_mm":6,"length_mm":40}],
@@ -43,7 +43,7 @@ std::string scene_of(const HeldCut& cut) {
          force_of(cut) + "}}";
 }
 
-Vec3 target(const HeldCut& cut, double time_s) {
+Vec3 target(const HandHeldCut& cut, double time_s) {
   const double path_mm = std::max(0.0, time_s - kRestS) * cut.mm_per_s - 8;
   if (path_mm < kLeadMm) return {path_mm - 15, 0, -kDepthMm};
   const double angle = (path_mm - kLeadMm) / cut.radius_mm;
@@ -67,7 +67,7 @@ class Mirror final : public HapticDevice {
 
 }  // namespace
 
-HeldCutOutcome cut_by_hand(const HeldCut& cut) {
+HeldCutOutcome cut_by_hand(const HandHeldCut& cut) {
   Plant plant([&](double time_s) { return target(cut, time_s); }, cut.mechanics, true);
   Mirror mirror(plant.capabilities());
   TestBed bed(scene_of(cut), plant, {}, cut.line, true);

@@ -11,7 +11,7 @@ namespace kerf::agent {
 
 /// Settings: a hand of given mechanics cuts a slot of a ball of 6 mm, 2 mm deep, into a block from
 /// its side, straight and then in half a circle.
-struct HeldCut {
+struct HandHeldCut {
   PlantMechanics mechanics{};
   LineQuality line{};
   double newtons = 1;  ///< of the whole slot
@@ -29,6 +29,6 @@ struct HeldCutOutcome {
   double returned_mj = 0;       ///< most over any interval, in the plant
   std::uint64_t trips = 0;
 };
-HeldCutOutcome cut_by_hand(const HeldCut& cut);
+HeldCutOutcome cut_by_hand(const HandHeldCut& cut);
 
 }  // namespace kerf::agent

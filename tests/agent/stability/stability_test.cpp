@@ -79,7 +79,7 @@ TEST(Stability, PressedToolBuzzesIfTheDeviceDeclaresNoLatency) {
   EXPECT_GT(worst, 10);
 }
 
-HeldCut held(double mass_kg, double inertia_kg_m2, double n_per_mm, std::uint64_t latency_us) {
+HandHeldCut held(double mass_kg, double inertia_kg_m2, double n_per_mm, std::uint64_t latency_us) {
   return {.mechanics = {.mass_kg = mass_kg,
                         .inertia_kg_m2 = inertia_kg_m2,
                         .hand_n_per_mm = n_per_mm,
@@ -88,9 +88,9 @@ HeldCut held(double mass_kg, double inertia_kg_m2, double n_per_mm, std::uint64_
 }
 
 TEST(Stability, HandsThatYieldFeelTheCutAsItIs) {
-  HeldCut milling = held(0.05, 1e-5, 2, 0);
+  HandHeldCut milling = held(0.05, 1e-5, 2, 0);
   milling.mechanistic = true;
-  for (const HeldCut& cut : {held(0.05, 1e-5, 2, 0), held(0.05, 2e-4, 0.5, 0),
+  for (const HandHeldCut& cut : {held(0.05, 1e-5, 2, 0), held(0.05, 2e-4, 0.5, 0),
                              held(0.05, 1e-5, 2, 1000), held(0.3, 2e-4, 0.5, 3000), milling}) {
     const HeldCutOutcome outcome = cut_by_hand(cut);
     const std::string which = std::to_string(cut.mechanics.mass_kg) + " kg, " +
@@ -104,7 +104,7 @@ TEST(Stability, HandsThatYieldFeelTheCutAsItIs) {
 }
 
 TEST(Stability, TheSpindleDoesNotShakeAToolInASoftHand) {
-  HeldCut milling = held(0.3, 2e-4, 0.5, 0);
+  HandHeldCut milling = held(0.3, 2e-4, 0.5, 0);
   milling.mechanistic = true;
   const HeldCutOutcome outcome = cut_by_hand(milling);
   EXPECT_LE(outcome.force.error(), 0.1);
@@ -113,7 +113,7 @@ TEST(Stability, TheSpindleDoesNotShakeAToolInASoftHand) {
 }
 
 TEST(Stability, ASlowCutDoesNotShakeASoftHand) {
-  HeldCut slow = held(0.05, 3e-5, 0.5, 0);
+  HandHeldCut slow = held(0.05, 3e-5, 0.5, 0);
   slow.mm_per_s = 5;
   const HeldCutOutcome outcome = cut_by_hand(slow);
   EXPECT_LE(outcome.force.error(), 0.2);
