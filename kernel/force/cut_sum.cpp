@@ -16,8 +16,6 @@ namespace {
 
 /// Groups that are processed at once, so that they stay in the first-level cache.
 constexpr std::size_t kChunk = 32;
-/// Square of the tangent of the angle to the rays below which a wall is nearly along them.
-constexpr double kUprightTan2 = 0.03 * 0.03;
 
 double lanes_total(const Lanes& lanes) {
   double sum = 0;
@@ -87,11 +85,9 @@ KERF_FOR_EACH_TARGET(void, add_plain_moments,
                      (std::span<const RemovedGroup> groups, const TipInGrid& tip, TileSum& sums),
                      (groups, tip, sums))
 
-/// Adds the pushes of elements whose displacements differ, and their moments about the pivot. A
-/// wall at an angle to the rays cuts from a column, over a displacement across them, a length of
-/// that over the angle's tangent; displacements count up to the root of `near2_mm2`.
+/// Adds the pushes of elements whose displacements differ, and their moments about the pivot.
 KERF_INLINE void add_pushes_in_lanes(std::span<const GroupSegments> groups, const Twist& twist,
-                                     Vec3 pivot, double near2_mm2, TileSum& sums) {
+                                     Vec3 pivot, TileSum& sums) {
   const Vec3 v = twist.linear, w = twist.angular;
   TileSum s = sums;
   for (const GroupSegments& g : groups) {
@@ -112,10 +108,6 @@ KERF_INLINE void add_pushes_in_lanes(std::span<const GroupSegments> groups, cons
     s.turn_x = s.turn_x + ay * fz - az * fy;
     s.turn_y = s.turn_y + az * fx - ax * fz;
     s.turn_z = s.turn_z + ax * fy - ay * fx;
-    const Lanes whole2 = g.length * g.length * kUprightTan2;
-    const Lanes moved2 = lesser(across2, Lanes(near2_mm2));
-    const Lanes both4 = whole2 * whole2 + moved2 * moved2;
-    s.upright = s.upright + select(both4 > 0.0, g.length * (whole2 * whole2) / both4, Lanes{});
     s.across2 = s.across2 + g.length * across2;
     s.along2 = s.along2 + g.length * along2;
   }
@@ -123,8 +115,8 @@ KERF_INLINE void add_pushes_in_lanes(std::span<const GroupSegments> groups, cons
 }
 KERF_FOR_EACH_TARGET(void, add_pushes,
                      (std::span<const GroupSegments> groups, const Twist& twist, Vec3 pivot,
-                      double near2_mm2, TileSum& sums),
-                     (groups, twist, pivot, near2_mm2, sums))
+                      TileSum& sums),
+                     (groups, twist, pivot, sums))
 
 KERF_INLINE Lanes& operator+=(Lanes& sum, const Lanes& more) { return sum = sum + more; }
 
@@ -141,7 +133,6 @@ KERF_INLINE void fold_in_lanes(const TileSum& tile, TileSum& sums) {
   sums.turn_z += tile.turn_z;
   sums.across2 += tile.across2;
   sums.along2 += tile.along2;
-  sums.upright += tile.upright;
 }
 KERF_FOR_EACH_TARGET(void, fold, (const TileSum& tile, TileSum& sums), (tile, sums))
 
@@ -156,8 +147,7 @@ CutSummer::CutSummer(const DexelGrid& grid, const Twist& twist, const CutFrame& 
       weight_(weight),
       pivot_(frame.axis * frame.pivot_mm),
       common_(length(twist.angular) * frame.reach_mm <=
-              kCommonDirectionShare * length(twist.linear)),
-      near2_mm2_(grid.pitch_mm * grid.pitch_mm / 4) {
+              kCommonDirectionShare * length(twist.linear)) {
   const double pitch = grid.pitch_mm, quantum = grid.z_quantum_mm;
   const Vec3 from_origin = frame.tip_mm - grid.origin_mm;
   tip_ = {from_origin.x / pitch - 0.5, from_origin.y / pitch - 0.5, from_origin.z / quantum, pitch,
@@ -177,7 +167,7 @@ TileSum CutSummer::sum(std::span<const RemovedGroup> groups) const {
     place_all(groups.subspan(k, count), tip_, chunk);
     if (weight_ != nullptr) weight_->weigh(segments, frame_.axis, frame_.radius_mm);
     add_moments(segments, sums);
-    if (!common_) add_pushes(segments, twist_, pivot_, near2_mm2_, sums);
+    if (!common_) add_pushes(segments, twist_, pivot_, sums);
   }
   return sums;
 }
@@ -186,7 +176,7 @@ MovedSum CutSummer::total(const TileSum& sums) const {
   const double pitch = tip_.pitch_mm;
   const double area = pitch * pitch, volume = lanes_total(sums.volume);
   CutSum sum{volume * area, lanes_total(sums.x, sums.y, sums.z) * area, {}, {}};
-  double across_mm = 0, along_mm = 0, upright = 1;
+  double across_mm = 0, along_mm = 0;
   if (common_) {
     const Vec3 d = twist_.at(sum.center_mm());
     const Vec3 push = -normalized(d);
@@ -200,11 +190,10 @@ MovedSum CutSummer::total(const TileSum& sums) const {
     if (volume > 0) {
       across_mm = std::sqrt(lanes_total(sums.across2) / volume);
       along_mm = std::sqrt(lanes_total(sums.along2) / volume);
-      upright = lanes_total(sums.upright) / volume;
     }
   }
   sum.turn_mm4 = sum.turn_mm4 - frame_.axis * dot(sum.turn_mm4, frame_.axis);
-  return {sum, across_mm, along_mm, upright};
+  return {sum, across_mm, along_mm};
 }
 
 }  // namespace kerf

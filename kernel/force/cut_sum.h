@@ -43,7 +43,6 @@ struct MovedSum {
   CutSum cut;
   double across_mm = 0;  ///< of the components across the rays
   double along_mm = 0;   ///< of those along them
-  double upright = 1;    ///< share of the volume at walls nearly along the rays
 };
 
 /// The pose of a tool at the middle of a sub-motion, in the frame of a field, and its size.
@@ -60,15 +59,13 @@ struct TipInGrid {
 };
 
 /// Sums per SIMD lane over the removed elements of a tile, or of several: of volume, volume x
-/// position, volume x direction, the moment of that, volume x the squares of the displacement
-/// across and along the rays, and the volume at walls nearly along the rays. In squares of the
-/// pitch.
+/// position, volume x direction, the moment of that, and volume x the squares of the displacement
+/// across and along the rays. In squares of the pitch.
 struct TileSum {
   Lanes volume{}, x{}, y{}, z{};
   Lanes push_x{}, push_y{}, push_z{};
   Lanes turn_x{}, turn_y{}, turn_z{};
   Lanes across2{}, along2{};
-  Lanes upright{};
 
   /// Adds lane by lane. A sum over several tiles depends on their order.
   void add(const TileSum& tile);
@@ -98,8 +95,7 @@ class CutSummer {
   CutFrame frame_;
   const SurfaceWeight* weight_;
   Vec3 pivot_;
-  bool common_;       ///< all elements push in one direction
-  double near2_mm2_;  ///< square of a displacement beyond which the slope of a wall is not known
+  bool common_;  ///< all elements push in one direction
 };
 
 }  // namespace kerf

@@ -102,15 +102,8 @@ void CuttingForce::add(const DexelGrid& grid, const CutSummer& summer, const Til
   const MovedSum local = summer.total(sums);
   const CutSum sum = to_world(grid.axis, local.cut);
   all_.add(sum, share, mean_path_mm(local.cut, twist, summer.frame().axis * settings_.pivot_mm));
-  Crossing crossing = weighted_ ? Crossing{0, 0} : crossing_of(local.across_mm, local.along_mm);
-  if (local.cut.volume_mm3 > 0) {
-    // What earlier motions left pending becomes due over the next two pitches, so the share changes
-    // over as many and more: a cut that is suddenly delivered at once would add to it.
-    const double width_mm = 3 * engagement_.gradual.width_mm();
-    engagement_.upright =
-        (engagement_.upright * width_mm + local.upright * crossing.mm) / (width_mm + crossing.mm);
-  }
-  crossing.share *= engagement_.upright;
+  const Crossing crossing =
+      weighted_ ? Crossing{0, 0} : crossing_of(local.across_mm, local.along_mm);
   if (milling_)
     milling_->add(removal, grid, twist, summer.frame(), share, crossing.share, weighted_);
   if (weighted_) return;

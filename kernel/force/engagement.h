@@ -48,7 +48,6 @@ struct Engagement {
   TravelQueue prompt;          ///< everything else
   Vec3 center_mm;              ///< centroid of the last delivered volume, relative to the tip
   Vec3 direction;              ///< mean direction of that centroid over kFeltTravelMm; length <= 1
-  double upright = 1;          ///< mean share of the cut at walls along the rays, over 3 pitches
   double crossing_per_mm = 1;  ///< of the last cut: distance across columns over path
   std::unique_ptr<MillingEngagement> milling;  ///< of the mechanistic law only
 };

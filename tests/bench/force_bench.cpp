@@ -4,7 +4,7 @@
 // ticks, and independent of the tick rate and of the pitch. Then the force of motions that start
 // inside stock, the work of swivels about points of the tool's axis, light side cuts, the cost of
 // the force laws, and the mechanistic law against published recordings, which has pitches of its
-// own. Prints seven tables. Usage: force_bench [pitch_mm=0.1]
+// own. Prints six tables. Usage: force_bench [pitch_mm=0.1]
 // [steady|starts|swivels|light|cost|published]
 
 #include <algorithm>
@@ -169,26 +169,21 @@ void print_constant_engagement(double pitch_mm) {
   }
 }
 
-/// Prints the work of swivels of every tool, and how far it is from u V at most.
-void print_swivels(double pitch_mm, bool until_free) {
-  constexpr double kAboveTipMm[] = {-5, 0, 2, 2.5, 5, 9, 30};
+void print_swivels(double pitch_mm) {
+  constexpr double kAboveTipMm[] = {-5, 0, 2, 5, 9, 30};
   std::printf(
       "\nSwivels of 14 degrees, 10 mm deep, about a point of the axis at a height above the tip "
-      "(mm), %s, specific energy: work / (u V).\n",
-      until_free ? "until nothing is pending" : "that stop in the cut");
+      "(mm), until nothing is pending, specific energy: work / (u V).\n");
   std::printf("%-11s %-9s", "tool", "rays");
-  for (const double height : kAboveTipMm) std::printf(" %6.1f", height);
+  for (const double height : kAboveTipMm) std::printf(" %6.0f", height);
   std::printf("\n");
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     double worst = 0;
     for (const auto& named : test::every_tool(0.6)) {
       std::printf("%-11s %-9s", named.name.c_str(), to_string(rays));
       for (const double height : kAboveTipMm) {
-        const double share = test::work_over_energy({.tool = named.tool,
-                                                     .rays = rays,
-                                                     .pitch_mm = pitch_mm,
-                                                     .above_tip_mm = height,
-                                                     .until_free = until_free});
+        const double share = test::work_over_energy(
+            {.tool = named.tool, .rays = rays, .pitch_mm = pitch_mm, .above_tip_mm = height});
         worst = std::max(worst, std::abs(share - 1));
         std::printf(" %6.3f", share);
       }
@@ -206,10 +201,7 @@ int main(int argc, char** argv) {
   const auto wants = [&](const char* name) { return table.empty() || table == name; };
   if (wants("steady")) print_constant_engagement(pitch_mm);
   if (wants("starts")) kerf::bench::print_buried_starts(pitch_mm);
-  if (wants("swivels")) {
-    print_swivels(pitch_mm, true);
-    print_swivels(pitch_mm, false);
-  }
+  if (wants("swivels")) print_swivels(pitch_mm);
   if (wants("light")) kerf::bench::print_light_cuts(pitch_mm);
   if (wants("cost")) kerf::bench::print_law_costs(pitch_mm);
   if (wants("published")) kerf::bench::print_published_forces();

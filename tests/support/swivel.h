@@ -15,12 +15,11 @@ struct Swivel {
   double depth_mm = 10;
   double above_tip_mm = 5;   ///< height of the point about which it swivels
   double heading_rad = 0.3;  ///< of the swivel in the plane of the block's top
-  bool until_free = true;    ///< goes on after the cut until nothing is pending
 };
 
-/// Returns the work of the wrench over u V: of a whole engagement with `specific_energy`, 1. The
-/// engagement begins free, since the imprint gives no force. When the tool has swivelled by 14
-/// degrees, it stops, or another has cleared the path ahead, and it goes on until nothing is
+/// Returns the work of the wrench against a whole engagement over u V: of `specific_energy`, 1. The
+/// engagement begins free, since the imprint gives no force, and ends free: when the tool has
+/// swivelled by 14 degrees, another has cleared the path ahead, and it goes on until nothing is
 /// pending.
 inline double work_over_energy(const Swivel& swivel) {
   constexpr double kTickRad = 0.005, kSpecific = 0.5, kPivotMm = 60;
@@ -41,7 +40,7 @@ inline double work_over_energy(const Swivel& swivel) {
     return ToolPose{center - axis * swivel.above_tip_mm, axis};
   };
   double work_mj = 0, cut_mm3 = 0;
-  for (int tick = 0; tick < kCut + (swivel.until_free ? kFree : 0); ++tick) {
+  for (int tick = 0; tick < kCut + kFree; ++tick) {
     if (tick == kCut) {
       for (int t = kCut; t < kCut + kFree; ++t)
         sculpture.apply(MoveTool{2, pose(t), pose(t + 1), 0.001, false}).value();

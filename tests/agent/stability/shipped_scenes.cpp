@@ -32,7 +32,6 @@ class PlayedDevice final : public HapticDevice {
   DeviceCapabilities capabilities() const override {
     DeviceCapabilities device = reference::pen_capabilities({});
     device.workspace_min_mm = device.workspace_max_mm = {};  // the block may be larger
-    device.resolution_mm = device.resolution_rad = 1e-9;     // the path as it is
     return device;
   }
   DeviceState read(std::uint64_t now_us) noexcept override {

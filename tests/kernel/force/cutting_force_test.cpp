@@ -49,20 +49,6 @@ Path follow(Sculpture& s, Vec3 from, Vec3 to, int ticks, double tick_s) {
   return r;
 }
 
-/// The tool turns about a point 10 mm beside a removed segment, which moves across the rays.
-TEST(Force, AWallAtAnAngleToTheRaysIsNotUpright) {
-  const DexelGrid grid{{0.75, 1.75, -1}, 0.5, 0.25, 1, 1, 4};
-  const auto upright_of = [&](double across_mm) {
-    const Twist turn{{across_mm, 0, 0}, {0, 0, across_mm / 10}};
-    const CutSummer summer(grid, turn, {{1, 2, -0.5}, kUp, 10, 50, 5}, nullptr);
-    return summer.total(summer.sum(std::vector<RemovedGroup>{{0, 0, {2}, {4}}})).upright;
-  };
-  EXPECT_NEAR(upright_of(0.0005), 1, 0.01);               // 0.5 mm long: 0.06 degrees.
-  EXPECT_NEAR(upright_of(0.03 * 0.5), 0.5, 0.01);         // 1.7 degrees.
-  EXPECT_LT(upright_of(0.1), 0.001);                      // 11 degrees.
-  EXPECT_NEAR(upright_of(2), upright_of(0.25), 0.00001);  // Beyond half a pitch it is not known.
-}
-
 TEST(Force, OneDexelPushesAgainstTheMotionAndTurnsAboutThePivot) {
   // A single removed segment at a known position: dV = 0.5 mm x (0.5 mm)^2 around (1, 2, -0.25),
   // moving along +X with the tip at (0.25, 2, -0.5), the pivot 10 mm above it.
@@ -70,9 +56,8 @@ TEST(Force, OneDexelPushesAgainstTheMotionAndTurnsAboutThePivot) {
   const std::vector<RemovedGroup> removed{{0, 0, {2}, {4}}};
   const Twist along_x{{0.5, 0, 0}, {}};
   const CutSummer summer(grid, along_x, {{0.25, 2, -0.5}, kUp, 10, 50, 5}, nullptr);
-  const auto [sum, across_mm, along_mm, upright] = summer.total(summer.sum(removed));
+  const auto [sum, across_mm, along_mm] = summer.total(summer.sum(removed));
   EXPECT_DOUBLE_EQ(across_mm, 0.5);
-  EXPECT_EQ(upright, 1);
   EXPECT_EQ(along_mm, 0);
   const double volume = 0.5 * 0.25;
   EXPECT_NEAR(sum.volume_mm3, volume, 1e-15);
@@ -222,20 +207,6 @@ TEST(Force, SwivelDoesTheWorkOfTheRemovedVolume) {
             {.tool = tool, .rays = rays, .pitch_mm = 0.15, .above_tip_mm = above_tip_mm});
         EXPECT_NEAR(share, 1, 0.01) << above_tip_mm << " mm, " << to_string(rays);
       }
-    }
-  }
-}
-
-/// Where the tool stops or turns back, what is pending does no work. About a point within the cut,
-/// the path of its elements is short.
-TEST(Force, SwivelThatStopsInTheCutLeavesLittlePending) {
-  const Tool flat = *make_tool(FlatShape{6, 40});
-  for (const double above_tip_mm : {2.5, 5.0}) {
-    for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
-      const double share = test::work_over_energy(
-          {.tool = flat, .rays = rays, .above_tip_mm = above_tip_mm, .until_free = false});
-      EXPECT_GT(share, 0.98) << above_tip_mm << " mm, " << to_string(rays);
-      EXPECT_LT(share, 1.01) << above_tip_mm << " mm, " << to_string(rays);
     }
   }
 }
