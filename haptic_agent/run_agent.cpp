@@ -256,6 +256,14 @@ void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, LeadCpu
   }
 }
 
+/// Stops replica and link, after the server has answered; fills in their parts of the summary.
+void stop(ReplicaThread& replica, ServerLink& link, Summary& summary) {
+  replica.stop();
+  summary.copy = replica.report();
+  link.stop(kDrainS);
+  summary.link = link.report();
+}
+
 /// Prints the summary; returns the program's exit code.
 int report(const Options& options, Summary& summary) {
   if (summary.link.failure.empty() && summary.link.unanswered > 0) {
@@ -283,8 +291,9 @@ int run_agent(Options options) {
   ReplicaExchange exchange;
   ReplicaThread replica(exchange, &lead);
   const bool keep_copy = options.keep_copy && has_replica(options.mode);
-  StockListener* const copy = keep_copy ? &replica : nullptr;
-  set_up_link(options.link, {.status = &link_status, .copy = copy, .reach = &reach}, lead, loop);
+  set_up_link(options.link,
+              {.status = &link_status, .copy = keep_copy ? &replica : nullptr, .reach = &reach},
+              lead, loop);
   std::function<void()> leave = [&loop] { loop.stop(); };
   ActOnSignal signals([&leave] { leave(); });
   ServerLink link(options.link, samples, wrenches);
@@ -313,7 +322,6 @@ int run_agent(Options options) {
   const auto mapping = map_device(options, *welcome, device);
   if (!mapping) return give_up(mapping.error());
   summary.mapping = mapping->at_start;
-
   const ServoSettings settings = servo_settings(options, *welcome, device, *tool, *mapping);
   auto block = BlockSource::read(welcome->text);
   const Spindle spindle = block ? spindle_of(block->force()) : Spindle{};
@@ -334,11 +342,8 @@ int run_agent(Options options) {
     if (options.view) view.emplace(cycle.status(), link_status, settings, reasons, std::cerr);
     run_servo(device, loop, cycle, lead, options.cpu, reasons, signals, summary);
   }
-  replica.stop();
-  summary.copy = replica.report();
+  stop(replica, link, summary);
   summary.guides = guidance.uses();
-  link.stop(kDrainS);
-  summary.link = link.report();
   laboratory->finish(summary);
   return report(options, summary);
 }

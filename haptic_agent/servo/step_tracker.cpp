@@ -13,7 +13,7 @@ constexpr double kLongestFitS = 0.4;
 /// timed to within half a tick.
 constexpr double kOffQuanta = 0.1;
 constexpr double kOffTicks = 1.5;
-/// Time constant with which the estimate follows a line that was fitted anew, s.
+/// Time constant with which the estimate follows a new line, s.
 constexpr double kFollowS = 0.004;
 
 }  // namespace

@@ -160,10 +160,8 @@ TEST(SettingsFor, LimitsDampersByMassInertiaAndLatency) {
   EXPECT_EQ(settings.passivity.mass_kg, 0.05);
   EXPECT_EQ(settings.passivity.inertia_kg_m2, 1e-5);
   EXPECT_EQ(settings.passivity.longest_tick_us, 5000U) << "four lost ticks are tolerated";
-  // A damper that acts late (latency, period, filter) oscillates above mass / delay. The filter is
-  // as short as the mass at the tip, 60 mm from the pivot, requires.
-  const double tip_kg = 1 / (1 / 0.05 + 0.06 * 0.06 / 1e-5);
-  const double late_s = 0.004 + tip_kg / 12.5;
+  // A damper that acts late oscillates above mass / delay. The filter suits the mass at the tip.
+  const double late_s = 0.004 + 1 / (1 / 0.05 + 0.06 * 0.06 / 1e-5) / 12.5;
   EXPECT_NEAR(settings.passivity.max_damping, 0.25 * 0.05 / late_s / 1000, 1e-6);
   EXPECT_NEAR(settings.passivity.max_turn_damping, 0.25 * 1e-5 / late_s * 1000, 1e-6);
   DeviceCapabilities heavy = light;
@@ -324,9 +322,7 @@ TEST_F(ServoCycleTest, FollowedWrenchIsSmoothedAndFaded) {
 }
 
 TEST_F(ServoCycleTest, FollowedWrenchIsLimitedByTheEnergyTank) {
-  ServoSettings empty{.mode = ForceMode::kModel};
-  empty.passivity.start_mj = 0;
-  ServoCycle cycle = make(empty);
+  ServoCycle cycle = make({.mode = ForceMode::kModel, .passivity = {.start_mj = 0}});
   std::uint64_t now_us = 10'000;
   const auto rest = [&](double move_mm) {
     for (int i = 0; i < 200; ++i, now_us += 1000) {

@@ -33,10 +33,6 @@ TEST(Encoders, TheirStepsNeedNotBeDeclared) {
   expect_felt({.path = StraightCut::kSlot, .mm_per_s = 10, .quantum_mm = 0.043, .declared = false});
 }
 
-TEST(Encoders, AJointIsNoCoordinate) {
-  expect_felt({.path = StraightCut::kRamp, .mm_per_s = 20, .quantum_mm = 0.043, .falcon = true});
-}
-
 TEST(Encoders, LawsOfSpeedFeelAnEvenOne) {
   expect_felt({.path = StraightCut::kSlot, .mm_per_s = 10, .quantum_mm = 0.023, .law = "drr"});
   expect_felt(

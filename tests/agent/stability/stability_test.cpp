@@ -91,7 +91,7 @@ TEST(Stability, HandsThatYieldFeelTheCutAsItIs) {
   HandHeldCut milling = held(0.05, 1e-5, 2, 0);
   milling.mechanistic = true;
   for (const HandHeldCut& cut : {held(0.05, 1e-5, 2, 0), held(0.05, 2e-4, 0.5, 0),
-                             held(0.05, 1e-5, 2, 1000), held(0.3, 2e-4, 0.5, 3000), milling}) {
+                                 held(0.05, 1e-5, 2, 1000), held(0.3, 2e-4, 0.5, 3000), milling}) {
     const HeldCutOutcome outcome = cut_by_hand(cut);
     const std::string which = std::to_string(cut.mechanics.mass_kg) + " kg, " +
                               std::to_string(cut.mechanics.inertia_kg_m2) + " kg m2";
