@@ -102,10 +102,14 @@ class Rearm(LiveTest):
     def said(self, text):
         return sum(text in line for line in self.log)
 
+    def is_off(self):
+        """Whether the newest word about the force is that it was switched off."""
+        words = [line for line in self.log if "force switched off" in line or "force is on" in line]
+        return bool(words) and "force switched off" in words[-1]
+
     def trip(self):
         """A jump of the tip trips; a machine that is busy may have done so before."""
-        before = self.said("force switched off")
-        self.wait(lambda: self.said("force switched off") > before, self.device.jump)
+        self.wait(self.is_off, self.device.jump)
 
     def goes_on(self, act):
         """The agent says that the force is on after the user has acted. A busy machine may trip it

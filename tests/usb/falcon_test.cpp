@@ -135,7 +135,7 @@ TEST_F(Falcon, ReportsTheGripPosition) {
   }));
   EXPECT_EQ(state.axis, (Vec3{0, 0, 1}));
   EXPECT_EQ(state.buttons, wire::kButtonCutting | wire::kButtonDeadman);
-  for (const std::uint8_t small : {0x1, 0x2, 0x8}) {
+  for (const std::uint8_t small : {std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{8}}) {
     rig.query([small](FalconModel& model) {
       model.press(small);
       return 0;
