@@ -37,7 +37,7 @@ constexpr std::array<Number, 9> kNumbers = {{
      [](DeviceProfile& p, double v) { p.wall_across_n_per_mm = v; }},
 }};
 
-/// Sets what one line states; returns what is wrong with it, or nothing.
+/// Parses one line into the profile; returns the error, or an empty string.
 std::string take_line(DeviceProfile& profile, std::string_view line) {
   const std::size_t space = line.find(' ');
   const std::string_view name = line.substr(0, space);

@@ -10,8 +10,8 @@
 
 namespace kerf::agent {
 
-/// What `kerf-agent doctor --identify` has measured of one device. Values that are absent leave
-/// what the driver declares.
+/// The result of `kerf-agent doctor --identify` for one device. An absent value does not override
+/// the driver's declaration.
 struct DeviceProfile {
   std::string device{};
   std::optional<std::uint64_t> latency_us{};
@@ -26,7 +26,8 @@ struct DeviceProfile {
 DeviceCapabilities with_profile(DeviceCapabilities declared,
                                 const std::optional<DeviceProfile>& profile);
 
-/// Reads a profile file (README.md). The error is one sentence with the file and what is wrong.
+/// Reads a profile file (haptic_agent/README.md, "doctor"). The error is one sentence that names
+/// the file and the cause.
 std::expected<DeviceProfile, std::string> read_profile(const std::string& path);
 /// Writes one, as a text of `name value` lines; the error is one sentence.
 std::expected<void, std::string> write_profile(const std::string& path,

@@ -34,7 +34,7 @@ std::string udev_rule(UsbId id);
 std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s);
 
 /// Waits as check_device does, and identifies the device (Identification): writes its profile to
-/// `path` and returns the findings. `warn` is called with what it will do before it starts.
+/// `path` and returns the findings. Before it moves the device, it passes the warning to `warn`.
 std::vector<Finding> identify_device(const DeviceChoice& choice, double wait_s,
                                      const std::string& path,
                                      const std::function<void(const std::string&)>& warn);

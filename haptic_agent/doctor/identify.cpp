@@ -56,8 +56,8 @@ void Identification::stop(const char* reason) noexcept {
   part_ = Part::kEnd;
 }
 
-/// Returns the effort of this tick: a step, and what brings the device back. The strength follows
-/// how far the steps of the last time moved the device.
+/// Returns the effort of this tick: a step plus a restoring effort towards the start. The strength
+/// adapts to how far the previous steps moved the device.
 double Identification::effort(double position, double least, double most, double range) noexcept {
   Shake& shake = part_ == Part::kForce ? force_ : torque_;
   speed_ += ((position - before_) / kShakeTickS - speed_) * kSpeedPart;

@@ -40,7 +40,7 @@ class Identification final : public ServoTask {
   const MotionFit& moved() const { return moved_; }
 
  private:
-  /// What is moved: the pivot along x, or the axis about y.
+  /// The phase: a force moves the pivot along x, or a torque turns the axis about y.
   enum class Part : std::uint8_t { kForce, kTorque, kEnd };
   struct Shake {
     std::vector<MotionRecord> motion{}, tip{};
@@ -67,7 +67,7 @@ class Identification final : public ServoTask {
 /// Says, before it starts, what an identification does with the device.
 std::string identification_warning(const DeviceCapabilities& device);
 
-/// Findings: each measured value beside the declared one, and the stiffest walls.
+/// Compares each measured value with the declared one; adds the stiffest walls.
 std::vector<Finding> judge_profile(const DeviceCapabilities& declared,
                                    const DeviceProfile& profile);
 

@@ -122,7 +122,7 @@ double quantum_of(const std::vector<MotionRecord>& motion) {
   for (std::size_t i = 1; i < motion.size(); ++i)
     steps.push_back(std::abs(motion[i].position - motion[i - 1].position));
   constexpr std::size_t kEnough = 20;
-  // What is far below a usual step comes from other coordinates, as where an axis is made a unit.
+  // Steps far below the usual one come from other coordinates: normalizing the axis couples them.
   constexpr double kUsual = 0.9, kLeast = 0.01;
   std::ranges::sort(steps);
   if (steps.empty()) return 0;

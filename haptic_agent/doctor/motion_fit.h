@@ -7,7 +7,7 @@
 
 namespace kerf::agent {
 
-/// One coordinate of a device, and what acts along it: mm and N, or rad and N mm, at one tick.
+/// Position and effort along one coordinate of a device at one tick: mm and N, or rad and N mm.
 struct MotionRecord {
   double position = 0, effort = 0;
 };

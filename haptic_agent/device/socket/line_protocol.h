@@ -33,7 +33,7 @@ std::expected<DeviceCapabilities, std::string> parse_device_line(std::string_vie
 std::optional<SocketPose> parse_pose_line(std::string_view line, bool has_deadman,
                                           std::uint64_t now_us) noexcept;
 
-/// The line, beside poses, with which the device's user re-arms after a trip.
+/// A device sends this line when its user re-arms after a trip.
 inline constexpr std::string_view kRearmLine = "rearm";
 
 /// `session PARTICIPANT PIVOT X0 Y0 Z0 X1 Y1 Z1`, with a newline.
