@@ -31,6 +31,8 @@ std::string_view sentence(NoForce reason) {
       return "the tip is faster than 50 mm/s; slow down, and the force comes on";
     case NoForce::kArming:
       return "the force is coming on, within half a second";
+    case NoForce::kClutched:
+      return "the clutch is held, so that the tool stays; release it to feel the cut again";
     case NoForce::kServerLate:
       return "the server's answers are late; check the network (kerf-agent doctor --server)";
     case NoForce::kTicksLost:

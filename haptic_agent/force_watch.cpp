@@ -12,7 +12,9 @@ std::string ForceWatch::look(NoForce reason, std::uint64_t now_us) {
     said_ = false;
   }
   if (reason == NoForce::kTripped) notified_ = true;
-  if (reason == NoForce::kTripped || reason == NoForce::kArming) return {};
+  // A user who holds the clutch knows it.
+  const bool known = reason == NoForce::kArming || reason == NoForce::kClutched;
+  if (reason == NoForce::kTripped || known) return {};
   if (!blocks(reason) && std::exchange(notified_, false)) return "the force is on";
   const bool blocked = blocks(reason);
   if (reason == NoForce::kNone || said_ ||

@@ -31,6 +31,7 @@ NoForce Supervisor::why(const SafetyInput& in) const noexcept {
     if (!is_small(in)) return NoForce::kTouching;
     return is_slow(in) ? NoForce::kArming : NoForce::kMoving;
   }
+  if (in.clutched) return NoForce::kClutched;
   if (phase_ == ServoPhase::kRamp) return NoForce::kArming;
   if (in.faded) return NoForce::kServerLate;
   if (lost_.gain() < kTellingGain) return NoForce::kTicksLost;

@@ -23,6 +23,7 @@ enum class NoForce : std::uint8_t {
   kTouching,    ///< cannot arm: there is a force at the tip already
   kMoving,      ///< cannot arm: the tip is too fast
   kArming,      ///< the force is about to rise
+  kClutched,    ///< the clutch is held: the tool stays while the hand moves
   // It is permitted, and reduced.
   kServerLate,  ///< it fades because answers are old
   kTicksLost,   ///< the loop loses ticks
@@ -30,10 +31,10 @@ enum class NoForce : std::uint8_t {
   kLimited,     ///< the device's limit, or that of the options
 };
 
-inline constexpr std::array<std::string_view, 16> kNoForceNames = {
-    "none",        "no_motors",  "absent",       "homing",   "fault",  "tripped",
-    "not_held",    "no_answer",  "out_of_reach", "touching", "moving", "arming",
-    "server_late", "ticks_lost", "tank_empty",   "limited"};
+inline constexpr std::array<std::string_view, 17> kNoForceNames = {
+    "none",     "no_motors",   "absent",       "homing",     "fault",  "tripped",
+    "not_held", "no_answer",   "out_of_reach", "touching",   "moving", "arming",
+    "clutched", "server_late", "ticks_lost",   "tank_empty", "limited"};
 constexpr std::string_view to_string(NoForce reason) noexcept {
   return kNoForceNames[static_cast<std::size_t>(reason)];
 }

@@ -8,9 +8,10 @@ std::array<StepTracker, 3> three(double quantum) noexcept {
   return {StepTracker(quantum), StepTracker(quantum), StepTracker(quantum)};
 }
 
-Vec3 take_each(std::array<StepTracker, 3>& trackers, Vec3 measured, double dt_s) noexcept {
-  return {trackers[0].take(measured.x, dt_s), trackers[1].take(measured.y, dt_s),
-          trackers[2].take(measured.z, dt_s)};
+Vec3 take_each(std::array<StepTracker, 3>& trackers, Vec3 measured, double dt_s,
+               bool is_new) noexcept {
+  return {trackers[0].take(measured.x, dt_s, is_new), trackers[1].take(measured.y, dt_s, is_new),
+          trackers[2].take(measured.z, dt_s, is_new)};
 }
 
 }  // namespace
@@ -18,9 +19,9 @@ Vec3 take_each(std::array<StepTracker, 3>& trackers, Vec3 measured, double dt_s)
 PoseEstimator::PoseEstimator(double resolution_mm, double resolution_rad) noexcept
     : tip_(three(resolution_mm)), axis_(three(resolution_rad)) {}
 
-PoseEstimator::Pose PoseEstimator::take(const Pose& measured, double dt_s) noexcept {
-  const Vec3 tip_mm = take_each(tip_, measured.tip_mm, dt_s);
-  const Vec3 axis = take_each(axis_, measured.axis, dt_s);
+PoseEstimator::Pose PoseEstimator::take(const Pose& measured, double dt_s, bool is_new) noexcept {
+  const Vec3 tip_mm = take_each(tip_, measured.tip_mm, dt_s, is_new);
+  const Vec3 axis = take_each(axis_, measured.axis, dt_s, is_new);
   return {tip_mm, axis == measured.axis ? axis : normalized(axis)};
 }
 

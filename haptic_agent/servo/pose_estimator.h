@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "haptic_agent/servo/step_tracker.h"
+#include "haptic_agent/device/step_tracker.h"
 #include "kernel/math/vec3.h"
 
 namespace kerf::agent {
@@ -22,7 +22,8 @@ class PoseEstimator {
   PoseEstimator(double resolution_mm, double resolution_rad) noexcept;
 
   /// Takes the pose measured `dt_s` after the last one; returns the estimate for the present time.
-  Pose take(const Pose& measured, double dt_s) noexcept;
+  /// `is_new`: as of StepTracker.
+  Pose take(const Pose& measured, double dt_s, bool is_new) noexcept;
   void reset() noexcept;
 
  private:

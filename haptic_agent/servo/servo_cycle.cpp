@@ -214,7 +214,7 @@ Twist ServoCycle::follow(const DeviceState& state, bool usable, std::uint64_t no
 void ServoCycle::estimate(const DeviceState& state, std::uint64_t time_us, double dt_s) noexcept {
   PoseEstimator::Pose pose{state.tip_mm, state.axis};
   // The path of a device without motors is cut as it is: nothing of it is felt.
-  if (settings_.safety.motors) pose = estimator_.take(pose, dt_s);
+  if (settings_.safety.motors) pose = estimator_.take(pose, dt_s, time_us != now_.time_us);
   const Grip grip{pose.tip_mm + pose.axis * settings_.pivot_mm, pose.axis};
   sent_moved_ = has_grip_ ? between(now_.grip, grip) : Twist{};
   const Vec3 step_mm = has_grip_ ? pose.tip_mm - sent_tip_mm_ : Vec3{};
@@ -344,57 +344,8 @@ SafetyInput ServoCycle::safety_input(const DeviceState& state, bool usable,
           .starving = output_.passivity().starving(),
           .overdrawn = output_.passivity().overdrawn(),
           .faded = faded_,
-          .limited = limited_};
-}
-
-void ServoCycle::note_softness(double mm_per_n) noexcept {
-  if (mm_per_n > ServoReport::kSoftMmPerN) ++report_.soft_ticks;
-  report_.softest_mm_per_n = std::max(report_.softest_mm_per_n, mm_per_n);
-}
-
-/// Compares the output with the computed wrench. `on`: the supervisor permits a force.
-void ServoCycle::note_felt(bool on) noexcept {
-  constexpr double kLeastLeverMm = 1;
-  const double lever_mm = std::max(kLeastLeverMm, settings_.pivot_mm);
-  share_ = felt_share(output_.released(), computed_, lever_mm);
-  if (on) report_.felt.add(output_.released(), computed_, share_);
-}
-
-void ServoCycle::note(const SafetyInput& seen, const Wrench& requested) noexcept {
-  report_.max_force_n = std::max(report_.max_force_n, length(output_.released().force_n));
-  report_.max_torque_nmm = std::max(report_.max_torque_nmm, length(output_.released().torque_nmm));
-  const Twist& velocity = velocity_.velocity();
-  recorder_.note({.time_us = last_us_,
-                  .tip_mm = tip_mm_,
-                  .velocity_mm_per_s = velocity.linear,
-                  .requested = requested,
-                  .output = output_.released(),
-                  .energy_mj = output_.passivity().account().level_mj(),
-                  .answer_age_us = seen.answer_age_us,
-                  .lost_now = lost_now_,
-                  .phase = supervisor_.phase()});
-  if (supervisor_.trips() != noted_trips_) recorder_.trip(supervisor_.code());
-  noted_trips_ = supervisor_.trips();
-  status_.write({.phase = supervisor_.phase(),
-                 .code = supervisor_.code(),
-                 .trips = noted_trips_,
-                 .output = output_.released(),
-                 .computed = computed_,
-                 .energy_mj = output_.passivity().account().level_mj(),
-                 .speed_mm_per_s = seen.tip_mm_per_s,
-                 .answer_age_us = seen.answer_age_us,
-                 .felt_share = share_,
-                 .no_force = supervisor_.no_force(),
-                 .lost_gain = supervisor_.lost_gain()});
-  reason_.store(supervisor_.no_force(), std::memory_order_relaxed);
-  ++report_.no_force_ticks[static_cast<std::size_t>(supervisor_.no_force())];
-}
-
-void ServoCycle::note_heard(const SafetyInput& seen, bool usable) noexcept {
-  heard_.write(
-      {.running = usable && seen.cutting && !hand_.is_away(),
-       .force_n = heard_n_,
-       .removed_mm3_per_s = engaged_mm2_ * seen.tip_mm_per_s * hand_.map().mapping().scale});
+          .limited = limited_,
+          .clutched = hand_.is_away()};
 }
 
 }  // namespace kerf::agent

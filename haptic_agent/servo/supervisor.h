@@ -109,8 +109,9 @@ struct SafetyInput {
   Wrench output{};             ///< of the previous tick
   bool starving = false;
   bool overdrawn = false;
-  bool faded = false;    ///< the requested wrench was faded, because answers are old
-  bool limited = false;  ///< the previous wrench was shortened to the limits of force and torque
+  bool faded = false;     ///< the requested wrench was faded, because answers are old
+  bool limited = false;   ///< the previous wrench was shortened to the limits of force and torque
+  bool clutched = false;  ///< the clutch is held: the tool stays in the block
 };
 
 /// Decides in each tick whether force may be output, and with which gain: that of the ramp times

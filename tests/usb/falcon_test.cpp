@@ -87,6 +87,28 @@ TEST(FalconFrame, StatusBytesAreSkippedAndFramesAssembled) {
   EXPECT_EQ(falcon::decode_state(*whole), state);
 }
 
+TEST(FalconProtocol, ReportsPosesBetweenTheCountsOfItsLegs) {
+  falcon::FalconProtocol protocol({.middle_mm = {0, 0, 10}});
+  int moved = 0, repeated = 0;
+  Vec3 last{};
+  for (std::uint64_t tick = 1; tick <= 400; ++tick) {
+    // Each leg counts in every tenth report; the grip moves by 4 mm/s.
+    const auto count = static_cast<std::int16_t>(tick / 10);
+    const falcon::FalconState state{.encoders = {count, count, count}, .homed = 7};
+    Bytes packet{1, 0x60};
+    const auto frame = falcon::encode_state(state);
+    packet.insert(packet.end(), frame.begin(), frame.end());
+    const std::uint64_t now_us = 1'000'000 + tick * 1000;
+    ASSERT_TRUE(protocol.take(packet, now_us));
+    const agent::DeviceState pose = protocol.mailbox().fetch(now_us);
+    ASSERT_TRUE(pose.valid);
+    if (tick > 100) (length(pose.tip_mm - last) > 0.001 ? moved : repeated)++;
+    last = pose.tip_mm;
+  }
+  EXPECT_GT(moved, 290) << "one in ten reports has a new count";
+  EXPECT_LT(repeated, 10);
+}
+
 class Falcon : public ::testing::Test {
  protected:
   static std::unique_ptr<UsbHapticDevice> make(Rig<FalconModel>& rig, Bytes firmware = {}) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "haptic_agent/realtime/clock.h"
 #include "tests/usb/model/reference_firmware.h"
@@ -77,6 +78,34 @@ class ReferenceProtocolAlone : public ::testing::Test {
   ref::ReferenceProtocol protocol{ref::PenPlace{}};
   std::uint16_t sequence = 0;
 };
+
+TEST_F(ReferenceProtocolAlone, ReportsPosesBetweenTheStepsOfItsJoints) {
+  // Encoders of 4e-4 rad move the pen by about 0.06 mm a step; it moves by 5 mm/s.
+  constexpr double kStepUrad = 400;
+  const auto pen = agent::standard_pen();
+  int moved = 0;
+  Vec3 last{};
+  for (int tick = 0; tick < 1000; ++tick) {
+    const Vec3 at{0.005 * tick, 0.003 * tick, 0};
+    const auto front = reach_for(pen.front, at);
+    const auto rear = reach_for(pen.rear, at + Vec3{0, 0, pen.length_mm});
+    ref::StateReport state{.sequence = ++sequence, .status = ref::kHomedMask};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto urad = [](double rad) {
+        return static_cast<std::int32_t>(kStepUrad * std::round(rad * 1e6 / kStepUrad));
+      };
+      state.angles_urad[i] = urad(front[i]);
+      state.angles_urad[i + 3] = urad(rear[i]);
+    }
+    const std::uint64_t at_us = now_us + static_cast<std::uint64_t>(tick + 1) * 1000;
+    ASSERT_TRUE(protocol.take(ref::encode(state), at_us));
+    const agent::DeviceState pose = protocol.mailbox().fetch(at_us);
+    ASSERT_TRUE(pose.valid);
+    if (tick >= 600 && length(pose.tip_mm - last - Vec3{0.005, 0.003, 0}) < 0.004) ++moved;
+    last = pose.tip_mm;
+  }
+  EXPECT_GT(moved, 380) << "the pen moves evenly, in all reports";
+}
 
 TEST_F(ReferenceProtocolAlone, ForceIfAllConditionsHold) {
   EXPECT_FALSE(pulls()) << "there is no report yet";

@@ -92,6 +92,21 @@ std::int16_t count_of(double angle_rad) noexcept {
       std::clamp(count, static_cast<double>(Limits::min()), static_cast<double>(Limits::max())));
 }
 
+LegTracker::LegTracker() noexcept
+    : legs_{StepTracker(kDegPerCount / kDegPerRad), StepTracker(kDegPerCount / kDegPerRad),
+            StepTracker(kDegPerCount / kDegPerRad)} {}
+
+LegAngles LegTracker::take(const std::array<std::int16_t, 3>& counts, double dt_s) noexcept {
+  LegAngles angles{};
+  for (std::size_t i = 0; i < angles.size(); ++i)
+    angles[i] = legs_[i].take(angle_of(counts[i]), dt_s);
+  return angles;
+}
+
+void LegTracker::reset() noexcept {
+  for (StepTracker& leg : legs_) leg.reset();
+}
+
 std::optional<LegAngles> leg_angles(Vec3 p) noexcept {
   LegAngles angles{};
   for (std::size_t i = 0; i < angles.size(); ++i) {

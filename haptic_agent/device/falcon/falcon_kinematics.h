@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "haptic_agent/device/step_tracker.h"
 #include "kernel/math/vec3.h"
 
 namespace kerf::agent::falcon {
@@ -22,6 +23,19 @@ inline constexpr double kReachMm = 60;
 /// drives a 110 mm arm by a cable; 35 degrees at count zero (libnifalcon's measurements).
 double angle_of(std::int16_t count) noexcept;
 std::int16_t count_of(double angle_rad) noexcept;
+
+/// Estimates the legs' angles between the counts of their encoders. A count moves all three
+/// coordinates of the grip, by about 0.04 mm in all, so they have no steps of their own.
+class LegTracker {
+ public:
+  LegTracker() noexcept;
+  /// Takes the counts measured `dt_s` after the last ones.
+  LegAngles take(const std::array<std::int16_t, 3>& counts, double dt_s) noexcept;
+  void reset() noexcept;
+
+ private:
+  std::array<StepTracker, 3> legs_;
+};
 
 /// Inverse kinematics in closed form; nothing if the position is out of reach.
 std::optional<LegAngles> leg_angles(Vec3 position_mm) noexcept;

@@ -16,9 +16,9 @@ constexpr std::uint64_t kAnswerUs = 10'000;
 constexpr std::uint64_t kSilenceUs = 500'000;
 /// A request and a reply through the serial chip, whose latency timer is 1 ms.
 constexpr std::uint64_t kLatencyUs = 3000;
-/// How far a count of one leg moves the grip (angle_of, 110 mm arms); in the middle the Jacobian is
-/// about one.
-constexpr double kResolutionMm = 0.043;
+/// Of the estimate between the counts, each of which moves the grip by 0.04 mm.
+constexpr double kResolutionMm = 0.001;
+constexpr double kSPerUs = 1e-6;
 /// An assumption for the grip and its three legs. The grip does not turn: no torque moves it.
 constexpr double kMovingMassKg = 0.1;
 constexpr double kMovingInertiaKgM2 = 1;
@@ -73,6 +73,7 @@ void FalconProtocol::connected(std::uint64_t) noexcept {
   reader_.reset();
   state_.reset();
   position_mm_.reset();
+  legs_.reset();
   waiting_ = false;
   motors_disabled_ = false;
 }
@@ -92,8 +93,10 @@ bool FalconProtocol::take(std::span<const std::uint8_t> packet, std::uint64_t no
     position_mm_.reset();
     return true;
   }
-  for (std::size_t i = 0; i < angles_.size(); ++i) angles_[i] = angle_of(state_->encoders[i]);
-  const bool recent = position_mm_ && now_us - std::min(now_us, pose_us_) < kForgetUs;
+  const std::uint64_t since_us = now_us - std::min(now_us, pose_us_);
+  const bool recent = position_mm_ && since_us < kForgetUs;
+  if (!recent) legs_.reset();
+  angles_ = legs_.take(state_->encoders, static_cast<double>(since_us) * kSPerUs);
   const auto position = position_of(angles_, recent ? *position_mm_ : kMiddleMm);
   if (!position || length(*position) > kMaxMm || position->z <= 0) return false;
   if (recent && length(*position - *position_mm_) > kJumpMm) return false;

@@ -52,6 +52,7 @@ class FalconProtocol final : public HapticProtocol {
   FrameReader reader_;
   std::optional<FalconState> state_;
   std::optional<Vec3> position_mm_;
+  LegTracker legs_;
   LegAngles angles_{};
   std::uint64_t pose_us_ = 0;
   bool waiting_ = false;

@@ -23,6 +23,19 @@ PenShape standard_pen() noexcept {
           .grip_mm = 40};
 }
 
+PenAngles JointTracker::take(const PenAngles& measured, double dt_s) noexcept {
+  PenAngles angles;
+  for (std::size_t i = 0; i < measured.front.size(); ++i) {
+    angles.front[i] = joints_[i].take(measured.front[i], dt_s);
+    angles.rear[i] = joints_[i + measured.front.size()].take(measured.rear[i], dt_s);
+  }
+  return angles;
+}
+
+void JointTracker::reset() noexcept {
+  for (StepTracker& joint : joints_) joint.reset();
+}
+
 std::optional<PenPose> pen_pose(const PenShape& shape, const PenAngles& q) noexcept {
   if (!all_finite(q.front) || !all_finite(q.rear)) return std::nullopt;
   const Vec3 a_mm = arm_point(shape.front, q.front);

@@ -6,6 +6,7 @@
 
 #include "haptic_agent/device/haptic_device.h"
 #include "haptic_agent/device/reference/arm.h"
+#include "haptic_agent/device/step_tracker.h"
 
 namespace kerf::agent {
 
@@ -31,6 +32,18 @@ inline constexpr double kLeanRad = 0.87;
 struct PenAngles {
   ArmAngles front{};
   ArmAngles rear{};
+};
+
+/// Estimates the joints' angles between the steps of their encoders, which it finds by itself: the
+/// device does not state them. In coordinates of the pen they have no steps of their own.
+class JointTracker {
+ public:
+  /// Takes the angles measured `dt_s` after the last ones.
+  PenAngles take(const PenAngles& measured, double dt_s) noexcept;
+  void reset() noexcept;
+
+ private:
+  std::array<StepTracker, 6> joints_;
 };
 
 /// A pose of 5 DOF: two points do not determine the rotation about the line through them.

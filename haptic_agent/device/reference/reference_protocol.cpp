@@ -120,6 +120,7 @@ std::expected<void, UsbError> ReferenceProtocol::identify(UsbSyncIo& io) {
 void ReferenceProtocol::connected(std::uint64_t) noexcept {
   report_.reset();
   pose_.reset();
+  joints_.reset();
   command_clock_.restart();
   mismatched_ = false;
   motors_disabled_ = false;
@@ -160,17 +161,20 @@ bool ReferenceProtocol::take(std::span<const std::uint8_t> packet, std::uint64_t
     return true;
   }
   const PenAngles q = angles_of(*report);
-  const auto pose = turns_too_far(q) ? std::nullopt : pen_pose(identity_.pen, q);
-  if (!pose || !is_plausible(*pose, now_us, gap_us)) return false;
-  pose_ = pose;
+  const auto measured = turns_too_far(q) ? std::nullopt : pen_pose(identity_.pen, q);
+  if (!measured || !is_plausible(*measured, now_us, gap_us)) return false;
+  if (gap_us > kForgetUs) joints_.reset();
+  const auto estimated =
+      pen_pose(identity_.pen, joints_.take(q, static_cast<double>(gap_us) / kUsPerS));
+  pose_ = estimated ? estimated : measured;
   pose_us_ = now_us;
   const Vec3 grip_mm =
-      place_.middle_mm + Vec3{0, 0, place_.pivot_mm} + pose->grip_mm - middle_grip(identity_.pen);
+      place_.middle_mm + Vec3{0, 0, place_.pivot_mm} + pose_->grip_mm - middle_grip(identity_.pen);
   const bool cutting = (report->buttons & kCutButton) != 0;
   const bool held = (report->buttons & kGripSensor) != 0;
   const bool clutch = (report->buttons & kClutchButton) != 0;
-  mailbox_.publish({.tip_mm = grip_mm - pose->axis * place_.pivot_mm,
-                    .axis = pose->axis,
+  mailbox_.publish({.tip_mm = grip_mm - pose_->axis * place_.pivot_mm,
+                    .axis = pose_->axis,
                     .buttons = (cutting ? wire::kButtonCutting : 0U) |
                                (held ? wire::kButtonDeadman : 0U) | (clutch ? kButtonClutch : 0U),
                     .time_us = now_us,

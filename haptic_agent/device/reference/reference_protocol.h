@@ -53,6 +53,7 @@ class ReferenceProtocol final : public HapticProtocol {
   Identity identity_;
   std::optional<StateReport> report_;
   std::uint64_t report_us_ = 0;
+  JointTracker joints_;
   std::optional<PenPose> pose_;
   std::uint64_t pose_us_ = 0;
   bool mismatched_ = false;

@@ -55,6 +55,10 @@ TEST_F(NoForceTest, NamesWhatReducesTheForce) {
   in.limited = true;
   pass(1);
   EXPECT_EQ(reason(), "limited");
+  in.clutched = true;
+  pass(1);
+  EXPECT_EQ(reason(), "clutched");
+  in.clutched = false;
   in.starving = true;
   pass(1);
   EXPECT_EQ(reason(), "tank_empty");

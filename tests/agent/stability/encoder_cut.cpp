@@ -58,11 +58,14 @@ Line line_of(StraightCut path) {
   return {kOff + Vec3{-4, -2, -2}, normalized(Vec3{2, 1, 0}), axis};
 }
 
-/// The tip as the encoders of a Falcon's legs show it.
-Vec3 by_falcon(Vec3 tip_mm) {
+/// The tip as the driver of a Falcon reports it, from the counts of its legs' encoders.
+Vec3 by_falcon(Vec3 tip_mm, falcon::LegTracker& legs) {
   const Vec3 position = falcon::from_kerf(tip_mm) + falcon::kMiddleMm;
-  auto angles = falcon::leg_angles(position).value();
-  for (double& angle : angles) angle = falcon::angle_of(falcon::count_of(angle));
+  const falcon::LegAngles exact = falcon::leg_angles(position).value();
+  std::array<std::int16_t, 3> counts{};
+  for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = falcon::count_of(exact[i]);
+  constexpr double kTickS = 0.001;
+  const falcon::LegAngles angles = legs.take(counts, kTickS);
   return falcon::to_kerf(falcon::position_of(angles, position).value() - falcon::kMiddleMm);
 }
 
@@ -78,7 +81,9 @@ class RoundingDevice final : public HapticDevice {
             .max_torque_nmm = 500,
             .max_stiffness_n_per_mm = 3,
             .max_damping_n_s_per_mm = 0.06,
-            .resolution_mm = cut_.declared ? cut_.quantum_mm : 0,
+            .resolution_mm = cut_.falcon     ? 0.001
+                             : cut_.declared ? cut_.quantum_mm
+                                             : 0,
             .resolution_rad = cut_.declared ? cut_.quantum_rad : 0,
             .moving_mass_kg = 0.3,
             .moving_inertia_kg_m2 = 2e-3};
@@ -88,7 +93,7 @@ class RoundingDevice final : public HapticDevice {
     const double time_s = static_cast<double>(now_us - start_us_) * 1e-6;
     path_mm = std::max(0.0, time_s - kRestS) * cut_.mm_per_s;
     const Vec3 tip_mm = line_.from_mm + line_.along * path_mm;
-    return {.tip_mm = cut_.falcon ? by_falcon(tip_mm) : rounded(tip_mm, cut_.quantum_mm),
+    return {.tip_mm = cut_.falcon ? by_falcon(tip_mm, legs_) : rounded(tip_mm, cut_.quantum_mm),
             .axis = normalized(rounded(line_.axis, cut_.quantum_rad)),
             .buttons = wire::kButtonDeadman | wire::kButtonCutting,
             .time_us = now_us,
@@ -104,6 +109,7 @@ class RoundingDevice final : public HapticDevice {
  private:
   EncoderCut cut_;
   Line line_;
+  falcon::LegTracker legs_;
   std::uint64_t start_us_ = 0;
 };
 

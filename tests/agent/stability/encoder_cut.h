@@ -21,7 +21,7 @@ struct EncoderCut {
   double mm_per_s = 20;
   double quantum_mm = 0, quantum_rad = 0;  ///< of each coordinate of tip and axis
   bool declared = true;                    ///< whether the device states its quanta
-  bool falcon = false;  ///< rounds the angles of a Falcon's legs in place of the coordinates
+  bool falcon = false;  ///< a Falcon with its driver: the angles of its legs are rounded
   const char* law = "specific_energy";
   const char* rays = "dexel";
 };

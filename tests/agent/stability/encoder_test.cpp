@@ -33,6 +33,12 @@ TEST(Encoders, TheirStepsNeedNotBeDeclared) {
   expect_felt({.path = StraightCut::kSlot, .mm_per_s = 10, .quantum_mm = 0.043, .declared = false});
 }
 
+TEST(Encoders, OfLegsAreFeltThroughTheDriverOfAFalcon) {
+  for (const double mm_per_s : {2.0, 20.0}) {
+    expect_felt({.path = StraightCut::kRamp, .mm_per_s = mm_per_s, .falcon = true});
+  }
+}
+
 TEST(Encoders, LawsOfSpeedFeelAnEvenOne) {
   expect_felt({.path = StraightCut::kSlot, .mm_per_s = 10, .quantum_mm = 0.023, .law = "drr"});
   expect_felt(

@@ -46,7 +46,7 @@ struct StrokeCut {
   std::size_t tool = 0;  ///< of kStrokeTools
   double tilt_rad = 0;   ///< of the tool's axis, about y
   double seconds = 3;
-  double newtons = 1.5;  ///< about the greatest force of the stroke
+  double newtons = 1;  ///< about the greatest force of the stroke
   const char* rays = "dexel";
   /// A hand that the force moves; none: it does not yield.
   std::optional<PlantMechanics> live = std::nullopt;

@@ -18,10 +18,11 @@ class StepTracker {
   /// `quantum`: size of the encoder's steps, in the coordinate's unit; 0: unknown. Then steps count
   /// as an encoder's once kStepsOfEncoder of them followed rests within kDetectS, and their median
   /// is its quantum; until then the estimate is the measured value.
-  explicit StepTracker(double quantum) noexcept : declared_(quantum) {}
+  explicit StepTracker(double quantum = 0) noexcept : declared_(quantum) {}
 
   /// Takes the value measured `dt_s` after the last one; returns the estimate for the present time.
-  double take(double measured, double dt_s) noexcept;
+  /// `is_new`: whether the device has measured since; otherwise that it repeats means nothing.
+  double take(double measured, double dt_s, bool is_new = true) noexcept;
   /// Forgets the motion, but not the quantum; the next value is taken as it is.
   void reset() noexcept;
   /// Rate of the estimate, per second.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptic_agent/servo/step_tracker.h"
+#include "haptic_agent/device/step_tracker.h"
 
 #include <gtest/gtest.h>
 
@@ -70,6 +70,18 @@ TEST(StepTracker, AContinuousDeviceThatStopsIsNoEncoder) {
     if (i % 400 < 200) value += 0.01;  // starts and stops at once, every 0.4 s
     EXPECT_EQ(tracker.take(value, kTickS), value);
   }
+}
+
+TEST(StepTracker, AMeasurementThatIsReadTwiceIsNoRest) {
+  // A device measures 900 times per second and is read 1000 times.
+  StepTracker tracker(0);
+  double measured = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const bool is_new = i % 10 != 0;
+    if (is_new) measured += 0.02 + 0.001 * std::sin(0.01 * i);
+    EXPECT_EQ(tracker.take(measured, kTickS, is_new), measured);
+  }
+  EXPECT_EQ(tracker.quantum(), 0);
 }
 
 TEST(StepTracker, TheEstimateStaysInTheCellOfTheMeasuredValue) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptic_agent/servo/step_tracker.h"
+#include "haptic_agent/device/step_tracker.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,7 @@ void StepTracker::reset() noexcept {
 /// An encoder rests between its steps; a continuous value does so only where the device does. The
 /// steps of a coordinate that several encoders move differ: their median counts.
 void StepTracker::find_quantum() noexcept {
-  if (declared_ > 0) return;
+  if (declared_ > 0 || !newest(0).rested) return;
   std::array<double, kKept> sizes{};
   std::size_t rests = 0;
   for (std::size_t i = 0; i < kept() && now_s_ - newest(i).s <= kDetectS; ++i) {
@@ -86,10 +86,10 @@ void StepTracker::step_to(double measured, double dt_s) noexcept {
   if (count_ >= 2 * kKept) count_ -= kKept;
   measured_ = measured;
   find_quantum();
-  fit(dt_s);
+  if (quantum() > 0) fit(dt_s);
 }
 
-double StepTracker::take(double measured, double dt_s) noexcept {
+double StepTracker::take(double measured, double dt_s, bool is_new) noexcept {
   if (!has_value_) {
     has_value_ = true;
     now_s_ = 0;
@@ -99,7 +99,7 @@ double StepTracker::take(double measured, double dt_s) noexcept {
   now_s_ += dt_s;
   const bool stepped = measured != measured_;
   if (stepped) step_to(measured, dt_s);
-  rested_ = !stepped;
+  if (stepped || is_new) rested_ = !stepped;
   const double before = estimate_;
   if (!(quantum() > 0)) {
     estimate_ = measured;
