@@ -23,37 +23,10 @@ std::string text_of(const T& value) {
 
 std::string text_of(Vec3 v) { return text_of(v.x) + ' ' + text_of(v.y) + ' ' + text_of(v.z); }
 
-std::string name_of(CutLaw law) {
-  switch (law) {
-    case CutLaw::kSpecificEnergy:
-      return "specific_energy";
-    case CutLaw::kRemovalRate:
-      return "drr";
-    case CutLaw::kMechanistic:
-      return "mechanistic";
-  }
-  return "unknown";
-}
-
-std::string name_of(ForceMode mode) {
-  switch (mode) {
-    case ForceMode::kModel:
-      return "model";
-    case ForceMode::kInterpolated:
-      return "interpolated";
-    case ForceMode::kHold:
-      return "hold";
-    case ForceMode::kPaper:
-      return "paper";
-    case ForceMode::kSilent:
-      return "silent";
-  }
-  return "unknown";
-}
-
 /// The metadata of a recording.
 mcap::Texts about_session(const Options& options, const Welcome& welcome,
                           const DeviceCapabilities& device, const ServoSettings& settings) {
+  const WorkspaceMapping& mapping = settings.mapping.at_start;
   return {{"agent_version", kVersion},
           {"kernel_version", text_of(kKernelVersion)},
           {"session", welcome.session},
@@ -63,8 +36,8 @@ mcap::Texts about_session(const Options& options, const Welcome& welcome,
           {"pivot_mm", text_of(settings.pivot_mm)},
           {"stock_min_mm", text_of(welcome.stock.min_mm)},
           {"stock_max_mm", text_of(welcome.stock.max_mm)},
-          {"force_law", name_of(welcome.law)},
-          {"mode", name_of(settings.mode)},
+          {"force_law", std::string(to_string(welcome.law))},
+          {"mode", std::string(to_string(settings.mode))},
           {"limit_force_n", text_of(settings.limits.force_n)},
           {"limit_torque_nmm", text_of(settings.limits.torque_nmm)},
           {"device", device.name},
@@ -77,7 +50,14 @@ mcap::Texts about_session(const Options& options, const Welcome& welcome,
           {"device_latency_us", text_of(settings.passivity.latency_us)},
           {"device_moving_mass_kg", text_of(device.moving_mass_kg)},
           {"device_moving_inertia_kg_m2", text_of(device.moving_inertia_kg_m2)},
-          {"device_has_deadman", device.has_deadman ? "true" : "false"}};
+          {"device_resolution_mm", text_of(device.resolution_mm)},
+          {"device_resolution_rad", text_of(device.resolution_rad)},
+          {"device_has_deadman", device.has_deadman ? "true" : "false"},
+          {"mapping_scale", text_of(mapping.scale)},
+          {"mapping_gain", text_of(mapping.gain)},
+          {"mapping_turn_rad", text_of(mapping.turn_rad)},
+          {"mapping_device_mm", text_of(mapping.device_mm)},
+          {"mapping_block_mm", text_of(mapping.block_mm)}};
 }
 
 /// The metadata at its end.
@@ -92,14 +72,13 @@ mcap::Texts end_of_session(const Summary& summary) {
 }  // namespace
 
 std::expected<Laboratory, std::string> Laboratory::start(
-    const Options& options, const Welcome& welcome, const HapticDevice& device,
+    const Options& options, const Welcome& welcome, const DeviceCapabilities& rated,
     const ServoSettings& settings, ServoCycle& cycle, ServoLoop& loop,
     std::function<void(const std::string&)> say) {
   Laboratory laboratory;
   if (!options.record_file.empty()) {
-    auto recorder = Recorder::start(
-        options.record_file, about_session(options, welcome, device.capabilities(), settings),
-        welcome.text);
+    auto recorder = Recorder::start(options.record_file,
+                                    about_session(options, welcome, rated, settings), welcome.text);
     if (!recorder) return std::unexpected("no recording: " + recorder.error());
     laboratory.recorder_ = *std::move(recorder);
     cycle.record_on(laboratory.recorder_->tape());

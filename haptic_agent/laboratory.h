@@ -16,12 +16,13 @@ namespace kerf::agent {
 /// Recording and study of a session, as far as the command line asks for them (--record, --study).
 class Laboratory {
  public:
-  /// Creates the files and starts both; call before the loop runs. `cycle` and `loop` must outlive
+  /// Creates the files and starts both; call before the loop runs. `rated`: the device, with what
+  /// its profile and the command line add. `cycle` and `loop` must outlive
   /// the object. The study ends the loop after its last answer. `say` shows a sentence to the user,
   /// from any thread. The error is one sentence without its full stop.
   static std::expected<Laboratory, std::string> start(const Options& options,
                                                       const Welcome& welcome,
-                                                      const HapticDevice& device,
+                                                      const DeviceCapabilities& rated,
                                                       const ServoSettings& settings,
                                                       ServoCycle& cycle, ServoLoop& loop,
                                                       std::function<void(const std::string&)> say);

@@ -9,8 +9,9 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
-#include <map>
+#include <optional>
 #include <sstream>
+#include <string_view>
 
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/link/token.h"
@@ -54,15 +55,20 @@ std::string check_name(const std::string& name) {
   return name.size() <= wire::kMaxNameBytes ? "" : "must be at most 64 bytes long";
 }
 
-const std::map<std::string, ForceMode> kModes = {{"model", ForceMode::kModel},
-                                                 {"interpolated", ForceMode::kInterpolated},
-                                                 {"hold", ForceMode::kHold},
-                                                 {"paper", ForceMode::kPaper}};
+/// Returns the mode of --mode with this name; nothing for others and for kSilent, which no user
+/// chooses.
+std::optional<ForceMode> mode_named(std::string_view name) {
+  for (const ForceMode mode :
+       {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold, ForceMode::kPaper}) {
+    if (to_string(mode) == name) return mode;
+  }
+  return std::nullopt;
+}
 
 /// As CLI::IsMember, but tells what to type.
 CLI::Validator mode_name() {
   const auto check = [](const std::string& text) -> std::string {
-    return kModes.contains(text) ? "" : "must be model, interpolated, hold or paper";
+    return mode_named(text) ? "" : "must be model, interpolated, hold or paper";
   };
   return {check, "{model,interpolated,hold,paper}"};
 }
@@ -333,7 +339,7 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   auto mapping = read_mapping(texts.mapping);
   if (!mapping) return reject(mapping.error());
   options.mapping = *std::move(mapping);
-  options.mode = kModes.at(texts.mode);
+  options.mode = mode_named(texts.mode).value();
   options.latency_us = static_cast<std::uint64_t>(texts.latency_ms * kUsPerMs);
   options.study.interval_ticks = static_cast<std::uint64_t>(texts.interval_s * kTicksPerS);
   if (!options.study_file.empty() && (options.view || texts.devices.size() > 1)) {

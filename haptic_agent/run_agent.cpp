@@ -160,9 +160,9 @@ DeviceCapabilities rated_by(const Options& options, const HapticDevice& device) 
 }
 
 ServoSettings servo_settings(const Options& options, const Welcome& welcome,
-                             const HapticDevice& device, std::uint32_t tool,
+                             const DeviceCapabilities& rated, std::uint32_t tool,
                              const MappingSettings& mapping) {
-  return settings_for(rated_by(options, device),
+  return settings_for(rated,
                       {.limits = options.limits,
                        .tool_id = tool,
                        .duration_us = static_cast<std::uint64_t>(options.duration_s * kUsPerS),
@@ -199,13 +199,13 @@ ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange
 /// Tells the user of the session's guides and of the device's Z-width, and if cuts are softer than
 /// computed, or with the first tool may exceed the device.
 void notify_of_force(const std::expected<BlockSource, std::string>& block, const Welcome& welcome,
-                     const ServoSettings& settings, const HapticDevice& device,
+                     const ServoSettings& settings, const DeviceCapabilities& rated,
                      const Options& options, const std::vector<Guide>& guides) {
   const auto print_if = [](const std::string& notice) {
     if (!notice.empty()) print_line(notice);
   };
   print_if(guide_notice(guides, options.guide_strength));
-  print_if(z_width_notice(rated_by(options, device), settings));
+  print_if(z_width_notice(rated, settings));
   print_if(grip_notice(settings));
   if (!block) return;
   const std::uint32_t tool = settings.tool_id;
@@ -322,17 +322,18 @@ int run_agent(Options options) {
   const auto mapping = map_device(options, *welcome, device);
   if (!mapping) return give_up(mapping.error());
   summary.mapping = mapping->at_start;
-  const ServoSettings settings = servo_settings(options, *welcome, device, *tool, *mapping);
+  const DeviceCapabilities rated = rated_by(options, device);
+  const ServoSettings settings = servo_settings(options, *welcome, rated, *tool, *mapping);
   auto block = BlockSource::read(welcome->text);
   const Spindle spindle = block ? spindle_of(block->force()) : Spindle{};
-  notify_of_force(block, *welcome, settings, device, options, *guides);
+  notify_of_force(block, *welcome, settings, rated, options, *guides);
   GuideModel guidance(*guides, settings, options.guide_strength);
   ServoCycle cycle(device, samples, wrenches, link, settings,
                    keep_copy ? start_replica(replica, exchange, std::move(block)) : nullptr,
                    &guidance);
   cycle.tell_reach(reach);
-  const ForceReasons reasons(rated_by(options, device));
-  auto laboratory = Laboratory::start(options, *welcome, device, settings, cycle, loop, print_line);
+  const ForceReasons reasons(rated);
+  auto laboratory = Laboratory::start(options, *welcome, rated, settings, cycle, loop, print_line);
   if (!laboratory) return give_up(laboratory.error());
   {
     const TripWriter trips(cycle, reasons, options.trip_log);

@@ -33,8 +33,10 @@ StockBox stock_box(const json& stock) {
 /// An unknown law is rendered as kSpecificEnergy, whose force does not grow with speed.
 CutLaw cut_law(const json& force) {
   const std::string law = force.value("law", "");
-  if (law == "mechanistic") return CutLaw::kMechanistic;
-  return law == "drr" ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
+  for (const CutLaw known : {CutLaw::kMechanistic, CutLaw::kRemovalRate}) {
+    if (law == to_string(known)) return known;
+  }
+  return CutLaw::kSpecificEnergy;
 }
 
 /// Returns nothing for an offer that is missing or invalid: the WebSocket then carries everything.

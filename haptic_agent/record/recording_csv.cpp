@@ -18,8 +18,6 @@ constexpr const char* kHeader =
     "energy_mj,felt_share,answer_age_us,pose_us,time_us,buttons,lost_ticks,phase,trip,mode,"
     "has_pose\n";
 
-constexpr std::array kModeNames = {"model", "interpolated", "hold", "paper", "silent"};
-
 /// A line of a table. Numbers have the fewest digits that give the same number again.
 class Line {
  public:
@@ -56,7 +54,7 @@ void write_csv(std::ostream& out, const Recording& recording) {
     line.add(t.computed).add(t.requested).add(t.felt);
     line.add(t.energy_mj).add(t.felt_share).add(t.answer_age_us).add(t.pose_us).add(t.time_us);
     line.add(t.buttons).add(t.lost).text(to_string(t.phase)).text(to_string(t.trip));
-    line.text(kModeNames[static_cast<std::size_t>(t.mode)]).add(t.has_pose ? 1 : 0);
+    line.text(to_string(t.mode)).add(t.has_pose ? 1 : 0);
     out << line.line() << '\n';
   }
 }

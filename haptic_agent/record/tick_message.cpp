@@ -14,7 +14,8 @@ using mcap::ByteWriter;
 constexpr std::uint32_t kCdrLittleEndian = 0x00000100;
 
 constexpr const char* kSchema = R"(# One tick of the 1 kHz loop of kerf-agent.
-# Forces in N, torques in N mm about the pivot, positions in mm; the session's coordinates, z up.
+# Forces in N, torques in N mm about the pivot, positions in mm; z up. As the hand feels it: in
+# device space, which is the session's unless the metadata have a mapping.
 # Start of the tick, and when the device measured the pose: microseconds of CLOCK_MONOTONIC.
 uint64 time_us
 uint64 pose_us

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 namespace kerf::agent {
 
@@ -18,5 +20,11 @@ enum class ForceMode : std::uint8_t {
   /// No force of the session; between the intervals of a comparison (haptic_agent/study).
   kSilent,
 };
+
+inline constexpr std::array<std::string_view, 5> kForceModeNames = {"model", "interpolated", "hold",
+                                                                    "paper", "silent"};
+constexpr std::string_view to_string(ForceMode mode) noexcept {
+  return kForceModeNames[static_cast<std::size_t>(mode)];
+}
 
 }  // namespace kerf::agent

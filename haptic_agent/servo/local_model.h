@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <string_view>
+
 #include "haptic_agent/servo/contact_model.h"
 #include "haptic_agent/servo/cut_coupling.h"
 #include "haptic_agent/servo/engagement_trend.h"
@@ -18,6 +22,13 @@ enum class CutLaw : std::uint8_t {
   /// the teeth.
   kMechanistic,
 };
+
+/// Names of the laws in scenes and on the wire.
+inline constexpr std::array<std::string_view, 3> kCutLawNames = {"specific_energy", "drr",
+                                                                 "mechanistic"};
+constexpr std::string_view to_string(CutLaw law) noexcept {
+  return kCutLawNames[static_cast<std::size_t>(law)];
+}
 
 struct ModelSettings {
   CutLaw law = CutLaw::kSpecificEnergy;

@@ -11,7 +11,8 @@
 
 namespace kerf::agent {
 
-/// One tick of the servo, as recorded. Wrenches are about the pivot, in session coordinates.
+/// One tick of the servo, as recorded, as the hand feels it: in device space, which is the
+/// session's unless there is a mapping. Wrenches are about the pivot.
 struct TickRecord {
   std::uint64_t time_us = 0;        ///< start of the tick, CLOCK_MONOTONIC
   std::uint64_t pose_us = 0;        ///< when the device measured the pose, on the same clock
