@@ -160,7 +160,7 @@ std::optional<wire::Result> Replica::answer(const wire::MotionSample& sample) {
     newest_cut_ = NewestCut{*move, *std::move(result)};
   } else {
     known = is_known(MoveTool{sample.tool_id, *pose, *pose});
-    add_rest(sum, *step, held_);
+    if (known) add_rest(sum, block_, *step, held_);
     const auto* touch = std::get_if<ToolTrack::Touch>(&*step);
     if (known && touch != nullptr) add_touch(sum, block_, *touch);
   }

@@ -82,7 +82,7 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   note_felt(usable && gain > 0);
   note(seen, wrench);
   note_heard(seen, usable);
-  put_on_tapes(state, usable, seen);
+  put_on_tapes(tool, usable, seen);
 
   const bool timed_out = settings_.duration_us > 0 && now_us - start_us_ >= settings_.duration_us;
   if (state.finished || timed_out) {

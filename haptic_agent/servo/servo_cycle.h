@@ -165,7 +165,7 @@ class ServoCycle final : public ServoTask {
   void note_felt(bool on) noexcept;
   void note(const SafetyInput& seen, const Wrench& requested) noexcept;
   void note_heard(const SafetyInput& seen, bool usable) noexcept;
-  void put_on_tapes(const DeviceState& state, bool usable, const SafetyInput& seen) noexcept;
+  void put_on_tapes(const DeviceState& tool, bool usable, const SafetyInput& seen) noexcept;
 
   HapticDevice& device_;
   SampleRing& samples_;

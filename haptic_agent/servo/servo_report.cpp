@@ -64,11 +64,11 @@ void ServoCycle::record_on(TickTape& tape) noexcept {
   *free = &tape;
 }
 
-void ServoCycle::put_on_tapes(const DeviceState& state, bool usable,
+void ServoCycle::put_on_tapes(const DeviceState& tool, bool usable,
                               const SafetyInput& seen) noexcept {
   if (tapes_.front() == nullptr) return;
   const TickRecord tick{.time_us = last_us_,
-                        .pose_us = state.time_us,
+                        .pose_us = tool.time_us,
                         .answer_age_us = seen.answer_age_us,
                         .tip_mm = tip_mm_,
                         .axis = measured_.grip.axis,
@@ -77,8 +77,8 @@ void ServoCycle::put_on_tapes(const DeviceState& state, bool usable,
                         .felt = output_.released(),
                         .energy_mj = output_.passivity().account().level_mj(),
                         .felt_share = share_,
-                        .buttons = state.buttons,
-                        .tool_id = state.tool_id != 0 ? state.tool_id : settings_.tool_id,
+                        .buttons = tool.buttons,
+                        .tool_id = tool.tool_id != 0 ? tool.tool_id : settings_.tool_id,
                         .lost = static_cast<std::uint32_t>(lost_now_),
                         .phase = supervisor_.phase(),
                         .trip = supervisor_.code(),

@@ -5,25 +5,25 @@ namespace kerf {
 
 void HeldCut::add_motion(BatchSum& sum, const Sculpture& sculpture, const MoveTool& move,
                          const MotionResult& result) {
-  const bool rests = move.from == move.to;
-  if (rests && held_.cutting.engaged_area_mm2 > 0) {
-    MotionResult resting;
-    resting.collision = result.collision;
-    resting.wrench = held_.wrench + result.collision;
-    resting.cutting = held_.cutting;
-    sum.add(resting, move.duration_s);
-    return;
+  if (move.from == move.to && held_.cutting.engaged_area_mm2 > 0) {
+    return add_rest(sum, move.tool, move.to, result.collision, move.duration_s);
   }
   sum.add(result, move.duration_s);
   if (sculpture.settings().force.law != ForceLaw::kSpecificEnergy) return;
-  held_ = {result.wrench - result.collision, result.cutting};
+  held_ = {move.tool, move.to, result.wrench - result.collision, result.cutting};
 }
 
-void HeldCut::add_rest(BatchSum& sum, double duration_s) const {
-  if (!(held_.cutting.engaged_area_mm2 > 0)) return;
+void HeldCut::add_rest(BatchSum& sum, ToolId tool, const ToolPose& at, const Wrench& collision,
+                       double duration_s) const {
+  const bool holds = tool == held_.tool && at == held_.at && held_.cutting.engaged_area_mm2 > 0;
   MotionResult resting;
-  resting.wrench = held_.wrench;
-  resting.cutting = held_.cutting;
+  resting.wrench = resting.collision = collision;
+  if (holds) {
+    resting.wrench = collision + held_.wrench;
+    resting.cutting = held_.cutting;
+  } else if (collision == Wrench{}) {
+    return;
+  }
   sum.add(resting, duration_s);
 }
 

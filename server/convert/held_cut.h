@@ -6,7 +6,8 @@
 
 namespace kerf {
 
-/// The force of one participant's newest motion, which its tool keeps while it rests in the cut.
+/// The cutting force of a participant's newest motion, which it keeps while its tool rests in the
+/// cut.
 ///
 /// The law `specific_energy` gives a force per travel: a motion without travel has none, although
 /// nothing has changed. A device that rounds its poses to 0.05 mm and moves at 2 mm/s travels in
@@ -18,14 +19,18 @@ class HeldCut {
   /// `result` must have been felt.
   void add_motion(BatchSum& sum, const Sculpture& sculpture, const MoveTool& move,
                   const MotionResult& result);
-  /// Adds the held force over `duration_s` of rest. Adds nothing if there is none.
-  void add_rest(BatchSum& sum, double duration_s) const;
-  /// Ends the force: the tool has left its cut, was exchanged, or stock has come back.
+  /// Adds the force over `duration_s` of rest at a pose: that of contacts, and the held one if the
+  /// newest motion of this tool ended there.
+  void add_rest(BatchSum& sum, ToolId tool, const ToolPose& at, const Wrench& collision,
+                double duration_s) const;
+  /// Ends the held force: the tool does not cut any more, or stock has come back.
   void drop() { held_ = {}; }
 
  private:
-  /// The cut alone, without contact.
+  /// The cut alone, without contact, and the end of its motion.
   struct Held {
+    ToolId tool = 0;
+    ToolPose at;
     Wrench wrench;
     CuttingModel cutting;
   };

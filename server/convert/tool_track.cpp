@@ -13,6 +13,11 @@ constexpr double kSecondsPerMicrosecond = 1e-6;
 
 bool has_obstacles(const Sculpture& sculpture) { return !sculpture.settings().obstacles.empty(); }
 
+/// Whether something may touch a tool that cuts: obstacles, or stock its shank and holder.
+bool has_contact(const Sculpture& sculpture, ToolId tool) {
+  return has_obstacles(sculpture) || !sculpture.tool(tool)->non_cutting.empty();
+}
+
 }  // namespace
 
 std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSample& sample,
@@ -36,7 +41,7 @@ std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSamp
   const std::uint64_t passed_us = sample.time_us > from_us ? sample.time_us - from_us : 0;
   const double duration_s = static_cast<double>(passed_us) * kSecondsPerMicrosecond;
   if (!cuts(sample)) return Touch{tool_, *pose, duration_s};
-  if (from == *pose && !has_obstacles(sculpture)) return Step{Rest{duration_s}};
+  if (from == *pose && !has_obstacles(sculpture)) return Step{Rest{tool_, *pose, duration_s}};
   if (passed_us == 0) return reject(kBadMessage, "time_us must increase from sample to sample");
   const double distance_mm = length(pose->tip_mm - from.tip_mm);
   if (distance_mm > speed_max_mm_per_s * duration_s) {
@@ -45,6 +50,12 @@ std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSamp
                                 " mm/s while cutting");
   }
   return MoveTool{tool_, from, *pose, duration_s, true};
+}
+
+bool ToolTrack::would_move(const wire::MotionSample& sample) const {
+  if (!cuts(sample) || !pose_ || tool_ != sample.tool_id) return false;
+  const auto pose = to_pose(sample);
+  return pose.has_value() && *pose != *pose_;
 }
 
 void add_touch(BatchSum& sum, const Sculpture& sculpture, const ToolTrack::Touch& touch) {
@@ -64,17 +75,23 @@ void add_motion(BatchSum& sum, const Sculpture& sculpture, const MoveTool& move,
     return;
   }
   held.add_motion(sum, sculpture, move, result);
-  if (has_obstacles(sculpture) || !sculpture.tool(move.tool)->non_cutting.empty()) {
-    sum.touch(sculpture.contact(move.tool, move.to, true));
-  }
+  if (has_contact(sculpture, move.tool)) sum.touch(sculpture.contact(move.tool, move.to, true));
 }
 
-void add_rest(BatchSum& sum, const ToolTrack::Step& step, HeldCut& held) {
-  if (const auto* rest = std::get_if<ToolTrack::Rest>(&step)) {
-    held.add_rest(sum, rest->duration_s);
-  } else if (!std::holds_alternative<MoveTool>(step)) {
-    held.drop();
+void add_rest(BatchSum& sum, const Sculpture& sculpture, const ToolTrack::Step& step,
+              HeldCut& held) {
+  const auto* rest = std::get_if<ToolTrack::Rest>(&step);
+  if (rest == nullptr) {
+    if (!std::holds_alternative<MoveTool>(step)) held.drop();
+    return;
   }
+  Wrench contact;
+  if (has_contact(sculpture, rest->tool)) {
+    const auto planes = sculpture.contact(rest->tool, rest->pose, true);
+    sum.touch(planes);
+    contact = wrench_of(planes, rest->pose, sculpture.settings().force.pivot_mm);
+  }
+  held.add_rest(sum, rest->tool, rest->pose, contact, rest->duration_s);
 }
 
 }  // namespace kerf

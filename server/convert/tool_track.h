@@ -29,8 +29,10 @@ class ToolTrack {
     ToolPose pose;
     double duration_s = 0;
   };
-  /// The tool rests where it cut last.
+  /// The tool rests while it cuts, where no obstacle can touch it.
   struct Rest {
+    ToolId tool = 0;
+    ToolPose pose;
     double duration_s = 0;
   };
   /// std::monostate: no motion, because the tool was just placed.
@@ -41,6 +43,8 @@ class ToolTrack {
   /// valid, the tool is at that pose afterwards even if the motion is rejected.
   std::expected<Step, Rejection> take(const wire::MotionSample& sample, const Sculpture& sculpture,
                                       double speed_max_mm_per_s);
+  /// Returns whether `take` would return a motion for this sample, if that is valid.
+  bool would_move(const wire::MotionSample& sample) const;
   /// Drops the last pose; the next sample places the tool without a motion.
   void lift() { pose_.reset(); }
   /// Sets the pose without a sample.
@@ -58,11 +62,13 @@ class ToolTrack {
 
 /// Adds the contact force of obstacles and stock at the pose of `touch` to a result.
 void add_touch(BatchSum& sum, const Sculpture& sculpture, const ToolTrack::Touch& touch);
-/// Adds an applied motion, and the contact planes at its end, to a result. `held`: that of the
-/// participant, to which the motion is noted.
+/// Adds an applied motion and the contact planes at its end; records its force in the participant's
+/// `held`.
 void add_motion(BatchSum& sum, const Sculpture& sculpture, const MoveTool& move,
                 const MotionResult& result, HeldCut& held);
-/// Adds the force that a resting tool keeps; ends it if the step is not a rest in a cut.
-void add_rest(BatchSum& sum, const ToolTrack::Step& step, HeldCut& held);
+/// Adds contact and held force if the step is a rest; drops the latter if the step neither rests
+/// nor cuts.
+void add_rest(BatchSum& sum, const Sculpture& sculpture, const ToolTrack::Step& step,
+              HeldCut& held);
 
 }  // namespace kerf

@@ -181,13 +181,12 @@ std::expected<std::optional<MoveTool>, Rejection> Carving::read_sample(
   if (!cuts(sample) || !state.track.pose()) state.in_stroke = false;
   auto step = state.track.take(sample, sculpture_, state.speed_mm_per_s);
   if (!step) return std::unexpected(step.error());
-  add_rest(batch.sum, *step, state.held);
   if (state.is_in_stock) {
-    state.held.drop();
     if (auto rejection = leave_stock(state, sample)) return std::unexpected(*std::move(rejection));
     return std::nullopt;
   }
   state.display.tool_id = sample.tool_id;
+  if (state.feel) add_rest(batch.sum, sculpture_, *step, state.held);
   if (const auto* touch = std::get_if<ToolTrack::Touch>(&*step); touch != nullptr && state.feel) {
     add_touch(batch.sum, sculpture_, *touch);
   }

@@ -67,8 +67,8 @@ void Carving::carve_waiting(Workers& workers) {
 }
 
 /// Takes samples of the batches that wait, one of each at a time, until this turn has work enough.
-/// A sample that does not cut begins a new round for its batch: it touches what is left by the
-/// motions before it. Those of others it may not see yet.
+/// A sample that is no motion begins a new round for its batch: it touches what is left by the
+/// motions before it, or keeps their force. Those of others it may not see yet.
 void Carving::collect_round(Together& round, std::int64_t& tiles) {
   std::vector<ParticipantId> left = waiting_;
   while (!left.empty()) {
@@ -82,7 +82,7 @@ void Carving::collect_round(Together& round, std::int64_t& tiles) {
       if (batch.next == batch.samples.size()) continue;
       const bool has_moved =
           std::ranges::find(round.of, &batch, &Recorded::batch) != round.of.end();
-      if (has_moved && !cuts(batch.samples[batch.next])) continue;
+      if (has_moved && !state->track.would_move(batch.samples[batch.next])) continue;
       take_next(*state, batch, round, tiles);
       next.push_back(id);
     }

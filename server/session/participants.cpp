@@ -313,6 +313,7 @@ void Participants::hold_tools_in_stock() {
   for (const auto& [id, state] : carvers_) {
     if (!std::exchange(state->stock_came_back, false)) continue;
     const bool is_agent = state->participant.kind == ParticipantKind::kAgent;
+    state->held.drop();
     if (!is_agent || !state->track.pose()) continue;
     if (sculpture_.is_in_stock(state->track.tool(), *state->track.pose())) {
       state->is_in_stock = true;

@@ -3,9 +3,11 @@
 
 #include <limits>
 
+#include "kernel/tool/tool_check.h"
 #include "server/convert/batch_sum.h"
 #include "server/convert/held_cut.h"
 #include "server/convert/sample_pose.h"
+#include "server/convert/tool_track.h"
 #include "server/formats/pose_grid.h"
 
 namespace kerf {
@@ -91,54 +93,81 @@ TEST(BatchSum, EmptyBatchHasNoForce) {
   EXPECT_EQ(result, wire::Result{});
 }
 
-/// A block with a ball of 6 mm under a force law.
-Sculpture block_with(ForceLaw law) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{-10, -10, -10}, {10, 10, 0}};
-  settings.pitch_mm = 0.5;
-  settings.force.law = law;
-  return Sculpture::create(settings).value();
-}
+/// A block under a force law, in which a ball of 6 mm with a holder has cut 1 mm deep.
+struct RestingBall {
+  explicit RestingBall(ForceLaw law) : block(make(law)) {
+    Tool tool = make_tool(BallShape{6, 10}).value();
+    EXPECT_TRUE(block.apply(DefineTool{1, tool}));
+    BatchSum cut;
+    held.add_motion(cut, block, {1, {{0, 0, 1}, {0, 0, 1}}, at, 0.001, true}, result_of(10, 1, 4));
+  }
+  static Sculpture make(ForceLaw law) {
+    SculptureSettings settings;
+    settings.stock = BoxStock{{-10, -10, -10}, {10, 10, 0}};
+    settings.pitch_mm = 0.5;
+    settings.force.law = law;
+    return Sculpture::create(settings).value();
+  }
+  /// The result of a step of 3 ms.
+  wire::Result after(const ToolTrack::Step& step) {
+    BatchSum sum;
+    add_rest(sum, block, step, held);
+    wire::Result result;
+    sum.write(result);
+    return result;
+  }
+  wire::Result after_rest(Vec3 tip_mm = {0, 0, -1}, ToolId tool = 1) {
+    return after(ToolTrack::Rest{tool, {tip_mm, {0, 0, 1}}, 0.003});
+  }
 
-/// Force after a cut of 10 N and a rest of 3 ms.
-wire::Result rest_after_cut(ForceLaw law, bool dropped = false) {
-  const Sculpture block = block_with(law);
-  const MoveTool move{1, {{0, 0, 1}, {0, 0, 1}}, {{0, 0, -1}, {0, 0, 1}}, 0.001, true};
+  const ToolPose at{{0, 0, -1}, {0, 0, 1}};
+  Sculpture block;
   HeldCut held;
-  BatchSum cut, rest;
-  held.add_motion(cut, block, move, result_of(10, 1, 4));
-  if (dropped) held.drop();
-  held.add_rest(rest, 0.003);
-  wire::Result result;
-  rest.write(result);
-  return result;
-}
+};
 
 TEST(HeldCut, AToolAtRestKeepsTheForceOfItsCut) {
-  const wire::Result result = rest_after_cut(ForceLaw::kSpecificEnergy);
+  RestingBall ball(ForceLaw::kSpecificEnergy);
+  const wire::Result result = ball.after_rest();
   EXPECT_FLOAT_EQ(result.force_n.x, 10);
   EXPECT_FLOAT_EQ(result.engaged_area_mm2, 4);
   EXPECT_EQ(result.removed_mm3, 0) << "it removes nothing";
 }
 
 TEST(HeldCut, ForcesOfSpeedEndWithIt) {
-  EXPECT_EQ(rest_after_cut(ForceLaw::kDexelRemovalRate).force_n.x, 0);
-  EXPECT_EQ(rest_after_cut(ForceLaw::kMechanistic).force_n.x, 0);
+  EXPECT_EQ(RestingBall(ForceLaw::kDexelRemovalRate).after_rest().force_n.x, 0);
+  EXPECT_EQ(RestingBall(ForceLaw::kMechanistic).after_rest().force_n.x, 0);
 }
 
-TEST(HeldCut, IsDroppedWhereTheToolLeavesItsCut) {
-  EXPECT_EQ(rest_after_cut(ForceLaw::kSpecificEnergy, true).force_n.x, 0);
+TEST(HeldCut, EndsWhereTheToolTouchesWithoutCutting) {
+  RestingBall ball(ForceLaw::kSpecificEnergy);
+  ball.after(ToolTrack::Touch{1, ball.at, 0.001});
+  EXPECT_EQ(ball.after_rest().force_n.x, 0);
+}
+
+TEST(HeldCut, IsOfTheToolAndPoseOfTheNewestMotionOnly) {
+  RestingBall ball(ForceLaw::kSpecificEnergy);
+  EXPECT_EQ(ball.after_rest({5, 0, 1}).force_n.x, 0) << "as after a motion that was rejected";
+  EXPECT_TRUE(ball.block.apply(DefineTool{2, make_tool(BallShape{6, 10}).value()}));
+  EXPECT_EQ(ball.after_rest({0, 0, -1}, 2).force_n.x, 0);
+  EXPECT_FLOAT_EQ(ball.after_rest().force_n.x, 10);
+}
+
+TEST(HeldCut, AToolAtRestIsPushedByTheStockAsWell) {
+  RestingBall ball(ForceLaw::kSpecificEnergy);
+  const Tool shank = make_tool(BallShape{6, 4}, {.shank = Shank{10, 20}}).value();
+  EXPECT_TRUE(ball.block.apply(DefineTool{2, shank}));
+  const wire::Result result = ball.after_rest({9, 0, -7}, 2);
+  EXPECT_GT(result.plane_count, 0U);
+  EXPECT_GT(length(Vec3(result.collision_force_n)), 0);
+  EXPECT_EQ(result.force_n, result.collision_force_n) << "there is no cut";
 }
 
 TEST(HeldCut, AMotionWithoutTravelAddsTheContactToTheHeldForce) {
-  const Sculpture block = block_with(ForceLaw::kSpecificEnergy);
-  const ToolPose at{{0, 0, -1}, {0, 0, 1}};
-  HeldCut held;
-  BatchSum cut, rest;
-  held.add_motion(cut, block, {1, {{0, 0, 1}, {0, 0, 1}}, at, 0.001, true}, result_of(10, 1, 4));
+  RestingBall ball(ForceLaw::kSpecificEnergy);
+  BatchSum rest;
   MotionResult touching;
   touching.wrench.force_n = touching.collision.force_n = {0, 2, 0};
-  held.add_motion(rest, block, {1, at, at, 0.001, true}, touching);
+  ball.held.add_motion(rest, ball.block, {1, ball.at, ball.at, 0.001, true}, touching);
   wire::Result result;
   rest.write(result);
   EXPECT_FLOAT_EQ(result.force_n.x, 10);
