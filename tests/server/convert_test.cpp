@@ -154,7 +154,7 @@ TEST(HeldCut, IsOfTheToolAndPoseOfTheNewestMotionOnly) {
 
 TEST(HeldCut, AToolAtRestIsPushedByTheStockAsWell) {
   RestingBall ball(ForceLaw::kSpecificEnergy);
-  const Tool shank = make_tool(BallShape{6, 4}, {.shank = Shank{10, 20}}).value();
+  const Tool shank = make_tool(BallShape{6, 4}, {.shank = Shank{10, 20}, .holder = {}}).value();
   EXPECT_TRUE(ball.block.apply(DefineTool{2, shank}));
   const wire::Result result = ball.after_rest({9, 0, -7}, 2);
   EXPECT_GT(result.plane_count, 0U);
