@@ -28,20 +28,19 @@ double force_and_torque(const Wrench& wrench) noexcept {
   return std::max(length(wrench.force_n), length(wrench.torque_nmm));
 }
 
-/// Stiffest spring in an angle and its damper, as stable_gains has them for forces, of which this
-/// spring has a share: N·mm/rad, N·mm·s/rad. `push`: force and torque that the spring exerts per
-/// N·mm; the more they move, the less inertia the spring sees.
+/// Stiffest spring in an angle and its damper, of which this spring has a share: N mm/rad,
+/// N mm s/rad. `push`: force and torque that the spring exerts per N mm; the more they move, the
+/// less inertia the spring sees.
 ContactGains stable_turn_gains(const ServoSettings& settings, double stiffness, const Wrench& push,
                                double share) noexcept {
-  constexpr double kStiffnessShare = 0.8, kDampingShare = 0.5;
+  const ContactLimits& contact = settings.model.contact;
   const double inertia =
       1 / (dot(push.force_n, push.force_n) * kMmPerM / settings.passivity.mass_kg +
            dot(push.torque_nmm, push.torque_nmm) / (settings.passivity.inertia_kg_m2 * kNmmPerNm));
   const double damping =
-      std::min(settings.passivity.max_turn_damping,
-               kDampingShare * inertia / settings.model.contact.velocity_delay_s);
-  const double stable = kStiffnessShare * damping / settings.model.contact.force_delay_s;
-  return {.stiffness = std::min(stiffness, share * stable), .damping = share * damping};
+      std::min(settings.passivity.max_turn_damping, best_damping(contact, inertia));
+  const double stable = share * stable_stiffness(contact, inertia, damping);
+  return {.stiffness = std::min(stiffness, stable), .damping = share * damping};
 }
 
 }  // namespace

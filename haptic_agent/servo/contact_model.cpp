@@ -33,24 +33,35 @@ double moved_mass(const ContactLimits& limits, Vec3 arm_mm, Vec3 normal) noexcep
   return 1 / (1 / limits.mass_kg + dot(lever_m, lever_m) / limits.inertia_kg_m2);
 }
 
+double best_damping(const ContactLimits& limits, double mass) noexcept {
+  return (kDampingShare / limits.velocity_delay_s + kDampingSlope / limits.force_delay_s) * mass;
+}
+
+double stable_stiffness(const ContactLimits& limits, double mass, double damping) noexcept {
+  const double late = limits.force_delay_s, later = limits.velocity_delay_s;
+  double stable = damping / late;
+  if (mass > 0) {
+    // Of a free mass with its best damper: found by simulation, within a tenth.
+    const double free = 0.25 * (1 + late / later) / (late * later);
+    // With a weaker one the limit falls no faster than the damper. That acts late, which takes a
+    // part b of the mass: K <= B / (late + later b / (2 (1 - b))) where little is taken.
+    const double b = damping * later / mass;
+    constexpr double kHalf = 0.5;
+    const double weak = b < 1 ? damping / (late + kHalf * later * b / (1 - b)) : 0;
+    const double falling = free * mass * damping / best_damping(limits, mass);
+    stable = std::min({stable, free * mass, std::max(falling, weak)});
+  }
+  return kStiffnessShare * stable;
+}
+
 ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 arm_mm, Vec3 normal,
                           double share) noexcept {
+  const double mass = moved_mass(limits, arm_mm, normal) / kMmPerM;
   double damping = limits.max_damping;
-  const double mass = moved_mass(limits, arm_mm, normal);
-  if (mass > 0)
-    damping = std::min(
-        damping, (kDampingShare / limits.velocity_delay_s + kDampingSlope / limits.force_delay_s) *
-                     mass / kMmPerM);
-  double stable = damping / limits.force_delay_s;
-  if (mass > 0) {
-    // Of a free mass, with the damper that suits it best: found by simulation, within a tenth.
-    const double delays_s2 = limits.force_delay_s * limits.velocity_delay_s;
-    const double free = 0.25 * (1 + limits.force_delay_s / limits.velocity_delay_s);
-    stable = std::min(stable, free * mass / delays_s2 / kMmPerM);
-  }
-  return {
-      .stiffness = std::min({stiffness, limits.max_stiffness, share * kStiffnessShare * stable}),
-      .damping = share * damping};
+  if (mass > 0) damping = std::min(damping, best_damping(limits, mass));
+  const double stable = share * stable_stiffness(limits, mass, damping);
+  return {.stiffness = std::min({stiffness, limits.max_stiffness, stable}),
+          .damping = share * damping};
 }
 
 ContactModel::Touches ContactModel::touches_at(const Grip& grip) const noexcept {

@@ -34,10 +34,17 @@ struct ContactGains {
 /// the device's mechanics are unknown.
 double moved_mass(const ContactLimits& limits, Vec3 arm_mm, Vec3 normal) noexcept;
 
-/// Returns gains at which a contact of a free device does not oscillate (README.md, "Stiffness"). A
-/// spring that acts t late drives like a damper of -stiffness t, for which the damper must make up;
-/// that damper itself acts late and may not exceed about half of mass / delay. `arm_mm`: from the
-/// pivot to the contact, at which a push along `normal` also turns the device and moves less mass;
+/// Returns the damper with which a free mass bears the stiffest spring at the delays of `limits`
+/// (README.md, "Stiffness"). `mass` in N s^2/mm gives N s/mm; an inertia in N mm s^2 gives N mm s.
+double best_damping(const ContactLimits& limits, double mass) noexcept;
+
+/// Returns the stiffness up to which a spring with a damper of `damping` comes to rest on a mass of
+/// at least `mass` at the delays of `limits`, whether the damper is the best one or weaker, with a
+/// margin of a fifth. Units as in best_damping; mass 0: unknown, any.
+double stable_stiffness(const ContactLimits& limits, double mass, double damping) noexcept;
+
+/// Returns gains at which a contact of a free device does not oscillate. `arm_mm`: from the pivot
+/// to the contact, at which a push along `normal` also turns the device and moves less mass;
 /// `share`: of the load that this contact bears, 0 to 1.
 ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 arm_mm, Vec3 normal,
                           double share) noexcept;

@@ -10,6 +10,7 @@
 
 #include "haptic_agent/guides/surface_distance.h"
 #include "haptic_agent/servo/mapping/block_settings.h"
+#include "tests/agent/servo/late_spring.h"
 
 namespace kerf::agent {
 namespace {
@@ -268,6 +269,35 @@ TEST(GuideModel, GuidesShareWhatADeviceRendersOfTheirTorsionalSprings) {
   const double damper = torque(1, 1e-3, 1) - torque(1, 1e-3, 0);
   EXPECT_LT(damper, -0.1);
   EXPECT_NEAR(torque(16, 1e-3, 1) - torque(16, 1e-3, 0), damper, 1e-9);
+}
+
+TEST(GuideModel, ADeviceComesToRestOnATorsionalSpringWhateverItsDamper) {
+  constexpr double kInertia = 2e-4, kInertiaNmmS2 = 0.2, kTiltRad = 1e-4, kTurnRadPerS = 0.01;
+  const Guide guide{.shape = PathGuide{.axis_within_deg = 0,
+                                       .turn_stiffness_nmm_per_rad = 1e9,
+                                       .max_torque_nmm = 1e6,
+                                       .file = {},
+                                       .paths = {line({0, 0, 0}, {20, 0, 0})}}};
+  for (const double latency_s : {0.0, 0.001, 0.003}) {
+    const LateLoop loop{latency_s, 100};
+    ServoSettings device = settings();
+    device.passivity.inertia_kg_m2 = kInertia;
+    device.model.contact.force_delay_s = latency_s + kTickS / 2;
+    device.model.contact.velocity_delay_s = latency_s + kTickS + loop.filter_s();
+    const double best = best_damping(device.model.contact, kInertiaNmmS2);
+    for (const double share : {1.0, 0.7, 0.4, 0.2}) {
+      device.passivity.max_turn_damping = share * best;
+      GuideModel guides({guide}, device, 1);
+      const PastGrip tilted = at({10, 0, 0}, {std::sin(kTiltRad), 0, std::cos(kTiltRad)});
+      PastGrip turning = tilted;
+      turning.velocity.angular = {0, kTurnRadPerS, 0};
+      const double spring = -guides.at(tilted).torque_nmm.y;
+      const double damper = -guides.at(turning).torque_nmm.y - spring;
+      EXPECT_GT(spring, 0);
+      EXPECT_LT(worst_growth(kInertiaNmmS2, spring / kTiltRad, damper / kTurnRadPerS, loop), 1)
+          << latency_s << " s, share " << share;
+    }
+  }
 }
 
 TEST(GuideModel, EqualMotionsGiveEqualBits) {

@@ -4,72 +4,56 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <deque>
 #include <numbers>
+#include <vector>
+
+#include "tests/agent/servo/late_spring.h"
 
 namespace kerf::agent {
 namespace {
 
-constexpr double kTickS = 1e-3;
-
-struct Loop {
-  double latency_s, cutoff_hz;
-  double filter_s() const { return 1 / (2 * std::numbers::pi * cutoff_hz); }
-};
-
-/// Returns how much more a mass on a rendered spring and damper moves after 0.5 s than after 0.1:
-/// more than 1 if it oscillates ever more. SI units.
-double growth(double mass, double stiffness, double damping, const Loop& loop) {
-  constexpr int kSteps = 8, kTicks = 600, kEarly = 100, kLate = 500;
-  const double part = kTickS / (loop.filter_s() + kTickS);
-  std::deque<std::pair<double, double>> written;
-  double x = 1e-3, v = 0, filtered = 0, last = x, acting = 0, time = 0, early = 0, late = 0;
-  for (int tick = 0; tick < kTicks; ++tick) {
-    filtered += ((x - last) / kTickS - filtered) * part;
-    last = x;
-    written.emplace_back(time + loop.latency_s, -stiffness * x - damping * filtered);
-    for (int n = 0; n < kSteps; ++n, time += kTickS / kSteps) {
-      while (!written.empty() && written.front().first <= time + 1e-9) {
-        acting = written.front().second;
-        written.pop_front();
-      }
-      v += acting / mass * kTickS / kSteps;
-      x += v * kTickS / kSteps;
-      const double energy = stiffness * x * x + mass * v * v;
-      if (tick >= kEarly && tick < 2 * kEarly) early = std::max(early, energy);
-      if (tick >= kLate) late = std::max(late, energy);
-    }
-  }
-  return std::isfinite(late) ? late / early : 1e9;
+/// Limits of a mass on a loop, with dampers of at most `max_damping`, N s/mm.
+ContactLimits limits_of(double mass_kg, const LateLoop& loop, double max_damping) {
+  return {.max_stiffness = 1e9,
+          .max_damping = max_damping,
+          .mass_kg = mass_kg,
+          .inertia_kg_m2 = 1,
+          .force_delay_s = loop.latency_s + kTickS / 2,
+          .velocity_delay_s = loop.latency_s + kTickS + loop.filter_s()};
 }
 
-double worst_growth(double mass, double stiffness, double damping, const Loop& loop) {
-  double worst = 0;
-  for (const double times : {1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 30.0, 100.0, 1000.0})
-    worst = std::max(worst, growth(times * mass, stiffness, damping, loop));
-  return worst;
-}
+const std::vector<LateLoop> kLoops = [] {
+  std::vector<LateLoop> loops;
+  for (const double latency_s : {0.0, 0.001, 0.003})
+    for (const double cutoff_hz : {100.0, 400.0, 1e6}) loops.push_back({latency_s, cutoff_hz});
+  return loops;
+}();
 
 /// At the gains every mass from the declared one on comes to rest; at 1.5 times the stiffness some
 /// mass does not, whatever the damper. So they are at least two thirds of the greatest.
 TEST(ContactLimits, AreNearTheLimitOfAFreeMass) {
   constexpr double kMass = 0.05;
-  for (const double latency_s : {0.0, 0.001, 0.003}) {
-    for (const double cutoff_hz : {100.0, 400.0, 1e6}) {
-      const Loop loop{latency_s, cutoff_hz};
-      ContactLimits limits{.max_stiffness = 1e9, .max_damping = 1e9};
-      limits.mass_kg = kMass;
-      limits.inertia_kg_m2 = 1;
-      limits.force_delay_s = latency_s + kTickS / 2;
-      limits.velocity_delay_s = latency_s + kTickS + loop.filter_s();
+  for (const LateLoop& loop : kLoops) {
+    const ContactGains gains = stable_gains(limits_of(kMass, loop, 1e9), 1e9, {}, {0, 0, 1}, 1);
+    const double stiffness = gains.stiffness * 1000, damping = gains.damping * 1000;
+    EXPECT_LT(worst_growth(kMass, stiffness, damping, loop), 1)
+        << loop.latency_s << ", " << loop.cutoff_hz;
+    double least = 1e9;
+    for (double factor = 0.4; factor < 4; factor *= 1.15)
+      least = std::min(least, worst_growth(kMass, 1.5 * stiffness, factor * damping, loop));
+    EXPECT_GT(least, 1) << loop.latency_s << ", " << loop.cutoff_hz;
+  }
+}
+
+TEST(ContactLimits, AMassComesToRestWithADamperWeakerThanItsBest) {
+  constexpr double kMass = 0.05;
+  for (const LateLoop& loop : kLoops) {
+    const double best = best_damping(limits_of(kMass, loop, 1e9), kMass / 1000);
+    for (double share = 1; share > 0.1; share *= 0.85) {
+      const ContactLimits limits = limits_of(kMass, loop, share * best);
       const ContactGains gains = stable_gains(limits, 1e9, {}, {0, 0, 1}, 1);
-      const double stiffness = gains.stiffness * 1000, damping = gains.damping * 1000;
-      EXPECT_LT(worst_growth(kMass, stiffness, damping, loop), 1) << latency_s << ", " << cutoff_hz;
-      double least = 1e9;
-      for (double factor = 0.4; factor < 4; factor *= 1.15)
-        least = std::min(least, worst_growth(kMass, 1.5 * stiffness, factor * damping, loop));
-      EXPECT_GT(least, 1) << latency_s << ", " << cutoff_hz;
+      EXPECT_LT(worst_growth(kMass, gains.stiffness * 1000, gains.damping * 1000, loop), 1)
+          << loop.latency_s << ", " << loop.cutoff_hz << ", share " << share;
     }
   }
 }
