@@ -23,6 +23,13 @@ struct ServerWrench {
   Wrench felt{};
   std::uint32_t plane_count = 0;
   std::array<wire::ContactPlane, wire::kMaxContactPlanes> planes{};
+
+  /// Leaves of the answer only that it came: it is of a place where the tool is no more.
+  void forget_place() noexcept {
+    wrench = {};
+    engaged_area_mm2 = 0;
+    plane_count = 0;
+  }
 };
 
 /// Converts a result that arrived at `arrival_us`.

@@ -137,6 +137,10 @@ DeviceState ServoCycle::map(const DeviceState& device, bool usable, std::uint64_
 /// Forgets what was said of the block where device space was before.
 void ServoCycle::take_mapping() noexcept {
   model_ = LocalModel(settings_.model);
+  interpolator_.forget_wrench();
+  paper_ = {};
+  answered_ = {};
+  engaged_mm2_ = 0;
   if (guidance_ != nullptr) guidance_->adapt(block_settings(settings_, hand_.map().mapping()));
 }
 
@@ -247,7 +251,8 @@ void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
     const PastGrip* then = history_.at(time_us);
     return then != nullptr ? *then : now_;
   };
-  const auto in_device = [this](const ServerWrench& answer, const PastGrip& then) {
+  const auto in_device = [this](ServerWrench answer, const PastGrip& then) {
+    if (!hand_.holds_for(answer.pose_us)) answer.forget_place();
     return hand_.map().to_device(answer, then.grip.axis, settings_.pivot_mm);
   };
   ServerWrench next;

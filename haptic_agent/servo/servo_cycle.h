@@ -192,7 +192,7 @@ class ServoCycle final : public ServoTask {
   ServoReport report_;
   PoseEstimator estimator_;
   VelocityEstimator estimated_velocity_;
-  /// The grip as measured, which contacts, guides, passivity and safety refer to, and as estimated
+  /// The grip as measured, which contacts, guides, energy and safety refer to, and as estimated
   /// between the steps of the encoders, which is sent and cuts.
   PastGrip measured_, now_;
   /// Wrench of the followed participant, low-pass filtered.

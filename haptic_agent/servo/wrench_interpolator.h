@@ -18,6 +18,8 @@ class WrenchInterpolator {
 
   /// Takes a new wrench. Arrival times must not decrease.
   void take(const ServerWrench& next, std::uint64_t now_us) noexcept;
+  /// Forgets the wrenches taken so far: the output is zero until the next one.
+  void forget_wrench() noexcept { from_ = newest_.wrench = {}; }
   /// Returns the wrench to output now; zero before the first.
   Wrench at(std::uint64_t now_us) const noexcept;
 

@@ -42,7 +42,7 @@ DeviceState HandMapping::follow(const DeviceState& device, std::uint64_t now_us)
   if (!device.valid || !is_finite(device.tip_mm)) return tool;
   const bool changed = take_change(device.tip_mm);
   const bool was_away = std::exchange(is_away_, is_clutch(device.buttons));
-  if (is_away_ && tool_mm_) map_ = map_.placed(device.tip_mm, *tool_mm_);
+  if (is_away_ && tool_mm_ && !changed) map_ = map_.placed(device.tip_mm, *tool_mm_);
   if (is_away_ || changed) tool.buttons &= ~wire::kButtonCutting;
   has_resumed_ = !is_away_ && (was_away || changed);
   if (has_resumed_) {

@@ -269,30 +269,38 @@ TEST_F(MappedServoTest, ForceEndsWithTheClutchAndRisesAfterIt) {
   EXPECT_NEAR(sample.tip_mm.z, held.z - 0.5 * 2.6, 1e-9) << "from where it stayed";
 }
 
-TEST_F(MappedServoTest, AnswersFromBeforeTheClutchAreNotRendered) {
-  make({}, ForceMode::kModel);
-  run(700);
-  const auto plane = [this](std::uint64_t pose_us) {
-    ServerWrench answer{.pose_us = pose_us, .arrival_us = now_us, .plane_count = 1};
-    answer.planes[0] = {.point_mm = device.state.tip_mm,
+TEST_F(MappedServoTest, AnswersFromBeforeTheClutchAreNotRenderedInAnyMode) {
+  for (const ForceMode mode :
+       {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold, ForceMode::kPaper}) {
+    SCOPED_TRACE(to_string(mode));
+    make({}, mode);
+    run(700);
+    const auto answer = [this](std::uint64_t pose_us) {
+      ServerWrench push{.wrench = {{0, 0, 1}, {}}, .pose_us = pose_us, .arrival_us = now_us};
+      push.plane_count = 1;
+      push.planes[0] = {.point_mm = device.state.tip_mm,
                         .normal = {0, 0, 1},
                         .depth_mm = 1,
                         .stiffness_n_per_mm = 1,
                         .radius_mm = 50,
                         .flags = wire::kContactObstacle};
-    wrenches.write(answer);
-    now_us += 1000;
-    device.state.tip_mm.z -= 0.01;
-    cycle->tick(now_us);
-  };
-  device.state.buttons |= kButtonClutch;
-  run(10, {0, 0, 0.2});
-  const std::uint64_t clutched_us = now_us;
-  device.state.buttons &= ~kButtonClutch;
-  for (int i = 0; i < 300; ++i) plane(clutched_us);
-  EXPECT_EQ(device.output, Wrench{});
-  for (int i = 0; i < 300; ++i) plane(now_us);
-  EXPECT_GT(device.output.force_n.z, 0.1) << "answers to poses after it are";
+      wrenches.write(push);
+      now_us += 1000;
+      device.state.tip_mm.z -= 0.01;
+      cycle->tick(now_us);
+    };
+    for (int i = 0; i < 20; ++i) answer(now_us);
+    device.state.buttons |= kButtonClutch;
+    run(10, {0, 0, 0.2});
+    const std::uint64_t clutched_us = now_us;
+    device.state.buttons &= ~kButtonClutch;
+    for (int i = 0; i < 300; ++i) {
+      answer(clutched_us);
+      EXPECT_EQ(device.output, Wrench{}) << "tick " << i;
+    }
+    for (int i = 0; i < 300; ++i) answer(now_us);
+    EXPECT_GT(device.output.force_n.z, 0.1) << "answers to poses after it are";
+  }
 }
 
 TEST_F(MappedServoTest, TellsWhereTheWorkspaceIsAtTheStartAndAfterTheClutch) {

@@ -265,6 +265,18 @@ TEST(HandMapping, ChangeKeepsTheToolOrPlacesIt) {
   EXPECT_EQ(hand.at({11, 0, 0}).tip_mm, (Vec3{7, 7, 7}));
 }
 
+TEST(HandMapping, AChangeWhileTheClutchIsHeldPlacesTheTool) {
+  Hand hand({});
+  hand.at({10, 0, 0});
+  constexpr std::uint32_t kAway = wire::kButtonDeadman | kButtonClutch;
+  hand.at({11, 0, 0}, kAway);
+  hand.mapping.change(
+      {.mapping = {.device_mm = {11, 0, 0}, .block_mm = {7, 7, 7}}, .keeps_tool = false});
+  EXPECT_EQ(hand.at({11, 0, 0}, kAway).tip_mm, (Vec3{7, 7, 7}));
+  EXPECT_EQ(hand.at({15, 0, 0}, kAway).tip_mm, (Vec3{7, 7, 7})) << "the clutch is still held";
+  expect_near(hand.at({15.5, 0, 0}).tip_mm, {7.5, 7, 7}, 1e-12);
+}
+
 TEST(HandMapping, InvalidPosesLeaveItAsItIs) {
   Hand hand({});
   hand.at({1, 0, 0});
