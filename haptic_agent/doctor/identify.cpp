@@ -14,6 +14,8 @@ namespace kerf::agent {
 namespace {
 
 constexpr double kShakeTickS = 1e-3;
+constexpr std::uint64_t kTickUs = 1000;
+constexpr std::uint64_t kTicksPerLost = 100;  ///< for one that may be lost
 constexpr auto kShakeTicks = static_cast<std::uint64_t>(kShakeS / kShakeTickS);
 constexpr std::uint64_t kRestTicks = 300;    ///< without force, before each part
 constexpr std::uint64_t kAbsentTicks = 100;  ///< without a pose
@@ -82,6 +84,9 @@ double Identification::effort(double position, double least, double most, double
 
 bool Identification::tick(std::uint64_t now_us) noexcept {
   const DeviceState state = device_.read(now_us);
+  if (last_us_ != 0)
+    lost_ += std::max<std::uint64_t>(1, (now_us - last_us_ + kTickUs / 2) / kTickUs) - 1;
+  last_us_ = now_us;
   if (part_ != Part::kEnd && !state.valid && ++absent_ > kAbsentTicks)
     stop("the device has no pose any more");
   if (part_ == Part::kEnd) {
@@ -104,7 +109,7 @@ bool Identification::tick(std::uint64_t now_us) noexcept {
   const Twist moved = between(from_, grip);
   const bool turns = part_ == Part::kTorque;
   const double position = turns ? moved.angular.y : moved.linear.x;
-  if (length(moved.linear) > kShakeMm || length(moved.angular) > kShakeRad) {
+  if (!(length(moved.linear) <= kShakeMm && length(moved.angular) <= kShakeRad)) {
     stop(turns ? "the device turned too far: let it go, or hold its arm still"
                : "the device moved too far: it must stay where it is let go, without a hand");
     device_.write({});
@@ -125,8 +130,14 @@ bool Identification::tick(std::uint64_t now_us) noexcept {
 }
 
 std::expected<DeviceProfile, std::string> Identification::profile() const {
-  if (!trouble_.empty()) return std::unexpected(trouble_);
+  if (trouble_ != nullptr) return std::unexpected(trouble_);
   if (part_ != Part::kEnd) return std::unexpected("it was interrupted");
+  const std::uint64_t ticks = force_.motion.size() + torque_.motion.size();
+  if (lost_ * kTicksPerLost > ticks) {
+    return std::unexpected(join({"the loop lost ", std::to_string(lost_), " of ",
+                                 std::to_string(ticks), " ticks, and at most one in ",
+                                 std::to_string(kTicksPerLost), " may be: end other programs"}));
+  }
   const auto push = fit_motion(force_.motion);
   if (!push) return std::unexpected("force: " + push.error());
   moved_ = *push;

@@ -25,7 +25,8 @@ inline constexpr double kShakeS = 9;
 
 /// Pushes a device to and fro along x, and then, if it has torque, turns it about y, with steps of
 /// random length whose strength grows until it moves by some millimetres. For a device that nobody
-/// holds. One tick a millisecond.
+/// holds. One tick a millisecond; more than a hundredth of them lost is an error, because the fit
+/// takes them as equal.
 class Identification final : public ServoTask {
  public:
   /// `device` must outlive the object. `pivot_mm`: from the tip to the point where forces act.
@@ -54,13 +55,13 @@ class Identification final : public ServoTask {
   double pivot_mm_;
   DeviceCapabilities declared_;
   Part part_ = Part::kForce;
-  std::uint64_t ticks_ = 0, absent_ = 0;
+  std::uint64_t ticks_ = 0, absent_ = 0, last_us_ = 0, lost_ = 0;
   Grip from_{};
   Shake force_, torque_;
   std::minstd_rand random_{1};
   double sign_ = 1, before_ = 0, speed_ = 0, reached_ = 0;
   int hold_ = 0;
-  std::string trouble_;
+  const char* trouble_ = nullptr;
   mutable MotionFit moved_{};
 };
 

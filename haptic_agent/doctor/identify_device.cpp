@@ -9,6 +9,7 @@
 #include "haptic_agent/doctor/checks.h"
 #include "haptic_agent/doctor/identify.h"
 #include "haptic_agent/realtime/clock.h"
+#include "haptic_agent/servo/watchdog.h"
 
 namespace kerf::agent {
 namespace {
@@ -51,12 +52,9 @@ std::vector<Finding> identify_device(const DeviceChoice& choice, double wait_s,
   Identification identification(device, kPivotMm);
   MonotonicClock clock;
   ServoLoop loop(clock);
-  std::thread([&] {
-    make_realtime({});
-    loop.run(identification);
-  }).join();
+  run_watched(loop, identification, {[&device] { device.write({}); }, [&device] { device.stop(); }},
+              [] { make_realtime({}); });
   munlockall();
-  device.stop();
   const auto profile = identification.profile();
   if (!profile) return bad(join({"the ", declared.name, " was not identified: ", profile.error()}));
   std::vector<Finding> findings = judge_profile(declared, *profile);

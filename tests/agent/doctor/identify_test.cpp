@@ -154,6 +154,40 @@ TEST(Identification, EndsWithoutForceWhereTheDeviceIsStuck) {
   EXPECT_NE(profile.error().find("force: "), std::string::npos) << profile.error();
 }
 
+TEST(Identification, EndsWhereAPoseIsNoNumber) {
+  class Broken final : public HapticDevice {
+   public:
+    DeviceCapabilities capabilities() const override {
+      return {.name = "broken", .max_force_n = 10};
+    }
+    DeviceState read(std::uint64_t now_us) noexcept override {
+      return {.tip_mm = {now_us < 1'000'000 ? 0 : std::nan(""), 0, 0},
+              .time_us = now_us,
+              .valid = true,
+              .phase = DevicePhase::kReady};
+    }
+    void write(const Wrench& wrench) noexcept override { last = wrench; }
+    void stop() noexcept override {}
+    Wrench last{{1, 0, 0}, {}};
+  } device;
+  Identification identification(device, 60);
+  std::uint64_t now_us = 1000;
+  while (identification.tick(now_us) && now_us < 2'000'000) now_us += 1000;
+  EXPECT_LE(now_us, 1'002'000U);
+  EXPECT_EQ(device.last, Wrench{});
+  EXPECT_NE(identification.profile().error().find("moved too far"), std::string::npos);
+}
+
+TEST(Identification, IsNoneIfTheLoopLosesTicks) {
+  LooseDevice device({});
+  Identification identification(device, LooseDevice::kPivotMm);
+  std::uint64_t now_us = 1000;
+  for (int i = 0; identification.tick(now_us); ++i) now_us += i % 50 == 0 ? 2000 : 1000;
+  const auto profile = identification.profile();
+  ASSERT_FALSE(profile);
+  EXPECT_NE(profile.error().find("the loop lost 3"), std::string::npos) << profile.error();
+}
+
 TEST(Identification, SaysBeforehandWhatItDoes) {
   const std::string text = identification_warning(LooseDevice({}).capabilities());
   for (const char* part : {"keep your hands off the loose device", "up to 1 N", "20 N·mm", "10 mm"})
