@@ -6,15 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <iomanip>
 #include <iostream>
 #include <optional>
-#include <sstream>
 #include <string_view>
 
-#include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/device/ranges.h"
 #include "haptic_agent/link/token.h"
+#include "haptic_agent/number_in.h"
 #include "haptic_agent/record/recorded_device.h"
 #include "haptic_agent/wrapped_help.h"
 #include "server/wire/control.h"
@@ -24,16 +22,11 @@ namespace kerf::agent {
 namespace {
 
 constexpr int kBadInput = 2;
-constexpr double kMaxSeconds = 1e6;
 constexpr double kMaxId = 1e9;
 constexpr double kMaxCpu = 1023;
-constexpr double kMaxLatencyMs = 20;
 constexpr double kUsPerMs = 1000;
 constexpr double kTicksPerS = 1000;
-constexpr double kMaxForceN = 50.0;
-constexpr double kMaxTorqueNmm = 2000.0;
 constexpr double kMaxSpeed = 100.0;
-constexpr double kMaxStiffnessNPerMm = 20.0;
 
 std::unexpected<EarlyExit> reject(const std::string& reason) {
   std::cerr << "kerf-agent: " << reason << '\n';
@@ -55,8 +48,7 @@ std::string check_name(const std::string& name) {
   return name.size() <= wire::kMaxNameBytes ? "" : "must be at most 64 bytes long";
 }
 
-/// Returns the mode of --mode with this name; nothing for others and for kSilent, which no user
-/// chooses.
+/// Returns the mode of --mode with this name. kSilent is internal and has none.
 std::optional<ForceMode> mode_named(std::string_view name) {
   for (const ForceMode mode :
        {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold, ForceMode::kPaper}) {
@@ -65,34 +57,12 @@ std::optional<ForceMode> mode_named(std::string_view name) {
   return std::nullopt;
 }
 
-/// As CLI::IsMember, but tells what to type.
+/// As CLI::IsMember, but its error lists the names.
 CLI::Validator mode_name() {
   const auto check = [](const std::string& text) -> std::string {
     return mode_named(text) ? "" : "must be model, interpolated, hold or paper";
   };
   return {check, "{model,interpolated,hold,paper}"};
-}
-
-enum class Numbers { kAny, kWhole };
-
-/// As CLI::Range, but rejects NaN.
-CLI::Validator number_in(double least, double most, Numbers numbers = Numbers::kAny) {
-  const bool whole = numbers == Numbers::kWhole;
-  const auto check = [least, most, whole](const std::string& text) -> std::string {
-    const auto number = to_number(text);
-    const bool good = number && *number >= least && *number <= most;
-    if (good && !(whole && *number != std::floor(*number))) return "";
-    constexpr int kDigits = 10;  // no power of ten
-    std::ostringstream reason;
-    reason << std::setprecision(kDigits) << "must be a " << (whole ? "whole number" : "number")
-           << " from " << least << " to " << most;
-    return reason.str();
-  };
-  // A bound that is there for safety only says nothing to the user.
-  constexpr double kTellingMax = 1e5;
-  std::ostringstream name;
-  if (most < kTellingMax) name << least << ".." << most;
-  return {check, name.str()};
 }
 
 struct Texts {
@@ -137,11 +107,11 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--force-max", options.limits.force_n,
                  "maximum force, N; at most 0.6 of the device's is used")
       ->type_name("N")
-      ->check(number_in(0.0, kMaxForceN))
+      ->check(number_in(0.0, kForceLimitMaxN))
       ->capture_default_str();
   app.add_option("--torque-max", options.limits.torque_nmm, "maximum torque, N·mm; likewise")
       ->type_name("NMM")
-      ->check(number_in(0.0, kMaxTorqueNmm))
+      ->check(number_in(0.0, kTorqueLimitMaxNmm))
       ->capture_default_str();
   app.add_option("--guides", options.guide_strength,
                  "strength of the session's guides, from 0 (off) to 1 (as the scene states)")
@@ -168,7 +138,7 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
                  "greatest time from a pose of the device until its motors act on it, ms, if it is "
                  "longer than its driver declares (kerf-agent doctor measures it)")
       ->type_name("MS")
-      ->check(number_in(0.0, kMaxLatencyMs));
+      ->check(number_in(0.0, kLatencyMaxUs / kUsPerMs));
   app.add_flag("--always-cut", options.always_cut,
                "for a device without a button: the tool cuts whenever the force is on, and only "
                "touches while it is off");
@@ -221,7 +191,7 @@ void describe_link(CLI::App& app, Options& options) {
   app.add_option("--patience", options.link.patience_s,
                  "retry for this many seconds while the server cannot be reached")
       ->type_name("S")
-      ->check(number_in(0.0, kMaxSeconds))
+      ->check(number_in(0.0, kDurationMaxS))
       ->capture_default_str();
   app.add_option("--sound", options.sound,
                  "play the sound of spindle and cut, on this device of ALSA (if none is named: "
@@ -296,7 +266,7 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
       ->check(number_in(1, kMaxId, Numbers::kWhole));
   app.add_option("--duration", options.duration_s, "leave after this many seconds")
       ->type_name("S")
-      ->check(number_in(1e-3, kMaxSeconds));
+      ->check(number_in(kDurationMinS, kDurationMaxS));
   app.add_flag("--loop", options.device_options.loop, "restart at the end of the path");
   app.add_option("--speed", options.device_options.speed, "speed factor of the path")
       ->type_name("FACTOR")
@@ -304,7 +274,7 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--stiffness", options.device_options.stiffness_n_per_mm,
                  "stiffness of the simulated hand, N/mm")
       ->type_name("N_PER_MM")
-      ->check(number_in(1e-2, kMaxStiffnessNPerMm))
+      ->check(number_in(kHandStiffnessMin, kHandStiffnessMax))
       ->capture_default_str();
   describe_mapping(app, texts.mapping);
   describe_force(app, options, texts);

@@ -25,6 +25,18 @@ inline std::string join(std::initializer_list<std::string_view> parts) {
   return text;
 }
 
+/// Returns the longest beginning of a text that has at most `bytes` bytes and cuts no character of
+/// UTF-8.
+inline std::string_view shortened(std::string_view text, std::size_t bytes) noexcept {
+  if (text.size() <= bytes) return text;
+  constexpr unsigned kContinuationMask = 0xC0, kContinuation = 0x80;
+  std::size_t end = bytes;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & kContinuationMask) == kContinuation) {
+    --end;
+  }
+  return text.substr(0, end);
+}
+
 /// Splits a text at commas and trims the fields; an empty text has no fields.
 inline std::vector<std::string_view> split_fields(std::string_view text) {
   std::vector<std::string_view> fields;

@@ -3,12 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <ostream>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/doctor/checks.h"
+#include "haptic_agent/number_in.h"
 #include "haptic_agent/wrapped_help.h"
 
 namespace kerf::agent {
@@ -27,18 +26,6 @@ struct DoctorOptions {
   std::string profile{};
 };
 
-/// Accepts a number of seconds from `least` to kMeasureMaxS; shows no range in the help.
-CLI::Validator seconds_in(double least) {
-  const auto check = [least](const std::string& text) -> std::string {
-    const auto number = to_number(text);
-    if (number && *number >= least && *number <= kMeasureMaxS) return "";
-    std::ostringstream reason;
-    reason << "must be a number from " << least << " to " << kMeasureMaxS;
-    return reason.str();
-  };
-  return {check, ""};
-}
-
 void describe(CLI::App& app, DoctorOptions& options) {
   app.add_option("--device", options.devices,
                  "also wait until this device is ready (values: kerf-agent --help), and "
@@ -53,11 +40,11 @@ void describe(CLI::App& app, DoctorOptions& options) {
       ->check(CLI::Validator(CLI::ExistingFile).description(""));
   app.add_option("--seconds", options.seconds, "duration of the loop measurement, s")
       ->type_name("S")
-      ->check(seconds_in(0.1))
+      ->check(number_in(0.1, kMeasureMaxS))
       ->capture_default_str();
   app.add_option("--wait", options.wait_s, "how long to wait for a device, including its homing, s")
       ->type_name("S")
-      ->check(seconds_in(0))
+      ->check(number_in(0, kMeasureMaxS))
       ->capture_default_str();
   app.add_option("--identify", options.profile,
                  "find moving mass, friction, latency and resolution of the device by shaking it, "

@@ -10,6 +10,8 @@
 #include <string_view>
 
 #include "haptic_agent/device/plugin/c_structs.h"
+#include "haptic_agent/device/ranges.h"
+#include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/library/agent_session.h"
 #include "haptic_agent/link/token.h"
 #include "haptic_agent/realtime/clock.h"
@@ -23,16 +25,16 @@ struct kerf_agent {
 namespace kerf::agent {
 namespace {
 
-constexpr double kMaxForceN = 50, kMaxTorqueNmm = 2000, kMaxPatienceS = 1e6, kMaxDrainS = 60;
+constexpr double kMaxPatienceS = 1e6, kMaxDrainS = 60;
 constexpr std::uint32_t kKnownFlags = KERF_AGENT_NO_COPY | KERF_AGENT_UDP | KERF_AGENT_NO_REALTIME;
 
 /// Of the calling thread; a fixed length, because kerf_agent_step writes it and may not allocate.
 constinit thread_local std::array<char, 512> last_error{};
 
 kerf_agent_result fail(kerf_agent_result result, std::string_view reason) noexcept {
-  const std::size_t size = std::min(reason.size(), last_error.size() - 1);
-  std::memcpy(last_error.data(), reason.data(), size);
-  last_error[size] = '\0';
+  reason = shortened(reason, last_error.size() - 1);
+  std::memcpy(last_error.data(), reason.data(), reason.size());
+  last_error[reason.size()] = '\0';
   return result;
 }
 
@@ -69,8 +71,10 @@ const char* fault_of(const kerf_agent_options& given) {
   if (given.color != nullptr && !is_color(given.color)) return "color must have the form #rrggbb";
   if (given.token != nullptr && !is_token(given.token)) return "token is not a token";
   if (!in_range(given.patience_s, kMaxPatienceS)) return "patience_s must be 0 to 1e6";
-  if (!in_range(given.max_force_n, kMaxForceN)) return "max_force_n must be 0 to 50";
-  if (!in_range(given.max_torque_nmm, kMaxTorqueNmm)) return "max_torque_nmm must be 0 to 2000";
+  if (!in_range(given.max_force_n, kForceLimitMaxN)) return "max_force_n must be 0 to 50";
+  if (!in_range(given.max_torque_nmm, kTorqueLimitMaxNmm)) {
+    return "max_torque_nmm must be 0 to 2000";
+  }
   if ((given.flags & ~kKnownFlags) != 0) return "unknown bits in flags";
   return nullptr;
 }

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "haptic_agent/device/ranges.h"
+
 namespace kerf::agent {
 namespace {
 
 constexpr std::uint32_t kKnownFlags = KERF_AGENT_MAPPING_FIT | KERF_AGENT_MAPPING_PLACE;
-constexpr double kMaxPlaceMm = 1e5;
 
 Vec3 vec_of(const double (&v)[3]) noexcept { return {v[0], v[1], v[2]}; }
 
@@ -31,8 +32,8 @@ const char* fault_of(const kerf_agent_mapping& given, const SpaceBox& workspace)
   if (!(length(vec_of(given.turn_rad)) <= 2 * std::numbers::pi)) {
     return "turn_rad must be finite and at most 2 pi long";
   }
-  if (!is_within(vec_of(given.device_mm), kMaxPlaceMm) ||
-      !is_within(vec_of(given.block_mm), kMaxPlaceMm)) {
+  if (!is_within(vec_of(given.device_mm), kWorkspaceMaxMm) ||
+      !is_within(vec_of(given.block_mm), kWorkspaceMaxMm)) {
     return "device_mm and block_mm must be from -1e5 to 1e5";
   }
   if ((given.flags & KERF_AGENT_MAPPING_FIT) != 0 && !workspace.has_volume()) {

@@ -6,6 +6,8 @@
 #include <sstream>
 #include <utility>
 
+#include "haptic_agent/device/ranges.h"
+#include "haptic_agent/device/text_fields.h"
 #include "server/wire/control.h"
 
 namespace kerf::agent {
@@ -120,7 +122,6 @@ Welcome read_welcome(const json& message) {
 
 /// Returns what is wrong with a number of the welcome; empty if nothing is.
 std::string fault_of(const Welcome& welcome) {
-  constexpr double kCoordinateMaxMm = 1e6;
   constexpr double kCoefficientMax = 1e9;
   std::ostringstream reason;
   const auto check = [&reason](const char* field, double value, double least, double most) {
@@ -134,8 +135,8 @@ std::string fault_of(const Welcome& welcome) {
   const Vec3 &low = welcome.stock.min_mm, &high = welcome.stock.max_mm;
   for (const auto& [from, to] :
        {std::pair{low.x, high.x}, std::pair{low.y, high.y}, std::pair{low.z, high.z}}) {
-    check("the stock's lowest coordinate", from, -kCoordinateMaxMm, kCoordinateMaxMm);
-    check("the stock's highest coordinate", to, from, kCoordinateMaxMm);
+    check("the stock's lowest coordinate", from, -kPlaceMaxMm, kPlaceMaxMm);
+    check("the stock's highest coordinate", to, from, kPlaceMaxMm);
   }
   return reason.str();
 }
@@ -214,12 +215,13 @@ std::string reason_of_body(std::string_view body) {
   if (const json message = json::parse(body, nullptr, kThrows); message.is_object()) {
     const json error = message.value("error", json());
     const json reason = error.is_object() ? error.value("reason", json()) : error;
-    return reason.is_string() ? reason.get<std::string>().substr(0, kMaxBytes) : std::string{};
+    return reason.is_string() ? std::string(shortened(reason.get<std::string>(), kMaxBytes))
+                              : std::string{};
   }
   const std::size_t begin = std::min(body.find_first_not_of(" \r\n\t"), body.size());
   body.remove_prefix(begin);
   if (body.starts_with('<') || body.starts_with('[') || body.starts_with('{')) return {};
-  return std::string(body.substr(0, std::min(body.find_first_of("\r\n"), kMaxBytes)));
+  return std::string(shortened(body.substr(0, body.find_first_of("\r\n")), kMaxBytes));
 }
 
 }  // namespace kerf::agent

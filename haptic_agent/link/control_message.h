@@ -121,10 +121,6 @@ struct ControlError {
   std::string reason;
 };
 
-/// Greatest accepted distance of the pivot from the tip, mm: the length of the longest tool. The
-/// device's grip is placed there, and a pose error of the axis moves it by that length.
-inline constexpr double kPivotMaxMm = 5000;
-
 /// Parses a text frame. Of a welcome, the pivot, the force coefficients and the stock must be in
 /// range.
 std::expected<ControlMessage, ControlError> parse_control(std::string_view text);

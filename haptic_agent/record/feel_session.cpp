@@ -5,12 +5,10 @@
 #include <sstream>
 #include <vector>
 
+#include "haptic_agent/device/ranges.h"
+
 namespace kerf::agent {
 namespace {
-
-/// Greatest coordinate and pivot, mm, as the agent accepts them from a server.
-constexpr double kMostMm = 1e6;
-constexpr double kPivotMostMm = 5000;
 
 /// Returns the numbers of a text of the metadata; empty if there are not `count`, within ±most.
 std::vector<double> numbers(const mcap::Texts& texts, const char* key, std::size_t count,
@@ -30,9 +28,9 @@ std::vector<double> numbers(const mcap::Texts& texts, const char* key, std::size
 }  // namespace
 
 std::expected<DevicePlace, std::string> place_of(const Recording& recording) {
-  const auto low = numbers(recording.about, "stock_min_mm", 3, kMostMm);
-  const auto high = numbers(recording.about, "stock_max_mm", 3, kMostMm);
-  const auto pivot = numbers(recording.about, "pivot_mm", 1, kPivotMostMm);
+  const auto low = numbers(recording.about, "stock_min_mm", 3, kPlaceMaxMm);
+  const auto high = numbers(recording.about, "stock_max_mm", 3, kPlaceMaxMm);
+  const auto pivot = numbers(recording.about, "pivot_mm", 1, kPivotMaxMm);
   if (low.empty() || high.empty() || pivot.empty() || pivot[0] < 0) {
     return std::unexpected("does not state the place of its stock and the pivot");
   }

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/record/mcap_writer.h"
 
-#include <fcntl.h>
 #include <unistd.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <new>
 #include <utility>
 
+#include "haptic_agent/new_file.h"
 #include "server/store/crc32.h"
 
 namespace kerf::agent::mcap {
@@ -19,23 +17,10 @@ namespace {
 constexpr std::uint16_t kSchemaId = 1;
 constexpr std::uint16_t kChannelId = 1;
 constexpr std::string_view kCompression = "zstd";
-/// The fastest usual level: a second of ticks takes about 1 ms.
-constexpr int kLevel = 1;
-constexpr mode_t kFileMode = 0644;
 /// Of a record's head: the operation code and the length of the content.
 constexpr std::size_t kHeadBytes = 1 + sizeof(std::uint64_t);
 
 }  // namespace
-
-struct McapWriter::Compressor {
-  ZSTD_CCtx* context = ZSTD_createCCtx();
-  Compressor() {
-    if (context == nullptr) throw std::bad_alloc();
-  }
-  Compressor(const Compressor&) = delete;
-  Compressor& operator=(const Compressor&) = delete;
-  ~Compressor() { ZSTD_freeCCtx(context); }
-};
 
 /// Appends a record whose content `fill` writes.
 template <typename Fill>
@@ -50,16 +35,13 @@ void McapWriter::record(Bytes& out, Op op, const Fill& fill) {
 }
 
 McapWriter::McapWriter(int file, std::string path, ChannelType type)
-    : file_(file),
-      path_(std::move(path)),
-      type_(std::move(type)),
-      compressor_(std::make_unique<Compressor>()) {}
+    : file_(file), path_(std::move(path)), type_(std::move(type)) {}
 
 McapWriter::McapWriter(McapWriter&& other) noexcept
     : file_(std::exchange(other.file_, -1)),
       path_(std::move(other.path_)),
       type_(std::move(other.type_)),
-      compressor_(std::move(other.compressor_)),
+      pack_(std::move(other.pack_)),
       error_(std::move(other.error_)),
       offset_(other.offset_),
       chunk_(std::move(other.chunk_)),
@@ -76,12 +58,9 @@ McapWriter::~McapWriter() {
 
 std::expected<McapWriter, std::string> McapWriter::create(const std::string& path,
                                                           const ChannelType& type) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kFileMode);
-  if (file < 0) {
-    if (errno == EEXIST) return std::unexpected(path + " exists; choose another name");
-    return std::unexpected("cannot create " + path + ": " + std::strerror(errno));
-  }
-  McapWriter writer(file, path, type);
+  const auto file = new_file(path);
+  if (!file) return std::unexpected(file.error());
+  McapWriter writer(*file, path, type);
   Bytes start;
   ByteWriter(start).raw(std::as_bytes(std::span(kMagic)));
   record(start, Op::kHeader, [](ByteWriter& to) {
@@ -143,12 +122,7 @@ void McapWriter::message(std::uint32_t sequence, std::uint64_t time_ns,
 
 bool McapWriter::write_chunk() {
   if (index_.empty()) return error_.empty();
-  compressed_.resize(ZSTD_compressBound(chunk_.size()));
-  const std::size_t size =
-      ZSTD_compressCCtx(compressor_->context, compressed_.data(), compressed_.size(), chunk_.data(),
-                        chunk_.size(), kLevel);
-  // The only failure of a compression into a buffer of the bound is a lack of memory.
-  if (ZSTD_isError(size) != 0) throw std::bad_alloc();
+  const auto packed = pack_.pack(chunk_);  // a second of ticks takes about 1 ms
   const auto [first, last] = std::ranges::minmax_element(index_);
   ChunkPlace place{.start_ns = first->first,
                    .end_ns = last->first,
@@ -156,7 +130,7 @@ bool McapWriter::write_chunk() {
                    .length = 0,
                    .index_offset = 0,
                    .index_length = 0,
-                   .compressed = size,
+                   .compressed = packed.size(),
                    .uncompressed = chunk_.size()};
   out_.clear();
   record(out_, Op::kChunk, [&](ByteWriter& to) {
@@ -166,7 +140,7 @@ bool McapWriter::write_chunk() {
     to.number(crc32(chunk_));
     to.text(kCompression);
     to.number(place.compressed);
-    to.raw(std::span(compressed_).first(size));
+    to.raw(packed);
   });
   place.length = out_.size();
   place.index_offset = offset_ + out_.size();

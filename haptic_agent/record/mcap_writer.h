@@ -3,13 +3,13 @@
 
 #include <cstdint>
 #include <expected>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "haptic_agent/record/byte_writer.h"
+#include "server/store/zstd_pack.h"
 
 namespace kerf::agent::mcap {
 
@@ -77,7 +77,6 @@ class McapWriter {
   std::uint64_t bytes() const noexcept { return offset_; }
 
  private:
-  struct Compressor;
   struct ChunkPlace {
     std::uint64_t start_ns, end_ns, offset, length, index_offset, index_length;
     std::uint64_t compressed, uncompressed;
@@ -103,10 +102,10 @@ class McapWriter {
   int file_;
   std::string path_;
   ChannelType type_;
-  std::unique_ptr<Compressor> compressor_;
+  ZstdPack pack_;
   std::string error_;
   std::uint64_t offset_ = 0;
-  Bytes chunk_, compressed_, out_;
+  Bytes chunk_, out_;
   /// Time and offset within the chunk of each message.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> index_;
   std::vector<ChunkPlace> chunks_;

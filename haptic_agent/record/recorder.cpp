@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "haptic_agent/plain_number.h"
 #include "haptic_agent/realtime/clock.h"
 #include "haptic_agent/record/tick_message.h"
 
@@ -26,10 +27,11 @@ std::uint64_t utc_ns() {
 
 std::string record_text(const RecordReport& report) {
   constexpr double kMega = 1e6;
+  constexpr int kDigits = 3;
   std::ostringstream out;
-  out.precision(3);
   out << "record   " << report.ticks << " ticks in " << report.file << " ("
-      << static_cast<double>(report.bytes) / kMega << " MB), " << report.lost << " lost";
+      << plain_number(static_cast<double>(report.bytes) / kMega, kDigits) << " MB), " << report.lost
+      << " lost";
   if (!report.error.empty()) out << ": " << report.error;
   return out.str();
 }

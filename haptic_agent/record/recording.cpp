@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/record/recording.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -16,6 +14,7 @@
 #include "haptic_agent/record/mcap_writer.h"
 #include "haptic_agent/record/tick_message.h"
 #include "server/store/crc32.h"
+#include "server/store/zstd_pack.h"
 #include "server/wire/limits.h"
 #include "server/wire/types.h"
 
@@ -123,14 +122,11 @@ class RecordingReader {
       fault_ = "has a damaged chunk";
       return;
     }
-    std::vector<std::byte> unpacked;
     std::span<const std::byte> content = packed;
     if (compression == "zstd") {
-      unpacked.resize(static_cast<std::size_t>(size));
-      const std::size_t found =
-          ZSTD_decompress(unpacked.data(), unpacked.size(), packed.data(), packed.size());
-      content = unpacked;
-      if (found != size) fault_ = "has a damaged chunk";
+      const auto unpacked = pack_.unpack(packed, static_cast<std::size_t>(size));
+      if (unpacked) content = *unpacked;
+      if (!unpacked) fault_ = "has a damaged chunk";
     } else if (!compression.empty()) {
       fault_ = "is compressed with " + compression + "; only zstd and none are supported";
     }
@@ -141,6 +137,7 @@ class RecordingReader {
   }
 
   Recording recording_;
+  ZstdPack pack_;
   std::string fault_;
   bool ended_ = false;
   std::set<std::uint16_t> schemas_, channels_;

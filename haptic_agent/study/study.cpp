@@ -5,11 +5,13 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
-#include <filesystem>
 #include <sstream>
 #include <utility>
 
+#include "haptic_agent/new_file.h"
+#include "haptic_agent/plain_number.h"
 #include "haptic_agent/realtime/clock.h"
 
 namespace kerf::agent {
@@ -41,12 +43,14 @@ class SingleKeys {
 std::string study_text(const StudyReport& report) {
   constexpr double kPercent = 100;
   std::ostringstream out;
-  out.precision(3);
   out << "study    " << report.answered << " trials in " << report.file << ", " << report.correct
       << " named Kerf's loop";
   if (report.answered > 0) {
-    out << "; by chance, as many or more in "
-        << chance_of(report.correct, report.answered) * kPercent << " % of such studies";
+    constexpr int kDigits = 3;
+    constexpr double kLeastPercent = 1e-3;
+    const double percent = kPercent * chance_of(report.correct, report.answered);
+    out << "; by chance, as many or more in " << (percent < kLeastPercent ? "less than " : "")
+        << plain_number(std::max(percent, kLeastPercent), kDigits) << " % of such studies";
   }
   return out.str();
 }
@@ -54,11 +58,11 @@ std::string study_text(const StudyReport& report) {
 std::expected<std::unique_ptr<Study>, std::string> Study::create(const std::string& file,
                                                                  const TrialSettings& settings,
                                                                  int keys) {
-  if (std::filesystem::exists(file)) return std::unexpected(file + " exists; choose another name");
-  std::ofstream table(file);
-  table << study_header() << std::flush;
-  if (!table) return std::unexpected("cannot write " + file);
-  return std::unique_ptr<Study>(new Study(file, std::move(table), settings, keys));
+  auto table = new_text_file(file);
+  if (!table) return std::unexpected(table.error());
+  *table << study_header() << std::flush;
+  if (!*table) return std::unexpected("cannot write " + file);
+  return std::unique_ptr<Study>(new Study(file, *std::move(table), settings, keys));
 }
 
 Study::Study(std::string file, std::ofstream table, const TrialSettings& settings, int keys)
@@ -87,8 +91,7 @@ void Study::run(const std::stop_token& stop) {
   const SingleKeys single(keys_);
   calls_.say(
       "study: cut while A and B are announced, then press a or b: in which one did the force "
-      "follow "
-      "your hand at once?");
+      "follow your hand at once?");
   while (!stop.stop_requested() && run_.state() != TrialRun::State::kDone) {
     follow_ticks();
     if (!take_keys()) break;

@@ -36,7 +36,8 @@ std::span<const std::byte> ZstdPack::pack(std::span<const std::byte> bytes) {
 
 std::optional<std::span<const std::byte>> ZstdPack::unpack(std::span<const std::byte> frame,
                                                            std::size_t size) {
-  if (ZSTD_getFrameContentSize(frame.data(), frame.size()) != size) return std::nullopt;
+  const unsigned long long stated = ZSTD_getFrameContentSize(frame.data(), frame.size());
+  if (stated != size && stated != ZSTD_CONTENTSIZE_UNKNOWN) return std::nullopt;
   buffer_.resize(size);
   const std::size_t found =
       ZSTD_decompressDCtx(contexts_->decompress, buffer_.data(), size, frame.data(), frame.size());

@@ -20,7 +20,7 @@ class ZstdPack {
   /// The result is valid until the next call.
   std::span<const std::byte> pack(std::span<const std::byte> bytes);
   /// Returns the `size` bytes of a frame, valid until the next call; nullopt if it is not one of
-  /// that many bytes.
+  /// that many bytes. The frame need not state its size.
   std::optional<std::span<const std::byte>> unpack(std::span<const std::byte> frame,
                                                    std::size_t size);
 

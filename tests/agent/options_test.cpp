@@ -118,6 +118,7 @@ TEST(Options, BadInputExitsWithTwo) {
       {"--session", "demo", "--device", "sim", "--cpu", "-1"},
       {"--session", "demo", "--device", "sim", "--mode", "fast"},
       {"--session", "demo", "--device", "sim", "--force-max", "-1"},
+      {"--session", "demo", "--device", "sim", "--force-max", "nan"},
       {"--session", "demo", "--device", "sim", "--duration", "nan"},
       {"--session", "demo", "--device", "sim", "--server", "ftp://x"},
       {"--session", "demo", "--device", "replay:/no/such/file.apt"},

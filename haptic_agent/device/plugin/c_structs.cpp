@@ -6,6 +6,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "haptic_agent/device/ranges.h"
+#include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/device/usb/device_mailbox.h"
 #include "server/wire/types.h"
 
@@ -13,8 +15,6 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::size_t kNameBytes = 64;
-constexpr double kMaxMm = 1e5;
-constexpr std::uint32_t kMaxLatencyUs = 20'000;
 /// Below, a band would delay the force of a cut itself.
 constexpr std::uint32_t kMinVibrationHz = 20, kMaxVibrationHz = 1000;
 
@@ -48,12 +48,12 @@ std::string fault_of(const kerf_agent_capabilities& given) {
       {"continuous_torque_nmm", given.continuous_torque_nmm, 10'000},
       {"max_stiffness_n_per_mm", given.max_stiffness_n_per_mm, 100},
       {"max_damping_n_s_per_mm", given.max_damping_n_s_per_mm, 1},
-      {"latency_us", static_cast<double>(given.latency_us), kMaxLatencyUs},
+      {"latency_us", static_cast<double>(given.latency_us), kLatencyMaxUs},
       {"max_vibration_hz", static_cast<double>(given.max_vibration_hz), kMaxVibrationHz},
-      {"moving_mass_kg", given.moving_mass_kg, 100},
-      {"moving_inertia_kg_m2", given.moving_inertia_kg_m2, 10},
-      {"resolution_mm", given.resolution_mm, 1},
-      {"resolution_rad", given.resolution_rad, 0.1},
+      {"moving_mass_kg", given.moving_mass_kg, kMovingMassMaxKg},
+      {"moving_inertia_kg_m2", given.moving_inertia_kg_m2, kMovingInertiaMaxKgM2},
+      {"resolution_mm", given.resolution_mm, kResolutionMaxMm},
+      {"resolution_rad", given.resolution_rad, kResolutionMaxRad},
   };
   if (std::string fault = fault_of(ranges); !fault.empty()) return fault;
   if (given.max_vibration_hz != 0 && given.max_vibration_hz < kMinVibrationHz) {
@@ -67,7 +67,8 @@ std::string fault_of(const kerf_agent_capabilities& given) {
   if ((given.flags & ~kKnownFlags) != 0) return "unknown bits in flags";
   for (int i = 0; i < 3; ++i) {
     const double least = given.workspace_min_mm[i], most = given.workspace_max_mm[i];
-    if (!(std::abs(least) <= kMaxMm && std::abs(most) <= kMaxMm && least <= most)) {
+    if (!(std::abs(least) <= kWorkspaceMaxMm && std::abs(most) <= kWorkspaceMaxMm &&
+          least <= most)) {
       return "workspace_min_mm must not exceed workspace_max_mm, both within 100000 mm";
     }
   }
@@ -82,7 +83,7 @@ std::expected<DeviceCapabilities, std::string> capabilities_of(
   const std::string_view name = given.name != nullptr ? given.name : "device";
   const bool torque = given.actuated_dof == 5;
   return DeviceCapabilities{
-      .name = std::string(name.substr(0, kNameBytes)),
+      .name = std::string(shortened(name, kNameBytes)),
       .sensed_dof = given.sensed_dof == 0 ? 5 : static_cast<int>(given.sensed_dof),
       .actuated_dof = static_cast<int>(given.actuated_dof),
       .max_force_n = given.max_force_n,

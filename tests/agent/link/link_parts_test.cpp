@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "haptic_agent/device/ranges.h"
 #include "haptic_agent/link/clock_sync.h"
 #include "haptic_agent/link/control_message.h"
 #include "haptic_agent/link/server_choice.h"
@@ -198,28 +199,6 @@ TEST(Control, InvalidUdpOfferIsIgnored) {
   }
   for (const nlohmann::json& bad : {nlohmann::json(true), nlohmann::json::array({1, 2})}) {
     EXPECT_FALSE(offered(bad)) << bad;
-  }
-}
-
-TEST(Declined, OnlyClientErrorsAreFinal) {
-  EXPECT_TRUE(declined("demo", 404, "").final);
-  EXPECT_FALSE(declined("demo", 429, "").final);
-  EXPECT_FALSE(declined("demo", 503, "").final);
-  EXPECT_EQ(declined("demo", 403, "not yours\n").reason,
-            "the server rejected session 'demo': not yours (HTTP 403)");
-  EXPECT_LT(declined("demo", 500, std::string(10'000, 'x')).reason.size(), 300U);
-}
-
-TEST(Declined, SaysTheReasonAndNoJsonNorMarkup) {
-  EXPECT_EQ(
-      declined("demo", 404, R"({"error":{"code":"no_session","reason":"no such session"}})").reason,
-      "the server rejected session 'demo': no such session (HTTP 404)");
-  EXPECT_EQ(declined("demo", 400, R"({"error":"bad id"})").reason,
-            "the server rejected session 'demo': bad id (HTTP 400)");
-  for (const char* body : {R"({"error":{"code":7}})", R"({"a":1})", "[1]", "{\"cut", "",
-                           "<html><body>502 Bad Gateway</body></html>"}) {
-    EXPECT_EQ(declined("demo", 502, body).reason, "the server rejected session 'demo': HTTP 502")
-        << body;
   }
 }
 

@@ -19,6 +19,7 @@
 #include "haptic_agent/record/recorder.h"
 #include "haptic_agent/record/recording.h"
 #include "haptic_agent/record/tick_message.h"
+#include "server/store/zstd_pack.h"
 #include "server/wire/types.h"
 
 namespace kerf::agent {
@@ -222,6 +223,17 @@ TEST_F(RecordTest, DamagedBytesAreRejectedOrHarmless) {
     }
   }
   EXPECT_GT(rejected, 10U);
+}
+
+TEST_F(RecordTest, ChunksOfOtherWritersNeedNotStateTheirSizeInTheFrame) {
+  // A frame of Zstandard with one raw block; its header has no size of the content.
+  constexpr std::string_view kFrame("\x28\xB5\x2F\xFD\0\0\x19\0\0abc", 12);
+  ZstdPack pack;
+  const auto text = pack.unpack(std::as_bytes(std::span(kFrame)), 3);
+  ASSERT_TRUE(text);
+  EXPECT_TRUE(std::ranges::equal(*text, std::as_bytes(std::span(std::string_view("abc")))));
+  EXPECT_FALSE(pack.unpack(std::as_bytes(std::span(kFrame)), 2));
+  EXPECT_FALSE(pack.unpack(std::as_bytes(std::span(kFrame)), 4));
 }
 
 TEST_F(RecordTest, OtherFilesAreRejectedWithTheReason) {
