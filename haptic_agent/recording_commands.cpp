@@ -2,21 +2,22 @@
 #include "haptic_agent/recording_commands.h"
 
 #include <CLI/CLI.hpp>
-#include <atomic>
-#include <csignal>
-#include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <optional>
 
+#include "haptic_agent/act_on_signal.h"
+#include "haptic_agent/device/ranges.h"
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/device/units.h"
 #include "haptic_agent/guides/guide_model.h"
+#include "haptic_agent/new_file.h"
+#include "haptic_agent/number_in.h"
 #include "haptic_agent/realtime/realtime_thread.h"
 #include "haptic_agent/record/feel_session.h"
 #include "haptic_agent/record/recorded_device.h"
 #include "haptic_agent/record/recorder.h"
+#include "haptic_agent/recording_about.h"
 #include "haptic_agent/servo/watchdog.h"
 #include "haptic_agent/trip_log.h"
 #include "haptic_agent/wrapped_help.h"
@@ -27,6 +28,7 @@ namespace {
 constexpr int kNotDone = 1;
 constexpr int kBadInput = 2;
 constexpr double kUsPerMs = 1000;
+constexpr double kWithinMinMm = 1e-2, kWithinMaxMm = 100;
 
 struct FeelOptions {
   std::string file, device, record_file, trip_log;
@@ -38,7 +40,6 @@ struct FeelOptions {
 };
 
 void describe(CLI::App& app, FeelOptions& options) {
-  constexpr double kMaxForceN = 50, kMaxTorqueNmm = 2000, kMaxSeconds = 1e6, kMaxLatencyMs = 20;
   app.add_option("FILE", options.file, "recording of kerf-agent --record")->required();
   app.add_option("--device", options.device,
                  "the device, as for kerf-agent. sim: a simulated hand that follows the recording")
@@ -46,39 +47,32 @@ void describe(CLI::App& app, FeelOptions& options) {
       ->required();
   app.add_option("--force-max", options.limits.force_n, "maximum force, N")
       ->type_name("N")
-      ->check(CLI::Range(0.0, kMaxForceN))
+      ->check(number_in(0, kForceLimitMaxN))
       ->capture_default_str();
   app.add_option("--torque-max", options.limits.torque_nmm, "maximum torque, N·mm")
       ->type_name("NMM")
-      ->check(CLI::Range(0.0, kMaxTorqueNmm))
+      ->check(number_in(0, kTorqueLimitMaxNmm))
       ->capture_default_str();
   app.add_option("--within", options.within_mm,
                  "distance from the recorded path, mm, beyond which the tool is drawn back")
       ->type_name("MM")
-      ->check(CLI::Range(1e-2, 1e2))
+      ->check(number_in(kWithinMinMm, kWithinMaxMm))
       ->capture_default_str();
   app.add_option("--latency", options.latency_ms, "latency of the device, ms, as for kerf-agent")
       ->type_name("MS")
-      ->check(CLI::Range(0.0, kMaxLatencyMs));
+      ->check(number_in(0, kLatencyMaxUs / kUsPerMs));
   app.add_option("--duration", options.duration_s, "end after this many seconds")
       ->type_name("S")
-      ->check(CLI::Range(1e-3, kMaxSeconds));
+      ->check(number_in(kDurationMinS, kDurationMaxS));
   app.add_option("--stiffness", options.stiffness_n_per_mm, "stiffness of the simulated hand, N/mm")
       ->type_name("N_PER_MM")
-      ->check(CLI::Range(1e-2, 2e1))
+      ->check(number_in(kHandStiffnessMin, kHandStiffnessMax))
       ->capture_default_str();
   app.add_option("--record", options.record_file, "record this playing to another MCAP file")
       ->type_name("FILE");
   app.add_option("--trip-log", options.trip_log,
                  "write the last 200 ms before each safety trip to this file")
       ->type_name("FILE");
-}
-
-/// The loop that SIGINT and SIGTERM end.
-std::atomic<ServoLoop*> signalled{nullptr};
-
-void end_loop(int /*signal*/) {
-  if (ServoLoop* loop = signalled.load()) loop->stop();
 }
 
 /// Parses a command line; returns the exit code if the program must end.
@@ -124,7 +118,7 @@ void print_felt(std::ostream& out, const ServoCycle& cycle, const GuideModel& gu
 /// Runs a device against the strokes of a recording.
 int feel(const CLI::App& app, const FeelOptions& options, const Recording& recording,
          const DevicePlace& place, std::vector<Guide> strokes, HapticDevice& device,
-         std::ostream& out) {
+         ActOnSignal& signals, std::ostream& out) {
   auto& path = std::get<PathGuide>(strokes.front().shape);
   path.within_mm = options.within_mm;
   path.max_torque_nmm = std::min(path.max_torque_nmm, options.limits.torque_nmm);
@@ -145,9 +139,9 @@ int feel(const CLI::App& app, const FeelOptions& options, const Recording& recor
   ServoCycle cycle(device, samples, wrenches, session, settings, nullptr, &guides);
   std::unique_ptr<Recorder> recorder;
   if (!options.record_file.empty()) {
-    mcap::Texts about = recording.about;
-    about["feel_of"] = options.file;
-    auto started = Recorder::start(options.record_file, about, "{}");
+    auto started =
+        Recorder::start(options.record_file,
+                        about_playing(recording.about, options.file, capabilities, settings), "{}");
     if (!started) return fail(app, kNotDone, started.error());
     recorder = *std::move(started);
     cycle.record_on(recorder->tape());
@@ -155,8 +149,8 @@ int feel(const CLI::App& app, const FeelOptions& options, const Recording& recor
   const ForceReasons reasons(capabilities);
   MonotonicClock clock;
   ServoLoop loop(clock);
-  signalled.store(&loop);
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, end_loop);
+  signals.on_leave([&loop] { loop.stop(); });
+  signals.on_rearm([&cycle] { cycle.rearm(); });
   {
     const TripWriter trips(cycle, reasons, options.trip_log);
     run_watched(loop, cycle,
@@ -166,7 +160,8 @@ int feel(const CLI::App& app, const FeelOptions& options, const Recording& recor
                   if (!report.warning.empty()) std::cerr << "warning: " << report.warning << '\n';
                 });
   }
-  signalled.store(nullptr);
+  signals.on_leave({});
+  signals.on_rearm({});
   print_felt(out, cycle, guides);
   if (!recorder) return 0;
   const RecordReport report = recorder->finish({});
@@ -196,13 +191,15 @@ int run_feel(int argc, const char* const* argv, std::ostream& out) {
   const auto print = [](const std::string& text) {
     std::cerr << join({"kerf-agent: ", text, "\n"}) << std::flush;
   };
+  // Before the device starts threads.
+  ActOnSignal signals;
   const auto device = make_device(
       *choice, *place, {.stiffness_n_per_mm = options.stiffness_n_per_mm, .notice = print});
   if (!device) return fail(app, kNotDone, device.error());
   print(join({"playing ", options.file, " with the ", (*device)->capabilities().name,
               "; hold the device, go to the start of the stroke and follow it; press Ctrl-C to "
               "leave"}));
-  return feel(app, options, *recording, *place, {*stroke}, **device, out);
+  return feel(app, options, *recording, *place, {*stroke}, **device, signals, out);
 }
 
 int run_export(int argc, const char* const* argv, std::ostream& out) {
@@ -219,10 +216,9 @@ int run_export(int argc, const char* const* argv, std::ostream& out) {
     write_csv(out, *recording);
     return out.flush() ? 0 : kNotDone;
   }
-  if (std::filesystem::exists(table)) {
-    return fail(app, kBadInput, table + " exists; choose another name");
-  }
-  std::ofstream to(table);
+  auto created = new_text_file(table);
+  if (!created) return fail(app, kBadInput, created.error());
+  std::ofstream& to = *created;
   write_csv(to, *recording);
   to.close();
   return to ? 0 : fail(app, kNotDone, "cannot write " + table);

@@ -2,15 +2,11 @@
 #include "haptic_agent/run_agent.h"
 
 #include <algorithm>
-#include <csignal>
-#include <ctime>
 #include <fstream>
-#include <functional>
 #include <iostream>
-#include <mutex>
 #include <optional>
-#include <thread>
 
+#include "haptic_agent/act_on_signal.h"
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/device/units.h"
 #include "haptic_agent/force_notice.h"
@@ -29,43 +25,6 @@ namespace {
 
 /// How long to wait for the last answers at the end. A slow server gets time to finish the cut.
 constexpr double kDrainS = 10.0;
-
-/// Calls `leave` on SIGINT or SIGTERM, and re-arms a cycle on SIGUSR1. Construct it before any
-/// other thread starts, so that all threads inherit the blocked signals and only this one receives
-/// them.
-class ActOnSignal {
- public:
-  explicit ActOnSignal(std::function<void()> leave) : leave_(std::move(leave)) {
-    sigemptyset(&signals_);
-    for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&signals_, signal);
-    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-  }
-  void start() {
-    thread_ = std::jthread([this](const std::stop_token& stop) { wait(stop); });
-  }
-  /// The cycle that SIGUSR1 re-arms; null: none.
-  void rearms(ServoCycle* cycle) {
-    const std::scoped_lock lock(mutex_);
-    cycle_ = cycle;
-  }
-
- private:
-  void wait(const std::stop_token& stop) {
-    constexpr timespec kLookUp{.tv_sec = 0, .tv_nsec = 100'000'000};
-    while (!stop.stop_requested()) {
-      const int signal = sigtimedwait(&signals_, nullptr, &kLookUp);
-      if (signal == SIGINT || signal == SIGTERM) leave_();
-      const std::scoped_lock lock(mutex_);
-      if (signal == SIGUSR1 && cycle_ != nullptr) cycle_->rearm();
-    }
-  }
-
-  sigset_t signals_{};
-  std::function<void()> leave_;
-  std::mutex mutex_;  ///< guards cycle_
-  ServoCycle* cycle_ = nullptr;
-  std::jthread thread_;
-};
 
 void print_line(const std::string& text) {
   std::cerr << join({"kerf-agent: ", text, "\n"}) << std::flush;
@@ -227,7 +186,7 @@ void play_sound(const Options& options, const Spindle& spindle, ServoCycle& cycl
 /// Runs the device at 1 kHz until it ends; fills in the servo's part of the summary.
 void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, LeadCpu& lead, int cpu,
                const ForceReasons& reasons, ActOnSignal& signals, Summary& summary) {
-  signals.rearms(&cycle);
+  signals.on_rearm([&cycle] { cycle.rearm(); });
   const MotorSwitch motors{.zero = [&device] { device.write({}); },
                            .stop = [&device] { device.stop(); }};
   summary.watchdog_stops = run_watched(loop, cycle, motors, [&] {
@@ -236,7 +195,7 @@ void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, LeadCpu
     if (!summary.realtime.warning.empty())
       print_line(join({"warning: ", summary.realtime.warning}));
   });
-  signals.rearms(nullptr);
+  signals.on_rearm({});
   summary.trips = cycle.supervisor().trips();
   summary.last_trip = cycle.supervisor().code();
   summary.no_force = cycle.no_force();
@@ -294,14 +253,13 @@ int run_agent(Options options) {
   set_up_link(options.link,
               {.status = &link_status, .copy = keep_copy ? &replica : nullptr, .reach = &reach},
               lead, loop);
-  std::function<void()> leave = [&loop] { loop.stop(); };
-  ActOnSignal signals([&leave] { leave(); });
   ServerLink link(options.link, samples, wrenches);
-  leave = [&] {
+  // After all that its action refers to, and before the first thread.
+  ActOnSignal signals;
+  signals.on_leave([&] {
     loop.stop();
     if (!joined.load()) link.interrupt();
-  };
-  signals.start();
+  });
   link.start();
   Summary summary;
   const auto give_up = [&link](const std::string& reason) {

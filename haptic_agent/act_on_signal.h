@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <csignal>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace kerf::agent {
+
+/// Acts on the signals of the process, from a thread of its own: SIGINT and SIGTERM leave, SIGUSR1
+/// re-arms. Construct it before any other thread starts, so that all threads inherit the blocked
+/// signals and only this one receives them. The destructor unblocks them again.
+class ActOnSignal {
+ public:
+  ActOnSignal();
+  ~ActOnSignal();
+  ActOnSignal(const ActOnSignal&) = delete;
+  ActOnSignal& operator=(const ActOnSignal&) = delete;
+
+  // Each replaces an action; null: none. When it returns, the action before does not run and will
+  // not run again, so what it refers to may be destroyed. An action must not call these functions.
+
+  /// A signal to leave that arrived while there was no action runs this one at once.
+  void on_leave(std::function<void()> action);
+  void on_rearm(std::function<void()> action);
+
+ private:
+  void wait(const std::stop_token& stop);
+
+  sigset_t signals_{}, before_{};
+  std::mutex mutex_;  ///< guards the members below, and the actions while they run
+  std::function<void()> leave_, rearm_;
+  bool leaves_ = false;  ///< a signal to leave has arrived
+  std::jthread thread_;
+};
+
+}  // namespace kerf::agent
