@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <filesystem>
 #include <utility>
 
 #include "haptic_agent/recording_about.h"
@@ -26,18 +27,29 @@ std::expected<Laboratory, std::string> Laboratory::start(
     const ServoSettings& settings, ServoCycle& cycle, ServoLoop& loop,
     std::function<void(const std::string&)> say) {
   Laboratory laboratory;
+  if (!options.study_file.empty()) {
+    if (!(rated.max_force_n > 0)) {
+      return std::unexpected("no study: the " + rated.name +
+                             " has no motors, so that both loops feel the same; choose a device "
+                             "that gives forces");
+    }
+    auto study = Study::create(options.study_file, options.study, STDIN_FILENO);
+    if (!study) return std::unexpected("no study: " + study.error());
+    laboratory.study_ = *std::move(study);
+  }
   if (!options.record_file.empty()) {
     auto recorder = Recorder::start(
         options.record_file, about_session(options.link.hello.name, welcome, rated, settings),
         welcome.text);
-    if (!recorder) return std::unexpected("no recording: " + recorder.error());
+    if (!recorder) {
+      // The table is new and has no trial: the next attempt may use its name.
+      if (laboratory.study_) std::filesystem::remove(options.study_file);
+      return std::unexpected("no recording: " + recorder.error());
+    }
     laboratory.recorder_ = *std::move(recorder);
     cycle.record_on(laboratory.recorder_->tape());
   }
-  if (!options.study_file.empty()) {
-    auto study = Study::create(options.study_file, options.study, STDIN_FILENO);
-    if (!study) return std::unexpected("no study: " + study.error());
-    laboratory.study_ = *std::move(study);
+  if (laboratory.study_) {
     cycle.record_on(laboratory.study_->tape());
     laboratory.study_->start({.set_mode = [&cycle](ForceMode mode) { cycle.set_mode(mode); },
                               .say = std::move(say),

@@ -16,10 +16,11 @@ namespace kerf::agent {
 /// Recording and study of a session, as far as the command line asks for them (--record, --study).
 class Laboratory {
  public:
-  /// Creates the files and starts both; call before the loop runs. `rated`: the device, with what
-  /// its profile and the command line add. `cycle` and `loop` must outlive
+  /// Creates the files and starts both; call before the loop runs. `rated`: the device's
+  /// capabilities, as changed by its profile and the command line. `cycle` and `loop` must outlive
   /// the object. The study ends the loop after its last answer. `say` shows a sentence to the user,
-  /// from any thread. The error is one sentence without its full stop.
+  /// from any thread. The error is one sentence without its full stop; it leaves no new file of a
+  /// study without a trial. A study needs a device with motors.
   static std::expected<Laboratory, std::string> start(const Options& options,
                                                       const Welcome& welcome,
                                                       const DeviceCapabilities& rated,

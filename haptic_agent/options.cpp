@@ -282,6 +282,20 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   describe_study(app, options, texts);
 }
 
+/// Returns why a study cannot run with the other options; empty if it can, or if there is none.
+std::string fault_of_study(const Options& options, const Texts& texts) {
+  if (options.study_file.empty()) return {};
+  if (options.view) return "it uses the terminal for its questions; leave --view out";
+  if (texts.devices.size() > 1) return "it is for one device; name a single --device";
+  if (options.mode == ForceMode::kInterpolated || options.mode == ForceMode::kHold) {
+    return "it compares the modes paper and model; leave --mode " + texts.mode + " out";
+  }
+  if (!options.keep_copy) {
+    return "both of its modes need the replica of the block; leave --no-copy out";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv) {
@@ -312,8 +326,8 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   options.mode = mode_named(texts.mode).value();
   options.latency_us = static_cast<std::uint64_t>(texts.latency_ms * kUsPerMs);
   options.study.interval_ticks = static_cast<std::uint64_t>(texts.interval_s * kTicksPerS);
-  if (!options.study_file.empty() && (options.view || texts.devices.size() > 1)) {
-    return reject("--study takes the terminal for one device: leave --view and others out");
+  if (const std::string fault = fault_of_study(options, texts); !fault.empty()) {
+    return reject("--study: " + fault);
   }
   if (!texts.profile.empty()) {
     auto profile = read_profile(texts.profile);

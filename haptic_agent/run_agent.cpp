@@ -230,9 +230,9 @@ int report(const Options& options, Summary& summary) {
                                  std::to_string(summary.link.unanswered), " samples"});
   }
   print_summary(options.status_json == "-" ? std::cerr : std::cout, summary);
-  const bool written = write_status(options.status_json, summary) && summary.record.error.empty();
+  const bool written = write_status(options.status_json, summary);
   if (!summary.link.failure.empty()) print_line(summary.link.failure);
-  return written && summary.link.failure.empty() ? 0 : kFailed;
+  return written && succeeded(summary) ? 0 : kFailed;
 }
 
 }  // namespace

@@ -177,6 +177,14 @@ json record_json(const RecordReport& record) {
           {"error", record.error}};
 }
 
+json study_json(const StudyReport& study) {
+  if (study.file.empty()) return nullptr;
+  return {{"file", study.file},
+          {"answered", study.answered},
+          {"correct", study.correct},
+          {"error", study.error}};
+}
+
 struct Quantiles {
   const Histogram& of;
 };
@@ -289,6 +297,10 @@ std::ostream& operator<<(std::ostream& out, const Copy& copy) {
 
 }  // namespace
 
+bool succeeded(const Summary& s) {
+  return s.link.failure.empty() && s.record.error.empty() && s.study.error.empty();
+}
+
 void print_summary(std::ostream& out, const Summary& s) {
   const CycleStats& c = s.cycles;
   const LinkReport& l = s.link;
@@ -344,6 +356,7 @@ std::string summary_json(const Summary& s) {
                         {"copy", copy_json(s)},
                         {"safety", safety_json(s)},
                         {"record", record_json(s.record)},
+                        {"study", study_json(s.study)},
                         {"removed_mm3", l.removed_mm3},
                         {"imprint_results", l.imprint_results},
                         {"motions_in_session", l.motions_in_session},

@@ -48,6 +48,10 @@ struct Summary {
   StudyReport study;
 };
 
+/// Whether the server answered everything, and recording and study were written, as far as there
+/// were any. Otherwise the agent ends with an error.
+bool succeeded(const Summary& summary);
+
 /// Prints the summary as text.
 void print_summary(std::ostream& out, const Summary& summary);
 /// Returns the summary as one JSON object, followed by a line break.

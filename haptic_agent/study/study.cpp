@@ -52,6 +52,7 @@ std::string study_text(const StudyReport& report) {
     out << "; by chance, as many or more in " << (percent < kLeastPercent ? "less than " : "")
         << plain_number(std::max(percent, kLeastPercent), kDigits) << " % of such studies";
   }
+  if (!report.error.empty()) out << ": " << report.error;
   return out.str();
 }
 
@@ -140,8 +141,10 @@ bool Study::note(const TrialResult& result) {
   ++report_.answered;
   report_.correct += result.correct() ? 1 : 0;
   table_ << study_line(result, settings_.seed) << std::flush;
-  if (!table_) calls_.say("study: cannot write " + file_ + ", so the study ends");
-  return static_cast<bool>(table_);
+  if (table_) return true;
+  report_.error = "cannot write " + file_;
+  calls_.say("study: " + report_.error + ", so the study ends");
+  return false;
 }
 
 }  // namespace kerf::agent

@@ -17,6 +17,8 @@ struct StudyReport {
   std::string file;  ///< empty: there was none
   int answered = 0;
   int correct = 0;
+  /// Why the table has not been written, as one sentence without its full stop; empty if it has.
+  std::string error;
 };
 
 /// Returns one line about a study, without a line break.

@@ -177,6 +177,25 @@ TEST(Summary, JsonHasTheFieldsThatTestsRelyOn) {
   EXPECT_EQ(json["link"]["udp"]["carries"], false);
 }
 
+TEST(Summary, FailuresOfTheLinkTheRecordingAndTheStudyCount) {
+  Summary summary;
+  EXPECT_TRUE(succeeded(summary));
+  summary.study.file = "s.csv";
+  summary.study.error = "cannot write s.csv";
+  EXPECT_FALSE(succeeded(summary));
+  EXPECT_EQ(nlohmann::json::parse(summary_json(summary))["study"]["error"], "cannot write s.csv");
+  std::ostringstream out;
+  print_summary(out, summary);
+  EXPECT_NE(out.str().find("0 named Kerf's loop: cannot write s.csv\n"), std::string::npos)
+      << out.str();
+  summary.study = {};
+  summary.record.error = "cannot write r.mcap";
+  EXPECT_FALSE(succeeded(summary));
+  summary.record = {};
+  summary.link.failure = "lost";
+  EXPECT_FALSE(succeeded(summary));
+}
+
 TEST(Summary, ComparesFeltAndComputedForceAndTorque) {
   Summary summary;
   for (int i = 0; i < 2; ++i) {

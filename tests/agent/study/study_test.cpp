@@ -2,15 +2,19 @@
 #include "haptic_agent/study/study.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <thread>
 #include <vector>
+
+#include "tests/support/eventually.h"
 
 namespace kerf::agent {
 namespace {
@@ -169,6 +173,48 @@ TEST(Study, EndsWhenTheKeyboardIsClosed) {
   while (!done.load()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   EXPECT_EQ((*study)->finish().answered, 0);
   ::close(keys[0]);
+}
+
+TEST(Study, TableThatCannotBeWrittenIsAnErrorOfTheReport) {
+  const auto file = std::filesystem::path(testing::TempDir()) / "study_full.csv";
+  std::filesystem::remove(file);
+  int keys[2] = {};
+  ASSERT_EQ(::pipe(keys), 0);
+  auto study = Study::create(file.string(), {.trials = 1, .seed = 5, .interval_ticks = 5}, keys[0]);
+  ASSERT_TRUE(study) << study.error();
+  // A limit of the file's size stands for a full disk: the write fails likewise.
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{.rlim_cur = study_header().size(), .rlim_max = before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  std::atomic<ForceMode> mode{ForceMode::kSilent};
+  std::atomic<bool> done{false}, asked{false};
+  (*study)->start({.set_mode = [&](ForceMode next) { mode.store(next); },
+                   .say = [&](const std::string& text) { asked = text.ends_with("a or b?"); },
+                   .done = [&] { done.store(true); }});
+  for (std::uint64_t n = 1; !asked.load() && n < 1'000'000; ++n) {
+    (*study)->tape().push(cutting_tick(n, mode.load()));
+    std::this_thread::sleep_for(std::chrono::microseconds(50));
+  }
+  ASSERT_EQ(::write(keys[1], "a", 1), 1);
+  EXPECT_TRUE(test::eventually([&done] { return done.load(); }));
+  const StudyReport report = (*study)->finish();
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(report.error, "cannot write " + file.string());
+  EXPECT_TRUE(study_text(report).ends_with(": " + report.error)) << study_text(report);
+  ::close(keys[0]);
+  ::close(keys[1]);
+}
+
+TEST(Study, SaysSmallProbabilitiesInPlainDecimals) {
+  const std::string text =
+      study_text({.file = "s.csv", .answered = 20, .correct = 19, .error = {}});
+  EXPECT_NE(text.find("in 0.002 % of"), std::string::npos) << text;
+  const std::string all =
+      study_text({.file = "s.csv", .answered = 1000, .correct = 1000, .error = {}});
+  EXPECT_NE(all.find("in less than 0.001 % of"), std::string::npos) << all;
 }
 
 }  // namespace
