@@ -330,6 +330,11 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
     return reject("--study: " + fault);
   }
   if (!texts.profile.empty()) {
+    if (texts.devices.size() > 1) {
+      return reject(
+          "--profile: it describes one device, and several are named; start one kerf-agent for "
+          "each device, with its own profile");
+    }
     auto profile = read_profile(texts.profile);
     if (!profile) return reject("--profile: " + profile.error());
     options.profile = *std::move(profile);

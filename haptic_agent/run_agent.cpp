@@ -78,7 +78,7 @@ std::expected<MappingSettings, std::string> map_device(const Options& options,
   return mapping;
 }
 
-/// Creates the device and tells the user.
+/// Creates the device, checks that the profile belongs to it, and tells the user.
 std::expected<std::unique_ptr<HapticDevice>, std::string> open_device(const Options& options,
                                                                       const Welcome& welcome,
                                                                       std::uint32_t tool) {
@@ -90,6 +90,10 @@ std::expected<std::unique_ptr<HapticDevice>, std::string> open_device(const Opti
                              .tool = tool},
                             options.device_options);
   if (!device) return device;
+  if (options.profile) {
+    const std::string mismatch = profile_mismatch(*options.profile, (*device)->capabilities());
+    if (!mismatch.empty()) return std::unexpected("--profile: " + mismatch);
+  }
   print_line(
       join({"carving '", welcome.session, "' as participant ", std::to_string(welcome.participant),
             " with the ", (*device)->capabilities().name, "; press Ctrl-C to leave"}));
@@ -109,8 +113,8 @@ bool write_status(const std::string& where, const Summary& summary) {
   return static_cast<bool>(file);
 }
 
-/// The device's capabilities: what it declares, what its profile has measured, and what the command
-/// line adds.
+/// Returns the capabilities that the device declares, as changed by its profile and the command
+/// line.
 DeviceCapabilities rated_by(const Options& options, const HapticDevice& device) {
   DeviceCapabilities capabilities = with_profile(device.capabilities(), options.profile);
   capabilities.latency_us = std::max(capabilities.latency_us, options.latency_us);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -144,6 +145,47 @@ TEST(Options, AMistakeIsAnsweredWithWhatToType) {
             "kerf-agent: --tool: must be a whole number from 1 to 1000000000\n");
   EXPECT_EQ(complaint({"--session", "a", "--device", "sim", "--cpu", "1.5"}),
             "kerf-agent: --cpu: must be a whole number from 0 to 1023\n");
+}
+
+TEST(Options, StudyRejectsWhatItCannotBeRunWith) {
+  const auto complaint = [](std::vector<const char*> words) {
+    words.insert(words.begin(), {"--session", "a", "--device", "sim", "--study", "s.csv"});
+    testing::internal::CaptureStderr();
+    const auto options = read(std::move(words));
+    const std::string said = testing::internal::GetCapturedStderr();
+    return options ? "accepted" : said;
+  };
+  EXPECT_EQ(complaint({"--mode", "hold"}),
+            "kerf-agent: --study: it compares the modes paper and model; leave --mode hold out\n");
+  EXPECT_EQ(complaint({"--mode", "interpolated"}),
+            "kerf-agent: --study: it compares the modes paper and model; leave --mode interpolated "
+            "out\n");
+  EXPECT_EQ(complaint({"--no-copy"}),
+            "kerf-agent: --study: both of its modes need the replica of the block; leave --no-copy "
+            "out\n");
+  EXPECT_EQ(complaint({"--view"}),
+            "kerf-agent: --study: it uses the terminal for its questions; leave --view out\n");
+  EXPECT_EQ(complaint({"--device", "usb"}),
+            "kerf-agent: --study: it is for one device; name a single --device\n");
+  EXPECT_EQ(complaint({"--mode", "paper"}), "accepted");
+  EXPECT_EQ(complaint({}), "accepted");
+}
+
+TEST(Options, ProfileIsOfOneDevice) {
+  const std::string file = std::filesystem::path(testing::TempDir()) / "one_device.profile";
+  ASSERT_TRUE(write_profile(file, {.device = "pen", .latency_us = 1500}));
+  const auto read_with = [&file](std::vector<const char*> words) {
+    words.insert(words.begin(), {"--session", "a", "--device", "sim", "--profile", file.c_str()});
+    return read(std::move(words));
+  };
+  const auto one = read_with({});
+  ASSERT_TRUE(one);
+  EXPECT_EQ(one->profile->device, "pen");
+  testing::internal::CaptureStderr();
+  EXPECT_FALSE(read_with({"--device", "usb"}));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "kerf-agent: --profile: it describes one device, and several are named; start one "
+            "kerf-agent for each device, with its own profile\n");
 }
 
 TEST(RunAgent, ExitsWithOneWhenTheServerCannotBeReached) {

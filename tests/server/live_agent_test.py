@@ -197,6 +197,20 @@ class SeveralDevices(AgentTest):
             self.assertEqual((summary["failure"], summary["link"]["unanswered"]), ("", 0))
 
 
+class Profile(AgentTest):
+    def test_a_profile_is_used_for_its_own_device_only(self):
+        profile = self.path("kerf-device-profile 1\ndevice simulated hand\n", "own.profile")
+        words = ("--device", "sim", "--duration", "0.2")
+        self.run_agent(*words, "--profile", profile)
+        other = self.path("kerf-device-profile 1\ndevice pen\n", "other.profile")
+        done = subprocess.run(
+            [AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session", "block", *words,
+             "--profile", other], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("--profile: the profile was measured on the pen, and this is the simulated "
+                      "hand; measure this device", done.stderr)
+
+
 class Doctor(LiveTest):
     def ask(self, port):
         done = subprocess.run(

@@ -195,14 +195,20 @@ TEST(Identification, SaysBeforehandWhatItDoes) {
 }
 
 TEST(DeviceProfile, IsReadAsItWasWrittenAndReplacesWhatIsDeclared) {
-  const std::string path = std::filesystem::temp_directory_path() / "kerf_profile_test.txt";
+  const std::string path = std::filesystem::path(testing::TempDir()) / "kerf_profile_test.txt";
   DeviceProfile profile{.device = "loose device", .latency_us = 1500, .resolution_mm = 0.02};
   profile.moving_mass_kg = 0.2;
+  profile.friction_n = 0.03;
+  profile.wall_across_n_per_mm = 1.5;
   ASSERT_TRUE(write_profile(path, profile));
   const auto read = read_profile(path);
   ASSERT_TRUE(read) << read.error();
+  EXPECT_EQ(read->device, "loose device");
+  EXPECT_FALSE(read->moving_inertia_kg_m2);
+  EXPECT_DOUBLE_EQ(read->friction_n, 0.03);
+  EXPECT_DOUBLE_EQ(read->wall_across_n_per_mm, 1.5);
   const DeviceCapabilities known = with_profile(
-      {.name = "x", .latency_us = 9000, .moving_mass_kg = 1, .moving_inertia_kg_m2 = 2}, *read);
+      {.name = "x", .latency_us = 1000, .moving_mass_kg = 1, .moving_inertia_kg_m2 = 2}, *read);
   EXPECT_EQ(known.latency_us, 1500U);
   EXPECT_DOUBLE_EQ(known.resolution_mm, 0.02);
   EXPECT_DOUBLE_EQ(known.moving_mass_kg, 0.2);
@@ -212,6 +218,38 @@ TEST(DeviceProfile, IsReadAsItWasWrittenAndReplacesWhatIsDeclared) {
   std::ofstream(path) << "hello\n";
   EXPECT_NE(read_profile(path).error().find("is no device profile"), std::string::npos);
   std::filesystem::remove(path);
+}
+
+TEST(DeviceProfile, DoesNotLowerTheDeclaredLatency) {
+  const DeviceProfile profile{.latency_us = 1500};
+  EXPECT_EQ(with_profile({.latency_us = 9000}, profile).latency_us, 9000U);
+  EXPECT_EQ(with_profile({.latency_us = 0}, profile).latency_us, 1500U);
+}
+
+TEST(DeviceProfile, HasNoStepThatWasNotFound) {
+  const std::string path = std::filesystem::path(testing::TempDir()) / "kerf_no_step.txt";
+  const DeviceProfile profile{.resolution_mm = 0, .resolution_rad = 0.0005};
+  ASSERT_TRUE(write_profile(path, profile));
+  const auto read = read_profile(path);
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_FALSE(read->resolution_mm);
+  EXPECT_DOUBLE_EQ(read->resolution_rad.value(), 0.0005);
+  const DeviceCapabilities declared{.resolution_mm = 0.01, .resolution_rad = 0.001};
+  EXPECT_DOUBLE_EQ(with_profile(declared, *read).resolution_mm, 0.01);
+  EXPECT_DOUBLE_EQ(with_profile(declared, *read).resolution_rad, 0.0005);
+  // Files of earlier versions state it as zero.
+  std::ofstream(path) << "kerf-device-profile 1\nresolution_mm 0\n";
+  EXPECT_DOUBLE_EQ(with_profile(declared, *read_profile(path)).resolution_mm, 0.01);
+}
+
+TEST(DeviceProfile, BelongsToTheDeviceThatItNames) {
+  const DeviceProfile profile{.device = "loose device"};
+  EXPECT_EQ(profile_mismatch(profile, {.name = "loose device"}), "");
+  EXPECT_EQ(profile_mismatch(profile, {.name = " loose device "}), "") << "files hold no edges";
+  EXPECT_EQ(profile_mismatch({}, {.name = "pen"}), "") << "written by hand, for any device";
+  EXPECT_EQ(profile_mismatch(profile, {.name = "pen"}),
+            "the profile was measured on the loose device, and this is the pen; measure this "
+            "device with kerf-agent doctor --identify FILE, or leave --profile out");
 }
 
 /// Walls of devices with the ratings of the README's table.
