@@ -316,7 +316,7 @@ class ServerLink::Impl {
       for (int n = undos_.exchange(0); n > 0; --n) traffic_.ask(true);
       for (int n = redos_.exchange(0); n > 0; --n) traffic_.ask(false);
       send_datagrams(connection);
-      if (const std::string text = traffic_.take_control(); !text.empty()) {
+      if (const std::string text = traffic_.take_control(monotonic_us()); !text.empty()) {
         co_await write(connection, true, asio::buffer(text));
         continue;
       }

@@ -12,6 +12,8 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint64_t kPingEveryUs = 100'000;
+/// The server takes 10 messages 'reach' per second; a program may change its mapping in each tick.
+constexpr std::uint64_t kReachEveryUs = 100'000;
 /// While the link waits for nothing but the server's disk.
 constexpr std::uint64_t kLastPingsEveryUs = 20'000;
 constexpr unsigned kHttpClientError = 400;
@@ -46,6 +48,7 @@ void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t no
   base_ = 0;
   based_ = false;
   progress_us_ = now_us;
+  next_reach_us_ = now_us;
   transport_.begin(udp_offered, now_us);
   report_.udp.offered |= udp_offered;
 }
@@ -102,19 +105,23 @@ bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
          dot(turned, turned) < kDeadbandRad * kDeadbandRad;
 }
 
-/// Returns whether the server must hear where the device reaches.
-bool Traffic::take_reach() noexcept {
+/// Returns whether to state where the device reaches now. A change within kReachEveryUs after the
+/// last statement stays due until that time is over.
+bool Traffic::take_reach(std::uint64_t now_us) noexcept {
   if (options_.reach == nullptr || !reach_taken_) return false;
   Reach reach;
   if (options_.reach->read(reach)) {
     device_reach_ = reach;
     reach_due_ = true;
   }
-  return device_reach_.has_value() && std::exchange(reach_due_, false);
+  if (!device_reach_ || !reach_due_ || now_us < next_reach_us_) return false;
+  reach_due_ = false;
+  next_reach_us_ = now_us + kReachEveryUs;
+  return true;
 }
 
-std::string Traffic::take_control() {
-  if (take_reach()) return reach_text(*device_reach_);
+std::string Traffic::take_control(std::uint64_t now_us) {
+  if (take_reach(now_us)) return reach_text(*device_reach_);
   if (options_.copy != nullptr && options_.copy->wants_reset()) return stock_text();
   if (!asked_.empty() && !(transport_.over_udp() && queue_.in_flight())) {
     leave_udp();

@@ -40,7 +40,7 @@ struct TrafficOptions {
   LatestValue<LinkStatus>* status = nullptr;
   /// Receives stock updates; null: none are requested.
   StockListener* copy = nullptr;
-  /// Where the device reaches, whenever that changes; null: it is not stated.
+  /// Where the device reaches, whenever that changes; sent at most every 100 ms. Null: not stated.
   LatestValue<Reach>* reach = nullptr;
 };
 
@@ -75,7 +75,7 @@ class Traffic {
   bool settle(std::uint64_t now_us) noexcept;
 
   /// Returns the control message that must precede the next frame, e.g. a tool change; empty: none.
-  std::string take_control();
+  std::string take_control(std::uint64_t now_us);
   /// Encodes the next due WebSocket frame into `frame` (kMaxClientFrameBytes). Returns its size, or
   /// 0.
   std::size_t fill(std::uint64_t now_us, std::span<std::byte> frame);
@@ -97,7 +97,7 @@ class Traffic {
 
  private:
   void take_buttons(wire::MotionSample& sample);
-  bool take_reach() noexcept;
+  bool take_reach(std::uint64_t now_us) noexcept;
   bool holds_back(const wire::MotionSample& sample) const noexcept;
   void take_pong(const wire::Pong& pong, std::uint64_t now_us);
   void take_felt(const wire::ToolStates& states);
@@ -153,6 +153,7 @@ class Traffic {
   /// Where the device reaches, and whether the server is to hear of it.
   std::optional<Reach> device_reach_;
   bool reach_taken_ = false, reach_due_ = false;
+  std::uint64_t next_reach_us_ = 0;  ///< not before, on this connection
   /// Sequence of the stock frame to acknowledge.
   std::optional<std::uint64_t> ack_due_;
 };

@@ -157,7 +157,7 @@ class Carver {
   void send() {
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
     for (;;) {
-      if (const std::string text = traffic_.take_control(); !text.empty()) {
+      if (const std::string text = traffic_.take_control(world_.now_us); !text.empty()) {
         post(to_server_, std::as_bytes(std::span(text)));
         continue;
       }

@@ -246,9 +246,9 @@ TEST_F(TrafficDatagrams, ToolChangeIsSentBetweenTheSamples) {
   over_udp();
   push(2, 2);
   EXPECT_TRUE(over_udp().empty()) << "samples of the new tool wait for the tool message";
-  EXPECT_EQ(traffic.take_control(), "") << "the old tool's samples precede it";
+  EXPECT_EQ(traffic.take_control(now_us), "") << "the old tool's samples precede it";
   EXPECT_EQ(over_web_socket(), (Numbers{4, 5}));
-  EXPECT_EQ(traffic.take_control(), tool_text(2));
+  EXPECT_EQ(traffic.take_control(now_us), tool_text(2));
   EXPECT_EQ(over_web_socket(), (Numbers{6, 7}));
   answer(5, true);
   push(1, 2);
@@ -263,9 +263,9 @@ TEST_F(TrafficDatagrams, ToolChangeIsSentAtOnceIfEverythingIsAnswered) {
   switch_to_udp();
   push(2, 2);
   EXPECT_TRUE(over_udp().empty());
-  EXPECT_EQ(traffic.take_control(), tool_text(2));
+  EXPECT_EQ(traffic.take_control(now_us), tool_text(2));
   EXPECT_EQ(over_web_socket(), (Numbers{4, 5}));
-  EXPECT_EQ(traffic.take_control(), "");
+  EXPECT_EQ(traffic.take_control(now_us), "");
 }
 
 TEST_F(TrafficDatagrams, APressOfTheUndoButtonIsOneRequestAfterItsSamples) {
@@ -274,22 +274,22 @@ TEST_F(TrafficDatagrams, APressOfTheUndoButtonIsOneRequestAfterItsSamples) {
     traffic.collect();
   };
   for (int n = 0; n < 3; ++n) press(wire::kButtonCutting | kButtonUndo);
-  EXPECT_EQ(traffic.take_control(), "") << "the samples before it precede it";
+  EXPECT_EQ(traffic.take_control(now_us), "") << "the samples before it precede it";
   const auto sent = next(false);
   ASSERT_TRUE(sent);
   for (const auto& sample : sent->view()) EXPECT_EQ(sample.buttons, wire::kButtonCutting);
-  EXPECT_EQ(traffic.take_control(), change_text(true));
-  EXPECT_EQ(traffic.take_control(), "") << "held, not pressed again";
+  EXPECT_EQ(traffic.take_control(now_us), change_text(true));
+  EXPECT_EQ(traffic.take_control(now_us), "") << "held, not pressed again";
   press(0);
   press(kButtonRedo);
   press(kButtonUndo);
   while (next(false)) continue;
-  EXPECT_EQ(traffic.take_control(), change_text(false));
-  EXPECT_EQ(traffic.take_control(), change_text(true));
+  EXPECT_EQ(traffic.take_control(now_us), change_text(false));
+  EXPECT_EQ(traffic.take_control(now_us), change_text(true));
   press(kButtonRedo);
   traffic.begin(1, 1, now_us, true);
   while (next(false)) continue;
-  EXPECT_EQ(traffic.take_control(), "") << "given up with the connection";
+  EXPECT_EQ(traffic.take_control(now_us), "") << "given up with the connection";
 }
 
 TEST_F(TrafficDatagrams, ARequestNeitherOvertakesDatagramsNorIsOvertakenByThem) {
@@ -298,13 +298,13 @@ TEST_F(TrafficDatagrams, ARequestNeitherOvertakesDatagramsNorIsOvertakenByThem) 
   EXPECT_EQ(over_udp(), (Numbers{4, 5}));
   traffic.ask(true);
   push(1);
-  EXPECT_EQ(traffic.take_control(), "") << "the datagram may still be in flight";
+  EXPECT_EQ(traffic.take_control(now_us), "") << "the datagram may still be in flight";
   EXPECT_TRUE(over_udp().empty()) << "or the request would wait for this sample too";
   answer(5, true);
   EXPECT_TRUE(over_udp().empty());
-  EXPECT_EQ(traffic.take_control(), "");
+  EXPECT_EQ(traffic.take_control(now_us), "");
   EXPECT_EQ(over_web_socket(), (Numbers{6}));
-  EXPECT_EQ(traffic.take_control(), change_text(true));
+  EXPECT_EQ(traffic.take_control(now_us), change_text(true));
   answer(6, false);
   push(1);
   EXPECT_TRUE(over_udp().empty()) << "the request may still be in flight";
@@ -321,7 +321,7 @@ TEST_F(TrafficDatagrams, ARequestIsSentAfterItsDatagramsWereLost) {
   traffic.ask(false);
   now_us += TransportSwitch::kSilenceUs + kRttUs + 1;
   EXPECT_EQ(over_web_socket(), (Numbers{4, 5}));
-  EXPECT_EQ(traffic.take_control(), change_text(false));
+  EXPECT_EQ(traffic.take_control(now_us), change_text(false));
 }
 
 TEST_F(TrafficDatagrams, TheUserIsNotifiedOfWhatAnUndoHasDone) {

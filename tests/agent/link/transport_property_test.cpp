@@ -144,7 +144,7 @@ class Network {
                  now_us_, std::span(frame).first(datagram::kMaxFrameBytes))) {
         post_datagram(datagrams_to_server_, std::span(frame).first(bytes));
       }
-      if (const std::string text = traffic_.take_control(); !text.empty()) {
+      if (const std::string text = traffic_.take_control(now_us_); !text.empty()) {
         post(to_server_, last_to_server_us_, std::as_bytes(std::span(text)));
         continue;
       }

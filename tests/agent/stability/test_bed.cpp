@@ -169,7 +169,7 @@ void TestBed::send() {
   traffic_->collect();
   std::array<std::byte, wire::kMaxClientFrameBytes> frame;
   for (;;) {
-    if (const std::string text = traffic_->take_control(); !text.empty()) {
+    if (const std::string text = traffic_->take_control(now_us_); !text.empty()) {
       up_.send(std::as_bytes(std::span(text)), now_us_);
       continue;
     }
