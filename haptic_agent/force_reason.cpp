@@ -4,21 +4,23 @@
 namespace kerf::agent {
 namespace {
 
-/// Of all but kTripped.
+/// The sentence of a reason; empty for kNone, and for kTripped, whose sentence names the trip.
 std::string_view sentence(NoForce reason) {
   switch (reason) {
     case NoForce::kNone:
     case NoForce::kTripped:
       return {};
     case NoForce::kNoMotors:
-      return "the device has no motors that give forces; it carves without";
+      return "the device has no motors that give forces; it carves without. To feel the cut, use "
+             "one "
+             "that has";
     case NoForce::kAbsent:
       return "the device is not connected or sends no poses; check cable, power and driver";
     case NoForce::kHoming:
       return "the device does not know its pose yet; calibrate it, or move it to its home position";
     case NoForce::kFault:
-      return "the device reports a fault, or a pose that is no number; see its own program, or "
-             "switch it off and on";
+      return "the device reports a fault, or a pose that is not a number; look into its own "
+             "program, or switch it off and on";
     case NoForce::kNotHeld:
       return "the device is not held; hold its grip or its deadman button";
     case NoForce::kNoAnswer:
@@ -30,7 +32,7 @@ std::string_view sentence(NoForce reason) {
     case NoForce::kMoving:
       return "the tip is faster than 50 mm/s; slow down, and the force comes on";
     case NoForce::kArming:
-      return "the force is coming on, within half a second";
+      return "the force comes on within half a second; hold the device until then";
     case NoForce::kClutched:
       return "the clutch is held, so that the tool stays; release it to feel the cut again";
     case NoForce::kServerLate:
@@ -56,20 +58,22 @@ std::string_view trip_reason(TripCode code) {
     case TripCode::kDeviceLost:
       return "the device was lost or is not ready; check its cable and power";
     case TripCode::kNotFinite:
-      return "the device sent a pose that is no number; its driver is at fault";
+      return "the device sent a pose that is not a number; look for a newer driver";
     case TripCode::kWorkspace:
-      return "the device left its workspace";
+      return "the device left its workspace; move it back";
     case TripCode::kJump:
-      return "the tip jumped by more than 5 mm in a tick; the device lost its calibration, or its "
-             "driver sends wrong poses";
+      return "the tip jumped by more than 5 mm in a tick; calibrate the device, or look for a "
+             "newer "
+             "driver";
     case TripCode::kSpeed:
-      return "the tip moved faster than 1 m/s";
+      return "the tip moved faster than 1 m/s; move more slowly";
     case TripCode::kTurnSpeed:
-      return "the tool turned faster than 15 rad/s";
+      return "the tool turned faster than 15 rad/s; turn it more slowly";
     case TripCode::kLostTicksInARow:
-      return "5 ticks of the 1 kHz loop were lost in a row; kerf-agent doctor tells why";
+      return "5 ticks of the 1 kHz loop were lost in a row; kerf-agent doctor finds the cause";
     case TripCode::kLostTicks:
-      return "50 % of the 1 kHz loop's ticks were lost in a second; kerf-agent doctor tells why";
+      return "50 % of the 1 kHz loop's ticks were lost in a second; kerf-agent doctor finds the "
+             "cause";
     case TripCode::kThermalForce:
       return "the motors gave more force than they may for long; push less";
     case TripCode::kThermalTorque:
@@ -78,7 +82,8 @@ std::string_view trip_reason(TripCode code) {
       return "the device returned more energy than the agent allows; it may be slower or lighter "
              "than its driver declares (kerf-agent --latency)";
     case TripCode::kRejectedWrench:
-      return "the session's force is no number; the server or the scene is at fault";
+      return "the session's force is not a number; tell who runs the server, or choose another "
+             "scene";
   }
   return "unknown fault";
 }

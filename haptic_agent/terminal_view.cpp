@@ -12,10 +12,11 @@ namespace {
 
 constexpr int kBarColumns = 30;
 constexpr const char* kEndOfLine = "\x1b[K\n";
-constexpr const char* kNineLinesUp = "\x1b[9A";
-/// Of the sentence about the force: a terminal of 80 columns does not break them.
+constexpr const char* kTenLinesUp = "\x1b[10A";
+/// Width of the lines of the reason, which a terminal of 80 columns does not break, and their
+/// number, enough for the longest sentence of ForceReasons.
 constexpr std::size_t kReasonColumns = 70;
-constexpr int kReasonLines = 3;
+constexpr int kReasonLines = 4;
 
 /// Empty if the server does not offer UDP.
 std::string udp_rate(const UdpReport& udp) {
@@ -84,7 +85,7 @@ TerminalView::TerminalView(LatestValue<ServoStatus>& servo, LatestValue<LinkStat
         while (!stop.stop_requested()) {
           servo.read(status);
           link.read(linked);
-          if (!first) out << kNineLinesUp;
+          if (!first) out << kTenLinesUp;
           out << view_text(status, linked, limits, tank_mj,
                            reasons.of(status.no_force, status.code))
               << std::flush;

@@ -15,8 +15,9 @@ namespace kerf::agent {
 /// Returns a bar of `columns` characters, filled to value / most.
 std::string bar(double value, double most, int columns);
 
-/// Returns the state of the agent in nine lines, each ended by the escape code that erases to the
-/// end of the line. `reason`: why there is no force, or less than computed; the last three lines.
+/// Returns the state of the agent in ten lines, each ended by the escape code that erases to the
+/// end of the line. `reason`: why there is no force, or less than computed; the last four lines,
+/// which hold every sentence of ForceReasons.
 std::string view_text(const ServoStatus& servo, const LinkStatus& link, const WrenchLimits& limits,
                       double tank_mj, std::string_view reason);
 

@@ -136,7 +136,7 @@ TEST_F(LibraryTest, StatusSaysWhyThereIsNoForceAndWhatToDo) {
   step(pose_at(std::numeric_limits<double>::infinity()));
   EXPECT_STREQ(status().no_force_name, "tripped");
   const std::string text = status().no_force_text;
-  EXPECT_NE(text.find("no number"), std::string::npos) << text;
+  EXPECT_NE(text.find("not a number"), std::string::npos) << text;
   EXPECT_NE(text.find("release the device for 0.3 s"), std::string::npos) << text;
 }
 

@@ -83,6 +83,9 @@ TEST(ForceReasons, EachHasASentenceWithARemedyThatTheDeviceHas) {
     const std::string& text = held.of(static_cast<NoForce>(i), TripCode::kSpeed);
     EXPECT_GT(text.size(), 20U) << kNoForceNames[i];
     EXPECT_FALSE(text.ends_with('.')) << text;
+    const bool has_remedy =
+        text.find("; ") != std::string::npos || text.find(". To ") != std::string::npos;
+    EXPECT_TRUE(has_remedy) << text;
   }
   EXPECT_EQ(held.of(NoForce::kNone, TripCode::kSpeed), "");
   const auto has = [](const ForceReasons& reasons, const char* part) {
