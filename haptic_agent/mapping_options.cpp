@@ -27,17 +27,20 @@ constexpr std::pair<std::string_view, ClutchButton> kClutches[] = {
     {"undo", ClutchButton::kUndo},
     {"redo", ClutchButton::kRedo}};
 
-/// Degrees about z, or three of a rotation vector; nothing if they are neither.
+/// Returns the rotation vector of a text: degrees about z, or three degrees X,Y,Z; nothing if it is
+/// neither, or turns by more than once around.
 std::optional<Vec3> read_turn(std::string_view text) {
   const auto fields = split_fields(text);
-  double numbers[3] = {};
   if (fields.size() != 1 && fields.size() != 3) return std::nullopt;
+  double degrees[3] = {};
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const auto number = to_number(fields[i]);
-    if (!number || std::abs(*number) > kMaxTurnDeg) return std::nullopt;
-    numbers[fields.size() == 1 ? 2 : i] = *number * kRadPerDeg;
+    if (!number) return std::nullopt;
+    degrees[fields.size() == 1 ? 2 : i] = *number;
   }
-  return Vec3{numbers[0], numbers[1], numbers[2]};
+  const Vec3 turn_deg{degrees[0], degrees[1], degrees[2]};
+  if (!(length(turn_deg) <= kMaxTurnDeg)) return std::nullopt;
+  return turn_deg * kRadPerDeg;
 }
 
 double longest(Vec3 edges) noexcept { return std::max({edges.x, edges.y, edges.z}); }
@@ -87,8 +90,8 @@ std::expected<MappingOptions, std::string> read_mapping(const MappingTexts& text
   const auto turn = read_turn(texts.turn_deg);
   if (!turn) {
     return std::unexpected(
-        "--turn: must be degrees about z, or three degrees X,Y,Z of a rotation vector, from -360 "
-        "to 360");
+        "--turn: must be degrees about z from -360 to 360, or three degrees X,Y,Z of a rotation "
+        "vector whose length is at most 360");
   }
   options.choice.turn_rad = *turn;
   const auto* const clutch =

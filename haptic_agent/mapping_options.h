@@ -24,8 +24,8 @@ struct MappingOptions {
 };
 
 /// Reads `--scale` (a number from kScaleMin to kScaleMax, or auto), `--turn` (degrees about z, or a
-/// rotation vector of three) and `--clutch` (own, deadman, undo or redo). The error is one sentence
-/// that begins with the option.
+/// rotation vector of three, at most 360 long) and `--clutch` (own, deadman, undo or redo). The
+/// error is one sentence that begins with the option.
 std::expected<MappingOptions, std::string> read_mapping(const MappingTexts& texts);
 
 /// Returns the settings of a device; the error, of a clutch that it cannot have, is one sentence.

@@ -123,7 +123,7 @@ json force_json(const Summary& s) {
 json mapping_json(const WorkspaceMapping& m) {
   return {{"scale", m.scale},
           {"force_gain", m.gain},
-          {"stiffness_at_hand", m.stiffness_scale()},
+          {"stiffness_scale", m.stiffness_scale()},
           {"turn_rad", {m.turn_rad.x, m.turn_rad.y, m.turn_rad.z}}};
 }
 

@@ -2,10 +2,10 @@
 #include "haptic_agent/z_width.h"
 
 #include <algorithm>
-#include <iomanip>
 #include <limits>
-#include <sstream>
 
+#include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/plain_number.h"
 #include "haptic_agent/servo/cut_coupling.h"
 
 namespace kerf::agent {
@@ -14,10 +14,10 @@ namespace {
 constexpr Vec3 kAxis{0, 0, 1};
 constexpr double kMsPerS = 1000, kNSPerMPerNSPerMm = 1000, kGPerKg = 1000;
 
+std::string two_digits(double value) { return plain_number(value, 2); }
+
 /// Returns why a wall across the tip is softer than the device declares.
 std::string reason_of(const DeviceCapabilities& device, const ContactLimits& limits, Vec3 arm_mm) {
-  std::ostringstream out;
-  out << std::setprecision(2);
   const double mass = moved_mass(limits, arm_mm, {1, 0, 0});
   ContactLimits heavy = limits;
   heavy.mass_kg = 0;
@@ -25,14 +25,13 @@ std::string reason_of(const DeviceCapabilities& device, const ContactLimits& lim
   const double by_damping =
       stable_gains(heavy, heavy.max_stiffness, arm_mm, {1, 0, 0}, 1).stiffness;
   if (mass > 0 && by_damping > stable_gains(limits, by_damping, arm_mm, {1, 0, 0}, 1).stiffness) {
-    out << "its tip moves " << mass * kGPerKg << " g, and a force acts "
-        << limits.force_delay_s * kMsPerS << " ms after its pose";
-    return out.str();
+    return join({"its tip moves ", two_digits(mass * kGPerKg), " g, and a force acts ",
+                 two_digits(limits.force_delay_s * kMsPerS), " ms after its pose"});
   }
-  out << "a damper of " << limits.max_damping * kNSPerMPerNSPerMm
-      << " N s/m is stable with a delay of " << limits.force_delay_s * kMsPerS << " ms";
-  if (!(device.max_damping_n_s_per_mm > 0)) out << " (the device declares no damping)";
-  return out.str();
+  return join({"a damper of ", two_digits(limits.max_damping * kNSPerMPerNSPerMm),
+               " N s/m is stable with a delay of ", two_digits(limits.force_delay_s * kMsPerS),
+               " ms",
+               device.max_damping_n_s_per_mm > 0 ? "" : " (the device declares no damping)"});
 }
 
 }  // namespace
@@ -47,18 +46,16 @@ ZWidth z_width(const ServoSettings& settings) noexcept {
 std::string z_width_notice(const DeviceCapabilities& device, const ServoSettings& settings) {
   if (!settings.safety.motors) return {};
   const ZWidth width = z_width(settings);
-  std::ostringstream out;
-  out << std::setprecision(2) << "walls are rendered with up to " << width.along.stiffness
-      << " N/mm along the tool and " << width.across.stiffness << " N/mm across its tip";
+  const std::string rendered = join({"walls are rendered with up to ",
+                                     two_digits(width.along.stiffness), " N/mm along the tool and ",
+                                     two_digits(width.across.stiffness), " N/mm across its tip"});
   const double declared = device.max_stiffness_n_per_mm;
   const double least = std::min(width.along.stiffness, width.across.stiffness);
   constexpr double kRendered = 0.99;
-  if (least < kRendered * declared) {
-    const Vec3 arm_mm = kAxis * -settings.pivot_mm;
-    out << "; the declared " << declared
-        << " N/mm would oscillate: " << reason_of(device, settings.model.contact, arm_mm);
-  }
-  return out.str();
+  if (!(least < kRendered * declared)) return rendered;
+  const Vec3 arm_mm = kAxis * -settings.pivot_mm;
+  return join({rendered, "; the declared ", plain_number(declared, 3),
+               " N/mm would oscillate: ", reason_of(device, settings.model.contact, arm_mm)});
 }
 
 }  // namespace kerf::agent

@@ -37,7 +37,12 @@ TEST(MappingOptions, CommandLineIsReadAndItsFaultsNamed) {
     EXPECT_EQ(read_mapping({.scale = scale}).error(),
               "--scale: must be auto or a number from 0.001 to 1000");
   }
-  for (const char* turn : {"", "1,2", "1,2,3,4", "x", "400"}) {
+  EXPECT_TRUE(read_mapping({.turn_deg = "-360"}));
+  EXPECT_TRUE(read_mapping({.turn_deg = "0,-360,0"}));
+  EXPECT_LE(length(read_mapping({.turn_deg = "200,200,-220"})->choice.turn_rad),
+            2 * std::numbers::pi);
+  for (const char* turn :
+       {"", "1,2", "1,2,3,4", "x", "400", "-361", "nan", "300,300,0", "0,0,361"}) {
     EXPECT_TRUE(read_mapping({.turn_deg = turn}).error().starts_with("--turn: must be degrees"));
   }
   EXPECT_EQ(read_mapping({.clutch = "foot"}).error(),
@@ -104,7 +109,7 @@ TEST(Summary, StatesTheMappingAsJson) {
   summary.mapping = {.scale = 0.5, .gain = 3, .turn_rad = {0, 0, 1}};
   const auto json = nlohmann::json::parse(summary_json(summary))["mapping"];
   EXPECT_EQ(json, nlohmann::json::parse(
-                      R"({"scale":0.5,"force_gain":3.0,"stiffness_at_hand":1.5,
+                      R"({"scale":0.5,"force_gain":3.0,"stiffness_scale":1.5,
                           "turn_rad":[0.0,0.0,1.0]})"));
 }
 

@@ -293,6 +293,16 @@ TEST(ZWidth, SaysWhyTheDeclaredStiffnessIsNotRendered) {
   for (const char* part : {"walls are rendered with up to", "the declared 3 N/mm would oscillate",
                            "its tip moves 2.6 g", "1.5 ms after"})
     EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
+  DeviceCapabilities heavy = pen;
+  heavy.moving_mass_kg = 0.5;
+  heavy.moving_inertia_kg_m2 = 1e-2;
+  heavy.max_stiffness_n_per_mm = 100;
+  heavy.max_damping_n_s_per_mm = 1;
+  heavy.resolution_mm = 1e-4;
+  const std::string large = z_width_notice(heavy, settings_for(heavy, {}));
+  EXPECT_NE(large.find("the declared 100 N/mm"), std::string::npos) << large;
+  EXPECT_NE(large.find("its tip moves 420 g"), std::string::npos) << large;
+  EXPECT_EQ(large.find("e+"), std::string::npos) << large;
   EXPECT_GT(z_width(settings_for(pen, {})).across.stiffness, 0.25)
       << "twice that of a usual filter";
   EXPECT_EQ(z_width_notice({}, settings_for({}, {})), "") << "no motors";
