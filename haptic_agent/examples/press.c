@@ -51,10 +51,14 @@ static int approach(const double goal[3], double target[3]) {
 
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
+/* Why there is no force, for the user; a library before minor 5 has the phase only. */
+static const char* why(const kerf_agent_status* status) {
+  return status->no_force_text != NULL ? status->no_force_text : status->phase_text;
+}
+
 static void print(const kerf_agent_status* status, double t, const struct hand* hand) {
   printf("%4.2f s  z %6.2f mm  feels %5.2f N of %5.2f  %s\n", t, hand->at[2],
-         length(status->felt_force_n), length(status->computed_force_n),
-         status->no_force_text != NULL ? status->no_force_text : status->phase_text);
+         length(status->felt_force_n), length(status->computed_force_n), why(status));
 }
 
 /* The path goes on while the force is on. Otherwise, as after a trip on a busy machine, the hand
@@ -95,7 +99,7 @@ static int feel(kerf_agent* agent) {
     if (!cutting && newtons > pressed) pressed = newtons;
     if (tick % 250 == 0) print(&status, tick * 1e-3, &hand);
     if (tick < LONGEST_S * 1000) continue;
-    printf("gave up after %d s, with %d trips\n", LONGEST_S, (int)status.trips);
+    printf("gave up after %d s, with %d trips: %s\n", LONGEST_S, (int)status.trips, why(&status));
     return 2;
   }
   printf("greatest force: pressing %.2f N, cutting %.2f N\n", pressed, cut);

@@ -67,10 +67,10 @@ class Hand {
     double& most = cutting_ ? cut : pressed;
     most = std::max(most, newtons);
     if (tick_ % 250 != 0) return;
-    std::printf("%4.2f s  z %6.2f mm  feels %5.2f N  %s\n", tick_ * 1e-3, at_[2], newtons,
-                status_.no_force_text != nullptr ? status_.no_force_text : "");
+    const char* why = status_.no_force_text != nullptr ? status_.no_force_text : "";
+    std::printf("%4.2f s  z %6.2f mm  feels %5.2f N  %s\n", tick_ * 1e-3, at_[2], newtons, why);
     if (tick_ >= kMostTicks) {
-      std::printf("gave up after 60 s, with %d trips\n", static_cast<int>(status_.trips));
+      std::printf("gave up after 60 s, with %d trips: %s\n", static_cast<int>(status_.trips), why);
     }
   }
 

@@ -3,13 +3,11 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
-#include <thread>
 
 #include "haptic_agent/device/path_cursor.h"
 #include "haptic_agent/guides/guide_model.h"
@@ -21,6 +19,7 @@
 #include "haptic_agent/record/tick_message.h"
 #include "server/store/zstd_pack.h"
 #include "server/wire/types.h"
+#include "tests/support/eventually.h"
 
 namespace kerf::agent {
 namespace {
@@ -175,9 +174,7 @@ TEST_F(RecordTest, KilledProgramLeavesWholeChunks) {
     ASSERT_TRUE(recorder);
     for (std::uint64_t n = 0; n < 2500; ++n) (*recorder)->tape().push(tick_at(n));
     // Its thread looks up 10 times per second; the destructor writes nothing more.
-    while (std::filesystem::file_size(file()) < 20'000) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+    ASSERT_TRUE(test::eventually([this] { return std::filesystem::file_size(file()) >= 20'000; }));
   }
   const auto recording = read_recording(file());
   ASSERT_TRUE(recording) << recording.error();

@@ -33,7 +33,12 @@ TickRecord cutting_tick(std::uint64_t n, ForceMode mode) {
 /// Runs to the next question; returns the modes of both intervals as they were rendered.
 std::vector<ForceMode> run_to_question(TrialRun& run, std::uint64_t& n) {
   std::vector<ForceMode> modes;
-  while (run.state() != State::kQuestion) {
+  // A trial takes some thousand ticks.
+  for (int tick = 0; run.state() != State::kQuestion; ++tick) {
+    if (tick == 100'000) {
+      ADD_FAILURE() << "no question";
+      break;
+    }
     const State before = run.state();
     run.take(cutting_tick(++n, run.mode()));
     if (run.state() != before && (run.state() == State::kA || run.state() == State::kB)) {
@@ -127,7 +132,8 @@ TEST(Study, WritesALineAfterEachAnswer) {
                        },
                    .done = [&] { done.store(true); }});
   int answered = 0;
-  for (std::uint64_t n = 1; !done.load(); ++n) {
+  // Its 3 trials of 2 x 500 + 2 x 50 ticks take some seconds; the bound only ends a failed test.
+  for (std::uint64_t n = 1; !done.load() && n < 1'000'000; ++n) {
     (*study)->tape().push(cutting_tick(n, mode.load()));
     if (questions.load() > answered) {
       ++answered;
@@ -170,7 +176,7 @@ TEST(Study, EndsWhenTheKeyboardIsClosed) {
                    .say = [](const std::string&) {},
                    .done = [&] { done.store(true); }});
   ::close(keys[1]);
-  while (!done.load()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_TRUE(test::eventually([&done] { return done.load(); }));
   EXPECT_EQ((*study)->finish().answered, 0);
   ::close(keys[0]);
 }
