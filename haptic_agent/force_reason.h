@@ -9,14 +9,13 @@
 
 namespace kerf::agent {
 
-/// Returns what happened at a trip, and what the user may do about it; a sentence without its full
-/// stop.
+/// Returns the cause of a trip and how the user avoids it; a sentence without its full stop.
 std::string_view trip_reason(TripCode code);
 
-/// Returns what the user of a device does to go on after a trip; a sentence without its full stop.
+/// Returns how the user of a device re-arms it after a trip; a clause in the imperative.
 std::string_view rearm_remedy(const DeviceCapabilities& device);
 
-/// The sentences for NoForce: why no force is felt, or not all of it, with the remedy.
+/// The sentences for NoForce: why no force is felt, or not all of it, each with the remedy.
 class ForceReasons {
  public:
   explicit ForceReasons(const DeviceCapabilities& device);

@@ -9,10 +9,10 @@
 
 namespace kerf::agent {
 
-/// Decides when the user is notified why there is no force: of a reason that lasts for half a
-/// second, or, if the force is only reduced, for a second; of the same one again after 5 and 60 s
-/// at the earliest; and that the force is on again. Trips are not among them: TripWriter tells of
-/// each at once.
+/// Decides when to tell the user why there is no force: once the reason has lasted for half a
+/// second (a second if the force is only reduced), and the same reason again after 5 s (60 s) at
+/// the earliest. It also tells that the force is on again. It leaves trips to TripWriter, which
+/// tells of each at once.
 class ForceWatch {
  public:
   /// `reasons` must outlive the object.

@@ -19,7 +19,7 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kMaxTurnDeg = 360;
 constexpr int kDigits = 3;
-/// Speed of the hand, mm/s, below which the server's limit of cuts is worth a word.
+/// Speed of the hand, mm/s, that users reach: the notice states a lower limit of the server.
 constexpr double kFastHandMmPerS = 300;
 constexpr std::pair<std::string_view, ClutchButton> kClutches[] = {
     {"own", ClutchButton::kOwn},

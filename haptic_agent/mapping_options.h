@@ -28,13 +28,13 @@ struct MappingOptions {
 /// error is one sentence that begins with the option.
 std::expected<MappingOptions, std::string> read_mapping(const MappingTexts& texts);
 
-/// Returns the settings of a device; the error, of a clutch that it cannot have, is one sentence.
+/// Returns the settings for a device. The error is one sentence: the device cannot have the clutch.
 std::expected<MappingSettings, std::string> mapping_of(const MappingOptions& options,
                                                        const DeviceCapabilities& device,
                                                        const StockBox& stock);
 
-/// Returns the line for the user: scale, what it makes of the device's workspace, force gain and
-/// stiffness at the hand; and what to do if the workspace is not known or the stock does not fit.
+/// Returns the line for the user: scale, size of the device's workspace in the block, force gain
+/// and stiffness at the hand; and the remedy if the workspace is unknown or the stock does not fit.
 /// Empty for a device of unknown workspace without a mapping.
 std::string mapping_notice(const MappingOptions& options, const WorkspaceMapping& mapping,
                            const DeviceCapabilities& device, const StockBox& stock);

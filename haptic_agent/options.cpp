@@ -144,7 +144,7 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
                "touches while it is off");
   app.add_option("--profile", texts.profile,
                  "file of kerf-agent doctor --identify: the device's measured latency, mass and "
-                 "resolution, in place of what its driver declares")
+                 "resolution, which replace the driver's values (a latency only if it is longer)")
       ->type_name("FILE");
   app.add_flag_callback(
       "--no-copy", [&options] { options.keep_copy = false; },

@@ -29,7 +29,7 @@ struct Options {
   /// The tool cuts whenever force is permitted, for a device without a button.
   bool always_cut = false;
   MappingOptions mapping;
-  /// Measured values of the device, in place of those that its driver declares.
+  /// Measured values of the device; they replace those that its driver declares (with_profile).
   std::optional<DeviceProfile> profile;
   /// Factor of the session's guides, 0 to 1.
   double guide_strength = 1;

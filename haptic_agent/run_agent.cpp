@@ -175,7 +175,7 @@ void notify_of_force(const std::expected<BlockSource, std::string>& block, const
   print_if(force_notice(welcome, settings, tool, block->full_cut_mm2(tool)));
 }
 
-/// Starts to play what the servo hears, if that is asked for and can be.
+/// Starts the sound if it is asked for; prints the reason if there can be none.
 void play_sound(const Options& options, const Spindle& spindle, ServoCycle& cycle,
                 std::optional<SoundPlayer>& player) {
   if (options.sound.empty()) return;

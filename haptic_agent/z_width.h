@@ -8,8 +8,9 @@
 
 namespace kerf::agent {
 
-/// The stiffest wall and the strongest damper beside it that a device renders stably (its Z-width):
-/// along the tool's axis, and across it at the tip, where a push also turns the device.
+/// Z-width of a device: the stiffest wall that it renders stably, with the strongest damper
+/// parallel to it. `along`: the tool's axis; `across`: at the tip, where a push also turns the
+/// device.
 struct ZWidth {
   ContactGains along{}, across{};
 };
@@ -17,7 +18,7 @@ struct ZWidth {
 ZWidth z_width(const ServoSettings& settings) noexcept;
 
 /// Returns a line with the Z-width of a device and, if that is less than the stiffness that the
-/// device declares, the reason and what would help. Empty for a device without motors.
+/// device declares, the reason. Empty for a device without motors.
 std::string z_width_notice(const DeviceCapabilities& device, const ServoSettings& settings);
 
 }  // namespace kerf::agent

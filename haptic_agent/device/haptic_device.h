@@ -23,13 +23,13 @@ enum class DevicePhase : std::uint8_t {
   kReady,
 };
 
-/// Bits of DeviceState::buttons beside those of the protocol: their presses undo the user's newest
-/// stroke, and redo the one that was undone last. The link takes them out of the samples.
+/// Bits of DeviceState::buttons that are not part of the protocol. A press undoes the user's newest
+/// stroke, or redoes the one that was undone last; the link removes these bits from the samples.
 inline constexpr std::uint32_t kButtonUndo = 256;
 inline constexpr std::uint32_t kButtonRedo = 512;
-/// Likewise: a press re-arms after a trip. The servo takes it out.
+/// A press re-arms after a trip. The servo removes the bit.
 inline constexpr std::uint32_t kButtonRearm = 1024;
-/// While it is held the tool stays in the block and the hand moves back. The servo takes it out.
+/// While it is held the tool stays in the block and the hand moves back. The servo removes the bit.
 inline constexpr std::uint32_t kButtonClutch = 2048;
 
 /// A pose and its context, as read from a device.
@@ -68,8 +68,8 @@ struct DeviceCapabilities {
   /// Greatest time from the measurement of a pose until a wrench that was computed from it acts, in
   /// addition to the loop's period: transfers in both directions, drivers, current control.
   std::uint64_t latency_us = 0;
-  /// Quantum of the measured tip and axis: poses are rounded to about multiples of it; 0: unknown,
-  /// found from the poses.
+  /// Quantum of the measured tip and axis: poses are approximate multiples of it. 0: unknown; the
+  /// servo then finds it from the poses.
   double resolution_mm = 0;
   double resolution_rad = 0;
   /// Least mass that a force at the pivot moves, and least inertia about the pivot across the
@@ -82,7 +82,8 @@ struct DeviceCapabilities {
   /// Whether the device senses that the user holds it, and reports it as wire::kButtonDeadman.
   /// Otherwise that bit is set in every valid state.
   bool has_deadman = false;
-  /// It has no button that cuts: the tool cuts whenever force is permitted; without motors, always.
+  /// The device has no button that cuts: the tool cuts whenever force is permitted; without motors,
+  /// always.
   bool always_cut = false;
 };
 

@@ -46,10 +46,11 @@ void describe(CLI::App& app, DoctorOptions& options) {
       ->type_name("S")
       ->check(number_in(0, kMeasureMaxS))
       ->capture_default_str();
-  app.add_option("--identify", options.profile,
-                 "find moving mass, friction, latency and resolution of the device by shaking it, "
-                 "about 20 s with up to 1 N; nobody may hold it. Writes FILE for kerf-agent "
-                 "--profile")
+  app.add_option(
+         "--identify", options.profile,
+         "measure moving mass, friction, latency and resolution of the device: it is shaken "
+         "with up to 1 N for about 20 s, and nobody may hold it. Writes FILE for "
+         "kerf-agent --profile")
       ->type_name("FILE");
   app.footer(
       "Exit status: 0 if nothing is missing, 1 if something is, 2 for an invalid command line.");

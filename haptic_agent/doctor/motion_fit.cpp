@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kTickS = 1e-3;
 constexpr double kCutoffHz = 30;
-constexpr int kPasses = 4;  ///< of a low pass of first order
+constexpr int kPasses = 4;  ///< of a first-order low-pass filter
 constexpr double kMostLatencyS = 0.015, kLatencyStepS = 1e-4;
 constexpr std::size_t kTerms = 5;  ///< mass, viscous, friction, stiffness, constant
 constexpr std::size_t kSettling = 100;
@@ -48,7 +48,8 @@ Terms terms_of(const std::vector<MotionRecord>& motion) {
     speed[i] = (smooth[i + 1] - smooth[i - 1]) / (2 * kTickS);
     change[i] = (smooth[i + 1] - 2 * smooth[i] + smooth[i - 1]) / (kTickS * kTickS);
   }
-  // Friction has the sign of the velocity as it is; the filter's delay is that of the other terms.
+  // Friction depends on the sign of the unfiltered velocity. The result is filtered as the other
+  // terms are, so that all have the same delay.
   double fastest = 0;
   for (const double v : speed) fastest = std::max(fastest, std::abs(v));
   Signal raw(n);
@@ -122,7 +123,8 @@ double quantum_of(const std::vector<MotionRecord>& motion) {
   for (std::size_t i = 1; i < motion.size(); ++i)
     steps.push_back(std::abs(motion[i].position - motion[i - 1].position));
   constexpr std::size_t kEnough = 20;
-  // Steps far below the usual one come from other coordinates: normalizing the axis couples them.
+  // Normalizing the axis couples its coordinates, so a step of one moves the others a little; such
+  // small steps do not count.
   constexpr double kUsual = 0.9, kLeast = 0.01;
   std::ranges::sort(steps);
   if (steps.empty()) return 0;

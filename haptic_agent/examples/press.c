@@ -10,10 +10,10 @@
 #include <time.h>
 
 #define PERIOD_NS 1000000L
-#define ABOVE_MM 5 /* where the hand begins, and waits */
-#define CUT_S 1.2  /* of its path: from here on it cuts, until the end */
-#define END_S 2.7
-#define LONGEST_S 60 /* with all waits */
+#define ABOVE_MM 5 /* height above the stock at which the hand begins, and waits */
+#define CUT_S 1.2  /* time on the path from which on the hand cuts */
+#define END_S 2.7  /* end of the path */
+#define LONGEST_S 60 /* end of the program, with all waits */
 
 /* A mass of 0.2 kg, pulled to a target by a hand of 0.5 N/mm with damping: mm and seconds. */
 struct hand {

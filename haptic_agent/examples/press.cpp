@@ -77,7 +77,8 @@ class Hand {
   double pressed = 0, cut = 0;
 
  private:
-  /// Of its path: from when on it cuts, and its end, s; and of all ticks, with waits.
+  /// Times on the path from which on the hand cuts, and of its end, s; greatest number of ticks,
+  /// with all waits.
   static constexpr double kCutS = 1.2, kEndS = 2.7;
   static constexpr int kMostTicks = 60'000;
 

@@ -130,7 +130,7 @@ class Hand:
 
 
 def load(named):
-    """Loads libkerf_agent: the file that is named, that of this source tree, or that installed."""
+    """Loads libkerf_agent: the named file, or that of this source tree, or the installed one."""
     tree = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
     built = glob.glob(os.path.join(tree, "build", "*", "haptic_agent", "libkerf_agent.so.1"))
     installed = ctypes.util.find_library("kerf_agent") or "libkerf_agent.so.1"

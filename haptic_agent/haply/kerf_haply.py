@@ -25,7 +25,7 @@ RETRY_S, START_ABOVE_MM = 0.5, 10.0
 WORDS = ("vector", "values")  # names of the force in set_cursor_force: of 3.5, and of 3.1
 # A force of LEAST_N is not carried out if ECHO_SHARE of it is not reported within UNTAKEN_S.
 LEAST_N, ECHO_SHARE, UNTAKEN_S = 0.1, 0.05, 0.15
-RAMP_S = 0.5  # in which the force rises after the service takes it at last
+RAMP_S = 0.5  # time in which the force rises after its name has been changed
 BUTTONS = (1, 1024, 256)  # bits of a pose for the grip's a, b, c: cut, re-arm, undo
 GUID = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"  # RFC 6455
 TEXT, CLOSE, PING, PONG = 1, 8, 9, 10
@@ -141,16 +141,16 @@ def axis_of(quaternion, sign):
 
 
 class ForceWord:
-    """The name of the force. The service ignores others without a word; 3.5, whose messages state a
-    `session_id`, takes `vector`, 3.1 `values`. If its `current_cursor_force` stays zero while a
-    force is commanded, it is sent the other one."""
+    """The name of the force in a command. The service silently ignores any other name: version 3.5,
+    whose messages state a `session_id`, expects `vector`, 3.1 `values`. If its
+    `current_cursor_force` stays zero while a force is commanded, the other name is tried."""
 
     def __init__(self, inventory):
         self.guess = self.word = WORDS["session_id" not in inventory]
         self.confirmed, self.unheard_s, self.rise_from_s = False, None, None
 
     def scale(self, now_s):
-        """Factor of the force, which rises from zero when the service begins to take it."""
+        """Factor of the force, which rises from zero after the name has been changed."""
         return 1.0 if self.rise_from_s is None else min(1.0, (now_s - self.rise_from_s) / RAMP_S)
 
     def judge(self, now_s, commanded, reported):

@@ -14,13 +14,13 @@
  *
  * Structures. The first field of each is its size, as the caller compiled it. Set everything to
  * zero, then `struct_size = sizeof` the structure; zero is the default of every other field. A
- * library with a shorter structure accepts a longer one, to 4096 bytes, if what it does not know is
- * zero (otherwise KERF_AGENT_UNSUPPORTED); a newer library fills in and reads only `struct_size`
- * bytes.
+ * library with a shorter structure accepts a longer one, to 4096 bytes, if the fields that it does
+ * not know are zero (otherwise KERF_AGENT_UNSUPPORTED); a newer library fills in and reads only
+ * `struct_size` bytes.
  *
- * Ownership. The caller owns what it passes; the library copies what it keeps, strings included.
- * Pointers in what the library returns belong to it and are valid until kerf_agent_close; texts of
- * results, phases and trips are static.
+ * Ownership. The caller owns its arguments; the library copies all that it keeps, strings included.
+ * Pointers in the structures that the library fills in belong to it and are valid until
+ * kerf_agent_close; texts of results, phases and trips are static.
  *
  * Threads. kerf_agent_step and kerf_agent_run may be called from any thread, by one at a time;
  * kerf_agent_close by one thread when no other call is active; all other functions by any thread at

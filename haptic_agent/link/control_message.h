@@ -29,7 +29,7 @@ struct Hello {
   bool udp = false;
   /// Request updates of the stock near the tool, and the poses of other tools there.
   bool stock = false;
-  /// Ask whether the server takes where the device reaches (reach_text).
+  /// Ask whether the server accepts messages 'reach' (reach_text).
   bool reach = false;
   /// Token of an earlier welcome: continue as the same participant. Not to be logged.
   std::string resume = {};
@@ -63,7 +63,7 @@ struct Welcome {
   std::optional<datagram::Offer> udp;
   /// Empty: the server does not support it.
   std::optional<Resume> resume;
-  /// The server takes where the device reaches.
+  /// The server accepts messages 'reach'.
   bool takes_reach = false;
   /// Addresses of the other servers that may continue the session; invalid ones are left out.
   std::vector<std::string> others;
@@ -105,7 +105,7 @@ std::string hello_text(const Hello& hello);
 std::string tool_text(std::uint32_t tool_id);
 /// Undoes the agent's newest stroke, or redoes the one that was undone last.
 std::string change_text(bool undone);
-/// States where the device reaches in the block.
+/// States the box of the block that the device reaches.
 std::string reach_text(const Reach& reach);
 /// Requests the stock near the tool from scratch.
 std::string stock_text();
@@ -125,8 +125,9 @@ struct ControlError {
 /// range.
 std::expected<ControlMessage, ControlError> parse_control(std::string_view text);
 
-/// Returns what the body of a declined HTTP request says to a user: the reason of the server's JSON
-/// error; a line of plain text, at most 200 bytes; nothing of markup or of other JSON.
+/// Returns the reason to show to a user from the body of a declined HTTP request, at most 200
+/// bytes: the reason of the server's JSON error, or the first line of plain text. Empty for markup
+/// and for other JSON.
 std::string reason_of_body(std::string_view body);
 
 }  // namespace kerf::agent

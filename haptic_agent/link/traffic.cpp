@@ -105,8 +105,8 @@ bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
          dot(turned, turned) < kDeadbandRad * kDeadbandRad;
 }
 
-/// Returns whether to state where the device reaches now. A change within kReachEveryUs after the
-/// last statement stays due until that time is over.
+/// Returns whether to send the reach now. A change within kReachEveryUs after the last message
+/// stays due until that time is over.
 bool Traffic::take_reach(std::uint64_t now_us) noexcept {
   if (options_.reach == nullptr || !reach_taken_) return false;
   Reach reach;

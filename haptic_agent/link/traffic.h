@@ -40,7 +40,7 @@ struct TrafficOptions {
   LatestValue<LinkStatus>* status = nullptr;
   /// Receives stock updates; null: none are requested.
   StockListener* copy = nullptr;
-  /// Where the device reaches, whenever that changes; sent at most every 100 ms. Null: not stated.
+  /// The box that the device reaches. Each change is sent, at most one every 100 ms. Null: none is.
   LatestValue<Reach>* reach = nullptr;
 };
 
@@ -56,7 +56,8 @@ class Traffic {
   /// to which the server has the samples of this agent, if it states what is durable.
   void begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us,
              bool udp_offered = false, std::optional<std::uint64_t> server_has = {});
-  /// Whether the server takes where the device reaches. Call it after `begin`: it is stated again.
+  /// Whether the server accepts messages 'reach'. Call after `begin`; the newest reach is then
+  /// sent.
   void offer_reach(bool taken) noexcept { reach_taken_ = reach_due_ = taken; }
   /// The server has recognized the agent.
   void note_resumed() noexcept { ++report_.resumed; }
@@ -150,7 +151,7 @@ class Traffic {
   /// Requests to undo (true) or redo that are not sent yet.
   std::deque<bool> asked_;
   std::uint32_t pressed_ = 0;  ///< kButtonUndo, kButtonRedo of the last sample
-  /// Where the device reaches, and whether the server is to hear of it.
+  /// The newest reach, and whether it must be sent.
   std::optional<Reach> device_reach_;
   bool reach_taken_ = false, reach_due_ = false;
   std::uint64_t next_reach_us_ = 0;  ///< not before, on this connection

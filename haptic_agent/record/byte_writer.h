@@ -53,8 +53,8 @@ class ByteWriter {
   Bytes& bytes_;
 };
 
-/// Reads the formats of ByteWriter. A read beyond the end returns zeros and fails the reader for
-/// good.
+/// Reads the formats of ByteWriter. A read beyond the end returns zeros; `good` is false from then
+/// on.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint16_t kSchemaId = 1;
 constexpr std::uint16_t kChannelId = 1;
 constexpr std::string_view kCompression = "zstd";
-/// Of a record's head: the operation code and the length of the content.
+/// Size of a record's head: the operation code and the length of the content.
 constexpr std::size_t kHeadBytes = 1 + sizeof(std::uint64_t);
 
 }  // namespace
@@ -280,7 +280,7 @@ Bytes McapWriter::summary() const {
     to.number(offsets_start);
     to.number(std::uint32_t{0});
   });
-  // Of all before it, the footer's head included.
+  // The CRC covers the summary and the footer up to itself.
   const std::uint32_t crc = crc32(std::span(out).first(out.size() - sizeof crc));
   std::memcpy(out.data() + out.size() - sizeof crc, &crc, sizeof crc);
   return out;

@@ -59,7 +59,7 @@ class McapWriter {
 
   /// Appends a message to the chunk. `time_ns`: since 1970 in UTC.
   void message(std::uint32_t sequence, std::uint64_t time_ns, std::span<const std::byte> data);
-  /// Bytes of the messages that wait for `write_chunk`.
+  /// Size of the messages that `write_chunk` will write.
   std::size_t waiting_bytes() const noexcept { return chunk_.size(); }
 
   // Each returns false once a write has failed (`error`), and then writes nothing more.
@@ -81,7 +81,7 @@ class McapWriter {
     std::uint64_t start_ns, end_ns, offset, length, index_offset, index_length;
     std::uint64_t compressed, uncompressed;
   };
-  /// Of an attachment or of metadata.
+  /// Place of an attachment or of metadata in the file.
   struct Place {
     Op op;
     std::uint64_t offset, length, time_ns, data_bytes;

@@ -24,7 +24,7 @@ namespace {
 using mcap::ByteReader;
 using mcap::Op;
 
-/// A chunk of more bytes is rejected: a damaged length must not take the memory.
+/// Larger chunks are rejected, so that a damaged length cannot exhaust the memory.
 constexpr std::uint64_t kMaxChunkBytes = std::uint64_t{1} << 30;
 
 class RecordingReader {
@@ -207,8 +207,8 @@ std::expected<Guide, std::string> stroke_of(const Recording& recording) {
     ticks = 0;
   }
   std::erase_if(path.paths, [](const GuidePath& poses) { return poses.size() < 2; });
-  // No more than was felt: a guide builds the teacher's force up over its greatest force divided by
-  // its stiffness.
+  // A guide builds the teacher's force up over the distance max_force_n / stiffness, so the limits
+  // are no greater than the forces that were felt.
   Guide guide;
   guide.max_force_n = path.max_torque_nmm = 0;
   for (const GuidePath& poses : path.paths) {

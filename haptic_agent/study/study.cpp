@@ -101,7 +101,7 @@ void Study::run(const std::stop_token& stop) {
   calls_.done();
 }
 
-/// Takes the servo's new ticks; sets its mode and announces the state that follows from them.
+/// Reads the servo's new ticks; sets its mode and announces the state that follows from them.
 void Study::follow_ticks() {
   for (TickRecord tick; tape_.pop(tick);) run_.take(tick);
   calls_.set_mode(run_.mode());
@@ -115,7 +115,8 @@ void Study::follow_ticks() {
   if (said_ == TrialRun::State::kQuestion) calls_.say(trial + ": a or b?");
 }
 
-/// Waits for keys for a moment. Returns false if no more can come, or be written.
+/// Waits for keys for a moment. Returns false if the keyboard is closed or the table cannot be
+/// written.
 bool Study::take_keys() {
   constexpr int kLookUpMs = 10;
   pollfd event{.fd = keys_, .events = POLLIN, .revents = 0};

@@ -29,7 +29,7 @@ struct StudyCalls {
   std::function<void(ForceMode)> set_mode;
   /// Shows a sentence to the user.
   std::function<void(const std::string&)> say;
-  /// After the last answer, or when no more can come or be written.
+  /// Called after the last answer, or when the keyboard is closed or the table cannot be written.
   std::function<void()> done;
 };
 

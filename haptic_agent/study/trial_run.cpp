@@ -22,7 +22,7 @@ TrialRun::TrialRun(const TrialSettings& settings) : settings_(settings), random_
 }
 
 void TrialRun::draw() {
-  // A single bit of the generator, whose sequence the standard defines: equal on every machine.
+  // The standard defines the generator's sequence, so the order is the same on every machine.
   const bool kerf_first = (random_() >> 63U) != 0;
   const int trial = current_.trial + 1;
   current_ = {.trial = trial};

@@ -71,17 +71,16 @@ class TrialRun {
   std::mt19937_64 random_;
   State state_ = State::kBefore;
   TrialResult current_;
-  std::uint64_t ticks_ = 0;     ///< of the state that count
-  std::uint64_t now_us_ = 0;    ///< of the newest tick
-  std::uint64_t asked_us_ = 0;  ///< when the question was put
+  std::uint64_t ticks_ = 0;     ///< counted in this state
+  std::uint64_t now_us_ = 0;    ///< time of the newest tick
+  std::uint64_t asked_us_ = 0;  ///< time of the question
 };
 
 /// Header and lines of the table of a study.
 std::string study_header();
 std::string study_line(const TrialResult& result, std::uint64_t seed);
 
-/// Returns the probability that `trials` answers by chance alone contain at least `correct` correct
-/// ones.
+/// Returns the probability that at least `correct` of `trials` answers are correct by chance alone.
 double chance_of(int correct, int trials);
 
 }  // namespace kerf::agent

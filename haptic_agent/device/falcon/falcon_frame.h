@@ -23,7 +23,7 @@ inline constexpr std::uint8_t kBlueLight = 0x4;
 inline constexpr std::uint8_t kRedLight = 0x8;
 
 inline constexpr std::uint8_t kCenterButton = 0x4;
-/// The three others.
+/// The three buttons around the center.
 inline constexpr std::uint8_t kSmallButtons = 0xB;
 inline constexpr std::uint8_t kAllHomed = 0x7;
 

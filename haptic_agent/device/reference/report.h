@@ -41,7 +41,7 @@ inline constexpr std::uint16_t kEmergencyStopBit = 1U << 11;
 /// Bits of StateReport::buttons.
 inline constexpr std::uint16_t kCutButton = 1;
 inline constexpr std::uint16_t kGripSensor = 2;
-/// Of pens that have a second button.
+/// Second button; only some pens have it.
 inline constexpr std::uint16_t kClutchButton = 4;
 
 /// Bits of CommandReport::command.

@@ -178,9 +178,9 @@ bool SocketDevice::send_wrench(std::uint64_t now_us) {
   return stream_.flush();
 }
 
-/// Whether, as seen at `asked_us`, no wrench waits too long to be sent or, if the process
-/// acknowledges them, to be taken. What has arrived by then must have been received, so that a
-/// pause of this thread does not count.
+/// Returns false if, at `asked_us`, a wrench has waited too long to be sent or, where the process
+/// acknowledges wrenches, to be accepted. Read everything that has arrived by then first: a pause
+/// of this thread is no fault of the process.
 bool SocketDevice::takes_wrenches(std::uint64_t asked_us) const noexcept {
   if (stream_.waiting() && asked_us > queued_us_ + kUntakenUs) return false;
   const std::uint64_t waiting_us = clock_.waiting_since_us();
