@@ -367,17 +367,29 @@ def listen(where):
     return socket.create_server(where, family=socket.AF_UNIX)
 
 
+def number_in(least, most):
+    """Returns a check for the number of an option; NaN is out of every range."""
+    def check(text):
+        try:
+            if least <= float(text) <= most:
+                return float(text)
+        except ValueError:
+            pass
+        raise argparse.ArgumentTypeError(f"must be a number from {least} to {most}")
+    return check
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("listen", metavar="PATH|PORT", help="where kerf-agent connects to")
     parser.add_argument("--service", default="ws://localhost:10001", metavar="URL",
                         help="the simulation channel of the Inverse Service (%(default)s)")
-    parser.add_argument("--max-force", type=float, default=5, metavar="N",
+    parser.add_argument("--max-force", type=number_in(0, 100), default=5, metavar="N",
                         help="greatest force of the device (%(default)s); the agent uses 0.6 of it")
-    parser.add_argument("--max-stiffness", type=float, default=1, metavar="N_PER_MM",
+    parser.add_argument("--max-stiffness", type=number_in(0, 100), default=1, metavar="N_PER_MM",
                         help="stiffness that it renders stably (%(default)s)")
-    parser.add_argument("--latency", type=float, default=5, metavar="MS",
+    parser.add_argument("--latency", type=number_in(0, 20), default=5, metavar="MS",
                         help="from a pose until its force acts (%(default)s); measure it with "
                         "kerf-agent doctor")
     parser.add_argument("--axis-sign", type=int, choices=(-1, 1), default=-1,

@@ -263,6 +263,15 @@ class Adapter(unittest.TestCase):
             with self.assertRaises(ValueError):
                 position_of({"x": 0, "y": far, "z": 0})
 
+    def test_numbers_of_options_are_in_range(self):
+        for option, value, range_ in (("--max-force", "nan", "0 to 100"),
+                                      ("--max-stiffness", "-1", "0 to 100"),
+                                      ("--latency", "inf", "0 to 20"), ("--latency", "x", "0 to 20")):
+            done = subprocess.run([sys.executable, HAPLY, "unused", option, value],
+                                  capture_output=True, text=True, timeout=20)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(f"argument {option}: must be a number from {range_}", done.stderr)
+
     def test_replaces_a_socket_but_no_file(self):
         path = os.path.join(self.folder.name, "kept")
         with open(path, "w") as file:
