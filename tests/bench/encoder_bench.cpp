@@ -6,7 +6,7 @@
 //   encoder_bench                  every law and both ray models
 //   encoder_bench LAW RAYS         one: specific_energy, drr or mechanistic; dexel or tri-dexel
 //   encoder_bench unknown          devices that do not state their quanta; LAW RAYS may follow
-//   encoder_bench falcon           the angles of a Falcon's legs rounded as its encoders do
+//   encoder_bench falcon           counts of a Falcon's legs, through its driver
 //
 // Each cell: mean of the shown force over that without rounding, and rms error, %. `worst` has the
 // greatest deviation of a mean and the greatest rms error, of force and torque.
