@@ -6,6 +6,7 @@ import { watchPolicy } from './link/forbidden';
 import { invitationIn, redeemInvitation } from './link/invitation';
 import { viewerName } from './link/viewer_name';
 import { sentence } from './ui/format';
+import { frameLimit } from './ui/frames';
 import { t } from './strings';
 import { failurePage } from './ui/notice';
 import { showSessions } from './ui/session_list';
@@ -18,7 +19,7 @@ function openSession(app: HTMLElement, session: string, parameters: URLSearchPar
   const embedded = parameters.has('embed');
   const page = new SessionPage(app, session, viewerName(parameters), fullQuality, embedded);
   installHook(page);
-  page.start();
+  page.start(frameLimit(parameters));
 }
 
 /** Shows what the address of the page says. */

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
-import { reachesAll, rotated } from '../src/model/reach';
+import { reachesAll } from '../src/model/reach';
+import { rotated } from '../src/model/vector';
 import { ReachView } from '../src/view/reach_view';
 import type { Reach } from '../src/wire/reach';
 import type { Vec3 } from '../src/wire/types';
@@ -24,6 +25,7 @@ describe('the box that a device reaches', () => {
     expect(x).toBeCloseTo(0);
     expect(y).toBeCloseTo(1);
     expect(z).toBeCloseTo(0);
+    expect(rotated([1, 2, 3], [0, 0, 0])).toEqual([1, 2, 3]);
     const turn: Vec3 = [0.3, -1.1, 0.4];
     const there = new THREE.Vector3(1, 2, 3).applyAxisAngle(
       new THREE.Vector3(...turn).normalize(),
@@ -45,14 +47,14 @@ describe('the box that a device reaches', () => {
 
   it('is outlined only where it leaves out a part of the stock', () => {
     const large = new ReachView(reach(), '#112233', stock);
-    expect(large.matters).toBe(false);
+    expect(large.leavesStockOut).toBe(false);
     expect(large.outline.visible).toBe(false);
     const small = new ReachView(
       reach({ half_mm: [10, 20, 30], turn_rad: [0, 0, 0.5] }),
       '#112233',
       stock,
     );
-    expect(small.matters).toBe(true);
+    expect(small.leavesStockOut).toBe(true);
     expect(small.outline.visible).toBe(true);
     small.outline.updateMatrixWorld();
     const corner = new THREE.Vector3(1, 1, 1).applyMatrix4(small.outline.matrixWorld);

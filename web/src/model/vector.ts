@@ -38,3 +38,11 @@ export function across(normal: Vec3): [Vec3, Vec3] {
   const u = unitOf(cross(helper, normal));
   return [u, cross(normal, u)];
 }
+
+/** Rotates by a rotation vector: about its direction, by its length in radians (Rodrigues). */
+export function rotated(a: Vec3, turn: Vec3): Vec3 {
+  const angle = Math.hypot(...turn);
+  const u = unitOf(turn);
+  const around = plus(scaled(a, Math.cos(angle)), cross(u, a), Math.sin(angle));
+  return plus(around, u, dot(u, a) * (1 - Math.cos(angle)));
+}

@@ -21,7 +21,7 @@ import { mark, marks } from '../marks';
 import { ArrowScale } from './arrow_scale';
 import { copyText, h } from './dom';
 import { sentence } from './format';
-import { eachFrame, frameLimit } from './frames';
+import { eachFrame } from './frames';
 import { helpDialog } from './help';
 import { insetsOf } from './insets';
 import { mountInspect } from './inspect/mount';
@@ -187,10 +187,10 @@ export class SessionPage {
     this.resize_();
   }
 
-  start(): void {
+  /** Draws from now on, at most `picturesPerSecond` if that is not 0 (frameLimit). */
+  start(picturesPerSecond: number): void {
     setInterval(() => this.model.liveness.beat(performance.now()), BEAT_MS);
-    const limit = frameLimit(new URLSearchParams(location.search));
-    eachFrame(this.picture, (nowMs) => this.frame_(nowMs), limit);
+    eachFrame(this.picture, (nowMs) => this.frame_(nowMs), picturesPerSecond);
   }
 
   private frame_(nowMs: number): void {

@@ -23,7 +23,7 @@ interface Carver {
   color: string;
   wrench: WrenchView;
   /** Null: the device does not state where it reaches. */
-  reach: ReachView | null;
+  reachView: ReachView | null;
   label: Label;
   pose: Pose;
   hasPose: boolean;
@@ -98,7 +98,7 @@ export class CarverViews {
     for (const participant of present) {
       const carver = this.carver_(participant);
       if (this.move_(carver, participant, nowMs)) changed = true;
-      if (this.outline_(carver, participant)) changed = true;
+      if (this.showReach_(carver, participant)) changed = true;
     }
     return changed;
   }
@@ -128,21 +128,21 @@ export class CarverViews {
   }
 
   /** Draws the box in which the device reaches, while the tool is drawn. */
-  private outline_(carver: Carver, { info }: Participant): boolean {
+  private showReach_(carver: Carver, { info }: Participant): boolean {
     const { welcome } = this.model;
     let changed = false;
-    if (welcome && carver.reach?.reach !== info.reach) {
-      carver.reach?.dispose();
-      carver.reach = info.reach
+    if (welcome && carver.reachView?.reach !== info.reach) {
+      carver.reachView?.dispose();
+      carver.reachView = info.reach
         ? new ReachView(info.reach, carver.color, stockBounds(welcome.stock))
         : null;
-      if (carver.reach) this.scene.add(carver.reach.outline);
+      if (carver.reachView) this.scene.add(carver.reachView.outline);
       changed = true;
     }
-    if (!carver.reach) return changed;
-    const shows = carver.hasPose && carver.reach.matters;
-    if (carver.reach.outline.visible === shows) return changed;
-    carver.reach.outline.visible = shows;
+    if (!carver.reachView) return changed;
+    const shows = carver.hasPose && carver.reachView.leavesStockOut;
+    if (carver.reachView.outline.visible === shows) return changed;
+    carver.reachView.outline.visible = shows;
     return true;
   }
 
@@ -164,7 +164,7 @@ export class CarverViews {
         toolId: 0,
         color,
         wrench: new WrenchView(),
-        reach: null,
+        reachView: null,
         label: new Label(this.overlay),
         pose: emptyPose(),
         hasPose: false,
@@ -198,7 +198,7 @@ export class CarverViews {
     if (!carver) return;
     carver.tool?.dispose();
     carver.wrench.dispose();
-    carver.reach?.dispose();
+    carver.reachView?.dispose();
     carver.label.dispose();
     this.carvers_.delete(id);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The box in which a participant's device can bring the tool, as a faint outline in the
-// participant's color. It is shown only where it matters: while it leaves out a part of the stock.
+// participant's color. It is shown only while a part of the stock is outside it.
 
 import * as THREE from 'three';
 import { reachesAll } from '../model/reach';
@@ -11,8 +11,8 @@ const OPACITY = 0.35;
 
 export class ReachView {
   readonly outline: THREE.LineSegments;
-  /** The device does not reach all of the stock. */
-  readonly matters: boolean;
+  /** A part of the stock is out of the device's reach. */
+  readonly leavesStockOut: boolean;
 
   constructor(
     readonly reach: Reach,
@@ -32,8 +32,8 @@ export class ReachView {
     const turn = new THREE.Vector3(...reach.turn_rad);
     const angle = turn.length();
     if (angle > 0) this.outline.quaternion.setFromAxisAngle(turn.normalize(), angle);
-    this.matters = !reachesAll(reach, stock.min, stock.max);
-    this.outline.visible = this.matters;
+    this.leavesStockOut = !reachesAll(reach, stock.min, stock.max);
+    this.outline.visible = this.leavesStockOut;
   }
 
   dispose(): void {
