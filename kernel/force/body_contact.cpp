@@ -15,8 +15,10 @@ void BodyContact::add(const ContactPlane& plane) {
 }
 
 std::span<const ContactPlane> BodyContact::shared() {
-  const std::span<ContactPlane> planes = std::span(planes_).first(count_);
-  for (ContactPlane& plane : planes) {
+  const std::span<const ContactPlane> planes = std::span(planes_).first(count_);
+  for (std::size_t k = 0; k < count_; ++k) {
+    const ContactPlane& plane = planes[k];
+    shared_[k] = plane;
     if (!(plane.depth_mm > 0)) continue;
     double deepest_mm = plane.depth_mm, weight = 0;
     for (const ContactPlane& other : planes) {
@@ -25,9 +27,9 @@ std::span<const ContactPlane> BodyContact::shared() {
       deepest_mm = std::max(deepest_mm, along * other.depth_mm);
       weight += along * other.depth_mm * other.depth_mm;
     }
-    plane.stiffness_n_per_mm *= deepest_mm * plane.depth_mm / weight;
+    shared_[k].stiffness_n_per_mm *= deepest_mm * plane.depth_mm / weight;
   }
-  return planes;
+  return std::span(shared_).first(count_);
 }
 
 }  // namespace kerf

@@ -21,11 +21,11 @@ class BodyContact {
 
   /// Returns the planes with the stiffness that each one contributes to the union's contact: parts
   /// that are pushed in one direction share the push of the deepest (kernel/force/README.md). The
-  /// planes of gaps keep that of the body.
+  /// planes of gaps keep that of the body. The result is valid until the next call.
   std::span<const ContactPlane> shared();
 
  private:
-  std::array<ContactPlane, kPlanesMax> planes_;
+  std::array<ContactPlane, kPlanesMax> planes_, shared_;
   std::size_t count_ = 0;
 };
 
