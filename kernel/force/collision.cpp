@@ -15,10 +15,6 @@
 namespace kerf {
 namespace {
 
-SignedDistance distance(const Obstacle& obstacle, Vec3 p) {
-  return std::visit([&](const auto& shape) { return signed_distance(shape, p); }, obstacle.shape);
-}
-
 /// A disc of the tool, normal to its axis.
 struct Disc {
   Vec3 center, axis;
@@ -33,7 +29,7 @@ constexpr int kLineSteps = 10;
 /// obstacles, a local one for meshes.
 Vec3 lowest_between(const Obstacle& obstacle, Vec3 p, Vec3 q) {
   double lo = 0, hi = 1;
-  const auto at = [&](double t) { return distance(obstacle, p + (q - p) * t).distance_mm; };
+  const auto at = [&](double t) { return signed_distance(obstacle, p + (q - p) * t).distance_mm; };
   for (int i = 0; i < kLineSteps; ++i) {
     const double a = lo + (hi - lo) / 3, b = hi - (hi - lo) / 3;
     if (at(a) <= at(b)) {
@@ -51,11 +47,11 @@ Vec3 lowest_between(const Obstacle& obstacle, Vec3 p, Vec3 q) {
 Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
   Vec3 p = disc.center;
   for (int i = 0; i < kDescentSteps; ++i) {
-    const SignedDistance here = distance(obstacle, p);
+    const SignedDistance here = signed_distance(obstacle, p);
     const Vec3 across = here.outward - disc.axis * dot(here.outward, disc.axis);
     if (across == Vec3{}) break;
     const Vec3 q = lowest_between(obstacle, p, disc.center - normalized(across) * disc.radius);
-    if (!(distance(obstacle, q).distance_mm < here.distance_mm)) break;
+    if (!(signed_distance(obstacle, q).distance_mm < here.distance_mm)) break;
     p = q;
   }
   return p;
@@ -67,7 +63,7 @@ Vec3 deepest_of_discs(const ToolPiece& piece, const ToolPose& pose, const Obstac
   const auto point = [&](double z) {
     return deepest_of_disc({pose.tip_mm + pose.axis * z, pose.axis, radius_at(piece, z)}, obstacle);
   };
-  const auto depth = [&](double z) { return distance(obstacle, point(z)).distance_mm; };
+  const auto depth = [&](double z) { return signed_distance(obstacle, point(z)).distance_mm; };
   const Extent whole = extent(piece);
   double lo = whole.z0_mm, hi = whole.z1_mm;
   double best_z = lo, best = depth(lo);
@@ -96,7 +92,7 @@ Vec3 deepest_point(const ToolPiece& piece, const ToolPose& pose, const Obstacle&
   if (arc != nullptr && arc->center_r_mm == 0) {
     // Of the whole ball; the arc may be a part of it.
     const Vec3 center = pose.tip_mm + pose.axis * arc->center_z_mm;
-    const Vec3 p = center - distance(obstacle, center).outward * arc->radius_mm;
+    const Vec3 p = center - signed_distance(obstacle, center).outward * arc->radius_mm;
     const double z = dot(p - pose.tip_mm, pose.axis);
     if (z >= arc->z0_mm - kDepthEpsilonMm && z <= arc->z1_mm + kDepthEpsilonMm) return p;
   }
@@ -120,9 +116,9 @@ std::optional<Nearest> deepest_of(const ConvexPart& part, const ToolPose& pose,
     const Vec3 middle = pose.tip_mm + pose.axis * (e.z0_mm + half);
     const double bound = std::sqrt(half * half + e.radius_mm * e.radius_mm);
     // Distances of two points differ by no more than the points do.
-    if (distance(obstacle, middle).distance_mm - bound > reach_mm) continue;
+    if (signed_distance(obstacle, middle).distance_mm - bound > reach_mm) continue;
     const Vec3 p = deepest_point(piece, pose, obstacle);
-    const SignedDistance at = distance(obstacle, p);
+    const SignedDistance at = signed_distance(obstacle, p);
     if (!(at.distance_mm < (best ? reach_mm - kDepthEpsilonMm : reach_mm))) continue;
     best = {p, at};
     reach_mm = at.distance_mm;
@@ -156,8 +152,10 @@ SurfaceAt surface_at(const ConvexPart& part, const ToolPose& pose, Vec3 p) {
   const Extent whole = extent(part);
   const bool bottom = is_near(whole.z0_mm), top = is_near(whole.z1_mm);
   if (bottom || top) {
-    const double end_mm = bottom ? whole.z0_mm : whole.z1_mm;
-    const Vec3 inward = bottom ? pose.axis : -pose.axis;
+    // Both ends of a thin part are near: the point is of the nearer one.
+    const bool lower = z - whole.z0_mm <= whole.z1_mm - z;
+    const double end_mm = lower ? whole.z0_mm : whole.z1_mm;
+    const Vec3 inward = lower ? pose.axis : -pose.axis;
     if (r < kDiscShare * radius_at(part, end_mm)) return {false, inward, {around, radial}};
   }
   const auto* first = std::get_if<ArcPiece>(&part.pieces.front());
@@ -165,12 +163,9 @@ SurfaceAt surface_at(const ConvexPart& part, const ToolPose& pose, Vec3 p) {
   const bool rim = (bottom && (first == nullptr || !is_level_below(*first))) ||
                    (top && (last == nullptr || !is_level_above(*last)));
   if (rim || std::ranges::any_of(part.ridges_mm, is_near)) return {true, {}, {around, {}}};
-  const ToolPiece* piece = &part.pieces.front();
-  for (const ToolPiece& other : part.pieces) {
-    if (extent(other).z0_mm <= z) piece = &other;
-  }
-  Vec3 outward = radial - pose.axis * slope_at(*piece, z);
-  if (const auto* arc = std::get_if<ArcPiece>(piece)) {
+  const ToolPiece& piece = piece_at(part, z);
+  Vec3 outward = radial - pose.axis * slope_at(piece, z);
+  if (const auto* arc = std::get_if<ArcPiece>(&piece)) {
     outward = radial * std::max(0.0, r - arc->center_r_mm) + pose.axis * (z - arc->center_z_mm);
   }
   const Vec3 inward = -normalized(outward);
@@ -186,7 +181,8 @@ Vec3 push_direction(const ConvexPart& part, const ToolPose& pose, const Obstacle
   const SurfaceAt surface = surface_at(part, pose, p);
   const auto normals = [&](Vec3 along) {
     const Vec3 step = along * kCreaseMm;
-    return std::pair(distance(obstacle, p - step).outward, distance(obstacle, p + step).outward);
+    return std::pair(signed_distance(obstacle, p - step).outward,
+                     signed_distance(obstacle, p + step).outward);
   };
   const auto [behind, ahead] = normals(surface.tangents[0]);
   bool crease = dot(behind, ahead) < kCreaseCos;

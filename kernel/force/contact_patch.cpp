@@ -5,6 +5,8 @@
 #include <cmath>
 #include <variant>
 
+#include "kernel/math/rotation.h"
+
 namespace kerf {
 namespace {
 
@@ -13,12 +15,6 @@ constexpr double kLeastHalfMm = 0.1;
 /// Half axes in standard deviations. A spring at each point of the rim of that ellipse resists
 /// turning as an area does whose pressure grows with the square of the depth, as the weights do.
 constexpr double kDeviations = 2;
-
-/// A unit vector across `normal`.
-Vec3 across(Vec3 normal) {
-  const Vec3 other = std::abs(normal.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  return normalized(other - normal * dot(normal, other));
-}
 
 /// Points of a plane, as multiples of its half axes: their mean is zero, the mean of their squares
 /// along each half axis a half.
@@ -48,23 +44,6 @@ void PatchSum::add(Vec3 point_mm, double weight) {
   products_ = products_ + Vec3{p.y * p.z, p.z * p.x, p.x * p.y} * weight;
 }
 
-void PatchSum::add(const PatchSum& part) {
-  if (!(part.weight_ > 0)) return;
-  if (weight_ == 0) {
-    *this = part;
-    return;
-  }
-  const Vec3 d = part.origin_mm_ - origin_mm_, m = part.moment_;
-  const double w = part.weight_;
-  squares_ = squares_ + part.squares_ +
-             Vec3{d.x * (2 * m.x + d.x * w), d.y * (2 * m.y + d.y * w), d.z * (2 * m.z + d.z * w)};
-  products_ = products_ + part.products_ +
-              Vec3{d.y * m.z + d.z * m.y + d.y * d.z * w, d.z * m.x + d.x * m.z + d.z * d.x * w,
-                   d.x * m.y + d.y * m.x + d.x * d.y * w};
-  moment_ = moment_ + m + d * w;
-  weight_ += w;
-}
-
 Vec3 PatchSum::center_mm() const { return origin_mm_ + moment_ * (1 / weight_); }
 
 void PatchSum::place(ContactPlane& plane) const {
@@ -78,7 +57,7 @@ void PatchSum::place(ContactPlane& plane) const {
            mean * dot(mean, v);
   };
   // The eigenvectors of the covariance within the plane.
-  const Vec3 u = across(plane.normal), v = cross(plane.normal, u);
+  const Vec3 u = any_perpendicular(plane.normal), v = cross(plane.normal, u);
   const Vec3 cu = covariance(u);
   const double uu = dot(u, cu), uv = dot(v, cu), vv = dot(v, covariance(v));
   const double middle = (uu + vv) / 2, half = (uu - vv) / 2;
@@ -92,11 +71,7 @@ void PatchSum::place(ContactPlane& plane) const {
 }
 
 bool touches_with_a_point(const ConvexPart& part, double z_mm) {
-  const ToolPiece* piece = &part.pieces.front();
-  for (const ToolPiece& other : part.pieces) {
-    if (extent(other).z0_mm <= z_mm) piece = &other;
-  }
-  const auto* arc = std::get_if<ArcPiece>(piece);
+  const auto* arc = std::get_if<ArcPiece>(&piece_at(part, z_mm));
   return arc != nullptr && arc->center_r_mm == 0;
 }
 

@@ -11,13 +11,11 @@
 
 namespace kerf {
 
-/// Sums over the points of a contact by their pressure: its center and its extent. Sums of parts
-/// add up to that of the whole.
+/// Sums over the points of a contact by their pressure: its center and its extent.
 class PatchSum {
  public:
   /// Adds a point with a weight, its pressure times its area; only ratios of weights matter.
   void add(Vec3 point_mm, double weight);
-  void add(const PatchSum& part);
 
   double weight() const { return weight_; }
   /// Returns the weighted mean of the points. There must be a weight.

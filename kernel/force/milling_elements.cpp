@@ -37,9 +37,6 @@ constexpr double kWallElementsLeast = 1024;
 constexpr double kGrazingSine = 0.02;
 /// Least distance from the axis, in radii of the tool: the cutting speed is zero on the axis.
 constexpr double kAxisShare = 0.05;
-/// Thinnest chip of Kienzle's law, mm: its coefficient is unbounded at 0, where the force of a tool
-/// at rest must be 0 (README.md, "Small feeds").
-constexpr double kChipMinMm = 0.00005;
 /// Most evaluations of the surface in the search for the pose at which a motion cut an element.
 constexpr int kEntryEvaluations = 8;
 /// Paths below half a pitch or this share of the radius are short: the surface and its normal at
@@ -101,7 +98,7 @@ struct EdgeLanes {
 /// Returns (h / 1 mm)^−m in each direction.
 KERF_INLINE EdgeLanes thinned(const Lanes& chip_mm, const EdgeCoefficients& m) {
   if (m == EdgeCoefficients{}) return {Lanes(1), Lanes(1), Lanes(1)};
-  const Lanes chip = greater(chip_mm, Lanes(kChipMinMm));
+  const Lanes chip = greater(chip_mm, Lanes(kRestFeedMm));
   const Lanes tangential = power(chip, -m.tangential);
   const Lanes radial = m.radial == m.tangential ? tangential : power(chip, -m.radial);
   const Lanes axial = m.axial == m.radial ? radial : power(chip, -m.axial);

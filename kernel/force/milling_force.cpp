@@ -5,14 +5,11 @@
 #include <cmath>
 
 #include "kernel/math/rotation.h"
+#include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
 
-/// mm per tooth. Below this feed the edge forces fade to zero, which only tells rest from motion:
-/// an edge plows however small its feed is (README.md, "Small feeds"), but a tool at rest must not
-/// be driven.
-constexpr double kRestFeedMm = 0.00005;
 /// Most turns of a harmonic in a motion: a faster one has no place in a mean over the motion.
 constexpr double kTurnsMax = 0.5;
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/force/obstacle_patch.h"
 
-#include <cmath>
-#include <variant>
-
 #include "kernel/force/signed_distance.h"
+#include "kernel/math/rotation.h"
 
 namespace kerf {
 namespace {
@@ -30,15 +28,12 @@ class Sampler {
       : pose_(pose), obstacle_(obstacle) {
     const Vec3 p = deepest_mm - pose.tip_mm;
     const Vec3 across = p - pose.axis * dot(p, pose.axis);
-    const Vec3 other = std::abs(pose.axis.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-    along_ = dot(across, across) > 0 ? normalized(across)
-                                     : normalized(other - pose.axis * dot(other, pose.axis));
+    along_ = dot(across, across) > 0 ? normalized(across) : any_perpendicular(pose.axis);
     aside_ = cross(pose.axis, along_);
   }
   /// Adds a point; `area` is proportional to what it stands for.
   void add(Vec3 point_mm, double area) {
-    const auto at = [&](const auto& shape) { return signed_distance(shape, point_mm); };
-    const double depth = -std::visit(at, obstacle_.shape).distance_mm;
+    const double depth = -signed_distance(obstacle_, point_mm).distance_mm;
     if (depth > 0) sum_.add(point_mm, depth * depth * area);
   }
   void add_circle(double z_mm, double r_mm, double width_mm) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <variant>
 
 #include "kernel/math/nearest_on_triangle.h"
 #include "kernel/math/rotation.h"
@@ -92,6 +93,10 @@ SignedDistance signed_distance(const MeshObstacle& mesh, Vec3 p) {
   const double d = std::sqrt(best2);
   if (d == 0) return {0, face};
   return inside ? SignedDistance{-d, away * (-1 / d)} : SignedDistance{d, away * (1 / d)};
+}
+
+SignedDistance signed_distance(const Obstacle& obstacle, Vec3 p) {
+  return std::visit([&](const auto& shape) { return signed_distance(shape, p); }, obstacle.shape);
 }
 
 }  // namespace kerf

@@ -161,6 +161,12 @@ inline constexpr double kCommonDirectionShare = 1e-3;
 /// force of short motions is delivered in steps.
 inline constexpr double kPointShare = 1e-5;
 
+/// mm per tooth. Below this feed the forces of the mechanistic law fade to zero, which only tells
+/// rest from motion: edges fade, and the coefficient of a chip (Kienzle's is unbounded at 0) no
+/// longer grows. Owner: force/milling_elements, force/milling_force. If it grows, slow cuts of fine
+/// edges lose force (kernel/force/README.md, "Small feeds").
+inline constexpr double kRestFeedMm = 0.00005;
+
 /// mm. A depth counts as found when it is missed by less. Owner: force/stock_contact. If it grows,
 /// contacts become shallower.
 inline constexpr double kDepthEpsilonMm = 1e-7;

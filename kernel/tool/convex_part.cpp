@@ -250,6 +250,12 @@ Extent extent(const ConvexPart& part) {
   return whole;
 }
 
+const ToolPiece& piece_at(const ConvexPart& part, double z_mm) {
+  std::size_t k = part.pieces.size() - 1;
+  while (k > 0 && extent(part.pieces[k]).z0_mm > z_mm) --k;
+  return part.pieces[k];
+}
+
 double radius_at(const ConvexPart& part, double z_mm) {
   double radius = kNoRadiusMm;
   for (const ToolPiece& piece : part.pieces) radius = std::max(radius, radius_at(piece, z_mm));

@@ -25,6 +25,10 @@ std::vector<ConvexPart> convex_parts(std::span<const ToolPiece> pieces);
 
 Extent extent(const ConvexPart& part);
 
+/// Returns the piece at a height of the axis: of two that meet there the upper one, beyond an end
+/// that at the end.
+const ToolPiece& piece_at(const ConvexPart& part, double z_mm);
+
 /// Returns the radius at a height of the axis; kNoRadiusMm where the part has no point.
 double radius_at(const ConvexPart& part, double z_mm);
 

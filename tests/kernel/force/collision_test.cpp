@@ -132,6 +132,22 @@ TEST(Collision, FlankAcrossAnEdgeIsPushedAlongItsOwnNormal) {
   }
 }
 
+/// Both ends of a thin flange are near its deepest point, which is of its upper side here.
+TEST(Collision, AThinFlangeUnderAnEdgeIsPushedAwayFromTheSideThatTouches) {
+  const Obstacle box{BoxObstacle{{0, -50, 0}, {30, 50, 30}}, 3};
+  const double thick_mm = 0.04, deep_mm = 0.5;
+  const ProfileShape flange{{ProfilePoint{5, 0}, ProfilePoint{5, thick_mm},
+                             ProfilePoint{0.5, thick_mm}, ProfilePoint{0.5, 2}}};
+  for (const double lean : {0.5, 0.7, 0.8}) {
+    const Vec3 axis{std::sin(lean), 0, std::cos(lean)}, aside{axis.z, 0, -axis.x};
+    // The edge of the box is 3.5 mm aside of the axis.
+    const ToolPose pose{aside * -3.5 + axis * (deep_mm - thick_mm), axis};
+    const Wrench w = push(box, flange, pose);
+    ASSERT_GT(length(w.force_n), 0.3);
+    EXPECT_LT(length(normalized(w.force_n) + axis), 1e-6) << lean;
+  }
+}
+
 TEST(Collision, MeshWithTooManyTrianglesIsRejected) {
   const std::vector<std::array<Vec3, 3>> many(1001, {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}});
   EXPECT_FALSE(check_obstacle({MeshObstacle{many}, 1}).empty());

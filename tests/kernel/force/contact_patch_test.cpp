@@ -33,23 +33,22 @@ ContactPlane only_plane(const Sculpture& s, const ToolPose& pose) {
   return planes.empty() ? ContactPlane{} : planes.front();
 }
 
-TEST(PatchSum, PartsAddUpToTheWhole) {
-  PatchSum whole, left, right;
-  for (int i = 0; i < 40; ++i) {
-    const Vec3 p{100 + std::sqrt(i) * 3, 0.1 * i * i, 7.0 - i};
-    const double weight = 1 + i % 3;
-    whole.add(p, weight);
-    (i < 17 ? left : right).add(p, weight);
+TEST(PatchSum, HalfAxesAreTwoStandardDeviationsWithinThePlane) {
+  // Far from the origin, where sums of squares lose digits.
+  const Vec3 center{1000, -2000, 500};
+  const Vec3 u = normalized({3, 4, 0}), v{-u.y, u.x, 0};
+  PatchSum sum;
+  for (const double side : {-1.0, 1.0}) {
+    sum.add(center + u * (3 * side), 2);
+    sum.add(center + v * side + kUp * (7 * side), 2);
   }
-  left.add(right);
-  EXPECT_NEAR(length(left.center_mm() - whole.center_mm()), 0, 1e-9);
-  ContactPlane a;
-  a.normal = normalized({0.2, 0.1, 1});
-  ContactPlane b = a;
-  whole.place(a);
-  left.place(b);
-  EXPECT_NEAR(length(a.half_a_mm - b.half_a_mm), 0, 1e-6);
-  EXPECT_NEAR(length(a.half_b_mm - b.half_b_mm), 0, 1e-6);
+  ContactPlane plane;
+  plane.normal = kUp;
+  sum.place(plane);
+  EXPECT_NEAR(length(plane.point_mm - center), 0, 1e-9);
+  EXPECT_NEAR(std::abs(dot(plane.half_a_mm, u)), 2 * 3 / std::sqrt(2), 1e-9);
+  EXPECT_NEAR(std::abs(dot(plane.half_b_mm, v)), 2 * 1 / std::sqrt(2), 1e-9);
+  EXPECT_NEAR(dot(plane.half_a_mm, v), 0, 1e-9);
 }
 
 TEST(ContactPatch, AFlatToolTouchesAFaceWithItsDiscAndABallWithAPoint) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
 #include <vector>
 
 #include "kernel/math/tolerance.h"
@@ -44,6 +45,22 @@ TEST(ConvexPart, EndsWhereTheOutlineTurnsAway) {
   EXPECT_FALSE(parts[0].covered);
   EXPECT_FALSE(parts[1].covered);  // A shoulder.
   EXPECT_TRUE(parts[2].covered);
+}
+
+TEST(ConvexPart, PieceAtAHeightIsTheUpperOneAtAJointAndTheOutermostBeyond) {
+  const ConvexPart part = convex_parts(std::vector<ToolPiece>{
+      FrustumPiece{0, 1, 5, 4}, FrustumPiece{5, 4, 9, 4}, FrustumPiece{9, 4, 12, 2}})[0];
+  ASSERT_EQ(part.pieces.size(), 3);
+  for (const auto& [z, piece] : {std::pair{-1.0, 0},
+                                 {0.0, 0},
+                                 {4.9, 0},
+                                 {5.0, 1},
+                                 {8.9, 1},
+                                 {9.0, 2},
+                                 {12.0, 2},
+                                 {13.0, 2}}) {
+    EXPECT_EQ(&piece_at(part, z), &part.pieces[std::size_t(piece)]) << z;
+  }
 }
 
 TEST(ConvexPart, RidgesAreWhereTheOutlineHasAnEdge) {
