@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "kernel/dexel/dexel_snapshot.h"
 #include "kernel/dexel/dexel_tile.h"
@@ -30,6 +32,10 @@ class DexelField {
 
   /// Returns a stored tile, or null while it is untouched. It must lie in the grid.
   const DexelTile* find(TileIndex tile) const { return tiles_.find(tile); }
+  /// Returns the dexels of a column (column_of).
+  std::span<const Dexel> column(std::int32_t i, std::int32_t j, std::vector<Dexel>& scratch) const {
+    return column_of(tiles_, stock_, grid_, i, j, scratch);
+  }
   /// Returns a stored tile to be shared, or null while it is untouched. The field may still edit
   /// it.
   std::shared_ptr<const DexelTile> share(TileIndex tile) const { return tiles_.share(tile); }

@@ -60,21 +60,22 @@ void add(Hash& hash, const DexelGrid& grid, const StockShape& stock) {
 
 }  // namespace
 
-DexelSnapshot::DexelSnapshot(const DexelGrid& grid, const StockShape& stock, TileDirectory tiles,
-                             TileDirectory untouched)
-    : grid_(grid), stock_(stock), tiles_(std::move(tiles)), untouched_(std::move(untouched)) {}
-
-std::span<const Dexel> DexelSnapshot::column(std::int32_t i, std::int32_t j,
-                                             std::vector<Dexel>& scratch) const {
+std::span<const Dexel> column_of(const TileDirectory& tiles, const StockShape& stock,
+                                 const DexelGrid& grid, std::int32_t i, std::int32_t j,
+                                 std::vector<Dexel>& scratch) {
   scratch.clear();
-  if (i < 0 || j < 0 || i >= grid_.columns_x || j >= grid_.columns_y) return scratch;
-  if (const DexelTile* tile = tiles_.find({i / kTileSide, j / kTileSide})) {
+  if (i < 0 || j < 0 || i >= grid.columns_x || j >= grid.columns_y) return scratch;
+  if (const DexelTile* tile = tiles.find({i / kTileSide, j / kTileSide})) {
     tile->read((j % kTileSide) * kTileSide + i % kTileSide, scratch);
-  } else if (const Dexel whole = stock_column(stock_, grid_, i, j); whole.bottom < whole.top) {
+  } else if (const Dexel whole = stock_column(stock, grid, i, j); whole.bottom < whole.top) {
     scratch.push_back(whole);
   }
   return scratch;
 }
+
+DexelSnapshot::DexelSnapshot(const DexelGrid& grid, const StockShape& stock, TileDirectory tiles,
+                             TileDirectory untouched)
+    : grid_(grid), stock_(stock), tiles_(std::move(tiles)), untouched_(std::move(untouched)) {}
 
 ColumnView DexelSnapshot::view_in(const TileDirectory& tiles, std::int32_t i,
                                   std::int32_t j) const {

@@ -14,6 +14,12 @@
 
 namespace kerf {
 
+/// Returns the dexels of column (i, j) of stored tiles and the stock around them, sorted from the
+/// bottom up, disjoint, gaps > 0; empty outside the grid. Valid until the next call with `scratch`.
+std::span<const Dexel> column_of(const TileDirectory& tiles, const StockShape& stock,
+                                 const DexelGrid& grid, std::int32_t i, std::int32_t j,
+                                 std::vector<Dexel>& scratch);
+
 /// An immutable view of a dexel field. Cheap to take and to copy, since nodes and tiles are shared
 /// copy-on-write; safe to read on any thread while the field changes.
 class DexelSnapshot {
@@ -33,9 +39,10 @@ class DexelSnapshot {
   void for_each_touched(Visit&& visit) const {
     tiles_.for_each(visit);
   }
-  /// Returns the dexels of a column, sorted from the bottom up, disjoint, gaps > 0; empty outside
-  /// the grid. The result is valid until the next call with the same `scratch`.
-  std::span<const Dexel> column(std::int32_t i, std::int32_t j, std::vector<Dexel>& scratch) const;
+  /// Returns the dexels of a column (column_of).
+  std::span<const Dexel> column(std::int32_t i, std::int32_t j, std::vector<Dexel>& scratch) const {
+    return column_of(tiles_, stock_, grid_, i, j, scratch);
+  }
   /// Returns a column as its tile stores it, with normal codes; empty outside the grid. Valid as
   /// long as this snapshot.
   ColumnView view(std::int32_t i, std::int32_t j) const { return view_in(tiles_, i, j); }

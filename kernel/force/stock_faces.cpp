@@ -3,27 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
-#include "kernel/dexel/stock_column.h"
 #include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
 
-void read_column(const DexelField& field, std::int32_t i, std::int32_t j, std::vector<Dexel>& out) {
-  const DexelGrid& grid = field.grid();
-  out.clear();
-  if (i < 0 || j < 0 || i >= grid.columns_x || j >= grid.columns_y) return;
-  const DexelTile* tile = field.find({i / kTileSide, j / kTileSide});
-  if (tile == nullptr) {
-    out.assign(1, stock_column(field.stock(), grid, i, j));
-  } else {
-    tile->read((j % kTileSide) * kTileSide + i % kTileSide, out);
-  }
-}
-
-/// Length of a stretch that a column does not fill.
-double empty_mm(const DexelGrid& grid, const std::vector<Dexel>& column, double lo, double hi) {
+/// Returns the length of a stretch that a column does not fill.
+double empty_mm(const DexelGrid& grid, std::span<const Dexel> column, double lo, double hi) {
   double empty = hi - lo;
   for (const Dexel& d : column)
     empty -= std::max(0.0, std::min(hi, grid.z_mm(d.top)) - std::max(lo, grid.z_mm(d.bottom)));
@@ -32,30 +20,41 @@ double empty_mm(const DexelGrid& grid, const std::vector<Dexel>& column, double 
 
 }  // namespace
 
-void StockFaces::add(const DexelField& field, std::int32_t i, std::int32_t j, double lo_mm,
-                     double hi_mm, double weight) {
+void StockFaces::add(const DexelField& field, std::int32_t i, std::int32_t j, Steps steps,
+                     double lo_mm, double hi_mm) {
   const DexelGrid& grid = field.grid();
   const double p = grid.pitch_mm;
+  const double least_full = hi_mm - lo_mm - kDepthEpsilonMm;
   const auto keep = [&](Vec3 area) {
-    if (area != Vec3{}) areas_mm2_.push_back(from_frame(grid.axis, area) * weight);
+    if (area != Vec3{}) areas_mm2_.push_back(from_frame(grid.axis, area));
   };
-  // A neighbor that lacks a part shows how the end of the column slopes, one that lacks all a wall.
+  const auto empty_at = [&](std::int32_t at_i, std::int32_t at_j) {
+    return empty_mm(grid, field.column(at_i, at_j, beside_), lo_mm, hi_mm);
+  };
+  // The next sample shows how the end of the column slopes where it lacks a part, and a wall where
+  // it lacks all. A slope that leaves a short stretch before the next sample is no wall: there the
+  // column next to this one shows it.
   Vec3 end;
   const auto look = [&](std::int32_t di, std::int32_t dj) {
-    read_column(field, i + di, j + dj, beside_);
-    const double empty = empty_mm(grid, beside_, lo_mm, hi_mm);
-    const Vec3 area = Vec3{double(di), double(dj), 0} * (empty * p);
-    if (empty < hi_mm - lo_mm - kDepthEpsilonMm) {
-      end = end + area;
+    const std::int32_t step = di != 0 ? steps.i : steps.j;
+    const Vec3 across = Vec3{di * steps.j * p, dj * steps.i * p, 0};
+    const double empty = empty_at(i + di * step, j + dj * step);
+    if (empty < least_full) {
+      end = end + across * empty;
+      return;
+    }
+    const double near = step > 1 ? empty_at(i + di, j + dj) : empty;
+    if (near < least_full && near * step >= least_full) {
+      end = end + across * (near * step);
     } else {
-      keep(area);
+      keep(across * empty);
     }
   };
   look(1, 0), look(-1, 0), look(0, 1), look(0, -1);
-  read_column(field, i, j, beside_);
-  for (const Dexel& d : beside_) {
-    if (std::abs(grid.z_mm(d.top) - hi_mm) < kDepthEpsilonMm) end.z += p * p;
-    if (std::abs(grid.z_mm(d.bottom) - lo_mm) < kDepthEpsilonMm) end.z -= p * p;
+  const double area_mm2 = steps.i * p * (steps.j * p);
+  for (const Dexel& d : field.column(i, j, beside_)) {
+    if (std::abs(grid.z_mm(d.top) - hi_mm) < kDepthEpsilonMm) end.z += area_mm2;
+    if (std::abs(grid.z_mm(d.bottom) - lo_mm) < kDepthEpsilonMm) end.z -= area_mm2;
   }
   keep(end);
 }

@@ -101,24 +101,5 @@ TEST(ContactPatch, SpreadReplacesTheDeepestUpToTheLimit) {
   EXPECT_EQ(spread(std::vector(9, wide), 8).size(), 8U);
 }
 
-/// A tool that leans on a face is pushed along the face's normal. The normal of the tool's own
-/// surface turns with the tool, and a force that turns with what it pushes drives it.
-TEST(StockFaces, ALeaningToolIsPushedAlongTheNormalOfTheFace) {
-  for (const ToolShape& shape : {ToolShape(FlatShape{12, 40}), ToolShape(TaperShape{6, 6, 40})}) {
-    const Sculpture s = block(shape, false);
-    for (const double tilt : {0.0, 0.05, 0.2, 0.5}) {
-      const Vec3 axis{std::sin(tilt), 0, std::cos(tilt)};
-      const ContactPlane plane = only_plane(s, {{0.1, 0.05, -0.4}, axis});
-      EXPECT_NEAR(length(plane.normal - kUp), 0, 1e-6) << tilt;
-    }
-  }
-}
-
-TEST(StockFaces, AWallBetweenColumnsPushesAlongItsNormal) {
-  const Sculpture s = block(FlatShape{12, 40}, false);
-  const ContactPlane plane = only_plane(s, {{-25, 0, -30}, kUp});
-  EXPECT_NEAR(plane.normal.x, -1, 0.01);
-}
-
 }  // namespace
 }  // namespace kerf

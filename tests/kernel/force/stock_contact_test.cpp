@@ -77,6 +77,18 @@ TEST(StockContact, HolderFaceOnTheBlockIsLiftedWithoutTorque) {
   EXPECT_NEAR(c.wrench.torque_nmm.y, 0, 0.15);
 }
 
+/// The deepest point is on the shank's axis, and the overlap is alike on all sides: no direction
+/// across the axis is nearer than another one.
+TEST(StockContact, AShankBuriedAlikeOnAllSidesIsPushedSideways) {
+  const Tool tool = *make_tool(FlatShape{0.2, 10}, {.shank = Shank{0.6, 100}, .holder = {}});
+  const double middle_mm = 0.5 * kPitch;  // of a column
+  const StockContact c =
+      contact(tool, {{10 + middle_mm, middle_mm, -60}, kUp}, fields({RayAxis::kZ}));
+  EXPECT_NEAR(c.depth_mm, 0.3, 1e-6);
+  EXPECT_NEAR(length(c.wrench.force_n), 3 * c.depth_mm, 1e-9);
+  EXPECT_NEAR(c.wrench.force_n.z, 0, 1e-9);
+}
+
 TEST(StockContact, IsZeroWithoutShankOrBesideTheBlock) {
   const auto z = fields({RayAxis::kZ});
   const Tool bare = *make_tool(FlatShape{2, 10});
