@@ -31,9 +31,10 @@ class AgentConversation final : public Conversation {
   /// The tools near the agent's are sent at most this often.
   static constexpr std::chrono::milliseconds kIntentInterval{10};
 
-  /// A change of the tool is reported to every participant.
-  static constexpr double kToolsPerS = 10;
-  static constexpr double kToolsBurst = 30;
+  /// Changes of the tool, and separately of the reach, are reported to every participant: at most
+  /// this many per second, after as many at once as the burst.
+  static constexpr double kChangesPerS = 10;
+  static constexpr double kChangesBurst = 30;
 
   struct Setup {
     std::shared_ptr<Session> session;
@@ -109,8 +110,8 @@ class AgentConversation final : public Conversation {
   /// The participant was removed, or belongs to a newer connection of the agent.
   bool left_ = false;
 
-  RateLimit tools_{kToolsPerS, kToolsBurst};
-  RateLimit reaches_{kToolsPerS, kToolsBurst};
+  RateLimit tools_{kChangesPerS, kChangesBurst};
+  RateLimit reaches_{kChangesPerS, kChangesBurst};
   /// Whether a stroke is being undone or redone; expires with the conversation.
   std::shared_ptr<bool> changes_ = std::make_shared<bool>(false);
 

@@ -11,7 +11,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kEyeMaxMm = 1e6;
+/// Of the coordinates of eyes, targets and reaches, and of half the edge of a reach.
+constexpr double kCoordinateMaxMm = 1e6;
 /// Of a rotation vector: more than a turn.
 constexpr double kTurnMaxRad = 7;
 constexpr double kScaleMax = 1e6;
@@ -66,7 +67,7 @@ std::expected<Vec3, Rejection> vector_field(const Json& object, const char* fiel
 }
 
 std::expected<Vec3, Rejection> place_field(const Json& object, const char* field) {
-  return vector_field(object, field, -kEyeMaxMm, kEyeMaxMm);
+  return vector_field(object, field, -kCoordinateMaxMm, kCoordinateMaxMm);
 }
 
 std::expected<ViewerLook, Rejection> look_of(const Json& object) {
@@ -196,7 +197,7 @@ std::expected<ControlMessage, Rejection> parse_reach(const Json& object) {
   if (!object.contains("center_mm") && !object.contains("half_mm")) return ReachMessage{};
   const auto center = place_field(object, "center_mm");
   if (!center) return std::unexpected(center.error());
-  const auto half = vector_field(object, "half_mm", 0, kEyeMaxMm);
+  const auto half = vector_field(object, "half_mm", 0, kCoordinateMaxMm);
   if (!half) return std::unexpected(half.error());
   if (!(half->x > 0 && half->y > 0 && half->z > 0)) {
     return std::unexpected(bad_field("half_mm", "must be greater than zero"));

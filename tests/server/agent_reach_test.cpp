@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <string>
 
 #include "tests/server/conversation_fixture.h"
@@ -56,6 +57,36 @@ TEST_F(AgentReachTest, AReachThatIsNoBoxIsRejected) {
   EXPECT_EQ(reason(R"("center_mm":[0,0,0],"half_mm":[1,1,1],"scale":0)"),
             "field \"scale\" is out of range");
   EXPECT_EQ(reason(R"("center_mm":[0,0,0],"half_mm":[1,1,1])"), "accepted");
+}
+
+/// In 3 s a burst of 30 and 10 per second are accepted: 60 of 100. Changes of the tool have a limit
+/// of their own.
+TEST_F(AgentReachTest, ReachesAreLimitedToTenPerSecond) {
+  const auto ada = agent();
+  join_agent(*ada);
+  std::size_t accepted = 0, errors = 0;
+  for (int n = 1; n <= 100; ++n) {
+    now += std::chrono::milliseconds(30);
+    send_text(*ada,
+              R"({"type":"reach","half_mm":[1,1,1],"center_mm":[0,0,)" + std::to_string(n) + "]}");
+    const auto answers = messages(*ada);
+    const auto& reach = session->participants().front().reach;
+    if (answers.empty()) {
+      ASSERT_TRUE(reach.has_value());
+      EXPECT_EQ(reach->center_mm.z, n);
+      ++accepted;
+      continue;
+    }
+    EXPECT_EQ(answers.at(0).at("code"), "too_fast");
+    EXPECT_EQ(answers.at(0).at("reason"), "'reach' is limited to 10 per second");
+    EXPECT_NE(reach->center_mm.z, n) << "a rejected reach changes nothing";
+    ++errors;
+  }
+  EXPECT_GE(errors, 39U);
+  EXPECT_LE(errors, 41U);
+  EXPECT_EQ(accepted + errors, 100U);
+  send_text(*ada, R"({"type":"tool","tool":2})");
+  for (const auto& message : messages(*ada)) EXPECT_NE(message.at("type"), "error");
 }
 
 }  // namespace
