@@ -12,9 +12,12 @@ namespace kerf {
 /// a device renders the contact while the tool moves a little (the intermediate representation of
 /// Y. Adachi et al., 1995).
 struct ContactPlane {
-  Vec3 point_mm;        ///< where it pushes: the center of pressure
-  Vec3 normal;          ///< unit, out of the surface
-  double depth_mm = 0;  ///< penetration of the deepest point; negative: a gap
+  /// Where it pushes: the center of pressure, that is, the mean over the area of contact, weighted
+  /// by the square of the depth. Of a gap, the tool's nearest point.
+  Vec3 point_mm;
+  Vec3 normal;  ///< unit, out of the surface
+  /// Penetration of the deepest point, which `point_mm` need not be; negative: width of the gap.
+  double depth_mm = 0;
   double stiffness_n_per_mm = 0;
   double radius_mm = 0;  ///< radius around `point_mm` in which the plane is valid
   bool stock = false;    ///< of the stock, not of an obstacle

@@ -62,18 +62,24 @@ struct MotionBatch {
 /// Bits of ContactPlane::flags: the kind of surface.
 inline constexpr std::uint32_t kContactObstacle = 1;
 inline constexpr std::uint32_t kContactStock = 2;
-/// A further point of the contact of the plane before it, which touches with an area. All points of
-/// a contact have equal parts of its stiffness.
+/// A further point of the contact of the plane before it, which touches along a line or with an
+/// area.
 inline constexpr std::uint32_t kContactContinues = 4;
 
 /// Plane approximation of a surface near one point of the tool (Adachi's intermediate
-/// representation), from which an agent renders the contact between two results.
+/// representation), from which an agent renders the contact between two results. A contact at one
+/// point is one plane. One along a line or with an area is two or three, whose points are about its
+/// center of pressure and have it as their mean: they have equal normals and depths, and equal
+/// parts of the contact's stiffness, so that their pushes add up to that of the contact.
 struct ContactPlane {
-  /// Where the surface pushes the tool, at the pose of the answered sample.
+  /// Of a contact at one point: the center of pressure, that is, the mean over the area of contact,
+  /// weighted by the square of the depth. Of a gap: the tool's nearest point. At the pose of the
+  /// answered sample.
   Vec3 point_mm{};
   /// Unit vector out of the surface: the direction of the contact force.
   Vec3f normal{};
-  /// Penetration there; negative: width of the gap.
+  /// Penetration of the contact's deepest point, which `point_mm` need not be; negative: width of
+  /// the gap.
   float depth_mm = 0.0F;
   /// Contact force per depth.
   float stiffness_n_per_mm = 0.0F;
