@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 #include <sstream>
+#include <utility>
 
 #include "server/formats/scene.h"
 #include "server/formats/tool_text.h"
@@ -140,10 +141,15 @@ TEST(SceneTool, CanonicalTextReadsBackEqual) {
   }
 }
 
-TEST(SceneTool, ExplanationOfALargeToolHasPlainDecimals) {
-  const Scene scene = scene_of(R"("shape": "flat", "diameter_mm": 2000, "length_mm": 30)");
-  const std::string text = explain_scene(scene);
-  EXPECT_EQ(text.find("e+"), std::string::npos) << text;
+/// The engagement from which on the force is steady, 6 √(pitch D), in two digits: 42.4, 134, 189.7.
+TEST(SceneTool, ExplanationStatesTheSteadyEngagementInPlainDecimals) {
+  for (const auto& [diameter_mm, engagement] :
+       {std::pair{"200", "42 mm"}, {"2000", "130 mm"}, {"4000", "190 mm"}}) {
+    const Scene scene =
+        scene_of(std::string(R"("shape": "flat", "length_mm": 30, "diameter_mm": )") + diameter_mm);
+    EXPECT_THAT(explain_scene(scene),
+                HasSubstr(std::string("engagement on: tool 1 ") + engagement + ";"));
+  }
 }
 
 TEST(SceneTool, ToolTextNamesShapeAndDimensions) {
