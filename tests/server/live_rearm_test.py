@@ -16,6 +16,8 @@ AGENT = os.environ["KERF_AGENT"]
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 PRESS_PY = os.path.join(ROOT, "haptic_agent", "examples", "press.py")
 WAIT_S = 60  # only ends a failed test
+# Longer than the agent takes to arm and to say so; a user who sees nothing acts again.
+ACT_S = 2
 
 
 class Device(threading.Thread):
@@ -25,6 +27,7 @@ class Device(threading.Thread):
         super().__init__(daemon=True)
         self.listener = socket.create_server(path, family=socket.AF_UNIX)
         self.keys, self.tip, self.more, self.ended = keys, [0.0, 0.0, 10.0], [], False
+        self.most_up_n = 0.0  # of the wrenches since the test has set it to zero
         self.start()
 
     def run(self):
@@ -40,13 +43,18 @@ class Device(threading.Thread):
         agent.sendall(f"kerf-device 1 name=bare sensed_dof=3 actuated_dof=3 max_force_n=10 "
                       f"moving_mass_kg=0.2 moving_inertia_kg_m2=1e-4{self.keys}\n".encode())
         agent.setblocking(False)
+        unread = b""
         while not self.ended:
             try:
-                while agent.recv(65536):
-                    pass
+                while came := agent.recv(65536):
+                    unread += came
                 return
             except BlockingIOError:
                 pass
+            *lines, unread = unread.split(b"\n")
+            for words in map(bytes.split, lines):
+                if words[0] == b"wrench":
+                    self.most_up_n = max(self.most_up_n, float(words[4]))
             x, y, z = self.tip
             lines = [self.more.pop(0)] if self.more else []
             lines.append(f"pose ready {x:.3f} {y:.3f} {z:.3f} 0 0 1 0 0")
@@ -92,11 +100,14 @@ class Rearm(LiveTest):
         self.device.listener.close()
         return json.loads(out)
 
-    def wait(self, condition, repeat=lambda: None):
-        until_s = time.monotonic() + WAIT_S
+    def wait(self, condition, repeat=lambda: None, every_s=0.0):
+        """Waits for a condition; until it holds, does `repeat` again when `every_s` has passed."""
+        until_s, again_s = time.monotonic() + WAIT_S, 0.0
         while not condition():
             self.assertLess(time.monotonic(), until_s, "".join(self.log))
-            repeat()
+            if time.monotonic() >= again_s:
+                repeat()
+                again_s = time.monotonic() + every_s
             time.sleep(0.02)
 
     def said(self, text):
@@ -108,35 +119,32 @@ class Rearm(LiveTest):
         return bool(words) and "force switched off" in words[-1]
 
     def trip(self):
-        """A jump of the tip trips; a machine that is busy may have done so before."""
-        self.wait(self.is_off, self.device.jump)
+        """A jump of the tip trips while the force is on; a machine that is busy may have done so
+        before. The agent arms within ACT_S."""
+        self.wait(self.is_off, self.device.jump, ACT_S)
+
+    def rearm(self):
+        self.device.more.append("rearm")
 
     def goes_on(self, act):
         """The agent says that the force is on after the user has acted. A busy machine may trip it
         at once again: then the user acts again."""
         before = self.said("the force is on")
-        self.wait(lambda: self.said("the force is on") > before, act)
+        self.wait(lambda: self.said("the force is on") > before, act, ACT_S)
 
     def test_each_request_ends_a_trip_of_a_device_without_deadman_and_button(self):
         self.begin("requests")
         self.wait(lambda: self.said("carving 'requests'"))
 
-        def line():
-            self.device.more.append("rearm")
-            time.sleep(1.5)
-
         def signalled():
             self.agent.send_signal(signal.SIGUSR1)
-            time.sleep(1.5)
 
         def gesture():
-            time.sleep(1.2)
+            time.sleep(1.2)  # holds the tip still
             self.device.move(2, 12, 0.4)
             self.device.move(2, -12, 0.4)
-            time.sleep(1.5)
 
-        for act in (line, signalled, gesture):
-            time.sleep(1)
+        for act in (self.rearm, signalled, gesture):
             self.trip()
             self.goes_on(act)
         self.assertIn("To go on, hold the tip still for a second, then move it 1 cm away and back",
@@ -145,26 +153,27 @@ class Rearm(LiveTest):
         self.assertGreaterEqual(status["safety"]["trips"], 3)
         self.assertGreater(status["safety"]["no_force"]["ticks"]["tripped"], 100)
 
+    def stroke(self):
+        """Lowers the tip 1 mm into the block and lifts it, with the force on."""
+        if self.is_off():
+            self.goes_on(self.rearm)
+        self.device.move(2, -11, 1.5)
+        self.device.move(2, 11, 1)
+
     def test_without_a_button_it_cuts_while_the_force_is_on(self):
         for session, keys, *more in (("stated", " always_cut=1"), ("asked", "", "--always-cut")):
             self.begin(session, keys, *more)
             self.wait(lambda: self.said(f"carving '{session}'"))
-
-            def stroke():
-                time.sleep(1)
-                self.agent.send_signal(signal.SIGUSR1)  # a busy machine may have tripped it
-                self.device.move(2, -11, 1.5)
-                self.device.move(2, 11, 1)
-
-            self.wait(lambda: self.server.info(session)["removed_volume_mm3"] > 5, stroke)
+            self.wait(lambda: self.server.info(session)["removed_volume_mm3"] > 5, self.stroke)
             self.end()
 
-    def test_without_a_button_and_the_option_it_only_touches(self):
+    def test_without_a_button_and_the_option_it_is_pushed_by_the_block_and_does_not_cut(self):
         self.begin("touches")
         self.wait(lambda: self.said("carving 'touches'"))
-        time.sleep(1)
-        self.device.move(2, -11, 1.5)
-        self.device.move(2, 11, 1)
+        self.trip()
+        self.goes_on(self.rearm)  # from here on the log tells whether the force is on
+        self.device.most_up_n = 0.0
+        self.wait(lambda: self.device.most_up_n > 0.1, self.stroke)
         self.end()
         self.assertEqual(self.server.info("touches")["removed_volume_mm3"], 0)
 
