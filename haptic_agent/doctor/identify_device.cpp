@@ -5,6 +5,7 @@
 #include <memory>
 #include <thread>
 
+#include "haptic_agent/act_on_signal.h"
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/doctor/checks.h"
 #include "haptic_agent/doctor/identify.h"
@@ -34,6 +35,8 @@ std::vector<Finding> identify_device(const DeviceChoice& choice, double wait_s,
   const auto bad = [](std::string what) {
     return std::vector<Finding>{{.health = Health::kBad, .what = std::move(what)}};
   };
+  // A user who interrupts it leaves no force on.
+  ActOnSignal signals;
   // The simulated hand would carve meanwhile: it stays where its path begins.
   constexpr double kHardlyMoves = 0.0001;
   const bool simulated = choice.kind == DeviceKind::kSimulated;
@@ -52,8 +55,10 @@ std::vector<Finding> identify_device(const DeviceChoice& choice, double wait_s,
   Identification identification(device, kPivotMm);
   MonotonicClock clock;
   ServoLoop loop(clock);
+  signals.on_leave([&loop] { loop.stop(); });
   run_watched(loop, identification, {[&device] { device.write({}); }, [&device] { device.stop(); }},
               [] { make_realtime({}); });
+  signals.on_leave(nullptr);
   munlockall();
   const auto profile = identification.profile();
   if (!profile) return bad(join({"the ", declared.name, " was not identified: ", profile.error()}));

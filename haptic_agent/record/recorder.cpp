@@ -81,7 +81,7 @@ void Recorder::drain() {
     if (writer_.waiting_bytes() == 0) chunk_start_us_ = tick.time_us;
     message_.clear();
     append_tick(message_, tick);
-    writer_.message(static_cast<std::uint32_t>(taken_ + tape_.lost()),
+    writer_.message(static_cast<std::uint32_t>(tick.number),
                     tick.time_us * kNsPerUs + utc_offset_ns_, message_);
   }
 }

@@ -96,7 +96,8 @@ class RecordingReader {
 
   void message(ByteReader from) {
     if (!channels_.contains(from.number<std::uint16_t>())) return;
-    from.skip(sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t));  // sequence and times
+    const auto number = from.number<std::uint32_t>();
+    from.skip(2 * sizeof(std::uint64_t));  // times
     auto tick = tick_of(from.raw(from.left()));
     if (!tick) {
       fault_ = "has a message that this version cannot read";
@@ -106,6 +107,7 @@ class RecordingReader {
       fault_ = "has ticks whose times decrease";
       return;
     }
+    tick->number = number;
     const double axis_error = std::abs(length(tick->axis) - 1);
     tick->has_pose = tick->has_pose && is_finite(tick->tip_mm) && is_finite(tick->felt) &&
                      axis_error <= wire::kAxisLengthTolerance;

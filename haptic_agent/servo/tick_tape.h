@@ -14,6 +14,8 @@ namespace kerf::agent {
 /// One tick of the servo, as recorded, as the hand feels it: in device space, which is the
 /// session's unless there is a mapping. Wrenches are about the pivot.
 struct TickRecord {
+  /// Counts the ticks given to a tape from 1, dropped ones included. Set by TickTape::push.
+  std::uint64_t number = 0;
   std::uint64_t time_us = 0;        ///< start of the tick, CLOCK_MONOTONIC
   std::uint64_t pose_us = 0;        ///< when the device measured the pose, on the same clock
   std::uint64_t answer_age_us = 0;  ///< of the newest answer; 0 before the first
@@ -43,7 +45,8 @@ class TickTape {
   static constexpr std::size_t kTicks = 16'384;
 
   /// Servo thread.
-  void push(const TickRecord& tick) noexcept {
+  void push(TickRecord tick) noexcept {
+    tick.number = ++pushed_;
     if (!ring_.push(tick)) lost_.fetch_add(1, std::memory_order_relaxed);
   }
   /// Other thread. Returns false, and leaves `tick` as it is, if there is none.
@@ -54,6 +57,7 @@ class TickTape {
 
  private:
   SpscRing<TickRecord, kTicks> ring_;
+  std::uint64_t pushed_ = 0;  ///< servo thread
   std::atomic<std::uint64_t> lost_{0};
 };
 

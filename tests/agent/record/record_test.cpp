@@ -120,7 +120,10 @@ TEST_F(RecordTest, HoldsEveryTickAndTheMetadata) {
   ASSERT_TRUE(recording) << recording.error();
   EXPECT_FALSE(recording->cut_off);
   ASSERT_EQ(recording->ticks.size(), kTicks);
-  for (std::uint64_t n = 0; n < kTicks; ++n) ASSERT_TRUE(same(recording->ticks[n], tick_at(n)));
+  for (std::uint64_t n = 0; n < kTicks; ++n) {
+    ASSERT_TRUE(same(recording->ticks[n], tick_at(n)));
+    ASSERT_EQ(recording->ticks[n].number, n + 1);
+  }
   EXPECT_EQ(recording->about.at("session"), "demo");
   EXPECT_EQ(recording->end.at("ticks"), "4321");
   EXPECT_EQ(recording->end.at("lost"), "0");
@@ -133,6 +136,11 @@ TEST_F(RecordTest, FullTapeCountsWhatItDrops) {
   TickRecord tick;
   ASSERT_TRUE(tape.pop(tick));
   EXPECT_TRUE(same(tick, tick_at(0))) << "the oldest stay";
+  EXPECT_EQ(tick.number, 1U);
+  tape.push(tick_at(TickTape::kTicks + 5));
+  while (tape.pop(tick)) {
+  }
+  EXPECT_EQ(tick.number, TickTape::kTicks + 6) << "the dropped ones count";
 }
 
 TEST_F(RecordTest, NeverOverwritesAFile) {
