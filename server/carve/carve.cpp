@@ -41,7 +41,6 @@ namespace {
 constexpr std::size_t kMotionsTogether = 64;
 constexpr std::int64_t kTilesTogether = 8192;
 constexpr const char* kInterrupted = "interrupted";
-constexpr const char* kAbandoned = "interrupted; unfinished work was abandoned";
 
 class Carving {
  public:
@@ -80,7 +79,8 @@ class Carving {
         choose_scene(options_, options_.verify ? std::optional(bounds_of(*part_)) : std::nullopt);
     if (!chosen) return std::unexpected(chosen.error());
     scene_ = std::move(chosen->scene);
-    for (std::string& text : chosen->notes) note(std::move(text));
+    report_.origins = std::move(chosen->origins);
+    std::ranges::for_each(chosen->notes, say);
     if (options_.surface.reference) {
       auto reference = load_reference(*options_.surface.reference, options_.reference_as, say);
       if (!reference) return bad_input(reference.error());
@@ -390,7 +390,7 @@ int run_carve(const CarveOptions& options) {
   OutputFiles outputs;
   const StopSignal signal([&outputs] {
     outputs.abandon();
-    std::cerr << kAbandoned << '\n';
+    std::cerr << kInterrupted << "; unfinished work was abandoned\n";
   });
   // Temporary: freeing the block is covered by the signal's deadline too.
   const auto done = Carving(options, outputs, signal.token()).run();

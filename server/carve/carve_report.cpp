@@ -51,6 +51,16 @@ Json deviation_json(const SurfaceReport& surface) {
           {"p99_mm", d.p99_mm}, {"samples", d.samples}, {"color_range_mm", surface.range_mm}};
 }
 
+Json provenance_json(const std::vector<FieldOrigin>& origins) {
+  Json list = Json::array();
+  for (const FieldOrigin& origin : origins)
+    list.push_back({{"tool", origin.tool > 0 ? Json(origin.tool) : Json(nullptr)},
+                    {"field", origin.field},
+                    {"origin", to_string(origin.origin)},
+                    {"source", origin.source}});
+  return list;
+}
+
 }  // namespace
 
 std::string hash_name(std::uint64_t hash) {
@@ -97,6 +107,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"simulation", Json::parse(report.simulation)},
                   {"thin_walls", Json::parse(report.walls)},
                   {"read_as", report.read_as},
+                  {"provenance", provenance_json(report.origins)},
                   {"warnings", report.warnings}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/carve/model_outputs.h"
+#include "server/formats/derived_scene.h"
 #include "server/formats/program.h"
 
 namespace kerf {
@@ -32,6 +33,7 @@ struct CarveReport {
   std::string read_as;                 ///< language of the program, and why it
   std::vector<std::string> warnings;
   std::vector<std::string> notes;  ///< what was assumed or chosen of the scene
+  std::vector<FieldOrigin> origins;  ///< of the fields of a derived scene
 };
 
 /// Returns a state hash as reports name it: 16 hexadecimal digits.

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "server/carve/environment_files.h"
-#include "server/formats/derived_scene.h"
 #include "server/formats/text_file.h"
 
 namespace kerf {
@@ -75,13 +74,14 @@ std::expected<ChosenScene, Failure> derived(const CarveOptions& options,
     derived->scene.accuracy.reset();
     derived->scene.settings.tolerance_mm = kToleranceShare * *options.pitch_mm;
   }
-  return ChosenScene{std::move(derived->scene), std::move(derived->notes)};
+  return ChosenScene{std::move(derived->scene), std::move(derived->notes),
+                     std::move(derived->origins)};
 }
 
 std::expected<ChosenScene, Failure> loaded(const CarveOptions& options) {
   auto scene = load_scene(options.scene);
   if (!scene) return bad_input(to_string(scene.error()));
-  ChosenScene chosen{*std::move(scene), {}};
+  ChosenScene chosen{*std::move(scene), {}, {}};
   if (chosen.scene.stock_repair != MeshRepair{})
     chosen.notes.push_back("scene: " + chosen.scene.stock_file.file + ": " +
                            to_string(chosen.scene.stock_repair));

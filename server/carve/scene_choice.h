@@ -9,6 +9,7 @@
 
 #include "server/carve/carve_options.h"
 #include "server/carve/failure.h"
+#include "server/formats/derived_scene.h"
 #include "server/formats/scene.h"
 
 namespace kerf {
@@ -17,6 +18,7 @@ namespace kerf {
 struct ChosenScene {
   Scene scene;
   std::vector<std::string> notes;
+  std::vector<FieldOrigin> origins;  ///< of the fields of a derived scene
 };
 
 /// Returns the scene that is carved: that of --scene or one derived from the program, with the

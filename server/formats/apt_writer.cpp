@@ -99,7 +99,7 @@ class AptWriter final : public ProgramWriter {
     out_ << "PARTNO/" << printable(scene_.name) << "\n$$ written by Kerf; coordinates are those of "
          << "the tool tip\n";
     for (const auto& [id, tool] : scene_.tools)
-      out_ << "$$ tool " << id << ": " << tool_text(tool.shape) << '\n';
+      for (const std::string& text : tool_comments(id, tool.shape)) out_ << "$$ " << text << '\n';
     out_ << "$$ poses read back bit-identical; durations are exact to 1e-6 relative\n"
          << "$$ FROM within the program places the tool without cutting\n"
          << notes_ << "UNITS/MM\nMULTAX/ON\n";

@@ -12,6 +12,7 @@
 #include "server/formats/stated_tools.h"
 #include "server/formats/tool_text.h"
 #include "server/formats/tool_words.h"
+#include "server/formats/units.h"
 
 namespace kerf {
 namespace {
@@ -37,6 +38,43 @@ std::string range_text(double from, double to) {
   return exact_text(from) + " to " + exact_text(to);
 }
 
+std::string asks_for(ToolId id) { return "--tool " + std::to_string(id) + "=6 states it"; }
+
+// A tool of the scene with the origins of its fields.
+struct DerivedTool {
+  ToolShape shape;
+  ToolOrigins origins;
+  std::string source, note;
+};
+
+DerivedTool stated_tool(ToolId id, const StatedTool& tool) {
+  const std::string source = std::string(tool.source) + " in line " + std::to_string(tool.line);
+  DerivedTool result{tool.shape, tool.origins, source, source};
+  if (!tool.doubt.empty())
+    result.note = "assumed from the " + source + ", where " + tool.doubt + "; " + asks_for(id);
+  return result;
+}
+
+// The fields of a scene's tool that its origins are of.
+void add_tool_origins(ToolId id, const DerivedTool& tool, std::vector<FieldOrigin>& origins) {
+  const auto add = [&](const char* field, Origin origin) {
+    origins.push_back({id, field, origin, origin == Origin::kAssumed ? "" : tool.source});
+  };
+  const ToolOrigins& from = tool.origins;
+  add("shape", from.shape);
+  if (std::holds_alternative<ProfileShape>(tool.shape)) {
+    add("profile_mm", from.diameter);
+  } else if (std::holds_alternative<AptShape>(tool.shape)) {
+    for (const char* field : {"d_mm", "r_mm", "e_mm", "f_mm", "alpha_deg", "beta_deg", "h_mm"})
+      add(field, from.diameter);
+  } else {
+    add("diameter_mm", from.diameter);
+  }
+  if (std::holds_alternative<BullNoseShape>(tool.shape)) add("corner_radius_mm", from.corner);
+  if (std::holds_alternative<ConeEndShape>(tool.shape)) add("tip_angle_deg", from.angle);
+  if (std::holds_alternative<TaperShape>(tool.shape)) add("half_angle_deg", from.angle);
+}
+
 class Derivation {
  public:
   Derivation(const std::string& name, std::string_view program, const GcodeEnvironment& environment,
@@ -57,6 +95,10 @@ class Derivation {
     draft.settings.force.specific_force_n_per_mm2 = kForceNPerMm2;
     draft.settings.force.pivot_mm = kPivotMm;
     note("machine: " + std::string(to_string(facts->kinematics)));
+    origins_.push_back({.field = "machine.kinematics",
+                        .origin = Origin::kDerived,
+                        .source = "the simplest machine that takes the program"});
+    unit_mm_ = facts->assumed_inches ? kMmPerInch : program_unit_mm(program_);
     choose_tools(*facts);
     for (const auto& [id, shape] : wishes_.tools)
       if (!tools_.contains(id)) return std::unexpected(unknown_tool(id));
@@ -71,25 +113,25 @@ class Derivation {
     for (auto& [id, tool] : scene->tools)
       tool.idle = std::ranges::find(facts->tools, id) == facts->tools.end();
     choose_accuracy_of(*scene);
-    return DerivedScene{*std::move(scene), std::move(notes_)};
+    return DerivedScene{*std::move(scene), std::move(notes_), std::move(origins_)};
   }
 
  private:
   void note(std::string text) { notes_.push_back(std::move(text)); }
 
   void choose_tools(const ProgramFacts& facts) {
-    const auto stated = stated_tools(program_);
+    const auto stated = stated_tools(program_, unit_mm_);
     std::vector<ToolId> ids = facts.named_tools;
     ids.insert(ids.end(), facts.tools.begin(), facts.tools.end());
     for (const ToolId id : ids) {
       if (tools_.contains(id)) continue;
       const bool used = std::ranges::find(facts.tools, id) != facts.tools.end();
-      std::string source;
-      const ToolShape shape = shape_of(id, stated, source);
-      tools_.emplace(id, shape);
+      const DerivedTool tool = tool_of(id, stated);
+      tools_.emplace(id, tool.shape);
+      add_tool_origins(id, tool, origins_);
       if (used) {
-        note("tool " + std::to_string(id) + ": " + tool_text(shape) + " (" + source + ")");
-        radius_mm_ = std::max(radius_mm_, radius_of(shape));
+        note("tool " + std::to_string(id) + ": " + tool_text(tool.shape) + " (" + tool.note + ")");
+        radius_mm_ = std::max(radius_mm_, radius_of(tool.shape));
       }
     }
   }
@@ -102,27 +144,29 @@ class Derivation {
            known;
   }
 
-  ToolShape shape_of(ToolId id, const std::map<ToolId, StatedTool>& stated, std::string& source) {
+  DerivedTool tool_of(ToolId id, const std::map<ToolId, StatedTool>& stated) {
+    constexpr Origin kStated = Origin::kStated;
+    constexpr ToolOrigins kAll{kStated, kStated, kStated, kStated};
     const auto wish = wishes_.tools.find(id);
-    if (wish != wishes_.tools.end()) return source = "as asked for", wish->second;
+    if (wish != wishes_.tools.end()) return {wish->second, kAll, "--tool", "as asked for"};
     const auto comment = stated.find(id);
     if (environment_.tools) {
       const auto entry = environment_.tools->find(static_cast<int>(id));
       if (entry != environment_.tools->end() && entry->second.diameter_mm > 0) {
         const double d = entry->second.diameter_mm;
-        source = "diameter of the tool table";
         const bool same = comment != stated.end() &&
                           std::abs(2 * radius_of(comment->second.shape) - d) < 0.01 * d;
-        return same ? comment->second.shape : ToolShape(FlatShape{d, kAssumedLengthMm});
+        ToolOrigins origins = same ? comment->second.origins : ToolOrigins{};
+        origins.diameter = kStated;
+        return {same ? comment->second.shape : ToolShape(FlatShape{d, kAssumedLengthMm}), origins,
+                "tool table", "diameter of the tool table"};
       }
     }
-    if (comment != stated.end()) {
-      source =
-          std::string(comment->second.source) + " in line " + std::to_string(comment->second.line);
-      return comment->second.shape;
-    }
-    source = "assumed: nothing describes it; --tool " + std::to_string(id) + "=6 states it";
-    return FlatShape{kToolAssumedMm, kAssumedLengthMm};
+    if (comment != stated.end()) return stated_tool(id, comment->second);
+    return {FlatShape{kToolAssumedMm, kAssumedLengthMm},
+            {},
+            "",
+            "assumed: nothing describes it; " + asks_for(id)};
   }
 
   static double radius_of(const ToolShape& shape) {
@@ -149,10 +193,12 @@ class Derivation {
   void choose_stock(const CutExtents& cuts, Scene& draft) {
     if (!wishes_.stock_file.empty()) {
       note("stock: " + wishes_.stock_file);
+      add_stock_origins(Origin::kStated, Origin::kStated, "--stock");
       draft.settings.stock = cuts_box(cuts);
       return;
     }
     std::string source = kFromCuts;
+    Origin size_origin = Origin::kStated, place_origin = Origin::kDerived;
     BoxStock box = cuts_box(cuts);
     const auto blank = is_klartext(program_) ? klartext_blank(program_) : std::nullopt;
     if (wishes_.stock_size_mm) {
@@ -161,7 +207,8 @@ class Derivation {
     } else if (blank) {
       box = stock_bounds(*blank);
       source = "BLK FORM";
-    } else if (const auto stated = stated_stock(program_)) {
+      place_origin = Origin::kStated;
+    } else if (const auto stated = stated_stock(program_, unit_mm_)) {
       const BoxStock of_comment = placed(stated->size_mm, cuts);
       const std::string line = "comment in line " + std::to_string(stated->line);
       if (holds(of_comment, cuts)) {
@@ -171,6 +218,8 @@ class Derivation {
         note("stock: the size in the " + line + " does not hold the cuts and is not used");
       }
     }
+    if (source == kFromCuts) size_origin = place_origin = Origin::kAssumed;
+    add_stock_origins(size_origin, place_origin, source);
     if (source == kFromCuts && wishes_.part_mm) {
       box = with_part(box, *wishes_.part_mm);
       source += " and the part, at whose lower side it ends";
@@ -179,6 +228,11 @@ class Derivation {
          range_text(box.min_mm.y, box.max_mm.y) + ", Z " + range_text(box.min_mm.z, box.max_mm.z) +
          " mm (" + source + ")");
     draft.settings.stock = box;
+  }
+
+  void add_stock_origins(Origin size, Origin place, const std::string& source) {
+    origins_.push_back({.field = "stock.size", .origin = size, .source = source});
+    origins_.push_back({.field = "stock.place", .origin = place, .source = source});
   }
 
   static BoxStock with_part(const BoxStock& box, const BoxStock& part) {
@@ -226,6 +280,7 @@ class Derivation {
   }
 
   void choose_accuracy_of(Scene& scene) {
+    origins_.push_back({.field = "accuracy", .source = "a thousandth of the stock"});
     const BoxStock box = stock_bounds(scene.settings.stock);
     const Vec3 size = box.max_mm - box.min_mm;
     const double enough = kTargetShare * std::max({size.x, size.y, size.z});
@@ -244,7 +299,9 @@ class Derivation {
   const GcodeEnvironment& environment_;
   const SceneWishes& wishes_;
   std::vector<std::string> notes_;
+  std::vector<FieldOrigin> origins_;
   std::map<ToolId, ToolShape> tools_;
+  double unit_mm_ = 1;    ///< of the program
   double radius_mm_ = 0;  ///< of the largest tool that moves
 };
 

@@ -11,6 +11,7 @@
 
 #include "server/formats/program_facts.h"
 #include "server/formats/scene.h"
+#include "server/formats/tool_words.h"
 
 namespace kerf {
 
@@ -25,10 +26,19 @@ struct SceneWishes {
   std::optional<BoxStock> part_mm = {};
 };
 
+/// The origin of a value of a derived scene.
+struct FieldOrigin {
+  ToolId tool = 0;    ///< of which it is a field; 0: of the scene
+  std::string field = {};  ///< as in a scene: "diameter_mm"; of a stock "size" and "place"
+  Origin origin = Origin::kAssumed;
+  std::string source = {};  ///< such as "comment in line 3" and "--tool"
+};
+
 /// A scene for a program, and what was assumed.
 struct DerivedScene {
   Scene scene;
-  std::vector<std::string> notes;  ///< one line each
+  std::vector<std::string> notes;    ///< one line each
+  std::vector<FieldOrigin> origins;  ///< of the machine, the stock, the accuracy and every tool
 };
 
 /// Diameter of a tool that nothing describes, mm; it is flat.

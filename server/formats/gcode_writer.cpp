@@ -39,7 +39,7 @@ class GcodeWriter final : public PostWriter {
                      to_string(kind()) + "; mm; coordinates are those of the tool tip")
           << '\n';
     for (const auto& [id, tool] : scene().tools)
-      out() << comment("T" + std::to_string(id) + ": " + tool_text(tool.shape)) << '\n';
+      for (const std::string& text : tool_comments(id, tool.shape)) out() << comment(text) << '\n';
     out() << comment(precision()) << '\n';
     for (const std::string& note : notes()) out() << comment(note) << '\n';
     out() << comment(caution()) << '\n';

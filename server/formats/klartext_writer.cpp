@@ -56,7 +56,7 @@ class KlartextWriter final : public PostWriter {
     comment(std::string("written by Kerf for a machine ") + to_string(kind()) +
             "; coordinates are those of the tool tip");
     for (const auto& [id, tool] : scene().tools)
-      comment("T" + std::to_string(id) + ": " + tool_text(tool.shape));
+      for (const std::string& text : tool_comments(id, tool.shape)) comment(text);
     comment("rounded to 0.0001 mm, feeds to 4 digits");
     for (const std::string& note : notes()) comment(note);
     comment("M140 MB MAX must lead to a safe height; the tool table holds the lengths");

@@ -51,7 +51,9 @@ struct Program {
   std::vector<ProgramMotion> motions;
   std::vector<std::string> warnings;  ///< "file:line: text"
   std::size_t lines = 0;              ///< lines read of the program's own text
-  std::vector<std::string> files;     ///< the program itself, then the subroutine files it called
+  /// It is read in inches because its comments state sizes in inches, and no word its unit.
+  bool assumed_inches = false;
+  std::vector<std::string> files;  ///< the program itself, then the subroutine files it called
   std::vector<ToolChange> tool_changes;
   /// In their order; comments before the first tool change or motion are left out. Of a sampled
   /// program: none.

@@ -83,7 +83,8 @@ class FactsVisitor final : public ProgramVisitor {
                         .named_tools = {},
                         .cuts = extents_.result(),
                         .motions = motions_,
-                        .duration_s = duration_s_};
+                        .duration_s = duration_s_,
+                        .assumed_inches = false};
   }
 
  private:
@@ -113,6 +114,7 @@ std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
       if (!facts) return facts;
       facts->kinematics = kinematics;
       facts->named_tools.assign(named.begin(), named.end());
+      facts->assumed_inches = read->notes.assumed_inches;
       return facts;
     }
     if (!farthest || read.error().line > farthest->line) farthest = read.error();

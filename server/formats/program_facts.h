@@ -21,7 +21,8 @@ struct ProgramFacts {
   std::vector<ToolId> named_tools;  ///< those that its text numbers, ascending, at least one
   std::optional<CutExtents> cuts;
   std::size_t motions = 0;
-  double duration_s = 0;  ///< at feed rate
+  double duration_s = 0;        ///< at feed rate
+  bool assumed_inches = false;  ///< as of Program
 };
 
 /// Reads a program of which no scene is known. Its tools are those that its text numbers, taken as

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/stated_stock.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 
+#include "server/formats/apt/statement.h"
 #include "server/formats/letter_case.h"
-#include "server/formats/stated_tools.h"
 #include "server/formats/text_lines.h"
 #include "server/formats/units.h"
 
@@ -28,8 +29,9 @@ class Sides {
     double sides[3];
     for (int i = 0; i < 3; ++i) {
       if (at == std::string::npos) return std::nullopt;
+      const bool negative = at > 0 && text_[at - 1] == '-';
       const auto side = number(at);
-      if (!side) return std::nullopt;
+      if (!side || negative) return std::nullopt;
       sides[i] = *side;
       if (i == 2) break;
       while (at < text_.size() && text_[at] == ' ') ++at;
@@ -88,17 +90,29 @@ bool names_stock(const std::string& upper) {
   return false;
 }
 
+// Where the comment of a line begins; npos: it has none. APT has comments behind $$ and texts.
+std::size_t comment_begin(const std::string& upper, bool apt) {
+  if (!apt) {
+    const std::size_t begin = upper.find_first_of("(;");
+    return begin == std::string::npos ? begin : begin + 1;
+  }
+  const std::size_t word = std::min(upper.find_first_not_of(" \t"), upper.size());
+  for (const std::string_view text : {"INSERT", "PPRINT", "REMARK", "$$"})
+    if (std::string_view(upper).substr(word).starts_with(text)) return word + text.size();
+  return std::string::npos;
+}
+
 }  // namespace
 
-std::optional<StatedStock> stated_stock(std::string_view program) {
-  const double unit_mm = program_unit_mm(program);
+std::optional<StatedStock> stated_stock(std::string_view program, double unit_mm) {
+  const bool apt = is_apt(program);
   TextLines walk(program);
   bool title = false;  // the line before names the stock and has no size
   while (walk.next() && walk.number() <= kLinesMax) {
     const std::string upper = to_upper(std::string(walk.line()));
-    const std::size_t begin = upper.find_first_of("(;");
+    const std::size_t begin = comment_begin(upper, apt);
     if (begin == std::string::npos) continue;
-    const std::string comment = upper.substr(begin + 1);
+    const std::string comment = upper.substr(begin);
     const bool named = names_stock(comment);
     if (named || title)
       if (const auto size = Sides(comment, unit_mm).size_mm())

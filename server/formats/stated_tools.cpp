@@ -10,13 +10,15 @@
 #include "server/formats/letter_case.h"
 #include "server/formats/number_text.h"
 #include "server/formats/text_lines.h"
+#include "server/formats/tool_comment.h"
+#include "server/formats/tool_text.h"
 #include "server/formats/tool_words.h"
 #include "server/formats/units.h"
 
 namespace kerf {
 namespace {
 
-constexpr std::size_t kStatedDigitsMax = 6;
+constexpr std::size_t kCalledDigitsMax = 6;
 
 // A line divided into its code, in upper case without blanks, and its comments.
 struct Parts {
@@ -61,64 +63,13 @@ Parts klartext_parts_of(std::string_view line) {
   return parts;
 }
 
-// Reads "T1", "TOOL 1", "TOOL NO. 1:", "TOOLS: T9", "#3": a number that is not the size.
-class Head {
- public:
-  explicit Head(std::string_view text) : text_(text) {}
-
-  std::optional<ToolId> number() {
-    skip(" \t*-");
-    const bool named = word("TOOLS") || word("TOOL");
-    if (named) skip(" \t:-");
-    if (word("NUMBER") || word("NO") || word("NR")) skip(" \t.:#-");
-    const bool t = word("T") || at() == '#';
-    if (!named && !t) return std::nullopt;
-    skip(" \t:#-.=[");
-    ToolId id = 0;
-    const std::size_t from = at_;
-    for (; is_digit(at()) && at_ - from < kStatedDigitsMax; ++at_)
-      id = 10 * id + static_cast<ToolId>(at() - '0');
-    if (id == 0 || at_ == from) return std::nullopt;
-    // "TOOL 6MM", "TOOL 1/4", "TOOL 6.35": a size.
-    if (at() == '/' || at() == '"' || at() == '\'' || is_size_after()) return std::nullopt;
-    return id;
-  }
-  std::string_view rest() const { return text_.substr(at_); }
-
- private:
-  char at(std::size_t more = 0) const {
-    return at_ + more < text_.size() ? to_upper(text_[at_ + more]) : '\0';
-  }
-  void skip(std::string_view any) {
-    while (at() != '\0' && any.find(at()) != std::string_view::npos) ++at_;
-  }
-  bool word(std::string_view upper) {
-    for (std::size_t i = 0; i < upper.size(); ++i)
-      if (at(i) != upper[i]) return false;
-    const char next = at(upper.size());
-    if (next >= 'A' && next <= 'Z') return false;
-    at_ += upper.size();
-    return true;
-  }
-  bool is_size_after() const {
-    if (at() == '.') return is_digit(at(1));
-    std::size_t more = 0;
-    while (at(more) == ' ') ++more;
-    return (at(more) == 'M' && at(more + 1) == 'M') ||
-           (at(more) == 'I' && at(more + 1) == 'N' && (at(more + 2) < 'A' || at(more + 2) == 'C'));
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-};
-
 // The number behind a T of the code, the last one of the line.
 std::optional<ToolId> tool_word(const std::string& code) {
   for (std::size_t i = code.size(); i-- > 0;) {
     if (code[i] != 'T' || (i > 0 && code[i - 1] >= 'A' && code[i - 1] <= 'Z')) continue;
     ToolId id = 0;
     std::size_t end = i + 1;
-    for (; end < code.size() && is_digit(code[end]) && end - i <= kStatedDigitsMax; ++end)
+    for (; end < code.size() && is_digit(code[end]) && end - i <= kCalledDigitsMax; ++end)
       id = 10 * id + static_cast<ToolId>(code[end] - '0');
     if (end > i + 1 && id > 0) return id;
   }
@@ -148,10 +99,31 @@ bool feeds_klartext(const std::string& code) {
   return false;
 }
 
+StatedTool exported(const ToolShape& shape, std::size_t line) {
+  constexpr Origin kStated = Origin::kStated;
+  return {.shape = shape, .line = line, .origins = {kStated, kStated, kStated, kStated}};
+}
+
+// The tools in the head of an APT program that Kerf has written.
+std::map<ToolId, StatedTool> exported_tools(std::string_view apt) {
+  constexpr std::string_view kComment = "$$ ";
+  std::map<ToolId, StatedTool> found;
+  ExportedTools reader;
+  TextLines walk(apt);
+  while (walk.next()) {
+    if (!walk.line().starts_with(kComment)) continue;
+    const auto numbered = numbered_comment(walk.line().substr(kComment.size()));
+    std::optional<ToolShape> shape;
+    if (numbered && reader.add(numbered->id, numbered->rest, shape) && shape)
+      found.insert_or_assign(numbered->id, exported(*shape, walk.number()));
+  }
+  return found;
+}
+
 class Finder {
  public:
-  explicit Finder(std::string_view program)
-      : klartext_(is_klartext(program)), unit_mm_(program_unit_mm(program)) {
+  Finder(std::string_view program, double unit_mm)
+      : klartext_(is_klartext(program)), unit_mm_(unit_mm) {
     TextLines walk(program);
     while (walk.next()) read(walk.line(), walk.number());
     found_.merge(defined_);
@@ -163,14 +135,16 @@ class Finder {
  private:
   void read(std::string_view line, std::size_t number) {
     const Parts parts = klartext_ ? klartext_parts_of(line) : parts_of(line);
+    const auto id = klartext_ ? called_tool(parts.code) : tool_word(parts.code);
+    selected_ = open_ || id;
     for (const std::string_view comment : parts.comments) describe(comment, number);
     if (klartext_ && parts.code.starts_with("TOOLDEF")) define(parts.code, number);
-    if (const auto id = klartext_ ? called_tool(parts.code) : tool_word(parts.code)) {
+    if (id) {
       tool_ = id;
       open_ = true;
     }
     if (open_ && loose_) {
-      if (*tool_ > 0) found_.try_emplace(*tool_, *loose_);
+      if (*tool_ > 0) keep(*tool_, *loose_);
       loose_.reset();
     }
     if (klartext_ ? feeds_klartext(parts.code) : has_feed(parts.code)) open_ = false;
@@ -189,7 +163,7 @@ class Finder {
     if (tool.starts_with('Q')) return ToolId{0};
     ToolId id = 0;
     std::size_t digits = 0;
-    for (; digits < tool.size() && digits < kStatedDigitsMax && is_digit(tool[digits]); ++digits)
+    for (; digits < tool.size() && digits < kCalledDigitsMax && is_digit(tool[digits]); ++digits)
       id = 10 * id + static_cast<ToolId>(tool[digits] - '0');
     return digits > 0 ? std::optional(id) : std::nullopt;
   }
@@ -206,35 +180,55 @@ class Finder {
     const auto read = std::from_chars(number, code.data() + code.size(), radius);
     if (error != std::errc() || *after != 'L' || read.ec != std::errc() || !(radius > 0)) return;
     const std::string words = "END MILL D=" + decimal_text(2 * radius, 6);
-    if (const auto shape = tool_of_words(words, unit_mm_))
-      defined_.try_emplace(id, StatedTool{*shape, line, "TOOL DEF"});
+    constexpr ToolOrigins kOrigins{.diameter = Origin::kDerived};
+    if (const auto tool = tool_of_words(words, unit_mm_))
+      defined_.try_emplace(
+          id, StatedTool{
+                  .shape = tool->shape, .line = line, .source = "TOOL DEF", .origins = kOrigins});
   }
 
   void describe(std::string_view comment, std::size_t line) {
-    Head head(comment);
-    if (const auto id = head.number()) {
-      if (const auto shape = tool_of_words(head.rest(), unit_mm_))
-        found_.try_emplace(*id, StatedTool{*shape, line});
+    if (const auto numbered = numbered_comment(comment)) {
+      std::optional<ToolShape> exact;
+      if (exported_.add(numbered->id, numbered->rest, exact)) {
+        if (exact) found_.insert_or_assign(numbered->id, exported(*exact, line));
+      } else if (const auto tool = tool_of_words(numbered->rest, unit_mm_)) {
+        keep(numbered->id, stated(*tool, line));
+      }
       return;
     }
-    if (!names_tool(comment) && !mentions_size(comment)) return;
-    if (const auto shape = tool_of_words(comment, unit_mm_)) loose_ = StatedTool{*shape, line};
+    const auto tool = tool_of_words(comment, unit_mm_);
+    if (!tool || !is_of_a_tool(*tool)) return;
+    const bool worse = loose_ && loose_->doubt.empty() && !tool->doubt.empty();
+    if (!worse) loose_ = stated(*tool, line);
   }
 
-  static bool mentions_size(std::string_view comment) {
-    const std::string upper = to_upper(std::string(comment));
-    const bool tool = upper.find("TOOL") != std::string::npos;
-    return tool &&
-           (upper.find("DIA") != std::string::npos || upper.find("MILL") != std::string::npos);
+  // The first description counts, unless it is doubtful and a later one is not.
+  void keep(ToolId id, const StatedTool& tool) {
+    const auto [known, added] = found_.try_emplace(id, tool);
+    if (!added && !known->second.doubt.empty() && tool.doubt.empty()) known->second = tool;
+  }
+
+  // A comment without a number describes the tool that the program has just selected, or it names
+  // one; "FACE 1" and "DRILL 5" are operations.
+  bool is_of_a_tool(const WordedTool& tool) const {
+    if (selected_ && tool.sized) return tool.doubt.empty() || tool.names_kind;
+    return tool.names_tool && tool.sized;
+  }
+
+  static StatedTool stated(const WordedTool& tool, std::size_t line) {
+    return {.shape = tool.shape, .line = line, .origins = tool.origins, .doubt = tool.doubt};
   }
 
   bool klartext_;
   double unit_mm_;
   std::map<std::string, ToolId> names_;  ///< of TOOL CALL "NAME", in order
   std::map<ToolId, StatedTool> found_, defined_;
+  ExportedTools exported_;
   std::optional<StatedTool> loose_;
   std::optional<ToolId> tool_;
   bool open_ = false;
+  bool selected_ = false;  ///< the line selects a tool, or none has fed since one did
 };
 
 }  // namespace
@@ -257,14 +251,20 @@ double program_unit_mm(std::string_view program) {
   return 1;
 }
 
-std::map<ToolId, StatedTool> stated_tools(std::string_view program) {
+std::map<ToolId, StatedTool> stated_tools(std::string_view program, double unit_mm) {
   if (is_apt(program)) {
-    std::map<ToolId, StatedTool> found;
+    constexpr ToolOrigins kOrigins{Origin::kDerived, Origin::kStated, Origin::kStated,
+                                   Origin::kStated};
+    std::map<ToolId, StatedTool> found = exported_tools(program);
     for (const auto& [id, tool] : apt_tools(program).tools)
-      if (tool.shape) found.emplace(id, StatedTool{*tool.shape, tool.line, "CUTTER"});
+      if (tool.shape)
+        found.emplace(
+            id,
+            StatedTool{
+                .shape = *tool.shape, .line = tool.line, .source = "CUTTER", .origins = kOrigins});
     return found;
   }
-  return Finder(program).take();
+  return Finder(program, unit_mm).take();
 }
 
 }  // namespace kerf

@@ -8,6 +8,7 @@
 
 #include "kernel/sculpture_command.h"
 #include "kernel/tool/tool_shape.h"
+#include "server/formats/tool_words.h"
 
 namespace kerf {
 
@@ -16,15 +17,18 @@ struct StatedTool {
   ToolShape shape;
   std::size_t line = 0;                 ///< of the comment, from 1
   std::string_view source = "comment";  ///< "CUTTER" of APT, "TOOL DEF" of Klartext
+  ToolOrigins origins = {};
+  std::string doubt = {};  ///< as of WordedTool
 };
 
 /// Returns the tools that the comments of a program describe (tool_words.h), by number: a comment
 /// with a number, such as "(T1 D=6. CR=0. - flat end mill)" or "(TOOL 2 - 1/4 BALL)"; otherwise one
 /// that names a tool before the T word (TOOL CALL) that selects it, or after it and before the next
-/// feed. Of APT those of CUTTER and TLDATA (apt/tools.h); of Klartext also those of TOOL DEF, as
-/// flat end mills, where no comment describes them. The first description of a number counts.
-/// Lengths without a unit are in the program's.
-std::map<ToolId, StatedTool> stated_tools(std::string_view program);
+/// feed. Comments of Kerf's own exports (tool_comments) give the same tools again. Of APT those of
+/// CUTTER and TLDATA (apt/tools.h); of Klartext also those of TOOL DEF, as flat end mills, where no
+/// comment describes them. The first description of a number counts, of doubtful ones the first
+/// that is certain. Lengths without a unit are in `unit_mm`, that of the program.
+std::map<ToolId, StatedTool> stated_tools(std::string_view program, double unit_mm);
 
 /// Returns the unit of a program in mm: 25.4 if G20 (G70) or UNITS/INCHES come before G21, or if
 /// the first block of Klartext ends with INCH, else 1.

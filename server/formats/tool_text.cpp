@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/tool_text.h"
 
+#include <variant>
+
 #include "server/formats/number_text.h"
 
 namespace kerf {
@@ -44,8 +46,44 @@ struct Describe {
   }
 };
 
+constexpr std::size_t kOutlineMax = 140;
+
+std::string point_text(const ProfilePoint& point) {
+  return exact_text(point.r_mm) + ' ' + exact_text(point.h_mm);
+}
+
+std::string bulge_text(ArcBulge bulge) { return bulge == ArcBulge::kOut ? " out" : " in"; }
+
+struct StepText {
+  std::string operator()(const ProfilePoint& point) const { return point_text(point); }
+  std::string operator()(const ProfileArc& arc) const {
+    return point_text(arc.to) + " radius " + exact_text(arc.radius_mm) + bulge_text(arc.bulge);
+  }
+  std::string operator()(const ProfileCenteredArc& arc) const {
+    return point_text(arc.to) + " about " + point_text(arc.center) + bulge_text(arc.bulge);
+  }
+};
+
 }  // namespace
 
 std::string tool_text(const ToolShape& shape) { return std::visit(Describe{}, shape); }
+
+std::vector<std::string> tool_comments(ToolId id, const ToolShape& shape) {
+  const std::string number = "T" + std::to_string(id);
+  std::vector<std::string> comments{number + ": " + tool_text(shape)};
+  const auto* profile = std::get_if<ProfileShape>(&shape);
+  if (profile == nullptr) return comments;
+  comments.front() += ", chord tolerance " + exact_text(profile->chord_tolerance_mm) + " mm";
+  const std::string head = number + " outline: ";
+  for (const ProfileStep& step : profile->steps) {
+    const std::string text = std::visit(StepText{}, step);
+    if (comments.size() == 1 || comments.back().size() + text.size() > kOutlineMax) {
+      comments.push_back(head + text);
+    } else {
+      comments.back() += ", " + text;
+    }
+  }
+  return comments;
+}
 
 }  // namespace kerf

@@ -11,15 +11,51 @@
 namespace kerf {
 namespace {
 
-bool is_word_letter(char c) {
-  const char low = to_lower(c);
-  return (low >= 'a' && low <= 'z') || static_cast<unsigned char>(c) >= 0x80;
+bool is_word_letter(char c) { return c >= 'A' && c <= 'Z'; }
+
+// The ASCII text of the letters 0xC0 to 0xFF of Latin-1, which are U+00C0 to U+00FF. "DIA " and
+// "DEG" replace the signs of a diameter and of a degree.
+std::string ascii_of_latin1(unsigned code) {
+  static constexpr std::string_view kUpper[] = {
+      "A", "A", "A", "A", "AE", "A", "AE", "C", "E",     "E", "E", "E", "I",  "I", "I",  "I",
+      "D", "N", "O", "O", "O",  "O", "OE", "X", " DIA ", "U", "U", "U", "UE", "Y", "TH", "SS"};
+  if (code == 0xB0 || code == 0xBA) return " DEG ";
+  if (code < 0xC0 || code > 0xFF) return "?";
+  if (code == 0xF7) return "/";
+  if (code == 0xFF) return "Y";
+  return std::string(kUpper[(code - 0xC0) % 32]);
 }
+
+// The text in upper case without letters outside of ASCII.
+std::string folded(std::string_view text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0U;
+    const bool continued = (next & 0xC0U) == 0x80U;
+    if (byte < 0x80) {
+      result += to_upper(text[i]);
+    } else if ((byte == 0xC2 || byte == 0xC3) && continued) {
+      result += ascii_of_latin1(((byte & 3U) << 6U) | (next & 0x3FU));
+      ++i;
+    } else if (text.substr(i).starts_with("\xE2\x8C\x80") ||
+               text.substr(i).starts_with("\xE2\x88\x85")) {
+      result += " DIA ";  // the signs of a diameter and of the empty set
+      i += 2;
+    } else {
+      result += ascii_of_latin1(byte);
+    }
+  }
+  return result;
+}
+
+/// Digits of the shortest counter behind a name.
+constexpr std::size_t kSerialDigits = 3;
 
 class ToolTokens {
  public:
   explicit ToolTokens(std::string_view text)
-      : text_(text), list_(to_upper(std::string(text)).find("TOOL/") != std::string::npos) {
+      : text_(folded(text)), list_(text_.find("TOOL/") != std::string::npos) {
     while (at_ < text_.size()) next();
   }
   std::vector<ToolToken> take() { return std::move(tokens_); }
@@ -31,15 +67,18 @@ class ToolTokens {
     const char c = at(at_);
     if (is_word_letter(c)) return word();
     if (is_digit(c) || (c == '.' && is_digit(at(at_ + 1)))) return number();
-    if (c != ' ' && c != '\t') tokens_.push_back({std::string(1, c)});
+    if (c != ' ' && c != '\t') tokens_.push_back({.word = std::string(1, c), .glued = glued()});
     ++at_;
   }
 
   void word() {
     const std::size_t from = at_;
+    const bool is_glued = glued();
     while (is_word_letter(at(at_))) ++at_;
-    tokens_.push_back({to_upper(std::string(text_.substr(from, at_ - from)))});
+    tokens_.push_back({.word = text_.substr(from, at_ - from), .glued = is_glued});
   }
+
+  bool glued() const { return at_ > 0 && at(at_ - 1) != ' ' && at(at_ - 1) != '\t'; }
 
   double digits() {
     const std::size_t from = at_;
@@ -47,7 +86,7 @@ class ToolTokens {
     const bool comma = is_decimal_comma();
     if (at(at_) == '.' || comma) ++at_;
     while (is_digit(at(at_))) ++at_;
-    std::string text(text_.substr(from, at_ - from));
+    std::string text = text_.substr(from, at_ - from);
     std::ranges::replace(text, ',', '.');
     return std::strtod(text.c_str(), nullptr);
   }
@@ -78,7 +117,10 @@ class ToolTokens {
   void number() {
     ToolToken token;
     const std::size_t from = at_;
+    token.glued = glued();
     token.value = digits();
+    token.serial = from > 0 && is_word_letter(at(from - 1)) && at(from) == '0' &&
+                   at_ - from >= kSerialDigits && token.value == std::floor(token.value);
     const bool begins =
         from == 0 || std::string_view(" \t=:-(").find(at(from - 1)) != std::string_view::npos;
     token.whole = begins && (at(at_) == ' ' || at(at_) == '\t') && token.value >= 1 &&
@@ -114,15 +156,19 @@ class ToolTokens {
     }
     std::size_t end = from;
     while (is_word_letter(at(end))) ++end;
-    const std::string word = to_upper(std::string(text_.substr(from, end - from)));
-    token.degrees = word == "DEG" || word == "DEGREE" || word == "DEGREES" || word == "\xC2\xB0";
-    const bool mm = word == "MM" || word == "MILLIMETERS";
-    const bool inch = word == "IN" || word == "INCH" || word == "INCHES";
+    const std::string word = text_.substr(from, end - from);
+    const auto is_one_of = [&](std::initializer_list<std::string_view> units) {
+      return std::ranges::find(units, std::string_view(word)) != units.end();
+    };
+    token.degrees = is_one_of({"DEG", "DEGREE", "DEGREES", "GRAD", "DEGRES", "DEGRE", "GRADOS"});
+    const bool mm = is_one_of({"MM", "MILLIMETER", "MILLIMETERS", "MILLIMETRES"});
+    const bool inch =
+        is_one_of({"IN", "INCH", "INCHES", "ZOLL", "POUCE", "POUCES", "PULGADA", "PULGADAS"});
     if (mm || inch) token.unit_mm = mm ? 1 : kMmPerInch;
     if (mm || inch || token.degrees) at_ = end;
   }
 
-  std::string_view text_;
+  std::string text_;
   bool list_;  ///< numbers are divided by commas
   std::size_t at_ = 0;
   std::vector<ToolToken> tokens_;

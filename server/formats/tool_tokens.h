@@ -13,12 +13,15 @@ struct ToolToken {
   double value = 0;
   double unit_mm = 0;  ///< 0: none is written
   bool degrees = false;
-  bool whole = false;  ///< a number of digits only that follows a blank or the beginning
+  bool whole = false;   ///< a number of digits only that follows a blank or the beginning
+  bool glued = false;   ///< no blank comes before it
+  bool serial = false;  ///< a counter behind a name, as in "Endmill001"
   bool is_number() const { return word.empty(); }
 };
 
 /// Divides words into tokens. Numbers: 6, 6.35, 6,35, .25, 1/4, 1-1/4 and 1 1/4; a fraction is in
-/// inches. Blanks belong to no token.
+/// inches. Blanks belong to no token. Letters with accents, in UTF-8 or Latin-1, become ASCII
+/// ("FRÄSER" is FRAESER, "diamètre" is DIAMETRE), and the signs of a diameter are the word DIA.
 std::vector<ToolToken> tool_tokens(std::string_view words);
 
 }  // namespace kerf

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 #include <vector>
 
+#include "server/formats/number_text.h"
+#include "server/formats/tool_facts.h"
 #include "server/formats/tool_tokens.h"
 #include "server/formats/units.h"
 
@@ -14,257 +15,257 @@ namespace kerf {
 namespace {
 
 constexpr double kDrillDeg = 118, kSpotDeg = 90, kEngraverDeg = 60, kEngraverMm = 10;
+/// Greatest angle that is that of a chamfer mill's side, unless it is named.
+constexpr double kChamferSideDeg = 45;
 constexpr double kLengthDiameters = 5, kLengthMinMm = 20;
 /// Greatest diameter that is believed, mm: face mills and fly cutters.
 constexpr double kDiameterMaxMm = 500;
+/// Sizes that differ by less are the same one, written as a fraction and as a decimal.
+constexpr double kSameShare = 0.005;
 
-using Token = ToolToken;
+bool is_same(double a, double b) { return std::abs(a - b) <= kSameShare * std::max(a, b); }
 
-constexpr std::string_view kBall[] = {"BALL",  "BALLNOSE", "BALLNOSED", "BALLMILL", "SPHERICAL",
-                                      "KUGEL", "KUGELFR",  "ESFERICA",  "SPHERE"};
-constexpr std::string_view kBull[] = {"BULL", "BULLNOSE", "TORUS", "TOROIDAL", "BN"};
-constexpr std::string_view kSpot[] = {"SPOT", "SPOTDRILL", "CENTER", "CENTRE", "CENTERDRILL"};
-constexpr std::string_view kDrill[] = {"DRILL", "DRILLING", "BOHRER", "BROCA", "FORET", "TWIST"};
-constexpr std::string_view kEngraver[] = {"ENGRAVE", "ENGRAVING", "ENGRAVER", "CHAMFER",    "VBIT",
-                                          "VBITS",   "VCARVE",    "VCUTTER",  "COUNTERSINK"};
-constexpr std::string_view kFlat[] = {
-    "END",         "ENDMILL", "ENDMILLS",    "FLAT",    "SQUARE", "FACE",  "FACEMILL",
-    "MILL",        "SLOT",    "SLOTDRILL",   "CUTTER",  "ROUTER", "FRESA", "FRAISE",
-    "SCHAFTFR",    "EM",      "UPCUT",       "DOWNCUT", "REAMER", "TAP",   "CYLINDER",
-    "CYLINDRICAL", "FR",      "COMPRESSION", "BIT"};
+double usual_length(double d) { return std::max(kLengthMinMm, kLengthDiameters * d); }
 
-constexpr std::string_view kTap[] = {"TAP", "THREAD", "THREADMILL"};
-
-template <std::size_t N>
-bool any_of(const std::vector<Token>& tokens, const std::string_view (&words)[N]) {
-  return std::ranges::any_of(tokens, [&](const Token& token) {
-    return std::ranges::find(words, std::string_view(token.word)) != std::end(words);
-  });
+ToolShape cone(double d, double tip_deg) {
+  return with_cutting_length(ConeEndShape{d, tip_deg, usual_length(d)}, usual_length(d));
 }
 
-// "V" "-" "BIT" and the like.
-bool is_v_bit(const std::vector<Token>& tokens) {
-  for (std::size_t i = 0; i + 1 < tokens.size(); ++i) {
-    if (tokens[i].word != "V") continue;
-    const std::size_t next = tokens[i + 1].word == "-" ? i + 2 : i + 1;
-    if (next < tokens.size() && (tokens[next].word == "BIT" || tokens[next].word == "CARVE"))
-      return true;
-  }
-  return any_of(tokens, kEngraver);
-}
-
-bool is_noun(const Token& token) {
-  const std::vector<Token> one{token};
-  return any_of(one, kBall) || any_of(one, kBull) || any_of(one, kSpot) || any_of(one, kDrill) ||
-         any_of(one, kEngraver) || any_of(one, kFlat);
-}
-
-// Whether a word or sign says something of a tool that tool_of_words reads, or nothing of it.
-bool is_understood(const std::vector<Token>& tokens, std::size_t i) {
-  const Token& token = tokens[i];
-  if (token.is_number() || is_noun(token)) return true;
-  const bool between = i > 0 && i + 1 < tokens.size();
-  if (token.word == ",") return between;
-  if (token.word == "-") return between && !tokens[i - 1].is_number() && !tokens[i + 1].is_number();
-  if (token.word == "=") return between && tokens[i + 1].is_number() && !tokens[i - 1].is_number();
-  if (token.word == "M") return any_of(tokens, kTap);
-  const auto words = {"D",     "DIA",    "DIAM", "DIAMETER", "\xC3\x98", "CR",
-                      "RE",    "CORNER", "TIP",  "R",        "RAD",      "RADIUS",
-                      "TAPER", "V",      "NOSE", "FLUTE",    "FLUTES",   "TOOL"};
-  return std::ranges::find(words, std::string_view(token.word)) != words.end();
-}
-
-class Description {
+// Combines the facts of a comment to a shape.
+class Combination {
  public:
-  Description(std::vector<Token> tokens, double unit_mm)
-      : tokens_(std::move(tokens)), unit_mm_(unit_mm) {}
+  explicit Combination(const ToolFacts& facts) : facts_(facts) {}
 
-  std::optional<ToolShape> shape() const {
-    if (const auto carbide = of_carbide()) return carbide;
-    const bool engraves = is_v_bit(tokens_);
-    const auto diameter = engraves && !diameter_mm() ? std::optional(kEngraverMm) : diameter_mm();
-    if (!diameter || !(*diameter > 0) || *diameter > kDiameterMaxMm) return std::nullopt;
-    if (engraves && !any_of(tokens_, kEngraver) && !angle_deg()) return std::nullopt;
-    return of(*diameter, engraves);
-  }
-
-  // Whether every number has a meaning: the size, the corner, the angle or the flutes.
-  bool uses_all_numbers(const ToolShape& shape) const {
-    std::size_t meant = diameter_mm() ? 1 : 0;
-    const bool round =
-        !std::holds_alternative<FlatShape>(shape) && !std::holds_alternative<ConeEndShape>(shape);
-    const bool sloped =
-        std::holds_alternative<TaperShape>(shape) || std::holds_alternative<ConeEndShape>(shape);
-    const bool taper = after({"TAPER"}, true).has_value();
-    if (round && corner_mm()) ++meant;
-    if (sloped && (taper || angle_deg())) ++meant;
-    for (std::size_t i = 0; i + 1 < tokens_.size(); ++i)
-      if (tokens_[i].is_number() && tokens_[i + 1].word.starts_with("FLUTE")) ++meant;
-    const auto numbers = std::ranges::count_if(tokens_, &Token::is_number);
-    return std::cmp_equal(meant, numbers);
+  std::optional<WordedTool> tool() {
+    if (facts_.has(ToolWord::kNegation) || facts_.has(ToolWord::kOperation)) return std::nullopt;
+    if (families() > 1) return std::nullopt;
+    if (!find_diameter()) return std::nullopt;
+    if (!(d_ > 0) || d_ > kDiameterMaxMm) return std::nullopt;
+    if (!facts_.unread.empty()) {
+      if (std::ranges::all_of(facts_.sizes,
+                              [](const ToolFacts::Size& size) { return rank(size) == 0; }))
+        return std::nullopt;
+      doubt("\"" + facts_.unread.front() + "\" is not understood");
+    }
+    const ToolShape shape = shape_of();
+    if (!doubt_.empty()) origins_ = {};
+    const bool noun =
+        facts_.has(Word::kMill) || facts_.has(Word::kEnd) || facts_.has(Word::kBit) || is_drill();
+    return WordedTool{.shape = shape,
+                      .origins = origins_,
+                      .doubt = doubt_,
+                      .names_kind = names_kind() || noun,
+                      .names_tool = noun || has_noun(),
+                      .sized = is_sure_size(),
+                      .has_length = facts_.has_length};
   }
 
  private:
-  ToolShape of(double d, bool engraves) const {
-    const double length = std::max(kLengthMinMm, kLengthDiameters * d);
-    const std::optional<double> taper = after({"TAPER"}, true);
-    if (engraves) {
-      const double tip = taper ? 2 * *taper : angle_deg().value_or(kEngraverDeg);
-      return cone(d, tip, length);
+  using Word = ToolWord;
+
+  // A noun that is the name of no operation, as FACE, SLOT and CHAMFER are.
+  bool has_noun() const {
+    return facts_.has(Word::kTool) || facts_.has(Word::kBall) || facts_.has(Word::kBull) ||
+           facts_.has(Word::kTap) || facts_.has(Word::kReamer) || facts_.has(Word::kCountersink);
+  }
+  void doubt(const std::string& why) {
+    if (doubt_.empty()) doubt_ = why;
+  }
+
+  bool is_drill() const {
+    return (facts_.has(Word::kDrill) || facts_.has(Word::kSpot)) && !facts_.has(Word::kSlot);
+  }
+  bool is_vee() const {
+    return facts_.has(Word::kVee) || facts_.has(Word::kChamfer) || facts_.has(Word::kCountersink);
+  }
+  bool is_flat() const {
+    return facts_.has(Word::kFlat) || facts_.has(Word::kFace) || facts_.has(Word::kSlot) ||
+           facts_.has(Word::kTap) || facts_.has(Word::kReamer);
+  }
+  bool is_form() const {
+    return facts_.has(Word::kForm) || facts_.has(Word::kTurning) || facts_.has(Word::kThread);
+  }
+  bool names_kind() const {
+    return is_drill() || is_vee() || is_flat() || is_form() || facts_.has(Word::kBall) ||
+           facts_.has(Word::kBull) || facts_.has(Word::kTaper);
+  }
+
+  // Kinds that exclude each other. A drill may countersink; an end mill drills only as a slot
+  // drill.
+  int families() const {
+    const bool mills = facts_.has(Word::kEnd) || facts_.has(Word::kMill);
+    const bool drills = is_drill() && !is_vee();
+    return (facts_.has(Word::kBall) ? 1 : 0) + (facts_.has(Word::kBull) ? 1 : 0) +
+           (is_flat() || (drills && mills) ? 1 : 0) + (is_drill() || is_vee() ? 1 : 0);
+  }
+
+  // The size that has a name, else a unit, else the only one; every other one must be the same.
+  bool find_diameter() {
+    const ToolFacts::Size* best = nullptr;
+    for (const ToolFacts::Size& size : facts_.sizes)
+      if (best == nullptr || rank(size) > rank(*best)) best = &size;
+    if (best != nullptr) {
+      for (const ToolFacts::Size& size : facts_.sizes)
+        if (!is_same(size.mm, best->mm)) return false;
+      d_ = best->mm;
+      origins_.diameter = best->with_unit ? Origin::kStated : Origin::kDerived;
+      return true;
     }
-    if (any_of(tokens_, kDrill) && !any_of(tokens_, kFlat)) {
-      const double usual = any_of(tokens_, kSpot) ? kSpotDeg : kDrillDeg;
-      return cone(d, taper.value_or(angle_deg().value_or(usual)), length);
+    if (facts_.has(Word::kBall) && facts_.radius_mm) {
+      d_ = 2 * *facts_.radius_mm;
+      origins_.diameter = Origin::kDerived;
+      return true;
     }
-    double corner = corner_mm().value_or(0);
-    if (any_of(tokens_, kBall) || corner >= d / 2 - 1e-6) corner = d / 2;
-    if (taper && *taper > 0 && *taper < 45)
-      return TaperShape{d, *taper, length, corner > 0 ? TaperTip::kBall : TaperTip::kFlat};
-    if (corner == d / 2) return BallShape{d, length};
-    if (corner > 0) return BullNoseShape{d, corner, length};
-    return FlatShape{d, length};
+    d_ = kEngraverMm;
+    return facts_.has(Word::kVee) && facts_.sizes.empty() &&
+           (facts_.angle_deg || facts_.has(Word::kMill) || facts_.has(Word::kBit));
+  }
+  static int rank(const ToolFacts::Size& size) {
+    return (size.named ? 4 : 0) + (size.with_unit ? 2 : 0) + (size.before_kind ? 1 : 0);
+  }
+  bool is_sure_size() const {
+    return std::ranges::any_of(
+        facts_.sizes, [](const ToolFacts::Size& size) { return size.named || size.with_unit; });
   }
 
-  static ToolShape cone(double d, double tip_deg, double length) {
-    if (!(tip_deg > 0 && tip_deg < 180)) return FlatShape{d, length};
-    return with_cutting_length(ConeEndShape{d, tip_deg, length}, length);
-  }
-
-  // Carbide Motion and MeshCAM: TOOL/MILL,diameter,corner radius,height,angle of the side.
-  std::optional<ToolShape> of_carbide() const {
-    if (tokens_.size() < 11 || tokens_[0].word != "TOOL" || tokens_[1].word != "/") return {};
-    std::vector<double> values;
-    for (const Token& token : tokens_)
-      if (token.is_number()) values.push_back(token.value);
-    if (values.size() < 4 || !(values[0] > 0)) return {};
-    const double d = values[0] * unit_mm_, corner = values[1] * unit_mm_;
-    const double length = std::max(kLengthMinMm, kLengthDiameters * d);
-    if (values[3] > 0 && corner == 0) return cone(d, 2 * values[3], length);
-    if (corner >= d / 2 - 1e-6) return BallShape{d, length};
-    if (corner > 0) return BullNoseShape{d, corner, length};
-    return FlatShape{d, length};
-  }
-
-  double mm(const Token& token) const {
-    const double unit = token.unit_mm > 0 ? token.unit_mm : unit_mm_;
-    return std::round(token.value * unit * 1e6) / 1e6;
-  }
-
-  static bool is_sign(const Token& token) {
-    return token.word.size() == 1 &&
-           std::string_view("=:.-+").find(token.word) != std::string_view::npos;
-  }
-
-  // The number behind a word and signs such as "=", ":" and "-".
-  const Token* number_after(std::size_t i) const {
-    for (++i; i < tokens_.size(); ++i) {
-      if (tokens_[i].is_number()) return &tokens_[i];
-      if (!is_sign(tokens_[i])) return nullptr;
+  ToolShape shape_of() {
+    if (is_form()) {
+      doubt("the outline of such a tool is not stated");
+      return FlatShape{d_, usual_length(d_)};
     }
-    return nullptr;
+    const bool flat_enough = facts_.has(Word::kTap) || facts_.has(Word::kReamer);
+    if (names_kind()) origins_.shape = flat_enough ? Origin::kDerived : Origin::kStated;
+    if (!names_kind() && facts_.has(Word::kEnd)) origins_.shape = Origin::kDerived;
+    if (is_drill() || is_vee()) return pointed();
+    return rounded();
   }
 
-  std::optional<double> after(std::initializer_list<std::string_view> keys, bool plain) const {
-    for (std::size_t i = 0; i < tokens_.size(); ++i) {
-      if (std::ranges::find(keys, std::string_view(tokens_[i].word)) == keys.end()) continue;
-      const Token* const number = number_after(i);
-      if (number && (plain || !number->degrees)) return plain ? number->value : mm(*number);
+  ToolShape pointed() {
+    if (facts_.radius_mm.value_or(0) > 0 || facts_.corner_mm.value_or(0) > 0)
+      doubt("a rounded tip is not modeled");
+    const bool chamfers = facts_.has(Word::kChamfer) || facts_.has(Word::kCountersink);
+    const bool drills = is_drill();
+    double tip = drills ? (facts_.has(Word::kSpot) ? kSpotDeg : kDrillDeg)
+                        : (chamfers ? kSpotDeg : kEngraverDeg);
+    if (facts_.angle_deg) {
+      const double stated = *facts_.angle_deg;
+      const bool of_side =
+          facts_.angle_of_side
+              ? !drills || is_vee()
+              : facts_.has(Word::kChamfer) && !facts_.angle_of_point && stated <= kChamferSideDeg;
+      tip = of_side ? 2 * stated : stated;
+      origins_.angle = of_side ? Origin::kDerived : Origin::kStated;
     }
+    if (!(tip > 0 && tip < 180)) {
+      doubt("an angle of " + exact_text(tip) + " degrees is not that of a tip");
+      return FlatShape{d_, usual_length(d_)};
+    }
+    return cone(d_, tip);
+  }
+
+  ToolShape rounded() {
+    const double length = usual_length(d_);
+    const bool ball = facts_.has(Word::kBall);
+    double corner = facts_.corner_mm.value_or(facts_.radius_mm.value_or(ball ? d_ / 2 : 0));
+    if (ball && !is_same(corner, d_ / 2)) {
+      if (corner > 0) doubt("the radius is not half of the diameter");
+      corner = d_ / 2;
+    }
+    if (facts_.has(Word::kBull) && corner == 0) doubt("the corner radius is not stated");
+    if (corner > d_ / 2 * (1 + kSameShare)) {
+      doubt("the corner radius is greater than half of the diameter");
+      corner = 0;
+    }
+    if (corner > 0 && is_same(corner, d_ / 2)) corner = d_ / 2;
+    const bool stated = facts_.corner_mm || facts_.radius_mm;
+    origins_.corner = stated ? Origin::kStated : Origin::kDerived;
+    if (stated && origins_.shape == Origin::kAssumed) origins_.shape = Origin::kDerived;
+    if (const auto side = side_deg()) {
+      origins_.angle = Origin::kStated;
+      if (corner > 0 && corner < d_ / 2) doubt("a taper with such a corner is not modeled");
+      return TaperShape{d_, *side, length, corner > 0 ? TaperTip::kBall : TaperTip::kFlat};
+    }
+    if (corner == d_ / 2) return BallShape{d_, length};
+    if (corner > 0) return BullNoseShape{d_, corner, length};
+    return FlatShape{d_, length};
+  }
+
+  // The angle of a taper's side. An angle of another tool is no part of its shape.
+  std::optional<double> side_deg() {
+    const double deg = facts_.angle_deg.value_or(0);
+    const bool tapers = facts_.has(Word::kTaper);
+    if (deg == 0) {
+      if (tapers && !facts_.angle_deg) doubt("the angle of the taper is not stated");
+      return std::nullopt;
+    }
+    if (!tapers) doubt("an angle is no part of such a tool");
+    if (tapers && deg < kChamferSideDeg) return deg;
+    if (tapers) doubt("the angle is not that of a taper");
     return std::nullopt;
   }
 
-  std::optional<double> angle_deg() const {
-    for (const Token& token : tokens_)
-      if (token.is_number() && token.degrees) return token.value;
-    return std::nullopt;
-  }
-
-  std::optional<double> corner_mm() const {
-    if (const auto corner = after({"CR", "RE"}, false)) return corner;
-    for (std::size_t i = 0; i + 1 < tokens_.size(); ++i)
-      if (tokens_[i].word == "CORNER" || tokens_[i].word == "TIP")
-        for (const std::string_view key : {"RADIUS", "RAD", "R"})
-          if (tokens_[i + 1].word == key)
-            if (const Token* number = number_after(i + 1)) return mm(*number);
-    return any_of(tokens_, kBull) ? after({"R", "RAD", "RADIUS"}, false) : std::nullopt;
-  }
-
-  std::optional<double> diameter_mm() const {
-    using Words = std::initializer_list<std::string_view>;
-    const Words keys = {"DIA", "DIAM", "DIAMETER", "DIAMETRO", "DURCHMESSER", "\xC3\x98", "\xD8"};
-    if (const auto stated = after(keys, false)) return stated;
-    for (std::size_t i = 0; i + 2 < tokens_.size(); ++i)
-      if (tokens_[i].word == "D" && (tokens_[i + 1].word == "=" || tokens_[i + 1].word == ":"))
-        if (const Token* number = number_after(i); number && !number->degrees) return mm(*number);
-    if (const auto thread = thread_mm()) return thread;
-    for (std::size_t i = 0; i + 1 < tokens_.size(); ++i)
-      if (is_size(i) && is_noun(tokens_[i + 1])) return mm(tokens_[i]);
-    for (std::size_t i = 0; i < tokens_.size(); ++i)
-      if (is_size(i) && tokens_[i].unit_mm > 0) return mm(tokens_[i]);
-    const bool registers = std::ranges::any_of(
-        tokens_, [](const Token& token) { return token.word == "H" || token.word == "|"; });
-    for (std::size_t i = 0; i + 1 < tokens_.size() && !registers; ++i)
-      if (tokens_[i].word == "D" && tokens_[i + 1].is_number()) return mm(tokens_[i + 1]);
-    return std::nullopt;
-  }
-
-  // M10 of a tap.
-  std::optional<double> thread_mm() const {
-    if (!any_of(tokens_, kTap)) return std::nullopt;
-    for (std::size_t i = 0; i + 1 < tokens_.size(); ++i)
-      if (tokens_[i].word == "M" && tokens_[i + 1].is_number()) return tokens_[i + 1].value;
-    return std::nullopt;
-  }
-
-  // Not an angle, a length, the 30 of "6x30" or the 16 of "3/8-16 TAP".
-  bool is_size(std::size_t i) const {
-    if (!tokens_[i].is_number() || tokens_[i].degrees || is_length(i)) return false;
-    if (i < 2 || !tokens_[i - 2].is_number()) return true;
-    const std::string& between = tokens_[i - 1].word;
-    const bool pitch = between == "-" && tokens_[i].unit_mm == 0 && any_of(tokens_, kTap);
-    return between != "X" && !pitch;
-  }
-
-  // "L=75", "LEN. - 75", "75 LONG".
-  bool is_length(std::size_t i) const {
-    const bool named = i + 1 < tokens_.size() && is_length_word(tokens_[i + 1]);
-    if (named && !number_after(i + 1)) return true;
-    for (std::size_t before = i; before-- > 0;)
-      if (!is_sign(tokens_[before])) return is_length_word(tokens_[before]);
-    return false;
-  }
-
-  static bool is_length_word(const Token& token) {
-    const auto words = {"L", "LG", "LEN", "LENGTH", "LONG", "LOC", "OAL"};
-    return std::ranges::find(words, std::string_view(token.word)) != words.end();
-  }
-
-  std::vector<Token> tokens_;
-  double unit_mm_;
+  const ToolFacts& facts_;
+  double d_ = 0;
+  ToolOrigins origins_;
+  std::string doubt_;
 };
+
+// Carbide Motion and MeshCAM: TOOL/MILL,diameter,corner radius,height,angle of the side. nullopt:
+// the words are none of theirs.
+std::optional<WordedTool> tool_of_carbide(std::string_view words, double unit_mm) {
+  const std::vector<ToolToken> tokens = tool_tokens(words);
+  if (tokens.size() < 6 || tokens[0].word != "TOOL" || tokens[1].word != "/") return {};
+  std::vector<double> values;
+  for (const ToolToken& token : tokens)
+    if (token.is_number()) values.push_back(token.value);
+  if (values.size() < 3 || !(values[0] > 0)) return {};
+  const double d = values[0] * unit_mm, corner = values[1] * unit_mm, height = values[2] * unit_mm;
+  const double side = values.size() > 3 ? values[3] : 0;
+  const double length = std::max(usual_length(d), height);
+  WordedTool tool{.shape = FlatShape{d, length},
+                  .origins = {Origin::kDerived, Origin::kStated, Origin::kStated, Origin::kStated},
+                  .names_kind = true,
+                  .names_tool = true,
+                  .sized = true};
+  const bool round = corner > 0 && is_same(corner, d / 2);
+  if (corner > d / 2 && !round) return {};
+  if (side > 0 && side < 90) {
+    if (corner > 0 && !round) return {};
+    tool.shape =
+        TaperShape{d, side, std::max(length, d), round ? TaperTip::kBall : TaperTip::kFlat};
+  } else if (round) {
+    tool.shape = BallShape{d, length};
+  } else if (corner > 0) {
+    tool.shape = BullNoseShape{d, corner, length};
+  }
+  return tool;
+}
 
 }  // namespace
 
-std::optional<ToolShape> tool_of_words(std::string_view words, double unit_mm) {
-  return Description(tool_tokens(words), unit_mm).shape();
+const char* to_string(Origin origin) {
+  switch (origin) {
+    case Origin::kStated:
+      return "stated";
+    case Origin::kDerived:
+      return "derived";
+    default:
+      return "assumed";
+  }
+}
+
+std::optional<WordedTool> tool_of_words(std::string_view words, double unit_mm) {
+  if (auto carbide = tool_of_carbide(words, unit_mm)) return carbide;
+  return Combination(read_tool_facts(words, unit_mm)).tool();
 }
 
 std::optional<ToolShape> tool_of_exact_words(std::string_view words) {
-  for (const char* diameter : {"", "D="}) {
-    const std::vector<Token> tokens = tool_tokens(diameter + std::string(words));
-    for (std::size_t i = 0; i < tokens.size(); ++i)
-      if (!is_understood(tokens, i)) return std::nullopt;
-    const Description description(tokens, 1);
-    if (const auto shape = description.shape())
-      return description.uses_all_numbers(*shape) ? shape : std::nullopt;
-  }
-  return std::nullopt;
+  const auto tool = tool_of_words(words, 1);
+  if (!tool || !tool->doubt.empty() || tool->has_length) return std::nullopt;
+  return tool->shape;
 }
 
-bool names_tool(std::string_view words) {
-  const std::vector<Token> tokens = tool_tokens(words);
-  return is_v_bit(tokens) || std::ranges::any_of(tokens, is_noun);
-}
+ToolShape drill_shape(double diameter_mm, double tip_deg) { return cone(diameter_mm, tip_deg); }
 
 ToolShape with_cutting_length(ToolShape shape, double length_mm) {
   if (auto* ball = std::get_if<BallShape>(&shape)) {

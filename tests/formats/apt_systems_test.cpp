@@ -162,7 +162,7 @@ TEST(AptSystems, ToolsAreStatedByTheCutterBeforeOrBehindTheirLoad) {
   const std::string text =
       "UNITS/INCHES\nCUTTER/1.,0,0.5,0,0,0,3.\nLOAD/TOOL,12\nSELECT/TOOL,7\nFEDRAT/10,IPM\n"
       "GOTO/0,0,1\nGOTO/0,0,-1\nLOADTL/7\nCUTTER/0.5,0.25\nGOTO/1,0,-1\nFINI\n";
-  const auto stated = stated_tools(text);
+  const auto stated = stated_tools(text, program_unit_mm(text));
   ASSERT_THAT(stated, SizeIs(2));
   EXPECT_NEAR(std::get<AptShape>(stated.at(12).shape).d_mm, 25.4, 1e-9);
   EXPECT_NEAR(std::get<BallShape>(stated.at(7).shape).diameter_mm, 12.7, 1e-9);

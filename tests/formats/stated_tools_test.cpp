@@ -11,8 +11,12 @@ namespace kerf {
 namespace {
 
 std::string words(const std::string& text, double unit_mm = 1) {
-  const auto shape = tool_of_words(text, unit_mm);
-  return shape ? tool_text(*shape) : "none";
+  const auto tool = tool_of_words(text, unit_mm);
+  return tool ? (tool->doubt.empty() ? "" : "? ") + tool_text(tool->shape) : "none";
+}
+
+std::map<ToolId, StatedTool> stated_tools(std::string_view program) {
+  return kerf::stated_tools(program, program_unit_mm(program));
 }
 
 TEST(ToolWords, AreThoseOfPostProcessors) {
@@ -29,16 +33,16 @@ TEST(ToolWords, AreThoseOfPostProcessors) {
   EXPECT_EQ(words("DIA. OFF. - 1 LEN. - 1 DIA. - 12."), "flat, diameter 12 mm, length 60 mm");
   EXPECT_EQ(words("ID=2 DIA-0.5 1/2 ENDMILL", 25.4), "flat, diameter 12.7 mm, length 63.5 mm");
   EXPECT_EQ(words("TOOL/MILL,3.18, 0.00, 20.00, 0.0"), "flat, diameter 3.18 mm, length 20 mm");
-  EXPECT_EQ(words("TOOL/MILL,6, 0, 20, 30"),
-            "cone end, diameter 6 mm, length 30 mm, tip angle 60 degrees");
+  EXPECT_EQ(words("TOOL/MILL,0.03, 0.00, 10.00, 15.00"),
+            "taper with flat tip, diameter 0.03 mm, length 20 mm, half angle 15 degrees");
+  EXPECT_EQ(words("TOOL/MILL,6.35, 3.17, 0.00, 0.00"), "ball, diameter 6.35 mm, length 31.75 mm");
 }
 
 TEST(ToolWords, AreThoseOfPeople) {
   EXPECT_EQ(words("5mm Endmill001"), "flat, diameter 5 mm, length 25 mm");
   EXPECT_EQ(words("1/4\" ball nose, 2 flute"), "ball, diameter 6.35 mm, length 31.75 mm");
   EXPECT_EQ(words("1-1/4 face mill"), "flat, diameter 31.75 mm, length 158.75 mm");
-  EXPECT_EQ(words("face a 9.9x9in block with a 1/4 endmill"),
-            "flat, diameter 6.35 mm, length 31.75 mm");
+  EXPECT_EQ(words("face a 9.9x9in block with a 1/4 endmill"), "none") << "an operation";
   EXPECT_EQ(words("- SIDE MILL D10 L35 SD10"), "flat, diameter 10 mm, length 50 mm");
   EXPECT_EQ(words("3 mm drill"), "cone end, diameter 3 mm, length 20 mm, tip angle 118 degrees");
   EXPECT_EQ(words("V-Bit 60 deg 10mm"),
@@ -52,7 +56,7 @@ TEST(ToolWords, StateTheDiameterAndNotAnotherLength) {
   EXPECT_EQ(words("1/4,2 flute"), "flat, diameter 6.35 mm, length 31.75 mm");
   EXPECT_EQ(words("TOOL/MILL,6,0,20,30"), words("TOOL/MILL,6, 0, 20, 30"));
   EXPECT_EQ(words("3/8-16 TAP"), "flat, diameter 9.525 mm, length 47.625 mm");
-  EXPECT_EQ(words("#10-32 TAP"), "none");
+  EXPECT_EQ(words("#10-32 TAP"), "flat, diameter 4.826 mm, length 24.13 mm");
   EXPECT_EQ(words("- 1 1/4 FACE MILL", 25.4), "flat, diameter 31.75 mm, length 158.75 mm");
   EXPECT_EQ(words("DIA 1 1/4", 25.4), "flat, diameter 31.75 mm, length 158.75 mm");
   EXPECT_EQ(words("H1 D1 1/4 ENDMILL", 25.4), "flat, diameter 6.35 mm, length 31.75 mm");
@@ -77,13 +81,14 @@ TEST(ToolWords, OfAnOptionAreAllUnderstood) {
   EXPECT_EQ(exact("60 deg v-bit"), "cone end, diameter 10 mm, length 50 mm, tip angle 60 degrees");
   EXPECT_EQ(exact("3 mm drill"), "cone end, diameter 3 mm, length 20 mm, tip angle 118 degrees");
   EXPECT_EQ(exact("M10 tap"), "flat, diameter 10 mm, length 50 mm");
+  EXPECT_EQ(exact("#7 drill"),
+            "cone end, diameter 5.1054 mm, length 25.527 mm, tip angle 118 degrees");
+  EXPECT_EQ(exact("3/8-16 TAP"), "flat, diameter 9.525 mm, length 47.625 mm");
   for (const char* text : {"6x30 endmill",
                            "1e9",
                            "-6",
                            "+6",
                            "60 deg",
-                           "#7 drill",
-                           "3/8-16 TAP",
                            "6 mm ball 60 deg",
                            "6 8 ball",
                            "6 ball of steel",
@@ -186,7 +191,7 @@ TEST(StatedTools, OfNamesInKlartextHaveTheRankOfTheirNames) {
 
 TEST(StatedStock, IsReadFromComments) {
   const auto size = [](const std::string& text) {
-    const auto stated = stated_stock(text);
+    const auto stated = stated_stock(text, program_unit_mm(text));
     return stated ? stated->size_mm : Vec3{0, 0, 0};
   };
   EXPECT_EQ(size("(STOCK SIZE X100. Y50. Z20.)\n"), (Vec3{100, 50, 20}));
@@ -195,7 +200,7 @@ TEST(StatedStock, IsReadFromComments) {
   EXPECT_EQ(size("G20\n(stock 2 x 1 x .5)\n"), (Vec3{50.8, 25.4, 12.7}));
   EXPECT_EQ(size("G20\n(stock 50mm x 20mm x 10mm)\n"), (Vec3{50, 20, 10}));
   for (const char* none : {"(leave stock 0.5)", "(X1 Y2 Z3)", "(STOCK X1 Y0 Z3)", "STOCK X1 Y1 Z1"})
-    EXPECT_FALSE(stated_stock(none)) << none;
+    EXPECT_FALSE(stated_stock(none, 1)) << none;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 namespace kerf {
 namespace {
 
+constexpr std::string_view kCreo = "$$->";  ///< begins the comments of Creo that mean something
 /// Lines in which is_apt looks for a statement.
 constexpr std::size_t kLookedAtMax = 200;
 /// Statements whose text is free, including '$' and '/'.
@@ -70,7 +71,9 @@ std::optional<AptStatement> AptStatements::next() {
       if (!next_line()) return std::nullopt;
       text = clean(lines_.line());
     }
-    if (text.starts_with("$$->")) creo_ = true;
+    if (text.starts_with(kCreo)) creo_ = true;
+    // Creo states the diameter of its cutter in such a comment.
+    if (text.starts_with(std::string(kCreo) + "CUTTER/")) text.erase(0, kCreo.size());
     for (const std::string_view word : kTexts)
       if (text.starts_with(word))
         return AptStatement{.major = std::string(word),

@@ -125,8 +125,8 @@ std::optional<AptCutter> apt_cutter(const AptStatement& statement, double unit_m
     const double length = numbers.size() > 2 && numbers[2] > 0 ? numbers[2] * unit_mm : kLengthMm;
     if (kind == "MILL") return AptCutter{d, milling_cutter(d, r, length)};
     if (kind != "DRILL") return std::nullopt;
-    const auto drill = tool_of_words("D=" + std::to_string(d) + " DRILL", 1);
-    return AptCutter{d, drill ? *drill : ToolShape(FlatShape{d, length})};
+    const double tip = numbers.size() > 3 && numbers[3] > 0 && numbers[3] < 180 ? numbers[3] : 118;
+    return AptCutter{d, d > 0 ? drill_shape(d, tip) : ToolShape(FlatShape{d, length})};
   }
   if (numbers.size() >= 7) {
     const AptShape shape{d,          r,          numbers[2] * unit_mm, numbers[3] * unit_mm,

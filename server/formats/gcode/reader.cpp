@@ -105,6 +105,7 @@ struct Reading {
   GcodeSetup setup;
   std::vector<std::string> notes;
   std::string read_as;
+  bool assumed_inches = false;
 };
 
 class GcodeReader final : public ProgramReader {
@@ -121,6 +122,7 @@ class GcodeReader final : public ProgramReader {
     program_.name = reading_->source->file(0).name;
     program_.warnings = reading_->notes;
     program_.read_as = reading_->read_as;
+    program_.assumed_inches = reading_->assumed_inches;
   }
 
   std::expected<bool, ProgramError> step() override {
@@ -193,8 +195,9 @@ std::expected<ReadProgram, ProgramError> read_as(Dialect dialect, const GcodeTex
   std::string read_as(setup.rules.label);
   if (!reason.empty()) read_as += ": " + reason;
   const auto source = source_of(program.name, program.text, environment, setup.rules);
-  const auto reading = std::make_shared<const Reading>(
-      source, program.scene, environment, std::move(setup), std::move(notes), std::move(read_as));
+  const auto reading =
+      std::make_shared<const Reading>(source, program.scene, environment, std::move(setup),
+                                      std::move(notes), std::move(read_as), inches > 0);
   return read_to_end([reading] { return std::make_unique<GcodeReader>(reading); }, program.visitor);
 }
 
