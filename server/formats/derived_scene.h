@@ -28,7 +28,7 @@ struct SceneWishes {
 
 /// The origin of a value of a derived scene.
 struct FieldOrigin {
-  ToolId tool = 0;    ///< of which it is a field; 0: of the scene
+  ToolId tool = 0;         ///< of which it is a field; 0: of the scene
   std::string field = {};  ///< as in a scene: "diameter_mm"; of a stock "size" and "place"
   Origin origin = Origin::kAssumed;
   std::string source = {};  ///< such as "comment in line 3" and "--tool"

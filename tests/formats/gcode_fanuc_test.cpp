@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "server/formats/number_text.h"
 #include "tests/formats/dialect_runs.h"
 
 namespace kerf {
@@ -74,9 +75,104 @@ TEST(FanucBlock, HolesOnACircleOfHaas) {
 // G40 alone moves nothing; what retracts behind it goes straight up.
 TEST(FanucBlock, ARetractionBehindG40StaysBesideThePath) {
   const std::string start = "T1\nG41 D1 G1 X-20 Y0 F9\nX0\nG40\n";
-  EXPECT_EQ(fanuc(start + "G0 Z9\nM30\n"), "F -20 -1 0, A -20 1 0, F 0 1 0, R 0 1 9");
-  EXPECT_EQ(fanuc(start + "G0 Z9\nX5\nM30\n"), "F -20 -1 0, A -20 1 0, F 0 1 0, R 0 1 9, R 5 0 9");
-  EXPECT_EQ(fanuc(start + "G91 X5\nM30\n"), "F -20 -1 0, A -20 1 0, F 0 1 0, F 5 0 0");
+  EXPECT_EQ(fanuc(start + "G0 Z9\nM30\n"), "F -20 1 0, F 0 1 0, R 0 1 9");
+  EXPECT_EQ(fanuc(start + "G0 Z9\nX5\nM30\n"), "F -20 1 0, F 0 1 0, R 0 1 9, R 5 0 9");
+  EXPECT_EQ(fanuc(start + "G91 X5\nM30\n"), "F -20 1 0, F 0 1 0, F 5 0 0");
+}
+
+// The tool has a radius of 1 mm.
+TEST(FanucBlock, G41StartsAcrossTheNextMoveAndEndsAcrossTheLast) {
+  const std::string start = "T1\nG0 X-40 Y-20\nG41 D1 G1 X0 F9\n";
+  EXPECT_EQ(fanuc(start + "Y30\nG40 X-40\nM30\n"),
+            "R -40 -20 0, F -1 -20 0, F -1 30 0, F -40 30 0");
+  EXPECT_EQ(haas("T1\nG0 X-40 Y-20\nG42 D1 G1 X0 F9\nY30\nG40 X-40\nM30\n"),
+            "R -40 -20 0, F 1 -20 0, F 1 30 0, F -40 30 0");
+  EXPECT_EQ(fanuc(start + "G3 X0 Y20 J20\nG40 G1 X-40\nM30\n"),
+            "R -40 -20 0, F 0 -19 0, A 0 19 0, F -40 20 0")
+      << "across the tangent of an arc";
+  EXPECT_EQ(fanuc(start + "Z-3\nY30\nG40 X-40\nM30\n"),
+            "R -40 -20 0, F -1 -20 0, F -1 -20 -3, F -1 30 -3, F -40 30 -3")
+      << "an infeed in between does not decide";
+  EXPECT_EQ(fanuc("T1\nG0 X-40 Y-20\nG41 D1 G1 Z-3 F9\nX0\nY30\nG40 X-40\nM30\n"),
+            "R -40 -20 0, F -40 -20 -3, F -1 -20 -3, F -1 30 -3, F -40 30 -3")
+      << "an infeed is no entry";
+  EXPECT_EQ(fanuc("T1\nG0 X-0.5 Y-20\nG41 D1 G1 X0 F9\nY30\nG40 X-40\nM30\n"),
+            "R -0.5 -20 0, F -1 -20 0, F -1 30 0, F -40 30 0")
+      << "an entry may be shorter than the radius";
+  EXPECT_EQ(test::moves_of("T1 M6\nG0 X-40 Y-20\nG41 D1 G1 X0 F9\nY30\nG40 X-40\nM2\n"),
+            "R -40 -20 0, F -1 -19 0, F -1 30 0, F -40 30 0")
+      << "LinuxCNC: across the entry";
+}
+
+TEST(FanucBlock, ACycleKeepsItsLevelsWhenG91Begins) {
+  // Holes at X 0, 10 and 20, to Z-8 from R2, with the tool at Z20 before.
+  const std::string holes =
+      "R 0 0 20, R 0 0 2, F 0 0 -8, R 0 0 2, R 10 0 2, F 10 0 -8, R 10 0 2, R 20 0 2, F 20 0 -8, "
+      "R 20 0 2";
+  EXPECT_EQ(haas("G0 Z20\nG81 G99 X0 Y0 Z-8. R2. F9\nG91 X10. L2\nG80\nM30\n"),
+            "R 0 0 20, " + holes);
+  EXPECT_EQ(fanuc("G0 Z20\nG81 G99 X0 Y0 Z-8. R2. F9\nG91 X10. K2\nG80\nM30\n"),
+            "R 0 0 20, " + holes);
+  EXPECT_EQ(haas("G0 Z20\nG91 G81 G99 X0 Y0 Z-10. R-18. F9\nG90 X10.\nX20.\nG80\nM30\n"),
+            "R 0 0 20, " + holes)
+      << "G91 first";
+  EXPECT_EQ(haas("G0 Z20\nG81 G99 Z-8. R2. F9 L0\nG91 X10.\nG80\nM30\n"),
+            "R 0 0 20, R 10 0 20, R 10 0 2, F 10 0 -8, R 10 0 2");
+  EXPECT_EQ(
+      test::moves_of("M3 S9\nG0 Z20\nG81 G99 X0 Y0 Z-8 R2 F9\nG91 X10\nG80\nM2\n"),
+      "R 0 0 20, R 0 0 20, R 0 0 2, F 0 0 -8, R 0 0 2, R 0 0 22, R 10 0 22, F 10 0 14, R 10 0 22")
+      << "LinuxCNC reads the levels again";
+}
+
+// The first feed of a program that is read without a parameter file, and its warnings.
+struct FirstCut {
+  std::string at;
+  std::vector<std::string> warnings;
+};
+
+FirstCut first_cut(const std::string& text, Dialect dialect = Dialect::kFanuc) {
+  const auto program = parse_program("p.nc", "G21 G17 G90\nT1 M6\n" + text + "G0 Z9.\nM30\n",
+                                     test::scene_for("xyz"), as(dialect));
+  EXPECT_TRUE(program) << to_string(program.error()) << text;
+  if (!program) return {};
+  for (const ProgramMotion& motion : program->motions)
+    if (!motion.rapid) {
+      const Vec3& tip = motion.to.tip_mm;
+      return {decimal_text(tip.x, 3) + " " + decimal_text(tip.y, 3) + " " + decimal_text(tip.z, 3),
+              program->warnings};
+    }
+  return {};
+}
+
+TEST(FanucOffsets, OfG54AreTheZeroOfTheScene) {
+  const std::string cut = "G0 X0 Y0 Z5.\nG1 X1. Y2. Z-3. F99\n";
+  const std::string set = "G10 L2 P1 X-269.39 Y-254.65 Z-389.\n";
+  for (const Dialect dialect : {Dialect::kFanuc, Dialect::kHaas}) {
+    EXPECT_EQ(first_cut(set + "G54 " + cut, dialect).at, "1 2 -3");
+    EXPECT_EQ(first_cut("#5221=-269.39 #5222=-254.65 #5223=-389.\nG54 " + cut, dialect).at,
+              "1 2 -3");
+    EXPECT_EQ(first_cut("G91 G28 Z0\nG90 G53 G0 Z0\n" + set + "G54 " + cut, dialect).at, "1 2 -3");
+  }
+  EXPECT_THAT(first_cut(set + cut).warnings, Contains(HasSubstr("machine coordinates")));
+  EXPECT_EQ(first_cut("G10 L2 P1 X7.\n" + cut, Dialect::kMach3).at, "8 2 -3")
+      << "a control without a shop's offsets";
+}
+
+TEST(FanucOffsets, CountByTheirDifferences) {
+  const std::string cut = "G0 X0 Y0 Z5.\nG1 X1. Y2. Z-3. F99\n";
+  const std::string both = "G10 L2 P1 X-300. Y-200. Z-400.\nG10 L2 P2 X-260. Y-200. Z-390.\n";
+  EXPECT_EQ(first_cut(both + "G55 " + cut).at, "41 2 7");
+  EXPECT_EQ(first_cut(both + "G54 " + cut).at, "1 2 -3");
+  EXPECT_EQ(first_cut("G10 L2 P2 X-260. Y-200.\nG55 " + cut).at, "1 2 -3") << "the only one";
+  EXPECT_EQ(first_cut("G10 L2 P1 X0 Y0 Z-400.\nG10 L2 P2 X50. Y0 Z-400.\nG55 " + cut).at, "51 2 -3")
+      << "0 is an offset, too";
+  const std::string move = "G0 X0 Y0 Z5.\n";
+  EXPECT_EQ(first_cut("G10 L2 P1 X-300.\n" + move + "G10 L2 P1 X-290.\nG1 X1. Y0 Z0 F9\n").at,
+            "11 0 0");
+  EXPECT_EQ(first_cut(move + "#5221=#5221+50.\nG1 X1. Y0 Z0 F9\n").at, "51 0 0");
+  EXPECT_EQ(first_cut("G91 G10 L2 P1 X5.\nG90 " + move + "G1 X1. Y0 Z0 F9\n").at, "6 0 0");
+  EXPECT_EQ(first_cut("G10 L2 P1 X-300.\nG68 X0 Y0 R90.\n" + move + "G1 X0 Y-1. Z0 F9\n").at,
+            "1 0 0");
 }
 
 TEST(FanucBlock, OffsetsAreInTheUnitOfTheProgram) {

@@ -220,6 +220,14 @@ TEST(Sinumerik, CompensationStaysBesideTheContour) {
   EXPECT_EQ(path.back(), (Vec3{20, -30, 5}));
 }
 
+// The entry ends across the next move (NORM), the path across its last one.
+TEST(Sinumerik, CompensationStartsAcrossTheNextMove) {
+  const auto path = ends("G0 X-40 Y-20\nG1 Z-1\nG41 X0\nY30\nG40 X-40\nG0 Z5\n");
+  EXPECT_THAT(path, Contains(Vec3{-5, -20, -1}));
+  EXPECT_THAT(path, Contains(Vec3{-5, 30, -1}));
+  EXPECT_THAT(path, testing::Not(Contains(Vec3{0, -15, -1})));
+}
+
 // G40 alone moves nothing; a retraction goes straight up.
 TEST(Sinumerik, ARetractionBehindG40StaysBesideThePath) {
   const auto path = ends("G0 X-20\nG1 Z-1\nG41 X0\nX20\nG40\nG0 Z5\n");

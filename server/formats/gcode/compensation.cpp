@@ -47,7 +47,7 @@ void CutterCompensation::start(int side, double radius_mm, ArcPlane plane) {
   side_ = radius_mm < 0 ? -side : side;
   radius_ = std::abs(radius_mm);
   plane_ = plane;
-  beside_ = false;
+  beside_ = entering_ = false;
 }
 
 void CutterCompensation::start_beside(int side, double radius_mm, ArcPlane plane,
@@ -64,7 +64,7 @@ std::optional<PlanePoint> CutterCompensation::end(PlanePoint at) {
     programmed = programmed_;
   }
   side_ = 0;
-  beside_ = false;
+  beside_ = entering_ = false;
   return programmed;
 }
 
@@ -129,6 +129,14 @@ PlanePoint CutterCompensation::straight(bool rapid, PlanePoint at, PlanePoint to
   if (info.per_move > 0)
     info.feed.mm_per_min = info.per_move * std::hypot(distance(from, to), to.normal - from.normal);
   PlanePoint end;
+  const bool across_plane = to.first == at.first && to.second == at.second;
+  if (!beside_ && across_plane && entry_ == CompensationEntry::kAcrossNext) {
+    emit_({.kind = rapid ? CompensatedMove::Kind::kRapid : CompensatedMove::Kind::kFeed,
+           .end = to,
+           .center = {},
+           .info = info});
+    return to;
+  }
   if (!beside_) {
     end = enter_straight(rapid, at, to, info);
   } else if (to.first == programmed_.first && to.second == programmed_.second) {
@@ -149,7 +157,8 @@ PlanePoint CutterCompensation::straight(bool rapid, PlanePoint at, PlanePoint to
 
 PlanePoint CutterCompensation::enter_straight(bool rapid, PlanePoint at, PlanePoint to,
                                               const CompensatedInfo& info) {
-  if (distance(at, to) <= radius_)
+  entering_ = entry_ == CompensationEntry::kAcrossNext;
+  if (!entering_ && distance(at, to) <= radius_)
     throw GcodeFault{
         "", "the entry move of cutter compensation must be longer than the tool's radius, " +
                 decimal_text(radius_, 6) + " mm"};
@@ -166,8 +175,22 @@ PlanePoint CutterCompensation::enter_straight(bool rapid, PlanePoint at, PlanePo
   return end;
 }
 
+void CutterCompensation::enter_beside(PlanePoint start) {
+  for (CompensatedMove& move : waiting_) {
+    move.end.first = start.first;
+    move.end.second = start.second;
+  }
+  emit_waiting();
+  waiting_from_ = start;
+  entering_ = false;
+}
+
 PlanePoint CutterCompensation::follow_straight(bool rapid, PlanePoint at, PlanePoint to,
                                                const CompensatedInfo& info) {
+  if (entering_) {
+    at = offset_point(programmed_, radius_, direction(programmed_, to) + quarter());
+    enter_beside(at);
+  }
   double theta = direction(programmed_, at);
   double alpha = direction(programmed_, to);
   double beta = 0;

@@ -34,6 +34,12 @@ struct CompensatedMove {
   double programmed_sweep_rad = 0;                   ///< kArc: sweep of the programmed arc; 0: any
 };
 
+/// Where the entry move of cutter compensation ends, from its programmed end.
+enum class CompensationEntry {
+  kAcrossEntry,  ///< across the entry move's own direction (LinuxCNC)
+  kAcrossNext,   ///< across the start of the next move in the plane (Fanuc, Haas, SINUMERIK)
+};
+
 /// Cutter radius compensation (G41, G42) as computed by LinuxCNC: the tool center follows the
 /// programmed path at a distance of its radius, rounds outside corners with an arc and stops at the
 /// intersection in inside corners. A move is delayed until the next one determines the corner at
@@ -42,7 +48,8 @@ struct CompensatedMove {
 class CutterCompensation {
  public:
   using Emit = std::function<void(const CompensatedMove&)>;
-  explicit CutterCompensation(Emit emit) : emit_(std::move(emit)) {}
+  explicit CutterCompensation(Emit emit, CompensationEntry entry = CompensationEntry::kAcrossEntry)
+      : emit_(std::move(emit)), entry_(entry) {}
 
   /// Turns compensation on. `side` > 0: left of the path (G41). A negative radius swaps the sides.
   void start(int side, double radius_mm, ArcPlane plane);
@@ -74,6 +81,8 @@ class CutterCompensation {
   void dwell(double seconds, const CompensatedInfo& info);
 
  private:
+  /// Ends the entry move, and moves across the plane after it, beside the start of the next one.
+  void enter_beside(PlanePoint start);
   PlanePoint enter_straight(bool rapid, PlanePoint at, PlanePoint to, const CompensatedInfo& info);
   PlanePoint enter_arc(PlanePoint at, PlanePoint to, PlanePoint center, bool clockwise, int turns,
                        double spiral_tolerance_mm, const CompensatedInfo& info);
@@ -98,6 +107,8 @@ class CutterCompensation {
   double quarter() const;
 
   Emit emit_;
+  CompensationEntry entry_;
+  bool entering_ = false;  ///< kAcrossNext: the entry move waits for the next one
   int side_ = 0;
   double radius_ = 0;
   double unit_mm_ = 1;

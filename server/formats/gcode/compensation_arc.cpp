@@ -52,8 +52,12 @@ PlanePoint CutterCompensation::enter_arc(PlanePoint at, PlanePoint to, PlanePoin
 PlanePoint CutterCompensation::follow_arc(PlanePoint at, PlanePoint to, PlanePoint center,
                                           int turns, const CompensatedInfo& info) {
   const double radius = distance(center, to);
-  const double theta = direction(programmed_, at) - quarter();
   double delta = direction(programmed_, center);
+  if (entering_) {
+    at = offset_point(programmed_, radius_, inside(turns) ? delta : delta + kPi);
+    enter_beside(at);
+  }
+  const double theta = direction(programmed_, at) - quarter();
   const double alpha = turns > 0 ? delta - kHalfPi : delta + kHalfPi;
   double beta = side_ > 0 ? theta - alpha : alpha - theta;
   if (beta > 1.5 * kPi) {

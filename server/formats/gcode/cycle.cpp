@@ -41,6 +41,7 @@ Cycle::Cycle(int code, const GcodeModes& modes, PlanePoint at, const CycleWords&
   level_ = end_.normal;
   if (!memory_->initial_level) memory_->initial_level = level_;
   memory_->code = code_;
+  recall_heights(*memory_->initial_level);
   if (words_.repeats == 0) return;  // the words are stored for the blocks that follow
   double initial = *memory_->initial_level;
   set_heights(initial);
@@ -94,8 +95,6 @@ void Cycle::recall() {
   if (!words_.depth && !repeated_)
     throw GcodeFault{"",
                      "the cycle requires the bottom of the hole (Z in G17, Y in G18, X in G19)"};
-  if (words_.r) memory_->r = *words_.r;
-  if (words_.depth) memory_->depth = *words_.depth;
   const bool dwells = code_ == 820 || code_ == 860 || code_ == 880 || code_ == 890;
   if (dwells && !words_.p && !repeated_ && !memory_->lenient)
     throw GcodeFault{"", "the cycle requires P, the dwell at the bottom in seconds"};
@@ -121,9 +120,17 @@ void Cycle::recall() {
     throw GcodeFault{"", "the spindle turns in the wrong direction; use M3 for G84 and M4 for G74"};
 }
 
+// Stores R and the depth as they are written, or as levels.
+void Cycle::recall_heights(double initial) {
+  const bool adds = memory_->levels && modes_.incremental;
+  if (words_.r) memory_->r = adds ? initial + *words_.r : *words_.r;
+  if (words_.depth) memory_->depth = adds ? memory_->r + *words_.depth : *words_.depth;
+}
+
 void Cycle::set_heights(double initial) {
-  r_ = modes_.incremental ? memory_->r + initial : memory_->r;
-  bottom_ = modes_.incremental ? r_ + memory_->depth : memory_->depth;
+  const bool adds = !memory_->levels && modes_.incremental;
+  r_ = adds ? memory_->r + initial : memory_->r;
+  bottom_ = adds ? r_ + memory_->depth : memory_->depth;
   if (r_ < bottom_)
     throw GcodeFault{"", "the R level of the cycle must not be below the bottom of the hole"};
   middle_ = modes_.incremental ? bottom_ + memory_->k : memory_->k;

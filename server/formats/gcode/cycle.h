@@ -15,6 +15,10 @@ struct CycleMemory {
   double r = 0, depth = 0, p = 0, q = 0, i = 0, j = 0, k = 0;
   /// The words that LinuxCNC requires may be missing, and the spindle is not watched (Macro B).
   bool lenient = false;
+  /// R and depth are levels from the block that gives them on, with G91 too: a change between G90
+  /// and G91 does not move a hole that has begun (Fanuc, Haas). Else each block reads them
+  /// again.
+  bool levels = false;
   std::optional<double> initial_level;  ///< level at which the first of consecutive cycles started
   PlanePoint end = {};                  ///< of the last cycle
 };
@@ -54,6 +58,7 @@ class Cycle {
 
  private:
   void recall();
+  void recall_heights(double initial);
   void set_heights(double initial);
   void set_hole();
   void advance_hole();

@@ -17,7 +17,9 @@ GcodeMachine::GcodeMachine(GcodeSetup setup, GcodeParameters& parameters, GcodeC
       parameters_(parameters),
       canon_(canon),
       warn_(std::move(warn)),
-      compensation_([this](const CompensatedMove& move) { emit(move); }) {
+      compensation_([this](const CompensatedMove& move) { emit(move); },
+                    setup_.rules.of_fanuc() ? CompensationEntry::kAcrossNext
+                                            : CompensationEntry::kAcrossEntry) {
   using namespace gcode_parameter;
   parameters_.set(kDebug, 1);
   modes_.unit_mm = setup_.unit_mm;
@@ -27,6 +29,7 @@ GcodeMachine::GcodeMachine(GcodeSetup setup, GcodeParameters& parameters, GcodeC
   if (setup_.rules.macros) modes_.motion = path_motion_;
   modes_.arc_absolute = setup_.absolute_centers;
   cycle_.lenient = setup_.rules.macros;
+  cycle_.levels = setup_.rules.of_fanuc();
   modes_.retract_to_r = setup_.rules.retract_to_r;
   frame_ = {system_origin(modes_.system), applied_shift(), system_rotation(modes_.system)};
   actual_ = frame_.absolute(at_);

@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -112,7 +113,12 @@ class GcodeMachine {
   void store_axis(int first, std::size_t axis, double value);
   double stored_unit_mm() const;
   void convert_stored(double factor);
+  GcodeAxes stored_origin(int system) const;
   GcodeAxes system_origin(int system) const;
+  bool is_set(int system, std::size_t axis) const;
+  /// Whether G54 is the scene's zero, wherever the machine's zero may be.
+  bool zero_is_shop() const { return setup_.rules.of_fanuc() && !setup_.machine_zero_known; }
+  void refer_systems();
   double system_rotation(int system) const;
   GcodeAxes applied_shift() const;
   void change_frame(const GcodeFrame& frame);
@@ -275,6 +281,9 @@ class GcodeMachine {
   int outline_side_ = 0;  ///< G41 or G42 of the block of G150
   std::optional<MilledPocket> pocket_;
   bool unit_given_ = false;  ///< G20 or G21
+  /// Fanuc, Haas: the scene's zero in machine coordinates, once an axis has a reference.
+  std::array<std::optional<double>, 6> zero_{};
+  std::map<int, std::array<bool, 6>> set_systems_;  ///< axes whose offset G10 has set
   std::set<std::string> warned_;
   std::set<int> systems_;
 };

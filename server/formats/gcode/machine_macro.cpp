@@ -200,10 +200,14 @@ void GcodeMachine::prepare_offsets(GcodeBlock& block) {
   kind->value = 2;
   number->value = system;
   if (!modes_.incremental && !block.has_code(GcodeGroup::kDistance, 910)) return;
-  const GcodeAxes before = system_origin(system);
-  for (std::size_t i = 0; i < before.size(); ++i)
-    if (GcodeWord* word = word_of(block, kAxisLetters[i]))
-      word->value += before[i] / (i < 3 ? modes_.unit_mm : 1);
+  const GcodeAxes before = stored_origin(system);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    GcodeWord* word = word_of(block, kAxisLetters[i]);
+    if (word == nullptr) continue;
+    // An increment counts from the offset of the shop.
+    if (!zero_[i] && !is_set(system, i)) zero_[i] = before[i];
+    word->value += before[i] / (i < 3 ? modes_.unit_mm : 1);
+  }
 }
 
 // Whether P of a block with G54 belongs to it.
@@ -247,7 +251,8 @@ void GcodeMachine::prepare_systems(GcodeBlock& block) {
     if (more == six) block.drop(GcodeGroup::kCoordinateSystem);
   }
   systems_.insert(system);
-  if (systems_.size() > 1 && !setup_.machine_zero_known && system_origin(system) == GcodeAxes{})
+  const GcodeAxes offset = stored_origin(system);
+  if (systems_.size() > 1 && !setup_.machine_zero_known && offset == GcodeAxes{})
     warn_once("systems",
               "uses several work offsets: without a parameter file each of them is at the scene's "
               "origin");

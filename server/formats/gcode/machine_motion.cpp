@@ -29,6 +29,7 @@ GcodePlace GcodeMachine::place(const GcodeAxes& programmed) const {
 void GcodeMachine::move(GcodeBlock& block) {
   if (block_motion_ < 0) return;
   const int code = block_motion_;
+  if (code != 800 && !block.has_code(GcodeGroup::kNonModal, 530)) refer_systems();
   if (!is_canned_cycle(code)) {
     cycle_.code = 0;
     cycle_.initial_level.reset();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Coordinate systems of GcodeMachine. They are stored in the numbered parameters, in the machine's
 // length unit and degrees.
+#include <algorithm>
 #include <cmath>
 
 #include "server/formats/gcode/expression.h"
@@ -48,8 +49,48 @@ void GcodeMachine::store_axis(int first, std::size_t axis, double value) {
   parameters_.set(first + static_cast<int>(axis), axis < 3 ? value / stored_unit_mm() : value);
 }
 
-GcodeAxes GcodeMachine::system_origin(int system) const {
+GcodeAxes GcodeMachine::stored_origin(int system) const {
   return stored_axes(system_parameter(system));
+}
+
+// The place of a system in the scene. A shop's G54 is the scene's zero: of offsets in machine
+// coordinates only their differences are known to mean something.
+GcodeAxes GcodeMachine::system_origin(int system) const {
+  const GcodeAxes stored = stored_origin(system);
+  if (!zero_is_shop()) return stored;
+  GcodeAxes origin{};
+  for (std::size_t i = 0; i < origin.size(); ++i)
+    if (zero_[i] && is_set(system, i)) origin[i] = stored[i] - *zero_[i];
+  return origin;
+}
+
+bool GcodeMachine::is_set(int system, std::size_t axis) const {
+  const auto known = set_systems_.find(system);
+  if (known != set_systems_.end() && known->second[axis]) return true;
+  return parameters_.numbered(system_parameter(system) + static_cast<int>(axis)) != 0;
+}
+
+// Before the first motion: the scene's zero is G54 if the program has set it, else the system that
+// is active. From then on every change of an offset counts.
+void GcodeMachine::refer_systems() {
+  if (!zero_is_shop() || std::ranges::all_of(zero_, [](const auto& zero) { return !!zero; }))
+    return;
+  const GcodeAxes before = system_origin(modes_.system);
+  for (std::size_t i = 0; i < zero_.size(); ++i) {
+    if (zero_[i]) continue;
+    const int system = is_set(1, i) ? 1 : modes_.system;
+    zero_[i] = stored_origin(system)[i];
+    if (*zero_[i] != 0)
+      warn_once("zero",
+                "the program sets work offsets in machine coordinates: the scene's zero is that of "
+                "G54, and only differences between the offsets count");
+  }
+  const GcodeAxes moved = system_origin(modes_.system) - before;
+  if (moved == GcodeAxes{}) return;
+  GcodeFrame frame = frame_;
+  frame.origin = frame.origin + moved;
+  if (untransformed_) untransformed_->origin = untransformed_->origin + moved;
+  change_frame(frame);
 }
 
 double GcodeMachine::system_rotation(int system) const {
@@ -116,6 +157,7 @@ void GcodeMachine::set_system(GcodeBlock& block) {
     const auto value = block.take(kAxisLetters[i]);
     if (!value) continue;
     const double written_value = *value * (i < 3 ? modes_.unit_mm : 1);
+    set_systems_[system][i] = true;
     if (here) {
       change[i] = coordinates[i] - written_value;
     } else {

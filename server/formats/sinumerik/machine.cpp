@@ -56,7 +56,8 @@ SinumerikMachine::SinumerikMachine(const Scene& scene, SinumerikValues& values, 
       warn_(std::move(warn)),
       changes_by_t_(changes_by_t),
       offsets_are_wear_(offsets_are_wear),
-      compensation_([this](const CompensatedMove& move) { emit(move); }) {
+      compensation_([this](const CompensatedMove& move) { emit(move); },
+                    CompensationEntry::kAcrossNext) {
   canon_.set_warn(warn_);
 }
 
