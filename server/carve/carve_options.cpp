@@ -10,6 +10,7 @@
 #include <iostream>
 #include <utility>
 
+#include "kernel/force/milling_presets.h"
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/tool_words.h"
 #include "server/formats/units.h"
@@ -124,6 +125,12 @@ void read_tool(const std::string& text, SceneWishes& wishes) {
   if (const auto tool = tool_of(text)) wishes.tools.insert_or_assign(tool->first, tool->second);
 }
 
+std::vector<std::string> material_names() {
+  std::vector<std::string> names;
+  for (const MillingPreset& preset : milling_presets()) names.emplace_back(preset.material);
+  return names;
+}
+
 void declare_scene(CLI::App& app, CarveOptions& options) {
   app.add_option("program,--program", options.program,
                  "NC program: .ngc .nc .tap .gcode, or .apt .cls");
@@ -134,6 +141,14 @@ void declare_scene(CLI::App& app, CarveOptions& options) {
          std::string("stock of a derived scene: its size X,Y,Z in mm, or a model (") +
              kMeshFileNames + ")")
       ->check(check_stock);
+  app.add_option_function<std::string>(
+         "--rotary",
+         [&options](const std::string& turns) {
+           options.wishes.rotary_direction =
+               turns == "tool" ? RotaryDirection::kTool : RotaryDirection::kTable;
+         },
+         "a positive angle of a derived scene turns the table (LinuxCNC) or the tool (ISO 841)")
+      ->check(CLI::IsMember({"table", "tool"}));
   app.add_option_function<std::vector<std::string>>(
          "--tool",
          [&options](const std::vector<std::string>& tools) {
@@ -258,8 +273,11 @@ void declare(CLI::App& app, CarveOptions& options) {
       ->check(CLI::IsMember({"dexel", "tri-dexel"}));
   app.add_option("--motion", options.motion, "paper or tight (overrides the scene)")
       ->check(CLI::IsMember({"paper", "tight"}));
-  app.add_option("--law", options.law, "drr or specific_energy (overrides the scene)")
-      ->check(CLI::IsMember({"drr", "specific_energy"}));
+  app.add_option("--law", options.law, "drr, specific_energy or mechanistic (overrides the scene)")
+      ->check(CLI::IsMember({"drr", "specific_energy", "mechanistic"}));
+  app.add_option("--material", options.material,
+                 "material of --law mechanistic: " + CLI::detail::join(material_names()))
+      ->check(CLI::IsMember(material_names()));
   app.add_option("--rate", options.rate_hz, "sample the path at HZ (default: one motion per block)")
       ->check(check_positive);
   app.add_option("--threads", options.threads,
@@ -316,7 +334,8 @@ std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
   if (options.explain) return options;
   if (options.program.empty()) return reject("a program is required");
   const SceneWishes& wishes = options.wishes;
-  const bool wished = wishes.stock_size_mm || !wishes.stock_file.empty() || !wishes.tools.empty();
+  const bool wished = wishes.stock_size_mm || !wishes.stock_file.empty() || !wishes.tools.empty() ||
+                      wishes.rotary_direction;
   if (!options.scene.empty() && wished)
     return reject("--stock and --tool are for a derived scene; --scene states stock and tools");
   if (auto fault = settle_verification(options); !fault.empty()) return reject(fault);

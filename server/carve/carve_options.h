@@ -38,7 +38,7 @@ struct CarveOptions {
   Post post = Post::kLinuxcnc;                 ///< of --ngc
   std::optional<WrenchMaximum> device_limits;  ///< adds the felt columns to --forces
   std::optional<double> pitch_mm, tolerance_mm, rate_hz, nc_tolerance_mm;
-  std::optional<std::string> rays, motion, law;
+  std::optional<std::string> rays, motion, law, material;
   int threads;  ///< for carving and for writing files
 };
 

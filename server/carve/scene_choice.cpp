@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "kernel/force/milling_presets.h"
 #include "server/carve/environment_files.h"
 #include "server/formats/text_file.h"
 
@@ -55,6 +56,27 @@ Result settle_options(const CarveOptions& options, ChosenScene& chosen) {
   settings.rays = request.rays.value_or(settings.rays);
   settings.motion = request.motion.value_or(settings.motion);
   return settle_tools(options, scene);
+}
+
+// The coefficients of a mechanistic law are those of a material, or of the scene.
+Result settle_law(const CarveOptions& options, ForceSettings& force) {
+  const bool stated = force.law == ForceLaw::kMechanistic;
+  for (const ForceLaw law :
+       {ForceLaw::kDexelRemovalRate, ForceLaw::kSpecificEnergy, ForceLaw::kMechanistic})
+    if (options.law && *options.law == to_string(law)) force.law = law;
+  if (force.law != ForceLaw::kMechanistic) {
+    if (options.material) return bad_input("--material needs --law mechanistic");
+    return {};
+  }
+  if (!options.material)
+    return stated ? Result{} : bad_input("--law mechanistic needs --material, or a scene with it");
+  for (const MillingPreset& preset : milling_presets()) {
+    if (*options.material != preset.material) continue;
+    force.milling.cut_n_per_mm2 = preset.cut_n_per_mm2;
+    force.milling.edge_n_per_mm = preset.edge_n_per_mm;
+    force.milling.chip_exponents = in_all_directions(preset.chip_exponent);
+  }
+  return {};
 }
 
 std::expected<ChosenScene, Failure> derived(const CarveOptions& options,
@@ -118,9 +140,8 @@ std::expected<ChosenScene, Failure> choose_scene(const CarveOptions& options,
   auto chosen = options.scene.empty() ? derived(options, part_mm) : loaded(options);
   if (!chosen) return chosen;
   SculptureSettings& settings = chosen->scene.settings;
-  if (options.law)
-    settings.force.law =
-        *options.law == "drr" ? ForceLaw::kDexelRemovalRate : ForceLaw::kSpecificEnergy;
+  if (auto settled = settle_law(options, settings.force); !settled)
+    return std::unexpected(settled.error());
   if (auto settled = settle_options(options, *chosen); !settled)
     return std::unexpected(settled.error());
   // Only meshing uses normals, and pictures.

@@ -72,6 +72,7 @@ class Simulation {
   /// The imprints of tools whose motion started inside stock, likewise.
   const std::vector<LineVolume>& imprints() const { return imprints_; }
   const Program& program() const { return program_; }
+  const Scene& scene() const { return scene_; }
 
  private:
   double obstacle_push_n(const ProgramMotion& motion) const;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "server/formats/machine_kinematics.h"
+
 namespace kerf {
 namespace {
 
@@ -102,6 +104,20 @@ Json misfits_json(const Program& program, const std::optional<Misfits>& misfits)
   return {{"tolerance_mm", misfits->tolerance_mm}, {"count", misfits->count}, {"worst", list}};
 }
 
+// A tool that leans in the wrong direction comes from inside the stock.
+void warn_of_rotary_direction(const Simulation& simulation, std::vector<std::string>& warnings) {
+  if (!has_rotary_table(simulation.scene().machine.kinematics)) return;
+  if (simulation.imprints().empty() && simulation.stock_contacts().runs().empty() &&
+      simulation.rapid_cuts().empty())
+    return;
+  const bool table = simulation.scene().machine.rotary_direction == RotaryDirection::kTable;
+  warnings.push_back(simulation.program().name +
+                     ": the tool comes from inside the stock: on this machine a positive angle may "
+                     "turn the " +
+                     (table ? "tool and not the table" : "table and not the tool") +
+                     " (machine.rotary_direction of the scene, --rotary)");
+}
+
 }  // namespace
 
 std::string simulation_json(const Simulation& simulation, double tool_change_s,
@@ -155,6 +171,7 @@ void warn_of_simulation(const Simulation& simulation, const PartFit& fit,
   warn_of(simulation.rapid_cuts(), "rapid motion through material", " mm3 removed");
   warn_of(simulation.imprints(), "the tool starts inside the stock",
           " mm3 removed there without force");
+  warn_of_rotary_direction(simulation, warnings);
   warn_of_stock_contacts(simulation.stock_contacts(), program, warnings);
   warn_of_obstacle_contacts(simulation.obstacle_contacts(), program, warnings);
   const auto warn_of_misfits = [&](const std::optional<Misfits>& misfits, const char* event,

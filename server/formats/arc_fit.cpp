@@ -111,6 +111,18 @@ std::optional<FittedArc> fit_arc(std::span<const ToolPose> path, double toleranc
   return std::nullopt;
 }
 
+FittedArc with_equal_radii(const FittedArc& arc, Vec3 from, Vec3 to) {
+  const PlanePoint a = in_plane(from, arc.plane), b = in_plane(to, arc.plane);
+  const double dx = b.first - a.first, dy = b.second - a.second;
+  const double x = (a.first + b.first) / 2, y = (a.second + b.second) / 2;
+  const double height =
+      ((arc.center.second - y) * dx - (arc.center.first - x) * dy) / (dx * dx + dy * dy);
+  FittedArc result = arc;
+  result.center.first = x - height * dy;
+  result.center.second = y + height * dx;
+  return result;
+}
+
 double arc_length_mm(const FittedArc& arc, Vec3 from, Vec3 to) {
   return arc_about(from, to, arc.plane, arc.center, arc.counterclockwise ? 1 : -1).length_mm();
 }

@@ -31,6 +31,10 @@ inline constexpr double kArcSweepMaxDeg = 300;
 /// same axis.
 std::optional<FittedArc> fit_arc(std::span<const ToolPose> path, double tolerance_mm);
 
+/// Returns the arc with its center moved to be equally far from both ends, which differ in the
+/// plane.
+FittedArc with_equal_radii(const FittedArc& arc, Vec3 from, Vec3 to);
+
 /// The length of an arc's path between two tips, mm.
 double arc_length_mm(const FittedArc& arc, Vec3 from, Vec3 to);
 

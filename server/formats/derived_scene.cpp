@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/formats/heidenhain/blocks.h"
+#include "server/formats/machine_kinematics.h"
 #include "server/formats/number_text.h"
 #include "server/formats/stated_stock.h"
 #include "server/formats/stated_tools.h"
@@ -89,15 +90,10 @@ class Derivation {
                              "it in a scene");
     Scene draft;
     draft.name = std::filesystem::path(name_).stem().string();
-    draft.machine.kinematics = facts->kinematics;
-    draft.machine.dialect = environment_.dialect;
     draft.settings.force.law = ForceLaw::kSpecificEnergy;
     draft.settings.force.specific_force_n_per_mm2 = kForceNPerMm2;
     draft.settings.force.pivot_mm = kPivotMm;
-    note("machine: " + std::string(to_string(facts->kinematics)));
-    origins_.push_back({.field = "machine.kinematics",
-                        .origin = Origin::kDerived,
-                        .source = "the simplest machine that takes the program"});
+    choose_machine(*facts, draft.machine);
     unit_mm_ = facts->assumed_inches ? kMmPerInch : program_unit_mm(program_);
     choose_tools(*facts);
     for (const auto& [id, shape] : wishes_.tools)
@@ -105,11 +101,13 @@ class Derivation {
     choose_stock(*facts->cuts, draft);
     if (auto added = add_tools(stock_bounds(draft.settings.stock), *facts->cuts, draft); !added)
       return std::unexpected(added.error());
+    const bool stock_assumed = draft.stock_assumed;
     draft.stock_file.file = wishes_.stock_file;
     auto scene = parse_scene(scene_json(draft), {.name = name_ + ": the derived scene",
                                                  .base_folder = wishes_.folder,
                                                  .load_mesh = load_mesh});
     if (!scene) return std::unexpected(to_string(scene.error()));
+    scene->stock_assumed = stock_assumed;
     for (auto& [id, tool] : scene->tools)
       tool.idle = std::ranges::find(facts->tools, id) == facts->tools.end();
     choose_accuracy_of(*scene);
@@ -119,6 +117,28 @@ class Derivation {
  private:
   void note(std::string text) { notes_.push_back(std::move(text)); }
 
+  void choose_machine(const ProgramFacts& facts, Machine& machine) {
+    machine.kinematics = facts.kinematics;
+    machine.dialect = environment_.dialect;
+    machine.spindle_tool = facts.spindle_tool;
+    machine.rotary_direction = wishes_.rotary_direction.value_or(RotaryDirection::kTable);
+    std::string text = "machine: " + std::string(to_string(facts.kinematics));
+    origins_.push_back({.field = "machine.kinematics",
+                        .origin = Origin::kDerived,
+                        .source = "the simplest machine that takes the program"});
+    if (has_rotary_table(facts.kinematics)) {
+      const bool wished = wishes_.rotary_direction.has_value();
+      origins_.push_back({.field = "machine.rotary_direction",
+                          .origin = wished ? Origin::kStated : Origin::kAssumed,
+                          .source = wished ? "--rotary" : ""});
+      if (!wished)
+        text +=
+            "; a positive angle turns the table (assumed; --rotary tool states that it turns "
+            "the tool, as ISO 841 has it)";
+    }
+    note(text);
+  }
+
   void choose_tools(const ProgramFacts& facts) {
     const auto stated = stated_tools(program_, unit_mm_);
     std::vector<ToolId> ids = facts.named_tools;
@@ -126,7 +146,9 @@ class Derivation {
     for (const ToolId id : ids) {
       if (tools_.contains(id)) continue;
       const bool used = std::ranges::find(facts.tools, id) != facts.tools.end();
-      const DerivedTool tool = tool_of(id, stated);
+      DerivedTool tool = tool_of(id, stated);
+      if (id == facts.spindle_tool)
+        tool.note += "; the program cuts with it before it changes a tool: it is in the spindle";
       tools_.emplace(id, tool.shape);
       add_tool_origins(id, tool, origins_);
       if (used) {
@@ -220,9 +242,10 @@ class Derivation {
     }
     if (source == kFromCuts) size_origin = place_origin = Origin::kAssumed;
     add_stock_origins(size_origin, place_origin, source);
+    draft.stock_assumed = source == kFromCuts;
     if (source == kFromCuts && wishes_.part_mm) {
-      box = with_part(box, *wishes_.part_mm);
-      source += " and the part, at whose lower side it ends";
+      box = *wishes_.part_mm;
+      source = "that of the part, because nothing states the stock";
     }
     note("stock: X " + range_text(box.min_mm.x, box.max_mm.x) + ", Y " +
          range_text(box.min_mm.y, box.max_mm.y) + ", Z " + range_text(box.min_mm.z, box.max_mm.z) +
@@ -233,13 +256,6 @@ class Derivation {
   void add_stock_origins(Origin size, Origin place, const std::string& source) {
     origins_.push_back({.field = "stock.size", .origin = size, .source = source});
     origins_.push_back({.field = "stock.place", .origin = place, .source = source});
-  }
-
-  static BoxStock with_part(const BoxStock& box, const BoxStock& part) {
-    return {{std::min(box.min_mm.x, part.min_mm.x), std::min(box.min_mm.y, part.min_mm.y),
-             part.min_mm.z},
-            {std::max(box.max_mm.x, part.max_mm.x), std::max(box.max_mm.y, part.max_mm.y),
-             std::max(box.max_mm.z, part.max_mm.z)}};
   }
 
   double top_of(const CutExtents& cuts) const {

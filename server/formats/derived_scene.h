@@ -21,8 +21,9 @@ struct SceneWishes {
   std::string stock_file;  ///< a mesh (kMeshFileNames) in program coordinates; "" for none
   std::filesystem::path folder = ".";  ///< that stock_file is relative to
   std::map<ToolId, ToolShape> tools;
-  /// Bounds of the part that the program is to make, if it is known: an assumed stock contains them
-  /// and ends at their lower side, so that it leaves no skin below the part.
+  std::optional<RotaryDirection> rotary_direction = {};
+  /// Bounds of the part that the program is to make, if it is known: an assumed stock is their box,
+  /// so that it leaves nothing around the part that the program need not cut.
   std::optional<BoxStock> part_mm = {};
 };
 

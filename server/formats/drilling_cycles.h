@@ -17,6 +17,7 @@ class DrillingCycles final : public ProgramWriter {
   explicit DrillingCycles(std::unique_ptr<ProgramWriter> writer);
 
   void note(const std::string& line) override;
+  void set_number(const std::string& digits) override { writer_->set_number(digits); }
   WriteResult add(const ProgramMotion& motion) override;
   WriteResult remark(const MachineRemark& said) override;
   WriteResult finish() override;

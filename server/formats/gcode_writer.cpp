@@ -26,11 +26,15 @@ class GcodeWriter final : public PostWriter {
         iso_(post == Post::kFanuc || post == Post::kHaas),
         inverse_time_(post == Post::kLinuxcnc && (rotary() || vector())) {}
 
+  void set_number(const std::string& digits) override { number_of_program_ = digits; }
+
  private:
   void begin() override {
     if (post_ != Post::kGrbl) out() << "%\n";
     if (iso_) {
-      out() << "O" << (post_ == Post::kHaas ? "01000" : "1000") << ' ' << comment(scene().name);
+      const std::string assumed = post_ == Post::kHaas ? "01000" : "1000";
+      out() << "O" << (number_of_program_.empty() ? assumed : number_of_program_) << ' '
+            << comment(scene().name);
     } else {
       out() << comment(scene().name);
     }
@@ -101,7 +105,7 @@ class GcodeWriter final : public PostWriter {
     const Vec3& tip = pose.tip_mm;
     const bool follows = rotary() || (vector() && iso_);
     if (rotary()) out() << "G0" << rotary_words(angles()) << '\n';
-    const Vec3 above = rotary() ? programmed_from_tip(kind(), false, tip, angles()) : tip;
+    const Vec3 above = rotary() ? programmed_from_tip(scene().machine, false, tip, angles()) : tip;
     const auto rounded = [this](double value) {
       return pointed(decimal_text(value, rules().tip_decimals));
     };
@@ -292,6 +296,7 @@ class GcodeWriter final : public PostWriter {
   }
 
   const Post post_;
+  std::string number_of_program_;  ///< in digits; "": none
   const bool iso_, inverse_time_;  ///< iso_: Fanuc and Haas
   bool tcp_on_ = false, length_on_ = false;
   std::optional<MachineRemark> turning_;  ///< what started the spindle

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/formats/number_text.h"
 #include "server/formats/program_decimator.h"
 #include "server/formats/scene.h"
 
@@ -84,7 +85,7 @@ class ForcesTable {
     std::array<double, kColumns.size()> v{};
     for (std::size_t i = 0; i < v.size(); ++i) {
       const std::string_view text = fields[columns_[i]];
-      const auto [stop, failed] = std::from_chars(text.data(), text.data() + text.size(), v[i]);
+      const auto [stop, failed] = number_of_chars(text.data(), text.data() + text.size(), v[i]);
       if (failed != std::errc{} || stop != text.data() + text.size() || !std::isfinite(v[i]))
         return std::nullopt;
     }

@@ -80,7 +80,7 @@ class KlartextWriter final : public PostWriter {
       block("L" + word('X', tip.x) + word('Y', tip.y) + " R0 FMAX");
       return block("L" + word('Z', tip.z) + " R0 FMAX");
     }
-    const Vec3 above = programmed_from_tip(kind(), false, tip, angles());
+    const Vec3 above = programmed_from_tip(scene().machine, false, tip, angles());
     block("L" + rotary_words(angles()) + " R0 FMAX");
     block("L" + word('X', above.x) + word('Y', above.y) + " R0 FMAX");
     block("M128");

@@ -32,10 +32,17 @@ struct TableRotation {
   Vec3 x, y, z;
 };
 
-TableRotation table_rotation(MachineKinematics kinematics, const RotaryAngles& angles) {
+// Converts between written angles and those of LinuxCNC's tables.
+RotaryAngles signed_angles(const Machine& machine, const RotaryAngles& angles) {
+  if (machine.rotary_direction == RotaryDirection::kTable) return angles;
+  return {0 - angles.a, 0 - angles.b, 0 - angles.c};
+}
+
+TableRotation table_rotation(const Machine& machine, const RotaryAngles& written) {
+  const RotaryAngles angles = signed_angles(machine, written);
   const double sc = sin_deg(angles.c);
   const double cc = cos_deg(angles.c);
-  switch (kinematics) {
+  switch (machine.kinematics) {
     case MachineKinematics::kXyzacTrt: {
       const double sa = sin_deg(angles.a);
       const double ca = cos_deg(angles.a);
@@ -63,28 +70,28 @@ bool has_rotary_table(MachineKinematics kinematics) {
   return kinematics == MachineKinematics::kXyzacTrt || kinematics == MachineKinematics::kXyzbcTrt;
 }
 
-Vec3 table_axis(MachineKinematics kinematics, const RotaryAngles& angles) {
-  return table_rotation(kinematics, angles).z;
+Vec3 table_axis(const Machine& machine, const RotaryAngles& angles) {
+  return table_rotation(machine, angles).z;
 }
 
-Vec3 tip_from_programmed(MachineKinematics kinematics, bool tool_center_point, Vec3 programmed_mm,
+Vec3 tip_from_programmed(const Machine& machine, bool tool_center_point, Vec3 programmed_mm,
                          const RotaryAngles& angles) {
-  if (tool_center_point || !has_rotary_table(kinematics)) return programmed_mm;
-  const TableRotation r = table_rotation(kinematics, angles);
+  if (tool_center_point || !has_rotary_table(machine.kinematics)) return programmed_mm;
+  const TableRotation r = table_rotation(machine, angles);
   return r.x * programmed_mm.x + r.y * programmed_mm.y + r.z * programmed_mm.z;
 }
 
-Vec3 programmed_from_tip(MachineKinematics kinematics, bool tool_center_point, Vec3 tip_mm,
+Vec3 programmed_from_tip(const Machine& machine, bool tool_center_point, Vec3 tip_mm,
                          const RotaryAngles& angles) {
-  if (tool_center_point || !has_rotary_table(kinematics)) return tip_mm;
-  const TableRotation r = table_rotation(kinematics, angles);
+  if (tool_center_point || !has_rotary_table(machine.kinematics)) return tip_mm;
+  const TableRotation r = table_rotation(machine, angles);
   return {dot(r.x, tip_mm), dot(r.y, tip_mm), dot(r.z, tip_mm)};
 }
 
-RotaryAngles angles_from_axis(MachineKinematics kinematics, Vec3 axis,
-                              const RotaryAngles& previous) {
-  if (!has_rotary_table(kinematics)) return {};
-  const bool ac = kinematics == MachineKinematics::kXyzacTrt;
+RotaryAngles angles_from_axis(const Machine& machine, Vec3 axis, const RotaryAngles& before) {
+  if (!has_rotary_table(machine.kinematics)) return {};
+  const RotaryAngles previous = signed_angles(machine, before);
+  const bool ac = machine.kinematics == MachineKinematics::kXyzacTrt;
   const double tilt = std::atan2(std::hypot(axis.x, axis.y), axis.z) / kRadPerDeg;
   const double turn = (ac ? std::atan2(axis.x, axis.y) : std::atan2(axis.y, -axis.x)) / kRadPerDeg;
   const double previous_tilt = ac ? previous.a : previous.b;
@@ -100,7 +107,7 @@ RotaryAngles angles_from_axis(MachineKinematics kinematics, Vec3 axis,
       best = ac ? RotaryAngles{t, 0, c} : RotaryAngles{0, t, c};
     }
   }
-  return best;
+  return signed_angles(machine, best);
 }
 
 FeedTravel feed_travel(const ToolPose& from, const ToolPose& to) {

@@ -19,24 +19,24 @@ bool has_rotary_table(MachineKinematics kinematics);
 ///     xyzac-trt: (sin c sin a, cos c sin a, cos a)
 ///     xyzbc-trt: (-cos c sin b, sin c sin b, cos b)
 ///     otherwise: (0, 0, 1)
-/// Signs are LinuxCNC's: a positive table angle turns the workpiece, so that relative to it the
-/// tool turns in the opposite direction. Multiples of 90 degrees give exact zeros and ones.
-Vec3 table_axis(MachineKinematics kinematics, const RotaryAngles& angles);
+/// These signs are LinuxCNC's (RotaryDirection::kTable): a positive table angle turns the
+/// workpiece, so that relative to it the tool turns in the opposite direction. With kTool all
+/// angles have the other sign. Multiples of 90 degrees give exact zeros and ones.
+Vec3 table_axis(const Machine& machine, const RotaryAngles& angles);
 
 /// Returns the tool tip in the workpiece for programmed coordinates. With tool-center-point control
 /// both are equal. Without it the tables turn about the work zero: the programmed point is fixed in
 /// the machine and the workpiece turns under it.
-Vec3 tip_from_programmed(MachineKinematics kinematics, bool tool_center_point, Vec3 programmed_mm,
+Vec3 tip_from_programmed(const Machine& machine, bool tool_center_point, Vec3 programmed_mm,
                          const RotaryAngles& angles);
 /// Inverse of tip_from_programmed.
-Vec3 programmed_from_tip(MachineKinematics kinematics, bool tool_center_point, Vec3 tip_mm,
+Vec3 programmed_from_tip(const Machine& machine, bool tool_center_point, Vec3 tip_mm,
                          const RotaryAngles& angles);
 
 /// Returns table angles for a tool axis (a unit vector). Of the two tilts and all multiples of a
 /// turn, it returns the pair with the least |change of tilt| + |change of c| from `previous`. For a
 /// vertical axis c is unchanged. Returns zeros for machines without rotary tables.
-RotaryAngles angles_from_axis(MachineKinematics kinematics, Vec3 axis,
-                              const RotaryAngles& previous);
+RotaryAngles angles_from_axis(const Machine& machine, Vec3 axis, const RotaryAngles& previous);
 
 /// The travel to which the feed of a straight motion applies.
 struct FeedTravel {

@@ -2,7 +2,8 @@
 #include "server/formats/number_text.h"
 
 #include <array>
-#include <charconv>
+#include <cmath>
+#include <cstdlib>
 
 namespace kerf {
 namespace {
@@ -17,6 +18,17 @@ std::string exact_text(double value) {
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value + 0.0,
                                  std::chars_format::fixed);
   return {buffer.data(), end.ptr};
+}
+
+std::from_chars_result number_of_chars(const char* first, const char* last, double& value,
+                                       std::chars_format format) {
+  auto result = std::from_chars(first, last, value, format);
+  if (result.ec != std::errc::result_out_of_range) return result;
+  const double nearest = std::strtod(std::string(first, result.ptr).c_str(), nullptr);
+  if (std::abs(nearest) > 1) return result;
+  value = nearest;
+  result.ec = {};
+  return result;
 }
 
 std::string decimal_text(double value, int decimals) {

@@ -48,19 +48,6 @@ WriteResult PostWriter::add_arc(const ProgramMotion& motion, const FittedArc& ar
   return write(motion, &arc);
 }
 
-// The center is equally far from both ends as they are written.
-FittedArc PostWriter::about(const FittedArc& arc, Vec3 from, Vec3 to) const {
-  const PlanePoint a = in_plane(from, arc.plane), b = in_plane(to, arc.plane);
-  const double dx = b.first - a.first, dy = b.second - a.second;
-  const double x = (a.first + b.first) / 2, y = (a.second + b.second) / 2;
-  const double height =
-      ((arc.center.second - y) * dx - (arc.center.first - x) * dy) / (dx * dx + dy * dy);
-  FittedArc result = arc;
-  result.center.first = x - height * dy;
-  result.center.second = y + height * dx;
-  return result;
-}
-
 WriteResult PostWriter::write(const ProgramMotion& given, const FittedArc* fitted) {
   if (kind_ == MachineKinematics::kXyz)
     for (const Vec3& axis : {given.from.axis, given.to.axis})
@@ -84,7 +71,7 @@ WriteResult PostWriter::write(const ProgramMotion& given, const FittedArc* fitte
   } else if (from == to) {
     late_s_ = motion.duration_s;
   } else if (fitted != nullptr) {
-    arc(to, about(*fitted, from.tip_mm, to.tip_mm), motion.duration_s);
+    arc(to, with_equal_radii(*fitted, from.tip_mm, to.tip_mm), motion.duration_s);
   } else if (rotary_) {
     turn(from, to, motion, 0);
   } else {
@@ -145,7 +132,7 @@ void PostWriter::place(const ToolPose& pose, ToolId tool) {
   }
   placed_ = true;
   say_held(held_.size());
-  angles_ = angles_from_axis(kind_, normalized(pose.axis), angles_);
+  angles_ = angles_from_axis(scene_.machine, normalized(pose.axis), angles_);
   approach(pose);
   last_ = pose;
 }
@@ -176,13 +163,14 @@ void PostWriter::turn(const ToolPose& from, const ToolPose& to, const ProgramMot
                       int halvings) {
   const Vec3 a = normalized(from.axis);
   const Vec3 b = normalized(to.axis);
-  const RotaryAngles end = angles_from_axis(kind_, b, angles_);
+  const RotaryAngles end = angles_from_axis(scene_.machine, b, angles_);
   double deviation = 0;
   for (const double s : {0.25, 0.5, 0.75}) {
     const RotaryAngles angles{angles_.a + (end.a - angles_.a) * s,
                               angles_.b + (end.b - angles_.b) * s,
                               angles_.c + (end.c - angles_.c) * s};
-    deviation = std::max(deviation, length(table_axis(kind_, angles) - turned_axis(a, b, s)));
+    deviation =
+        std::max(deviation, length(table_axis(scene_.machine, angles) - turned_axis(a, b, s)));
   }
   const double reach = reach_mm(scene_, motion.tool);
   if (deviation * reach > scene_.settings.tolerance_mm && halvings < kTurnHalvingsMax) {

@@ -70,7 +70,6 @@ class PostWriter : public ProgramWriter {
  private:
   ToolPose rounded(const ToolPose& pose) const;
   WriteResult write(const ProgramMotion& motion, const FittedArc* arc);
-  FittedArc about(const FittedArc& arc, Vec3 from, Vec3 to) const;
   DrilledHole rounded(const DrilledHole& hole) const;
   void place(const ToolPose& pose, ToolId tool);
   void leave_hole();

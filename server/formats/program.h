@@ -48,6 +48,8 @@ struct ToolChange {
 struct Program {
   std::string name;          ///< file name
   std::string read_as = {};  ///< language, and why it: "Haas: line 3 has G154"
+  /// The number that its text gives it (O1234), in digits; "" if none.
+  std::string number = {};
   std::vector<ProgramMotion> motions;
   std::vector<std::string> warnings;  ///< "file:line: text"
   std::size_t lines = 0;              ///< lines read of the program's own text

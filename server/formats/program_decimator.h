@@ -20,6 +20,7 @@ class ProgramDecimator final : public ProgramWriter {
   ProgramDecimator(std::unique_ptr<ProgramWriter> writer, const Scene& scene, double tolerance_mm);
 
   void note(const std::string& line) override;
+  void set_number(const std::string& digits) override { writer_->set_number(digits); }
   WriteResult add(const ProgramMotion& motion) override;
   bool drills(const DrilledHole& hole) const override;
   WriteResult add_hole(const ProgramMotion& first, const DrilledHole& hole) override;

@@ -35,7 +35,7 @@ std::set<ToolId> numbered_tools(std::string_view text) {
   ToolId named = 0;  // tools called by name are numbered in this order
   for (std::size_t at = 0; at < text.size() && tools.size() < kToolsMax; ++at) {
     const char c = text[at];
-    if (c == '\n') remark = false, depth = 0;
+    if (c == '\n' || c == '\r') remark = false, depth = 0;
     if (c == ';') remark = true;
     if (c == '(') ++depth;
     if (c == ')' && depth > 0) --depth;
@@ -84,7 +84,8 @@ class FactsVisitor final : public ProgramVisitor {
                         .cuts = extents_.result(),
                         .motions = motions_,
                         .duration_s = duration_s_,
-                        .assumed_inches = false};
+                        .assumed_inches = false,
+                        .spindle_tool = 0};
   }
 
  private:
@@ -104,6 +105,12 @@ std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
   for (const ToolId id : named) {
     scene.tools[id] = {.shape = kThinTool, .body = {}, .tool = *make_tool(kThinTool)};
   }
+  // A program of one tool needs no other.
+  const ToolId spare = named.size() > 1 ? *named.rbegin() + 1 : 0;
+  if (spare > 0) {
+    scene.tools[spare] = {.shape = kThinTool, .body = {}, .tool = *make_tool(kThinTool)};
+    scene.machine.spindle_tool = spare;
+  }
   std::optional<ProgramError> farthest;
   for (const MachineKinematics kinematics : kMachines) {
     scene.machine.kinematics = kinematics;
@@ -114,6 +121,7 @@ std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
       if (!facts) return facts;
       facts->kinematics = kinematics;
       facts->named_tools.assign(named.begin(), named.end());
+      if (std::ranges::find(facts->tools, spare) != facts->tools.end()) facts->spindle_tool = spare;
       facts->assumed_inches = read->notes.assumed_inches;
       return facts;
     }

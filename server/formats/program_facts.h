@@ -23,6 +23,8 @@ struct ProgramFacts {
   std::size_t motions = 0;
   double duration_s = 0;        ///< at feed rate
   bool assumed_inches = false;  ///< as of Program
+  /// A number of no other tool, if the program cuts before it loads one of several; else 0.
+  ToolId spindle_tool = 0;
 };
 
 /// Reads a program of which no scene is known. Its tools are those that its text numbers, taken as

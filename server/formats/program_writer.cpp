@@ -5,11 +5,18 @@
 #include <utility>
 
 #include "server/formats/drilling_cycles.h"
+#include "server/formats/kept_arcs.h"
 #include "server/formats/post_parts.h"
 #include "server/formats/program_decimator.h"
 #include "server/formats/program_writing.h"
 
 namespace kerf {
+namespace {
+
+/// Decimals of the pose grid (kTipGridMm).
+constexpr int kPoseDecimals = 6;
+
+}  // namespace
 
 WriteResult ProgramWriter::add_arc(const ProgramMotion&, const FittedArc&) {
   return std::unexpected("the language has no arcs");
@@ -68,12 +75,16 @@ std::expected<std::unique_ptr<ProgramWriter>, std::string> make_program_writer(
   std::unique_ptr<ProgramWriter> writer = *std::move(made);
   if (style.tolerance_mm > 0)
     writer = std::make_unique<ProgramDecimator>(std::move(writer), scene, style.tolerance_mm);
+  else if (!apt)
+    writer = std::make_unique<KeptArcs>(std::move(writer), scene,
+                                        rules_of(style.post).tip_decimals >= kPoseDecimals);
   // Holes are sought before motions are joined across their ends.
   if (!apt) writer = std::make_unique<DrillingCycles>(std::move(writer));
   return writer;
 }
 
 WriteResult write_program(const Program& program, ProgramWriter& writer) {
+  if (!program.number.empty()) writer.set_number(program.number);
   auto remark = program.remarks.begin();
   const auto say_until = [&](std::size_t motions) -> WriteResult {
     for (; remark != program.remarks.end() && remark->motions <= motions; ++remark)

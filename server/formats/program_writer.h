@@ -33,6 +33,9 @@ class ProgramWriter {
   virtual ~ProgramWriter() = default;
   /// Adds a comment line to the head of the program. Call before the first add().
   virtual void note(const std::string& line) = 0;
+  /// Gives the program a number, in digits, where the control has such. Call before the first
+  /// add().
+  virtual void set_number(const std::string&) {}
   /// Writes one motion. Poses are rounded to the pose grid.
   virtual WriteResult add(const ProgramMotion& motion) = 0;
   /// Whether the control takes such an arc.

@@ -48,9 +48,18 @@ struct SceneTool {
 /// inverse square root.
 inline constexpr double kChordShare = 0.1;
 
+/// The direction in which a positive angle of a rotary axis turns.
+enum class RotaryDirection {
+  kTable,  ///< the table; relative to the workpiece the tool turns oppositely (LinuxCNC)
+  kTool,   ///< the tool relative to the workpiece (ISO 841)
+};
+
 /// The machine that executes programs.
 struct Machine {
   MachineKinematics kinematics = MachineKinematics::kXyz;
+  RotaryDirection rotary_direction = RotaryDirection::kTable;
+  /// The tool in the spindle until the first tool change; 0: none, or the scene's only one.
+  ToolId spindle_tool = 0;
   double rapid_mm_per_min = 10000;   ///< traverse rate of G0 and RAPID, > 0
   Dialect dialect = Dialect::kAuto;  ///< of programs whose GcodeEnvironment states none
 };
@@ -67,8 +76,11 @@ struct Scene {
   /// The file of each of settings.obstacles as written in the scene; "" unless it is a mesh.
   std::vector<MeshFile> obstacle_files;
   std::vector<Guide> guides;  ///< virtual fixtures that haptic devices feel
-  MeshFile stock_file;        ///< of a mesh stock as written in the scene; "" otherwise
-  MeshRepair stock_repair;    ///< what was repaired in it, if the scene asks for repair
+  /// Of a derived scene: nothing states the stock, so that its border means nothing. Not in the
+  /// canonical text.
+  bool stock_assumed = false;
+  MeshFile stock_file;      ///< of a mesh stock as written in the scene; "" otherwise
+  MeshRepair stock_repair;  ///< what was repaired in it, if the scene asks for repair
   std::map<std::string, std::string> files;  ///< name to content, if SceneSource::keep_files
 };
 

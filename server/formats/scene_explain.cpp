@@ -110,6 +110,10 @@ constexpr std::array kHelp{
     FieldHelp{
         "machine.dialect", "auto", "",
         "language of programs: auto, linuxcnc, grbl, mach3, fanuc, haas, heidenhain, siemens"},
+    FieldHelp{"machine.rotary_direction", "table", "",
+              "table: a positive angle turns the table (LinuxCNC); tool: the tool relative to the "
+              "workpiece (ISO 841)"},
+    FieldHelp{"machine.spindle_tool", "-", "", "tool in the spindle until the first tool change"},
     FieldHelp{"machine.rapid_mm_per_min", "10000", "mm/min", "traverse rate of G0 and RAPID"},
     FieldHelp{"obstacles", "[]", "", "bodies that push back and are never cut"},
     FieldHelp{"obstacles[].shape", "-", "", "box, cylinder, sphere or mesh"},

@@ -251,6 +251,9 @@ std::string scene_json(const Scene& scene) {
                {"obstacles", obstacles}};
   if (scene.machine.dialect != Dialect::kAuto)
     json["machine"]["dialect"] = std::string(name_of(scene.machine.dialect));
+  if (scene.machine.rotary_direction == RotaryDirection::kTool)
+    json["machine"]["rotary_direction"] = "tool";
+  if (scene.machine.spindle_tool > 0) json["machine"]["spindle_tool"] = scene.machine.spindle_tool;
   if (!scene.guides.empty())
     json["guides"] = Json::parse(guides_json(scene.guides, GuideFiles::kNamed));
   return text_of(json);

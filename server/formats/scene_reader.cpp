@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -153,7 +154,16 @@ void apply_accuracy(const AccuracyRequest& request, Scene& scene) {
   settings.motion = request.motion.value_or(settings.motion);
 }
 
-Machine read_machine(const SceneValue& value) {
+ToolId read_spindle_tool(SceneFields& fields, const std::map<ToolId, SceneTool>& tools) {
+  if (!fields.find("spindle_tool")) return 0;
+  const double id = fields.positive("spindle_tool");
+  if (id != std::floor(id) || id > std::numeric_limits<ToolId>::max() ||
+      !tools.contains(static_cast<ToolId>(id)))
+    fields.reject("spindle_tool", "is not the id of a tool of the scene");
+  return static_cast<ToolId>(id);
+}
+
+Machine read_machine(const SceneValue& value, const std::map<ToolId, SceneTool>& tools) {
   SceneFields fields(value);
   Machine machine;
   const std::string kinematics = fields.text("kinematics", to_string(machine.kinematics));
@@ -174,6 +184,11 @@ Machine read_machine(const SceneValue& value) {
     machine.dialect = *named;
   else
     fields.reject("dialect", "\"" + dialect + "\" is not known; use one of " + dialect_names());
+  const std::string rotary = fields.text("rotary_direction", "table");
+  if (rotary != "table" && rotary != "tool")
+    fields.reject("rotary_direction", "\"" + rotary + "\" is not a direction; use table or tool");
+  if (rotary == "tool") machine.rotary_direction = RotaryDirection::kTool;
+  machine.spindle_tool = read_spindle_tool(fields, tools);
   fields.reject_unknown();
   return machine;
 }
@@ -269,10 +284,11 @@ Scene read_scene(const Json& json, const SceneSource& source) {
   AccuracyRequest accuracy;
   if (const auto value = fields.find("accuracy")) accuracy = read_accuracy(*value);
   if (const auto force = fields.find("force")) scene.settings.force = read_force(*force);
-  if (const auto machine = fields.find("machine")) scene.machine = read_machine(*machine);
   const auto tools = fields.required("tools").items();
   if (tools.empty()) fields.reject("tools", "must have at least one tool");
   for (const SceneValue& tool : tools) read_scene_tool(tool, scene.tools);
+  if (const auto machine = fields.find("machine"))
+    scene.machine = read_machine(*machine, scene.tools);
   if (const auto obstacles = fields.find("obstacles")) {
     for (const SceneValue& obstacle : obstacles->items()) read_obstacle(obstacle, source, scene);
   }

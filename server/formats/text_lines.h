@@ -6,15 +6,21 @@
 
 namespace kerf {
 
-/// Iterates over the lines of a text. Lines end with LF or CR LF; the CR is kept in the line.
+/// Returns the character that ends the lines of a text: LF, or CR if it has no LF.
+inline char line_end(std::string_view text) {
+  return text.find('\n') == std::string_view::npos ? '\r' : '\n';
+}
+
+/// Iterates over the lines of a text. Lines end with LF, CR LF or, in a text without LF, CR; the CR
+/// of CR LF is kept in the line.
 class TextLines {
  public:
-  explicit TextLines(std::string_view text) : rest_(text) {}
+  explicit TextLines(std::string_view text) : rest_(text), end_(line_end(text)) {}
 
   /// Moves to the next line. Returns false at the end of the text.
   bool next() {
     if (rest_.empty()) return false;
-    const std::size_t end = rest_.find('\n');
+    const std::size_t end = rest_.find(end_);
     line_ = rest_.substr(0, end);
     rest_ = end == std::string_view::npos ? std::string_view() : rest_.substr(end + 1);
     ++number_;
@@ -25,6 +31,7 @@ class TextLines {
 
  private:
   std::string_view rest_, line_;
+  char end_;
   std::size_t number_ = 0;
 };
 

@@ -32,6 +32,15 @@ Json target_json(const WallReport& report) {
           {"complete", complete}};
 }
 
+// The stock, wider and deeper if nothing states it: walls at its border are none of the part's.
+StockShape searched_stock(const Scene& scene) {
+  const auto* box = std::get_if<BoxStock>(&scene.settings.stock);
+  if (!scene.stock_assumed || box == nullptr) return scene.settings.stock;
+  const Vec3 size = box->max_mm - box->min_mm;
+  const double more = std::max({size.x, size.y, size.z});
+  return BoxStock{box->min_mm - Vec3{more, more, more}, box->max_mm + Vec3{more, more, 0}};
+}
+
 }  // namespace
 
 std::size_t wall_samples(const Scene& scene, const Program& program) {
@@ -46,7 +55,7 @@ WallCheck::WallCheck(const Scene& scene, const Program& program, std::size_t can
     : scene_(scene),
       program_(program),
       effort_(kEffortMin + kEffortPerCandidate * candidates),
-      solid_(scene.settings.stock, scene.tools, program.motions,
+      solid_(searched_stock(scene), scene.tools, program.motions,
              kReachPitches * scene.settings.pitch_mm, scene.settings.stock_mesh.get()),
       surface_(sample(candidates, stop)) {}
 

@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "server/formats/number_text.h"
 #include "tests/formats/dialect_runs.h"
 
 namespace kerf {
@@ -124,57 +123,6 @@ TEST(FanucBlock, ACycleKeepsItsLevelsWhenG91Begins) {
       << "LinuxCNC reads the levels again";
 }
 
-// The first feed of a program that is read without a parameter file, and its warnings.
-struct FirstCut {
-  std::string at;
-  std::vector<std::string> warnings;
-};
-
-FirstCut first_cut(const std::string& text, Dialect dialect = Dialect::kFanuc) {
-  const auto program = parse_program("p.nc", "G21 G17 G90\nT1 M6\n" + text + "G0 Z9.\nM30\n",
-                                     test::scene_for("xyz"), as(dialect));
-  EXPECT_TRUE(program) << to_string(program.error()) << text;
-  if (!program) return {};
-  for (const ProgramMotion& motion : program->motions)
-    if (!motion.rapid) {
-      const Vec3& tip = motion.to.tip_mm;
-      return {decimal_text(tip.x, 3) + " " + decimal_text(tip.y, 3) + " " + decimal_text(tip.z, 3),
-              program->warnings};
-    }
-  return {};
-}
-
-TEST(FanucOffsets, OfG54AreTheZeroOfTheScene) {
-  const std::string cut = "G0 X0 Y0 Z5.\nG1 X1. Y2. Z-3. F99\n";
-  const std::string set = "G10 L2 P1 X-269.39 Y-254.65 Z-389.\n";
-  for (const Dialect dialect : {Dialect::kFanuc, Dialect::kHaas}) {
-    EXPECT_EQ(first_cut(set + "G54 " + cut, dialect).at, "1 2 -3");
-    EXPECT_EQ(first_cut("#5221=-269.39 #5222=-254.65 #5223=-389.\nG54 " + cut, dialect).at,
-              "1 2 -3");
-    EXPECT_EQ(first_cut("G91 G28 Z0\nG90 G53 G0 Z0\n" + set + "G54 " + cut, dialect).at, "1 2 -3");
-  }
-  EXPECT_THAT(first_cut(set + cut).warnings, Contains(HasSubstr("machine coordinates")));
-  EXPECT_EQ(first_cut("G10 L2 P1 X7.\n" + cut, Dialect::kMach3).at, "8 2 -3")
-      << "a control without a shop's offsets";
-}
-
-TEST(FanucOffsets, CountByTheirDifferences) {
-  const std::string cut = "G0 X0 Y0 Z5.\nG1 X1. Y2. Z-3. F99\n";
-  const std::string both = "G10 L2 P1 X-300. Y-200. Z-400.\nG10 L2 P2 X-260. Y-200. Z-390.\n";
-  EXPECT_EQ(first_cut(both + "G55 " + cut).at, "41 2 7");
-  EXPECT_EQ(first_cut(both + "G54 " + cut).at, "1 2 -3");
-  EXPECT_EQ(first_cut("G10 L2 P2 X-260. Y-200.\nG55 " + cut).at, "1 2 -3") << "the only one";
-  EXPECT_EQ(first_cut("G10 L2 P1 X0 Y0 Z-400.\nG10 L2 P2 X50. Y0 Z-400.\nG55 " + cut).at, "51 2 -3")
-      << "0 is an offset, too";
-  const std::string move = "G0 X0 Y0 Z5.\n";
-  EXPECT_EQ(first_cut("G10 L2 P1 X-300.\n" + move + "G10 L2 P1 X-290.\nG1 X1. Y0 Z0 F9\n").at,
-            "11 0 0");
-  EXPECT_EQ(first_cut(move + "#5221=#5221+50.\nG1 X1. Y0 Z0 F9\n").at, "51 0 0");
-  EXPECT_EQ(first_cut("G91 G10 L2 P1 X5.\nG90 " + move + "G1 X1. Y0 Z0 F9\n").at, "6 0 0");
-  EXPECT_EQ(first_cut("G10 L2 P1 X-300.\nG68 X0 Y0 R90.\n" + move + "G1 X0 Y-1. Z0 F9\n").at,
-            "1 0 0");
-}
-
 TEST(FanucBlock, OffsetsAreInTheUnitOfTheProgram) {
   EXPECT_EQ(fanuc("G20\n#5221=1.\nG0 X1.\nM30\n"), "R 50.8 0 0");
   EXPECT_EQ(fanuc("#5221=25.4\nG20\nG0 X#5221\nG21\nX#5221\nM30\n"), "R 50.8 0 0, R 50.8 0 0");
@@ -190,7 +138,13 @@ TEST(FanucBlock, RotatesTheProgramAboutACenter) {
   EXPECT_THAT(refused("G0 X3 Y4\nG68 X0 Y0 R90\nG0 X1\n"), HasSubstr("both X and Y"));
   EXPECT_THAT(refused("G68 X0 Y0 R90\nG55\n"), HasSubstr("G55"));
   EXPECT_THAT(refused("G18 G68 X0 Z0 R90\n"), HasSubstr("G17"));
-  EXPECT_THAT(refused("G68 X0 Y0 R9\n", Dialect::kMach3), HasSubstr("(read as Mach3)"));
+  EXPECT_EQ(test::moves_of("G68 A10 B0 R90\nG0 X10 Y1\nG69\nX1 Y2\nM30\n", as(Dialect::kMach3)),
+            "R 9 0 0, R 1 2 0");
+  EXPECT_THAT(refused("G68 A10 B0 I1 R9\n", Dialect::kMach3), HasSubstr("X, Y and R only"));
+  EXPECT_EQ(test::moves_of("G68 A10 B0 R90\nG0 X10 Y1\nG69\nX1 Y2\nM30\n", as(Dialect::kMach3)),
+            "R 9 0 0, R 1 2 0");
+  EXPECT_THAT(refused("G68 A10 B0 I1 R9\n", Dialect::kMach3), HasSubstr("X, Y and R only"));
+  EXPECT_THAT(refused("G51 X0 Y0 I2. J2.\n", Dialect::kMach3), HasSubstr("(read as Mach3)"));
 }
 
 TEST(FanucBlock, ScalesAndMirrors) {

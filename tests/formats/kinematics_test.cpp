@@ -25,14 +25,49 @@ void expect_near(Vec3 a, Vec3 b, double tolerance) {
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
+Machine machine_of(MachineKinematics kinematics) {
+  Machine machine;
+  machine.kinematics = kinematics;
+  return machine;
+}
+
 TEST(MachineKinematics, PositiveTableAngleTiltsTheToolTheOppositeDirection) {
   // A = 90 turns the workpiece's +Y towards the spindle, so the tool axis is +Y.
-  expect_near(table_axis(MachineKinematics::kXyzacTrt, {.a = 90}), {0, 1, 0}, 0);
-  expect_near(table_axis(MachineKinematics::kXyzacTrt, {.a = 90, .c = 90}), {1, 0, 0}, 0);
-  expect_near(table_axis(MachineKinematics::kXyzbcTrt, {.b = 90}), {-1, 0, 0}, 0);
-  expect_near(table_axis(MachineKinematics::kXyzbcTrt, {.b = 90, .c = 90}), {0, 1, 0}, 0);
+  expect_near(table_axis(machine_of(MachineKinematics::kXyzacTrt), {.a = 90}), {0, 1, 0}, 0);
+  expect_near(table_axis(machine_of(MachineKinematics::kXyzacTrt), {.a = 90, .c = 90}), {1, 0, 0},
+              0);
+  expect_near(table_axis(machine_of(MachineKinematics::kXyzbcTrt), {.b = 90}), {-1, 0, 0}, 0);
+  expect_near(table_axis(machine_of(MachineKinematics::kXyzbcTrt), {.b = 90, .c = 90}), {0, 1, 0},
+              0);
   for (const auto kind : {MachineKinematics::kXyzacTrt, MachineKinematics::kXyzbcTrt})
-    expect_near(table_axis(kind, {.c = 33}), {0, 0, 1}, 0);
+    expect_near(table_axis(machine_of(kind), {.c = 33}), {0, 0, 1}, 0);
+}
+
+TEST(MachineKinematics, APositiveAngleMayTurnTheTool) {
+  for (const auto kind : {MachineKinematics::kXyzacTrt, MachineKinematics::kXyzbcTrt}) {
+    Machine tool = machine_of(kind);
+    tool.rotary_direction = RotaryDirection::kTool;
+    const RotaryAngles angles{.a = 30, .b = 30, .c = 40}, others{.a = -30, .b = -30, .c = -40};
+    EXPECT_EQ(table_axis(tool, angles), table_axis(machine_of(kind), others));
+    EXPECT_EQ(tip_from_programmed(tool, false, {1, 2, 3}, angles),
+              tip_from_programmed(machine_of(kind), false, {1, 2, 3}, others));
+    const Vec3 axis = table_axis(tool, angles);
+    const RotaryAngles found = angles_from_axis(tool, axis, angles);
+    expect_near(table_axis(tool, found), axis, 1e-14);
+    EXPECT_NEAR(found.c, 40, 1e-9);
+  }
+  // B30 of ISO 841 leans the tool towards +X.
+  const std::string text = "G43.4 H1\nG0 X0 Y0 Z5 B30 C0\nG1 X1 F99\nM30\n";
+  Scene scene = scene_for("xyzbc-trt");
+  GcodeEnvironment environment;
+  environment.dialect = Dialect::kFanuc;
+  for (const auto direction : {RotaryDirection::kTable, RotaryDirection::kTool}) {
+    scene.machine.rotary_direction = direction;
+    const auto program = parse_program("p.nc", "G21 G90\nT1 M6\n" + text, scene, environment);
+    ASSERT_TRUE(program) << to_string(program.error());
+    EXPECT_NEAR(program->motions.back().to.axis.x, direction == RotaryDirection::kTool ? 0.5 : -0.5,
+                1e-9);
+  }
 }
 
 TEST(MachineKinematics, AnglesReproduceTheAxisAndStayNearThePreviousOnes) {
@@ -43,8 +78,8 @@ TEST(MachineKinematics, AnglesReproduceTheAxisAndStayNearThePreviousOnes) {
       std::mt19937_64 random(seed);
       std::normal_distribution<double> normal(0, 0.03);
       axis = normalized(axis + Vec3{normal(random), normal(random), normal(random)});
-      const RotaryAngles next = angles_from_axis(kind, axis, angles);
-      ASSERT_LT(length(table_axis(kind, next) - axis), 1e-14) << "seed " << seed;
+      const RotaryAngles next = angles_from_axis(machine_of(kind), axis, angles);
+      ASSERT_LT(length(table_axis(machine_of(kind), next) - axis), 1e-14) << "seed " << seed;
       const double tilt =
           kind == MachineKinematics::kXyzacTrt ? next.a - angles.a : next.b - angles.b;
       ASSERT_LE(std::abs(tilt) + std::abs(next.c - angles.c), 360) << "seed " << seed;
@@ -64,12 +99,12 @@ TEST(MachineKinematics, ProgrammedFromTipIsInverse) {
     const Vec3 p{any(random), any(random), any(random)};
     const RotaryAngles angles{any(random), any(random), any(random)};
     for (const auto kind : {MachineKinematics::kXyzacTrt, MachineKinematics::kXyzbcTrt}) {
-      const Vec3 tip = tip_from_programmed(kind, false, p, angles);
-      EXPECT_LT(length(programmed_from_tip(kind, false, tip, angles) - p), 1e-12);
+      const Vec3 tip = tip_from_programmed(machine_of(kind), false, p, angles);
+      EXPECT_LT(length(programmed_from_tip(machine_of(kind), false, tip, angles) - p), 1e-12);
       // The spindle is vertical in the machine: 1 mm up is 1 mm along the tool axis.
-      const Vec3 up = tip_from_programmed(kind, false, p + Vec3{0, 0, 1}, angles) - tip;
-      EXPECT_LT(length(up - table_axis(kind, angles)), 1e-12);
-      EXPECT_EQ(tip_from_programmed(kind, true, p, angles), p);
+      const Vec3 up = tip_from_programmed(machine_of(kind), false, p + Vec3{0, 0, 1}, angles) - tip;
+      EXPECT_LT(length(up - table_axis(machine_of(kind), angles)), 1e-12);
+      EXPECT_EQ(tip_from_programmed(machine_of(kind), true, p, angles), p);
     }
   }
 }
@@ -84,13 +119,13 @@ TEST(MachineKinematics, TipStaysOnItsLineWithToolCenterPoint) {
     EXPECT_EQ(motion.to.tip_mm.y, 0);
     // Angles and tip advance uniformly, so the tip determines the angles.
     const double s = motion.to.tip_mm.x / 10;
-    expect_near(motion.to.axis, table_axis(MachineKinematics::kXyzacTrt, {30 * s, 0, 90 * s}),
-                2e-9);
+    expect_near(motion.to.axis,
+                table_axis(machine_of(MachineKinematics::kXyzacTrt), {30 * s, 0, 90 * s}), 2e-9);
     EXPECT_NEAR(duration, s, 1e-6);
     // At half of each motion the whole tool is within the tolerance.
     const Vec3 half = turned_axis(motion.from.axis, motion.to.axis, 0.5);
     const double m = (motion.from.tip_mm.x + motion.to.tip_mm.x) / 20;
-    const Vec3 truth = table_axis(MachineKinematics::kXyzacTrt, {30 * m, 0, 90 * m});
+    const Vec3 truth = table_axis(machine_of(MachineKinematics::kXyzacTrt), {30 * m, 0, 90 * m});
     EXPECT_LE(60 * length(half - truth), 0.001 + 1e-6);
   }
   expect_near(program.motions.back().to.axis,

@@ -50,7 +50,7 @@ std::vector<Json> every_field() {
     "$schema": "scene.schema.json", "name": "n",
     "accuracy": {"target_mm": 0.5, "rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01,
                  "motion": "paper"},
-    "machine": {"kinematics": "tool-vector", "dialect": "haas", "rapid_mm_per_min": 9000},
+    "machine": {"kinematics": "tool-vector", "dialect": "haas", "rotary_direction": "tool", "spindle_tool": 1, "rapid_mm_per_min": 9000},
     "tools": [
       {"id": 1, "shape": "ball", "diameter_mm": 4, "length_mm": 20,
        "shank": {"diameter_mm": 3, "length_mm": 9},

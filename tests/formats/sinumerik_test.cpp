@@ -15,7 +15,6 @@ using test::scene_for;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 const std::string kHead = "T1 M6\nG0 X0 Y0\nZ5 S1000 M3\nF600\n";
 
@@ -305,8 +304,8 @@ TEST(Sinumerik, IsJudgedAndDerivesAScene) {
   EXPECT_TRUE(derived->scene.tools.contains(1));
   EXPECT_THAT(parse_program("p.mpf", "T1 M6\nG0 X0 Y0 Z5\nG1 X1 F1\nM2\n", scene_for("xyz"))
                   .value()
-                  .warnings,
-              IsEmpty());
+                  .read_as,
+              HasSubstr("SINUMERIK: its name ends in .mpf"));
 }
 
 }  // namespace

@@ -179,11 +179,26 @@ TEST_F(Verify, AFrameThatIsCutLooseDoesNotCount) {
   // The block less the square around the contour, whose corners are round.
   const Json verdict = Json::parse(content("r.json"))["verdict"];
   EXPECT_NEAR(verdict["cut_loose_mm3"], (1600 - 32 * 32 + (4 - M_PI) * 9) * 10, 100);
-  // An assumed stock ends where the part does.
+  // An assumed stock is the box of the part.
   EXPECT_THAT(failed(contour, 0), testing::IsEmpty()) << content("out");
-  EXPECT_THAT(content("err"), HasSubstr("Z -10 to 0 mm (the cuts of the program and the part"));
+  EXPECT_THAT(content("err"), HasSubstr("X 10 to 30, Y 10 to 30, Z -10 to 0 mm (that of the part"));
   // A floor of 2 mm holds the frame, which then counts.
   EXPECT_EQ(failed(contour + "--stock 40,40,12", 3).count("uncut"), 1U);
+}
+
+// A plate of 60 x 40 x 9 mm below Z -1, faced in lines that begin and end outside of it.
+TEST_F(Verify, AnAssumedStockCondemnsNoProgram) {
+  write("part.stl", prism({{0, -10}, {60, -10}, {60, -1}, {0, -1}}, {{0, 1, 2}, {0, 2, 3}}, 0, 40));
+  std::string lines = "G21 G90\nT1 M6 (D=10 flat end mill)\n";
+  for (int y = 0; y <= 40; y += 8)
+    lines += "G0 Z5\nG0 X-8 Y" + std::to_string(y) + "\nG1 Z-1 F200\nG1 X68 F600\n";
+  write("p.ngc", lines + "G0 Z20\nM2\n");
+  const std::string plate = "--verify p.ngc --reference part.stl --pitch 0.5 --wall-samples 0 ";
+  EXPECT_THAT(failed(plate, 0), testing::IsEmpty()) << content("out");
+  EXPECT_THAT(failed(plate + "--stock 60,40,10", 0), testing::IsEmpty()) << content("out");
+  EXPECT_EQ(failed(plate + "--stock 60,40,12", 3).count("uncut"), 1U) << "a stated stock counts";
+  write("p.ngc", "G21 G90\nT1 M6 (D=10 flat end mill)\nG0 X30 Y20 Z5\nG1 Z-3 F200\nG0 Z20\nM2\n");
+  EXPECT_EQ(failed(plate, 3).count("gouges"), 1U) << "cuts into the part still count";
 }
 
 TEST_F(Verify, AStockThatIsTooSmallFails) {

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "server/formats/letter_case.h"
+#include "server/formats/number_text.h"
 
 namespace kerf {
 namespace {
@@ -107,7 +108,7 @@ std::optional<AptStatement> AptStatements::next() {
 std::optional<double> apt_number(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0;
-  const auto read = std::from_chars(word.data(), word.data() + word.size(), value);
+  const auto read = number_of_chars(word.data(), word.data() + word.size(), value);
   if (read.ec != std::errc{} || read.ptr != word.data() + word.size() || !std::isfinite(value))
     return std::nullopt;
   return value;

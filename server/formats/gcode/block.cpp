@@ -172,6 +172,8 @@ class BlockParser {
     const double value = empty ? 0 : reader_.value();
     const std::string text = to_upper(reader_.text_since(start));
     if (std::isnan(value)) return;  // a vacant variable: the word does not exist
+    // T01T02M06 of Mazak: the second tool is made ready.
+    if (rules_.macros && letter == 't' && block_.find('t') != nullptr) return;
     if (block_.find(letter) != nullptr)
       throw GcodeFault{text, "repeats the letter " + to_upper(std::string(1, letter)) +
                                  ": a block may have one word of each letter"};
@@ -190,9 +192,39 @@ class BlockParser {
   std::vector<std::pair<std::variant<int, std::string>, double>> assignments_;
 };
 
+// The text behind M117 and M118 (Marlin: messages), and behind M0 and M1 if it is words.
+std::optional<std::string_view> message_of(std::string_view line) {
+  std::size_t at = 0;
+  const auto blanks = [&] {
+    while (at < line.size() && (line[at] == ' ' || line[at] == '\t')) ++at;
+  };
+  const auto digits = [&] {
+    const std::size_t from = at;
+    while (at < line.size() && is_digit(line[at])) ++at;
+    return line.substr(from, at - from);
+  };
+  blanks();
+  if (at < line.size() && to_lower(line[at]) == 'n') ++at, digits(), blanks();
+  if (at >= line.size() || to_lower(line[at]) != 'm') return std::nullopt;
+  ++at;
+  const std::string_view code = digits();
+  const bool message = code == "117" || code == "118";
+  const bool stop = code == "0" || code == "1" || code == "00" || code == "01";
+  blanks();
+  const auto is_letter = [&](std::size_t i) {
+    return i < line.size() && to_lower(line[i]) >= 'a' && to_lower(line[i]) <= 'z';
+  };
+  if (message || (stop && is_letter(at) && is_letter(at + 1))) return line.substr(at);
+  return std::nullopt;
+}
+
 // Comments in parentheses may be nested and unclosed; a ')' too many is left out.
 GcodeLine split_nested(std::string_view line) {
   GcodeLine result;
+  if (const auto message = message_of(line)) {
+    result.comment = message->substr(0, message->find_last_not_of(" \t\r") + 1);
+    return result;
+  }
   int depth = 0;
   for (const char c : line) {
     if (c == '(' && depth++ == 0) {

@@ -139,6 +139,7 @@ constexpr std::array kMacroGCodes{
     Codes{310, 310, kMotion, kProbing},
     Codes{330, 331, kMotion, "is thread cutting, which is not supported"},
     Codes{350, 370, kNonModal, kMeasures},
+    Codes{401, 401, kNoEffect},  // normal-direction control off
     Codes{435, 435, kToolLength},
     Codes{440, 440, kToolLength, "is a negative length offset, which is not supported; use G43"},
     Codes{450, 480, kNonModal, "changes the length of motions, which is not supported"},

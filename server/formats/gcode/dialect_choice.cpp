@@ -52,6 +52,19 @@ constexpr std::array kMarks{
     Mark{"def int", Tongue::kSiemens, 10, false},
     Mark{"def bool", Tongue::kSiemens, 10, false},
     Mark{"t=\"", Tongue::kSiemens, 10, false},
+    Mark{"trans", Tongue::kSiemens, 8, false},
+    Mark{"atrans", Tongue::kSiemens, 8, false},
+    Mark{"rot", Tongue::kSiemens, 8, false},
+    Mark{"arot", Tongue::kSiemens, 8, false},
+    Mark{"rpl=", Tongue::kSiemens, 8, false},
+    Mark{"mirror", Tongue::kSiemens, 8, false},
+    Mark{"amirror", Tongue::kSiemens, 8, false},
+    Mark{"ascale", Tongue::kSiemens, 8, false},
+    Mark{"rp=", Tongue::kSiemens, 8, false},
+    Mark{"setal(", Tongue::kSiemens, 8, false},
+    Mark{"stopre", Tongue::kSiemens, 8, false},
+    Mark{"endfor", Tongue::kSiemens, 8, false},
+    Mark{"g111", Tongue::kSiemens, 8, false},
     Mark{"#<", Tongue::kLinuxcnc, 20, false},
     Mark{"o<", Tongue::kLinuxcnc, 20, false},
     Mark{"m428", Tongue::kLinuxcnc, 10, true},
@@ -266,6 +279,9 @@ std::expected<DialectChoice, ProgramError> choose_dialect(const std::string& nam
   Judge judge;
   judge.read(text);
   if (to_lower(name).ends_with(".ngc")) judge.add(Tongue::kLinuxcnc, 3, "its name ends in .ngc");
+  for (const char* extension : {".mpf", ".spf"})
+    if (to_lower(name).ends_with(extension))
+      judge.add(Tongue::kSiemens, 20, std::string("its name ends in ") + extension);
   // What Haas and Fanuc have in common counts for both.
   constexpr std::array kReadable{std::pair{Tongue::kLinuxcnc, Dialect::kLinuxcnc},
                                  std::pair{Tongue::kHaas, Dialect::kHaas},

@@ -10,6 +10,7 @@
 
 #include "server/formats/gcode/fault.h"
 #include "server/formats/letter_case.h"
+#include "server/formats/number_text.h"
 #include "server/formats/units.h"
 
 namespace kerf {
@@ -199,7 +200,7 @@ double GcodeValueReader::number() {
   const std::string_view text = line_.substr(start, at_ - start);
   double result = 0;
   const auto read =
-      std::from_chars(text.data(), text.data() + text.size(), result, std::chars_format::fixed);
+      number_of_chars(text.data(), text.data() + text.size(), result, std::chars_format::fixed);
   if (read.ec != std::errc{}) throw GcodeFault{word_since(start), "is not a number"};
   return result;
 }
@@ -315,6 +316,10 @@ double GcodeValueReader::parameter() {
       throw GcodeFault{
           "#" + std::to_string(*number),
           "the position cannot be read while cutter compensation is on; read it before G41 or G42"};
+    if (parameters_.vacant() && is_tool_life_count(*number)) {
+      parameters_.note_tool_life();
+      return 0;
+    }
     if (parameters_.macros() && !is_macro_variable(*number, false))
       throw GcodeFault{"#" + std::to_string(*number),
                        "is a system variable of the control whose value is not known here"};

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "server/formats/text_lines.h"
+
 namespace kerf {
 namespace {
 
@@ -10,14 +12,14 @@ constexpr std::size_t kStride = 64;
 
 }  // namespace
 
-LineIndex::LineIndex(std::string_view text) : text_(text) {
+LineIndex::LineIndex(std::string_view text) : text_(text), end_(line_end(text)) {
   for (std::size_t at = 0; at < text_.size(); at = end_of(at) + 1) {
     if (size_++ % kStride == 0) starts_.push_back(at);
   }
 }
 
 std::size_t LineIndex::end_of(std::size_t at) const {
-  return std::min(text_.find('\n', at), text_.size());
+  return std::min(text_.find(end_, at), text_.size());
 }
 
 std::string_view LineIndex::operator[](std::size_t n) const {

@@ -7,8 +7,8 @@
 
 namespace kerf {
 
-/// The lines of a text by number, from 0, without their LF. Holds the place of every 64th line
-/// only: the next line is found at once, others after 64 lines at most. Not thread-safe.
+/// The lines of a text by number, from 0, without their LF (text_lines.h). Holds the place of every
+/// 64th line only: the next line is found at once, others after 64 lines at most. Not thread-safe.
 class LineIndex {
  public:
   /// `text` must outlive it.
@@ -22,6 +22,7 @@ class LineIndex {
   std::size_t end_of(std::size_t at) const;
 
   std::string_view text_;
+  char end_;
   std::vector<std::size_t> starts_;
   std::size_t size_ = 0;
   mutable std::size_t next_ = 0, next_at_ = 0;  ///< the line behind the last one, and its place

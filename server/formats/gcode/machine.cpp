@@ -40,6 +40,8 @@ void GcodeMachine::at_line(std::size_t file, std::size_t line) {
   line_ = line;
   calls_before_ = calls_;
   canon_.at_line(file, line);
+  if (parameters_.tool_life_read())
+    warn_once("life", "the program asks for the use of its tools, which counts as 0: they are new");
   if (setup_.rules.macros) return publish_macro_variables();
   for (std::size_t i = 0; i < at_.size(); ++i)
     parameters_.set(gcode_parameter::kPosition + static_cast<int>(i),

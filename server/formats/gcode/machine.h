@@ -134,6 +134,7 @@ class GcodeMachine {
   // machine_macro.cpp: words of the controls with Macro B
   void prepare(GcodeBlock& block);
   void prepare_units(GcodeBlock& block);
+  void prepare_rotation(GcodeBlock& block) const;
   void ignore_power(GcodeBlock& block);
   void warn_of_ambiguity(const GcodeBlock& block);
   void ignore_codes(GcodeBlock& block);

@@ -45,6 +45,7 @@ void GcodeMachine::prepare(GcodeBlock& block) {
                                  kCoordinateSystem, kMoreSystems, kShiftApplied, kPlane})
     if (block.code(group) != nullptr) require_no_corner();
   prepare_units(block);
+  prepare_rotation(block);
   warn_of_ambiguity(block);
   ignore_codes(block);
   ignore_power(block);
@@ -75,6 +76,15 @@ void GcodeMachine::prepare_units(GcodeBlock& block) {
                        "is a pattern of holes, which is not supported; use single holes"};
     code.code = code.code == 700 ? 200 : 210;
   }
+}
+
+// G68 A B R of Mach3: the center in X and Y.
+void GcodeMachine::prepare_rotation(GcodeBlock& block) const {
+  if (setup_.rules.dialect != Dialect::kMach3 || !block.has_code(GcodeGroup::kRotation, 680))
+    return;
+  for (const auto& [written, axis] : {std::pair{'a', 'x'}, std::pair{'b', 'y'}})
+    if (GcodeWord* word = word_of(block, written); word != nullptr && block.find(axis) == nullptr)
+      word->letter = axis;
 }
 
 // P and E beside M3, M4 and M5 are the power of spindles without a speed.

@@ -44,7 +44,8 @@ void GcodeMachine::transform(GcodeBlock& block) {
     if (ends && group == GcodeGroup::kMirror) take_mirror_end(block, *code);
     // The end of another transformation leaves the active one as it is.
     if (ends && (!untransformed_ || transform_group_ != group)) continue;
-    if (!setup_.rules.of_fanuc())
+    const bool of_mach3 = setup_.rules.dialect == Dialect::kMach3 && group == GcodeGroup::kRotation;
+    if (!setup_.rules.of_fanuc() && !of_mach3)
       throw GcodeFault{code->text, "is not supported; its words differ between controls"};
     reject_compensated(*code);
     require_no_corner();

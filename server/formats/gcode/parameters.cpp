@@ -14,6 +14,10 @@ bool is_gcode_parameter_writable(int number) {
          !(number >= kPosition && number <= kPositionLast);
 }
 
+bool is_tool_life_count(int number) {
+  return (number >= 5401 && number <= 5600) || (number >= 5701 && number <= 5800);
+}
+
 bool is_macro_variable(int number, bool assigned) {
   using namespace gcode_parameter;
   const auto within = [number](int first, int last) { return number >= first && number <= last; };

@@ -65,6 +65,9 @@ class GcodeParameters {
   static GcodeParameters of_macros(bool vacant);
   bool macros() const { return macros_; }
   bool vacant() const { return vacant_; }
+  /// Whether the program has asked for the use of a tool.
+  bool tool_life_read() const { return tool_life_read_; }
+  void note_tool_life() const { tool_life_read_ = true; }
   int max() const { return static_cast<int>(numbered_.size()) - 1; }
 
   using Predefined = std::function<std::optional<double>(const std::string&)>;
@@ -101,11 +104,15 @@ class GcodeParameters {
   int locals() const { return macros_ ? kMacroLocalParameters : kGcodeLocalParameters; }
 
   bool macros_ = false, vacant_ = false;
+  mutable bool tool_life_read_ = false;
   std::vector<double> numbered_ = std::vector<double>(kGcodeParameterMax + 1);
   std::vector<Scope> scopes_ = std::vector<Scope>(1);
   Predefined predefined_;
 };
 
+/// Returns whether a variable of Fanuc and Haas counts the use of a tool (#5401 to #5600: times,
+/// #5701 to #5800: uses). A program starts with new tools: they are 0.
+bool is_tool_life_count(int number);
 /// Returns whether Macro B may read (or assign) a variable: those that have a meaning here.
 bool is_macro_variable(int number, bool assigned);
 /// Returns whether a program may assign a parameter: all except those of the tool and the position.

@@ -11,6 +11,8 @@
 #include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/runner.h"
 #include "server/formats/gcode/tool_path.h"
+#include "server/formats/gcode/turning.h"
+#include "server/formats/letter_case.h"
 #include "server/formats/motion_sink.h"
 #include "server/formats/sinumerik/reader.h"
 #include "server/formats/text_lines.h"
@@ -106,6 +108,7 @@ struct Reading {
   std::vector<std::string> notes;
   std::string read_as;
   bool assumed_inches = false;
+  std::string number;
 };
 
 class GcodeReader final : public ProgramReader {
@@ -123,6 +126,7 @@ class GcodeReader final : public ProgramReader {
     program_.warnings = reading_->notes;
     program_.read_as = reading_->read_as;
     program_.assumed_inches = reading_->assumed_inches;
+    program_.number = reading_->number;
   }
 
   std::expected<bool, ProgramError> step() override {
@@ -167,6 +171,20 @@ class GcodeReader final : public ProgramReader {
   bool runs_ = true;
 };
 
+// The digits of the first O1234 or :1234 at the beginning of a line.
+std::string program_number(std::string_view text) {
+  constexpr std::size_t kHeadLines = 20, kNumberMax = 8;
+  TextLines lines(text);
+  while (lines.next() && lines.number() <= kHeadLines) {
+    std::string_view line = lines.line();
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    if (line.empty() || (to_lower(line[0]) != 'o' && line[0] != ':')) continue;
+    const std::size_t digits = std::min(line.find_first_not_of("0123456789", 1), line.size()) - 1;
+    if (digits > 0 && digits <= kNumberMax) return std::string(line.substr(1, digits));
+  }
+  return {};
+}
+
 std::string note_of(const std::string& name, Dialect dialect, const std::string& reason) {
   return name + ": read as " + std::string(rules_of(dialect).label) + ": " + reason +
          "; --dialect names another one";
@@ -192,12 +210,13 @@ std::expected<ReadProgram, ProgramError> read_as(Dialect dialect, const GcodeTex
   }
   if (!reason.empty() && dialect != Dialect::kLinuxcnc)
     notes.insert(notes.begin(), note_of(program.name, dialect, reason));
+  const std::string number = setup.rules.macros ? program_number(program.text) : "";
   std::string read_as(setup.rules.label);
   if (!reason.empty()) read_as += ": " + reason;
   const auto source = source_of(program.name, program.text, environment, setup.rules);
   const auto reading =
       std::make_shared<const Reading>(source, program.scene, environment, std::move(setup),
-                                      std::move(notes), std::move(read_as), inches > 0);
+                                      std::move(notes), std::move(read_as), inches > 0, number);
   return read_to_end([reading] { return std::make_unique<GcodeReader>(reading); }, program.visitor);
 }
 
@@ -228,6 +247,13 @@ bool assume(const ProgramError& error, Assumptions& assumed) {
 // Reads for a control with Macro B, if need be with assumptions that its settings may hold.
 std::expected<ReadProgram, ProgramError> read_macros(Dialect dialect, const GcodeText& program,
                                                      const std::string& reason) {
+  if (rules_of(dialect).of_fanuc())
+    if (const std::string sign = sign_of_turning(program.text); !sign.empty())
+      return std::unexpected(ProgramError{program.name, 0, "",
+                                          "is a program for a lathe (" + sign +
+                                              "), where the workpiece turns, which is not "
+                                              "supported",
+                                          std::string(rules_of(dialect).label)});
   Assumptions assumed;
   auto read = read_as(dialect, program, reason);
   if (!rules_of(dialect).macros || program.environment.tools) return read;

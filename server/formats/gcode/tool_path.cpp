@@ -92,6 +92,8 @@ bool GcodeToolPath::approach(const GcodePlace& to, bool rapid, std::array<bool, 
   const bool known = all_known();
   for (std::size_t i = 0; i < 3; ++i) known_[i] = known_[i] || named[i];
   if (sink_.placed() && sink_.tool()) return false;
+  if (!sink_.tool() && !changed_tool_ && scene_.machine.spindle_tool > 0)
+    sink_.set_tool(scene_.machine.spindle_tool);
   if (!sink_.tool() && !changed_tool_ && scene_.tools.size() == 1 && (all_known() || !rapid)) {
     warn("no tool is loaded; the scene's only tool is used");
     sink_.set_tool(scene_.tools.begin()->first);
@@ -104,7 +106,10 @@ bool GcodeToolPath::approach(const GcodePlace& to, bool rapid, std::array<bool, 
   if (tilted_since_)
     throw GcodeFault{"", "X, Y and Z must be programmed with G0 before a cut in a new plane"};
   if (!sink_.tool())
-    throw GcodeFault{"", "no tool is loaded for this motion; load one with T and M6"};
+    throw GcodeFault{
+        "",
+        "no tool is loaded for this motion; load one with T and M6, or state the tool in "
+        "the spindle: machine.spindle_tool of the scene"};
   if (!known)
     warn(
         "X, Y and Z were not all programmed before this cut; the missing ones keep their last "
@@ -262,7 +267,7 @@ GcodePlace GcodeToolPath::control_tool_center(bool on, const GcodePlace& at) {
   // The machine does not move; only the coordinates of its position change.
   const Vec3 tip = pose(at_).tip_mm;
   tool_center_ = on;
-  set_linear(at_.axes, programmed_from_tip(scene_.machine.kinematics, on, tip, rotary(at_.axes)));
+  set_linear(at_.axes, programmed_from_tip(scene_.machine, on, tip, rotary(at_.axes)));
   return {workpiece_.absolute(at_.axes), at_.tool_axis};
 }
 
@@ -280,10 +285,10 @@ double GcodeToolPath::tool_length_mm() const {
 
 ToolPose GcodeToolPath::PoseRule::operator()(const GcodePlace& place) const {
   if (plane_axis) return {linear(place.axes) + *plane_axis * excess[2], *plane_axis};
-  ToolPose pose{
-      tip_from_programmed(kinematics, tool_center, linear(place.axes), rotary(place.axes)),
-      kinematics == MachineKinematics::kToolVector ? place.tool_axis
-                                                   : table_axis(kinematics, rotary(place.axes))};
+  ToolPose pose{tip_from_programmed(machine, tool_center, linear(place.axes), rotary(place.axes)),
+                machine.kinematics == MachineKinematics::kToolVector
+                    ? place.tool_axis
+                    : table_axis(machine, rotary(place.axes))};
   // If the active offset is not that of the loaded tool, the tip is beside the controlled point.
   if (excess == GcodeAxes{}) return pose;
   pose.tip_mm = pose.tip_mm + Vec3{excess[0], excess[1], 0} + normalized(pose.axis) * excess[2];

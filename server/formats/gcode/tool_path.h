@@ -44,14 +44,14 @@ class GcodeToolPath final : public GcodeCanon {
   static double duration_s(const GcodeFeed& feed, double travel_mm, double turn_deg);
   /// The pose at a place with the offsets and the control of a block. Paths keep a copy.
   struct PoseRule {
-    MachineKinematics kinematics;
+    Machine machine;
     bool tool_center;
     GcodeAxes excess;                ///< of the active offset over that of the loaded tool
     std::optional<Vec3> plane_axis;  ///< of the tool in a tilted plane
     ToolPose operator()(const GcodePlace& place) const;
   };
   PoseRule poses() const {
-    return {scene_.machine.kinematics, tool_center_, offset_ - loaded_,
+    return {scene_.machine, tool_center_, offset_ - loaded_,
             plane_ ? std::optional(plane_->axes[2]) : std::nullopt};
   }
   ToolPose pose(const GcodePlace& place) const { return poses()(place); }

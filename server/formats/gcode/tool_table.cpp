@@ -8,6 +8,7 @@
 #include "server/formats/gcode/expression.h"
 #include "server/formats/gcode/fault.h"
 #include "server/formats/letter_case.h"
+#include "server/formats/number_text.h"
 #include "server/formats/scene.h"
 #include "server/formats/text_lines.h"
 
@@ -20,7 +21,7 @@ constexpr double kValueMax = 1e6;
 double number(std::string_view word) {
   double value = 0;
   const char* first = word.data() + 1 + (word.size() > 1 && word[1] == '+' ? 1 : 0);
-  const auto read = std::from_chars(first, word.data() + word.size(), value);
+  const auto read = number_of_chars(first, word.data() + word.size(), value);
   if (read.ec != std::errc{} || read.ptr != word.data() + word.size() ||
       !(std::abs(value) <= kValueMax))
     throw GcodeFault{std::string(word), "must be a letter and a number of at most 1000000"};

@@ -69,7 +69,7 @@ void KlartextPath::align() {
   known_ = {false, false, false};
   plane_axis_ = frame_.is_tilted ? frame_.tilted[2] : Vec3{0, 0, 1};
   if (has_rotary_table(scene_.machine.kinematics))
-    angles_ = angles_from_axis(scene_.machine.kinematics, plane_axis_, angles_);
+    angles_ = angles_from_axis(scene_.machine, plane_axis_, angles_);
 }
 
 double& KlartextPath::angle(char axis) {
@@ -91,20 +91,19 @@ void KlartextPath::reduce_angles(std::string_view axes) {
 
 KlartextPath::PoseRule KlartextPath::poses() const {
   const MachineKinematics kind = scene_.machine.kinematics;
-  return {kind, !frame_.is_tilted && has_rotary_table(kind), tool_center_, plane_axis_};
+  return {scene_.machine, !frame_.is_tilted && has_rotary_table(kind), tool_center_, plane_axis_};
 }
 
 ToolPose KlartextPath::PoseRule::operator()(Vec3 tip_mm, const RotaryAngles& angles) const {
   if (!follows_tables) return {tip_mm, plane_axis};
-  return {tip_from_programmed(kinematics, tool_center, tip_mm, angles),
-          table_axis(kinematics, angles)};
+  return {tip_from_programmed(machine, tool_center, tip_mm, angles), table_axis(machine, angles)};
 }
 
 bool KlartextPath::is_axis_z() const {
   const MachineKinematics kind = scene_.machine.kinematics;
   if (frame_.is_tilted) return true;
   if (!has_rotary_table(kind)) return plane_axis_.z > 1 - kVerticalShare;
-  return !tool_center_ || table_axis(kind, angles_).z > 1 - kVerticalShare;
+  return !tool_center_ || table_axis(scene_.machine, angles_).z > 1 - kVerticalShare;
 }
 
 // Rapids before all axes are known only say where the tool will be.
@@ -170,7 +169,8 @@ void KlartextPath::move_line(Vec3 to, const RotaryAngles& angles, std::optional<
 void KlartextPath::line(Vec3 to, Vec3 axis, std::optional<double> feed, std::array<bool, 3> named) {
   const MachineKinematics kind = scene_.machine.kinematics;
   require_uncompensated();
-  if (has_rotary_table(kind)) return line(to, angles_from_axis(kind, axis, angles_), feed, named);
+  if (has_rotary_table(kind))
+    return line(to, angles_from_axis(scene_.machine, axis, angles_), feed, named);
   if (kind != MachineKinematics::kToolVector && axis.z <= 1 - kVerticalShare)
     throw KlartextFault{"LN", "turns the tool, which the machine xyz cannot"};
   if (dot(axis, plane_axis_) <= kOppositeCosine)

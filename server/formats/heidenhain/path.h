@@ -123,7 +123,7 @@ class KlartextPath {
   double& angle(char axis);
   /// The pose at a tip in the workpiece with the control of a block. Paths keep a copy.
   struct PoseRule {
-    MachineKinematics kinematics;
+    Machine machine;
     bool follows_tables, tool_center;
     Vec3 plane_axis;
     ToolPose operator()(Vec3 tip_mm, const RotaryAngles& angles) const;

@@ -10,6 +10,7 @@
 
 #include "server/formats/heidenhain/blocks.h"
 #include "server/formats/letter_case.h"
+#include "server/formats/number_text.h"
 #include "server/formats/units.h"
 
 namespace kerf {
@@ -142,7 +143,7 @@ double KlartextValues::of(const std::string& word) const {
     return sign * it->second;
   }
   double value = 0;
-  const auto read = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+  const auto read = number_of_chars(rest.data(), rest.data() + rest.size(), value);
   const bool whole = read.ptr == rest.data() + rest.size() ||
                      (read.ptr + 1 == rest.data() + rest.size() && *read.ptr == '.');
   if (rest.empty() || read.ec != std::errc{} || !whole || !std::isfinite(value))

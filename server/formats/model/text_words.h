@@ -6,6 +6,10 @@
 #include <cstddef>
 #include <optional>
 #include <string_view>
+#include <type_traits>
+
+#include "server/formats/number_text.h"
+#include "server/formats/text_lines.h"
 
 namespace kerf {
 
@@ -14,7 +18,7 @@ class TextWords {
  public:
   /// `backslash_joins`: a line whose last character is a backslash goes on in the next one.
   explicit TextWords(std::string_view text, bool backslash_joins = false)
-      : text_(text), backslash_joins_(backslash_joins) {}
+      : text_(text), end_(line_end(text)), backslash_joins_(backslash_joins) {}
   std::size_t line() const { return line_; }
   std::size_t position() const { return at_; }
   /// Returns the next word; empty at the end.
@@ -28,7 +32,7 @@ class TextWords {
     return take();
   }
   void skip_line() {
-    while (at_ < text_.size() && text_[at_] != '\n') {
+    while (at_ < text_.size() && text_[at_] != end_) {
       const std::size_t joint = joint_size();
       line_ += joint > 0 ? 1 : 0;
       at_ += std::max<std::size_t>(joint, 1);
@@ -48,8 +52,8 @@ class TextWords {
       if (const std::size_t joint = joint_size(); joint > 0) {
         at_ += joint;
         ++line_;
-      } else if (is_blank(text_[at_]) && (lines || text_[at_] != '\n')) {
-        line_ += text_[at_] == '\n' ? 1 : 0;
+      } else if (is_blank(text_[at_]) && (lines || text_[at_] != end_)) {
+        line_ += text_[at_] == end_ ? 1 : 0;
         ++at_;
       } else {
         return;
@@ -62,6 +66,7 @@ class TextWords {
     return text_.substr(first, at_ - first);
   }
   std::string_view text_;
+  char end_;  ///< of a line
   bool backslash_joins_;
   std::size_t at_ = 0, line_ = 1;
 };
@@ -71,7 +76,13 @@ template <class T>
 std::optional<T> word_number(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   T value{};
-  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+  std::from_chars_result read{};
+  if constexpr (std::is_same_v<T, double>) {
+    read = number_of_chars(word.data(), word.data() + word.size(), value);
+  } else {
+    read = std::from_chars(word.data(), word.data() + word.size(), value);
+  }
+  const auto [end, code] = read;
   if (word.empty() || code != std::errc{} || end != word.data() + word.size()) return std::nullopt;
   return value;
 }

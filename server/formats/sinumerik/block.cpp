@@ -7,6 +7,7 @@
 
 #include "server/formats/gcode/fault.h"
 #include "server/formats/letter_case.h"
+#include "server/formats/number_text.h"
 
 namespace kerf {
 namespace {
@@ -74,7 +75,7 @@ class Words {
     }
     std::size_t from = skip_blanks(text_, number);
     if (from < text_.size() && text_[from] == '+') ++from;
-    const auto read = std::from_chars(text_.data() + from, text_.data() + text_.size(), word.value,
+    const auto read = number_of_chars(text_.data() + from, text_.data() + text_.size(), word.value,
                                       std::chars_format::fixed);
     at_ = number;
     if (read.ec != std::errc() || !std::isfinite(word.value)) return word;

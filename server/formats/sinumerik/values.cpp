@@ -112,7 +112,7 @@ class Formula {
   double number() {
     const char* const end = text_.data() + text_.size();
     double value = 0;
-    const auto read = std::from_chars(text_.data() + at_, end, value, std::chars_format::fixed);
+    const auto read = number_of_chars(text_.data() + at_, end, value, std::chars_format::fixed);
     if (read.ec != std::errc()) throw GcodeFault{rest(), "is not a number or an expression"};
     at_ = static_cast<std::size_t>(read.ptr - text_.data());
     if (text_.substr(at_).starts_with("EX")) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <fstream>
@@ -56,6 +57,12 @@ TEST(StlReader, ReadsAscii) {
   ASSERT_EQ(triangles->size(), 1U);
   EXPECT_EQ((*triangles)[0][1], (Vec3{1.5, 0, 0}));
   EXPECT_EQ((*triangles)[0][2], (Vec3{0, 10, -0.25}));
+  std::string other(kAscii);
+  std::ranges::replace(other, '\n', '\r');
+  other.replace(other.find("+1.5"), 4, "1E-400");
+  const auto again = read_stl(bytes_of(other));
+  ASSERT_TRUE(again) << again.error().reason << ", lines that end with CR";
+  EXPECT_EQ((*again)[0][1], (Vec3{0, 0, 0})) << "too small for a double";
 }
 
 TEST(StlReader, ReadsABinaryFileWhoseTitleStartsWithSolid) {

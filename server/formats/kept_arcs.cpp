@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/kept_arcs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "server/formats/arc_fit.h"
+#include "server/formats/gcode/arc.h"
+#include "server/formats/pose_grid.h"
+
+namespace kerf {
+namespace {
+
+/// Chords of one arc that are kept in memory at most, and that tell an arc at least.
+constexpr std::size_t kChordsMax = 100'000, kChordsMin = 2;
+/// Durations of the chords of an arc differ at most by this share, which F does not show.
+constexpr double kDurationShare = 1e-6;
+/// Where coordinates are rounded, a chord may end this far from that of the written arc, mm.
+constexpr double kRoundedMm = 1e-5;
+/// A center is written with as few decimals as make the same chords.
+constexpr int kCenterDecimalsMin = 3, kCenterDecimalsMax = 6;
+
+bool is_chord(const ProgramMotion& motion) {
+  return !motion.rapid && !(motion.from == motion.to) && motion.from.axis == motion.to.axis &&
+         motion.line > 0;
+}
+
+bool follows(const ProgramMotion& before, const ProgramMotion& motion) {
+  return before.to == motion.from && before.tool == motion.tool && before.line == motion.line &&
+         before.file == motion.file &&
+         std::abs(before.duration_s - motion.duration_s) <= kDurationShare * before.duration_s;
+}
+
+// The center of the circle through three points of a plane; nullopt if they are on a line.
+std::optional<PlanePoint> center_of(PlanePoint a, PlanePoint b, PlanePoint c) {
+  const double bx = b.first - a.first, by = b.second - a.second;
+  const double cx = c.first - a.first, cy = c.second - a.second;
+  const double twice = 2 * (bx * cy - by * cx);
+  const double size = std::hypot(bx, by) * std::hypot(cx, cy);
+  if (!(std::abs(twice) > 1e-9 * size)) return std::nullopt;
+  const double b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
+  return PlanePoint{a.first + (cy * b2 - by * c2) / twice, a.second + (bx * c2 - cx * b2) / twice,
+                    0};
+}
+
+double rounded(double value, int decimals) {
+  const double unit = std::pow(10.0, decimals);
+  return std::round(value * unit) / unit;
+}
+
+// The angle by which the chords turn about the center, > 0 counterclockwise.
+double turn_of(std::span<const ProgramMotion> motions, const FittedArc& arc) {
+  double turn = 0;
+  const auto angle = [&](const ToolPose& pose) {
+    const PlanePoint at = in_plane(pose.tip_mm, arc.plane);
+    return std::atan2(at.second - arc.center.second, at.first - arc.center.first);
+  };
+  for (const ProgramMotion& motion : motions)
+    turn += std::remainder(angle(motion.to) - angle(motion.from), 2 * std::numbers::pi);
+  return turn;
+}
+
+}  // namespace
+
+WriteResult KeptArcs::add(const ProgramMotion& motion) {
+  const bool chord = is_chord(motion);
+  if (!parts_.empty() && (!chord || !follows(parts_.back(), motion) || parts_.size() >= kChordsMax))
+    if (auto done = flush(); !done) return done;
+  if (!chord) return writer_->add(motion);
+  parts_.push_back(motion);
+  return {};
+}
+
+WriteResult KeptArcs::flush() {
+  const std::vector<ProgramMotion> parts = std::exchange(parts_, {});
+  return write(parts);
+}
+
+WriteResult KeptArcs::write(Motions motions) {
+  const auto arc = motions.size() < kChordsMin ? std::nullopt : arc_of(motions);
+  if (!arc) {
+    for (const ProgramMotion& motion : motions)
+      if (auto written = writer_->add(motion); !written) return written;
+    return {};
+  }
+  // Controls differ about arcs of nearly a turn.
+  if (std::abs(turn_of(motions, *arc)) > kArcSweepMaxDeg * std::numbers::pi / 180) {
+    const std::size_t half = motions.size() / 2;
+    if (auto written = write(motions.first(half)); !written) return written;
+    return write(motions.subspan(half));
+  }
+  ProgramMotion whole = motions.front();
+  whole.to = motions.back().to;
+  whole.duration_s = 0;
+  for (const ProgramMotion& motion : motions) whole.duration_s += motion.duration_s;
+  return writer_->add_arc(whole, *arc);
+}
+
+std::optional<FittedArc> KeptArcs::arc_of(Motions motions) const {
+  const std::size_t third = std::max<std::size_t>(1, motions.size() / 3);
+  const Vec3 start = motions.front().from.tip_mm;
+  const Vec3 middle = motions[third - 1].to.tip_mm;
+  const Vec3 later = motions[std::min(2 * third, motions.size()) - 1].to.tip_mm;
+  for (const ArcPlane plane : {ArcPlane::kXy, ArcPlane::kZx, ArcPlane::kYz}) {
+    const PlanePoint a = in_plane(start, plane);
+    const auto center = center_of(a, in_plane(middle, plane), in_plane(later, plane));
+    if (!center) continue;
+    FittedArc arc{.plane = plane,
+                  .center = {},
+                  .counterclockwise = false,
+                  .helical = a.normal != in_plane(motions.back().to.tip_mm, plane).normal};
+    for (int decimals = kCenterDecimalsMin; decimals <= kCenterDecimalsMax; ++decimals) {
+      arc.center = {a.first + rounded(center->first - a.first, decimals),
+                    a.second + rounded(center->second - a.second, decimals), 0};
+      arc.counterclockwise = turn_of(motions, arc) > 0;
+      if (writer_->takes(arc) && makes(arc, motions)) return arc;
+    }
+  }
+  return std::nullopt;
+}
+
+// Whether a reader divides the arc into these motions.
+bool KeptArcs::makes(const FittedArc& arc, Motions motions) const {
+  const Vec3 start = motions.front().from.tip_mm, end = motions.back().to.tip_mm;
+  const PlanePoint a = in_plane(start, arc.plane), b = in_plane(end, arc.plane);
+  // As the writer does; a whole turn is written in two parts.
+  const bool whole = a.first == b.first && a.second == b.second;
+  const PlanePoint center = (whole ? arc : with_equal_radii(arc, start, end)).center;
+  const PlanePoint written{a.first + rounded(center.first - a.first, kCenterDecimalsMax),
+                           a.second + rounded(center.second - a.second, kCenterDecimalsMax), 0};
+  const Arc read = arc_about(start, end, arc.plane, written, arc.counterclockwise ? 1 : -1);
+  if (std::abs(read.start_radius - read.end_radius) > kRoundedMm) return false;
+  if (std::cmp_not_equal(read.chords(scene_.settings.tolerance_mm), motions.size())) return false;
+  const auto count = static_cast<double>(motions.size());
+  for (std::size_t n = 0; n < motions.size(); ++n) {
+    const ToolPose& made = motions[n].to;
+    const ToolPose again =
+        admit_pose({read.at(static_cast<double>(n + 1) / count), motions[n].to.axis});
+    if (exact_ ? !(again == made) : length(again.tip_mm - made.tip_mm) > kRoundedMm) return false;
+  }
+  return true;
+}
+
+WriteResult KeptArcs::add_hole(const ProgramMotion& first, const DrilledHole& hole) {
+  if (auto done = flush(); !done) return done;
+  return writer_->add_hole(first, hole);
+}
+
+WriteResult KeptArcs::remark(const MachineRemark& said) {
+  if (auto done = flush(); !done) return done;
+  return writer_->remark(said);
+}
+
+WriteResult KeptArcs::finish() {
+  if (auto done = flush(); !done) return done;
+  return writer_->finish();
+}
+
+}  // namespace kerf
