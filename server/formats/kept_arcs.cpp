@@ -17,8 +17,9 @@ namespace {
 constexpr std::size_t kChordsMax = 100'000, kChordsMin = 2;
 /// Durations of the chords of an arc differ at most by this share, which F does not show.
 constexpr double kDurationShare = 1e-6;
-/// Where coordinates are rounded, a chord may end this far from that of the written arc, mm.
-constexpr double kRoundedMm = 1e-5;
+/// Greatest difference of the radii at both ends, mm: controls take more.
+constexpr double kRadiiMm = 0.02;
+constexpr int kCenterSteps = 8;
 /// A center is written with as few decimals as make the same chords.
 constexpr int kCenterDecimalsMin = 3, kCenterDecimalsMax = 6;
 
@@ -48,6 +49,40 @@ std::optional<PlanePoint> center_of(PlanePoint a, PlanePoint b, PlanePoint c) {
 double rounded(double value, int decimals) {
   const double unit = std::pow(10.0, decimals);
   return std::round(value * unit) / unit;
+}
+
+// Moves a center so that the radii of the ends of equal chords change uniformly between those of
+// the first and the last one, by the method of Gauss and Newton.
+PlanePoint with_uniform_radii(std::span<const ProgramMotion> motions, ArcPlane plane,
+                              PlanePoint center) {
+  const auto count = static_cast<double>(motions.size());
+  const PlanePoint first = in_plane(motions.front().from.tip_mm, plane);
+  const PlanePoint last = in_plane(motions.back().to.tip_mm, plane);
+  struct Ray {
+    double length, first, second;
+  };
+  for (int step = 0; step < kCenterSteps; ++step) {
+    const auto ray = [&](PlanePoint at) {
+      const double dx = at.first - center.first, dy = at.second - center.second;
+      const double radius = std::hypot(dx, dy);
+      return Ray{radius, -dx / radius, -dy / radius};
+    };
+    const Ray a = ray(first), b = ray(last);
+    double xx = 0, xy = 0, yy = 0, x = 0, y = 0;
+    for (std::size_t n = 0; n + 1 < motions.size(); ++n) {
+      const double share = static_cast<double>(n + 1) / count;
+      const Ray r = ray(in_plane(motions[n].to.tip_mm, plane));
+      const double off = r.length - (1 - share) * a.length - share * b.length;
+      const double gx = r.first - (1 - share) * a.first - share * b.first;
+      const double gy = r.second - (1 - share) * a.second - share * b.second;
+      xx += gx * gx, xy += gx * gy, yy += gy * gy, x += gx * off, y += gy * off;
+    }
+    const double determinant = xx * yy - xy * xy;
+    if (!(determinant > 0)) return center;
+    center.first -= (x * yy - y * xy) / determinant;
+    center.second -= (y * xx - x * xy) / determinant;
+  }
+  return center;
 }
 
 // The angle by which the chords turn about the center, > 0 counterclockwise.
@@ -105,15 +140,17 @@ std::optional<FittedArc> KeptArcs::arc_of(Motions motions) const {
   const Vec3 later = motions[std::min(2 * third, motions.size()) - 1].to.tip_mm;
   for (const ArcPlane plane : {ArcPlane::kXy, ArcPlane::kZx, ArcPlane::kYz}) {
     const PlanePoint a = in_plane(start, plane);
-    const auto center = center_of(a, in_plane(middle, plane), in_plane(later, plane));
-    if (!center) continue;
+    const auto circle = center_of(a, in_plane(middle, plane), in_plane(later, plane));
+    if (!circle) continue;
+    const PlanePoint center = with_uniform_radii(motions, plane, *circle);
     FittedArc arc{.plane = plane,
                   .center = {},
                   .counterclockwise = false,
-                  .helical = a.normal != in_plane(motions.back().to.tip_mm, plane).normal};
+                  .helical = a.normal != in_plane(motions.back().to.tip_mm, plane).normal,
+                  .keeps_center = within_mm_ == 0};
     for (int decimals = kCenterDecimalsMin; decimals <= kCenterDecimalsMax; ++decimals) {
-      arc.center = {a.first + rounded(center->first - a.first, decimals),
-                    a.second + rounded(center->second - a.second, decimals), 0};
+      arc.center = {a.first + rounded(center.first - a.first, decimals),
+                    a.second + rounded(center.second - a.second, decimals), 0};
       arc.counterclockwise = turn_of(motions, arc) > 0;
       if (writer_->takes(arc) && makes(arc, motions)) return arc;
     }
@@ -127,18 +164,21 @@ bool KeptArcs::makes(const FittedArc& arc, Motions motions) const {
   const PlanePoint a = in_plane(start, arc.plane), b = in_plane(end, arc.plane);
   // As the writer does; a whole turn is written in two parts.
   const bool whole = a.first == b.first && a.second == b.second;
-  const PlanePoint center = (whole ? arc : with_equal_radii(arc, start, end)).center;
+  const bool kept = whole || arc.keeps_center;
+  const PlanePoint center = (kept ? arc : with_equal_radii(arc, start, end)).center;
   const PlanePoint written{a.first + rounded(center.first - a.first, kCenterDecimalsMax),
                            a.second + rounded(center.second - a.second, kCenterDecimalsMax), 0};
   const Arc read = arc_about(start, end, arc.plane, written, arc.counterclockwise ? 1 : -1);
-  if (std::abs(read.start_radius - read.end_radius) > kRoundedMm) return false;
+  if (std::abs(read.start_radius - read.end_radius) > kRadiiMm) return false;
   if (std::cmp_not_equal(read.chords(scene_.settings.tolerance_mm), motions.size())) return false;
   const auto count = static_cast<double>(motions.size());
   for (std::size_t n = 0; n < motions.size(); ++n) {
     const ToolPose& made = motions[n].to;
     const ToolPose again =
         admit_pose({read.at(static_cast<double>(n + 1) / count), motions[n].to.axis});
-    if (exact_ ? !(again == made) : length(again.tip_mm - made.tip_mm) > kRoundedMm) return false;
+    const bool same = again == made;
+    if (!same && !(length(again.tip_mm - made.tip_mm) <= within_mm_ && within_mm_ > 0))
+      return false;
   }
   return true;
 }

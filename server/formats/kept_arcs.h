@@ -13,13 +13,14 @@
 namespace kerf {
 
 /// Passes motions on to another writer, and the chords of an arc as this arc. An arc is the chords
-/// of one line of the program that a reader makes again, to the bit of the pose grid if `exact`, of
-/// the arc as it is written: start, end and center with six decimals. Other motions pass unchanged.
+/// of one line of the program that a reader makes again of the arc as it is written: to the bit of
+/// the pose grid, or within `within_mm` if that is above 0, for controls that take fewer decimals.
+/// Radii at both ends may differ, as programs round their ends. Other motions pass unchanged.
 class KeptArcs final : public ProgramWriter {
  public:
   /// `scene`, whose tolerance divides arcs, must outlive it.
-  KeptArcs(std::unique_ptr<ProgramWriter> writer, const Scene& scene, bool exact)
-      : writer_(std::move(writer)), scene_(scene), exact_(exact) {}
+  KeptArcs(std::unique_ptr<ProgramWriter> writer, const Scene& scene, double within_mm)
+      : writer_(std::move(writer)), scene_(scene), within_mm_(within_mm) {}
 
   void note(const std::string& line) override { writer_->note(line); }
   void set_number(const std::string& digits) override { writer_->set_number(digits); }
@@ -38,7 +39,7 @@ class KeptArcs final : public ProgramWriter {
 
   std::unique_ptr<ProgramWriter> writer_;
   const Scene& scene_;
-  bool exact_;
+  double within_mm_;
   std::vector<ProgramMotion> parts_;  ///< of one line, not yet written
 };
 

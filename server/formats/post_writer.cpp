@@ -71,7 +71,8 @@ WriteResult PostWriter::write(const ProgramMotion& given, const FittedArc* fitte
   } else if (from == to) {
     late_s_ = motion.duration_s;
   } else if (fitted != nullptr) {
-    arc(to, with_equal_radii(*fitted, from.tip_mm, to.tip_mm), motion.duration_s);
+    arc(to, fitted->keeps_center ? *fitted : with_equal_radii(*fitted, from.tip_mm, to.tip_mm),
+        motion.duration_s);
   } else if (rotary_) {
     turn(from, to, motion, 0);
   } else {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/program_writer.h"
 
+#include <cmath>
 #include <ostream>
 #include <utility>
 
@@ -15,6 +16,11 @@ namespace {
 
 /// Decimals of the pose grid (kTipGridMm).
 constexpr int kPoseDecimals = 6;
+
+// The last decimal that a control takes, mm; 0 if it takes all.
+double rounding_mm(int decimals) {
+  return decimals >= kPoseDecimals ? 0 : std::pow(10.0, -decimals);
+}
 
 }  // namespace
 
@@ -77,7 +83,7 @@ std::expected<std::unique_ptr<ProgramWriter>, std::string> make_program_writer(
     writer = std::make_unique<ProgramDecimator>(std::move(writer), scene, style.tolerance_mm);
   else if (!apt)
     writer = std::make_unique<KeptArcs>(std::move(writer), scene,
-                                        rules_of(style.post).tip_decimals >= kPoseDecimals);
+                                        rounding_mm(rules_of(style.post).tip_decimals));
   // Holes are sought before motions are joined across their ends.
   if (!apt) writer = std::make_unique<DrillingCycles>(std::move(writer));
   return writer;

@@ -180,6 +180,23 @@ TEST(Export, KeepsArcsAndReadsBackTheSameMotions) {
   }
 }
 
+// As a CAM system writes them: the radii at both ends differ by some 0.0005 mm.
+TEST(Export, KeepsArcsWhoseEndsAreRounded) {
+  const Scene scene = scene_for("xyz");
+  const std::string text =
+      "G21 G90\nT1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F300\nG2 X15.858 Y1.493 I8.124 J-1.322 F600\n"
+      "G3 X3.832 Y-13.491 Z-2 I-3.1 J-9.83\nM2\n";
+  const auto program = parse_program("p.ngc", text, scene);
+  ASSERT_TRUE(program) << to_string(program.error());
+  const std::string written = text_of(*program, scene, Post::kLinuxcnc);
+  const Program again = test::read_back(scene, written, Post::kLinuxcnc);
+  ASSERT_EQ(again.motions.size(), program->motions.size()) << written;
+  for (std::size_t n = 0; n < again.motions.size(); ++n)
+    ASSERT_EQ(again.motions[n].to, program->motions[n].to) << n << "\n" << written;
+  EXPECT_EQ(count_of(written, "\nG2 "), 1) << written;
+  EXPECT_EQ(count_of(written, "\nG3 "), 1) << written;
+}
+
 TEST(Export, WritesPathsThatAreNoArcAsTheyAre) {
   Program program;
   const Scene scene = scene_for("xyz");
