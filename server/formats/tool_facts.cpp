@@ -16,6 +16,8 @@ using Word = ToolWord;
 constexpr std::string_view kSeparators = ",-=:./|&*'\"[]{}+_#()";
 /// The least number behind POINT that is an angle without a unit.
 constexpr double kPointMinDeg = 60;
+/// The greatest number of a screw, and the fewest threads an inch of a numbered one.
+constexpr double kScrewNumberMax = 12, kThreadsMin = 20;
 /// An angle that a V-bit may have, where a number without a unit follows its name: "V60".
 constexpr double kVeeMinDeg = 10, kVeeMaxDeg = 170;
 
@@ -50,8 +52,9 @@ class Grammar : public ToolTokenWalk {
       claim(i, is(i + 1, "-") ? 3 : 2);
       add(Word::kForm);
     } else if (here == Word::kGerund) {
-      const bool noun = meaning(i + 1) == Word::kMill || meaning(i + 1) == Word::kTool ||
-                        meaning(i + 1) == Word::kEnd || meaning(i + 1) == Word::kBit;
+      const Word next = meaning(i + 1);
+      const bool noun = next == Word::kMill || next == Word::kTool || next == Word::kEnd ||
+                        next == Word::kBit || next == Word::kDrill || next == Word::kBall;
       add(noun ? of_gerund(tokens_[i].word) : Word::kOperation);
       claim(i);
     } else if (here == Word::kCorner && is_rounding(i + 1)) {
@@ -304,6 +307,11 @@ class Grammar : public ToolTokenWalk {
       }
       return;
     }
+    if (taps && is_screw(i)) {
+      claim(i, 3);
+      return facts_.sizes.push_back(
+          {.mm = *screw_mm(static_cast<int>(number.value)), .with_unit = true, .named = true});
+    }
     if (taps && i > 0 && is(i - 1, "-") && after_size_ && number.unit_mm == 0) return claim(i);
     if (negative(i)) return;
     claim(i);
@@ -313,6 +321,14 @@ class Grammar : public ToolTokenWalk {
     facts_.sizes.push_back(
         {.mm = mm(i), .with_unit = number.unit_mm > 0, .before_kind = is_tool_kind(meaning(next))});
   }
+  // "10-24" of a tap: a numbered screw, and its threads an inch.
+  bool is_screw(std::size_t i) const {
+    const ToolToken& number = tokens_[i];
+    return number.unit_mm == 0 && number.value == std::floor(number.value) &&
+           number.value <= kScrewNumberMax && is(i + 1, "-") && is_free_number(i + 2) &&
+           tokens_[i + 2].value >= kThreadsMin;
+  }
+
   // Kinds, words without a number, and everything that no rule has explained.
   void rest(std::size_t i) {
     const ToolToken& token = tokens_[i];
@@ -327,9 +343,10 @@ class Grammar : public ToolTokenWalk {
     const bool sign =
         token.word.size() == 1 && kSeparators.find(token.word[0]) != std::string_view::npos;
     const Word next = meaning(i + 1);
-    // "6 X R1".
-    const bool joins = is(i, "X") && (next == Word::kRadius || next == Word::kCornerRadius ||
-                                      next == Word::kCorner);
+    // "6 X R1", "1/2 X .03R".
+    const bool named = i + 1 < tokens_.size() && tokens_[i + 1].is_number() && claimed_[i + 1];
+    const bool joins = is(i, "X") && (named || next == Word::kRadius ||
+                                      next == Word::kCornerRadius || next == Word::kCorner);
     if (joins) return;
     const bool behind_equals = is(i, "=") && i + 1 == tokens_.size();
     if (!noted && !silent && (!sign || behind_equals)) facts_.unread.push_back(token.word);

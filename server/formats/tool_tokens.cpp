@@ -66,7 +66,7 @@ class ToolTokens {
   void next() {
     const char c = at(at_);
     if (is_word_letter(c)) return word();
-    if (is_digit(c) || (c == '.' && is_digit(at(at_ + 1)))) return number();
+    if (is_digit(c) || (c == '.' && is_digit(at(at_ + 1)) && !abbreviates())) return number();
     if (c != ' ' && c != '\t') tokens_.push_back({.word = std::string(1, c), .glued = glued()});
     ++at_;
   }
@@ -76,6 +76,12 @@ class ToolTokens {
     const bool is_glued = glued();
     while (is_word_letter(at(at_))) ++at_;
     tokens_.push_back({.word = text_.substr(from, at_ - from), .glued = is_glued});
+  }
+
+  // The point of "NO.7" belongs to the word.
+  bool abbreviates() const {
+    return !tokens_.empty() && glued() &&
+           (tokens_.back().word == "NO" || tokens_.back().word == "NR");
   }
 
   bool glued() const { return at_ > 0 && at(at_ - 1) != ' ' && at(at_ - 1) != '\t'; }

@@ -20,6 +20,8 @@ constexpr double kChamferSideDeg = 45;
 constexpr double kLengthDiameters = 5, kLengthMinMm = 20;
 /// Greatest diameter that is believed, mm: face mills and fly cutters.
 constexpr double kDiameterMaxMm = 500;
+/// Sizes without a unit beyond these are probably in inches (mm).
+constexpr double kBareMinMm = 1, kBareMaxMm = 100;
 /// Sizes that differ by less are the same one, written as a fraction and as a decimal.
 constexpr double kSameShare = 0.005;
 
@@ -34,7 +36,7 @@ ToolShape cone(double d, double tip_deg) {
 // Combines the facts of a comment to a shape.
 class Combination {
  public:
-  explicit Combination(const ToolFacts& facts) : facts_(facts) {}
+  Combination(const ToolFacts& facts, double unit_mm) : facts_(facts), unit_mm_(unit_mm) {}
 
   std::optional<WordedTool> tool() {
     if (facts_.has(ToolWord::kNegation) || facts_.has(ToolWord::kOperation)) return std::nullopt;
@@ -107,6 +109,7 @@ class Combination {
     if (best != nullptr) {
       for (const ToolFacts::Size& size : facts_.sizes)
         if (!is_same(size.mm, best->mm)) return false;
+      if (is_of_another_unit(*best)) return false;
       d_ = best->mm;
       origins_.diameter = best->with_unit ? Origin::kStated : Origin::kDerived;
       return true;
@@ -119,6 +122,11 @@ class Combination {
     d_ = kEngraverMm;
     return facts_.has(Word::kVee) && facts_.sizes.empty() &&
            (facts_.angle_deg || facts_.has(Word::kMill) || facts_.has(Word::kBit));
+  }
+  // ".5 END MILL" in a program in mm, "D6" in one in inches.
+  bool is_of_another_unit(const ToolFacts::Size& size) const {
+    if (size.with_unit) return false;
+    return unit_mm_ == 1 ? !size.named && size.mm < kBareMinMm : size.mm > kBareMaxMm;
   }
   static int rank(const ToolFacts::Size& size) {
     return (size.named ? 4 : 0) + (size.with_unit ? 2 : 0) + (size.before_kind ? 1 : 0);
@@ -205,6 +213,7 @@ class Combination {
   }
 
   const ToolFacts& facts_;
+  double unit_mm_;
   double d_ = 0;
   ToolOrigins origins_;
   std::string doubt_;
@@ -256,7 +265,8 @@ const char* to_string(Origin origin) {
 
 std::optional<WordedTool> tool_of_words(std::string_view words, double unit_mm) {
   if (auto carbide = tool_of_carbide(words, unit_mm)) return carbide;
-  return Combination(read_tool_facts(words, unit_mm)).tool();
+  const ToolFacts facts = read_tool_facts(words, unit_mm);
+  return Combination(facts, unit_mm).tool();
 }
 
 std::optional<ToolShape> tool_of_exact_words(std::string_view words) {

@@ -48,8 +48,9 @@ struct WordedTool {
 /// digits is a decimal point. Tools of which only the size is given are flat; a drill without an
 /// angle has 118 degrees, an engraver without a size 10 mm. The angle of a chamfer mill is that of
 /// its side up to 45 degrees, else that of its tip. The cutting length is five diameters, at least
-/// 20 mm. A word that is not understood is a doubt. nullopt: the words state no size, name an
-/// operation ("Engraving 1") or contradict themselves.
+/// 20 mm. A word that is not understood is a doubt. nullopt: the words state no size or one that is
+/// probably in another unit (".5 END MILL" in mm, "D6" in inches), name an operation ("Engraving
+/// 1") or contradict themselves.
 std::optional<WordedTool> tool_of_words(std::string_view words, double unit_mm);
 
 /// Returns the tool of words that describe one and nothing else, in mm; a size may stand alone:

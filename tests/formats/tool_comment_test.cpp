@@ -47,6 +47,9 @@ TEST(ToolWords, NameGaugesOfDrillsAndTaps) {
   EXPECT_EQ(tool_in("#81 DRILL"), "none");
   EXPECT_EQ(tool_in("1/4-20 TAP"), "flat, diameter 6.35 mm");
   EXPECT_EQ(tool_in("M6X1.0 TAP"), "flat, diameter 6 mm");
+  EXPECT_EQ(tool_in("NO.7 DRILL", kInch), "cone end, diameter 5.1054 mm, tip angle 118 degrees");
+  EXPECT_EQ(tool_in("10-24 TAP", kInch), "flat, diameter 4.826 mm");
+  EXPECT_EQ(tool_in("3/8-16 UNC TAP", kInch), "flat, diameter 9.525 mm");
   EXPECT_EQ(tool_in("5MM TAP DRILL"), "cone end, diameter 5 mm, tip angle 118 degrees");
 }
 
@@ -58,6 +61,8 @@ TEST(ToolWords, NameCornersAndRadii) {
         "FRAISE TORIQUE D6 R1", "FRESA TORICA DIAMETRO 6 RADIO 1", "6MM 1.0 R ENDMILL"})
     EXPECT_EQ(tool_in(text), bull) << text;
   EXPECT_EQ(tool_in("1/2 EM .03R", kInch), "bull nose, diameter 12.7 mm, corner radius 0.762 mm");
+  EXPECT_EQ(tool_in("1/2 X .030R ENDMILL", kInch),
+            "bull nose, diameter 12.7 mm, corner radius 0.762 mm");
   EXPECT_EQ(tool_in("BALL R3"), "ball, diameter 6 mm");
   EXPECT_EQ(tool_in("D6 R3"), "ball, diameter 6 mm");
   EXPECT_EQ(tool_in("6MM BULL NOSE"), "? flat, diameter 6 mm") << "its radius is not stated";
@@ -71,6 +76,8 @@ TEST(ToolWords, NameAnglesOfTipsAndSides) {
   EXPECT_EQ(tool_in("1/4 90 DEGREE CHAMFER MILL"), chamfer);
   EXPECT_EQ(tool_in("D=6.35 CR=0. TAPER=45deg - ZMIN=-1 - chamfer mill"), chamfer);
   EXPECT_EQ(tool_in("1/4 SPOT DRILL"), chamfer);
+  EXPECT_EQ(tool_in("6.35MM X 45DEG CHAMFER"), chamfer);
+  EXPECT_EQ(tool_in("6.35MM SPOTTING DRILL"), chamfer);
   EXPECT_EQ(tool_in("D6 60 DEG V-BIT"), "cone end, diameter 6 mm, tip angle 60 degrees");
   EXPECT_EQ(tool_in("V60 BIT 6MM"), "cone end, diameter 6 mm, tip angle 60 degrees");
   EXPECT_EQ(tool_in("60\xC2\xB0 V-BIT 6MM"), "cone end, diameter 6 mm, tip angle 60 degrees");
@@ -115,6 +122,9 @@ TEST(ToolWords, LeaveADoubtWhereOneIsNotUnderstood) {
   EXPECT_EQ(tool_in("6MM 8MM ENDMILL"), "none") << "two sizes";
   EXPECT_EQ(tool_in("6MM BALL DRILL"), "none") << "two kinds";
   EXPECT_EQ(tool_in("XYZZY 6"), "none");
+  EXPECT_EQ(tool_in(".5 END MILL"), "none") << "probably in inches";
+  EXPECT_EQ(tool_in("D=0.5 END MILL"), "flat, diameter 0.5 mm");
+  EXPECT_EQ(tool_in("D6 END MILL", kInch), "none") << "probably in mm";
   const auto tool = tool_of_words("AMANA 1/4 UPCUT", 1);
   EXPECT_THAT(tool->doubt, testing::HasSubstr("AMANA"));
   EXPECT_EQ(tool->origins, ToolOrigins{});
