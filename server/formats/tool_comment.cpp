@@ -17,6 +17,7 @@ class Head {
 
   std::optional<ToolId> number() {
     skip(" \t*-");
+    if (is_digit(at())) return listed();
     const bool named =
         word("TOOLS") || word("TOOL") || word("WERKZEUG") || word("OUTIL") || word("HERRAMIENTA");
     if (named) skip(" \t:-");
@@ -24,18 +25,27 @@ class Head {
     const bool t = word("T") || at() == '#';
     if (!named && !t) return std::nullopt;
     skip(" \t:#-.=[");
-    ToolId id = 0;
-    const std::size_t from = at_;
-    for (; is_digit(at()) && at_ - from < kStatedDigitsMax; ++at_)
-      id = 10 * id + static_cast<ToolId>(at() - '0');
-    if (id == 0 || at_ == from) return std::nullopt;
+    const ToolId id = digits();
+    if (id == 0) return std::nullopt;
     // "TOOL 6MM", "TOOL 1/4", "TOOL 6.35": a size.
     if (at() == '/' || at() == '"' || at() == '\'' || is_size_after()) return std::nullopt;
     return id;
   }
+  // "1 = End Mill {6 mm}" of Vectric.
+  std::optional<ToolId> listed() {
+    const ToolId id = digits();
+    skip(" \t");
+    return id > 0 && at() == '=' ? std::optional(id) : std::nullopt;
+  }
   std::string_view rest() const { return text_.substr(at_); }
 
  private:
+  ToolId digits() {
+    ToolId id = 0;
+    for (const std::size_t from = at_; is_digit(at()) && at_ - from < kStatedDigitsMax; ++at_)
+      id = 10 * id + static_cast<ToolId>(at() - '0');
+    return id;
+  }
   char at(std::size_t more = 0) const {
     return at_ + more < text_.size() ? to_upper(text_[at_ + more]) : '\0';
   }

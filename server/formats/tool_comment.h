@@ -15,7 +15,7 @@ struct NumberedComment {
 };
 
 /// Returns the number of the tool that a comment begins with: "T1", "TOOL 1", "TOOL NO. 1:",
-/// "TOOLS: T9", "#3". nullopt: it begins with none, or with a size ("TOOL 6MM", "#7 DRILL").
+/// "TOOLS: T9", "#3", "3 =". nullopt: it begins with none, or with a size ("TOOL 6MM", "#7 DRILL").
 std::optional<NumberedComment> numbered_comment(std::string_view comment);
 
 }  // namespace kerf

@@ -248,6 +248,7 @@ TEST(StatedTools, OfALineThatSelectsAToolMayStateASizeOnly) {
   };
   EXPECT_EQ(at("T1M6(D26)\nG1 X1\n"), "flat, diameter 26 mm, length 130 mm");
   EXPECT_EQ(at("T1 M6 (6MM)\nG1 X1\n"), "flat, diameter 6 mm, length 30 mm");
+  EXPECT_EQ(at("(1 = End Mill {6 mm})\nT1 M6\nG1 X1\n"), "flat, diameter 6 mm, length 30 mm");
   EXPECT_EQ(at("T1 M6\nG41 D1 (OFFSET 5MM)\nG1 X1\n"), "none");
   EXPECT_EQ(at("(Pocket 5mm)\nT1 M6\n(Face 3)\n(CLEARANCE 5MM)\nG1 X1\n"), "none");
 }
