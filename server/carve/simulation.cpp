@@ -6,14 +6,12 @@
 
 #include "kernel/force/milling_force.h"
 #include "kernel/math/rotation.h"
-#include "server/formats/machine_kinematics.h"
+#include "server/verify/obstacle_push.h"
 
 namespace kerf {
 namespace {
 
-// Spacing of obstacle tests along a motion, and their greatest number.
-constexpr double kObstacleStepMm = 0.5;
-constexpr int kObstacleStepsMax = 10'000;
+constexpr int kObstaclePlacesMax = 10'001;  // along a motion
 constexpr std::size_t kLinesMax = 1000;
 
 double turn_rad(const ProgramMotion& motion) {
@@ -39,7 +37,7 @@ void add_to_line(std::vector<LineVolume>& lines, const ProgramMotion& motion, do
 }  // namespace
 
 Simulation::Simulation(const Scene& scene, const Program& program, bool look_for_obstacles)
-    : scene_(scene), program_(program) {
+    : scene_(scene), program_(program), machine_(dynamics_of(scene.machine)) {
   if (look_for_obstacles && !scene.settings.obstacles.empty())
     obstacles_.emplace(scene.settings.obstacles);
 }
@@ -47,6 +45,7 @@ Simulation::Simulation(const Scene& scene, const Program& program, bool look_for
 void Simulation::follow(const ProgramMotion& motion, const MotionResult& result) {
   const double path_mm = length(motion.to.tip_mm - motion.from.tip_mm);
   const double turn = turn_rad(motion);
+  machine_.add(motion);
   const bool cuts = result.removed_mm3 > kNothingRemovedMm3;
   ToolUse& use = tools_[motion.tool];
   use.removed_mm3 += result.removed_mm3;
@@ -84,7 +83,9 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
   }
   loads_.add(motion, force, cut_mm3);
   stock_.follow(motion, result.stock_contact_mm);
-  if (obstacles_) obstacle_.follow(motion, obstacle_push_n(motion));
+  if (!obstacles_) return;
+  obstacle_.follow(motion, greatest_push_n(*obstacles_, scene_.tools.at(motion.tool).tool, motion,
+                                           scene_.settings.force.pivot_mm, kObstaclePlacesMax));
 }
 
 double Simulation::cycle_s(double tool_change_s) const {
@@ -105,23 +106,6 @@ double Simulation::force_n(const ProgramMotion& motion, const MotionResult& resu
   return force.law == ForceLaw::kSpecificEnergy
              ? force.specific_force_n_per_mm2 * area_mm2
              : force.drr_n_s_per_mm3 * cut_mm3 / motion.duration_s;
-}
-
-double Simulation::obstacle_push_n(const ProgramMotion& motion) const {
-  const Tool& tool = scene_.tools.at(motion.tool).tool;
-  const double travel =
-      length(motion.to.tip_mm - motion.from.tip_mm) + turn_rad(motion) * tool.whole_length_mm;
-  const int steps =
-      std::clamp(static_cast<int>(std::ceil(travel / kObstacleStepMm)), 1, kObstacleStepsMax);
-  double worst = 0;
-  for (int i = 0; i <= steps; ++i) {
-    const double share = static_cast<double>(i) / steps;
-    const ToolPose pose{motion.from.tip_mm + (motion.to.tip_mm - motion.from.tip_mm) * share,
-                        turned_axis(motion.from.axis, motion.to.axis, share)};
-    worst = std::max(worst,
-                     length(obstacles_->push(tool, pose, scene_.settings.force.pivot_mm).force_n));
-  }
-  return worst;
 }
 
 }  // namespace kerf

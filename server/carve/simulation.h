@@ -10,6 +10,7 @@
 #include "kernel/sculpture.h"
 #include "server/carve/load_curve.h"
 #include "server/carve/stock_contacts.h"
+#include "server/formats/machine_time.h"
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
 
@@ -59,6 +60,8 @@ class Simulation {
   const Travel& feed() const { return feed_; }
   const Travel& air() const { return air_; }
   const Travel& rapid() const { return rapid_; }
+  /// Time on the scene's machine without tool changes, s.
+  double machine_s() const { return machine_.total_s(); }
   double dwell_s() const { return dwell_s_; }
   /// Returns the cycle time: all motions, and tool changes of `tool_change_s` each.
   double cycle_s(double tool_change_s) const;
@@ -75,7 +78,6 @@ class Simulation {
   const Scene& scene() const { return scene_; }
 
  private:
-  double obstacle_push_n(const ProgramMotion& motion) const;
   double force_n(const ProgramMotion& motion, const MotionResult& result, double area_mm2,
                  double cut_mm3) const;
 
@@ -83,6 +85,7 @@ class Simulation {
   const Program& program_;
   std::optional<Obstacles> obstacles_;
   Travel feed_, air_, rapid_;
+  MachineTime machine_;
   double dwell_s_ = 0;
   LoadCurve loads_;
   std::map<ToolId, ToolUse> tools_;

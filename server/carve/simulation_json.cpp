@@ -136,6 +136,7 @@ std::string simulation_json(const Simulation& simulation, double tool_change_s,
   add_contacts(collisions, program, simulation.obstacle_contacts(), "obstacle", "push_n");
   const Json json{
       {"cycle_seconds", simulation.cycle_s(tool_change_s)},
+      {"machine_seconds", simulation.machine_s()},
       {"feed_seconds", feed.seconds},
       {"rapid_seconds", simulation.rapid().seconds},
       {"dwell_seconds", simulation.dwell_s()},

@@ -33,6 +33,11 @@ constexpr double kWhole = 1 - 1e-12;
 
 }  // namespace
 
+ToolPose pose_on(const ProgramMotion& motion, double share) {
+  return {motion.from.tip_mm + (motion.to.tip_mm - motion.from.tip_mm) * share,
+          turned_axis(motion.from.axis, motion.to.axis, share)};
+}
+
 void FeedSampler::begin(const ProgramMotion& motion) {
   closed_ = ended_;
   tick_ = 1;
@@ -86,8 +91,7 @@ ToolPose FeedSampler::pose_at(double time_s) const {
   const ProgramMotion& motion = part.motion;
   const double s = std::clamp((time_s - part.begin_s) / motion.duration_s, 0.0, 1.0);
   if (time_s >= part.end_s) return motion.to;
-  return admit_pose({motion.from.tip_mm + (motion.to.tip_mm - motion.from.tip_mm) * s,
-                     turned_axis(motion.from.axis, motion.to.axis, s)});
+  return admit_pose(pose_on(motion, s));
 }
 
 void FeedSampler::sample(double from_s, double to_s, int halvings,

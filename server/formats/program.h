@@ -30,6 +30,9 @@ struct ProgramMotion {
   friend bool operator==(const ProgramMotion&, const ProgramMotion&) = default;
 };
 
+/// Returns the pose on a motion after a share of its duration, 0 to 1, not rounded to the grid.
+ToolPose pose_on(const ProgramMotion& motion, double share);
+
 /// Most motions of a program. A few lines of hostile text can request any number.
 inline constexpr std::size_t kProgramMotionsMax = 10'000'000;
 /// Most tool changes that Program::tool_changes records; later ones are omitted.

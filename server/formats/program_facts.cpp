@@ -6,6 +6,7 @@
 
 #include "server/formats/apt/tools.h"
 #include "server/formats/letter_case.h"
+#include "server/formats/machine_time.h"
 #include "server/formats/program_reader.h"
 
 namespace kerf {
@@ -64,6 +65,7 @@ class FactsVisitor final : public ProgramVisitor {
     for (const ProgramMotion& motion : motions) {
       tools_.insert(motion.tool);
       duration_s_ += motion.duration_s;
+      machine_.add(motion);
       extents_.look(motion);
     }
     motions_ += motions.size();
@@ -84,6 +86,7 @@ class FactsVisitor final : public ProgramVisitor {
                         .cuts = extents_.result(),
                         .motions = motions_,
                         .duration_s = duration_s_,
+                        .machine_s = machine_.total_s(),
                         .assumed_inches = false,
                         .spindle_tool = 0};
   }
@@ -91,6 +94,7 @@ class FactsVisitor final : public ProgramVisitor {
  private:
   std::set<ToolId> tools_;
   double duration_s_ = 0;
+  MachineTime machine_;
   std::size_t motions_ = 0;
   CutExtentsFinder extents_;
 };

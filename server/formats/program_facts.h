@@ -22,6 +22,7 @@ struct ProgramFacts {
   std::optional<CutExtents> cuts;
   std::size_t motions = 0;
   double duration_s = 0;        ///< at feed rate
+  double machine_s = 0;         ///< on a machine (MachineTime)
   bool assumed_inches = false;  ///< as of Program
   /// A number of no other tool, if the program cuts before it loads one of several; else 0.
   ToolId spindle_tool = 0;

@@ -18,6 +18,7 @@ void ProgramSurvey::begin() {
   totals_ = {};
   duration_s_ = 0;
   path_ = PathCollector(points_max_);
+  machine_ = MachineTime(dynamics_);
   sampler_.reset();
   if (rate_hz_) sampler_.emplace(*rate_hz_);
 }
@@ -26,6 +27,7 @@ void ProgramSurvey::visit(std::span<const ProgramMotion> motions) {
   for (const ProgramMotion& motion : motions) {
     duration_s_ += motion.duration_s;
     path_.add(motion);
+    machine_.add(motion);
     // One motion may have any number of samples.
     if (sampler_ && duration_s_ * *rate_hz_ >= kSamplesMax) sampler_.reset();
     if (sampler_) {

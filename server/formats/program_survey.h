@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/formats/feed_sampler.h"
+#include "server/formats/machine_time.h"
 #include "server/formats/program_path.h"
 #include "server/formats/program_reader.h"
 
@@ -31,8 +32,13 @@ struct ProgramTotals {
 class ProgramSurvey final : public ProgramVisitor {
  public:
   /// `rate_hz`: the motions that count are samples, as of sample_program.
-  ProgramSurvey(std::size_t path_points_max, std::optional<double> rate_hz)
-      : points_max_(path_points_max), rate_hz_(rate_hz), path_(path_points_max) {}
+  ProgramSurvey(std::size_t path_points_max, std::optional<double> rate_hz,
+                const MachineDynamics& dynamics = {})
+      : points_max_(path_points_max),
+        rate_hz_(rate_hz),
+        dynamics_(dynamics),
+        path_(path_points_max),
+        machine_(dynamics) {}
 
   void begin() override;
   void visit(std::span<const ProgramMotion> motions) override;
@@ -42,6 +48,8 @@ class ProgramSurvey final : public ProgramVisitor {
   ProgramPath path() { return path_.take(); }
   /// The duration without sampling.
   double duration_s() const { return duration_s_; }
+  /// The time on the machine, without sampling.
+  const MachineTime& machine() const { return machine_; }
   /// Greatest distance of a corner from the sample that spans it.
   double corner_cut_mm() const { return sampler_ ? sampler_->corner_cut_mm() : 0; }
 
@@ -50,11 +58,13 @@ class ProgramSurvey final : public ProgramVisitor {
 
   std::size_t points_max_;
   std::optional<double> rate_hz_;
+  MachineDynamics dynamics_;
   ProgramTotals totals_;
   PathCollector path_;
   std::optional<FeedSampler> sampler_;
   std::vector<ProgramMotion> samples_;
   double duration_s_ = 0;
+  MachineTime machine_;
 };
 
 /// The motions of a program, or their samples, one after the other, read when they are needed.

@@ -15,9 +15,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// At feed rate a program is sampled, so that viewers see the tool move. The value is the rate of
-/// the paper's force loop.
-constexpr double kFeedRateHz = 100;
 constexpr double kRateMinHz = 1, kRateMaxHz = 2000;
 
 Json status_json(const Session& session, const ProgramStatus& status) {
@@ -219,7 +216,7 @@ std::expected<std::shared_ptr<const GougeReference>, ApiResponse> Api::parse_tar
 ApiResponse Api::start_program(const ApiCall& call) {
   const ApiRequest& request = call.request;
   Session& session = *call.session;
-  const auto pace = parse_pace(value_or(request.query_value("pace"), "feed"));
+  const auto pace = parse_pace(value_or(request.query_value("pace"), "fast"));
   if (!pace) return pace.error();
   const auto speed = parse_speed(value_or(request.query_value("speed"), "1"));
   if (!speed) return speed.error();
@@ -228,11 +225,10 @@ ApiResponse Api::start_program(const ApiCall& call) {
   const auto limit_n = parse_limit(request.query_value("force_limit_n"));
   if (!limit_n) return limit_n.error();
   std::optional<double> rate_hz;
-  if (const std::string* given = request.query_value("rate")) {
+  if (const std::string* given = request.query_value("sample_hz")) {
     rate_hz = parse_rate(*given);
-    if (!rate_hz) return error_response(400, "bad_rate", "rate must be a number from 1 to 2000");
-  } else if (*pace == ProgramPace::kFeed) {
-    rate_hz = kFeedRateHz;
+    if (!rate_hz)
+      return error_response(400, "bad_rate", "sample_hz must be a number from 1 to 2000");
   }
   const auto target = parse_target_part(call);
   if (!target) return target.error();
@@ -245,11 +241,11 @@ ApiResponse Api::start_program(const ApiCall& call) {
   if (!memory || !text_memory) return out_of_memory();
   const auto kept =
       std::make_shared<ProgramText>(request.body, ProgramPath{}, *std::move(text_memory));
-  ProgramSurvey survey(kPathPointsMax, rate_hz);
+  ProgramSurvey survey(kPathPointsMax, rate_hz, dynamics_of(session.scene().machine));
   auto read = read_program(name, kept->text, session.scene(), *environment, survey);
   if (!read) return program_failure(read.error());
   if (rate_hz && survey.duration_s() * *rate_hz >= kSamplesMax) {
-    return error_response(413, "too_large", "the program has too many motions at this rate");
+    return error_response(413, "too_large", "the program has too many motions at this sample_hz");
   }
   kept->path = survey.path();
   kept->memory.reduce(kept->text.size() + kept->path.points.size() * sizeof(PathPoint));
@@ -287,7 +283,8 @@ ApiResponse Api::describe_program(const ApiCall& call) {
                                       {"tools", facts->tools},
                                       {"feed_mm", box},
                                       {"motions", facts->motions},
-                                      {"programmed_s", facts->duration_s}}));
+                                      {"programmed_s", facts->duration_s},
+                                      {"machine_s", facts->machine_s}}));
 }
 
 }  // namespace kerf::net

@@ -71,7 +71,7 @@ constexpr Route kRoutes[] = {
      .summary = "200, status of all programs"},
     {.methods = "POST",
      .pattern = "/v1/sessions/{id}/programs",
-     .query = "pace, speed, name, rate, dialect, after, queue, force_limit_n, target, "
+     .query = "pace, speed, name, sample_hz, dialect, after, queue, force_limit_n, target, "
               "target_tolerance_mm",
      .handler = &Api::start_program,
      .body_bytes_max = kFileBytesMax,

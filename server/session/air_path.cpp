@@ -57,7 +57,11 @@ AirSpace::AirSpace(const SculptureSettings& settings)
 }
 
 bool AirSpace::contains(const MoveTool& move, const Tool& tool) const {
-  if (has_obstacles_ || move.feel || !(move.from.axis == move.to.axis)) return false;
+  return !has_obstacles_ && !move.feel && is_clear(move, tool);
+}
+
+bool AirSpace::is_clear(const MoveTool& move, const Tool& tool) const {
+  if (!(move.from.axis == move.to.axis)) return false;
   return std::ranges::any_of(std::array{&Vec3::x, &Vec3::y, &Vec3::z}, [&](auto coordinate) {
     const Range range = extent(move, tool, coordinate);
     return range[1] < low_mm_.*coordinate || range[0] > high_mm_.*coordinate;

@@ -19,6 +19,9 @@ class AirSpace {
   /// True if the motion cannot change the block and its force is not asked for. Always false in a
   /// scene with obstacles, and while the axis turns.
   bool contains(const MoveTool& move, const Tool& tool) const;
+  /// True if the tool, with shank and holder, passes the stock whatever has been cut. Always false
+  /// while the axis turns.
+  bool is_clear(const MoveTool& move, const Tool& tool) const;
 
  private:
   bool has_obstacles_;

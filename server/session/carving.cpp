@@ -28,9 +28,12 @@ Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJourn
       journal_(journal),
       participants_(participants),
       air_(sculpture.settings()),
-      reserved_(sculpture.settings()) {}
+      reserved_(sculpture.settings()) {
+  const auto& obstacles = sculpture.settings().obstacles;
+  if (!obstacles.empty()) obstacles_.emplace(obstacles);
+}
 
-/// A stroke begins with the first motion after the tool was lifted; a program is one stroke.
+/// A stroke begins with the first motion after the tool was lifted.
 std::expected<void, Rejection> Carving::record(ParticipantId id, const Command& command,
                                                std::uint64_t agent_sequence) {
   if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));

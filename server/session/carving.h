@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernel/force/collision.h"
 #include "kernel/sculpture.h"
 #include "server/convert/rejection.h"
 #include "server/session/air_path.h"
@@ -65,6 +66,8 @@ class Carving {
   /// journaled with the next motion that does not join them. Answers kBusy while the journal has no
   /// space for programs.
   std::expected<std::optional<CarvedMotion>, Rejection> move(const ProgramStep& step);
+  /// Shows the tool of a program at a place of the motion that is not carved yet.
+  void show(ParticipantId id, const ToolPose& pose);
   /// The program of a participant has ended: applies the motions that are still to be joined.
   void end_program(ParticipantId id);
 
@@ -183,6 +186,8 @@ class Carving {
   void note(ParticipantId id, const MotionResult& result);
   std::expected<void, Rejection> apply_air(ParticipantId id);
   Applied apply_or_join(const ProgramStep& step, std::int64_t& tiles);
+  void end_stroke(const ProgramStep& step, const MoveTool& move, const Tool& tool);
+  CarvedMotion carved_of(const ProgramStep& step, const MotionResult& done) const;
   void show_step(const ProgramStep& step, const MotionResult& done);
   std::optional<CarvedMotion> search_on(ParticipantId id);
 
@@ -191,6 +196,7 @@ class Carving {
   SessionJournal& journal_;
   Participants& participants_;
   AirSpace air_;
+  std::optional<Obstacles> obstacles_;  ///< of a scene that has any
   Reserved reserved_;
   std::map<ParticipantId, AirPath> air_paths_;  ///< of programs
   std::map<ParticipantId, Searched> searched_;  ///< of programs that have a target

@@ -3,14 +3,26 @@
 #include <utility>
 
 #include "server/session/carving.h"
+#include "server/verify/obstacle_push.h"
 
 namespace kerf {
 namespace {
 
 /// Work of one turn in the search for gouges, in distances from the part: some 0.3 ms.
 constexpr std::size_t kDistancesPerTurn = 300;
+/// Places along a motion at which obstacles are looked for: some 0.3 ms.
+constexpr int kObstaclePlacesMax = 200;
 
 }  // namespace
+
+/// A rapid that is clear of the stock and a change of the tool end a stroke, so that undo takes one
+/// pass of a program and not all of it.
+void Carving::end_stroke(const ProgramStep& step, const MoveTool& move, const Tool& tool) {
+  ParticipantState* state = participants_.find(step.participant);
+  if (state == nullptr) return;
+  const bool changes_tool = state->participant.tool != move.tool;
+  if (changes_tool || (step.motion.rapid && air_.is_clear(move, tool))) state->in_stroke = false;
+}
 
 std::expected<void, Rejection> Carving::apply_air(ParticipantId id) {
   const auto found = air_paths_.find(id);
@@ -29,6 +41,7 @@ Carving::Applied Carving::apply_or_join(const ProgramStep& step, std::int64_t& t
   const ProgramMotion& motion = step.motion;
   const MoveTool move{motion.tool, motion.from, motion.to, motion.duration_s, step.feel};
   const Tool* tool = sculpture_.tool(move.tool);
+  if (tool != nullptr) end_stroke(step, move, *tool);
   const bool joinable = !step.is_last && tool != nullptr && air_.contains(move, *tool);
   if (joinable) {
     if (auto ok = sculpture_.check(move); !ok) return std::unexpected(to_rejection(ok.error()));
@@ -62,6 +75,28 @@ void Carving::show_step(const ProgramStep& step, const MotionResult& done) {
   if (tool_changed) participants_.note_tool_change();
 }
 
+void Carving::show(ParticipantId id, const ToolPose& pose) {
+  ParticipantState* state = participants_.find(id);
+  if (state == nullptr) return;
+  state->track.place(pose);
+  state->update_display({}, {});
+}
+
+CarvedMotion Carving::carved_of(const ProgramStep& step, const MotionResult& done) const {
+  const SculptureSettings& settings = sculpture_.settings();
+  const Tool& tool = *sculpture_.tool(step.motion.tool);
+  CarvedMotion carved{.removed_mm3 = done.removed_mm3,
+                      .stock_contact_mm = done.stock_contact_mm,
+                      .cutting_n = length(done.wrench.force_n - done.collision.force_n)};
+  const AlarmLimits limits{.tolerance_mm = settings.tolerance_mm};
+  carved.film_mm3 = limits.film_mm3(tool.radius_mm);
+  if (step.feel && obstacles_) {
+    carved.collision_n = greatest_push_n(*obstacles_, tool, step.motion, settings.force.pivot_mm,
+                                         kObstaclePlacesMax);
+  }
+  return carved;
+}
+
 /// Searches the motion that a program has completed for gouges; nothing if that is to go on.
 std::optional<CarvedMotion> Carving::search_on(ParticipantId id) {
   const CpuCosts::Meter meter(costs_, id);
@@ -93,9 +128,7 @@ std::expected<std::optional<CarvedMotion>, Rejection> Carving::move(const Progra
   if (!*result) return std::nullopt;
   const MotionResult& done = **result;
   show_step(step, done);
-  CarvedMotion carved{done.removed_mm3, done.stock_contact_mm,
-                      length(done.wrench.force_n - done.collision.force_n),
-                      length(done.collision.force_n)};
+  CarvedMotion carved = carved_of(step, done);
   if (step.target == nullptr || done.cut_tiles.empty()) return carved;
   Searched& search = searched_[id];
   search.carved = std::move(carved);

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/program_alarms.h"
 
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
 namespace kerf {
 namespace {
 
@@ -8,6 +12,11 @@ namespace {
 constexpr double kNothingRemovedMm3 = 1e-6;
 
 }  // namespace
+
+double AlarmLimits::film_mm3(double tool_radius_mm) const {
+  return std::max(kNothingRemovedMm3,
+                  tolerance_mm * std::numbers::pi * tool_radius_mm * tool_radius_mm);
+}
 
 const char* to_string(AlarmKind kind) {
   switch (kind) {
@@ -26,26 +35,27 @@ const char* to_string(AlarmKind kind) {
 }
 
 void ProgramAlarms::follow(const ProgramMotion& motion, const CarvedMotion& carved) {
-  const bool cuts = carved.removed_mm3 > kNothingRemovedMm3;
-  note(AlarmKind::kRapid, motion, motion.rapid && cuts ? carved.removed_mm3 : 0);
-  note(AlarmKind::kShank, motion, carved.stock_contact_mm);
-  // Stock pushes shank and holder too; that is the alarm above.
-  note(AlarmKind::kObstacle, motion, carved.stock_contact_mm > 0 ? 0 : carved.collision_n);
-  note(AlarmKind::kForce, motion, limit_n_ && carved.cutting_n > *limit_n_ ? carved.cutting_n : 0);
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  note(AlarmKind::kRapid, motion, motion.rapid ? carved.removed_mm3 : 0, carved.film_mm3);
+  note(AlarmKind::kShank, motion, carved.stock_contact_mm, limits_.tolerance_mm);
+  note(AlarmKind::kObstacle, motion, carved.collision_n, 0);
+  note(AlarmKind::kForce, motion, carved.cutting_n, limits_.force_n.value_or(kAny));
+  // What a check finds is deeper than the part's tolerance.
   const Gouge gouge = carved.gouge.value_or(Gouge());
-  note(AlarmKind::kGouge, motion, gouge.depth_mm, gouge.at_mm);
+  note(AlarmKind::kGouge, motion, gouge.depth_mm, limits_.gouge_mm, gouge.at_mm);
 }
 
 /// Whether a motion without an alarm does not end it.
 bool ProgramAlarms::is_in_gap(AlarmKind kind, const ProgramMotion& motion) {
   if (kind != AlarmKind::kGouge) return false;
   without_gouge_mm_ += length(motion.to.tip_mm - motion.from.tip_mm);
-  return without_gouge_mm_ <= gouge_gap_mm_;
+  return without_gouge_mm_ <= kGougeGapPitches * limits_.pitch_mm;
 }
 
-void ProgramAlarms::note(AlarmKind kind, const ProgramMotion& motion, double amount, Vec3 at_mm) {
+void ProgramAlarms::note(AlarmKind kind, const ProgramMotion& motion, double amount, double limit,
+                         Vec3 at_mm) {
   Open& open = open_[static_cast<std::size_t>(kind)];
-  if (!(amount > 0)) {
+  if (!(amount > limit)) {
     if (!is_in_gap(kind, motion)) open = {};
     return;
   }
@@ -55,7 +65,8 @@ void ProgramAlarms::note(AlarmKind kind, const ProgramMotion& motion, double amo
     ++count_;
     if (list_.size() < kListedMax) {
       open.listed = list_.size();
-      list_.push_back({.kind = kind, .from_line = motion.line, .tool = motion.tool});
+      list_.push_back(
+          {.kind = kind, .from_line = motion.line, .tool = motion.tool, .limit = limit});
     }
   }
   if (!open.listed) return;

@@ -30,15 +30,23 @@ ProgramJob::ProgramJob(ReadProgram read, ProgramSurvey& survey, std::optional<do
       read_as(std::move(read.notes.read_as)),
       warnings(std::move(read.notes.warnings)),
       totals(survey.totals()),
+      machine_s(survey.machine().total_s()),
       open(std::move(read.open)),
       rate_hz(rate) {
   if (auto warning = warning_of_corners(name, survey.corner_cut_mm()))
     warnings.push_back(*std::move(warning));
+  if (auto question = survey.machine().feed_question(name))
+    warnings.push_back(*std::move(question));
 }
 
 ProgramJob::ProgramJob(Program program)
     : name(program.name), read_as(program.read_as), warnings(program.warnings) {
-  for (const ProgramMotion& motion : program.motions) totals.add(motion);
+  MachineTime machine;
+  for (const ProgramMotion& motion : program.motions) {
+    totals.add(motion);
+    machine.add(motion);
+  }
+  machine_s = machine.total_s();
   open = [list = std::make_shared<const Program>(std::move(program))] {
     return std::make_unique<ListReader>(list);
   };

@@ -16,6 +16,7 @@ struct ProgramJob {
   std::string read_as;  ///< language, and why it
   std::vector<std::string> warnings;
   ProgramTotals totals;
+  double machine_s = 0;  ///< on the scene's machine
   OpenProgram open;
   std::optional<double> rate_hz = {};  ///< it is sampled
 

@@ -22,6 +22,23 @@ const char* unit_of(AlarmKind kind) {
   }
 }
 
+/// What the limit of an alarm is, for people.
+const char* reason_of(AlarmKind kind) {
+  switch (kind) {
+    case AlarmKind::kRapid:
+      return "a rapid removed more than a film of the scene's tolerance below the whole tool";
+    case AlarmKind::kShank:
+      return "shank or holder entered the stock by more than the scene's tolerance";
+    case AlarmKind::kObstacle:
+      return "an obstacle pushed the tool";
+    case AlarmKind::kForce:
+      return "the mean cutting force of a motion was above force_limit_n";
+    case AlarmKind::kGouge:
+      return "a motion cut deeper below the target part than target_tolerance_mm";
+  }
+  return "";
+}
+
 Json glance_json(const ProgramGlance& program) {
   const bool is_at_feed = program.pace == ProgramPace::kFeed;
   Json json = {{"id", program.id},
@@ -95,6 +112,7 @@ std::string program_json(const ProgramStatus& program) {
   Json json = glance_json(program);
   json["tools"] = program.tools;
   json["read_as"] = program.read_as;
+  if (program.machine_s > 0) json["machine_s"] = program.machine_s;
   json["warnings"] = program.warnings;
   if (!program.target.empty()) {
     json["target"] = program.target;
@@ -108,7 +126,9 @@ std::string program_json(const ProgramStatus& program) {
                               {"to_line", alarm.to_line},
                               {"tool", alarm.tool},
                               {"amount", alarm.amount},
+                              {"limit", alarm.limit},
                               {"unit", unit_of(alarm.kind)},
+                              {"reason", reason_of(alarm.kind)},
                               {"tip_mm", {tip.x, tip.y, tip.z}}});
     if (alarm.kind != AlarmKind::kGouge) continue;
     const Vec3 at = alarm.at_mm;

@@ -46,12 +46,18 @@ ProgramStatus ProgramRuns::start(ParticipantId participant, ProgramJob job, Prog
   status.read_as = std::move(job.read_as);
   status.warnings = std::move(job.warnings);
   status.programmed_s = job.totals.duration_s;
+  status.machine_s = job.machine_s;
   for (const ProgramTotals::Use& use : job.totals.tools) status.tools.push_back(use.tool);
   if (!status.tools.empty()) status.tool = status.tools.front();
   run.text = std::move(options.text);
   run.motions.emplace(job.open(), job.rate_hz);
   const auto& target = options.target;
-  run.alarms = ProgramAlarms(options.force_limit_n, target ? target->part->grid().pitch_mm : 0);
+  AlarmLimits limits{.force_n = options.force_limit_n, .tolerance_mm = options.tolerance_mm};
+  if (target) {
+    limits.gouge_mm = target->tolerance_mm;
+    limits.pitch_mm = target->part->grid().pitch_mm;
+  }
+  run.alarms = ProgramAlarms(limits);
   if (target) {
     status.target = target->name;
     status.target_tolerance_mm = target->tolerance_mm;
@@ -246,6 +252,16 @@ bool ProgramRuns::due(const Run& run, Clock::time_point now) const {
   return run.clock.now_s(now) >= run.status.elapsed_s + run.next()->duration_s;
 }
 
+void ProgramRuns::show_way(const Run& run, const Show& show, Clock::time_point now) const {
+  const ProgramMotion* motion = run.next();
+  const ProgramStatus& status = run.status;
+  const bool moves = status.state == ProgramState::kRunning && status.pace == ProgramPace::kFeed;
+  if (!moves || motion == nullptr || run.in_pieces) return;
+  const double passed_s = run.clock.now_s(now) - status.elapsed_s;
+  if (passed_s > 0 && passed_s < motion->duration_s)
+    show(status.participant, pose_on(*motion, passed_s / motion->duration_s));
+}
+
 bool ProgramRuns::step(Run& run, const Carve& carve) {
   if (run.next() == nullptr) {
     read_on(run);
@@ -284,7 +300,7 @@ void ProgramRuns::advance(Run& run, const CarvedMotion& carved) {
   read_on(run);
 }
 
-std::optional<std::chrono::microseconds> ProgramRuns::slice(const Carve& carve) {
+std::optional<std::chrono::microseconds> ProgramRuns::slice(const Carve& carve, const Show& show) {
   const auto start = Clock::now();
   auto now = start;
   bool more = true, busy = false;
@@ -298,6 +314,7 @@ std::optional<std::chrono::microseconds> ProgramRuns::slice(const Carve& carve) 
     now = Clock::now();
   }
   if (running() == 0) return std::nullopt;
+  for (auto& run : runs_ | std::views::values) show_way(run, show, now);
   if (busy) return kBusyPause;
   const bool more_due = std::ranges::any_of(runs_ | std::views::values,
                                             [&](const Run& run) { return due(run, now); });

@@ -35,6 +35,8 @@ class ProgramRuns {
   /// the same motion, in a later slice. kBusy: nothing was carved; the motion is tried again later.
   using Carve =
       std::function<std::expected<std::optional<CarvedMotion>, Rejection>(const ProgramStep&)>;
+  /// Shows the tool of a participant's program on its way along a motion that is not due yet.
+  using Show = std::function<void(ParticipantId, const ToolPose&)>;
   /// A slice starts no further motion after this time.
   static constexpr std::chrono::microseconds kSlice{300};
   /// Time until a motion that was answered with kBusy is tried again.
@@ -75,10 +77,12 @@ class ProgramRuns {
   /// Returns the participants whose programs ended since the previous call.
   std::vector<ParticipantId> take_ended();
 
-  /// Carves the due motions, one per program in turn, for at most one slice. Returns the time to
+  /// Carves the due motions, one per program in turn, for at most one slice, and shows where the
+  /// tools of programs at feed rate are on the next ones. Returns the time to
   /// wait before the next slice; nullopt if no program is running: paused and queued ones cost
   /// nothing.
-  std::optional<std::chrono::microseconds> slice(const Carve& carve);
+  std::optional<std::chrono::microseconds> slice(
+      const Carve& carve, const Show& show = [](ParticipantId, const ToolPose&) {});
 
  private:
   struct Run {
@@ -107,6 +111,7 @@ class ProgramRuns {
     }
   };
   bool due(const Run& run, Clock::time_point now) const;
+  void show_way(const Run& run, const Show& show, Clock::time_point now) const;
   /// Reads the next motion, unless that takes long: then it is called again. An error, which the
   /// reading before the start has not met, ends the program.
   void read_on(Run& run);

@@ -61,6 +61,7 @@ struct ProgramGlance {
 struct ProgramStatus : ProgramGlance {
   std::vector<ToolId> tools;  ///< in the order of their first motions
   std::string read_as;        ///< language of its text, and why it: "Haas: line 3 has G154"
+  double machine_s = 0;       ///< time on the scene's machine; 0: unknown
   std::vector<std::string> warnings;
   std::vector<ProgramAlarm> alarms;  ///< the first ProgramAlarms::kListedMax
   std::string target;                ///< the part that it is to make; empty: none
@@ -85,6 +86,7 @@ struct ProgramOptions {
   ProgramId after = 0;  ///< begins when this program has finished; 0: at once
   /// Mean cutting force of a motion above which there is an alarm, N; nothing: no limit.
   std::optional<double> force_limit_n = {};
+  double tolerance_mm = 0;  ///< of the scene
   /// The part that the program is to make; null: gouges are not searched, which costs time.
   std::shared_ptr<const GougeReference> target = {};
   std::shared_ptr<const ProgramText> text = {};

@@ -56,6 +56,7 @@ std::expected<ProgramStatus, Rejection> Session::start_program(ProgramJob job,
   if (!job.totals.tools.empty()) request.tool = job.totals.tools.front().tool;
   const auto joined = join(request);
   if (!joined) return std::unexpected(joined.error());
+  options.tolerance_mm = sculpture_.settings().tolerance_mm;
   const auto text = options.text;
   ProgramStatus status =
       programs_.start(joined->id, std::move(job), std::move(options), Clock::now());
@@ -94,7 +95,8 @@ void Session::run_programs() {
   const auto start = Clock::now();
   const std::uint64_t removal_before = journal_.removal_sequence();
   const auto wait =
-      programs_.slice([this](const ProgramStep& step) { return carving_.move(step); });
+      programs_.slice([this](const ProgramStep& step) { return carving_.move(step); },
+                      [this](ParticipantId id, const ToolPose& pose) { carving_.show(id, pose); });
   if (journal_.removal_sequence() != removal_before) schedule_hash();
   retire_programs();
   show_figures();

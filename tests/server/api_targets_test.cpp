@@ -216,7 +216,7 @@ class ProgramTargets : public ApiTargetsTest {
 TEST_F(ProgramTargets, CutsBelowThePartAreAlarmsWithLineAndPlace) {
   ASSERT_EQ(send("?name=part.stl", part_).status, 201U);
   for (const std::string y : {"-10", "10"}) {
-    const std::string sampled = y == "10" ? "&rate=50" : "";
+    const std::string sampled = y == "10" ? "&sample_hz=50" : "";
     const Json json =
         status_of(start("&target=part.stl&target_tolerance_mm=0.2&pace=fast" + sampled, deep(y)));
     EXPECT_EQ(json.at("target"), "part.stl");

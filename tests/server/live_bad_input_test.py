@@ -293,7 +293,7 @@ class BadHttp(LiveTest):
         url = "/v1/sessions/block/programs"
         self.error(400, "bad_program", "POST", url + "?name=x.doc", "G0")
         self.error(400, "bad_pace", "POST", url + "?pace=warp", "G0")
-        self.error(400, "bad_rate", "POST", url + "?rate=nan", "G0")
+        self.error(400, "bad_rate", "POST", url + "?sample_hz=nan", "G0")
         self.error(400, "bad_dialect", "POST", url + "?dialect=klartext", "G0")
         self.assertEqual(self.server.info()["motions"], 0)
 

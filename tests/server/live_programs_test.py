@@ -48,12 +48,11 @@ class Programs(LiveTest):
         text = spiral(300)
         self.server.create("straight")
         self.until(self.upload(text, "pace=fast&name=s.ngc", "straight"), "finished")
-        program = self.upload(text, "pace=feed&rate=200&speed=0.1&name=s.ngc")
+        program = self.upload(text, "pace=feed&speed=0.1&name=s.ngc")
         paused = self.change(program, "do=pause")
         self.assertEqual(paused["state"], "paused")
         self.assertEqual(self.server.http.request("GET", program["url"] + "/source")[2],
                          text.encode())
-        # At full speed the blocks of the sampled program come one a step.
         self.change(program, "pace=fast")
         lines = []
         for _ in range(5):
@@ -72,11 +71,21 @@ class Programs(LiveTest):
         self.until(program, "finished")
         self.assertEqual(self.refused("PATCH", program["url"] + "?do=pause"),
                          (409, "not_running"))
-        other = self.upload(text, "pace=fast&rate=200&name=s.ngc", "straight")
-        self.until(other, "finished")
-        # The same motions on top of the unsampled ones, in both sessions.
-        self.until(self.upload(text, "pace=fast&name=s.ngc"), "finished")
         self.assertEqual(self.server.hash(), self.server.hash("straight"))
+
+    def test_every_speed_cuts_the_same_and_a_sampled_path_does_not(self):
+        text = spiral(60)
+        self.until(self.upload(text, "name=s.ngc"), "finished")
+        for name, query in (("one", "pace=feed&speed=20"), ("two", "pace=feed&speed=0.1")):
+            self.server.create(name)
+            program = self.upload(text, query + "&name=s.ngc", name)
+            for speed in ("1", "7.3", "0.5", "20"):
+                self.change(program, f"speed={speed}")
+            self.until(program, "finished")
+            self.assertEqual(self.server.hash(), self.server.hash(name), query)
+        self.server.create("sampled")
+        self.until(self.upload(text, "sample_hz=20&name=s.ngc", "sampled"), "finished")
+        self.assertNotEqual(self.server.hash(), self.server.hash("sampled"))
 
     def test_programs_of_a_queue_run_one_after_the_other(self):
         # So slow that it is not at its end before it is paused.

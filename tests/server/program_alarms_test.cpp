@@ -38,25 +38,28 @@ TEST(ProgramAlarms, ConsecutiveMotionsAreOneAlarm) {
   EXPECT_EQ(alarms.list()[1].from_line, 7U);
 }
 
-TEST(ProgramAlarms, OnlyRapidsThatRemoveMaterialCount) {
+TEST(ProgramAlarms, OnlyRapidsThatRemoveMoreThanAFilmCount) {
+  const double film_mm3 = AlarmLimits{.tolerance_mm = 0.01}.film_mm3(3);
+  EXPECT_NEAR(film_mm3, 0.2827, 1e-4) << "0.01 mm below a tool of 6 mm";
   ProgramAlarms alarms;
-  alarms.follow(motion_at(1, 1, true), {.removed_mm3 = 1e-9});
-  alarms.follow(motion_at(2, 2, false), {.removed_mm3 = 8});
+  alarms.follow(motion_at(1, 1, true), {.removed_mm3 = 0.28, .film_mm3 = film_mm3});
+  alarms.follow(motion_at(2, 2, false), {.removed_mm3 = 8, .film_mm3 = film_mm3});
   EXPECT_EQ(alarms.count(), 0U);
-  alarms.follow(motion_at(3, 3, true), {.removed_mm3 = 2});
-  alarms.follow(motion_at(4, 4, true), {.removed_mm3 = 3});
+  alarms.follow(motion_at(3, 3, true), {.removed_mm3 = 2, .film_mm3 = film_mm3});
+  alarms.follow(motion_at(4, 4, true), {.removed_mm3 = 3, .film_mm3 = film_mm3});
   ASSERT_EQ(alarms.count(), 1U);
   EXPECT_EQ(alarms.list()[0].kind, AlarmKind::kRapid);
   EXPECT_EQ(alarms.list()[0].amount, 5);
+  EXPECT_EQ(alarms.list()[0].limit, film_mm3);
   EXPECT_EQ(alarms.list()[0].tip_mm.x, 4);
 }
 
 TEST(ProgramAlarms, ForcesCountAboveTheLimitAndPushesWithoutStock) {
-  ProgramAlarms none, limited(5.0);
+  ProgramAlarms none, limited({.force_n = 5.0});
   for (ProgramAlarms* alarms : {&none, &limited}) {
     alarms->follow(motion_at(1, 1), {.cutting_n = 5});
     alarms->follow(motion_at(2, 2), {.cutting_n = 5.1});
-    alarms->follow(motion_at(3, 3), {.stock_contact_mm = 1, .collision_n = 9});
+    alarms->follow(motion_at(3, 3), {.stock_contact_mm = 1});
     alarms->follow(motion_at(4, 4), {.collision_n = 9});
   }
   ASSERT_EQ(none.count(), 2U);
@@ -67,9 +70,17 @@ TEST(ProgramAlarms, ForcesCountAboveTheLimitAndPushesWithoutStock) {
   EXPECT_EQ(limited.list()[0].from_line, 2U);
 }
 
+TEST(ProgramAlarms, ShankAndHolderMayBeAsDeepAsTheTolerance) {
+  ProgramAlarms alarms({.tolerance_mm = 0.01});
+  alarms.follow(motion_at(1, 1), {.stock_contact_mm = 0.01});
+  EXPECT_EQ(alarms.count(), 0U);
+  alarms.follow(motion_at(2, 2), {.stock_contact_mm = 0.011});
+  EXPECT_EQ(alarms.count(), 1U);
+}
+
 /// The columns of a groove lie farther apart than the ends of the samples along it.
 TEST(ProgramAlarms, GougesWithinTwoPitchesOfPathAreOne) {
-  ProgramAlarms alarms({}, 0.5);
+  ProgramAlarms alarms({.pitch_mm = 0.5});
   const auto follow = [&](std::uint32_t line, double from_x, double depth_mm) {
     ProgramMotion motion = motion_at(line, from_x + 0.4);
     motion.from.tip_mm = {from_x, 0, 0};
@@ -139,6 +150,8 @@ TEST_F(SessionTest, AProgramThatCrashesListsWhereAndHow) {
   const auto json = nlohmann::json::parse(program_json(status));
   EXPECT_EQ(json.at("alarms").at(1).at("kind"), "shank");
   EXPECT_EQ(json.at("alarms").at(0).at("unit"), "mm3");
+  EXPECT_NEAR(json.at("alarms").at(0).at("limit"), 0.2827, 1e-4);
+  EXPECT_EQ(json.at("alarms").at(1).at("limit"), 0.01);
   EXPECT_EQ(json.at("alarm_count"), 2);
 }
 

@@ -121,6 +121,31 @@ TEST(MemoryBudget, SharesAreTakenAndGivenBack) {
   EXPECT_FALSE(budget.take(~std::size_t{0}));
 }
 
+TEST(ProgramRuns, ToolMovesAlongAMotionThatIsNotDue) {
+  ProgramRuns runs;
+  const auto show = [&](ProgramPace pace, double passed_s) {
+    const auto start = Clock::now() - std::chrono::duration_cast<Clock::duration>(
+                                          std::chrono::duration<double>(passed_s));
+    runs.cancel_all();
+    runs.start(7, program_of(2, 1000), {pace}, start);
+    std::vector<double> x_mm;
+    runs.slice(
+        [](const ProgramStep&) -> Carved {
+          return std::unexpected(Rejection{wire::ErrorCode::kBusy, "not now"});
+        },
+        [&](ParticipantId who, const ToolPose& pose) {
+          EXPECT_EQ(who, 7U);
+          x_mm.push_back(pose.tip_mm.x);
+        });
+    return x_mm;
+  };
+  const auto x_mm = show(ProgramPace::kFeed, 250);
+  ASSERT_EQ(x_mm.size(), 1U);
+  EXPECT_GE(x_mm[0], 0.25);
+  EXPECT_LT(x_mm[0], 1);
+  EXPECT_TRUE(show(ProgramPace::kFast, 250).empty());
+}
+
 TEST(ProgramRuns, FeedRateMotionIsCarvedWhenItsTimeHasPassed) {
   ProgramRuns runs;
   const auto start = Clock::now();

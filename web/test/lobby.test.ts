@@ -98,7 +98,14 @@ describe('the alert of the lobby', () => {
 });
 
 describe('a program as the beginning of a block', () => {
-  const facts = { kinematics: 'xyz', tools: [1], feed_mm: null, motions: 9, programmed_s: 5 };
+  const facts = {
+    kinematics: 'xyz',
+    tools: [1],
+    feed_mm: null,
+    motions: 9,
+    programmed_s: 5,
+    machine_s: 6,
+  };
   const draftOf = (name: string) => fromFile(new File(['M30\n'], name), () => undefined, false);
 
   it('may have any name that the server reads', async () => {

@@ -100,7 +100,14 @@ test.each([
 });
 
 test('tools without a description can be edited, and programs without tools have one', () => {
-  const facts = { kinematics: 'xyz', tools: [2, 7], feedMm: null, motions: 1, programmedS: 1 };
+  const facts = {
+    kinematics: 'xyz',
+    tools: [2, 7],
+    feedMm: null,
+    motions: 1,
+    programmedS: 1,
+    machineS: 2,
+  };
   expect(toolsOf(facts, '(T7 D=3. CR=1.5)')).toEqual([
     { id: 2, shape: 'flat', diameterMm: 6, cornerMm: 0 },
     { id: 7, shape: 'ball', diameterMm: 3, cornerMm: 1.5 },

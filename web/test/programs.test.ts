@@ -157,11 +157,12 @@ describe('the sentences', () => {
       toLine: 18,
       tool: 1,
       amount: 12.34,
+      limit: 0.2827,
       unit: 'mm3',
       place: [1, -2.04, 0] as [number, number, number],
     };
     expect(alarmText(alarm)).toBe(
-      'Rapid through stock, 12.3 mm³: lines 14–18, at X 1.0 Y -2.0 Z 0.0',
+      'Rapid through stock, 12.3 mm³, limit 0.283: lines 14–18, at X 1.0 Y -2.0 Z 0.0',
     );
     expect(alarmText({ ...alarm, toLine: 14 })).toContain(': line 14,');
   });

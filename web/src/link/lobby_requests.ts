@@ -113,5 +113,6 @@ export async function describeProgram(name: string, text: string): Promise<Progr
     feedMm: feed === null ? null : boxOf(feed),
     motions: Number(body['motions']),
     programmedS: Number(body['programmed_s']),
+    machineS: Number(body['machine_s']),
   };
 }

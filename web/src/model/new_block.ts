@@ -33,6 +33,8 @@ export interface ProgramFacts {
   feedMm: Box | null;
   motions: number;
   programmedS: number;
+  /** On a machine whose axes accelerate. */
+  machineS: number;
 }
 
 /** What a scene would cost: POST /v1/sessions?dry_run=1. */

@@ -91,9 +91,10 @@ async function fromProgram(file: File, changed: () => void): Promise<Draft> {
   const tools = toolsOf(facts, text);
   const box = stockFor(facts.feedMm, tools);
   const size = t(
-    '{0} motions, {1} at feed rate',
+    '{0} motions, {1} at feed rate, about {2} on a machine',
     count(facts.motions),
     duration(facts.programmedS),
+    duration(facts.machineS),
   );
   return {
     name: nameOf(file),

@@ -211,7 +211,7 @@ export class NewBlock {
   /** Starts the program; a session that cannot run it is not kept. */
   private async run_(id: string, program: File): Promise<void> {
     try {
-      await new ProgramRequests(id).upload(program, 'pace=feed');
+      await new ProgramRequests(id).upload(program, 'pace=fast');
     } catch (problem) {
       await closeSession(id, true).catch(() => undefined);
       throw problem;

@@ -22,6 +22,8 @@ export interface Alarm {
   toLine: number;
   tool: number;
   amount: number;
+  /** That the amount of a motion exceeded. */
+  limit: number;
   unit: string;
   /** The tip at its worst; of a gouge the deepest place. */
   place: Vec3;
@@ -65,6 +67,7 @@ function alarmOf(value: unknown): Alarm {
     toLine: Number(from['to_line']),
     tool: Number(from['tool']),
     amount: Number(from['amount']),
+    limit: Number(from['limit'] ?? 0),
     unit: String(from['unit']),
     place: [x, y, z],
   };

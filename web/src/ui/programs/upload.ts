@@ -32,8 +32,8 @@ export class Upload {
   private readonly pace_ = h(
     'select',
     { class: 'program-speed', 'aria-label': t('How to run it') },
-    h('option', { value: 'pace=feed' }, t('at feed rate')),
     h('option', { value: 'pace=fast' }, t('at full speed')),
+    h('option', { value: 'pace=feed' }, t('at feed rate')),
   );
   private readonly dialect_ = h(
     'select',
