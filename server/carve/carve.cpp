@@ -387,6 +387,12 @@ int run_carve(const CarveOptions& options) {
     std::cout << explain_scene(*scene);
     return 0;
   }
+  if (options.derive) {
+    const auto text = derived_text(options);
+    if (!text) return fail(text.error());
+    std::cout << *text << '\n';
+    return 0;
+  }
   OutputFiles outputs;
   const StopSignal signal([&outputs] {
     outputs.abandon();

@@ -250,6 +250,9 @@ void declare(CLI::App& app, CarveOptions& options) {
       ->check(CLI::NonNegativeNumber);
   declare_controller(app, options);
   app.add_option("--explain", options.explain, "print every field of a scene and exit");
+  app.add_flag("--derive", options.derive,
+               "print the scene that is derived from the program, and where each field comes from "
+               "(JSON), and exit");
   declare_programs(app, options);
   app.add_option("--forces", options.forces, "write force and torque of each motion (CSV)");
   app.add_option_function<std::vector<double>>(
@@ -336,6 +339,8 @@ std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
   const SceneWishes& wishes = options.wishes;
   const bool wished = wishes.stock_size_mm || !wishes.stock_file.empty() || !wishes.tools.empty() ||
                       wishes.rotary_direction;
+  if (!options.scene.empty() && options.derive)
+    return reject("--derive is for a program without a scene; leave --scene out");
   if (!options.scene.empty() && wished)
     return reject("--stock and --tool are for a derived scene; --scene states stock and tools");
   if (auto fault = settle_verification(options); !fault.empty()) return reject(fault);

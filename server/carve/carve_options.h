@@ -31,6 +31,7 @@ struct CarveOptions {
   std::optional<std::size_t> wall_samples;
   double tool_change_s = 0;
   std::optional<std::filesystem::path> explain;  ///< only explain this scene
+  bool derive = false;                           ///< only print the derived scene
   std::vector<ModelChoice> models;               ///< --stl, --glb, --3mf, --ply, --obj
   SurfaceRequest surface;  ///< --triangles, --max-error, --deviation, --deviation-range
   std::optional<std::filesystem::path> ngc, apt, forces, report;

@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "server/formats/derived_json.h"
+
 namespace kerf {
 namespace {
 
@@ -49,16 +51,6 @@ Json deviation_json(const SurfaceReport& surface) {
   return {{"min_mm", d.min_mm}, {"max_mm", d.max_mm},   {"mean_mm", d.mean_mm},
           {"rms_mm", d.rms_mm}, {"p50_mm", d.p50_mm},   {"p90_mm", d.p90_mm},
           {"p99_mm", d.p99_mm}, {"samples", d.samples}, {"color_range_mm", surface.range_mm}};
-}
-
-Json provenance_json(const std::vector<FieldOrigin>& origins) {
-  Json list = Json::array();
-  for (const FieldOrigin& origin : origins)
-    list.push_back({{"tool", origin.tool > 0 ? Json(origin.tool) : Json(nullptr)},
-                    {"field", origin.field},
-                    {"origin", to_string(origin.origin)},
-                    {"source", origin.source}});
-  return list;
 }
 
 }  // namespace
@@ -107,7 +99,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"simulation", Json::parse(report.simulation)},
                   {"thin_walls", Json::parse(report.walls)},
                   {"read_as", report.read_as},
-                  {"provenance", provenance_json(report.origins)},
+                  {"provenance", Json::parse(provenance_json(report.origins))},
                   {"warnings", report.warnings}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -6,6 +6,7 @@
 
 #include "kernel/force/milling_presets.h"
 #include "server/carve/environment_files.h"
+#include "server/formats/derived_json.h"
 #include "server/formats/text_file.h"
 
 namespace kerf {
@@ -79,7 +80,7 @@ Result settle_law(const CarveOptions& options, ForceSettings& force) {
   return {};
 }
 
-std::expected<ChosenScene, Failure> derived(const CarveOptions& options,
+std::expected<DerivedScene, Failure> derive(const CarveOptions& options,
                                             const std::optional<BoxStock>& part_mm) {
   const std::string name = options.program.string();
   const auto text = read_file(options.program);
@@ -90,6 +91,13 @@ std::expected<ChosenScene, Failure> derived(const CarveOptions& options,
   wishes.part_mm = part_mm;
   auto derived = derive_scene(name, *text, *environment, wishes);
   if (!derived) return bad_input(derived.error());
+  return *std::move(derived);
+}
+
+std::expected<ChosenScene, Failure> derived(const CarveOptions& options,
+                                            const std::optional<BoxStock>& part_mm) {
+  auto derived = derive(options, part_mm);
+  if (!derived) return std::unexpected(derived.error());
   for (std::string& note : derived->notes) note.insert(0, "scene: ");
   // A pitch that is asked for is kept: the target was only assumed.
   if (options.pitch_mm) {
@@ -133,6 +141,12 @@ std::string scene_text(Scene scene, const CarveOptions& options,
   for (Guide& guide : scene.guides)
     if (auto* path = std::get_if<PathGuide>(&guide.shape)) rebase_file(path->file, from, to);
   return scene_json(scene) + '\n';
+}
+
+std::expected<std::string, Failure> derived_text(const CarveOptions& options) {
+  const auto made = derive(options, std::nullopt);
+  if (!made) return std::unexpected(made.error());
+  return derived_json(*made);
 }
 
 std::expected<ChosenScene, Failure> choose_scene(const CarveOptions& options,

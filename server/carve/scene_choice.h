@@ -21,6 +21,9 @@ struct ChosenScene {
   std::vector<FieldOrigin> origins;  ///< of the fields of a derived scene
 };
 
+/// Returns what is derived from the program of the options, as JSON text (derived_json.h).
+std::expected<std::string, Failure> derived_text(const CarveOptions& options);
+
 /// Returns the scene that is carved: that of --scene or one derived from the program, with the
 /// accuracy and the force law of the command line. `part_mm`: bounds of the part that it is to
 /// make, if a verification asks for one (SceneWishes::part_mm).

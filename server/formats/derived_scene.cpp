@@ -111,7 +111,12 @@ class Derivation {
     for (auto& [id, tool] : scene->tools)
       tool.idle = std::ranges::find(facts->tools, id) == facts->tools.end();
     choose_accuracy_of(*scene);
-    return DerivedScene{*std::move(scene), std::move(notes_), std::move(origins_)};
+    return DerivedScene{.scene = *std::move(scene),
+                        .notes = std::move(notes_),
+                        .origins = std::move(origins_),
+                        .motions = facts->motions,
+                        .programmed_s = facts->duration_s,
+                        .machine_s = facts->machine_s};
   }
 
  private:

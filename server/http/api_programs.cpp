@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "server/formats/derived_json.h"
 #include "server/formats/program_facts.h"
 #include "server/formats/program_survey.h"
 #include "server/http/api.h"
@@ -272,19 +273,13 @@ ApiResponse Api::start_program(const ApiCall& call) {
 ApiResponse Api::describe_program(const ApiCall& call) {
   const std::string name = value_or(call.request.query_value("name"), "program.ngc");
   if (auto failure = name_failure(name)) return *std::move(failure);
-  const auto facts = program_facts(name, call.request.body);
-  if (!facts) return program_failure(facts.error());
-  Json box;
-  if (facts->cuts) {
-    const auto& [low, high] = facts->cuts->tip_mm;
-    box = {{"min_mm", {low.x, low.y, low.z}}, {"max_mm", {high.x, high.y, high.z}}};
-  }
-  return json_response(200, text(Json{{"kinematics", to_string(facts->kinematics)},
-                                      {"tools", facts->tools},
-                                      {"feed_mm", box},
-                                      {"motions", facts->motions},
-                                      {"programmed_s", facts->duration_s},
-                                      {"machine_s", facts->machine_s}}));
+  const auto environment = parse_environment(call.request);
+  if (!environment) return environment.error();
+  const std::string& text = call.request.body;
+  const auto derived = derive_scene(name, text, *environment, {});
+  if (derived) return json_response(200, derived_json(*derived));
+  const auto facts = program_facts(name, text, *environment);
+  return facts ? error_response(400, "bad_program", derived.error()) : program_failure(facts.error());
 }
 
 }  // namespace kerf::net

@@ -98,10 +98,13 @@ describe('the alert of the lobby', () => {
 });
 
 describe('a program as the beginning of a block', () => {
-  const facts = {
-    kinematics: 'xyz',
-    tools: [1],
-    feed_mm: null,
+  const derived = {
+    scene: {
+      stock: { shape: 'box', min_mm: [0, 0, -5], max_mm: [9, 9, 0] },
+      tools: [{ id: 1, shape: 'flat', diameter_mm: 6, length_mm: 30 }],
+      accuracy: { target_mm: 0.05 },
+    },
+    provenance: [{ tool: 1, field: 'diameter_mm', origin: 'assumed', source: '' }],
     motions: 9,
     programmed_s: 5,
     machine_s: 6,
@@ -109,16 +112,18 @@ describe('a program as the beginning of a block', () => {
   const draftOf = (name: string) => fromFile(new File(['M30\n'], name), () => undefined, false);
 
   it('may have any name that the server reads', async () => {
-    answers = { programs: facts };
+    answers = { programs: derived };
     expect((await draftOf('PART.H')).program?.name).toBe('PART.H');
     expect((await draftOf('part.mpf')).name).toBe('part');
     expect((await draftOf('part.cldata')).name).toBe('part');
     await expect(draftOf('part.docx')).rejects.toThrow('its name must end in');
   });
 
-  it('has motions', async () => {
-    answers = { programs: { ...facts, motions: 0 } };
-    await expect(draftOf('empty.ngc')).rejects.toThrow('empty.ngc moves no tool');
+  it('is the scene that the server derives, with its accuracy', async () => {
+    answers = { programs: derived };
+    const draft = await draftOf('part.ngc');
+    expect(draft.targetMm).toBe(0.05);
+    expect(draft.scene()).toEqual(derived.scene);
   });
 });
 

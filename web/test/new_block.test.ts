@@ -6,22 +6,13 @@ import {
   bytesText,
   freeId,
   priceText,
-  programScene,
-  stockFor,
+  stockBox,
   stockText,
   targetOf,
   timeText,
-  toolsInComments,
-  toolsOf,
+  withStock,
 } from '../src/model/new_block';
-import type { ToolChoice } from '../src/model/new_block';
-
-const tool = (diameterMm: number): ToolChoice => ({
-  id: 1,
-  shape: 'flat',
-  diameterMm,
-  cornerMm: 0,
-});
+import { originText } from '../src/ui/lobby/tool_table';
 
 test('a template keeps everything but its name and accuracy', () => {
   const scene = { name: 'Relief', stock: 1, accuracy: { pitch_mm: 0.4, rays: 'dexel' } };
@@ -42,93 +33,30 @@ test('the slider begins at the accuracy of the template, or the next finer one',
   expect(targetOf({})).toBe(0.1);
 });
 
-test('a stock holds all feeds and the tool beside them', () => {
-  const feed = { min: [1.2, 0, -3.5], max: [40, 19.9, -1] } as const;
-  expect(stockFor({ min: [...feed.min], max: [...feed.max] }, [tool(6), tool(3)])).toEqual({
-    min: [-2, -3, -6],
-    max: [43, 23, 0],
-  });
-  // A zero below the part.
-  expect(stockFor({ min: [0, 0, 2], max: [10, 10, 12.5] }, [tool(2)])).toEqual({
-    min: [-1, -1, 0],
-    max: [11, 11, 13],
-  });
-  const none = stockFor(null, []);
-  expect(none.max[2]).toBeGreaterThan(none.min[2]);
-});
-
-test.each([
-  ['(T1 D=6. CR=0. - ZMIN=-5. - flat end mill)', [1, 'flat', 6, 0]],
-  ['(T2 D=6. CR=3. - ball end mill)', [2, 'ball', 6, 3]],
-  ['(T12 D=10 CR=1.5 - bullnose)', [12, 'bull_nose', 10, 1.5]],
-  ['(T3 3.5MM BALL NOSE)', [3, 'ball', 3.5, 0]],
-  ['; TOOL #4: DIA .5 ENDMILL', [4, 'flat', 0.5, 0]],
-  ['(Tool 5 | Diameter: 8.0 mm)', [5, 'flat', 8, 0]],
-])('the comment %s describes a tool', (text, [id, shape, diameterMm, cornerMm]) => {
-  expect(toolsInComments(`G21\n${text}\nT1 M6\n`)).toEqual(
-    new Map([[id, { shape, diameterMm, cornerMm }]]),
-  );
-});
-
-test.each([
-  ['G20\n(T1 D=0.25 CR=0. - FLAT END MILL)', 'flat', 6.35, 0],
-  ['N10G90G20(T1 D=.5 CR=.0625)', 'bull_nose', 12.7, 1.5875],
-  ['G20\n(T1 D=6MM CR=.0625 IN)', 'bull_nose', 6, 1.5875],
-  ['G20\n(T1 6MM BALL)', 'ball', 6, 0],
-  ['G21\n(T1 0.25 IN END MILL)', 'flat', 6.35, 0],
-  ['G21\n(T1 0.25" BALL)', 'ball', 6.35, 0],
-  ['(G20 IS NOT USED)\nG21\n(T1 D=6)', 'flat', 6, 0],
-  ['G200\n(T1 D=6)', 'flat', 6, 0],
-  ['(T1 D=6)\nG21\nG20', 'flat', 6, 0],
-  ['G20\n(T1 1/2 IN BALL)', 'ball', 12.7, 0],
-  ['G20\n(T1 D=1-1/4 FLAT)', 'flat', 31.75, 0],
-  ['G21\n(T1 1 1/2" FLAT)', 'flat', 38.1, 0],
-  ['UNITS/INCHES\n(T1 D=1)', 'flat', 25.4, 0],
-])('%s: sizes without a unit are in that of the program', (text, shape, diameterMm, cornerMm) => {
-  expect(toolsInComments(text).get(1)).toEqual({ shape, diameterMm, cornerMm });
-});
-
-test.each([
-  '(T1)',
-  'T1 D6',
-  '(T1 D=0)',
-  '(T1 1/0 IN)',
-  '(5 AXIS, TOOLS 1 AND 2)',
-  '(TOP OF PART D=5)',
-])('the line %s describes none', (text) => {
-  expect(toolsInComments(text).size).toBe(0);
-});
-
-test('tools without a description can be edited, and programs without tools have one', () => {
-  const facts = {
-    kinematics: 'xyz',
-    tools: [2, 7],
-    feedMm: null,
-    motions: 1,
-    programmedS: 1,
-    machineS: 2,
+test('the stock of a program can be changed, and the rest of its scene stays', () => {
+  const scene = {
+    stock: { shape: 'box', min_mm: [0, 0, -5], max_mm: [9, 9, 0] },
+    tools: [{ id: 3 }],
+    machine: { kinematics: 'xyzac-trt' },
   };
-  expect(toolsOf(facts, '(T7 D=3. CR=1.5)')).toEqual([
-    { id: 2, shape: 'flat', diameterMm: 6, cornerMm: 0 },
-    { id: 7, shape: 'ball', diameterMm: 3, cornerMm: 1.5 },
-  ]);
-  expect(toolsOf({ ...facts, tools: [] }, '').map(({ id }) => id)).toEqual([1]);
+  const box = stockBox(scene)!;
+  box.min[2] = -7;
+  expect(withStock(scene, box)).toEqual({
+    ...scene,
+    stock: { shape: 'box', min_mm: [0, 0, -7], max_mm: [9, 9, 0] },
+  });
+  expect(scene.stock.min_mm[2]).toBe(-5);
+  expect(stockBox({ stock: { shape: 'mesh', file: 'a.stl' } })).toBeNull();
 });
 
-test('a scene for a program has its tools, stock and machine', () => {
-  const box = { min: [0, 0, -5], max: [9, 9, 0] } as const;
-  const bull: ToolChoice = { id: 3, shape: 'bull_nose', diameterMm: 10, cornerMm: 1 };
-  const scene = programScene(
-    { min: [...box.min], max: [...box.max] },
-    [bull, tool(6)],
-    'xyzac-trt',
-  );
-  expect(scene['stock']).toEqual({ shape: 'box', min_mm: [0, 0, -5], max_mm: [9, 9, 0] });
-  expect(scene['machine']).toEqual({ kinematics: 'xyzac-trt' });
-  expect(scene['tools']).toEqual([
-    { id: 3, shape: 'bull_nose', diameter_mm: 10, corner_radius_mm: 1, length_mm: 50 },
-    { id: 1, shape: 'flat', diameter_mm: 6, length_mm: 30 },
-  ]);
+test('a derived scene says where its fields come from', () => {
+  expect(
+    originText([
+      { tool: 1, field: 'shape', origin: 'assumed', source: '' },
+      { tool: 1, field: 'diameter_mm', origin: 'stated', source: 'comment in line 3' },
+      { tool: 1, field: 'corner_radius_mm', origin: 'stated', source: 'comment in line 3' },
+    ]),
+  ).toBe('shape assumed; diameter, corner radius stated (comment, line 3)');
 });
 
 test('prices are short sentences', () => {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // HTTP requests of the list of sessions and of new blocks. All reject with a ServerError.
 
-import type { Box, Price, ProgramFacts, Scene } from '../model/new_block';
+import type { Box, DerivedScene, FieldOrigin, Price, Scene } from '../model/new_block';
 import type { Vec3 } from '../wire/types';
 import { ask } from './server_error';
 
@@ -102,15 +102,13 @@ export async function uploadMesh(file: File, repair: boolean): Promise<UploadedM
   };
 }
 
-/** What a program needs; `name` as uploadName gives it. */
-export async function describeProgram(name: string, text: string): Promise<ProgramFacts> {
+/** The scene for a program; `name` as uploadName gives it. */
+export async function describeProgram(name: string, text: string): Promise<DerivedScene> {
   const response = await ask('POST', `/v1/programs?name=${encodeURIComponent(name)}`, text);
   const body = (await response.json()) as Json;
-  const feed = body['feed_mm'] as Json | null;
   return {
-    kinematics: String(body['kinematics']),
-    tools: (body['tools'] as number[]).map(Number),
-    feedMm: feed === null ? null : boxOf(feed),
+    scene: body['scene'] as Scene,
+    provenance: listOf(body['provenance']) as unknown as FieldOrigin[],
     motions: Number(body['motions']),
     programmedS: Number(body['programmed_s']),
     machineS: Number(body['machine_s']),

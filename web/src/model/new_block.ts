@@ -18,19 +18,20 @@ export interface Box {
   max: Vec3;
 }
 
-export interface ToolChoice {
-  id: number;
-  shape: 'flat' | 'ball' | 'bull_nose';
-  diameterMm: number;
-  /** Of a bull nose. */
-  cornerMm: number;
+/** Where a field of a derived scene comes from. */
+export interface FieldOrigin {
+  /** Of the scene if null. */
+  tool: number | null;
+  field: string;
+  origin: 'stated' | 'derived' | 'assumed';
+  /** "comment in line 3"; empty if assumed. */
+  source: string;
 }
 
-/** What the server says of a program: POST /v1/programs. */
-export interface ProgramFacts {
-  kinematics: string;
-  tools: number[];
-  feedMm: Box | null;
+/** The scene that the server derives for a program: POST /v1/programs. */
+export interface DerivedScene {
+  scene: Scene;
+  provenance: FieldOrigin[];
   motions: number;
   programmedS: number;
   /** On a machine whose axes accelerate. */
@@ -47,17 +48,12 @@ export interface Price {
   joinS: number;
 }
 
-const TOOL_DEFAULT_MM = 6;
-const LENGTH_DIAMETERS = 5;
-/** Stock below the deepest cut, and the step to which the sides of a box are rounded. */
-const FLOOR_MM = 2;
-const ROUND_MM = 1;
 const FORCE = { law: 'specific_energy', specific_force_n_per_mm2: 0.05, pivot_mm: 20 };
-const HAND_TOOLS: readonly ToolChoice[] = [12, 6, 3].map((diameterMm, n) => ({
+const HAND_TOOLS = [12, 6, 3].map((diameter, n) => ({
   id: n + 1,
   shape: 'ball',
-  diameterMm,
-  cornerMm: 0,
+  diameter_mm: diameter,
+  length_mm: Math.max(20, 5 * diameter),
 }));
 
 /** The same scene with another name and accuracy; where rays are three fields, they stay so. */
@@ -74,12 +70,6 @@ export function targetOf(scene: Scene): number {
   return TARGETS_MM.find((target) => target <= wanted * 1.001) ?? TARGETS_MM.at(-1)!;
 }
 
-function toolJson({ id, shape, diameterMm, cornerMm }: ToolChoice): Scene {
-  const length = Math.max(20, LENGTH_DIAMETERS * diameterMm);
-  const corner = shape === 'bull_nose' ? { corner_radius_mm: cornerMm } : {};
-  return { id, shape, diameter_mm: diameterMm, ...corner, length_mm: length };
-}
-
 /** Whether the format of a model states no unit. */
 export function lacksUnit(name: string): boolean {
   return !/\.(3mf|glb)$/i.test(name);
@@ -91,110 +81,22 @@ export function meshScene(file: string, repaired: boolean, placement: Placement)
   const placed = placementJson(placement);
   return {
     stock: { shape: 'mesh', file, ...repair, ...(placed ? { placement: placed } : {}) },
-    tools: HAND_TOOLS.map(toolJson),
+    tools: HAND_TOOLS,
     force: FORCE,
     machine: { kinematics: 'tool-vector' },
   };
 }
 
-/** A scene for a program. */
-export function programScene(box: Box, tools: readonly ToolChoice[], kinematics: string): Scene {
-  return {
-    stock: { shape: 'box', min_mm: box.min, max_mm: box.max },
-    tools: tools.map(toolJson),
-    force: FORCE,
-    machine: { kinematics },
-  };
+/** The scene of a program with another stock. */
+export function withStock(scene: Scene, box: Box): Scene {
+  return { ...scene, stock: { shape: 'box', min_mm: box.min, max_mm: box.max } };
 }
 
-/**
- * A stock in which every cut of a program lies: the box of its feeds, wider by the largest tool's
- * radius, rounded outward to whole mm. Its top is Z 0 where all feeds lie below, as in most programs.
- */
-export function stockFor(feed: Box | null, tools: readonly ToolChoice[]): Box {
-  if (feed === null) return { min: [-50, -50, -20], max: [50, 50, 0] };
-  const radius = Math.max(0, ...tools.map((tool) => tool.diameterMm / 2));
-  const down = (value: number): number => Math.floor(value / ROUND_MM + 1e-9) * ROUND_MM + 0;
-  const up = (value: number): number => Math.ceil(value / ROUND_MM - 1e-9) * ROUND_MM + 0;
-  const bottom = down(feed.min[2] - FLOOR_MM);
-  const top = feed.max[2] <= 0 ? 0 : up(feed.max[2]);
-  return {
-    min: [down(feed.min[0] - radius), down(feed.min[1] - radius), bottom],
-    max: [up(feed.max[0] + radius), up(feed.max[1] + radius), Math.max(top, bottom + ROUND_MM)],
-  };
-}
-
-function shapeIn(comment: string): ToolChoice['shape'] | null {
-  if (/bull|torus|radius(ed)?\s+mill/i.test(comment)) return 'bull_nose';
-  if (/ball/i.test(comment)) return 'ball';
-  return /flat|end\s*mill|square/i.test(comment) ? 'flat' : null;
-}
-
-const MM_PER_INCH = 25.4;
-// A size in inches may be a fraction or a mixed number: 1/2, 1-1/4, 1 1/4.
-const NUMBER = String.raw`((?:\d+[ -])?\d+/[1-9]\d*|\d+\.?\d*|\.\d+)`;
-const UNIT = String.raw`(?:\s*(MM|INCH(?:ES)?|IN|")(?![A-Z]))`;
-const DIAMETER = new RegExp(String.raw`\bD(?:IA(?:METER)?)?\s*[=:]?\s*${NUMBER}${UNIT}?`, 'i');
-const SIZE = new RegExp(NUMBER + UNIT, 'i');
-const CORNER = new RegExp(String.raw`\bCR?\s*=\s*${NUMBER}${UNIT}?`, 'i');
-
-function valueOf(number: string): number {
-  const fraction = /^(?:(\d+)[ -])?(\d+)\/(\d+)$/.exec(number);
-  if (!fraction) return Number(number);
-  return Number(fraction[1] ?? 0) + Number(fraction[2]) / Number(fraction[3]);
-}
-
-/** The length, mm, that a pattern has found: in the unit behind it, or in that of the program. */
-function lengthMm(found: RegExpExecArray, programUnitMm: number): number {
-  const unit = found[2];
-  const unitMm = unit === undefined ? programUnitMm : /mm/i.test(unit) ? 1 : MM_PER_INCH;
-  return Number((valueOf(found[1]!) * unitMm).toFixed(6));
-}
-
-/** The unit of a program, mm: inches after G20 or UNITS/INCHES, whichever unit comes first. */
-export function unitOf(text: string): number {
-  const words = text.replace(/\([^)\r\n]*\)|;.*/g, ' ');
-  const first = /(?<![A-Z])G0*2([01])(?![\d.])|\bUNITS\s*\/\s*(INCH|MM)/i.exec(words);
-  return first?.[1] === '0' || first?.[2]?.toUpperCase() === 'INCH' ? MM_PER_INCH : 1;
-}
-
-/**
- * Tools as comments of post-processors describe them: "(T1 D=6. CR=0. - flat end mill)",
- * "(T2 3MM BALL NOSE)" or "(T3 0.25 IN END MILL)". Sizes without a unit have that of the program.
- */
-export function toolsInComments(text: string): Map<number, Partial<ToolChoice>> {
-  const programUnitMm = unitOf(text);
-  const found = new Map<number, Partial<ToolChoice>>();
-  for (const [, comment = ''] of text.matchAll(/[(;]\s*([^)\r\n]*)/g)) {
-    const head = /^T(?:OOL)?\s*#?\s*(\d{1,6})\b[:\s=|-]*(.*)$/i.exec(comment);
-    if (!head) continue;
-    const id = Number(head[1]);
-    const rest = head[2]!;
-    const diameter = DIAMETER.exec(rest) ?? SIZE.exec(rest);
-    const corner = CORNER.exec(rest);
-    if (!diameter || found.has(id)) continue;
-    const diameterMm = lengthMm(diameter, programUnitMm);
-    const cornerMm = corner ? lengthMm(corner, programUnitMm) : 0;
-    if (!(diameterMm > 0)) continue;
-    let shape = shapeIn(rest) ?? 'flat';
-    if (cornerMm > 0) shape = cornerMm >= diameterMm / 2 - 1e-6 ? 'ball' : 'bull_nose';
-    else if (shape === 'bull_nose') shape = 'flat';
-    found.set(id, { shape, diameterMm, cornerMm });
-  }
-  return found;
-}
-
-/** The tools that a program uses, with the sizes that its comments state. */
-export function toolsOf(facts: ProgramFacts, text: string): ToolChoice[] {
-  const stated = toolsInComments(text);
-  const ids = facts.tools.length > 0 ? facts.tools : [1];
-  return ids.map((id) => ({
-    id,
-    shape: 'flat',
-    diameterMm: TOOL_DEFAULT_MM,
-    cornerMm: 0,
-    ...stated.get(id),
-  }));
+/** The corners of a scene's stock, if it is a box. */
+export function stockBox(scene: Scene): Box | null {
+  const { min_mm: min, max_mm: max } = (scene['stock'] ?? {}) as Record<string, unknown>;
+  if (!Array.isArray(min) || !Array.isArray(max)) return null;
+  return { min: min.map(Number) as Vec3, max: max.map(Number) as Vec3 };
 }
 
 const DIGITS = new Intl.NumberFormat(language, { maximumSignificantDigits: 2 });

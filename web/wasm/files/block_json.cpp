@@ -67,6 +67,7 @@ std::string ProgramBlock::about() const {
   json["lines"] = program_.lines;
   json["machining_s"] = machining_s;
   json["notes"] = notes_;
+  json["derived"] = Json::parse(derived_);
   json["warnings"] = program_.warnings;
   return text_of(json);
 }

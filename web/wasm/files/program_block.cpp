@@ -9,7 +9,7 @@
 
 #include "kernel/cut/workers.h"
 #include "kernel/dexel/stock_column.h"
-#include "server/formats/derived_scene.h"
+#include "server/formats/derived_json.h"
 #include "server/formats/text_file.h"
 #include "server/verify/wall_check.h"
 
@@ -63,6 +63,7 @@ Result ProgramBlock::read_scene(const BlockFiles& files) {
     wishes.stock_file = files.stock;
     auto derived = derive_scene(files.program, *text, environment(), wishes);
     if (!derived) return std::unexpected(derived.error());
+    derived_ = derived_json(*derived);
     scene_ = std::move(derived->scene);
     notes_ = std::move(derived->notes);
   } else {

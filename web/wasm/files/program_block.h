@@ -68,6 +68,7 @@ class ProgramBlock final : public PlayedBlock {
   Scene scene_;
   Program program_;
   std::vector<std::string> notes_;
+  std::string derived_ = "null";  ///< JSON (derived_json.h), if the scene was derived
   std::optional<Sculpture> sculpture_;
   std::size_t carved_ = 0;
   double machining_s_ = 0;  ///< of the motions that are carved

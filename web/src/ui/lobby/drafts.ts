@@ -5,14 +5,7 @@
 import { t } from '../../strings';
 import { describeProgram, uploadMesh } from '../../link/lobby_requests';
 import type { Template } from '../../link/lobby_requests';
-import {
-  lacksUnit,
-  meshScene,
-  programScene,
-  stockFor,
-  targetOf,
-  toolsOf,
-} from '../../model/new_block';
+import { lacksUnit, meshScene, stockBox, targetOf, withStock } from '../../model/new_block';
 import type { Scene } from '../../model/new_block';
 import { PROGRAM_ENDINGS } from '../../model/programs';
 import { resized, sizesOf } from '../../model/stock_size';
@@ -85,28 +78,27 @@ async function fromMesh(file: File, changed: () => void, repair: boolean): Promi
 }
 
 async function fromProgram(file: File, changed: () => void): Promise<Draft> {
-  const text = await file.text();
-  const facts = await describeProgram(uploadName(file.name), text);
-  if (facts.motions === 0) throw new Error(t('{0} moves no tool: nothing to carve', file.name));
-  const tools = toolsOf(facts, text);
-  const box = stockFor(facts.feedMm, tools);
+  const derived = await describeProgram(uploadName(file.name), await file.text());
+  const { scene, provenance } = derived;
+  const box = stockBox(scene);
+  const tools = scene['tools'] as ToolInfo[];
   const size = t(
     '{0} motions, {1} at feed rate, about {2} on a machine',
-    count(facts.motions),
-    duration(facts.programmedS),
-    duration(facts.machineS),
+    count(derived.motions),
+    duration(derived.programmedS),
+    duration(derived.machineS),
   );
   return {
     name: nameOf(file),
-    targetMm: null,
+    targetMm: targetOf(scene),
     element: h(
       'div',
       { class: 'draft-program' },
       h('p', { class: 'quiet' }, `${file.name}: ${size}.`),
-      boxTable(box, changed),
-      toolTable(tools, changed),
+      box ? boxTable(box, provenance, changed) : h('div'),
+      toolTable(tools, provenance, changed),
     ),
-    scene: () => programScene(box, tools, facts.kinematics),
+    scene: () => (box ? withStock({ ...scene, tools }, box) : scene),
     program: file,
   };
 }

@@ -1,33 +1,78 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tools of a program and the box of its stock, to be edited.
+// The tools of a program, with where each field comes from, and the box of its stock, to be edited.
 
 import { t } from '../../strings';
-import type { Box, ToolChoice } from '../../model/new_block';
-import type { Vec3 } from '../../wire/types';
+import type { Box, FieldOrigin } from '../../model/new_block';
+import { toolName } from '../../model/tool_profile';
+import type { ToolInfo, Vec3 } from '../../wire/types';
 import { h } from '../dom';
 import { numberInput } from '../number_input';
 
-const SHAPES: readonly [ToolChoice['shape'], string][] = [
+/** The shapes that one can change into each other here. */
+const SHAPES: readonly [string, string][] = [
   ['flat', t('flat end')],
   ['ball', t('ball end')],
   ['bull_nose', t('bull nose')],
 ];
 
-function toolRow(tool: ToolChoice, changed: () => void): HTMLElement {
+const ORIGINS: Record<FieldOrigin['origin'], string> = {
+  stated: t('stated'),
+  derived: t('derived'),
+  assumed: t('assumed'),
+};
+const FIELDS: Record<string, string> = {
+  shape: t('shape'),
+  diameter_mm: t('diameter'),
+  corner_radius_mm: t('corner radius'),
+  tip_angle_deg: t('angle of the tip'),
+  half_angle_deg: t('angle of the side'),
+  profile_mm: t('outline'),
+  'stock.size': t('size'),
+  'stock.place': t('place'),
+};
+
+function sourceText(source: string): string {
+  const line = /^(.*) in line (\d+)$/.exec(source);
+  return line ? t('{0}, line {1}', line[1]!, line[2]!) : source;
+}
+
+/**
+ * "diameter stated (comment, line 3); shape assumed": fields with one origin are named together.
+ */
+export function originText(origins: readonly FieldOrigin[]): string {
+  const groups = new Map<string, string[]>();
+  for (const { field, origin, source } of origins) {
+    const from = source === '' || origin === 'assumed' ? '' : ` (${sourceText(source)})`;
+    const key = ORIGINS[origin] + from;
+    groups.set(key, [...(groups.get(key) ?? []), FIELDS[field] ?? field]);
+  }
+  return [...groups].map(([origin, fields]) => `${fields.join(', ')} ${origin}`).join('; ');
+}
+
+function originLine(origins: readonly FieldOrigin[]): HTMLElement {
+  const assumed = origins.some(({ origin }) => origin === 'assumed');
+  return h('span', { class: assumed ? 'origin is-assumed' : 'origin' }, originText(origins));
+}
+
+function shapeInputs(tool: ToolInfo, changed: () => void): HTMLElement[] {
   const shape = h(
     'select',
     { 'aria-label': t('Shape of tool {0}', tool.id), class: 'select' },
     ...SHAPES.map(([value, name]) => h('option', { value }, name)),
   );
-  const diameter = numberInput(t('Diameter of tool {0}, mm', tool.id), tool.diameterMm, (value) => {
-    tool.diameterMm = value;
-    changed();
-  });
+  const diameter = numberInput(
+    t('Diameter of tool {0}, mm', tool.id),
+    tool.diameter_mm ?? 0,
+    (value) => {
+      tool.diameter_mm = value;
+      changed();
+    },
+  );
   const radius = numberInput(
     t('Corner radius of tool {0}, mm', tool.id),
-    tool.cornerMm,
+    tool.corner_radius_mm ?? 0,
     (value) => {
-      tool.cornerMm = value;
+      tool.corner_radius_mm = value;
       changed();
     },
   );
@@ -38,23 +83,37 @@ function toolRow(tool: ToolChoice, changed: () => void): HTMLElement {
   shape.value = tool.shape;
   show();
   shape.addEventListener('change', () => {
-    tool.shape = shape.value as ToolChoice['shape'];
+    tool.shape = shape.value;
+    if (tool.shape === 'bull_nose') tool.corner_radius_mm = radius.valueAsNumber || 0;
+    else delete tool.corner_radius_mm;
     show();
     changed();
   });
+  return [shape, h('span', {}, '⌀ ', diameter, ' mm'), corner];
+}
+
+function toolRow(
+  tool: ToolInfo,
+  origins: readonly FieldOrigin[],
+  changed: () => void,
+): HTMLElement {
+  const isPlain = SHAPES.some(([shape]) => shape === tool.shape);
   return h(
     'li',
     {},
     h('b', {}, `T${tool.id}`),
-    shape,
-    h('span', {}, '⌀ ', diameter, ' mm'),
-    corner,
+    ...(isPlain ? shapeInputs(tool, changed) : [h('span', {}, toolName(tool))]),
+    originLine(origins.filter((origin) => origin.tool === tool.id)),
   );
 }
 
 /** Inputs that write to `tools` as they are edited. */
-export function toolTable(tools: ToolChoice[], changed: () => void): HTMLElement {
-  const rows = tools.map((tool) => toolRow(tool, changed));
+export function toolTable(
+  tools: readonly ToolInfo[],
+  origins: readonly FieldOrigin[],
+  changed: () => void,
+): HTMLElement {
+  const rows = tools.map((tool) => toolRow(tool, origins, changed));
   return h(
     'div',
     {},
@@ -64,7 +123,11 @@ export function toolTable(tools: ToolChoice[], changed: () => void): HTMLElement
 }
 
 /** Inputs for the corners of a box, which they write to. */
-export function boxTable(box: Box, changed: () => void): HTMLElement {
+export function boxTable(
+  box: Box,
+  origins: readonly FieldOrigin[],
+  changed: () => void,
+): HTMLElement {
   const corner = (label: string, at: Vec3): HTMLElement =>
     h(
       'div',
@@ -88,5 +151,6 @@ export function boxTable(box: Box, changed: () => void): HTMLElement {
     h('span', { class: 'field-name' }, t('Stock, mm')),
     corner(t('from'), box.min),
     corner(t('to'), box.max),
+    originLine(origins.filter(({ field }) => field.startsWith('stock.'))),
   );
 }

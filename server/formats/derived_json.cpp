@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/derived_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace kerf {
+namespace {
+
+using Json = nlohmann::json;
+
+Json list_of(const std::vector<FieldOrigin>& origins) {
+  Json list = Json::array();
+  for (const FieldOrigin& origin : origins)
+    list.push_back({{"tool", origin.tool > 0 ? Json(origin.tool) : Json(nullptr)},
+                    {"field", origin.field},
+                    {"origin", to_string(origin.origin)},
+                    {"source", origin.source}});
+  return list;
+}
+
+/// Comments and names of a program may be in any encoding.
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string provenance_json(const std::vector<FieldOrigin>& origins) {
+  return text_of(list_of(origins));
+}
+
+std::string derived_json(const DerivedScene& derived) {
+  return text_of({{"scene", Json::parse(scene_json(derived.scene))},
+                  {"provenance", list_of(derived.origins)},
+                  {"notes", derived.notes},
+                  {"motions", derived.motions},
+                  {"programmed_s", derived.programmed_s},
+                  {"machine_s", derived.machine_s}});
+}
+
+}  // namespace kerf
