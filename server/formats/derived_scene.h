@@ -40,7 +40,7 @@ struct DerivedScene {
   Scene scene;
   std::vector<std::string> notes;    ///< one line each
   std::vector<FieldOrigin> origins;  ///< of the machine, the stock, the accuracy and every tool
-  std::size_t motions = 0;                        ///< of the program
+  std::size_t motions = 0;           ///< of the program
   double programmed_s = 0, machine_s = 0;  ///< at feed rate; on a machine (MachineTime)
 };
 

@@ -279,7 +279,8 @@ ApiResponse Api::describe_program(const ApiCall& call) {
   const auto derived = derive_scene(name, text, *environment, {});
   if (derived) return json_response(200, derived_json(*derived));
   const auto facts = program_facts(name, text, *environment);
-  return facts ? error_response(400, "bad_program", derived.error()) : program_failure(facts.error());
+  return facts ? error_response(400, "bad_program", derived.error())
+               : program_failure(facts.error());
 }
 
 }  // namespace kerf::net

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carves programs with kerf_files.wasm, as kerf.html does, and with kerf-carve: state hash, STL file
-// and errors must be equal to the last byte.
+// and errors must be equal to the last byte, and the scene that is derived from a program.
 //
 // node --no-warnings --no-turbo-fast-api-calls files_bytes.mjs kerf-carve kerf_files.wasm FOLDER
 // exit status 77: there is no kerf_files.wasm
@@ -177,7 +177,7 @@ async function carveInPage(at, names, seeks) {
   put(names.join('\n'));
   must(calls.kerf_read());
   must(calls.kerf_make());
-  const { motions } = JSON.parse(text(calls.kerf_about()));
+  const { motions, derived } = JSON.parse(text(calls.kerf_about()));
   const carved = () => JSON.parse(text(calls.kerf_progress())).carved;
   while (carved() < motions) must(calls.kerf_carve(97));
   const { user, system } = process.cpuUsage(began);
@@ -190,7 +190,7 @@ async function carveInPage(at, names, seeks) {
     must(calls.kerf_write());
     renameSync(join(at, 'model'), join(at, `page.${format}`));
   }
-  return { hash: atEnd, motions, seconds };
+  return { hash: atEnd, motions, derived, seconds };
 }
 
 /** Back to the middle, and there again: the states are equal, and what is displayed follows them. */
@@ -293,8 +293,17 @@ async function compare(name, files, names, seeks = false) {
     partsOf(readFileSync(join(at, file))),
   );
   assert.deepEqual(parts, others, `${name}: the parts of the 3MF file differ from kerf-carve's`);
+  assert.deepEqual(page.derived, derivedHere(at, names), `${name}: another scene is derived`);
   console.log(`${name}: ${page.motions} motions, ${page.hash}, ${one.length} bytes`);
   if (given.length > 0) printTimes(at, names, page.seconds);
+}
+
+/** The scene that kerf-carve derives; null if one is given. */
+function derivedHere(at, names) {
+  if (names[1]) return null;
+  const { status, stdout, stderr } = carveHere(at, names, '--derive');
+  assert.equal(status, 0, stderr);
+  return JSON.parse(stdout);
 }
 
 /** CPU time of reading and carving, on one thread. */

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests the control of programs in a real server: pause, step, resume, speed, queue, source."""
+import json
 import math
+import os
+import pathlib
+import subprocess
 import time
 import unittest
 
@@ -86,6 +90,21 @@ class Programs(LiveTest):
         self.server.create("sampled")
         self.until(self.upload(text, "sample_hz=20&name=s.ngc", "sampled"), "finished")
         self.assertNotEqual(self.server.hash(), self.server.hash("sampled"))
+
+    def test_a_scene_is_derived_as_on_the_command_line(self):
+        apt = "PARTNO A\nUNITS/MM\nCUTTER/8\nLOADTL/1\nFEDRAT/500\nGOTO/0,0,-2\nGOTO/30,0,-2\nFINI\n"
+        for name, text in (("spiral.ngc", spiral(20)), ("part.apt", apt),
+                           ("ball.nc", "(T3 - 4MM BALL ENDMILL)\nG20 G90\nT3 M6\nG1 X1 Z-.1 F20\nM30\n")):
+            status, body = self.ask("POST", f"/v1/programs?name={name}", text)
+            self.assertEqual(status, 200, body)
+            path = pathlib.Path(self.folder.name, name)
+            path.write_text(text)
+            printed = subprocess.run([os.environ["KERF_CARVE"], "--derive", "--program", str(path)],
+                                     capture_output=True, text=True, check=True).stdout
+            self.assertEqual(json.loads(printed), body, name)
+            self.server.create(name.replace(".", "-"), body["scene"])
+        status, body = self.ask("POST", "/v1/programs?name=air.ngc", "G21\nG0 X5\nM30\n")
+        self.assertEqual((status, body["error"]["code"]), (400, "bad_program"))
 
     def test_programs_of_a_queue_run_one_after_the_other(self):
         # So slow that it is not at its end before it is paused.
