@@ -28,6 +28,9 @@ constexpr double kToleranceShare = 0.1;
 /// Cuts may begin this much outside of a stated stock beyond the tool's diameter, mm.
 constexpr double kOutsideMm = 1;
 
+/// A model whose longest side is shorter is probably in another unit, mm.
+constexpr double kModelMinMm = 1;
+
 constexpr const char* kFromCuts = "the cuts of the program";
 constexpr double kAssumedLengthMm = 30;
 constexpr double kForceNPerMm2 = 0.05, kPivotMm = 20;
@@ -108,6 +111,7 @@ class Derivation {
                                                  .load_mesh = load_mesh});
     if (!scene) return std::unexpected(to_string(scene.error()));
     scene->stock_assumed = stock_assumed;
+    question_unit(stock_bounds(scene->settings.stock));
     for (auto& [id, tool] : scene->tools)
       tool.idle = std::ranges::find(facts->tools, id) == facts->tools.end();
     choose_accuracy_of(*scene);
@@ -256,6 +260,15 @@ class Derivation {
          range_text(box.min_mm.y, box.max_mm.y) + ", Z " + range_text(box.min_mm.z, box.max_mm.z) +
          " mm (" + source + ")");
     draft.settings.stock = box;
+  }
+
+  // A model of such a size is rarely in mm.
+  void question_unit(const BoxStock& box) {
+    const Vec3 size = box.max_mm - box.min_mm;
+    if (wishes_.stock_file.empty() || std::max({size.x, size.y, size.z}) >= kModelMinMm) return;
+    note("stock: " + wishes_.stock_file + " is only " + decimal_text(size.x, 6) + " x " +
+         decimal_text(size.y, 6) + " x " + decimal_text(size.z, 6) +
+         " mm; if its unit is another one, state it in a scene: stock.placement.unit");
   }
 
   void add_stock_origins(Origin size, Origin place, const std::string& source) {

@@ -33,6 +33,24 @@ TEST_F(KerfCarve, ReportsTheProvenanceOfADerivedScene) {
   EXPECT_TRUE(report(kInput)["provenance"].empty());
 }
 
+TEST_F(KerfCarve, AToolFromInsideTheStockGivesTheRotaryDirectionAway) {
+  write("b.nc",
+        "G21 G90\nT1 M6\nG0 X60 Y0 Z30\nG43.4 H1 B60.\nG0 X25. Z-10.\nG1 X18. F100\nX25.\nM30\n");
+  const auto scene = [&](const std::string& direction) {
+    write("b.json",
+          R"({"name": "b", "stock": {"shape": "box", "min_mm": [-20,-20,-40], "max_mm": [20,20,0]},
+              "accuracy": {"pitch_mm": 1},
+              "tools": [{"id": 1, "shape": "flat", "diameter_mm": 6, "length_mm": 60}],
+              "machine": {"kinematics": "xyzbc-trt", "rotary_direction": ")" +
+              direction + "\"}}");
+    EXPECT_EQ(run("--scene b.json --program b.nc --dialect fanuc --wall-samples 0"), 0)
+        << content("err");
+    return content("err");
+  };
+  EXPECT_THAT(scene("table"), HasSubstr("a positive angle may turn the tool and not the table"));
+  EXPECT_THAT(scene("tool"), Not(HasSubstr("a positive angle may turn")));
+}
+
 TEST_F(KerfCarve, OffersTheMechanisticLawOfAMaterial) {
   const auto json = report(kInput + " --law mechanistic --material beech");
   EXPECT_GT(json["simulation"]["max_force"]["n"], 0);

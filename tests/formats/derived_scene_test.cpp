@@ -3,8 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 
 namespace kerf {
 namespace {
@@ -111,6 +114,28 @@ TEST(DerivedScene, TakesTheBlankOfKlartextOnlyFromNumbers) {
   EXPECT_EQ(stock("\xEF\xBB\xBF", "X+100 Y+90 Z+0").max_mm, stated.max_mm) << "byte order mark";
   for (const char* other : {"X+Q1 Y+Q1 Z+0", "X+100 Y+90", "X+100 Y+90 Z+ Q1", "X+100 Y+90 Z+0 W5"})
     EXPECT_EQ(stock("", other).max_mm, (Vec3{83, 3, 0})) << other << ": the box of the cuts";
+}
+
+TEST(DerivedScene, QuestionsTheUnitOfATinyModel) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("kerf-derived-test-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  // A tetrahedron with sides of `s`.
+  const auto notes = [&](const std::string& s) {
+    const std::string o = "vertex 0 0 0\n", x = "vertex " + s + " 0 0\n",
+                      y = "vertex 0 " + s + " 0\n", z = "vertex 0 0 " + s + "\n";
+    std::string text = "solid t\n";
+    for (const std::string& facet : {o + y + x, o + x + z, o + z + y, x + y + z})
+      text += "facet normal 0 0 0\nouter loop\n" + facet + "endloop\nendfacet\n";
+    std::ofstream(folder / "t.stl") << text << "endsolid t\n";
+    SceneWishes wishes;
+    wishes.stock_file = "t.stl";
+    wishes.folder = folder;
+    return derived(kPocket, wishes).notes;
+  };
+  EXPECT_THAT(notes("0.04"), testing::Contains(testing::HasSubstr("stock.placement.unit")));
+  EXPECT_THAT(notes("40"), testing::Not(testing::Contains(testing::HasSubstr("placement"))));
+  std::filesystem::remove_all(folder);
 }
 
 TEST(DerivedScene, ErrorsAreThoseOfTheProgram) {

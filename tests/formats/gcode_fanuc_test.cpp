@@ -319,6 +319,7 @@ TEST(FanucBlock, CoordinateSystemsAndTheirOffsets) {
             "R 4 0 0, R 1 0 0, R 5 0 0");
   EXPECT_EQ(fanuc("G10 L2 P2 X10\nG91 G10 L2 P2 X1\nG90 G55 G0 X1\nM30\n"), "R 12 0 0");
   EXPECT_THAT(refused("G10 L2 P0 X1\n"), HasSubstr("external offset"));
+  EXPECT_EQ(fanuc("G10 L2 P0 X0 Y0. Z0\nG0 X1\nM30\n"), "R 1 0 0") << "cleared";
   EXPECT_THAT(refused("G10 L12 P1 R5\n"), HasSubstr("L12"));
 }
 

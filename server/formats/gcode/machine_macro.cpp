@@ -205,7 +205,14 @@ void GcodeMachine::prepare_offsets(GcodeBlock& block) {
     return;
   }
   const int p = integer_of(*number, l == 2 ? 0 : 1, l == 2 ? 6 : gcode_parameter::kMoreSystemsMax);
-  if (p == 0) throw GcodeFault{number->text, "sets the external offset, which is not supported"};
+  if (p == 0) {
+    // The external offset of a shop is part of the scene's zero; programs clear it.
+    for (const GcodeWord& word : block.words)
+      if (kAxisLetters.find(word.letter) != std::string_view::npos && word.value != 0)
+        throw GcodeFault{number->text, "sets the external offset, which is not supported"};
+    block.drop(GcodeGroup::kNonModal);
+    return remove_words(block, "lpxyzabc");
+  }
   const int system = l == 2 ? p : kFirstMoreSystem + p - 1;
   kind->value = 2;
   number->value = system;
