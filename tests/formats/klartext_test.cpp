@@ -291,10 +291,26 @@ TEST(Klartext, HolesAreDrilledAlongTheAxisOrRefused) {
   EXPECT_THAT(refused(turn + "M128\nM140 MB50\n", "xyzac-trt"), HasSubstr("M128"));
 }
 
+// Tool 1 has a radius of 5 mm. The path is that of a tool which is larger by DR.
+TEST(Klartext, DrOfToolCallIsAddedToTheRadius) {
+  const auto beside = [](const std::string& words) {
+    return ends("TOOL CALL 1 Z S1000 " + words +
+                "\nL X-30 Y+0 R0 F500\nL X-10 RL\nL X+20\nL R0 Y+30\n")
+        .at(1)
+        .y;
+  };
+  EXPECT_EQ(beside("DR+0"), 5);
+  EXPECT_EQ(beside("DR+0.5"), 5.5);
+  EXPECT_EQ(beside("DR-0.25"), 4.75);
+  EXPECT_EQ(beside("DR+0.5\nTOOL CALL 1 Z"), 5) << "of the last TOOL CALL";
+  EXPECT_THAT(refused("TOOL CALL 1 Z DR-9\nL X-30 R0 F500\nL X-10 RL\nL X+20\n"),
+              HasSubstr("less than 0"));
+}
+
 TEST(Klartext, WordsOfToolCallThatChangeTheToolAreRefused) {
   EXPECT_THAT(ends("TOOL CALL 1 Z S900 F50 DL+0 DR-0,0 DR2:+0\nL X+1\n"), SizeIs(1));
   EXPECT_THAT(ends("TOOL CALL 1 Z DR2+0\nL X+1 F9\n"), SizeIs(1));
-  for (const char* word : {"DL+0.5", "DR-0.1", "DR2:+0.2", "DR2+0.1", "DR2", "DL", "U", "X", "FU1"})
+  for (const char* word : {"DL+0.5", "DR2:+0.2", "DR2+0.1", "DR2", "DL", "U", "X", "FU1"})
     EXPECT_NE(refused(std::string("TOOL CALL 1 Z S1000 ") + word + "\nL X+1 F9\n"), "") << word;
 }
 

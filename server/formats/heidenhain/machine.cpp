@@ -155,7 +155,7 @@ void KlartextMachine::compensate(const std::string& word) {
   const int side = word == "RL" ? 1 : word == "RR" ? -1 : 0;
   if ((side != 0) == path_.is_compensated() && side == 0) return;
   refuse_in_corner(word);
-  path_.compensate(side, offsets_are_wear_ ? 0 : tool_radius_mm(word));
+  path_.compensate(side, offsets_are_wear_ ? oversize_mm_ : tool_radius_mm(word));
 }
 
 double KlartextMachine::tool_radius_mm(const std::string& word) const {
@@ -163,7 +163,10 @@ double KlartextMachine::tool_radius_mm(const std::string& word) const {
   if (!tool && scene_.tools.size() == 1) tool = scene_.tools.begin()->first;
   const auto found = tool ? scene_.tools.find(*tool) : scene_.tools.end();
   if (found == scene_.tools.end()) throw KlartextFault{word, "requires a tool"};
-  return found->second.tool.radius_mm;
+  const double radius_mm = found->second.tool.radius_mm + oversize_mm_;
+  if (radius_mm < 0)
+    throw KlartextFault{word, "DR of TOOL CALL makes the tool's radius less than 0"};
+  return radius_mm;
 }
 
 void KlartextMachine::finish() {
@@ -211,6 +214,7 @@ void KlartextMachine::call_tool(std::string text) {
   } else if (!tool) {
     changes = false;
   }
+  if (changes) oversize_mm_ = 0;
   for (std::size_t i = 0; i < words.size(); ++i) tool_word(words, i);
   if (changes) {
     path_.change_tool(tool);
@@ -220,7 +224,7 @@ void KlartextMachine::call_tool(std::string text) {
   direction_.reset();
 }
 
-// Z, S, F and oversizes of 0; advances `at` to the value of "DR2:+0".
+// Z, S, F, the oversize DR, and others of 0; advances `at` to the value of "DR2:+0".
 void KlartextMachine::tool_word(const Words& words, std::size_t& at) {
   KlartextWord word = words[at];
   if (word.value.empty() && (word.name == "X" || word.name == "Y"))
@@ -242,6 +246,10 @@ void KlartextMachine::tool_word(const Words& words, std::size_t& at) {
   const bool oversize = word.name == "DL" || word.name == "DR" || word.name == "DR2";
   if (!oversize || word.value.empty())
     throw KlartextFault{word.name + word.value, "is not a supported word of TOOL CALL"};
+  if (word.name == "DR") {
+    oversize_mm_ = values_.of(word.value) * unit_mm_;
+    return;
+  }
   if (values_.of(word.value) != 0)
     throw KlartextFault{word.name + word.value,
                         "is an oversize, which is not supported; state the tool as it is"};

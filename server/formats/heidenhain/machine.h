@@ -116,6 +116,7 @@ class KlartextMachine {
   double unit_mm_ = 1;
   std::optional<double> feed_;
   double rpm_ = 0;
+  double oversize_mm_ = 0;  ///< DR of TOOL CALL: of the tool's radius, for RL, RR and cycles
   std::optional<MachineRemark::Kind> turning_;  ///< direction of the spindle
   std::map<std::string, ToolId> named_tools_;
   Vec3 pole_{0, 0, 0};
