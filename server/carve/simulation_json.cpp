@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "server/formats/machine_kinematics.h"
 
@@ -104,11 +105,19 @@ Json misfits_json(const Program& program, const std::optional<Misfits>& misfits)
   return {{"tolerance_mm", misfits->tolerance_mm}, {"count", misfits->count}, {"worst", list}};
 }
 
+// Whether a rapid has cut as much as the tool's own thickness: more than it takes from a surface
+// that it leaves.
+bool plunges(const Simulation& simulation, const LineVolume& line) {
+  const double radius = simulation.scene().tools.at(line.tool).tool.radius_mm;
+  return line.mm3 > 2 * std::numbers::pi * radius * radius * radius;
+}
+
 // A tool that leans in the wrong direction comes from inside the stock.
 void warn_of_rotary_direction(const Simulation& simulation, std::vector<std::string>& warnings) {
   if (!has_rotary_table(simulation.scene().machine.kinematics)) return;
-  if (simulation.imprints().empty() && simulation.stock_contacts().runs().empty() &&
-      simulation.rapid_cuts().empty())
+  const bool through = std::ranges::any_of(
+      simulation.rapid_cuts(), [&](const LineVolume& line) { return plunges(simulation, line); });
+  if (!through && simulation.imprints().empty() && simulation.stock_contacts().runs().empty())
     return;
   const bool table = simulation.scene().machine.rotary_direction == RotaryDirection::kTable;
   warnings.push_back(simulation.program().name +
