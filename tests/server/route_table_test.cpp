@@ -243,21 +243,37 @@ TEST_F(ApiTest, ADryRunStatesThePriceOfASceneAndCreatesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "test-block.kerf"));
 }
 
-TEST_F(ApiTest, AProgramIsDescribedWithoutASession) {
+TEST_F(ApiTest, ASceneIsDerivedForAProgramWithoutASession) {
   using nlohmann::json;
-  const ApiResponse response = ask("POST", "/v1/programs?name=a.ngc",
-                                   "G21 G90\nT4 M6\nG0 X1 Y2 Z5\nG1 Z-3 F60\nG1 X9\nM30\n");
+  const ApiResponse response =
+      ask("POST", "/v1/programs?name=a.ngc",
+          "(T4 6MM BALL ENDMILL)\nG21 G90\nT4 M6\nG0 X1 Y2 Z5\nG1 Z-3 F60\nG1 X9\nM30\n");
   ASSERT_EQ(response.status, 200U) << response.body;
-  const json facts = json::parse(response.body);
-  EXPECT_EQ(facts["kinematics"], "xyz");
-  EXPECT_EQ(facts["tools"], json({4}));
-  EXPECT_EQ(facts["feed_mm"], json({{"min_mm", {1, 2, -3}}, {"max_mm", {9, 2, -3}}}));
+  const json derived = json::parse(response.body);
+  const json& scene = derived.at("scene");
+  EXPECT_EQ(scene.at("machine").at("kinematics"), "xyz");
+  ASSERT_EQ(scene.at("tools").size(), 1U);
+  EXPECT_EQ(scene.at("tools").at(0).at("shape"), "ball");
+  EXPECT_EQ(scene.at("stock").at("min_mm"), json({-2, -1, -5}));
+  EXPECT_EQ(derived.at("motions"), 2);
+  EXPECT_GT(derived.at("machine_s"), derived.at("programmed_s"));
+  const json& origins = derived.at("provenance");
+  const auto diameter = std::ranges::find_if(
+      origins, [](const json& one) { return one.at("field") == "diameter_mm"; });
+  ASSERT_NE(diameter, origins.end());
+  EXPECT_EQ(*diameter, json({{"tool", 4},
+                             {"field", "diameter_mm"},
+                             {"origin", "stated"},
+                             {"source", "comment in line 1"}}));
+  EXPECT_EQ(ask("POST", "/v1/sessions?id=derived", scene.dump()).status, 201U);
   const ApiResponse bad = ask("POST", "/v1/programs?name=a.ngc", "G21\nG1 X\n");
   EXPECT_EQ(bad.status, 400U);
   EXPECT_EQ(code(bad), "bad_program");
-  EXPECT_EQ(json::parse(bad.body)["error"]["line"], 2);
+  EXPECT_EQ(json::parse(bad.body).at("error").at("line"), 2);
   EXPECT_EQ(code(ask("POST", "/v1/programs?name=a/b.ngc", "")), "bad_name");
-  EXPECT_TRUE(json::parse(ask("POST", "/v1/programs", "M30\n").body)["feed_mm"].is_null());
+  const ApiResponse air = ask("POST", "/v1/programs", "M30\n");
+  EXPECT_EQ(code(air), "bad_program");
+  EXPECT_NE(air.body.find("cuts nothing"), std::string::npos);
 }
 
 TEST_F(ApiTest, ADryRunFailsAsCreatingWould) {
