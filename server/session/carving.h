@@ -66,7 +66,8 @@ class Carving {
   /// journaled with the next motion that does not join them. Answers kBusy while the journal has no
   /// space for programs.
   std::expected<std::optional<CarvedMotion>, Rejection> move(const ProgramStep& step);
-  /// Shows the tool of a program at a place of the motion that is not carved yet.
+  /// Shows the tool of a program at a place of the motion that is not carved yet, with the force of
+  /// the one before.
   void show(ParticipantId id, const ToolPose& pose);
   /// The program of a participant has ended: applies the motions that are still to be joined.
   void end_program(ParticipantId id);

@@ -77,9 +77,7 @@ void Carving::show_step(const ProgramStep& step, const MotionResult& done) {
 
 void Carving::show(ParticipantId id, const ToolPose& pose) {
   ParticipantState* state = participants_.find(id);
-  if (state == nullptr) return;
-  state->track.place(pose);
-  state->update_display({}, {});
+  if (state != nullptr) state->show_at(pose);
 }
 
 CarvedMotion Carving::carved_of(const ProgramStep& step, const MotionResult& done) const {

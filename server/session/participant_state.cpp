@@ -25,6 +25,13 @@ void ParticipantState::update_display(const wire::Result& result, const BatchSum
   display_time = Clock::now();
 }
 
+void ParticipantState::show_at(const ToolPose& pose) {
+  track.place(pose);
+  display.tip_mm = pose.tip_mm;
+  display.axis = Vec3f(pose.axis);
+  display_time = Clock::now();
+}
+
 void ParticipantState::note_felt(const wire::MotionSample& newest) {
   const bool stated = (newest.buttons & wire::kButtonFelt) != 0;
   if (stated) display.status |= wire::kStatusFelt;

@@ -48,6 +48,8 @@ struct ParticipantState {
 
   /// Updates `display` from the newest pose and the result of a batch.
   void update_display(const wire::Result& result, const BatchSum& sum);
+  /// Shows the tool at another pose, with the force that is displayed.
+  void show_at(const ToolPose& pose);
   /// Copies into `display` the share of the wrench that the participant's device outputs, if the
   /// newest sample of a batch states it. Call it after update_display.
   void note_felt(const wire::MotionSample& newest);

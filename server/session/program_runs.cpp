@@ -219,6 +219,7 @@ std::vector<ProgramGlance> ProgramRuns::glances() const {
   for (const auto& run : runs_ | std::views::values | std::views::reverse) {
     if (is_ended(run.status.state) && ++ended > kEndedShown) continue;
     glances.push_back(run.status);
+    glances.back().elapsed_s += run.in_motion_s;
   }
   std::ranges::reverse(glances);
   return glances;
@@ -252,14 +253,16 @@ bool ProgramRuns::due(const Run& run, Clock::time_point now) const {
   return run.clock.now_s(now) >= run.status.elapsed_s + run.next()->duration_s;
 }
 
-void ProgramRuns::show_way(const Run& run, const Show& show, Clock::time_point now) const {
+void ProgramRuns::show_on_motion(Run& run, const Show& show, Clock::time_point now) {
   const ProgramMotion* motion = run.next();
   const ProgramStatus& status = run.status;
   const bool moves = status.state == ProgramState::kRunning && status.pace == ProgramPace::kFeed;
   if (!moves || motion == nullptr || run.in_pieces) return;
   const double passed_s = run.clock.now_s(now) - status.elapsed_s;
-  if (passed_s > 0 && passed_s < motion->duration_s)
-    show(status.participant, pose_on(*motion, passed_s / motion->duration_s));
+  if (!(passed_s > 0 && passed_s < motion->duration_s)) return;
+  run.in_motion_s = passed_s;
+  ++changes_;
+  show(status.participant, pose_on(*motion, passed_s / motion->duration_s));
 }
 
 bool ProgramRuns::step(Run& run, const Carve& carve) {
@@ -293,6 +296,7 @@ void ProgramRuns::advance(Run& run, const CarvedMotion& carved) {
   status.alarm_count = run.alarms.count();
   status.removed_mm3 += carved.removed_mm3;
   status.elapsed_s += motion.duration_s;
+  run.in_motion_s = 0;
   status.feed_mm_per_min = length(motion.to.tip_mm - motion.from.tip_mm) / motion.duration_s * 60;
   if (++status.motions_done == status.motions) return end(run, ProgramState::kFinished);
   run.motions->pop();
@@ -314,7 +318,7 @@ std::optional<std::chrono::microseconds> ProgramRuns::slice(const Carve& carve, 
     now = Clock::now();
   }
   if (running() == 0) return std::nullopt;
-  for (auto& run : runs_ | std::views::values) show_way(run, show, now);
+  for (auto& run : runs_ | std::views::values) show_on_motion(run, show, now);
   if (busy) return kBusyPause;
   const bool more_due = std::ranges::any_of(runs_ | std::views::values,
                                             [&](const Run& run) { return due(run, now); });

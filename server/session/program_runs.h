@@ -35,7 +35,7 @@ class ProgramRuns {
   /// the same motion, in a later slice. kBusy: nothing was carved; the motion is tried again later.
   using Carve =
       std::function<std::expected<std::optional<CarvedMotion>, Rejection>(const ProgramStep&)>;
-  /// Shows the tool of a participant's program on its way along a motion that is not due yet.
+  /// Shows the tool of a participant's program on a motion that is not due yet.
   using Show = std::function<void(ParticipantId, const ToolPose&)>;
   /// A slice starts no further motion after this time.
   static constexpr std::chrono::microseconds kSlice{300};
@@ -93,12 +93,14 @@ class ProgramRuns {
     ProgramClock clock = {};
     ProgramAlarms alarms;
     std::shared_ptr<const GougeReference> target = {};  ///< until it ends
+    double in_motion_s = 0;  ///< of the next motion, at feed rate: where its tool is shown
     bool in_pieces = false;  ///< the next motion is cut in part: it is completed before a pause
     bool pauses = false;     ///< as soon as possible
     bool steps = false;      ///< pauses before the first motion of another line than
     std::optional<std::uint32_t> only_line = {};  ///< this one, once it is known
     ProgramStatus status_now() const {
       ProgramStatus now = status;
+      now.elapsed_s += in_motion_s;
       now.alarms = alarms.list();
       return now;
     }
@@ -111,7 +113,7 @@ class ProgramRuns {
     }
   };
   bool due(const Run& run, Clock::time_point now) const;
-  void show_way(const Run& run, const Show& show, Clock::time_point now) const;
+  void show_on_motion(Run& run, const Show& show, Clock::time_point now);
   /// Reads the next motion, unless that takes long: then it is called again. An error, which the
   /// reading before the start has not met, ends the program.
   void read_on(Run& run);

@@ -148,6 +148,7 @@ async function checkGouge({ page }) {
   await page.locator('.programs').getByRole('spinbutton', { name: 'Tolerance' }).fill('0.2');
   const shallow = program(5, 14).replace('Y-7', 'Y-1').replace('Z-5', 'Z-1.5');
   const text = shallow.replace('F900', 'F450'); // it runs for 10 s, also on a busy machine
+  await page.getByLabel('How to run it').selectOption('pace=feed');
   await page.locator('.program-file').setInputFiles({
     name: 'deep.ngc',
     mimeType: 'text/plain',
@@ -167,7 +168,7 @@ async function checkGouge({ page }) {
   const line = /lines? (\d+)/.exec(shown)[1];
   assert(['5', '6'].includes(line), shown);
   const depth = await until('the depth of the groove', SETTLE_S, async () => {
-    const [, mm, z] = /part, ([\d.]+) mm: .* Z (-[\d.]+)/.exec(await alarm.first().textContent());
+    const [, mm, z] = /part, ([\d.]+) mm, limit 0\.2: .* Z (-[\d.]+)/.exec(await alarm.first().textContent());
     return mm === '1.5' && { mm, z };
   });
   assert.equal(depth.z, '-1.5');

@@ -31,7 +31,11 @@ const SCENE = {
   tools: [{ id: 1, shape: 'flat', diameter_mm: 6, length_mm: 30 }],
 };
 const GROOVE = 'G21 G90\nT1 M6\nG0 X-16 Y0 Z-3\nG1 X16 F6000\nG0 Z20\nM30\n';
-const SLOW = 'G21 G90\nT1 M6\nG0 X-16 Y6 Z-1\nG1 X16 F60\nM30\n';
+const SLOW = [
+  'G21 G90\nT1 M6\nG0 X-16 Y6 Z-1\nF60',
+  ...Array.from({ length: 128 }, (_, n) => `G1 X${-15.75 + n / 4}`),
+  'M30\n',
+].join('\n');
 
 async function open(browser, base, name, viewport, others) {
   const address = `${base}/?session=wall&quality=full&name=${name}`;

@@ -140,6 +140,8 @@ TEST(ProgramRuns, ToolMovesAlongAMotionThatIsNotDue) {
     return x_mm;
   };
   const auto x_mm = show(ProgramPace::kFeed, 250);
+  EXPECT_GE(runs.glances().back().elapsed_s, 250) << "its time passes";
+  EXPECT_EQ(runs.glances().back().motions_done, 0U);
   ASSERT_EQ(x_mm.size(), 1U);
   EXPECT_GE(x_mm[0], 0.25);
   EXPECT_LT(x_mm[0], 1);
