@@ -381,16 +381,10 @@ int fail(const Failure& failure) {
 }  // namespace
 
 int run_carve(const CarveOptions& options) {
-  if (options.explain) {
-    const auto scene = load_scene(*options.explain);
-    if (!scene) return fail({kBadInput, to_string(scene.error())});
-    std::cout << explain_scene(*scene);
-    return 0;
-  }
-  if (options.derive) {
-    const auto text = derived_text(options);
+  if (options.explain || options.derive) {
+    const auto text = options.explain ? explained_text(*options.explain) : derived_text(options);
     if (!text) return fail(text.error());
-    std::cout << *text << '\n';
+    std::cout << *text;
     return 0;
   }
   OutputFiles outputs;

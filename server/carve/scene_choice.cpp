@@ -146,7 +146,13 @@ std::string scene_text(Scene scene, const CarveOptions& options,
 std::expected<std::string, Failure> derived_text(const CarveOptions& options) {
   const auto made = derive(options, std::nullopt);
   if (!made) return std::unexpected(made.error());
-  return derived_json(*made);
+  return derived_json(*made) + '\n';
+}
+
+std::expected<std::string, Failure> explained_text(const std::filesystem::path& file) {
+  const auto scene = load_scene(file);
+  if (!scene) return bad_input(to_string(scene.error()));
+  return explain_scene(*scene);
 }
 
 std::expected<ChosenScene, Failure> choose_scene(const CarveOptions& options,

@@ -21,8 +21,11 @@ struct ChosenScene {
   std::vector<FieldOrigin> origins;  ///< of the fields of a derived scene
 };
 
-/// Returns what is derived from the program of the options, as JSON text (derived_json.h).
+/// Returns the scene that is derived from the program of the options, as a line of JSON
+/// (derived_json.h).
 std::expected<std::string, Failure> derived_text(const CarveOptions& options);
+/// Returns every field of the scene in a file, for people (explain_scene).
+std::expected<std::string, Failure> explained_text(const std::filesystem::path& file);
 
 /// Returns the scene that is carved: that of --scene or one derived from the program, with the
 /// accuracy and the force law of the command line. `part_mm`: bounds of the part that it is to

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/derived_json.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace kerf {
@@ -16,6 +17,12 @@ Json list_of(const std::vector<FieldOrigin>& origins) {
                     {"origin", to_string(origin.origin)},
                     {"source", origin.source}});
   return list;
+}
+
+/// Durations of arcs depend on the platform's sines in their last bits.
+double to_microseconds(double seconds) {
+  constexpr double kPerS = 1e6;
+  return std::round(seconds * kPerS) / kPerS;
 }
 
 /// Comments and names of a program may be in any encoding.
@@ -34,8 +41,8 @@ std::string derived_json(const DerivedScene& derived) {
                   {"provenance", list_of(derived.origins)},
                   {"notes", derived.notes},
                   {"motions", derived.motions},
-                  {"programmed_s", derived.programmed_s},
-                  {"machine_s", derived.machine_s}});
+                  {"programmed_s", to_microseconds(derived.programmed_s)},
+                  {"machine_s", to_microseconds(derived.machine_s)}});
 }
 
 }  // namespace kerf

@@ -217,9 +217,11 @@ std::expected<std::shared_ptr<const GougeReference>, ApiResponse> Api::parse_tar
 ApiResponse Api::start_program(const ApiCall& call) {
   const ApiRequest& request = call.request;
   Session& session = *call.session;
-  const auto pace = parse_pace(value_or(request.query_value("pace"), "fast"));
+  const std::string* speed_text = request.query_value("speed");
+  const char* usual = speed_text != nullptr ? "feed" : "fast";
+  const auto pace = parse_pace(value_or(request.query_value("pace"), usual));
   if (!pace) return pace.error();
-  const auto speed = parse_speed(value_or(request.query_value("speed"), "1"));
+  const auto speed = parse_speed(value_or(speed_text, "1"));
   if (!speed) return speed.error();
   const auto after = parse_after(request);
   if (!after) return after.error();
