@@ -15,13 +15,15 @@ constexpr int kObstaclePlacesMax = 200;
 
 }  // namespace
 
-/// A rapid that is clear of the stock and a change of the tool end a stroke, so that undo takes one
-/// pass of a program and not all of it.
+/// The first rapid that is clear of the stock and a change of the tool end a stroke, so that undo
+/// takes one pass of a program and not all of it.
 void Carving::end_stroke(const ProgramStep& step, const MoveTool& move, const Tool& tool) {
   ParticipantState* state = participants_.find(step.participant);
   if (state == nullptr) return;
   const bool changes_tool = state->participant.tool != move.tool;
-  if (changes_tool || (step.motion.rapid && air_.is_clear(move, tool))) state->in_stroke = false;
+  const bool is_clear = step.motion.rapid && air_.is_clear(move, tool);
+  if (changes_tool || (is_clear && !state->in_air)) state->in_stroke = false;
+  state->in_air = is_clear;
 }
 
 std::expected<void, Rejection> Carving::apply_air(ParticipantId id) {

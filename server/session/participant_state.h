@@ -31,6 +31,7 @@ struct ParticipantState {
   bool has_resumed = false;
   DurableMark durable;
   bool in_stroke = false;  ///< the next motion continues its stroke
+  bool in_air = false;     ///< the newest motion of its program was a rapid clear of the stock
   /// Stock has come back to a tile that its tool reaches (Participants::note_returned).
   bool stock_came_back = false;
   /// Stock has come back around its tool: it cuts nothing until the tool is clear of the stock.

@@ -91,6 +91,20 @@ class Programs(LiveTest):
         self.until(self.upload(text, "sample_hz=20&name=s.ngc", "sampled"), "finished")
         self.assertNotEqual(self.server.hash(), self.server.hash("sampled"))
 
+    def test_a_program_has_a_stroke_for_each_pass(self):
+        text = "G21 G90\nT2 M6\nG0 Z20\n" + "".join(
+            f"G0 X-10 Y{y}\nG0 Z10\nG1 Z-2 F6000\nG1 X10\nG0 Z20\n" for y in (-6, 0, 6)) + "M2\n"
+        for name, query in (("fast", "pace=fast"), ("feed", "speed=20")):
+            self.server.create(name)
+            self.until(self.upload(text, query + "&name=s.ngc", name), "finished")
+            strokes = self.ask("GET", f"/v1/sessions/{name}/strokes")[1]["strokes"]
+            self.assertEqual(len(strokes), 3, strokes)
+        self.assertEqual(self.server.hash("fast"), self.server.hash("feed"))
+        before = self.server.info("fast")["removed_volume_mm3"]
+        status, body = self.ask("POST", f"/v1/sessions/fast/undo?strokes={strokes[-1]['id']}")
+        self.assertEqual(status, 200, body)
+        self.assertAlmostEqual(body["returned_mm3"], before / 3, delta=before / 20)
+
     def test_a_scene_is_derived_as_on_the_command_line(self):
         apt = "PARTNO A\nUNITS/MM\nCUTTER/8\nLOADTL/1\nFEDRAT/500\nGOTO/0,0,-2\nGOTO/30,0,-2\nFINI\n"
         for name, text in (("spiral.ngc", spiral(20)), ("part.apt", apt),
