@@ -168,7 +168,9 @@ async function checkGouge({ page }) {
   const line = /lines? (\d+)/.exec(shown)[1];
   assert(['5', '6'].includes(line), shown);
   const depth = await until('the depth of the groove', SETTLE_S, async () => {
-    const [, mm, z] = /part, ([\d.]+) mm, limit 0\.2: .* Z (-[\d.]+)/.exec(await alarm.first().textContent());
+    const [, mm, z] = /part, ([\d.]+) mm, limit 0\.2: .* Z (-[\d.]+)/.exec(
+      await alarm.first().textContent(),
+    );
     return mm === '1.5' && { mm, z };
   });
   assert.equal(depth.z, '-1.5');
