@@ -18,8 +18,8 @@ class ActOnSignal {
   ActOnSignal(const ActOnSignal&) = delete;
   ActOnSignal& operator=(const ActOnSignal&) = delete;
 
-  // Each replaces an action; null: none. When it returns, the action before does not run and will
-  // not run again, so what it refers to may be destroyed. An action must not call these functions.
+  // Each of these functions replaces an action; null: none. Once it has returned, the old action
+  // neither runs nor will run, so its captures may be destroyed. An action must not call them.
 
   /// A signal to leave that arrived while there was no action runs this one at once.
   void on_leave(std::function<void()> action);

@@ -29,8 +29,8 @@ struct DeviceProfile {
 std::string profile_mismatch(const DeviceProfile& profile, const DeviceCapabilities& device);
 
 /// Returns capabilities with the values of a profile in place of those declared. A latency that is
-/// shorter than the declared one, and resolutions of zero (none found), change nothing: both bound
-/// what is safe.
+/// shorter than the declared one, and resolutions of zero (none found), change nothing: the
+/// energy bound holds for the longer latency and the declared step.
 DeviceCapabilities with_profile(DeviceCapabilities declared,
                                 const std::optional<DeviceProfile>& profile);
 

@@ -158,7 +158,7 @@ class FieldContact {
     return {{{s.i, s.j, h}, {s.i + h, s.j, h}, {s.i, s.j + h, h}, {s.i + h, s.j + h, h}}};
   }
 
-  /// Branch and bound: skips a square of columns if none of them can be deeper than what was found.
+  /// Branch and bound: skips a square of columns if none can be deeper than the deepest one so far.
   void search(Square s, Overlap& found) {
     if (s.i >= i1_ || s.j >= j1_ || s.i + s.side <= i0_ || s.j + s.side <= j0_) return;
     if (s.side == 1) return search_column(s.i, s.j, found);

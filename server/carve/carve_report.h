@@ -32,7 +32,7 @@ struct CarveReport {
   double walls_s = 0;                  ///< search for thin walls
   std::string read_as;                 ///< language of the program, and why it
   std::vector<std::string> warnings;
-  std::vector<std::string> notes;    ///< what was assumed or chosen of the scene
+  std::vector<std::string> notes;    ///< assumptions and choices about the scene
   std::vector<FieldOrigin> origins;  ///< of the fields of a derived scene
 };
 

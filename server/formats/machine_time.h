@@ -12,7 +12,7 @@
 
 namespace kerf {
 
-/// How a machine accelerates and what it plans ahead.
+/// The limits of a machine's axes, and the look-ahead of its control.
 struct MachineDynamics {
   Vec3 speed_max_mm_per_s{1e4 / 60, 1e4 / 60, 1e4 / 60};  ///< of each linear axis
   Vec3 acceleration_mm_per_s2{3000, 3000, 3000};          ///< of each linear axis

@@ -81,7 +81,8 @@ class CutterCompensation {
   void dwell(double seconds, const CompensatedInfo& info);
 
  private:
-  /// Ends the entry move, and moves across the plane after it, beside the start of the next one.
+  /// Ends the entry move, and moves across the plane after it, at a right angle to the start of the
+  /// next move.
   void enter_beside(PlanePoint start);
   PlanePoint enter_straight(bool rapid, PlanePoint at, PlanePoint to, const CompensatedInfo& info);
   PlanePoint enter_arc(PlanePoint at, PlanePoint to, PlanePoint center, bool clockwise, int turns,
