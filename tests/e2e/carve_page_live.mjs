@@ -148,7 +148,7 @@ async function comeBack(page) {
 /** A section would hide what is carved: its panel and carving close each other. */
 async function checkExcludesSections({ page }) {
   await page.keyboard.press('i');
-  await page.getByRole('region', { name: 'Sections and measures' }).waitFor();
+  await page.getByRole('region', { name: 'Sections and measurements' }).waitFor();
   assert.equal(await page.locator('.carve-bar').count(), 0, 'one carves beside a section');
   await page.keyboard.press('c');
   await page.locator('main[data-carve=ready]').waitFor();
@@ -306,10 +306,12 @@ async function checkSculptor(browser, server, line, folder) {
 async function checkWatcher(browser, server) {
   const { page, problems } = await openInvited(browser, server, 'watcher', 'Mary');
   const button = page.getByRole('button', { name: 'Carve' });
-  await page.locator('button[title="Carve: Your role, watcher, may not carve."]').waitFor();
+  await page
+    .locator('button[title="Carve: Your role, watcher, does not allow carving."]')
+    .waitFor();
   assert.equal(await button.getAttribute('aria-disabled'), 'true');
   await page.keyboard.press('c');
-  await page.getByText('Your role, watcher, may not carve.').waitFor();
+  await page.getByText('Your role, watcher, does not allow carving.').waitFor();
   assert.equal(await page.locator('.carve-bar').count(), 0);
   assert.deepEqual(problems, []);
 }

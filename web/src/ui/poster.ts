@@ -12,7 +12,7 @@ const WIDTH = 960;
 export class Poster {
   readonly element = h('img', {
     class: 'poster',
-    alt: t('The block, as the server draws it'),
+    alt: t('The block, drawn by the server'),
     hidden: '',
   });
   private askedMs_ = -Infinity;
