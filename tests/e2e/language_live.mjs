@@ -34,7 +34,7 @@ const SCENE = {
 const GROOVE = 'G21 G90\nT1 M6\nG0 X-16 Y0 Z-3\nG1 X16 F600\nG0 Z20\nM30\n';
 /** What is the same in both: names, formats, units, what the server and the browser say. */
 const SAME =
-  /^(Kerf|Wall|wall|wall\.ngc|[\da-f]{16}|Aluminium|NC|Web|Ada.*|Live|live|Material|Radius|Name|Parallel|Esc|[CGN]\d.*|GLB.*|3MF|APT|CAD|CAM|CSV|OBJ|PLY|STL|Pins|Details|[\d.,:/ ]*(mm|mm³|cm³|cm³\/min|N|N·mm|ms|s)?)$/;
+  /^(Kerf|Wall|wall|wall\.ngc|[\da-f]{16}|Aluminium|NC|Web|Ada.*|Live|live|Material|Radius|Name|Parallel|Esc|[CGN]\d.*|GLB.*|3MF|APT|CAD|CAM|CSV|OBJ|PLY|STL|Pins|Details|Downloads|[\d.,:/ ]*(mm|mm³|cm³|cm³\/min|N|N·mm|ms|s)?)$/;
 
 function button(n) {
   return `.toolbar > :nth-child(${n})`;

@@ -120,7 +120,7 @@ describe('the panel of programs', () => {
     expect(page.all('program-figures')[0]!.textContent).toContain('Read as Haas: line 3 has G154.');
     const control = page
       .all('program-speed')
-      .find((select) => select.getAttribute('aria-label') === 'Control that the program is for');
+      .find((select) => select.getAttribute('aria-label') === 'CNC control of the program');
     control!.value = 'haas';
     const choose = page.all('program-file')[0]!;
     choose.files = [{ name: 'new.nc', text: () => Promise.resolve('G1') }];

@@ -64,6 +64,7 @@ describe('the texts of the page', () => {
     const shared = [
       'Alarm',
       'Details',
+      'Downloads',
       'Live',
       'Material',
       'Name',

@@ -17,7 +17,7 @@ const RETIRED = {
   de: [
     words('Ihr(e[nmrs]?)?', 'Ihnen', 'Satz', 'Sätze', 'Eintr(ag|äge)', 'gefräst', 'Fräsen'),
     words('Nadeln?', 'Personen', 'Journals?', 'zurückgenommen', 'zurücknehmen', 'Mitnehmen'),
-    words('Einzelheiten', 'Prüfsumme', 'Geschwindigkeit'),
+    words('Einzelheiten', 'Prüfsumme', 'Geschwindigkeit', 'verfolgt'),
   ],
   zh: [/方块|笔画|画面|日志|记录|你|剖切|带走|您的名称/],
 };

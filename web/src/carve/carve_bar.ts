@@ -30,9 +30,9 @@ const MODES: readonly [AimMode, string, string][] = [
   ['plane', t('Plane'), t('The tip stays on the plane where the stroke began (P)')],
 ];
 const DRAGS: Record<DragStrength, string> = {
-  off: t('Drag: off'),
-  light: t('Drag: light'),
-  strong: t('Drag: strong'),
+  off: t('Resistance: off'),
+  light: t('Resistance: light'),
+  strong: t('Resistance: strong'),
 };
 const SLIDER_STEPS = 1000;
 
@@ -92,12 +92,12 @@ export class CarveBar {
     });
     this.lean_ = button(
       t('Lean'),
-      t('Tilts the tool with the surface or the pen, up to 45° (L)'),
+      t('Leans the tool with the surface or the pen, up to 45° (L)'),
       actions.toggleLean,
     );
     this.drag_ = button(
       DRAGS.off,
-      t('Slows the tool behind the pointer when cutting hard: off, light or strong (D)'),
+      t('Holds the tool back in heavy cuts: off, light or strong (D)'),
       actions.nextDrag,
     );
     this.slider_.addEventListener('input', () => actions.setDepth(this.sliderMm_()));

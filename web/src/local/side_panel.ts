@@ -115,7 +115,7 @@ export class SidePanel {
       this.path,
       this.text_.element,
     );
-    this.assumed_ = section(t('From the files, and assumptions'), this.notes_);
+    this.assumed_ = section(t('Notes'), this.notes_);
     const figures = [this.motions_, this.triangles_, this.pitch_].map(({ element }) => element);
     this.element = h(
       'aside',
@@ -250,7 +250,7 @@ export class SidePanel {
     setText(this.hash_, hash ?? '–');
     this.hash_.classList.toggle('settled', hash !== null);
     const seconds = figure(carvingMs / 1000);
-    setText(this.took_, hash === null ? '' : t('Carved in {0} s, in this browser.', seconds));
+    setText(this.took_, hash === null ? '' : t('Carved in {0} s in this browser.', seconds));
   }
 
   /** Shows why files are of no use, and marks the place in the program. */

@@ -81,5 +81,5 @@ export function pauseText(state: Pick<StateMessage, 'paused'> | null): string {
   if (state?.paused === undefined) return '';
   return state.paused === 'lease'
     ? t("Carving is paused: the servers can't reach each other.")
-    : t("Carving is paused: the server's disk is full or can't be written.");
+    : t("Carving is paused: the server's disk is full or can't be written to.");
 }

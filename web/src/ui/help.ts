@@ -36,7 +36,7 @@ const CARVING: readonly [string, string][] = [
   ['P · L', t('Follow the surface or a plane; lean on or off')],
   [t('Ctrl + Z, or tap with two fingers'), t('Undo your last stroke')],
   [t('Ctrl + Shift + Z, or tap with three fingers'), t('Redo')],
-  ['Esc', t('Cancel the stroke; again, stop carving')],
+  ['Esc', t('End the stroke; press again to stop carving')],
 ];
 
 const POINTERS: readonly [string, string][] = [

@@ -40,7 +40,7 @@ export function inviteDialog(session: string): HTMLDialogElement {
   });
   const time = h(
     'select',
-    { class: 'invite-time', 'aria-label': t('Link expires after') },
+    { class: 'invite-time', 'aria-label': t('Link is valid') },
     ...TIMES.map(([text, hours]) => h('option', { value: String(hours) }, text)),
   );
   time.value = String(TIMES[1]![1]);

@@ -121,7 +121,7 @@ export class People {
             ? 'cutting'
             : 'air';
     const word = STATES[state];
-    setText(row.state, id === followed ? t('{0} · followed', word) : word);
+    setText(row.state, id === followed ? t('{0} · following', word) : word);
     row.state.dataset['state'] = state;
   }
 }

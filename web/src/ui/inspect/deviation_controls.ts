@@ -121,7 +121,7 @@ export class DeviationControls {
     const percent = 100 * shareWithin(quantiles, toleranceMm);
     setText(this.within_, t('{0} % within tolerance', figure(percent)));
     setText(this.span_, t('{0} to {1} {2}', signed(least, units), signed(greatest, units), units));
-    setText(this.rms_, t('rms {0}', figure(inUnit(survey.rms_mm, units))));
+    setText(this.rms_, t('RMS {0}', figure(inUnit(survey.rms_mm, units))));
     this.plot_.show(quantiles, toleranceMm, rangeOf(survey, toleranceMm), units);
     const beyond = survey.worst.filter(({ mm }) => Math.abs(mm) > toleranceMm);
     this.places.hidden = beyond.length === 0;

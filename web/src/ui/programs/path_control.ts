@@ -152,7 +152,7 @@ export class PathControl {
     if (viewer) this.view_ ??= new PathView(viewer, this.host.overlay);
     this.view_?.show(this.isShown_ ? this.path_ : null);
     const error = this.path_?.errorMm ?? 0;
-    setText(this.note_, error > 0 ? t('drawn to within {0}', lengthText(error, 'mm')) : '');
+    setText(this.note_, error > 0 ? t('accurate to {0}', lengthText(error, 'mm')) : '');
   }
 
   private press_(x: number, y: number): void {

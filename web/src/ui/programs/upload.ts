@@ -37,8 +37,8 @@ export class Upload {
   );
   private readonly dialect_ = h(
     'select',
-    { class: 'program-speed', 'aria-label': t('Control that the program is for') },
-    h('option', { value: '' }, t('detect the control')),
+    { class: 'program-speed', 'aria-label': t('CNC control of the program') },
+    h('option', { value: '' }, t('detect the CNC control')),
     ...DIALECTS.map(([name, label]) => h('option', { value: name }, label)),
   );
   private readonly queue_ = h('input', { type: 'checkbox' });

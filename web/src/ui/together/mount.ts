@@ -77,8 +77,8 @@ export function mountTogether(host: TogetherHost): Together {
   const picture = button(t('Save picture'), t('PNG, 3840 pixels wide'), 'savePicture');
   const element = h(
     'section',
-    { 'aria-label': t('Together') },
-    h('h2', {}, t('Together')),
+    { 'aria-label': t('Share') },
+    h('h2', {}, t('Share')),
     h(
       'div',
       { class: 'history-actions together-actions' },
