@@ -72,7 +72,7 @@ async function found(page) {
   return until('figures', SETTLE_S, async () => {
     if ((await hint(page)) !== '') return null;
     const text = (await figures(page)).replaceAll('−', '-');
-    const match = /([\d.]+) % within([+-][\d.]+) to ([+-][\d.]+) mm/.exec(text);
+    const match = /([\d.]+) % within tolerance([+-][\d.]+) to ([+-][\d.]+) mm/.exec(text);
     if (!match) return null;
     const [within, least, greatest] = match.slice(1).map(Number);
     return { within, least, greatest };

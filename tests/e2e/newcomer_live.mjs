@@ -85,7 +85,7 @@ async function checkFaults(page, base) {
   await page.getByLabel('Carve a model').setInputFiles(file('a.step', 'ISO-10303-21;'));
   await page
     .getByRole('alert')
-    .getByText(/must end in .stl/)
+    .getByText(/name ends in .stl/)
     .waitFor();
 }
 
