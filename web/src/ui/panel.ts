@@ -52,7 +52,7 @@ export class Panel {
     title: t('State hash: the same hash means the same block'),
     'data-settled': t('complete'),
   });
-  private readonly connection_ = h('p', { class: 'quiet', title: t('Connection') });
+  private readonly connection_ = h('p', { class: 'quiet hash', title: t('Connection') });
   private readonly plotOf_ = h('span', { class: 'plot-of' });
   private plotted_: Participant | null = null; // stays when the participant leaves
   private readonly material_: MaterialChoice;
