@@ -5,7 +5,7 @@ namespace kerf {
 namespace {
 
 constexpr SceneTemplate kTemplates[] = {
-    {"box", "Box", "A board of limewood for a relief, carved by hand.", R"({
+    {"box", "Box", "A limewood board for carving a relief by hand.", R"({
   "name": "Relief",
   "stock": {"shape": "box", "min_mm": [-60, -40, -20], "max_mm": [60, 40, 0]},
   "accuracy": {"target_mm": 0.2},
@@ -18,7 +18,7 @@ constexpr SceneTemplate kTemplates[] = {
   "force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.05, "pivot_mm": 20},
   "machine": {"kinematics": "tool-vector"}
 })"},
-    {"cylinder", "Cylinder", "An upright cylinder for a bust, carved by hand from all sides.", R"({
+    {"cylinder", "Cylinder", "An upright cylinder for carving a bust by hand, from all sides.", R"({
   "name": "Bust",
   "stock": {"shape": "cylinder", "center_mm": [0, 0], "radius_mm": 30, "min_z_mm": -80,
             "max_z_mm": 0},
@@ -30,7 +30,7 @@ constexpr SceneTemplate kTemplates[] = {
   "force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.05, "pivot_mm": 20},
   "machine": {"kinematics": "tool-vector"}
 })"},
-    {"milling", "Milling job", "A plate of aluminium for NC programs on three axes.", R"({
+    {"milling", "Milling job", "An aluminum plate for three-axis NC programs.", R"({
   "name": "Milling job",
   "stock": {"shape": "box", "min_mm": [0, 0, -25], "max_mm": [120, 80, 0]},
   "accuracy": {"target_mm": 0.1},
@@ -46,7 +46,7 @@ constexpr SceneTemplate kTemplates[] = {
             "scale": 0.02, "pivot_mm": 20},
   "machine": {"kinematics": "xyz"}
 })"},
-    {"five-axis", "5-axis study", "A cylinder on a tilting rotary table (A and C).", R"({
+    {"five-axis", "5-axis study", "A cylinder on a tilting rotary table (axes A and C).", R"({
   "name": "5-axis study",
   "stock": {"shape": "cylinder", "center_mm": [0, 0], "radius_mm": 40, "min_z_mm": -40,
             "max_z_mm": 0},
@@ -60,7 +60,7 @@ constexpr SceneTemplate kTemplates[] = {
   "force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.05, "pivot_mm": 60},
   "machine": {"kinematics": "xyzac-trt"}
 })"},
-    {"ammonite", "Ammonite", "The block of the demo, in which two simulated hands carve.", R"({
+    {"ammonite", "Ammonite", "The block of the ammonite demo, not carved yet.", R"({
   "name": "ammonite",
   "stock": {"shape": "box", "min_mm": [-60, -48, -32], "max_mm": [60, 48, 0]},
   "accuracy": {"rays": "dexel", "pitch_mm": 0.4, "tolerance_mm": 0.02, "motion": "tight"},

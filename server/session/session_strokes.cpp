@@ -55,14 +55,13 @@ std::expected<StrokeSet, Rejection> Session::chosen_strokes(const StrokeRequest&
                                                             std::uint64_t at) const {
   const StrokeTable& table = history_->strokes();
   const StrokeSet undone = table.at(history_->last()).without;
-  const char* verb = request.undone ? "undone" : "redone";
   StrokeSet strokes(request.strokes.begin(), request.strokes.end());
   if (strokes.empty()) {
     const StrokeId newest = request.undone ? table.newest(request.participant, at)
                                            : table.last_undone(request.participant, at);
     if (newest == 0) {
       return std::unexpected(no_stroke("participant " + std::to_string(request.participant) +
-                                       " has no stroke that can be " + verb));
+                                       " has no stroke to " + (request.undone ? "undo" : "redo")));
     }
     strokes.insert(newest);
   }

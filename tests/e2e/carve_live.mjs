@@ -16,14 +16,21 @@ import { run, start, stop, until } from './support/processes.mjs';
 import { getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { WireViewer } from './support/wire_viewer.mjs';
 
-const options = optionsOf(['server', 'agent', 'carve', 'web', 'out'], { seconds: '8' });
+const options = optionsOf(['server', 'agent', 'carve', 'web', 'out'], {
+  seconds: '8',
+});
 
 const SESSION = 'e2e';
 const SETTLE_S = 90; // software WebGL on a busy machine
 const SCENE = {
   name: 'end to end',
   stock: { shape: 'box', min_mm: [-30, -30, -20], max_mm: [30, 30, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [
     { id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 },
     { id: 2, shape: 'flat', diameter_mm: 4, length_mm: 30 },
@@ -233,8 +240,8 @@ async function compareDetail(viewer, wire) {
 
 /** Checks that every file that the page offers comes, with the name that the server sends. */
 async function checkDownloads({ page }) {
-  await page.getByRole('button', { name: 'Take home' }).click();
-  const dialog = page.getByRole('dialog', { name: 'Take home' });
+  await page.getByRole('button', { name: 'Download…' }).click();
+  const dialog = page.getByRole('dialog', { name: 'Download' });
   await dialog.waitFor();
   const names = await dialog
     .getByRole('radio')

@@ -148,7 +148,7 @@ async function comeBack(page) {
 /** A section would hide what is carved: its panel and carving close each other. */
 async function checkExcludesSections({ page }) {
   await page.keyboard.press('i');
-  await page.getByRole('region', { name: 'Sections and measures' }).waitFor();
+  await page.getByRole('region', { name: 'Sections and measurements' }).waitFor();
   assert.equal(await page.locator('.carve-bar').count(), 0, 'one carves beside a section');
   await page.keyboard.press('c');
   await page.locator('main[data-carve=ready]').waitFor();
@@ -226,20 +226,20 @@ async function quickStroke(viewer, y) {
 /** The force holds the tool back, as the user has chosen, also after the page is loaded again. */
 async function checkDrag(viewer, server) {
   const { page } = viewer;
-  const drag = page.getByRole('button', { name: /^Drag: / });
-  assert.equal(await drag.textContent(), 'Drag: off');
+  const drag = page.getByRole('button', { name: /^Resistance: / });
+  assert.equal(await drag.textContent(), 'Resistance: off');
   const none = await quickStroke(viewer, 0.38);
   assert.equal(none, 0);
   for (const strength of ['light', 'strong']) {
     await page.keyboard.press('d');
-    assert.equal(await drag.textContent(), `Drag: ${strength}`);
+    assert.equal(await drag.textContent(), `Resistance: ${strength}`);
   }
   const { motions } = await session(server);
   const strong = await quickStroke(viewer, 0.62);
   assert(strong >= 6, `the tool was ${strong} px behind at most`);
   await settled(viewer, server, 'dragged stroke', (block) => block.motions > motions);
   await drag.click();
-  assert.equal(await drag.textContent(), 'Drag: off');
+  assert.equal(await drag.textContent(), 'Resistance: off');
   console.log(`dragged: up to ${strong} px behind`);
   assert.equal(await page.evaluate(() => localStorage.getItem('kerf.drag')), 'off');
 }
@@ -306,10 +306,12 @@ async function checkSculptor(browser, server, line, folder) {
 async function checkWatcher(browser, server) {
   const { page, problems } = await openInvited(browser, server, 'watcher', 'Mary');
   const button = page.getByRole('button', { name: 'Carve' });
-  await page.locator('button[title="Carve: Your role, watcher, may not carve."]').waitFor();
+  await page
+    .locator('button[title="Carve: Your role, watcher, does not allow carving."]')
+    .waitFor();
   assert.equal(await button.getAttribute('aria-disabled'), 'true');
   await page.keyboard.press('c');
-  await page.getByText('Your role, watcher, may not carve.').waitFor();
+  await page.getByText('Your role, watcher, does not allow carving.').waitFor();
   assert.equal(await page.locator('.carve-bar').count(), 0);
   assert.deepEqual(problems, []);
 }

@@ -19,7 +19,12 @@ const VIEWPORT = { width: 1000, height: 700 };
 const SCENE = {
   name: 'Checked',
   stock: { shape: 'box', min_mm: [0, 0, -6], max_mm: [24, 16, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [{ id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 }],
 };
 
@@ -38,7 +43,7 @@ async function enter(browser, base, change) {
 }
 
 async function press({ page }) {
-  await page.getByRole('button', { name: 'Check', exact: true }).click();
+  await page.getByRole('button', { name: 'Verify', exact: true }).click();
 }
 
 const text = (record) => record.toLocaleString('en');
@@ -47,7 +52,7 @@ async function checkVerified(viewer, session) {
   await press(viewer);
   const { record } = await getJson(`${session}/replay`);
   await viewer.page
-    .getByText(`verified: record ${text(record)}`)
+    .getByText(`Verified up to step ${text(record)}`)
     .waitFor({ timeout: 1000 * SETTLE_S });
   return record;
 }
@@ -82,8 +87,8 @@ async function checkParting(browser, base, last) {
   await press(viewer);
   const first = viewer.page.getByText(/^The first difference is/);
   await first.waitFor({ timeout: 1000 * SETTLE_S });
-  assert.equal(await first.textContent(), `The first difference is record ${text(parting)}.`);
-  await viewer.page.getByText(`differs at record ${text(last)}:`).waitFor();
+  assert.equal(await first.textContent(), `The first difference is at step ${text(parting)}.`);
+  await viewer.page.getByText(`Differs at step ${text(last)}:`).waitFor();
   await first.scrollIntoViewIfNeeded();
   await writeFile(join(options.out, 'check-differs.png'), await viewer.page.screenshot());
 }

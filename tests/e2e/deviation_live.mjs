@@ -72,7 +72,7 @@ async function found(page) {
   return until('figures', SETTLE_S, async () => {
     if ((await hint(page)) !== '') return null;
     const text = (await figures(page)).replaceAll('−', '-');
-    const match = /([\d.]+) % within([+-][\d.]+) to ([+-][\d.]+) mm/.exec(text);
+    const match = /([\d.]+) % within tolerance([+-][\d.]+) to ([+-][\d.]+) mm/.exec(text);
     if (!match) return null;
     const [within, least, greatest] = match.slice(1).map(Number);
     return { within, least, greatest };
@@ -119,7 +119,7 @@ async function checkFound(viewer, session) {
 
 /** A press on a place of the list shows it in the picture, and leads to the line that cut it. */
 async function checkPlaces({ page }) {
-  const place = page.getByRole('list', { name: 'Worst places' }).getByText('−0.3').first();
+  const place = page.getByRole('list', { name: 'Largest deviations' }).getByText('−0.3').first();
   await place.click();
   const label = page.locator('.measure-label', { hasText: '−0.3 mm' });
   const { width: wide, height } = page.viewportSize();
@@ -136,7 +136,7 @@ async function checkLine({ page }) {
   const text = await page.locator('.deviation .probe-text').textContent();
   const [, line] = /in line (\d+)/.exec(text);
   assert(line === '5' || line === '6', `${text}: not a line of the groove that is too deep`);
-  await page.locator('.deviation').getByRole('button', { name: 'Show the line' }).click();
+  await page.locator('.deviation').getByRole('button', { name: 'Show line' }).click();
   const placed = page.locator('.program-row.placed');
   await placed.waitFor();
   assert.equal(await placed.getAttribute('data-line'), line);
@@ -144,17 +144,17 @@ async function checkLine({ page }) {
 
 /** A program that is watched while it runs: where it cuts into the part is listed, and is shown. */
 async function checkGouge({ page }) {
-  await page.getByRole('combobox', { name: 'Part that the program is to make' }).waitFor();
+  await page.getByRole('combobox', { name: 'Part the program makes' }).waitFor();
   await page.locator('.programs').getByRole('spinbutton', { name: 'Tolerance' }).fill('0.2');
   const shallow = program(5, 14).replace('Y-7', 'Y-1').replace('Z-5', 'Z-1.5');
   const text = shallow.replace('F900', 'F450'); // it runs for 10 s, also on a busy machine
-  await page.getByLabel('How to run it').selectOption('pace=feed');
+  await page.getByLabel('Run speed').selectOption('pace=feed');
   await page.locator('.program-file').setInputFiles({
     name: 'deep.ngc',
     mimeType: 'text/plain',
     buffer: Buffer.from(text),
   });
-  await page.getByText('Watched for gouges into part.stl deeper than 0.2 mm.').waitFor();
+  await page.getByText('Watching for gouges into part.stl deeper than 0.2 mm.').waitFor();
   const alarm = page.locator('.program-alarms').getByText('Gouge into the part');
   const shown = await until('the alarm while the program runs', SETTLE_S, () =>
     page.evaluate(() => {
@@ -196,8 +196,8 @@ async function test(folder) {
     );
     const { page, state, problems } = viewer;
     await until('picture', SETTLE_S, async () => (await state())?.snapshotComplete);
-    await page.getByRole('button', { name: 'Sections and measures' }).click();
-    await page.getByText('Add the part that the block is to become').waitFor();
+    await page.getByRole('button', { name: 'Sections and measurements' }).click();
+    await page.getByText('Add a model of the finished part').waitFor();
     await add(page, 'part.stl', stl);
     await checkFound(viewer, session);
     await checkAccessible(page, 'the comparison with a part');

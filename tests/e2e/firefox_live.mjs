@@ -155,7 +155,7 @@ async function checkCarving(viewer, session, drag) {
 
 /** The area of a section is that of the server's model. */
 async function checkSection({ page }, session) {
-  await page.locator('button[aria-label="Sections and measures"]').click();
+  await page.locator('button[aria-label="Sections and measurements"]').click();
   await page.locator('button[aria-label="Section across X"]').click();
   const field = await page.waitForSelector('.inspect-number');
   await field.click({ count: 3 });

@@ -26,7 +26,9 @@ const LOOKS = 4; // after a try; on a busy machine its picture comes late
 
 /** A person at Chromium, with a mouse or a finger. */
 async function chromiumUser(browser, url, viewport, hasTouch) {
-  const { page, problems } = await openViewer(browser, url, viewport, { hasTouch });
+  const { page, problems } = await openViewer(browser, url, viewport, {
+    hasTouch,
+  });
   const button = (name) => page.getByRole('button', { name, exact: true });
   const text = (shown) => page.getByText(shown, { exact: true });
   return {
@@ -44,7 +46,10 @@ async function chromiumUser(browser, url, viewport, hasTouch) {
 /** A person at Firefox. */
 async function firefoxUser(browser, url, viewport, hasTouch) {
   const others = hasTouch ? { hasTouch: true, isMobile: false } : {};
-  const { page, problems, close } = await openInFirefox(browser, url, { ...viewport, ...others });
+  const { page, problems, close } = await openInFirefox(browser, url, {
+    ...viewport,
+    ...others,
+  });
   const find = (role, name) => page.waitForSelector(`::-p-aria([name="${name}"][role="${role}"])`);
   return {
     page,
@@ -159,7 +164,7 @@ async function atServer(user, base, name, viewport) {
   await user.pressText('Box');
   await user.press('Create');
   await user.press('Carve');
-  const picture = await cut(user, 'Session details', viewport);
+  const picture = await cut(user, 'Session', viewport);
   console.log(`${name}, at a server: a cut after ${seconds(began)}`);
   await writeFile(join(options.out, `first-cut-${name}.png`), picture);
   const { sessions } = await getJson(`${base}/v1/sessions`);

@@ -19,7 +19,12 @@ const SETTLE_S = 90; // software WebGL on a busy machine
 const SCENE = {
   name: 'Shared',
   stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [{ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
 };
 
@@ -80,7 +85,10 @@ async function startPair(folder) {
   const nats = await startNats(findNats(), folder);
   const owner = await startNode(options, folder, nats, 'owner');
   const body = JSON.stringify(SCENE);
-  const created = await fetch(`${owner.base}/v1/sessions?id=shared`, { method: 'POST', body });
+  const created = await fetch(`${owner.base}/v1/sessions?id=shared`, {
+    method: 'POST',
+    body,
+  });
   assert.equal(created.status, 201, await created.text());
   const follower = await startNode(options, folder, nats, 'follower', '--follow', 'viewed');
   await until('the servers know each other', SETTLE_S, async () => {

@@ -116,7 +116,7 @@ async function checkHand(viewer) {
 async function checkReopened(viewer, file, before) {
   await dropFiles(viewer.page, { 'again.kerf': await readFile(file) });
   const opened = await settled(viewer, 'journal', ({ hash }) => hash === before.hash);
-  await viewer.page.getByText('verified: record', { exact: false }).waitFor();
+  await viewer.page.getByText('Verified up to step', { exact: false }).waitFor();
   await viewer.page.keyboard.press('c');
   await isJoined(viewer);
   return carvedMore(viewer, opened, 0.5);
@@ -131,33 +131,33 @@ async function answerOf(page, accepts, act) {
   return asked;
 }
 
-/** Strokes that are in no file are asked about, and come back when the page is loaded again. */
+/** The page asks about unsaved strokes, which come back when the page is loaded again. */
 async function checkKept(viewer, address, before) {
   const { page } = viewer;
   const last = await carvedMore(viewer, before, 0.35);
   const other = () => dropFiles(page, { 'slot.ngc': PROGRAM });
   const { type, text } = await answerOf(page, false, other);
   assert.equal(type, 'confirm');
-  assert.match(text, /in no KERF file/);
+  assert.match(text, /^Unsaved strokes/);
   assert.equal((await viewer.state()).hash, last.hash, 'the strokes were lost');
   const closing = await answerOf(page, false, () => page.close({ runBeforeUnload: true }));
   assert.equal(closing.type, 'beforeunload');
   await until('strokes that the browser keeps', SETTLE_S, () => keepsState(page, last));
   page.once('dialog', (dialog) => void dialog.accept());
   await page.goto(address);
-  const goOn = page.getByRole('button', { name: 'Go on with them' });
+  const goOn = page.getByRole('button', { name: 'Restore' });
   await goOn.waitFor();
   await photograph(viewer, join(options.out, 'hand-kept.png'));
   await checkAccessible(page, 'the page that offers strokes');
   await goOn.click();
   await settled(viewer, 'strokes of before', ({ hash }) => hash === last.hash);
   await page.reload();
-  await page.getByRole('button', { name: 'Discard them' }).click();
+  await page.getByRole('button', { name: 'Discard' }).click();
   await until('strokes to be discarded', SETTLE_S, async () => !(await keptBytes(page)));
   await page.reload();
   await page.getByRole('button', { name: 'Carve a block by hand' }).waitFor();
   assert.equal(await keptBytes(page), null);
-  assert.equal(await page.getByRole('button', { name: 'Discard them' }).count(), 0);
+  assert.equal(await page.getByRole('button', { name: 'Discard' }).count(), 0);
 }
 
 /** The file of strokes in the browser's storage; null if it has none. */
@@ -187,7 +187,9 @@ async function keepsState(page, { hash }) {
   if (!bytes) return false;
   const file = join(options.out, 'kept.kerf');
   await writeFile(file, Uint8Array.from(bytes));
-  return spawnSync(options.server, ['replay', file], { encoding: 'utf8' }).stdout.includes(hash);
+  return spawnSync(options.server, ['replay', file], {
+    encoding: 'utf8',
+  }).stdout.includes(hash);
 }
 
 /** Behind a program, which is one stroke of the journal. */

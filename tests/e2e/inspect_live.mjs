@@ -62,7 +62,7 @@ const QUANTUM_MM = 0.001;
 /** The area that the panel shows for a plane, once it is of the exact surface. */
 async function areaAt(page, direction, place) {
   await page.getByRole('button', { name: direction }).click();
-  const field = page.getByRole('spinbutton', { name: 'Place of the section' });
+  const field = page.getByRole('spinbutton', { name: 'Section position' });
   await field.fill(String(place));
   await field.press('Enter');
   return until('area', SETTLE_S, async () => {
@@ -114,7 +114,7 @@ async function measure({ page, state }, name, places) {
   const [left, top, right] = await blockBox({ page, state });
   const perMm = (right - left) / 24;
   for (const [x, z] of places) await page.mouse.click(left + (x + 12) * perMm, top - z * perMm);
-  const text = await page.getByRole('list', { name: 'Measures' }).locator('li b').last();
+  const text = await page.getByRole('list', { name: 'Measurements' }).locator('li b').last();
   const value = Number(/[\d.]+/.exec(await text.textContent())[0]);
   console.log(`${name}: ${value}`);
   return value;
@@ -134,7 +134,7 @@ async function checkCurvature({ page, state }) {
   };
   const before = await original();
   await page.getByRole('button', { name: 'Curvature' }).click();
-  await page.getByText('full up to a radius of').waitFor();
+  await page.getByText('full color up to a radius of').waitFor();
   const after = await original(); // the hole in the middle is hollow, so blue
   assert(after > 0 && after < 0.5 * before, `${after} blue pixels, ${before} before`);
   await page.getByRole('button', { name: 'Curvature' }).click();
@@ -174,7 +174,7 @@ async function checkMaker(viewer) {
   const [, x, y, z] = /X (\S+)\s+Y (\S+)\s+Z (\S+) in/.exec(place).map((text) => 25.4 * text);
   assert(Math.hypot(x - 2.1, y - 1.1) < 0.5 && Math.abs(z + 5) < 1e-4, place);
   await press(-11, -9);
-  await page.getByText('The surface of the stock as it was.').waitFor();
+  await page.getByText('Original stock surface, not cut yet.').waitFor();
   await page.getByRole('button', { name: 'Who cut this?' }).click();
 }
 
@@ -207,7 +207,7 @@ async function checkPath(viewer) {
 /** A press on the plot over the program's time leads to the line and to the place. */
 async function checkCut({ page }, session) {
   const { line, time_s: times } = await getJson(`${session}/programs/1/path`);
-  const slider = page.getByRole('slider', { name: 'Place along the program' });
+  const slider = page.getByRole('slider', { name: 'Position in the program' });
   await slider.waitFor();
   const total = Number(await slider.getAttribute('aria-valuemax'));
   const n = line.indexOf(10); // the second groove, to X8 Y1
@@ -240,7 +240,7 @@ async function test(folder) {
     const { page, state, problems } = viewer;
     await until('picture', SETTLE_S, async () => (await state())?.snapshotComplete);
     await page.locator('input[name="material"]').nth(2).check({ force: true });
-    await page.getByRole('button', { name: 'Sections and measures' }).click();
+    await page.getByRole('button', { name: 'Sections and measurements' }).click();
     await page.getByRole('heading', { name: 'Inspect' }).waitFor();
     await checkAreas(page, corners);
     await checkCap(viewer);

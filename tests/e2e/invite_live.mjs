@@ -67,8 +67,8 @@ async function invite(page) {
   await page.getByRole('button', { name: 'Invite people' }).click();
   const dialog = page.getByRole('dialog', { name: 'Invite' });
   await dialog.getByText('Watcher', { exact: true }).click();
-  await dialog.getByRole('button', { name: 'Make a link' }).click();
-  const field = dialog.getByLabel('The link to send');
+  await dialog.getByRole('button', { name: 'Create link' }).click();
+  const field = dialog.getByLabel('Invitation link', { exact: true });
   await field.waitFor();
   const link = await field.inputValue();
   await dialog.getByRole('img', { name: 'QR code' }).locator('svg').waitFor();

@@ -23,13 +23,18 @@ const SMALL = { width: 320, height: 640 };
 const SCENE = {
   name: 'Wall',
   stock: { shape: 'box', min_mm: [-12, -10, -8], max_mm: [12, 10, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [{ id: 1, shape: 'flat', diameter_mm: 6, length_mm: 30 }],
 };
 const GROOVE = 'G21 G90\nT1 M6\nG0 X-16 Y0 Z-3\nG1 X16 F600\nG0 Z20\nM30\n';
 /** What is the same in both: names, formats, units, what the server and the browser say. */
 const SAME =
-  /^(Kerf|Wall|wall|wall\.ngc|[\da-f]{16}|Aluminium|NC|Web|Ada.*|Live|live|Material|Radius|Name|Parallel|Esc|[CGN]\d.*|GLB.*|3MF|APT|CAD|CAM|CSV|OBJ|PLY|STL|RTT.*|State|[\d.,:/ ]*(mm|mm³|cm³|cm³\/min|N|N·mm|ms|s)?)$/;
+  /^(Kerf|Wall|wall|wall\.ngc|[\da-f]{16}|Aluminium|NC|Web|Ada.*|Live|live|Material|Radius|Name|Parallel|Esc|[CGN]\d.*|GLB.*|3MF|APT|CAD|CAM|CSV|OBJ|PLY|STL|Pins|Details|Downloads|[\d.,:/ ]*(mm|mm³|cm³|cm³\/min|N|N·mm|ms|s)?)$/;
 
 function button(n) {
   return `.toolbar > :nth-child(${n})`;

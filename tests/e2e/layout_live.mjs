@@ -16,7 +16,10 @@ import { stop, until } from './support/processes.mjs';
 import { carveProgram, optionsOf, runTest, startServer } from './support/session.mjs';
 import { clashesIn } from './support/texts.mjs';
 
-const options = optionsOf(['server', 'web', 'out'], { sizes: 'some', schemes: 'light,dark' });
+const options = optionsOf(['server', 'web', 'out'], {
+  sizes: 'some',
+  schemes: 'light,dark',
+});
 
 const SETTLE_S = 60; // software WebGL on a busy machine
 const LAYOUT_S = 30; // each size that has a fault takes so long
@@ -40,7 +43,12 @@ const SIZES = options.sizes === 'all' ? ALL : SOME;
 const SCENE = {
   name: 'Wall',
   stock: { shape: 'box', min_mm: [-12, -10, -8], max_mm: [12, 10, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [
     { id: 1, shape: 'flat', diameter_mm: 6, length_mm: 30 },
     { id: 2, shape: 'ball', diameter_mm: 4, length_mm: 30 },
@@ -71,7 +79,7 @@ async function pressAlarm(page) {
 /** States of the page of a session; `part` is there in it. */
 const STATES = [
   state('viewing', '.panel', () => undefined),
-  state('inspecting', '.inspect', toggle('Sections and measures')),
+  state('inspecting', '.inspect', toggle('Sections and measurements')),
   state('timeline', '.timeline', toggle('Timeline')),
   state(
     'carving',

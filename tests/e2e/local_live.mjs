@@ -105,14 +105,14 @@ async function checkThreemf(path, stl) {
 /** The scrub bar goes back: another state, and at the end the same again. */
 async function checkScrubbing(viewer, here) {
   const { page, state } = viewer;
-  const scrub = page.getByRole('slider', { name: 'Place along the program' });
+  const scrub = page.getByRole('slider', { name: 'Position in the program' });
   await scrub.fill('100');
   const then = await until('state of motion 100', SETTLE_S, async () => {
     const rests = await atRest(viewer);
     return rests?.carved === 100 && rests;
   });
   assert.notEqual(then.hash, here.state_hash);
-  await page.getByText('Motion 100 of', { exact: false }).waitFor();
+  await page.getByText('Step 100 of', { exact: false }).waitFor();
   const spread = await photograph(viewer, join(options.out, 'local-scrubbed.png'));
   assert(spread > 4, `the picture is blank: ${spread}`);
   await scrub.fill(String((await state()).motions));

@@ -21,7 +21,12 @@ const PATH = '/v1/sessions/shared';
 const SCENE = {
   name: 'Shared',
   stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [{ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
 };
 
@@ -49,7 +54,9 @@ async function startServers(folder) {
 function ownerOf(servers) {
   return until('a server has the session', SETTLE_S, async () => {
     for (const server of servers) {
-      const response = await fetch(server.base + PATH, { redirect: 'manual' }).catch(() => null);
+      const response = await fetch(server.base + PATH, {
+        redirect: 'manual',
+      }).catch(() => null);
       if (response?.status === 200) return server;
     }
     return null;

@@ -33,7 +33,7 @@ endsolid open
 `;
 
 /** Of the accuracy that a block has at first. */
-const PRICE = /^[\d.]+\smm: .* a motion; carved all over .*B, joins in .*s$/;
+const PRICE = /^[\d.]+\smm: up to .*B of memory, .*s to join$/;
 
 function file(name, text) {
   return { name, mimeType: 'text/plain', buffer: Buffer.from(text) };
@@ -76,16 +76,16 @@ async function checkFaults(page, base) {
     .getByRole('alert')
     .getByText(/open edge/)
     .waitFor();
-  await page.getByRole('button', { name: 'Close its holes' }).click();
+  await page.getByRole('button', { name: 'Close holes' }).click();
   await page.getByText('Repaired: closed 1 hole (the longest boundary: 42.4 mm).').waitFor();
-  await page.getByLabel('Unit of its numbers').selectOption('inch');
+  await page.getByLabel('Unit of the model').selectOption('inch');
   await page.getByText('254.0 × 254.0 × 254.0 mm, from X 0.0', { exact: false }).waitFor();
   await page.getByText(PRICE).waitFor();
   await keep(page, 'lobby-repaired');
   await page.getByLabel('Carve a model').setInputFiles(file('a.step', 'ISO-10303-21;'));
   await page
     .getByRole('alert')
-    .getByText(/must end in .stl/)
+    .getByText(/name ends in .stl/)
     .waitFor();
 }
 
@@ -103,14 +103,16 @@ async function closeLeft(page, base, session) {
 async function placeModel(page, base) {
   await page.getByLabel('Carve a model').setInputFiles(file('part.stl', closedStl()));
   await page.getByText('10.0 × 10.0 × 10.0 mm', { exact: false }).waitFor();
-  await page.getByText('Turn, scale, move').click();
-  await page.getByLabel('Turn about Y, degrees').fill('30');
-  await page.getByText('At most 13.7 × 10.0 × 13.7 mm, from X 0.0', { exact: false }).waitFor();
-  await page.getByLabel('Turn about Y, degrees').fill('90');
+  await page.getByText('Rotate, scale, move').click();
+  await page.getByLabel('Rotate about Y, degrees').fill('30');
+  await page.getByText('Up to 13.7 × 10.0 × 13.7 mm, from X 0.0', { exact: false }).waitFor();
+  await page.getByLabel('Rotate about Y, degrees').fill('90');
   await page.getByLabel('Scale').fill('2');
   await page.getByLabel('Move along Z, mm').fill('-5');
   await page
-    .getByText('20.0 × 20.0 × 20.0 mm, from X 0.0 Y 0.0 Z -25.0', { exact: false })
+    .getByText('20.0 × 20.0 × 20.0 mm, from X 0.0 Y 0.0 Z -25.0', {
+      exact: false,
+    })
     .waitFor();
   await page.getByText(PRICE).waitFor();
   await keep(page, 'lobby-placed');
@@ -164,7 +166,7 @@ async function checkPrice(page) {
   const priceAt = async (place, target) => {
     await page.getByLabel('Accuracy').fill(place);
     await price.getByText(new RegExp(`^${target}\\smm:`)).waitFor();
-    return (await price.textContent()).replace(/^.*carved all over /, '');
+    return (await price.textContent()).replace(/^.*up to /, '');
   };
   assert.notEqual(await priceAt('0', '1'), await priceAt('5', '0.02'));
 }
@@ -183,8 +185,8 @@ async function checkCards(page) {
 
 async function checkClosing(page, base) {
   await page.getByRole('button', { name: 'Close first part' }).click();
-  await page.getByRole('dialog').getByRole('button', { name: 'Close it' }).click();
-  await page.getByText('Nothing is being carved here yet.').waitFor();
+  await page.getByRole('dialog').getByRole('button', { name: 'Close session' }).click();
+  await page.getByText('Nothing here yet. Create a block to start.').waitFor();
   const { sessions } = await getJson(`${base}/v1/sessions`);
   assert.deepEqual(sessions, []);
 }
@@ -193,7 +195,10 @@ async function test(folder) {
   const { server, base } = await startEmptyServer(options, folder);
   const browser = await launchBrowser();
   try {
-    const viewer = await openViewer(browser, 'about:blank', { width: 1440, height: 900 });
+    const viewer = await openViewer(browser, 'about:blank', {
+      width: 1440,
+      height: 900,
+    });
     await runProgram(viewer, base);
     await checkFaults(viewer.page, base);
     await placeModel(viewer.page, base);

@@ -110,7 +110,7 @@ function expectedShare() {
 
 async function checkColors(viewer) {
   const { page } = viewer;
-  await page.getByRole('button', { name: 'Color by person' }).click();
+  await page.getByRole('button', { name: 'Color by participant' }).click();
   const rows = await colored(page);
   console.log(rows.map(({ name, percent, color }) => `${name} ${percent} % ${color}`).join(', '));
   const [first, second] = ['first.ngc', 'second.ngc'].map((name) =>
@@ -165,7 +165,7 @@ async function checkTip(viewer, session) {
   await page.keyboard.press('Enter'); // the middle, where the first one was before the second
   await tells('first.ngc', 'line 6');
   await page.mouse.move(...(await seen(viewer, 14, 10)));
-  await tells('The surface of the stock as it was.');
+  await tells('Original stock surface, not cut yet.');
   await carveProgram(session, groove('X14 Y10', 'X13'), 'name=third.ngc&pace=fast');
   await tells('third.ngc');
 }
@@ -176,7 +176,7 @@ async function checkLine(viewer) {
   await page.getByRole('button', { name: 'Who cut this?' }).click();
   await page.mouse.click(...(await seen(viewer, 0, 8)));
   await page.getByText('Cut by second.ngc in line 6, with tool 1').waitFor();
-  await page.getByRole('button', { name: 'Show the line' }).first().click();
+  await page.getByRole('button', { name: 'Show line' }).first().click();
   await page.locator('.programs').waitFor(); // a chunk of its own
   const placed = page.locator('.program-row.placed');
   await placed.waitFor();
@@ -220,7 +220,7 @@ async function test(folder) {
     });
     const { page, state, problems } = viewer;
     await until('picture', SETTLE_S, async () => (await state())?.snapshotComplete);
-    await page.getByRole('button', { name: 'Sections and measures' }).click();
+    await page.getByRole('button', { name: 'Sections and measurements' }).click();
     await page.getByRole('button', { name: 'Parallel', exact: true }).click();
     await page.locator('.canvas').focus();
     await page.keyboard.press('7');

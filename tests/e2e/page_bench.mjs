@@ -10,19 +10,33 @@ import { METER, percentile, read, reset } from './support/meter.mjs';
 import { start, stop, until } from './support/processes.mjs';
 import { optionsOf, runTest, startServer } from './support/session.mjs';
 
-const options = optionsOf(['server', 'agent', 'web'], { minutes: '1', only: '' });
+const options = optionsOf(['server', 'agent', 'web'], {
+  minutes: '1',
+  only: '',
+});
 
 const SETTLE_S = 120;
 const DESK = { width: 1440, height: 900 };
 const STARTS = 7;
 const TOOLS = [
   { id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 },
-  { id: 2, shape: 'flat', diameter_mm: 4, length_mm: 30, shank: { diameter_mm: 6, length_mm: 20 } },
+  {
+    id: 2,
+    shape: 'flat',
+    diameter_mm: 4,
+    length_mm: 30,
+    shank: { diameter_mm: 6, length_mm: 20 },
+  },
 ];
 const HANDS = {
   name: 'Two hands',
   stock: { shape: 'box', min_mm: [-30, -30, -20], max_mm: [30, 30, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.25, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.25,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: TOOLS,
   machine: { kinematics: 'tool-vector' },
 };
@@ -30,7 +44,12 @@ const LARGE = {
   ...HANDS,
   name: 'Four million dexels',
   stock: { shape: 'box', min_mm: [-50, -50, -20], max_mm: [50, 50, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.05, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.05,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [{ id: 1, shape: 'flat', diameter_mm: 12, length_mm: 30 }],
 };
 

@@ -27,7 +27,12 @@ const FIRST_LOAD_GZIP_BYTES = 230_000; // without it
 const SCENE = {
   name: 'Bracket op 1',
   stock: { shape: 'box', min_mm: [-30, -20, -20], max_mm: [30, 20, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.1, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.1,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [{ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
 };
 const SIZES = [
@@ -42,7 +47,10 @@ const SIDES = ['1', 'Shift+1', '3', 'Shift+3', '7', 'Shift+7'];
 
 /** Opens the page and counts the bytes of its files on the wire. */
 async function openCounted(browser, url) {
-  const viewer = await openViewer(browser, 'about:blank', { width: 1440, height: 900 });
+  const viewer = await openViewer(browser, 'about:blank', {
+    width: 1440,
+    height: 900,
+  });
   const network = await viewer.page.context().newCDPSession(viewer.page);
   await network.send('Network.enable');
   viewer.bytes = 0;
@@ -170,7 +178,10 @@ async function checkReadback(browser, base) {
   const [read, drawn] = await Promise.all(
     ['', '&quality=full'].map(async (quality) => {
       const address = `${base}/?session=page&name=Alan${quality}`;
-      const viewer = await openViewer(browser, address, { width: 640, height: 480 });
+      const viewer = await openViewer(browser, address, {
+        width: 640,
+        height: 480,
+      });
       await untilWhole(viewer);
       await stillPicture(viewer);
       return viewer;
@@ -200,7 +211,7 @@ async function checkWithoutWebGl(base, scratch) {
     const { page, state } = viewer;
     await until('session without a picture', SETTLE_S, async () => (await state())?.settled);
     assert.equal((await state()).hasPicture, false);
-    await page.getByText('No picture').waitFor();
+    await page.getByText('No 3D view').waitFor();
     await page.getByText('Mary (you)').waitFor();
     await page.getByRole('heading', { name: SCENE.name }).waitFor();
     const poster = page.locator('.poster');
@@ -208,8 +219,8 @@ async function checkWithoutWebGl(base, scratch) {
       poster.evaluate((image) => image.complete && image.naturalWidth > 0),
     );
     await writeFile(join(options.out, 'page-without-webgl.png'), await page.screenshot());
-    await page.getByRole('button', { name: 'Take home' }).click();
-    const dialog = page.getByRole('dialog', { name: 'Take home' });
+    await page.getByRole('button', { name: 'Download…' }).click();
+    const dialog = page.getByRole('dialog', { name: 'Download' });
     await dialog.locator('[value="STL"]').check();
     const started = page.waitForEvent('download');
     await dialog.getByRole('button', { name: 'Download' }).click();
@@ -234,7 +245,7 @@ async function test(folder) {
     await checkCalls(viewer);
     await checkReadback(browser, base);
     await page.goto(`${base}/?list`);
-    await page.getByText('Choose a block to watch').waitFor(); // although there is only one
+    await page.getByText('Choose a block to open').waitFor(); // although there is only one
     assert.deepEqual(problems, []);
   } finally {
     await browser.close();

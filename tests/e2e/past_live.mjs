@@ -26,7 +26,12 @@ const WELD_MM = 0.004;
 const SCENE = {
   name: 'History',
   stock: { shape: 'box', min_mm: [0, 0, -6], max_mm: [24, 16, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [{ id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 }],
 };
 
@@ -71,7 +76,7 @@ function spansOf(page) {
 }
 
 function playhead(page) {
-  return page.getByRole('slider', { name: 'Point in time' });
+  return page.getByRole('slider', { name: 'Position on the timeline' });
 }
 
 async function scrub(page, parts) {
@@ -99,7 +104,7 @@ async function checkTimeline(viewer, session) {
   await until('picture', SETTLE_S, async () => (await state())?.snapshotComplete);
   const now = await checkBlock(viewer, session, null);
   await page.keyboard.press('t');
-  await page.getByRole('group', { name: 'Play and step' }).waitFor();
+  await page.getByRole('group', { name: 'Playback' }).waitFor();
   await until('strokes', SETTLE_S, async () => {
     const last = await playhead(page).getAttribute('aria-valuemax');
     return Number(last) > 20;
@@ -113,7 +118,7 @@ async function checkTimeline(viewer, session) {
   await playhead(page).press('ArrowRight');
   await checkBlock(viewer, session, Math.max(0, record - 100) + 1);
   await playhead(page).press('Home');
-  await page.getByLabel('Speed of playing').selectOption('0.25');
+  await page.getByLabel('Playback speed').selectOption('0.25');
   // Asked for in each frame of the page: on a busy machine a program may end between two questions.
   const showsTool = () => {
     const { past: place, participants } = window.kerf.state();
@@ -149,7 +154,9 @@ async function checkCompare(viewer, session, record) {
     const box = [left, top, width, height];
     return (await countPixels(page, box, { leastRedOverBlue: -35 })) / (width * height);
   };
-  const border = page.getByRole('slider', { name: 'Border between the two states' });
+  const border = page.getByRole('slider', {
+    name: 'Divider between the two states',
+  });
   // A paused past has no tool; one of before may still be in the picture, and is not blue either.
   const withoutTools = () =>
     until('a picture without tools', SETTLE_S, async () => {
@@ -190,16 +197,16 @@ async function checkCompare(viewer, session, record) {
 
 /** Names the block that is shown, and undoes the stroke that was pressed. */
 async function checkChanges({ page }, session, record) {
-  await page.getByRole('button', { name: 'Name this state' }).click();
+  await page.getByRole('button', { name: 'Save a version' }).click();
   await page.getByLabel('Name of the version').fill('Half done');
   await page.keyboard.press('Enter');
-  await page.getByText('“Half done” is kept.').waitFor();
+  await page.getByText('“Half done” was saved.').waitFor();
   const { versions } = await getJson(`${session}/versions`);
   assert.deepEqual(
     versions.map((version) => [version.name, version.record]),
     [['Half done', record]],
   );
-  await page.getByRole('button', { name: /^Undo this stroke of/ }).click();
+  await page.getByRole('button', { name: /^Undo this stroke by/ }).click();
   await page.getByText('was undone.').waitFor();
   const { strokes } = await getJson(`${session}/strokes`);
   const [undone, ...others] = strokes.filter((stroke) => stroke.undone);
@@ -209,7 +216,7 @@ async function checkChanges({ page }, session, record) {
 
 async function checkBranch({ page, state }, base, record) {
   await page.getByRole('button', { name: 'Branch from here' }).click();
-  await page.getByLabel('Id of the new session').fill('branched');
+  await page.getByLabel('ID of the new session').fill('branched');
   await page.keyboard.press('Enter');
   await until('the new session', SETTLE_S, async () => (await state())?.session === 'branched');
   const { parent } = await getJson(`${base}/v1/sessions/branched`);
@@ -217,11 +224,11 @@ async function checkBranch({ page, state }, base, record) {
 }
 
 /** What the page says of a state that is the server's. */
-const verified = (record) => `verified: record ${record.toLocaleString('en')}`;
+const verified = (record) => `Verified up to step ${record.toLocaleString('en')}`;
 
 /** The page replays the journal by itself, from files that caches may keep, and finds the server's state. */
 async function checkVerified({ page }, session) {
-  await page.getByRole('button', { name: 'Check', exact: true }).click();
+  await page.getByRole('button', { name: 'Verify', exact: true }).click();
   const { record } = await getJson(`${session}/replay`);
   await page.getByText(verified(record)).waitFor({ timeout: 1000 * SETTLE_S });
   const [span] = await spansOf(page);
@@ -239,7 +246,10 @@ async function checkFile(browser, base, session) {
     mimeType: 'application/octet-stream',
     buffer: Buffer.from(await journal.arrayBuffer()),
   };
-  const viewer = await openViewer(browser, `${base}/kerf.html`, { width: 1440, height: 900 });
+  const viewer = await openViewer(browser, `${base}/kerf.html`, {
+    width: 1440,
+    height: 900,
+  });
   const { page, state } = viewer;
   await page.locator('input[type="file"]').setInputFiles(file);
   const rest = (carved) =>
@@ -252,13 +262,13 @@ async function checkFile(browser, base, session) {
   await page.getByText(verified(record)).waitFor();
   await writeFile(join(options.out, 'kerf-file.png'), await page.screenshot());
   const half = Math.floor(record / 2);
-  await page.getByRole('slider', { name: 'Place along the program' }).fill(String(half));
+  await page.getByRole('slider', { name: 'Position in the program' }).fill(String(half));
   const then = await fetch(`${session}/model.stl?at=${half}`);
   assert(then.headers.get('etag').includes((await rest(half)).hash), 'another state in the past');
   const stl = Buffer.from(await then.arrayBuffer());
   const corners = await page.evaluate(() => window.kerf.surface());
   assertSameSurface(corners, stl, SCENE.stock, WELD_MM);
-  await page.getByLabel('Speed of playing').selectOption('64');
+  await page.getByLabel('Playback speed').selectOption('64');
   await page.getByRole('button', { name: 'Play', exact: true }).click();
   assert.equal((await rest(record)).hash, state_hash, 'another state after playing');
   await page.setViewportSize({ width: 390, height: 844 });

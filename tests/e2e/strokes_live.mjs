@@ -61,7 +61,11 @@ async function enter(browser, server, name) {
   await until('picture', SETTLE_S, () => viewer.page.evaluate(() => window.kerf?.marks.picture));
   await viewer.page.keyboard.press('c');
   await viewer.page.locator('main[data-carve=ready]').waitFor();
-  return { ...viewer, line, input: await viewer.page.context().newCDPSession(viewer.page) };
+  return {
+    ...viewer,
+    line,
+    input: await viewer.page.context().newCDPSession(viewer.page),
+  };
 }
 
 /** The events of a mouse, sent at once: the browser takes them in their order, as fast as it can. */

@@ -56,13 +56,13 @@ async function markOf({ page }) {
 /** A pin is set where the block is pressed, is seen by others, and sinks with the surface. */
 async function checkPin(ada, grace, session) {
   const { page, state } = ada;
-  await page.getByRole('button', { name: 'Set a pin' }).click();
-  await until('a hint', SETTLE_S, () => page.getByText('Press the place').isVisible());
+  await page.getByRole('button', { name: 'Add a pin' }).click();
+  await until('a hint', SETTLE_S, () => page.getByText('Click a spot').isVisible());
   await nextFrames(page);
   const [left, top, right, bottom] = (await state()).blockBox;
   const at = [(left + right) / 2, (2 * top + bottom) / 3];
   await page.mouse.click(...at);
-  await page.getByRole('textbox', { name: 'Text of the pin' }).fill('deeper here?');
+  await page.getByRole('textbox', { name: 'Pin text' }).fill('deeper here?');
   await checkAccessible(page, 'the dialog of a pin');
   await page.keyboard.press('Enter');
   await grace.page
@@ -84,9 +84,9 @@ async function checkPin(ada, grace, session) {
 
 /** Ada follows Grace until she moves the picture herself. */
 async function checkFollow(ada, grace) {
-  const details = grace.page.getByRole('button', { name: 'Show details' });
+  const details = grace.page.getByRole('button', { name: 'Show more' });
   await details.click(); // on a phone the panel is a sheet
-  await grace.page.getByRole('button', { name: 'Show my view' }).click();
+  await grace.page.getByRole('button', { name: 'Share my view' }).click();
   const chip = ada.page.getByRole('button', { name: /Follow(ing)? Grace/ });
   await chip.click();
   await grace.page.locator('.canvas').focus();
@@ -101,7 +101,7 @@ async function checkFollow(ada, grace) {
   await until('her own view', SETTLE_S, async () => {
     return (await chip.getAttribute('aria-pressed')) === 'false';
   });
-  await grace.page.getByRole('button', { name: 'Show my view' }).click();
+  await grace.page.getByRole('button', { name: 'Share my view' }).click();
   await chip.waitFor({ state: 'detached' });
 }
 
@@ -217,7 +217,7 @@ async function test(folder) {
       [ada, [DESK.width, DESK.height]],
       [grace, [PHONE.width, PHONE.height]],
     ]) {
-      if (viewer === grace) await grace.page.getByRole('button', { name: 'Hide details' }).click();
+      if (viewer === grace) await grace.page.getByRole('button', { name: 'Show less' }).click();
       await viewer.page.keyboard.press('f');
       await checkFreeBlock(viewer, size, ['.bar', '.toolbar', '.panel']);
       await nextFrames(viewer.page);
@@ -226,7 +226,7 @@ async function test(folder) {
     }
     await checkEmbedded(browser, base);
     await checkFramed(browser, base, named, other);
-    await grace.page.getByRole('button', { name: 'Show details' }).click();
+    await grace.page.getByRole('button', { name: 'Show more' }).click();
     await grace.page.getByRole('button', { name: 'Remove the pin “deeper here?”' }).click();
     await ada.page.locator('.pin-mark').waitFor({ state: 'detached' });
     assert.deepEqual([...ada.problems, ...grace.problems], []);

@@ -80,7 +80,7 @@ async function checkFault(page) {
   await page.locator('.price.bad').getByText('profile_mm').waitFor();
   assert(await create.isDisabled());
   await field(page, 'Height', 4).fill(String(DOVETAIL[3][1]));
-  await page.getByText(/^0\.\d+\smm: .* a motion; carved all over .*B, joins in .*s$/).waitFor();
+  await page.getByText(/^0\.\d+\smm: up to .*B of memory, .*s to join$/).waitFor();
   await until('button', SETTLE_S, () => create.isEnabled());
   await create.click();
 }
@@ -121,7 +121,10 @@ async function checkLobby(browser, base) {
   await page.getByRole('button', { name: 'Remove T1' }).click();
   await drawDovetail(page);
   await checkAccessible(page, 'the form with a tool');
-  await page.screenshot({ path: join(options.out, 'tools-lobby.png'), fullPage: true });
+  await page.screenshot({
+    path: join(options.out, 'tools-lobby.png'),
+    fullPage: true,
+  });
   await checkFault(page);
   await page.waitForURL(`${base}/?session=relief`);
   await until('block', SETTLE_S, async () => (await state())?.snapshotComplete);
@@ -151,7 +154,7 @@ async function checkLocal(browser, host) {
     reducedMotion: 'reduce',
   });
   const { page, state } = viewer;
-  await page.getByText('Tools of the block by hand').click();
+  await page.getByText('Tools for carving by hand').click();
   await drawDovetail(page);
   await checkAccessible(page, 'kerf.html with a tool');
   await page.screenshot({ path: join(options.out, 'tools-local.png') });

@@ -32,7 +32,11 @@ const readerOf = (schema) => {
   return new MessageReader(parse(text, { ros2: true }));
 };
 
-const vector = (base, n) => ({ x: base + n, y: base + 0.25 + n, z: base + 0.5 + n });
+const vector = (base, n) => ({
+  x: base + n,
+  y: base + 0.25 + n,
+  z: base + 0.5 + n,
+});
 
 function check(tick, n) {
   assert.deepEqual(
@@ -100,7 +104,10 @@ async function checkIndexed(file) {
 
 /** The file of a killed program, from its beginning. */
 async function checkStream(file, expectWhole) {
-  const stream = new McapStreamReader({ decompressHandlers, validateCrcs: true });
+  const stream = new McapStreamReader({
+    decompressHandlers,
+    validateCrcs: true,
+  });
   stream.append(await readFile(file));
   let reader;
   let n = 0;

@@ -20,7 +20,12 @@ const VIEWPORT = { width: 480, height: 360 };
 const SCENE = {
   name: 'Carve in a headset',
   stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: {
+    rays: 'dexel',
+    pitch_mm: 0.5,
+    tolerance_mm: 0.01,
+    motion: 'tight',
+  },
   tools: [
     { id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 },
     { id: 4, shape: 'flat', diameter_mm: 8, length_mm: 30 },
@@ -183,7 +188,9 @@ async function test(folder) {
   const browser = await launchBrowser();
   try {
     await checkWithoutHeadset(browser, url);
-    const viewer = await openViewer(browser, url, VIEWPORT, { script: await headsetScript() });
+    const viewer = await openViewer(browser, url, VIEWPORT, {
+      script: await headsetScript(),
+    });
     const { page, problems } = viewer;
     await until('picture', SETTLE_S, () => page.evaluate(() => window.kerf?.marks.picture));
     const headset = new Headset(page);

@@ -28,8 +28,8 @@ export async function showPage(): Promise<void> {
   const parameters = new URLSearchParams(location.search);
   const session = parameters.get('session');
   if (!session && parameters.has('embed')) {
-    const text = t('The address of an embedded page has session=ID and embed.');
-    app.replaceChildren(failurePage(t('Which session?'), text, []));
+    const text = t('The address of an embedded page needs session=ID and embed.');
+    app.replaceChildren(failurePage(t('No session chosen'), text, []));
     return;
   }
   const invitation = invitationIn(location.hash);

@@ -3,7 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { viewBudget } from '../src/link/budget';
 import { helloText } from '../src/link/early_socket';
 import { SessionModel } from '../src/model/session';
-import { badgeOf } from '../src/ui/badge';
+import { connectionText } from '../src/ui/badge';
 import { parseControl } from '../src/wire/control';
 
 const budget = (query: string, line: unknown = {}): number =>
@@ -51,13 +51,15 @@ describe('the budget of a page', () => {
       grid: { origin_mm: [0, 0, 0], columns: [2, 2], tile: 32 },
     };
     for (const [fields, shown] of [
-      [{ budget: 100_000 }, ' · at most 100 kB/s'],
+      [{ budget: 100_000 }, ' · up to 100 kB/s'],
       [{}, ''],
     ] as const) {
       const parsed = parseControl(JSON.stringify({ ...welcome, ...fields }));
       if (!parsed.ok || parsed.value === null) throw new Error('the welcome was refused');
       model.apply(parsed.value);
-      expect(badgeOf(model, 1000).more).toBe(` · 0 frames/s · still${shown}`);
+      expect(connectionText(model, 1000)).toMatch(
+        new RegExp(`^Round trip .* · 0 frames/s · up to date${shown}$`),
+      );
     }
   });
 });

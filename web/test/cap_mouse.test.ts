@@ -186,7 +186,7 @@ describe('a 3D mouse for the camera', () => {
     const broken = fakeMouse();
     broken.hid.requestDevice = () => Promise.reject(new Error('denied'));
     make(broken).button.click();
-    await vi.waitFor(() => expect(said).toEqual(['The 3D mouse did not open: denied']), {
+    await vi.waitFor(() => expect(said).toEqual(['The 3D mouse could not be opened: denied']), {
       timeout: 30_000,
     });
     expect([pressed(none), frames.length, stored.size]).toEqual(['false', 0, 0]);

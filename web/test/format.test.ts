@@ -1,6 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { duration, feltBeside, figure, hashText, moment, sentence, volume } from '../src/ui/format';
+import {
+  duration,
+  feltBeside,
+  figure,
+  moment,
+  pauseText,
+  sentence,
+  volume,
+} from '../src/ui/format';
 
 describe('format', () => {
   it('keeps three significant digits', () => {
@@ -50,10 +58,11 @@ describe('format', () => {
   });
 });
 
-describe('hashText', () => {
-  it('is the hash, or what has paused the session', () => {
-    expect(hashText({ state_hash: 'abc' })).toBe('abc');
-    expect(hashText({ state_hash: 'abc', paused: 'disk' })).toBe('paused: disk');
-    expect(hashText({ state_hash: 'abc', paused: 'lease' })).toBe('paused: lease');
+describe('pauseText', () => {
+  it('says why nothing can be carved', () => {
+    expect(pauseText(null)).toBe('');
+    expect(pauseText({})).toBe('');
+    expect(pauseText({ paused: 'disk' })).toContain('disk is full');
+    expect(pauseText({ paused: 'lease' })).toContain('reach each other');
   });
 });

@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest';
 import { Liveness } from '../src/model/liveness';
 import { SessionModel } from '../src/model/session';
-import { badgeOf } from '../src/ui/badge';
+import { badgeOf, connectionText } from '../src/ui/badge';
 
 /** Lets the page run from one time to another. */
 function run(liveness: Liveness, fromMs: number, toMs: number): void {
@@ -56,21 +56,18 @@ describe('badge', () => {
     run(model.liveness, 0, 1000);
     model.liveness.pinged();
     model.pong(1000, 1012, 5_000_000n);
-    expect(badgeOf(model, 1020)).toMatchObject({
-      state: 'connected',
-      label: 'Live',
-      brief: 'RTT 12 ms',
-    });
+    expect(badgeOf(model, 1020)).toEqual({ state: 'connected', label: 'Live', brief: '' });
+    expect(connectionText(model, 1020)).toBe('Round trip 12 ms · 0 frames/s · up to date');
     model.liveness.pinged();
     run(model.liveness, 1100, 8000);
     expect(badgeOf(model, 8000)).toEqual({
       state: 'silent',
       label: 'No answer',
       brief: 'for 7 s',
-      more: '',
     });
     model.setStatus('reconnecting', 'The server stopped answering.');
     expect(badgeOf(model, 8000)).toMatchObject({ label: 'Reconnecting', brief: '' });
+    expect(connectionText(model, 8000)).toBe('–');
   });
 
   it('keeps the round trip of the line when the page was busy', () => {

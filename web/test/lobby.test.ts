@@ -116,7 +116,7 @@ describe('a program as the beginning of a block', () => {
     expect((await draftOf('PART.H')).program?.name).toBe('PART.H');
     expect((await draftOf('part.mpf')).name).toBe('part');
     expect((await draftOf('part.cldata')).name).toBe('part');
-    await expect(draftOf('part.docx')).rejects.toThrow('its name must end in');
+    await expect(draftOf('part.docx')).rejects.toThrow('whose name ends in .stl');
   });
 
   it('is the scene that the server derives, with its accuracy', async () => {

@@ -5,6 +5,7 @@ import {
   ageText,
   bytesText,
   freeId,
+  motionPriceText,
   priceText,
   stockBox,
   stockText,
@@ -56,7 +57,7 @@ test('a derived scene says where its fields come from', () => {
       { tool: 1, field: 'diameter_mm', origin: 'stated', source: 'comment in line 3' },
       { tool: 1, field: 'corner_radius_mm', origin: 'stated', source: 'comment in line 3' },
     ]),
-  ).toBe('shape assumed; diameter, corner radius stated (comment, line 3)');
+  ).toBe('shape assumed; diameter, corner radius given (comment, line 3)');
 });
 
 test('prices are short sentences', () => {
@@ -68,7 +69,10 @@ test('prices are short sentences', () => {
   expect(bytesText(999_600)).toBe('1\u00a0MB');
   expect(timeText(999.6)).toBe('1\u00a0ms');
   expect(priceText({ bytes: 2e6, usPerMotion: 50, joinS: 0.41 }, 0.2)).toBe(
-    '0.2\u00a0mm: 50\u00a0µs a motion; carved all over 2\u00a0MB, joins in 410\u00a0ms',
+    '0.2\u00a0mm: up to 2\u00a0MB of memory, 410\u00a0ms to join',
+  );
+  expect(motionPriceText({ bytes: 2e6, usPerMotion: 50, joinS: 0.41 })).toBe(
+    '50\u00a0µs per motion',
   );
 });
 

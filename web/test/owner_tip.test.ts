@@ -68,7 +68,7 @@ describe('the tip that tells who cut a place', () => {
     tip.update('1', 'still', 0);
     await rest(30, 40);
     expect(asked).toEqual(['probe?at_mm=30,40,0&normal=0,0,1', 'authors']);
-    expect(shown()).toMatch(/^Adano tool · stroke from record 9 · Sep \d, 2001, \d\d:46:40$/);
+    expect(shown()).toMatch(/^Adano tool · stroke · Sep \d, 2001, \d\d:46:40$/);
     expect(color().hidden).toBe(false);
     expect(color().getAttribute('style')).toBe('background:#000002');
   });
@@ -84,7 +84,7 @@ describe('the tip that tells who cut a place', () => {
     cut = { ...CUT, program: { id: 1, name: 'first.ngc', line: 0 } };
     tip.update('1', 'still', 0);
     await rest(30, 40);
-    expect(shown()).toContain('first.ngcno tool · stroke from record 9 · ');
+    expect(shown()).toContain('first.ngcno tool · stroke · ');
   });
 
   it('asks for names once, and takes those of who is there now', async () => {
@@ -101,7 +101,7 @@ describe('the tip that tells who cut a place', () => {
     cut = null;
     tip.update('1', 'still', 0);
     await rest(30, 40);
-    expect(shown()).toBe('The surface of the stock as it was.');
+    expect(shown()).toBe('Original stock surface, not cut yet.');
     expect(color().hidden).toBe(true);
   });
 

@@ -45,7 +45,7 @@ describe('the form that places a model', () => {
 
   it('says how large the model is, and where', () => {
     const form = make();
-    expect(size(form)).toBe('1.0 × 2.0 × 3.0 mm, from X 0.0 Y 0.0 Z 0.0, 1,234 triangles.');
+    expect(size(form)).toBe('1.0 × 2.0 × 3.0 mm, from X 0.0 Y 0.0 Z 0.0');
     expect(form.children[0]!.getAttribute('role')).toBe('status');
   });
 
@@ -71,12 +71,12 @@ describe('the form that places a model', () => {
 
   it('turns about each axis', () => {
     const form = make();
-    enter(form, 'Turn about X, degrees', '90');
+    enter(form, 'Rotate about X, degrees', '90');
     expect(placement.rotateDeg).toEqual([90, 0, 0]);
-    expect(size(form)).toMatch(/^1\.0 × 3\.0 × 2\.0 mm, from X 0\.0 Y -3\.0 Z 0\.0, /);
-    enter(form, 'Turn about X, degrees', '0');
-    enter(form, 'Turn about Y, degrees', '90');
-    enter(form, 'Turn about Z, degrees', '-90');
+    expect(size(form)).toMatch(/^1\.0 × 3\.0 × 2\.0 mm, from X 0\.0 Y -3\.0 Z 0\.0$/);
+    enter(form, 'Rotate about X, degrees', '0');
+    enter(form, 'Rotate about Y, degrees', '90');
+    enter(form, 'Rotate about Z, degrees', '-90');
     expect(placement.rotateDeg).toEqual([0, 90, -90]);
     expect(changes).toBe(4);
   });
@@ -85,14 +85,14 @@ describe('the form that places a model', () => {
     const form = make();
     ['X', 'Y', 'Z'].forEach((axis, n) => enter(form, `Move along ${axis}, mm`, `${n + 1}.5`));
     expect(placement.translateMm).toEqual([1.5, 2.5, 3.5]);
-    expect(size(form)).toContain('from X 1.5 Y 2.5 Z 3.5, ');
+    expect(size(form)).toContain('from X 1.5 Y 2.5 Z 3.5');
     expect(changes).toBe(3);
   });
 
   it('says that other angles give the size at most', () => {
     const form = make();
-    enter(form, 'Turn about Z, degrees', '30');
-    expect(size(form)).toMatch(/^At most 1\.9 × 2\.2 × 3\.0 mm, /);
+    enter(form, 'Rotate about Z, degrees', '30');
+    expect(size(form)).toMatch(/^Up to 1\.9 × 2\.2 × 3\.0 mm, /);
   });
 
   it('takes no text that is no number', () => {
@@ -108,7 +108,7 @@ describe('the form that places a model', () => {
     placement.rotateDeg = [1, 2, 3];
     const form = make();
     expect(input(form, 'Scale').value).toBe('3');
-    expect(input(form, 'Turn about Y, degrees').value).toBe('2');
-    expect(size(form)).toMatch(/^At most /);
+    expect(input(form, 'Rotate about Y, degrees').value).toBe('2');
+    expect(size(form)).toMatch(/^Up to /);
   });
 });

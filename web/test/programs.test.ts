@@ -141,7 +141,7 @@ describe('the sentences', () => {
   it('state what a program does', () => {
     const [running, queued, failed] = golden();
     expect(stateText(running!)).toBe('running, 24 s left');
-    expect(stateText(queued!)).toBe('waits for program 3');
+    expect(stateText(queued!)).toBe('waiting for program 3');
     expect(stateText(failed!)).toBe('failed: old.ngc:9: too far');
     expect(stateText(program(1, 'running', { waiting: true }))).toContain('disk');
   });
@@ -162,7 +162,7 @@ describe('the sentences', () => {
       place: [1, -2.04, 0] as [number, number, number],
     };
     expect(alarmText(alarm)).toBe(
-      'Rapid through stock, 12.3 mm³, limit 0.283: lines 14–18, at X 1.0 Y -2.0 Z 0.0',
+      'Rapid move through material, 12.3 mm³, limit 0.283: lines 14–18, at X 1.0 Y -2.0 Z 0.0',
     );
     expect(alarmText({ ...alarm, toLine: 14 })).toContain(': line 14,');
   });

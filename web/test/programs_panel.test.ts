@@ -120,7 +120,7 @@ describe('the panel of programs', () => {
     expect(page.all('program-figures')[0]!.textContent).toContain('Read as Haas: line 3 has G154.');
     const control = page
       .all('program-speed')
-      .find((select) => select.getAttribute('aria-label') === 'Control of the program');
+      .find((select) => select.getAttribute('aria-label') === 'CNC control of the program');
     control!.value = 'haas';
     const choose = page.all('program-file')[0]!;
     choose.files = [{ name: 'new.nc', text: () => Promise.resolve('G1') }];
@@ -136,7 +136,7 @@ describe('the panel of programs', () => {
     await open(program(3));
     const target = page
       .all('program-speed')
-      .find((select) => select.getAttribute('aria-label') === 'Part that the program is to make')!;
+      .find((select) => select.getAttribute('aria-label') === 'Part the program makes')!;
     const send = async (): Promise<string | undefined> => {
       server.asked.length = 0;
       const choose = page.all('program-file')[0]!;
@@ -155,7 +155,7 @@ describe('the panel of programs', () => {
     server.alarms = [{ ...alarm(0.3, 14), kind: 'gouge', unit: 'mm', at_mm: [7, 8, 9] }];
     await open(program(3, { alarm_count: 1, target: 'part.stl', target_tolerance_mm: 0.05 }));
     expect(page.all('program-figures')[0]!.textContent).toContain(
-      'Watched for gouges into part.stl deeper than 0.05 mm.',
+      'Watching for gouges into part.stl deeper than 0.05 mm.',
     );
     const [button] = alarms();
     expect(button!.textContent).toBe('Gouge into the part, 0.3 mm: line 14, at X 7.0 Y 8.0 Z 9.0');

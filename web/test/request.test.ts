@@ -71,7 +71,7 @@ describe('requests of the page', () => {
     await expect(listStrokes('s')).rejects.toThrow('The server did not answer.');
     expect(notLoaded()).not.toContain('Open the page');
     useServer(HEIR);
-    const reason = `${HEIR} did not answer, or takes no requests of a page from ${HOME}`;
+    const reason = `${HEIR} did not answer, or refuses pages from ${HOME}`;
     await expect(listStrokes('s')).rejects.toThrow(reason);
     expect(notLoaded()).toContain(`${HOME} does not answer. Open the page at ${HEIR}.`);
   });

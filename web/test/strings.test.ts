@@ -61,7 +61,18 @@ describe('the texts of the page', () => {
       Object.entries(texts)
         .filter(([key, text]) => key === text && /[a-z]{3}/.test(key))
         .map(([key]) => key);
-    const shared = ['Alarm', 'Aluminium', 'Live', 'Material', 'Name', 'Parallel', 'Radius', 'live'];
+    const shared = [
+      'Alarm',
+      'Details',
+      'Downloads',
+      'Live',
+      'Material',
+      'Name',
+      'Parallel',
+      'Pins',
+      'Radius',
+      'live',
+    ];
     expect(same(DE).filter((key) => !shared.includes(key))).toEqual([]);
     expect(same(ZH).filter((key) => !/^(Ctrl|Shift)/.test(key))).toEqual([]);
   });

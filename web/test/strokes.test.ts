@@ -37,7 +37,7 @@ describe('strokes', () => {
     answer(409, { error: { code: 'bad_stroke', reason: 'stroke 9 is undone already' } });
     await expect(changeStroke('demo', 'undo', 9)).rejects.toThrow('stroke 9 is undone already');
     answer(502, 'no JSON object');
-    await expect(listStrokes('demo')).rejects.toThrow('the server answered 502');
+    await expect(listStrokes('demo')).rejects.toThrow('the server reported error 502');
   });
 
   it('undo takes back the newest that stands, redo brings it again', () => {
@@ -60,7 +60,7 @@ describe('strokes', () => {
     expect(whyNotUndo({})).toBe(''); // a server without rights
     expect(whyNotUndo({ role: 'sculptor', may: ['watch', 'undo'] })).toBe('');
     expect(whyNotUndo({ role: 'watcher', may: ['watch'] })).toBe(
-      'Your role, watcher, may not undo.',
+      'Your role, watcher, does not allow undoing.',
     );
   });
 });

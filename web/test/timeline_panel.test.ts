@@ -141,7 +141,7 @@ describe('the versions of the timeline', () => {
   it('cannot be changed without the right', () => {
     const { element, bookmarks } = open();
     bookmarks.allow(false, false);
-    for (const label of ['Rename', 'Delete', 'Name this state', 'Branch from here'])
+    for (const label of ['Rename', 'Delete', 'Save a version', 'Branch from here'])
       expect(button(element, label).hidden).toBe(true);
   });
 });

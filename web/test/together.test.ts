@@ -130,7 +130,7 @@ describe('the headline', () => {
     expect(sentence(sessionOf(['Ada'], ['Ada']))).toBe('Ada carves Wall · ball 6 mm|');
     expect(sentence(sessionOf(['Ada', 'Bo'], ['Ada', 'Bo']))).toBe('Ada and Bo carve Wall|');
     expect(sentence(sessionOf(['Ada', 'Bo'], ['Bo']))).toBe('Bo carves Wall · ball 6 mm|');
-    expect(sentence(sessionOf(['Ada', 'Bo'], []))).toBe('Ada and Bo are here; no tool moves|');
+    expect(sentence(sessionOf(['Ada', 'Bo'], []))).toBe('Ada and Bo are here but not carving|');
   });
 
   it('says how far the only running program is', () => {

@@ -26,13 +26,13 @@ export interface BarActions {
 }
 
 const MODES: readonly [AimMode, string, string][] = [
-  ['surface', t('Surface'), t('The tip follows the surface as it was when the stroke began (P)')],
-  ['plane', t('Plane'), t('The tip stays on the plane on which the stroke began (P)')],
+  ['surface', t('Surface'), t('The tip follows the surface as it was before this stroke (P)')],
+  ['plane', t('Plane'), t('The tip stays on the plane where the stroke began (P)')],
 ];
 const DRAGS: Record<DragStrength, string> = {
-  off: t('Drag: off'),
-  light: t('Drag: light'),
-  strong: t('Drag: strong'),
+  off: t('Resistance: off'),
+  light: t('Resistance: light'),
+  strong: t('Resistance: strong'),
 };
 const SLIDER_STEPS = 1000;
 
@@ -53,9 +53,11 @@ export function isTouched(): boolean {
 /** How to carve, with what the user points with. */
 export function helpText(): string {
   return isTouched()
-    ? t('One finger carves, two turn and zoom, three pan. Hold for a plane. Tap with two to undo.')
+    ? t(
+        'One finger carves, two rotate and zoom, three pan. Hold for a flat plane. Tap with two to undo.',
+      )
     : t(
-        'Drag on the block to carve: with Shift straight, with Alt on a plane. Right drag turns, the wheel zooms, Esc ends.',
+        'Drag on the block to carve. Shift: straight line. Alt: flat plane. Right-drag rotates, the wheel zooms, Esc exits.',
       );
 }
 
@@ -76,7 +78,7 @@ export class CarveBar {
     min: '0',
     max: String(SLIDER_STEPS),
     'aria-label': t('Depth'),
-    title: t('Depth below the surface (Ctrl + wheel; pressure of a pen)'),
+    title: t('Depth below the surface (Ctrl + wheel, or pen pressure)'),
   });
   private readonly depth_ = h('output', { class: 'carve-depth-value' });
   private readonly note_ = h('p', { class: 'carve-note', role: 'status' });
@@ -90,22 +92,22 @@ export class CarveBar {
     });
     this.lean_ = button(
       t('Lean'),
-      t('The axis leans with the surface, or with a pen, up to 45° (L)'),
+      t('Leans the tool with the surface or the pen, up to 45° (L)'),
       actions.toggleLean,
     );
     this.drag_ = button(
       DRAGS.off,
-      t('The harder it cuts, the later the tool follows the pointer: off, light or strong (D)'),
+      t('Holds the tool back in heavy cuts: off, light or strong (D)'),
       actions.nextDrag,
     );
     this.slider_.addEventListener('input', () => actions.setDepth(this.sliderMm_()));
     this.spaceMouse_ = button(
       t('3D mouse'),
-      t('Choose a 3D mouse: its cap moves and leans the tool, its left button cuts'),
+      t('Connect a 3D mouse: the cap moves and leans the tool, the left button cuts'),
       () => actions.spaceMouse?.(),
     );
     this.spaceMouse_.hidden = actions.spaceMouse === null;
-    const done = button(t('Done'), t('Done: end carving (Esc)'), actions.done);
+    const done = button(t('Done'), t('Done: stop carving (Esc)'), actions.done);
     done.classList.add('carve-done');
     this.element = h(
       'section',
@@ -124,10 +126,10 @@ export class CarveBar {
         h('div', { class: 'carve-depth' }, h('span', {}, t('Depth')), this.slider_, this.depth_),
         button(
           t('Undo'),
-          t('Undo your newest stroke (Ctrl+Z, tap with two fingers)'),
+          t('Undo your last stroke (Ctrl+Z, or tap with two fingers)'),
           actions.undo,
         ),
-        button(t('Redo'), t('Redo (Ctrl+Shift+Z, tap with three fingers)'), actions.redo),
+        button(t('Redo'), t('Redo (Ctrl+Shift+Z, or tap with three fingers)'), actions.redo),
         this.spaceMouse_,
         done,
       ),

@@ -21,7 +21,7 @@ import { listenToCarveKeys } from './keys';
 import type { CarveHost } from './mount';
 import { Pointers } from './pointers';
 import type { Place } from './pointers';
-import { whyNotNow } from './reasons';
+import { rejectionText, whyNotNow } from './reasons';
 import { makeCopy, NO_COPY } from './local_copy';
 import { Rumble } from './rumble';
 import { diagonalOf, overBlock } from './devices/start';
@@ -166,7 +166,7 @@ export class CarveMode {
     this.spaceMouse_.open(asks).then(
       () => this.bar_.setSpaceMouse(this.spaceMouse_.isThere),
       (problem: unknown) =>
-        this.say_(t('The 3D mouse did not open: {0}', (problem as Error).message), true),
+        this.say_(t('The 3D mouse could not be opened: {0}', (problem as Error).message), true),
     );
   }
 
@@ -274,7 +274,7 @@ export class CarveMode {
   private holdPlane_(): void {
     this.hand_.holdPlane();
     if ('vibrate' in navigator) navigator.vibrate(HELD_MS);
-    this.say_(t('This stroke stays on its plane.'));
+    this.say_(t('This stroke stays on one plane.'));
   }
 
   private end_(): void {
@@ -386,7 +386,7 @@ export class CarveMode {
 
   private rejected_(code: string, reason: string): void {
     if (code === 'in_stock') this.stopStroke_(); // lifted, the tool is clear of it
-    this.say_(sentence(reason), true);
+    this.say_(sentence(rejectionText(reason)), true);
   }
 
   private say_(text: string, isProblem = false): void {

@@ -19,7 +19,7 @@ import { Surface } from './surface';
 
 const RESTS_MS = 40; // a pointer from which nothing comes for so long
 const OUT_OF_REACH = t(
-  'The tool does not get there from above: turn on Lean, or carve from another side.',
+  "The tool can't reach this spot from above. Turn on Lean, or carve from another side.",
 );
 
 export class Hand {

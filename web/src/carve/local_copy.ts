@@ -9,9 +9,7 @@ import type { Viewer } from '../view/viewer';
 /** Whether kerf.wasm was there when the page was built (vite.config.ts). */
 declare const KERF_HAS_KERNEL: boolean;
 
-export const NO_COPY = t(
-  'This server has no kernel for pages: a cut is shown when the server has made it.',
-);
+export const NO_COPY = t("This server can't preview cuts: they appear a moment later.");
 
 /** The page compiles it, because the policy of a worker's file forbids to fetch it (server/http). */
 async function compiled(): Promise<WebAssembly.Module | null> {

@@ -59,10 +59,10 @@ export function mountCarve(host: CarveHost): CarveSwitch {
   let loading: Promise<CarveMode | null> | null = null;
   const whyNot = (): string => {
     const { welcome } = host.model;
-    if (!welcome) return t('The session is not open yet.');
+    if (!welcome) return t('The session is still loading.');
     const reason = whyNotCarve(welcome);
     const hasPicture = host.picture.viewer !== null;
-    return reason !== '' || hasPicture ? reason : t('There is no picture to carve in yet.');
+    return reason !== '' || hasPicture ? reason : t('The view is still loading.');
   };
   const toggle = (): void => {
     if (mode?.isActive) {

@@ -3,18 +3,16 @@
 
 import { t } from '../strings';
 import { roleName } from '../strings/names';
+import { pauseText } from '../ui/format';
 import type { SessionModel } from '../model/session';
 import type { Welcome } from '../wire/types';
-
-const DISK_FULL = t('The server cannot write: nothing is carved until it can.');
-const NO_LEASE = t('The servers cannot reach each other: nothing is carved until they can.');
 
 /** Why this viewer may not. */
 export function whyNotCarve({ may, role }: Pick<Welcome, 'may' | 'role'>): string {
   if (may === undefined || may.includes('carve')) return '';
   return role === undefined
-    ? t('Your role may not carve.')
-    : t('Your role, {0}, may not carve.', roleName(role));
+    ? t('Your role does not allow carving.')
+    : t('Your role, {0}, does not allow carving.', roleName(role));
 }
 
 /**
@@ -25,8 +23,14 @@ export function whyNotNow(
   { state, status }: Pick<SessionModel, 'state' | 'status'>,
   isJoined: boolean,
 ): string {
-  if (status !== 'connected' || !isJoined) return t('Not connected yet: wait a moment.');
-  if (state?.at) return t('This is the past: go back to live to carve.');
-  if (state?.paused === 'lease') return NO_LEASE;
-  return state?.paused ? DISK_FULL : '';
+  if (status !== 'connected' || !isJoined) return t('Not connected yet. Wait a moment.');
+  if (state?.at) return t('You are viewing the past. Go back to live to carve.');
+  return pauseText(state);
+}
+
+/** Why the server rejects an undo or redo, in the user's language; another reason stays as it is. */
+export function rejectionText(reason: string): string {
+  const [, change] = /^participant \d+ has no stroke to (undo|redo)$/.exec(reason) ?? [];
+  if (change === undefined) return reason;
+  return change === 'undo' ? t('There is no stroke to undo.') : t('There is no stroke to redo.');
 }

@@ -15,7 +15,7 @@ export interface SessionSummary {
   activeMs: number | null;
 }
 
-const INVITATION_NEEDED = t('Open the link of an invitation: this server lets nobody else in.');
+const INVITATION_NEEDED = t('This server is by invitation only. Open the link you were sent.');
 
 /** The server tells its sessions only to people who were invited. */
 export class InvitationNeeded extends Error {
@@ -55,13 +55,14 @@ export async function listSessions(): Promise<SessionSummary[]> {
   });
   if (response.status === 401) throw new InvitationNeeded();
   if (!response.ok)
-    throw new Error(t('The server answered {0} {1}.', response.status, response.statusText));
+    throw new Error(
+      t('The server reported an error: {0} {1}.', response.status, response.statusText),
+    );
   const body: unknown = await response.json().catch(() => {
-    throw new Error(t('The server did not answer with a list of sessions.'));
+    throw new Error(t('The server did not send a list of sessions.'));
   });
   const list = Array.isArray(body) ? body : (body as { sessions?: unknown } | null)?.sessions;
-  if (!Array.isArray(list))
-    throw new Error(t('The server did not answer with a list of sessions.'));
+  if (!Array.isArray(list)) throw new Error(t('The server did not send a list of sessions.'));
   return list.map(summaryOf).filter((summary) => summary !== null);
 }
 

@@ -14,7 +14,7 @@ interface Problem {
 async function reasonOf(response: Response): Promise<string> {
   const body = (await response.json().catch(() => null)) as Problem | null;
   const reason = body?.error?.reason;
-  return typeof reason === 'string' ? reason : t('the server answered {0}', response.status);
+  return typeof reason === 'string' ? reason : t('the server reported error {0}', response.status);
 }
 
 function pathOf(session: string, what: string): string {
@@ -63,6 +63,6 @@ export async function makeInvitation(
   });
   if (!response.ok) throw new Error(await reasonOf(response));
   const body = (await response.json()) as { link?: unknown };
-  if (typeof body.link !== 'string') throw new Error(t('The server sent no link.'));
+  if (typeof body.link !== 'string') throw new Error(t('The server sent no link. Try again.'));
   return new URL(body.link, pageAddress()).href;
 }

@@ -34,9 +34,13 @@ export function request(path: string, init: RequestInit = {}): Promise<Response>
 /** Says that a chunk of the page's code did not come: it is only at the server of the page. */
 export function notLoaded(): string {
   const { origin } = location;
-  if (server === '') return t('This part of the page did not load: {0} does not answer.', origin);
+  if (server === '')
+    return t(
+      'This part of the page did not load because {0} does not answer. Try again later.',
+      origin,
+    );
   return t(
-    'This part of the page did not load: {0} does not answer. Open the page at {1}.',
+    'This part of the page did not load because {0} does not answer. Open the page at {1}.',
     origin,
     server,
   );
@@ -46,7 +50,7 @@ export function notLoaded(): string {
 export function noAnswer(): string {
   if (server === '') return t('The server did not answer.');
   return t(
-    '{0} did not answer, or takes no requests of a page from {1}: open the page there.',
+    '{0} did not answer, or refuses pages from {1}. Open the page there instead.',
     server,
     location.origin,
   );

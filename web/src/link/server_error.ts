@@ -33,7 +33,7 @@ export async function errorOf(response: Response): Promise<ServerError> {
   const reason = textOf(error['reason']);
   const { status, statusText } = response;
   return new ServerError(
-    reason === '' ? t('The server answered {0} {1}.', status, statusText) : reason,
+    reason === '' ? t('The server reported an error: {0} {1}.', status, statusText) : reason,
     typeof error['line'] === 'number' ? error['line'] : 0,
     textOf(error['word']),
     status,

@@ -27,7 +27,7 @@ async function reasonOf(response: Response): Promise<string> {
     error?: { reason?: unknown };
   } | null;
   const reason = body?.error?.reason;
-  return typeof reason === 'string' ? reason : t('the server answered {0}', response.status);
+  return typeof reason === 'string' ? reason : t('the server reported error {0}', response.status);
 }
 
 async function answerOf(path: string, method: string): Promise<Response> {

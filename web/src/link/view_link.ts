@@ -153,7 +153,7 @@ export class ViewLink {
     this.chosen_ = this.name_;
     if (this.stopped_ || !this.socket_) return;
     this.drop_();
-    this.connect_('reconnecting', t('You take another name.'));
+    this.connect_('reconnecting', t('Changing your name.'));
   }
 
   /** Reconnects now instead of after the backoff delay, e.g. when the device is online again. */
@@ -289,7 +289,11 @@ export class ViewLink {
       if (frame.ok) this.receivedFrame_(frame.value, current);
       else
         this.events.problem(
-          t('A frame was rejected: {0} ({1}).', frame.error.reason, frame.error.code),
+          t(
+            'The page could not read data from the server: {0} ({1}).',
+            frame.error.reason,
+            frame.error.code,
+          ),
         );
     }
   }
@@ -297,7 +301,9 @@ export class ViewLink {
   private receivedText_(text: string): void {
     const parsed = parseControl(text);
     if (!parsed.ok) {
-      this.events.problem(t('A message was rejected: {0}.', parsed.error.reason));
+      this.events.problem(
+        t('The page could not read a message from the server: {0}.', parsed.error.reason),
+      );
       return;
     }
     const message = parsed.value;
@@ -362,7 +368,7 @@ export class ViewLink {
         await this.events.mesh(header, glb);
       } catch (problem) {
         this.events.problem(
-          t('A mesh frame could not be applied: {0}', (problem as Error).message),
+          t('Part of the block could not be shown: {0}', (problem as Error).message),
         );
       }
       // Failed frames are acknowledged too: without credit the stream would stop; their tiles are

@@ -26,7 +26,7 @@ export function viewToolbar(rig: () => CameraRig | undefined): HTMLElement {
   return h(
     'div',
     { class: 'toolbar', role: 'toolbar', 'aria-label': t('View') },
-    iconButton(ICONS.fit, t('Fit'), 'F', () => rig()?.fit(performance.now())),
+    iconButton(ICONS.fit, t('Show the whole block'), 'F', () => rig()?.fit(performance.now())),
     view(ICONS.iso, t('Three-quarter view'), '0', 'iso'),
     view(ICONS.front, t('Front'), '1', 'front'),
     view(ICONS.right, t('Right'), '3', 'right'),

@@ -66,7 +66,7 @@ export class LocalHand {
 
   /** Whether another block may take the place of this one: strokes that are in no file would go. */
   mayGo(): boolean {
-    const question = t('The last strokes by hand are in no KERF file. Go on without them?');
+    const question = t('Unsaved strokes: discard them?');
     if (this.isSaved_) return true;
     const goes = window.confirm(question);
     if (goes) this.forget_();
@@ -177,7 +177,7 @@ export class LocalHand {
       this.forget_();
     } catch (problem) {
       const reason = (problem as Error).message;
-      if (what === 'file') this.host.say(t('The file was not written: {0}', reason));
+      if (what === 'file') this.host.say(t('The file could not be saved: {0}', reason));
       else console.warn(`The strokes are not kept in the browser: ${reason}`);
     }
   }

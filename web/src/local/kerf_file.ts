@@ -173,12 +173,12 @@ class FileFault extends Error {}
 
 function check(database: Database): void {
   if (integer(database, 'PRAGMA application_id') !== APPLICATION_ID)
-    throw new FileFault(t('it is not a journal of Kerf'));
+    throw new FileFault(t('this is not a KERF file'));
   const version = integer(database, 'PRAGMA user_version');
   const hasSingles =
     hasTable(database, 'commands') && integer(database, 'SELECT count(*) FROM commands') > 0;
   if (version !== VERSION || hasSingles)
-    throw new FileFault(t('it is of a version that only kerf-server reads'));
+    throw new FileFault(t('this KERF file is too old for this page: open it with kerf-server'));
 }
 
 /** Opens a copy of a file in memory; null: a new one. */
@@ -197,9 +197,12 @@ export async function openDatabase(given: Uint8Array | null): Promise<Database> 
 function faultOf(problem: unknown): unknown {
   if (problem instanceof FileFault || !(problem instanceof Error)) return problem;
   return problem.message === 'file is not a database'
-    ? new FileFault(t('it is not a journal of Kerf'))
+    ? new FileFault(t('this is not a KERF file'))
     : new FileFault(
-        t('it is damaged ({0}): “kerf-server check” says what can be saved', problem.message),
+        t(
+          'this KERF file is damaged ({0}): run “kerf-server check” to see what can be saved',
+          problem.message,
+        ),
       );
 }
 

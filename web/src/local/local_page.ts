@@ -43,7 +43,7 @@ export class LocalPage {
     class: 'canvas',
     tabindex: '0',
     role: 'img',
-    'aria-label': t('The block and the tools, in 3D'),
+    'aria-label': t('3D view of the block and the tools'),
   });
   private readonly overlay_ = h('div', { class: 'overlay', 'aria-hidden': 'true' });
   private readonly title_ = h('h1', { class: 'session-name' }, t('Without a server'));
@@ -132,7 +132,7 @@ export class LocalPage {
     this.hand_ = new LocalHand({
       ...around,
       post: (message) => this.worker_.post(message),
-      whyNot: () => (this.about_ ? '' : t('There is no block yet: choose files first.')),
+      whyNot: () => (this.about_ ? '' : t('There is no block yet. Choose files first.')),
       file: () => this.files_.journal?.bytes ?? null,
       say: (text) => this.panel_.showError(text, null),
       begins: () => (this.wish_ = null),
@@ -256,7 +256,7 @@ export class LocalPage {
         return;
       case 'failed':
         this.worker_.end();
-        this.reject_(t('Carving has ended: {0}', message.reason), true);
+        this.reject_(t('Carving stopped: {0}', message.reason), true);
     }
   }
 
@@ -350,7 +350,7 @@ export class LocalPage {
       return;
     }
     this.worker_.end();
-    this.reject_(t('Stopped while the files were read.'), true);
+    this.reject_(t('Stopped before the files were read.'), true);
   }
 
   private seek_(motion: number): void {

@@ -32,10 +32,10 @@ export async function readGiven(files: GivenFiles): Promise<ReadGiven> {
   const compare: ReadGiven['compare'] = (record, hash, about) => {
     if (hash === null || record !== stored?.record) return '';
     if (about.kernel_version !== kernelVersion)
-      return t('The journal is of version {0} of the kernel: nothing to compare.', kernelVersion);
+      return t('Not verified: the file is from another version of Kerf ({0}).', kernelVersion);
     return hash === stored.hash
-      ? t('verified: record {0}', count(record))
-      : t('differs at record {0}: {1} here, {2} in the journal', count(record), hash, stored.hash);
+      ? t('Verified up to step {0}', count(record))
+      : t('Differs at step {0}: {1} here, {2} in the file', count(record), hash, stored.hash);
   };
   return {
     first: { type: 'journal', journal, to: Infinity, isSilent: false },

@@ -8,7 +8,7 @@ import type { StockMaterialPreset } from '../model/materials';
 import { capMouse } from '../ui/cap_mouse';
 import type { CapMouseHost } from '../ui/cap_mouse';
 import { h, setText } from '../ui/dom';
-import { Figure, section } from '../ui/figures';
+import { details, Figure, section } from '../ui/figures';
 import { count, figure, volume } from '../ui/format';
 import { languageChoice } from '../ui/language_choice';
 import { nameField } from './name_field';
@@ -52,7 +52,7 @@ export class SidePanel {
   private readonly handle_ = h(
     'button',
     { type: 'button', class: 'sheet-handle', 'aria-expanded': 'false' },
-    t('Show details'),
+    t('Show more'),
   );
   private readonly files_ = h('ul', { class: 'given-files' });
   private readonly error_ = h('p', { class: 'program-note bad', role: 'alert' });
@@ -63,7 +63,7 @@ export class SidePanel {
     min: '0',
     step: '1',
     class: 'scrub',
-    'aria-label': t('Place along the program'),
+    'aria-label': t('Position in the program'),
   });
   private readonly stored_ = h('p', { class: 'quiet program-figures', role: 'status' });
   private readonly transport_: Transport;
@@ -73,10 +73,10 @@ export class SidePanel {
   private readonly motions_ = new Figure(t('Motions'));
   private readonly removed_ = new Figure(t('Removed'));
   private readonly triangles_ = new Figure(t('Triangles'));
-  private readonly pitch_ = new Figure(t('Pitch'));
+  private readonly pitch_ = new Figure(t('Grid spacing'));
   private readonly notes_ = h('ul', { class: 'given-notes quiet' });
   private readonly hash_ = h('code', {
-    title: t('State hash: kerf-carve prints the same for the same files'),
+    title: t('State hash: kerf-carve prints the same one for the same files'),
     'data-settled': t('complete'),
   });
   private readonly took_ = h('p', { class: 'quiet program-figures' });
@@ -105,7 +105,7 @@ export class SidePanel {
       button(format.toUpperCase(), () => actions.takeHome(format)),
     );
     this.save_ = button('KERF', actions.save);
-    this.save_.title = t('The journal of all strokes: this page and kerf-server open it');
+    this.save_.title = t('Saves the block with all strokes, to open here or in kerf-server');
     this.program_ = section(
       t('Program'),
       h('div', { class: 'program-one' }, this.bar_),
@@ -115,7 +115,8 @@ export class SidePanel {
       this.path,
       this.text_.element,
     );
-    this.assumed_ = section(t('Read and assumed'), this.notes_);
+    this.assumed_ = section(t('Notes'), this.notes_);
+    const figures = [this.motions_, this.triangles_, this.pitch_].map(({ element }) => element);
     this.element = h(
       'aside',
       { class: 'panel', 'aria-label': t('Details') },
@@ -125,14 +126,7 @@ export class SidePanel {
         { class: 'panel-scroll' },
         section(t('Files'), this.files_, button(t('Choose files…'), actions.choose), this.error_),
         this.program_,
-        h(
-          'dl',
-          { class: 'figures' },
-          this.motions_.element,
-          this.removed_.element,
-          this.triangles_.element,
-          this.pitch_.element,
-        ),
+        h('dl', { class: 'figures' }, this.removed_.element),
         section(
           t('Downloads'),
           h('div', { class: 'history-actions' }, ...this.takeHome_, this.save_),
@@ -140,12 +134,11 @@ export class SidePanel {
         ),
         this.assumed_,
         section(t('Material'), new MaterialChoice(actions.materialChosen).element),
-        h(
-          'div',
-          {},
-          h('p', { class: 'quiet hash' }, t('State '), this.hash_),
+        this.stored_,
+        details(
+          h('dl', { class: 'figures' }, ...figures),
+          h('p', { class: 'quiet hash' }, t('State hash '), this.hash_),
           this.took_,
-          this.stored_,
         ),
         h('div', { class: 'preferences' }, languageChoice(), capMouse(actions.capMouse) ?? ''),
       ),
@@ -173,7 +166,7 @@ export class SidePanel {
       h('li', {}, h('span', {}, name), h('small', { class: 'quiet' }, t('subroutine'))),
     );
     this.files_.replaceChildren(
-      ...row('journal', t('journal')),
+      ...row('journal', t('KERF file')),
       ...row('program', t('program')),
       ...row('scene', t('scene')),
       ...row('stock', t('stock')),
@@ -208,7 +201,7 @@ export class SidePanel {
   setAbout(about: About): void {
     this.about_ = about;
     this.scrub_.max = String(about.motions);
-    this.motions_.label = isJournal(about) ? t('Records') : t('Motions');
+    this.motions_.label = isJournal(about) ? t('Steps') : t('Motions');
     this.motions_.set(count(about.motions));
     this.pitch_.set(figure(about.pitch_mm), 'mm');
     const lines = [...about.notes, ...about.warnings];
@@ -227,9 +220,7 @@ export class SidePanel {
     this.removed_.set(...volume(progress.removed_mm3));
     this.triangles_.set(count(triangles));
     const [at, end] = [count(carved), count(about.motions)];
-    const where = isJournal(about)
-      ? t('Record {0} of {1}', at, end)
-      : t('Motion {0} of {1}', at, end);
+    const where = t('Step {0} of {1}', at, end);
     const time = `${duration(progress.machining_s)} / ${duration(about.machining_s)}`;
     const place = line > 0 ? t('{0}, line {1}, {2}', where, count(line), time) : where;
     setText(this.where_, place);
@@ -259,7 +250,7 @@ export class SidePanel {
     setText(this.hash_, hash ?? '–');
     this.hash_.classList.toggle('settled', hash !== null);
     const seconds = figure(carvingMs / 1000);
-    setText(this.took_, hash === null ? '' : t('Carved in {0} s, in this browser.', seconds));
+    setText(this.took_, hash === null ? '' : t('Carved in {0} s in this browser.', seconds));
   }
 
   /** Shows why files are of no use, and marks the place in the program. */
@@ -275,6 +266,6 @@ export class SidePanel {
   private toggle_(): void {
     const open = this.element.classList.toggle('open');
     this.handle_.setAttribute('aria-expanded', String(open));
-    this.handle_.textContent = open ? t('Hide details') : t('Show details');
+    this.handle_.textContent = open ? t('Show less') : t('Show more');
   }
 }

@@ -33,20 +33,16 @@ function offer(place: HTMLElement, kept: KeptStrokes, goOn: StartActions['goOn']
     act();
   };
   place.replaceChildren(
-    h(
-      'p',
-      {},
-      t('Your last strokes by hand, of {0}, are in no file.', ageText(kept.atMs, Date.now())),
-    ),
+    h('p', {}, t('You have unsaved strokes from {0}.', ageText(kept.atMs, Date.now()))),
     h(
       'div',
       { class: 'page-actions' },
       button(
-        t('Go on with them'),
+        t('Restore'),
         done(() => goOn(kept)),
       ),
       button(
-        t('Discard them'),
+        t('Discard'),
         done(() => void forgetStrokes()),
       ),
     ),
@@ -71,7 +67,7 @@ export function startCard({ choose, example, carve, goOn }: StartActions): HTMLE
       'p',
       {},
       t(
-        'G-code, Klartext or APT; with a scene (JSON) or a model as stock (STL, PLY, OBJ) if you like. It is carved in this browser, and no file leaves it.',
+        'G-code, Klartext or APT. You can add a scene (JSON) or a model as stock (STL, PLY, OBJ). Everything stays in this browser: nothing is uploaded.',
       ),
     ),
     h(
@@ -84,7 +80,7 @@ export function startCard({ choose, example, carve, goOn }: StartActions): HTMLE
     h(
       'details',
       { class: 'start-tools' },
-      h('summary', {}, t('Tools of the block by hand')),
+      h('summary', {}, t('Tools for carving by hand')),
       rack.element,
     ),
   );

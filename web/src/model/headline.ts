@@ -59,8 +59,8 @@ export function headlineOf(model: SessionModel, session: string, nowMs: number):
     const names = namesOf(carvers.map(nameOf));
     const isAlone = carvers.length === 1;
     const who = isAlone
-      ? t('{0} is here; no tool moves', names)
-      : t('{0} are here; no tool moves', names);
+      ? t('{0} is here but not carving', names)
+      : t('{0} are here but not carving', names);
     return { who, far };
   }
   const [first] = moving;

@@ -45,7 +45,7 @@ export const STOCK_MATERIALS: readonly StockMaterialPreset[] = [
     metalness: 0,
   },
   {
-    name: t('Aluminium'),
+    name: t('Aluminum'),
     skin: '#8b949e',
     core: '#d3d9df',
     ring: '#d3d9df',

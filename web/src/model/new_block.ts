@@ -127,15 +127,19 @@ export function bytesText(bytes: number): string {
   return amount(shown / 1000 ** step, units[step]!);
 }
 
-/** "0.05 mm: 38 µs a motion; carved all over 120 MB, joins in 410 ms" */
-export function priceText({ usPerMotion, bytes, joinS }: Price, targetMm: number): string {
+/** "0.05 mm: up to 120 MB of memory, 410 ms to join" */
+export function priceText({ bytes, joinS }: Price, targetMm: number): string {
   return t(
-    '{0}: {1} a motion; carved all over {2}, joins in {3}',
+    '{0}: up to {1} of memory, {2} to join',
     amount(targetMm, 'mm'),
-    timeText(usPerMotion),
     bytesText(bytes),
     timeText(1e6 * joinS),
   );
+}
+
+/** "38 µs per motion" */
+export function motionPriceText({ usPerMotion }: Price): string {
+  return t('{0} per motion', timeText(usPerMotion));
 }
 
 /** "120 × 80 × 20 mm", or "⌀ 60 × 80 mm" of a cylinder; empty if the stock is neither. */

@@ -27,6 +27,6 @@ export function nextStroke(
 export function whyNotUndo({ may, role }: Pick<Welcome, 'may' | 'role'>): string {
   if (may === undefined || may.includes('undo')) return '';
   return role === undefined
-    ? t('Your role may not undo.')
-    : t('Your role, {0}, may not undo.', roleName(role));
+    ? t('Your role does not allow undoing.')
+    : t('Your role, {0}, does not allow undoing.', roleName(role));
 }

@@ -29,9 +29,14 @@ export const GROUPS: readonly TakeHomeGroup[] = [
   {
     title: t('Print'),
     formats: [
-      surface('3MF', 'model.3mf', t('Closed surface in millimetres'), 14),
+      surface('3MF', 'model.3mf', t('Closed surface, in millimeters'), 14),
       surface('STL', 'model.stl', t('Closed surface'), 50),
-      surface(t('STL text'), 'model.stl?encoding=ascii', t('Without support for binary STL'), 184),
+      surface(
+        t('STL text'),
+        'model.stl?encoding=ascii',
+        t("For programs that can't read binary STL"),
+        184,
+      ),
     ],
   },
   {
@@ -40,14 +45,14 @@ export const GROUPS: readonly TakeHomeGroup[] = [
       {
         name: 'NC',
         file: 'program.ngc',
-        text: t('G-code of every motion'),
+        text: t('Every cut as G-code'),
         detail: 'motions',
         bytesEach: 82,
       },
       {
         name: 'APT',
         file: 'program.apt',
-        text: t('Tool poses of every motion'),
+        text: t('Every cut as tool positions'),
         detail: 'motions',
         bytesEach: 82,
       },
@@ -57,24 +62,34 @@ export const GROUPS: readonly TakeHomeGroup[] = [
     title: 'CAD',
     formats: [
       surface('OBJ', 'model.obj', t('For modeling programs'), 84),
-      surface('PLY', 'model.ply', t('For mesh tools'), 19),
+      surface('PLY', 'model.ply', t('For mesh editors'), 19),
     ],
   },
   {
     title: t('Web'),
     formats: [
-      surface('GLB', 'model.glb', t('For viewers and AR'), 20),
-      surface(t('GLB quantized'), 'model.glb?encoding=quantized', t('Smaller; most viewers'), 13),
-      surface(t('GLB compressed'), 'model.glb?encoding=meshopt', t('Smallest; needs meshopt'), 4),
+      surface('GLB', 'model.glb', t('For 3D viewers and AR'), 20),
+      surface(
+        t('GLB quantized'),
+        'model.glb?encoding=quantized',
+        t('Smaller, for most viewers'),
+        13,
+      ),
+      surface(
+        t('GLB compressed'),
+        'model.glb?encoding=meshopt',
+        t('Smallest, for viewers with meshopt'),
+        4,
+      ),
     ],
   },
   {
-    title: t('Figures'),
+    title: t('Data'),
     formats: [
       {
         name: 'CSV',
         file: 'forces.csv',
-        text: t('Force and torque of every motion'),
+        text: t('Force and torque over time'),
         detail: 'none',
         bytesEach: 163,
       },
@@ -89,7 +104,7 @@ export interface DetailChoice {
   triangles: number | null;
 }
 
-const EXACT: DetailChoice = { text: 'everything', query: '', triangles: null };
+const EXACT: DetailChoice = { text: t('full detail'), query: '', triangles: null };
 
 export function choicesFor(detail: Detail): readonly DetailChoice[] {
   switch (detail) {
@@ -97,21 +112,21 @@ export function choicesFor(detail: Detail): readonly DetailChoice[] {
       return [
         EXACT,
         ...[1_000_000, 100_000, 20_000].map((triangles) => ({
-          text: t('at most {0} triangles', new Intl.NumberFormat(language).format(triangles)),
+          text: t('up to {0} triangles', new Intl.NumberFormat(language).format(triangles)),
           query: `triangles=${triangles}`,
           triangles,
         })),
         ...[0.01, 0.05, 0.2].map((error) => ({
-          text: t('within {0} mm', error),
+          text: t('accurate to {0} mm', error),
           query: `error_mm=${error}`,
           triangles: null,
         })),
       ];
     case 'motions':
       return [
-        { ...EXACT, text: t('every motion') },
+        EXACT,
         ...[0.001, 0.01, 0.1].map((tolerance) => ({
-          text: t('joined within {0} mm', tolerance),
+          text: t('simplified to {0} mm', tolerance),
           query: `tolerance_mm=${tolerance}`,
           triangles: null,
         })),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The badge beside the state hash: a button that has the journal checked, and what came out.
+// The check of the session's history: a button that has the journal checked, and what came out.
 
 import { t } from '../strings';
 import { h, setText } from '../ui/dom';
@@ -9,8 +9,8 @@ import type { Difference } from './first_difference';
 
 function firstText({ after, by }: Difference): string {
   return by === after + 1
-    ? t('The first difference is record {0}.', count(by))
-    : t('The first difference is one of the records {0} to {1}.', count(after + 1), count(by));
+    ? t('The first difference is at step {0}.', count(by))
+    : t('The first difference is between steps {0} and {1}.', count(after + 1), count(by));
 }
 
 /** What happened, for who wants to know more than the badge says. */
@@ -21,18 +21,18 @@ function explanationOf(verdict: Verdict): string {
 function textOf(verdict: Verdict): string {
   switch (verdict.is) {
     case 'running':
-      return t('checking: {0} %', Math.floor(100 * verdict.share));
+      return t('Verifying: {0} %', Math.floor(100 * verdict.share));
     case 'verified':
-      return t('verified: record {0}', count(verdict.record));
+      return t('Verified up to step {0}', count(verdict.record));
     case 'different':
       return t(
-        'differs at record {0}: {1} here, {2} at the server',
+        'Differs at step {0}: {1} here, {2} on the server',
         count(verdict.record),
         verdict.hash,
         verdict.serverHash,
       );
     case 'failed':
-      return t('not checked: {0}', verdict.reason);
+      return t('Not verified: {0}', verdict.reason);
   }
 }
 
@@ -47,9 +47,9 @@ export function checkBadge(
     {
       type: 'button',
       class: 'quiet-action',
-      title: t('Replay the journal in this browser, and compare the state'),
+      title: t('Replay the history in this browser and compare it with the server'),
     },
-    t('Check'),
+    t('Verify'),
   );
   const show = (verdict: Verdict): void => {
     result.dataset['verdict'] = verdict.is;

@@ -20,24 +20,24 @@ const SHAPES: Partial<Record<string, string>> = {
 
 const TEMPLATES: Partial<Record<string, string>> = {
   Box: t('Box'),
-  'A board of limewood for a relief, carved by hand.': t(
-    'A board of limewood for a relief, carved by hand.',
+  'A limewood board for carving a relief by hand.': t(
+    'A limewood board for carving a relief by hand.',
   ),
   Cylinder: t('Cylinder'),
-  'An upright cylinder for a bust, carved by hand from all sides.': t(
-    'An upright cylinder for a bust, carved by hand from all sides.',
+  'An upright cylinder for carving a bust by hand, from all sides.': t(
+    'An upright cylinder for carving a bust by hand, from all sides.',
   ),
   'Milling job': t('Milling job'),
-  'A plate of aluminium for NC programs on three axes.': t(
-    'A plate of aluminium for NC programs on three axes.',
+  'An aluminum plate for three-axis NC programs.': t(
+    'An aluminum plate for three-axis NC programs.',
   ),
   '5-axis study': t('5-axis study'),
-  'A cylinder on a tilting rotary table (A and C).': t(
-    'A cylinder on a tilting rotary table (A and C).',
+  'A cylinder on a tilting rotary table (axes A and C).': t(
+    'A cylinder on a tilting rotary table (axes A and C).',
   ),
   Ammonite: t('Ammonite'),
-  'The block of the demo, in which two simulated hands carve.': t(
-    'The block of the demo, in which two simulated hands carve.',
+  'The block of the ammonite demo, not carved yet.': t(
+    'The block of the ammonite demo, not carved yet.',
   ),
 };
 

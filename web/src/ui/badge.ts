@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The connection badge: state, round trip, frames per second and age of the picture.
+// The connection badge, which names the state, and the figures of the connection for the details.
 
 import { t } from '../strings';
 import type { SessionModel } from '../model/session';
@@ -10,67 +10,56 @@ const STALE_MS = 1000;
 
 export type BadgeState = SessionModel['status'] | 'stale' | 'silent' | 'past';
 
-/** What the badge says of a session now. `brief` is all that fits on a phone. */
+/** The badge's label for a session now, and for how long the server has been silent. */
 export function badgeOf(
   model: SessionModel,
   nowMs: number,
-): { state: BadgeState; label: string; brief: string; more: string } {
+): { state: BadgeState; label: string; brief: string } {
   if (model.status !== 'connected')
-    return { state: model.status, label: LABELS[model.status], brief: '', more: '' };
+    return { state: model.status, label: LABELS[model.status], brief: '' };
   const { overdueMs } = model.liveness;
   if (overdueMs > 0) {
     const brief = t('for {0} s', Math.floor(overdueMs / 1000));
-    return { state: 'silent', label: LABELS.silent, brief, more: '' };
+    return { state: 'silent', label: LABELS.silent, brief };
   }
-  const active = model.active(nowMs);
-  const staleness = model.stalenessMs(nowMs);
-  const isStale = active && staleness > STALE_MS;
+  const isStale = model.active(nowMs) && model.stalenessMs(nowMs) > STALE_MS;
   const state = model.state?.at ? 'past' : isStale ? 'stale' : 'connected';
-  const age = active ? t('{0} old', milliseconds(staleness)) : t('still');
-  return {
-    state,
-    label: LABELS[state],
-    brief: `RTT ${milliseconds(model.clock.rttMs)}`,
-    more: t(' · {0} frames/s · {1}', model.frames.perSecond(nowMs), age) + budgetOf(model),
-  };
+  return { state, label: LABELS[state], brief: '' };
+}
+
+/** Round trip, frames per second and delay of the view, and a limit if one was asked for. */
+export function connectionText(model: SessionModel, nowMs: number): string {
+  if (model.status !== 'connected') return '–';
+  const delay = milliseconds(model.stalenessMs(nowMs));
+  const age = model.active(nowMs) ? t('{0} behind', delay) : t('up to date');
+  const roundTrip = milliseconds(model.clock.rttMs);
+  const rate = model.frames.perSecond(nowMs);
+  return t('Round trip {0} · {1} frames/s · {2}', roundTrip, rate, age) + budgetOf(model);
 }
 
 function budgetOf({ welcome }: SessionModel): string {
   if (welcome?.budget === undefined) return '';
-  return t(' · at most {0} kB/s', Math.round(welcome.budget / 1000));
+  return t(' · up to {0} kB/s', Math.round(welcome.budget / 1000));
 }
 
 export class Badge {
   private readonly state_ = h('span', { class: 'badge-state' });
-  private readonly brief_ = h('span');
-  private readonly more_ = h('span', { class: 'badge-more' });
   // Hidden from screen readers, which announce changes of the state only.
-  private readonly detail_ = h(
-    'span',
-    { class: 'badge-detail', 'aria-hidden': 'true' },
-    this.brief_,
-    this.more_,
-  );
+  private readonly detail_ = h('span', { class: 'badge-detail', 'aria-hidden': 'true' });
   readonly element = h(
     'div',
-    {
-      class: 'badge',
-      role: 'status',
-      'aria-live': 'polite',
-      title: t('Round trip to the server, frames received per second, age of the picture'),
-    },
+    { class: 'badge', role: 'status', 'aria-live': 'polite' },
     h('span', { class: 'badge-dot' }),
     this.state_,
     this.detail_,
   );
 
   update(model: SessionModel, nowMs: number): void {
-    const { state, label, brief, more } = badgeOf(model, nowMs);
+    const { state, label, brief } = badgeOf(model, nowMs);
     this.element.dataset['state'] = state;
     setText(this.state_, label);
     this.detail_.hidden = brief === '';
-    setText(this.brief_, brief);
-    setText(this.more_, more);
+    setText(this.detail_, brief);
   }
 }
 

@@ -25,7 +25,7 @@ export class CapMouse {
     {
       type: 'button',
       class: 'quiet-action',
-      title: t('Its cap moves the picture, its right button shows the whole block'),
+      title: t('The cap moves the view, the right button shows the whole block'),
     },
     t('3D mouse'),
   );
@@ -69,7 +69,7 @@ export class CapMouse {
       this.mouse_ ??= new SpaceMouse(this.hid);
       await this.mouse_.open(asks);
     } catch (problem) {
-      this.host.say(t('The 3D mouse did not open: {0}', (problem as Error).message));
+      this.host.say(t('The 3D mouse could not be opened: {0}', (problem as Error).message));
       return;
     }
     if (asks && !this.mouse_.isThere) return; // the user has chosen none

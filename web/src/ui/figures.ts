@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parts of side panels.
 
+import { t } from '../strings';
 import { h, setText } from './dom';
 
 /** A number with its unit, under a label. */
@@ -28,4 +29,9 @@ export class Figure {
 /** A part of a panel. */
 export function section(title: string, ...content: HTMLElement[]): HTMLElement {
   return h('section', { 'aria-label': title }, h('h2', {}, title), ...content);
+}
+
+/** Figures for the curious, shown on request. */
+export function details(...content: HTMLElement[]): HTMLElement {
+  return h('details', { class: 'more' }, h('summary', {}, t('Details')), ...content);
 }

@@ -76,8 +76,10 @@ export function duration(milliseconds: number): string {
   return seconds < 3600 ? `${Math.floor(seconds / 60)} min` : `${Math.floor(seconds / 3600)} h`;
 }
 
-/** The hash of the block, or why nothing is carved. */
-export function hashText(state: Pick<StateMessage, 'paused' | 'state_hash'>): string {
-  if (state.paused === undefined) return state.state_hash;
-  return state.paused === 'lease' ? t('paused: lease') : t('paused: disk');
+/** Why nothing can be carved now, as a sentence; empty: it can. */
+export function pauseText(state: Pick<StateMessage, 'paused'> | null): string {
+  if (state?.paused === undefined) return '';
+  return state.paused === 'lease'
+    ? t("Carving is paused: the servers can't reach each other.")
+    : t("Carving is paused: the server's disk is full or can't be written to.");
 }

@@ -5,7 +5,7 @@ import { t } from '../strings';
 import { h } from './dom';
 
 const KEYS: readonly [string, string][] = [
-  ['F', t('Fit the block')],
+  ['F', t('Show the whole block')],
   ['0', t('Three-quarter view')],
   ['1 · 3 · 7', t('Front, right, top')],
   [t('Shift + 1 · 3 · 7'), t('Back, left, bottom')],
@@ -14,36 +14,36 @@ const KEYS: readonly [string, string][] = [
   ['+ · −', t('Zoom')],
   ['N', t('Follow the next tool')],
   ['Esc', t('Stop following')],
-  ['A', t('Force and torque arrows on or off')],
-  ['G', t('Grid on or off')],
-  ['S', t('Sound on or off')],
-  ['T', t('Timeline: look at the past')],
-  ['C', t('Carve, with mouse, pen or finger')],
-  [t('Arrows on the timeline'), t('One motion, with Shift 100, Page up and down 1000')],
-  ['I', t('Sections and measures')],
-  ['O', t('Parallel projection or perspective')],
-  [t('Ctrl + Z'), t('Undo the newest stroke of the selected participant')],
+  ['A', t('Show or hide force and torque arrows')],
+  ['G', t('Show or hide the grid')],
+  ['S', t('Turn sound on or off')],
+  ['T', t('Open the timeline')],
+  ['C', t('Carve with mouse, pen or finger')],
+  [t('Arrow keys on the timeline'), t('One step; with Shift 100, Page up and down 1000')],
+  ['I', t('Sections and measurements')],
+  ['O', t('Switch between parallel and perspective view')],
+  [t('Ctrl + Z'), t('Undo the last stroke of the selected participant')],
   [t('Ctrl + Shift + Z'), t('Redo')],
   ['?', t('Show this help')],
 ];
 
 const CARVING: readonly [string, string][] = [
-  [t('Drag, one finger'), t('Carve')],
-  [t('Right drag, Space + drag, two fingers'), t('Rotate')],
-  [t('Middle drag, three fingers'), t('Pan')],
-  [t('Ctrl + wheel, pressure of a pen'), t('Depth')],
+  [t('Drag, or one finger'), t('Carve')],
+  [t('Right drag, Space + drag, or two fingers'), t('Rotate')],
+  [t('Middle drag, or three fingers'), t('Pan')],
+  [t('Ctrl + wheel, or pen pressure'), t('Depth')],
   ['[ · ]', t('Tool')],
-  ['P · L', t('Follow the surface or a plane; lean with the surface')],
-  [t('Ctrl + Z, tap with two fingers'), t('Undo your newest stroke')],
-  [t('Ctrl + Shift + Z, tap with three'), t('Redo')],
-  ['Esc', t('End the stroke, then carving')],
+  ['P · L', t('Follow the surface or a plane; lean on or off')],
+  [t('Ctrl + Z, or tap with two fingers'), t('Undo your last stroke')],
+  [t('Ctrl + Shift + Z, or tap with three fingers'), t('Redo')],
+  ['Esc', t('End the stroke; press again to stop carving')],
 ];
 
 const POINTERS: readonly [string, string][] = [
-  [t('Drag, one finger'), t('Rotate')],
-  [t('Right drag, two fingers'), t('Pan')],
-  [t('Wheel, pinch'), t('Zoom towards the pointer')],
-  [t('Double click'), t('Center on that point')],
+  [t('Drag, or one finger'), t('Rotate')],
+  [t('Right drag, or two fingers'), t('Pan')],
+  [t('Wheel, or pinch'), t('Zoom toward the pointer')],
+  [t('Double-click'), t('Center the view there')],
 ];
 
 function table(rows: readonly [string, string][]): HTMLElement {
@@ -58,7 +58,7 @@ export function helpDialog(): HTMLDialogElement {
   const close = h('button', { class: 'button' }, t('Close'));
   const dialog = h(
     'dialog',
-    { class: 'help', 'aria-label': t('Keyboard and pointer') },
+    { class: 'help', 'aria-label': t('Keyboard and mouse') },
     // Else the button at the end has the focus, and the beginning is out of sight.
     h('h2', { tabindex: '-1', autofocus: '' }, t('Keyboard')),
     table(KEYS),

@@ -79,8 +79,8 @@ export class History {
   private button_(label: string, key: string, change: StrokeChange): HTMLButtonElement {
     const title =
       change === 'undo'
-        ? t('Undo the newest stroke of the participant that is selected ({0})', key)
-        : t('Redo the newest stroke of the participant that is selected ({0})', key);
+        ? t("Undo the selected participant's last stroke ({0})", key)
+        : t("Redo the selected participant's last stroke ({0})", key);
     const button = h('button', { type: 'button', class: 'history-button', title }, label);
     button.addEventListener('click', () => void this.change(change));
     return button;
@@ -137,6 +137,6 @@ export class History {
 export function changedText(change: StrokeChange, name: string): string {
   if (name === '') return change === 'undo' ? t('A stroke was undone.') : t('A stroke was redone.');
   return change === 'undo'
-    ? t('A stroke of {0} was undone.', name)
-    : t('A stroke of {0} was redone.', name);
+    ? t('A stroke by {0} was undone.', name)
+    : t('A stroke by {0} was redone.', name);
 }

@@ -8,9 +8,9 @@ import { copyText, h, setText } from './dom';
 import { sentence } from './format';
 
 const ROLES: readonly [InvitedRole, string, string][] = [
-  ['watcher', t('Watcher'), t('sees the block and downloads it')],
-  ['sculptor', t('Sculptor'), t('carves too, and runs programs')],
-  ['owner', t('Owner'), t('invites, mutes and removes people, closes the session')],
+  ['watcher', t('Watcher'), t('can view and download the block')],
+  ['sculptor', t('Sculptor'), t('can also carve and run programs')],
+  ['owner', t('Owner'), t('can also invite, mute and remove participants, and close the session')],
 ];
 const TIMES: readonly [string, number][] = [
   [t('for a day'), 24],
@@ -40,7 +40,7 @@ export function inviteDialog(session: string): HTMLDialogElement {
   });
   const time = h(
     'select',
-    { class: 'invite-time', 'aria-label': t('The link works') },
+    { class: 'invite-time', 'aria-label': t('Link is valid') },
     ...TIMES.map(([text, hours]) => h('option', { value: String(hours) }, text)),
   );
   time.value = String(TIMES[1]![1]);
@@ -48,26 +48,29 @@ export function inviteDialog(session: string): HTMLDialogElement {
     class: 'invite-link',
     readonly: '',
     hidden: '',
-    'aria-label': t('The link to send'),
+    'aria-label': t('Invitation link'),
   });
   const code = h('div', {
     class: 'invite-code',
     role: 'img',
-    'aria-label': t('The link as a QR code'),
+    'aria-label': t('Invitation link as a QR code'),
     hidden: '',
   });
   const note = h('p', { class: 'quiet', role: 'status' });
-  const make = h('button', { type: 'button', class: 'button' }, t('Make a link'));
+  const make = h('button', { type: 'button', class: 'button' }, t('Create link'));
   make.addEventListener('click', () => {
     makeInvitation(session, role, Number(time.value)).then(
       (address) => {
         link.value = address;
         link.hidden = false;
         link.select();
-        const end = t('It works until {0}', untilText(Number(time.value)));
-        setText(note, t('Anyone with this link gets the role. {0}. It is shown only here.', end));
+        const end = t('It expires on {0}', untilText(Number(time.value)));
+        setText(
+          note,
+          t('Anyone with this link gets this role. {0}. Copy it now: it is shown only once.', end),
+        );
         showCode(code, address).catch((problem: unknown) => console.warn('No QR code:', problem));
-        copyText(address, () => setText(note, t('Copied. Send it to the person. {0}.', end)));
+        copyText(address, () => setText(note, t('Copied. Send it to your guest. {0}.', end)));
       },
       (problem: unknown) => setText(note, sentence((problem as Error).message)),
     );

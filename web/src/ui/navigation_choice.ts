@@ -16,7 +16,7 @@ export function navigationChoice(chosen: (navigation: Navigation) => void): HTML
     { class: 'language', 'aria-label': t('Mouse buttons as in') },
     ...NAVIGATIONS.map(({ id, name }) => h('option', { value: id }, name)),
   );
-  select.title = t('What dragging with the middle and the right button does');
+  select.title = t('What the middle and right buttons do when dragging');
   select.value = navigationOf(recall(KEY)).id;
   select.addEventListener('change', () => {
     remember(KEY, select.value);

@@ -3,12 +3,12 @@
 
 import { t } from '../strings';
 import type { SessionModel } from '../model/session';
-import { sentence } from './format';
+import { pauseText, sentence } from './format';
 import type { NoticeText } from './notice';
 
 export const SESSION_CLOSED = t('The server closed the session');
 const NO_PICTURE = t(
-  'No picture: this browser has no WebGL 2. Turn on hardware acceleration to see the block; the rest works.',
+  'No 3D view: this browser has no WebGL 2. Turn on hardware acceleration to see the block. Everything else works.',
 );
 const FLASH_MS = 2500;
 
@@ -49,15 +49,19 @@ export function noticeText(state: NoticeState, nowMs: number): NoticeText {
   if (status === 'reconnecting') return reconnecting(state, nowMs);
   if (status === 'stopped')
     return {
-      text: t('{0} The last picture stays on screen.', sentence(statusReason || SESSION_CLOSED)),
+      text: t('{0} You see the last state.', sentence(statusReason || SESSION_CLOSED)),
     };
   if (status === 'connecting') return { text: t('Connecting…') };
   if (state.contextLost)
     return {
-      text: t('The graphics device was lost. Drawing resumes when the browser restores it.'),
+      text: t(
+        'The graphics card stopped responding. The view returns when the browser has restored it.',
+      ),
     };
   const flash = state.flash.text(nowMs);
   if (flash !== '') return { text: flash };
+  const paused = pauseText(state.model.state);
+  if (paused !== '') return { text: paused };
   if (state.hasNoPicture) return { text: NO_PICTURE };
   return { text: tiles.complete ? '' : t('Loading the block…') };
 }

@@ -6,12 +6,13 @@ import { pageAddress } from '../link/request';
 import type { StockMaterialPreset } from '../model/materials';
 import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
+import { connectionText } from './badge';
 import { h, setText } from './dom';
 import { capMouse } from './cap_mouse';
 import type { CapMouseHost } from './cap_mouse';
 import { languageChoice } from './language_choice';
-import { Figure, section } from './figures';
-import { count, duration, figure, hashText, volume } from './format';
+import { details, Figure, section } from './figures';
+import { count, duration, figure, volume } from './format';
 import type { Navigation } from '../model/navigation';
 import { History } from './history';
 import { MaterialChoice } from './material_choice';
@@ -41,16 +42,17 @@ export class Panel {
   private readonly handle_ = h(
     'button',
     { type: 'button', class: 'sheet-handle', 'aria-expanded': 'false' },
-    t('Show details'),
+    t('Show more'),
   );
   private readonly motions_ = new Figure(t('Motions'));
   private readonly removed_ = new Figure(t('Removed'));
   private readonly triangles_ = new Figure(t('Triangles'));
-  private readonly pitch_ = new Figure(t('Pitch'));
+  private readonly pitch_ = new Figure(t('Grid spacing'));
   private readonly hash_ = h('code', {
-    title: t('State hash: two viewers with the same hash show the same block'),
+    title: t('State hash: the same hash means the same block'),
     'data-settled': t('complete'),
   });
+  private readonly connection_ = h('p', { class: 'quiet hash', title: t('Connection') });
   private readonly plotOf_ = h('span', { class: 'plot-of' });
   private plotted_: Participant | null = null; // stays when the participant leaves
   private readonly material_: MaterialChoice;
@@ -69,31 +71,30 @@ export class Panel {
     this.people_ = new People(model, actions.personPressed, actions.renamed);
     this.history = new History(model, session);
     this.plots_ = new PlotSpot(colors);
-    const figures = h(
-      'dl',
-      { class: 'figures' },
-      this.motions_.element,
-      this.removed_.element,
-      this.triangles_.element,
-      this.pitch_.element,
-    );
+    const check = mountCheck(session);
+    const figures = [this.motions_, this.triangles_, this.pitch_].map(({ element }) => element);
     const forces = section(t('Forces'), this.plots_.element);
     forces.querySelector('h2')?.append(this.plotOf_);
     this.element = h(
       'aside',
-      { class: 'panel', 'aria-label': t('Session details') },
+      { class: 'panel', 'aria-label': t('Session') },
       this.handle_,
       h(
         'div',
         { class: 'panel-scroll' },
-        figures,
+        h('dl', { class: 'figures' }, this.removed_.element),
         section(t('Participants'), this.people_.root),
         together,
         forces,
         section(t('History'), this.history.element),
         section(t('Downloads'), takeHomeButton(model, session)),
         section(t('Material'), this.material_.element),
-        h('p', { class: 'quiet hash' }, t('State '), this.hash_, mountCheck(session) ?? ''),
+        check ? h('p', { class: 'quiet hash' }, check) : '',
+        details(
+          h('dl', { class: 'figures' }, ...figures),
+          h('p', { class: 'quiet hash' }, t('State hash '), this.hash_),
+          this.connection_,
+        ),
         h(
           'div',
           { class: 'preferences' },
@@ -120,8 +121,9 @@ export class Panel {
     );
     this.triangles_.set(count(tiles.triangles));
     this.pitch_.set(welcome ? figure(welcome.pitch_mm) : '–', 'mm');
-    setText(this.hash_, state ? hashText(state) : '–');
+    setText(this.hash_, state?.state_hash ?? '–');
     this.hash_.classList.toggle('settled', state?.settled === true);
+    setText(this.connection_, connectionText(this.model, nowMs));
     this.material_.suggest(this.model.participants.carvers().map(({ info }) => info.kind));
     this.people_.update(selected, followed, nowMs);
     this.history.update(selected, nowMs);
@@ -143,7 +145,7 @@ export class Panel {
   private toggle_(): void {
     const open = this.element.classList.toggle('open');
     this.handle_.setAttribute('aria-expanded', String(open));
-    this.handle_.textContent = open ? t('Hide details') : t('Show details');
+    this.handle_.textContent = open ? t('Show less') : t('Show more');
     this.actions.toggled(open);
   }
 }

@@ -65,7 +65,7 @@ export class People {
     const carvers = this.model.participants.carvers();
     this.element.replaceChildren(...carvers.map((participant) => this.row_(participant).element));
     if (carvers.length === 0) {
-      this.element.append(h('li', { class: 'quiet' }, t('No one is carving.')));
+      this.element.append(h('li', { class: 'quiet' }, t('Nobody is carving.')));
     }
     this.watchers_.update();
   }
@@ -121,7 +121,7 @@ export class People {
             ? 'cutting'
             : 'air';
     const word = STATES[state];
-    setText(row.state, id === followed ? t('{0} · followed', word) : word);
+    setText(row.state, id === followed ? t('{0} · following', word) : word);
     row.state.dataset['state'] = state;
   }
 }

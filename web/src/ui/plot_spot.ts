@@ -12,7 +12,7 @@ export class PlotSpot {
   readonly element = h(
     'div',
     { class: 'plot-spot' },
-    h('p', { class: 'quiet' }, t('There is nothing to plot yet.')),
+    h('p', { class: 'quiet' }, t('No forces yet.')),
   );
   private plots_: Plots | null = null;
   private triedS_ = -Infinity;

@@ -15,7 +15,7 @@ const WIDTHS = { alone: 960, until: 480 } as const;
 export class Poster {
   readonly element = h('img', {
     class: 'poster',
-    alt: t('The block, as the server draws it'),
+    alt: t('The block, drawn by the server'),
     hidden: '',
   });
   private askedMs_ = -Infinity;

@@ -13,7 +13,7 @@ export async function showSessions(app: HTMLElement, always: boolean): Promise<s
     sessions = await listSessions();
   } catch (problem) {
     if (problem instanceof InvitationNeeded) {
-      app.replaceChildren(failurePage(t('By invitation'), problem.message, []));
+      app.replaceChildren(failurePage(t('By invitation only'), problem.message, []));
       return null;
     }
     const text = t(

@@ -54,7 +54,7 @@ export class SessionPage {
     class: 'canvas',
     tabindex: '0',
     role: 'img',
-    'aria-label': t('The block and the tools, in 3D'),
+    'aria-label': t('3D view of the block and the tools'),
   });
   private readonly overlay_ = h('div', { class: 'overlay', 'aria-hidden': 'true' });
   private readonly notice_ = new Notice(() => this.link_.retryNow());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The strokes of a session, newest first: author, tool, time, motions; each can be undone or redone.
+// The strokes of a session, newest first: author, tool, time; each can be undone or redone.
 
 import { language, t } from '../strings';
 import type { Stroke, StrokeChange } from '../link/strokes';
@@ -27,7 +27,7 @@ export class StrokeList {
     this.element.replaceChildren(...newest.map((stroke) => this.row_(stroke)));
     const hidden = strokes.length - newest.length;
     if (hidden > 0)
-      this.element.append(h('li', { class: 'quiet' }, t('{0} older ones', count(hidden))));
+      this.element.append(h('li', { class: 'quiet' }, t('{0} older strokes', count(hidden))));
     if (strokes.length === 0)
       this.element.append(h('li', { class: 'quiet' }, t('No strokes yet.')));
   }
@@ -49,15 +49,9 @@ export class StrokeList {
       {
         class: stroke.undone ? 'stroke undone' : 'stroke',
         style: `--who:${this.authors.colorOf(stroke.participant)}`,
-        title: t('Record {0}', stroke.id),
       },
       h('span', { class: 'stroke-dot' }),
-      h(
-        'span',
-        {},
-        name,
-        h('small', {}, t('{0} · {1} · {2} motions', tool, time, count(stroke.motions))),
-      ),
+      h('span', {}, name, h('small', {}, `${tool} · ${time}`)),
       button,
     );
   }

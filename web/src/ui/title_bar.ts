@@ -68,7 +68,7 @@ export class TitleBar {
       one.info.participant === welcome?.participant ||
       participants.isAgentOf(welcome?.participant, one);
     const newcomer = this.newcomers_.update(participants.all(), isSelf, nowMs);
-    const joins = newcomer === '' ? '' : t('{0} joins in', newcomer);
+    const joins = newcomer === '' ? '' : t('{0} has joined', newcomer);
     const who = [carving, joins].filter((text) => text !== '').join(' · ');
     this.headline_.hidden = who === '' || model.state?.at !== undefined;
     setText(this.who_, who);

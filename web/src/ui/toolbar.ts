@@ -38,7 +38,7 @@ export class Toolbar {
 
   constructor(actions: ToolbarActions, sound: HTMLElement) {
     this.views_ = [
-      iconButton(ICONS.fit, t('Fit'), 'F', actions.fit),
+      iconButton(ICONS.fit, t('Show the whole block'), 'F', actions.fit),
       iconButton(ICONS.iso, t('Three-quarter view'), '0', actions.iso),
       iconButton(ICONS.front, t('Front'), '1', actions.front),
       iconButton(ICONS.right, t('Right'), '3', actions.right),
@@ -51,7 +51,7 @@ export class Toolbar {
       'A',
       actions.toggleArrows,
     );
-    const help = iconButton(ICONS.help, t('Keyboard and pointer'), '?', actions.help);
+    const help = iconButton(ICONS.help, t('Keyboard and mouse'), '?', actions.help);
     help.classList.add('help-button');
     this.element = h(
       'div',

@@ -296,7 +296,7 @@ describe('hand', () => {
     overhang.geometry!.setIndex([...overhang.geometry!.index!.array].reverse());
     tiles.set(overhang, 2, 2, SIDE);
     eye.z = -500;
-    expect(hand.begin(at(0), 1)).toContain('does not get there');
+    expect(hand.begin(at(0), 1)).toContain('reach this spot');
     expect(hand.begin(at(90), 1)).toBe('');
     expect(hand.isCutting).toBe(false);
     expect(samples()).toEqual([]);

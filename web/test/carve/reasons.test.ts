@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { whyNotCarve, whyNotNow } from '../../src/carve/reasons';
+import { rejectionText, whyNotCarve, whyNotNow } from '../../src/carve/reasons';
 import type { StateMessage } from '../../src/wire/types';
 
 describe('whyNotNow', () => {
@@ -18,7 +18,7 @@ describe('whyNotNow', () => {
     expect(whyNotNow({ state, status: 'reconnecting' }, true)).toContain('Not connected');
     expect(whyNotNow({ state: { ...state, at }, status: 'connected' }, true)).toContain('past');
     const paused = { ...state, paused: 'disk' as const };
-    expect(whyNotNow({ state: paused, status: 'connected' }, true)).toContain('cannot write');
+    expect(whyNotNow({ state: paused, status: 'connected' }, true)).toContain('written');
     const alone = { ...state, paused: 'lease' as const };
     expect(whyNotNow({ state: alone, status: 'connected' }, true)).toContain('reach each other');
   });
@@ -29,7 +29,19 @@ describe('whyNotCarve', () => {
     expect(whyNotCarve({})).toBe('');
     expect(whyNotCarve({ may: ['watch', 'carve'], role: 'sculptor' })).toBe('');
     expect(whyNotCarve({ may: ['watch'], role: 'watcher' })).toBe(
-      'Your role, watcher, may not carve.',
+      'Your role, watcher, does not allow carving.',
     );
+  });
+});
+
+describe('rejectionText', () => {
+  it('says that there is no stroke, without the number of the participant', () => {
+    expect(rejectionText('participant 5 has no stroke to undo')).toBe(
+      'There is no stroke to undo.',
+    );
+    expect(rejectionText('participant 12 has no stroke to redo')).toBe(
+      'There is no stroke to redo.',
+    );
+    expect(rejectionText('the tool is muted')).toBe('the tool is muted');
   });
 });

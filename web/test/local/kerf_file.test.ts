@@ -27,19 +27,19 @@ describe('a file that is no good journal', () => {
 
   it('is not taken for a journal', async () => {
     const other = new TextEncoder().encode('solid cube\n'.repeat(500));
-    await expect(readKerfFile(other)).rejects.toThrow(/^it is not a journal of Kerf$/);
+    await expect(readKerfFile(other)).rejects.toThrow(/^this is not a KERF file$/);
     const empty = await openDatabase(null);
     empty.run('CREATE TABLE notes(text TEXT)');
     const notes = empty.export();
     empty.close();
-    await expect(readKerfFile(notes)).rejects.toThrow(/^it is not a journal of Kerf$/);
+    await expect(readKerfFile(notes)).rejects.toThrow(/^this is not a KERF file$/);
   });
 
   it('is called damaged, with the words of SQLite and what to do', async () => {
     const bytes = await marked();
     const broken = bytes.slice(0, bytes.length / 2).fill(0xa5, 4096);
     await expect(readKerfFile(broken)).rejects.toThrow(
-      /^it is damaged \(.+\): “kerf-server check” says what can be saved$/,
+      /^this KERF file is damaged \(.+\): run “kerf-server check” to see what can be saved$/,
     );
   });
 });

@@ -97,13 +97,13 @@ describe('the panel of the page without a server', () => {
     vi.stubGlobal('navigator', { language: 'en' });
     const { panel } = make(() => false);
     const text = (): string => (panel.element as unknown as FakeElement).textContent;
-    panel.setStored('verified: record 9');
-    expect(text()).toContain('verified');
+    panel.setStored('Verified up to step 9');
+    expect(text()).toContain('Verified');
     panel.setFiles(NO_FILES, null);
-    expect(text()).not.toContain('verified');
+    expect(text()).not.toContain('Verified');
   });
 
-  it('counts motions of a program, and records of a journal', () => {
+  it('counts the motions of a program, and the steps of a journal', () => {
     vi.stubGlobal('navigator', { language: 'en' });
     const { panel } = make(() => false);
     const text = (): string => (panel.element as unknown as FakeElement).textContent;
@@ -111,11 +111,11 @@ describe('the panel of the page without a server', () => {
     panel.setAbout(ABOUT);
     panel.setProgress(PROGRESS, 12, true);
     expect(text()).toContain('Motions5');
-    expect(text()).toContain('Motion 2 of 5');
+    expect(text()).toContain('Step 2 of 5');
     panel.setAbout({ ...ABOUT, kernel_version: 9 });
     panel.setProgress(PROGRESS, 12, true);
-    expect(text()).toContain('Records5');
-    expect(text()).toContain('Record 2 of 5');
+    expect(text()).toContain('Steps5');
+    expect(text()).toContain('Step 2 of 5');
   });
 
   it('has no 3D mouse where the browser can have none', () => {

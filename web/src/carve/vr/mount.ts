@@ -49,7 +49,7 @@ export function mountVr(host: CarveHost, carving: VrCarving): () => VrState | nu
     } catch (problem) {
       isBusy = false;
       carving.leave();
-      host.say(t('The headset did not start: {0}', (problem as Error).message));
+      host.say(t('The headset could not start: {0}', (problem as Error).message));
     }
   };
   xr?.isSessionSupported('immersive-vr').then(

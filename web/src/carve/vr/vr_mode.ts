@@ -198,7 +198,7 @@ export class VrMode {
 
   private drawPanel_(nowMs: number): void {
     const { wielded, viewer } = this.host;
-    if (nowMs > this.noteUntilMs_) this.note_ = wielded ? '' : t('You may look, but not carve.');
+    if (nowMs > this.noteUntilMs_) this.note_ = wielded ? '' : t('You can watch, but not carve.');
     this.panel_.draw({
       tool: toolName(wielded?.settings.tool ?? undefined),
       forceN: wielded?.forceN() ?? 0,

@@ -104,10 +104,8 @@ export class Comparing {
     if (this.parts_.length === 0)
       this.controls_.say(
         this.may_('run_programs')
-          ? t(
-              'Add the part that the block is to become, in the coordinates of the block, or drop it here',
-            )
-          : t('Nobody has added a part to compare with'),
+          ? t("Add a model of the finished part, in the block's coordinates, or drop it here")
+          : t('Nobody has added a part to compare with yet'),
       );
   }
 
@@ -147,7 +145,7 @@ export class Comparing {
 
   private async add_(file: File, shift: Vec3): Promise<void> {
     this.choose_(null);
-    this.controls_.say(t('Sending {0} …', file.name));
+    this.controls_.say(t('Uploading {0}…', file.name));
     try {
       const part = await setTarget(this.session, file, shift);
       this.sent_ = file;
@@ -246,11 +244,13 @@ export class Comparing {
     if (!part || !painted) return;
     if (isOutside({ min: part.min_mm, max: part.max_mm }, this.bounds())) {
       const canMove = this.sent_?.name === part.name;
-      this.controls_.say(t('The part is beside the block: its origin is another one'), canMove);
+      this.controls_.say(t('The part lies outside the block: their origins differ'), canMove);
     } else if (painted.share < 1 || !this.survey_) {
-      this.controls_.say(t('Measuring … {0} %', 10 * Math.floor(10 * painted.share)));
+      this.controls_.say(t('Measuring… {0} %', 10 * Math.floor(10 * painted.share)));
     } else if (part.fault) {
-      this.controls_.say(t('Signs may be wrong, because the part is not closed: {0}', part.fault));
+      this.controls_.say(
+        t('The part is not closed, so “too deep” and “left over” may be mixed up: {0}', part.fault),
+      );
     } else {
       this.controls_.say('');
     }

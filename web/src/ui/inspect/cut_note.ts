@@ -15,7 +15,7 @@ export class CutNote {
   private readonly line_ = h(
     'button',
     { type: 'button', class: 'inspect-action', hidden: '' },
-    t('Show the line'),
+    t('Show line'),
   );
   readonly element = h('div', { class: 'cut-note' }, this.text_, this.line_);
   private asked_ = 0;
@@ -37,7 +37,7 @@ export class CutNote {
 
   /** Asks about a place of the displayed surface. Null: another one was asked about, or it failed. */
   async ask(point: Vec3, normal: Vec3): Promise<Probe | null> {
-    this.say(t('Asking…'));
+    this.say(t('Loading…'));
     const asked = this.asked_;
     try {
       const at = this.host.model.state?.at?.record ?? null;
@@ -59,17 +59,17 @@ export class CutNote {
   }
 
   private show_(cut: Cut | null, place: Vec3): void {
-    this.write_(cut ? this.textOf_(cut) : t('The surface of the stock as it was.'));
+    this.write_(cut ? this.textOf_(cut) : t('Original stock surface, not cut yet.'));
     const program = cut?.program;
     if (!program || program.line === 0) return;
     this.line_.hidden = false;
     this.go_ = () => this.host.showLine?.({ program: program.id, line: program.line, place });
   }
 
-  private textOf_({ participant, tool, record, program }: Cut): string {
+  private textOf_({ participant, tool, program }: Cut): string {
     const name = program?.name ?? this.authors.nameOf(participant);
     return program && program.line > 0
-      ? t('Cut by {0} in line {1}, with tool {2}, in record {3}.', name, program.line, tool, record)
-      : t('Cut by {0} with tool {1}, in record {2}.', name, tool, record);
+      ? t('Cut by {0} in line {1}, with tool {2}.', name, program.line, tool)
+      : t('Cut by {0} with tool {1}.', name, tool);
   }
 }

@@ -33,7 +33,7 @@ function button(name: string, title: string, act: () => void): HTMLButtonElement
 export class DeviationControls {
   private readonly choice_ = h('select', {
     class: 'deviation-choice',
-    'aria-label': t('Part that the block is compared with'),
+    'aria-label': t('Part to compare with'),
   });
   private readonly file_ = h('input', { type: 'file', accept: EXTENSIONS, hidden: '' });
   private readonly add_: HTMLButtonElement;
@@ -54,10 +54,10 @@ export class DeviationControls {
   private readonly plot_ = new DeviationPlot();
   private readonly worst_ = h('ol', {
     class: 'deviation-worst',
-    'aria-label': t('Worst places'),
+    'aria-label': t('Largest deviations'),
   });
   /** The worst places, and what is known of the one that was pressed. */
-  readonly places = h('div', {}, h('h4', {}, t('Worst places')), this.worst_);
+  readonly places = h('div', {}, h('h4', {}, t('Largest deviations')), this.worst_);
   private readonly found_: HTMLElement;
   readonly element: HTMLElement;
   private units_: LengthUnit = 'mm';
@@ -119,16 +119,16 @@ export class DeviationControls {
     if (!survey) return;
     const { quantiles_mm: quantiles, least_mm: least, greatest_mm: greatest } = survey;
     const percent = 100 * shareWithin(quantiles, toleranceMm);
-    setText(this.within_, t('{0} % within', figure(percent)));
+    setText(this.within_, t('{0} % within tolerance', figure(percent)));
     setText(this.span_, t('{0} to {1} {2}', signed(least, units), signed(greatest, units), units));
-    setText(this.rms_, t('rms {0}', figure(inUnit(survey.rms_mm, units))));
+    setText(this.rms_, t('RMS {0}', figure(inUnit(survey.rms_mm, units))));
     this.plot_.show(quantiles, toleranceMm, rangeOf(survey, toleranceMm), units);
     const beyond = survey.worst.filter(({ mm }) => Math.abs(mm) > toleranceMm);
     this.places.hidden = beyond.length === 0;
     this.worst_.replaceChildren(
       ...beyond.map((place) => {
         const text = signed(place.mm, units);
-        const press = button(text, t('Show the place'), () => this.actions.place(place));
+        const press = button(text, t('Show this spot'), () => this.actions.place(place));
         press.classList.add(place.mm < 0 ? 'too-deep' : 'left-over');
         return h('li', {}, press);
       }),

@@ -60,7 +60,7 @@ export class DeviationPlot {
     this.bars_.setAttribute(
       'aria-label',
       t(
-        'Shares of the surface from {0} to {1} {2}',
+        'Share of the surface by deviation, {0} to {1} {2}',
         signed(-range, unit),
         signed(range, unit),
         unit,

@@ -19,7 +19,7 @@ export class Ghost {
     private readonly button: HTMLButtonElement,
     private readonly failed: (reason: string) => void,
   ) {
-    button.title = t('The stock before the first cut');
+    button.title = t('Show the stock before the first cut');
   }
 
   toggle(): void {

@@ -87,7 +87,7 @@ export class InspectPanel implements Layer {
     close.addEventListener('click', () => this.toggle());
     this.element_ = h(
       'section',
-      { class: 'inspect', 'aria-label': t('Sections and measures'), hidden: '' },
+      { class: 'inspect', 'aria-label': t('Sections and measurements'), hidden: '' },
       h('header', {}, h('h2', {}, t('Inspect')), close),
       this.sectioning_.element,
       this.measuring_.element,
@@ -288,7 +288,7 @@ export class InspectPanel implements Layer {
     this.legend_.replaceChildren(
       h('span', { class: 'hollow' }, t('hollow')),
       h('span', { class: 'raised' }, t('raised')),
-      t('full up to a radius of {0}', radius),
+      t('full color up to a radius of {0}', radius),
     );
     this.viewer.touch();
   }

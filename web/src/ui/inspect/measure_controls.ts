@@ -7,11 +7,11 @@ import type { LengthUnit, Measure, MeasureKind } from '../../model/measure';
 import { h, setText } from '../dom';
 
 const KINDS: readonly [MeasureKind, string, string][] = [
-  ['distance', t('Distance'), t('Press two points. Corners and edges attract.')],
-  ['thickness', t('Thickness'), t('Press a wall: measured straight through it.')],
-  ['depth', t('Depth'), t('Press a point: measured below the top of the stock.')],
-  ['radius', t('Radius'), t('Press three points of a round.')],
-  ['angle', t('Angle'), t('Press two faces: the angle of the material between them.')],
+  ['distance', t('Distance'), t('Pick two points. They snap to corners and edges.')],
+  ['thickness', t('Thickness'), t('Pick a wall to measure straight through it.')],
+  ['depth', t('Depth'), t('Pick a point to measure its depth below the top of the stock.')],
+  ['radius', t('Radius'), t('Pick three points on a rounded edge or a hole.')],
+  ['angle', t('Angle'), t('Pick two faces to measure the angle of the material between them.')],
 ];
 const NAMES = new Map(KINDS.map(([kind, name]) => [kind, name]));
 
@@ -25,7 +25,7 @@ export interface MeasureActions {
 export class MeasureControls {
   private readonly kinds_: HTMLButtonElement[];
   private readonly hint_ = h('p', { class: 'quiet inspect-hint', role: 'status' });
-  private readonly list_ = h('ul', { class: 'inspect-list', 'aria-label': t('Measures') });
+  private readonly list_ = h('ul', { class: 'inspect-list', 'aria-label': t('Measurements') });
   private readonly clear_ = h(
     'button',
     { type: 'button', class: 'inspect-action', hidden: '' },
@@ -47,7 +47,7 @@ export class MeasureControls {
       h('h3', {}, t('Measure')),
       h(
         'div',
-        { class: 'inspect-choice', role: 'group', 'aria-label': t('What is measured') },
+        { class: 'inspect-choice', role: 'group', 'aria-label': t('What to measure') },
         ...this.kinds_,
       ),
       this.hint_,

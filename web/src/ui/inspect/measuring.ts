@@ -80,7 +80,12 @@ export class Measuring {
       this.pressed_ = [];
       this.controls_.showKind(this.kind_, 0);
       if (measure) this.keep_([...this.measures_, measure]);
-      else this.controls_.say(t('These points are on a line, or the wall has no other side.'));
+      else
+        this.controls_.say(
+          t(
+            'No result: the points lie on one line, or the wall has no back side. Pick other points.',
+          ),
+        );
     } else {
       this.controls_.showKind(this.kind_, this.pressed_.length);
     }

@@ -43,7 +43,7 @@ export function mountInspect(host: InspectHost): () => void {
   const toggle = (): void => {
     if (host.picture.viewer) open(); // without a picture there is nothing to inspect
   };
-  const button = iconButton(ICONS.inspect, t('Sections and measures'), 'I', toggle);
+  const button = iconButton(ICONS.inspect, t('Sections and measurements'), 'I', toggle);
   button.setAttribute('aria-expanded', 'false');
   host.toolbar.firstElementChild?.after(button);
   return toggle;

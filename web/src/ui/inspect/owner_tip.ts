@@ -87,7 +87,7 @@ export class OwnerTip {
       if (!this.hover_.answered(place)) return;
       if (!found) this.hide_();
       else if (cut) this.show_(place, this.nameOf_(cut), this.detailOf_(cut), cut.participant);
-      else this.show_(place, t('The surface of the stock as it was.'), '', null);
+      else this.show_(place, t('Original stock surface, not cut yet.'), '', null);
     } catch (problem) {
       if (this.hover_.answered(place))
         this.show_(place, sentence((problem as Error).message), '', null);
@@ -98,11 +98,8 @@ export class OwnerTip {
     return program?.name ?? this.host.authors.nameOf(participant);
   }
 
-  private detailOf_({ tool, beginMs, stroke, program }: Cut): string {
-    const what =
-      program && program.line > 0
-        ? t('line {0}', program.line)
-        : t('stroke from record {0}', stroke);
+  private detailOf_({ tool, beginMs, program }: Cut): string {
+    const what = program && program.line > 0 ? t('line {0}', program.line) : t('stroke');
     return [toolName(this.host.model.tool(tool)), what, moment(beginMs, Date.now())].join(' · ');
   }
 

@@ -22,13 +22,13 @@ export class Owning {
   private readonly button_ = h(
     'button',
     { type: 'button', class: 'inspect-action', 'aria-pressed': 'false' },
-    t('Color by person'),
+    t('Color by participant'),
   );
   private readonly hint_ = h('p', { class: 'quiet inspect-hint', role: 'status', hidden: '' });
   private readonly how_ = h(
     'p',
     { class: 'quiet inspect-hint', hidden: '' },
-    t('Who cut a place: point at it, press it, or press Enter for the middle of the picture.'),
+    t('Point at or click a spot to see who cut it. Press Enter for the middle of the view.'),
   );
   private readonly legend_ = h('ul', { class: 'owner-legend', 'aria-label': t('Who cut what') });
   readonly element: HTMLElement;
@@ -108,7 +108,7 @@ export class Owning {
     if (drawn === this.drawn_) return;
     this.drawn_ = drawn;
     this.drawLegend_(painted);
-    if (done < 100) this.say_(t('Looking for who cut it … {0} %', done));
+    if (done < 100) this.say_(t('Finding who cut what… {0} %', done));
     else this.say_(this.legend_.childElementCount === 0 ? t('Nobody has cut anything yet') : '');
   }
 
@@ -178,7 +178,7 @@ export class Owning {
         type: 'button',
         'aria-pressed': String(this.alone_ === slot),
         'data-slot': String(slot),
-        title: t('Show what {0} has cut', name),
+        title: t('Show what {0} cut', name),
       },
       h('span', {
         class: 'owner-color',

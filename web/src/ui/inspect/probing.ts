@@ -49,7 +49,7 @@ export class Probing {
     this.button_.setAttribute('aria-pressed', String(on));
     this.last_ = null;
     setText(this.place_, '');
-    this.note.say(on ? t('Press the surface: its exact place, and who cut it.') : '');
+    this.note.say(on ? t('Click the surface to see the exact position and who cut it.') : '');
   }
 
   setUnits(units: LengthUnit): void {

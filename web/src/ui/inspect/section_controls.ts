@@ -14,7 +14,7 @@ const DIRECTIONS: readonly [Direction, string, string][] = [
   ['x', 'X', t('Section across X')],
   ['y', 'Y', t('Section across Y')],
   ['z', 'Z', t('Section across Z')],
-  ['face', t('Face…'), t('Section along a face: press one in the picture')],
+  ['face', t('Face…'), t('Section along a face: pick one in the view')],
 ];
 
 export interface SectionActions {
@@ -32,13 +32,13 @@ export class SectionControls {
     type: 'range',
     class: 'inspect-range',
     step: 'any',
-    'aria-label': t('Place of the section'),
+    'aria-label': t('Section position'),
   });
   private readonly number_ = h('input', {
     type: 'number',
     class: 'inspect-number',
     step: 'any',
-    'aria-label': t('Place of the section'),
+    'aria-label': t('Section position'),
   });
   private readonly unit_ = h('span', { class: 'quiet' });
   private readonly placed_: HTMLElement;
@@ -73,7 +73,7 @@ export class SectionControls {
         { class: 'inspect-row' },
         this.number_,
         this.unit_,
-        button(t('Flip'), t('Cut away the other side'), actions.flip),
+        button(t('Flip'), t('Hide the other side'), actions.flip),
         button(t('Face on'), t('Look straight at the section'), actions.face),
       ),
       h('p', { class: 'inspect-figures' }, this.area_, this.outline_),
@@ -84,7 +84,7 @@ export class SectionControls {
       h('h3', {}, t('Section')),
       h(
         'div',
-        { class: 'inspect-choice', role: 'group', 'aria-label': t('Direction of the section') },
+        { class: 'inspect-choice', role: 'group', 'aria-label': t('Section direction') },
         ...this.directions_,
       ),
       this.placed_,
@@ -104,7 +104,7 @@ export class SectionControls {
     this.units_ = units;
     this.placed_.hidden = mm === null;
     if (mm === null) return;
-    setText(this.area_, t('Area …')); // until it is computed
+    setText(this.area_, t('Area…')); // until it is computed
     this.range_.value = String(mm);
     this.number_.value = String(Number(inUnit(mm, units).toFixed(units === 'mm' ? 3 : 4)));
     setText(this.unit_, units);

@@ -3,7 +3,7 @@
 
 import { t } from '../../strings';
 import { priceOf } from '../../link/lobby_requests';
-import { priceText, TARGET_DEFAULT_MM, TARGETS_MM } from '../../model/new_block';
+import { motionPriceText, priceText, TARGET_DEFAULT_MM, TARGETS_MM } from '../../model/new_block';
 import type { Scene } from '../../model/new_block';
 import { h, setText } from '../dom';
 import { sentence } from '../format';
@@ -24,6 +24,13 @@ export class Accuracy {
     'aria-label': t('Accuracy'),
   });
   private readonly price_ = h('p', { class: 'price', role: 'status' });
+  private readonly motion_ = h('p');
+  private readonly details_ = h(
+    'details',
+    { class: 'quiet', hidden: '' },
+    h('summary', {}, t('Details')),
+    this.motion_,
+  );
   readonly element = h(
     'div',
     { class: 'accuracy' },
@@ -31,11 +38,12 @@ export class Accuracy {
     h(
       'div',
       { class: 'accuracy-ends' },
-      h('small', {}, t('coarse, quick')),
+      h('small', {}, t('coarse, fast')),
       this.slider_,
       h('small', {}, t('fine, slow')),
     ),
     this.price_,
+    this.details_,
   );
   private asking_: AbortController | null = null;
 
@@ -64,7 +72,9 @@ export class Accuracy {
     const { targetMm } = this;
     try {
       const price = await priceOf(scene, asking.signal);
-      if (this.asking_ === asking) this.tell_(priceText(price, targetMm), true);
+      if (this.asking_ !== asking) return;
+      this.tell_(priceText(price, targetMm), true);
+      setText(this.motion_, motionPriceText(price));
     } catch (problem) {
       if (this.asking_ === asking) this.tell_(sentence((problem as Error).message), false);
     }
@@ -73,6 +83,7 @@ export class Accuracy {
   private tell_(text: string, possible: boolean): void {
     setText(this.price_, text);
     this.price_.classList.toggle('bad', !possible);
+    this.details_.hidden = !possible;
     this.actions.priced(possible);
   }
 

@@ -9,7 +9,7 @@ import type { Person, SessionDetails } from '../../link/lobby_requests';
 import { pictureUrl, PictureVersions } from '../../link/picture_url';
 import { ageText, stockText } from '../../model/new_block';
 import { h, setText } from '../dom';
-import { count, figure } from '../format';
+import { figure } from '../format';
 import { sessionUrl } from './session_url';
 
 const PEOPLE_MAX = 4;
@@ -39,7 +39,11 @@ class Card {
     height: '360',
   });
   private readonly name_ = h('strong');
-  private readonly people_ = h('ul', { class: 'chips', 'aria-label': t('People'), hidden: '' });
+  private readonly people_ = h('ul', {
+    class: 'chips',
+    'aria-label': t('Participants'),
+    hidden: '',
+  });
   private readonly facts_ = h('span', { class: 'quiet' });
   private readonly size_ = h('span', { class: 'quiet' });
   private readonly close_: HTMLButtonElement;
@@ -76,8 +80,7 @@ class Card {
     const version = this.versions_.next(summary.motions, summary.removedVolumeMm3);
     if (version !== null) this.picture_.src = pictureUrl(summary.id, version, 480);
     const { activeMs } = summary;
-    const age = activeMs === null ? '' : t('active {0} · ', ageText(activeMs, Date.now()));
-    setText(this.facts_, t('{0}{1} motions', age, count(summary.motions)));
+    setText(this.facts_, activeMs === null ? '' : t('Active {0}', ageText(activeMs, Date.now())));
     void this.ask_();
   }
 
@@ -99,7 +102,7 @@ class Card {
     const rest = left > 0 ? [h('li', { class: 'chip' }, `+ ${left}`)] : [];
     this.people_.replaceChildren(...shown.map(chip), ...rest);
     this.people_.hidden = people.length === 0;
-    setText(this.size_, t('{0} · pitch {1} mm', stockText(stock), figure(pitchMm)));
+    setText(this.size_, t('{0} · detail {1} mm', stockText(stock), figure(pitchMm)));
   }
 }
 

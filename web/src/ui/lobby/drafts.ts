@@ -12,7 +12,7 @@ import { resized, sizesOf } from '../../model/stock_size';
 import { unplaced } from '../../model/placement';
 import type { ToolInfo } from '../../wire/types';
 import { h } from '../dom';
-import { count, sentence } from '../format';
+import { sentence } from '../format';
 import { ToolRack } from '../tools/tool_rack';
 import { uploadName } from '../programs/requests';
 import { duration } from '../programs/texts';
@@ -83,8 +83,7 @@ async function fromProgram(file: File, changed: () => void): Promise<Draft> {
   const box = stockBox(scene);
   const tools = scene['tools'] as ToolInfo[];
   const size = t(
-    '{0} motions, {1} at feed rate, about {2} on a machine',
-    count(derived.motions),
+    '{0} at feed rate, about {1} on a machine',
     duration(derived.programmedS),
     duration(derived.machineS),
   );
@@ -112,6 +111,6 @@ export function fromFile(file: File, changed: () => void, repair: boolean): Prom
   if (endsIn(file.name, PROGRAM_ENDINGS)) return fromProgram(file, changed);
   const known = [...MESH_ENDINGS, ...PROGRAM_ENDINGS].join(', ');
   return Promise.reject(
-    new Error(t('{0} cannot be read: its name must end in {1}', file.name, known)),
+    new Error(t("{0} can't be read. Choose a file whose name ends in {1}", file.name, known)),
   );
 }

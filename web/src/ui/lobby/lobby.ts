@@ -103,7 +103,7 @@ export class Lobby {
     const empty = this.sessions_.length === 0;
     setText(
       this.lead_,
-      empty ? t('Nothing is being carved here yet.') : t('Choose a block to watch.'),
+      empty ? t('Nothing here yet. Create a block to start.') : t('Choose a block to open.'),
     );
     this.cards_.update(this.sessions_, {
       close: this.mayManage_ ? (session) => this.askToClose_(session) : null,
@@ -111,13 +111,13 @@ export class Lobby {
   }
 
   private askToClose_({ id, name }: SessionSummary): void {
-    const close = h('button', { type: 'button', class: 'button' }, t('Close it'));
-    const keep = h('button', { type: 'button', class: 'button quiet-button' }, t('Keep it'));
+    const close = h('button', { type: 'button', class: 'button' }, t('Close session'));
+    const keep = h('button', { type: 'button', class: 'button quiet-button' }, t('Keep open'));
     const dialog = h(
       'dialog',
       { class: 'help', 'aria-label': t('Close {0}', name) },
       h('h2', {}, t('Close {0}?', name)),
-      h('p', {}, t('Everybody in it is sent away. The server keeps its record.')),
+      h('p', {}, t('Everyone leaves the session. The server keeps its history.')),
       h('p', { class: 'dialog-actions' }, close, keep),
     );
     keep.addEventListener('click', () => dialog.close());

@@ -24,7 +24,7 @@ export class NewBlock {
   private readonly choices_ = h('div', {
     class: 'choices',
     role: 'group',
-    'aria-label': t('Begin with'),
+    'aria-label': t('Start from'),
   });
   private readonly note_ = h('p', { class: 'quiet', role: 'status' });
   private readonly fault_ = h('div', { class: 'fault', role: 'alert', hidden: '' });
@@ -72,7 +72,7 @@ export class NewBlock {
         this.drop_(t('Run an NC program'), t('Drop or choose G-code or APT'), PROGRAM_ENDINGS),
         this.drop_(t('Carve a model'), t('Drop or choose STL, 3MF, GLB, PLY or OBJ'), MESH_ENDINGS),
       ),
-      h('p', { class: 'quiet' }, t('or begin with')),
+      h('p', { class: 'quiet' }, t('or start from')),
       this.choices_,
       this.note_,
       this.fault_,
@@ -148,7 +148,7 @@ export class NewBlock {
     this.press_(null);
     this.form_.hidden = true;
     this.tell_('');
-    setText(this.note_, t('Reading {0} …', file.name));
+    setText(this.note_, t('Reading {0}…', file.name));
     const reading = ++this.reading_;
     try {
       const draft = await fromFile(file, () => this.changed_(), repair);
@@ -219,7 +219,7 @@ export class NewBlock {
   }
 
   private repairButton_(file: File): HTMLElement {
-    const button = h('button', { type: 'button', class: 'button' }, t('Close its holes'));
+    const button = h('button', { type: 'button', class: 'button' }, t('Close holes'));
     button.addEventListener('click', () => void this.read_(file, true));
     return button;
   }

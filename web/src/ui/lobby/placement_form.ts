@@ -7,15 +7,14 @@ import { isRight, placedBox, UNITS_MM } from '../../model/placement';
 import type { Placement } from '../../model/placement';
 import type { Vec3 } from '../../wire/types';
 import { h, setText } from '../dom';
-import { count } from '../format';
 import { numberInput } from '../number_input';
 
-function sizeText({ triangles, box }: UploadedMesh, placement: Placement): string {
+function sizeText({ box }: UploadedMesh, placement: Placement): string {
   const { min, max } = placedBox(box, placement);
   const side = (n: number): string => (max[n]! - min[n]!).toFixed(1);
   const place = (n: number): string => min[n]!.toFixed(1);
   const size = t(
-    '{0} × {1} × {2} mm, from X {3} Y {4} Z {5}, ',
+    '{0} × {1} × {2} mm, from X {3} Y {4} Z {5}',
     side(0),
     side(1),
     side(2),
@@ -23,8 +22,7 @@ function sizeText({ triangles, box }: UploadedMesh, placement: Placement): strin
     place(1),
     place(2),
   );
-  const text = size + t('{0} triangles.', count(triangles));
-  return isRight(placement) ? text : t('At most {0}', text);
+  return isRight(placement) ? size : t('Up to {0}', size);
 }
 
 function axesRow(
@@ -54,7 +52,7 @@ function unitField(placement: Placement, changed: () => void): HTMLElement {
     placement.unit = unit.value;
     changed();
   });
-  const name = h('span', { class: 'field-name' }, t('Unit of its numbers'));
+  const name = h('span', { class: 'field-name' }, t('Unit of the model'));
   return h('label', { class: 'field' }, name, unit);
 }
 
@@ -77,10 +75,10 @@ export function placementForm(
   const more = h(
     'details',
     {},
-    h('summary', {}, t('Turn, scale, move')),
+    h('summary', {}, t('Rotate, scale, move')),
     axesRow(
-      t('Turn, degrees'),
-      (axis) => t('Turn about {0}, degrees', axis),
+      t('Rotate, degrees'),
+      (axis) => t('Rotate about {0}, degrees', axis),
       placement.rotateDeg,
       update,
     ),

@@ -16,19 +16,19 @@ const SHAPES: readonly [string, string][] = [
 ];
 
 const ORIGINS: Record<FieldOrigin['origin'], string> = {
-  stated: t('stated'),
-  derived: t('derived'),
+  stated: t('given'),
+  derived: t('calculated'),
   assumed: t('assumed'),
 };
 const FIELDS: Record<string, string> = {
   shape: t('shape'),
   diameter_mm: t('diameter'),
   corner_radius_mm: t('corner radius'),
-  tip_angle_deg: t('angle of the tip'),
-  half_angle_deg: t('angle of the side'),
+  tip_angle_deg: t('tip angle'),
+  half_angle_deg: t('side angle'),
   profile_mm: t('outline'),
   'stock.size': t('size'),
-  'stock.place': t('place'),
+  'stock.place': t('position'),
 };
 
 function sourceText(source: string): string {

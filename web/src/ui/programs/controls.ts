@@ -26,7 +26,7 @@ export class Controls {
     {
       type: 'button',
       class: 'button quiet-button',
-      title: t('Carve one block of the program, then pause'),
+      title: t('Run one line, then pause'),
     },
     t('Step'),
   );
@@ -43,7 +43,7 @@ export class Controls {
   );
   readonly element = h(
     'div',
-    { class: 'program-controls', role: 'group', 'aria-label': t('Control') },
+    { class: 'program-controls', role: 'group', 'aria-label': t('Program controls') },
     this.play_,
     this.step_,
     this.speed_,

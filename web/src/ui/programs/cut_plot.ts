@@ -32,7 +32,7 @@ export class CutPlot {
       class: 'cut-slider',
       role: 'slider',
       tabindex: '0',
-      'aria-label': t('Place along the program'),
+      'aria-label': t('Position in the program'),
       'aria-valuemin': '0',
       'aria-valuenow': '0',
     },
@@ -52,7 +52,7 @@ export class CutPlot {
   constructor(private readonly picked: (timeS: number) => number | null) {
     this.plots_ = [
       this.plot_(t('Force, N'), '--force', false),
-      this.plot_(t('Removal, cm³/min'), '--removal', false),
+      this.plot_(t('Removal rate, cm³/min'), '--removal', false),
       this.plot_(t('Feed, mm/min; gaps are rapids'), '--feed', true),
     ];
     const { slider_: slider } = this;
@@ -192,7 +192,7 @@ export class CutPlot {
     const { atS_: atS, line_: line } = this;
     this.at_.hidden = atS === null;
     if (atS === null) {
-      setText(this.text_, t('Press the plot to see the line and the place.'));
+      setText(this.text_, t('Click the plot to see the line and the position.'));
       return;
     }
     this.put_(this.at_, atS);

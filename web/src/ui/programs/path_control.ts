@@ -22,8 +22,8 @@ import type { Picture } from '../picture';
 const NEAR_PX = 10;
 const TAP_PX = 5;
 const LEGEND = [
-  ['past', t('carved')],
-  ['future', t('to come')],
+  ['past', t('done')],
+  ['future', t('to do')],
   ['rapid', t('rapid')],
 ] as const;
 
@@ -41,7 +41,7 @@ export class PathControl {
   readonly element = h(
     'p',
     { class: 'program-path' },
-    h('label', {}, this.shown_, t(' Path in the picture')),
+    h('label', {}, this.shown_, t(' Show path')),
     ...LEGEND.map(([name, text]) =>
       h('span', { class: `path-key ${name}`, style: `--line:${PATH_COLORS[name]}` }, text),
     ),
@@ -152,7 +152,7 @@ export class PathControl {
     if (viewer) this.view_ ??= new PathView(viewer, this.host.overlay);
     this.view_?.show(this.isShown_ ? this.path_ : null);
     const error = this.path_?.errorMm ?? 0;
-    setText(this.note_, error > 0 ? t('drawn to within {0}', lengthText(error, 'mm')) : '');
+    setText(this.note_, error > 0 ? t('accurate to {0}', lengthText(error, 'mm')) : '');
   }
 
   private press_(x: number, y: number): void {

@@ -47,7 +47,7 @@ export class ProgramsPanel {
   private readonly follow_ = h(
     'button',
     { type: 'button', class: 'button quiet-button program-follow', hidden: '' },
-    t('Show the live line'),
+    t('Show current line'),
   );
   private readonly close_ = (): void => this.toggle();
   private readonly one_: HTMLElement;
@@ -299,7 +299,7 @@ export class ProgramsPanel {
 
   private async send_(file: File, query: string): Promise<void> {
     this.note_.classList.remove('bad');
-    setText(this.note_, t('Sending {0}…', file.name));
+    setText(this.note_, t('Uploading {0}…', file.name));
     try {
       const details = await this.requests_.upload(file, query);
       setText(this.note_, '');

@@ -9,7 +9,7 @@ import { partTolerance, rememberPartTolerance } from '../part_tolerance';
 export class TargetChoice {
   private readonly part_ = h('select', {
     class: 'program-speed',
-    'aria-label': t('Part that the program is to make'),
+    'aria-label': t('Part the program makes'),
   });
   private readonly tolerance_ = h('input', {
     type: 'number',
@@ -39,8 +39,10 @@ export class TargetChoice {
     const parts = await listTargets(this.session);
     const chosen = this.part_.value;
     this.part_.replaceChildren(
-      h('option', { value: '' }, t('without watching for gouges')),
-      ...parts.map(({ name }) => h('option', { value: name }, t('gouges into {0}', name))),
+      h('option', { value: '' }, t("don't watch for gouges")),
+      ...parts.map(({ name }) =>
+        h('option', { value: name }, t('watch for gouges into {0}', name)),
+      ),
     );
     const kept = parts.some(({ name }) => name === chosen) ? chosen : (parts[0]?.name ?? '');
     this.part_.value = this.isOff_ ? '' : kept;

@@ -21,9 +21,9 @@ export function duration(seconds: number): string {
 export function stateText(program: ProgramInfo): string {
   switch (program.state) {
     case 'queued':
-      return t('waits for program {0}', program.after ?? 0);
+      return t('waiting for program {0}', program.after ?? 0);
     case 'running': {
-      if (program.waiting) return t("waits for the server's disk");
+      if (program.waiting) return t("waiting for the server's disk");
       const left = wallSeconds(program);
       return Number.isNaN(left)
         ? t('running at full speed')
@@ -44,14 +44,14 @@ export function stateText(program: ProgramInfo): string {
 
 /** For which gouges a program is watched. */
 export function watchText({ target, targetToleranceMm }: ProgramDetails): string {
-  return t('Watched for gouges into {0} deeper than {1} mm.', target, figure(targetToleranceMm));
+  return t('Watching for gouges into {0} deeper than {1} mm.', target, figure(targetToleranceMm));
 }
 
 const ALARMS: Record<string, string> = {
-  rapid: t('Rapid through stock'),
-  shank: t('Shank or holder in the stock'),
+  rapid: t('Rapid move through material'),
+  shank: t('Shank or holder touches the block'),
   obstacle: t('Collision with an obstacle'),
-  force: t('Force over the limit'),
+  force: t('Force above the limit'),
   gouge: t('Gouge into the part'),
 };
 const UNITS: Record<string, string> = { mm3: 'mm³' };

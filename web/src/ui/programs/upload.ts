@@ -31,14 +31,14 @@ export class Upload {
   });
   private readonly pace_ = h(
     'select',
-    { class: 'program-speed', 'aria-label': t('How to run it') },
+    { class: 'program-speed', 'aria-label': t('Run speed') },
     h('option', { value: 'pace=fast' }, t('at full speed')),
     h('option', { value: 'pace=feed' }, t('at feed rate')),
   );
   private readonly dialect_ = h(
     'select',
-    { class: 'program-speed', 'aria-label': t('Control of the program') },
-    h('option', { value: '' }, t('control as judged')),
+    { class: 'program-speed', 'aria-label': t('CNC control of the program') },
+    h('option', { value: '' }, t('detect the CNC control')),
     ...DIALECTS.map(([name, label]) => h('option', { value: name }, label)),
   );
   private readonly queue_ = h('input', { type: 'checkbox' });
@@ -52,7 +52,7 @@ export class Upload {
       { class: 'program-options' },
       this.pace_,
       this.dialect_,
-      h('label', {}, this.queue_, t(' after the others')),
+      h('label', {}, this.queue_, t(' after the other programs')),
     ),
   );
 

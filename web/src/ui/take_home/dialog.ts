@@ -19,10 +19,8 @@ function save(name: string, content: Blob): void {
 }
 
 function progressText({ phase, share, bytes }: Progress): string {
-  if (phase === 'coming') return t('Receiving: {0}', bytesText(bytes));
-  return share === null
-    ? t('The server begins…')
-    : t('The server makes the file: {0}', percent(share));
+  if (phase === 'coming') return t('Downloading: {0}', bytesText(bytes));
+  return share === null ? t('Preparing the file…') : t('Preparing the file: {0}', percent(share));
 }
 
 function percent(share: number): string {
@@ -63,8 +61,8 @@ export class TakeHomeDialog {
     );
     this.dialog_ = h(
       'dialog',
-      { class: 'help take-home', 'aria-label': t('Take home') },
-      h('h2', {}, t('Take home')),
+      { class: 'help take-home', 'aria-label': t('Download') },
+      h('h2', {}, t('Download')),
       form,
     );
     form.addEventListener('submit', (event) => {
@@ -132,7 +130,7 @@ export class TakeHomeDialog {
         this.showProgress_(progress),
       );
       save(name, content);
-      setText(this.note_, t('{0}, {1}, is in your downloads.', name, bytesText(content.size)));
+      setText(this.note_, t('{0} ({1}) is in your downloads.', name, bytesText(content.size)));
     } catch (problem) {
       const text = taking.signal.aborted ? t('Cancelled.') : sentence((problem as Error).message);
       setText(this.note_, text);

@@ -17,7 +17,7 @@ function amountsOf({ state, welcome }: SessionModel): Amounts {
 }
 
 export function takeHomeButton(model: SessionModel, session: string): HTMLElement {
-  const button = h('button', { type: 'button', class: 'button take-button' }, t('Take home…'));
+  const button = h('button', { type: 'button', class: 'button take-button' }, t('Download…'));
   button.insertAdjacentHTML('afterbegin', ICONS.download);
   let dialog: Promise<{ open: () => void }> | null = null;
   button.addEventListener('click', () => {

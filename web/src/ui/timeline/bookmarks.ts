@@ -21,7 +21,7 @@ export class Bookmarks {
   private readonly list_ = h('select', { class: 'timeline-versions', 'aria-label': t('Versions') });
   private readonly rename_ = this.button_(t('Rename'));
   private readonly delete_ = this.button_(t('Delete'));
-  private readonly name_ = this.button_(t('Name this state'));
+  private readonly name_ = this.button_(t('Save a version'));
   private readonly branch_ = this.button_(t('Branch from here'));
   private readonly input_ = h('input', { class: 'timeline-input', maxlength: '64', required: '' });
   private readonly save_ = h('button', { class: 'timeline-action' }, t('Save'));
@@ -127,14 +127,14 @@ export class Bookmarks {
       return;
     }
     const isBranch = what === 'branch';
-    const label = isBranch ? t('Id of the new session') : t('Name of the version');
+    const label = isBranch ? t('ID of the new session') : t('Name of the version');
     const isRename = what === 'rename';
     this.input_.setAttribute('aria-label', label);
     this.input_.placeholder = label;
     this.input_.pattern = isBranch ? '[a-z0-9_\\-]{1,64}' : '[^\\/]+';
-    this.input_.title = isBranch ? t('Small letters, digits, - and _') : '';
+    this.input_.title = isBranch ? t('Lowercase letters, digits, - and _') : '';
     this.input_.value = isBranch ? this.proposed() : isRename ? this.list_.value : '';
-    setText(this.save_, isBranch ? t('Branch') : isRename ? t('Rename it') : t('Save'));
+    setText(this.save_, isBranch ? t('Create branch') : isRename ? t('Save name') : t('Save'));
     this.input_.focus();
     this.input_.select();
   }

@@ -21,7 +21,7 @@ export class Compare {
       role: 'slider',
       tabindex: '0',
       hidden: '',
-      'aria-label': t('Border between the two states'),
+      'aria-label': t('Divider between the two states'),
       'aria-valuemin': '0',
       'aria-valuemax': '100',
     },
@@ -36,7 +36,7 @@ export class Compare {
     private readonly picture: Picture,
     main: Element,
   ) {
-    this.button.title = t('Keeps this state beside the one that you go to');
+    this.button.title = t('Keep this state to compare it with another one');
     this.button.setAttribute('aria-pressed', 'false');
     main.querySelector('.overlay')?.after(this.border_);
     this.button.addEventListener('click', () => (this.view_ ? this.end() : this.begin_()));

@@ -4,12 +4,11 @@
 import { language, t } from '../../strings';
 import type { Stroke, StrokeChange } from '../../link/strokes';
 import { h, setText } from '../dom';
-import { count } from '../format';
 
 export const CLOCK = new Intl.DateTimeFormat(language, { timeStyle: 'medium', hourCycle: 'h23' });
 
 export class Selection {
-  private readonly text_ = h('span', {}, t('Press a bar to select its stroke.'));
+  private readonly text_ = h('span', {}, t('Click a bar to select its stroke.'));
   private readonly change_ = h(
     'button',
     { type: 'button', class: 'timeline-action', hidden: '' },
@@ -31,20 +30,17 @@ export class Selection {
     this.stroke_ = stroke;
     this.change_.hidden = !stroke;
     if (!stroke) {
-      setText(this.text_, t('Press a bar to select its stroke.'));
+      setText(this.text_, t('Click a bar to select its stroke.'));
       return;
     }
     const undone = stroke.undone ? t(' · undone') : '';
     const time = CLOCK.format(stroke.begin_ms);
-    setText(
-      this.text_,
-      t('{0} · {1} · {2} · {3} motions{4}', author, tool, time, count(stroke.motions), undone),
-    );
+    setText(this.text_, `${author} · ${tool} · ${time}${undone}`);
     const label = stroke.undone ? t('Redo') : t('Undo');
     setText(this.change_, label);
     const what = stroke.undone
-      ? t('Redo this stroke of {0}', author)
-      : t('Undo this stroke of {0}', author);
+      ? t('Redo this stroke by {0}', author)
+      : t('Undo this stroke by {0}', author);
     this.change_.setAttribute('aria-label', what);
     this.change_.disabled = why !== '';
     this.change_.title = why;

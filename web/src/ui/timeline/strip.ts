@@ -59,7 +59,7 @@ export class Strip {
       class: 'timeline-track',
       role: 'slider',
       tabindex: '0',
-      'aria-label': t('Point in time, in motions'),
+      'aria-label': t('Position on the timeline'),
       'aria-orientation': 'horizontal',
       'aria-valuemin': '0',
     },

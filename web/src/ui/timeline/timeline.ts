@@ -78,11 +78,14 @@ export class Timeline {
       {
         go: (record) => this.seek_(record, 0),
         name: (name) =>
-          void this.keep_(nameVersion(session, name, this.record_), t('“{0}” is kept.', name)),
+          void this.keep_(nameVersion(session, name, this.record_), t('“{0}” was saved.', name)),
         rename: (old, name) =>
-          void this.keep_(renameVersion(session, old, name), t('“{0}” is now “{1}”.', old, name)),
+          void this.keep_(
+            renameVersion(session, old, name),
+            t('“{0}” was renamed “{1}”.', old, name),
+          ),
         remove: (name) =>
-          void this.keep_(deleteVersion(session, name), t('“{0}” is deleted.', name)),
+          void this.keep_(deleteVersion(session, name), t('“{0}” was deleted.', name)),
         branch: (id) => void this.branch_(id),
       },
       () => `${session.slice(0, 50)}-${this.record_ ?? this.records_.end}`,
@@ -221,8 +224,8 @@ export class Timeline {
     this.shownAt_ = key;
     if (this.banner_.show(isPast ? place : null)) this.host.layoutChanged();
     this.transport_.update(isPast ? rate : 0, !isPast);
-    this.compare_.show(isPast && record !== null ? t('Record {0}', count(record)) : t('Now'));
-    setText(this.where_, isPast ? '' : t('{0} records', count(this.records_.end)));
+    this.compare_.show(isPast && record !== null ? t('Step {0}', count(record)) : t('Now'));
+    setText(this.where_, isPast ? '' : t('{0} steps', count(this.records_.end)));
     this.strip_.place(record ?? this.records_.end, isPast ? place : t('live'), rate > 0 && !wish);
     if (
       rate > 0 &&
@@ -243,7 +246,7 @@ export class Timeline {
       .filter(({ strokes }) => strokeAt(strokes, record, 0) !== undefined)
       .map(({ participant }) => this.authors_.nameOf(participant));
     const place =
-      end > 0 ? t('record {0} of {1}', count(record), count(end)) : t('record {0}', count(record));
+      end > 0 ? t('step {0} of {1}', count(record), count(end)) : t('step {0}', count(record));
     return [time + place, ...carving].join(' · ');
   }
 

@@ -23,7 +23,7 @@ export class Transport {
   private readonly play_ = h('button', { type: 'button', class: 'timeline-play' }, '▶');
   private readonly rate_ = h(
     'select',
-    { class: 'timeline-rate', 'aria-label': t('Speed of playing') },
+    { class: 'timeline-rate', 'aria-label': t('Playback speed') },
     ...RATES.map((rate) => h('option', { value: String(rate) }, `× ${rate}`)),
   );
   private readonly live_ = h('button', { type: 'button', class: 'timeline-live' }, t('Live'));
@@ -33,8 +33,8 @@ export class Transport {
   constructor(private readonly actions: TransportActions) {
     const step = (motions: number): HTMLElement => {
       const size = Math.abs(motions);
-      const back = size === 1 ? t('Back by 1 motion') : t('Back by {0} motions', size);
-      const on = size === 1 ? t('On by 1 motion') : t('On by {0} motions', size);
+      const back = size === 1 ? t('Back 1 step') : t('Back {0} steps', size);
+      const on = size === 1 ? t('Forward 1 step') : t('Forward {0} steps', size);
       const label = motions < 0 ? back : on;
       const attributes = { type: 'button', class: 'timeline-step', title: label };
       const button = h('button', { ...attributes, 'aria-label': label }, signed(motions));
@@ -44,7 +44,7 @@ export class Transport {
     this.rate_.value = '4';
     this.element = h(
       'div',
-      { class: 'timeline-transport', role: 'group', 'aria-label': t('Play and step') },
+      { class: 'timeline-transport', role: 'group', 'aria-label': t('Playback') },
       ...STEPS.map(step),
       this.play_,
       ...STEPS.map((motions) => step(-motions)).reverse(),
@@ -75,7 +75,7 @@ export class Transport {
     const pressed = String(isLive);
     if (this.live_.getAttribute('aria-pressed') !== pressed) {
       this.live_.setAttribute('aria-pressed', pressed);
-      this.live_.title = isLive ? t('The picture shows the present') : t('Back to live (End)');
+      this.live_.title = isLive ? t('You are viewing the present') : t('Back to live (End)');
     }
     setText(this.live_, isLive ? t('Live') : t('Back to live'));
   }

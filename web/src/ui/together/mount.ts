@@ -67,18 +67,18 @@ export function mountTogether(host: TogetherHost): Together {
     return made;
   };
   const parts: TogetherParts = {
-    pin: button(t('Set a pin'), t('A text at a place of the block, for everybody'), 'setPin'),
-    share: button(t('Show my view'), t('Others can follow what you look at'), 'share'),
+    pin: button(t('Add a pin'), t('Attach a note to a spot on the block, for everyone'), 'setPin'),
+    share: button(t('Share my view'), t('Let others follow your view'), 'share'),
     video: button(t('Save video'), t('MP4: the block turns once'), 'saveVideo'),
-    cameras: h('ul', { class: 'shown-cameras', 'aria-label': t('Shown views') }),
+    cameras: h('ul', { class: 'shown-cameras', 'aria-label': t('Shared views') }),
     pins: h('ul', { class: 'pins', 'aria-label': t('Pins') }),
   };
   parts.share.setAttribute('aria-pressed', 'false');
   const picture = button(t('Save picture'), t('PNG, 3840 pixels wide'), 'savePicture');
   const element = h(
     'section',
-    { 'aria-label': t('Together') },
-    h('h2', {}, t('Together')),
+    { 'aria-label': t('Share') },
+    h('h2', {}, t('Share')),
     h(
       'div',
       { class: 'history-actions together-actions' },

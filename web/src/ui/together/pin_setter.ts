@@ -12,7 +12,7 @@ import { sentence } from '../format';
 import type { TogetherHost } from './mount';
 
 const TAP_PX = 5;
-const HINT = t('Press the place of the block. Esc ends.');
+const HINT = t('Click a spot on the block. Esc cancels.');
 
 export class PinSetter {
   private isWaiting_ = false;
@@ -21,7 +21,7 @@ export class PinSetter {
   private readonly close_ = (): void => this.wait_(false);
   private readonly input_ = h('input', {
     class: 'pin-input',
-    'aria-label': t('Text of the pin'),
+    'aria-label': t('Pin text'),
     maxlength: String(PIN_BYTES_MAX),
     required: '',
     autocomplete: 'off',
@@ -39,21 +39,17 @@ export class PinSetter {
     const form = h(
       'form',
       { method: 'dialog' },
-      h('h2', {}, t('What is to be said here?')),
+      h('h2', {}, t('What do you want to say here?')),
       this.input_,
       h(
         'div',
         { class: 'history-actions' },
-        h('button', { class: 'history-button' }, t('Set the pin')),
+        h('button', { class: 'history-button' }, t('Add pin')),
         cancel,
       ),
     );
     form.addEventListener('submit', () => this.save_());
-    this.dialog_ = h(
-      'dialog',
-      { class: 'help pin-dialog', 'aria-label': t('Text of the pin') },
-      form,
-    );
+    this.dialog_ = h('dialog', { class: 'help pin-dialog', 'aria-label': t('Pin text') }, form);
     this.main_.append(this.dialog_);
     this.listen_();
   }

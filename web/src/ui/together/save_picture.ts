@@ -38,7 +38,7 @@ export function drawPicture(
   ];
   if (to.width !== width || to.height !== height) Object.assign(to, { width, height });
   const context = to.getContext('2d');
-  if (!context) throw new Error(t('The browser gives no canvas of this size.'));
+  if (!context) throw new Error(t("This browser can't make a picture this large."));
   context.fillStyle = skyOf(context, width, height);
   context.fillRect(0, 0, width, height);
   context.drawImage(drawn, 0, 0);
@@ -48,7 +48,7 @@ export async function pictureOf(viewer: Viewer, pixels = PICTURE_PIXELS): Promis
   const canvas = document.createElement('canvas');
   drawPicture(viewer, pixels, canvas);
   const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
-  if (!blob) throw new Error(t('The browser could not write the picture.'));
+  if (!blob) throw new Error(t('The browser could not save the picture.'));
   return blob;
 }
 

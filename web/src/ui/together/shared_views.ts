@@ -31,7 +31,7 @@ export class SharedViews {
   share(): void {
     this.isShared_ = !this.isShared_;
     this.parts.share.setAttribute('aria-pressed', String(this.isShared_));
-    if (this.isShared_) this.host.say(t('Others can now follow what you look at.'));
+    if (this.isShared_) this.host.say(t('Others can now follow your view.'));
     else this.host.showCamera(null);
     this.sent_ = '';
   }
@@ -65,7 +65,9 @@ export class SharedViews {
     const { rig } = this.viewer;
     const camera = others.find(({ participant }) => participant === this.followed_);
     if (!camera || !rig.tracks) {
-      this.host.say(camera ? t('You look for yourself again.') : t('The view is no longer shown.'));
+      this.host.say(
+        camera ? t('You are back to your own view.') : t('The view is no longer shared.'),
+      );
       this.follow_(null);
       return;
     }
@@ -79,7 +81,7 @@ export class SharedViews {
     this.viewer.rig.track(
       camera && { eye: new Vector3(...camera.eye_mm), target: new Vector3(...camera.target_mm) },
     );
-    if (camera) this.host.say(t('You see what {0} sees. Move the picture to stop.', camera.name));
+    if (camera) this.host.say(t('You see what {0} sees. Move the view to stop.', camera.name));
   }
 
   private list_(others: readonly ShownCamera[]): void {

@@ -95,7 +95,7 @@ export class TogetherPanel {
     const { host } = this;
     const go = h(
       'button',
-      { type: 'button', class: 'pin-go', title: t('Look at this place') },
+      { type: 'button', class: 'pin-go', title: t('Look at this spot') },
       h('span', { class: 'pin-words' }, pin.text),
       h('small', {}, pin.author),
     );

@@ -34,7 +34,8 @@ async function codecFor(
   height: number,
   framerate: number,
 ): Promise<{ codec: Codec; config: VideoEncoderConfig }> {
-  if (typeof VideoEncoder === 'undefined') throw new Error(t('This browser cannot encode videos.'));
+  if (typeof VideoEncoder === 'undefined')
+    throw new Error(t("This browser can't save videos. Try a current version of Chrome or Edge."));
   for (const [codec, name] of CODECS) {
     const config: VideoEncoderConfig = {
       codec: name,
@@ -48,7 +49,7 @@ async function codecFor(
     }));
     if (supported) return { codec, config };
   }
-  throw new Error(t('This browser cannot encode videos.'));
+  throw new Error(t("This browser can't save videos. Try a current version of Chrome or Edge."));
 }
 
 /**
