@@ -73,12 +73,17 @@ const flat = (diameter_mm) => ({
   diameter_mm,
   length_mm: 30,
 });
+/** A disk of 10 mm, 2 mm thick, below a neck of 4 mm. */
 const SLOT = {
   id: 1,
-  shape: 't_slot',
-  diameter_mm: 10,
-  thickness_mm: 2,
-  neck_diameter_mm: 4,
+  shape: 'profile',
+  profile_mm: [
+    [0, 0],
+    [5, 0],
+    [5, 2],
+    [2, 2],
+    [2, 30],
+  ],
 };
 
 function scene(name, tool, lines, { rays = 'dexel', pitch_mm = 0.25 } = {}) {
