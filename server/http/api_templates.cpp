@@ -4,6 +4,7 @@
 
 #include "kernel/dexel/stock_column.h"
 #include "server/formats/scene_templates.h"
+#include "server/formats/unit_question.h"
 #include "server/http/api.h"
 
 namespace kerf::net {
@@ -35,16 +36,18 @@ ApiResponse Api::list_templates(const ApiCall&) {
 std::string Api::price_of(const Scene& scene) {
   const Accuracy accuracy = accuracy_of(scene);
   const DexelGrid grid = make_grid(scene.settings.stock, accuracy.pitch_mm);
-  return Json{{"name", scene.name},
-              {"accuracy", Json::parse(accuracy_json(scene))},
-              {"predicted_error_mm", predicted_error_mm(accuracy)},
-              {"columns", {grid.columns_x, grid.columns_y}},
-              {"bytes", predicted_bytes(accuracy, scene.settings.stock)},
-              {"join_s", predicted_join_s(accuracy, scene.settings.stock)},
-              {"us_per_motion", predicted_us(accuracy, use_of(scene))},
-              {"stock", Json::parse(stock_json(scene))},
-              {"tools", Json::parse(tools_json(scene))}}
-      .dump(-1, ' ', false, Json::error_handler_t::replace);
+  Json price{{"name", scene.name},
+             {"accuracy", Json::parse(accuracy_json(scene))},
+             {"predicted_error_mm", predicted_error_mm(accuracy)},
+             {"columns", {grid.columns_x, grid.columns_y}},
+             {"bytes", predicted_bytes(accuracy, scene.settings.stock)},
+             {"join_s", predicted_join_s(accuracy, scene.settings.stock)},
+             {"us_per_motion", predicted_us(accuracy, use_of(scene))},
+             {"stock", Json::parse(stock_json(scene))},
+             {"tools", Json::parse(tools_json(scene))}};
+  if (const auto questions = unit_questions(scene); !questions.empty())
+    price["questions"] = Json::parse(questions_json(questions));
+  return price.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace kerf::net

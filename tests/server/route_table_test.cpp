@@ -199,7 +199,8 @@ TEST_F(ApiTest, InvalidDownloadParametersAreNamed) {
   const std::pair<const char*, const char*> cases[] = {
       {"model.stl?triangles=0", "triangles must be an integer > 0"},
       {"model.stl?triangles=-3", "triangles must be an integer > 0"},
-      {"model.stl?error_mm=none", "error_mm must be a number > 0"},
+      {"model.stl?error_mm=none", "error_mm must be a number >= 0"},
+      {"model.stl?shift_mm=1,2", "shift_mm must be three numbers X,Y,Z"},
       {"model.glb?encoding=zip", "encoding must be one of: "},
       {"program.ngc?post=mazak", "post must be one of linuxcnc, grbl, fanuc, haas, heidenhain"},
       {"program.ngc?from=a", "from and to must be journal record numbers"},
