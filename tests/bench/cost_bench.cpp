@@ -2,7 +2,9 @@
 // Measures the cost of each element of a scene: CPU time and bytes per motion without and with it.
 // The variants of a group are interleaved (A B C A B C …) and each is compared with the first of
 // its round, which cancels other load on the machine; the medians over all rounds are printed.
+// With `prices` it prints what a sample says that programs cost, and what they do cost.
 // Usage: cost_bench [turns=15] [pitch_mm=0.2]
+//        cost_bench prices [SCENE PROGRAM]...
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +18,7 @@
 
 #include "kernel/sculpture.h"
 #include "kernel/surface/tile_mesh.h"
+#include "tests/bench/price_table.h"
 
 namespace {
 
@@ -214,6 +217,8 @@ void measure_blocks(int turns) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "prices")
+    return bench::print_price_table({argv + 2, argv + argc}) ? 0 : 1;
   const int turns = argc > 1 ? std::max(1, std::atoi(argv[1])) : 15;
   const double pitch_mm = argc > 2 ? std::atof(argv[2]) : 0.2;
   std::printf("ball 10 mm, %.0f mm deep, moves of 1 mm, axis swinging 20 degrees, pitch %.3g mm\n",
