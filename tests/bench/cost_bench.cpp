@@ -134,6 +134,26 @@ std::vector<Obstacle> walls(int count, double x_mm) {
   return obstacles;
 }
 
+/// Returns a ball of about so many triangles that the tool's holder passes at a distance of 2 mm.
+std::vector<Obstacle> meshed_ball(int triangles) {
+  constexpr double kRadiusMm = 100;
+  const Vec3 center{103 + kRadiusMm, 50, 60};
+  const int rings = int(std::sqrt(triangles / 4));
+  const auto at = [&](int ring, int step) {
+    const double low = std::numbers::pi * ring / rings, turn = std::numbers::pi * step / rings;
+    return center + kRadiusMm * Vec3{std::sin(low) * std::cos(turn), std::sin(low) * std::sin(turn),
+                                     -std::cos(low)};
+  };
+  MeshObstacle mesh;
+  for (int r = 0; r < rings; ++r) {
+    for (int s = 0; s < 2 * rings; ++s) {
+      mesh.triangles.push_back({at(r, s), at(r, s + 1), at(r + 1, s + 1)});
+      mesh.triangles.push_back({at(r, s), at(r + 1, s + 1), at(r + 1, s)});
+    }
+  }
+  return {{std::move(mesh), 1}};
+}
+
 void measure(int turns, double pitch_mm) {
   const Tool ball = *make_tool(BallShape{10, 30});
   const auto path = hand_path({50, 50, 0}, kHeightMm, true);
@@ -161,6 +181,14 @@ void measure(int turns, double pitch_mm) {
            variant("20, 5 m away", with_walls(20, 5000)),
            variant("1, beside the tool's path", with_walls(1, 103)),
            variant("20, beside the tool's path", with_walls(20, 103))},
+          turns);
+  const auto with_mesh = [](int triangles) {
+    return [=](Variant& v) { v.settings.obstacles = meshed_ball(triangles); };
+  };
+  compare("meshes as obstacles beside the tool's path",
+          {variant("none", nothing), variant("1,000 triangles", with_mesh(1000)),
+           variant("20,000 triangles", with_mesh(20'000)),
+           variant("200,000 triangles", with_mesh(200'000))},
           turns);
   const ToolBody body{Shank{8, 40}, std::vector<HolderSection>{{30, 40, 20}, {40, 40, 60}}};
   const Tool whole = *make_tool(BallShape{10, 30}, body);
