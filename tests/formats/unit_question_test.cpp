@@ -41,7 +41,7 @@ std::vector<std::string> fields(const std::vector<UnitQuestion>& questions) {
 TEST(UnitQuestion, ALikelySizeIsNotQuestioned) {
   for (const double size : {1.0, 8.0, 40.0, 2000.0, 10'000.0})
     EXPECT_FALSE(unit_question("x", "a.stl", size)) << size;
-  for (const double ratio : {1 / 250.0, 1 / 25.4, 1.0, 25.4, 250.0})
+  for (const double ratio : {1 / 30.0, 1 / 25.4, 1.0, 25.4, 250.0})
     EXPECT_FALSE(unit_question("x", "a.stl", 40 * ratio, 40)) << ratio;
   EXPECT_EQ(asked(40, 60).size(), 0U);
 }
@@ -55,7 +55,8 @@ TEST(UnitQuestion, AModelOfMetresAsksWhatItsNumbersAre) {
   EXPECT_EQ(question->text,
             "a.stl is 0.04 mm long if its numbers are mm: what is their unit? placement cm makes "
             "0.4 mm, inch makes 1.016 mm, m makes 40 mm");
-  EXPECT_EQ(fields(asked(0.04, 0.05)), std::vector<std::string>{"stock.placement"});
+  EXPECT_EQ(fields(asked(0.04, 0.05)),
+            (std::vector<std::string>{"stock.placement", "obstacles[0].placement"}));
 }
 
 TEST(UnitQuestion, AModelIsComparedWithItsPartner) {

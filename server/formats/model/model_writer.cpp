@@ -136,11 +136,14 @@ std::string coarse_coordinates(const ModelSummary& summary, double pitch_mm, Vec
   const double step =
       static_cast<double>(std::nextafter(far, std::numeric_limits<float>::infinity()) - far);
   if (summary.collapsed == 0 && step <= kStepPitches * pitch_mm) return {};
-  std::string text = std::to_string(summary.collapsed) + " of " +
-                     std::to_string(summary.triangles) +
-                     " triangles have no area: so far from the origin (" +
-                     exact_text(summary.farthest_mm) + " mm) the coordinates of the file are " +
-                     exact_text(step) + " mm apart; " + std::string(option);
+  std::string text;
+  if (summary.collapsed > 0) {
+    text = std::to_string(summary.collapsed) + " of " + std::to_string(summary.triangles) +
+           " triangles have no area: ";
+  }
+  text += "so far from the origin (" + exact_text(summary.farthest_mm) +
+          " mm) the coordinates of the file are " + exact_text(step) + " mm apart; " +
+          std::string(option);
   const char* before = option.ends_with('=') ? "" : " ";
   for (const double least : {least_mm.x, least_mm.y, least_mm.z}) {
     text += before + exact_text(0.0 - std::round(least));
