@@ -54,11 +54,10 @@ class MotionSink {
   /// Puts the tool at a pose without cutting. Error: the tip is out of range (kCoordinateMaxMm).
   Result place(const ToolPose& pose);
   /// Appends one straight motion to `to`, or two halves if it turns the axis by more than
-  /// kTurnMaxRad; nothing if `to` is the current pose, unless a feed
-  /// begins to cut there: it takes what is inside the tool, as by a motion of any length.
-  /// Precondition: placed().
-  /// Errors: no tool, tip out of range, axis turned to its opposite, duration above kDurationMaxS,
-  /// too many motions.
+  /// kTurnMaxRad. If `to` is the current pose, nothing, unless a feed begins to cut there: then a
+  /// motion without length, which takes what is inside the tool. Precondition: placed(). Errors: no
+  /// tool, tip out of range, axis turned to its opposite, duration above kDurationMaxS, too many
+  /// motions.
   Result line(const ToolPose& to, double duration_s, bool rapid, std::size_t line);
   /// Straight motions along a path: pieces are halved until no point of a tool of the given length
   /// deviates by more than `tolerance_mm` from the path at the same time. `samples` points are
