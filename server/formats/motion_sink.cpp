@@ -136,7 +136,7 @@ MotionSink::Result MotionSink::line(const ToolPose& target, double duration_s, b
   if (rests && (rapid || !tool_ || cut_to_ == last_)) return {};
   auto next = next_motion(rapid, line);
   if (!next) return std::unexpected(next.error());
-  if (rests) return append(*next, *last_, duration_s);
+  if (rests) return append(*next, *last_, 0);
   const Result moved = straight(*next, target, duration_s);
   last_ = next->from;
   return moved;
