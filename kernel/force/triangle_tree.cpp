@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "kernel/math/nearest_on_triangle.h"
@@ -14,9 +15,9 @@ constexpr std::uint32_t kLeafTriangles = 4;
 /// Deeper nodes are divided by number, so that no tree is deeper than a call can follow.
 constexpr int kDepthMax = 40;
 /// More than the rounding of a double to a float.
-constexpr double kFloatShare = 1e-7;
+constexpr double kFloatShare = std::numeric_limits<float>::epsilon();
 /// Rounding of a coordinate that is computed, in shares of the greatest one.
-constexpr double kErrorShare = 64 * 0x1p-52;
+constexpr double kErrorShare = 64 * std::numeric_limits<double>::epsilon();
 
 constexpr double coordinate(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
@@ -54,8 +55,9 @@ struct TriangleTree::Search {
     if (!(d2 < squared || (d2 == squared && number < triangle))) return;
     squared = d2;
     triangle = number;
-    // 2 d e <= d² 1e-6 + e² 1e6
-    limit = d2 * (1 + 1e-6) + 1e6 * error_mm * error_mm;
+    // An error e of a distance d changes its square by 2 d e + e² <= d² / n + (n + 1) e².
+    constexpr double kShares = 1e6;
+    limit = d2 * (1 + 1 / kShares) + (kShares + 1) * error_mm * error_mm;
   }
   double squared_to(const Node& node) const {
     double sum = 0;
@@ -90,8 +92,8 @@ TriangleTree::Node TriangleTree::box_of(std::uint32_t first, std::uint32_t end) 
         hi = std::max(hi, coordinate(corner, a));
       }
     }
-    box.lo[a] = static_cast<float>(lo - kFloatShare * std::abs(lo) - 1e-30);
-    box.hi[a] = static_cast<float>(hi + kFloatShare * std::abs(hi) + 1e-30);
+    box.lo[a] = static_cast<float>(lo - kFloatShare * std::abs(lo));
+    box.hi[a] = static_cast<float>(hi + kFloatShare * std::abs(hi));
   }
   return box;
 }
@@ -146,10 +148,9 @@ void TriangleTree::nearest(const Node& node, Search& search) const {
 }
 
 bool TriangleTree::crossed(const Node& node, Vec3 p) const {
-  // An edge is compared with the point by its ends in y, and by a computed place in x. The place in
-  // z of a steep triangle may be anywhere.
-  if (p.y > double(node.hi[1]) || p.y < double(node.lo[1])) return false;
+  // Not by z: the height of a steep triangle is computed, and may be anywhere.
   if (p.x > double(node.hi[0]) + error_mm_ || p.x < double(node.lo[0]) - error_mm_) return false;
+  if (p.y > double(node.hi[1]) + error_mm_ || p.y < double(node.lo[1]) - error_mm_) return false;
   bool odd = false;
   for (std::uint32_t n = 0; n < node.count; ++n)
     odd ^= crosses_upward(triangles_[node.first + n], p);

@@ -48,7 +48,7 @@ class ToolTrack {
   bool would_move(const wire::MotionSample& sample) const;
   /// Drops the last pose; the next sample places the tool without a motion.
   void lift() { pose_.reset(); }
-  /// Sets the pose without a sample, as one to which the tool has cut its way.
+  /// Sets the pose without a sample, as one that a motion of the tool has reached.
   void place(const ToolPose& pose) {
     pose_ = pose;
     has_cut_here_ = true;

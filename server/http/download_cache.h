@@ -29,7 +29,7 @@ class OpenFile {
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
   std::uint64_t bytes() const { return bytes_; }
-  /// What whoever gets the file is told about it; may be empty.
+  /// What is stated with the file; may be empty.
   const std::string& note() const { return note_; }
   /// Reads up to `size` bytes at `offset` and returns their number; 0 at the end or on an error.
   /// Thread-safe.

@@ -212,7 +212,8 @@ bool print_price_table(const std::vector<std::string>& files) {
                 said.bytes / 1e6, found.bytes / 1e6, mb);
     std::fflush(stdout);
   }
-  std::printf("farthest from 1, either way: %.2f for time, %.2f for memory\n", us_worst, mb_worst);
+  std::printf("farthest from 1 (greater of ratio and inverse): %.2f for time, %.2f for memory\n",
+              us_worst, mb_worst);
   return true;
 }
 
