@@ -9,6 +9,7 @@
 #include "kernel/force/body_contact.h"
 #include "kernel/force/obstacle_patch.h"
 #include "kernel/force/signed_distance.h"
+#include "kernel/force/triangle_tree.h"
 #include "kernel/math/rotation.h"
 #include "kernel/math/tolerance.h"
 
@@ -198,10 +199,6 @@ Vec3 push_direction(const ConvexPart& part, const ToolPose& pose, const Obstacle
   return crease && dot(direction, outward) > 0 ? normalized(direction) : outward;
 }
 
-/// Greatest number of triangles of a mesh. Every query visits all of them, and each piece of a
-/// nearby tool makes about a thousand queries.
-constexpr std::size_t kMeshTrianglesMax = 1000;
-
 struct Ball {
   Vec3 center;
   double radius;
@@ -249,7 +246,7 @@ std::string check_shape(const SphereObstacle& s) {
 }
 std::string check_shape(const MeshObstacle& m) {
   if (m.triangles.empty()) return "mesh must have at least one triangle";
-  if (m.triangles.size() > kMeshTrianglesMax) return "mesh may have at most 1000 triangles";
+  if (m.triangles.size() > kObstacleTrianglesMax) return "mesh may have at most 200000 triangles";
   for (const auto& t : m.triangles) {
     for (const Vec3& v : t) {
       if (!is_finite(v)) return "mesh must be finite";
@@ -303,6 +300,8 @@ Obstacles::Obstacles(std::vector<Obstacle> obstacles) {
   for (Obstacle& o : obstacles) {
     const Ball b = bound(o);
     obstacles_.push_back({std::move(o), b.center, b.radius});
+    if (auto* mesh = std::get_if<MeshObstacle>(&obstacles_.back().obstacle.shape))
+      mesh->tree = std::make_shared<const TriangleTree>(mesh->triangles);
   }
 }
 

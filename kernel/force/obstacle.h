@@ -2,12 +2,16 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <memory>
 #include <variant>
 #include <vector>
 
 #include "kernel/math/vec3.h"
 
 namespace kerf {
+
+class TriangleTree;
 
 /// A box with sides parallel to the coordinate axes.
 struct BoxObstacle {
@@ -23,10 +27,14 @@ struct SphereObstacle {
   Vec3 center_mm;
   double radius_mm;
 };
-/// A closed triangle mesh of at most 1000 triangles, counter-clockwise seen from outside.
+/// A closed triangle mesh of at most kObstacleTrianglesMax triangles, counter-clockwise seen from
+/// outside.
 struct MeshObstacle {
   std::vector<std::array<Vec3, 3>> triangles;
+  /// Of these triangles; Obstacles makes it.
+  std::shared_ptr<const TriangleTree> tree = {};
 };
+inline constexpr std::size_t kObstacleTrianglesMax = 200'000;
 
 /// A fixed body that pushes the tool out where it enters (paper Eqs. 25, 26). It is never cut.
 struct Obstacle {

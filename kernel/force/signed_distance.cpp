@@ -6,29 +6,11 @@
 #include <cmath>
 #include <variant>
 
+#include "kernel/force/triangle_tree.h"
 #include "kernel/math/nearest_on_triangle.h"
 #include "kernel/math/rotation.h"
 
 namespace kerf {
-namespace {
-
-/// Returns whether the ray from p along +Z crosses the triangle. Edges are half-open, so a shared
-/// edge counts once.
-bool crosses_upward(const std::array<Vec3, 3>& t, Vec3 p) {
-  bool inside = false;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 a = t[i], b = t[(i + 1) % 3];
-    if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))) {
-      inside = !inside;
-    }
-  }
-  if (!inside) return false;
-  const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
-  if (n.z == 0) return false;
-  return t[0].z - (n.x * (p.x - t[0].x) + n.y * (p.y - t[0].y)) / n.z > p.z;
-}
-
-}  // namespace
 
 SignedDistance signed_distance(const BoxObstacle& box, Vec3 p) {
   const Vec3 near{std::clamp(p.x, box.min_mm.x, box.max_mm.x),
@@ -76,23 +58,12 @@ SignedDistance signed_distance(const SphereObstacle& s, Vec3 p) {
 }
 
 SignedDistance signed_distance(const MeshObstacle& mesh, Vec3 p) {
-  double best2 = 1e300;
-  Vec3 away{0, 0, 1};
-  Vec3 face{0, 0, 1};
-  bool inside = false;
-  for (const auto& t : mesh.triangles) {
-    const Vec3 to = p - nearest_on_triangle(t, p).point;
-    const double d2 = dot(to, to);
-    if (d2 < best2) {
-      best2 = d2;
-      away = to;
-      face = normalized(cross(t[1] - t[0], t[2] - t[0]));
-    }
-    if (crosses_upward(t, p)) inside = !inside;
-  }
-  const double d = std::sqrt(best2);
-  if (d == 0) return {0, face};
-  return inside ? SignedDistance{-d, away * (-1 / d)} : SignedDistance{d, away * (1 / d)};
+  const TriangleTree::Found found = mesh.tree->find(p);
+  const auto& t = mesh.triangles[found.nearest];
+  const Vec3 away = p - nearest_on_triangle(t, p).point;
+  const double d = std::sqrt(dot(away, away));
+  if (d == 0) return {0, normalized(cross(t[1] - t[0], t[2] - t[0]))};
+  return found.inside ? SignedDistance{-d, away * (-1 / d)} : SignedDistance{d, away * (1 / d)};
 }
 
 SignedDistance signed_distance(const Obstacle& obstacle, Vec3 p) {

@@ -70,22 +70,20 @@ class Carving {
 
   Result read_scene() {
     const auto say = [this](std::string text) { note(std::move(text)); };
-    if (options_.reference) {
-      auto part = load_reference(*options_.reference, options_.reference_as, say);
-      if (!part) return bad_input(part.error());
-      part_ = *std::move(part);
-    }
+    auto part = load_reference(options_.reference, options_.reference_as, say);
+    if (!part) return bad_input(part.error());
+    part_ = *std::move(part);
     auto chosen =
         choose_scene(options_, options_.verify ? std::optional(bounds_of(*part_)) : std::nullopt);
     if (!chosen) return std::unexpected(chosen.error());
     scene_ = std::move(chosen->scene);
     report_.origins = std::move(chosen->origins);
     std::ranges::for_each(chosen->notes, say);
-    if (options_.surface.reference) {
-      auto reference = load_reference(*options_.surface.reference, options_.reference_as, say);
-      if (!reference) return bad_input(reference.error());
-      reference_ = *std::move(reference);
-    }
+    auto reference = load_reference(options_.surface.reference, options_.reference_as, say);
+    if (!reference) return bad_input(reference.error());
+    reference_ = *std::move(reference);
+    ask_for_unit(options_.reference, options_.reference_as, part_, scene_, say);
+    ask_for_unit(options_.surface.reference, options_.reference_as, reference_, scene_, say);
     report_.scene_file = options_.scene.string();
     return {};
   }
@@ -251,16 +249,16 @@ class Carving {
     if (auto made = make_surface(); !made) return made;
     std::vector<std::function<Result()>> jobs;
     jobs.reserve(options_.models.size());
-    std::vector<std::uint64_t> triangles(options_.models.size());
+    std::vector<WrittenModel> written(options_.models.size());
     // One line on a terminal cannot show several files at once.
     ModelProgress bar;
     if (options_.threads == 1 || options_.models.size() == 1)
       bar = [this](double share) { progress_.show("meshing", share); };
     for (std::size_t n = 0; n < options_.models.size(); ++n)
-      jobs.push_back(model_job(options_.models[n], bar, triangles[n]));
+      jobs.push_back(model_job(options_.models[n], bar, written[n]));
     if (auto done = run_jobs(jobs); !done) return done;
     // Quantization may drop triangles; the finest file has all of them.
-    if (!triangles.empty()) report_.triangles = std::ranges::max(triangles);
+    add_written(written, report_.triangles, report_.warnings);
     report_.mesh_s = watch_.lap();
     jobs.clear();
     const double tolerance_mm = options_.nc_tolerance_mm.value_or(0);
@@ -290,11 +288,11 @@ class Carving {
   }
 
   std::function<Result()> model_job(const ModelChoice& choice, const ModelProgress& bar,
-                                    std::uint64_t& triangles) {
-    return [this, choice, bar, &triangles, &file = output(choice.path)]() -> Result {
+                                    WrittenModel& model) {
+    return [this, choice, bar, &model, &file = output(choice.path)]() -> Result {
       auto written = surface_->write(choice, file.temporary(), scene_.name, bar, stop_);
       if (!written) return bad_output(file.target().string() + ": " + written.error());
-      triangles = *written;
+      model = *std::move(written);
       return {};
     };
   }

@@ -52,6 +52,15 @@ void declare_models(CLI::App& app, std::vector<ModelOption>& models) {
   }
 }
 
+// Options of three numbers X,Y,Z.
+CLI::Option* declare_vector(CLI::App& app, const char* name, Vec3& to, const char* help) {
+  return app
+      .add_option_function<std::vector<double>>(
+          name, [&to](const std::vector<double>& xyz) { to = {xyz[0], xyz[1], xyz[2]}; }, help)
+      ->delimiter(',')
+      ->expected(3);
+}
+
 void declare_surface(CLI::App& app, SurfaceRequest& surface) {
   app.add_option("--triangles", surface.simplify.triangles,
                  "simplify the models to at most N triangles")
@@ -59,6 +68,9 @@ void declare_surface(CLI::App& app, SurfaceRequest& surface) {
   app.add_option("--max-error", surface.simplify.error_mm,
                  "simplify the models within this distance from the exact surface, mm")
       ->check(check_positive);
+  declare_vector(app, "--model-translate", surface.translate_mm,
+                 "X,Y,Z: move the models, mm; far from the origin 32-bit coordinates are coarse")
+      ->check(CLI::Range(-1e6, 1e6));
   app.add_option("--deviation", surface.reference,
                  std::string("measure the surface against a mesh (") + kMeshFileNames +
                      "); colors in --ply --glb --obj");
@@ -197,15 +209,6 @@ void declare_programs(CLI::App& app, CarveOptions& options) {
   app.add_option("--nc-tolerance", options.nc_tolerance_mm,
                  "join motions in --ngc and --apt within this, mm (default: do not join)")
       ->check(check_positive);
-}
-
-// Options of three numbers X,Y,Z.
-CLI::Option* declare_vector(CLI::App& app, const char* name, Vec3& to, const char* help) {
-  return app
-      .add_option_function<std::vector<double>>(
-          name, [&to](const std::vector<double>& xyz) { to = {xyz[0], xyz[1], xyz[2]}; }, help)
-      ->delimiter(',')
-      ->expected(3);
 }
 
 // How the meshes of --reference and --deviation are read.

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "server/formats/mesh_file.h"
 #include "server/formats/model/model_writer.h"
 #include "server/formats/model/simplify_mesh.h"
+#include "server/formats/scene.h"
 #include "server/verify/deviation.h"
 
 namespace kerf {
@@ -31,6 +33,7 @@ struct SurfaceRequest {
   SimplifyRequest simplify;  ///< without limits: the surface is not simplified
   std::optional<std::filesystem::path> reference;  ///< measure the deviation from this mesh
   std::optional<double> range_mm;  ///< range of the colors; default: the 99th percentile
+  Vec3 translate_mm;               ///< added to the coordinates in the files
 };
 
 /// Results of the processing, for the report.
@@ -42,11 +45,26 @@ struct SurfaceReport {
   double range_mm = 0;  ///< of the colors
 };
 
-/// Reads a mesh to compare with, placed and repaired as `as` says, whose file is not used. What was
-/// repaired is said as one line. The error is one line.
-std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::path& file,
-                                                       MeshFile as,
-                                                       const std::function<void(std::string)>& say);
+struct WrittenModel {
+  std::uint64_t triangles = 0;
+  std::vector<std::string>
+      warnings;  ///< one line each: what the file has lost, or is too large for
+};
+
+/// Adds the greatest number of triangles of some files, if there are any, and their warnings.
+void add_written(std::span<const WrittenModel> files, std::optional<std::uint64_t>& triangles,
+                 std::vector<std::string>& warnings);
+
+/// Reads a mesh to compare with, if one is named, placed and repaired as `as` says, whose file is
+/// not used. What was repaired is said as one line. The error is one line.
+std::expected<std::optional<IndexedMesh>, std::string> load_reference(
+    const std::optional<std::filesystem::path>& file, MeshFile as,
+    const std::function<void(std::string)>& say);
+
+/// Says the question for the unit of such a mesh (unit_question), compared with the stock.
+void ask_for_unit(const std::optional<std::filesystem::path>& file, MeshFile as,
+                  const std::optional<IndexedMesh>& mesh, const Scene& scene,
+                  const std::function<void(std::string)>& say);
 
 /// The processed surface of a carved block, which any number of threads may write concurrently.
 class CarvedSurface {
@@ -58,19 +76,20 @@ class CarvedSurface {
       const ModelProgress& progress, const std::stop_token& stop, Workers& workers);
 
   const SurfaceReport& report() const { return report_; }
-  /// Writes a model file and returns its number of triangles. The error is one sentence.
-  std::expected<std::uint64_t, std::string> write(const ModelChoice& choice,
-                                                  const std::filesystem::path& path,
-                                                  const std::string& title,
-                                                  const ModelProgress& progress,
-                                                  const std::stop_token& stop) const;
+  /// Writes a model file. The error is one sentence.
+  std::expected<WrittenModel, std::string> write(const ModelChoice& choice,
+                                                 const std::filesystem::path& path,
+                                                 const std::string& title,
+                                                 const ModelProgress& progress,
+                                                 const std::stop_token& stop) const;
 
  private:
-  CarvedSurface(const SolidSnapshot& snapshot, Workers& workers)
-      : snapshot_(snapshot), workers_(workers) {}
+  CarvedSurface(const SolidSnapshot& snapshot, Vec3 translate_mm, Workers& workers)
+      : snapshot_(snapshot), translate_mm_(translate_mm), workers_(workers) {}
   std::unique_ptr<MeshSource> plain() const;
 
   SolidSnapshot snapshot_;
+  Vec3 translate_mm_;
   Workers& workers_;
   bool compared_ = false;  ///< with a reference
   std::optional<IndexedMesh> simplified_;

@@ -8,6 +8,7 @@
 #include "server/carve/environment_files.h"
 #include "server/formats/derived_json.h"
 #include "server/formats/text_file.h"
+#include "server/formats/unit_question.h"
 
 namespace kerf {
 namespace {
@@ -146,7 +147,8 @@ std::string scene_text(Scene scene, const CarveOptions& options,
 std::expected<std::string, Failure> derived_text(const CarveOptions& options) {
   const auto made = derive(options, std::nullopt);
   if (!made) return std::unexpected(made.error());
-  return derived_json(*made) + '\n';
+  const auto questions = unit_questions(made->scene);
+  return derived_json(*made, questions.empty() ? "" : questions_json(questions)) + '\n';
 }
 
 std::expected<std::string, Failure> explained_text(const std::filesystem::path& file) {
@@ -159,6 +161,8 @@ std::expected<ChosenScene, Failure> choose_scene(const CarveOptions& options,
                                                  const std::optional<BoxStock>& part_mm) {
   auto chosen = options.scene.empty() ? derived(options, part_mm) : loaded(options);
   if (!chosen) return chosen;
+  for (const UnitQuestion& question : unit_questions(chosen->scene))
+    chosen->notes.push_back("scene: " + question.text);
   SculptureSettings& settings = chosen->scene.settings;
   if (auto settled = settle_law(options, settings.force); !settled)
     return std::unexpected(settled.error());

@@ -35,13 +35,16 @@ std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSamp
   const bool follows = pose_.has_value() && tool_ == sample.tool_id;
   const ToolPose from = pose_.value_or(*pose);
   const std::uint64_t from_us = std::exchange(time_us_, sample.time_us);
+  const bool rests = follows && from == *pose;
+  has_cut_here_ = has_cut_here_ && rests;
   pose_ = *pose;
   tool_ = sample.tool_id;
   if (!follows) return Step{};
   const std::uint64_t passed_us = sample.time_us > from_us ? sample.time_us - from_us : 0;
   const double duration_s = static_cast<double>(passed_us) * kSecondsPerMicrosecond;
   if (!cuts(sample)) return Touch{tool_, *pose, duration_s};
-  if (from == *pose && !has_obstacles(sculpture)) return Step{Rest{tool_, *pose, duration_s}};
+  const bool is_done = has_cut_here_ || passed_us == 0;
+  if (rests && is_done && !has_obstacles(sculpture)) return Step{Rest{tool_, *pose, duration_s}};
   if (passed_us == 0) return reject(kBadMessage, "time_us must increase from sample to sample");
   const double distance_mm = length(pose->tip_mm - from.tip_mm);
   if (distance_mm > speed_max_mm_per_s * duration_s) {
@@ -49,13 +52,14 @@ std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSamp
                                 " mm/s; the limit is " + std::to_string(speed_max_mm_per_s) +
                                 " mm/s while cutting");
   }
+  has_cut_here_ = true;
   return MoveTool{tool_, from, *pose, duration_s, true};
 }
 
 bool ToolTrack::would_move(const wire::MotionSample& sample) const {
   if (!cuts(sample) || !pose_ || tool_ != sample.tool_id) return false;
   const auto pose = to_pose(sample);
-  return pose.has_value() && *pose != *pose_;
+  return pose.has_value() && (*pose != *pose_ || !has_cut_here_);
 }
 
 void add_touch(BatchSum& sum, const Sculpture& sculpture, const ToolTrack::Touch& touch) {

@@ -29,7 +29,8 @@ class ToolTrack {
     ToolPose pose;
     double duration_s = 0;
   };
-  /// The tool rests while it cuts, where no obstacle can touch it.
+  /// The tool rests while it cuts, where no obstacle can touch it, and it has come there by a
+  /// motion. Otherwise the rest is a motion, which takes what is inside the tool.
   struct Rest {
     ToolId tool = 0;
     ToolPose pose;
@@ -47,8 +48,11 @@ class ToolTrack {
   bool would_move(const wire::MotionSample& sample) const;
   /// Drops the last pose; the next sample places the tool without a motion.
   void lift() { pose_.reset(); }
-  /// Sets the pose without a sample.
-  void place(const ToolPose& pose) { pose_ = pose; }
+  /// Sets the pose without a sample, as one that a motion of the tool has reached.
+  void place(const ToolPose& pose) {
+    pose_ = pose;
+    has_cut_here_ = true;
+  }
 
   const std::optional<ToolPose>& pose() const { return pose_; }
   ToolId tool() const { return tool_; }
@@ -58,6 +62,7 @@ class ToolTrack {
   std::optional<ToolPose> pose_;
   ToolId tool_ = 0;
   std::uint64_t time_us_ = 0;
+  bool has_cut_here_ = false;  ///< a motion of the tool has ended at the pose
 };
 
 /// Adds the contact force of obstacles and stock at the pose of `touch` to a result.

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <span>
 #include <utility>
@@ -47,11 +48,12 @@ struct Quad {
 class Sheet {
  public:
   Sheet(const TileMesh& mesh, std::span<const std::uint32_t> indices, double pitch_mm,
-        float error_mm, bool faces_up)
+        float error_mm, float turn, bool faces_up)
       : mesh_(mesh),
         indices_(indices),
         beside_max_mm_(kBesideMax * static_cast<float>(pitch_mm)),
         error_mm_(error_mm),
+        turn_max_(turn),
         faces_up_(faces_up) {}
 
   /// Adds a triangle if it is half a quadrangle of the sheet. `corner`: number of each vertex's
@@ -114,11 +116,21 @@ class Sheet {
       for (int x = 1; x < kTileSide; ++x) {
         const bool inside = is_taken_[at(x - 1, y - 1)] && is_taken_[at(x, y - 1)] &&
                             is_taken_[at(x - 1, y)] && is_taken_[at(x, y)];
-        if (inside) error_[at(x, y)] = 0;
-        any = any || inside;
+        const bool plain = inside && is_plain(quads_[at(x - 1, y - 1)]) &&
+                           is_plain(quads_[at(x, y - 1)]) && is_plain(quads_[at(x - 1, y)]) &&
+                           is_plain(quads_[at(x, y)]);
+        if (plain) error_[at(x, y)] = 0;
+        any = any || plain;
       }
     }
     return any;
+  }
+
+  /// Whether all of it is original, or all is cut.
+  bool is_plain(const Quad& quad) const {
+    const std::uint8_t first = mesh_.original[quad.corner[0]];
+    return std::ranges::all_of(
+        quad.corner, [&](std::uint32_t vertex) { return mesh_.original[vertex] == first; });
   }
 
   /// Whether it is nearly the same surface with the other diagonal.
@@ -140,18 +152,32 @@ class Sheet {
     return beside > beside_max_mm_ * beside_max_mm_ ? kKept : std::abs(along);
   }
 
-  /// The error of leaving a vertex out: its own and the greatest of those that go with it, which
-  /// are the middles of the next finer triangles.
-  void set_error(TileCell middle, TileCell off_a, const std::array<TileCell, 4>& finer) {
+  /// How far a vertex's normal is from the one that is interpolated there between two others.
+  float turn(std::size_t middle, std::size_t a, std::size_t b) const {
+    const auto n = [&](std::size_t cell) { return mesh_.normals[vertex_[cell]]; };
+    const Float3 first = minus(n(middle), n(a)), second = minus(n(middle), n(b));
+    const Float3 twice{first[0] + second[0], first[1] + second[1], first[2] + second[2]};
+    return std::sqrt(dot(twice, twice)) / 2;
+  }
+
+  /// The error and turn of leaving a vertex out: its own and the greatest of those that go with it,
+  /// which are the middles of the next finer triangles.
+  void set_error(TileCell middle, TileCell off_a, std::initializer_list<TileCell> finer) {
     const std::size_t m = at(middle.x, middle.y);
     if (error_[m] == kKept) return;
-    float below = 0;
-    for (const TileCell& cell : finer) below = std::max(below, error_[at(cell.x, cell.y)]);
-    if (below <= error_mm_) {
-      below += distance(m, at(middle.x - off_a.x, middle.y - off_a.y),
-                        at(middle.x + off_a.x, middle.y + off_a.y));
+    float below = 0, turned = 0;
+    for (const TileCell& cell : finer) {
+      below = std::max(below, error_[at(cell.x, cell.y)]);
+      turned = std::max(turned, turn_[at(cell.x, cell.y)]);
     }
-    error_[m] = below <= error_mm_ ? below : kKept;
+    if (below <= error_mm_) {
+      const std::size_t a = at(middle.x - off_a.x, middle.y - off_a.y);
+      const std::size_t b = at(middle.x + off_a.x, middle.y + off_a.y);
+      below += distance(m, a, b);
+      turned += turn(m, a, b);
+    }
+    error_[m] = below <= error_mm_ && turned <= turn_max_ ? below : kKept;
+    turn_[m] = turned;
   }
 
   /// Errors from the finest triangles to the coarsest. `s`: half the side of a square.
@@ -169,7 +195,7 @@ class Sheet {
             set_error({x, y}, off, {});
           } else {
             set_error({x, y}, off,
-                      {TileCell{x - h, y - h}, {x + h, y - h}, {x - h, y + h}, {x + h, y + h}});
+                      {{x - h, y - h}, {x + h, y - h}, {x - h, y + h}, {x + h, y + h}});
           }
         }
       }
@@ -177,8 +203,7 @@ class Sheet {
         for (int x = s; x < kTileSide; x += 2 * s) {
           // The diagonal passes the middle of the square that this one is a quarter of.
           const bool rises = (x / s / 2 + y / s / 2) % 2 == 0;
-          set_error({x, y}, {s, rises ? s : -s},
-                    {TileCell{x - s, y}, {x + s, y}, {x, y - s}, {x, y + s}});
+          set_error({x, y}, {s, rises ? s : -s}, {{x - s, y}, {x + s, y}, {x, y - s}, {x, y + s}});
         }
       }
     }
@@ -204,11 +229,13 @@ class Sheet {
   std::span<const std::uint32_t> indices_;
   float beside_max_mm_;
   float error_mm_;
+  float turn_max_;
   bool faces_up_;
   std::array<Quad, std::size_t{kSide} * kSide> quads_{};  ///< by their lowest cell
   std::array<bool, std::size_t{kSide} * kSide> is_taken_{};
   std::array<std::uint32_t, std::size_t{kSide} * kSide> vertex_{};  ///< by cell
   std::array<float, std::size_t{kSide} * kSide> error_{};           ///< by cell; kKept: it stays
+  std::array<float, std::size_t{kSide} * kSide> turn_{};            ///< by cell
 };
 
 /// The places of a triangle's corners in the quadrangle at `low`, and how it faces.
@@ -241,13 +268,14 @@ bool find_half(const std::array<TileCell, 3>& cells, Half& half) {
 }  // namespace
 
 std::vector<std::uint32_t> merged_quads(const TileMesh& mesh, const DexelGrid& grid,
-                                        double error_mm) {
+                                        const MergeBound& bound) {
   const std::vector<TileCell> cells = cells_of(mesh, grid.pitch_mm);
-  const auto half_error_mm = static_cast<float>(error_mm / 2);
+  const auto half_error_mm = static_cast<float>(bound.error_mm / 2);
+  const auto turn = static_cast<float>(bound.turn);
   const std::vector<std::uint32_t> joined =
       joined_steps(mesh, cells, grid.pitch_mm, half_error_mm / 2);
-  Sheet up(mesh, joined, grid.pitch_mm, half_error_mm, true);
-  Sheet down(mesh, joined, grid.pitch_mm, half_error_mm, false);
+  Sheet up(mesh, joined, grid.pitch_mm, half_error_mm, turn, true);
+  Sheet down(mesh, joined, grid.pitch_mm, half_error_mm, turn, false);
   const std::size_t triangles = joined.size() / 3;
   for (std::size_t t = 0; t < triangles; ++t) {
     const auto cell = [&](std::size_t c) { return cells[joined[3 * t + c]]; };

@@ -9,13 +9,21 @@
 
 namespace kerf {
 
+/// How far a simplified surface may be from the exact one.
+struct MergeBound {
+  double error_mm = 0;
+  double turn = 0;  ///< greatest length of the difference of two unit normals
+};
+
 /// Merges the quadrangles of a tile's mesh into larger right triangles between some of their
 /// corners, where the surface is smooth enough (a restricted quadtree: Lindstrom et al. 1996,
 /// "Real-time, continuous level of detail rendering of height fields"). Returns the indices of all
 /// triangles, three each. A corner that is left out was at most `error_mm` from the triangles that
-/// replace it, along its normal. Triangles of other shapes, at creases, walls and flat rectangles,
-/// stay, and so does every edge of the tile's border: the surface is closed where it was.
+/// replace it, along its normal, which was within `turn` of theirs, and all of the surface around
+/// it was original, or all was cut. Triangles of other shapes, at creases, walls and flat
+/// rectangles, stay, and so does every edge of the tile's border: the surface is closed where it
+/// was.
 std::vector<std::uint32_t> merged_quads(const TileMesh& mesh, const DexelGrid& grid,
-                                        double error_mm);
+                                        const MergeBound& bound);
 
 }  // namespace kerf

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -131,32 +132,32 @@ double distance_to_segment(const Position& p, const Position& a, const Position&
   return length(from - along * share);
 }
 
-/// Simplifies the chains of open edges between junctions: maps each place to the place that
-/// replaces it.
-class BorderCollapse {
+/// Simplifies the chains of open edges between junctions: finds the segments that replace several
+/// edges. They depend on what both tiles have, so they are the same in both.
+class BorderSegments {
  public:
-  BorderCollapse(const Border& border, std::span<const OpenEdge> open_edges,
+  BorderSegments(const Border& border, std::span<const OpenEdge> open_edges,
                  const std::array<double, 4>& error_mm)
-      : border_(border), error_mm_(error_mm), target_(border.places()), passed_(border.places()) {
-    std::iota(target_.begin(), target_.end(), 0U);
+      : border_(border), error_mm_(error_mm), passed_(border.places()) {
     connect(open_edges);
-    for (std::uint32_t p = 0; p < target_.size(); ++p) {
+    for (std::uint32_t p = 0; p < passed_.size(); ++p) {
       if (next(p).empty() || !is_junction(p)) continue;
       for (const std::uint32_t q : next(p)) {
         if (q != kNone && !is_junction(q) && !passed_[q]) collapse(walk(p, q));
       }
     }
     // The remaining chains are rings without a junction; their smallest place serves as one.
-    for (std::uint32_t p = 0; p < target_.size(); ++p) {
+    for (std::uint32_t p = 0; p < passed_.size(); ++p) {
       if (!next(p).empty() && !is_junction(p) && !passed_[p]) collapse(walk(p, next(p)[0]));
     }
   }
 
-  std::uint32_t target(std::uint32_t place) const { return target_[place]; }
+  /// The places of each segment: its ends, and between them those that it leaves out.
+  const std::vector<std::vector<std::uint32_t>>& segments() const { return segments_; }
 
  private:
   void connect(std::span<const OpenEdge> open_edges) {
-    first_.resize(target_.size() + 1);
+    first_.resize(passed_.size() + 1);
     // Places where the surface touches itself become junctions, which are not moved.
     const auto ends = [](const OpenEdge& edge) { return edge.count == 1 ? 1U : 2U; };
     for (const OpenEdge& edge : open_edges) {
@@ -202,8 +203,7 @@ class BorderCollapse {
     return chain;
   }
 
-  /// Simplifies a chain (Douglas and Peucker 1973) and maps each dropped place to the nearer end of
-  /// its segment.
+  /// Simplifies a chain (Douglas and Peucker 1973).
   void collapse(const std::vector<std::uint32_t>& chain) {
     const auto side = static_cast<std::size_t>(std::countr_zero(border_.sides(chain[1])));
     if (error_mm_[side] <= 0) return;
@@ -231,28 +231,115 @@ class BorderCollapse {
     }
     for (std::size_t first = 0, last = 1; last < chain.size(); ++last) {
       if (!kept[last]) continue;
-      for (std::size_t n = first + 1; n < last; ++n) {
-        target_[chain[n]] = chain[2 * n <= first + last ? first : last];
-      }
+      const auto at = [&](std::size_t n) { return chain.begin() + static_cast<std::ptrdiff_t>(n); };
+      if (last > first + 1) segments_.emplace_back(at(first), at(last + 1));
       first = last;
     }
   }
 
   const Border& border_;
   const std::array<double, 4>& error_mm_;
-  std::vector<std::uint32_t> target_;
+  std::vector<std::vector<std::uint32_t>> segments_;
   std::vector<bool> passed_;
   std::vector<std::uint32_t> first_;  ///< by place, and one more: in next_
   std::vector<std::uint32_t> next_;
 };
 
-/// Returns the vertex of `place` whose normal is closest to that of vertex `v`.
+Vec3 area_vector(const Position& a, const Position& b, const Position& c) {
+  const auto vec = [](const Position& q) { return Vec3{double(q[0]), double(q[1]), double(q[2])}; };
+  return cross(vec(b) - vec(a), vec(c) - vec(a));
+}
+
+/// Moves the places that segments leave out to one of the two ends. A tile is free in this: the
+/// first of them go to the first end and the others to the second, and it is the same edge wherever
+/// the two parts meet. They meet where no triangle turns over, for one that did would cover what
+/// lies next to it.
+class BorderMove {
+ public:
+  BorderMove(const TileMesh& mesh, const Border& border)
+      : mesh_(mesh), border_(border), target_(border.places()), first_(border.places() + 1) {
+    std::iota(target_.begin(), target_.end(), 0U);
+    each_corner([&](std::uint32_t place, std::uint32_t) { ++first_[place + 1]; });
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    triangles_.resize(first_.back());
+    std::vector<std::uint32_t> end(first_);
+    each_corner([&](std::uint32_t place, std::uint32_t t) { triangles_[end[place]++] = t; });
+  }
+
+  void collapse(std::span<const std::uint32_t> segment) {
+    const std::size_t inner = segment.size() - 2;
+    std::size_t best = inner / 2;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t n = 0; n <= inner && least > 0; ++n) {
+      // From the middle outwards.
+      const std::size_t split = n % 2 == 0 ? inner / 2 - n / 2 : inner / 2 + (n + 1) / 2;
+      move(segment, split);
+      const double turned = turned_over(segment);
+      if (turned >= least) continue;
+      least = turned;
+      best = split;
+    }
+    move(segment, best);
+  }
+
+  std::uint32_t target(std::uint32_t place) const { return target_[place]; }
+
+ private:
+  void each_corner(const auto& take) const {
+    for (std::uint32_t t = 0; t < mesh_.indices.size(); t += 3) {
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        const std::uint32_t place = border_.place(mesh_.indices[t + c]);
+        if (place != kNone) take(place, t);
+      }
+    }
+  }
+
+  void move(std::span<const std::uint32_t> segment, std::size_t split) {
+    for (std::size_t n = 1; n + 1 < segment.size(); ++n) {
+      target_[segment[n]] = n <= split ? segment.front() : segment.back();
+    }
+  }
+
+  const Position& moved(std::uint32_t vertex) const {
+    const std::uint32_t place = border_.place(vertex);
+    return place == kNone ? mesh_.positions_mm[vertex] : border_.position(target_[place]);
+  }
+
+  /// Twice the area of the triangles at the inner places that have turned over.
+  double turned_over(std::span<const std::uint32_t> segment) const {
+    double turned = 0;
+    for (const std::uint32_t place : segment.subspan(1, segment.size() - 2)) {
+      for (std::uint32_t n = first_[place]; n < first_[place + 1]; ++n) {
+        const std::uint32_t t = triangles_[n];
+        const auto corner = std::span(mesh_.indices).subspan(t, 3);
+        const Vec3 now = area_vector(moved(corner[0]), moved(corner[1]), moved(corner[2]));
+        const auto& at = mesh_.positions_mm;
+        const Vec3 before = area_vector(at[corner[0]], at[corner[1]], at[corner[2]]);
+        const double area = length(now);
+        if (area > 0 && dot(now, before) <= kTurnedCos * area * length(before)) turned += area;
+      }
+    }
+    return turned;
+  }
+
+  /// Triangles that turn by more are taken for turned over.
+  static constexpr double kTurnedCos = 0.3;
+
+  const TileMesh& mesh_;
+  const Border& border_;
+  std::vector<std::uint32_t> target_;     ///< by place: the one that replaces it
+  std::vector<std::uint32_t> first_;      ///< by place, and one more: in triangles_
+  std::vector<std::uint32_t> triangles_;  ///< first of their three indices, by place
+};
+
+/// Returns the vertex of `place` whose normal is closest to that of vertex `v`, of those which are
+/// original or cut as it is, if there are any.
 std::uint32_t like(const TileMesh& mesh, const Border& border, std::uint32_t place,
                    std::uint32_t v) {
   const auto& n = mesh.normals[v];
   return std::ranges::max(border.vertices(place), {}, [&](std::uint32_t candidate) {
-    const auto& m = mesh.normals[candidate];
-    return n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+    const bool is_same = mesh.original[candidate] == mesh.original[v];
+    return std::pair(is_same, dot(n, mesh.normals[candidate]));
   });
 }
 
@@ -261,12 +348,14 @@ std::uint32_t like(const TileMesh& mesh, const Border& border, std::uint32_t pla
 TileMesh with_coarser_borders(const TileMesh& mesh, const DexelGrid& grid,
                               const std::array<double, 4>& side_error_mm) {
   const Border border(mesh, grid);
-  const BorderCollapse collapse(border, border.open_edges(mesh.indices), side_error_mm);
+  const BorderSegments simpler(border, border.open_edges(mesh.indices), side_error_mm);
+  BorderMove move(mesh, border);
+  for (const auto& segment : simpler.segments()) move.collapse(segment);
   std::vector<std::uint32_t> moved(mesh.positions_mm.size());
   for (std::uint32_t v = 0; v < moved.size(); ++v) {
     const std::uint32_t place = border.place(v);
-    const bool stays = place == kNone || collapse.target(place) == place;
-    moved[v] = stays ? v : like(mesh, border, collapse.target(place), v);
+    const bool stays = place == kNone || move.target(place) == place;
+    moved[v] = stays ? v : like(mesh, border, move.target(place), v);
   }
   TileMesh out{mesh.tile, mesh.positions_mm, mesh.normals, {}, mesh.original};
   out.indices.reserve(mesh.indices.size());

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "server/feed/quad_merge.h"
@@ -14,29 +15,49 @@ namespace kerf {
 namespace {
 
 constexpr std::array<double, kDetailLevelMax + 1> kErrorPitches{0, 0.125, 0.5, 2};
+/// How far shading may be off: the difference of unit normals. The pitch is a quarter of a pixel or
+/// less where level 3 is displayed, so it shows no shape of that size.
+constexpr std::array<double, kDetailLevelMax + 1> kTurns{0, 0.08, 0.12, 0.5};
+/// A border that is off by so little turns by little too: its vertices are a pitch apart. The
+/// normals themselves cannot count there, because the two tiles may have different ones.
+constexpr std::array<double, kDetailLevelMax + 1> kBorderErrorPitches{0, 0.03, 0.06, 0.5};
 constexpr double kCoarserMargin = 1.25;
 
 double outside(double value, double low, double high) {
   return std::max({low - value, value - high, 0.0});
 }
 
-/// Collapses edges inside the tile; the border is locked.
-std::vector<std::uint32_t> simplified(const TileMesh& mesh, double error_mm) {
+/// Collapses edges inside a part of the tile; its border is locked.
+std::vector<std::uint32_t> simplified(const TileMesh& mesh, std::span<const std::uint32_t> part,
+                                      double error_mm) {
   const float* const positions = mesh.positions_mm.front().data();
   constexpr std::size_t kStride = sizeof(mesh.positions_mm.front());
   const float scale = meshopt_simplifyScale(positions, mesh.positions_mm.size(), kStride);
-  std::vector<std::uint32_t> indices(mesh.indices.size());
+  std::vector<std::uint32_t> indices(part.size());
   indices.resize(meshopt_simplify(
-      indices.data(), mesh.indices.data(), mesh.indices.size(), positions, mesh.positions_mm.size(),
-      kStride, 0, static_cast<float>(error_mm) / scale, meshopt_SimplifyLockBorder, nullptr));
+      indices.data(), part.data(), part.size(), positions, mesh.positions_mm.size(), kStride, 0,
+      static_cast<float>(error_mm) / scale, meshopt_SimplifyLockBorder, nullptr));
   return indices;
 }
 
-/// Simplifies the inside of a tile. Neighbors rely on the border, so the result is discarded if the
-/// border changed.
+/// Simplifies the inside of a tile: what is original and what is cut each by itself, so that the
+/// rim between them stays. Neighbors rely on the border, so the result is discarded if the border
+/// changed.
 TileMesh with_simpler_inside(TileMesh mesh, const DexelGrid& grid, double error_mm) {
-  if (mesh.indices.empty()) return mesh;
-  std::vector<std::uint32_t> indices = simplified(mesh, error_mm);
+  std::array<std::vector<std::uint32_t>, 2> plain;
+  std::vector<std::uint32_t> indices;
+  for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+    const auto corners = std::span(mesh.indices).subspan(t, 3);
+    const int original =
+        mesh.original[corners[0]] + mesh.original[corners[1]] + mesh.original[corners[2]];
+    std::vector<std::uint32_t>& to = original % 3 == 0 ? plain[original / 3] : indices;
+    to.insert(to.end(), corners.begin(), corners.end());
+  }
+  for (const auto& part : plain) {
+    if (part.empty()) continue;
+    const std::vector<std::uint32_t> simpler = simplified(mesh, part, error_mm);
+    indices.insert(indices.end(), simpler.begin(), simpler.end());
+  }
   if (same_border(mesh, indices, grid)) mesh.indices = std::move(indices);
   return mesh;
 }
@@ -78,12 +99,12 @@ TileMesh coarser_tile(const TileMesh& mesh, const DexelGrid& grid, const TileDet
   if (detail.level == 0 || mesh.indices.empty()) return mesh;
   std::array<double, 4> side_error_mm{};
   for (std::size_t n = 0; n < 4; ++n) {
-    side_error_mm[n] = detail_error_mm(detail.side[n], grid.pitch_mm);
+    side_error_mm[n] = kBorderErrorPitches.at(detail.side[n]) * grid.pitch_mm;
   }
   const double error_mm = detail_error_mm(detail.level, grid.pitch_mm);
   TileMesh out = mesh;
   // The inside first: slivers along simplified borders would block the collapses.
-  out.indices = merged_quads(mesh, grid, error_mm);
+  out.indices = merged_quads(mesh, grid, {.error_mm = error_mm, .turn = kTurns.at(detail.level)});
   compact(out);
   out = with_coarser_borders(out, grid, side_error_mm);
   out = with_simpler_inside(std::move(out), grid, error_mm);

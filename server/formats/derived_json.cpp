@@ -36,13 +36,15 @@ std::string provenance_json(const std::vector<FieldOrigin>& origins) {
   return text_of(list_of(origins));
 }
 
-std::string derived_json(const DerivedScene& derived) {
-  return text_of({{"scene", Json::parse(scene_json(derived.scene))},
-                  {"provenance", list_of(derived.origins)},
-                  {"notes", derived.notes},
-                  {"motions", derived.motions},
-                  {"programmed_s", to_microseconds(derived.programmed_s)},
-                  {"machine_s", to_microseconds(derived.machine_s)}});
+std::string derived_json(const DerivedScene& derived, const std::string& questions) {
+  Json json{{"scene", Json::parse(scene_json(derived.scene))},
+            {"provenance", list_of(derived.origins)},
+            {"notes", derived.notes},
+            {"motions", derived.motions},
+            {"programmed_s", to_microseconds(derived.programmed_s)},
+            {"machine_s", to_microseconds(derived.machine_s)}};
+  if (!questions.empty()) json["questions"] = Json::parse(questions);
+  return text_of(json);
 }
 
 }  // namespace kerf

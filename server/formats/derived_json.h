@@ -14,7 +14,8 @@ std::string provenance_json(const std::vector<FieldOrigin>& origins);
 
 /// Returns the scene that was derived for a program, as JSON text, in the same bytes to the list of
 /// sessions, kerf.html and the command line: `scene`, which parse_scene reads; `provenance`;
-/// `notes`; and of the program `motions`, `programmed_s` and `machine_s`.
-std::string derived_json(const DerivedScene& derived);
+/// `notes`; and of the program `motions`, `programmed_s` and `machine_s`. `questions`: the JSON
+/// list of questions_json, added if it is not empty.
+std::string derived_json(const DerivedScene& derived, const std::string& questions = {});
 
 }  // namespace kerf

@@ -106,6 +106,7 @@ MotionSink::Result MotionSink::append(ProgramMotion& next, const ToolPose& to, d
   next.duration_s = std::max(duration_s, kDurationMinS);
   program_.motions.push_back(next);
   next.from = to;
+  cut_to_ = to;
   return {};
 }
 
@@ -129,9 +130,13 @@ MotionSink::Result MotionSink::line(const ToolPose& target, double duration_s, b
                                     std::size_t line) {
   if (waits()) return chords([target](double) { return target; }, 1, duration_s, rapid, line);
   if (!in_range(target.tip_mm)) return std::unexpected(out_of_range(target.tip_mm));
-  if (admit_pose(target) == *last_) return {};
+  const bool rests = admit_pose(target) == *last_;
+  // A tool that was placed or loaded here takes what is inside it, as by a motion of any length.
+  // Rapids that state a point again are how programs approach.
+  if (rests && (rapid || !tool_ || cut_to_ == last_)) return {};
   auto next = next_motion(rapid, line);
   if (!next) return std::unexpected(next.error());
+  if (rests) return append(*next, *last_, 0);
   const Result moved = straight(*next, target, duration_s);
   last_ = next->from;
   return moved;

@@ -36,7 +36,10 @@ class MotionSink {
 
   /// Sets the tool of the following motions; nullopt if no tool is loaded. Not a tool change of the
   /// program.
-  void set_tool(std::optional<ToolId> tool) { tool_ = tool; }
+  void set_tool(std::optional<ToolId> tool) {
+    if (tool != tool_) cut_to_.reset();
+    tool_ = tool;
+  }
   /// Sets the tool and records a tool change at `line`.
   void change_tool(std::optional<ToolId> tool, std::size_t line);
   /// Sets the file of the following motions: index into Program::files.
@@ -51,8 +54,10 @@ class MotionSink {
   /// Puts the tool at a pose without cutting. Error: the tip is out of range (kCoordinateMaxMm).
   Result place(const ToolPose& pose);
   /// Appends one straight motion to `to`, or two halves if it turns the axis by more than
-  /// kTurnMaxRad; nothing if `to` is the current pose. Precondition: placed(). Errors: no tool, tip
-  /// out of range, axis turned to its opposite, duration above kDurationMaxS, too many motions.
+  /// kTurnMaxRad. If `to` is the current pose, nothing, unless a feed begins to cut there: then a
+  /// motion without length, which takes what is inside the tool. Precondition: placed(). Errors: no
+  /// tool, tip out of range, axis turned to its opposite, duration above kDurationMaxS, too many
+  /// motions.
   Result line(const ToolPose& to, double duration_s, bool rapid, std::size_t line);
   /// Straight motions along a path: pieces are halved until no point of a tool of the given length
   /// deviates by more than `tolerance_mm` from the path at the same time. `samples` points are
@@ -109,7 +114,8 @@ class MotionSink {
   Program& program_;
   std::uint32_t file_ = 0;
   std::optional<ToolId> tool_;
-  std::optional<ToolPose> last_;  ///< behind all that waits
+  std::optional<ToolPose> last_;    ///< behind all that waits
+  std::optional<ToolPose> cut_to_;  ///< where the newest motion of the tool has ended
   std::deque<Waiting> waiting_;
   std::size_t made_ = 0;             ///< motions
   bool begun_ = false;               ///< a tool change or a motion

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The routes that serve files made from a session.
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "kernel/cut/workers.h"
+#include "server/formats/model/fitting_model.h"
 #include "server/http/api.h"
 #include "server/http/download_name.h"
 #include "server/http/download_request.h"
@@ -15,10 +17,8 @@
 namespace kerf::net {
 namespace {
 
-using Made = std::expected<void, MakeError>;
-
 template <typename Result>
-Made reason_only(const Result& result) {
+MadeFile reason_only(const Result& result) {
   if (!result) return std::unexpected(MakeError{result.error().reason});
   return {};
 }
@@ -32,14 +32,30 @@ ExportResult write_plot(const ForcePlotRequest& plot, Session& session, std::ost
   return export_force_plot(session.journal_file(), plot, out, stop, &*start);
 }
 
+/// What a model has lost, as the header Kerf-Model states it.
+std::string note_of(const FittingModel& model, const SolidSnapshot& solid) {
+  nlohmann::ordered_json note{{"triangles", model.summary.triangles}};
+  if (model.exact_triangles) {
+    note["exact_triangles"] = *model.exact_triangles;
+    note["within_mm"] = model.tolerance_mm;
+  }
+  if (model.summary.collapsed > 0) note["collapsed_triangles"] = model.summary.collapsed;
+  const std::string warning =
+      coarse_coordinates(model.summary, solid.grid().pitch_mm, solid.grid().origin_mm,
+                         SnapshotMesh(solid).size_mm(), "shift_mm=");
+  if (!warning.empty()) note["warning"] = warning;
+  return note.dump();
+}
+
 /// The journal without its attachments: rights and target parts are not for everybody.
-Made write_journal(const std::filesystem::path& journal, const std::filesystem::path& path) {
+MadeFile write_journal(const std::filesystem::path& journal, const std::filesystem::path& path) {
   if (auto copied = copy_journal(journal, path); !copied) return reason_only(copied);
   return reason_only(remove_attachments(path));
 }
 
-Made write_motions(const DownloadRequest& download, Session& session, const SolidSnapshot& solid,
-                   const std::filesystem::path& path, const std::stop_token& stop) {
+MadeFile write_motions(const DownloadRequest& download, Session& session,
+                       const SolidSnapshot& solid, const std::filesystem::path& path,
+                       const std::stop_token& stop) {
   if (auto ok = session.flush(); !ok) return std::unexpected(MakeError{describe(ok.error())});
   const std::string_view name = download.kind.name;
   const auto& journal = session.journal_file();
@@ -80,23 +96,32 @@ void put_file(const ApiRequest& request, const std::string& etag, ApiResponse& r
                                                      std::to_string(bytes));
 }
 
-Made write_surface(const DownloadRequest& download, const SolidSnapshot& snapshot,
-                   const std::string& title, const std::filesystem::path& path,
-                   const DownloadCache::Progress& progress, const std::stop_token& stop) {
+MadeFile write_surface(const DownloadRequest& download, const SolidSnapshot& snapshot,
+                       const std::string& title, const std::filesystem::path& path,
+                       const DownloadCache::Progress& progress, const std::stop_token& stop) {
   const ModelRequest request{.format = *download.model,
                              .encoding = download.encoding,
                              .title = title,
+                             .shift_mm = download.shift_mm,
                              .progress = progress,
                              .stop = stop};
-  SnapshotMesh exact(snapshot);
   if (!download.simplify.triangles && !download.simplify.error_mm) {
-    return reason_only(write_model(path, exact, request));
+    // Without limits the exact surface keeps them.
+    const auto written = write_fitting_model(
+        path, snapshot, request,
+        download.is_exact ? ModelLimits{.bytes = UINT64_MAX, .triangles = UINT64_MAX}
+                          : ModelLimits{});
+    if (!written) return reason_only(written);
+    return note_of(*written, snapshot);
   }
+  SnapshotMesh exact(snapshot);
   const auto simplified = simplify_mesh(exact, download.simplify, progress, stop);
   if (stop.stop_requested()) return std::unexpected(MakeError{"stopped"});
   if (!simplified) return std::unexpected(MakeError{simplified.error().reason, true});
   WholeMesh mesh(simplified->mesh);
-  return reason_only(write_model(path, mesh, request));
+  const auto written = write_model(path, mesh, request);
+  if (!written) return reason_only(written);
+  return note_of({*written, simplified->original_triangles, simplified->error_mm}, snapshot);
 }
 
 }  // namespace
@@ -134,7 +159,7 @@ ApiResponse Api::download(const ApiCall& call) {
   const auto file = downloads_.get(
       session.id() + "/" + request.path[3] + "/" + tag + "/" + std::to_string(session.epoch()),
       [&](const std::filesystem::path& path, const DownloadCache::Progress& progress,
-          const std::stop_token& stop) -> Made {
+          const std::stop_token& stop) -> MadeFile {
         if (!download->model) return write_motions(*download, session, now.solid, path, stop);
         return write_surface(*download, now.solid, session.scene().name, path, progress, stop);
       },
@@ -150,6 +175,7 @@ ApiResponse Api::download(const ApiCall& call) {
   const std::string name =
       download_name(session.scene().name, session.id(), download->suffix, download->kind.extension);
   response.headers.emplace_back("Content-Disposition", content_disposition(name));
+  if (!(*file)->note().empty()) response.headers.emplace_back("Kerf-Model", (*file)->note());
   put_file(request, etag, response);
   return response;
 }

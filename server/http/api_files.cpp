@@ -7,6 +7,7 @@
 #include "kernel/dexel/mesh_stock.h"
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/model/repair_mesh.h"
+#include "server/formats/unit_question.h"
 #include "server/http/api.h"
 
 namespace kerf::net {
@@ -69,7 +70,11 @@ ApiResponse Api::upload_file(const ApiCall& call) {
                       {"min_mm", {box.min_mm.x, box.min_mm.y, box.min_mm.z}},
                       {"max_mm", {box.max_mm.x, box.max_mm.y, box.max_mm.z}}};
   if (repair != MeshRepair{}) json["repaired"] = to_string(repair);
-  return json_response(201, json.dump());
+  MeshFile plain;
+  plain.file = name;
+  if (const auto question = unit_question("placement", plain, box))
+    json["questions"] = nlohmann::json::parse(questions_json({*question}));
+  return json_response(201, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 }  // namespace kerf::net

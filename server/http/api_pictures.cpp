@@ -29,9 +29,9 @@ PictureCache::Present present_state(Session& session, int width, int height) {
   HashedSolid now = current_solid(session);
   const std::string tag = hash_text(now.hash.hash);
   return {tag,
-          [solid = std::move(now.solid), width, height](
-              const std::filesystem::path& path, const DownloadCache::Progress& progress,
-              const std::stop_token& stop) -> std::expected<void, MakeError> {
+          [solid = std::move(now.solid), width, height](const std::filesystem::path& path,
+                                                        const DownloadCache::Progress& progress,
+                                                        const std::stop_token& stop) -> MadeFile {
             const auto picture = render_block(solid.fields.front(),
                                               {.width = width, .height = height}, progress, stop);
             if (!picture) return std::unexpected(MakeError{"stopped"});

@@ -6,7 +6,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "kernel/dexel/stock_column.h"
 #include "server/formats/model/mesh_source.h"
+#include "server/formats/unit_question.h"
+#include "server/formats/units.h"
 #include "server/http/api.h"
 #include "server/http/entity_tag.h"
 #include "server/http/place.h"
@@ -68,10 +71,9 @@ Json shown_survey(const DeviationSurvey& survey) {
           {"worst", worst}};
 }
 
-std::expected<void, MakeError> write_survey(const HashedSolid& block, const TargetPart& part,
-                                            const std::filesystem::path& path,
-                                            const DownloadCache::Progress& progress,
-                                            const std::stop_token& stop) {
+MadeFile write_survey(const HashedSolid& block, const TargetPart& part,
+                      const std::filesystem::path& path, const DownloadCache::Progress& progress,
+                      const std::stop_token& stop) {
   SnapshotMesh surface(block.solid);
   Json json = shown_survey(
       survey_deviation(surface, part.distance(), spacing_of(block.solid), progress, stop));
@@ -112,12 +114,23 @@ ApiResponse Api::set_target(const ApiCall& call) {
   if (const auto full = registry_.disk_obstacle()) {
     return error_response(507, to_string(full->code), full->reason);
   }
-  const auto put = targets_.put(call.session->id(), name == nullptr ? std::string() : *name,
-                                call.request.body, *shift_mm);
+  MeshFile as;
+  if (name != nullptr) as.file = *name;
+  as.placement.translate_mm = *shift_mm;
+  if (const std::string* unit = call.request.query_value("unit")) {
+    as.unit_mm = mm_of_unit(*unit);
+    if (!as.unit_mm) return error_response(400, "bad_unit", "unit must be mm, cm, m or inch");
+  }
+  const auto put = targets_.put(call.session->id(), as, call.request.body);
   if (!put) return error_response(put.error().status, put.error().code, put.error().reason);
   attach_target(*call.session, put->name);
   (void)call.session->flush();
-  return json_response(201, target_text(shown_facts(*put)));
+  Json json = shown_facts(*put);
+  const BoxStock stock = stock_bounds(call.session->scene().settings.stock);
+  if (const auto question =
+          unit_question("unit", as, {put->min_mm, put->max_mm}, greatest_side_mm(stock)))
+    json["questions"] = Json::parse(questions_json({*question}));
+  return json_response(201, target_text(json));
 }
 
 ApiResponse Api::remove_target(const ApiCall& call) {

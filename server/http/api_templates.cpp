@@ -4,20 +4,14 @@
 
 #include "kernel/dexel/stock_column.h"
 #include "server/formats/scene_templates.h"
+#include "server/formats/unit_question.h"
 #include "server/http/api.h"
+#include "server/verify/price.h"
 
 namespace kerf::net {
 namespace {
 
 using Json = nlohmann::json;
-
-AccuracyUse use_of(const Scene& scene) {
-  AccuracyUse use{.stock = scene.settings.stock,
-                  .tools = {},
-                  .turns = scene.machine.kinematics != MachineKinematics::kXyz};
-  for (const auto& [id, tool] : scene.tools) use.tools.push_back(tool.tool);
-  return use;
-}
 
 }  // namespace
 
@@ -35,16 +29,19 @@ ApiResponse Api::list_templates(const ApiCall&) {
 std::string Api::price_of(const Scene& scene) {
   const Accuracy accuracy = accuracy_of(scene);
   const DexelGrid grid = make_grid(scene.settings.stock, accuracy.pitch_mm);
-  return Json{{"name", scene.name},
-              {"accuracy", Json::parse(accuracy_json(scene))},
-              {"predicted_error_mm", predicted_error_mm(accuracy)},
-              {"columns", {grid.columns_x, grid.columns_y}},
-              {"bytes", predicted_bytes(accuracy, scene.settings.stock)},
-              {"join_s", predicted_join_s(accuracy, scene.settings.stock)},
-              {"us_per_motion", predicted_us(accuracy, use_of(scene))},
-              {"stock", Json::parse(stock_json(scene))},
-              {"tools", Json::parse(tools_json(scene))}}
-      .dump(-1, ' ', false, Json::error_handler_t::replace);
+  const Price hand = price_of_hand(scene);
+  Json price{{"name", scene.name},
+             {"accuracy", Json::parse(accuracy_json(scene))},
+             {"predicted_error_mm", predicted_error_mm(accuracy)},
+             {"columns", {grid.columns_x, grid.columns_y}},
+             {"bytes", hand.bytes},
+             {"join_s", predicted_join_s(accuracy, scene.settings.stock)},
+             {"us_per_motion", hand.us_per_motion},
+             {"stock", Json::parse(stock_json(scene))},
+             {"tools", Json::parse(tools_json(scene))}};
+  if (const auto questions = unit_questions(scene); !questions.empty())
+    price["questions"] = Json::parse(questions_json(questions));
+  return price.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace kerf::net

@@ -24,7 +24,7 @@ bool is_own(const std::filesystem::directory_entry& entry) {
 }  // namespace
 
 std::expected<std::shared_ptr<const OpenFile>, std::string> OpenFile::open(
-    const std::filesystem::path& path) {
+    const std::filesystem::path& path, std::string note) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return std::unexpected(path.string() + ": " + std::strerror(errno));
   struct stat status{};
@@ -33,7 +33,7 @@ std::expected<std::shared_ptr<const OpenFile>, std::string> OpenFile::open(
     return std::unexpected(path.string() + ": not a file");
   }
   return std::shared_ptr<const OpenFile>(
-      new OpenFile(descriptor, static_cast<std::uint64_t>(status.st_size)));
+      new OpenFile(descriptor, static_cast<std::uint64_t>(status.st_size), std::move(note)));
 }
 
 OpenFile::~OpenFile() { ::close(descriptor_); }
@@ -132,10 +132,10 @@ DownloadCache::File DownloadCache::make_file(Job& job, const std::filesystem::pa
                                              const Make& make) {
   File file;
   try {
-    const auto made = make(path, [&job](double share) { job.share = share; }, job.stop.get_token());
+    auto made = make(path, [&job](double share) { job.share = share; }, job.stop.get_token());
     if (!made) {
       file = std::unexpected(made.error());
-    } else if (auto opened = OpenFile::open(path)) {
+    } else if (auto opened = OpenFile::open(path, *std::move(made))) {
       file = *std::move(opened);
     } else {
       file = std::unexpected(MakeError{opened.error()});

@@ -15,6 +15,7 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace kerf::net {
@@ -23,19 +24,23 @@ namespace kerf::net {
 class OpenFile {
  public:
   static std::expected<std::shared_ptr<const OpenFile>, std::string> open(
-      const std::filesystem::path& path);
+      const std::filesystem::path& path, std::string note = {});
   ~OpenFile();
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
   std::uint64_t bytes() const { return bytes_; }
+  /// What is stated with the file; may be empty.
+  const std::string& note() const { return note_; }
   /// Reads up to `size` bytes at `offset` and returns their number; 0 at the end or on an error.
   /// Thread-safe.
   std::size_t read(std::uint64_t offset, char* to, std::size_t size) const;
 
  private:
-  OpenFile(int descriptor, std::uint64_t bytes) : descriptor_(descriptor), bytes_(bytes) {}
+  OpenFile(int descriptor, std::uint64_t bytes, std::string note)
+      : descriptor_(descriptor), bytes_(bytes), note_(std::move(note)) {}
   int descriptor_;
   std::uint64_t bytes_;
+  std::string note_;
 };
 
 /// The reason why a file could not be made.
@@ -44,6 +49,9 @@ struct MakeError {
   bool impossible = false;  ///< the request cannot be met; otherwise the server is at fault
   bool no_space = false;    ///< the disk is needed for sessions
 };
+
+/// The note of a file that was made (OpenFile::note), or why there is none.
+using MadeFile = std::expected<std::string, MakeError>;
 
 /// Files made on demand for downloads, written once per key and then shared by all requests for it.
 /// They are unlinked, so none is left behind. A file instead of a stream means that a slow client
@@ -55,8 +63,8 @@ class DownloadCache {
   explicit DownloadCache(std::filesystem::path folder);
   using File = std::expected<std::shared_ptr<const OpenFile>, MakeError>;
   using Progress = std::function<void(double)>;  ///< receives the completed share, 0 to 1
-  using Make = std::function<std::expected<void, MakeError>(
-      const std::filesystem::path&, const Progress&, const std::stop_token&)>;
+  using Make = std::function<MadeFile(const std::filesystem::path&, const Progress&,
+                                      const std::stop_token&)>;
   /// Returns the file for `key`; `make` writes it if it does not exist. Blocks while another call
   /// writes the same file. `make` is asked to stop once all calls for the file have been asked to
   /// (`gone`), and by stop().

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/http/number.h"
+#include "server/http/place.h"
 
 namespace kerf::net {
 namespace {
@@ -51,13 +52,22 @@ std::expected<void, DownloadError> read_model(const ApiRequest& request,
     if (!point) return bad_request("bad_at", "at " + point.error());
     download.at = *std::move(point);
   }
-  if (const std::string* text = request.query_value("error_mm")) {
-    download.simplify.error_mm = parse_number<double>(*text);
-    const double bound = download.simplify.error_mm.value_or(0);
-    if (!(bound > 0) || !std::isfinite(bound)) {
-      return bad_request("bad_error_mm", "error_mm must be a number > 0");
+  if (const std::string* text = request.query_value("shift_mm")) {
+    const auto shift = parse_place(text);
+    if (!shift) {
+      return bad_request("bad_shift_mm", "shift_mm must be three numbers X,Y,Z of at most 1000000");
     }
-    download.suffix += '-' + *text + "mm";
+    download.shift_mm = *shift;
+    download.suffix += "-shifted-" + *text;
+  }
+  if (const std::string* text = request.query_value("error_mm")) {
+    const double bound = parse_number<double>(*text).value_or(-1);
+    if (!(bound >= 0) || !std::isfinite(bound)) {
+      return bad_request("bad_error_mm", "error_mm must be a number >= 0");
+    }
+    if (bound > 0) download.simplify.error_mm = bound;
+    download.is_exact = bound == 0;
+    download.suffix += bound > 0 ? '-' + *text + "mm" : "-exact";
   }
   return {};
 }

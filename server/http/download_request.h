@@ -25,6 +25,8 @@ struct DownloadRequest {
   std::optional<ModelFormat> model;  ///< nothing: made of motions
   ModelEncoding encoding = ModelEncoding::kBinary;
   SimplifyRequest simplify;
+  bool is_exact = false;           ///< of a model: whatever its size
+  Vec3 shift_mm;                   ///< of a model: added to its coordinates
   std::optional<HistoryPoint> at;  ///< of a model: the block as it was then; nothing: now
   ProgramRequest program;
   ForcesRequest forces;

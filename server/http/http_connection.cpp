@@ -172,7 +172,7 @@ asio::awaitable<void> Connection::run() {
 asio::awaitable<bool> Connection::serve_one() {
   Parser parser;
   parser.header_limit(kHeaderBytesMax);
-  parser.body_limit(std::uint64_t{64} << 20);
+  parser.body_limit(kModelBytesMax);
   expires_after(std::exchange(first_, false) ? kHeaderTime : kIdleTime);
   co_await http::async_read_header(stream_, buffer_, parser,
                                    asio::redirect_error(asio::use_awaitable, error_));

@@ -6,7 +6,7 @@ namespace {
 
 constexpr std::size_t kSceneBytesMax = std::size_t{1} << 20;
 constexpr std::size_t kPointBytesMax = std::size_t{3} << 20;  ///< 262,144 points
-constexpr std::size_t kFileBytesMax = std::size_t{64} << 20;  ///< programs and meshes
+constexpr std::size_t kFileBytesMax = kModelBytesMax;         ///< programs and meshes
 
 constexpr Route kRoutes[] = {
     {.pattern = "/v1/sessions",
@@ -108,7 +108,7 @@ constexpr Route kRoutes[] = {
      .action = Action::kWatch,
      .summary = "200, the path of the tip, at most 20,000 points: line, kind, tool"},
     {.pattern = "/v1/sessions/{id}/model.{format}",
-     .query = "encoding, triangles, error_mm, at",
+     .query = "encoding, triangles, error_mm, shift_mm, at",
      .handler = &Api::download,
      .runs = Runs::kExport,
      .action = Action::kDownload,
@@ -267,7 +267,7 @@ constexpr Route kRoutes[] = {
      .summary = "200, the target parts: name, triangles, bounds, shift, fault"},
     {.methods = "POST",
      .pattern = "/v1/sessions/{id}/targets",
-     .query = "name, shift_mm",
+     .query = "name, unit, shift_mm",
      .handler = &Api::set_target,
      .body_bytes_max = kFileBytesMax,
      .runs = Runs::kWork,

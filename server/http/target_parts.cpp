@@ -36,11 +36,12 @@ std::string file_name_of(const std::string& name) {
   return file;
 }
 
-std::string tag_of(const std::string& name, const std::string& bytes, Vec3 shift) {
+std::string tag_of(const std::string& name, const std::string& bytes, double unit_mm, Vec3 shift) {
   Hash hash;
   for (const char c : name) hash.add(static_cast<unsigned char>(c));
   for (const char c : bytes) hash.add(static_cast<unsigned char>(c));
   for (const double v : {shift.x, shift.y, shift.z}) hash.add(std::bit_cast<std::uint64_t>(v));
+  if (unit_mm != 1) hash.add(std::bit_cast<std::uint64_t>(unit_mm));
   return hash_text(hash.value());
 }
 
@@ -57,6 +58,7 @@ Json stored_facts(const TargetFacts& facts) {
           {"min_mm", stored_place(facts.min_mm)},
           {"max_mm", stored_place(facts.max_mm)},
           {"shift_mm", stored_place(facts.shift_mm)},
+          {"unit_mm", facts.unit_mm},
           {"fault", facts.fault}};
 }
 
@@ -70,6 +72,7 @@ std::optional<TargetFacts> parse_facts(const std::string& text) {
                        place_of(json.at("min_mm")),
                        place_of(json.at("max_mm")),
                        place_of(json.at("shift_mm")),
+                       json.value("unit_mm", 1.0),
                        json.at("fault").get<std::string>()};
   } catch (const Json::exception&) {
     return std::nullopt;
@@ -96,6 +99,7 @@ bool write_part_file(const fs::path& path, const std::string& bytes) {
 
 std::expected<std::shared_ptr<const TargetPart>, TargetError> read_part(const std::string& name,
                                                                         const std::string& bytes,
+                                                                        double unit_mm,
                                                                         Vec3 shift) {
   const auto format = mesh_file_format(name);
   if (!format || !is_plain_text(name, kPartNameBytesMax)) {
@@ -108,23 +112,24 @@ std::expected<std::shared_ptr<const TargetPart>, TargetError> read_part(const st
   if (!mesh) {
     return std::unexpected(TargetError{400, to_string(mesh.error().code), mesh.error().reason});
   }
-  for (Vec3& vertex : mesh->vertices_mm) vertex = vertex + shift;
+  for (Vec3& vertex : mesh->vertices_mm) vertex = unit_mm * vertex + shift;
   const BoxStock box = mesh_bounds(*mesh);
   return std::make_shared<const TargetPart>(
-      TargetFacts{name, tag_of(name, bytes, shift), mesh->triangles.size(), box.min_mm, box.max_mm,
-                  shift, mesh_stock_fault(*mesh)},
+      TargetFacts{name, tag_of(name, bytes, unit_mm, shift), mesh->triangles.size(), box.min_mm,
+                  box.max_mm, shift, unit_mm, mesh_stock_fault(*mesh)},
       indexed_mesh(*mesh));
 }
 
 }  // namespace
 
 std::expected<TargetFacts, TargetError> TargetParts::put(const std::string& session,
-                                                         const std::string& name,
-                                                         const std::string& bytes, Vec3 shift_mm) {
+                                                         const MeshFile& as,
+                                                         const std::string& bytes) {
+  const std::string& name = as.file;
   std::expected<std::shared_ptr<const TargetPart>, TargetError> part;
   {
     const std::lock_guard one(reading_);
-    part = read_part(name, bytes, shift_mm);
+    part = read_part(name, bytes, as.unit_mm.value_or(1), as.placement.translate_mm);
   }
   if (!part) return std::unexpected(part.error());
   const std::lock_guard lock(mutex_);
@@ -223,7 +228,7 @@ std::shared_ptr<const TargetPart> TargetParts::get(const std::string& session,
     bytes = read_file(file.replace_extension(kMeshExtension));
   }
   if (!bytes) return nullptr;
-  auto part = read_part(name, *bytes, facts->shift_mm);
+  auto part = read_part(name, *bytes, facts->unit_mm, facts->shift_mm);
   if (!part) return nullptr;
   const std::lock_guard lock(mutex_);
   keep(session, *part);

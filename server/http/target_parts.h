@@ -14,8 +14,10 @@
 #include <string>
 #include <vector>
 
+#include "server/formats/mesh_file.h"
 #include "server/formats/model/indexed_mesh.h"
 #include "server/formats/model/mesh_distance.h"
+#include "server/formats/model/model_limits.h"
 #include "server/verify/part_model.h"
 
 namespace kerf::net {
@@ -27,6 +29,7 @@ struct TargetFacts {
   std::size_t triangles = 0;
   Vec3 min_mm, max_mm;  ///< bounds in scene coordinates
   Vec3 shift_mm;        ///< added to the file's coordinates
+  double unit_mm = 1;   ///< of the file's numbers, before the shift
   std::string fault;    ///< why the mesh bounds no solid, so that signs are unreliable; else empty
 };
 
@@ -60,15 +63,16 @@ class TargetParts {
  public:
   static constexpr std::size_t kPartsOfSession = 8;
   /// About 150 bytes of memory each while a part is in use.
-  static constexpr std::uint64_t kTrianglesMax = 1'000'000;
+  static constexpr std::uint64_t kTrianglesMax = kModelTrianglesMax;
   /// Of the parts that are kept in memory.
   static constexpr std::uint64_t kTrianglesKept = 2'000'000;
 
   explicit TargetParts(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Reads and stores a mesh file, whose name tells the format.
-  std::expected<TargetFacts, TargetError> put(const std::string& session, const std::string& name,
-                                              const std::string& bytes, Vec3 shift_mm);
+  /// Reads and stores a mesh file, whose name tells the format. `as` has the name and the unit;
+  /// its placement counts only for its translation.
+  std::expected<TargetFacts, TargetError> put(const std::string& session, const MeshFile& as,
+                                              const std::string& bytes);
   /// The parts of a session, by name.
   std::vector<TargetFacts> list(const std::string& session) const;
   /// Null if the session has no such part, or its file can no longer be read.

@@ -2,7 +2,9 @@
 // Measures the cost of each element of a scene: CPU time and bytes per motion without and with it.
 // The variants of a group are interleaved (A B C A B C …) and each is compared with the first of
 // its round, which cancels other load on the machine; the medians over all rounds are printed.
+// With `prices` it prints what a sample says that programs cost, and what they do cost.
 // Usage: cost_bench [turns=15] [pitch_mm=0.2]
+//        cost_bench prices [SCENE PROGRAM]...
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +18,7 @@
 
 #include "kernel/sculpture.h"
 #include "kernel/surface/tile_mesh.h"
+#include "tests/bench/price_table.h"
 
 namespace {
 
@@ -131,6 +134,26 @@ std::vector<Obstacle> walls(int count, double x_mm) {
   return obstacles;
 }
 
+/// Returns a ball of about so many triangles that the tool's holder passes at a distance of 2 mm.
+std::vector<Obstacle> meshed_ball(int triangles) {
+  constexpr double kRadiusMm = 100;
+  const Vec3 center{103 + kRadiusMm, 50, 60};
+  const int rings = int(std::sqrt(triangles / 4));
+  const auto at = [&](int ring, int step) {
+    const double low = std::numbers::pi * ring / rings, turn = std::numbers::pi * step / rings;
+    return center + kRadiusMm * Vec3{std::sin(low) * std::cos(turn), std::sin(low) * std::sin(turn),
+                                     -std::cos(low)};
+  };
+  MeshObstacle mesh;
+  for (int r = 0; r < rings; ++r) {
+    for (int s = 0; s < 2 * rings; ++s) {
+      mesh.triangles.push_back({at(r, s), at(r, s + 1), at(r + 1, s + 1)});
+      mesh.triangles.push_back({at(r, s), at(r + 1, s + 1), at(r + 1, s)});
+    }
+  }
+  return {{std::move(mesh), 1}};
+}
+
 void measure(int turns, double pitch_mm) {
   const Tool ball = *make_tool(BallShape{10, 30});
   const auto path = hand_path({50, 50, 0}, kHeightMm, true);
@@ -158,6 +181,14 @@ void measure(int turns, double pitch_mm) {
            variant("20, 5 m away", with_walls(20, 5000)),
            variant("1, beside the tool's path", with_walls(1, 103)),
            variant("20, beside the tool's path", with_walls(20, 103))},
+          turns);
+  const auto with_mesh = [](int triangles) {
+    return [=](Variant& v) { v.settings.obstacles = meshed_ball(triangles); };
+  };
+  compare("meshes as obstacles beside the tool's path",
+          {variant("none", nothing), variant("1,000 triangles", with_mesh(1000)),
+           variant("20,000 triangles", with_mesh(20'000)),
+           variant("200,000 triangles", with_mesh(200'000))},
           turns);
   const ToolBody body{Shank{8, 40}, std::vector<HolderSection>{{30, 40, 20}, {40, 40, 60}}};
   const Tool whole = *make_tool(BallShape{10, 30}, body);
@@ -214,6 +245,8 @@ void measure_blocks(int turns) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "prices")
+    return bench::print_price_table({argv + 2, argv + argc}) ? 0 : 1;
   const int turns = argc > 1 ? std::max(1, std::atoi(argv[1])) : 15;
   const double pitch_mm = argc > 2 ? std::atof(argv[2]) : 0.2;
   std::printf("ball 10 mm, %.0f mm deep, moves of 1 mm, axis swinging 20 degrees, pitch %.3g mm\n",

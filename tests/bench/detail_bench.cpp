@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the time, size and error of each level of detail on the five-axis standard job, and of
-// the mixture of levels sent to viewers that see the whole block or a part of it. Times are CPU
-// seconds of this thread. Usage: detail_bench [pitch_mm=0.25]
+// Measures the time, size and error of each level of detail on the five-axis standard job and on a
+// block with thin grooves, and of the mixture of levels sent to viewers that see the whole block or
+// a part of it. Errors are those in distance, in shading (the difference of the unit normals) and
+// in skin (original where the exact surface is cut, or the reverse). Times are CPU seconds of this
+// thread. Usage: detail_bench [pitch_mm=0.25]
 
 #include <algorithm>
 #include <cmath>
@@ -9,13 +11,14 @@
 #include <cstdlib>
 #include <ctime>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "server/feed/mesh_glb.h"
 #include "server/feed/tile_detail.h"
-#include "server/formats/model/mesh_distance.h"
+#include "tests/support/drawn_error.h"
 #include "tests/support/standard_job.h"
 
 namespace {
@@ -41,21 +44,6 @@ TileDetail detail_of(const DexelGrid& grid, TileIndex tile, const Levels& levels
     }
   }
   return detail;
-}
-
-/// Returns all tiles as one mesh without merging shared vertices, for distance queries.
-IndexedMesh joined(const std::vector<TileMesh>& tiles) {
-  IndexedMesh all;
-  for (const TileMesh& mesh : tiles) {
-    const auto first = static_cast<std::uint32_t>(all.positions_mm.size());
-    all.positions_mm.insert(all.positions_mm.end(), mesh.positions_mm.begin(),
-                            mesh.positions_mm.end());
-    for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
-      all.triangles.push_back(
-          {first + mesh.indices[t], first + mesh.indices[t + 1], first + mesh.indices[t + 2]});
-    }
-  }
-  return all;
 }
 
 std::vector<TileMesh> show(const char* name, const std::vector<TileMesh>& exact,
@@ -85,18 +73,18 @@ std::vector<TileMesh> show(const char* name, const std::vector<TileMesh>& exact,
   return meshes;
 }
 
+void print_share(const char* name, std::vector<double>& off, const char* unit) {
+  std::ranges::sort(off);
+  std::printf("    %s off by: half %.4f, 99 of 100 %.3f, all %.3f%s\n", name, off[off.size() / 2],
+              off[off.size() * 99 / 100], off.back(), unit);
+}
+
 void print_error(const std::vector<TileMesh>& exact, const std::vector<TileMesh>& coarse,
                  double pitch_mm) {
-  const IndexedMesh from = joined(exact), to = joined(coarse);
-  const MeshDistance distance(to);
-  std::vector<double> off;
-  std::uint32_t near = 0;
-  for (std::uint32_t v = 0; v < from.positions_mm.size(); ++v) {
-    off.push_back(distance.distance_mm(from.position(v), near) / pitch_mm);
-  }
-  std::ranges::sort(off);
-  std::printf("    exact vertices off by: half %.4f, 99 of 100 %.3f, all %.3f pitches\n",
-              off[off.size() / 2], off[off.size() * 99 / 100], off.back());
+  test::DrawnError error = test::drawn_error(exact, coarse, pitch_mm, pitch_mm / 2);
+  print_share("surface", error.off_pitches, " pitches");
+  print_share("normals", error.turns, "");
+  std::printf("    wrong skin: %.4f %%\n", 100 * error.wrong_skin);
 }
 
 /// Returns a camera aimed at the middle of the block from `distance_mm`, 52 degrees above the
@@ -110,10 +98,8 @@ Levels look_from(const DexelGrid& grid, double distance_mm, double height_px, do
   return [look, grid](TileIndex tile) { return detail_level(look, grid, tile, 0); };
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.25;
+/// The standard job.
+Sculpture raster(double pitch_mm) {
   SculptureSettings settings = test::standard_settings(pitch_mm, 0.01);
   settings.keep_normals = true;
   auto sculpture = *Sculpture::create(settings);
@@ -122,26 +108,59 @@ int main(int argc, char** argv) {
   for (std::size_t n = 1; n < path.size(); ++n) {
     sculpture.apply(MoveTool{1, path[n - 1], path[n], 0.01, false}).value();
   }
-  const SolidSnapshot solid = sculpture.solid();
+  return sculpture;
+}
+
+/// The same block with grooves of a ball of 2 mm, 0.4 mm deep, in all directions of its top, and a
+/// ring of a flat tool.
+Sculpture grooves(double pitch_mm) {
+  SculptureSettings settings = test::standard_settings(pitch_mm, 0.01);
+  settings.keep_normals = true;
+  auto sculpture = *Sculpture::create(settings);
+  sculpture.apply(DefineTool{1, *make_tool(BallShape{2, 50})}).value();
+  sculpture.apply(DefineTool{2, *make_tool(FlatShape{6, 50})}).value();
+  const Vec3 up{0, 0, 1};
+  const auto on_circle = [](double radius_mm, double angle, double z) {
+    return Vec3{50 + radius_mm * std::cos(angle), 50 + radius_mm * std::sin(angle), z};
+  };
+  constexpr int kGrooves = 18;
+  for (int n = 0; n < kGrooves; ++n) {
+    const double angle = (n + 0.13) * 2 * std::numbers::pi / kGrooves;
+    sculpture.apply(MoveTool{1, {on_circle(8, angle, 49.6), up}, {on_circle(30, angle, 49.6), up}})
+        .value();
+  }
+  constexpr int kSteps = 120;
+  for (int n = 0; n < kSteps; ++n) {
+    const double step = 2 * std::numbers::pi / kSteps;
+    sculpture
+        .apply(
+            MoveTool{2, {on_circle(40, n * step, 48), up}, {on_circle(40, (n + 1) * step, 48), up}})
+        .value();
+  }
+  return sculpture;
+}
+
+void measure(const char* name, const SolidSnapshot& solid) {
   const DexelGrid& grid = solid.grid();
   std::vector<TileMesh> exact;
   const double start = cpu_seconds();
   for (std::int32_t y = 0; y < grid.tiles_y(); ++y) {
     for (std::int32_t x = 0; x < grid.tiles_x(); ++x) exact.push_back(mesh_tile(solid, {x, y}));
   }
-  std::printf(
-      "block 100 x 100 x 50 mm, five axes, pitch %.3g mm, %zu tiles; meshing %.0f us/tile\n",
-      pitch_mm, exact.size(), 1e6 * (cpu_seconds() - start) / static_cast<double>(exact.size()));
+  std::printf("%s: block 100 x 100 x 50 mm, pitch %.3g mm, %zu tiles; meshing %.0f us/tile\n", name,
+              grid.pitch_mm, exact.size(),
+              1e6 * (cpu_seconds() - start) / static_cast<double>(exact.size()));
   const auto from = [&grid](Levels levels) -> Details {
     return [&grid, levels = std::move(levels)](TileIndex tile) {
       return detail_of(grid, tile, levels);
     };
   };
   for (std::uint8_t level = 0; level <= kDetailLevelMax; ++level) {
-    const std::string name = "level " + std::to_string(level);
-    const auto coarse = show(name.c_str(), exact, grid, from([level](TileIndex) { return level; }));
+    const std::string title = "level " + std::to_string(level);
+    const auto coarse =
+        show(title.c_str(), exact, grid, from([level](TileIndex) { return level; }));
     if (level == 0) continue;
-    print_error(exact, coarse, pitch_mm);
+    print_error(exact, coarse, grid.pitch_mm);
     // As a budget sends tiles.
     show("    with exact borders", exact, grid,
          [level](TileIndex) { return TileDetail{.level = level, .side = {}}; });
@@ -149,5 +168,13 @@ int main(int argc, char** argv) {
   show("whole block, 1000 px high", exact, grid, from(look_from(grid, 300, 1000, 0.5)));
   show("whole block on a phone, 800 px", exact, grid, from(look_from(grid, 480, 800, 1)));
   show("close to its middle, 1000 px high", exact, grid, from(look_from(grid, 60, 1000, 0.5)));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.25;
+  measure("five axes", raster(pitch_mm).solid());
+  measure("grooves", grooves(pitch_mm).solid());
   return 0;
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tests/formats/carved_volume.h"
 #include "tests/formats/scene_fixture.h"
 
 namespace kerf {
@@ -43,6 +44,24 @@ TEST(GcodeReader, RapidsBeforeTheFirstCutPlaceTheToolWithoutMotion) {
   ASSERT_EQ(program.motions.size(), 2u);
   EXPECT_EQ(program.motions[0].from.tip_mm, (Vec3{-40, 3, 20}));
   EXPECT_EQ(program.motions[0].to.tip_mm, (Vec3{-40, 3, -5}));
+}
+
+TEST(GcodeReader, AToolThatIsPlacedInStockTakesTheSameByNoLengthAsByAMicrometre) {
+  const Scene scene = scene_for("xyz");
+  const std::string placed = "G21 G90 T1 M6\nG0 X0 Y0 Z-2\n", again = "G1 X0 Y0 Z-2 F100\n";
+  const Program none = gcode(scene, placed + "M2\n");
+  const Program still = gcode(scene, placed + again + again + "G0 Z-2\nM2\n");
+  const Program moved = gcode(scene, placed + "G1 X0.001 F100\nM2\n");
+  EXPECT_EQ(none.motions.size(), 0U);
+  ASSERT_EQ(still.motions.size(), 1U) << "where it has been there is nothing left";
+  EXPECT_EQ(still.motions[0].from, still.motions[0].to);
+  const double taken = test::removed_mm3(scene, moved);
+  EXPECT_GT(taken, 1);
+  EXPECT_NEAR(test::removed_mm3(scene, still), taken, 0.05);
+  // Another tool at the same place; a rapid that states it again is no motion.
+  const std::string other = placed + again + "T2 M6\n";
+  EXPECT_EQ(gcode(scene, other + again + again + "M2\n").motions.size(), 2U);
+  EXPECT_EQ(gcode(scene, other + "G0 X0 Y0\nM2\n").motions.size(), 1U);
 }
 
 TEST(GcodeReader, WarnsOfACutBeforeAllAxesAreKnown) {

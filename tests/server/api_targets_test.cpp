@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <vector>
@@ -67,6 +68,58 @@ class ApiTargetsTest : public ApiRightsTest {
 
   const std::string part_ = box_stl({-20, -20, -20}, {20, 20, -0.5});
 };
+
+TEST_F(ApiTargetsTest, APartOfAnotherUnitIsAskedForIt) {
+  const std::string metres = box_stl({-0.02, -0.02, -0.02}, {0.02, 0.02, 0});
+  const Json asked = Json::parse(send("?name=part.stl", metres).body);
+  const Json& choices = asked.at("questions").at(0).at("choices");
+  EXPECT_EQ(asked.at("questions").at(0).at("field"), "unit");
+  EXPECT_EQ(choices.at(2).at("unit"), "m");
+  EXPECT_NEAR(choices.at(2).at("size_mm"), 40, 1e-9);
+  const Json answered = Json::parse(send("?name=part.stl&unit=m&shift_mm=1,0,0", metres).body);
+  EXPECT_FALSE(answered.contains("questions"));
+  EXPECT_NEAR(answered.at("max_mm").at(0), 21, 1e-6);
+  // The unit is kept with the file.
+  api.reset();
+  open(kAdmin, false);
+  EXPECT_NEAR(distances({1, 0, 1}).at(0), 1, 1e-5);
+  EXPECT_EQ(code_of(send("?name=part.stl&unit=mile", metres)), "bad_unit");
+}
+
+TEST_F(ApiTargetsTest, AModelThatWasTakenHomeCanBeBroughtBack) {
+  for (const std::string file : {"model.stl", "model.obj?shift_mm=100,0,0", "model.ply?error_mm=0",
+                                 "model.stl?encoding=ascii&error_mm=0.1"}) {
+    const ApiResponse model = ask("GET", "/v1/sessions/block/" + file, tokens[Role::kWatcher]);
+    ASSERT_EQ(model.status, 200U) << model.body;
+    std::string bytes(model.file->bytes(), '\0');
+    model.file->read(0, bytes.data(), bytes.size());
+    const auto header = std::ranges::find(model.headers, "Kerf-Model",
+                                          [](const auto& h) { return std::string(h.first); });
+    ASSERT_NE(header, model.headers.end());
+    const Json note = Json::parse(header->second);
+    const std::string name = "part" + file.substr(5, 4);
+    const Json part = Json::parse(send("?name=" + name, bytes).body);
+    EXPECT_EQ(part.at("triangles"), note.at("triangles")) << file;
+    EXPECT_FALSE(part.contains("fault")) << part;
+    const double shift = file.find("shift_mm") == file.npos ? 0 : 100;
+    EXPECT_EQ(part.at("min_mm"), Json({-20 + shift, -20, -20}));
+    EXPECT_EQ(note.contains("within_mm"), file.ends_with("0.1"));
+    EXPECT_FALSE(note.contains("warning"));
+  }
+}
+
+TEST_F(ApiTargetsTest, AModelThatIsShiftedFarAwaySaysWhatItLoses) {
+  const ApiResponse model =
+      ask("GET", "/v1/sessions/block/model.stl?shift_mm=990000,0,0", tokens[Role::kWatcher]);
+  ASSERT_EQ(model.status, 200U);
+  for (const auto& [name, value] : model.headers) {
+    if (name != std::string("Kerf-Model")) continue;
+    const std::string text = Json::parse(value).at("warning");
+    EXPECT_NE(text.find("shift_mm=20,20,20 moves"), text.npos) << text;
+    return;
+  }
+  FAIL() << "no header";
+}
 
 TEST_F(ApiTargetsTest, SculptorsSetAndRemoveWhatWatchersSee) {
   const Json set = Json::parse(send("?name=part.stl&shift_mm=1,0,0", part_).body);

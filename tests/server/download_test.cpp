@@ -69,9 +69,8 @@ TEST(DownloadName, IsSentInAsciiAndUtf8) {
 
 class DownloadCacheTest : public ::testing::Test {
  protected:
-  std::expected<void, MakeError> write(const std::filesystem::path& path,
-                                       const DownloadCache::Progress& progress,
-                                       const std::stop_token& stop) {
+  MadeFile write(const std::filesystem::path& path, const DownloadCache::Progress& progress,
+                 const std::stop_token& stop) {
     ++made_;
     progress(0.25);
     begun_ = true;
@@ -194,7 +193,7 @@ TEST_F(DownloadCacheTest, KeepsAGigabyteOfFilesAndTheNewestOne) {
   DownloadCache cache(folder_.path() / "downloads");
   const auto get = [&](const std::string& key, std::uintmax_t bytes) {
     const auto make = [bytes](const std::filesystem::path& path, const auto&,
-                              const auto&) -> std::expected<void, MakeError> {
+                              const auto&) -> MadeFile {
       std::ofstream(path) << "text";
       std::filesystem::resize_file(path, bytes);  // without blocks on the disk
       return {};
@@ -215,16 +214,13 @@ TEST_F(DownloadCacheTest, KeepsAGigabyteOfFilesAndTheNewestOne) {
 
 TEST_F(DownloadCacheTest, AFailureIsReportedAndNotCached) {
   DownloadCache cache(folder_.path() / "downloads");
-  const auto failed =
-      cache.get("k", [](const auto&, const auto&, const auto&) -> std::expected<void, MakeError> {
-        return std::unexpected(MakeError{"no"});
-      });
+  const auto failed = cache.get("k", [](const auto&, const auto&, const auto&) -> MadeFile {
+    return std::unexpected(MakeError{"no"});
+  });
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().reason, "no");
-  const auto thrown =
-      cache.get("k", [](const auto&, const auto&, const auto&) -> std::expected<void, MakeError> {
-        throw std::bad_alloc();
-      });
+  const auto thrown = cache.get(
+      "k", [](const auto&, const auto&, const auto&) -> MadeFile { throw std::bad_alloc(); });
   EXPECT_FALSE(thrown);
   EXPECT_TRUE(cache.get("k", maker()));
 }

@@ -45,7 +45,7 @@ Sculpture ramp(const ToolShape& shape) {
 std::vector<TileMesh> merged(const std::vector<TileMesh>& exact, const DexelGrid& grid,
                              double error_mm) {
   std::vector<TileMesh> meshes = exact;
-  for (TileMesh& mesh : meshes) mesh.indices = merged_quads(mesh, grid, error_mm);
+  for (TileMesh& mesh : meshes) mesh.indices = merged_quads(mesh, grid, {error_mm, 2});
   return meshes;
 }
 
@@ -148,7 +148,7 @@ TEST(QuadMerge, ErrorsOfFinerTrianglesAddUp) {
   std::size_t fewest = exact.indices.size();
   for (double error_mm = 0.001; error_mm < 0.05; error_mm *= 1.15) {
     TileMesh mesh = exact;
-    mesh.indices = merged_quads(exact, grid, error_mm);
+    mesh.indices = merged_quads(exact, grid, {error_mm, 2});
     // The other half is for vertices that are joined before.
     EXPECT_LE(farthest_mm(exact, mesh), 0.5001 * error_mm);
     fewest = std::min(fewest, mesh.indices.size());
@@ -171,7 +171,7 @@ TEST(QuadMerge, CreasesKeepTheirVertices) {
   Sculpture sculpture = ramp(FlatShape{.diameter_mm = 12, .length_mm = 30});
   std::size_t creases = 0;
   for (const TileMesh& mesh : test::mesh_all(sculpture.solid())) {
-    const auto indices = merged_quads(mesh, sculpture.grid(), 0.1);
+    const auto indices = merged_quads(mesh, sculpture.grid(), {0.1, 2});
     const std::set<std::uint32_t> kept(indices.begin(), indices.end());
     std::multiset<std::array<float, 3>> positions;
     for (const std::uint32_t v : std::set(mesh.indices.begin(), mesh.indices.end())) {
@@ -189,9 +189,9 @@ TEST(QuadMerge, CreasesKeepTheirVertices) {
 TEST(QuadMerge, UntouchedBlockAndErrorOfZeroChangeNothing) {
   Sculpture untouched = block();
   for (const TileMesh& mesh : test::mesh_all(untouched.solid())) {
-    EXPECT_EQ(merged_quads(mesh, untouched.grid(), 0.1).size(), mesh.indices.size());
+    EXPECT_EQ(merged_quads(mesh, untouched.grid(), {0.1, 2}).size(), mesh.indices.size());
   }
-  EXPECT_TRUE(merged_quads({}, untouched.grid(), 0.1).empty());
+  EXPECT_TRUE(merged_quads({}, untouched.grid(), {0.1, 2}).empty());
 }
 
 }  // namespace

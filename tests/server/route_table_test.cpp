@@ -199,7 +199,8 @@ TEST_F(ApiTest, InvalidDownloadParametersAreNamed) {
   const std::pair<const char*, const char*> cases[] = {
       {"model.stl?triangles=0", "triangles must be an integer > 0"},
       {"model.stl?triangles=-3", "triangles must be an integer > 0"},
-      {"model.stl?error_mm=none", "error_mm must be a number > 0"},
+      {"model.stl?error_mm=none", "error_mm must be a number >= 0"},
+      {"model.stl?shift_mm=1,2", "shift_mm must be three numbers X,Y,Z"},
       {"model.glb?encoding=zip", "encoding must be one of: "},
       {"program.ngc?post=mazak", "post must be one of linuxcnc, grbl, fanuc, haas, heidenhain"},
       {"program.ngc?from=a", "from and to must be journal record numbers"},
@@ -228,10 +229,11 @@ TEST_F(ApiTest, ADryRunStatesThePriceOfASceneAndCreatesNothing) {
   const json coarse = price(0.5), fine = price(0.25);
   EXPECT_EQ(coarse["columns"], json({80, 80}));
   EXPECT_EQ(fine["columns"], json({160, 160}));
-  EXPECT_NEAR(fine["bytes"].get<double>() / coarse["bytes"].get<double>(), 4, 1e-9);
+  EXPECT_GT(coarse["bytes"], 6400 * 8) << "two ends of each column";
+  EXPECT_GT(fine["bytes"], 25'600 * 8);
   EXPECT_GT(coarse["join_s"], 0);
   EXPECT_NEAR(fine["join_s"].get<double>() / coarse["join_s"].get<double>(), 4, 1e-9);
-  EXPECT_GT(fine["us_per_motion"], coarse["us_per_motion"]);
+  EXPECT_GT(coarse["us_per_motion"], 0);
   EXPECT_NEAR(coarse["predicted_error_mm"].get<double>(), 0.9 * 0.5 + 0.01, 1e-12);
   EXPECT_EQ(coarse["accuracy"]["pitch_mm"], 0.5);
   EXPECT_EQ(coarse["tools"].size(), 2U);

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <set>
 #include <tuple>
 
 #include "tests/support/carvings.h"
+#include "tests/support/drawn_error.h"
 #include "tests/support/mesh_check.h"
 
 namespace kerf {
@@ -122,6 +124,37 @@ TEST_P(TileDetailOfRays, CoarserLevelsKeepWhatIsOriginalOfTheirVertices) {
   }
   EXPECT_GT(original, 20U);
   EXPECT_GT(all - original, 20U);
+}
+
+/// A block with shallow grooves of a thin ball in all directions, which run across the borders of
+/// its tiles.
+Sculpture grooved_block(Rays rays) {
+  SculptureSettings settings;
+  settings.stock = kBlock;
+  settings.pitch_mm = 0.25;
+  settings.rays = rays;
+  Sculpture sculpture = std::move(Sculpture::create(settings).value());
+  sculpture.apply(DefineTool{1, *make_tool(BallShape{2, 30})}).value();
+  const Vec3 middle{12.3, 15.2, 8.6}, up{0, 0, 1};
+  constexpr int kGrooves = 14;
+  for (int n = 0; n < kGrooves; ++n) {
+    const double angle = (n + 0.13) * 2 * std::numbers::pi / kGrooves;
+    const Vec3 arm{std::cos(angle), std::sin(angle), 0};
+    sculpture.apply(MoveTool{1, {middle + arm * 4, up}, {middle + arm * 12, up}}).value();
+  }
+  return sculpture;
+}
+
+TEST_P(TileDetailOfRays, CoarserLevelsKeepSkinAndShading) {
+  Sculpture sculpture = grooved_block(GetParam());
+  const auto exact = test::mesh_all(sculpture.solid());
+  for (const std::uint8_t level : {std::uint8_t{1}, std::uint8_t{2}}) {
+    const auto coarse = mesh_at(exact, sculpture.grid(), [level](TileIndex) { return level; });
+    auto error = test::drawn_error(exact, coarse, sculpture.grid().pitch_mm, 0.12);
+    EXPECT_LT(error.wrong_skin, 4e-4) << "level " << int{level};
+    std::ranges::sort(error.turns);
+    EXPECT_LT(error.turns[error.turns.size() * 98 / 100], 0.06) << "level " << int{level};
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(, TileDetailOfRays, testing::Values(Rays::kDexel, Rays::kTriDexel));

@@ -10,6 +10,7 @@ const MESH = {
   triangles: 1234,
   box: { min: [0, 0, 0], max: [1, 2, 3] } as const,
   repaired: '',
+  isUnlikely: false,
 };
 
 describe('the form that places a model', () => {
@@ -23,9 +24,9 @@ describe('the form that places a model', () => {
   });
   afterEach(() => vi.unstubAllGlobals());
 
-  function make(asksUnit = true): FakeElement {
+  function make(asksUnit = true, isUnlikely = false): FakeElement {
     const { min, max } = MESH.box;
-    const mesh = { ...MESH, box: { min: [...min], max: [...max] } } as Parameters<
+    const mesh = { ...MESH, isUnlikely, box: { min: [...min], max: [...max] } } as Parameters<
       typeof placementForm
     >[0];
     return placementForm(mesh, placement, asksUnit, () => {
@@ -59,6 +60,18 @@ describe('the form that places a model', () => {
     expect(placement.unit).toBe('inch');
     expect(size(form)).toMatch(/^25\.4 × 50\.8 × 76\.2 mm, /);
     expect(changes).toBe(1);
+  });
+
+  it('asks whether an unlikely size is right until the unit is chosen', () => {
+    const question = (form: FakeElement): FakeElement => form.all('bad')[0]!;
+    expect(question(make()).hidden).toBe(true);
+    const form = make(true, true);
+    expect(question(form).hidden).toBe(false);
+    expect(question(form).getAttribute('role')).toBe('alert');
+    const [unit] = form.all('text-input');
+    unit!.value = 'm';
+    unit!.dispatch('change');
+    expect(question(form).hidden).toBe(true);
   });
 
   it('scales along all axes', () => {

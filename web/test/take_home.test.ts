@@ -3,7 +3,7 @@ import { afterEach, expect, test, vi } from 'vitest';
 import { pictureUrl, PictureVersions } from '../src/link/picture_url';
 import { takeHome } from '../src/link/take_home';
 import type { Progress } from '../src/link/take_home';
-import { choicesFor, fileOf, GROUPS, nameIn, sizeOf } from '../src/model/take_home';
+import { choicesFor, fileOf, GROUPS, lossesIn, nameIn, sizeOf } from '../src/model/take_home';
 
 const all = GROUPS.flatMap(({ formats }) => formats);
 const format = (name: string): (typeof all)[number] => all.find((one) => one.name === name)!;
@@ -16,7 +16,7 @@ afterEach(() => {
 test('the choices of a format are parameters of the server', () => {
   const of = (name: string): string[] =>
     choicesFor(format(name).detail).map((choice) => fileOf(format(name), choice));
-  expect(of('STL')).toContain('model.stl');
+  expect(of('STL').slice(0, 2)).toEqual(['model.stl', 'model.stl?error_mm=0']);
   expect(of('STL')).toContain('model.stl?triangles=100000');
   expect(of('GLB compressed')).toContain('model.glb?encoding=meshopt&error_mm=0.05');
   expect(of('NC')).toContain('program.ngc?tolerance_mm=0.01');
@@ -24,11 +24,13 @@ test('the choices of a format are parameters of the server', () => {
 });
 
 test('a size follows what the session has, and the choice', () => {
-  const [exact, million] = choicesFor('surface');
+  const [part, exact, million] = choicesFor('surface');
   const amounts = { motions: 1000, columns: 1_000_000 };
   const stl = format('STL');
   expect(sizeOf(stl, exact!, amounts)! / 120e6).toBeCloseTo(1, 2);
   expect(sizeOf(stl, million!, amounts)! / 50e6).toBeCloseTo(1, 2);
+  expect(sizeOf(stl, part!, amounts)).toBe(2 ** 26); // what a server takes back
+  expect(sizeOf(stl, part!, { motions: 0, columns: 1000 })).toBeLessThan(130_000);
   // A small block has fewer triangles than are allowed.
   expect(sizeOf(stl, million!, { motions: 0, columns: 1000 })).toBeLessThan(130_000);
   expect(sizeOf(format('NC'), exact!, amounts)! / 82e3).toBeCloseTo(1, 2);
@@ -39,6 +41,14 @@ test('the name of a file is the one that the server sends', () => {
   expect(nameIn('attachment; filename="_.stl"; filename*=UTF-8\'\'%C3%A4.stl')).toBe('ä.stl');
   expect(nameIn('attachment; filename="_.stl"; filename*=UTF-8\'\'%')).toBe('_.stl');
   expect(nameIn('')).toBe('');
+});
+
+test('a surface says what it has lost', () => {
+  expect(lossesIn('')).toEqual([]);
+  expect(lossesIn('{"triangles":9}')).toEqual([]);
+  expect(lossesIn('{"triangles":9,"collapsed_triangles":3}')).toEqual([]);
+  const far = '{"triangles":9,"collapsed_triangles":3,"warning":"3 of 9 triangles have no area"}';
+  expect(lossesIn(far)).toEqual(['So far from the origin 3 triangles have no area.']);
 });
 
 function answer(parts: string[], headers: Record<string, string>): Response {
@@ -78,9 +88,11 @@ test('progress is that of the server, then of the line', async () => {
     answer(['abc', 'def'], {
       'content-length': '12',
       'content-disposition': 'attachment; filename="Part.stl"',
+      'kerf-model': '{"triangles":9,"exact_triangles":99,"within_mm":0.0125}',
     }),
   );
-  const { name, content } = await taken;
+  const { name, content, losses } = await taken;
+  expect(losses).toEqual(['Its surface is within 0.013 mm of the block.']);
   expect(name).toBe('Part.stl');
   expect(await content.text()).toBe('abcdef');
   expect(seen.slice(-2)).toEqual([

@@ -33,7 +33,7 @@ class GlbDocument {
     json_["scenes"] = {{{"name", title}, {"nodes", {0}}}};
     // Programs that read glTF name what they make by the node and the mesh.
     json_["nodes"] = {{{"name", title.empty() ? "kerf" : title}}};
-    place(json_["nodes"][0], output.source.origin_mm());
+    place(json_["nodes"][0], output.origin_mm());
   }
 
   const GlbLattice& lattice() const { return lattice_; }

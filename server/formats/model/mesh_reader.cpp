@@ -3,7 +3,9 @@
 
 #include <bit>
 #include <unordered_map>
+#include <vector>
 
+#include "server/formats/model/open_vertices.h"
 #include "server/formats/model/stl_reader.h"
 #include "server/formats/model/text_words.h"
 
@@ -24,6 +26,15 @@ struct SamePlace {
   }
 };
 
+/// Share of the mesh's diagonal below which vertices on open edges are one: programs that compute a
+/// vertex once for each of its triangles, or write floats, state it with different last digits.
+constexpr double kSameShare = 1e-6;
+
+void drop_triangles_without_area(TriangleMesh& mesh) {
+  std::erase_if(mesh.triangles,
+                [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+}
+
 TriangleMesh merge_vertices(const TriangleMesh& read) {
   TriangleMesh mesh;
   std::unordered_map<Vec3, std::uint32_t, SamePlace> number;
@@ -35,10 +46,12 @@ TriangleMesh merge_vertices(const TriangleMesh& read) {
     if (added) mesh.vertices_mm.push_back(SamePlace::plain(v));
     merged.push_back(place->second);
   }
-  for (const auto& t : read.triangles) {
-    const std::array<std::uint32_t, 3> m{merged[t[0]], merged[t[1]], merged[t[2]]};
-    if (m[0] != m[1] && m[1] != m[2] && m[2] != m[0]) mesh.triangles.push_back(m);
-  }
+  for (const auto& t : read.triangles)
+    mesh.triangles.push_back({merged[t[0]], merged[t[1]], merged[t[2]]});
+  drop_triangles_without_area(mesh);
+  if (mesh.triangles.empty() || seems_closed(mesh)) return mesh;
+  join_open_vertices(mesh, kSameShare);
+  drop_triangles_without_area(mesh);
   return mesh;
 }
 

@@ -27,8 +27,8 @@ using MeshFileResult = std::expected<TriangleMesh, MeshFileError>;
 /// Reads a mesh: STL (binary, ASCII), PLY (ASCII, both byte orders), OBJ (8-bit, UTF-16), 3MF,
 /// binary glTF. Coordinates are the file's numbers, in 3MF and GLB mm by the file's unit and +Z up.
 /// Polygons are split into fans of triangles; colors, normals, textures and other attributes are
-/// ignored. Vertices with equal coordinates are merged, and triangles with two equal corners are
-/// dropped.
+/// ignored. Vertices with equal coordinates are merged, and, on open edges, those that are nearer
+/// than 1e-6 of the diagonal; triangles with two equal corners are dropped.
 MeshFileResult read_mesh(MeshFileFormat format, std::span<const std::byte> bytes,
                          std::uint64_t triangles_max = kMeshTrianglesMax);
 

@@ -13,26 +13,42 @@
 
 namespace kerf {
 
+/// What floats in coordinates of the scene lose of a surface.
+struct CoordinateLoss {
+  std::uint64_t collapsed = 0;
+  float farthest_mm = 0;
+};
+
 /// Arguments of a format's writer; model_writer.cpp selects the writer.
 struct ModelOutput {
   FileSink& sink;
   const std::filesystem::path& path;  ///< of the sink; temporary files are created beside it
   MeshSource& source;
   const ModelRequest& request;
+  CoordinateLoss& loss;
 
   /// Reads the next piece and reports the progress. Returns false at the end, and if a stop was
   /// requested.
   bool next(MeshPiece& piece) const {
     if (request.stop.stop_requested() || !source.next(piece)) return false;
+    if (request.format != ModelFormat::kGlb) add_loss(piece);
     if (request.progress) request.progress(source.share());
     return true;
   }
-  /// Converts a position to scene coordinates.
+  /// Where position (0, 0, 0) of the source is in the file.
+  Vec3 origin_mm() const { return source.origin_mm() + request.shift_mm; }
+  /// Counts what in_scene() loses of a piece.
+  void add_loss(const MeshPiece& piece) const;
+  /// Converts a position to coordinates of the file.
   std::array<float, 3> in_scene(const std::array<float, 3>& p) const {
-    const Vec3 o = source.origin_mm();
-    return {static_cast<float>(o.x + static_cast<double>(p[0])),
-            static_cast<float>(o.y + static_cast<double>(p[1])),
-            static_cast<float>(o.z + static_cast<double>(p[2]))};
+    return moved(p, origin_mm());
+  }
+
+ private:
+  static std::array<float, 3> moved(const std::array<float, 3>& p, Vec3 by) {
+    return {static_cast<float>(by.x + static_cast<double>(p[0])),
+            static_cast<float>(by.y + static_cast<double>(p[1])),
+            static_cast<float>(by.z + static_cast<double>(p[2]))};
   }
 };
 

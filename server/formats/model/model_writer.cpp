@@ -2,9 +2,12 @@
 #include "server/formats/model/model_writer.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <system_error>
 
 #include "server/formats/model/model_parts.h"
+#include "server/formats/number_text.h"
 
 namespace kerf {
 namespace {
@@ -91,18 +94,62 @@ std::optional<ModelEncoding> model_encoding(ModelFormat format, std::string_view
 ModelResult write_model(const std::filesystem::path& path, MeshSource& source,
                         const ModelRequest& request) {
   ModelResult written = model_error({});
+  CoordinateLoss loss;
   {
     FileSink sink(path);
-    if (sink.ok()) written = write_format({sink, path, source, request});
+    if (sink.ok()) written = write_format({sink, path, source, request, loss});
     if (request.stop.stop_requested()) written = model_error("stopped");
     if (auto finished = sink.finish(); !finished) written = model_error(finished.error());
-    if (written) written->bytes = sink.bytes();
+    if (written) {
+      written->bytes = sink.bytes();
+      written->collapsed = loss.collapsed;
+      written->farthest_mm = static_cast<double>(loss.farthest_mm);
+    }
   }
   if (!written) {
     std::error_code ignored;
     if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
   }
   return written;
+}
+
+void ModelOutput::add_loss(const MeshPiece& piece) const {
+  const Vec3 origin = origin_mm();
+  for (std::size_t first = 0; first + 2 < piece.indices.size(); first += 3) {
+    std::array<std::array<float, 3>, 3> corners;
+    for (std::size_t c = 0; c < 3; ++c) {
+      corners[c] = moved(piece.positions_mm[piece.indices[first + c]], origin);
+      for (const float x : corners[c]) loss.farthest_mm = std::max(loss.farthest_mm, std::abs(x));
+    }
+    if (facet_normal(corners) == std::array<float, 3>{0, 0, 0}) ++loss.collapsed;
+  }
+}
+
+std::string coarse_coordinates(const ModelSummary& summary, double pitch_mm, Vec3 least_mm,
+                               Vec3 size_mm, std::string_view option) {
+  // Nearer to the origin a shift gains little: floats are as coarse as the size alone makes them.
+  constexpr double kFarSizes = 16;
+  constexpr double kStepPitches = 1.0 / 16;
+  const double size = std::max({size_mm.x, size_mm.y, size_mm.z});
+  if (summary.farthest_mm < kFarSizes * size) return {};
+  const auto far = static_cast<float>(summary.farthest_mm);
+  const double step =
+      static_cast<double>(std::nextafter(far, std::numeric_limits<float>::infinity()) - far);
+  if (summary.collapsed == 0 && step <= kStepPitches * pitch_mm) return {};
+  std::string text;
+  if (summary.collapsed > 0) {
+    text = std::to_string(summary.collapsed) + " of " + std::to_string(summary.triangles) +
+           " triangles have no area: ";
+  }
+  text += "so far from the origin (" + exact_text(summary.farthest_mm) +
+          " mm) the coordinates of the file are " + exact_text(step) + " mm apart; " +
+          std::string(option);
+  const char* before = option.ends_with('=') ? "" : " ";
+  for (const double least : {least_mm.x, least_mm.y, least_mm.z}) {
+    text += before + exact_text(0.0 - std::round(least));
+    before = ",";
+  }
+  return text + " moves the model to the origin";
 }
 
 std::array<float, 3> facet_normal(const std::array<std::array<float, 3>, 3>& corners) {

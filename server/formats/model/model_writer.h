@@ -49,15 +49,28 @@ struct ModelError {
 };
 struct ModelSummary {
   std::uint64_t triangles = 0, vertices = 0, bytes = 0;
+  /// Triangles whose corners coincide, or lie on a line, once they are rounded to floats in the
+  /// scene; 0 of a GLB, whose positions are relative to the block.
+  std::uint64_t collapsed = 0;
+  double farthest_mm = 0;  ///< greatest magnitude of a coordinate in the file; 0 of a GLB
 };
 
 struct ModelRequest {
   ModelFormat format = ModelFormat::kStl;
   ModelEncoding encoding = ModelEncoding::kBinary;
   std::string title = {};  ///< name of the model in the file
+  Vec3 shift_mm = {};      ///< added to the coordinates of the scene
   ModelProgress progress = {};
   std::stop_token stop = {};  ///< asked before each piece of the surface
 };
+
+/// Returns why the coordinates of a file are too coarse for its surface, as one sentence with
+/// numbers and the shift that helps; empty if they are not. `pitch_mm`: between the rays of the
+/// block; `least_mm`: its corner in the scene; `option`: what states a shift, such as
+/// "--model-translate". Coordinates are too coarse if the block is far from the origin for its size
+/// and either triangles collapse or the step of a float exceeds a sixteenth of the pitch.
+std::string coarse_coordinates(const ModelSummary& summary, double pitch_mm, Vec3 least_mm,
+                               Vec3 size_mm, std::string_view option);
 
 /// Writes a surface to a file in scene coordinates, mm (for GLB below the root node, see
 /// README.md). Holds one piece of the source in memory, the seams of a row of pieces and, for GLB,

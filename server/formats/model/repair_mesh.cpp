@@ -6,13 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <numeric>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "kernel/dexel/mesh_stock.h"
 #include "server/formats/model/mesh_shells.h"
+#include "server/formats/model/open_vertices.h"
 
 namespace kerf {
 namespace {
@@ -22,57 +21,12 @@ constexpr double kJoinShare = 1e-5;
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Vertices in cubes whose side is the distance within which they are joined.
-class VertexCells {
- public:
-  VertexCells(std::span<const Vec3> vertices, Vec3 origin, double distance_mm)
-      : vertices_(vertices), origin_(origin), distance_mm_(distance_mm) {}
-
-  /// Returns the first vertex added that is within the distance, or adds this one and returns it.
-  std::uint32_t join(std::uint32_t vertex) {
-    const Cell at = cell_of(vertices_[vertex]);
-    for (std::int64_t n = 0; n < 27; ++n) {
-      const auto cell = cells_.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
-      if (cell == cells_.end()) continue;
-      for (const std::uint32_t other : cell->second) {
-        if (length(vertices_[other] - vertices_[vertex]) <= distance_mm_) return other;
-      }
-    }
-    cells_[at].push_back(vertex);
-    return vertex;
-  }
-
- private:
-  using Cell = std::array<std::int64_t, 3>;
-  struct CellHash {
-    std::size_t operator()(const Cell& cell) const {
-      std::uint64_t hash = 14695981039346656037U;
-      for (const std::int64_t c : cell) {
-        hash = (hash ^ static_cast<std::uint64_t>(c)) * 1099511628211U;
-        hash ^= hash >> 31U;
-      }
-      return static_cast<std::size_t>(hash);
-    }
-  };
-
-  Cell cell_of(Vec3 v) const {
-    const Vec3 p = (v - origin_) * (1 / distance_mm_);
-    return {std::int64_t(std::floor(p.x)), std::int64_t(std::floor(p.y)),
-            std::int64_t(std::floor(p.z))};
-  }
-
-  std::span<const Vec3> vertices_;
-  Vec3 origin_;
-  double distance_mm_;
-  std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> cells_;
-};
-
 class Repair {
  public:
   explicit Repair(TriangleMesh& mesh) : mesh_(mesh) {}
 
   std::expected<MeshRepair, std::string> run() {
-    join_vertices();
+    done_.vertices_joined = join_open_vertices(mesh_, kJoinShare);
     drop_triangles();
     MeshShells shells(mesh_);
     if (const auto at = shells.orient(); at)
@@ -89,24 +43,6 @@ class Repair {
   }
 
  private:
-  void join_vertices() {
-    const BoxStock box = mesh_bounds(mesh_);
-    const double distance_mm = kJoinShare * length(box.max_mm - box.min_mm);
-    if (!(distance_mm > 0)) return;
-    std::vector<bool> open(mesh_.vertices_mm.size());
-    for_each_edge(mesh_, [&open](std::span<const EdgeUse> uses) {
-      if (uses.size() == 1) open[uses[0].from] = open[uses[0].to] = true;
-    });
-    VertexCells cells(mesh_.vertices_mm, box.min_mm, distance_mm);
-    std::vector<std::uint32_t> joined(mesh_.vertices_mm.size());
-    std::iota(joined.begin(), joined.end(), 0U);
-    for (std::uint32_t v = 0; v < joined.size(); ++v) {
-      if (open[v]) joined[v] = cells.join(v);
-      done_.vertices_joined += joined[v] == v ? 0 : 1;
-    }
-    for (Triangle& t : mesh_.triangles) t = {joined[t[0]], joined[t[1]], joined[t[2]]};
-  }
-
   /// A triangle with its smallest corner first, and whether its corners ascend from there.
   static std::pair<Triangle, bool> sides_of(Triangle t) {
     std::ranges::rotate(t, std::ranges::min_element(t));

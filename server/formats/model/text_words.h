@@ -9,16 +9,16 @@
 #include <type_traits>
 
 #include "server/formats/number_text.h"
-#include "server/formats/text_lines.h"
 
 namespace kerf {
 
-/// Splits text into words and counts lines.
+/// Splits text into words and counts lines. A line ends with LF, CR LF or CR alone, whichever the
+/// others end with: editors and converters leave files with several kinds.
 class TextWords {
  public:
   /// `backslash_joins`: a line whose last character is a backslash goes on in the next one.
   explicit TextWords(std::string_view text, bool backslash_joins = false)
-      : text_(text), end_(line_end(text)), backslash_joins_(backslash_joins) {}
+      : text_(text), backslash_joins_(backslash_joins) {}
   std::size_t line() const { return line_; }
   std::size_t position() const { return at_; }
   /// Returns the next word; empty at the end.
@@ -32,7 +32,7 @@ class TextWords {
     return take();
   }
   void skip_line() {
-    while (at_ < text_.size() && text_[at_] != end_) {
+    while (at_ < text_.size() && !ends_line()) {
       const std::size_t joint = joint_size();
       line_ += joint > 0 ? 1 : 0;
       at_ += std::max<std::size_t>(joint, 1);
@@ -41,19 +41,25 @@ class TextWords {
 
  private:
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+  /// Whether a line ends with this character: of CR LF, with the second.
+  bool ends_line() const {
+    return text_[at_] == '\n' ||
+           (text_[at_] == '\r' && (at_ + 1 == text_.size() || text_[at_ + 1] != '\n'));
+  }
   /// The characters of a backslash and the end of line behind it; 0 if there is none here.
   std::size_t joint_size() const {
     if (!backslash_joins_ || text_[at_] != '\\') return 0;
     const std::string_view rest = text_.substr(at_ + 1, 2);
-    return rest.starts_with('\n') ? 2 : rest == "\r\n" ? 3 : 0;
+    if (rest == "\r\n") return 3;
+    return rest.starts_with('\n') || rest.starts_with('\r') ? 2 : 0;
   }
   void skip(bool lines) {
     while (at_ < text_.size()) {
       if (const std::size_t joint = joint_size(); joint > 0) {
         at_ += joint;
         ++line_;
-      } else if (is_blank(text_[at_]) && (lines || text_[at_] != end_)) {
-        line_ += text_[at_] == end_ ? 1 : 0;
+      } else if (is_blank(text_[at_]) && (lines || !ends_line())) {
+        line_ += ends_line() ? 1 : 0;
         ++at_;
       } else {
         return;
@@ -66,7 +72,6 @@ class TextWords {
     return text_.substr(first, at_ - first);
   }
   std::string_view text_;
-  char end_;  ///< of a line
   bool backslash_joins_;
   std::size_t at_ = 0, line_ = 1;
 };

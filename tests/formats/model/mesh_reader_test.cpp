@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <random>
+#include <sstream>
 
 #include "kernel/dexel/mesh_stock.h"
 #include "server/formats/model/model_writer.h"
@@ -183,6 +184,56 @@ TEST(MeshReader, MergesEqualVerticesAndDropsTrianglesWithoutThem) {
   ASSERT_TRUE(mesh);
   EXPECT_EQ(mesh->vertices_mm.size(), 3U);
   EXPECT_EQ(mesh->triangles.size(), 2U);
+}
+
+/// Facets of a file, with every coordinate moved by at most `most_mm`.
+std::string blurred_stl(const TriangleMesh& mesh, double most_mm, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> by(-most_mm, most_mm);
+  std::ostringstream text;
+  text.precision(17);
+  text << "solid x\n";
+  for (const auto& t : mesh.triangles) {
+    text << "facet normal 0 0 0\nouter loop\n";
+    for (const std::uint32_t v : t) {
+      const Vec3 p = mesh.vertices_mm[v];
+      text << "vertex " << p.x + by(random) << ' ' << p.y + by(random) << ' ' << p.z + by(random)
+           << '\n';
+    }
+    text << "endloop\nendfacet\n";
+  }
+  text << "endsolid x\n";
+  return text.str();
+}
+
+TEST(MeshReader, JoinsVerticesThatAreNearlyEqualWhereEdgesAreOpen) {
+  const auto mesh = read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary));
+  ASSERT_TRUE(mesh);
+  for (const double most_mm : {1e-15, 1e-9, 2e-6}) {
+    const auto joined = read(MeshFileFormat::kStl, blurred_stl(*mesh, most_mm, 4));
+    ASSERT_TRUE(joined);
+    EXPECT_EQ(mesh_stock_fault(*joined), "") << most_mm;
+    EXPECT_LE(joined->triangles.size(), mesh->triangles.size());
+    EXPECT_GE(joined->triangles.size(), mesh->triangles.size() * 99 / 100);
+  }
+  // What is farther apart stays a fault, which names the edges.
+  const auto apart = read(MeshFileFormat::kStl, blurred_stl(*mesh, 0.01, 4));
+  ASSERT_TRUE(apart);
+  EXPECT_NE(mesh_stock_fault(*apart), "");
+}
+
+TEST(MeshReader, JoinsNothingInAClosedMesh) {
+  // A slit of 1e-9 mm between two closed tetrahedra, in a mesh of 10 mm.
+  std::string text =
+      "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\n"
+      "v 0 0 -1e-9\nv 10 0 -1e-9\nv 0 10 -1e-9\nv 0 0 -5\n"
+      "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+      "f 5 6 7\nf 5 8 6\nf 6 8 7\nf 7 8 5\n";
+  const auto mesh = read(MeshFileFormat::kObj, text);
+  ASSERT_TRUE(mesh);
+  EXPECT_EQ(mesh_stock_fault(*mesh), "");
+  EXPECT_EQ(mesh->vertices_mm.size(), 8U);
+  EXPECT_EQ(mesh->triangles.size(), 8U);
 }
 
 TEST(MeshReader, ReportsReasonAndLocation) {

@@ -65,6 +65,36 @@ TEST(StlReader, ReadsAscii) {
   EXPECT_EQ((*again)[0][1], (Vec3{0, 0, 0})) << "too small for a double";
 }
 
+TEST(StlReader, LinesMayEndInSeveralWaysInOneFile) {
+  const auto plain = read_stl(bytes_of(kAscii));
+  ASSERT_TRUE(plain);
+  const std::array<std::string, 3> ends{"\r", "\n", "\r\n"};
+  // Every choice of the ends of the first two lines, the last one and those between.
+  for (unsigned n = 0; n < 81; ++n) {
+    std::string text;
+    unsigned line = 0;
+    for (const char c : kAscii) {
+      if (c != '\n') {
+        text += c;
+        continue;
+      }
+      const unsigned kind = line == 0                ? n
+                            : line == 1              ? n / 3
+                            : text.ends_with("name") ? n / 9
+                                                     : n / 27;
+      text += ends.at(kind % 3);
+      ++line;
+    }
+    const auto read = read_stl(bytes_of(text));
+    ASSERT_TRUE(read) << read.error().reason << ", " << n;
+    EXPECT_EQ(*read, *plain);
+    text.insert(text.find("+1.5"), "x");
+    const auto fault = read_stl(bytes_of(text));
+    ASSERT_FALSE(fault);
+    EXPECT_TRUE(fault.error().reason.starts_with("line 5:")) << fault.error().reason << ", " << n;
+  }
+}
+
 TEST(StlReader, ReadsABinaryFileWhoseTitleStartsWithSolid) {
   std::vector<std::byte> bytes = carved_block(6);
   std::memcpy(bytes.data(), "solid", 5);

@@ -149,7 +149,8 @@ TEST(Collision, AThinFlangeUnderAnEdgeIsPushedAwayFromTheSideThatTouches) {
 }
 
 TEST(Collision, MeshWithTooManyTrianglesIsRejected) {
-  const std::vector<std::array<Vec3, 3>> many(1001, {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}});
+  const std::vector<std::array<Vec3, 3>> many(200'001,
+                                              {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}});
   EXPECT_FALSE(check_obstacle({MeshObstacle{many}, 1}).empty());
 }
 

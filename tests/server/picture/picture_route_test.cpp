@@ -18,9 +18,7 @@ class PictureCacheTest : public ::testing::Test {
  protected:
   PictureCache::Present present() {
     ++asked_;
-    return {tag_,
-            [this](const std::filesystem::path& path, const auto&,
-                   const auto&) -> std::expected<void, MakeError> {
+    return {tag_, [this](const std::filesystem::path& path, const auto&, const auto&) -> MadeFile {
               ++made_;
               if (fails_) return std::unexpected(MakeError{"disk is full"});
               std::ofstream(path) << tag_;
@@ -88,14 +86,14 @@ TEST_F(PictureCacheTest, RequestsShareThePictureThatIsBeingMade) {
   std::atomic<bool> hold = true;
   const auto ask = [&] {
     // Each request would find the block in another state.
-    return PictureCache::Present{std::to_string(++asked),
-                                 [&](const std::filesystem::path& path, const auto&,
-                                     const auto&) -> std::expected<void, MakeError> {
-                                   ++made;
-                                   while (hold) std::this_thread::yield();
-                                   std::ofstream(path) << "text";
-                                   return {};
-                                 }};
+    return PictureCache::Present{
+        std::to_string(++asked),
+        [&](const std::filesystem::path& path, const auto&, const auto&) -> MadeFile {
+          ++made;
+          while (hold) std::this_thread::yield();
+          std::ofstream(path) << "text";
+          return {};
+        }};
   };
   std::vector<std::string> tags(8);
   {

@@ -33,6 +33,8 @@ export interface UploadedMesh {
   box: Box;
   /** What was repaired in it; '' for nothing. */
   repaired: string;
+  /** Its numbers, taken as mm, make an unlikely size. */
+  isUnlikely: boolean;
 }
 
 function listOf(value: unknown): Json[] {
@@ -99,6 +101,7 @@ export async function uploadMesh(file: File, repair: boolean): Promise<UploadedM
     triangles: Number(body['triangles']),
     box: boxOf(body),
     repaired: typeof body['repaired'] === 'string' ? body['repaired'] : '',
+    isUnlikely: listOf(body['questions']).length > 0,
   };
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fetches a file of a session and tells how far that is.
 
-import { nameIn } from '../model/take_home';
+import { lossesIn, nameIn } from '../model/take_home';
 import { ask } from './server_error';
 
 const POLL_MS = 400;
@@ -16,6 +16,8 @@ export interface Progress {
 export interface TakenFile {
   name: string;
   content: Blob;
+  /** What a surface has lost. */
+  losses: string[];
 }
 
 interface Making {
@@ -81,7 +83,11 @@ export async function takeHome(
     made();
     const parts = await read(response, progress);
     const name = nameIn(response.headers.get('content-disposition') ?? '');
-    return { name: name === '' ? file.replace(/\?.*$/, '') : name, content: new Blob(parts) };
+    return {
+      name: name === '' ? file.replace(/\?.*$/, '') : name,
+      content: new Blob(parts),
+      losses: lossesIn(response.headers.get('kerf-model') ?? ''),
+    };
   } finally {
     made();
   }

@@ -102,24 +102,31 @@ export interface DetailChoice {
   query: string;
   /** The most triangles; null: no limit. */
   triangles: number | null;
+  /** The most bytes; null: no limit. */
+  bytes: number | null;
 }
 
-const EXACT: DetailChoice = { text: t('full detail'), query: '', triangles: null };
+/** What a server takes as a part, in bytes. */
+const PART_BYTES_MAX = 2 ** 26;
+const NO_LIMITS = { triangles: null, bytes: null };
+const EXACT: DetailChoice = { text: t('full detail'), query: '', ...NO_LIMITS };
 
 export function choicesFor(detail: Detail): readonly DetailChoice[] {
   switch (detail) {
     case 'surface':
       return [
-        EXACT,
+        { text: t('up to 64 MB'), query: '', triangles: null, bytes: PART_BYTES_MAX },
+        { ...EXACT, query: 'error_mm=0' },
         ...[1_000_000, 100_000, 20_000].map((triangles) => ({
           text: t('up to {0} triangles', new Intl.NumberFormat(language).format(triangles)),
           query: `triangles=${triangles}`,
           triangles,
+          bytes: null,
         })),
         ...[0.01, 0.05, 0.2].map((error) => ({
           text: t('accurate to {0} mm', error),
           query: `error_mm=${error}`,
-          triangles: null,
+          ...NO_LIMITS,
         })),
       ];
     case 'motions':
@@ -128,7 +135,7 @@ export function choicesFor(detail: Detail): readonly DetailChoice[] {
         ...[0.001, 0.01, 0.1].map((tolerance) => ({
           text: t('simplified to {0} mm', tolerance),
           query: `tolerance_mm=${tolerance}`,
-          triangles: null,
+          ...NO_LIMITS,
         })),
       ];
     case 'none':
@@ -160,7 +167,27 @@ export function sizeOf(
   if (format.bytesEach === null) return null;
   const triangles = Math.min(choice.triangles ?? Infinity, TRIANGLES_PER_COLUMN * columns);
   const count = format.detail === 'surface' ? triangles : motions;
-  return HEAD_BYTES + count * format.bytesEach;
+  return Math.min(choice.bytes ?? Infinity, HEAD_BYTES + count * format.bytesEach);
+}
+
+/** What the header Kerf-Model says that a surface has lost; a sentence for each. */
+export function lossesIn(header: string): string[] {
+  let model: { exact_triangles?: unknown; within_mm?: unknown; collapsed_triangles?: unknown };
+  try {
+    model = JSON.parse(header) as typeof model;
+  } catch {
+    return [];
+  }
+  const { exact_triangles: exact, within_mm: within, collapsed_triangles: collapsed } = model;
+  const number = new Intl.NumberFormat(language, { maximumSignificantDigits: 2 });
+  const losses: string[] = [];
+  if (typeof exact === 'number' && typeof within === 'number') {
+    losses.push(t('Its surface is within {0} mm of the block.', number.format(within)));
+  }
+  if ('warning' in model && typeof collapsed === 'number') {
+    losses.push(t('The model is so far from the origin that some of it is lost ({0}).', collapsed));
+  }
+  return losses;
 }
 
 /** The name in a Content-Disposition header, that in UTF-8 first; empty if there is none. */

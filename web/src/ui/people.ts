@@ -16,6 +16,8 @@ import { Watchers } from './watchers';
 interface Row {
   element: HTMLElement;
   button: HTMLButtonElement;
+  name: HTMLElement;
+  about: HTMLElement;
   force: HTMLElement;
   state: HTMLElement;
 }
@@ -71,26 +73,21 @@ export class People {
   }
 
   private row_(participant: Participant): Row {
-    const { participant: id, name, color } = participant.info;
+    const { participant: id, color } = participant.info;
+    const called = h('span');
+    const about = h('small');
     const force = h('span', { class: 'person-force' });
     const state = h('span', { class: 'person-state' });
-    const tool = toolName(this.model.tool(participant.tool || (participant.info.tool ?? 0)));
-    const isSelf = this.model.participants.isAgentOf(this.model.welcome?.participant, participant);
     const button = h(
       'button',
       { type: 'button', class: 'person', style: `--who:${color}`, title: t('Follow this tool') },
       h('span', { class: 'person-dot' }),
-      h(
-        'span',
-        { class: 'person-name' },
-        isSelf ? t('{0} (you)', name) : name,
-        h('small', {}, [...marksOf(participant.info), tool].join(' · ')),
-      ),
+      h('span', { class: 'person-name' }, called, about),
       state,
       force,
     );
     button.addEventListener('click', () => this.pressed(id));
-    const row = { element: h('li', {}, button), button, force, state };
+    const row = { element: h('li', {}, button), button, name: called, about, force, state };
     this.rows_.set(id, row);
     return row;
   }
@@ -105,6 +102,12 @@ export class People {
     const id = participant.info.participant;
     row.button.classList.toggle('selected', id === selected);
     row.button.setAttribute('aria-pressed', String(id === followed));
+    const { name } = participant.info;
+    const isSelf = this.model.participants.isAgentOf(this.model.welcome?.participant, participant);
+    setText(row.name, isSelf ? t('{0} (you)', name) : name);
+    // The tool comes with every frame, and the list of participants only when it changes.
+    const tool = toolName(this.model.tool(participant.tool || (participant.info.tool ?? 0)));
+    setText(row.about, [...marksOf(participant.info), tool].join(' · '));
     const fresh = nowMs - participant.seenMs < 1500;
     const { status } = participant;
     setText(

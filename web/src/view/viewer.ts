@@ -189,10 +189,14 @@ export class Viewer {
     return this.tiles.corners();
   }
 
-  /** How many pictures were begun and are shown; `isLast`: the last one shows all there is. */
-  get pictures(): { begun: number; shown: number; isLast: boolean } {
+  /**
+   * How many pictures were begun and are shown; `isLast`: the last one shows all there is; `isStill`:
+   * and at full quality.
+   */
+  get pictures(): { begun: number; shown: number; isLast: boolean; isStill: boolean } {
     const isLast = !this.dirty_ && this.begun_ === this.shown_;
-    return { begun: this.begun_, shown: this.shown_, isLast };
+    const isStill = isLast && (this.stillDrawn_ || this.fixedQuality);
+    return { begun: this.begun_, shown: this.shown_, isLast, isStill };
   }
 
   /** Calls of the last picture, those of its shadows included if they changed. */

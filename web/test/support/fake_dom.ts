@@ -11,6 +11,7 @@ export class FakeElement {
     remove: (name: string) => this.setClass_(name, false),
     toggle: (name: string, on: boolean) => this.setClass_(name, on),
   };
+  readonly dataset: Record<string, string> = {};
   readonly clientHeight = 400;
   scrollTop = 0;
   disabled = false;

@@ -64,8 +64,11 @@ export function placementForm(
   changed: () => void,
 ): HTMLElement {
   const size = h('p', { role: 'status' }, sizeText(mesh, placement));
+  const question = h('p', { role: 'alert', class: 'bad' }, t('Is that its size? Choose the unit.'));
+  question.hidden = !mesh.isUnlikely;
   const update = (): void => {
     setText(size, sizeText(mesh, placement));
+    question.hidden = !mesh.isUnlikely || placement.unit !== 'mm' || placement.scale !== 1;
     changed();
   };
   const scale = numberInput(t('Scale'), placement.scale, (value) => {
@@ -89,7 +92,7 @@ export function placementForm(
     'div',
     { class: 'draft-mesh' },
     size,
-    ...(asksUnit ? [unitField(placement, update)] : []),
+    ...(asksUnit ? [question, unitField(placement, update)] : []),
     more,
   );
 }

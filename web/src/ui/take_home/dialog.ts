@@ -126,11 +126,13 @@ export class TakeHomeDialog {
     this.note_.classList.remove('bad');
     try {
       const file = fileOf(this.format_, this.choice_);
-      const { name, content } = await takeHome(this.session, file, taking.signal, (progress) =>
+      const taken = await takeHome(this.session, file, taking.signal, (progress) =>
         this.showProgress_(progress),
       );
+      const { name, content, losses } = taken;
       save(name, content);
-      setText(this.note_, t('{0} ({1}) is in your downloads.', name, bytesText(content.size)));
+      const done = t('{0} ({1}) is in your downloads.', name, bytesText(content.size));
+      setText(this.note_, [done, ...losses].join(' '));
     } catch (problem) {
       const text = taking.signal.aborted ? t('Cancelled.') : sentence((problem as Error).message);
       setText(this.note_, text);

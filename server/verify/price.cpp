@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/verify/price.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <ctime>
+#include <numbers>
+
+#include "kernel/dexel/stock_column.h"
+#include "kernel/sculpture.h"
+
+namespace kerf {
+namespace {
+
+/// A window begins with motions that are not measured: the first one may take an imprint.
+constexpr std::size_t kWindows = 120, kWindowMotions = 16, kNotMeasured = 2;
+constexpr double kBudgetS = 2;
+
+/// The tiles of all fields that motions can reach.
+class ReachedTiles {
+ public:
+  explicit ReachedTiles(const Scene& scene) : stock_(stock_bounds(scene.settings.stock)) {
+    const bool all = scene.settings.rays == Rays::kTriDexel;
+    for (const RayAxis axis : {RayAxis::kZ, RayAxis::kX, RayAxis::kY}) {
+      if (axis == RayAxis::kZ || all) fields_.emplace_back(axis, stock_, scene.settings.pitch_mm);
+    }
+    side_mm_ = kTileSide * scene.settings.pitch_mm;
+  }
+
+  void add(const ProgramMotion& motion, const Tool& tool) {
+    const double path_mm = length(motion.to.tip_mm - motion.from.tip_mm) +
+                           tool.length_mm * length(motion.to.axis - motion.from.axis);
+    // Boxes of short pieces, so that a diagonal reaches no more than it should.
+    const double count = std::clamp(std::ceil(path_mm / side_mm_), 1.0, 1e4);
+    ToolPose from = motion.from;
+    for (int n = 1; n <= int(count); ++n) {
+      const double s = n / count;
+      const ToolPose to{motion.from.tip_mm + (motion.to.tip_mm - motion.from.tip_mm) * s,
+                        normalized(motion.from.axis + (motion.to.axis - motion.from.axis) * s)};
+      add_piece(from, to, tool);
+      from = to;
+    }
+  }
+  double count() const {
+    double sum = 0;
+    for (const Field& field : fields_) sum += field.count;
+    return sum;
+  }
+  double all() const {
+    double sum = 0;
+    for (const Field& field : fields_) sum += double(field.reached.size());
+    return sum;
+  }
+
+ private:
+  struct Field {
+    Field(RayAxis of, const BoxStock& stock, double pitch_mm)
+        : axis(of), low(to_frame(of, stock.min_mm)), side_mm(kTileSide * pitch_mm) {
+      const Vec3 size = to_frame(of, stock.max_mm) - low;
+      x = std::max<std::int64_t>(1, std::int64_t(std::ceil(size.x / side_mm)));
+      y = std::max<std::int64_t>(1, std::int64_t(std::ceil(size.y / side_mm)));
+      reached.resize(std::size_t(x * y));
+    }
+    void add(Vec3 from, Vec3 to) {
+      const auto tile = [this](double at, double low_mm, std::int64_t tiles) {
+        return std::clamp(std::int64_t(std::floor((at - low_mm) / side_mm)), std::int64_t{0},
+                          tiles - 1);
+      };
+      for (auto j = tile(from.y, low.y, y); j <= tile(to.y, low.y, y); ++j) {
+        for (auto i = tile(from.x, low.x, x); i <= tile(to.x, low.x, x); ++i) {
+          const auto at = std::size_t(j * x + i);
+          count += reached[at] ? 0 : 1;
+          reached[at] = true;
+        }
+      }
+    }
+    RayAxis axis;
+    Vec3 low;
+    double side_mm;
+    std::int64_t x = 0, y = 0;
+    std::vector<bool> reached;
+    double count = 0;
+  };
+
+  void add_piece(const ToolPose& from, const ToolPose& to, const Tool& tool) {
+    Vec3 low{1e300, 1e300, 1e300}, high = -low;
+    for (const ToolPose& pose : {from, to}) {
+      for (const double z : {0.0, tool.length_mm}) {
+        const Vec3 p = pose.tip_mm + pose.axis * z;
+        const auto across = [&](double a) {
+          return tool.radius_mm * std::sqrt(std::max(0.0, 1 - a * a));
+        };
+        const Vec3 r{across(pose.axis.x), across(pose.axis.y), across(pose.axis.z)};
+        low = {std::min(low.x, p.x - r.x), std::min(low.y, p.y - r.y), std::min(low.z, p.z - r.z)};
+        high = {std::max(high.x, p.x + r.x), std::max(high.y, p.y + r.y),
+                std::max(high.z, p.z + r.z)};
+      }
+    }
+    const Vec3 a{std::max(low.x, stock_.min_mm.x), std::max(low.y, stock_.min_mm.y),
+                 std::max(low.z, stock_.min_mm.z)};
+    const Vec3 b{std::min(high.x, stock_.max_mm.x), std::min(high.y, stock_.max_mm.y),
+                 std::min(high.z, stock_.max_mm.z)};
+    if (!(a.x < b.x && a.y < b.y && a.z < b.z)) return;
+    for (Field& field : fields_) field.add(to_frame(field.axis, a), to_frame(field.axis, b));
+  }
+
+  BoxStock stock_;
+  double side_mm_ = 0;
+  std::vector<Field> fields_;
+};
+
+/// A block and what its sample has cost so far.
+class Sample {
+ public:
+  Sample(const Scene& scene, const CpuClock& now)
+      : scene_(scene), now_(now), begun_s_(now()), block_(Sculpture::create(scene.settings)) {
+    if (!block_) return;
+    for (const auto& [id, tool] : scene.tools) (void)block_->apply(DefineTool{id, tool.tool});
+    empty_bytes_ = double(block_->memory_bytes());
+  }
+  /// Carves motions and measures those from `measured` on. False when there is no more time.
+  bool carve(std::span<const ProgramMotion> motions, std::size_t measured) {
+    double start_s = now_();
+    for (std::size_t n = 0; n < motions.size(); ++n) {
+      const ProgramMotion& motion = motions[n];
+      if (n == measured) start_s = now_();
+      if (!block_ ||
+          !block_->apply(MoveTool{motion.tool, motion.from, motion.to, motion.duration_s, true})) {
+        continue;
+      }
+      ++price_.motions;
+      if (const auto tool = scene_.tools.find(motion.tool); tool != scene_.tools.end())
+        reached_.add(motion, tool->second.tool);
+    }
+    if (motions.size() > measured) {
+      cpu_s_ += now_() - start_s;
+      measured_ += double(motions.size() - measured);
+    }
+    return now_() - begun_s_ < kBudgetS;
+  }
+  /// The price if so many tiles are reached in the end.
+  Price price(double tiles) {
+    if (!block_) return price_;
+    if (measured_ > 0) price_.us_per_motion = 1e6 * cpu_s_ / measured_;
+    const double share = reached_.count() > 0 ? tiles / reached_.count() : 0;
+    price_.bytes = empty_bytes_ + share * (double(block_->memory_bytes()) - empty_bytes_);
+    return price_;
+  }
+  double tiles() const { return reached_.count(); }
+  double all_tiles() const { return reached_.all(); }
+
+ private:
+  const Scene& scene_;
+  const CpuClock& now_;
+  double begun_s_;
+  std::expected<Sculpture, SculptureError> block_;
+  ReachedTiles reached_{scene_};
+  double empty_bytes_ = 0, cpu_s_ = 0, measured_ = 0;
+  Price price_;
+};
+
+}  // namespace
+
+double thread_cpu_s() {
+  std::timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+Price price_of_program(const Scene& scene, std::span<const ProgramMotion> motions,
+                       const CpuClock& now) {
+  Sample sample(scene, now);
+  ReachedTiles all(scene);
+  for (const ProgramMotion& motion : motions) {
+    if (const auto tool = scene.tools.find(motion.tool); tool != scene.tools.end())
+      all.add(motion, tool->second.tool);
+  }
+  if (motions.size() <= kWindows * kWindowMotions) {
+    for (std::size_t n = 0; n < motions.size(); n += kWindowMotions) {
+      if (!sample.carve(motions.subspan(n, std::min(kWindowMotions, motions.size() - n)), 0)) break;
+    }
+    return sample.price(all.count());
+  }
+  // The windows of odd numbers come first, so that an early end leaves a sample of all parts.
+  const std::size_t last = motions.size() - kWindowMotions;
+  for (const std::size_t first : {1, 0}) {
+    for (std::size_t w = first; w < kWindows; w += 2) {
+      const std::size_t at = w * last / (kWindows - 1);
+      if (!sample.carve(motions.subspan(at, kWindowMotions), kNotMeasured))
+        return sample.price(all.count());
+    }
+  }
+  return sample.price(all.count());
+}
+
+std::vector<ProgramMotion> sample_hand(const Scene& scene) {
+  constexpr int kRows = 12, kSteps = 40;
+  constexpr double kStepMm = 1, kTurnRad = 2.5 * std::numbers::pi / 180, kDurationS = 0.001;
+  const auto largest = std::ranges::max_element(
+      scene.tools, {}, [](const auto& one) { return one.second.tool.radius_mm; });
+  if (largest == scene.tools.end()) return {};
+  const BoxStock stock = stock_bounds(scene.settings.stock);
+  const Vec3 size = stock.max_mm - stock.min_mm;
+  const double radius = largest->second.tool.radius_mm;
+  const double depth = std::min(radius / 3, size.z / 2);
+  const bool turns = scene.machine.kinematics != MachineKinematics::kXyz;
+  const auto pose = [&](int row, int step) {
+    const double x = stock.min_mm.x + size.x / 2 + (step - kSteps / 2) * kStepMm;
+    const double y = stock.min_mm.y + size.y * (row + 0.5) / kRows;
+    // To and fro about the x axis, never by more than 20 degrees.
+    const double lean = turns ? kTurnRad * (std::abs(step % 32 - 16) - 8) : 0;
+    return ToolPose{{x, y, stock.max_mm.z - depth}, {0, std::sin(lean), std::cos(lean)}};
+  };
+  std::vector<ProgramMotion> motions;
+  for (int row = 0; row < kRows; ++row) {
+    for (int step = 0; step < kSteps; ++step) {
+      motions.push_back({.tool = largest->first,
+                         .from = pose(row, step),
+                         .to = pose(row, step + 1),
+                         .duration_s = kDurationS});
+    }
+  }
+  return motions;
+}
+
+Price price_of_hand(const Scene& scene, const CpuClock& now) {
+  Sample sample(scene, now);
+  const std::vector<ProgramMotion> motions = sample_hand(scene);
+  const std::span<const ProgramMotion> all = motions;
+  constexpr std::size_t kRowMotions = 40;
+  for (std::size_t n = 0; n < all.size(); n += kRowMotions) {
+    if (!sample.carve(all.subspan(n, kRowMotions), kNotMeasured)) break;
+  }
+  return sample.price(sample.all_tiles());
+}
+
+}  // namespace kerf

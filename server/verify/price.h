@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "server/formats/program.h"
+#include "server/formats/scene.h"
+
+namespace kerf {
+
+/// What the block of a scene costs, measured on a sample that is carved.
+struct Price {
+  double us_per_motion = 0;  ///< CPU time of a motion with its force, on this machine now
+  double bytes = 0;          ///< of the block's columns when all motions are carved
+  std::size_t motions = 0;   ///< that were carved for it
+};
+
+/// Returns the CPU time of this thread, s. A test gives another clock.
+using CpuClock = std::function<double()>;
+double thread_cpu_s();
+
+/// Carves windows of a program that are spread evenly over it in a block of the scene: all of it if
+/// it has less than about two thousand motions. Memory grows with the tiles that the motions reach,
+/// which are counted for all of them. Ends after some 2 s of CPU time, with what has been carved
+/// then; else `bytes` depends on scene and program alone. Nothing of it is kept in a scene.
+Price price_of_program(const Scene& scene, std::span<const ProgramMotion> motions,
+                       const CpuClock& now = thread_cpu_s);
+
+/// The same of a hand that carves the whole block: strokes of 1 mm with the largest tool, a third
+/// of its radius deep, that turn by 2.5 degrees where the machine can turn it.
+Price price_of_hand(const Scene& scene, const CpuClock& now = thread_cpu_s);
+/// The strokes that it carves.
+std::vector<ProgramMotion> sample_hand(const Scene& scene);
+
+}  // namespace kerf

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/verify/price.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kernel/sculpture.h"
+
+namespace kerf {
+namespace {
+
+Scene scene_with(const std::string& rays, const std::string& kinematics = "tool-vector") {
+  const std::string text =
+      R"({"stock": {"shape": "box", "min_mm": [0, 0, -20], "max_mm": [80, 60, 0]},
+          "accuracy": {"rays": ")" +
+      rays + R"(", "pitch_mm": 0.25, "tolerance_mm": 0.01,
+                       "motion": "tight"},
+          "tools": [{"id": 1, "shape": "ball", "diameter_mm": 8, "length_mm": 40},
+                    {"id": 2, "shape": "flat", "diameter_mm": 3, "length_mm": 40}],
+          "machine": {"kinematics": ")" +
+      kinematics + R"("}})";
+  return parse_scene(text, {}).value();
+}
+
+/// Rows of `step_mm` over a part of the block, from x0 to x1.
+std::vector<ProgramMotion> rows(double step_mm, double x0, double x1, ToolId tool = 1) {
+  std::vector<ProgramMotion> motions;
+  ToolPose last{{x0, 0, -2}, {0, 0, 1}};
+  for (double y = 0; y <= 60; y += 1.5) {
+    for (double x = x0; x <= x1; x += step_mm) {
+      const ToolPose to{{x, y, -2 - std::sin(0.2 * x)}, {0, 0, 1}};
+      motions.push_back({.tool = tool, .from = last, .to = to, .duration_s = 0.01});
+      last = to;
+    }
+  }
+  return motions;
+}
+
+double carved_bytes(const Scene& scene, const std::vector<ProgramMotion>& motions) {
+  auto block = Sculpture::create(scene.settings).value();
+  for (const auto& [id, tool] : scene.tools) block.apply(DefineTool{id, tool.tool}).value();
+  for (const ProgramMotion& m : motions)
+    block.apply(MoveTool{m.tool, m.from, m.to, m.duration_s, false}).value();
+  return double(block.memory_bytes());
+}
+
+/// Each call is a microsecond after the one before.
+struct CountingClock {
+  double operator()() { return 1e-6 * ++calls; }
+  int calls = 0;
+};
+
+TEST(Price, MemoryOfAProgramIsThatOfItsSampleForAllTilesItReaches) {
+  for (const char* rays : {"dexel", "tri-dexel"}) {
+    const Scene scene = scene_with(rays);
+    for (const auto& motions : {rows(0.5, 0, 80), rows(0.5, 0, 20), rows(0.1, 30, 60, 2)}) {
+      const Price price = price_of_program(scene, motions, CountingClock{});
+      const double carved = carved_bytes(scene, motions);
+      EXPECT_GT(price.bytes, 0.7 * carved) << rays << ' ' << motions.size();
+      EXPECT_LT(price.bytes, 1.5 * carved) << rays << ' ' << motions.size();
+      EXPECT_LE(price.motions, 2000U);
+    }
+  }
+}
+
+TEST(Price, AShortProgramIsCarvedWhole) {
+  const Scene scene = scene_with("dexel");
+  const auto motions = rows(2, 0, 80);
+  ASSERT_LT(motions.size(), 1900U);
+  const Price price = price_of_program(scene, motions, CountingClock{});
+  EXPECT_EQ(price.motions, motions.size());
+  EXPECT_NEAR(price.bytes, carved_bytes(scene, motions), 1e-3 * price.bytes);
+  EXPECT_GT(price.us_per_motion, 0);
+}
+
+TEST(Price, TheSampleEndsWhenItHasTakenTooLong) {
+  const Scene scene = scene_with("dexel");
+  double now_s = 0;
+  const Price price = price_of_program(scene, rows(0.1, 0, 80), [&] { return now_s += 0.5; });
+  EXPECT_GT(price.motions, 0U);
+  EXPECT_LT(price.motions, 100U);
+  EXPECT_GT(price.bytes, 0);
+}
+
+TEST(Price, AHandCarvesTheWholeBlock) {
+  for (const char* rays : {"dexel", "tri-dexel"}) {
+    const Scene scene = scene_with(rays);
+    const Price price = price_of_hand(scene, CountingClock{});
+    EXPECT_EQ(price.motions, sample_hand(scene).size());
+    const double carved = carved_bytes(scene, rows(0.5, 0, 80));
+    EXPECT_GT(price.bytes, 0.7 * carved) << rays;
+    EXPECT_LT(price.bytes, 1.5 * carved) << rays;
+  }
+  // A machine without rotary axes leans no tool.
+  for (const ProgramMotion& motion : sample_hand(scene_with("dexel", "xyz")))
+    EXPECT_EQ(motion.to.axis, (Vec3{0, 0, 1}));
+}
+
+TEST(Price, EqualScenesGiveEqualSamples) {
+  const Scene scene = scene_with("dexel");
+  const auto motions = rows(0.1, 0, 80);
+  const Price a = price_of_program(scene, motions, CountingClock{});
+  const Price b = price_of_program(scene, motions, CountingClock{});
+  EXPECT_EQ(a.bytes, b.bytes);
+  EXPECT_EQ(a.motions, b.motions);
+}
+
+TEST(Price, AProgramThatReachesNothingCostsTheEmptyBlock) {
+  const Scene scene = scene_with("dexel");
+  std::vector<ProgramMotion> motions = rows(0.5, 200, 220);
+  const Price price = price_of_program(scene, motions, CountingClock{});
+  EXPECT_LT(price.bytes, 1.1 * carved_bytes(scene, {}));
+  EXPECT_EQ(price_of_program(scene, {}, CountingClock{}).motions, 0U);
+}
+
+}  // namespace
+}  // namespace kerf
