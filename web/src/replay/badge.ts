@@ -22,6 +22,11 @@ function textOf(verdict: Verdict): string {
   switch (verdict.is) {
     case 'running':
       return t('checking: {0} %', Math.floor(100 * verdict.share));
+    case 'waiting':
+      if (verdict.isBehind) return t('not verified: the picture is behind the block');
+      return t('record {0} agrees; the picture is checked once nobody carves', count(verdict.record));
+    case 'unseen':
+      return t('not verified: the picture differs from record {0}', count(verdict.record));
     case 'verified':
       return t('verified: record {0}', count(verdict.record));
     case 'different':
@@ -47,7 +52,7 @@ export function checkBadge(
     {
       type: 'button',
       class: 'quiet-action',
-      title: t('Replay the journal in this browser, and compare the state'),
+      title: t('Replay the journal in this browser, and compare state and picture'),
     },
     t('Check'),
   );

@@ -24,7 +24,7 @@ export function badgeOf(
   }
   const active = model.active(nowMs);
   const staleness = model.stalenessMs(nowMs);
-  const isStale = active && staleness > STALE_MS;
+  const isStale = (active && staleness > STALE_MS) || model.lag.isBehind(nowMs);
   const state = model.state?.at ? 'past' : isStale ? 'stale' : 'connected';
   const age = active ? t('{0} old', milliseconds(staleness)) : t('still');
   return {

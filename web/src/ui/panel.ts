@@ -16,6 +16,7 @@ import type { Navigation } from '../model/navigation';
 import { History } from './history';
 import { MaterialChoice } from './material_choice';
 import { mountCheck } from '../replay/mount';
+import type { Viewer } from '../view/viewer';
 import { navigationChoice } from './navigation_choice';
 import { People } from './people';
 import { PlotSpot } from './plot_spot';
@@ -26,6 +27,8 @@ export interface PanelActions {
   personPressed: (participant: number) => void;
   /** The viewer has chosen another name. */
   renamed: (name: string) => void;
+  /** The picture's; null: it is not there yet, or there is none. */
+  viewer: () => Viewer | null;
   materialChosen: (look: StockMaterialPreset) => void;
   navigationChosen: (navigation: Navigation) => void;
   /** What a 3D mouse moves. */
@@ -93,7 +96,7 @@ export class Panel {
         section(t('History'), this.history.element),
         section(t('Downloads'), takeHomeButton(model, session)),
         section(t('Material'), this.material_.element),
-        h('p', { class: 'quiet hash' }, t('State '), this.hash_, mountCheck(session) ?? ''),
+        h('p', { class: 'quiet hash' }, t('State '), this.hash_, mountCheck(session, model, actions.viewer) ?? ''),
         h(
           'div',
           { class: 'preferences' },
@@ -121,7 +124,8 @@ export class Panel {
     this.triangles_.set(count(tiles.triangles));
     this.pitch_.set(welcome ? figure(welcome.pitch_mm) : '–', 'mm');
     setText(this.hash_, state ? hashText(state) : '–');
-    this.hash_.classList.toggle('settled', state?.settled === true);
+    const isComplete = state?.settled === true && !this.model.lag.isBehind(nowMs);
+    this.hash_.classList.toggle('settled', isComplete);
     this.material_.suggest(this.model.participants.carvers().map(({ info }) => info.kind));
     this.people_.update(selected, followed, nowMs);
     this.history.update(selected, nowMs);

@@ -34,6 +34,10 @@ export const BUTTON_DEADMAN = 2;
 export const STATES_DURABLE = 1;
 export const DURABLE_HEADER_BYTES = 40;
 
+/** Flag of a mesh frame whose longer header states a checksum. */
+export const MESH_SUMMED = 4;
+export const SUMMED_HEADER_BYTES = 40;
+
 export const FrameType = {
   Motion: 1,
   Result: 2,
@@ -70,7 +74,10 @@ export interface Header {
   epoch: number;
   sequence: bigint;
   time_us: bigint;
-  /** Of results and pongs: the agent's samples up to this one are on the server's disk. */
+  /**
+   * Of results and pongs to an agent: its samples up to this one are on the server's disk; of pongs
+   * to a viewer: mesh frames up to this one were sent before.
+   */
   durable_sequence?: bigint;
 }
 
@@ -169,6 +176,7 @@ export interface DecodeError {
     | 'bad_sequence'
     | 'not_finite'
     | 'axis_not_unit'
+    | 'bad_checksum'
     | 'bad_json';
   offset: number;
   reason: string;
@@ -272,6 +280,8 @@ export interface Welcome {
   others?: string[];
   /** Bytes of the surface per second that the server sends at most; missing: any. */
   budget?: number;
+  /** The last mesh frame before; only from a server that says which ones it sends. */
+  meshes?: number;
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
 
