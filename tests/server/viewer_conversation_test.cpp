@@ -77,7 +77,7 @@ TEST_F(ViewerConversationTest, AHelloMayStateTheFirstLook) {
   EXPECT_FALSE(later->first_look().look);
 }
 
-TEST_F(ViewerConversationTest, WhoVerifiesIsToldWhichMeshFramesWereSent) {
+TEST_F(ViewerConversationTest, PongsToWhoVerifiesSayWhichMeshFramesWereSent) {
   const auto glb = std::make_shared<const Bytes>(Bytes(40, std::byte{7}));
   const FeedFrame frame{.sequence = 1, .flags = 0, .glb = glb, .sum = wire::checksum(*glb)};
   const auto pong = [&](ViewerConversation& viewer) {

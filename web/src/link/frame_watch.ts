@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether the mesh frames of a server come, each once, whole and in order. The server numbers them,
 // and says in each pong which one it has sent last (`verify`, server/wire/README.md): on one
-// connection nothing overtakes them, so one that is missing then was lost or held up on the way.
+// connection nothing overtakes them, so one that is missing then was lost or held up between.
 
-import { MESH_SUMMED } from '../wire/types';
+import { MESH_SUMMED } from '../wire/checksum';
 import type { Header } from '../wire/types';
 
 /** Pongs in a row that find frames missing, until they count as lost. */

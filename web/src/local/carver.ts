@@ -82,8 +82,7 @@ export class Carver {
         if (this.about_) this.around.post({ type: 'digests', tiles: block.digests() });
         return;
       case 'mesh':
-        if (this.about_)
-          this.around.post({ type: 'mesh', tile: block.mesh(message.x, message.y) });
+        if (this.about_) this.around.post({ type: 'mesh', tile: block.mesh(message.x, message.y) });
         return;
       case 'stop':
         this.playing_ = null;

@@ -8,13 +8,13 @@ const LATE_MS = 3000;
 
 export class PictureLag {
   /** The server has sent mesh frames that have not come. */
-  isOwed = false;
+  isMissing = false;
   private pictured_ = 0; // motions that the newest tiles include
   private awaited_: { motions: number; sinceMs: number } | null = null;
 
   /** A welcome: other tiles follow. */
   reset(): void {
-    this.isOwed = false;
+    this.isMissing = false;
     this.pictured_ = 0;
     this.awaited_ = null;
   }
@@ -32,6 +32,6 @@ export class PictureLag {
   }
 
   isBehind(nowMs: number): boolean {
-    return this.isOwed || (this.awaited_ !== null && nowMs - this.awaited_.sinceMs > LATE_MS);
+    return this.isMissing || (this.awaited_ !== null && nowMs - this.awaited_.sinceMs > LATE_MS);
   }
 }

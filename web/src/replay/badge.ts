@@ -24,7 +24,10 @@ function textOf(verdict: Verdict): string {
       return t('checking: {0} %', Math.floor(100 * verdict.share));
     case 'waiting':
       if (verdict.isBehind) return t('not verified: the picture is behind the block');
-      return t('record {0} agrees; the picture is checked once nobody carves', count(verdict.record));
+      return t(
+        'record {0} agrees; the picture is checked once nobody carves',
+        count(verdict.record),
+      );
     case 'unseen':
       return t('not verified: the picture differs from record {0}', count(verdict.record));
     case 'verified':

@@ -87,11 +87,11 @@ export class Replayer {
     });
   }
 
-  private carved_(ask: () => void, told?: (record: number) => void): Promise<HashAt> {
+  private carved_(ask: () => void, tell?: (record: number) => void): Promise<HashAt> {
     return this.asked_(ask, (message) => {
       if (message.type !== 'carved') return null;
       const { hash, progress } = message;
-      if (hash === null) told?.(progress.carved);
+      if (hash === null) tell?.(progress.carved);
       return hash === null ? null : { record: progress.carved, hash };
     });
   }

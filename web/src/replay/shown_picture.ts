@@ -15,7 +15,7 @@ export interface ShownTile {
 }
 
 export interface ShownPicture {
-  /** The block's state that the tiles are to show; null: tiles are on their way, or of the past. */
+  /** The block's state that the tiles are to show; null: tiles are to come, or of the past. */
   readonly hash: string | null;
   /** Whether the tiles are late, so that it is unknown when they show a state. */
   readonly isBehind: boolean;
@@ -64,4 +64,3 @@ export function shownPicture(model: SessionModel, viewer: Viewer | null): ShownP
     corners: () => cornersOf(viewer, welcome.grid.origin_mm),
   };
 }
-

@@ -96,7 +96,13 @@ export class Panel {
         section(t('History'), this.history.element),
         section(t('Downloads'), takeHomeButton(model, session)),
         section(t('Material'), this.material_.element),
-        h('p', { class: 'quiet hash' }, t('State '), this.hash_, mountCheck(session, model, actions.viewer) ?? ''),
+        h(
+          'p',
+          { class: 'quiet hash' },
+          t('State '),
+          this.hash_,
+          mountCheck(session, model, actions.viewer) ?? '',
+        ),
         h(
           'div',
           { class: 'preferences' },
@@ -124,7 +130,8 @@ export class Panel {
     this.triangles_.set(count(tiles.triangles));
     this.pitch_.set(welcome ? figure(welcome.pitch_mm) : '–', 'mm');
     setText(this.hash_, state ? hashText(state) : '–');
-    const isComplete = state?.settled === true && !this.model.lag.isBehind(nowMs);
+    const isThere = tiles.complete && !this.model.lag.isBehind(nowMs);
+    const isComplete = state?.settled === true && isThere;
     this.hash_.classList.toggle('settled', isComplete);
     this.material_.suggest(this.model.participants.carvers().map(({ info }) => info.kind));
     this.people_.update(selected, followed, nowMs);

@@ -254,7 +254,7 @@ export class SessionPage {
         },
         pinged: () => this.model.liveness.pinged(),
         pong: (sent, received, serverUs) => this.model.pong(sent, received, serverUs),
-        late: (isLate) => (this.model.lag.isOwed = isLate),
+        late: (isLate) => (this.model.lag.isMissing = isLate),
         problem: (reason) => {
           this.model.addProblem(reason);
           console.warn(reason);

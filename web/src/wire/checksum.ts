@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The checksum of mesh frames: the mirror of server/wire/checksum.h.
 
+/** Flag of a mesh frame whose longer header states a checksum. */
+export const MESH_SUMMED = 4;
+export const SUMMED_HEADER_BYTES = 40;
+
 /** @param start the checksum of what comes before */
 export function checksum(bytes: Uint8Array, start = 0): number {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);

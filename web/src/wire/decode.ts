@@ -3,7 +3,7 @@
 // types, also those that a viewer never receives, because both codecs must pass the same golden
 // bytes. Bytes from a peer never cause an exception: every failure is a DecodeError.
 
-import { checksum } from './checksum';
+import { checksum, MESH_SUMMED, SUMMED_HEADER_BYTES } from './checksum';
 import { Reader } from './cursor';
 import {
   AXIS_LENGTH_TOLERANCE,
@@ -17,12 +17,10 @@ import {
   INTENTS_MAX,
   LIST_HEAD_BYTES,
   MAGIC,
-  MESH_SUMMED,
   RESULT_BYTES,
   SAMPLE_BYTES,
   SAMPLES_PER_MESSAGE_MAX,
   STATES_DURABLE,
-  SUMMED_HEADER_BYTES,
   STOCK_RESET,
   STOCK_RETURNED,
   STOCK_HEAD_BYTES,

@@ -34,10 +34,6 @@ export const BUTTON_DEADMAN = 2;
 export const STATES_DURABLE = 1;
 export const DURABLE_HEADER_BYTES = 40;
 
-/** Flag of a mesh frame whose longer header states a checksum. */
-export const MESH_SUMMED = 4;
-export const SUMMED_HEADER_BYTES = 40;
-
 export const FrameType = {
   Motion: 1,
   Result: 2,
@@ -74,10 +70,7 @@ export interface Header {
   epoch: number;
   sequence: bigint;
   time_us: bigint;
-  /**
-   * Of results and pongs to an agent: its samples up to this one are on the server's disk; of pongs
-   * to a viewer: mesh frames up to this one were sent before.
-   */
+  /** To an agent: its samples up to this one are on the disk; to a viewer: mesh frames sent before. */
   durable_sequence?: bigint;
 }
 
@@ -259,8 +252,7 @@ export type Stock = BoxStock | CylinderStock;
 export interface Welcome {
   type: 'welcome';
   session: string;
-  /** Of the scene; missing where it has none. */
-  name?: string;
+  name?: string; // of the scene; missing where it has none
   participant: number;
   epoch: number;
   color: string;
@@ -276,12 +268,10 @@ export interface Welcome {
   /** Who this viewer is, and what it may do; missing: everything, on a server without rights. */
   role?: string;
   may?: string[];
-  /** The servers that go on with the session when this one is gone. */
-  others?: string[];
+  others?: string[]; // the servers that go on with the session when this one is gone
   /** Bytes of the surface per second that the server sends at most; missing: any. */
   budget?: number;
-  /** The last mesh frame before; only from a server that says which ones it sends. */
-  meshes?: number;
+  meshes?: number; // the last mesh frame before; missing: the server does not count them
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
 
