@@ -4,7 +4,7 @@
 
 const startMs = performance.now();
 
-export type Mark = 'hello' | 'welcome' | 'view' | 'picture';
+export type Mark = 'hello' | 'welcome' | 'view' | 'picture' | 'block';
 
 export const marks: Partial<Record<Mark, number>> = {};
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { firstLook, viewBounds } from '../src/model/first_look';
+import type { PlacedLook } from '../src/model/first_look';
 import type { Viewport } from '../src/model/fit';
 import { errorRad } from '../src/model/look_policy';
 import { STOCK_MATERIALS } from '../src/model/materials';
@@ -41,6 +42,15 @@ class FakeViewer {
   }
   set arrowsVisible(visible: boolean) {
     this.calls.push(`arrows ${visible}`);
+  }
+  isFast = false;
+  readonly stage = { drawsInSoftware: true };
+  readonly eye: Vec3 = [10, 20, 30];
+  look(error_rad: number): PlacedLook {
+    return { look: { eye_mm: this.eye, error_rad }, distanceMm: 50 };
+  }
+  tick(): void {
+    this.calls.push('tick');
   }
   shown(): Promise<void> {
     return this.picture;
@@ -159,6 +169,59 @@ describe('picture', () => {
     expect(ready).not.toHaveBeenCalled();
     show();
     await vi.waitFor(() => expect(ready).toHaveBeenCalled());
+  });
+
+  /** A picture of a block of one carved tile, which the server sent at a coarse level. */
+  async function coarsePicture(triangles: number) {
+    const model = new SessionModel();
+    const { picture } = makePicture(model);
+    model.apply(welcome);
+    picture.welcome(welcome);
+    await picture.applyMesh(last, new Uint8Array());
+    model.tiles.offer(0, 0, 1, triangles, 2);
+    model.tiles.finishSnapshot();
+    const error = (): number => picture.look()!.look.error_rad;
+    return { model, picture, error };
+  }
+
+  it('asks for exact tiles at rest, and for those of its distance once it moves', async () => {
+    const { picture, error } = await coarsePicture(40);
+    picture.tick(0);
+    expect(error()).toBe(errorRad(844, 3));
+    picture.tick(2100);
+    expect(error()).toBe(0);
+    FakeViewer.made[0]!.eye[0] = 60;
+    picture.tick(2200);
+    expect(error()).toBe(errorRad(844, 3));
+  });
+
+  it('asks for finer tiles at rest where exact ones are too many', async () => {
+    const { picture, error } = await coarsePicture(5e6);
+    picture.tick(0);
+    picture.tick(2100);
+    expect(error()).toBe(errorRad(844, 3) / 4);
+  });
+
+  it('waits for exact tiles before it calls who needs them', async () => {
+    const { model, picture, error } = await coarsePicture(40);
+    model.setStatus('connected', '');
+    const use = vi.fn(() => Promise.resolve(error()));
+    const used = picture.withExactTiles(use);
+    expect(error()).toBe(0);
+    await new Promise((resolve) => setTimeout(resolve));
+    expect(use).not.toHaveBeenCalled();
+    model.tiles.offer(0, 0, 2, 1900, 0);
+    expect(await used).toBe(0);
+    expect(error()).toBe(errorRad(844, 3));
+  });
+
+  it('refuses what needs exact tiles while there is no connection', async () => {
+    const { model, picture, error } = await coarsePicture(40);
+    model.setStatus('stopped', 'gone');
+    const use = vi.fn(() => Promise.resolve());
+    await expect(picture.withExactTiles(use)).rejects.toThrow('full detail');
+    expect(use).not.toHaveBeenCalled();
+    expect(error()).toBe(errorRad(844, 3));
   });
 
   it('decodes a frame while the view opens', () => {

@@ -10,7 +10,8 @@ type V = readonly [number, number, number];
 export const FOV_DEG = 30;
 /** Towards the camera in the default view. */
 export const ISO_DIRECTION: V = [-0.45, -1, 1.42];
-const MARGIN = 1.03;
+/** Space around the box. */
+export const MARGIN = 1.03;
 const FREE_MIN_PX = 80; // panels may cover everything
 
 /** Widths of the picture's margins that panels cover, CSS pixels. */

@@ -10,7 +10,8 @@ import { drawnRatio } from './quality';
 const ERROR_PX = 0.5;
 const SETTLED_MS = 250;
 const WHILE_MOVING_MS = 1000;
-const MOVED_FRACTION = 0.08; // of the distance to the camera's target
+/** An eye has moved that left its place by more, of the distance to the camera's target. */
+export const MOVED_FRACTION = 0.08;
 
 /**
  * Returns the acceptable error as an angle, for a picture of this height in CSS pixels that is drawn

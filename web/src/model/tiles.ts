@@ -33,6 +33,11 @@ export function squareOf(key: number, side: number): number {
   return tileKey(Math.floor(x / side), Math.floor(y / side));
 }
 
+/** A tile with no more triangles is flat, at any level. */
+const FLAT_TRIANGLES = 12;
+/** A carved tile has about so many when it is exact: two for each of its 32 × 32 cells, and walls. */
+const EXACT_TRIANGLES = 2600;
+
 export class TileTable {
   private readonly entries_ = new Map<number, TileEntry>();
   private generation_ = 0;
@@ -116,6 +121,16 @@ export class TileTable {
   get exact(): boolean {
     for (const { level } of this.entries_.values()) if (level > 0) return false;
     return this.complete_;
+  }
+
+  /** About how many triangles there are when all tiles are exact. */
+  get exactTriangles(): number {
+    let sum = 0;
+    for (const { level, triangles } of this.entries_.values()) {
+      const isCoarse = level > 0 && triangles > FLAT_TRIANGLES;
+      sum += isCoarse ? Math.max(triangles, EXACT_TRIANGLES) : triangles;
+    }
+    return sum;
   }
 
   version(x: number, y: number): number | undefined {

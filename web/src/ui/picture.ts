@@ -9,14 +9,28 @@ import type { Viewport } from '../model/fit';
 import { errorRad } from '../model/look_policy';
 import type { StockMaterialPreset } from '../model/materials';
 import type { Navigation } from '../model/navigation';
+import { posterPlace } from '../model/poster_place';
+import type { PosterPlace } from '../model/poster_place';
+import { Rest } from '../model/rest';
 import type { SessionModel } from '../model/session';
 import type { Viewer } from '../view/viewer';
-import { mark } from '../marks';
+import { distance } from '../model/vector';
+import { mark, marks } from '../marks';
+import { t } from '../strings';
 import { MESH_SNAPSHOT_LAST } from '../wire/types';
 import type { Header, Welcome } from '../wire/types';
 
 /** Without a picture any error is allowed: the server sends as little as it can. */
 const ANY_ERROR_RAD = 1;
+
+/** More triangles than this are not asked for where the CPU draws, and where a GPU does. */
+const TRIANGLES_MAX = { software: 4e6, hardware: 12e6 };
+/** A block that would have more has this part of the usual error at rest. */
+const FINE_AT_REST = 0.25;
+/** The server draws a picture for a page that has none so long after it joined. */
+const POSTER_AFTER_MS = 700;
+/** Exact tiles for a file come within this time, or the picture is not made. */
+const EXACT_WITHIN_MS = 60_000;
 
 /** Runs the code of the view, which is in a chunk of its own (index.html has it fetched early). */
 export type LoadViewer = () => Promise<typeof import('../view/viewer')>;
@@ -26,8 +40,10 @@ export class Picture {
   viewer: Viewer | null = null;
   /** Why there is no picture; empty: there is one, or will be. */
   problem = '';
-  /** Whether the tiles are to be exact, however far away. */
-  exact = false;
+  private readonly exactFor_ = new Set<object>();
+  private readonly rest_ = new Rest();
+  private restRad_: number | null = null; // the acceptable error at rest; null: the picture moves
+  private welcomeMs_: number | null = null; // when the page knew the block first
   private opening_: Promise<void> | null = null;
   private viewport_: Viewport = {
     width: 1,
@@ -55,6 +71,34 @@ export class Picture {
     else this.opening_ ??= this.open_();
   }
 
+  /** Has all tiles exact, however far away, as long as `user` needs them. */
+  needExact(user: object, isNeeded: boolean): void {
+    if (isNeeded) this.exactFor_.add(user);
+    else this.exactFor_.delete(user);
+  }
+
+  /**
+   * Calls `use` while all tiles are exact.
+   * @throws Error if they have not come in time
+   */
+  async withExactTiles<T>(use: () => Promise<T>): Promise<T> {
+    const user = {};
+    this.needExact(user, true);
+    try {
+      const untilMs = performance.now() + EXACT_WITHIN_MS;
+      while (!this.model.tiles.exact) {
+        if (performance.now() > untilMs || this.model.status !== 'connected')
+          throw new Error(
+            t('The full detail has not arrived. Check the connection and try again.'),
+          );
+        await new Promise((done) => setTimeout(done, 50));
+      }
+      return await use();
+    } finally {
+      this.needExact(user, false);
+    }
+  }
+
   /** Displays a mesh frame once there is a view; it is decoded while the view opens. */
   async applyMesh(header: Header, glb: Uint8Array): Promise<void> {
     const { tiles } = this.model;
@@ -74,6 +118,21 @@ export class Picture {
     return this.viewer?.look(error) ?? firstLook(welcome, this.viewport_, error);
   }
 
+  /**
+   * Where the server's picture stands for the block; undefined: nowhere, because the page has drawn
+   * the block, is about to, or looks from elsewhere.
+   */
+  posterPlace(nowMs: number): PosterPlace | undefined {
+    const { welcome } = this.model;
+    if (!welcome || marks.block !== undefined) return undefined;
+    this.welcomeMs_ ??= nowMs;
+    if (nowMs - this.welcomeMs_ < POSTER_AFTER_MS) return undefined;
+    const first = firstLook(welcome, this.viewport_, 0);
+    const eye = this.look()?.look.eye_mm ?? first.look.eye_mm;
+    const isMoved = distance(eye, first.look.eye_mm) > 1e-3 * first.distanceMm;
+    return isMoved ? undefined : posterPlace(welcome, this.viewport_);
+  }
+
   /** Resolves once the picture that is being drawn is shown. */
   shown(): Promise<void> {
     return this.viewer?.shown() ?? Promise.resolve();
@@ -89,6 +148,7 @@ export class Picture {
 
   tick(nowMs: number): void {
     this.viewer?.tick(nowMs);
+    this.takeRest_(nowMs);
   }
 
   resize(viewport: Viewport): void {
@@ -126,9 +186,31 @@ export class Picture {
 
   private errorRad_(): number {
     if (this.problem) return ANY_ERROR_RAD;
-    return this.fullQuality || this.exact
-      ? 0
-      : errorRad(this.viewport_.height, window.devicePixelRatio);
+    if (this.fullQuality || this.exactFor_.size > 0) return 0;
+    return this.restRad_ ?? this.movingRad_;
+  }
+
+  private get movingRad_(): number {
+    return errorRad(this.viewport_.height, window.devicePixelRatio);
+  }
+
+  private takeRest_(nowMs: number): void {
+    const { viewer } = this;
+    const { tiles, state } = this.model;
+    if (!viewer || !tiles.complete) {
+      this.rest_.reset();
+      this.restRad_ = null;
+      return;
+    }
+    const { look, distanceMm } = viewer.look(0);
+    const { isFast } = viewer;
+    const motions = state?.motions ?? 0;
+    if (!this.rest_.take({ eyeMm: look.eye_mm, distanceMm, motions, isFast }, nowMs)) {
+      this.restRad_ = null;
+    } else if (this.restRad_ === null) {
+      const most = viewer.stage.drawsInSoftware ? TRIANGLES_MAX.software : TRIANGLES_MAX.hardware;
+      this.restRad_ = tiles.exactTriangles <= most ? 0 : FINE_AT_REST * this.movingRad_;
+    }
   }
 
   private async open_(): Promise<void> {

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture of the block made by the server, where the browser cannot draw it.
+// A picture of the block made by the server, where the browser cannot draw it, or not yet.
 
 import { t } from '../strings';
 import { pictureUrl, PictureVersions } from '../link/picture_url';
 import { request } from '../link/request';
+import type { PosterPlace } from '../model/poster_place';
 import { h } from './dom';
 
 const RENEW_MS = 3000;
-const WIDTH = 960;
+/** Of the only picture of the block, and of one that stands there until the page has drawn its own:
+ * that one is mostly at hand, because the list of blocks shows it. */
+const WIDTHS = { alone: 960, until: 480 } as const;
 
 export class Poster {
   readonly element = h('img', {
@@ -20,13 +23,27 @@ export class Poster {
 
   constructor(private readonly session: string) {}
 
-  /** Shows the block as it was a few seconds ago at most. */
-  update(motions: number, removedMm3: number, nowMs: number): void {
-    this.element.hidden = false;
+  /**
+   * Shows the block as it was a few seconds ago at most.
+   * @param place where the page will draw the block; null: the picture is all there is of it
+   */
+  update(motions: number, removedMm3: number, nowMs: number, place: PosterPlace | null): void {
+    const { element } = this;
+    element.hidden = false;
+    element.classList.toggle('placed', place !== null);
+    if (place) {
+      const { left, top, width } = place;
+      Object.assign(element.style, { left: `${left}px`, top: `${top}px`, width: `${width}px` });
+    } else element.removeAttribute('style');
     if (nowMs - this.askedMs_ < RENEW_MS) return;
     this.askedMs_ = nowMs;
     const version = this.versions_.next(motions, removedMm3);
-    if (version !== null) void this.fetch_(pictureUrl(this.session, version, WIDTH));
+    if (version !== null)
+      void this.fetch_(pictureUrl(this.session, version, WIDTHS[place ? 'until' : 'alone']));
+  }
+
+  hide(): void {
+    this.element.hidden = true;
   }
 
   /** The page's policy takes pictures from its own server only. */

@@ -139,6 +139,11 @@ export class Viewer {
     this.touchAll();
   }
 
+  /** Whether the picture moves smoothly. */
+  get isFast(): boolean {
+    return !this.stage.drawsInSoftware && !this.quality_.isSlow;
+  }
+
   /** Returns the camera position, with the acceptable error. */
   look(error_rad: number): PlacedLook {
     const { camera, controls } = this.rig;
@@ -370,7 +375,7 @@ export class Viewer {
     for (const layer of this.layers) layer.draw?.(this.stage.renderer, camera);
     if (this.readback_) return;
     this.begun_ += 1;
-    this.place_(camera);
+    this.place_(camera, this.model.tiles.complete);
   }
 
   /** Shows what has been drawn, if that is not on the page's canvas already. */
@@ -378,13 +383,15 @@ export class Viewer {
     if (!this.readback_) return;
     this.begun_ += 1;
     const camera = this.rig.eye.clone(); // which may move until the picture is there
-    this.readback_.show(() => this.place_(camera));
+    const { complete } = this.model.tiles;
+    this.readback_.show(() => this.place_(camera, complete));
   }
 
   /** Puts what is drawn with HTML into its place in the picture that is shown now. */
-  private place_(camera: THREE.Camera): void {
+  private place_(camera: THREE.Camera, hasBlock: boolean): void {
     this.shown_ += 1;
     mark('picture');
+    if (hasBlock) mark('block');
     this.carvers.placeLabels(camera, this.width_, this.height_, this.clearTop_);
     for (const layer of this.layers) layer.drawn?.(camera, this.width_, this.height_);
   }

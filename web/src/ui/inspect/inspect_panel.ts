@@ -148,7 +148,7 @@ export class InspectPanel implements Layer {
     this.element_.hidden = !open;
     this.opener.setAttribute('aria-expanded', String(open));
     this.element_.parentElement?.classList.toggle('has-inspect', open);
-    this.host.picture.exact = open; // tiles as exact as the block
+    this.host.picture.needExact(this, open);
     this.host.layoutChanged();
     clearInterval(this.timer_);
     if (open) {

@@ -61,9 +61,10 @@ export class TogetherPanel {
   }
 
   savePicture(): void {
-    void savePicture(this.viewer, this.host.model.welcome?.name ?? this.host.session).catch(
-      (problem: unknown) => this.host.say(sentence((problem as Error).message)),
-    );
+    const { host, viewer } = this;
+    host.picture
+      .withExactTiles(() => savePicture(viewer, host.model.welcome?.name ?? host.session))
+      .catch((problem: unknown) => host.say(sentence((problem as Error).message)));
   }
 
   /** Pressed again, it ends without a file. */
@@ -81,7 +82,7 @@ export class TogetherPanel {
     try {
       tell(0);
       const { turntableOf } = await import('./turntable');
-      const file = await turntableOf(viewer, tell, signal);
+      const file = await host.picture.withExactTiles(() => turntableOf(viewer, tell, signal));
       saveFile(file, host.model.welcome?.name ?? host.session, '.mp4');
     } catch (problem) {
       if (!signal.aborted) host.say(sentence((problem as Error).message));
