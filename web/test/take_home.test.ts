@@ -48,7 +48,9 @@ test('a surface says what it has lost', () => {
   expect(lossesIn('{"triangles":9}')).toEqual([]);
   expect(lossesIn('{"triangles":9,"collapsed_triangles":3}')).toEqual([]);
   const far = '{"triangles":9,"collapsed_triangles":3,"warning":"3 of 9 triangles have no area"}';
-  expect(lossesIn(far)).toEqual(['So far from the origin 3 triangles have no area.']);
+  expect(lossesIn(far)).toEqual([
+    'The model is so far from the origin that some of it is lost (3).',
+  ]);
 });
 
 function answer(parts: string[], headers: Record<string, string>): Response {
