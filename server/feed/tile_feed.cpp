@@ -234,10 +234,13 @@ TileFeed::SharedTile TileFeed::current(std::uint32_t tile, const TileDetail& det
       cached.forms.clear();
     }
   }
-  const bool exact = detail.level == 0;
-  EncodedTile encoded = encode_tile(exact ? mesh : coarser_tile(mesh, snapshot_.grid(), detail),
-                                    quantization_, cached.version, settings_.compression);
-  encoded.level = detail.level;
+  const TileMesh coarse =
+      detail.level == 0 ? TileMesh{} : coarser_tile(mesh, snapshot_.grid(), detail);
+  // A flat tile is exact at each level.
+  const bool exact = detail.level == 0 || coarse.indices.size() == mesh.indices.size();
+  EncodedTile encoded =
+      encode_tile(exact ? mesh : coarse, quantization_, cached.version, settings_.compression);
+  encoded.level = exact ? 0 : detail.level;
   encoded.digest = cached.digest;
   if (cached.forms.size() == kFormsMax) cached.forms.pop_front();
   cached.forms.push_back({detail, std::make_shared<const EncodedTile>(std::move(encoded))});

@@ -146,7 +146,9 @@ class TileFeed {
   struct SentTile {
     std::uint32_t version = 0;  ///< 0: never sent
     TileDetail detail;
-    std::uint64_t frame = 0;  ///< its sequence
+    std::uint8_t level = 0;        ///< of its mesh: a flat tile is exact at each level
+    std::uint64_t shape_hash = 0;  ///< likewise
+    std::uint64_t frame = 0;       ///< its sequence
   };
   struct Viewer {
     TileNodes nodes = TileNodes::kSingle;

@@ -52,7 +52,10 @@ void TileFeed::select_tile(Viewer& viewer, std::uint32_t tile, Selection& select
   const TileDetail wanted = detail_of(viewer, tile);
   Picked picked{tile, {wanted, current(tile, wanted)}};
   const auto was_sent = [&] {
-    return sent.version == picked.form.encoded->version && sent.detail == picked.form.detail;
+    const EncodedTile& encoded = *picked.form.encoded;
+    return sent.version == encoded.version &&
+           (sent.detail == picked.form.detail ||
+            (sent.level == encoded.level && sent.shape_hash == encoded.shape_hash));
   };
   if (was_sent()) return;
   if (selection.is_coarse) {
@@ -60,7 +63,8 @@ void TileFeed::select_tile(Viewer& viewer, std::uint32_t tile, Selection& select
     if (was_sent()) return;
   }
   viewer.coarse.erase({sent.frame, tile});
-  sent = {picked.form.encoded->version, picked.form.detail, viewer.sent + 1};
+  const EncodedTile& encoded = *picked.form.encoded;
+  sent = {encoded.version, picked.form.detail, encoded.level, encoded.shape_hash, viewer.sent + 1};
   if (sent.detail != wanted) viewer.coarse.insert({sent.frame, tile});
   selection.bytes += kNodeBytes;
   if (selection.shapes.insert(picked.form.encoded->shape_hash).second) {
