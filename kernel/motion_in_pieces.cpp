@@ -31,6 +31,7 @@ struct MotionInPieces::State {
   std::size_t part = 0;
   std::int64_t tile = 0;  ///< next one in the bounds of the part
   std::int64_t quanta = 0, imprint = 0, elements = 0, sub_motions = 0;
+  double border = 0, border_imprint = 0;  ///< quanta more than those, by the shares of the columns
 };
 
 MotionInPieces::MotionInPieces(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -83,8 +84,8 @@ std::optional<MotionResult> Sculpture::advance(MotionInPieces& pieces, std::int6
       tiles -= cut_piece(s, tiles);
     }
     const double quantum_mm3 = field.grid().quantum_mm3();
-    s.removed.push_back({static_cast<double>(s.quanta) * quantum_mm3,
-                         static_cast<double>(s.imprint) * quantum_mm3,
+    s.removed.push_back({(static_cast<double>(s.quanta) + s.border) * quantum_mm3,
+                         (static_cast<double>(s.imprint) + s.border_imprint) * quantum_mm3,
                          static_cast<double>(s.elements)});
     s.result.sub_motions =
         std::max(s.result.sub_motions, static_cast<std::uint32_t>(s.sub_motions));
@@ -92,6 +93,7 @@ std::optional<MotionResult> Sculpture::advance(MotionInPieces& pieces, std::int6
     s.has_parts = false;
     s.part = 0;
     s.quanta = s.imprint = s.elements = s.sub_motions = 0;
+    s.border = s.border_imprint = 0;
   }
   return finish(s);
 }
@@ -103,7 +105,9 @@ std::int64_t Sculpture::cut_piece(MotionInPieces::State& s, std::int64_t tiles) 
   const TileRun run{s.tile, tiles};
   const std::int64_t in_bounds = cut(field, normals_[n], s.tool, part, *removal_, run);
   const std::int64_t done = std::min(tiles, in_bounds - s.tile);
+  const double border = removal_->border(field.shares());
   s.quanta += removal_->quanta();
+  s.border += border;
   if (fields_.size() > 1) s.elements += removal_->elements();
   for (const RemovedPart& removed : removal_->parts()) {
     for (std::size_t t = 0; t < removed.tiles.size(); ++t) {
@@ -114,6 +118,7 @@ std::int64_t Sculpture::cut_piece(MotionInPieces::State& s, std::int64_t tiles) 
   }
   if (s.sub_motions == 0 && !s.start.continues) {
     s.imprint += take_imprint(field, s.tool, s.motion.from);
+    s.border_imprint += border - removal_->border(field.shares());
   }
   s.tile += done;
   if (s.tile >= in_bounds) {

@@ -30,6 +30,7 @@ struct MotionWindow::Motion {
   /// What it removed from one field.
   struct Removed {
     std::int64_t quanta = 0, imprint = 0, elements = 0;
+    double border = 0, border_imprint = 0;  ///< more than that, by the shares of the columns
   };
   const MoveTool* move;
   const Tool* tool;
@@ -58,6 +59,7 @@ struct MotionWindow::Cut {
 /// What a sub-motion removed from a tile.
 struct MotionWindow::Outcome {
   std::int64_t quanta = 0, imprint = 0, elements = 0;
+  double border = 0, border_imprint = 0;
   RemovedDepths depths;
   std::vector<RemovedGroup> groups;  ///< without the imprint; for the mechanistic law only
 };
@@ -159,7 +161,7 @@ void MotionWindow::plan_part(Motion& motion, std::size_t n, SubMotion&& part, bo
     Cut& cut = *cuts_[cuts_used_++];
     cut = {&motion, n, std::move(part), is_first, first > 0, false, {}};
     if (motion.feel) {
-      cut.summer = make_summer(block_->settings_.force, *motion.tool, field.grid(), cut.part.motion,
+      cut.summer = make_summer(block_->settings_.force, *motion.tool, field, cut.part.motion,
                                motion.weight ? &*motion.weight : nullptr);
     }
     first = window_.add(field, cut.part.swept, end_code, first);
@@ -213,10 +215,13 @@ void MotionWindow::cut_all() {
 void MotionWindow::measure(std::size_t touch, RemovedPart& removed) {
   const Cut& cut = *cuts_[window_.touches()[touch].sweep];
   const Motion& motion = *cut.motion;
-  const DexelGrid& grid = block_->fields_[cut.field].grid();
+  const DexelField& field = block_->fields_[cut.field];
+  const DexelGrid& grid = field.grid();
   Outcome& outcome = outcomes_[touch];
   outcome.quanta = removed.quanta;
   outcome.imprint = outcome.elements = 0;
+  outcome.border = border_quanta(removed.groups, field.shares());
+  outcome.border_imprint = 0;
   if (block_->fields_.size() > 1) outcome.elements = elements_of(removed.groups);
   if (grid.axis != RayAxis::kZ) outcome.depths = depths_of(removed.groups);
   // Every later part starts where the part before it ended.
@@ -224,6 +229,8 @@ void MotionWindow::measure(std::size_t touch, RemovedPart& removed) {
     for (const SubMotion& standing : motion.standing[cut.field]) {
       outcome.imprint += take_imprint(standing.swept, grid, removed);
     }
+    if (outcome.imprint > 0)
+      outcome.border_imprint = outcome.border - border_quanta(removed.groups, field.shares());
   }
   if (!motion.feel) return;
   sums_[touch] = cut.summer->sum(removed.groups);
@@ -247,6 +254,8 @@ void MotionWindow::deliver(Cut& cut, std::size_t first, std::size_t end) {
     motion.result->cut_tiles.push_back({grid.axis, tile});
     all.quanta += outcome.quanta;
     all.imprint += outcome.imprint;
+    all.border += outcome.border;
+    all.border_imprint += outcome.border_imprint;
     all.elements += outcome.elements;
     if (!motion.feel) continue;
     felt_quanta += outcome.quanta - outcome.imprint;
@@ -262,7 +271,8 @@ void MotionWindow::deliver(Cut& cut, std::size_t first, std::size_t end) {
     return;
   }
   CuttingForce& force = force_of(motion);
-  if (felt_quanta > 0) force.add(grid, *cut.summer, sums, *b.removal_, cut.part.share);
+  if (felt_quanta > 0)
+    force.add(b.fields_[cut.field], *cut.summer, sums, *b.removal_, cut.part.share);
 }
 
 /// The forces of a tool's user are added up in the order of its motions: each begins with what the
@@ -294,8 +304,8 @@ void MotionWindow::finish(Motion& motion) {
   for (std::size_t n = 0; n < motion.removed.size(); ++n) {
     const Motion::Removed& r = motion.removed[n];
     const double quantum_mm3 = b.fields_[n].grid().quantum_mm3();
-    removed.push_back({static_cast<double>(r.quanta) * quantum_mm3,
-                       static_cast<double>(r.imprint) * quantum_mm3,
+    removed.push_back({(static_cast<double>(r.quanta) + r.border) * quantum_mm3,
+                       (static_cast<double>(r.imprint) + r.border_imprint) * quantum_mm3,
                        static_cast<double>(r.elements)});
   }
   b.count_motion(removed, result);

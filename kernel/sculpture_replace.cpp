@@ -23,6 +23,7 @@ namespace {
 /// Where two forms of a tile differ.
 struct Difference {
   std::int64_t quanta = 0;                 ///< that the second holds more than the first
+  double border = 0;                       ///< more than that, by the shares of the columns
   std::int32_t low = INT32_MAX, high = 0;  ///< bounds of the columns that differ
   bool any() const { return low < high; }
 };
@@ -33,14 +34,19 @@ std::int64_t length_of(std::span<const Dexel> column) {
   return sum;
 }
 
-Difference difference(const DexelTile& before, const DexelTile& after) {
+Difference difference(const DexelTile& before, const DexelTile& after, TileIndex at,
+                      const ColumnShares& shares) {
   Difference sum;
   std::vector<Dexel> a, b;
   for (int column = 0; column < kTileColumns; ++column) {
     before.read(column, a);
     after.read(column, b);
     if (a == b) continue;
-    sum.quanta += length_of(b) - length_of(a);
+    const std::int64_t more = length_of(b) - length_of(a);
+    sum.quanta += more;
+    sum.border += double(more) * (shares.of(at.x * kTileSide + column % kTileSide,
+                                            at.y * kTileSide + column / kTileSide) -
+                                  1);
     for (const auto* elements : {&a, &b}) {
       if (elements->empty()) continue;
       sum.low = std::min(sum.low, elements->front().bottom);
@@ -96,12 +102,13 @@ ReplacedTiles Sculpture::replace(std::span<const TileReplacement> tiles,
     for (const MotionSince& motion : since) cut_again(n, {&tile.at.tile, 1}, motion);
     // One of the two is stored.
     const DexelTile* after = field.find(tile.at.tile);
-    const Difference changed = difference(form(before.get()), form(after));
+    const Difference changed =
+        difference(form(before.get()), form(after), tile.at.tile, field.shares());
     if (!changed.any()) continue;
     append_seen_tiles(field.grid(), tile.at.tile, changed, result.changed_tiles);
     result.tiles.push_back(tile.at);
-    result.returned_mm3 +=
-        double(changed.quanta) * field.grid().quantum_mm3() / static_cast<double>(fields_.size());
+    result.returned_mm3 += (double(changed.quanta) + changed.border) * field.grid().quantum_mm3() /
+                           static_cast<double>(fields_.size());
   }
   std::erase_if(result.changed_tiles, [this](TileIndex tile) { return !grid().has(tile); });
   std::ranges::sort(result.changed_tiles);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/dexel/column_shares.h"
 #include "kernel/dexel/tile_index.h"
 
 namespace kerf {
@@ -19,6 +20,11 @@ struct RemovedGroup {
   std::int32_t bottom[kLanes], top[kLanes];
 };
 
+/// Returns the tile of a group.
+inline TileIndex tile_of(const RemovedGroup& group) {
+  return {group.i / kTileSide, group.j / kTileSide};
+}
+
 /// Returns the number of elements in groups.
 inline std::int64_t elements_of(std::span<const RemovedGroup> groups) {
   std::int64_t count = 0;
@@ -27,6 +33,10 @@ inline std::int64_t elements_of(std::span<const RemovedGroup> groups) {
   }
   return count;
 }
+
+/// Returns by how much more than their length the elements of one tile count, in quanta: the sum of
+/// length x (share - 1). 0 if all their columns are whole.
+double border_quanta(std::span<const RemovedGroup> groups, const ColumnShares& shares);
 
 /// The elements removed from a sequence of tiles. Within a tile the groups are ordered by block;
 /// columns in which several elements were cut appear in several groups.
@@ -69,6 +79,14 @@ class Removal {
     std::int64_t count = 0;
     for (const RemovedPart& part : parts()) count += elements_of(part.groups);
     return count;
+  }
+  /// Returns the sum of border_quanta of the tiles.
+  double border(const ColumnShares& shares) const {
+    double sum = 0;
+    for (const RemovedPart& part : parts()) {
+      for (std::size_t t = 0; t < part.tiles.size(); ++t) sum += border_quanta(part.of(t), shares);
+    }
+    return sum;
   }
 
   /// Clears the removal and returns so many empty parts to fill.

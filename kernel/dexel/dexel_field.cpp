@@ -12,6 +12,7 @@ namespace kerf {
 DexelField::DexelField(const StockShape& stock, double pitch_mm, RayAxis axis, bool keep_normals)
     : stock_(stock),
       grid_(make_grid(stock, pitch_mm, axis)),
+      shares_(stock_, grid_),
       keep_normals_(keep_normals),
       tiles_(grid_.tiles_x(), grid_.tiles_y()),
       untouched_(tiles_),
@@ -19,10 +20,11 @@ DexelField::DexelField(const StockShape& stock, double pitch_mm, RayAxis axis, b
 
 DexelField::DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, bool keep_normals)
     : DexelField(mesh_bounds(mesh), pitch_mm, axis, keep_normals) {
-  dexelize(mesh, grid_, keep_normals, [this](TileIndex at, std::shared_ptr<DexelTile> tile) {
+  const auto store = [this](TileIndex at, std::shared_ptr<DexelTile> tile) {
     tile->era = era_;
     put(at, std::move(tile));
-  });
+  };
+  dexelize(mesh, grid_, keep_normals, store, &shares_);
   if (keep_normals) untouched_ = tiles_;
   stock_volume_mm3_ = snapshot().volume_mm3();  // and from now on the tiles are shared
 }
@@ -56,7 +58,7 @@ std::shared_ptr<DexelTile> DexelField::take(TileIndex tile) {
 
 DexelSnapshot DexelField::snapshot() {
   ++era_;
-  return {grid_, stock_, tiles_, untouched_};
+  return {grid_, stock_, shares_, tiles_, untouched_};
 }
 
 void DexelField::restore(const DexelSnapshot& state) {
@@ -66,7 +68,7 @@ void DexelField::restore(const DexelSnapshot& state) {
 }
 
 std::size_t DexelField::memory_bytes() const {
-  std::size_t bytes = sizeof *this + tiles_.bytes();
+  std::size_t bytes = sizeof *this + tiles_.bytes() + shares_.bytes();
   tiles_.for_each([&](TileIndex, const DexelTile& tile) { bytes += tile.bytes(); });
   untouched_.for_each([&](TileIndex at, const DexelTile& tile) {
     if (tiles_.find(at) != &tile) bytes += tile.bytes();

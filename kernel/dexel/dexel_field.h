@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/dexel/column_shares.h"
 #include "kernel/dexel/dexel_snapshot.h"
 #include "kernel/dexel/dexel_tile.h"
 #include "kernel/dexel/triangle_mesh.h"
@@ -28,6 +29,8 @@ class DexelField {
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }
+  /// Returns by what share of the pitch's square each column counts.
+  const ColumnShares& shares() const { return shares_; }
   bool keeps_normals() const { return keep_normals_; }
 
   /// Returns a stored tile, or null while it is untouched. It must lie in the grid.
@@ -68,6 +71,7 @@ class DexelField {
  private:
   StockShape stock_;
   DexelGrid grid_;
+  ColumnShares shares_;
   bool keep_normals_;
   TileDirectory tiles_;
   /// The tiles before the first cut, if the block began as a mesh and keeps normals; otherwise

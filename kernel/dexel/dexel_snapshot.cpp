@@ -73,9 +73,14 @@ std::span<const Dexel> column_of(const TileDirectory& tiles, const StockShape& s
   return scratch;
 }
 
-DexelSnapshot::DexelSnapshot(const DexelGrid& grid, const StockShape& stock, TileDirectory tiles,
+DexelSnapshot::DexelSnapshot(const DexelGrid& grid, const StockShape& stock,
+                             const ColumnShares& shares, TileDirectory tiles,
                              TileDirectory untouched)
-    : grid_(grid), stock_(stock), tiles_(std::move(tiles)), untouched_(std::move(untouched)) {}
+    : grid_(grid),
+      stock_(stock),
+      shares_(shares),
+      tiles_(std::move(tiles)),
+      untouched_(std::move(untouched)) {}
 
 ColumnView DexelSnapshot::view_in(const TileDirectory& tiles, std::int32_t i,
                                   std::int32_t j) const {
@@ -101,17 +106,34 @@ bool DexelSnapshot::is_original(std::int32_t i, std::int32_t j, std::int32_t dep
 
 double DexelSnapshot::volume_mm3() const {
   std::int64_t lacking = 0;
+  double at_border = 0;  // more than that, by the shares
   std::vector<Dexel> scratch;
+  const auto add = [&](std::int32_t i, std::int32_t j, std::int64_t solid) {
+    const Dexel whole = stock_column(stock_, grid_, i, j);
+    const std::int64_t length = whole.top - whole.bottom;
+    lacking += length - solid;
+    const double by_sides = shares_.of_column(i) * shares_.of_row(j);
+    at_border += double(length) * (by_sides - 1) - double(solid) * (shares_.of(i, j) - 1);
+    return true;
+  };
   tiles_.for_each([&](TileIndex at, const DexelTile& tile) {
     for_columns(grid_, at, [&](int column, std::int32_t i, std::int32_t j) {
-      const Dexel whole = stock_column(stock_, grid_, i, j);
-      lacking += whole.top - whole.bottom;
+      std::int64_t solid = 0;
       tile.read(column, scratch);
-      for (const Dexel& d : scratch) lacking -= d.top - d.bottom;
-      return true;
+      for (const Dexel& d : scratch) solid += d.top - d.bottom;
+      return add(i, j, solid);
     });
   });
-  return (stock_quanta(stock_, grid_) - static_cast<double>(lacking)) * grid_.quantum_mm3();
+  // Whole tiles of a mesh, next to its walls.
+  shares_.for_each_tile([&](TileIndex at) {
+    if (touched(at)) return;
+    for_columns(grid_, at, [&](int, std::int32_t i, std::int32_t j) {
+      const Dexel whole = stock_column(stock_, grid_, i, j);
+      return add(i, j, whole.top - whole.bottom);
+    });
+  });
+  const double all = stock_quanta(stock_, grid_);
+  return (all - static_cast<double>(lacking) - at_border) * grid_.quantum_mm3();
 }
 
 std::uint64_t DexelSnapshot::hash() const {

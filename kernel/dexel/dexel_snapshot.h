@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/dexel/column_shares.h"
 #include "kernel/dexel/dexel.h"
 #include "kernel/dexel/dexel_grid.h"
 #include "kernel/dexel/dexel_tile.h"
@@ -25,11 +26,13 @@ std::span<const Dexel> column_of(const TileDirectory& tiles, const StockShape& s
 class DexelSnapshot {
  public:
   /// `untouched`: the tiles before the first cut, of a block that began as a mesh.
-  DexelSnapshot(const DexelGrid& grid, const StockShape& stock, TileDirectory tiles,
-                TileDirectory untouched);
+  DexelSnapshot(const DexelGrid& grid, const StockShape& stock, const ColumnShares& shares,
+                TileDirectory tiles, TileDirectory untouched);
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }
+  /// Returns by what share of the pitch's square each column counts.
+  const ColumnShares& shares() const { return shares_; }
   const TileDirectory& tiles() const { return tiles_; }
   /// Returns whether the tile is stored. An untouched tile has exactly the stock's shape.
   bool touched(TileIndex tile) const { return tiles_.find(tile) != nullptr; }
@@ -60,8 +63,9 @@ class DexelSnapshot {
     if (code != kStockNormal) return decode_normal(code);
     return stock_normal(stock_, grid_, i, j, depth, is_top);
   }
-  /// Returns the solid volume, mm^3: the sum over columns of length x pitch^2. Computed as the
-  /// stock's volume less what the touched tiles lack, which is counted in whole quanta.
+  /// Returns the solid volume, mm^3: the sum over columns of length x pitch^2 x share
+  /// (ColumnShares). Computed as the stock's volume less what the touched tiles lack, which is
+  /// counted in whole quanta.
   double volume_mm3() const;
   /// Hashes (FNV-1a) the grid, the stock's shape and the columns of every tile that differs from
   /// the stock. Equal for equal solids of equal stock, whichever tiles are stored. O(touched
@@ -73,6 +77,7 @@ class DexelSnapshot {
 
   DexelGrid grid_;
   StockShape stock_;
+  ColumnShares shares_;
   TileDirectory tiles_, untouched_;
 };
 

@@ -3,16 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "kernel/dexel/dexel_tile.h"
+#include "kernel/dexel/mesh_shares.h"
 
 namespace kerf {
 namespace {
 
 /// A crossing of a ray with a triangle.
 struct Hit {
-  std::int32_t column;  ///< i + columns_x * row, in one row of tiles
+  std::int32_t column;  ///< i + columns_x * row, in RowsOfMesh
   std::int32_t depth;   ///< quanta
   std::int32_t winding;
   NormalCode code;
@@ -31,9 +33,10 @@ class Dexelizer {
     bands_.resize(std::size_t(grid.tiles_y()));
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto [first, last] = rows_of(corners(t));
-      for (std::int32_t band = first / kTileSide; band <= last / kTileSide; ++band) {
-        if (first <= last) bands_[std::size_t(band)].push_back(t);
-      }
+      if (first > last) continue;
+      const std::int32_t end = std::min(last + kMargin, grid_.columns_y - 1) / kTileSide;
+      for (std::int32_t band = std::max(first - kMargin, 0) / kTileSide; band <= end; ++band)
+        bands_[std::size_t(band)].push_back(t);
     }
   }
 
@@ -41,9 +44,10 @@ class Dexelizer {
   template <class Put>
   void run(std::int32_t band, Put&& put) {
     hits_.clear();
-    for (const std::uint32_t t : bands_[std::size_t(band)]) meet(corners(t), band);
+    rows_.first_row = band * kTileSide - kMargin;
+    for (const std::uint32_t t : bands_[std::size_t(band)]) meet(corners(t));
     std::stable_sort(hits_.begin(), hits_.end());
-    starts_.assign(std::size_t(grid_.columns_x) * kTileSide + 1, 0);
+    starts_.assign(std::size_t(grid_.columns_x) * RowsOfMesh::kRows + 1, 0);
     for (const Hit& hit : hits_) ++starts_[std::size_t(hit.column) + 1];
     for (std::size_t n = 1; n < starts_.size(); ++n) starts_[n] += starts_[n - 1];
     for (std::int32_t x = 0; x < grid_.tiles_x(); ++x) {
@@ -51,7 +55,22 @@ class Dexelizer {
     }
   }
 
+  /// Computes the shares of the columns of the row that run() made.
+  void add_shares(std::int32_t band, const ColumnShares& sides,
+                  std::map<TileIndex, ColumnShares::OfTile>& shares) {
+    measure_rows();
+    MeshShares near_walls(grid_, rows_);
+    for (const std::uint32_t t : bands_[std::size_t(band)]) near_walls.add(corners(t));
+    ColumnShares::OfTile of_tile;
+    for (std::int32_t x = 0; x < grid_.tiles_x(); ++x) {
+      const TileIndex tile{x, band};
+      if (near_walls.of_tile(tile, sides, of_tile)) shares.emplace(tile, of_tile);
+    }
+  }
+
  private:
+  static constexpr std::int32_t kMargin = RowsOfMesh::kMargin;
+
   Corners corners(std::uint32_t triangle) const {
     Corners c;
     for (std::size_t n = 0; n < 3; ++n) {
@@ -71,10 +90,10 @@ class Dexelizer {
     return {std::max(low, 0), std::min(high, grid_.columns_y - 1)};
   }
 
-  void meet(const Corners& c, std::int32_t band) {
+  void meet(const Corners& c) {
     const auto [first, last] = rows_of(c);
-    const std::int32_t begin = std::max(first, band * kTileSide);
-    const std::int32_t end = std::min(last, band * kTileSide + kTileSide - 1);
+    const std::int32_t begin = std::max(first, rows_.first_row);
+    const std::int32_t end = std::min(last, rows_.first_row + RowsOfMesh::kRows - 1);
     for (std::int32_t j = begin; j <= end; ++j) {
       const double y = grid_.y_mm(j);
       // A row crosses either no edge of the triangle, or two: one upward and one downward.
@@ -85,7 +104,7 @@ class Dexelizer {
         (b.y > y ? up : down) = columns_left_of(b.y > y ? a : b, b.y > y ? b : a, y);
       }
       for (std::int32_t i = std::min(up, down); i < std::max(up, down); ++i) {
-        const std::int32_t column = (j - band * kTileSide) * grid_.columns_x + i;
+        const std::int32_t column = (j - rows_.first_row) * grid_.columns_x + i;
         hits_.push_back({column, depth_at(c, grid_.x_mm(i), y), up > down ? 1 : -1, code_of(c)});
       }
     }
@@ -121,10 +140,23 @@ class Dexelizer {
     return n == Vec3{} ? kStockNormal : encode_normal(n);
   }
 
+  /// Computes the length of the solid in each column.
+  void measure_rows() {
+    rows_.length.assign(starts_.size() - 1, 0);
+    rows_.simple.assign(starts_.size() - 1, 1);
+    for (std::size_t n = 0; n < rows_.length.size(); ++n) {
+      if (starts_[n] == starts_[n + 1]) continue;
+      read_column(n);
+      for (const Dexel& d : elements_) rows_.length[n] += d.top - d.bottom;
+      rows_.simple[n] = most_winding_ <= 1 ? 1 : 0;
+    }
+  }
+
   /// Computes the elements of a column, and the normal codes of their ends, from its hits.
   void read_column(std::size_t column) {
     elements_.clear();
     codes_.clear();
+    most_winding_ = 0;
     std::int32_t winding = 0;
     for (std::size_t n = starts_[column]; n < starts_[column + 1];) {
       const Hit& hit = hits_[n];
@@ -132,6 +164,7 @@ class Dexelizer {
       for (; n < starts_[column + 1] && hits_[n].depth == hit.depth; ++n) {
         winding += hits_[n].winding;
       }
+      most_winding_ = std::max(most_winding_, std::abs(winding));
       if (before == 0 && winding != 0) {
         elements_.push_back({hit.depth, hit.depth});
         codes_.push_back({outward(hit.code, false), kStockNormal});
@@ -160,7 +193,7 @@ class Dexelizer {
       const std::int32_t i = at.x * kTileSide + column % kTileSide;
       const std::int32_t row = column / kTileSide;
       if (i >= grid_.columns_x || at.y * kTileSide + row >= grid_.columns_y) continue;
-      read_column(std::size_t(row) * std::size_t(grid_.columns_x) + std::size_t(i));
+      read_column(std::size_t(row + kMargin) * std::size_t(grid_.columns_x) + std::size_t(i));
       whole = whole && elements_.size() == 1 && elements_[0] == Dexel{0, grid_.height_quanta};
       if (!elements_.empty()) put_column(*tile, column);
     }
@@ -188,6 +221,8 @@ class Dexelizer {
   std::vector<std::size_t> starts_;  ///< first hit of each column
   std::vector<Dexel> elements_;
   std::vector<EndCodes> codes_;
+  std::int32_t most_winding_ = 0;  ///< of the column
+  RowsOfMesh rows_;
 };
 
 std::string place_text(Vec3 p) {
@@ -245,9 +280,15 @@ std::string mesh_stock_fault(const TriangleMesh& mesh) {
 }
 
 void dexelize(const TriangleMesh& mesh, const DexelGrid& grid, bool keep_normals,
-              const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>& put) {
+              const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>& put,
+              ColumnShares* shares) {
   Dexelizer dexelizer(mesh, grid, keep_normals);
-  for (std::int32_t band = 0; band < grid.tiles_y(); ++band) dexelizer.run(band, put);
+  std::map<TileIndex, ColumnShares::OfTile> near_walls;
+  for (std::int32_t band = 0; band < grid.tiles_y(); ++band) {
+    dexelizer.run(band, put);
+    if (shares != nullptr) dexelizer.add_shares(band, *shares, near_walls);
+  }
+  if (shares != nullptr) shares->set_tiles(std::move(near_walls));
 }
 
 }  // namespace kerf

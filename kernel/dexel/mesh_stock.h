@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "kernel/dexel/column_shares.h"
 #include "kernel/dexel/dexel_grid.h"
 #include "kernel/dexel/stock_shape.h"
 #include "kernel/dexel/tile_index.h"
@@ -32,8 +33,10 @@ std::string mesh_stock_fault(const TriangleMesh& mesh);
 /// to the nearest quantum.
 ///
 /// Calls put(tile, columns) for every tile that is not solid throughout, with its elements and, if
-/// `keep_normals`, the normals of the triangles that the rays hit.
+/// `keep_normals`, the normals of the triangles that the rays hit. Sets in `shares`, unless it is
+/// null, those of columns next to walls (MeshShares).
 void dexelize(const TriangleMesh& mesh, const DexelGrid& grid, bool keep_normals,
-              const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>& put);
+              const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>& put,
+              ColumnShares* shares = nullptr);
 
 }  // namespace kerf

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/dexel/column_shares.h"
 #include "kernel/dexel/dexel_tile.h"
 
 namespace kerf {
@@ -112,23 +113,34 @@ void fill_from_stock(const StockShape& stock, const DexelGrid& grid, TileIndex a
 }
 
 double stock_quanta(const StockShape& stock, const DexelGrid& grid) {
+  const ColumnShares shares(stock, grid);
+  const std::int32_t last_i = grid.columns_x - 1, last_j = grid.columns_y - 1;
+  const double across = last_i + shares.of_column(last_i), along = last_j + shares.of_row(last_j);
   const auto* c = std::get_if<CylinderStock>(&stock);
-  if (c == nullptr) {
-    return double(grid.columns_x) * double(grid.columns_y) * double(grid.height_quanta);
-  }
+  if (c == nullptr) return across * along * double(grid.height_quanta);
+  // Columns are added as whole ones, exactly, and then what the last ones count more.
+  const auto more = [&](std::int32_t i, std::int32_t j, double share) {
+    return length(stock_column(*c, grid, i, j)) * (share - 1);
+  };
   std::int64_t sum = 0;
   switch (grid.axis) {
     case RayAxis::kX:  // All rows are equal.
       for (std::int32_t i = 0; i < grid.columns_x; ++i) sum += length(stock_column(*c, grid, i, 0));
-      return double(sum) * grid.columns_y;
+      return (double(sum) + more(last_i, 0, shares.of_column(last_i))) * along;
     case RayAxis::kY:  // All columns of a row are equal.
       for (std::int32_t j = 0; j < grid.columns_y; ++j) sum += length(stock_column(*c, grid, 0, j));
-      return double(sum) * grid.columns_x;
+      return (double(sum) + more(0, last_j, shares.of_row(last_j))) * across;
     case RayAxis::kZ:
       break;
   }
-  for (std::int32_t j = 0; j < grid.columns_y; ++j) sum += row_of_cylinder(*c, grid, j);
-  return double(sum) * grid.height_quanta;
+  double at_border = 0;
+  for (std::int32_t j = 0; j < grid.columns_y; ++j) {
+    const std::int64_t row = row_of_cylinder(*c, grid, j);
+    sum += row;
+    const double last = more(last_i, j, shares.of_column(last_i)) / grid.height_quanta;
+    at_border += (double(row) + last) * shares.of_row(j) - double(row);
+  }
+  return (double(sum) + at_border) * grid.height_quanta;
 }
 
 double columns_in_field(const StockShape& stock, double pitch_mm, RayAxis axis) {

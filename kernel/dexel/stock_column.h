@@ -28,8 +28,8 @@ Vec3 stock_normal(const StockShape& stock, const DexelGrid& grid, std::int32_t i
 /// Fills a tile with the untouched stock. Columns beyond the grid are empty.
 void fill_from_stock(const StockShape& stock, const DexelGrid& grid, TileIndex at, DexelTile& tile);
 
-/// Returns the total length of all columns of the untouched stock, in quanta (an integer, as far as
-/// a double can represent it). Takes at most O(columns along the grid's sides) evaluations.
+/// Returns the total length of all columns of the untouched stock, in quanta, each times its share
+/// (ColumnShares). Takes at most O(columns along the grid's sides) evaluations.
 double stock_quanta(const StockShape& stock, const DexelGrid& grid);
 
 /// Returns the grid of the field along `axis` for a stock: all columns whose center is within the

@@ -2,6 +2,7 @@
 #include "kernel/force/cut_sum.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -136,15 +137,27 @@ KERF_INLINE void fold_in_lanes(const TileSum& tile, TileSum& sums) {
 }
 KERF_FOR_EACH_TARGET(void, fold, (const TileSum& tile, TileSum& sums), (tile, sums))
 
+/// Multiplies the lengths of segments by the shares of their columns.
+void count_by_share(std::span<const RemovedGroup> groups, const ColumnShares& shares,
+                    GroupSegments* segments) {
+  std::array<double, kLanes> of{};
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    if (!shares.of_group(groups[k].i, groups[k].j, of)) continue;
+    Lanes& length = segments[k].length;
+    for (int c = 0; c < kLanes; ++c) length.set(c, length[c] * of[std::size_t(c)]);
+  }
+}
+
 }  // namespace
 
 void TileSum::add(const TileSum& tile) { fold(tile, *this); }
 
 CutSummer::CutSummer(const DexelGrid& grid, const Twist& twist, const CutFrame& frame,
-                     const SurfaceWeight* weight)
+                     const SurfaceWeight* weight, const ColumnShares* shares)
     : twist_(twist),
       frame_(frame),
       weight_(weight),
+      shares_(shares),
       pivot_(frame.axis * frame.pivot_mm),
       common_(length(twist.angular) * frame.reach_mm <=
               kCommonDirectionShare * length(twist.linear)) {
@@ -156,7 +169,9 @@ CutSummer::CutSummer(const DexelGrid& grid, const Twist& twist, const CutFrame& 
 
 TileSum CutSummer::sum(std::span<const RemovedGroup> groups) const {
   TileSum sums;
-  if (weight_ == nullptr && common_) {
+  const bool border =
+      shares_ != nullptr && !groups.empty() && !shares_->are_whole(tile_of(groups.front()));
+  if (weight_ == nullptr && common_ && !border) {
     add_plain_moments(groups, tip_, sums);
     return sums;
   }
@@ -166,6 +181,7 @@ TileSum CutSummer::sum(std::span<const RemovedGroup> groups) const {
     const std::span<GroupSegments> segments(chunk, count);
     place_all(groups.subspan(k, count), tip_, chunk);
     if (weight_ != nullptr) weight_->weigh(segments, frame_.axis, frame_.radius_mm);
+    if (border) count_by_share(groups.subspan(k, count), *shares_, chunk);
     add_moments(segments, sums);
     if (!common_) add_pushes(segments, twist_, pivot_, sums);
   }

@@ -4,7 +4,8 @@
 #include <span>
 
 #include "kernel/cut/removal.h"
-#include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/dexel/column_shares.h"
+#include "kernel/dexel/dexel_grid.h"
 #include "kernel/math/lanes.h"
 #include "kernel/math/rotation.h"
 #include "kernel/math/wrench.h"
@@ -78,9 +79,10 @@ struct TileSum {
 class CutSummer {
  public:
   /// `twist` and `frame` are in the frame of the field on `grid`. `weight`, if not null, weights
-  /// each element, and must outlive this.
+  /// each element, and `shares`, if not null, counts each column by its share; both must outlive
+  /// this.
   CutSummer(const DexelGrid& grid, const Twist& twist, const CutFrame& frame,
-            const SurfaceWeight* weight);
+            const SurfaceWeight* weight, const ColumnShares* shares = nullptr);
 
   /// Sums the elements of one tile.
   TileSum sum(std::span<const RemovedGroup> groups) const;
@@ -94,6 +96,7 @@ class CutSummer {
   Twist twist_;
   CutFrame frame_;
   const SurfaceWeight* weight_;
+  const ColumnShares* shares_;
   Vec3 pivot_;
   bool common_;  ///< all elements push in one direction
 };

@@ -64,12 +64,12 @@ CutSum to_world(RayAxis axis, const CutSum& s) {
 
 }  // namespace
 
-CutSummer make_summer(const ForceSettings& settings, const Tool& tool, const DexelGrid& grid,
+CutSummer make_summer(const ForceSettings& settings, const Tool& tool, const DexelField& field,
                       const ToolMotion& motion, const SurfaceWeight* weight) {
   const ToolPose middle = motion.at(0.5);
   const CutFrame frame{middle.tip_mm, middle.axis, settings.pivot_mm,
                        tool.length_mm + tool.radius_mm, tool.radius_mm};
-  return {grid, twist_of(motion), frame, weight};
+  return {field.grid(), twist_of(motion), frame, weight, &field.shares()};
 }
 
 CuttingForce::CuttingForce(const ForceSettings& settings, const Tool& tool,
@@ -96,16 +96,16 @@ double CuttingForce::Part::path_mm() const {
   return sum.volume_mm3 > 0 ? swept_mm4 / sum.volume_mm3 : 0;
 }
 
-void CuttingForce::add(const DexelGrid& grid, const CutSummer& summer, const TileSum& sums,
+void CuttingForce::add(const DexelField& field, const CutSummer& summer, const TileSum& sums,
                        const Removal& removal, double share) {
   const Twist& twist = summer.twist();
   const MovedSum local = summer.total(sums);
-  const CutSum sum = to_world(grid.axis, local.cut);
+  const CutSum sum = to_world(field.grid().axis, local.cut);
   all_.add(sum, share, mean_path_mm(local.cut, twist, summer.frame().axis * settings_.pivot_mm));
   const Crossing crossing =
       weighted_ ? Crossing{0, 0} : crossing_of(local.across_mm, local.along_mm);
   if (milling_)
-    milling_->add(removal, grid, twist, summer.frame(), share, crossing.share, weighted_);
+    milling_->add(removal, field, twist, summer.frame(), share, crossing.share, weighted_);
   if (weighted_) return;
   gradual_.add(sum * crossing.share, share, crossing.mm);
 }

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "kernel/cut/removal.h"
-#include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/dexel/dexel_field.h"
 #include "kernel/force/cut_sum.h"
 #include "kernel/force/engagement.h"
 #include "kernel/force/force_settings.h"
@@ -24,9 +24,9 @@ struct FeltCut {
   Vec3 center_mm;         ///< centroid of the volume; meaningless while area is zero
 };
 
-/// Returns the sums of a sub-motion, given its motion in the frame of the field on `grid`.
-/// `weight`: of three fields, else null.
-CutSummer make_summer(const ForceSettings& settings, const Tool& tool, const DexelGrid& grid,
+/// Returns the sums of a sub-motion, given its motion in the frame of the field, which must outlive
+/// them. `weight`: of three fields, else null.
+CutSummer make_summer(const ForceSettings& settings, const Tool& tool, const DexelField& field,
                       const ToolMotion& motion, const SurfaceWeight* weight);
 
 /// Sums the force and torque of a motion over its sub-motions and fields (paper section 3, Eqs.
@@ -39,10 +39,10 @@ class CuttingForce {
   CuttingForce(const ForceSettings& settings, const Tool& tool, const ToolMotion& motion,
                double duration_s, int fields, Engagement& engagement);
 
-  /// Adds what one sub-motion removed from the field on `grid`: `sums` over its tiles, made by
+  /// Adds what one sub-motion removed from a field: `sums` over its tiles, made by
   /// `summer`. `removal`: the elements, which only the mechanistic law reads. `share`: its part of
   /// the duration.
-  void add(const DexelGrid& grid, const CutSummer& summer, const TileSum& sums,
+  void add(const DexelField& field, const CutSummer& summer, const TileSum& sums,
            const Removal& removal, double share);
 
   /// Ends the motion and returns its force. Call it once.

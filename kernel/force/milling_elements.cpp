@@ -2,6 +2,7 @@
 #include "kernel/force/milling_elements.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
@@ -121,11 +122,12 @@ struct ElementSums {
   KERF_INLINE Pushes push(const EdgeLanes& k, const MillingContact& c) const;
   KERF_INLINE void add_ripple(const MillingContact& c, const Pushes& cut, const Pushes& edge,
                               const EdgeLanes& thinner, MillingSums& sums) const;
-  KERF_INLINE void add_part(const Vec3Lanes& middle, const Lanes& length, ContactSearch& search,
-                            MillingSums& sums) const;
+  KERF_INLINE void add_part(const Vec3Lanes& middle, const Lanes& length, const Lanes& share,
+                            ContactSearch& search, MillingSums& sums) const;
   KERF_INLINE int parts_of(const Lanes& quanta) const;
   KERF_INLINE void add_elements(const Lanes& i, const Lanes& j, const Lanes& bottom,
-                                const Lanes& top, ContactSearch& search, MillingSums& sums) const;
+                                const Lanes& top, const Lanes& share, ContactSearch& search,
+                                MillingSums& sums) const;
 };
 
 double tangent(double deg) {
@@ -197,16 +199,18 @@ KERF_INLINE void ElementSums::add_ripple(const MillingContact& c, const Pushes& 
   }
 }
 
-/// Adds parts of elements: at `middle` from the tip, of a length along the rays.
+/// Adds parts of elements: at `middle` from the tip, of a length along the rays, in columns of a
+/// share of the pitch's square.
 KERF_INLINE void ElementSums::add_part(const Vec3Lanes& middle, const Lanes& length_mm,
-                                       ContactSearch& search, MillingSums& sums) const {
+                                       const Lanes& share, ContactSearch& search,
+                                       MillingSums& sums) const {
   const PathLanes path = path_of(middle);
   const Vec3Lanes start = middle + path.forward * (path.length_mm * 0.5);
   // Over a short path, the surface and its normal at its start are those at the entry.
   const MillingContact c = any(path.length_mm > near_mm)
                                ? search.entered(start, path, kEntryEvaluations)
                                : search.entered_at_once(start, path);
-  Lanes volume = select(path.length_mm > 0.0, length_mm, Lanes());
+  Lanes volume = select(path.length_mm > 0.0, length_mm * share, Lanes());
   if (pass.weighted) {
     const Lanes along =
         c.normal_along({Lanes(frame.zero.z), Lanes(frame.quarter.z), Lanes(frame.axis.z)});
@@ -237,13 +241,13 @@ KERF_INLINE int ElementSums::parts_of(const Lanes& quanta) const {
 
 /// Adds elements of columns i of rows j, between two depths.
 KERF_INLINE void ElementSums::add_elements(const Lanes& i, const Lanes& j, const Lanes& bottom,
-                                           const Lanes& top, ContactSearch& search,
-                                           MillingSums& sums) const {
+                                           const Lanes& top, const Lanes& share,
+                                           ContactSearch& search, MillingSums& sums) const {
   const Lanes quanta = greater(top - bottom, Lanes());
   const Vec3Lanes foot = first + (pitch_x * i + pitch_y * j + quantum * bottom);
   const int parts = parts_of(quanta);
   if (parts == 1)
-    return add_part(foot + quantum * (quanta * 0.5), quanta * quantum_mm, search, sums);
+    return add_part(foot + quantum * (quanta * 0.5), quanta * quantum_mm, share, search, sums);
   // Bounds and nodes (1 − cos πt) / 2: at an end where the surface grazes, the area of the cut
   // grows as the inverse root of the distance, which this integrates exactly.
   const SinCos half = sin_cos(kMillingPi / (2 * parts));
@@ -258,8 +262,8 @@ KERF_INLINE void ElementSums::add_elements(const Lanes& i, const Lanes& j, const
     advance();
     const double node = (1 - cosine) / 2;
     advance();
-    add_part(foot + quantum * (quanta * node), quanta * (quantum_mm * (begin - cosine) / 2), search,
-             sums);
+    add_part(foot + quantum * (quanta * node), quanta * (quantum_mm * (begin - cosine) / 2), share,
+             search, sums);
   }
 }
 
@@ -277,13 +281,14 @@ struct Lattice {
 /// Elements that are summed together.
 struct Gathered {
   IntLanes i{}, j{}, bottom{}, top{};
+  Lanes share{1};
   int count = 0;
 };
 
 KERF_INLINE void add_gathered_in_lanes(Gathered& g, const ElementSums& elements,
                                        ContactSearch& search, MillingSums& sums) {
-  elements.add_elements(to_lanes(g.i), to_lanes(g.j), to_lanes(g.bottom), to_lanes(g.top), search,
-                        sums);
+  elements.add_elements(to_lanes(g.i), to_lanes(g.j), to_lanes(g.bottom), to_lanes(g.top), g.share,
+                        search, sums);
   g = {};
 }
 KERF_FOR_EACH_TARGET(void, add_gathered,
@@ -295,7 +300,10 @@ KERF_FOR_EACH_TARGET(void, add_gathered,
 void add_sampled(std::span<const RemovedGroup> groups, const ElementSums& elements,
                  const Lattice& lattice, Gathered& gathered, ContactSearch& search,
                  MillingSums& sums) {
+  std::array<double, kLanes> shares{};
   for (const RemovedGroup& g : groups) {
+    const ColumnShares* all = elements.pass.shares;
+    const bool by_share = all != nullptr && all->of_group(g.i, g.j, shares);
     for (std::int64_t c = lattice.distance(g.i, g.j); c < RemovedGroup::kLanes;
          c += lattice.every) {
       if (g.bottom[c] >= g.top[c]) continue;
@@ -304,6 +312,7 @@ void add_sampled(std::span<const RemovedGroup> groups, const ElementSums& elemen
       gathered.j[k] = g.j;
       gathered.bottom[k] = g.bottom[c];
       gathered.top[k] = g.top[c];
+      if (by_share) gathered.share.set(k, shares[std::size_t(c)]);
       if (gathered.count == kLanes) add_gathered(gathered, elements, search, sums);
     }
   }

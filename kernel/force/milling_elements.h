@@ -17,9 +17,10 @@ struct MillingPass {
   const ToolSide& side;
   Twist twist;
   CutFrame frame;
-  Vec3 zero;               ///< unit vector across the axis, from which angles count
-  double feed_per_mm = 0;  ///< feed per tooth over path
-  bool weighted = false;   ///< of three fields: weight each element by n_z²
+  Vec3 zero;                             ///< unit vector across the axis, from which angles count
+  double feed_per_mm = 0;                ///< feed per tooth over path
+  bool weighted = false;                 ///< of three fields: weight each element by n_z²
+  const ColumnShares* shares = nullptr;  ///< if set, each column counts by its share
   /// If set, counts the evaluations of the tool's surface, on which the cost depends.
   std::int64_t* evaluations = nullptr;
 };

@@ -36,10 +36,11 @@ double MillingForce::feed_per_tooth_mm(double path_mm, double duration_s) const 
   return path_mm / (duration_s * turns_per_s() * settings_.teeth);
 }
 
-void MillingForce::add(const Removal& removal, const DexelGrid& grid, const Twist& twist,
+void MillingForce::add(const Removal& removal, const DexelField& field, const Twist& twist,
                        const CutFrame& frame, double share, double gradual, bool weighted) {
   const double path_mm = length(twist.linear) + length(twist.angular) * frame.reach_mm;
   if (!(path_mm > 0)) return;
+  const DexelGrid& grid = field.grid();
   const Vec3 zero = Turn(to_frame(grid.axis, axis_), frame.axis)(to_frame(grid.axis, zero_));
   const MillingPass pass{.settings = settings_,
                          .harmonics = harmonics_,
@@ -48,7 +49,8 @@ void MillingForce::add(const Removal& removal, const DexelGrid& grid, const Twis
                          .frame = frame,
                          .zero = normalized(zero - frame.axis * dot(zero, frame.axis)),
                          .feed_per_mm = feed_per_tooth_mm(path_mm, share * duration_s_) / path_mm,
-                         .weighted = weighted};
+                         .weighted = weighted,
+                         .shares = &field.shares()};
   const MillingSum sum = to_world(grid.axis, sum_milling(removal, grid, pass));
   gradual_ = gradual_ + sum * gradual;
   prompt_ = prompt_ + sum * (1 - gradual);

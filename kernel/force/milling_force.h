@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "kernel/dexel/dexel_field.h"
 #include "kernel/force/engagement.h"
 #include "kernel/force/milling_elements.h"
 
@@ -25,11 +26,11 @@ class MillingForce {
   MillingForce(const MillingSettings& settings, const Tool& tool, Vec3 axis, Vec3 zero,
                double duration_s);
 
-  /// Adds what one sub-motion removed from the field on `grid`. `twist` and `frame` are in that
-  /// field's frame, `share` is its part of the duration, `gradual` the share of the cut that passes
-  /// through the queue of that name.
-  void add(const Removal& removal, const DexelGrid& grid, const Twist& twist, const CutFrame& frame,
-           double share, double gradual, bool weighted);
+  /// Adds what one sub-motion removed from a field. `twist` and `frame` are in the field's frame,
+  /// `share` is its part of the duration, `gradual` the share of the cut that passes through the
+  /// queue of that name.
+  void add(const Removal& removal, const DexelField& field, const Twist& twist,
+           const CutFrame& frame, double share, double gradual, bool weighted);
 
   /// Ends the motion and returns its wrench about the tool's pivot.
   Wrench finish(MillingEngagement& engagement, const MillingTravel& travel) const;

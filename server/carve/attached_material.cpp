@@ -26,21 +26,25 @@ AttachedMaterial::AttachedMaterial(const DexelSnapshot& block, const DexelSnapsh
     : columns_x_(block.grid().columns_x) {
   const DexelGrid& grid = block.grid();
   first_.reserve(std::size_t(grid.columns_x) * std::size_t(grid.columns_y));
-  std::vector<std::int64_t> quanta;  // of each label
+  std::vector<double> quanta;  // of each label, by the shares of the columns
   Row before, row;
   before.first.assign(std::size_t(columns_x_) + 1, 0);
   for (std::int32_t j = 0; j < grid.columns_y; ++j) {
     add_row(block, part, j, before, row);
     quanta.resize(parents_.size());
-    for (std::size_t n = 0; n < row.elements.size(); ++n)
-      quanta[row.labels[n]] += row.elements[n].top - row.elements[n].bottom;
+    for (std::int32_t i = 0; i < columns_x_; ++i) {
+      for (std::size_t n = row.first[std::size_t(i)]; n < row.first[std::size_t(i) + 1]; ++n) {
+        const Dexel& d = row.elements[n];
+        quanta[row.labels[n]] += (d.top - d.bottom) * block.shares().of(i, j);
+      }
+    }
     std::swap(before, row);
   }
   for (std::uint32_t label = 0; label < parents_.size(); ++label)
     if (attached_[label]) attached_[piece_of(label)] = true;
   for (std::uint32_t label = 0; label < parents_.size(); ++label) {
     attached_[label] = attached_[piece_of(label)];
-    if (!attached_[label]) loose_mm3_ += static_cast<double>(quanta[label]) * grid.quantum_mm3();
+    if (!attached_[label]) loose_mm3_ += quanta[label] * grid.quantum_mm3();
   }
   parents_ = {};
 }

@@ -27,10 +27,11 @@ std::uint64_t key(std::int32_t i, std::int32_t j) {
 }
 
 // Adjacent columns, including diagonal ones, form one misfit.
-std::vector<Misfit> joined(const std::vector<ColumnMisfit>& columns, const DexelGrid& grid) {
+std::vector<Misfit> joined(const std::vector<ColumnMisfit>& columns, const DexelSnapshot& block) {
+  const DexelGrid& grid = block.grid();
   std::unordered_map<std::uint64_t, std::size_t> open;
   for (std::size_t n = 0; n < columns.size(); ++n) open.emplace(key(columns[n].i, columns[n].j), n);
-  const double cell = grid.pitch_mm * grid.pitch_mm;
+  const double square = grid.pitch_mm * grid.pitch_mm;
   std::vector<Misfit> misfits;
   std::vector<std::size_t> todo;
   for (const ColumnMisfit& first : columns) {
@@ -42,6 +43,7 @@ std::vector<Misfit> joined(const std::vector<ColumnMisfit>& columns, const Dexel
     while (!todo.empty()) {
       const ColumnMisfit& column = columns[todo.back()];
       todo.pop_back();
+      const double cell = square * block.shares().of(column.i, column.j);
       misfit.area_mm2 += cell;
       misfit.volume_mm3 += cell * column.length_mm;
       if (column.depth_mm > misfit.depth_mm) {
@@ -117,7 +119,7 @@ Misfits find_gouges(const DexelSnapshot& before, const DexelSnapshot& after, con
         if (const auto column = of_column.gouge(before, after, i, j)) columns.push_back(*column);
       });
   if (!complete) return {};
-  return ranked(joined(columns, grid), tolerance_mm);
+  return ranked(joined(columns, after), tolerance_mm);
 }
 
 Misfits find_rests(const DexelSnapshot& block, const PartModel& part, double tolerance_mm,
@@ -138,7 +140,7 @@ Misfits find_rests(const DexelSnapshot& block, const PartModel& part, double tol
         if (const auto column = of_column.rest(kept, i, j)) columns.push_back(*column);
       });
   if (!complete) return {};
-  return ranked(joined(columns, grid), tolerance_mm);
+  return ranked(joined(columns, block), tolerance_mm);
 }
 
 void attribute_gouges(Misfits& gouges, const std::vector<ProgramMotion>& motions,

@@ -98,7 +98,7 @@ std::string agent_welcome(const Session& session, const Admission& admission,
 }
 
 std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster,
-                           std::uint32_t budget) {
+                           std::uint32_t budget, std::optional<std::uint64_t> meshes) {
   Json json = welcome(session, self);
   const DexelGrid& grid = session.grid();
   if (!session.scene().name.empty()) json["name"] = session.scene().name;
@@ -108,6 +108,7 @@ std::string viewer_welcome(const Session& session, const Participant& self, cons
                   {"columns", {grid.columns_x, grid.columns_y}},
                   {"tile", kTileSide}};
   if (budget > 0) json["budget"] = budget;
+  if (meshes) json["meshes"] = *meshes;
   return text(json);
 }
 

@@ -28,6 +28,7 @@ struct HelloMessage {
   bool intent = false;        ///< requests intent frames
   bool changes = false;       ///< viewer: understands participants_changed
   bool repeat = false;        ///< viewer: understands nodes for several tiles
+  bool verify = false;        ///< viewer: checks what it is sent, and understands those nodes
   bool look_follows = false;  ///< viewer: sends a look at once, which the first snapshot awaits
   std::optional<ViewerLook> look;  ///< viewer: where it looks from, if it knows
   std::uint32_t budget = 0;        ///< viewer: bytes of mesh frames per second; 0: any
@@ -96,9 +97,10 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view text);
 std::string agent_welcome(const Session& session, const Admission& admission,
                           const SessionLimits& limits, const datagram::Offer* udp = nullptr,
                           bool reach = false);
-/// `budget`: bytes of mesh frames per second; 0: any.
+/// `budget`: bytes of mesh frames per second; 0: any. `meshes`: to a viewer that verifies, the
+/// sequence of the last mesh frame before.
 std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster,
-                           std::uint32_t budget);
+                           std::uint32_t budget, std::optional<std::uint64_t> meshes);
 /// The complete list, for viewers.
 std::string participants_message(const Roster& roster);
 /// The agents and programs, for agents.

@@ -137,7 +137,8 @@ std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
         std::pair{"changes", &HelloMessage::changes}, std::pair{"durable", &HelloMessage::durable},
         std::pair{"udp", &HelloMessage::udp}, std::pair{"repeat", &HelloMessage::repeat},
         std::pair{"intent", &HelloMessage::intent}, std::pair{"whole", &HelloMessage::whole},
-        std::pair{"returned", &HelloMessage::returned}, std::pair{"reach", &HelloMessage::reach}}) {
+        std::pair{"returned", &HelloMessage::returned}, std::pair{"reach", &HelloMessage::reach},
+        std::pair{"verify", &HelloMessage::verify}}) {
     const auto found = object.find(key);
     if (found == object.end()) continue;
     if (!found->is_boolean()) return std::unexpected(bad_field(key, kMustBeBool));

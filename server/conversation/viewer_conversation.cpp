@@ -26,8 +26,8 @@ std::optional<ViewerAction> ViewerConversation::take_action() {
 
 void ViewerConversation::on_hello(const HelloMessage& hello) {
   takes_changes_ = hello.changes;
-  first_look_ = {hello.look_follows, hello.look,
-                 hello.repeat ? TileNodes::kRepeated : TileNodes::kSingle};
+  const TileNodes nodes = hello.repeat ? TileNodes::kRepeated : TileNodes::kSingle;
+  first_look_ = {hello.look_follows, hello.look, hello.verify ? TileNodes::kVerified : nodes};
   set_budget(hello.budget);
   JoinRequest request = join_request(ParticipantKind::kViewer, hello);
   request.feel = false;
@@ -40,11 +40,21 @@ void ViewerConversation::joined(const std::expected<Participant, Rejection>& sel
   hello_waits_ = false;
   if (self) {
     self_ = *self;
-    say(viewer_welcome(session(), *self_, roster, budget_));
+    say_welcome(roster);
   } else {
     reject_hello(self.error());
   }
   wake();
+}
+
+void ViewerConversation::say_welcome(const Roster& roster) {
+  const auto meshes = verifies() ? std::optional(meshes_before_) : std::nullopt;
+  say(viewer_welcome(session(), *self_, roster, budget_, meshes));
+}
+
+void ViewerConversation::queue_pong(const wire::FrameStamp& stamp, const wire::Pong& pong) {
+  const std::uint64_t sent = verifies() ? out_.mesh_sent() : 0;
+  out_.put_pong(stamp, {pong.ping_time_us, pong.time_us, sent});
 }
 
 void ViewerConversation::on_control(const ControlMessage& message) {
@@ -93,7 +103,7 @@ void ViewerConversation::begin_again(const Roster& roster) {
   out_.drop_surface();
   meshes_before_ = meshes_;
   sent_state_.reset();
-  say(viewer_welcome(session(), *self_, roster, budget_));
+  say_welcome(roster);
   wake();
 }
 
@@ -106,7 +116,7 @@ void ViewerConversation::send_mesh(FeedFrame frame, SharedBytes tools) {
   if (tools) out_.put_tools(std::move(tools));
   frame.sequence += meshes_before_;
   meshes_ = frame.sequence;
-  out_.put_mesh(std::move(frame));
+  out_.put_mesh(std::move(frame), verifies());
   wake();
 }
 

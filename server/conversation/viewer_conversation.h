@@ -119,13 +119,14 @@ class ViewerConversation final : public Conversation {
 
  private:
   void set_budget(std::uint32_t stated);
+  /// Whether the viewer checks what it is sent.
+  bool verifies() const { return first_look_.nodes == TileNodes::kVerified; }
+  void say_welcome(const Roster& roster);
   void on_hello(const HelloMessage& hello) override;
   void on_control(const ControlMessage& message) override;
   void on_message(const wire::Message& message, Clock::time_point arrived) override;
   bool queue_text(std::string_view text) override { return out_.put_text(text); }
-  void queue_pong(const wire::FrameStamp& stamp, const wire::Pong& pong) override {
-    out_.put_pong(stamp, pong);
-  }
+  void queue_pong(const wire::FrameStamp& stamp, const wire::Pong& pong) override;
   void discard_updates() override { out_.close(); }
 
   RateLimit looks_{kLooksPerS, kLooksBurst}, seeks_{kSeeksPerS, kSeeksBurst};

@@ -46,13 +46,19 @@ bool ViewerOutbox::take(const wire::FrameStamp& stamp, OutFrame& out) {
     return true;
   }
   if (!mesh_.empty()) {
-    FeedFrame mesh = std::move(mesh_.front());
+    auto [mesh, is_summed] = std::move(mesh_.front());
     mesh_.pop_front();
-    const auto header = wire::mesh_header({stamp.epoch, mesh.sequence, stamp.time_us}, mesh.flags,
-                                          mesh.glb->size());
-    out = {.kind = OutFrame::Kind::kMesh,
-           .bytes = {header.begin(), header.end()},
-           .shared = std::move(mesh.glb)};
+    mesh_sent_ = mesh.sequence;
+    const wire::FrameStamp its_stamp{stamp.epoch, mesh.sequence, stamp.time_us};
+    const std::size_t bytes = mesh.glb->size();
+    out = {.kind = OutFrame::Kind::kMesh, .shared = std::move(mesh.glb)};
+    if (is_summed) {
+      const auto header = wire::summed_mesh_header(its_stamp, mesh.flags, bytes, mesh.sum);
+      out.bytes.assign(header.begin(), header.end());
+    } else {
+      const auto header = wire::mesh_header(its_stamp, mesh.flags, bytes);
+      out.bytes.assign(header.begin(), header.end());
+    }
     return true;
   }
   return take_text(state_, OutFrame::Kind::kState, out);

@@ -39,9 +39,12 @@ class ViewerOutbox {
   bool has_participants() const { return participants_ != nullptr; }
   /// Whether a mesh frame waits to leave.
   bool has_mesh() const { return !mesh_.empty(); }
-  void put_mesh(FeedFrame frame) {
-    if (!closed_) mesh_.push_back(std::move(frame));
+  /// `is_summed`: it leaves with its checksum.
+  void put_mesh(FeedFrame frame, bool is_summed = false) {
+    if (!closed_) mesh_.push_back({std::move(frame), is_summed});
   }
+  /// The sequence of the last mesh frame that has left; 0: none.
+  std::uint64_t mesh_sent() const { return mesh_sent_; }
   void put_state(std::string text) {
     if (!closed_) state_ = std::move(text);
   }
@@ -58,7 +61,12 @@ class ViewerOutbox {
   ControlQueue control_;
   SharedBytes tools_;
   SharedText participants_, programs_, pins_, cameras_;
-  std::deque<FeedFrame> mesh_;
+  struct Mesh {
+    FeedFrame frame;
+    bool is_summed = false;
+  };
+  std::deque<Mesh> mesh_;
+  std::uint64_t mesh_sent_ = 0;
   std::string state_;
   bool closed_ = false;
 };

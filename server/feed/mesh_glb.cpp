@@ -39,6 +39,15 @@ class Json {
     first = false;
     return *this;
   }
+  /// A string of 16 hexadecimal digits.
+  Json& digits(std::uint64_t value) {
+    out_.push_back('"');
+    for (int shift = 60; shift >= 0; shift -= 4) {
+      out_.push_back("0123456789abcdef"[value >> static_cast<unsigned>(shift) & 15U]);
+    }
+    out_.push_back('"');
+    return *this;
+  }
   std::string take() { return std::move(out_); }
 
  private:
@@ -130,7 +139,7 @@ void add_accessors(Json& json, const EncodedTile& tile, int first_view) {
 }
 
 void add_node(Json& json, const EncodedTile& tile, const TileRun& run, double step_mm,
-              std::size_t mesh) {
+              std::size_t mesh, bool with_digest) {
   json.text("{\"name\":\"t_").number(tile.tile.x).text("_").number(tile.tile.y);
   json.text("\",\"extras\":{\"tile\":[").number(tile.tile.x).text(",").number(tile.tile.y);
   json.text("],\"version\":").number(tile.version);
@@ -138,6 +147,7 @@ void add_node(Json& json, const EncodedTile& tile, const TileRun& run, double st
   if (run.columns > 1 || run.rows > 1) {
     json.text(",\"repeat\":[").number(run.columns).text(",").number(run.rows).text("]");
   }
+  if (with_digest) json.text(",\"digest\":").digits(tile.digest);
   json.text("}");
   if (tile.vertices > 0) {
     json.text(",\"mesh\":").number(mesh);
@@ -187,11 +197,12 @@ struct FrameTiles {
   std::span<const EncodedTile* const> tiles;
   std::vector<TileRun> runs;
   Meshes meshes;
+  bool with_digests;
 };
 
 std::string make_json(const FrameTiles& frame, const Sizes& sizes, double step_mm,
                       std::uint64_t from, std::uint64_t to) {
-  const auto& [tiles, runs, meshes] = frame;
+  const auto& [tiles, runs, meshes, with_digests] = frame;
   Json json;
   json.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"Kerf\"},\"scene\":0,\"scenes\":[{");
   bool first = true;
@@ -205,7 +216,8 @@ std::string make_json(const FrameTiles& frame, const Sizes& sizes, double step_m
     json.text(",\"nodes\":[");
     first = true;
     for (const TileRun& run : runs) {
-      add_node(json.next(first), *tiles[run.first], run, step_mm, meshes.of_tile[run.first]);
+      add_node(json.next(first), *tiles[run.first], run, step_mm, meshes.of_tile[run.first],
+               with_digests);
     }
     json.text("]");
   }
@@ -222,9 +234,10 @@ void append_word(std::vector<std::byte>& out, std::size_t value) {
 std::vector<std::byte> write_mesh_glb(std::span<const EncodedTile* const> tiles,
                                       const MeshQuantization& quantization, std::uint64_t from,
                                       std::uint64_t to, TileNodes nodes) {
-  FrameTiles frame{tiles, {}, meshes_of(tiles)};
-  if (nodes == TileNodes::kRepeated) {
-    frame.runs = runs_of(tiles, quantization);
+  const bool with_digests = nodes == TileNodes::kVerified;
+  FrameTiles frame{tiles, {}, meshes_of(tiles), with_digests};
+  if (nodes != TileNodes::kSingle) {
+    frame.runs = runs_of(tiles, quantization, with_digests);
   } else {
     for (std::size_t n = 0; n < tiles.size(); ++n) frame.runs.push_back({n});
   }

@@ -41,6 +41,7 @@ struct EncodedTile {
   std::array<std::int16_t, 3> min{}, max{};                ///< of the positions, in steps
   std::vector<std::byte> positions, normals, index_bytes;  ///< as in the GLB, unpadded
   std::uint64_t shape_hash = 0;  ///< equal for tiles that have the same shape
+  std::uint64_t digest = 0;      ///< of its columns (column_digest.h), as the feed sets it
 
   std::size_t index_stride() const { return wide_indices ? 4 : 2; }
   std::size_t bytes() const { return positions.size() + normals.size() + index_bytes.size(); }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/feed/changed_columns.h"
+#include "server/feed/column_digest.h"
 
 namespace kerf {
 namespace {
@@ -222,19 +223,25 @@ TileFeed::SharedTile TileFeed::current(std::uint32_t tile, const TileDetail& det
   const TileMesh& mesh = mesh_of(tile);
   if (std::exchange(cached.stale, false)) {
     const std::uint64_t hash = hash_of(mesh);
-    if (cached.version > 0 && cached.mesh_hash == hash) {
+    const std::uint64_t digest = column_digest(snapshot_, index_of(tile));
+    if (cached.version > 0 && cached.mesh_hash == hash && cached.digest == digest) {
       ++stats_.tiles_unchanged;
       if (auto encoded = known()) return encoded;
     } else {
       cached.mesh_hash = hash;
+      cached.digest = digest;
       ++cached.version;
       cached.forms.clear();
     }
   }
-  const bool exact = detail.level == 0;
-  EncodedTile encoded = encode_tile(exact ? mesh : coarser_tile(mesh, snapshot_.grid(), detail),
-                                    quantization_, cached.version, settings_.compression);
-  encoded.level = detail.level;
+  const TileMesh coarse =
+      detail.level == 0 ? TileMesh{} : coarser_tile(mesh, snapshot_.grid(), detail);
+  // A flat tile is exact at each level.
+  const bool exact = detail.level == 0 || coarse.indices.size() == mesh.indices.size();
+  EncodedTile encoded =
+      encode_tile(exact ? mesh : coarse, quantization_, cached.version, settings_.compression);
+  encoded.level = exact ? 0 : detail.level;
+  encoded.digest = cached.digest;
   if (cached.forms.size() == kFormsMax) cached.forms.pop_front();
   cached.forms.push_back({detail, std::make_shared<const EncodedTile>(std::move(encoded))});
   return cached.forms.back().encoded;

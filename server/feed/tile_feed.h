@@ -36,6 +36,7 @@ struct FeedFrame {
   std::uint64_t sequence = 0;  ///< per viewer, from 1; goes into the frame's header
   std::uint8_t flags = 0;      ///< kFirstSnapshot, kFirstSnapshotEnd
   std::shared_ptr<const std::vector<std::byte>> glb;
+  std::uint32_t sum = 0;  ///< its checksum (server/wire/checksum.h)
 };
 inline constexpr std::uint8_t kFirstSnapshot = 1;     ///< part of the viewer's first snapshot
 inline constexpr std::uint8_t kFirstSnapshotEnd = 2;  ///< its last part
@@ -125,6 +126,7 @@ class TileFeed {
   struct CachedTile {
     std::uint32_t version = 0;    ///< 0: not meshed yet
     std::uint64_t mesh_hash = 0;  ///< of that version
+    std::uint64_t digest = 0;     ///< of its columns
     bool stale = true;            ///< its columns have changed since it was meshed
     std::deque<Form> forms;       ///< of that version, as far as viewers need them
   };
@@ -144,7 +146,9 @@ class TileFeed {
   struct SentTile {
     std::uint32_t version = 0;  ///< 0: never sent
     TileDetail detail;
-    std::uint64_t frame = 0;  ///< its sequence
+    std::uint8_t level = 0;        ///< of its mesh: a flat tile is exact at each level
+    std::uint64_t shape_hash = 0;  ///< likewise
+    std::uint64_t frame = 0;       ///< its sequence
   };
   struct Viewer {
     TileNodes nodes = TileNodes::kSingle;
@@ -167,6 +171,7 @@ class TileFeed {
     std::vector<std::uint64_t>
         key;  ///< revisions, nodes, and the tiles with their versions and details
     std::shared_ptr<const std::vector<std::byte>> glb;
+    std::uint32_t sum = 0;
   };
 
   struct Picked {
@@ -199,8 +204,8 @@ class TileFeed {
   void select_coarse_tiles(Viewer& viewer, std::size_t bytes_max, Selection& selection);
   void select_tile(Viewer& viewer, std::uint32_t tile, Selection& selection);
   Picked coarser(Picked exact);
-  std::shared_ptr<const std::vector<std::byte>> compose(const std::vector<Picked>& tiles,
-                                                        const Viewer& viewer);
+  /// Composes a frame, or finds it among the recent ones. Valid until the next call.
+  const ComposedFrame& compose(const std::vector<Picked>& tiles, const Viewer& viewer);
 
   const FeedSettings settings_;
   const MeshQuantization quantization_;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/feed/tile_feed.h"
+#include "server/wire/checksum.h"
 
 namespace kerf {
 namespace {
@@ -51,7 +52,10 @@ void TileFeed::select_tile(Viewer& viewer, std::uint32_t tile, Selection& select
   const TileDetail wanted = detail_of(viewer, tile);
   Picked picked{tile, {wanted, current(tile, wanted)}};
   const auto was_sent = [&] {
-    return sent.version == picked.form.encoded->version && sent.detail == picked.form.detail;
+    const EncodedTile& encoded = *picked.form.encoded;
+    return sent.version == encoded.version &&
+           (sent.detail == picked.form.detail ||
+            (sent.level == encoded.level && sent.shape_hash == encoded.shape_hash));
   };
   if (was_sent()) return;
   if (selection.is_coarse) {
@@ -59,7 +63,8 @@ void TileFeed::select_tile(Viewer& viewer, std::uint32_t tile, Selection& select
     if (was_sent()) return;
   }
   viewer.coarse.erase({sent.frame, tile});
-  sent = {picked.form.encoded->version, picked.form.detail, viewer.sent + 1};
+  const EncodedTile& encoded = *picked.form.encoded;
+  sent = {encoded.version, picked.form.detail, encoded.level, encoded.shape_hash, viewer.sent + 1};
   if (sent.detail != wanted) viewer.coarse.insert({sent.frame, tile});
   selection.bytes += kNodeBytes;
   if (selection.shapes.insert(picked.form.encoded->shape_hash).second) {
@@ -123,14 +128,16 @@ std::optional<FeedFrame> TileFeed::next_frame(ViewerId viewer_id, ByteBudget::Ti
   if (first_snapshot) frame.flags |= kFirstSnapshot;
   if (first_snapshot && viewer.first.empty()) frame.flags |= kFirstSnapshotEnd;
   frame.sequence = ++viewer.sent;
-  frame.glb = compose(selection.tiles, viewer);
+  const ComposedFrame& composed = compose(selection.tiles, viewer);
+  frame.glb = composed.glb;
+  frame.sum = composed.sum;
   viewer.revision = revision_;
   if (viewer.budget) viewer.budget->take(frame.glb->size());
   return frame;
 }
 
-std::shared_ptr<const std::vector<std::byte>> TileFeed::compose(const std::vector<Picked>& tiles,
-                                                                const Viewer& viewer) {
+const TileFeed::ComposedFrame& TileFeed::compose(const std::vector<Picked>& tiles,
+                                                 const Viewer& viewer) {
   std::vector<std::uint64_t> key{viewer.revision, revision_, std::uint64_t(viewer.nodes)};
   for (const auto& [tile, form] : tiles) {
     key.push_back(std::uint64_t{tile} << 32U | form.encoded->version);
@@ -139,7 +146,7 @@ std::shared_ptr<const std::vector<std::byte>> TileFeed::compose(const std::vecto
   for (const ComposedFrame& recent : recent_) {
     if (recent.key != key) continue;
     ++stats_.frames_shared;
-    return recent.glb;
+    return recent;
   }
   std::vector<const EncodedTile*> encoded;
   encoded.reserve(tiles.size());
@@ -149,8 +156,10 @@ std::shared_ptr<const std::vector<std::byte>> TileFeed::compose(const std::vecto
   ++stats_.frames_composed;
   stats_.bytes_composed += glb->size();
   if (recent_.size() == kRecentFramesMax) recent_.pop_front();
-  recent_.push_back({std::move(key), glb});
-  return glb;
+  // Of use only to viewers that verify.
+  const std::uint32_t sum = viewer.nodes == TileNodes::kVerified ? wire::checksum(*glb) : 0;
+  recent_.push_back({std::move(key), std::move(glb), sum});
+  return recent_.back();
 }
 
 }  // namespace kerf

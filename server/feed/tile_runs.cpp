@@ -14,8 +14,12 @@ constexpr double kPlaceSteps = 1.0 / 64;
 
 class Runs {
  public:
-  Runs(std::span<const EncodedTile* const> tiles, const MeshQuantization& quantization)
-      : tiles_(tiles), quantization_(quantization), is_taken_(tiles.size()) {
+  Runs(std::span<const EncodedTile* const> tiles, const MeshQuantization& quantization,
+       bool same_digests)
+      : tiles_(tiles),
+        quantization_(quantization),
+        same_digests_(same_digests),
+        is_taken_(tiles.size()) {
     for (std::size_t n = 0; n < tiles.size(); ++n) numbers_[tiles[n]->tile] = n;
   }
 
@@ -45,6 +49,7 @@ class Runs {
     if (!number) return false;
     const EncodedTile& one = *tiles_[first];
     const EncodedTile& other = *tiles_[*number];
+    if (same_digests_ && other.digest != one.digest) return false;
     return other.version == one.version && other.level == one.level &&
            other.shape_hash == one.shape_hash && other.has_shape_of(one) &&
            (one.vertices == 0 || is_moved_by(one, other, i, j));
@@ -77,6 +82,7 @@ class Runs {
 
   std::span<const EncodedTile* const> tiles_;
   const MeshQuantization& quantization_;
+  const bool same_digests_;
   std::map<TileIndex, std::size_t> numbers_;
   std::vector<bool> is_taken_;
 };
@@ -84,8 +90,8 @@ class Runs {
 }  // namespace
 
 std::vector<TileRun> runs_of(std::span<const EncodedTile* const> tiles,
-                             const MeshQuantization& quantization) {
-  return Runs(tiles, quantization).find();
+                             const MeshQuantization& quantization, bool same_digests) {
+  return Runs(tiles, quantization, same_digests).find();
 }
 
 }  // namespace kerf

@@ -19,8 +19,9 @@ struct TileRun {
 };
 
 /// Divides tiles into such rectangles, each tile into one: from the first tile on, to the right as
-/// far as possible and then up. Deterministic; n log n map look-ups for n tiles.
+/// far as possible and then up. With `same_digests` those of a rectangle have equal digests too.
+/// Deterministic; n log n map look-ups for n tiles.
 std::vector<TileRun> runs_of(std::span<const EncodedTile* const> tiles,
-                             const MeshQuantization& quantization);
+                             const MeshQuantization& quantization, bool same_digests = false);
 
 }  // namespace kerf

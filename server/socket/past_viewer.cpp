@@ -30,6 +30,8 @@ PastViewer::PastViewer(std::shared_ptr<Session> session, ViewerConversation* vie
   side_->session = std::move(session);
   side_->first_look = look;
   side_->budget = viewer->budget();
+  // It is sent checksums and digests of the past too.
+  if (viewer->first_look().nodes == TileNodes::kVerified) side_->nodes = TileNodes::kVerified;
 }
 
 std::int64_t PastViewer::journal_clock() const {
@@ -132,7 +134,7 @@ void PastViewer::serve(Side& side, const Job& job, Result& result) {
   const std::vector<TileIndex> changed = block.take_changed();
   if (!side.feed) {
     side.feed = std::make_unique<TileFeed>(block.solid(), block.record());
-    side.viewer = side.feed->add_viewer(side.first_look, TileNodes::kSingle, side.budget);
+    side.viewer = side.feed->add_viewer(side.first_look, side.nodes, side.budget);
   } else if (job.record || job.until_ms) {
     side.feed->note_change(block.solid(), changed, block.record());
   }

@@ -51,6 +51,7 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
     ViewerId viewer = 0;
     std::optional<ViewerLook> first_look;
     std::uint32_t budget = 0;
+    TileNodes nodes = TileNodes::kSingle;
     TileFeed::Stats counted;  ///< already reported to the metrics
   };
   struct Job {

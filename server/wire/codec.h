@@ -24,6 +24,7 @@ enum class DecodeErrorCode : std::uint8_t {
   kBadSequence,
   kNotFinite,
   kAxisNotUnit,
+  kBadChecksum,
 };
 
 /// Why a frame was rejected. `offset` is the byte offset of the invalid field in the frame;
@@ -80,6 +81,11 @@ std::size_t encode(const FrameStamp& stamp, const Intents& intents,
 /// Returns the header of a mesh frame, for a sender that shares the GLB's buffer among receivers.
 std::array<std::byte, kHeaderBytes> mesh_header(const FrameStamp& stamp, std::uint8_t flags,
                                                 std::size_t glb_bytes) noexcept;
+/// The same with a checksum of header and GLB; `glb_sum` is the checksum (checksum.h) of the GLB.
+std::array<std::byte, kSummedHeaderBytes> summed_mesh_header(const FrameStamp& stamp,
+                                                             std::uint8_t flags,
+                                                             std::size_t glb_bytes,
+                                                             std::uint32_t glb_sum) noexcept;
 
 /// Appends one frame to `out`.
 template <typename Body>

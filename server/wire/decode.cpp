@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/wire/checksum.h"
 #include "server/wire/codec.h"
 #include "server/wire/layout.h"
 
@@ -181,6 +182,16 @@ std::uint64_t decode_durable(std::span<const std::byte> frame, const FrameHeader
   return durable;
 }
 
+/// Whether a mesh frame has the checksum that its header states, if it states one.
+bool has_its_checksum(std::span<const std::byte> frame, const FrameHeader& header) noexcept {
+  if ((header.flags & kMeshSummed) == 0) return true;
+  if (header.header_bytes < kSummedHeaderBytes) return false;
+  std::uint32_t stated = 0;
+  ByteReader(frame, kHeaderBytes).field(stated);
+  return stated ==
+         checksum(frame.first(kHeaderBytes), checksum(frame.subspan(header.header_bytes)));
+}
+
 /// Returns the payload size of a type with a fixed one; nullopt for lists, results, meshes and
 /// unknown types.
 std::optional<std::size_t> fixed_payload_bytes(MessageType type) noexcept {
@@ -271,6 +282,9 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> frame,
       }
       break;
     case MessageType::kMesh:
+      if (!has_its_checksum(frame, *header)) {
+        return reject(DecodeErrorCode::kBadChecksum, kHeaderBytes, "the checksum does not match");
+      }
       message->body = MeshView{frame.subspan(header->header_bytes)};
       break;
     case MessageType::kTools:

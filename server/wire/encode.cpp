@@ -2,6 +2,7 @@
 #include <cassert>
 #include <cstring>
 
+#include "server/wire/checksum.h"
 #include "server/wire/codec.h"
 #include "server/wire/layout.h"
 
@@ -110,6 +111,18 @@ std::array<std::byte, kHeaderBytes> mesh_header(const FrameStamp& stamp, std::ui
                                                 std::size_t glb_bytes) noexcept {
   std::array<std::byte, kHeaderBytes> header{};
   start_frame(stamp, MessageType::kMesh, flags, kHeaderBytes + glb_bytes, header);
+  return header;
+}
+
+std::array<std::byte, kSummedHeaderBytes> summed_mesh_header(const FrameStamp& stamp,
+                                                             std::uint8_t flags,
+                                                             std::size_t glb_bytes,
+                                                             std::uint32_t glb_sum) noexcept {
+  std::array<std::byte, kSummedHeaderBytes> header{};
+  ByteWriter to = start_frame(stamp, MessageType::kMesh, flags | kMeshSummed,
+                              kSummedHeaderBytes + glb_bytes, header, kSummedHeaderBytes);
+  to.field(checksum(std::span(header).first(kHeaderBytes), glb_sum));
+  to.reserved();
   return header;
 }
 

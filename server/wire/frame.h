@@ -26,6 +26,8 @@ enum class MessageType : std::uint8_t {
 /// Flags of a mesh frame: part of the first snapshot; last part of it.
 inline constexpr std::uint8_t kMeshSnapshot = 1;
 inline constexpr std::uint8_t kMeshSnapshotEnd = 2;
+/// Flag of a mesh frame: its header is kSummedHeaderBytes long and ends with a checksum.
+inline constexpr std::uint8_t kMeshSummed = 4;
 
 /// Flags of a stock frame: StockPatch::reset, StockPatch::returned.
 inline constexpr std::uint8_t kStockReset = 1;

@@ -14,6 +14,8 @@ inline constexpr std::size_t kHeaderBytes = 32;
 inline constexpr std::size_t kMaxHeaderBytes = 256;
 /// Size of the header of a result or a pong that states a durable sequence.
 inline constexpr std::size_t kDurableHeaderBytes = kHeaderBytes + 8;
+/// Size of the header of a mesh frame that states a checksum.
+inline constexpr std::size_t kSummedHeaderBytes = kHeaderBytes + 8;
 inline constexpr std::size_t kListHeadBytes = 8;
 inline constexpr std::size_t kSampleBytes = 64;
 inline constexpr std::size_t kResultBytes = 120;

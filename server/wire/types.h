@@ -208,7 +208,8 @@ struct Ping {
 struct Pong {
   std::uint64_t ping_time_us = 0;
   std::uint64_t time_us = 0;
-  std::uint64_t durable_sequence = 0;  ///< as in a result
+  /// To an agent as in a result; to a viewer that verifies: of the last mesh frame sent before.
+  std::uint64_t durable_sequence = 0;
   bool operator==(const Pong&) const = default;
 };
 

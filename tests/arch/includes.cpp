@@ -133,8 +133,8 @@ const std::vector<Module>& other_modules() {
       // Programs, scenes, models and journals, for a page that carves by itself.
       {"web/wasm/files",
        {"kernel", "server/formats", "server/verify", "server/store", "server/history",
-        "server/wire", "server/convert", "server/session/past_block.h",
-        "server/session/session_id.h"}},
+        "server/wire", "server/convert", "server/feed/column_digest.h",
+        "server/session/past_block.h", "server/session/session_id.h"}},
       // The replica of an agent, for pages.
       {"web/wasm",
        {"kernel", "server/wire", "server/convert", "server/formats", "haptic_agent/replica"}},

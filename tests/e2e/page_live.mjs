@@ -55,11 +55,14 @@ async function openCounted(browser, url) {
   await network.send('Network.enable');
   viewer.bytes = 0;
   const files = [];
-  network.on('Network.responseReceived', ({ response }) =>
-    files.push(new URL(response.url).pathname),
-  );
-  network.on('Network.loadingFinished', ({ encodedDataLength }) => {
-    viewer.bytes += encodedDataLength;
+  const pictures = new Set(); // of the block, which the page asks for where its own is late
+  network.on('Network.responseReceived', ({ requestId, response }) => {
+    const { pathname } = new URL(response.url);
+    files.push(pathname);
+    if (pathname.endsWith('/picture.png')) pictures.add(requestId);
+  });
+  network.on('Network.loadingFinished', ({ requestId, encodedDataLength }) => {
+    if (!pictures.has(requestId)) viewer.bytes += encodedDataLength;
   });
   await viewer.page.goto(url);
   await untilWhole(viewer);
@@ -200,6 +203,28 @@ async function checkReadback(browser, base) {
   for (const { page } of [read, drawn]) await page.context().close();
 }
 
+/** While the page's own picture is late, the server's stands where the block will be. */
+async function checkPoster(browser, base) {
+  const viewer = await openViewer(browser, 'about:blank', { width: 1200, height: 800 });
+  const { page } = viewer;
+  let go = () => {};
+  const held = new Promise((resolve) => (go = resolve));
+  await page.route(/\/assets\/viewer-[^/]*\.js$/, async (route) => {
+    await held;
+    await route.continue();
+  });
+  await page.goto(`${base}/?session=page&name=Edsger`);
+  const poster = page.locator('.poster.placed');
+  await until('picture by the server', SETTLE_S, () =>
+    poster.evaluateAll((found) => found.some((image) => image.complete && image.naturalWidth > 0)),
+  );
+  await writeFile(join(options.out, 'page-poster.png'), await page.screenshot());
+  go();
+  await untilWhole(viewer);
+  await poster.waitFor({ state: 'hidden', timeout: 1000 * SETTLE_S });
+  await page.context().close();
+}
+
 /** People, figures and downloads are there where WebGL is not. */
 async function checkWithoutWebGl(base, scratch) {
   const browser = await launchBrowser(['--disable-gpu', '--disable-3d-apis']);
@@ -244,6 +269,7 @@ async function test(folder) {
     await checkSides(viewer);
     await checkCalls(viewer);
     await checkReadback(browser, base);
+    await checkPoster(browser, base);
     await page.goto(`${base}/?list`);
     await page.getByText('Choose a block to open').waitFor(); // although there is only one
     assert.deepEqual(problems, []);

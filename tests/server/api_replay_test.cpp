@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/feed/column_digest.h"
 #include "server/session/hash_text.h"
 #include "tests/server/api_rights_fixture.h"
 #include "web/wasm/files/journal_block.h"
@@ -142,6 +143,27 @@ TEST_F(ApiReplay, APageGetsTheTilesThatHaveChangedAtOnce) {
       EXPECT_EQ(block.mesh(tile).positions_mm, positions_mm) << tile.x << ", " << tile.y;
     }
   }
+}
+
+TEST_F(ApiReplay, APageGetsTheDigestsOfTheServersTiles) {
+  carve();  // with an undo and a redo
+  const Json now = state();
+  const std::uint64_t last = now.at("record");
+  JournalBlock block = made_block(now);
+  go(block, last / 2, false);
+  std::map<TileIndex, std::uint64_t> digests;
+  const auto take = [&] {
+    for (const TileIndex tile : block.changed()) digests[tile] = block.digest(tile);
+  };
+  take();
+  const auto before = digests;
+  go(block, last, false);
+  take();
+  EXPECT_NE(digests, before);
+  const SolidSnapshot solid = session->solid();
+  for (const auto& [tile, digest] : digests) EXPECT_EQ(digest, column_digest(solid, tile));
+  EXPECT_EQ(digests.size(),
+            static_cast<std::size_t>(solid.grid().tiles_x() * solid.grid().tiles_y()));
 }
 
 TEST_F(ApiReplay, StoredHashesAreThoseOfTheRecordsThatTheyName) {

@@ -85,6 +85,8 @@ int main(int argc, char** argv) {
   ok = ok && write(folder / "frame_all.glb", write_mesh_glb(all, quantization, 0, 60)) &&
        write(folder / "frame_raw.glb", write_mesh_glb(raw, quantization, 0, 60)) &&
        write(folder / "frame_mixed.glb", write_mesh_glb(mixed, quantization, 59, 60)) &&
+       write(folder / "frame_verified.glb",
+             write_mesh_glb(all, quantization, 0, 60, TileNodes::kVerified)) &&
        write(folder / "frame_gone.glb", write_mesh_glb(only_gone, quantization, 1, 2)) &&
        write(folder / "frame_empty.glb", write_mesh_glb({}, quantization, 1, 2));
   return ok ? 0 : 1;

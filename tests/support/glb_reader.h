@@ -24,6 +24,7 @@ struct DecodedTile {
   std::vector<Vec3> positions_mm, normals;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint8_t> original;  ///< the fourth bytes of the normals
+  std::uint64_t digest = 0;            ///< 0: not stated
 };
 struct DecodedFrame {
   std::uint64_t from = 0, to = 0;
@@ -125,6 +126,7 @@ inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb_bytes, doubl
     DecodedTile& out = frame.tiles[tile];
     out.version = node["extras"]["version"].get<std::uint64_t>();
     out.level = node["extras"].value("level", 0);
+    out.digest = std::stoull(node["extras"].value("digest", std::string("0")), nullptr, 16);
     if (node.contains("mesh")) decode_mesh(glb, node, out);
     const auto repeat = node["extras"].value("repeat", std::array{1, 1});
     for (int n = 1; n < repeat[0] * repeat[1]; ++n) {

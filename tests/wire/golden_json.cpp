@@ -124,9 +124,9 @@ json describe(const Message& message) {
 }
 
 std::string code_name(DecodeErrorCode code) {
-  constexpr std::array kNames = {"too_short",        "too_long",         "bad_magic",
-                                 "bad_header_bytes", "payload_mismatch", "bad_count",
-                                 "bad_sequence",     "not_finite",       "axis_not_unit"};
+  constexpr std::array kNames = {
+      "too_short", "too_long",     "bad_magic",  "bad_header_bytes", "payload_mismatch",
+      "bad_count", "bad_sequence", "not_finite", "axis_not_unit",    "bad_checksum"};
   return kNames.at(static_cast<std::size_t>(code));
 }
 

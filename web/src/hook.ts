@@ -32,6 +32,7 @@ export function installHook(page: SessionPage): void {
     problems: model.problems,
     problem: model.problem,
     rttMs: model.clock.rttMs,
+    behind: model.lag.isBehind(performance.now()),
     stalenessMs: model.stalenessMs(performance.now()),
     participants: model.participants.all().map(({ info, status, forces }) => ({
       ...info,

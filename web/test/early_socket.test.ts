@@ -53,7 +53,14 @@ describe('the first connection of a page', () => {
     expect(socket!.binaryType).toBe('arraybuffer');
     socket!.onopen?.({} as never);
     // No look yet: one follows the welcome.
-    const hello = { type: 'hello', name: 'Ada', changes: true, repeat: true, look: true };
+    const hello = {
+      type: 'hello',
+      name: 'Ada',
+      changes: true,
+      repeat: true,
+      verify: true,
+      look: true,
+    };
     expect(socket!.sent).toEqual([JSON.stringify(hello)]);
     socket!.onmessage?.({ data: 'welcome' });
     const taken = openView(URL_OF_S, VIEW_PROTOCOL);

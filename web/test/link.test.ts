@@ -51,6 +51,7 @@ function join(
       served: (origin) => servers.push(origin),
       renamed: (accepted) => names.push(accepted),
       pinged: () => undefined,
+      late: () => undefined,
       status: (status, reason) => {
         statuses.push(status);
         reasons.push(reason);

@@ -58,6 +58,7 @@ function join() {
       status: none,
       message: none,
       tools: none,
+      late: none,
       pong: none,
       problem: none,
       mesh: async ({ sequence }) => {

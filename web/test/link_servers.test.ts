@@ -92,6 +92,7 @@ function join(rejections: Record<string, Rejection> = {}) {
       status: (status) => statuses.push(status),
       message: (message) => model.apply(message),
       tools: none,
+      late: none,
       mesh: () => Promise.resolve(),
       pong: none,
       problem: none,

@@ -27,6 +27,14 @@ def header(kind, payload, flags=0, header_bytes=32, epoch=7, sequence=(1 << 40) 
                        time_us) + extra + payload
 
 
+def checksum(data, start=0):
+    total = start
+    for at in range(0, len(data), 4):
+        total = (total ^ int.from_bytes(data[at:at + 4], "little")) * 0x9E3779B1 & 0xFFFFFFFF
+        total ^= total >> 15
+    return total
+
+
 def keep(name, kind, body, payload, flags=0, durable=0, **options):
     if durable:
         flags |= 1
@@ -154,9 +162,18 @@ keep("intent_none", "intent", {"intents": []}, intent_bytes([]))
 keep("result_durable", "result", touching, result_bytes(touching), durable=(1 << 33) + 5)
 keep("pong_durable", "pong", {"ping_time_us": (1 << 52) + 1, "time_us": 99},
      struct.pack("<QQ", (1 << 52) + 1, 99), durable=1)
+glb = b"glTF\x02\x00\x00\x00\x11\x22\x33\x44\x55"
+bare = header(TYPES["mesh"], glb, flags=5, header_bytes=40)
+stated = struct.pack("<II", checksum(bare[:32], checksum(glb)), 0)
+keep("mesh_summed", "mesh", {"glb_hex": glb.hex()}, glb, flags=5, header_bytes=40, extra=stated)
 keep("longer_header", "ping", {"time_us": 5}, struct.pack("<Q", 5), header_bytes=48, extra=b"\xee" * 16)
 keep("unknown_type", 200, {}, b"\x01\x02\x03")
 
+wrong = header(TYPES["mesh"], glb[:-1] + b"\x54", flags=5, header_bytes=40, extra=stated)
+reject("mesh_wrong_byte", "bad_checksum", 32, wrong)
+reject("mesh_wrong_stamp", "bad_checksum", 32,
+       header(TYPES["mesh"], glb, flags=5, header_bytes=40, extra=stated, sequence=12))
+reject("mesh_without_sum", "bad_checksum", 32, header(TYPES["mesh"], glb, flags=5))
 good = header(TYPES["motion"], motion_bytes(two))
 reject("empty", "too_short", 0, b"")
 reject("header_cut", "too_short", 31, good[:31])

@@ -48,6 +48,8 @@ export interface TileNode {
   version: number;
   /** Level of detail; 0 is exact. */
   level: number;
+  /** Of its columns; missing: the server does not state it. */
+  digest?: string;
   /** In the frame's shapes; null: no material is left in the tile. */
   shape: number | null;
   /** A position times the scale, plus the translation, is in millimeters. */
@@ -136,7 +138,7 @@ class Reader {
   ) {}
 
   node(node: Node): TileNode {
-    const { tile, version, level = 0, repeat = [1, 1] } = node.extras ?? {};
+    const { tile, version, level = 0, repeat = [1, 1], digest } = node.extras ?? {};
     const isTile = isPair(tile) && isPair(repeat);
     if (!isTile || typeof version !== 'number' || typeof level !== 'number')
       throw new Error(`node "${node.name}" has no valid tile, version or level`);
@@ -147,6 +149,7 @@ class Reader {
       rows: repeat[1],
       version,
       level,
+      ...(typeof digest === 'string' ? { digest } : {}),
       shape: node.mesh === undefined ? null : this.shape_(node.mesh),
       scale: node.scale ?? [1, 1, 1],
       translation: node.translation ?? [0, 0, 0],

@@ -20,6 +20,7 @@ export function helloText(name: string, look: Look | null, budget = viewBudget()
     name,
     changes: true,
     repeat: true,
+    verify: true,
     look: look ?? true,
     ...(budget > 0 ? { budget } : {}),
   });

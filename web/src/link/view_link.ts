@@ -21,6 +21,7 @@ import type {
 import type { Rejection } from './api';
 import { Backoff } from './backoff';
 import { helloText } from './early_socket';
+import { FrameWatch } from './frame_watch';
 import { Servers } from './servers';
 import { Silence } from './silence';
 
@@ -45,6 +46,8 @@ export interface LinkEvents {
   /** A ping was sent. */
   pinged(): void;
   pong(sentMs: number, receivedMs: number, serverUs: bigint): void;
+  /** Whether mesh frames that the server has sent have not come. */
+  late(isLate: boolean): void;
   /**
    * The server sent something invalid, or a frame could not be applied. The connection stays open.
    */
@@ -93,6 +96,8 @@ export interface LinkOptions {
 /** Connections that are not accepted before the page is left for that of another server. */
 const ATTEMPTS_BEFORE_RELOADING = 3;
 const PING_EVERY_MS = 2000;
+/** After a damaged stream of mesh frames: how long the next one waits longer each time. */
+const CALM_MS = 60_000;
 
 export class ViewLink {
   private socket_: Socket | null = null;
@@ -101,6 +106,8 @@ export class ViewLink {
   private epoch_ = 0;
   private sequence_ = 0n;
   private readonly silence_ = new Silence(PING_EVERY_MS);
+  private readonly watch_ = new FrameWatch();
+  private faultMs_ = -Infinity; // of the last damaged or missing mesh frame
   private readonly servers_: Servers;
   private bye_ = { reason: '', redirect: '' };
   private forItsPage_: string | null = null; // the server that lets in only pages of its own
@@ -287,7 +294,7 @@ export class ViewLink {
     } else if (data instanceof ArrayBuffer) {
       const frame = decodeFrame(data);
       if (frame.ok) this.receivedFrame_(frame.value, current);
-      else
+      else {
         this.events.problem(
           t(
             'The page could not read data from the server: {0} ({1}).',
@@ -295,6 +302,8 @@ export class ViewLink {
             frame.error.code,
           ),
         );
+        if (this.watch_.watches) this.broken_();
+      }
     }
   }
 
@@ -315,7 +324,9 @@ export class ViewLink {
       this.forItsPage_ = null;
       this.failures_ = 0;
       this.epoch_ = message.epoch;
-      this.backoff_.reset();
+      if (this.options.nowMs() - this.faultMs_ > CALM_MS) this.backoff_.reset();
+      this.watch_.begin(message.meshes);
+      this.events.late(false);
       if (this.chosen_ !== null) this.events.renamed(this.chosen_);
       this.chosen_ = null;
       this.events.served(this.servers_.server);
@@ -340,7 +351,8 @@ export class ViewLink {
         this.events.tools(frame.header, frame.tools);
         break;
       case 'mesh':
-        this.applyMesh_(frame.header, frame.glb, current);
+        if (this.watch_.isNext(frame.header)) this.applyMesh_(frame.header, frame.glb, current);
+        else this.broken_();
         break;
       case 'ping':
         this.socket_?.send(
@@ -354,10 +366,19 @@ export class ViewLink {
         break;
       case 'pong':
         this.events.pong(Number(frame.ping_time_us) / 1000, this.options.nowMs(), frame.time_us);
+        this.watch_.sent(frame.header.durable_sequence ?? 0n);
+        this.events.late(this.watch_.isLate);
+        if (this.watch_.isLost) this.broken_();
         break;
       default:
         break; // other frame types are not meant for viewers
     }
+  }
+
+  /** The picture cannot be completed: joins again, which brings all tiles. */
+  private broken_(): void {
+    this.faultMs_ = this.options.nowMs();
+    void this.lost_(t('Part of the picture was lost or damaged on its way here.'));
   }
 
   private applyMesh_(header: Header, glb: Uint8Array, current: () => boolean): void {

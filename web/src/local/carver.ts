@@ -78,6 +78,12 @@ export class Carver {
       case 'play':
         this.play_(block, message.rate);
         return;
+      case 'digests':
+        if (this.about_) this.around.post({ type: 'digests', tiles: block.digests() });
+        return;
+      case 'mesh':
+        if (this.about_) this.around.post({ type: 'mesh', tile: block.mesh(message.x, message.y) });
+        return;
       case 'stop':
         this.playing_ = null;
         this.rateThen_ = 0;

@@ -9,6 +9,7 @@ import type {
   JournalParts,
   Progress,
   TakeHomeFormat,
+  TileDigest,
 } from './program_block';
 
 export type ToWorker =
@@ -26,6 +27,10 @@ export type ToWorker =
   | { type: 'seek'; motion: number }
   /** Plays on with forces, so many times as fast as it was carved; to be ended by the others. */
   | { type: 'play'; rate: number }
+  /** Asks for the digests of tiles that have changed since the last time; at first of all. */
+  | { type: 'digests' }
+  /** Asks for the mesh of a tile as it was at the last `digests`. */
+  | { type: 'mesh'; x: number; y: number }
   /** Ends carving where it is. */
   | { type: 'stop' }
   | { type: 'model'; format: TakeHomeFormat }
@@ -61,6 +66,8 @@ export type FromWorker =
       /** Time of carving alone since `opened`, ms. */
       carvingMs: number;
     }
+  | { type: 'digests'; tiles: TileDigest[] }
+  | { type: 'mesh'; tile: TileTriangles }
   | { type: 'model'; format: TakeHomeFormat; bytes: Uint8Array<ArrayBuffer> }
   /** The block is at its last record, and is a journal's: the hand may carve. */
   | { type: 'handed'; about: About }

@@ -93,6 +93,13 @@ export interface Progress {
   tools?: Omit<ToolState, 'felt_share'>[];
 }
 
+/** The state of a tile's columns in 16 digits, as mesh frames have it. */
+export interface TileDigest {
+  x: number;
+  y: number;
+  digest: string;
+}
+
 export type TakeHomeFormat = 'stl' | '3mf';
 
 interface Exports {
@@ -115,6 +122,7 @@ interface Exports {
   kerf_checksum(): number;
   kerf_changed(): number;
   kerf_mesh(x: number, y: number): number;
+  kerf_digest(x: number, y: number): bigint;
   kerf_hash(): bigint;
   kerf_about(): number;
   kerf_progress(): number;
@@ -231,13 +239,26 @@ export class ProgramBlock {
 
   /** Meshes of the tiles that have changed since the last call; the first time of all. */
   changed(): TileTriangles[] {
+    return this.changedTiles_().map(([x, y]) => this.mesh(x, y));
+  }
+
+  /** The mesh of a tile as it was at the last changed() or digests(). */
+  mesh(x: number, y: number): TileTriangles {
+    const vertices = this.calls.kerf_mesh(x, y);
+    return trianglesOf(x, y, vertices, (bytes) => this.output_(bytes));
+  }
+
+  /** Digests of the tiles that have changed since the last call; the first time of all. */
+  digests(): TileDigest[] {
+    return this.changedTiles_().map(([x, y]) => {
+      return { x, y, digest: hashText(this.calls.kerf_digest(x, y)) };
+    });
+  }
+
+  private changedTiles_(): [x: number, y: number][] {
     const count = this.calls.kerf_changed();
     const places = new Int32Array(this.output_(8 * count).buffer);
-    return Array.from({ length: count }, (_, n) => {
-      const [x, y] = [places[2 * n]!, places[2 * n + 1]!];
-      const vertices = this.calls.kerf_mesh(x, y);
-      return trianglesOf(x, y, vertices, (bytes) => this.output_(bytes));
-    });
+    return Array.from({ length: count }, (_, n) => [places[2 * n]!, places[2 * n + 1]!]);
   }
 
   hash(): string {

@@ -9,6 +9,7 @@ import { ProgramBlock } from './program_block';
 /** What need not be copied. */
 function transferOf(message: FromWorker): Transferable[] {
   if (message.type === 'model') return [message.bytes.buffer];
+  if (message.type === 'mesh') return buffersOf([message.tile]);
   return message.type === 'carved' ? buffersOf(message.tiles) : [];
 }
 

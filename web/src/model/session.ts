@@ -15,6 +15,7 @@ import type {
 import { RateMeter, ServerClock } from './clock';
 import { Liveness } from './liveness';
 import { Participants } from './participants';
+import { PictureLag } from './picture_lag';
 import { Programs } from './programs';
 import { TileTable } from './tiles';
 import { Together } from './together';
@@ -39,6 +40,7 @@ export class SessionModel {
   readonly clock = new ServerClock();
   readonly frames = new RateMeter();
   readonly liveness = new Liveness();
+  readonly lag = new PictureLag();
   welcome: Welcome | null = null;
   state: StateMessage | null = null;
   status: LinkStatus = 'connecting';
@@ -55,7 +57,7 @@ export class SessionModel {
     this.statusReason = reason;
   }
 
-  apply(message: ServerMessage): void {
+  apply(message: ServerMessage, nowMs = performance.now()): void {
     switch (message.type) {
       case 'welcome':
         this.welcome = message;
@@ -63,6 +65,7 @@ export class SessionModel {
         this.tiles.beginSnapshot();
         this.clock.reset();
         this.liveness.reset();
+        this.lag.reset();
         this.participants.setList(message.participants, message.viewers);
         this.participants.forgetPoses();
         this.programs.clear();
@@ -76,6 +79,7 @@ export class SessionModel {
         break;
       case 'state':
         this.state = message;
+        this.lag.heard(message, nowMs);
         break;
       case 'programs':
         this.programs.apply(message.programs);

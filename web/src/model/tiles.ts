@@ -13,6 +13,8 @@ export interface TileEntry {
   level: number;
   triangles: number;
   generation: number;
+  /** Of its columns, as the server states it; missing: it does not. */
+  digest: string | undefined;
 }
 
 /** Packs tile coordinates into one number, as a Map key. */
@@ -55,7 +57,14 @@ export class TileTable {
    * Offers a tile. Returns true if its mesh must be displayed; false if a newer version is
    * displayed already.
    */
-  offer(x: number, y: number, version: number, triangles: number, level = 0): boolean {
+  offer(
+    x: number,
+    y: number,
+    version: number,
+    triangles: number,
+    level = 0,
+    digest?: string,
+  ): boolean {
     const key = tileKey(x, y);
     const entry = this.entries_.get(key);
     if (entry?.generation === this.generation_ && entry.version > version) return false;
@@ -65,9 +74,11 @@ export class TileTable {
       entry.level = level;
       entry.triangles = triangles;
       entry.generation = this.generation_;
+      entry.digest = digest;
     } else {
       this.triangles_ += triangles;
-      this.entries_.set(key, { x, y, version, level, triangles, generation: this.generation_ });
+      const generation = this.generation_;
+      this.entries_.set(key, { x, y, version, level, triangles, generation, digest });
     }
     return true;
   }

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks what the server says of the block: replays its journal in this browser, with the same
-// kernel, and compares the state hashes. What was verified is kept, so that the next check replays
-// the records after it only.
+// Checks what the server says and shows of the block: replays its journal in this browser, with the
+// same kernel, and compares the state hashes, then the tiles that the page displays. What was
+// verified is kept, so that the next check replays the records after it only.
 
 import { journalOrigin, journalRecords, replayState, storedHashes } from '../link/replay';
 import type { ReplayState } from '../link/replay';
+import { PictureCheck } from './picture_check';
 import { firstDifference } from './first_difference';
 import type { Difference } from './first_difference';
 import { Replayer } from './replayer';
 import type { HashAt, MakeReplayWorker } from './replayer';
+import type { ShownPicture } from './shown_picture';
 
 export type Verdict =
   | { is: 'running'; share: number }
+  /** The state is verified, and not yet the picture, which is not of a state at rest, or late. */
+  | { is: 'waiting'; record: number; isBehind: boolean }
+  /** The state is verified, and the picture does not show it. */
+  | { is: 'unseen'; record: number; tiles: number }
   | { is: 'verified'; record: number; hash: string }
   /** `first`: where they part; null: not found, or not yet. */
   | {
@@ -25,29 +31,69 @@ export type Verdict =
 
 type Tell = (verdict: Verdict) => void;
 
+/** How often a picture is looked at that does not show the state yet, and how often that may be. */
+const LOOK_EVERY_MS = 250;
+const LOOKS_MAX = 20;
+
 export class SessionCheck {
   /** A replay that was verified, up to a record; null: there is none. */
-  private verified_: { journal: string; record: number; replayer: Replayer } | null = null;
+  private verified_: {
+    journal: string;
+    record: number;
+    replayer: Replayer;
+    picture: PictureCheck;
+  } | null = null;
 
+  /** @param shown null where there is no picture: then the state alone is checked */
   constructor(
     private readonly session: string,
+    private readonly shown: () => ShownPicture | null,
     private readonly make?: MakeReplayWorker,
+    private readonly pause = (ms: number): Promise<void> =>
+      new Promise((resolve) => setTimeout(resolve, ms)),
   ) {}
 
   /** Replays up to the present record; `tell` hears how far it is, and what came out. */
   async run(tell: Tell): Promise<void> {
     tell({ is: 'running', share: 0 });
     try {
-      const state = await replayState(this.session);
-      const here = await this.replayed_(state, tell);
-      const verdict = compared(state, here);
-      tell(verdict);
-      if (verdict.is !== 'different') return;
-      this.forget_();
-      tell({ ...verdict, first: await this.parting_(state) });
+      let looks = 0;
+      for (;;) {
+        const state = await replayState(this.session);
+        const verdict = compared(state, await this.replayed_(state, tell));
+        if (verdict.is === 'different') {
+          tell(verdict);
+          this.forget_();
+          tell({ ...verdict, first: await this.parting_(state) });
+          return;
+        }
+        const seen = await this.seen_(verdict, tell);
+        if (seen.is === 'verified' || (seen.is === 'unseen' && ++looks >= LOOKS_MAX)) {
+          tell(seen);
+          return;
+        }
+        await this.pause(LOOK_EVERY_MS);
+      }
     } catch (problem) {
       this.forget_();
       tell({ is: 'failed', reason: (problem as Error).message });
+    }
+  }
+
+  /** Whether the picture shows a state that is verified, once it shows one at rest. */
+  private async seen_(verdict: Verdict & { is: 'verified' }, tell: Tell): Promise<Verdict> {
+    const { record, hash } = verdict;
+    for (;;) {
+      const shown = this.shown();
+      if (!shown) return verdict;
+      if (shown.hash === hash) {
+        const tiles = await this.verified_!.picture.differing(shown);
+        return tiles === 0 ? verdict : { is: 'unseen', record, tiles };
+      }
+      tell({ is: 'waiting', record, isBehind: shown.isBehind });
+      await this.pause(LOOK_EVERY_MS);
+      // Another state at rest: it is replayed first.
+      if (this.shown()?.hash) return { is: 'waiting', record, isBehind: false };
     }
   }
 
@@ -61,7 +107,8 @@ export class SessionCheck {
     const progress = (record: number): void =>
       tell({ is: 'running', share: (record - after) / Math.max(1, to - after) });
     const replayer = goesOn ? known.replayer : new Replayer(this.make);
-    this.verified_ = { journal, record: to, replayer };
+    const picture = goesOn ? known.picture : new PictureCheck(replayer);
+    this.verified_ = { journal, record: to, replayer, picture };
     if (goesOn) {
       replayer.add(spans);
       return replayer.carve(to, progress);
@@ -94,7 +141,10 @@ export class SessionCheck {
 }
 
 /** What a replay says that has reached a record with a hash. */
-export function compared(state: ReplayState, { record, hash }: HashAt): Verdict {
+export function compared(
+  state: ReplayState,
+  { record, hash }: HashAt,
+): Verdict & { is: 'verified' | 'different' } {
   if (record === state.record && hash === state.state_hash) return { is: 'verified', record, hash };
   return { is: 'different', record, hash, serverHash: state.state_hash, first: null };
 }

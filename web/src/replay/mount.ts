@@ -2,6 +2,8 @@
 // Who answers the timeline's seeks: the page itself, by code that is loaded with the first one, or
 // the server.
 
+import type { SessionModel } from '../model/session';
+import type { Viewer } from '../view/viewer';
 import type { Seek, StateMessage } from '../wire/types';
 import type { SessionCheck } from './check';
 import type { LocalPast, PastHost } from './local_past';
@@ -60,12 +62,19 @@ export function mountPast(host: PastHost): PastSwitch {
 }
 
 /** The badge beside the state hash; null where the page cannot replay. */
-export function mountCheck(session: string): HTMLElement | null {
+export function mountCheck(
+  session: string,
+  model: SessionModel,
+  viewer: () => Viewer | null,
+): HTMLElement | null {
   if (!KERF_HAS_FILES) return null;
   let check: SessionCheck | null = null; // keeps what it has verified
   return checkBadge(async (tell) => {
-    const { SessionCheck } = await import('./check');
-    check ??= new SessionCheck(session);
+    const [{ SessionCheck }, { shownPicture }] = await Promise.all([
+      import('./check'),
+      import('./shown_picture'),
+    ]);
+    check ??= new SessionCheck(session, () => shownPicture(model, viewer()));
     await check.run(tell);
   });
 }

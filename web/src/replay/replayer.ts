@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A journal that a worker replays for its hashes alone: one request after the other.
+// A journal that a worker replays for its hashes, and for what the tiles of a picture must show: one
+// request after the other.
 
+import type { TileTriangles } from '../kernel/kernel';
 import { CarvingWorker } from '../local/carving_worker';
-import type { FromWorker, ToWorker } from '../local/messages';
-import type { GivenJournal } from '../local/program_block';
+import type { FromWorker } from '../local/messages';
+import type { GivenJournal, TileDigest } from '../local/program_block';
 
 /** A record, and the hash of the state after it. */
 export interface HashAt {
@@ -15,12 +17,16 @@ export interface HashAt {
 export type ReplayWorker = Pick<CarvingWorker, 'open' | 'post' | 'end'>;
 export type MakeReplayWorker = (heard: (message: FromWorker) => void) => ReplayWorker;
 
+interface Waiting {
+  /** Takes the answer; returns false if the message is none. */
+  take: (message: FromWorker) => boolean;
+  reject: (problem: Error) => void;
+}
+
 /** All functions reject with a sentence that says why. */
 export class Replayer {
   private readonly worker_: ReplayWorker;
-  private waiting_: { resolve: (at: HashAt) => void; reject: (problem: Error) => void } | null =
-    null;
-  private progress_: (record: number) => void = () => undefined;
+  private waiting_: Waiting | null = null;
 
   constructor(make: MakeReplayWorker = (heard) => new CarvingWorker(heard)) {
     this.worker_ = make((message) => this.heard_(message));
@@ -28,7 +34,7 @@ export class Replayer {
 
   /** Reads a journal, and carves it from its beginning to a record. */
   open(journal: GivenJournal, to: number, progress?: (record: number) => void): Promise<HashAt> {
-    return this.asked_(() => {
+    return this.carved_(() => {
       this.worker_.open({ type: 'journal', journal, to, isSilent: true });
     }, progress);
   }
@@ -40,36 +46,59 @@ export class Replayer {
 
   /** Carves on to a record. */
   carve(to: number, progress?: (record: number) => void): Promise<HashAt> {
-    return this.posted_({ type: 'carve', to }, progress);
+    return this.carved_(() => this.worker_.post({ type: 'carve', to }), progress);
   }
 
   /** Goes to a record, back or forth, which makes the history of the journal the first time. */
   seek(motion: number): Promise<HashAt> {
-    return this.posted_({ type: 'seek', motion });
+    return this.carved_(() => this.worker_.post({ type: 'seek', motion }));
+  }
+
+  /** Digests of the tiles that have changed since the last call; the first time of all. */
+  digests(): Promise<TileDigest[]> {
+    return this.asked_(
+      () => this.worker_.post({ type: 'digests' }),
+      (message) => (message.type === 'digests' ? message.tiles : null),
+    );
+  }
+
+  /** The mesh of a tile at the last digests(). */
+  mesh(x: number, y: number): Promise<TileTriangles> {
+    return this.asked_(
+      () => this.worker_.post({ type: 'mesh', x, y }),
+      (message) => (message.type === 'mesh' ? message.tile : null),
+    );
   }
 
   end(): void {
     this.worker_.end();
   }
 
-  private posted_(message: ToWorker, progress?: (record: number) => void): Promise<HashAt> {
-    return this.asked_(() => this.worker_.post(message), progress);
+  /** @param answerIn what a message says to it; null: nothing */
+  private asked_<T>(ask: () => void, answerIn: (message: FromWorker) => T | null): Promise<T> {
+    return new Promise((resolve, reject) => {
+      const take = (message: FromWorker): boolean => {
+        const answer = answerIn(message);
+        if (answer !== null) resolve(answer);
+        return answer !== null;
+      };
+      this.waiting_ = { take, reject };
+      ask();
+    });
   }
 
-  private asked_(ask: () => void, progress?: (record: number) => void): Promise<HashAt> {
-    return new Promise((resolve, reject) => {
-      this.waiting_ = { resolve, reject };
-      this.progress_ = progress ?? ((): void => undefined);
-      ask();
+  private carved_(ask: () => void, tell?: (record: number) => void): Promise<HashAt> {
+    return this.asked_(ask, (message) => {
+      if (message.type !== 'carved') return null;
+      const { hash, progress } = message;
+      if (hash === null) tell?.(progress.carved);
+      return hash === null ? null : { record: progress.carved, hash };
     });
   }
 
   private heard_(message: FromWorker): void {
     if (message.type === 'rejected' || message.type === 'failed')
       this.waiting_?.reject(new Error(message.reason));
-    if (message.type !== 'carved') return;
-    const { hash, progress } = message;
-    if (hash === null) this.progress_(progress.carved);
-    else this.waiting_?.resolve({ record: progress.carved, hash });
+    else if (this.waiting_?.take(message)) this.waiting_ = null;
   }
 }

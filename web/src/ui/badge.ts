@@ -22,7 +22,9 @@ export function badgeOf(
     const brief = t('for {0} s', Math.floor(overdueMs / 1000));
     return { state: 'silent', label: LABELS.silent, brief };
   }
-  const isStale = model.active(nowMs) && model.stalenessMs(nowMs) > STALE_MS;
+  const active = model.active(nowMs);
+  const staleness = model.stalenessMs(nowMs);
+  const isStale = (active && staleness > STALE_MS) || model.lag.isBehind(nowMs);
   const state = model.state?.at ? 'past' : isStale ? 'stale' : 'connected';
   return { state, label: LABELS[state], brief: '' };
 }

@@ -17,6 +17,7 @@ import type { Navigation } from '../model/navigation';
 import { History } from './history';
 import { MaterialChoice } from './material_choice';
 import { mountCheck } from '../replay/mount';
+import type { Viewer } from '../view/viewer';
 import { navigationChoice } from './navigation_choice';
 import { People } from './people';
 import { PlotSpot } from './plot_spot';
@@ -27,6 +28,8 @@ export interface PanelActions {
   personPressed: (participant: number) => void;
   /** The viewer has chosen another name. */
   renamed: (name: string) => void;
+  /** The picture's; null: it is not there yet, or there is none. */
+  viewer: () => Viewer | null;
   materialChosen: (look: StockMaterialPreset) => void;
   navigationChosen: (navigation: Navigation) => void;
   /** What a 3D mouse moves. */
@@ -71,7 +74,7 @@ export class Panel {
     this.people_ = new People(model, actions.personPressed, actions.renamed);
     this.history = new History(model, session);
     this.plots_ = new PlotSpot(colors);
-    const check = mountCheck(session);
+    const check = mountCheck(session, model, actions.viewer);
     const figures = [this.motions_, this.triangles_, this.pitch_].map(({ element }) => element);
     const forces = section(t('Forces'), this.plots_.element);
     forces.querySelector('h2')?.append(this.plotOf_);
@@ -122,7 +125,9 @@ export class Panel {
     this.triangles_.set(count(tiles.triangles));
     this.pitch_.set(welcome ? figure(welcome.pitch_mm) : '–', 'mm');
     setText(this.hash_, state?.state_hash ?? '–');
-    this.hash_.classList.toggle('settled', state?.settled === true);
+    const isThere = tiles.complete && !this.model.lag.isBehind(nowMs);
+    const isComplete = state?.settled === true && isThere;
+    this.hash_.classList.toggle('settled', isComplete);
     setText(this.connection_, connectionText(this.model, nowMs));
     this.material_.suggest(this.model.participants.carvers().map(({ info }) => info.kind));
     this.people_.update(selected, followed, nowMs);

@@ -105,6 +105,7 @@ export class Picture {
     const { generation } = tiles;
     const [frame] = await Promise.all([this.problem ? null : this.decode(glb), this.opening_]);
     if (generation !== tiles.generation) return; // joined again meanwhile: a new snapshot follows
+    this.model.lag.pictured(frame?.motions ?? Infinity);
     if (this.viewer && frame) this.viewer.applyMesh(header, frame);
     else if (header.flags & MESH_SNAPSHOT_LAST) tiles.finishSnapshot();
   }

@@ -112,6 +112,7 @@ export class SessionPage {
     this.panel_ = new Panel(this.model, session, this.colors_, this.together_.element, {
       personPressed: (id) => this.personPressed_(id),
       renamed: (name) => this.link_.rename(name),
+      viewer: () => this.picture.viewer,
       materialChosen: (preset) => this.picture.setMaterial(preset),
       navigationChosen: (navigation) => this.picture.setNavigation(navigation),
       capMouse: {
@@ -253,6 +254,7 @@ export class SessionPage {
         },
         pinged: () => this.model.liveness.pinged(),
         pong: (sent, received, serverUs) => this.model.pong(sent, received, serverUs),
+        late: (isLate) => (this.model.lag.isMissing = isLate),
         problem: (reason) => {
           this.model.addProblem(reason);
           console.warn(reason);

@@ -13,6 +13,7 @@ export interface ParsedTile {
   version: number;
   /** Level of detail; 0 is exact. */
   level: number;
+  digest?: string;
   triangles: number;
   /** Motions of the block that are in it. */
   motions: number;

@@ -124,7 +124,8 @@ export class Viewer {
     const { grid, pitch_mm } = this.model.welcome!;
     for (let y = tile.y; y < tile.y + tile.rows; ++y) {
       for (let x = tile.x; x < tile.x + tile.columns; ++x) {
-        if (this.model.tiles.offer(x, y, tile.version, tile.triangles, tile.level))
+        const { version, triangles, level, digest } = tile;
+        if (this.model.tiles.offer(x, y, version, triangles, level, digest))
           this.local.set(tile, x, y, grid.tile * pitch_mm);
       }
     }

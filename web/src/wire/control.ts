@@ -148,6 +148,7 @@ function welcomeOf(from: Json): Welcome {
     ...mayOf(from),
     ...forceOf(from),
     ...(from['budget'] === undefined ? {} : { budget: number(from, 'budget') }),
+    ...(from['meshes'] === undefined ? {} : { meshes: number(from, 'meshes') }),
     ...(Array.isArray(from['others']) ? { others: from['others'].map(String) } : {}),
     grid: {
       origin_mm: numbers(grid, 'origin_mm', 3) as Vec3,

@@ -3,6 +3,7 @@
 // types, also those that a viewer never receives, because both codecs must pass the same golden
 // bytes. Bytes from a peer never cause an exception: every failure is a DecodeError.
 
+import { checksum, MESH_SUMMED, SUMMED_HEADER_BYTES } from './checksum';
 import { Reader } from './cursor';
 import {
   AXIS_LENGTH_TOLERANCE,
@@ -297,6 +298,16 @@ function durableOf(view: DataView, headerBytes: number): Pick<Header, 'durable_s
   return { durable_sequence: view.getBigUint64(HEADER_BYTES, true) };
 }
 
+/** Whether a mesh frame has the checksum that its header states, if it states one. */
+function hasItsChecksum(view: DataView, headerBytes: number): boolean {
+  const isSummed = (view.getUint8(5) & MESH_SUMMED) !== 0;
+  if (view.getUint8(4) !== FrameType.Mesh || !isSummed) return true;
+  if (headerBytes < SUMMED_HEADER_BYTES) return false;
+  const bytes = new Uint8Array(view.buffer, view.byteOffset, view.byteLength);
+  const sum = checksum(bytes.subarray(0, HEADER_BYTES), checksum(bytes.subarray(headerBytes)));
+  return sum === view.getUint32(HEADER_BYTES, true);
+}
+
 /**
  * Decodes one binary frame. Types unknown to this version are no error: they are returned as
  * `unknown`.
@@ -322,6 +333,8 @@ export function decodeFrame(bytes: ArrayBuffer | Uint8Array): Decoded<Frame> {
       `payload_bytes is ${payloadBytes}, but ${size - headerBytes} follow`,
     );
   }
+  if (!hasItsChecksum(view, headerBytes))
+    return reject('bad_checksum', HEADER_BYTES, 'the checksum does not match');
   const header: Header = {
     type: view.getUint8(4),
     flags: view.getUint8(5),

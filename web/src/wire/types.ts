@@ -70,7 +70,7 @@ export interface Header {
   epoch: number;
   sequence: bigint;
   time_us: bigint;
-  /** Of results and pongs: the agent's samples up to this one are on the server's disk. */
+  /** To an agent: its samples up to this one are on the disk; to a viewer: mesh frames sent before. */
   durable_sequence?: bigint;
 }
 
@@ -169,6 +169,7 @@ export interface DecodeError {
     | 'bad_sequence'
     | 'not_finite'
     | 'axis_not_unit'
+    | 'bad_checksum'
     | 'bad_json';
   offset: number;
   reason: string;
@@ -251,8 +252,7 @@ export type Stock = BoxStock | CylinderStock;
 export interface Welcome {
   type: 'welcome';
   session: string;
-  /** Of the scene; missing where it has none. */
-  name?: string;
+  name?: string; // of the scene; missing where it has none
   participant: number;
   epoch: number;
   color: string;
@@ -268,10 +268,10 @@ export interface Welcome {
   /** Who this viewer is, and what it may do; missing: everything, on a server without rights. */
   role?: string;
   may?: string[];
-  /** The servers that go on with the session when this one is gone. */
-  others?: string[];
+  others?: string[]; // the servers that go on with the session when this one is gone
   /** Bytes of the surface per second that the server sends at most; missing: any. */
   budget?: number;
+  meshes?: number; // the last mesh frame before; missing: the server does not count them
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
 

@@ -83,6 +83,13 @@ class FakeBlock {
     this.dirty = 0;
     return [];
   }
+  digests(): unknown[] {
+    return [{ x: 0, y: 0, digest: `digest ${this.carved}` }];
+  }
+  mesh(x: number, y: number): unknown {
+    const none = { positions: new Float32Array(0), normals: new Float32Array(0) };
+    return { x, y, ...none, index: new Uint32Array(0), original: new Uint8Array(0) };
+  }
   progress(): Partial<Progress> {
     const next_s = this.carved < this.motions ? this.timeS(this.carved + 1) : null;
     return { carved: this.carved, time_s: this.timeS(this.carved), next_s };
@@ -212,6 +219,16 @@ describe('the worker that carves', () => {
     };
     await open(400, true);
     expect(last()).toMatchObject({ hash: 'state 400', tiles: [] });
+  });
+
+  it('says what the tiles of a journal must show', async () => {
+    await carver.receive({ type: 'digests' });
+    expect(posted).toEqual([]); // nothing was read
+    await open(40, true);
+    await carver.receive({ type: 'digests' });
+    expect(last()).toEqual({ type: 'digests', tiles: [{ x: 0, y: 0, digest: 'digest 40' }] });
+    await carver.receive({ type: 'mesh', x: 2, y: 1 });
+    expect(last()).toMatchObject({ type: 'mesh', tile: { x: 2, y: 1 } });
   });
 
   it('plays with the rate, step by step, and rests where it is stopped', async () => {

@@ -4,9 +4,32 @@ import type { FromWorker, ToWorker } from '../../src/local/messages';
 import { SessionCheck } from '../../src/replay/check';
 import type { Verdict } from '../../src/replay/check';
 import { firstDifference } from '../../src/replay/first_difference';
+import type { ShownPicture } from '../../src/replay/shown_picture';
+import type { TileTriangles } from '../../src/kernel/kernel';
 import type { ReplayWorker } from '../../src/replay/replayer';
 
 const hashOf = (record: number): string => `state ${record}`;
+
+const FLAT: TileTriangles = {
+  x: 0,
+  y: 0,
+  positions: new Float32Array([0, 0, 0, 8, 0, 0, 0, 8, 0]),
+  normals: new Float32Array(9),
+  index: new Uint32Array([0, 1, 2]),
+  original: new Uint8Array(3),
+};
+
+/** A picture that shows the state after a record, up to `offMm` above it. */
+function pictureOf(record: number, offMm = 0): ShownPicture {
+  const corners = Float64Array.from([0, 0, offMm, 8, 0, offMm, 0, 8, offMm]);
+  return {
+    hash: hashOf(record),
+    isBehind: false,
+    pitchMm: 0.5,
+    tiles: () => [{ x: 0, y: 0, level: 0, digest: `digest ${record}` }],
+    corners: () => new Map([[0, corners]]),
+  };
+}
 
 /** A worker whose block differs from record `wrongFrom` on. */
 class FakeReplay implements ReplayWorker {
@@ -14,6 +37,7 @@ class FakeReplay implements ReplayWorker {
   static wrongFrom = Infinity;
   readonly posted: ToWorker[] = [];
   isEnded = false;
+  private at_ = 0;
 
   constructor(private readonly heard: (message: FromWorker) => void) {
     FakeReplay.made.push(this);
@@ -26,11 +50,15 @@ class FakeReplay implements ReplayWorker {
     this.posted.push(message);
     if (message.type === 'carve') this.reach_(message.to);
     if (message.type === 'seek') this.reach_(message.motion);
+    if (message.type === 'digests')
+      this.heard({ type: 'digests', tiles: [{ x: 0, y: 0, digest: `digest ${this.at_}` }] });
+    if (message.type === 'mesh') this.heard({ type: 'mesh', tile: FLAT });
   }
   end(): void {
     this.isEnded = true;
   }
   private reach_(carved: number): void {
+    this.at_ = carved;
     const hash = carved >= FakeReplay.wrongFrom ? `other ${carved}` : hashOf(carved);
     const progress = { carved: Math.floor(carved / 2) } as never;
     const base = { type: 'carved' as const, tiles: [], rate: 0, carvingMs: 0 };
@@ -105,6 +133,14 @@ describe('the check of a session', () => {
   let asked: string[];
   let verdicts: Verdict[];
   let check: SessionCheck;
+  let picture: ShownPicture | null;
+  let pauses: number;
+  let paused: () => void;
+  const pause = (): Promise<void> => {
+    pauses += 1;
+    paused();
+    return Promise.resolve();
+  };
   const run = async (): Promise<Verdict> => {
     await check.run((verdict) => verdicts.push(verdict));
     return verdicts.at(-1)!;
@@ -112,6 +148,7 @@ describe('the check of a session', () => {
 
   beforeEach(() => {
     [record, journal, asked, verdicts] = [100, 'j', [], []];
+    [picture, pauses, paused] = [null, 0, () => undefined];
     [FakeReplay.made, FakeReplay.wrongFrom] = [[], Infinity];
     vi.stubGlobal('fetch', (path: string) => {
       asked.push(path.replace('/v1/sessions/block/', ''));
@@ -127,7 +164,12 @@ describe('the check of a session', () => {
         arrayBuffer: () => Promise.resolve(new ArrayBuffer(1)),
       });
     });
-    check = new SessionCheck('block', (heard) => new FakeReplay(heard));
+    check = new SessionCheck(
+      'block',
+      () => picture,
+      (heard) => new FakeReplay(heard),
+      pause,
+    );
   });
   afterEach(() => vi.unstubAllGlobals());
 
@@ -181,11 +223,47 @@ describe('the check of a session', () => {
   });
 
   it('says why it cannot', async () => {
-    check = new SessionCheck('block', (heard) => {
+    const make = (heard: (message: FromWorker) => void) => {
       const worker = new FakeReplay(heard);
       worker.open = () => queueMicrotask(() => heard({ type: 'failed', reason: 'no memory' }));
       return worker;
-    });
+    };
+    check = new SessionCheck('block', () => picture, make);
     expect(await run()).toEqual({ is: 'failed', reason: 'no memory' });
+  });
+
+  it('verifies a picture that shows the state', async () => {
+    picture = pictureOf(100, 0.4);
+    expect(await run()).toEqual({ is: 'verified', record: 100, hash: hashOf(100) });
+    expect(pauses).toBe(0);
+  });
+
+  it('does not verify a picture of another state, or another mesh', async () => {
+    const wrong = { ...pictureOf(90), hash: hashOf(100) };
+    for (const shown of [wrong, pictureOf(100, 0.6), { ...pictureOf(100), tiles: () => [] }]) {
+      picture = shown;
+      expect(await run()).toEqual({ is: 'unseen', record: 100, tiles: 1 });
+      expect(verdicts.some(({ is }) => is === 'verified')).toBe(false);
+    }
+  });
+
+  it('waits for a picture that is late, and verifies it when it is there', async () => {
+    picture = { ...pictureOf(90), hash: null, isBehind: true };
+    paused = () => {
+      if (pauses === 100) picture = pictureOf(100);
+    };
+    expect((await run()).is).toBe('verified');
+    expect(verdicts).toContainEqual({ is: 'waiting', record: 100, isBehind: true });
+    expect(pauses).toBeGreaterThanOrEqual(100);
+  });
+
+  it('replays what was carved meanwhile', async () => {
+    picture = { ...pictureOf(90), hash: null };
+    paused = () => {
+      record = 120;
+      picture = pictureOf(120);
+    };
+    expect(await run()).toEqual({ is: 'verified', record: 120, hash: hashOf(120) });
+    expect(verdicts).toContainEqual({ is: 'waiting', record: 100, isBehind: false });
   });
 });

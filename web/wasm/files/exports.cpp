@@ -181,6 +181,10 @@ KERF_EXPORT(kerf_mesh) std::uint32_t kerf_mesh(std::int32_t x, std::int32_t y) {
   return static_cast<std::uint32_t>(mesh.positions_mm.size());
 }
 
+KERF_EXPORT(kerf_digest) std::uint64_t kerf_digest(std::int32_t x, std::int32_t y) {
+  return g_block->digest({x, y});
+}
+
 KERF_EXPORT(kerf_hash) std::uint64_t kerf_hash() { return g_block->hash(); }
 
 KERF_EXPORT(kerf_about) std::uint32_t kerf_about() { return put(g_block->about()); }

@@ -54,6 +54,9 @@ std::uint32_t kerf_changed();
 /// PlayedBlock::mesh, as in web/wasm/exports.h.
 std::uint32_t kerf_mesh(std::int32_t x, std::int32_t y);
 
+/// PlayedBlock::digest.
+std::uint64_t kerf_digest(std::int32_t x, std::int32_t y);
+
 /// PlayedBlock::hash.
 std::uint64_t kerf_hash();
 

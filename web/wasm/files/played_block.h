@@ -11,6 +11,7 @@
 
 #include "kernel/sculpture.h"
 #include "kernel/surface/tile_mesh.h"
+#include "server/feed/column_digest.h"
 #include "server/formats/model/model_writer.h"
 
 namespace kerf::page {
@@ -38,6 +39,8 @@ class PlayedBlock {
   std::vector<TileIndex> changed();
   /// Returns the mesh of a tile, which must be in the grid, as the block was at the last changed().
   TileMesh mesh(TileIndex tile) const { return mesh_tile(shown_, tile); }
+  /// Returns the digest of a tile's columns, likewise, as the server states it beside the mesh.
+  std::uint64_t digest(TileIndex tile) const { return column_digest(shown_, tile); }
   virtual std::uint64_t hash() = 0;
   /// Writes the block as a model file into the module's folder.
   std::expected<void, std::string> write(ModelFormat format, const std::string& file);

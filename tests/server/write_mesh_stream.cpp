@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes what a server sends to a viewer that verifies, over half an hour in which a block is
+// carved now and then: mesh frames, state messages and the digests of all tiles, for the tests of
+// the page (web/test/support/mesh_stream.bin). Usage: write_mesh_stream FILE
+
+#include <cstdio>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/conversation/control_json.h"
+#include "server/conversation/viewer_outbox.h"
+#include "server/feed/column_digest.h"
+#include "tests/support/carvings.h"
+
+namespace {
+
+using namespace kerf;
+
+constexpr std::uint32_t kMinutes = 30, kMotionsAtOnce = 3, kMotionMs = 300, kPauseMs = 90'000;
+
+/// A part of the stream: u32 kind, u32 ms since the first, u32 bytes, and the bytes.
+enum class Part : std::uint32_t { kMesh, kState, kDigests };
+
+class Stream {
+ public:
+  explicit Stream(const char* path) : file_(path, std::ios::binary) {}
+
+  void add(Part part, std::uint32_t ms, std::span<const std::byte> bytes) {
+    for (const auto word :
+         {static_cast<std::uint32_t>(part), ms, static_cast<std::uint32_t>(bytes.size())}) {
+      file_.write(reinterpret_cast<const char*>(&word), sizeof(word));
+    }
+    file_.write(reinterpret_cast<const char*>(bytes.data()),
+                static_cast<std::streamsize>(bytes.size()));
+  }
+  void add(Part part, std::uint32_t ms, const std::string& text) {
+    add(part, ms, std::as_bytes(std::span(text)));
+  }
+  bool close() {
+    file_.close();
+    return bool(file_);
+  }
+
+ private:
+  std::ofstream file_;
+};
+
+std::string digests_of(const SolidSnapshot& solid) {
+  const DexelGrid& grid = solid.grid();
+  std::string text;
+  for (std::int32_t y = 0; y < grid.tiles_y(); ++y) {
+    for (std::int32_t x = 0; x < grid.tiles_x(); ++x) {
+      char line[64];
+      std::snprintf(line, sizeof(line), "%d %d %016llx\n", x, y,
+                    static_cast<unsigned long long>(column_digest(solid, {x, y})));
+      text += line;
+    }
+  }
+  return text;
+}
+
+/// Sends what has changed, acknowledged at once, and the state.
+void send(Sculpture& sculpture, TileFeed& feed, ViewerId viewer, std::uint32_t ms, Stream& to) {
+  net::ViewerOutbox out;
+  net::OutFrame frame;
+  while (auto mesh = feed.next_frame(viewer)) {
+    feed.ack(viewer, mesh->sequence);
+    out.put_mesh(*mesh, true);
+    out.take({2, 0, std::uint64_t{1000} * ms}, frame);
+    std::vector<std::byte> bytes = frame.bytes;
+    bytes.insert(bytes.end(), frame.shared->begin(), frame.shared->end());
+    to.add(Part::kMesh, ms, bytes);
+  }
+  to.add(Part::kState, ms,
+         net::state_message(sculpture.motions(), 0, sculpture.state_hash(), true, ""));
+  to.add(Part::kDigests, ms, digests_of(sculpture.solid()));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: write_mesh_stream FILE\n");
+    return 2;
+  }
+  const BoxStock block{{0, 0, 0}, {40, 30, 8}};
+  Sculpture sculpture = test::make_sculpture(block, 0.625);
+  test::RandomCarver carver(sculpture, {0, 0, 5}, block.max_mm, 4);
+  TileFeed feed(sculpture.solid(), 0, {.frame_bytes_max = 4096});
+  const ViewerId viewer = feed.add_viewer(std::nullopt, TileNodes::kVerified);
+  Stream to(argv[1]);
+  send(sculpture, feed, viewer, 0, to);
+  for (std::uint32_t ms = kPauseMs / 2; ms < kMinutes * 60'000; ms += kPauseMs) {
+    for (std::uint32_t n = 0; n < kMotionsAtOnce; ++n) {
+      const auto changed = carver.cut();
+      feed.note_change(sculpture.solid(), changed, sculpture.motions());
+      send(sculpture, feed, viewer, ms + n * kMotionMs, to);
+    }
+  }
+  if (to.close()) return 0;
+  std::fprintf(stderr, "%s: cannot write\n", argv[1]);
+  return 1;
+}
