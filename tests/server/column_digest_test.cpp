@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-const BoxStock kBlock{{-3, 2, 0}, {77, 82, 12}};
+const BoxStock kBlock{{-3, 2, 0}, {74, 82, 12}};
 
 Sculpture block_of(Rays rays) {
   SculptureSettings settings;
