@@ -9,16 +9,16 @@
 #include <string>
 #include <vector>
 
-#include "server/conversation/control_json.h"
-#include "server/conversation/viewer_outbox.h"
 #include "server/feed/column_digest.h"
+#include "server/feed/tile_feed.h"
+#include "server/wire/codec.h"
 #include "tests/support/carvings.h"
 
 namespace {
 
 using namespace kerf;
 
-constexpr std::uint32_t kMinutes = 30, kMotionsAtOnce = 3, kMotionMs = 300, kPauseMs = 90'000;
+constexpr std::uint32_t kMinutes = 30, kMotionsAtOnce = 3, kMotionMs = 300, kPauseMs = 180'000;
 
 /// A part of the stream: u32 kind, u32 ms since the first, u32 bytes, and the bytes.
 enum class Part : std::uint32_t { kMesh, kState, kDigests };
@@ -61,20 +61,27 @@ std::string digests_of(const SolidSnapshot& solid) {
   return text;
 }
 
+std::string state_of(Sculpture& sculpture) {
+  char text[160];
+  std::snprintf(text, sizeof(text),
+                R"({"type":"state","motions":%llu,"removed_volume_mm3":0,)"
+                R"("state_hash":"%016llx","settled":true})",
+                static_cast<unsigned long long>(sculpture.motions()),
+                static_cast<unsigned long long>(sculpture.state_hash()));
+  return text;
+}
+
 /// Sends what has changed, acknowledged at once, and the state.
 void send(Sculpture& sculpture, TileFeed& feed, ViewerId viewer, std::uint32_t ms, Stream& to) {
-  net::ViewerOutbox out;
-  net::OutFrame frame;
   while (auto mesh = feed.next_frame(viewer)) {
     feed.ack(viewer, mesh->sequence);
-    out.put_mesh(*mesh, true);
-    out.take({2, 0, std::uint64_t{1000} * ms}, frame);
-    std::vector<std::byte> bytes = frame.bytes;
-    bytes.insert(bytes.end(), frame.shared->begin(), frame.shared->end());
+    const auto header = wire::summed_mesh_header({2, mesh->sequence, std::uint64_t{1000} * ms},
+                                                 mesh->flags, mesh->glb->size(), mesh->sum);
+    std::vector<std::byte> bytes(header.begin(), header.end());
+    bytes.insert(bytes.end(), mesh->glb->begin(), mesh->glb->end());
     to.add(Part::kMesh, ms, bytes);
   }
-  to.add(Part::kState, ms,
-         net::state_message(sculpture.motions(), 0, sculpture.state_hash(), true, ""));
+  to.add(Part::kState, ms, state_of(sculpture));
   to.add(Part::kDigests, ms, digests_of(sculpture.solid()));
 }
 
@@ -87,9 +94,9 @@ int main(int argc, char** argv) {
   }
   const BoxStock block{{0, 0, 0}, {40, 30, 8}};
   Sculpture sculpture = test::make_sculpture(block, 0.625);
-  test::RandomCarver carver(sculpture, {0, 0, 5}, block.max_mm, 4);
+  test::RandomCarver carver(sculpture, {0, 0, 7}, block.max_mm, 4);
   TileFeed feed(sculpture.solid(), 0, {.frame_bytes_max = 4096});
-  const ViewerId viewer = feed.add_viewer(std::nullopt, TileNodes::kVerified);
+  const ViewerId viewer = feed.add_viewer(ViewerLook{{20, 15, 3000}, 0.001}, TileNodes::kVerified);
   Stream to(argv[1]);
   send(sculpture, feed, viewer, 0, to);
   for (std::uint32_t ms = kPauseMs / 2; ms < kMinutes * 60'000; ms += kPauseMs) {
