@@ -13,7 +13,7 @@ constexpr double kWallPitches = 2;
 constexpr double kShareMax = 4;
 
 /// Shares that differ by less are the same: what lies between is the rounding of depths and floats.
-constexpr double kSame = 1e-6;
+constexpr double kSame = 1.0 / (1 << 20);
 
 constexpr std::array<std::array<std::int32_t, 2>, 4> kNeighbors{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
 

@@ -6,6 +6,9 @@
 namespace kerf {
 namespace {
 
+/// Greatest distance of a vertex on a face from a crossing, in pitches.
+constexpr double kFaceOffMax = 0.45;
+
 /// The sides of an edge on which the corners of its quadrangle lie, along the two axes that follow
 /// the edge's own: -1 or 1.
 struct Quadrant {
@@ -66,16 +69,29 @@ std::optional<SurfaceVertex> FaceVertices::after(const LatticeEdge& edge,
   if (passes_near(cut, across, corners[upwards ? n : next], corners[upwards ? next : n])) {
     return std::nullopt;
   }
-  // Midway between the crossings of the two edges at the sample that is cut off.
+  // Between the crossings of the two edges at the sample that is cut off.
   const LatticeSample start = side > 0 ? cut : moved(cut, aside, -1);
   SurfaceVertex vertex = placement_.place_on_edge(edge);
   const SurfaceVertex other =
       placement_.place_on_edge({start[0], start[1], start[2], static_cast<std::uint8_t>(aside)});
-  for (std::size_t c = 0; c < 3; ++c) {
-    vertex.position_mm[c] =
-        static_cast<float>(0.5 * (double(vertex.position_mm[c]) + double(other.position_mm[c])));
-  }
+  vertex.position_mm = edge.axis < aside ? between_crossings(vertex.position_mm, other.position_mm)
+                                         : between_crossings(other.position_mm, vertex.position_mm);
   return vertex;
+}
+
+FaceVertices::Position FaceVertices::between_crossings(const Position& first,
+                                                       const Position& second) const {
+  const std::array<double, 3> a = placement_.from_sample({}, first);
+  const std::array<double, 3> b = placement_.from_sample({}, second);
+  double length2 = 0;
+  for (std::size_t c = 0; c < 3; ++c) length2 += (b[c] - a[c]) * (b[c] - a[c]);
+  const double share =
+      length2 > 4 * kFaceOffMax * kFaceOffMax ? kFaceOffMax / std::sqrt(length2) : 0.5;
+  Position p{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    p[c] = static_cast<float>(double(first[c]) + (double(second[c]) - double(first[c])) * share);
+  }
+  return p;
 }
 
 bool FaceVertices::passes_near(const LatticeSample& sample, std::size_t across,

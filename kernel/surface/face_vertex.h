@@ -37,6 +37,9 @@ class FaceVertices {
   std::optional<SurfaceVertex> after(const LatticeEdge& edge,
                                      const std::array<std::size_t, 4>& cells,
                                      const Corners& corners, std::size_t n);
+  /// Returns a position between two crossings, midway or nearer to the first: within half a pitch
+  /// of it, and so of the surface.
+  Position between_crossings(const Position& first, const Position& second) const;
   /// Returns whether a segment passes the face at `sample` that is perpendicular to the axis
   /// `across` in the half next to the sample. `lower`: the end below the face. Both quadrangles at
   /// the segment compute this from the same numbers in the same order, so that rounding decides a

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/surface/sheet_table.h"
 
+#include <algorithm>
+
 namespace kerf {
 namespace {
+
+/// The least part of the distance of a point from a plane that remains when it is moved towards it.
+constexpr double kShareKept = 1.0 / 1024;
 
 constexpr bool solid(unsigned configuration, unsigned corner) {
   return ((configuration >> corner) & 1U) != 0;
@@ -126,7 +131,7 @@ constexpr unsigned ends_of(std::uint16_t edges) {
   return corners;
 }
 
-/// A plane: x normal.x + y normal.y + z normal.z = offset / 2 in pitches from the cell's center.
+/// A plane: x normal.x + y normal.y + z normal.z = offset / 4 in pitches from the cell's center.
 struct CellPlane {
   int x = 0, y = 0, z = 0, offset = 0;
 };
@@ -144,19 +149,23 @@ constexpr int greatest(const CellPlane& n, unsigned corners) {
 }
 
 /// Returns a plane with the edges of one sheet on its lower side and those of another on its upper
-/// side; its normal is zero if there is none.
+/// side, midway between them and as far from both as may be; its normal is zero if there is none.
 constexpr CellPlane separating_plane(std::uint16_t lower, std::uint16_t upper) {
   const unsigned below = ends_of(lower), above = ends_of(upper);
+  CellPlane best;
+  int widest = -1;  // the square of the gap, times 6
   for (int n = 0; n < 27; ++n) {
     CellPlane plane{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1, 0};
     if (n == 13) continue;  // the zero vector
     const int low = greatest(plane, below);
     const int high = -greatest({-plane.x, -plane.y, -plane.z, 0}, above);
-    if (low > high) continue;
-    plane.offset = low;
-    return plane;
+    const int length2 = plane.x * plane.x + plane.y * plane.y + plane.z * plane.z;
+    if (low > high || (high - low) * (high - low) * 6 / length2 <= widest) continue;
+    widest = (high - low) * (high - low) * 6 / length2;
+    plane.offset = low + high;
+    best = plane;
   }
-  return {};
+  return best;
 }
 
 /// Returns whether there is such a plane for any two sheets of any cell.
@@ -176,17 +185,21 @@ static_assert(sheets_are_separable(kFlippedSheets));
 
 }  // namespace
 
-bool is_on_own_side(const CellSheets& sheets, std::uint8_t sheet, Vec3 place) {
+Vec3 on_own_side(const CellSheets& sheets, std::uint8_t sheet, Vec3 inside, Vec3 place) {
+  double share = 1;
   for (std::uint8_t other = 0; other < sheets.count; ++other) {
     if (other == sheet) continue;
     const bool below = sheet < other;
     const CellPlane plane =
         separating_plane(sheets.edges[below ? sheet : other], sheets.edges[below ? other : sheet]);
-    const double beyond =
-        plane.x * place.x + plane.y * place.y + plane.z * place.z - 0.5 * plane.offset;
-    if (below ? beyond >= 0 : beyond <= 0) return false;
+    const auto beyond = [&](Vec3 p) {
+      const double off = plane.x * p.x + plane.y * p.y + plane.z * p.z - 0.25 * plane.offset;
+      return below ? off : -off;
+    };
+    const double from = beyond(inside), to = beyond(place);
+    if (to > from * kShareKept) share = std::min(share, (1 - kShareKept) * from / (from - to));
   }
-  return true;
+  return share < 1 ? inside + (place - inside) * share : place;
 }
 
 const CellSheets& sheets_of(std::uint8_t configuration) { return kSheets[configuration]; }

@@ -48,10 +48,10 @@ inline constexpr std::array<CellFace, 6> kCellFaces{{
 const CellSheets& sheets_of(std::uint8_t configuration);
 const CellSheets& flipped_sheets_of(std::uint8_t configuration);
 
-/// Returns whether a point lies on a sheet's own side of the planes that separate the lattice edges
-/// crossed by it from those crossed by the other sheets of its cell. `place`: in pitches from the
-/// cell's center. Triangles between such points and those edges do not meet other sheets'
-/// triangles.
-bool is_on_own_side(const CellSheets& sheets, std::uint8_t sheet, Vec3 place);
+/// Returns the point nearest to `place`, on the segment to it from `inside`, that lies on a sheet's
+/// own side of the planes that separate the lattice edges crossed by it from those crossed by the
+/// other sheets of its cell. Triangles between such points and those edges do not meet other
+/// sheets' triangles. Both are in pitches from the cell's center; `inside` lies on the own side.
+Vec3 on_own_side(const CellSheets& sheets, std::uint8_t sheet, Vec3 inside, Vec3 place);
 
 }  // namespace kerf

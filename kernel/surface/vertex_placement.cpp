@@ -23,6 +23,10 @@ constexpr double kSheetShift = 1.0 / 64;
 /// Share of the least distance by which the center of a fan is raised off the plane of a floor.
 constexpr double kShareRaised = 0.25;
 
+/// Distance of a vertex from all planes of its crossings, and from all crossings, in pitches,
+/// beyond which it is moved towards one.
+constexpr double kPlaneOffMax = 0.2, kVertexOffMax = 0.45;
+
 /// Number of cached horizontal edges, a power of two: those of two rows of cells.
 constexpr std::size_t kEdgesSeen = 1024;
 
@@ -52,6 +56,24 @@ CellLimits within_walls(std::span<const Crossing> crossings, std::span<const std
   narrow(limits.low.x, limits.high.x, low.x, high.x);
   narrow(limits.low.y, limits.high.y, low.y, high.y);
   return limits;
+}
+
+/// Returns the vertex of a crease, or, if it is far from all crossings and from one of their
+/// planes, a point on the line from the nearest crossing to it, within half a pitch of the
+/// crossing: these planes are not those of one crease, and a crossing is on the surface.
+Vec3 near_surface(std::span<const Crossing> crossings, Vec3 place) {
+  double least2 = INFINITY, off = 0;
+  Vec3 nearest;
+  for (const Crossing& c : crossings) {
+    if (c.wall || c.is_guess()) return place;
+    const Vec3 from = place - c.point;
+    off = std::max(off, std::abs(dot(c.normal, from)));
+    if (dot(from, from) >= least2) continue;
+    least2 = dot(from, from);
+    nearest = c.point;
+  }
+  if (off <= kPlaneOffMax || least2 <= kVertexOffMax * kVertexOffMax) return place;
+  return nearest + (place - nearest) * (kVertexOffMax / std::sqrt(least2));
 }
 
 }  // namespace
@@ -297,9 +319,8 @@ SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, const CellSh
   const std::span<const Crossing> crossings(found_.at.data(), found_.count);
   const std::span<const std::uint8_t> edges_found(found_.edge.data(), found_.count);
   SheetPoint point = place_sheet(crossings, within_walls(crossings, edges_found, limits_of(cell)));
-  if (sheets.count > 1 && !is_on_own_side(sheets, sheet, point.place)) {
-    point.place = mean_on_edges();
-  }
+  if (point.sharp) point.place = near_surface(crossings, point.place);
+  if (sheets.count > 1) point.place = on_own_side(sheets, sheet, mean_on_edges(), point.place);
   if (point.place.z > 0.5 - margin_ && meets_sheets(cell, sheets)) point.place.z = 0.5 - margin_;
   SurfaceVertex vertex;
   vertex.sharp = point.sharp;

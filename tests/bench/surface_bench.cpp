@@ -5,7 +5,8 @@
 // below the pitch; `crossings` prints the number of triangles that cross each other; `export`
 // prints the size of the whole surface of blocks up to 10 m with one cut. Usage:
 // surface_bench [pitch_mm=0.25]; surface_bench features; surface_bench crossings; surface_bench
-// export
+// export; surface_bench vertices [jobs=2000] [first seed=0]. `vertices` prints the distance of
+// vertices from the true solid, and crossings, for every tool and ray model.
 
 #include <cstdio>
 #include <cstdlib>
@@ -18,6 +19,7 @@
 #include "server/feed/mesh_glb.h"
 #include "tests/bench/crossing_count.h"
 #include "tests/bench/feature_error.h"
+#include "tests/bench/vertex_error.h"
 #include "tests/support/standard_job.h"
 
 namespace {
@@ -158,6 +160,13 @@ int main(int argc, char** argv) {
   }
   if (what == "export") {
     print_exports();
+    return 0;
+  }
+  if (what == "vertices") {
+    const auto number = [&](int n, int otherwise) {
+      return static_cast<unsigned>(argc > n ? std::atoi(argv[n]) : otherwise);
+    };
+    print_vertex_errors(number(3, 0), number(2, 2000));
     return 0;
   }
   const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.25;
