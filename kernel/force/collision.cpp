@@ -301,7 +301,7 @@ Obstacles::Obstacles(std::vector<Obstacle> obstacles) {
     const Ball b = bound(o);
     obstacles_.push_back({std::move(o), b.center, b.radius});
     if (auto* mesh = std::get_if<MeshObstacle>(&obstacles_.back().obstacle.shape))
-      mesh->tree = std::make_shared<const TriangleTree>(mesh->triangles);
+      mesh->tree = make_triangle_tree(mesh->triangles);
   }
 }
 

@@ -82,6 +82,11 @@ TriangleTree::TriangleTree(const std::vector<Triangle>& triangles) : triangles_(
   }
 }
 
+std::shared_ptr<const TriangleTree> make_triangle_tree(
+    const std::vector<TriangleTree::Triangle>& triangles) {
+  return std::make_shared<const TriangleTree>(triangles);
+}
+
 TriangleTree::Node TriangleTree::box_of(std::uint32_t first, std::uint32_t end) const {
   Node box{};
   for (int a = 0; a < 3; ++a) {

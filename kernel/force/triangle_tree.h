@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "kernel/math/vec3.h"
@@ -44,6 +45,10 @@ class TriangleTree {
   std::vector<Node> nodes_;
   double error_mm_ = 0;  ///< of a coordinate that is computed
 };
+
+/// Makes a tree. Apart from the class, so that the page, which has no meshes, need not hold it.
+std::shared_ptr<const TriangleTree> make_triangle_tree(
+    const std::vector<TriangleTree::Triangle>& triangles);
 
 /// Returns whether the ray from p along +Z crosses the triangle. Edges are half-open, so a shared
 /// edge counts once.

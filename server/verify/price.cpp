@@ -13,9 +13,13 @@
 namespace kerf {
 namespace {
 
-/// A window begins with motions that are not measured: the first one may take an imprint.
-constexpr std::size_t kWindows = 120, kWindowMotions = 16, kNotMeasured = 2;
-constexpr double kBudgetS = 2;
+/// A window begins with motions that are not measured: the first one may take an imprint, and those
+/// after it find stock that is gone in the program.
+constexpr std::size_t kWindows = 60, kWindowMotions = 16, kNotMeasured = 2;
+constexpr std::size_t kLongWindows = 12;
+constexpr double kBudgetS = 1.5;
+/// What a block allocates besides its columns while it is carved.
+constexpr double kWorkingBytes = 2e6;
 
 /// The tiles of all fields that motions can reach.
 class ReachedTiles {
@@ -121,36 +125,43 @@ class Sample {
   }
   /// Carves motions and measures those from `measured` on. False when there is no more time.
   bool carve(std::span<const ProgramMotion> motions, std::size_t measured) {
+    // One that has been estimated to fit is not ended by a small excess.
+    constexpr double kMostS = 3 * kBudgetS;
     double start_s = now_();
     for (std::size_t n = 0; n < motions.size(); ++n) {
-      const ProgramMotion& motion = motions[n];
       if (n == measured) start_s = now_();
-      if (!block_ ||
-          !block_->apply(MoveTool{motion.tool, motion.from, motion.to, motion.duration_s, true})) {
-        continue;
+      carve_one(motions[n]);
+      if (n % kWindowMotions != kWindowMotions - 1 && n + 1 < motions.size()) continue;
+      const bool is_over = now_() - begun_s_ > kMostS;
+      if (n >= measured && (is_over || n + 1 == motions.size())) {
+        cpu_s_ += now_() - start_s;
+        measured_ += double(n + 1 - measured);
       }
-      ++price_.motions;
-      if (const auto tool = scene_.tools.find(motion.tool); tool != scene_.tools.end())
-        reached_.add(motion, tool->second.tool);
+      if (is_over) return false;
     }
-    if (motions.size() > measured) {
-      cpu_s_ += now_() - start_s;
-      measured_ += double(motions.size() - measured);
-    }
-    return now_() - begun_s_ < kBudgetS;
+    return true;
   }
   /// The price if so many tiles are reached in the end.
   Price price(double tiles) {
     if (!block_) return price_;
     if (measured_ > 0) price_.us_per_motion = 1e6 * cpu_s_ / measured_;
     const double share = reached_.count() > 0 ? tiles / reached_.count() : 0;
-    price_.bytes = empty_bytes_ + share * (double(block_->memory_bytes()) - empty_bytes_);
+    price_.bytes =
+        kWorkingBytes + empty_bytes_ + share * (double(block_->memory_bytes()) - empty_bytes_);
     return price_;
   }
   double tiles() const { return reached_.count(); }
   double all_tiles() const { return reached_.all(); }
 
  private:
+  void carve_one(const ProgramMotion& motion) {
+    const MoveTool move{motion.tool, motion.from, motion.to, motion.duration_s, true};
+    if (!block_ || !block_->apply(move)) return;
+    ++price_.motions;
+    if (const auto tool = scene_.tools.find(motion.tool); tool != scene_.tools.end())
+      reached_.add(motion, tool->second.tool);
+  }
+
   const Scene& scene_;
   const CpuClock& now_;
   double begun_s_;
@@ -159,6 +170,27 @@ class Sample {
   double empty_bytes_ = 0, cpu_s_ = 0, measured_ = 0;
   Price price_;
 };
+
+struct Windows {
+  std::size_t count, motions, not_measured;
+};
+
+/// Carves windows that are spread evenly over a program. Those of odd numbers come first, so that
+/// an early end leaves a sample of all parts.
+Sample carve_windows(const Scene& scene, std::span<const ProgramMotion> motions,
+                     const Windows& windows, const CpuClock& now) {
+  Sample sample(scene, now);
+  const std::size_t size = std::min(windows.motions, motions.size());
+  const std::size_t last = motions.size() - size;
+  for (const std::size_t first : {1, 0}) {
+    for (std::size_t w = first; w < windows.count; w += 2) {
+      const std::size_t at = windows.count > 1 ? w * last / (windows.count - 1) : 0;
+      if (!sample.carve(motions.subspan(at, size), std::min(windows.not_measured, size / 2)))
+        return sample;
+    }
+  }
+  return sample;
+}
 
 }  // namespace
 
@@ -176,22 +208,16 @@ Price price_of_program(const Scene& scene, std::span<const ProgramMotion> motion
     if (const auto tool = scene.tools.find(motion.tool); tool != scene.tools.end())
       all.add(motion, tool->second.tool);
   }
-  if (motions.size() <= kWindows * kWindowMotions) {
-    for (std::size_t n = 0; n < motions.size(); n += kWindowMotions) {
-      if (!sample.carve(motions.subspan(n, std::min(kWindowMotions, motions.size() - n)), 0)) break;
-    }
-    return sample.price(all.count());
+  const Price quick = carve_windows(scene, motions, {kWindows, kWindowMotions, kNotMeasured}, now)
+                          .price(all.count());
+  const auto count = double(motions.size());
+  const double affordable = 1e6 * kBudgetS / std::max(quick.us_per_motion, 1e-3);
+  if (count <= affordable) {
+    // Whole: what the motions before a motion have removed makes it cheaper.
+    return carve_windows(scene, motions, {1, motions.size(), 0}, now).price(all.count());
   }
-  // The windows of odd numbers come first, so that an early end leaves a sample of all parts.
-  const std::size_t last = motions.size() - kWindowMotions;
-  for (const std::size_t first : {1, 0}) {
-    for (std::size_t w = first; w < kWindows; w += 2) {
-      const std::size_t at = w * last / (kWindows - 1);
-      if (!sample.carve(motions.subspan(at, kWindowMotions), kNotMeasured))
-        return sample.price(all.count());
-    }
-  }
-  return sample.price(all.count());
+  const auto length = std::max(kWindowMotions, std::size_t(affordable) / kLongWindows);
+  return carve_windows(scene, motions, {kLongWindows, length, length / 2}, now).price(all.count());
 }
 
 std::vector<ProgramMotion> sample_hand(const Scene& scene) {

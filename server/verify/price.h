@@ -22,10 +22,10 @@ struct Price {
 using CpuClock = std::function<double()>;
 double thread_cpu_s();
 
-/// Carves windows of a program that are spread evenly over it in a block of the scene: all of it if
-/// it has less than about two thousand motions. Memory grows with the tiles that the motions reach,
-/// which are counted for all of them. Ends after some 2 s of CPU time, with what has been carved
-/// then; else `bytes` depends on scene and program alone. Nothing of it is kept in a scene.
+/// Carves a program in a block of the scene if that takes some 1.5 s of CPU time at most, by an
+/// estimate from short windows, else long windows that are spread evenly over it and take as long.
+/// Memory grows with the tiles that the motions reach, which are counted for all of them. Nothing
+/// of it is kept in a scene.
 Price price_of_program(const Scene& scene, std::span<const ProgramMotion> motions,
                        const CpuClock& now = thread_cpu_s);
 

@@ -58,19 +58,30 @@ TEST(Price, MemoryOfAProgramIsThatOfItsSampleForAllTilesItReaches) {
       const Price price = price_of_program(scene, motions, CountingClock{});
       const double carved = carved_bytes(scene, motions);
       EXPECT_GT(price.bytes, 0.7 * carved) << rays << ' ' << motions.size();
-      EXPECT_LT(price.bytes, 1.5 * carved) << rays << ' ' << motions.size();
-      EXPECT_LE(price.motions, 2000U);
+      EXPECT_LT(price.bytes, 1.5 * carved + 2e6) << rays << ' ' << motions.size();
     }
   }
 }
 
-TEST(Price, AShortProgramIsCarvedWhole) {
+TEST(Price, WindowsOfALongProgramStandForAllOfIt) {
+  const Scene scene = scene_with("dexel");
+  const auto motions = rows(0.1, 0, 80);
+  // By this clock the whole would take longer than there is time.
+  double now_s = 0;
+  const Price price = price_of_program(scene, motions, [&] { return now_s += 1e-2; });
+  EXPECT_LT(price.motions, motions.size() / 4);
+  const double carved = carved_bytes(scene, motions);
+  EXPECT_GT(price.bytes, 0.7 * carved);
+  EXPECT_LT(price.bytes, 1.5 * carved + 2e6);
+}
+
+TEST(Price, AProgramThatTakesLittleTimeIsCarvedWhole) {
   const Scene scene = scene_with("dexel");
   const auto motions = rows(2, 0, 80);
   ASSERT_LT(motions.size(), 1900U);
   const Price price = price_of_program(scene, motions, CountingClock{});
   EXPECT_EQ(price.motions, motions.size());
-  EXPECT_NEAR(price.bytes, carved_bytes(scene, motions), 1e-3 * price.bytes);
+  EXPECT_NEAR(price.bytes - 2e6, carved_bytes(scene, motions), 1e-3 * price.bytes);
   EXPECT_GT(price.us_per_motion, 0);
 }
 
@@ -90,7 +101,7 @@ TEST(Price, AHandCarvesTheWholeBlock) {
     EXPECT_EQ(price.motions, sample_hand(scene).size());
     const double carved = carved_bytes(scene, rows(0.5, 0, 80));
     EXPECT_GT(price.bytes, 0.7 * carved) << rays;
-    EXPECT_LT(price.bytes, 1.5 * carved) << rays;
+    EXPECT_LT(price.bytes, 1.5 * carved + 2e6) << rays;
   }
   // A machine without rotary axes leans no tool.
   for (const ProgramMotion& motion : sample_hand(scene_with("dexel", "xyz")))
@@ -110,7 +121,7 @@ TEST(Price, AProgramThatReachesNothingCostsTheEmptyBlock) {
   const Scene scene = scene_with("dexel");
   std::vector<ProgramMotion> motions = rows(0.5, 200, 220);
   const Price price = price_of_program(scene, motions, CountingClock{});
-  EXPECT_LT(price.bytes, 1.1 * carved_bytes(scene, {}));
+  EXPECT_LT(price.bytes, 1.1 * carved_bytes(scene, {}) + 2e6);
   EXPECT_EQ(price_of_program(scene, {}, CountingClock{}).motions, 0U);
 }
 

@@ -229,32 +229,6 @@ TEST_F(SessionTest, MotionAboveTheSpeedLimitMovesTheToolWithoutCutting) {
   EXPECT_EQ(session->info().motions, 1U);
 }
 
-TEST_F(SessionTest, AToolThatBeginsToCutAtRestLeavesItsImprintOnce) {
-  const auto session = start();
-  const auto id = join(*session);
-  move(*session, id, 0, 0, -1);
-  const auto before = session->sequence();
-  for (int i = 0; i < 10; ++i) move(*session, id, 0, 0, -1);
-  EXPECT_EQ(session->sequence(), before + 1);
-  const double taken = session->info().removed_mm3;
-  EXPECT_GT(taken, 1);
-  // As a motion of 1 µm does.
-  const auto other = *registry->create("other", kScene, SceneSource{});
-  const auto mover = join(*other);
-  move(*other, mover, 0, 0, -1);
-  move(*other, mover, 0.001, 0, -1);
-  EXPECT_NEAR(other->info().removed_mm3, taken, 0.02);
-}
-
-TEST_F(SessionTest, ToolAtRestIsNotJournaled) {
-  const auto session = start();
-  const auto id = join(*session);
-  for (const double x : {0.0, 1.0}) move(*session, id, x, 0, -1);
-  const auto before = session->sequence();
-  for (int i = 0; i < 10; ++i) move(*session, id, 1, 0, -1);
-  EXPECT_EQ(session->sequence(), before);
-}
-
 TEST_F(SessionTest, ChangedTilesAreReportedOnce) {
   const auto session = start();
   const auto id = join(*session);
