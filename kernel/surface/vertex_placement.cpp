@@ -23,8 +23,8 @@ constexpr double kSheetShift = 1.0 / 64;
 /// Share of the least distance by which the center of a fan is raised off the plane of a floor.
 constexpr double kShareRaised = 0.25;
 
-/// Distance of a vertex from all planes of its crossings, and from all crossings, in pitches,
-/// beyond which it is moved towards one.
+/// Distances of a vertex from a plane of its crossings, and from all crossings, in pitches, beyond
+/// which it is moved towards one.
 constexpr double kPlaneOffMax = 0.2, kVertexOffMax = 0.45;
 
 /// Number of cached horizontal edges, a power of two: those of two rows of cells.
