@@ -337,7 +337,7 @@ export class SessionPage {
     const started = marks.picture !== undefined || this.picture.problem !== '';
     this.panel_.update(this.selected_, followed, nowMs, started);
     this.bar_.update(this.model, nowMs);
-    this.updatePoster_(nowMs);
+    this.poster_.update(this.picture, this.model.state, nowMs);
     this.toolbar_.update({
       hasPicture: this.picture.viewer !== null,
       canFollow: participants.carvers().length > 0,
@@ -352,17 +352,6 @@ export class SessionPage {
     const hasNoPicture = this.picture.problem !== '';
     const state = { model, retryAtMs, contextLost, hasNoPicture, flash };
     this.notice_.show(noticeText(state, nowMs));
-  }
-
-  /** The server's picture stands there until the page has drawn its own, or for ever. */
-  private updatePoster_(nowMs: number): void {
-    const place = this.picture.problem ? null : this.picture.posterPlace(nowMs);
-    if (place === undefined) {
-      this.poster_.hide();
-      return;
-    }
-    const { motions = 0, removed_volume_mm3 = 0 } = this.model.state ?? {};
-    this.poster_.update(motions, removed_volume_mm3, nowMs, place);
   }
 
   /** The sound of the followed tool, or of the one nearest to the camera. */
