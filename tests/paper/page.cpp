@@ -32,6 +32,17 @@ Ran run(const Row& row, const std::string& options) {
   return ran;
 }
 
+/// A text with its lines wrapped at 100 columns.
+std::string wrapped(std::string text) {
+  std::size_t begin = 0;
+  while (text.size() - begin > 100) {
+    const std::size_t gap = text.rfind(' ', begin + 100);
+    text[gap] = '\n';
+    begin = gap + 1;
+  }
+  return text;
+}
+
 std::string row_text(const Row& row, const RunTests& run_tests, int& failed) {
   std::string result = "not reproduced", by = "–", figures;
   if (!row.check.empty()) {
@@ -71,8 +82,8 @@ std::string page_text(const RunTests& run_tests, int& failed) {
       "check that reproduces it. Written by `paper_page` ([README.md](README.md)).\n\n## "
       "Figures\n\n";
   for (const Figure& figure : figures()) {
-    page += "**" + figure.place + ".** " + figure.caption + "\n\n![" + figure.place + "](" +
-            figure.file + ".png)\n\n";
+    page += wrapped("**" + figure.place + ".** " + figure.caption) + "\n\n![" + figure.place +
+            "](" + figure.file + ".png)\n\n";
   }
   std::string table;
   int count = 0, without = 0;
