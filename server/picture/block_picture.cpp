@@ -24,18 +24,37 @@ struct Light {
   Vec3 towards_key = normalized(kTowardsKey), towards_fill = normalized(kTowardsFill);
 };
 
-Vec3 color_of(const DexelSnapshot& field, const PictureStyle& style, const RayHit& hit,
-              const Light& light) {
-  const double facing = dot(hit.normal, light.towards_key);
-  const Vec3 lifted = hit.point_mm + hit.normal * (kShadowLiftPitches * field.grid().pitch_mm);
-  const double key =
-      facing > 0 && !meets_stock(field, lifted, light.towards_key) ? kKey * facing : 0;
-  const double fill = kFill * std::max(0.0, dot(hit.normal, light.towards_fill));
-  const double around = kGround + (kSky - kGround) * 0.5 * (1 + hit.normal.z);
-  const auto painted = style.paint ? style.paint(hit.point_mm) : std::nullopt;
-  const Vec3 albedo = painted.value_or(hit.is_cut ? kCore : kSkin);
+/// The light that a surface of a color reflects. `shade`: whether it lies in a shadow.
+Vec3 lit(Vec3 albedo, Vec3 normal, bool shade, const Light& light) {
+  const double key = shade ? 0 : kKey * std::max(0.0, dot(normal, light.towards_key));
+  const double fill = kFill * std::max(0.0, dot(normal, light.towards_fill));
+  const double around = kGround + (kSky - kGround) * 0.5 * (1 + normal.z);
   const Vec3 sum = kWarm * key + Vec3{1, 1, 1} * (fill + around);
   return {albedo.x * sum.x, albedo.y * sum.y, albedo.z * sum.z};
+}
+
+bool in_shadow(const DexelSnapshot& field, Vec3 point_mm, Vec3 normal, const Light& light) {
+  const Vec3 lifted = point_mm + normal * (kShadowLiftPitches * field.grid().pitch_mm);
+  return dot(normal, light.towards_key) > 0 && meets_stock(field, lifted, light.towards_key);
+}
+
+/// The color that a ray meets: of the nearest rod or of the block; nothing beside both.
+std::optional<Vec3> color_along(const DexelSnapshot& field, const PictureStyle& style, Vec3 eye_mm,
+                                Vec3 towards, const Light& light) {
+  const auto hit = first_hit(field, eye_mm, towards);
+  const PictureRod* rod = nullptr;
+  RodHit nearest{hit ? dot(hit->point_mm - eye_mm, towards) : HUGE_VAL, {}};
+  for (const PictureRod& one : style.rods) {
+    const auto met = meet(one, eye_mm, towards);
+    if (!met || met->at_mm >= nearest.at_mm) continue;
+    nearest = *met;
+    rod = &one;
+  }
+  if (rod != nullptr) return lit(rod->color, nearest.normal, false, light);
+  if (!hit) return std::nullopt;
+  const auto painted = style.paint ? style.paint(hit->point_mm) : std::nullopt;
+  return lit(painted.value_or(hit->is_cut ? kCore : kSkin), hit->normal,
+             in_shadow(field, hit->point_mm, hit->normal, light), light);
 }
 
 /// The sRGB curve of a linear value, 0 to 255; square roots, which are the same on any CPU, in
@@ -57,9 +76,9 @@ void render_pixel(const DexelSnapshot& field, const PictureStyle& style,
     const double x = column + (n % kRaysAcross + 0.5) / kRaysAcross;
     const double y = row + (n / kRaysAcross + 0.5) / kRaysAcross;
     const Vec3 towards = camera.towards(2 * x / picture.width - 1, 1 - 2 * y / picture.height);
-    const auto hit = first_hit(field, camera.eye_mm(), towards);
-    if (!hit) continue;
-    sum = sum + color_of(field, style, *hit, light);
+    const auto color = color_along(field, style, camera.eye_mm(), towards, light);
+    if (!color) continue;
+    sum = sum + *color;
     ++hits;
   }
   if (hits == 0) return;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernel/dexel/dexel_snapshot.h"
+#include "server/picture/picture_rod.h"
 
 namespace kerf {
 
@@ -31,6 +32,8 @@ struct PictureStyle {
   Vec3 towards_eye = kFromFrontLeft;
   /// Returns the linear color, 0 to 1, of the surface at a point, or nothing where it is wood.
   std::function<std::optional<Vec3>(Vec3 point_mm)> paint = {};
+  /// Drawn in front of, in and behind the block, also outside of it. They cast no shadows.
+  std::vector<PictureRod> rods = {};
 };
 
 /// Renders a block from its field along Z, on a transparent background, in limewood with darker
