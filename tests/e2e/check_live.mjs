@@ -117,7 +117,7 @@ async function checkRelay(browser, base, session) {
   });
   await press(viewer);
   await viewer.page
-    .getByText('Not verified: the picture is behind the block')
+    .getByText('Not verified: the view is behind the block')
     .waitFor({ timeout: 1000 * SETTLE_S });
   await writeFile(join(options.out, 'check-behind.png'), await viewer.page.screenshot());
   relay.withhold(false);

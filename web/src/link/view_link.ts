@@ -378,7 +378,7 @@ export class ViewLink {
   /** The picture cannot be completed: joins again, which brings all tiles. */
   private broken_(): void {
     this.faultMs_ = this.options.nowMs();
-    void this.lost_(t('Part of the picture was lost or damaged on its way here.'));
+    void this.lost_(t('Part of the view was lost or damaged in transit.'));
   }
 
   private applyMesh_(header: Header, glb: Uint8Array, current: () => boolean): void {

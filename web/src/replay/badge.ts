@@ -23,13 +23,13 @@ function textOf(verdict: Verdict): string {
     case 'running':
       return t('Verifying: {0} %', Math.floor(100 * verdict.share));
     case 'waiting':
-      if (verdict.isBehind) return t('Not verified: the picture is behind the block');
+      if (verdict.isBehind) return t('Not verified: the view is behind the block');
       return t(
-        'Step {0} is right. The picture will be verified once nobody is carving.',
+        'Step {0} is right. The view will be verified once nobody is carving.',
         count(verdict.record),
       );
     case 'unseen':
-      return t('Not verified: the picture differs from step {0}', count(verdict.record));
+      return t('Not verified: the view differs from step {0}', count(verdict.record));
     case 'verified':
       return t('Verified up to step {0}', count(verdict.record));
     case 'different':
@@ -55,7 +55,7 @@ export function checkBadge(
     {
       type: 'button',
       class: 'quiet-action',
-      title: t('Replay the history in this browser and compare block and picture with it'),
+      title: t('Replay the history in this browser and compare block and view with it'),
     },
     t('Verify'),
   );

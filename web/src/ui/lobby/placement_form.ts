@@ -64,7 +64,11 @@ export function placementForm(
   changed: () => void,
 ): HTMLElement {
   const size = h('p', { role: 'status' }, sizeText(mesh, placement));
-  const question = h('p', { role: 'alert', class: 'bad' }, t('Is this the right size? Choose the unit.'));
+  const question = h(
+    'p',
+    { role: 'alert', class: 'bad' },
+    t('Is this the right size? Choose the unit.'),
+  );
   question.hidden = !mesh.isUnlikely;
   const update = (): void => {
     setText(size, sizeText(mesh, placement));
