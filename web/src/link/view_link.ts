@@ -295,12 +295,9 @@ export class ViewLink {
       const frame = decodeFrame(data);
       if (frame.ok) this.receivedFrame_(frame.value, current);
       else {
+        const { reason, code } = frame.error;
         this.events.problem(
-          t(
-            'The page could not read data from the server: {0} ({1}).',
-            frame.error.reason,
-            frame.error.code,
-          ),
+          t('The page could not read data from the server: {0} ({1}).', reason, code),
         );
         if (this.watch_.watches) this.broken_();
       }

@@ -190,10 +190,7 @@ export class Viewer {
     return this.tiles.corners();
   }
 
-  /**
-   * How many pictures were begun and are shown; `isLast`: the last one shows all there is; `isStill`:
-   * and at full quality.
-   */
+  /** Pictures that were begun, and shown; `isLast`: with all there is; `isStill`: at full quality. */
   get pictures(): { begun: number; shown: number; isLast: boolean; isStill: boolean } {
     const isLast = !this.dirty_ && this.begun_ === this.shown_;
     const isStill = isLast && (this.stillDrawn_ || this.fixedQuality);
