@@ -178,7 +178,8 @@ std::expected<SolidSnapshot, SnapshotError> read_solid(ChunkReader& in, const Sc
   for (std::size_t n = 0; n < fields.size(); ++n) {
     const DexelGrid& grid = fields[n]->grid();
     // The block that is restored from this knows its untouched tiles.
-    solid.fields.emplace_back(grid, fields[n]->stock(), std::move(directories[n]),
+    solid.fields.emplace_back(grid, fields[n]->stock(), fields[n]->shares(),
+                              std::move(directories[n]),
                               TileDirectory(grid.tiles_x(), grid.tiles_y()));
   }
   return solid;

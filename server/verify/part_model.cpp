@@ -33,7 +33,8 @@ DexelSnapshot material_of(const TriangleMesh& mesh, const DexelGrid& grid) {
   });
   const Vec3 size{grid.columns_x * grid.pitch_mm, grid.columns_y * grid.pitch_mm,
                   grid.height_quanta * grid.z_quantum_mm};
-  return {grid, BoxStock{grid.origin_mm, grid.origin_mm + size}, tiles, tiles};
+  const BoxStock box{grid.origin_mm, grid.origin_mm + size};
+  return {grid, box, ColumnShares(box, grid), tiles, tiles};
 }
 
 }  // namespace
