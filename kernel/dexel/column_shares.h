@@ -41,7 +41,7 @@ class ColumnShares {
   /// Returns the share of a column of the grid; 1 beyond it.
   double of(std::int32_t i, std::int32_t j) const {
     if (const OfTile* tile = tile_at({i / kTileSide, j / kTileSide}))
-      return (*tile)[std::size_t(j % kTileSide * kTileSide + i % kTileSide)];
+      return double((*tile)[std::size_t(j % kTileSide * kTileSide + i % kTileSide)]);
     return of_column(i) * of_row(j);
   }
   /// Returns the factors of a share by the sides alone: by the place in a row, and by the row.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A page has no meshes as obstacles: its scenes may name no files. These stand for the tree of
-// their triangles, which is not linked then.
+// A page has no meshes, neither as obstacles nor as stock: its scenes may name no files, and the
+// columns of a block that began as a mesh come from the server. These stand for what reads them,
+// which is not linked then.
+#include "kernel/dexel/mesh_stock.h"
 #include "kernel/force/triangle_tree.h"
 
 namespace kerf {
@@ -9,5 +11,10 @@ std::shared_ptr<const TriangleTree> make_triangle_tree(const std::vector<Triangl
   return nullptr;
 }
 TriangleTree::Found TriangleTree::find(Vec3) const { return {}; }
+
+BoxStock mesh_bounds(const TriangleMesh&) { return {}; }
+std::string mesh_stock_fault(const TriangleMesh&) { return "a page takes no mesh as stock"; }
+void dexelize(const TriangleMesh&, const DexelGrid&, bool,
+              const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>&, ColumnShares*) {}
 
 }  // namespace kerf
