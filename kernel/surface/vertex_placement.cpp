@@ -58,14 +58,19 @@ CellLimits within_walls(std::span<const Crossing> crossings, std::span<const std
   return limits;
 }
 
+bool is_across_axis(Vec3 normal) {
+  return (normal.x != 0) + (normal.y != 0) + (normal.z != 0) == 1;
+}
+
 /// Returns the vertex of a crease, or, if it is far from all crossings and from one of their
 /// planes, a point on the line from the nearest crossing to it, within half a pitch of the
-/// crossing: these planes are not those of one crease, and a crossing is on the surface.
+/// crossing: these planes are not those of one crease, and a crossing is on the surface. A vertex
+/// on a plane across an axis stays: its face may be merged with others.
 Vec3 near_surface(std::span<const Crossing> crossings, Vec3 place) {
   double least2 = INFINITY, off = 0;
   Vec3 nearest;
   for (const Crossing& c : crossings) {
-    if (c.wall || c.is_guess()) return place;
+    if (c.wall || c.is_guess() || is_across_axis(c.normal)) return place;
     const Vec3 from = place - c.point;
     off = std::max(off, std::abs(dot(c.normal, from)));
     if (dot(from, from) >= least2) continue;
