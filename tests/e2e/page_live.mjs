@@ -72,7 +72,9 @@ async function openCounted(browser, url) {
 
 /** What the files of the page but the font would take if they came compressed by gzip. */
 async function gzipBytesOf(paths) {
-  const served = paths.filter((path) => !path.startsWith('/v1/') && !path.endsWith('.woff2'));
+  const served = paths.filter(
+    (path) => path.startsWith('/') && !path.startsWith('/v1/') && !path.endsWith('.woff2'),
+  );
   const files = [...new Set(served)].map((path) => (path === '/' ? 'index.html' : path));
   const sizes = files.map(async (file) => gzipSync(await readFile(join(options.web, file))).length);
   return (await Promise.all(sizes)).reduce((sum, size) => sum + size, 0);

@@ -6,6 +6,8 @@ import type { Vec3 } from '../wire/types';
 import { MOVED_FRACTION } from './look_policy';
 
 const REST_MS = 2000;
+/** An eye no farther from its place has not moved: damping ends slowly. Of the distance. */
+const STILL_FRACTION = 1e-5;
 
 /** A displayed frame, for Rest. */
 export interface RestFrame {
@@ -38,7 +40,7 @@ export class Rest {
       if (isFast || movedMm <= MOVED_FRACTION * distanceMm) return true;
       this.isResting_ = false;
     }
-    if (movedMm === 0 && motions === this.motions_) {
+    if (movedMm <= STILL_FRACTION * distanceMm && motions === this.motions_) {
       this.isResting_ = nowMs - this.sinceMs_ >= REST_MS;
     } else {
       this.eyeMm_ = [...eyeMm];
