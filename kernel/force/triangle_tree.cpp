@@ -15,7 +15,7 @@ constexpr std::uint32_t kLeafTriangles = 4;
 /// Deeper nodes are divided by number, so that no tree is deeper than a call can follow.
 constexpr int kDepthMax = 40;
 /// More than the rounding of a double to a float.
-constexpr double kFloatShare = std::numeric_limits<float>::epsilon();
+constexpr double kFloatShare = double(std::numeric_limits<float>::epsilon());
 /// Rounding of a coordinate that is computed, in shares of the greatest one.
 constexpr double kErrorShare = 64 * std::numeric_limits<double>::epsilon();
 

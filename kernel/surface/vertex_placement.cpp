@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kernel/dexel/stock_column.h"
 
@@ -67,7 +68,7 @@ bool is_across_axis(Vec3 normal) {
 /// crossing: these planes are not those of one crease, and a crossing is on the surface. A vertex
 /// on a plane across an axis stays: its face may be merged with others.
 Vec3 near_surface(std::span<const Crossing> crossings, Vec3 place) {
-  double least2 = INFINITY, off = 0;
+  double least2 = std::numeric_limits<double>::infinity(), off = 0;
   Vec3 nearest;
   for (const Crossing& c : crossings) {
     if (c.wall || c.is_guess() || is_across_axis(c.normal)) return place;

@@ -48,8 +48,8 @@ TileMesh with_simpler_inside(TileMesh mesh, const DexelGrid& grid, double error_
   std::vector<std::uint32_t> indices;
   for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
     const auto corners = std::span(mesh.indices).subspan(t, 3);
-    const int original =
-        mesh.original[corners[0]] + mesh.original[corners[1]] + mesh.original[corners[2]];
+    const std::size_t original = std::size_t{mesh.original[corners[0]]} +
+                                 mesh.original[corners[1]] + mesh.original[corners[2]];
     std::vector<std::uint32_t>& to = original % 3 == 0 ? plain[original / 3] : indices;
     to.insert(to.end(), corners.begin(), corners.end());
   }

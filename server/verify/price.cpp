@@ -182,7 +182,7 @@ Sample carve_windows(const Scene& scene, std::span<const ProgramMotion> motions,
   Sample sample(scene, now);
   const std::size_t size = std::min(windows.motions, motions.size());
   const std::size_t last = motions.size() - size;
-  for (const std::size_t first : {1, 0}) {
+  for (const std::size_t first : {std::size_t{1}, std::size_t{0}}) {
     for (std::size_t w = first; w < windows.count; w += 2) {
       const std::size_t at = windows.count > 1 ? w * last / (windows.count - 1) : 0;
       if (!sample.carve(motions.subspan(at, size), std::min(windows.not_measured, size / 2)))
@@ -222,7 +222,7 @@ Price price_of_program(const Scene& scene, std::span<const ProgramMotion> motion
 
 std::vector<ProgramMotion> sample_hand(const Scene& scene) {
   constexpr int kRows = 12, kSteps = 40;
-  constexpr double kStepMm = 1, kTurnRad = 2.5 * std::numbers::pi / 180, kDurationS = 0.001;
+  constexpr double kAlongMm = 1, kTurnRad = 2.5 * std::numbers::pi / 180, kDurationS = 0.001;
   const auto largest = std::ranges::max_element(
       scene.tools, {}, [](const auto& one) { return one.second.tool.radius_mm; });
   if (largest == scene.tools.end()) return {};
@@ -232,7 +232,7 @@ std::vector<ProgramMotion> sample_hand(const Scene& scene) {
   const double depth = std::min(radius / 3, size.z / 2);
   const bool turns = scene.machine.kinematics != MachineKinematics::kXyz;
   const auto pose = [&](int row, int step) {
-    const double x = stock.min_mm.x + size.x / 2 + (step - kSteps / 2) * kStepMm;
+    const double x = stock.min_mm.x + size.x / 2 + (step - kSteps / 2) * kAlongMm;
     const double y = stock.min_mm.y + size.y * (row + 0.5) / kRows;
     // To and fro about the x axis, never by more than 20 degrees.
     const double lean = turns ? kTurnRad * (std::abs(step % 32 - 16) - 8) : 0;

@@ -69,7 +69,7 @@ async function checkCarving(viewer, here) {
   const { hash, carved, motions } = carvedProgram;
   assert.equal(hash, here.state_hash);
   assert.equal(carved, motions);
-  await page.getByText(here.state_hash).waitFor();
+  await page.getByText(here.state_hash).waitFor({ state: 'attached' }); // under Details
   const stl = await readFile(await takenHome(page, 'stl'));
   assert(stl.equals(here.stl), "the page's STL file is not that of kerf-carve");
   await checkThreemf(await takenHome(page, '3mf'), stl);
