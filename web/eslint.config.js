@@ -35,6 +35,7 @@ export default defineConfig(
     files: [
       'tests/e2e/*_live.mjs',
       'tests/e2e/page_bench.mjs',
+      'tests/e2e/picture_bench.mjs',
       'tests/e2e/support/axe.mjs',
       'tests/e2e/support/block.mjs',
       'tests/e2e/support/browser.mjs',
@@ -42,6 +43,7 @@ export default defineConfig(
       'tests/e2e/support/firefox.mjs',
       'tests/e2e/support/headset.mjs',
       'tests/e2e/support/layout.mjs',
+      'tests/e2e/support/likeness.mjs',
       'tests/e2e/support/meter.mjs',
       'tests/e2e/support/texts.mjs',
     ],

@@ -338,7 +338,7 @@ class Downloads(LiveTest):
         seen = []
 
         def download():
-            Http(self.port).request("GET", "/v1/sessions/fine/model.obj")
+            Http(self.port).request("GET", "/v1/sessions/fine/model.obj?error_mm=0")
 
         loader = threading.Thread(target=download)
         loader.start()
