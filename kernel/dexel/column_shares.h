@@ -15,9 +15,9 @@
 namespace kerf {
 
 /// The shares by which the columns of a field count in volumes and forces: a share of 1 is the
-/// square of the pitch. The last row and the last column count for what lies between the one before
-/// and the side of the block: 0.5 to 1.5, or less in a block of one column. In a block that began
-/// as a mesh, columns next to its walls count for what is nearest to them (MeshShares). All other
+/// square of the pitch. The last row and the last column represent the strip from the row before to
+/// the side of the block: 0.5 to 1.5, or less in a block of one column. In a block that began as a
+/// mesh, columns next to its walls represent the solid nearest to them (MeshShares). All other
 /// columns count as 1, and so do all of a box that the pitch divides, up to rounding.
 class ColumnShares {
  public:

@@ -12,7 +12,7 @@ constexpr double kWallPitches = 2;
 /// Greatest share of a column. A ray that only grazes the mesh would have any.
 constexpr double kShareMax = 4;
 
-/// Shares that differ by less are the same: what lies between is the rounding of depths and floats.
+/// Shares that differ by less are equal: the difference is the rounding of depths and floats.
 constexpr double kSame = 1.0 / (1 << 20);
 
 constexpr std::array<std::array<std::int32_t, 2>, 4> kNeighbors{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
@@ -22,7 +22,7 @@ struct Polygon {
   std::array<Vec3, 8> corner;
   std::size_t count = 0;
 
-  /// Keeps what lies above a line across x or y (below it: side -1).
+  /// Clips the polygon to one side of a line across x or y: above it, or below it for side -1.
   void clip(bool along_x, double line, double side) {
     const Polygon all = *this;
     count = 0;

@@ -12,7 +12,7 @@
 
 namespace kerf {
 
-/// What the rays of one row of tiles, and of kMargin rows on either side, meet of a mesh.
+/// The hits on a mesh of the rays in one row of tiles and kMargin rows on either side of it.
 struct RowsOfMesh {
   static constexpr std::int32_t kMargin = 2, kRows = kTileSide + 2 * kMargin;
 

@@ -118,7 +118,7 @@ double stock_quanta(const StockShape& stock, const DexelGrid& grid) {
   const double across = last_i + shares.of_column(last_i), along = last_j + shares.of_row(last_j);
   const auto* c = std::get_if<CylinderStock>(&stock);
   if (c == nullptr) return across * along * double(grid.height_quanta);
-  // Columns are added as whole ones, exactly, and then what the last ones count more.
+  // Adds all columns as whole ones, which is exact, and then the surplus of the last ones.
   const auto more = [&](std::int32_t i, std::int32_t j, double share) {
     return length(stock_column(*c, grid, i, j)) * (share - 1);
   };

@@ -18,7 +18,7 @@ class TriangleTree {
   /// Keeps a copy. `triangles` must be finite and not empty.
   explicit TriangleTree(const std::vector<Triangle>& triangles);
 
-  /// What a visit of all triangles in their order finds, to the bit.
+  /// Returns, to the bit, the same as a visit of all triangles in their order.
   struct Found {
     std::uint32_t nearest = 0;  ///< of equally near triangles the first
     bool inside = false;        ///< an upward ray crosses an odd number of triangles

@@ -48,7 +48,7 @@ struct SurfaceReport {
 struct WrittenModel {
   std::uint64_t triangles = 0;
   std::vector<std::string>
-      warnings;  ///< one line each: what the file has lost, or is too large for
+      warnings;  ///< one line each: detail that was lost, a limit that the file exceeds
 };
 
 /// Adds the greatest number of triangles of some files, if there are any, and their warnings.
@@ -56,7 +56,7 @@ void add_written(std::span<const WrittenModel> files, std::optional<std::uint64_
                  std::vector<std::string>& warnings);
 
 /// Reads a mesh to compare with, if one is named, placed and repaired as `as` says, whose file is
-/// not used. What was repaired is said as one line. The error is one line.
+/// not used. Repairs are reported in one line, and so is the error.
 std::expected<std::optional<IndexedMesh>, std::string> load_reference(
     const std::optional<std::filesystem::path>& file, MeshFile as,
     const std::function<void(std::string)>& say);

@@ -28,7 +28,7 @@ struct HelloMessage {
   bool intent = false;        ///< requests intent frames
   bool changes = false;       ///< viewer: understands participants_changed
   bool repeat = false;        ///< viewer: understands nodes for several tiles
-  bool verify = false;        ///< viewer: checks what it is sent, and understands those nodes
+  bool verify = false;        ///< viewer: verifies mesh frames, and understands those nodes
   bool look_follows = false;  ///< viewer: sends a look at once, which the first snapshot awaits
   std::optional<ViewerLook> look;  ///< viewer: where it looks from, if it knows
   std::uint32_t budget = 0;        ///< viewer: bytes of mesh frames per second; 0: any

@@ -119,7 +119,7 @@ class ViewerConversation final : public Conversation {
 
  private:
   void set_budget(std::uint32_t stated);
-  /// Whether the viewer checks what it is sent.
+  /// Whether the viewer verifies mesh frames.
   bool verifies() const { return first_look_.nodes == TileNodes::kVerified; }
   void say_welcome(const Roster& roster);
   void on_hello(const HelloMessage& hello) override;
