@@ -7,11 +7,14 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 
 #include "haptic_agent/library/kerf_agent.h"
+#include "tests/agent/library/stepped_clock.h"
 #include "tests/agent/link/fake_server.h"
 
 namespace kerf::agent {
@@ -52,6 +55,7 @@ class LibraryTest : public ::testing::Test {
   void TearDown() override {
     kerf_agent_close(agent_, 0);
     server_.reset();
+    SteppedClock::release();
   }
 
   void serve(FakeServer::Behaviour behaviour = {}) {
@@ -76,6 +80,7 @@ class LibraryTest : public ::testing::Test {
                           .radius_mm = 5,
                           .flags = wire::kContactStock};
       peer.send_result(result, 1);
+      note_answer(last.time_us);
     }
   }
 
@@ -109,16 +114,25 @@ class LibraryTest : public ::testing::Test {
   kerf_agent_result step(const kerf_agent_pose& pose) {
     return kerf_agent_step(agent_, &pose, &wrench_);
   }
-  /// Runs a loop of 1 kHz until the condition holds. A busy machine trips the envelope, which the
-  /// user then re-arms; the limit of 20 s only ends a failed test.
+  /// A step 1 ms after the previous one, on the library's stepped clock. Then waits for the
+  /// server's answer, so that answers are as old as on an idle machine; not for long, because a
+  /// server that is lost gives none.
+  kerf_agent_result tick(const kerf_agent_pose& pose) {
+    constexpr std::uint64_t kTickUs = 1000, kBehindUs = 4 * kTickUs;
+    SteppedClock::advance_us(kTickUs);
+    const kerf_agent_result result = step(pose);
+    std::unique_lock lock(answer_mutex_);
+    const std::uint64_t due_us = SteppedClock::now_us() - kBehindUs;
+    has_answered_.wait_for(lock, milliseconds(50), [&] { return answered_us_ >= due_us; });
+    return result;
+  }
+  /// Runs a loop of 1 kHz until the condition holds; the limit of 5 s of the stepped clock ends a
+  /// failed test.
   template <typename Condition>
-  bool tick_until(const kerf_agent_pose& pose, Condition condition, bool rearm = true) {
-    auto due = std::chrono::steady_clock::now();
-    for (int i = 0; i < 20'000; ++i) {
-      std::this_thread::sleep_until(due += milliseconds(1));
-      EXPECT_EQ(step(pose), KERF_AGENT_OK);
+  bool tick_until(const kerf_agent_pose& pose, Condition condition) {
+    for (int i = 0; i < 5'000; ++i) {
+      EXPECT_EQ(tick(pose), KERF_AGENT_OK);
       if (condition()) return true;
-      if (rearm && i % 500 == 499 && status().tripped) kerf_agent_rearm(agent_);
     }
     return false;
   }
@@ -134,6 +148,17 @@ class LibraryTest : public ::testing::Test {
     return tick_until(pose, felt);
   }
 
+  void note_answer(std::uint64_t time_us) {
+    {
+      const std::scoped_lock lock(answer_mutex_);
+      answered_us_ = time_us;
+    }
+    has_answered_.notify_all();
+  }
+
+  std::mutex answer_mutex_;
+  std::condition_variable has_answered_;
+  std::uint64_t answered_us_ = 0;  ///< time of the newest sample that the server has answered
   std::string welcome_ = welcome_text();
   std::optional<FakeServer> server_;
   std::string url_;
