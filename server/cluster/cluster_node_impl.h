@@ -46,6 +46,7 @@ struct ClusterNode::Impl {
   void take_all(const std::stop_token& stop);
   std::optional<std::string> next_to_take();
   void take(const std::string& id);
+  void note_not_taken(const std::string& id, const SeenLease& seen, const LeaseError& error);
   bool open(const std::string& id);
   void find_local();
   void hand_over_lost();

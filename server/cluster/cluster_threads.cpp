@@ -187,6 +187,18 @@ std::optional<std::string> ClusterNode::Impl::next_to_take() {
   return std::nullopt;
 }
 
+/// Another server was faster, or NATS has lost what this server has seen: then the session is free
+/// later than it seemed.
+void ClusterNode::Impl::note_not_taken(const std::string& id, const SeenLease& seen,
+                                       const LeaseError& error) {
+  const bool has_lost = error.stored && error.stored->revision < seen.revision;
+  if (has_lost || !error.is_lost) log_failure(id, error.reason + "; it is tried again");
+  if (!error.stored) return;
+  const std::lock_guard lock(mutex);
+  table.correct(id, *error.stored, boot_time_ns());
+  due_ns.erase(id);
+}
+
 /// Takes a lease and opens its session, unless another server is faster.
 void ClusterNode::Impl::take(const std::string& id) {
   SeenLease seen;
@@ -204,8 +216,9 @@ void ClusterNode::Impl::take(const std::string& id) {
   lease.to.clear();
   lease.epoch = std::max(seen.lease.epoch, *epoch) + 1;
   lease.time = lease_time;
-  const auto taken = own.take(id, lease, seen.revision);
-  if (!taken) return;
+  if (const auto taken = own.take(id, lease, seen.revision); !taken) {
+    return note_not_taken(id, seen, taken.error());
+  }
   log::info("session " + id + ": taken over" +
             (seen.lease.node.empty() ? "" : " from " + seen.lease.node) + ", epoch " +
             std::to_string(lease.epoch));

@@ -57,6 +57,12 @@ struct Lease {
   ShownSession shown;  ///< its epoch is not part of the message
 };
 
+/// The newest state of a lease at NATS.
+struct StoredLease {
+  std::uint64_t revision = 0;  ///< 0: there is none
+  std::optional<Lease> lease;
+};
+
 /// A server, as it states every second.
 struct NodeNote {
   std::string run;

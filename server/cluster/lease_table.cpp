@@ -22,6 +22,17 @@ void LeaseTable::note(const std::string& session, Lease lease, std::uint64_t rev
   seen = {std::move(lease), revision, now_ns};
 }
 
+void LeaseTable::correct(const std::string& session, const StoredLease& stored,
+                         std::int64_t now_ns) {
+  if (!leases_.contains(session) && !stored.lease) return;
+  SeenLease& seen = leases_[session];
+  const std::uint32_t epoch = seen.lease.epoch;
+  if (stored.lease) seen.lease = *stored.lease;
+  seen.lease.epoch = std::max(seen.lease.epoch, epoch);
+  seen.revision = stored.revision;
+  seen.since_ns = now_ns;
+}
+
 /// A session that was expected of a server has been created there.
 void LeaseTable::note_new(const Lease& lease) {
   const auto node = nodes_.find(lease.node);

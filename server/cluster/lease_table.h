@@ -39,6 +39,10 @@ class LeaseTable {
   /// The revision that is known changes nothing. A smaller one is that of a NATS that has lost
   /// some.
   void note(const std::string& session, Lease lease, std::uint64_t revision, std::int64_t now_ns);
+  /// NATS has another state of a lease than the one that is known, as it has after it was restored
+  /// from an earlier store. The lease counts as renewed now, since its owner may have renewed it
+  /// until NATS was lost. The epoch stays the largest that was seen.
+  void correct(const std::string& session, const StoredLease& stored, std::int64_t now_ns);
   void note(const std::string& node, NodeNote note, std::int64_t now_ns);
   /// Nothing could be seen before `now_ns`: no lease counts as older.
   void begin(std::int64_t now_ns) { began_ns_ = now_ns; }

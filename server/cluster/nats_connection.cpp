@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/cluster/nats_address.h"
+#include "server/cluster/nats_line.h"
 
 namespace kerf {
 namespace {
@@ -19,15 +20,8 @@ constexpr std::int64_t kWaitMs = 2000;
 constexpr std::int64_t kReconnectMs = 250, kPingMs = 2000;
 constexpr std::chrono::milliseconds kConnectPoll{5};
 
-template <typename T, void (*Destroy)(T*)>
-struct Owner {
-  void operator()(T* object) const { Destroy(object); }
-};
-template <typename T, void (*Destroy)(T*)>
-using Owned = std::unique_ptr<T, Owner<T, Destroy>>;
-using Options = Owned<natsOptions, natsOptions_Destroy>;
-using Message = Owned<natsMsg, natsMsg_Destroy>;
-using Subscription = Owned<natsSubscription, natsSubscription_Destroy>;
+using Options = NatsOwned<natsOptions, natsOptions_Destroy>;
+using Message = NatsOwned<natsMsg, natsMsg_Destroy>;
 
 std::unexpected<NatsError> failed(natsStatus status, jsErrCode code) {
   auto kind = NatsErrorCode::kAway;
@@ -65,8 +59,10 @@ NatsResult<StreamMessage> take_delivered(natsMsg* message) {
 }  // namespace
 
 struct NatsConnection::Impl {
-  Owned<natsConnection, natsConnection_Destroy> connection;
-  Owned<jsCtx, jsCtx_Destroy> streams;  // destroyed before the connection
+  std::shared_ptr<NatsLine> line = std::make_shared<NatsLine>();
+
+  natsConnection* connection() const { return line->connection.get(); }
+  jsCtx* streams() const { return line->streams.get(); }
 };
 
 NatsConnection::NatsConnection(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -100,7 +96,7 @@ NatsResult<NatsConnection> NatsConnection::open(const std::string& url, const st
   if (status == NATS_OK) {
     status = natsConnection_Connect(&connection, raw);
     if (status == NATS_NOT_YET_CONNECTED) status = NATS_OK;
-    impl->connection.reset(connection);
+    impl->line->connection.reset(connection);
   }
   jsCtx* streams = nullptr;
   if (status == NATS_OK) {
@@ -108,7 +104,7 @@ NatsResult<NatsConnection> NatsConnection::open(const std::string& url, const st
     jsOptions_Init(&js);
     js.Wait = kWaitMs;
     status = natsConnection_JetStream(&streams, connection, &js);
-    impl->streams.reset(streams);
+    impl->line->streams.reset(streams);
   }
   if (status != NATS_OK) return failed(status, jsErrCode{});
   NatsConnection made(std::move(impl));
@@ -120,7 +116,7 @@ NatsResult<NatsConnection> NatsConnection::open(const std::string& url, const st
 }
 
 bool NatsConnection::is_connected() const {
-  return natsConnection_Status(impl_->connection.get()) == NATS_CONN_STATUS_CONNECTED;
+  return natsConnection_Status(impl_->connection()) == NATS_CONN_STATUS_CONNECTED;
 }
 
 NatsResult<void> NatsConnection::make_stream(const std::string& stream, const std::string& subject,
@@ -130,7 +126,7 @@ NatsResult<void> NatsConnection::make_stream(const std::string& stream, const st
   jsErrCode code{};
   jsStreamInfo* info = nullptr;
   const natsStatus known =
-      js_GetStreamInfo(&info, impl_->streams.get(), stream.c_str(), nullptr, &code);
+      js_GetStreamInfo(&info, impl_->streams(), stream.c_str(), nullptr, &code);
   jsStreamInfo_Destroy(info);
   if (known == NATS_OK) return {};
   if (code != JSStreamNotFoundErr) return failed(known, code);
@@ -143,7 +139,7 @@ NatsResult<void> NatsConnection::make_stream(const std::string& stream, const st
   config.Storage = js_FileStorage;
   config.Replicas = replicas;
   if (keep == Keep::kLastOfSubject) config.MaxMsgsPerSubject = 1;
-  const natsStatus status = js_AddStream(nullptr, impl_->streams.get(), &config, nullptr, &code);
+  const natsStatus status = js_AddStream(nullptr, impl_->streams(), &config, nullptr, &code);
   if (status != NATS_OK) return failed(status, code);
   return {};
 }
@@ -154,7 +150,7 @@ NatsResult<std::optional<StreamMessage>> NatsConnection::last_message(const std:
   natsMsg* raw = nullptr;
   jsErrCode code{};
   const natsStatus status =
-      js_GetLastMsg(&raw, impl_->streams.get(), stream.c_str(), subject.c_str(), nullptr, &code);
+      js_GetLastMsg(&raw, impl_->streams(), stream.c_str(), subject.c_str(), nullptr, &code);
   const Message message(raw);
   if (code == JSNoMessageFoundErr) return std::nullopt;
   if (status != NATS_OK) return failed(status, code);
@@ -174,7 +170,7 @@ NatsResult<std::uint64_t> NatsConnection::publish(const std::string& subject,
   options.ExpectNoMessage = after == 0;
   jsPubAck* ack = nullptr;
   jsErrCode code{};
-  const natsStatus status = js_Publish(&ack, impl_->streams.get(), subject.c_str(), bytes.data(),
+  const natsStatus status = js_Publish(&ack, impl_->streams(), subject.c_str(), bytes.data(),
                                        static_cast<int>(bytes.size()), &options, &code);
   const std::uint64_t sequence = ack == nullptr ? 0 : ack->Sequence;
   jsPubAck_Destroy(ack);
@@ -194,8 +190,8 @@ NatsResult<void> NatsConnection::read(const std::string& stream, const std::stri
   natsSubscription* raw = nullptr;
   jsErrCode code{};
   natsStatus status =
-      js_SubscribeSync(&raw, impl_->streams.get(), subject.c_str(), nullptr, &options, &code);
-  const Subscription subscription(raw);
+      js_SubscribeSync(&raw, impl_->streams(), subject.c_str(), nullptr, &options, &code);
+  const NatsSubscription subscription(impl_->line, raw);
   if (status != NATS_OK) return failed(status, code);
   for (std::uint64_t sequence = 0; sequence < (*last)->sequence;) {
     natsMsg* next = nullptr;
@@ -211,7 +207,7 @@ NatsResult<void> NatsConnection::read(const std::string& stream, const std::stri
 }
 
 struct NatsWatch::Impl {
-  Subscription subscription;
+  NatsSubscription subscription;
 };
 
 NatsWatch::NatsWatch(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -241,16 +237,15 @@ NatsResult<NatsWatch> NatsConnection::watch_since(const std::string& stream,
   natsSubscription* raw = nullptr;
   jsErrCode code{};
   const natsStatus status =
-      js_SubscribeSync(&raw, impl_->streams.get(), subject.c_str(), nullptr, &options, &code);
-  auto impl = std::make_unique<NatsWatch::Impl>();
-  impl->subscription.reset(raw);
+      js_SubscribeSync(&raw, impl_->streams(), subject.c_str(), nullptr, &options, &code);
   if (status != NATS_OK) return failed(status, code);
-  return NatsWatch(std::move(impl));
+  return NatsWatch(
+      std::make_unique<NatsWatch::Impl>(NatsWatch::Impl{NatsSubscription(impl_->line, raw)}));
 }
 
 struct NatsListener::Impl {
   std::function<void(const StreamMessage&)> take;
-  Subscription subscription;
+  NatsSubscription subscription;
   std::future<void> ended;
 };
 
@@ -259,14 +254,14 @@ NatsListener::NatsListener() = default;
 NatsListener::NatsListener(NatsListener&&) noexcept = default;
 NatsListener& NatsListener::operator=(NatsListener&&) noexcept = default;
 NatsListener::~NatsListener() {
-  if (!impl_ || !impl_->subscription) return;
+  if (!impl_ || impl_->subscription.get() == nullptr) return;
   natsSubscription_Unsubscribe(impl_->subscription.get());
   impl_->ended.wait();  // no call is running or comes any more
 }
 
 void NatsConnection::send(const std::string& subject, std::span<const std::byte> bytes) {
   if (!is_connected()) return;
-  (void)natsConnection_Publish(impl_->connection.get(), subject.c_str(), bytes.data(),
+  (void)natsConnection_Publish(impl_->connection(), subject.c_str(), bytes.data(),
                                static_cast<int>(bytes.size()));
 }
 
@@ -283,7 +278,7 @@ NatsResult<NatsListener> NatsConnection::listen(const std::string& subject,
   };
   natsSubscription* raw = nullptr;
   natsStatus status =
-      natsConnection_Subscribe(&raw, impl_->connection.get(), subject.c_str(), call, impl.get());
+      natsConnection_Subscribe(&raw, impl_->connection(), subject.c_str(), call, impl.get());
   if (status != NATS_OK) return failed(status, jsErrCode{});
   // The thread of the subscription has its end: who waits for it destroys the rest.
   auto promise = std::make_unique<std::promise<void>>();
@@ -294,7 +289,7 @@ NatsResult<NatsListener> NatsConnection::listen(const std::string& subject,
   };
   status = natsSubscription_SetOnCompleteCB(raw, end, promise.get());
   if (status == NATS_OK) (void)promise.release();
-  impl->subscription.reset(raw);
+  impl->subscription = NatsSubscription(impl_->line, raw);
   if (status != NATS_OK) {  // nobody would say when the last call has ended
     natsSubscription_Unsubscribe(impl->subscription.get());
     (void)impl.release();  // NOLINT: a call may be running
@@ -316,8 +311,8 @@ NatsResult<std::vector<std::string>> NatsConnection::streams() {
   if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
   jsStreamNamesList* raw = nullptr;
   jsErrCode code{};
-  const natsStatus status = js_StreamNames(&raw, impl_->streams.get(), nullptr, &code);
-  const Owned<jsStreamNamesList, jsStreamNamesList_Destroy> list(raw);
+  const natsStatus status = js_StreamNames(&raw, impl_->streams(), nullptr, &code);
+  const NatsOwned<jsStreamNamesList, jsStreamNamesList_Destroy> list(raw);
   if (status == NATS_NOT_FOUND) return std::vector<std::string>{};
   if (status != NATS_OK) return failed(status, code);
   return std::vector<std::string>(list->List, list->List + list->Count);
@@ -330,7 +325,7 @@ NatsResult<void> NatsConnection::purge(const std::string& stream, std::uint64_t 
   jsOptions_Init(&options);
   options.Stream.Purge.Sequence = first;
   jsErrCode code{};
-  const natsStatus status = js_PurgeStream(impl_->streams.get(), stream.c_str(), &options, &code);
+  const natsStatus status = js_PurgeStream(impl_->streams(), stream.c_str(), &options, &code);
   if (status != NATS_OK) return failed(status, code);
   return {};
 }
@@ -338,7 +333,7 @@ NatsResult<void> NatsConnection::purge(const std::string& stream, std::uint64_t 
 NatsResult<void> NatsConnection::delete_stream(const std::string& stream) {
   if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
   jsErrCode code{};
-  const natsStatus status = js_DeleteStream(impl_->streams.get(), stream.c_str(), nullptr, &code);
+  const natsStatus status = js_DeleteStream(impl_->streams(), stream.c_str(), nullptr, &code);
   if (status != NATS_OK) return failed(status, code);
   return {};
 }

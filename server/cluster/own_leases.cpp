@@ -30,15 +30,29 @@ NatsResult<std::uint64_t> OwnLeases::store(const std::string& session, const Lea
   }
 }
 
+/// A revision was not the newest one: reads which one is.
+LeaseError OwnLeases::read_newest(const std::string& session, std::uint64_t revision) {
+  LeaseError error{.is_lost = true, .reason = "another server has taken the lease"};
+  const auto last = nats_.last_message(kClusterStream, lease_subject(session));
+  if (!last) return error;
+  error.stored.emplace();
+  if (*last) error.stored = {(*last)->sequence, decode_lease((*last)->bytes)};
+  if (error.stored->revision < revision) {
+    error.reason = "NATS has lost messages: revision " + std::to_string(revision) +
+                   " of its lease was seen, the newest one now is " +
+                   std::to_string(error.stored->revision);
+  }
+  return error;
+}
+
 std::expected<void, LeaseError> OwnLeases::take(const std::string& session, Lease lease,
                                                 std::uint64_t revision) {
   const std::int64_t sent = boot_time_ns();
   const auto stored = store(session, lease, revision, kAttempts);
-  if (!stored) {
-    const bool is_lost = stored.error().code == NatsErrorCode::kNotNext;
-    return std::unexpected(LeaseError{
-        is_lost, is_lost ? "another server has taken the lease" : stored.error().reason});
+  if (!stored && stored.error().code == NatsErrorCode::kNotNext) {
+    return std::unexpected(read_newest(session, revision));
   }
+  if (!stored) return std::unexpected(LeaseError{false, stored.error().reason});
   auto fence = std::make_shared<WriteFence>();
   fence->extend(sent + lease.time.writes_ns);
   const std::lock_guard lock(mutex_);

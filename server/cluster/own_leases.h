@@ -21,6 +21,9 @@ namespace kerf {
 struct LeaseError {
   bool is_lost = false;  ///< another server has it; else nobody can be asked
   std::string reason;    ///< one sentence
+  /// Of take(): what NATS has in the place of the revision that was expected, if it could be read.
+  /// A NATS that has lost its last seconds has an earlier one.
+  std::optional<StoredLease> stored = {};
 };
 
 /// The leases that this server holds. Each change at NATS expects the revision that it replaces, so
@@ -58,6 +61,7 @@ class OwnLeases {
   };
   NatsResult<std::uint64_t> store(const std::string& session, const Lease& lease,
                                   std::uint64_t revision, int attempts);
+  LeaseError read_newest(const std::string& session, std::uint64_t revision);
   std::expected<std::uint64_t, LeaseError> store_own(const std::string& session, const Lease& lease,
                                                      std::uint64_t revision);
 

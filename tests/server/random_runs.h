@@ -7,6 +7,12 @@
 
 namespace kerf {
 
+/// A number of the environment.
+inline unsigned setting(const char* name, unsigned otherwise) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? otherwise : static_cast<unsigned>(std::atoi(text));
+}
+
 /// Which runs of a random test to make; the environment may ask for more and others.
 struct RandomRuns {
   unsigned first_seed;  ///< KERF_SEED; gtest's --gtest_repeat does not change it
@@ -22,12 +28,6 @@ struct RandomRuns {
     for (unsigned seed = first; seed < end && !::testing::Test::HasFailure(); ++seed) {
       run(seed, length);
     }
-  }
-
- private:
-  static unsigned setting(const char* name, unsigned otherwise) {
-    const char* text = std::getenv(name);
-    return text == nullptr ? otherwise : static_cast<unsigned>(std::atoi(text));
   }
 };
 

@@ -48,6 +48,21 @@ TEST_F(LeaseTableTest, ALeaseLastsAsLongAsItsOwnerStates) {
   EXPECT_EQ(table_.takeable(kSecond * 31 / 25), Ids{"s"});
 }
 
+TEST_F(LeaseTableTest, ALeaseThatNatsHasLostInPartIsFreeAgainLaterWithItsEpochKept) {
+  table_.note("s", held_by("b", 5), 47, 0);
+  table_.correct("s", {24, held_by("c", 3)}, 9 * kSecond);
+  EXPECT_EQ(table_.find("s")->revision, 24U);
+  EXPECT_EQ(table_.find("s")->lease.node, "c");
+  EXPECT_EQ(table_.find("s")->lease.epoch, 5U) << "an owner of epoch 5 may be about to come back";
+  EXPECT_EQ(table_.takeable(9 * kSecond + kTakenNs - 1), Ids());
+  EXPECT_EQ(table_.takeable(9 * kSecond + kTakenNs), Ids{"s"});
+  table_.correct("s", {0, std::nullopt}, 20 * kSecond);
+  EXPECT_EQ(table_.find("s")->revision, 0U);
+  EXPECT_EQ(table_.takeable(20 * kSecond + kTakenNs), Ids{"s"}) << "whatever NATS has lost";
+  table_.correct("unknown", {0, std::nullopt}, 20 * kSecond);
+  EXPECT_EQ(table_.find("unknown"), nullptr);
+}
+
 TEST_F(LeaseTableTest, TimeWithoutAnythingToBeSeenDoesNotCount) {
   table_.note("s", held_by("b"), 7, 0);
   table_.begin(10 * kSecond);

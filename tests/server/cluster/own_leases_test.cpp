@@ -63,6 +63,31 @@ TEST_F(OwnLeasesTest, AnOwnerThatIsSucceededLearnsOfItAndIsFenced) {
   EXPECT_EQ(decode_lease(stored().bytes)->epoch, 2U);
 }
 
+TEST_F(OwnLeasesTest, ALeaseOfANatsThatHasLostItsLastSecondsIsReadAndTaken) {
+  ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
+  const StreamMessage early = stored();
+  for (int n = 0; n < 3; ++n) ASSERT_TRUE(a_->renew("s", {}));
+  const std::uint64_t seen = stored().sequence;
+  // The store of an earlier moment.
+  ASSERT_TRUE(nats_->delete_stream(kClusterStream));
+  ASSERT_TRUE(nats_->make_stream(kClusterStream, kClusterSubjects, 1, Keep::kLastOfSubject));
+  const auto none = b_->take("s", lease("b", 2), seen);
+  ASSERT_FALSE(none);
+  ASSERT_TRUE(none.error().stored);
+  EXPECT_EQ(none.error().stored->revision, 0U);
+  EXPECT_FALSE(none.error().stored->lease);
+  ASSERT_TRUE(nats_->publish(lease_subject("s"), early.bytes, "early", 0));
+
+  const auto failed = b_->take("s", lease("b", 2), seen);
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().reason,
+            "NATS has lost messages: revision 4 of its lease was seen, the newest one now is 1");
+  ASSERT_TRUE(failed.error().stored && failed.error().stored->lease);
+  EXPECT_EQ(failed.error().stored->lease->node, "a");
+  EXPECT_TRUE(b_->take("s", lease("b", 2), failed.error().stored->revision));
+  EXPECT_EQ(decode_lease(stored().bytes)->node, "b");
+}
+
 TEST_F(OwnLeasesTest, ARenewalWhoseAnswerWasLostIsNotThatOfAnother) {
   ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
   const StreamMessage first = stored();

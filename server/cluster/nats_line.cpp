@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cluster/nats_line.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+
+namespace kerf {
+namespace {
+
+constexpr std::int64_t kPingMs = 500;
+constexpr int kAttempts = 3;
+
+/// Takes a subscription from those that the reading thread looks up. An ordered one may get another
+/// number meanwhile, and is then still there.
+bool unsubscribe(natsSubscription* subscription) {
+  for (int n = 0; n < kAttempts && natsSubscription_IsValid(subscription); ++n) {
+    natsSubscription_Unsubscribe(subscription);
+  }
+  return !natsSubscription_IsValid(subscription);
+}
+
+/// Whether the reading thread has finished with all that came before the call: it reads the answer
+/// to a ping after that.
+bool has_read_on(natsConnection* connection) {
+  return natsConnection_Status(connection) == NATS_CONN_STATUS_CONNECTED &&
+         natsConnection_FlushTimeout(connection, kPingMs) == NATS_OK;
+}
+
+}  // namespace
+
+NatsLine::~NatsLine() {
+  streams.reset();
+  natsConnection_Close(connection.get());  // Its threads have ended when it returns.
+  ended_.clear();
+}
+
+void NatsLine::end(natsSubscription* subscription) {
+  std::vector<Ended> ended;
+  {
+    const std::lock_guard lock(mutex_);
+    ended_.emplace_back(subscription);
+    const auto out = std::partition(ended_.begin(), ended_.end(),
+                                    [](const Ended& each) { return !unsubscribe(each.get()); });
+    std::move(out, ended_.end(), std::back_inserter(ended));
+    ended_.erase(out, ended_.end());
+  }
+  if (has_read_on(connection.get())) return;
+  const std::lock_guard lock(mutex_);
+  std::ranges::move(ended, std::back_inserter(ended_));
+}
+
+}  // namespace kerf

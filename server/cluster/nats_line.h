@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nats/nats.h>
+
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace kerf {
+
+template <typename T, void (*Destroy)(T*)>
+struct NatsOwner {
+  void operator()(T* object) const { Destroy(object); }
+};
+/// An object of the C library that is destroyed with its owner.
+template <typename T, void (*Destroy)(T*)>
+using NatsOwned = std::unique_ptr<T, NatsOwner<T, Destroy>>;
+
+/// A connection of libnats and the subscriptions on it that have ended. The library's thread that
+/// reads looks a subscription up and then uses it without a reference to it, up to version 3.5: one
+/// that another thread destroys meanwhile corrupts the heap. So an ended subscription is destroyed
+/// only after that thread has answered a ping, or has ended with the connection. Thread-safe.
+class NatsLine {
+ public:
+  NatsLine() = default;
+  NatsLine(const NatsLine&) = delete;
+  NatsLine& operator=(const NatsLine&) = delete;
+  /// Closes the connection and waits for its threads.
+  ~NatsLine();
+
+  /// Ends a subscription, and destroys it and those that ended before as soon as that is safe.
+  /// Waits for at most half a second.
+  void end(natsSubscription* subscription);
+
+  NatsOwned<natsConnection, natsConnection_Destroy> connection;
+  NatsOwned<jsCtx, jsCtx_Destroy> streams;  // destroyed before the connection
+
+ private:
+  using Ended = NatsOwned<natsSubscription, natsSubscription_Destroy>;
+  std::mutex mutex_;
+  std::vector<Ended> ended_;  ///< that the reading thread may still use
+};
+
+/// A subscription, which ends with this object. Keeps its connection.
+class NatsSubscription {
+ public:
+  NatsSubscription() = default;
+  /// `subscription` may be null.
+  NatsSubscription(std::shared_ptr<NatsLine> line, natsSubscription* subscription)
+      : line_(std::move(line)), subscription_(subscription) {}
+  NatsSubscription(NatsSubscription&& other) noexcept { *this = std::move(other); }
+  NatsSubscription& operator=(NatsSubscription&& other) noexcept {
+    std::swap(line_, other.line_);
+    std::swap(subscription_, other.subscription_);
+    return *this;
+  }
+  ~NatsSubscription() {
+    if (subscription_ != nullptr) line_->end(subscription_);
+  }
+  natsSubscription* get() const { return subscription_; }
+
+ private:
+  std::shared_ptr<NatsLine> line_;
+  natsSubscription* subscription_ = nullptr;
+};
+
+}  // namespace kerf
