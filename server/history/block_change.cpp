@@ -108,11 +108,9 @@ std::expected<std::vector<Tile>, std::string> BlockHistory::find_returning(
 }
 
 std::expected<std::vector<TileReplacement>, std::string> BlockHistory::change(
-    const SolidSnapshot& solid, const StrokeSet& changed, const MotionSet& set, Workers& workers,
-    const std::stop_token& stop) {
-  const auto reached = reach(changed, stop);
-  if (!reached) return std::unexpected(reached.error());
-  std::vector<ChangedTile> tiles = changed_tiles(solid, *reached, changed, set);
+    const SolidSnapshot& solid, std::span<const FieldTile> reached, const StrokeSet& changed,
+    const MotionSet& set, Workers& workers, const std::stop_token& stop) {
+  std::vector<ChangedTile> tiles = changed_tiles(solid, reached, changed, set);
   const auto returning = find_returning(tiles, set, workers, stop);
   if (!returning) return std::unexpected(returning.error());
   std::vector<TileReplacement> result;

@@ -21,6 +21,10 @@
 
 namespace kerf {
 
+/// Tiles that who replaces those of a whole block carves together, so that it needs little memory:
+/// some 20 MB of them.
+inline constexpr std::size_t kTilesAtOnce = 1024;
+
 /// What a history keeps for the next question.
 struct HistoryMemory {
   std::size_t windows = 128;                         ///< of records (RecordedMotions)
@@ -55,14 +59,13 @@ class BlockHistory {
                                                                  Workers& workers,
                                                                  const std::stop_token& stop = {});
 
-  /// Returns the tiles of a block that are others when strokes are undone or redone: what a set of
-  /// motions leaves of them. `solid`: what the set leaves of the block, except that of the strokes
-  /// `changed` it may hold any. Costs what the place of these strokes costs, not the history.
-  std::expected<std::vector<TileReplacement>, std::string> change(const SolidSnapshot& solid,
-                                                                  const StrokeSet& changed,
-                                                                  const MotionSet& set,
-                                                                  Workers& workers,
-                                                                  const std::stop_token& stop = {});
+  /// Returns those of some tiles of a block that are others when strokes are undone or redone: what
+  /// a set of motions leaves of them. `solid`: what the set leaves of the block, except that of the
+  /// strokes `changed` it may hold any. `reached`: sorted, without duplicates; outside reach() of
+  /// these strokes nothing changes. Costs what the place of these strokes costs, not the history.
+  std::expected<std::vector<TileReplacement>, std::string> change(
+      const SolidSnapshot& solid, std::span<const FieldTile> reached, const StrokeSet& changed,
+      const MotionSet& set, Workers& workers, const std::stop_token& stop = {});
 
   /// Returns which motion of a set was the first to remove a quantum of stock; nothing: none did,
   /// or it never was stock.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/history/recorded_block.h"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include "server/history/journal_records.h"
@@ -33,10 +35,16 @@ std::expected<void, std::string> RecordedBlock::settle(const std::stop_token& st
   }
   if (auto ok = history_->catch_up(stop); !ok) return ok;
   SerialWorkers alone;
-  const auto tiles =
-      history_->change(sculpture_.solid(), changed_, history_->strokes().at(last_), alone, stop);
-  if (!tiles) return std::unexpected(tiles.error());
-  sculpture_.replace(*tiles);
+  const MotionSet set = history_->strokes().at(last_);
+  const auto reached = history_->reach(changed_, stop);
+  if (!reached) return std::unexpected(reached.error());
+  for (std::span<const FieldTile> left(*reached); !left.empty();) {
+    const auto some = left.first(std::min(kTilesAtOnce, left.size()));
+    left = left.subspan(some.size());
+    const auto tiles = history_->change(sculpture_.solid(), some, changed_, set, alone, stop);
+    if (!tiles) return std::unexpected(tiles.error());
+    sculpture_.replace(*tiles);
+  }
   changed_.clear();
   return {};
 }

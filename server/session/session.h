@@ -320,11 +320,11 @@ class Session : public std::enable_shared_from_this<Session> {
   void report_changes();
   void show_figures();
   void write_snapshot_if_due();
-  std::expected<void, std::string> write_snapshot(std::uint64_t at, const SculptureState& state);
-  std::expected<void, std::string> write_snapshot_locked(std::uint64_t at,
-                                                         const SculptureState& state);
+  using Outcome = std::expected<void, std::string>;
+  Outcome write_snapshot(std::uint64_t at, const SculptureState& state);
+  Outcome write_snapshot_locked(std::uint64_t at, const SculptureState& state);
   void keep_last_state();
-  std::expected<void, std::string> read_history(const std::stop_token& stop);
+  Outcome read_history(const std::stop_token& stop);
   void read_history_ahead();
   std::expected<std::optional<std::vector<TileReplacement>>, std::string> look_back(
       const std::function<std::optional<MotionSet>()>& choose, Workers& workers,
@@ -335,10 +335,11 @@ class Session : public std::enable_shared_from_this<Session> {
   bool may_change(const StrokeRequest& request, ParticipantId participant);
   std::expected<std::uint64_t, Rejection> note_changes(const StrokeRequest& request,
                                                        const std::vector<Stroke>& strokes);
-  std::expected<void, std::string> settle(Workers& workers, const std::stop_token& stop,
-                                          StrokesChanged& changed);
-  std::expected<void, std::string> wait_for_pieces(const std::stop_token& stop);
-  void end_settling(const StrokeSet& strokes);
+  Outcome try_to_settle(Workers& workers, const std::stop_token& stop, StrokesChanged& changed);
+  Outcome settle(Workers& workers, const std::stop_token& stop, StrokesChanged& changed);
+  Outcome settle_tiles(std::span<const FieldTile> reached, Workers& workers,
+                       const std::stop_token& stop, StrokesChanged& changed);
+  Outcome wait_for_pieces(const std::stop_token& stop);
   void retry_settling();
   void settle_later();
   void follow_change(const StrokeChange& change);
@@ -389,7 +390,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<LiveState> live_;  ///< of a followed session: what its owner has stated last
   std::string live_programs_sent_;
   std::size_t viewers_elsewhere_ = 0;
-  StrokeSet unsettled_;  ///< whose change is in the journal and not yet in the block
+  std::map<StrokeId, std::uint64_t> unsettled_;  ///< change of each that the block has not: record
   std::atomic<std::uint64_t> shown_motions_ = 0;
   std::atomic<double> shown_removed_mm3_ = 0;
   std::atomic<std::size_t> shown_participants_ = 0;

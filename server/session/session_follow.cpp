@@ -40,7 +40,7 @@ std::expected<std::size_t, std::string> Session::follow(std::span<const JournalR
 
 /// The block is wrong from now on, until the tiles of the stroke have been carved.
 void Session::follow_change(const StrokeChange& change) {
-  unsettled_.insert(change.stroke);
+  unsettled_[change.stroke] = sequence();
   journal_.note_removal();
   settle_later();
 }

@@ -12,6 +12,13 @@ namespace {
 /// Records that may wait for the disk before programs do. A slice adds a few hundred.
 constexpr std::size_t kProgramRecordsMax = kJournalBufferRecords / 4;
 
+Rejection not_ours() { return {wire::ErrorCode::kNotAllowed, "another server runs the session"}; }
+
+Rejection busy(const JournalError& error) {
+  const bool is_full = error.code == JournalErrorCode::kFull;
+  return {wire::ErrorCode::kBusy, is_full ? error.reason : pause_text(error)};
+}
+
 }  // namespace
 
 SessionJournal::SessionJournal(JournalWriter writer, StateHash replayed)
@@ -23,23 +30,22 @@ SessionJournal::SessionJournal(std::unique_ptr<FollowedJournal> followed, StateH
 std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
                                                       const RecordedCommand& command,
                                                       RecordNote note) {
-  if (!writer_) {
-    return std::unexpected(
-        Rejection{wire::ErrorCode::kNotAllowed, "another server runs the session"});
-  }
+  if (!writer_) return std::unexpected(not_ours());
   const auto appended = writer_->append(participant, command, note);
-  if (appended) return {};
-  const JournalError& error = appended.error();
-  const bool is_full = error.code == JournalErrorCode::kFull;
-  return std::unexpected(
-      Rejection{wire::ErrorCode::kBusy, is_full ? error.reason : pause_text(error)});
+  if (!appended) return std::unexpected(busy(appended.error()));
+  return {};
+}
+
+std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
+                                                      std::span<const RecordedCommand> changes) {
+  if (!writer_) return std::unexpected(not_ours());
+  const auto appended = writer_->append_together(participant, changes);
+  if (!appended) return std::unexpected(busy(appended.error()));
+  return {};
 }
 
 std::expected<void, Rejection> SessionJournal::check_space_for_programs() const {
-  if (!writer_) {
-    return std::unexpected(
-        Rejection{wire::ErrorCode::kNotAllowed, "another server runs the session"});
-  }
+  if (!writer_) return std::unexpected(not_ours());
   if (const auto error = writer_->pause()) {
     return std::unexpected(Rejection{wire::ErrorCode::kBusy, pause_text(*error)});
   }

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "server/convert/rejection.h"
@@ -82,6 +83,9 @@ class SessionJournal {
   /// `note` is stored with the command.
   std::expected<void, Rejection> append(ParticipantId participant, const RecordedCommand& command,
                                         RecordNote note = {});
+  /// Appends changes of strokes that stand together: all of them are stored, or none.
+  std::expected<void, Rejection> append(ParticipantId participant,
+                                        std::span<const RecordedCommand> changes);
   /// Appends a participant, with the hash of its token if it may resume.
   void append(const Participant& participant, const std::optional<TokenHash>& token);
   /// Makes a participant unable to resume, also after a restart.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of Session that undoes and redoes strokes.
 #include <algorithm>
+#include <map>
+#include <new>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -24,6 +27,30 @@ constexpr int kRoundsMax = 4;
 constexpr std::uint64_t kReadAhead = 20'000;
 
 Rejection no_stroke(const std::string& reason) { return {wire::ErrorCode::kBadMessage, reason}; }
+
+StrokeSet strokes_of(const std::map<StrokeId, std::uint64_t>& changes) {
+  StrokeSet strokes;
+  for (const auto& [stroke, record] : changes) strokes.insert(strokes.end(), stroke);
+  return strokes;
+}
+
+/// Motions are collected no more after its end, whatever ends it.
+class Collecting {
+ public:
+  Collecting(Executor& executor, Carving& carving) : executor_(executor), carving_(carving) {}
+  Collecting(const Collecting&) = delete;
+  Collecting& operator=(const Collecting&) = delete;
+  ~Collecting() {
+    run_and_wait(executor_, [this] {
+      carving_.end_collecting();
+      return true;
+    });
+  }
+
+ private:
+  Executor& executor_;
+  Carving& carving_;
+};
 
 }  // namespace
 
@@ -100,17 +127,18 @@ std::expected<std::uint64_t, Rejection> Session::note_changes(const StrokeReques
                                                       "'s: an owner may change those of others"});
   }
   if (auto ok = journal_.check_space_for_programs(); !ok) return std::unexpected(ok.error());
+  std::vector<RecordedCommand> changes;
+  auto unsettled = unsettled_;
+  std::uint64_t record = sequence();
   for (const Stroke& stroke : strokes) {
-    const StrokeChange change{stroke.id, request.undone};
-    if (auto ok = journal_.append(request.author, change); !ok) {
-      // Those before it are journaled.
-      if (stroke.id != strokes.front().id) retry_settling();
-      return std::unexpected(ok.error());
-    }
-    unsettled_.insert(stroke.id);
-    participants_.end_strokes();
-    journal_.note_removal();
+    changes.emplace_back(StrokeChange{stroke.id, request.undone});
+    unsettled[stroke.id] = ++record;
   }
+  participants_.end_strokes();
+  if (auto ok = journal_.append(request.author, changes); !ok) return std::unexpected(ok.error());
+  // Nothing fails from here on: the journal says so.
+  unsettled_ = std::move(unsettled);
+  journal_.note_removal();
   return sequence();
 }
 
@@ -126,14 +154,26 @@ std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeReq
   if (!chosen) return std::unexpected(chosen.error());
   std::vector<Stroke> strokes;
   for (const StrokeId id : *chosen) strokes.push_back(*history_->strokes().find(id));
+  StrokesChanged changed{.strokes = {chosen->begin(), chosen->end()}};
   const auto noted = run_and_wait(*executor_, [&] { return note_changes(request, strokes); });
   if (!noted) return std::unexpected(noted.error());
-  StrokesChanged changed{{chosen->begin(), chosen->end()}, *noted};
-  if (auto settled = settle(workers, stop, changed); !settled) {
+  changed.sequence = *noted;
+  if (auto settled = try_to_settle(workers, stop, changed); !settled) {
     changed.pending = settled.error();
     retry_settling();
   }
   return changed;
+}
+
+/// As settle(). Without memory the changes stay pending.
+std::expected<void, std::string> Session::try_to_settle(Workers& workers,
+                                                        const std::stop_token& stop,
+                                                        StrokesChanged& changed) {
+  try {
+    return settle(workers, stop, changed);
+  } catch (const std::bad_alloc&) {
+    return std::unexpected("the server has not enough memory for the change now; it tries again");
+  }
 }
 
 void Session::change_strokes_later(StrokeRequest request, StrokesDone done) {
@@ -158,27 +198,55 @@ std::expected<void, std::string> Session::wait_for_pieces(const std::stop_token&
   return {};
 }
 
-/// Carves the tiles of the strokes that have changed and replaces them in the block. Call with the
-/// lock.
+/// Carves the tiles of the strokes that have changed and replaces them in the block, some at a
+/// time, so that a change of a whole block needs little memory. Call with the lock.
 std::expected<void, std::string> Session::settle(Workers& workers, const std::stop_token& stop,
                                                  StrokesChanged& changed) {
+  StrokeSet strokes;
+  const std::uint64_t at = run_and_wait(*executor_, [&] {
+    strokes = strokes_of(unsettled_);
+    return sequence();
+  });
+  if (auto read = read_history(stop); !read) return read;
+  const auto reached = history_->reach(strokes, stop);
+  if (!reached) return std::unexpected(reached.error());
+  for (std::span<const FieldTile> left(*reached); !left.empty();) {
+    const auto some = left.first(std::min(kTilesAtOnce, left.size()));
+    left = left.subspan(some.size());
+    if (auto ok = settle_tiles(some, workers, stop, changed); !ok) return ok;
+  }
+  run_and_wait(*executor_, [&] {
+    // One that has changed again since is not in the block.
+    std::erase_if(unsettled_, [&](const auto& stroke) { return stroke.second <= at; });
+    participants_.hold_tools_in_stock();
+    journal_.note_removal();
+    show_figures();
+    schedule_hash();
+    return true;
+  });
+  return {};
+}
+
+/// Carves these tiles and replaces them. The motions that come in meanwhile are cut again.
+std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile> reached,
+                                                       Workers& workers,
+                                                       const std::stop_token& stop,
+                                                       StrokesChanged& changed) {
   struct Begun {
     StrokeSet strokes = {};
     std::uint64_t sequence = 0;
     SolidSnapshot solid = {};
   };
   if (auto ok = wait_for_pieces(stop); !ok) return ok;
-  Begun begun;
+  const Collecting collecting(*executor_, carving_);
   const auto carve = [&]() -> std::expected<std::vector<TileReplacement>, std::string> {
-    begun = run_and_wait(*executor_, [this] {
+    const Begun begun = run_and_wait(*executor_, [this] {
       carving_.begin_collecting();
-      return Begun{unsettled_, sequence(), sculpture_.solid()};
+      return Begun{strokes_of(unsettled_), sequence(), sculpture_.solid()};
     });
     if (auto read = read_history(stop); !read) return std::unexpected(read.error());
     const MotionSet set = history_->strokes().at(begun.sequence);
-    auto changed_tiles = history_->change(begun.solid, begun.strokes, set, workers, stop);
-    begun.solid = {};  // Frees the tiles that have been cut meanwhile.
-    return changed_tiles;
+    return history_->change(begun.solid, reached, begun.strokes, set, workers, stop);
   };
   auto tiles = carve();
   // Each round takes less time than the one before, so fewer motions come in meanwhile.
@@ -186,35 +254,20 @@ std::expected<void, std::string> Session::settle(Workers& workers, const std::st
   for (int n = 1; n < kRoundsMax && tiles && run_and_wait(*executor_, collected) > kSinceMax; ++n) {
     tiles = carve();
   }
-  if (!tiles) {
-    run_and_wait(*executor_, [this] {
-      carving_.end_collecting();
-      return 0;
-    });
-    return std::unexpected(tiles.error());
-  }
-  changed.tiles = tiles->size();
-  for (std::size_t next = 0;;) {
-    const bool done = run_and_wait(*executor_, [&] {
+  if (!tiles) return std::unexpected(tiles.error());
+  changed.tiles += tiles->size();
+  for (std::size_t next = 0; next < tiles->size();) {
+    run_and_wait(*executor_, [&] {
       const auto end = Clock::now() + kTurn;
-      for (; next < tiles->size() && !closed_; ++next) {
-        if (Clock::now() >= end) return false;
+      for (; next < tiles->size() && !closed_ && Clock::now() < end; ++next) {
         changed.returned_mm3 += carving_.replace((*tiles)[next]);
+        (*tiles)[next].tile.reset();  // The block holds it now.
       }
-      end_settling(begun.strokes);
-      return true;
+      if (closed_) next = tiles->size();
+      return next;
     });
-    if (done) return {};
   }
-}
-
-void Session::end_settling(const StrokeSet& strokes) {
-  carving_.end_collecting();
-  for (const StrokeId id : strokes) unsettled_.erase(id);
-  participants_.hold_tools_in_stock();
-  journal_.note_removal();
-  show_figures();
-  schedule_hash();
+  return {};
 }
 
 /// Tries again to carve the tiles of changed strokes, until it succeeds or the session is closed.
@@ -231,7 +284,7 @@ void Session::settle_later() {
     const auto lock = self->history_turns_.ask(kHistoryPatience);
     SerialWorkers alone;
     StrokesChanged ignored;
-    if (!lock || !self->settle(alone, {}, ignored)) self->retry_settling();
+    if (!lock || !self->try_to_settle(alone, {}, ignored)) self->retry_settling();
   });
 }
 

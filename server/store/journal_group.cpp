@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_group.h"
 
+#include <sqlite3.h>
+
 #include <algorithm>
 #include <bit>
 #include <map>
+#include <new>
 #include <span>
 #include <utility>
 
@@ -16,6 +19,16 @@ namespace {
 SqlResult<void> run(SqlStatement& statement) {
   if (auto row = statement.step(); !row) return std::unexpected(row.error());
   return {};
+}
+
+/// A commit without memory fails like one without space on the disk: it is tried again.
+template <typename Commit>
+SqlResult<void> with_memory(Commit commit) {
+  try {
+    return commit();
+  } catch (const std::bad_alloc&) {
+    return std::unexpected(SqlError{SQLITE_NOMEM, "there is not enough memory"});
+  }
 }
 
 SqlResult<void> insert_participant(SqlStatement& statement, const JournalParticipant& participant) {
@@ -175,28 +188,47 @@ SqlResult<void> JournalGroups::note_lines(const std::vector<Pending>& group) {
   return {};
 }
 
+SqlResult<void> JournalGroups::insert_all(const std::vector<Pending>& group, std::uint64_t stored) {
+  if (batch_.head.count > 0 && batch_.head.first > stored) {
+    if (auto ok = insert_batch(); !ok) return ok;
+  }
+  for (const Pending& item : group) {
+    if (auto ok = insert(item); !ok) return ok;
+  }
+  if (auto ok = note_progress(group); !ok) return ok;
+  return note_lines(group);
+}
+
 SqlResult<void> JournalGroups::commit_after(const std::vector<Pending>& group,
                                             std::uint64_t stored) {
   if (auto ok = database_.execute("BEGIN IMMEDIATE"); !ok) return ok;
-  SqlResult<void> outcome;
-  if (batch_.head.count > 0 && batch_.head.first > stored) outcome = insert_batch();
-  for (const Pending& item : group) {
-    if (outcome) outcome = insert(item);
-  }
-  if (outcome) outcome = note_progress(group);
-  if (outcome) outcome = note_lines(group);
+  SqlResult<void> outcome = with_memory([&] { return insert_all(group, stored); });
   if (outcome) outcome = database_.execute("COMMIT");
   // SQLite may have rolled back by itself; then this fails without an effect.
   if (!outcome) (void)database_.execute("ROLLBACK");
   return outcome;
 }
 
+/// An encoder that has failed in the middle begins anew, with a batch that restarts.
+SqlResult<void> JournalGroups::encode_once(const std::vector<Pending>& group) {
+  if (is_encoded_) return {};
+  auto encoded = with_memory([&]() -> SqlResult<void> {
+    batch_ = encode(group);
+    return {};
+  });
+  is_encoded_ = encoded.has_value();
+  if (!encoded) encoder_ = BatchEncoder();
+  return encoded;
+}
+
 SqlResult<void> JournalGroups::commit(const std::vector<Pending>& group) {
-  batch_ = encode(group);
+  is_encoded_ = false;
+  if (auto ok = encode_once(group); !ok) return ok;
   return commit_after(group, 0);
 }
 
 SqlResult<void> JournalGroups::commit_again(const std::vector<Pending>& group) {
+  if (auto ok = encode_once(group); !ok) return ok;
   const auto stored = last_record(database_);
   if (!stored) return std::unexpected(stored.error());
   return commit_after(group, *stored);

@@ -62,6 +62,8 @@ class JournalGroups {
     std::vector<std::byte> bytes;
   };
   Batch encode(const std::vector<Pending>& group);
+  SqlResult<void> encode_once(const std::vector<Pending>& group);
+  SqlResult<void> insert_all(const std::vector<Pending>& group, std::uint64_t stored);
   SqlResult<void> commit_after(const std::vector<Pending>& group, std::uint64_t stored);
   SqlResult<void> insert_batch();
   SqlResult<void> note_progress(const std::vector<Pending>& group);
@@ -70,6 +72,7 @@ class JournalGroups {
 
   BatchEncoder encoder_;
   Batch batch_;                       ///< of the last group
+  bool is_encoded_ = false;           ///< it is complete
   std::int64_t last_attachment_ = 0;  ///< the greatest number that was given
   SqlDatabase database_;
   Inserts inserts_;  // destroyed before the database

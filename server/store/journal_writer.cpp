@@ -3,7 +3,9 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstddef>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -52,16 +54,46 @@ struct JournalWriter::Impl {
   }
 
   void push(Pending item) {
-    bool was_empty = false;
-    {
-      const std::lock_guard lock(mutex);
-      was_empty = buffer.empty();
-      if (was_empty) buffer_since = Clock::now();
-      buffer.push_back(std::move(item));
-      ++pushed;
+    const std::lock_guard lock(mutex);
+    const bool was_empty = buffer.empty();
+    buffer.push_back(std::move(item));
+    note_pushed(was_empty, 1);
+  }
+
+  /// The flusher takes all of the commands or none. Without memory nothing is appended.
+  std::expected<std::uint64_t, JournalError> append(ParticipantId participant,
+                                                    std::span<const RecordedCommand> commands,
+                                                    RecordNote note) {
+    const std::lock_guard lock(mutex);
+    if (auto error = obstacle()) return std::unexpected(*std::move(error));
+    if (buffer.size() + in_commit + commands.size() > kJournalBufferRecords) {
+      return std::unexpected(JournalError{
+          JournalErrorCode::kFull, file.string(), 0,
+          "the disk does not keep up: " + std::to_string(buffer.size() + in_commit) + " of " +
+              std::to_string(kJournalBufferRecords) + " records are pending"});
     }
+    const std::size_t before = buffer.size();
+    const std::int64_t now_ms = wall_ms();
+    std::uint64_t sequence = last_sequence;
+    try {
+      for (const RecordedCommand& command : commands) {
+        buffer.emplace_back(PendingCommand{++sequence, participant, command, note, now_ms});
+      }
+    } catch (...) {
+      buffer.erase(buffer.begin() + static_cast<std::ptrdiff_t>(before), buffer.end());
+      throw;
+    }
+    last_sequence = sequence;
+    note_pushed(before == 0, commands.size());
+    return sequence;
+  }
+
+  void note_pushed(bool was_empty, std::size_t rows) {
+    pushed += rows;
+    if (!was_empty) return;
+    buffer_since = Clock::now();
     // A flusher that collects a group wakes up by itself; only an idle one must be notified.
-    if (was_empty) wake.notify_one();
+    wake.notify_one();
   }
 
   void run() {
@@ -196,20 +228,12 @@ std::expected<JournalWriter, JournalError> JournalWriter::open(const std::filesy
 std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId participant,
                                                                  const RecordedCommand& command,
                                                                  RecordNote note) {
-  std::uint64_t sequence = 0;
-  {
-    const std::lock_guard lock(impl_->mutex);
-    if (auto error = impl_->obstacle()) return std::unexpected(*std::move(error));
-    if (impl_->buffer.size() + impl_->in_commit >= kJournalBufferRecords) {
-      return std::unexpected(
-          JournalError{JournalErrorCode::kFull, impl_->file.string(), 0,
-                       "the disk does not keep up: " + std::to_string(kJournalBufferRecords) +
-                           " records are pending"});
-    }
-    sequence = ++impl_->last_sequence;
-  }
-  impl_->push(PendingCommand{sequence, participant, command, note, wall_ms()});
-  return sequence;
+  return impl_->append(participant, std::span(&command, 1), note);
+}
+
+std::expected<std::uint64_t, JournalError> JournalWriter::append_together(
+    ParticipantId participant, std::span<const RecordedCommand> commands) {
+  return impl_->append(participant, commands, {});
 }
 
 void JournalWriter::keep_within(std::shared_ptr<const WriteFence> fence) {

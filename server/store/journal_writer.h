@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "server/store/journal_error.h"
 #include "server/store/journal_file.h"
@@ -62,6 +63,9 @@ class JournalWriter {
   std::expected<std::uint64_t, JournalError> append(ParticipantId participant,
                                                     const RecordedCommand& command,
                                                     RecordNote note = {});
+  /// As append(), for commands that stand together: one transaction commits all of them, or none.
+  std::expected<std::uint64_t, JournalError> append_together(
+      ParticipantId participant, std::span<const RecordedCommand> commands);
   /// Stores or replaces a participant. Its token is stored when it comes for the first time.
   void append(const JournalParticipant& participant);
   /// Appends the hash of the solid after record `state.sequence`.

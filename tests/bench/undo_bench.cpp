@@ -197,7 +197,7 @@ int run(int argc, char** argv) {
     if (!set.without.erase(stroke)) set.without.insert(stroke);
     const auto begin = Clock::now();
     const double cpu_begin = process_cpu_s();
-    const auto tiles = history.change(block.solid(), {stroke}, set, pool);
+    const auto tiles = history.change(block.solid(), *history.reach({stroke}), {stroke}, set, pool);
     for (const TileReplacement& tile : *tiles) {
       const auto turn = Clock::now();
       block.replace({&tile, 1});

@@ -119,6 +119,20 @@ TEST_F(SessionFollow, ItsBlockIsThatOfItsOwnerThroughRandomCutsUndoAndRedo) {
   EXPECT_EQ(on_follower([&] { return follower_->sequence(); }), session_->sequence());
 }
 
+TEST_F(SessionFollow, AStrokeThatChangesAgainWhileItIsTakenOutIsAsItsOwnerLeftIt) {
+  create();
+  const ParticipantId ada = join("Ada");
+  const StrokeId under = stroke(ada, {-15, 0, -2}, {15, 0, -2}, 1500);
+  follow();
+  for (int n = 0; n < 12; ++n) {
+    undo({under});
+    ASSERT_TRUE(pass_on());
+    redo({under});
+    ASSERT_TRUE(pass_on());
+    EXPECT_EQ(followers_hash(), hash()) << n;
+  }
+}
+
 // The tiles of the stroke are carved again from the records, and replaced; what is cut meanwhile is
 // not among these records.
 TEST_F(SessionFollow, WhatItsOwnerCutsWhileAStrokeIsTakenOutStaysInItsBlock) {

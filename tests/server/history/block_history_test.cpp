@@ -68,7 +68,8 @@ TEST(BlockHistory, ChangesABlockIntoThatOfAnySetOfStrokesToTheBit) {
         if (set.without.erase(id) == 0) set.without.insert(id);
       }
       test::ThreadWorkers workers(1 + question % 3);
-      const auto tiles = history.change(block.solid(), changed, set, workers);
+      const auto tiles =
+          history.change(block.solid(), *history.reach(changed), changed, set, workers);
       ASSERT_TRUE(tiles) << tiles.error();
       EXPECT_TRUE(std::ranges::is_sorted(*tiles, {}, &TileReplacement::at));
       block.replace(*tiles);
@@ -88,7 +89,7 @@ TEST(BlockHistory, ChangesNoTileWithMotionsAfterTheSet) {
     const MotionSet set{.last = last, .without = {stroke}};
     Sculpture block = job.block({.last = last});
     SerialWorkers alone;
-    block.replace(*history.change(block.solid(), {stroke}, set, alone));
+    block.replace(*history.change(block.solid(), *history.reach({stroke}), {stroke}, set, alone));
     EXPECT_EQ(block.state_hash(), job.block(set).state_hash());
   }
 }

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// One allocation fails somewhere in the middle of a request: the block is that of the journal
+// afterwards, or the request was refused and has changed nothing.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <future>
+#include <new>
+#include <random>
+#include <string>
+
+#include "tests/server/random_runs.h"
+#include "tests/server/undo_fixture.h"
+#include "tests/support/failing_memory.h"
+
+namespace kerf {
+namespace {
+
+class SessionWithoutMemory : public SessionUndo {
+ protected:
+  void carve_three_strokes() {
+    create();
+    const ParticipantId ada = join("Ada"), bo = join("Bo");
+    stroke(ada, {-15, 0, -2}, {15, 0, -2});
+    crossing_ = stroke(bo, {0, -15, -3}, {0, 15, -3});
+    stroke(ada, {-15, 5, -2}, {15, 5, -2});
+    executor_->run();
+  }
+  /// Runs the session's turns, as its thread does, which goes on after an exception.
+  void run_turns(bool delayed = false) {
+    try {
+      executor_->run(delayed);
+    } catch (const std::bad_alloc&) {
+    }
+  }
+  template <typename Result>
+  Result get(std::future<Result> answer) {
+    while (answer.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
+      run_turns();
+    }
+    run_turns();
+    return answer.get();
+  }
+  /// Lets everything that was left to be tried again come to its end.
+  void settle() {
+    for (int n = 0; n < 10 && session_->is_between_records(); ++n) {
+      run_turns(true);
+      get(std::async(std::launch::async, [this] { workers_.run(); }));
+    }
+  }
+  /// Undoes the crossing stroke, or redoes it. Returns whether that is done.
+  bool turn() {
+    StrokeRequest request{.undone = !is_undone_, .strokes = {crossing_}};
+    request.caller = Caller::local();
+    return get(std::async(std::launch::async, [this, request] {
+      SerialWorkers alone;
+      return session_->change_strokes(request, alone).has_value();
+    }));
+  }
+  StrokeId crossing_ = 0;
+  bool is_undone_ = false;
+};
+
+TEST_F(SessionWithoutMemory, AStrokeIsUndoneAndRedoneOrTheRequestIsRefused) {
+  carve_three_strokes();
+  constexpr std::uint64_t kMany = 1'000'000'000;
+  std::uint64_t allocations = 0;
+  {
+    const test::FailingMemory counted(kMany);
+    ASSERT_TRUE(turn());
+    allocations = kMany - counted.left();
+  }
+  is_undone_ = true;
+  std::mt19937_64 random(setting("KERF_SEED", 1));
+  const unsigned failures = setting("KERF_EFFORT", 60);
+  for (unsigned n = 0; n < failures && !HasFailure(); ++n) {
+    const std::uint64_t k = 1 + random() % allocations;
+    SCOPED_TRACE("allocation " + std::to_string(k));
+    const std::uint64_t before = session_->sequence(), shape = hash();
+    bool is_done = false;
+    {
+      const test::FailingMemory memory(k);
+      try {
+        is_done = turn();
+      } catch (const std::bad_alloc&) {
+      }
+    }
+    settle();
+    ASSERT_FALSE(session_->is_between_records());
+    EXPECT_EQ(hash(), never_happened());
+    const bool is_journaled = session_->sequence() != before;
+    EXPECT_EQ(is_done, is_journaled);
+    if (is_journaled) {
+      is_undone_ = !is_undone_;
+    } else {
+      EXPECT_EQ(hash(), shape);
+    }
+  }
+  const std::uint64_t left = hash();
+  reload();
+  EXPECT_EQ(hash(), left);
+}
+
+}  // namespace
+}  // namespace kerf
