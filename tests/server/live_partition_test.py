@@ -18,6 +18,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import nats_server  # noqa: E402
 from cluster_servers import Cluster, ClusterAgent, RasterPath, uninterrupted  # noqa: E402
 from delaying_relay import Line, Relay  # noqa: E402
+from kept_logs import run_tests  # noqa: E402
 from live_server import SCENE, Server, until  # noqa: E402
 from wire_client import Closed, WebSocket  # noqa: E402
 
@@ -243,4 +244,4 @@ if __name__ == "__main__":
     if nats_server.PROGRAM is None:
         print("skipped: nats-server is not installed")
         sys.exit(77)
-    unittest.main()
+    run_tests()
