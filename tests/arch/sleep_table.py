@@ -73,6 +73,5 @@ SLEEPS = [
      "a NATS that is late: longer than one attempt, shorter than all"),
     ("tests/server/live_bad_input_test.py", 1, "quiet", "a limit of samples a second recovers"),
     ("tests/server/live_haply_test.py", 1, "quiet", "a service that is absent is named once"),
-    ("tests/server/live_partition_test.py", 2, "quiet", "a lease would end, and is renewed"),
     ("tests/server/session_test.cpp", 1, "quiet", "a limit of samples a second recovers"),
 ]
