@@ -85,19 +85,32 @@ run_web_tests() {
   [ -s "$RESULTS/vitest.json" ] || echo '{"numPassedTests":0,"numFailedTests":1}' >"$RESULTS/vitest.json"
 }
 
+# Prints the CPU seconds of all programs that this one has started and that have ended, by Linux's accounts (proc(5)).
+cpu_seconds() {
+  awk -v hz="$(getconf CLK_TCK)" '{ sub(/^.*\) /, ""); printf "%.1f", ($14 + $15) / hz }' "/proc/$$/stat"
+}
+
+# note_cpu NAME BEFORE: notes what has been used since BEFORE.
+note_cpu() { awk -v name="$1" -v now="$(cpu_seconds)" -v before="$2" 'BEGIN { print name, now - before }' >>"$RESULTS/cpu.txt"; }
+
 main() {
+  local begin
   parse_options "$@"
   install_sections build test wasm run
   fetch_linuxcnc
   use_node
-  build_all "$PRESET" -DKERF_TESTS=ON ${CI:+-DKERF_WERROR=ON} -- web all
   RESULTS="$KERF_ROOT/build/$PRESET/results"
   rm -rf "$RESULTS" && mkdir -p "$RESULTS"
+  begin=$(cpu_seconds)
+  build_all "$PRESET" -DKERF_TESTS=ON ${CI:+-DKERF_WERROR=ON} -- web all
+  note_cpu build "$begin"
+  begin=$(cpu_seconds)
   export GTEST_OUTPUT="xml:$RESULTS/gtest/"
   run_ctest fast -LE 'server|e2e' -j "$JOBS"
   run_web_tests
   run_ctest server -L server -j "$JOBS"
   run_ctest e2e -L e2e
+  note_cpu tests "$begin"
   python3 tests/summary.py "$RESULTS"
 }
 

@@ -3,13 +3,16 @@
 """Sums the results that test.sh wrote to a folder and prints `N passed, M failed` as its last line.
 
 A GoogleTest program counts by its cases (its own XML in gtest/), any other ctest entry as one case, vitest by its cases.
-Exit status 1 if anything failed or nothing ran.
+Before that line stand where the time went (time_spent.py), what was skipped and what failed, with the folder in which
+logs and screenshots of it are, if it left any. Exit status 1 if anything failed or nothing ran.
 """
 
 import json
 import pathlib
 import sys
 import xml.etree.ElementTree as ElementTree
+
+from time_spent import report
 
 
 def gtest_counts(path):
@@ -84,14 +87,25 @@ def collect(folder):
     return passed, failed, skipped
 
 
+def left_by(failed, results):
+    """Where a failed ctest entry has left its logs; None: it has left none."""
+    folder = results.parent / "failed" / failed.split(":")[0]
+    return folder if folder.is_dir() else None
+
+
 def main():
-    passed, failed, skipped = collect(pathlib.Path(sys.argv[1]))
+    results = pathlib.Path(sys.argv[1])
+    passed, failed, skipped = collect(results)
+    for line in report(results):
+        print(line)
     for line in skipped:
         print(f"skipped  {line}")
     for line in failed:
-        print(f"FAILED   {line}")
+        folder = left_by(line, results)
+        print(f"FAILED   {line}" + (f" (logs: {folder})" if folder else ""))
     print(f"{passed} passed, {len(failed)} failed")
     sys.exit(1 if failed or not passed else 0)
 
 
-main()
+if __name__ == "__main__":
+    main()

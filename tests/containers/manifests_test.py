@@ -11,7 +11,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
@@ -25,8 +24,10 @@ except ImportError:
     print("skipped: python3-yaml is not installed")
     sys.exit(77)
 
+from kept_logs import Output, run_tests  # noqa: E402
 from live_copy_test import is_copied_to  # noqa: E402
 from live_server import PROGRAM, SCENE, until  # noqa: E402
+from waiting import eventually  # noqa: E402
 from wire_client import Http  # noqa: E402
 
 UID = 10001  # of the image
@@ -52,9 +53,10 @@ class Node:
         inherited = {k: v for k, v in os.environ.items() if not k.startswith("KERF_")}
         self.process = subprocess.Popen([PROGRAM, *words], env={**inherited, **environment},
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.log = Output(self.process.stderr, "server")
         line = self.process.stdout.readline()
         if not line.startswith("http://"):
-            raise RuntimeError(self.process.communicate()[1])
+            raise RuntimeError(self.log.whole())
         self.http = Http(self.port)
         token = environment.get("KERF_ADMIN_TOKEN")
         self.headers = {"Authorization": f"Bearer {token}"} if token else {}
@@ -65,7 +67,8 @@ class Node:
     def stop(self, how=signal.SIGTERM):
         if self.process.poll() is None:
             self.process.send_signal(how)
-        self.process.communicate(timeout=60)
+        self.process.wait(timeout=60)
+        self.process.stdout.close()
 
 
 class Manifest(unittest.TestCase):
@@ -102,10 +105,8 @@ class Manifest(unittest.TestCase):
         self.assertEqual(status, 307)
         owner.stop(signal.SIGKILL)
         left = [node for node in nodes if node is not owner]
-        end = time.monotonic() + 60
-        while not any(n.ask("GET", f"/v1/sessions/{session}")[0] == 200 for n in left):
-            self.assertLess(time.monotonic(), end)
-            time.sleep(0.1)
+        eventually(lambda: any(n.ask("GET", f"/v1/sessions/{session}")[0] == 200 for n in left),
+                   "no other server goes on with the session", 60)
         return headers["location"]
 
     def test_compose(self):
@@ -202,4 +203,4 @@ if __name__ == "__main__":
     if nats_server.PROGRAM is None:
         print("skipped: nats-server is not installed")
         sys.exit(77)
-    unittest.main()
+    run_tests()

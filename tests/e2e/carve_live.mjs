@@ -4,12 +4,13 @@
 // be valid. See README.md.
 //
 // node carve_live.mjs --server PROGRAM --agent PROGRAM --carve PROGRAM --web FOLDER --out FOLDER
-// [--seconds N]
+// [--motions N]
 
 import assert from 'node:assert/strict';
 import { readFile, writeFile, stat } from 'node:fs/promises';
 import { join } from 'node:path';
-import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
+import { photograph } from './support/pictures.mjs';
 import { gltfErrors, stlFacts, tilesOf } from './support/checks.mjs';
 import { METER, read, reset } from './support/meter.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
@@ -17,7 +18,7 @@ import { getJson, optionsOf, runTest, startServer } from './support/session.mjs'
 import { WireViewer } from './support/wire_viewer.mjs';
 
 const options = optionsOf(['server', 'agent', 'carve', 'web', 'out'], {
-  seconds: '8',
+  motions: '2000',
 });
 
 const SESSION = 'e2e';
@@ -106,7 +107,7 @@ async function switchSound(viewer, on) {
   });
 }
 
-/** Carves for the seconds of the options, and until all has been seen; a busy page draws late. */
+/** Carves the motions of the options, and until all has been seen; a busy page draws late. */
 async function carve(base, folder, viewers) {
   assert.equal((await viewers[0].state()).sound, null, 'a page sounds that nobody asked to');
   await switchSound(viewers[0], true);
@@ -114,7 +115,6 @@ async function carve(base, folder, viewers) {
   const { page } = viewers[0];
   await until('picture', SETTLE_S, () => page.evaluate(() => window.kerf.marks.picture));
   await reset(page);
-  const end = Date.now() + 1000 * Number(options.seconds);
   const agents = [
     startAgent(base, folder, 'Ada', 1, '#c2410c'),
     startAgent(base, folder, 'Linus', 2, '#0f766e'),
@@ -142,12 +142,15 @@ async function carve(base, folder, viewers) {
   assert.deepEqual(programs, [], 'shaders of the tools are compiled when they appear');
   await switchSound(viewers[0], false);
   const variance = await photograph(viewers[0], join(options.out, 'carving.png'));
-  await new Promise((resolve) => setTimeout(resolve, end - Date.now()));
+  await until(`${options.motions} motions`, SETTLE_S, async () => {
+    const { motions } = await getJson(`${base}/v1/sessions/${SESSION}`);
+    return motions >= Number(options.motions);
+  });
   const codes = await Promise.all(agents.map((agent) => stop(agent)));
   for (const [n, { name, errors, lines }] of agents.entries())
     assert.equal(codes[n], 0, `${name}: ${errors}${lines.join('\n')}`);
   logStep(
-    `two agents carved at 1 kHz for ${options.seconds} s; a browser displayed tools and forces`,
+    `two agents carved ${options.motions} motions at 1 kHz; a browser displayed tools and forces`,
   );
   return variance;
 }
@@ -170,7 +173,10 @@ async function compare(base, viewers, wire) {
     assert.deepEqual(one, other, 'the browsers display different tiles');
     return all;
   });
-  await until('settled wire viewer', SETTLE_S, () => settled(wire.state));
+  await until('settled wire viewer', SETTLE_S, () => {
+    assert(settled(wire.state), `it has ${JSON.stringify(wire.state)} ${wire.errors}`);
+    return true;
+  });
   const [first] = states;
   assert.equal(first.motions, session.motions);
   for (const state of states) assert.equal(state.problems, 0, state.problem);
@@ -323,8 +329,7 @@ async function test(folder) {
   const { server, base } = await startServer(options, folder, SESSION, SCENE);
   assert.equal((await fetch(`${base}/healthz`)).status, 200);
   logStep(`server at ${base}, session ${SESSION} created from a scene`);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const { viewers, wire } = await openViewers(base, browser);
     const live = await carve(base, folder, viewers);
     const session = await compare(base, viewers, wire);
@@ -340,9 +345,7 @@ async function test(folder) {
     await checkExports(base, folder, session, wire);
     await checkHistory(viewers[1], session);
     wire.close();
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
   logStep('the server stopped on SIGTERM');
 }

@@ -9,7 +9,7 @@ import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
 import { placeOf, restingBlock } from './support/block.mjs';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
 import { optionsOf, runTest } from './support/session.mjs';
@@ -19,7 +19,6 @@ import { stlCorners, volumeOf } from './support/surface.mjs';
 const options = optionsOf(['server', 'carve', 'web', 'out']);
 
 const ONE_WAY_MS = 125;
-const STOCK_MS = 1500; // in which the server's stock comes again
 const SETTLE_S = 60; // software WebGL on a busy machine
 const SIZES = [
   [390, 844],
@@ -142,7 +141,6 @@ async function comeBack(page) {
   await page.locator('main[data-carve=off]').waitFor();
   await page.keyboard.press('c');
   await page.locator('main[data-carve=ready]').waitFor();
-  await new Promise((resolve) => setTimeout(resolve, STOCK_MS));
 }
 
 /** A section would hide what is carved: its panel and carving close each other. */
@@ -267,7 +265,7 @@ async function checkSculptor(browser, server, line, folder) {
   assert.equal(await page.getByText('Grace (you)').count(), 1, 'one person is listed twice');
   await page.mouse.move(...(await placeOf(viewer, 0.3, 0.45)));
   await checkAccessible(page, 'the page while one carves');
-  await new Promise((resolve) => setTimeout(resolve, STOCK_MS));
+  await settled(viewer, server, 'stock of the server in the page', isUncut);
   await dragAcross(viewer);
   const isCut = ({ removed_volume_mm3: mm3 }) => mm3 > 0;
   const cut = await settled(viewer, server, 'cut', isCut);
@@ -319,14 +317,10 @@ async function checkWatcher(browser, server) {
 async function test(folder) {
   const server = await startServer(folder);
   const line = await slowLine(server.base, ONE_WAY_MS);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     await checkSculptor(browser, server, line, folder);
     await checkWatcher(browser, server);
-  } finally {
-    await browser.close();
-    line.close();
-  }
+  });
   assert.equal(await stop(server.server), 0, server.server.errors);
 }
 

@@ -9,7 +9,7 @@
 import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { meshRelay } from './support/mesh_relay.mjs';
 import { stop, until } from './support/processes.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
@@ -128,15 +128,13 @@ async function checkRelay(browser, base, session) {
   const { badge, isComplete, verdict } = await saidOf(viewer);
   assert.deepEqual([badge, isComplete, verdict], ['connected', true, 'verified']);
   await viewer.page.context().close();
-  relay.close();
   return record;
 }
 
 async function test(folder) {
   const { server, base, session } = await startServer(options, folder, 'checked', SCENE);
   await groove(session, 4);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const viewer = await enter(browser, base);
     const before = await checkVerified(viewer, session);
     await groove(session, 9);
@@ -146,9 +144,7 @@ async function test(folder) {
     const last = await checkRelay(browser, base, session);
     await checkParting(browser, base, last);
     assert.deepEqual(viewer.problems, []);
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

@@ -8,7 +8,8 @@ import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
-import { countPixels, launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
+import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
+import { countPixels, untilStill } from './support/pictures.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
@@ -88,12 +89,12 @@ async function add(page, name, buffer) {
 }
 
 /** Red and blue pixels of the block, as the colors show what was left and what is too deep. */
-async function colored({ page, state }) {
-  await nextFrames(page);
-  const [left, top, right, bottom] = (await state()).blockBox;
+async function colored(viewer) {
+  await untilStill(viewer);
+  const [left, top, right, bottom] = (await viewer.state()).blockBox;
   const box = [left, top, right - left, bottom - top].map(Math.round);
-  const red = await countPixels(page, box, { leastRedOverBlue: 70 });
-  const others = await countPixels(page, box, { leastRedOverBlue: -45 });
+  const red = await countPixels(viewer, box, { leastRedOverBlue: 70 });
+  const others = await countPixels(viewer, box, { leastRedOverBlue: -45 });
   return { red, blue: box[2] * box[3] - others };
 }
 
@@ -184,8 +185,7 @@ async function test(folder) {
   const { server, base, session } = await startServer(options, folder, 'bracket', SCENE);
   await carveProgram(session, program(5 + TOO_DEEP_MM, 8), 'name=bracket.ngc&pace=fast');
   const stl = await partOf(base);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const [width, height] = SIZES.at(-1);
     const address = `${base}/?session=bracket`;
     const viewer = await openViewer(
@@ -217,9 +217,7 @@ async function test(folder) {
     await checkGouge(viewer);
     await writeFile(join(options.out, 'gouge.png'), await page.screenshot());
     assert.deepEqual(problems, []);
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

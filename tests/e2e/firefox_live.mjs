@@ -5,10 +5,13 @@
 // node firefox_live.mjs --server PROGRAM --web FOLDER --out FOLDER
 
 import assert from 'node:assert/strict';
+import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { placeOf, restingBlock } from './support/block.mjs';
-import { launchFirefox, openInFirefox } from './support/firefox.mjs';
+import { fingerRests } from './support/finger.mjs';
+import { openInFirefox, withFirefox } from './support/firefox.mjs';
 import { intersecting } from './support/layout.mjs';
+import { stillShot } from './support/pictures.mjs';
 import { stop, until } from './support/processes.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { assertSameSurface, sectionArea, stlCorners } from './support/surface.mjs';
@@ -69,8 +72,10 @@ async function untilDrawn({ page, state }, boxes, { width, height }) {
 }
 
 /** The canvas shows something: colors of the picture at its places differ. */
-async function checkNotBlank({ page, state }, file) {
-  const base64 = await page.screenshot({ path: file, encoding: 'base64' });
+async function checkNotBlank(viewer, file) {
+  const { page, state } = viewer;
+  const png = await stillShot(viewer);
+  await writeFile(file, png);
   const box = (await state()).blockBox;
   const deviation = await page.evaluate(
     async ([data, [left, top, right, bottom]]) => {
@@ -88,7 +93,7 @@ async function checkNotBlank({ page, state }, file) {
       const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
       return Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / values.length);
     },
-    [base64, box],
+    [png.toString('base64'), box],
   );
   assert(deviation > 10, `the picture is blank: ${deviation}`);
 }
@@ -114,7 +119,7 @@ async function dragMouse(viewer) {
 async function dragFinger(viewer) {
   const { touchscreen } = viewer.page;
   const finger = await touchscreen.touchStart(...(await placeOf(viewer, 0.35, 0.45)));
-  await new Promise((resolve) => setTimeout(resolve, 150)); // a second finger could follow
+  await fingerRests();
   for (let n = 1; n <= 10; n += 1)
     await finger.move(...(await placeOf(viewer, 0.35 + 0.03 * n, 0.45)));
   await finger.end();
@@ -192,14 +197,11 @@ async function checkAs(browser, { base, session }, name, viewport, drag) {
 async function test(folder) {
   const { server, ...place } = await startServer(options, folder, 'fox', SCENE);
   await carveProgram(place.session, PROGRAM, 'name=groove.ngc&pace=fast');
-  const { browser, close } = await launchFirefox();
-  try {
+  await withFirefox(async (browser) => {
     console.log(await browser.version());
     await checkAs(browser, place, 'Desk', DESK, dragMouse);
     await checkAs(browser, place, 'Phone', PHONE, dragFinger);
-  } finally {
-    await close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

@@ -8,10 +8,11 @@
 import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { serveFiles } from './support/file_host.mjs';
-import { launchFirefox, openInFirefox } from './support/firefox.mjs';
-import { stop, until } from './support/processes.mjs';
+import { fingerRests } from './support/finger.mjs';
+import { openInFirefox, withFirefox } from './support/firefox.mjs';
+import { poll, stop, until } from './support/processes.mjs';
 import { getJson, optionsOf, runFilesTest, startEmptyServer } from './support/session.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
@@ -22,7 +23,7 @@ const PHONE = { width: 390, height: 844 };
 /** A cut is brighter than the block's skin, by this in red, green and blue together. */
 const BRIGHTER = 90;
 const CUT_PIXELS = 120; // of the part that is looked at, at least
-const LOOKS = 4; // after a try; on a busy machine its picture comes late
+const LOOKS_S = 4; // after a try; on a busy machine its picture comes late
 
 /** A person at Chromium, with a mouse or a finger. */
 async function chromiumUser(browser, url, viewport, hasTouch) {
@@ -65,11 +66,6 @@ async function firefoxUser(browser, url, viewport, hasTouch) {
   };
 }
 
-const pause = (ms) =>
-  new Promise((resolve) => {
-    setTimeout(resolve, ms);
-  });
-
 async function dragMouse({ mouse }, [first, ...others]) {
   await mouse.move(...first);
   await mouse.down();
@@ -85,7 +81,7 @@ async function dragByCdp(page, points) {
       touchPoints: touches.map(([x, y]) => ({ x, y })),
     });
   await send('touchStart', [points[0]]);
-  await pause(150); // a second finger could follow
+  await fingerRests();
   for (const point of points.slice(1)) await send('touchMove', [point]);
   await send('touchEnd', []);
   await session.detach();
@@ -93,7 +89,7 @@ async function dragByCdp(page, points) {
 
 async function dragByTouchscreen({ touchscreen }, [first, ...others]) {
   const finger = await touchscreen.touchStart(...first);
-  await pause(150);
+  await fingerRests();
   for (const point of others) await finger.move(...point);
   await finger.end();
 }
@@ -143,17 +139,15 @@ async function cut(user, panel, viewport) {
     const before = await user.look();
     const points = [-40, -15, 10, 40].map((along) => [x + along, y + 2]);
     await user.drag(points);
-    for (let look = 0; look < LOOKS; look += 1) {
-      await pause(700);
+    return poll(LOOKS_S, async () => {
       const after = await user.look();
       // Without the place of the tool, which stays at the end; and beside the stroke, where a
       // picture that was taken while the browser drew it would be brighter too.
       const brighterIn = (box) => brighterPixels(user, before, after, box);
       const cutPixels = await brighterIn([x - 50, y - 20, 70, 40]);
       const others = await brighterIn([x - 50, y + 30, 70, 40]);
-      if (cutPixels >= CUT_PIXELS && others < CUT_PIXELS / 10) return after;
-    }
-    return null;
+      return cutPixels >= CUT_PIXELS && others < CUT_PIXELS / 10 && after;
+    });
   });
 }
 
@@ -192,32 +186,25 @@ function seconds(began) {
 async function carveBoth(open, name, viewport, host, folder) {
   const { server, base } = await startEmptyServer(options, folder);
   const user = await open(viewport);
-  try {
-    await atServer(user, base, name, viewport);
-    await withoutServer(user, host.base, name, viewport);
-    assert.deepEqual(user.problems, []);
-  } finally {
-    await user.close();
-  }
+  await atServer(user, base, name, viewport);
+  await withoutServer(user, host.base, name, viewport);
+  assert.deepEqual(user.problems, []);
+  await user.close();
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 
 async function test(folder) {
   const host = await serveFiles(options.web);
-  const chromium = await launchBrowser();
-  const firefox = await launchFirefox();
-  const inChromium = (touch) => (size) => chromiumUser(chromium, 'about:blank', size, touch);
-  const inFirefox = (touch) => (size) => firefoxUser(firefox.browser, 'about:blank', size, touch);
-  try {
-    await carveBoth(inChromium(false), 'chromium', DESK, host, join(folder, '1'));
-    await carveBoth(inChromium(true), 'chromium-phone', PHONE, host, join(folder, '2'));
-    await carveBoth(inFirefox(false), 'firefox', DESK, host, join(folder, '3'));
-    await carveBoth(inFirefox(true), 'firefox-phone', PHONE, host, join(folder, '4'));
-  } finally {
-    await chromium.close();
-    await firefox.close();
-    await host.close();
-  }
+  await withBrowser(async (browser) => {
+    const open = (touch) => (size) => chromiumUser(browser, 'about:blank', size, touch);
+    await carveBoth(open(false), 'chromium', DESK, host, join(folder, '1'));
+    await carveBoth(open(true), 'chromium-phone', PHONE, host, join(folder, '2'));
+  });
+  await withFirefox(async (browser) => {
+    const open = (touch) => (size) => firefoxUser(browser, 'about:blank', size, touch);
+    await carveBoth(open(false), 'firefox', DESK, host, join(folder, '3'));
+    await carveBoth(open(true), 'firefox-phone', PHONE, host, join(folder, '4'));
+  });
 }
 
 await runFilesTest(test, options);

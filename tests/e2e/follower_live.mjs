@@ -8,7 +8,7 @@ import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { placeOf, restingBlock } from './support/block.mjs';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { findNats, startNats, startNode } from './support/cluster.mjs';
 import { stop, until } from './support/processes.mjs';
 import { getJson, optionsOf, runTest } from './support/session.mjs';
@@ -101,8 +101,7 @@ async function startPair(folder) {
 
 async function test(folder) {
   const { owner, follower } = await startPair(folder);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const size = { width: 840, height: 600 };
     const viewer = await openViewer(browser, `${follower.base}/?session=shared&name=Vi`, size);
     const { page, state, problems } = viewer;
@@ -124,9 +123,7 @@ async function test(folder) {
     await equalPage(viewer, follower, 'redo in the page', isRedone);
     assert.deepEqual(problems, []);
     await checkHandover(viewer, owner, follower, redone);
-  } finally {
-    await browser.close();
-  }
+  });
   await stopped(follower);
 }
 

@@ -11,7 +11,8 @@ import { copyFile, mkdir, readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { placeOf } from './support/block.mjs';
 import { checkAccessible } from './support/axe.mjs';
-import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
+import { photograph } from './support/pictures.mjs';
 import { dropFiles } from './support/drop.mjs';
 import { serveFiles } from './support/file_host.mjs';
 import { start, stop, until } from './support/processes.mjs';
@@ -235,9 +236,8 @@ async function checkServed(file, folder, { hash }) {
 
 async function test(folder) {
   const host = await serveFiles(options.web);
-  const browser = await launchBrowser();
   const files = ['first', 'second', 'third'].map((name) => join(folder, `${name}.kerf`));
-  try {
+  await withBrowser(async (browser) => {
     const viewer = await openViewer(browser, `${host.base}/kerf.html`, DESK, {
       reducedMotion: 'reduce',
     });
@@ -257,10 +257,7 @@ async function test(folder) {
     await checkBehindProgram(viewer, files[2]);
     assert.deepEqual(viewer.problems, []);
     await checkServed(files[1], folder, second);
-  } finally {
-    await browser.close();
-    await host.close();
-  }
+  });
 }
 
 await runFilesTest(test, options);

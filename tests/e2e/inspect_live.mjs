@@ -9,7 +9,8 @@ import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
-import { countPixels, launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
+import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
+import { countPixels } from './support/pictures.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
@@ -93,15 +94,16 @@ async function blockBox({ page, state }) {
 }
 
 /** The pixels of the cap, which is as orange as no blue block is, have its area. */
-async function checkCap({ page, state }) {
+async function checkCap(viewer) {
+  const { page } = viewer;
   await page.getByRole('button', { name: 'Parallel', exact: true }).click();
   const area = await areaAt(page, 'Section across Z', -2);
   await page.getByRole('button', { name: 'Face on' }).click();
-  const [left, top, right, bottom] = await blockBox({ page, state });
+  const [left, top, right, bottom] = await blockBox(viewer);
   const box = [left - 2, top - 2, right - left + 4, bottom - top + 4].map(Math.round);
   // The outline, a pixel wide, is up to half outside: 3 % of this cap.
   const drawn = await until('cap of this area', SETTLE_S, async () => {
-    const pixels = await countPixels(page, box, { leastRedOverBlue: 45 });
+    const pixels = await countPixels(viewer, box, { leastRedOverBlue: 45 });
     const share = (pixels * (24 / (right - left)) ** 2) / area;
     return share > 0.985 && share < 1.035 && share;
   });
@@ -121,15 +123,15 @@ async function measure({ page, state }, name, places) {
 }
 
 /** The colors of the curvature take the place of the material's, which is blue where it is original. */
-async function checkCurvature({ page, state }) {
+async function checkCurvature(viewer) {
+  const { page } = viewer;
   await page.getByRole('button', { name: 'Off', exact: true }).click();
   await page.locator('.canvas').focus();
   await page.keyboard.press('0');
-  const [left, top, right, bottom] = await blockBox({ page, state });
+  const [left, top, right, bottom] = await blockBox(viewer);
   const box = [left, top, right - left, bottom - top].map(Math.round);
   const original = async () => {
-    await nextFrames(page);
-    const others = await countPixels(page, box, { leastRedOverBlue: -25 });
+    const others = await countPixels(viewer, box, { leastRedOverBlue: -25 });
     return box[2] * box[3] - others;
   };
   const before = await original();
@@ -231,8 +233,7 @@ async function test(folder) {
   await carveProgram(session, PROGRAM, 'name=wall.ngc&pace=fast');
   const stl = await fetch(`${session}/model.stl`);
   const corners = stlCorners(Buffer.from(await stl.arrayBuffer()));
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const [width, height] = SIZES.at(-1);
     const address = `${base}/?session=wall&quality=full`;
     const others = { reducedMotion: 'reduce' };
@@ -259,9 +260,7 @@ async function test(folder) {
     await checkAccessible(page, 'the panel of programs');
     await writeFile(join(options.out, 'path.png'), await page.screenshot());
     assert.deepEqual(problems, []);
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

@@ -10,7 +10,7 @@ import { request } from 'node:https';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { parseArgs } from 'node:util';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { run, start, stop, stopAll, until } from './support/processes.mjs';
 
 const { values: options } = parseArgs({
@@ -90,8 +90,7 @@ async function open(browser, link) {
 
 async function main(folder) {
   const { server, base, api } = await startServer(folder);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const first = await api('POST', '/v1/sessions/e2e/invitations?role=owner');
     const owner = await open(browser, base + first.json.link);
     const link = await invite(owner.page);
@@ -103,9 +102,7 @@ async function main(folder) {
     const roles = json.participants.map((participant) => participant.role).sort();
     assert.deepEqual(roles, ['owner', 'watcher']);
     assert.deepEqual([...owner.problems, ...watcher.problems], []);
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server), 0, server.errors);
   console.log('an owner has invited a watcher over TLS');
 }

@@ -9,7 +9,7 @@ import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
-import { launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
+import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
 import { carveProgram, optionsOf, runTest, startServer } from './support/session.mjs';
@@ -126,15 +126,12 @@ async function checkChoice(browser, base) {
 async function test(folder) {
   const { server, base, session } = await startServer(options, folder, 'wall', SCENE);
   await carveProgram(session, GROOVE, 'name=wall.ngc&pace=fast');
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     await checkTexts(browser, base);
     await checkLayout(browser, base, DESK, 'light');
     await checkLayout(browser, base, SMALL, 'dark');
     await checkChoice(browser, base);
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

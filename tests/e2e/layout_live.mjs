@@ -10,7 +10,7 @@ import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
-import { launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
+import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { boxesIn, intersecting, outside } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
 import { carveProgram, optionsOf, runTest, startServer } from './support/session.mjs';
@@ -213,15 +213,12 @@ async function sweep(browser, base, scheme) {
 async function test(folder) {
   const { server, base, session } = await startServer(options, folder, 'wall', SCENE);
   await carveProgram(session, RAPID, 'dialect=linuxcnc&pace=fast&name=wall.ngc');
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const bad = [];
     for (const scheme of options.schemes.split(','))
       bad.push(...(await sweep(browser, base, scheme)));
     assert.deepEqual(bad, []);
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

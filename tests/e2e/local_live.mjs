@@ -9,7 +9,8 @@ import { spawnSync } from 'node:child_process';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
-import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
+import { photograph } from './support/pictures.mjs';
 import { dropFiles } from './support/drop.mjs';
 import { serveFiles } from './support/file_host.mjs';
 import { until } from './support/processes.mjs';
@@ -134,8 +135,7 @@ async function checkFault({ page, state }) {
 async function test(folder) {
   const here = await carvedHere(folder);
   const host = await serveFiles(options.web);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const viewer = await openViewer(browser, `${host.base}/kerf.html`, DESK, {
       reducedMotion: 'reduce',
     });
@@ -152,10 +152,7 @@ async function test(folder) {
     await checkFault(viewer);
     assert.deepEqual(viewer.problems, []);
     assert.deepEqual(host.missing, [], 'the page asks for what is not in its folder');
-  } finally {
-    await browser.close();
-    await host.close();
-  }
+  });
 }
 
 await runFilesTest(test, options);

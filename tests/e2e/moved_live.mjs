@@ -8,7 +8,7 @@ import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { restingBlock } from './support/block.mjs';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { findNats, startNats, startNode } from './support/cluster.mjs';
 import { stop, until } from './support/processes.mjs';
 import { getJson, optionsOf, runTest } from './support/session.mjs';
@@ -140,8 +140,7 @@ async function checkUnloaded({ page }, server) {
 
 async function test(folder) {
   const [first, ...others] = await startServers(folder);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const size = { width: 1200, height: 960 };
     const viewer = await openViewer(browser, `${first.base}/?session=shared&name=Vi`, size);
     const { page, state } = viewer;
@@ -175,9 +174,7 @@ async function test(folder) {
       return hash === untouched && (await state()).hash === untouched;
     });
     assert.equal(await stop(last.server), 0, last.server.errors);
-  } finally {
-    await browser.close();
-  }
+  });
 }
 
 if (findNats() === null) {

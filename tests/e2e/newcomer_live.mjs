@@ -7,7 +7,7 @@
 import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { stop, until } from './support/processes.mjs';
 import { getJson, optionsOf, runTest, startEmptyServer } from './support/session.mjs';
 
@@ -193,8 +193,7 @@ async function checkClosing(page, base) {
 
 async function test(folder) {
   const { server, base } = await startEmptyServer(options, folder);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const viewer = await openViewer(browser, 'about:blank', {
       width: 1440,
       height: 900,
@@ -212,9 +211,7 @@ async function test(folder) {
       [],
     );
     await checkClosing(viewer.page, base);
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

@@ -8,7 +8,8 @@ import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
-import { colorAt, launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
+import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
+import { colorsAt } from './support/pictures.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
@@ -66,12 +67,15 @@ const hueOf = ([r, g, b]) => {
 
 const hueOfHex = (hex) => hueOf([1, 3, 5].map((n) => parseInt(hex.slice(n, n + 2), 16)));
 
-/** Whether a place of the picture has this hue; null: it is gray. */
-async function isHued(viewer, [x, y], hue) {
-  const [pixelX, pixelY] = await seen(viewer, x, y);
-  const found = hueOf(await colorAt(viewer.page, Math.round(pixelX), Math.round(pixelY)));
-  if (hue === null || found === null) return hue === found;
-  return Math.abs(((found - hue + 540) % 360) - 180) < 14;
+/** Whether places of the picture have these hues; null: gray. */
+async function areHued(viewer, wanted) {
+  const pixels = [];
+  for (const [[x, y]] of wanted) pixels.push((await seen(viewer, x, y)).map(Math.round));
+  const hues = (await colorsAt(viewer, pixels)).map(hueOf);
+  return wanted.every(([, hue], n) => {
+    if (hue === null || hues[n] === null) return hue === hues[n];
+    return Math.abs(((hues[n] - hue + 540) % 360) - 180) < 14;
+  });
 }
 
 const legend = (page) => page.getByRole('list', { name: 'Who cut what' });
@@ -120,23 +124,22 @@ async function checkColors(viewer) {
   assert(Math.abs(first.percent - expected) < 1.5, `${first.percent} % instead of ${expected} %`);
   assert(Math.abs(first.percent + second.percent - 100) < 0.2);
   const [one, other] = [first, second].map(({ color }) => hueOfHex(color));
-  await until('the colors in the picture', SETTLE_S, async () => {
-    const places = [
-      [[-10, 0], one],
-      [[0, 0], one], // was there first
-      [[10, 0], one],
-      [[0, 8], other],
-      [[0, -8], other],
-    ];
-    for (const [place, hue] of places) if (!(await isHued(viewer, place, hue))) return false;
-    return true;
-  });
+  const places = [
+    [[-10, 0], one],
+    [[0, 0], one], // was there first
+    [[10, 0], one],
+    [[0, 8], other],
+    [[0, -8], other],
+  ];
+  await until('the colors in the picture', SETTLE_S, () => areHued(viewer, places));
   await legend(page).getByRole('button', { name: 'second.ngc' }).click();
   await nextFrames(page);
   await writeFile(join(options.out, 'owners-alone.png'), await page.screenshot());
-  await until('the second alone', SETTLE_S, async () => {
-    return (await isHued(viewer, [-10, 0], null)) && (await isHued(viewer, [0, 8], other));
-  });
+  const alone = [
+    [[-10, 0], null],
+    [[0, 8], other],
+  ];
+  await until('the second alone', SETTLE_S, () => areHued(viewer, alone));
   await legend(page).getByRole('button', { name: 'second.ngc' }).click();
 }
 
@@ -209,8 +212,7 @@ async function test(folder) {
       ['second.ngc', 'program'],
     ],
   );
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const [width, height] = SIZES.at(-1);
     const size = { width, height };
     const address = `${base}/?session=cross`;
@@ -242,9 +244,7 @@ async function test(folder) {
     await checkLine(viewer);
     await writeFile(join(options.out, 'owners-line.png'), await page.screenshot());
     assert.deepEqual(problems, []);
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

@@ -5,7 +5,7 @@
 // node page_bench.mjs --server PROGRAM --agent PROGRAM --web FOLDER [--minutes N] [--only PART]
 
 import { loadavg } from 'node:os';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { METER, percentile, read, reset } from './support/meter.mjs';
 import { start, stop, until } from './support/processes.mjs';
 import { optionsOf, runTest, startServer } from './support/session.mjs';
@@ -229,21 +229,18 @@ async function bench(folder) {
     body: JSON.stringify(LARGE),
   });
   if (created.status !== 201) throw new Error(await created.text());
-  const browser = await launchBrowser();
-  const parts = {
-    start: () => measureStart(browser, base),
-    hands: () => measureHands(browser, base),
-    input: () => measureInput(browser, base),
-    memory: () => measureMemory(browser, base, Number(options.minutes)),
-  };
-  try {
+  await withBrowser(async (browser) => {
+    const parts = {
+      start: () => measureStart(browser, base),
+      hands: () => measureHands(browser, base),
+      input: () => measureInput(browser, base),
+      memory: () => measureMemory(browser, base, Number(options.minutes)),
+    };
     console.log(`load average ${loadavg()[0].toFixed(1)}`);
     for (const [name, measure] of Object.entries(parts))
       if (!options.only || options.only === name) await measure();
     console.log(`load average ${loadavg()[0].toFixed(1)}`);
-  } finally {
-    await browser.close();
-  }
+  });
 }
 
 await runTest(bench);

@@ -9,13 +9,8 @@ import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
-import {
-  differenceOf,
-  launchBrowser,
-  luminanceIn,
-  nextFrames,
-  openViewer,
-} from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
+import { differenceOf, luminanceIn, stillShot, untilStill } from './support/pictures.mjs';
 import { stop, until } from './support/processes.mjs';
 import { optionsOf, runTest, startServer } from './support/session.mjs';
 
@@ -148,17 +143,6 @@ function intersect(a, b) {
   return a[0] < b[2] - 1 && b[0] < a[2] - 1 && a[1] < b[3] - 1 && b[1] < a[3] - 1;
 }
 
-/** Waits until the picture at rest is shown: while it moves, it has fewer pixels than its place. */
-async function stillPicture({ page }) {
-  await nextFrames(page);
-  await until('still picture', SETTLE_S, () =>
-    page.evaluate(() => {
-      const { width, clientWidth } = document.querySelector('.canvas');
-      return width === clientWidth && window.kerf.state().pictures.isLast;
-    }),
-  );
-}
-
 /** No side of the block is twice as bright as another. */
 async function checkSides(viewer) {
   const { page, state } = viewer;
@@ -170,8 +154,8 @@ async function checkSides(viewer) {
   const luminances = [];
   for (const side of SIDES) {
     await page.keyboard.press(side);
-    await stillPicture(viewer);
-    luminances.push(await luminanceIn(page, (await state()).blockBox));
+    await untilStill(viewer);
+    luminances.push(await luminanceIn(viewer, (await state()).blockBox));
   }
   const text = luminances.map((value) => value.toFixed(3)).join(', ');
   console.log(`luminance of front, back, right, left, top, bottom: ${text}`);
@@ -187,8 +171,7 @@ async function checkReadback(browser, base) {
         width: 640,
         height: 480,
       });
-      await untilWhole(viewer);
-      await stillPicture(viewer);
+      await untilStill(viewer);
       return viewer;
     }),
   );
@@ -199,7 +182,7 @@ async function checkReadback(browser, base) {
   );
   assert.deepEqual(is2d, [true, false]);
   const box = (await read.state()).blockBox;
-  const difference = await differenceOf(read.page, drawn.page, box);
+  const difference = await differenceOf(read, drawn, box);
   console.log(`read back and drawn differ by ${difference.toFixed(2)} of 255`);
   assert(difference < 2, `${difference}`);
   for (const { page } of [read, drawn]) await page.context().close();
@@ -229,8 +212,8 @@ async function checkPoster(browser, base) {
 
 /** People, figures and downloads are there where WebGL is not. */
 async function checkWithoutWebGl(base, scratch) {
-  const browser = await launchBrowser(['--disable-gpu', '--disable-3d-apis']);
-  try {
+  const withoutWebGl = ['--disable-gpu', '--disable-3d-apis'];
+  await withBrowser(async (browser) => {
     const viewer = await openViewer(browser, `${base}/?session=page&name=Mary`, {
       width: 800,
       height: 600,
@@ -252,21 +235,18 @@ async function checkWithoutWebGl(base, scratch) {
     const started = page.waitForEvent('download');
     await dialog.getByRole('button', { name: 'Download' }).click();
     await (await started).saveAs(join(scratch, 'block.stl'));
-  } finally {
-    await browser.close();
-  }
+  }, withoutWebGl);
 }
 
 async function test(folder) {
   const { server, base } = await startServer(options, folder, 'page', SCENE);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const viewer = await openCounted(browser, `${base}/?session=page&name=Grace`);
     const { page, problems } = viewer;
     checkStart(viewer, await page.evaluate(() => window.kerf.marks));
     checkUntouched(await viewer.state());
     assert.equal(await page.title(), `${SCENE.name} · Kerf`);
-    await writeFile(join(options.out, 'page.png'), await page.screenshot());
+    await writeFile(join(options.out, 'page.png'), await stillShot(viewer));
     await checkLayouts(viewer);
     await checkSides(viewer);
     await checkCalls(viewer);
@@ -275,9 +255,7 @@ async function test(folder) {
     await page.goto(`${base}/?list`);
     await page.getByText('Choose a block to open').waitFor(); // although there is only one
     assert.deepEqual(problems, []);
-  } finally {
-    await browser.close();
-  }
+  });
   await checkWithoutWebGl(base, folder);
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }

@@ -7,7 +7,8 @@
 import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { countPixels, launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
+import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
+import { countPixels, untilStill } from './support/pictures.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
@@ -139,20 +140,15 @@ async function checkCompare(viewer, session, record) {
   const { page, state } = viewer;
   await page.locator('input[name="material"]').nth(2).check({ force: true }); // cuts are not blue
   // The camera follows the free part of the page, which the banner of the past makes smaller.
-  const boxAtRest = () =>
-    until('the camera at rest', SETTLE_S, async () => {
-      const before = (await state()).blockBox;
-      await nextFrames(page);
-      await new Promise((resolve) => setTimeout(resolve, 200));
-      const { blockBox } = await state();
-      const isAtRest = blockBox.every((side, n) => Math.abs(side - before[n]) < 0.5);
-      return isAtRest && blockBox.map(Math.round);
-    });
+  const boxAtRest = async () => {
+    await untilStill(viewer);
+    return (await state()).blockBox.map(Math.round);
+  };
   const cut = async () => {
     const [left, top, right, bottom] = await boxAtRest();
     const [width, height] = [right - left, bottom - top];
     const box = [left, top, width, height];
-    return (await countPixels(page, box, { leastRedOverBlue: -35 })) / (width * height);
+    return (await countPixels(viewer, box, { leastRedOverBlue: -35 })) / (width * height);
   };
   const border = page.getByRole('slider', {
     name: 'Divider between the two states',
@@ -280,8 +276,7 @@ async function test(folder) {
   const { server, base, session } = await startServer(options, folder, 'past', SCENE);
   await carve(session, 4);
   await carve(session, 9);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const [width, height] = SIZES.at(-1);
     const viewer = await openViewer(browser, `${base}/?session=past&quality=full`, {
       width,
@@ -300,9 +295,7 @@ async function test(folder) {
     await checkBlock(viewer, session, record);
     await checkBranch(viewer, base, record);
     assert.deepEqual(viewer.problems, []);
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

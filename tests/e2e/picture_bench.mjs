@@ -7,9 +7,10 @@
 
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
+import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { likeness } from './support/likeness.mjs';
 import { PICTURE_SCENES } from './support/picture_scenes.mjs';
+import { stillShot } from './support/pictures.mjs';
 import { until } from './support/processes.mjs';
 import { carveProgram, optionsOf, runTest, startEmptyServer } from './support/session.mjs';
 
@@ -57,7 +58,8 @@ async function open(browser, base, id, window, query = '') {
 const levelsOf = async (viewer) => (await viewer.state()).tiles.map(({ level }) => level);
 const isExact = async (viewer) => (await levelsOf(viewer)).every((level) => level === 0);
 
-async function shot({ page }) {
+/** Of the levels of detail that are there, also while the picture has not rested long enough. */
+async function firstShot({ page }) {
   await nextFrames(page);
   await page.waitForFunction(() => window.kerf.state().pictures.isStill, null, {
     polling: 200,
@@ -69,15 +71,15 @@ async function shot({ page }) {
 async function pictures(browser, base, id, window) {
   const exact = await open(browser, base, id, window, '&quality=full');
   await until('exact tiles', SETTLE_S, () => isExact(exact));
-  const truth = await shot(exact);
+  const truth = await stillShot(exact);
   await exact.page.addStyleTag({ content: 'canvas { visibility: hidden; }' });
   const empty = await exact.page.screenshot({ timeout: 120_000 });
   await exact.page.context().close();
   const viewer = await open(browser, base, id, window);
   const coarsest = Math.max(...(await levelsOf(viewer)));
-  const first = await shot(viewer);
+  const first = await firstShot(viewer);
   await until('exact tiles', SETTLE_S, () => isExact(viewer));
-  const rest = await shot(viewer);
+  const rest = await stillShot(viewer);
   return { viewer, truth, empty, first, rest, coarsest };
 }
 
@@ -102,18 +104,15 @@ async function measure(browser, base, id, name, window) {
 
 await runTest(async (folder) => {
   const { base } = await startEmptyServer(options, folder);
-  const browser = await launchBrowser();
   const all = [];
-  try {
+  await withBrowser(async (browser) => {
     console.log('scene            window        as it comes first: SSIM, wrong skin; at rest');
     for (const [n, block] of PICTURE_SCENES.entries()) {
       if (options.only && block.name !== options.only) continue;
       const id = await createBlock(base, n, block);
       for (const window of WINDOWS) all.push(await measure(browser, base, id, block.name, window));
     }
-  } finally {
-    await browser.close();
-  }
+  });
   for (const kind of ['atFirst', 'atRest']) {
     const ssim = Math.min(...all.map((each) => each[kind].ssim));
     const wrongSkin = Math.max(...all.map((each) => each[kind].wrongSkin));

@@ -9,7 +9,7 @@
 import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
 import { getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { slowLine } from './support/slow_line.mjs';
@@ -127,10 +127,8 @@ async function checkExport({ session }, folder, hash) {
 
 async function test(folder) {
   const server = await startServer(options, folder, 'strokes', SCENE);
-  // By default Playwright ends this program at a SIGINT.
-  const browser = await launchBrowser(undefined, { handleSIGINT: false });
-  const pages = [];
-  try {
+  const draws = async (browser) => {
+    const pages = [];
     for (const name of ['Ada', 'Grace']) pages.push(await enter(browser, server, name));
     const agent = start(options.agent, [
       ...['--server', server.base, '--session', 'strokes', '--device', 'sim'],
@@ -162,10 +160,9 @@ async function test(folder) {
     const after = await getJson(server.session);
     assert.equal(after.state_hash, hash, 'the block has changed since it was at rest');
     console.log(`${drawn} strokes by pages, ${motions} motions in all: ${hash}`);
-  } finally {
-    await browser.close();
-    for (const { line } of pages) line.close();
-  }
+  };
+  // By default Playwright ends this program at a SIGINT.
+  await withBrowser(draws, undefined, { handleSIGINT: false });
   assert.equal(await stop(server.server), 0, server.server.errors);
 }
 

@@ -9,9 +9,9 @@ import { readFile, writeFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
-import { launchBrowser, nextFrames, openViewer } from './support/browser.mjs';
+import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
-import { stop, until } from './support/processes.mjs';
+import { atEnd, stop, until } from './support/processes.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
@@ -147,7 +147,8 @@ async function startSite() {
     response.end(`<!doctype html><iframe width="600" height="400" src="${framed}"></iframe>`);
   });
   await new Promise((resolve) => site.listen(0, 'localhost', resolve));
-  return { site, origin: `http://localhost:${site.address().port}` };
+  atEnd(() => site.close());
+  return { origin: `http://localhost:${site.address().port}` };
 }
 
 /** Opens a page of a site that frames an address; returns what is in the frame. */
@@ -199,8 +200,7 @@ async function test(folder) {
   const others = ['--embed-origin', named.origin];
   const started = await startServer({ ...options, others }, folder, 'wall', SCENE);
   const { server, base, session } = started;
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const ada = await open(browser, base, 'Ada', DESK);
     const grace = await open(browser, base, 'Grace', PHONE, {
       colorScheme: 'dark',
@@ -230,10 +230,7 @@ async function test(folder) {
     await grace.page.getByRole('button', { name: 'Remove the pin “deeper here?”' }).click();
     await ada.page.locator('.pin-mark').waitFor({ state: 'detached' });
     assert.deepEqual([...ada.problems, ...grace.problems], []);
-  } finally {
-    await browser.close();
-    for (const { site } of [named, other]) site.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

@@ -9,9 +9,9 @@ import { existsSync } from 'node:fs';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { serveFiles } from './support/file_host.mjs';
-import { stop, until } from './support/processes.mjs';
+import { poll, stop, until } from './support/processes.mjs';
 import { getJson, optionsOf, runTest, startEmptyServer } from './support/session.mjs';
 import { WireViewer } from './support/wire_viewer.mjs';
 
@@ -102,11 +102,7 @@ async function carveUntil({ page, state }, isCut) {
     await page.mouse.down();
     for (const x of [0.45, 0.5, 0.55]) await page.mouse.move(...at(x), { steps: 6 });
     await page.mouse.up();
-    const end = Date.now() + 15_000;
-    while (Date.now() < end) {
-      if (await isCut()) return;
-      await page.waitForTimeout(200);
-    }
+    if (await poll(15, isCut)) return;
   }
   throw new Error('the tool cuts nothing');
 }
@@ -175,14 +171,10 @@ async function checkLocal(browser, host) {
 async function test(folder) {
   const { server, base } = await startEmptyServer(options, folder);
   const host = await serveFiles(options.web);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     await checkLobby(browser, base);
     if (existsSync(join(options.web, 'kerf_files.wasm'))) await checkLocal(browser, host);
-  } finally {
-    await browser.close();
-    await host.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

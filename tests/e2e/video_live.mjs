@@ -7,7 +7,7 @@
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { stop, until } from './support/processes.mjs';
 import { optionsOf, runTest, startServer } from './support/session.mjs';
 
@@ -59,8 +59,7 @@ async function played(page, file) {
 
 async function test(folder) {
   const { server, base } = await startServer(options, folder, 'turning', SCENE);
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     const viewer = await openViewer(browser, `${base}/?session=turning`, {
       width: 960,
       height: 640,
@@ -84,9 +83,7 @@ async function test(folder) {
     assert(changed > 0.02, 'the block does not turn');
     await save.waitFor();
     assert.deepEqual(problems, []);
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
 }
 

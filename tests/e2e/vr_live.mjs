@@ -8,7 +8,7 @@ import assert from 'node:assert/strict';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { restingBlock } from './support/block.mjs';
-import { launchBrowser, openViewer } from './support/browser.mjs';
+import { openViewer, withBrowser } from './support/browser.mjs';
 import { aboutX, Headset, headsetScript, turnedX } from './support/headset.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
 import { getJson, optionsOf, runTest, startServer } from './support/session.mjs';
@@ -185,8 +185,7 @@ async function checkWithoutHeadset(browser, url) {
 async function test(folder) {
   const server = await startServer(options, folder, 'vr', SCENE);
   const url = `${server.base}/?session=vr&name=Grace`;
-  const browser = await launchBrowser();
-  try {
+  await withBrowser(async (browser) => {
     await checkWithoutHeadset(browser, url);
     const viewer = await openViewer(browser, url, VIEWPORT, {
       script: await headsetScript(),
@@ -199,7 +198,8 @@ async function test(folder) {
     await page.getByRole('button', { name: 'Enter VR' }).click();
     await page.locator('main[data-carve=ready]').waitFor();
     await until('frames', SETTLE_S, async () => (await headset.state())?.frames > 2);
-    await new Promise((resolve) => setTimeout(resolve, 1500)); // the server's stock
+    const isUncut = ({ removed_volume_mm3: mm3 }) => mm3 === 0;
+    await settled(server, viewer, 'stock of the server in the page', isUncut);
     const cut = await checkStroke(server, viewer, headset, folder);
     await checkUndo(server, viewer, headset, cut);
     await checkOthers(server, headset);
@@ -210,9 +210,7 @@ async function test(folder) {
     console.log(
       `a frame: script ${p50Ms.toFixed(1)} ms (median), ${p95Ms.toFixed(1)} ms (95 %), ${calls} calls, ${triangles} triangles`,
     );
-  } finally {
-    await browser.close();
-  }
+  });
   assert.equal(await stop(server.server), 0, server.server.errors);
 }
 

@@ -8,7 +8,8 @@ import time
 import nats_server
 from live_resume_test import DurableAgent, spiral_tip
 from live_server import Server
-from wire_client import WAIT_S, Closed, Rejected
+from waiting import eventually
+from wire_client import Closed, Rejected
 
 
 class Cluster:
@@ -34,8 +35,7 @@ class Cluster:
 
     def end(self):
         for server in self.servers.values():
-            server.process.kill()
-            server.process.communicate()
+            server.stop(signal.SIGKILL)
         self.nats.stop()
 
     def owner(self, session="block"):
@@ -51,13 +51,11 @@ class Cluster:
         return owners[0][0] if owners else None
 
     def wait_for_owner(self, session="block", among=None):
-        end = time.monotonic() + WAIT_S
-        while time.monotonic() < end:
+        def found():
             owner = self.owner(session)
-            if owner and (among is None or owner in among):
-                return owner
-            time.sleep(0.02)
-        raise AssertionError(f"nobody runs {session}")
+            return owner if among is None or owner in among else None
+
+        return eventually(found, f"nobody runs {session}")
 
 
 class RasterPath:
@@ -96,16 +94,18 @@ class ClusterAgent(DurableAgent):
         super().__init__(None, session)
 
     def connect(self, port):
-        end = time.monotonic() + WAIT_S
-        while True:
-            for server in list(self.cluster.servers.values()):
-                try:
-                    super().connect(server.port)
-                    return
-                except (OSError, Closed, Rejected, AssertionError):
-                    if time.monotonic() > end:
-                        raise
-            time.sleep(0.02)
+        faults = []
+
+        def connects_to(server):
+            try:
+                super(ClusterAgent, self).connect(server.port)
+                return True
+            except (OSError, Closed, Rejected, AssertionError) as fault:
+                faults[:] = [fault]
+                return False
+
+        eventually(lambda: any(map(connects_to, list(self.cluster.servers.values()))),
+                   lambda: f"no server takes the agent: {faults}")
 
     def send(self, first):
         resume = self.welcome["resume"]
@@ -138,14 +138,15 @@ class ClusterAgent(DurableAgent):
 
     def settle(self):
         """Waits until everything is acknowledged."""
-        end = time.monotonic() + WAIT_S
-        while self.durable < len(self.sent):
-            assert time.monotonic() < end, (self.durable, len(self.sent))
-            try:
-                self.ping()
-            except (OSError, Closed, IndexError):
-                self.connect(None)
-            time.sleep(0.02)
+        def is_settled():
+            if self.durable < len(self.sent):
+                try:
+                    self.ping()
+                except (OSError, Closed, IndexError):
+                    self.connect(None)
+            return self.durable >= len(self.sent)
+
+        eventually(is_settled, lambda: f"{self.durable} of {len(self.sent)} samples are durable")
 
 
 def uninterrupted(folder, agents):

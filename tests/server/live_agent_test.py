@@ -7,11 +7,10 @@ import signal
 import socket
 import subprocess
 import threading
-import time
-import unittest
 
 from delaying_relay import Line, Relay
-from live_server import SCENE, LiveTest
+from kept_logs import keep, path_of, run_tests
+from live_server import SCENE, LiveTest, until
 
 AGENT = os.environ["KERF_AGENT"]
 FAR = Line(rtt_s=0.1, jitter=0.2, loss=0.02)
@@ -71,6 +70,7 @@ class AgentTest(LiveTest):
         done = subprocess.run(
             [AGENT, "--server", url, "--session", session, "--status-json", where, *words],
             capture_output=True, text=True, timeout=120)
+        keep("agent", done.stderr)
         self.assertEqual(done.returncode, 0, done.stderr)
         with open(where) as file:
             return json.load(file)
@@ -150,10 +150,11 @@ class ThroughASlowLine(AgentTest):
 
 class SeveralDevices(AgentTest):
     def start(self, *words):
-        process = subprocess.Popen(
-            [AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session", "block",
-             "--status-json", os.path.join(self.folder.name, "hand.json"), *words],
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        with open(path_of("agent"), "w") as log:
+            process = subprocess.Popen(
+                [AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session", "block",
+                 "--status-json", os.path.join(self.folder.name, "hand.json"), *words],
+                stdout=subprocess.PIPE, stderr=log, text=True)
         self.addCleanup(process.stdout.close)
         self.addCleanup(process.kill)
         return process
@@ -168,12 +169,8 @@ class SeveralDevices(AgentTest):
         return found
 
     def wait_for_both(self):
-        for _ in range(3000):
-            names = {person["name"] for person in self.server.info()["participants"]}
-            if names == {"Ada", "Ada 2"}:
-                return
-            time.sleep(0.01)
-        self.fail(f"only {names} joined")
+        until(self, lambda: {person["name"] for person in self.server.info()["participants"]},
+              {"Ada", "Ada 2"})
 
     def test_two_devices_join_as_two_participants(self):
         process = self.start("--name", "Ada", "--device", "replay:" + self.path(rows()),
@@ -244,4 +241,4 @@ class Doctor(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

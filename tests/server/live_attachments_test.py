@@ -11,6 +11,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import nats_server  # noqa: E402
 from cluster_servers import Cluster  # noqa: E402
+from kept_logs import run_tests  # noqa: E402
 from live_programs_test import spiral  # noqa: E402
 from live_rights_test import Holder, bearer  # noqa: E402
 from live_server import SCENE, until  # noqa: E402
@@ -189,4 +190,4 @@ if __name__ == "__main__":
     if nats_server.PROGRAM is None:
         print("skipped: nats-server is not installed")
         sys.exit(77)
-    unittest.main()
+    run_tests()

@@ -4,8 +4,8 @@ import json
 import socket
 import struct
 import time
-import unittest
 
+from kept_logs import run_tests
 from live_server import SCENE, LiveTest, Server
 from wire_client import (ACK, MOTION, Agent, Closed, Rejected, Viewer, WebSocket, header,
                          motion_frame, sample)
@@ -327,4 +327,4 @@ class BadHttp(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

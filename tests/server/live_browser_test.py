@@ -4,8 +4,8 @@ import http.client
 import os
 import socket
 import tempfile
-import unittest
 
+from kept_logs import run_tests
 from live_server import LiveTest, Server
 from wire_client import Rejected, WebSocket
 
@@ -93,4 +93,4 @@ class Browser(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

@@ -3,8 +3,8 @@
 import math
 import threading
 import time
-import unittest
 
+from kept_logs import run_tests
 from live_server import FolderTest, LiveTest, Server
 from wire_client import Agent, Viewer
 
@@ -109,4 +109,4 @@ class Ceiling(FolderTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

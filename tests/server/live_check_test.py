@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Snapshots of a real server, and the commands that verify its files."""
+import itertools
 import os
 import shutil
 import signal
@@ -7,12 +8,13 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+from kept_logs import run_tests  # noqa: E402
 from live_server import PROGRAM, LiveTest, Server, until  # noqa: E402
 from live_session_test import Agent, carve  # noqa: E402
+from waiting import eventually  # noqa: E402
 
 
 def run(*words):
@@ -37,10 +39,13 @@ class Check(LiveTest):
         carve(Agent(self.server.port, "block"), 300)
         until(self, lambda: os.path.exists(self.snapshot), True)
         agent = Agent(self.server.port, "block")
-        for phase in range(100):  # until the next one has been written while it carves
-            carve(agent, 30, phase=phase, pace_s=0.003)
-            if os.path.exists(self.previous):
-                break
+        phases = itertools.count()
+
+        def has_next():  # which is written while the agent carves
+            carve(agent, 30, phase=next(phases))
+            return os.path.exists(self.previous)
+
+        eventually(has_next, "no other snapshot is written", every_s=0.05)
         return self.server.info()
 
     def sql(self, text):
@@ -215,4 +220,4 @@ class Check(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

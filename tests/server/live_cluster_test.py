@@ -16,6 +16,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import nats_server  # noqa: E402
 from cluster_servers import Cluster, ClusterAgent  # noqa: E402
 from delaying_relay import Line, Relay  # noqa: E402
+from kept_logs import keep, run_tests  # noqa: E402
 from live_agent_test import AGENT, rows  # noqa: E402
 from live_copy_test import batches, is_copied_to, run  # noqa: E402
 from live_resume_test import DurableAgent  # noqa: E402
@@ -81,7 +82,7 @@ class Takeover(unittest.TestCase):
             kill.start()
             while kill.is_alive():
                 agent.move(16)
-            self.cluster.servers.pop(owner).process.communicate()
+            self.cluster.servers.pop(owner).end()
             agent.move(64)
             self.assertNotEqual(self.cluster.wait_for_owner(), owner)
             self.cluster.start(owner)
@@ -336,6 +337,7 @@ class Takeover(unittest.TestCase):
         until(self, lambda: (self.a.info()["copied"] or {"record": 0})["record"] > 100, True)
         self.cluster.stop("a", signal.SIGKILL)
         out, log = agent.communicate(timeout=60)
+        keep("agent", log)
         self.assertEqual(agent.returncode, 0, log)
         link = json.loads(out)["link"]
         self.assertEqual((link["unanswered"], link["not_durable"], link["given_up"],
@@ -355,4 +357,4 @@ if __name__ == "__main__":
     if nats_server.PROGRAM is None:
         print("skipped: nats-server is not installed")
         sys.exit(77)
-    unittest.main()
+    run_tests()

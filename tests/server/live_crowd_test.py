@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests a real server with many viewers."""
 import threading
-import unittest
 
+from kept_logs import run_tests
 from live_server import LiveTest
 from wire_client import Agent, Closed, Viewer
 
@@ -75,4 +75,4 @@ class Crowd(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

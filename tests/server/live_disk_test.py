@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real server whose disk is full, and one that finds journals it cannot read."""
+import itertools
 import json
 import os
 import resource
 import signal
 import sqlite3
 import sys
-import time
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+from kept_logs import run_tests  # noqa: E402
 from live_server import SCENE, LiveTest, Server, until  # noqa: E402
 from live_session_test import Agent, carve  # noqa: E402
+from waiting import eventually  # noqa: E402
 from wire_client import Viewer  # noqa: E402
 
 
@@ -30,6 +31,14 @@ class FullDisk(LiveTest):
         text = self.server.http.request("GET", "/metrics")[2].decode()
         return [line for line in text.splitlines() if line.startswith(name + "{")]
 
+    def wait_for_failed_commits(self, count):
+        """Waits until the session has tried so many times more to write."""
+        def failed():
+            return sum(int(line.split()[-1]) for line in self.metric("kerf_journal_failed_commits"))
+
+        before = failed()
+        until(self, lambda: failed() >= before + count, True)
+
     def test_session_pauses_and_continues_without_loss(self):
         agent, viewer = Agent(self.port, "block"), Viewer(self.port, "block")
         carve(agent, 200)
@@ -40,13 +49,14 @@ class FullDisk(LiveTest):
         # What was accepted before the failed commit stays in the block; then motions are rejected.
         agent.move([(0, 0, -6)])
         agent.result()
-        end, i = time.monotonic() + 60, 0
-        while time.monotonic() < end:  # a commit before may wait for a slow disk
-            agent.move([(0.001 * i, 0, -6)])
-            if agent.result()["status"] & 4:
-                break
-            time.sleep(0.002)
-            i += 1
+        places = itertools.count()
+
+        def is_rejected():
+            agent.move([(0.001 * next(places), 0, -6)])
+            return agent.result()["status"] & 4
+
+        # A commit before may wait for a slow disk.
+        eventually(is_rejected, "motions are taken though the disk is full", 60, 0.002)
         agent.move([(0, 0.001, -6)])
         error = agent.receive_json("error")
         self.assertEqual(error["code"], "busy")
@@ -63,7 +73,7 @@ class FullDisk(LiveTest):
                          ['kerf_journal_paused{session="block"} 1'])
         while viewer.receive_json("state").get("paused") != "disk":
             pass
-        time.sleep(1.5)  # it tries again, and that is not logged again
+        self.wait_for_failed_commits(2)  # it tries again, and that is not logged again
         self.assertEqual(self.ready()[0], 503)
         self.limit_files(None)
         until(self, lambda: self.ready()[0], 200)
@@ -91,7 +101,7 @@ class FullDisk(LiveTest):
         carve(agent, 100, 1.0)
         # The hash of a state beyond the durable one is asked for, and must not be stored alone.
         reached = self.server.info()["motions"]
-        time.sleep(1.2)
+        self.wait_for_failed_commits(2)
         self.server.stop(signal.SIGKILL)
         self.server = Server(self.folder.name)
         self.assertGreaterEqual(self.server.info()["motions"], durable)
@@ -240,4 +250,4 @@ class UnreadableJournals(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

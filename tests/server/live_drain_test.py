@@ -5,9 +5,9 @@ import os
 import signal
 import subprocess
 import tempfile
-import unittest
 
 from delaying_relay import Line, Relay
+from kept_logs import keep, run_tests
 from live_agent_test import AGENT, rows
 from live_server import LiveTest, Server, until
 from wire_client import Agent, Viewer, WebSocket
@@ -25,6 +25,7 @@ class Drain(LiveTest):
 
     def assert_lost_nothing(self, agent, resumed):
         out, log = agent.communicate(timeout=60)
+        keep("agent", log)
         self.assertEqual(agent.returncode, 0, log)
         link = json.loads(out)["link"]
         self.assertEqual((link["unanswered"], link["not_durable"], link["given_up"],
@@ -89,4 +90,4 @@ class Drain(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

@@ -12,8 +12,10 @@ import time
 import unittest
 
 from haply_service import Service
+from kept_logs import run_tests  # noqa: E402
 from live_server import LiveTest
 from machine_stalls import succeeds
+from waiting import eventually  # noqa: E402
 
 AGENT = os.environ["KERF_AGENT"]
 HAPLY = os.environ["KERF_HAPLY"]
@@ -35,20 +37,19 @@ class Bridge:
 
     def join(self):
         self.socket = socket.socket(socket.AF_UNIX)
-        until_s = time.monotonic() + 20
-        while True:
-            try:
-                self.socket.connect(self.path)
-                break
-            except OSError:
-                if time.monotonic() > until_s:
-                    raise
-                time.sleep(0.01)
+        eventually(self.connects, "the adapter does not listen", 20)
         self.socket.settimeout(20)
         self.lines = self.socket.makefile("r")
         self.capabilities = self.lines.readline().split()
         self.socket.sendall(b"session 3 50 -20 -20 -20 20 20 0\n")
         return self
+
+    def connects(self):
+        try:
+            self.socket.connect(self.path)
+            return True
+        except OSError:
+            return False
 
     def leave(self):
         self.lines.close()
@@ -89,10 +90,7 @@ class Adapter(unittest.TestCase):
         self.assertEqual(self.service.faults, [])
 
     def wait(self, condition):
-        until_s = time.monotonic() + 20
-        while not condition():
-            self.assertLess(time.monotonic(), until_s)
-            time.sleep(0.005)
+        eventually(condition, "what the adapter was to do", 20)
 
     def test_states_force_only_and_places_the_pivot_at_the_cursor(self):
         agent = self.bridge.join()
@@ -154,8 +152,8 @@ class Adapter(unittest.TestCase):
             agent.pose()
             self.push(agent)
             self.assertEqual(self.service.ignored, 0, word)
+            self.assertEqual(self.bridge.stop()[1], "", word)  # first: it says that an agent left
             agent.leave()
-            self.assertEqual(self.bridge.stop()[1], "", word)
 
     def test_a_service_that_ignores_the_force_is_sent_the_other_dialect(self):
         for word, session_id in (("vector", False), ("values", True)):
@@ -342,4 +340,4 @@ class Session(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

@@ -5,9 +5,8 @@ import os
 import resource
 import socket
 import struct
-import time
-import unittest
 
+from kept_logs import run_tests
 from live_server import LiveTest
 from wire_client import Agent, Closed, Rejected, Viewer, WebSocket
 
@@ -260,4 +259,4 @@ class Hostile(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

@@ -3,10 +3,10 @@
 import os
 import sqlite3
 import sys
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+from kept_logs import run_tests  # noqa: E402
 from live_server import LiveTest, Server  # noqa: E402
 from live_session_test import Agent, carve  # noqa: E402
 
@@ -62,4 +62,4 @@ class KernelVersion(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

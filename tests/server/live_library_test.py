@@ -6,8 +6,8 @@ import os
 import re
 import subprocess
 import sys
-import unittest
 
+from kept_logs import keep, run_tests
 from live_server import SCENE, LiveTest
 from machine_stalls import succeeds
 
@@ -39,7 +39,8 @@ class Examples(LiveTest):
             self.server.create(session, SCENE)
             running[session] = subprocess.Popen(words, stdout=subprocess.PIPE,
                                                 stderr=subprocess.STDOUT, text=True)
-        texts = {session: process.communicate(timeout=60)[0] for session, process in running.items()}
+        texts = {session: keep(session, process.communicate(timeout=60)[0])
+                 for session, process in running.items()}
         return {session: (running[session].returncode, text) for session, text in texts.items()}
 
     def test_devices_in_three_languages_press_and_cut(self):
@@ -78,6 +79,7 @@ class Examples(LiveTest):
                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         for device, process in running.items():
             out, log = process.communicate(timeout=60)
+            keep("agent", log)
             self.assertEqual(process.returncode, 0, log)
             status = json.loads(out)
             self.assertEqual(status["device"], device)
@@ -133,4 +135,4 @@ class Examples(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

@@ -2,10 +2,11 @@
 """Tests that requests that take long do not keep a real server from serving the others."""
 import select
 import socket
-import time
 import unittest
 
-from live_server import SCENE, LiveTest
+from kept_logs import run_tests
+from live_server import SCENE, LiveTest, until
+from waiting import eventually
 from wire_client import PATIENCE, WAIT_S, Agent
 
 of_full_speed = unittest.skipIf(PATIENCE > 1, "a sanitizer needs memory of its own")
@@ -32,8 +33,8 @@ class Exports(LiveTest):
         status, program = self.server.http.json(
             "POST", "/v1/sessions/long/programs?pace=fast&name=raster.ngc", raster(200))
         self.assertEqual(status, 202, program)
-        while self.server.http.json("GET", program["url"])[1]["state"] == "running":
-            time.sleep(0.01)
+        until(self, lambda: self.server.http.json("GET", program["url"])[1]["state"], "finished",
+              4 * WAIT_S)
 
     def request(self):
         """Starts a download that takes seconds; returns the socket once it is being made."""
@@ -47,8 +48,7 @@ class Exports(LiveTest):
     def test_a_download_ends_when_its_client_is_gone(self):
         self.carve()
         self.request().close()
-        while self.exports():
-            time.sleep(0.01)
+        until(self, self.exports, [])
         # It was not completed: a second request has to make the file again.
         self.request().close()
 
@@ -83,8 +83,11 @@ class Uploads(LiveTest):
         return list(answers.values())
 
     def upload_when_possible(self):
-        while self.server.http.request("POST", "/v1/files?name=a.stl", b" " * 60_000_000)[0] == 503:
-            time.sleep(0.05)
+        def is_taken():
+            path = "/v1/files?name=a.stl"
+            return self.server.http.request("POST", path, b" " * 60_000_000)[0] != 503
+
+        until(self, is_taken, True, 4 * WAIT_S)
 
     def test_unfinished_uploads_count_from_their_header_on(self):
         clients = [self.begin(f"127.0.0.{2 + n}") for n in range(40)]
@@ -99,10 +102,8 @@ class Uploads(LiveTest):
             return next(int(line.split()[1]) for line in status if line.startswith("VmRSS")) / 1000
 
     def wait_for_memory(self, is_right):
-        end = time.monotonic() + 2 * WAIT_S
-        while not is_right(self.memory_mb()):
-            self.assertLess(time.monotonic(), end, f"the server uses {self.memory_mb()} MB")
-            time.sleep(0.01)
+        eventually(lambda: is_right(self.memory_mb()),
+                   lambda: f"the server uses {self.memory_mb()} MB", 2 * WAIT_S)
 
     @of_full_speed
     def test_the_memory_of_uploads_that_break_off_is_given_back(self):
@@ -167,4 +168,4 @@ class LongMotions(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

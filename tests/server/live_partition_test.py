@@ -18,7 +18,9 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import nats_server  # noqa: E402
 from cluster_servers import Cluster, ClusterAgent, RasterPath, uninterrupted  # noqa: E402
 from delaying_relay import Line, Relay  # noqa: E402
+from kept_logs import run_tests  # noqa: E402
 from live_server import SCENE, Server, until  # noqa: E402
+from waiting import eventually  # noqa: E402
 from wire_client import Closed, WebSocket  # noqa: E402
 
 
@@ -77,6 +79,18 @@ class ClusterTest(unittest.TestCase):
         until(self, lambda: owners.seen, ["a"])
         return agent, owners
 
+    def wait_for_renewals(self, count=5):
+        """Waits until the lease was renewed so often: one that was not would have ended."""
+        asked = json.dumps({"last_by_subj": "kerf.cluster.session.block"}).encode()
+        seen = set()
+
+        def has_seen():
+            answer = self.cluster.nats.request("$JS.API.STREAM.MSG.GET.KERF_CLUSTER", asked)
+            seen.add(answer["message"]["seq"])
+            return len(seen) > count
+
+        eventually(has_seen, lambda: f"the lease was renewed {len(seen) - 1} times only")
+
     def block(self, name):
         info = self.cluster.servers[name].info()
         return info["motions"], info["state_hash"]
@@ -130,7 +144,7 @@ class Partition(ClusterTest):
         resource.prlimit(a.process.pid, resource.RLIMIT_FSIZE, (0, hard))
         agent.move(16)  # cut, and never on that disk
         until(self, lambda: a.info()["paused"], "disk")
-        time.sleep(4)  # longer than a lease that is not renewed
+        self.wait_for_renewals()
         b = self.cluster.servers["b"]
         self.assertEqual(b.http.request("GET", "/v1/sessions/block")[0], 307)
         self.assertEqual(a.info()["paused"], "disk")
@@ -198,7 +212,7 @@ class ClockJumps(ClusterTest):
             agent.move(64)
             agent.settle()
             until(self, lambda: round((self.active_s("a") - time.time()) / day_s) * day_s, jump_s)
-            time.sleep(4)  # longer than a lease that is not renewed
+            self.wait_for_renewals()
         self.assertEqual(self.cluster.owner(), "a")
         self.cluster.stop("a", signal.SIGKILL)
         agent.move(64)
@@ -243,4 +257,4 @@ if __name__ == "__main__":
     if nats_server.PROGRAM is None:
         print("skipped: nats-server is not installed")
         sys.exit(77)
-    unittest.main()
+    run_tests()

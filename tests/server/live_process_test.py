@@ -9,13 +9,14 @@ import socket
 import subprocess
 import sys
 import tempfile
-import time
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+from kept_logs import run_tests  # noqa: E402
 from live_server import PROGRAM, SCENE, LiveTest, Server, until  # noqa: E402
-from wire_client import ACK, Agent, Viewer, header, motion_frame, sample  # noqa: E402
+from nats_server import free_port  # noqa: E402
+from waiting import eventually  # noqa: E402
+from wire_client import ACK, Agent, Http, Viewer, header, motion_frame, sample  # noqa: E402
 
 
 class Folder(LiveTest):
@@ -86,8 +87,7 @@ class Configuration(LiveTest):
         with tempfile.TemporaryDirectory() as folder:
             server = Server(folder)
             server.process.send_signal(signal.SIGHUP)
-            self.assertIn("SIGHUP: nothing is changed", next(
-                line for line in server.process.stderr if "SIGHUP" in line))
+            self.assertIn("SIGHUP: nothing is changed", server.log_line("SIGHUP"))
             self.assertEqual(server.http.request("GET", "/healthz")[0], 200)
             status, _ = server.stop()
             self.assertEqual(status, 0)
@@ -153,13 +153,19 @@ class Configuration(LiveTest):
 
     def test_without_standard_streams_nothing_is_written_into_other_files(self):
         with tempfile.TemporaryDirectory() as folder:
+            port = free_port()
             shell = subprocess.Popen(
-                ["sh", "-c", 'exec "$0" --listen 127.0.0.1:0 --data "$1" <&- >&- 2>&-', PROGRAM, folder])
-            lock = os.path.join(folder, "kerf-server.lock")
-            while not os.path.exists(lock) or not os.path.getsize(lock):
+                ["sh", "-c", 'exec "$0" --listen "$1" --data "$2" <&- >&- 2>&-', PROGRAM,
+                 f"127.0.0.1:{port}", folder])
+
+            def is_ready():
                 self.assertIsNone(shell.poll())
-                time.sleep(0.01)
-            time.sleep(0.2)  # it prints its address and logs its UDP port
+                try:
+                    return Http(port).request("GET", "/readyz")[0] == 200
+                except OSError:
+                    return False
+
+            eventually(is_ready, "the server does not answer")
             streams = [os.readlink(f"/proc/{shell.pid}/fd/{n}") for n in range(3)]
             shell.send_signal(signal.SIGTERM)
             self.assertEqual(shell.wait(30), 0)
@@ -262,4 +268,4 @@ class Epochs(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

@@ -5,10 +5,10 @@ import math
 import os
 import pathlib
 import subprocess
-import time
-import unittest
 
+from kept_logs import run_tests
 from live_server import LiveTest
+from waiting import eventually
 from wire_client import Viewer
 
 
@@ -36,13 +36,11 @@ class Programs(LiveTest):
         return body
 
     def until(self, program, *states):
-        end = time.monotonic() + 60
-        while time.monotonic() < end:
-            status = self.ask("GET", program["url"])[1]
-            if status["state"] in states:
-                return status
-            time.sleep(0.01)
-        raise AssertionError(f"the program is {status['state']}")
+        def status():
+            found = self.ask("GET", program["url"])[1]
+            return found if found["state"] in states else None
+
+        return eventually(status, f"the program is not {' or '.join(states)}", 60)
 
     def refused(self, method, path):
         status, body = self.ask(method, path)
@@ -64,12 +62,15 @@ class Programs(LiveTest):
             lines.append(self.until(program, "paused")["line"])
         self.assertEqual(lines, sorted(set(lines)))
         before = self.ask("GET", program["url"])[1]
-        time.sleep(0.1)
+        # Another program, which is not paused, begins and ends meanwhile.
+        self.server.create("meanwhile")
+        self.until(self.upload(text, "pace=fast&name=s.ngc", "meanwhile"), "finished")
         self.assertEqual(self.ask("GET", program["url"])[1], before)
         self.assertAlmostEqual(before["elapsed_s"] + before["remaining_s"],
                                before["programmed_s"], places=6)
         self.change(program, "do=resume&speed=1")
-        time.sleep(0.05)
+        eventually(lambda: self.ask("GET", program["url"])[1]["line"] > before["line"],
+                   "the program does not go on")
         self.change(program, "do=pause")
         self.change(program, "do=resume&pace=fast")
         self.until(program, "finished")
@@ -180,4 +181,4 @@ class Programs(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

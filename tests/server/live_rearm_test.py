@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A user of the real kerf-agent whose device has neither deadman nor button: learns why there is
 no force, goes on after trips, and cuts."""
+import collections
 import json
 import os
 import signal
@@ -8,14 +9,16 @@ import socket
 import subprocess
 import threading
 import time
-import unittest
 
+from kept_logs import Output, run_tests
 from live_server import SCENE, LiveTest
+from waiting import eventually
 
 AGENT = os.environ["KERF_AGENT"]
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 PRESS_PY = os.path.join(ROOT, "haptic_agent", "examples", "press.py")
 WAIT_S = 60  # only ends a failed test
+PERIOD_S = 0.002  # of the poses, about
 # Longer than the agent takes to arm and to say so; a user who sees nothing acts again.
 ACT_S = 2
 
@@ -28,6 +31,8 @@ class Device(threading.Thread):
         self.listener = socket.create_server(path, family=socket.AF_UNIX)
         self.keys, self.tip, self.more, self.ended = keys, [0.0, 0.0, 10.0], [], False
         self.most_up_n = 0.0  # of the wrenches since the test has set it to zero
+        self.poses = 0  # that were served
+        self.path = collections.deque()  # axis, mm: a step for each of the next poses
         self.start()
 
     def run(self):
@@ -55,23 +60,31 @@ class Device(threading.Thread):
             for words in map(bytes.split, lines):
                 if words[0] == b"wrench":
                     self.most_up_n = max(self.most_up_n, float(words[4]))
+            if self.path:
+                axis, by_mm = self.path.popleft()
+                self.tip[axis] += by_mm
             x, y, z = self.tip
             lines = [self.more.pop(0)] if self.more else []
             lines.append(f"pose ready {x:.3f} {y:.3f} {z:.3f} 0 0 1 0 0")
             agent.sendall(("\n".join(lines) + "\n").encode())
-            time.sleep(0.002)
+            self.poses += 1
+            time.sleep(PERIOD_S)
+
+    def rest(self, seconds):
+        """Waits until so many seconds of poses were served."""
+        end = self.poses + seconds / PERIOD_S
+        eventually(lambda: self.poses >= end, "the agent takes no poses")
 
     def jump(self):
         """By more than the agent takes for a motion: trips it."""
         self.tip[0] += 30
-        time.sleep(0.1)
+        self.rest(0.1)
         self.tip[0] -= 30
 
     def move(self, axis, by_mm, seconds):
-        steps = int(seconds * 100)
-        for _ in range(steps):
-            self.tip[axis] += by_mm / steps
-            time.sleep(seconds / steps)
+        steps = int(seconds / PERIOD_S)
+        self.path.extend([(axis, by_mm / steps)] * steps)
+        eventually(lambda: not self.path, "the agent takes no poses")
 
 
 class Rearm(LiveTest):
@@ -83,39 +96,41 @@ class Rearm(LiveTest):
             [AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session", session, "--device",
              f"socket:{path}", "--status-json", "-", *more],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.log = []
-        self.reader = threading.Thread(
-            target=lambda: self.log.extend(iter(self.agent.stderr.readline, "")), daemon=True)
-        self.reader.start()
+        self.log = Output(self.agent.stderr, "agent")
 
     def end(self):
         """Ends the agent; returns its summary."""
         self.agent.send_signal(signal.SIGINT)
         out = self.agent.stdout.read()
         self.agent.wait(WAIT_S)
-        self.reader.join(WAIT_S)
+        self.log.whole()
         self.agent.stdout.close()
-        self.agent.stderr.close()
         self.device.ended = True
         self.device.listener.close()
         return json.loads(out)
 
     def wait(self, condition, repeat=lambda: None, every_s=0.0):
         """Waits for a condition; until it holds, does `repeat` again when `every_s` has passed."""
-        until_s, again_s = time.monotonic() + WAIT_S, 0.0
-        while not condition():
-            self.assertLess(time.monotonic(), until_s, "".join(self.log))
+        again_s = 0.0
+
+        def holds():
+            nonlocal again_s
+            if condition():
+                return True
             if time.monotonic() >= again_s:
                 repeat()
                 again_s = time.monotonic() + every_s
-            time.sleep(0.02)
+            return False
+
+        eventually(holds, self.log.so_far, WAIT_S)
 
     def said(self, text):
-        return sum(text in line for line in self.log)
+        return sum(text in line for line in self.log.so_far().splitlines())
 
     def is_off(self):
         """Whether the newest word about the force is that it was switched off."""
-        words = [line for line in self.log if "force switched off" in line or "force is on" in line]
+        words = [line for line in self.log.so_far().splitlines()
+                 if "force switched off" in line or "force is on" in line]
         return bool(words) and "force switched off" in words[-1]
 
     def trip(self):
@@ -140,7 +155,7 @@ class Rearm(LiveTest):
             self.agent.send_signal(signal.SIGUSR1)
 
         def gesture():
-            time.sleep(1.2)  # holds the tip still
+            self.device.rest(1.2)  # holds the tip still
             self.device.move(2, 12, 0.4)
             self.device.move(2, -12, 0.4)
 
@@ -148,7 +163,7 @@ class Rearm(LiveTest):
             self.trip()
             self.goes_on(act)
         self.assertIn("To go on, hold the tip still for a second, then move it 1 cm away and back",
-                      "".join(self.log))
+                      self.log.so_far())
         status = self.end()
         self.assertGreaterEqual(status["safety"]["trips"], 3)
         self.assertGreater(status["safety"]["no_force"]["ticks"]["tripped"], 100)
@@ -180,8 +195,8 @@ class Rearm(LiveTest):
     def test_says_why_there_is_no_force_once(self):
         self.begin("unheld", " deadman=1")
         self.wait(lambda: self.said("no force: the device is not held; hold its grip"))
-        time.sleep(1.5)
-        self.assertEqual(self.said("no force"), 1, "".join(self.log))
+        self.device.rest(1.5)
+        self.assertEqual(self.said("no force"), 1, self.log.so_far())
         no_force = self.end()["safety"]["no_force"]
         self.assertEqual(no_force["reason"], "not_held")
         self.assertIn("not held", no_force["text"])
@@ -209,4 +224,4 @@ class Rearm(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

@@ -9,11 +9,11 @@ import re
 import signal
 import subprocess
 import threading
-import time
-import unittest
 
+from kept_logs import keep, path_of, run_tests
 from live_server import SCENE, LiveTest
 from machine_stalls import succeeds
+from waiting import eventually
 
 AGENT = os.environ["KERF_AGENT"]
 # Trips of a loop of 1 kHz that a busy machine causes.
@@ -33,6 +33,7 @@ class RecordTest(LiveTest):
         where = self.file(f"{session}.json")
         done = subprocess.run([*self.words(*words, session=session), "--status-json", where],
                               capture_output=True, text=True, timeout=LIMIT_S, input=keys)
+        keep("agent", done.stderr)
         self.assertEqual(done.returncode, code, done.stderr)
         if code != 0:
             return done.stderr
@@ -68,15 +69,17 @@ class RecordTest(LiveTest):
 
     def test_a_killed_agent_leaves_its_recording_up_to_the_last_chunk(self):
         file = self.file("killed.mcap")
-        agent = subprocess.Popen(self.words("--device", "sim", "--loop", "--record", file),
-                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        with open(path_of("agent"), "w") as log:
+            agent = subprocess.Popen(self.words("--device", "sim", "--loop", "--record", file),
+                                     stdout=subprocess.DEVNULL, stderr=log)
         self.addCleanup(agent.wait)
         self.addCleanup(agent.kill)
-        until_s = time.monotonic() + LIMIT_S
-        while not os.path.exists(file) or os.path.getsize(file) < 200_000:
+
+        def is_long():
             self.assertIsNone(agent.poll(), "the agent has ended before it was killed")
-            self.assertLess(time.monotonic(), until_s, "the recording does not grow")
-            time.sleep(0.05)
+            return os.path.exists(file) and os.path.getsize(file) >= 200_000
+
+        eventually(is_long, "the recording does not grow", LIMIT_S)
         agent.send_signal(signal.SIGKILL)
         agent.wait()
         rows = self.export(file)
@@ -150,4 +153,4 @@ class RecordTest(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

@@ -11,6 +11,7 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 from cluster_servers import Cluster, ClusterAgent, RasterPath, uninterrupted  # noqa: E402
+from kept_logs import run_tests  # noqa: E402
 from live_copy_test import is_copied_to  # noqa: E402
 from live_programs_test import spiral  # noqa: E402
 from live_server import SCENE, until  # noqa: E402
@@ -164,8 +165,7 @@ class Relays(unittest.TestCase):
         for name, heir in (("a", "b"), ("b", "a")):
             agent.move(100)
             owner = self.cluster.servers.pop(name)
-            owner.process.kill()
-            owner.process.communicate()
+            owner.stop(signal.SIGKILL)
             agent.move(100)
             agent.settle()
             self.assertEqual(self.cluster.wait_for_owner(), heir)
@@ -211,4 +211,4 @@ class Relays(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    run_tests()

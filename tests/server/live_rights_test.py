@@ -6,6 +6,7 @@ import subprocess
 import tempfile
 import unittest
 
+from kept_logs import run_tests
 from live_server import PROGRAM, SCENE as BLOCK, Server
 from wire_client import Agent, Closed, Rejected, Viewer, WebSocket
 
@@ -266,4 +267,4 @@ class OpenServer(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

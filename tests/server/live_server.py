@@ -7,11 +7,12 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+from kept_logs import Output  # noqa: E402
+from waiting import eventually  # noqa: E402
 from wire_client import PATIENCE, WAIT_S, Http, WebSocket  # noqa: E402
 
 PROGRAM = os.environ["KERF_SERVER"]
@@ -37,19 +38,29 @@ class Server:
             [PROGRAM, "--listen", f"{host}:{port}", "--data", data, *more],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, **(environment or {})})
+        self.log = Output(self.process.stderr, "server")
         line = self.process.stdout.readline()
         if not line.startswith(f"https://{host}:" if tls else f"http://{host}:"):
-            raise RuntimeError(self.process.communicate()[1])
+            raise RuntimeError(self.end()[1])
         self.port = int(line.rsplit(":", 1)[1])
         self.http = Http(self.port, tls, host)
-        while self.http.json("GET", "/readyz")[1]["status"] == "loading":
-            time.sleep(0.005)
+        eventually(lambda: self.http.json("GET", "/readyz")[1]["status"] != "loading",
+                   "the server has not loaded its sessions", 10 * WAIT_S, 0.005)
+
+    def end(self):
+        """Waits until the server has ended; returns its exit status and its log."""
+        self.process.wait(timeout=2 * WAIT_S)
+        self.process.stdout.close()
+        return self.process.returncode, self.log.whole()
 
     def stop(self, how=signal.SIGTERM):
         """Stops the server; returns its exit status and its log."""
         self.process.send_signal(how)
-        log = self.process.communicate(timeout=2 * WAIT_S)[1]  # closes the pipes too
-        return self.process.returncode, log
+        return self.end()
+
+    def log_line(self, word):
+        """The next line of the log with a word, once it is there."""
+        return self.log.next_with(word, WAIT_S)
 
     def create(self, session="block", scene=None):
         status, body = self.http.json("POST", f"/v1/sessions?id={session}&here=1",
@@ -65,13 +76,17 @@ class Server:
 
 
 def until(test, ask, wanted, timeout=WAIT_S):
-    """Waits until `ask()` is `wanted`."""
-    end = time.monotonic() + timeout
-    found = ask()
-    while found != wanted and time.monotonic() < end:
-        time.sleep(0.05)
-        found = ask()
-    test.assertEqual(found, wanted)
+    """Waits until `ask()` is `wanted`; the test fails with what it was at last."""
+    found = []
+
+    def is_wanted():
+        found[:] = [ask()]
+        return found[0] == wanted
+
+    try:
+        eventually(is_wanted, "", timeout, 0.05)
+    except AssertionError:
+        test.assertEqual(found[0], wanted)
 
 
 class FolderTest(unittest.TestCase):

@@ -10,9 +10,10 @@ import sqlite3
 import tempfile
 import threading
 import time
-import unittest
 
+from kept_logs import run_tests
 from live_server import SCENE, LiveTest, Server, until
+from waiting import eventually
 from wire_client import Agent, Closed, Http, Viewer
 
 PROGRAM = """%
@@ -29,7 +30,7 @@ M2
 """
 
 
-def carve(agent, steps=400, phase=0.0, pace_s=0.0):
+def carve(agent, steps=400, phase=0.0):
     """Cuts along a spiral; returns the removed volume that the results reported."""
     removed, sent = 0.0, 0
     for i in range(steps):
@@ -39,19 +40,15 @@ def carve(agent, steps=400, phase=0.0, pace_s=0.0):
         sent += 1
         result = agent.result()
         removed += result["removed"]
-        if pace_s:
-            time.sleep(pace_s)
     return removed
 
 
 def finish(server, program, session="block", timeout=60):
-    end = time.monotonic() + timeout
-    while time.monotonic() < end:
+    def ended():
         status = server.http.json("GET", f"/v1/sessions/{session}/programs/{program}")[1]
-        if status["state"] != "running":
-            return status
-        time.sleep(0.02)
-    raise AssertionError("the program does not end")
+        return status if status["state"] != "running" else None
+
+    return eventually(ended, "the program does not end", timeout)
 
 
 def upload(server, text, query, session="block"):
@@ -344,8 +341,7 @@ class Downloads(LiveTest):
         loader.start()
         while loader.is_alive():
             seen += self.server.http.json("GET", "/v1/sessions/fine/exports")[1]["exports"]
-            time.sleep(0.005)
-        loader.join()
+            loader.join(0.005)
         self.assertEqual({export["name"] for export in seen}, {"model.obj"})
         shares = [export["share"] for export in seen]
         self.assertEqual(shares, sorted(shares))
@@ -637,4 +633,4 @@ class Control(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

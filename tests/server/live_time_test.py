@@ -6,12 +6,13 @@ import signal
 import subprocess
 import sys
 import time
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+from kept_logs import run_tests  # noqa: E402
 from live_server import PROGRAM, LiveTest, Server, until  # noqa: E402
 from live_undo_test import stroke  # noqa: E402
+from waiting import eventually  # noqa: E402
 from wire_client import WAIT_S, Agent, Viewer  # noqa: E402
 
 
@@ -31,8 +32,8 @@ class PointsInTime(LiveTest):
         before = time.time()
         ada = Agent(self.port, "block")
         stroke(ada, 0)
-        time.sleep(0.05)
-        between = time.time()
+        between = self.server.info()["active_ms"] / 1000 + 0.01
+        eventually(lambda: time.time() > between, "the clock stands still")
         then = self.get("model.stl")
         stroke(ada, 8)
         now = self.get("model.stl")
@@ -200,4 +201,4 @@ class PointsInTime(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

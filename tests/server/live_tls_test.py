@@ -11,6 +11,7 @@ import tempfile
 import time
 import unittest
 
+from kept_logs import keep, run_tests
 from live_agent_test import AGENT, rows
 from live_server import SCENE, Server, until
 from wire_client import Agent, WebSocket
@@ -115,7 +116,7 @@ class Tls(unittest.TestCase):
         return float(re.search(r'kerf_connections{kind="http"} ([0-9.e+]+)', text).group(1))
 
     def log_line(self, word):
-        return next(line for line in self.server.process.stderr if word in line)
+        return self.server.log_line(word)
 
     def run_agent(self, port, *more, scheme="https", host="127.0.0.1", session="block"):
         return subprocess.Popen(
@@ -134,6 +135,7 @@ class Tls(unittest.TestCase):
             agent = self.run_agent(server.port, "--status-json", "-", *more, scheme=scheme,
                                    session="cut")
             out, log = agent.communicate(timeout=60)
+            keep("agent", log)
             self.assertEqual(agent.returncode, 0, log)
             link = json.loads(out)["link"]
             self.assertEqual((link["unanswered"], link["not_durable"], link["errors"]), (0, 0, {}))
@@ -172,7 +174,7 @@ class Tls(unittest.TestCase):
             ("does not speak TLS", self.run_agent(plain.port, *own)),
         ]
         for reason, agent in cases:
-            log = agent.communicate(timeout=60)[1]
+            log = keep("agent", agent.communicate(timeout=60)[1])
             self.assertEqual(agent.returncode, 1, log)
             self.assertIn(reason, log)
             self.assertNotIn(ADMIN, log)
@@ -283,4 +285,4 @@ class Tls(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

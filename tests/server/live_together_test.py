@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests pins and shown cameras in a real server, as several viewers see them."""
-import unittest
 
+from kept_logs import run_tests
 from live_server import LiveTest, Server
 from wire_client import Viewer
 
@@ -79,4 +79,4 @@ class Together(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

@@ -5,11 +5,11 @@ import os
 import random
 import struct
 import subprocess
-import time
 import unittest
 
 from datagram_client import UdpClient, NotAuthentic, aead_open, aead_seal, seal, unseal
-from live_server import LiveTest, Server
+from kept_logs import run_tests
+from live_server import LiveTest, Server, until
 from wire_client import PING, PONG, RESULT, Agent, header, motion_frame, parse_header, parse_result, sample
 
 GAP = 8
@@ -145,12 +145,10 @@ class Offer(LiveTest):
         agent = UdpAgent(self.port)
         self.assertTrue(agent.is_silent())
         agent.socket.shutdown(2)
-        while any(who["name"] == "Ada" for who in self.server.info()["participants"]):
-            time.sleep(0.01)
+        until(self, lambda: [p["name"] for p in self.server.info()["participants"]], [])
         before = counters(self.server)["unknown_connection"]
         agent.udp.send(ping())
-        while counters(self.server)["unknown_connection"] == before:
-            time.sleep(0.01)
+        until(self, lambda: counters(self.server)["unknown_connection"] > before, True)
         self.assertIsNone(agent.udp.receive(timeout=0.2))
 
 
@@ -385,8 +383,7 @@ class Strangers(LiveTest):
             if n % 100 == 0:
                 other.move([(5 + 0.01 * n, 5, -1)])
                 other.result()
-        while not counters(self.server)["replayed"]:
-            time.sleep(0.01)
+        until(self, lambda: counters(self.server)["replayed"] > 0, True)
         self.assertEqual(self.server.http.json("GET", "/v1/sessions/block")[0], 200)
         agent.udp.move()
         while agent.udp.receive(timeout=0.05) is None:
@@ -394,4 +391,4 @@ class Strangers(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

@@ -5,10 +5,10 @@ import os
 import signal
 import sys
 import threading
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+from kept_logs import run_tests  # noqa: E402
 from live_server import LiveTest, Server, until  # noqa: E402
 from wire_client import Agent, Viewer  # noqa: E402
 
@@ -106,4 +106,4 @@ class Undo(LiveTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

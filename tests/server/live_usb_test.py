@@ -7,10 +7,11 @@ import os
 import signal
 import subprocess
 import time
-import unittest
 
+from kept_logs import path_of, run_tests
 from live_server import SCENE, LiveTest
 from machine_stalls import succeeds
+from waiting import eventually
 
 AGENT = os.environ["KERF_AGENT"]
 MOCK_PEN = os.environ["KERF_MOCK_PEN"]
@@ -72,7 +73,8 @@ class Session(UsbTest):
     def setUp(self):
         super().setUp()
         self.rows = iter(ROWS)
-        with open(self.file("agent.log"), "w") as log:
+        self.log_path = path_of("agent")
+        with open(self.log_path, "w") as log:
             self.agent = subprocess.Popen(
                 self.agent_words("--session", "block", "--device", "usb", "--tool", "2",
                                  "--force-max", str(MAX_N), "--torque-max", str(MAX_NMM),
@@ -83,17 +85,18 @@ class Session(UsbTest):
         self.addCleanup(self.agent.kill)
 
     def log(self):
-        with open(self.file("agent.log")) as file:
+        with open(self.log_path) as file:
             return file.read()
 
     def wait_for(self, condition, what):
         """Waits for a condition; the limit of 20 s is reached only if the test fails."""
-        for _ in range(2000):
-            if condition():
-                return
-            self.assertIsNone(self.agent.poll(), self.log())
-            time.sleep(0.01)
-        self.fail(f"{what}\n{self.log()}")
+        def holds():
+            if not condition():
+                self.assertIsNone(self.agent.poll(), self.log())
+                return False
+            return True
+
+        eventually(holds, lambda: f"{what}\n{self.log()}", 20)
 
     def removed(self):
         return self.server.info()["removed_volume_mm3"]
@@ -228,4 +231,4 @@ class Doctor(UsbTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    run_tests()

@@ -6,7 +6,9 @@ import shutil
 import signal
 import socket
 import subprocess
-import time
+
+from kept_logs import path_of
+from waiting import eventually
 
 PROGRAM = shutil.which("nats-server") or shutil.which("nats-server", path="/usr/sbin")
 
@@ -25,19 +27,20 @@ class Nats:
         self.start()
 
     def start(self):
-        self.process = subprocess.Popen(
-            [PROGRAM, "-js", "-sd", self.folder, "-a", "127.0.0.1", "-p", str(self.port),
-             *self.more],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        end = time.monotonic() + 30
-        while True:
-            try:
-                socket.create_connection(("127.0.0.1", self.port), timeout=1).close()
-                return
-            except OSError:
-                if time.monotonic() > end or self.process.poll() is not None:
-                    raise
-                time.sleep(0.02)
+        with open(path_of("nats"), "wb") as log:
+            self.process = subprocess.Popen(
+                [PROGRAM, "-js", "-sd", self.folder, "-a", "127.0.0.1", "-p", str(self.port),
+                 *self.more],
+                stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        eventually(self.answers, "nats-server does not answer")
+
+    def answers(self):
+        assert self.process.poll() is None, "nats-server has ended"
+        try:
+            socket.create_connection(("127.0.0.1", self.port), timeout=1).close()
+            return True
+        except OSError:
+            return False
 
     def stop(self, how=signal.SIGTERM):
         if self.process.poll() is None:
@@ -76,11 +79,8 @@ class Trio:
             self.servers[name] = Nats(path, "--name", name, "--cluster_name", "trio", "--cluster",
                                       f"nats://127.0.0.1:{port}", "--routes", routes)
         self.url = ",".join(server.url for server in self.servers.values())
-        end = time.monotonic() + 60
-        while "streams" not in self.request("$JS.API.INFO"):
-            if time.monotonic() > end:
-                raise RuntimeError("the three nats-servers have elected no leader")
-            time.sleep(0.2)
+        eventually(lambda: "streams" in self.request("$JS.API.INFO"),
+                   "the three nats-servers have elected no leader", 60, 0.2)
 
     def request(self, subject, payload=b""):
         """As that of Nats, of any that answers."""

@@ -24,6 +24,7 @@ export function installHook(page: SessionPage): void {
     past: model.state?.at ?? null,
     removedVolumeMm3: model.state?.removed_volume_mm3 ?? 0,
     snapshotComplete: model.tiles.complete,
+    exactTiles: page.picture.isExact,
     tiles: model.tiles
       .list()
       .map(({ x, y, version, level, triangles }) => ({ x, y, version, level, triangles })),

@@ -2,6 +2,7 @@
 import { afterEach, expect, it, vi } from 'vitest';
 import { eachFrame, frameLimit } from '../src/ui/frames';
 import type { Picture } from '../src/ui/picture';
+import { turn } from './support/turn';
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -21,7 +22,7 @@ it('calls back in each frame, but not while a picture is being drawn', async () 
   let show = (): void => undefined;
   shown = new Promise((resolve) => (show = resolve));
   asked[1]!(32);
-  await new Promise((resolve) => setTimeout(resolve));
+  await turn();
   expect(asked).toHaveLength(2);
   show();
   await vi.waitFor(() => expect(asked).toHaveLength(3));

@@ -9,6 +9,7 @@ import type { LinkOptions, LinkStatus, Socket } from '../src/link/view_link';
 import { VIEW_PROTOCOL } from '../src/wire/types';
 import { SessionModel } from '../src/model/session';
 import { FakeServer } from './support/fake_server.mjs';
+import { turn } from './support/turn';
 
 const CAMERA = { eye_mm: [0, -50, 90] as [number, number, number], error_rad: 0.001 };
 
@@ -81,12 +82,23 @@ describe('view link', () => {
 
   const soon = { timeout: 10_000, interval: 5 };
 
-  /** A connection to which hello was said. */
-  async function greeted(): Promise<EarlySocket> {
+  /** A connection to which hello was said, and what has come of it. */
+  async function greeted() {
     const url = `ws://127.0.0.1:${server.port}/v1/sessions/demo/view`;
-    const early = new EarlySocket(openSocket(url, VIEW_PROTOCOL), helloText('Early', null, 0));
+    const socket = openSocket(url, VIEW_PROTOCOL);
+    const early = new EarlySocket(socket, helloText('Early', null, 0));
+    const come = { messages: 0, isClosed: false };
+    const { onmessage, onclose } = socket;
+    socket.onmessage = (event) => {
+      come.messages += 1;
+      onmessage?.(event);
+    };
+    socket.onclose = (event) => {
+      come.isClosed = true;
+      onclose?.(event);
+    };
     await vi.waitFor(() => expect(server.hellos).toEqual(['Early']), soon);
-    return early;
+    return { early, come };
   }
 
   it('joins, receives participants and tools, and measures the round trip', async () => {
@@ -111,8 +123,8 @@ describe('view link', () => {
   });
 
   it('takes a connection that was greeted before it was there, and all that has come', async () => {
-    const early = await greeted();
-    await new Promise((resolve) => setTimeout(resolve, 50)); // welcome and first frames arrive
+    const { early, come } = await greeted();
+    await vi.waitFor(() => expect(come.messages).toBeGreaterThan(3), soon);
     const { link, model, applied, statuses } = join(
       server.port,
       'demo',
@@ -131,9 +143,9 @@ describe('view link', () => {
   });
 
   it('joins once more by itself when the greeted connection is lost before it is taken', async () => {
-    const early = await greeted();
+    const { early, come } = await greeted();
     server.dropViewers();
-    await new Promise((resolve) => setTimeout(resolve, 50));
+    await vi.waitFor(() => expect(come.isClosed).toBe(true), soon);
     let opened = 0;
     const { link, model } = join(
       server.port,
@@ -165,7 +177,8 @@ describe('view link', () => {
       () => needed,
     );
     await vi.waitFor(() => expect(applied.length).toBeGreaterThan(0), soon);
-    await new Promise((resolve) => setTimeout(resolve, 20));
+    link.sendLook({ eye_mm: [1, 2, 300], error_rad: 0.0005 }); // comes after what was sent before
+    await vi.waitFor(() => expect(server.lookMessages).toHaveLength(1), soon);
     expect(server.acks).toEqual([]);
     needsMore();
     await vi.waitFor(() => expect(server.acks.length).toBeGreaterThan(0), soon);
@@ -350,7 +363,9 @@ describe('view link', () => {
     const { link, model } = join(server.port, 'demo');
     await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
     link.stop('Enough.');
-    await new Promise((resolve) => setTimeout(resolve, 60));
+    await vi.waitFor(() => expect(server.viewers.size).toBe(0), soon);
+    await turn();
+    expect(link.retryAtMs).toBeNull();
     expect(model.status).toBe('stopped');
     expect(server.hellos).toHaveLength(1);
   });

@@ -7,13 +7,11 @@ import { Cards } from '../src/ui/lobby/cards';
 import { fromFile } from '../src/ui/lobby/drafts';
 import { Lobby } from '../src/ui/lobby/lobby';
 import { FakeElement, stubPage } from './support/fake_dom';
+import { turn } from './support/turn';
 
 function session(id: string, activeMs: number, motions = 1, removedVolumeMm3 = 5): SessionSummary {
   return { id, name: id, motions, removedVolumeMm3, participants: 0, activeMs };
 }
-
-/** Lets what was asked of the server arrive. */
-const arrived = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, 0));
 
 /** What the server answers by the end of a path; anything else fails with a reason. */
 let answers: Record<string, unknown>;
@@ -77,21 +75,21 @@ describe('the alert of the lobby', () => {
     vi.stubGlobal('localStorage', { getItem: () => null });
     const app = new FakeElement();
     new Lobby(app as unknown as HTMLElement, []);
-    await arrived();
+    await turn();
     const fault = app.all('fault')[0]!;
     expect(fault.textContent).toBe('The server is busy.'); // of the templates
     answers = { '/v1/sessions': { sessions: [] } };
     poll();
-    await arrived();
+    await turn();
     expect(fault.textContent).toBe('The server is busy.');
     expect(fault.hidden).toBe(false);
     answers = {};
     poll();
-    await arrived();
+    await turn();
     expect(fault.textContent).toContain('503');
     answers = { '/v1/sessions': { sessions: [] } };
     poll();
-    await arrived();
+    await turn();
     expect(fault.textContent).toBe('');
     expect(fault.hidden).toBe(true);
   });
@@ -139,7 +137,7 @@ describe('the list of strokes', () => {
       const plain = { motions: 7, state_hash: 'a', settled: true } as const;
       model.apply({ type: 'state', ...plain, removed_volume_mm3 });
       history.update(null, nowMs);
-      await arrived();
+      await turn();
     };
     await tick(10_000, 5);
     await tick(20_000, 5);

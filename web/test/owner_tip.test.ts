@@ -5,6 +5,7 @@ import { Authors } from '../src/ui/authors';
 import { OwnerTip } from '../src/ui/inspect/owner_tip';
 import type { ParticipantInfo, Vec3 } from '../src/wire/types';
 import { FakeElement, stubPage } from './support/fake_dom';
+import { turn } from './support/turn';
 
 const CUT = { record: 12, stroke: 9, participant: 2, tool: 1, begin_ms: 1e12, program: null };
 const AUTHORS = { authors: [{ participant: 2, name: 'Ada', color: '#d9541e', kind: 'agent' }] };
@@ -57,11 +58,10 @@ describe('the tip that tells who cut a place', () => {
     return box.hidden ? '' : box.textContent;
   };
   const color = (): FakeElement => parent.all('owner-color')[0]!;
-  const settled = (): Promise<void> => new Promise((done) => setTimeout(done, 0));
   async function rest(x: number, y: number, atMs = 0): Promise<void> {
     tip.move(x, y, atMs);
     tip.update('1', 'still', atMs + 200);
-    await settled();
+    await turn();
   }
 
   it('names person, tool, stroke and time, in the color of the legend', async () => {
@@ -135,12 +135,12 @@ describe('the tip that tells who cut a place', () => {
     tip.update('1', 'turned', 1300);
     expect(shown()).toBe('');
     tip.update('1', 'turned', 1500); // at rest again
-    await settled();
+    await turn();
     expect(shown()).toContain('Ada');
     tip.move(10, 10, 2000);
     tip.update('1', 'turned', 2200);
     tip.leave();
-    await settled();
+    await turn();
     expect(shown()).toBe('');
   });
 
@@ -150,7 +150,7 @@ describe('the tip that tells who cut a place', () => {
     tip.move(30, 40, 0);
     tip.update('1', 'still', 200);
     tip.leave();
-    await settled();
+    await turn();
     expect(asked).toHaveLength(1);
     expect(shown()).toBe('');
   });
@@ -160,7 +160,7 @@ describe('the tip that tells who cut a place', () => {
     await rest(30, 40);
     isOverBlock = false;
     tip.update('2', 'still', 2000);
-    await settled();
+    await turn();
     expect(shown()).toBe('');
   });
 
@@ -168,7 +168,7 @@ describe('the tip that tells who cut a place', () => {
     tip.update('1', 'still', 0);
     tip.press(30, 40);
     tip.update('1', 'still', 1);
-    await settled();
+    await turn();
     expect(shown()).toContain('Ada');
     tip.press(90, 40);
     expect(shown()).toBe('');
@@ -179,7 +179,7 @@ describe('the tip that tells who cut a place', () => {
     await rest(30, 40);
     cut = { ...CUT, participant: 7 };
     tip.update('2', 'still', 2000);
-    await settled();
+    await turn();
     expect(shown()).toContain('Participant 7');
   });
 });

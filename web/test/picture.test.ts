@@ -11,6 +11,7 @@ import type { LoadViewer } from '../src/ui/picture';
 import type { MeshFrame } from '../src/decode/mesh_glb';
 import { MESH_SNAPSHOT_LAST } from '../src/wire/types';
 import type { Header, Vec3, Welcome } from '../src/wire/types';
+import { turn } from './support/turn';
 
 const welcome: Welcome = {
   type: 'welcome',
@@ -165,7 +166,7 @@ describe('picture', () => {
     expect(FakeViewer.made[0]!.calls).toContain('mesh 2 of 5');
     const ready = vi.fn();
     void picture.needsTiles().then(ready);
-    await new Promise((resolve) => setTimeout(resolve));
+    await turn();
     expect(ready).not.toHaveBeenCalled();
     show();
     await vi.waitFor(() => expect(ready).toHaveBeenCalled());
@@ -208,11 +209,31 @@ describe('picture', () => {
     const use = vi.fn(() => Promise.resolve(error()));
     const used = picture.withExactTiles(use);
     expect(error()).toBe(0);
-    await new Promise((resolve) => setTimeout(resolve));
+    await turn();
     expect(use).not.toHaveBeenCalled();
+    expect(picture.isExact).toBe(false);
     model.tiles.offer(0, 0, 2, 1900, 0);
+    expect(picture.isExact).toBe(true);
     expect(await used).toBe(0);
     expect(error()).toBe(errorRad(844, 3));
+    expect(picture.isExact).toBe(false); // from now on coarse ones may come
+  });
+
+  it('waits no longer for exact tiles when the connection is lost, or after a minute', async () => {
+    const { model, picture } = await coarsePicture(40);
+    const use = vi.fn(() => Promise.resolve());
+    model.setStatus('connected', '');
+    const lost = picture.withExactTiles(use);
+    model.setStatus('connecting', 'lost');
+    await expect(lost).rejects.toThrow('full detail');
+    vi.useFakeTimers();
+    model.setStatus('connected', '');
+    const late = expect(picture.withExactTiles(use)).rejects.toThrow('full detail');
+    await vi.advanceTimersByTimeAsync(60_000);
+    await late;
+    vi.useRealTimers();
+    model.tiles.offer(0, 0, 2, 1900, 0);
+    expect(use).not.toHaveBeenCalled();
   });
 
   it('refuses what needs exact tiles while there is no connection', async () => {

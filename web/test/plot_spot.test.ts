@@ -4,9 +4,9 @@ import { ForceHistory } from '../src/model/forces';
 import { PlotSpot } from '../src/ui/plot_spot';
 import type { Plots } from '../src/ui/plots';
 import { stubPage } from './support/fake_dom';
+import { turn } from './support/turn';
 
 const COLORS = { force: '#00f', torque: '#f00' };
-const settled = () => new Promise((resolve) => setTimeout(resolve, 0));
 
 describe('the place of the plots', () => {
   beforeEach(() => {
@@ -31,7 +31,7 @@ describe('the place of the plots', () => {
     expect(load).not.toHaveBeenCalled();
     spot.show(new ForceHistory(1), 10, 1);
     spot.show(new ForceHistory(1), 10.1, 1);
-    await settled();
+    await turn();
     spot.show(new ForceHistory(1), 10.2, 1);
     expect(load).toHaveBeenCalledTimes(1);
     expect(shown).toEqual([10.2]);
@@ -43,7 +43,7 @@ describe('the place of the plots', () => {
     const spot = new PlotSpot(COLORS, load);
     for (const nowS of [0, 1, 4.9, 5.1, 6]) {
       spot.show(new ForceHistory(1), nowS, 1);
-      await settled();
+      await turn();
     }
     expect(load).toHaveBeenCalledTimes(2);
   });

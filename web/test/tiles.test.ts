@@ -85,4 +85,27 @@ describe('tiles', () => {
     expect(tiles.triangles).toBe(11);
     expect(tiles.complete).toBe(true);
   });
+
+  it('tells when it becomes exact and when it is no longer', () => {
+    const tiles = new TileTable();
+    const heard: boolean[] = [];
+    const stop = tiles.exactChanged.hear(() => heard.push(tiles.exact));
+    tiles.beginSnapshot();
+    tiles.offer(0, 0, 1, 10, 2);
+    tiles.offer(1, 0, 1, 10, 1);
+    tiles.finishSnapshot();
+    tiles.offer(0, 0, 1, 40, 0);
+    expect(heard).toEqual([]);
+    tiles.offer(1, 0, 1, 40, 0);
+    tiles.offer(1, 0, 1, 20, 1);
+    expect(heard).toEqual([true, false]);
+    tiles.beginSnapshot();
+    tiles.offer(0, 0, 1, 40, 0);
+    tiles.finishSnapshot(); // without the coarse one
+    expect(heard).toEqual([true, false, true]);
+    stop();
+    tiles.offer(0, 0, 2, 20, 1);
+    expect(tiles.exact).toBe(false);
+    expect(heard).toHaveLength(3);
+  });
 });

@@ -5,6 +5,7 @@ import { Records } from '../src/ui/timeline/records';
 import type { StateMessage } from '../src/wire/types';
 import type { FakeElement } from './support/fake_dom';
 import { stubPage } from './support/fake_dom';
+import { turn } from './support/turn';
 
 type Json = Record<string, unknown>;
 
@@ -43,7 +44,7 @@ describe('the records of the timeline', () => {
 
   async function tick(nowMs: number, now: StateMessage): Promise<void> {
     records.tick(nowMs, now, false);
-    await new Promise((resolve) => setTimeout(resolve, 0));
+    await turn();
   }
 
   it('asks for all strokes once, then for the open one and what follows', async () => {

@@ -4,6 +4,7 @@
 import { readFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
 import { extname, join, normalize } from 'node:path';
+import { atEnd } from './processes.mjs';
 
 const TYPES = {
   '.html': 'text/html',
@@ -13,7 +14,10 @@ const TYPES = {
   '.woff2': 'font/woff2',
 };
 
-/** Serves a folder on a free port. `missing` collects the addresses that it does not have. */
+/**
+ * Serves a folder on a free port until the test ends. `missing` collects the addresses that it does
+ * not have.
+ */
 export async function serveFiles(folder) {
   const missing = [];
   const server = createServer((request, response) => {
@@ -33,10 +37,9 @@ export async function serveFiles(folder) {
   await new Promise((resolve) => {
     server.listen(0, '127.0.0.1', resolve);
   });
-  const close = () =>
-    new Promise((resolve) => {
-      server.closeAllConnections();
-      server.close(resolve);
-    });
-  return { base: `http://127.0.0.1:${server.address().port}`, missing, close };
+  atEnd(() => {
+    server.closeAllConnections();
+    server.close();
+  });
+  return { base: `http://127.0.0.1:${server.address().port}`, missing };
 }

@@ -4,6 +4,7 @@
 
 import puppeteer from 'puppeteer-core';
 import { goTo, START_MS } from './browser.mjs';
+import { keepPages } from './kept.mjs';
 import { start, stop, until } from './processes.mjs';
 
 const PREFERENCES = {
@@ -23,8 +24,8 @@ async function startDisplay() {
   return { display, name: `:${number}` };
 }
 
-/** Returns the browser, and how to close it and its display. */
-export async function launchFirefox() {
+/** Calls `use` with a browser and closes it; if that fails, the pages are kept as they were. */
+export async function withFirefox(use) {
   const { display, name } = await startDisplay();
   const browser = await puppeteer.launch({
     browser: 'firefox',
@@ -34,11 +35,16 @@ export async function launchFirefox() {
     env: { ...process.env, DISPLAY: name },
     extraPrefsFirefox: PREFERENCES,
   });
-  const close = async () => {
+  try {
+    await use(browser);
+  } catch (problem) {
+    const pages = await Promise.all(browser.browserContexts().map((context) => context.pages()));
+    await keepPages(pages.flat());
+    throw problem;
+  } finally {
     await browser.close();
     await stop(display);
-  };
-  return { browser, close };
+  }
 }
 
 /** As openViewer of browser.mjs; `viewport` is Puppeteer's, which has touch and a scale. */

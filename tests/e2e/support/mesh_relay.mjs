@@ -3,6 +3,7 @@
 
 import { createServer, request } from 'node:http';
 import { WebSocket, WebSocketServer } from 'ws';
+import { atEnd } from './processes.mjs';
 
 const MESH = 3;
 
@@ -11,7 +12,7 @@ function isMesh(data, isBinary) {
   return isBinary && data.length > 4 && data[4] === MESH;
 }
 
-/** Returns the address of a relay to the server at `base`, and how to close it. */
+/** Returns the address of a relay to the server at `base`, which is there until the test ends. */
 export async function meshRelay(base) {
   let isWithheld = false;
   let withheld = 0;
@@ -55,6 +56,11 @@ export async function meshRelay(base) {
   await new Promise((resolve) => {
     relay.listen(0, '127.0.0.1', resolve);
   });
+  atEnd(() => {
+    for (const page of pages.clients) page.terminate();
+    relay.closeAllConnections();
+    relay.close();
+  });
   return {
     base: `http://127.0.0.1:${relay.address().port}`,
     /** From now on no mesh frame is passed on, on any connection; or again all. */
@@ -63,10 +69,5 @@ export async function meshRelay(base) {
     },
     /** How many mesh frames were withheld. */
     withheld: () => withheld,
-    close: () => {
-      for (const page of pages.clients) page.terminate();
-      relay.closeAllConnections();
-      relay.close();
-    },
   };
 }

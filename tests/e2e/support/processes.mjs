@@ -3,8 +3,10 @@
 // failure.
 
 import { spawn } from 'node:child_process';
+import { keptOutput } from './kept.mjs';
 
 const running = new Set();
+const ends = [];
 
 /**
  * Starts a program. `lines` collects its standard output, `errors` its standard error; `ended`
@@ -13,13 +15,16 @@ const running = new Set();
 export function start(program, parameters) {
   const child = spawn(program, parameters, { stdio: ['ignore', 'pipe', 'pipe'] });
   const process_ = { child, name: program.split('/').at(-1), lines: [], errors: '' };
+  const kept = keptOutput(process_.name);
   let rest = '';
   child.stdout.on('data', (data) => {
+    kept?.write(data);
     const parts = (rest + data).split('\n');
     rest = parts.pop();
     process_.lines.push(...parts);
   });
   child.stderr.on('data', (data) => {
+    kept?.write(data);
     process_.errors += data;
   });
   process_.ended = new Promise((resolve) => {
@@ -30,6 +35,7 @@ export function start(program, parameters) {
     child.on('close', (code, signal) => {
       if (rest) process_.lines.push(rest);
       running.delete(process_);
+      kept?.end();
       process_.code = code ?? signal;
       resolve(process_.code);
     });
@@ -65,26 +71,38 @@ export async function stop(process_, signal = 'SIGTERM') {
   return code;
 }
 
+/** Calls `close` at the end of the test, also after a failure. */
+export function atEnd(close) {
+  ends.push(close);
+}
+
 export async function stopAll() {
+  for (const close of ends.splice(0).reverse()) await close();
   await Promise.all([...running].map((process_) => stop(process_)));
 }
 
 /**
- * Polls until `probe` returns a truthy value, and returns it. Throws after `seconds` with the name
- * of what was awaited.
+ * Polls until `probe` returns a truthy value, and returns it; null after `seconds`. `failed` gets
+ * what `probe` throws.
  */
-export async function until(what, seconds, probe) {
+export async function poll(seconds, probe, failed = () => {}) {
   const end = Date.now() + seconds * 1000;
-  let last;
   for (;;) {
     try {
       const value = await probe();
       if (value) return value;
     } catch (problem) {
-      last = problem;
+      failed(problem);
     }
-    if (Date.now() > end)
-      throw new Error(`timeout after ${seconds} s: no ${what}${last ? ` (${last.message})` : ''}`);
+    if (Date.now() > end) return null;
     await new Promise((resolve) => setTimeout(resolve, 100));
   }
+}
+
+/** As poll(); throws after `seconds` with the name of what was awaited. */
+export async function until(what, seconds, probe) {
+  let last;
+  const value = await poll(seconds, probe, (problem) => (last = problem));
+  if (value !== null) return value;
+  throw new Error(`timeout after ${seconds} s: no ${what}${last ? ` (${last.message})` : ''}`);
 }

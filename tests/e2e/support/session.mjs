@@ -8,6 +8,7 @@ import { mkdir, mkdtemp, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { parseArgs } from 'node:util';
+import { beginKeeping, forget, keepProblem, noteOptions } from './kept.mjs';
 import { start, stopAll, until } from './processes.mjs';
 
 const SETTLE_S = 60; // on a busy machine
@@ -19,23 +20,32 @@ export function optionsOf(names, others = {}) {
     options[name] = { type: 'string', default: value };
   const { values } = parseArgs({ options });
   for (const name of names) assert(values[name], `--${name} is missing`);
+  noteOptions(values);
   return values;
 }
 
-/** Runs a test in a folder of its own, then stops what it started. Sets the exit code. */
+/**
+ * Runs a test in a folder of its own, then stops what it started. Sets the exit code, and says where
+ * logs and screenshots of a test are that has failed (kept.mjs).
+ */
 export async function runTest(test, out) {
   if (out) await mkdir(out, { recursive: true });
   const folder = await mkdtemp(join(tmpdir(), 'kerf-e2e-'));
+  beginKeeping();
+  let kept = null;
   try {
     await test(folder);
     console.log('ok');
   } catch (problem) {
     console.error(problem);
     process.exitCode = 1;
+    kept = keepProblem(problem);
   } finally {
     await stopAll();
     await rm(folder, { recursive: true, force: true });
   }
+  if (kept === null) forget();
+  else console.error(`logs, options and screenshots: ${kept}`);
 }
 
 /** Starts a server without sessions on a free port, with data in `folder`; `others` are options. */

@@ -2,6 +2,7 @@
 // A line that delays what it carries, in each direction.
 
 import { createServer, connect } from 'node:net';
+import { atEnd } from './processes.mjs';
 
 function carry(from, to, delayMs, isHeld = () => false) {
   from.on('data', (bytes) =>
@@ -13,7 +14,7 @@ function carry(from, to, delayMs, isHeld = () => false) {
   from.on('error', () => to.destroy());
 }
 
-/** Returns the address of a line to the server at `base`, and how to close it. */
+/** Returns the address of a line to the server at `base`, which is there until the test ends. */
 export async function slowLine(base, delayMs) {
   const { hostname, port } = new URL(base);
   const ends = new Set();
@@ -27,12 +28,12 @@ export async function slowLine(base, delayMs) {
   await new Promise((resolve) => {
     line.listen(0, '127.0.0.1', resolve);
   });
+  atEnd(() => {
+    line.close();
+    for (const end of ends) end.destroy();
+  });
   return {
     base: `http://127.0.0.1:${line.address().port}`,
-    close: () => {
-      line.close();
-      for (const end of ends) end.destroy();
-    },
     /** From now on nothing of the server comes, until the line is cut. */
     hold: () => {
       held = true;

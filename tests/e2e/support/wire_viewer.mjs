@@ -8,6 +8,7 @@ const HEADER_BYTES = 32;
 const MESH = 3;
 const TOOLS = 4;
 const ACK = 5;
+const DROPPED = 1006; // without a word
 
 export class WireViewer {
   constructor(baseUrl, session) {
@@ -17,17 +18,24 @@ export class WireViewer {
     this.errors = [];
     this.state = null;
     this.welcome = null;
-    this.socket = new WebSocket(
-      `${baseUrl.replace('http', 'ws')}/v1/sessions/${session}/view`,
-      'kerf.view.v1',
-    );
-    this.socket.on('open', () =>
-      this.socket.send(JSON.stringify({ type: 'hello', name: 'wire test' })),
-    );
-    this.socket.on('message', (data, binary) =>
+    this.isClosed = false;
+    this.join_(`${baseUrl.replace('http', 'ws')}/v1/sessions/${session}/view`);
+  }
+
+  /** Joins, and again as a page does when the server has dropped it: on a busy machine it reads late. */
+  join_(url) {
+    const socket = new WebSocket(url, 'kerf.view.v1');
+    this.socket = socket;
+    socket.on('open', () => socket.send(JSON.stringify({ type: 'hello', name: 'wire test' })));
+    socket.on('message', (data, binary) =>
       binary ? this.frame_(data) : this.message_(JSON.parse(data.toString())),
     );
-    this.socket.on('error', (problem) => this.errors.push(problem.message));
+    socket.on('error', (problem) => this.errors.push(problem.message));
+    socket.on('close', (code, reason) => {
+      if (this.isClosed) return;
+      if (code === DROPPED) this.join_(url);
+      else this.errors.push(`closed with ${code}: ${reason}`);
+    });
   }
 
   message_(message) {
@@ -64,6 +72,7 @@ export class WireViewer {
   }
 
   close() {
+    this.isClosed = true;
     this.socket.close();
   }
 }

@@ -17,6 +17,7 @@ import { Liveness } from './liveness';
 import { Participants } from './participants';
 import { PictureLag } from './picture_lag';
 import { Programs } from './programs';
+import { Signal } from './signal';
 import { TileTable } from './tiles';
 import { Together } from './together';
 
@@ -41,6 +42,8 @@ export class SessionModel {
   readonly frames = new RateMeter();
   readonly liveness = new Liveness();
   readonly lag = new PictureLag();
+  /** After each setStatus(). */
+  readonly statusChanged = new Signal();
   welcome: Welcome | null = null;
   state: StateMessage | null = null;
   status: LinkStatus = 'connecting';
@@ -55,6 +58,7 @@ export class SessionModel {
   setStatus(status: LinkStatus, reason: string): void {
     this.status = status;
     this.statusReason = reason;
+    this.statusChanged.tell();
   }
 
   apply(message: ServerMessage, nowMs = performance.now()): void {

@@ -5,6 +5,8 @@
 // from 1 again. Tiles of older generations are removed when the new snapshot is complete, which
 // avoids flicker.
 
+import { Signal } from './signal';
+
 export interface TileEntry {
   x: number;
   y: number;
@@ -39,10 +41,14 @@ const FLAT_TRIANGLES = 12;
 const EXACT_TRIANGLES = 2600;
 
 export class TileTable {
+  /** After each change of `exact`. */
+  readonly exactChanged = new Signal();
   private readonly entries_ = new Map<number, TileEntry>();
   private generation_ = 0;
   private complete_ = false;
   private triangles_ = 0;
+  private coarse_ = 0; // tiles with a level above 0
+  private wasExact_ = false;
 
   /**
    * Starts a new snapshot. Tiles of the previous one stay until they are replaced or the new
@@ -51,6 +57,7 @@ export class TileTable {
   beginSnapshot(): void {
     this.generation_ += 1;
     this.complete_ = false;
+    this.tellExact_();
   }
 
   /**
@@ -68,6 +75,7 @@ export class TileTable {
     const key = tileKey(x, y);
     const entry = this.entries_.get(key);
     if (entry?.generation === this.generation_ && entry.version > version) return false;
+    this.coarse_ += Number(level > 0) - Number((entry?.level ?? 0) > 0);
     if (entry) {
       this.triangles_ += triangles - entry.triangles;
       entry.version = version;
@@ -80,6 +88,7 @@ export class TileTable {
       const generation = this.generation_;
       this.entries_.set(key, { x, y, version, level, triangles, generation, digest });
     }
+    this.tellExact_();
     return true;
   }
 
@@ -90,9 +99,11 @@ export class TileTable {
       if (entry.generation === this.generation_) continue;
       stale.push(key);
       this.triangles_ -= entry.triangles;
+      this.coarse_ -= Number(entry.level > 0);
       this.entries_.delete(key);
     }
     this.complete_ = true;
+    this.tellExact_();
     return stale;
   }
 
@@ -119,8 +130,7 @@ export class TileTable {
 
   /** Whether no tile is displayed coarser than the block is. */
   get exact(): boolean {
-    for (const { level } of this.entries_.values()) if (level > 0) return false;
-    return this.complete_;
+    return this.complete_ && this.coarse_ === 0;
   }
 
   /** About how many triangles there are when all tiles are exact. */
@@ -140,5 +150,11 @@ export class TileTable {
   /** Returns all tiles ordered by y, then x, for tests and for comparing two viewers. */
   list(): TileEntry[] {
     return [...this.entries_.values()].sort((a, b) => a.y - b.y || a.x - b.x);
+  }
+
+  private tellExact_(): void {
+    if (this.exact === this.wasExact_) return;
+    this.wasExact_ = this.exact;
+    this.exactChanged.tell();
   }
 }

@@ -79,20 +79,13 @@ export class Picture {
 
   /**
    * Calls `use` while all tiles are exact.
-   * @throws Error if they have not come in time
+   * @throws Error if they have not come in time, or the connection is lost
    */
   async withExactTiles<T>(use: () => Promise<T>): Promise<T> {
     const user = {};
     this.needExact(user, true);
     try {
-      const untilMs = performance.now() + EXACT_WITHIN_MS;
-      while (!this.model.tiles.exact) {
-        if (performance.now() > untilMs || this.model.status !== 'connected')
-          throw new Error(
-            t('The full detail has not arrived. Check the connection and try again.'),
-          );
-        await new Promise((done) => setTimeout(done, 50));
-      }
+      await this.whenExact_();
       return await use();
     } finally {
       this.needExact(user, false);
@@ -182,6 +175,35 @@ export class Picture {
   set arrowsVisible(visible: boolean) {
     this.arrowsVisible_ = visible;
     if (this.viewer) this.viewer.arrowsVisible = visible;
+  }
+
+  /** Whether the tiles are exact, and are to be: a picture that moves is not to have them. */
+  get isExact(): boolean {
+    return this.errorRad_() === 0 && this.model.tiles.exact;
+  }
+
+  private whenExact_(): Promise<void> {
+    const { tiles, statusChanged } = this.model;
+    return new Promise((resolve, reject) => {
+      const end = (): void => {
+        clearTimeout(limit);
+        for (const stop of stops) stop();
+      };
+      const fail = (): void => {
+        end();
+        const text = t('The full detail has not arrived. Check the connection and try again.');
+        reject(new Error(text));
+      };
+      const look = (): void => {
+        if (tiles.exact) {
+          end();
+          resolve();
+        } else if (this.model.status !== 'connected') fail();
+      };
+      const limit = setTimeout(fail, EXACT_WITHIN_MS);
+      const stops = [tiles.exactChanged.hear(look), statusChanged.hear(look)];
+      look();
+    });
   }
 
   private errorRad_(): number {

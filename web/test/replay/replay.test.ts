@@ -8,6 +8,7 @@ import { compared } from '../../src/replay/check';
 import { LocalPast, RECORDS_MAX } from '../../src/replay/local_past';
 import type { Picture } from '../../src/ui/picture';
 import type { Seek, StateMessage, ToolState } from '../../src/wire/types';
+import { turn } from '../support/turn';
 
 describe('the spans of a journal', () => {
   it('begin where everybody asks for them, so that caches have them', () => {
@@ -94,7 +95,6 @@ describe('the past in the page', () => {
     vi.restoreAllMocks();
   });
 
-  const settled = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, 5));
   const reach = (carved: number, hash: string | null, rate = 0, tools: ToolState[] = []): void =>
     hear({
       type: 'carved',
@@ -106,7 +106,7 @@ describe('the past in the page', () => {
     });
   const lookBack = async (at: number): Promise<void> => {
     past.seek({ type: 'seek', at });
-    await settled();
+    await turn();
     hear({ type: 'opened', about: {} as never, path: null });
     reach(at, `state ${at}`);
   };
@@ -118,7 +118,7 @@ describe('the past in the page', () => {
     expect(past.isShown).toBe(true);
     expect(model.state).toMatchObject({ state_hash: 'state 40', at: { record: 40, rate: 0 } });
     past.seek({ type: 'seek', at: 60 });
-    await settled();
+    await turn();
     expect(posted.at(-1)).toEqual({ type: 'seek', motion: 60 }); // a stop would end it too early
     reach(60, 'state 60');
     expect(model.state?.at?.record).toBe(60);
@@ -148,7 +148,7 @@ describe('the past in the page', () => {
     reach(50, null, 8, [tool]);
     expect(isDisplayed()).toBe(true);
     past.seek({ type: 'seek', at: 20 });
-    await settled();
+    await turn();
     reach(20, 'state 20', 0, [tool]);
     expect(isDisplayed()).toBe(false);
   });
@@ -164,7 +164,7 @@ describe('the past in the page', () => {
     expect(model.state?.motions).toBe(120);
     local.cover.mockClear();
     past.seek({ type: 'seek', at: 41 });
-    await settled();
+    await turn();
     expect((local.cover.mock.calls[0]![0] as unknown[]).length).toBe(2); // all tiles again
   });
 
@@ -172,7 +172,7 @@ describe('the past in the page', () => {
     await lookBack(40);
     record = 130;
     past.seek({ type: 'seek', at: 125 });
-    await settled();
+    await turn();
     expect(asked.slice(3)).toEqual(['replay', 'records?journal=j&first=1&last=130']);
     expect(posted.slice(-2).map(({ type }) => type)).toEqual(['records', 'seek']);
   });
@@ -191,7 +191,7 @@ describe('the past in the page', () => {
   it('leaves journals that are too long to the server', async () => {
     record = RECORDS_MAX + 1;
     past.seek({ type: 'seek', at: 50 });
-    await settled();
+    await turn();
     expect(opened).toEqual([]);
     expect(toServer).toMatchObject([{ at: 50 }]);
   });
