@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Values between two looks at the stop token.
+/// Values between two questions whether to end.
 constexpr std::size_t kLookEvery = 4096;
 
 /// Builds a document of the events of the parser. A function that returns false ends the parsing.
@@ -54,7 +54,7 @@ class DocumentBuilder final : public nlohmann::json_sax<Json> {
   }
 
   bool goes_on() {
-    if (++seen_ % kLookEvery != 0 || !rules_.stop.stop_requested()) return true;
+    if (++seen_ % kLookEvery != 0 || !rules_.is_stopped || !rules_.is_stopped()) return true;
     return fail(JsonFaultKind::kStopped);
   }
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <memory>
-#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -17,7 +17,7 @@ struct JsonRules {
   bool drops_deeper = false;          ///< what is deeper is left out; otherwise it is an error
   bool takes_repeated_keys = false;   ///< the last one counts; otherwise it is an error
   std::size_t values_max = SIZE_MAX;  ///< of the document, lists and objects included
-  std::stop_token stop = {};
+  std::function<bool()> is_stopped = {};  ///< asked now and then: whether to end
 };
 
 enum class JsonFaultKind {

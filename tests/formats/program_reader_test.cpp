@@ -149,7 +149,7 @@ TEST(ProgramReader, EndsWithinAStepOfAStop) {
       {"p.ngc", "linuxcnc", "#1=1\nO1 while [1]\n#1=[#1+1]\nO1 endwhile\nM2\n"},
       {"p.mpf", "siemens", "L1:\nR1=R1+1\nGOTOB L1\nM30\n"},
       {"p.h", "heidenhain",
-       "BEGIN PGM A MM\nLBL 1\nQ1 = Q1 + 1\nFN 9: IF +1 EQU +1 GOTO LBL 1\n"
+       "BEGIN PGM A MM\nQ1 = 0\nLBL 1\nQ1 = Q1 + 1\nFN 9: IF +1 EQU +1 GOTO LBL 1\n"
        "END PGM A MM\n"}};
   for (const auto& [name, dialect, text] : endless) {
     SCOPED_TRACE(dialect);

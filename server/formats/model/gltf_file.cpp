@@ -178,11 +178,12 @@ constexpr std::size_t kItemsMax = 250'000, kValuesMax = 4'000'000;
 Json geometry_json(std::string_view text, const std::stop_token& stop) {
   // What is nested deeper is dropped: the library writes JSON by recursion.
   constexpr int kDepthMax = 32;
-  const auto parsed = parse_bounded_json(text, {.depth_max = kDepthMax,
-                                                .drops_deeper = true,
-                                                .takes_repeated_keys = true,
-                                                .values_max = kValuesMax,
-                                                .stop = stop});
+  const auto parsed =
+      parse_bounded_json(text, {.depth_max = kDepthMax,
+                                .drops_deeper = true,
+                                .takes_repeated_keys = true,
+                                .values_max = kValuesMax,
+                                .is_stopped = [&stop] { return stop.stop_requested(); }});
   if (!parsed) reject_json(parsed.error().kind);
   Json& all = *static_cast<Json*>(parsed->get());
   if (!all.is_object()) reject_json(JsonFaultKind::kSyntax);
