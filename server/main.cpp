@@ -5,13 +5,18 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <mutex>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -94,6 +99,19 @@ void reload(Server& server) {
   }
 }
 
+/// Time for what is left of the server when its sessions are closed.
+constexpr std::chrono::seconds kEndTime{1};
+
+/// Ends the process when the server has not ended by itself in time. Nothing is lost: its journals
+/// are closed, and the work on requests that goes on has nobody to answer.
+void end_in_time(const std::stop_token& ended) {
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::unique_lock guard(mutex);
+  wake.wait_for(guard, ended, kEndTime, [] { return false; });
+  if (!ended.stop_requested()) std::_Exit(0);
+}
+
 int serve(kerf::CommandLine line) {
   raise_file_limit();
   // Only this thread waits for signals: block them before other threads start.
@@ -140,6 +158,8 @@ int serve(kerf::CommandLine line) {
   for (sigwait(&signals, &signal); signal == SIGHUP; sigwait(&signals, &signal)) reload(**server);
   kerf::log::info("shutting down");
   (*server)->stop();
+  const std::jthread limit(end_in_time);
+  server->reset();
   return 0;
 }
 

@@ -17,7 +17,7 @@
 #include "server/metrics/metrics.h"
 #include "server/socket/viewer_hub.h"
 #include "server/store/folder_lock.h"
-#include "server/threads/io_threads.h"
+#include "server/threads/fair_threads.h"
 #include "server/threads/run_and_wait.h"
 #include "server/threads/run_on.h"
 #include "server/threads/thread_pool.h"
@@ -127,9 +127,6 @@ struct Server::Impl {
             meshing),
         api(options.http, registry, metrics, *access),
         immediate("immediate", 1, kShown),
-        control("control", 2, kShown),
-        workers("workers", 2, kBehind),
-        exports("exports", 2, kBehind),
         acceptor(viewers.context()) {}
 
   asio::awaitable<void> accept();
@@ -160,12 +157,15 @@ struct Server::Impl {
   ThreadPool carvers{std::min(usable_threads(), kCarversMax), ThreadPool::Idle::kSleeps};
   SessionRegistry registry;
   Api api;
-  IoThreads immediate, control, workers, exports;  ///< after `api`, which their work uses
+  IoThreads immediate;  ///< after `api`, which the work on requests uses
+  FairThreads control{"control", kShown}, history{"history", kShown}, workers{"workers", kBehind},
+      readers{"readers", kBehind}, exports{"exports", kBehind};
   HubDirectory hubs;
   PeerContext peers{options.session,       metrics, hubs,    udp,
                     options.viewer_budget, viewers, meshing, past};
-  HttpContext context{options.http, registry, metrics, api,  immediate,        control,
-                      workers,      exports,  peers,   open, certificate.get()};
+  HttpContext context{options.http,  registry,      metrics,          api,           immediate,
+                      control.queue, history.queue, workers.queue,    readers.queue, exports.queue,
+                      peers,         open,          certificate.get()};
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;

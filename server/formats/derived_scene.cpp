@@ -82,11 +82,11 @@ void add_tool_origins(ToolId id, const DerivedTool& tool, std::vector<FieldOrigi
 class Derivation {
  public:
   Derivation(const std::string& name, std::string_view program, const GcodeEnvironment& environment,
-             const SceneWishes& wishes)
-      : name_(name), program_(program), environment_(environment), wishes_(wishes) {}
+             const SceneWishes& wishes, const std::stop_token& stop)
+      : name_(name), program_(program), environment_(environment), wishes_(wishes), stop_(stop) {}
 
   std::expected<DerivedScene, std::string> run() {
-    const auto facts = program_facts(name_, program_, environment_);
+    const auto facts = program_facts(name_, program_, environment_, stop_);
     if (!facts) return std::unexpected(to_string(facts.error()));
     if (!facts->cuts)
       return std::unexpected(name_ + ": cuts nothing, so no stock can be derived from it; state " +
@@ -332,6 +332,7 @@ class Derivation {
   std::string_view program_;
   const GcodeEnvironment& environment_;
   const SceneWishes& wishes_;
+  const std::stop_token& stop_;
   std::vector<std::string> notes_;
   std::vector<FieldOrigin> origins_;
   std::map<ToolId, ToolShape> tools_;
@@ -344,9 +345,10 @@ class Derivation {
 std::expected<DerivedScene, std::string> derive_scene(const std::string& name,
                                                       std::string_view program,
                                                       const GcodeEnvironment& environment,
-                                                      const SceneWishes& wishes) {
+                                                      const SceneWishes& wishes,
+                                                      const std::stop_token& stop) {
   if (program.starts_with("\xEF\xBB\xBF")) program.remove_prefix(3);
-  return Derivation(name, program, environment, wishes).run();
+  return Derivation(name, program, environment, wishes, stop).run();
 }
 
 }  // namespace kerf

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,10 +56,11 @@ inline constexpr double kToolAssumedMm = 6;
 /// the cuts; its top at Z 0, or its bottom if the program counts from the table. Accuracy: the
 /// greatest surface error is a thousandth of the stock, between 0.02 and 1 mm. Errors, as one line:
 /// those of the program, a program that cuts nothing, a wish for a tool that the program does not
-/// name, a stock file that cannot be read.
+/// name, a stock file that cannot be read, a stop that was requested.
 std::expected<DerivedScene, std::string> derive_scene(const std::string& name,
                                                       std::string_view program,
                                                       const GcodeEnvironment& environment,
-                                                      const SceneWishes& wishes);
+                                                      const SceneWishes& wishes,
+                                                      const std::stop_token& stop = {});
 
 }  // namespace kerf

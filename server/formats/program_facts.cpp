@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "server/formats/apt/tools.h"
 #include "server/formats/letter_case.h"
@@ -60,7 +61,9 @@ std::set<ToolId> numbered_tools(std::string_view text) {
 
 class FactsVisitor final : public ProgramVisitor {
  public:
-  void begin() override { *this = {}; }
+  explicit FactsVisitor(std::stop_token stop) : stop_(std::move(stop)) {}
+  void begin() override { *this = FactsVisitor(stop_); }
+  bool is_stopped() const override { return stop_.stop_requested(); }
   void visit(std::span<const ProgramMotion> motions) override {
     for (const ProgramMotion& motion : motions) {
       tools_.insert(motion.tool);
@@ -74,6 +77,7 @@ class FactsVisitor final : public ProgramVisitor {
   std::expected<ProgramFacts, ProgramError> facts(const OpenProgram& open) {
     const auto reader = open();
     for (bool more = true; more;) {
+      if (is_stopped()) return std::unexpected(program_stopped(reader->program().name));
       const auto step = reader->step();
       if (!step) return std::unexpected(step.error());
       for (const ProgramMotion& motion : reader->program().motions) extents_.add(motion);
@@ -97,13 +101,15 @@ class FactsVisitor final : public ProgramVisitor {
   MachineTime machine_;
   std::size_t motions_ = 0;
   CutExtentsFinder extents_;
+  std::stop_token stop_;
 };
 
 }  // namespace
 
 std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
                                                         std::string_view text,
-                                                        const GcodeEnvironment& environment) {
+                                                        const GcodeEnvironment& environment,
+                                                        const std::stop_token& stop) {
   Scene scene;
   const std::set<ToolId> named = numbered_tools(text);
   for (const ToolId id : named) {
@@ -117,8 +123,9 @@ std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
   }
   std::optional<ProgramError> farthest;
   for (const MachineKinematics kinematics : kMachines) {
+    if (stop.stop_requested()) return std::unexpected(program_stopped(name));
     scene.machine.kinematics = kinematics;
-    FactsVisitor visitor;
+    FactsVisitor visitor(stop);
     const auto read = read_program(name, text, scene, environment, visitor);
     if (read) {
       auto facts = visitor.facts(read->open);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <expected>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,9 +31,11 @@ struct ProgramFacts {
 
 /// Reads a program of which no scene is known. Its tools are those that its text numbers, taken as
 /// thin, so that offsets for their radius are always possible. Errors: as of parse_program, for the
-/// machine as whose program it can be read farthest.
+/// machine as whose program it can be read farthest; that it was not read to its end, soon after a
+/// stop is requested.
 std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
                                                         std::string_view text,
-                                                        const GcodeEnvironment& environment = {});
+                                                        const GcodeEnvironment& environment = {},
+                                                        const std::stop_token& stop = {});
 
 }  // namespace kerf

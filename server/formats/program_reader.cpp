@@ -42,6 +42,10 @@ class Collector final : public ProgramVisitor {
 
 }  // namespace
 
+ProgramError program_stopped(const std::string& name) {
+  return {.file = name, .line = 0, .word = {}, .reason = "was not read to its end: stopped"};
+}
+
 std::size_t reading_memory_bytes(std::string_view text) {
   return kReadingBytes + kLineBytes * static_cast<std::size_t>(std::ranges::count(text, '\n'));
 }
@@ -52,6 +56,7 @@ std::expected<ReadProgram, ProgramError> read_to_end(OpenProgram open, ProgramVi
   visitor.begin();
   bool cuts_any = false;
   while (true) {
+    if (visitor.is_stopped()) return std::unexpected(program_stopped(program.name));
     const auto more = reader->step();
     if (!more) return std::unexpected(more.error());
     if (!program.motions.empty()) {

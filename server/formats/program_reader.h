@@ -45,6 +45,8 @@ class ProgramVisitor {
   /// The program is read from its beginning, perhaps not for the first time: as another dialect.
   virtual void begin() = 0;
   virtual void visit(std::span<const ProgramMotion> motions) = 0;
+  /// Whether the reading should end, with the error "stopped"; asked between steps.
+  virtual bool is_stopped() const { return false; }
 };
 
 /// A program that could be read to its end.
@@ -64,6 +66,9 @@ std::expected<ReadProgram, ProgramError> read_program(const std::string& name,
 /// Returns a bound of the memory that the reading of a program takes beside its text, without what
 /// the visitor keeps.
 std::size_t reading_memory_bytes(std::string_view text);
+
+/// The error of a program whose reading was stopped.
+ProgramError program_stopped(const std::string& name);
 
 /// For the readers of read_program: reads to the end what `open` returns.
 std::expected<ReadProgram, ProgramError> read_to_end(OpenProgram open, ProgramVisitor& visitor);

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/formats/feed_sampler.h"
@@ -31,17 +33,19 @@ struct ProgramTotals {
 /// Collects totals and path of a program, with or without sampling, while it is read to its end.
 class ProgramSurvey final : public ProgramVisitor {
  public:
-  /// `rate_hz`: the motions that count are samples, as of sample_program.
+  /// `rate_hz`: the motions that count are samples, as of sample_program. `stop` ends the reading.
   ProgramSurvey(std::size_t path_points_max, std::optional<double> rate_hz,
-                const MachineDynamics& dynamics = {})
+                const MachineDynamics& dynamics = {}, std::stop_token stop = {})
       : points_max_(path_points_max),
         rate_hz_(rate_hz),
         dynamics_(dynamics),
         path_(path_points_max),
-        machine_(dynamics) {}
+        machine_(dynamics),
+        stop_(std::move(stop)) {}
 
   void begin() override;
   void visit(std::span<const ProgramMotion> motions) override;
+  bool is_stopped() const override { return stop_.stop_requested(); }
   /// Incomplete if there are kSamplesMax samples or more. Call once, at the end.
   ProgramTotals totals();
   /// The path without sampling. Call once.
@@ -65,6 +69,7 @@ class ProgramSurvey final : public ProgramVisitor {
   std::vector<ProgramMotion> samples_;
   double duration_s_ = 0;
   MachineTime machine_;
+  std::stop_token stop_;
 };
 
 /// The motions of a program, or their samples, one after the other, read when they are needed.

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <utility>
 
 #include "kernel/dexel/mesh_stock.h"
+#include "server/formats/bounded_json.h"
 #include "server/formats/guide_paths.h"
 #include "server/formats/guide_reader.h"
 #include "server/formats/json_location.h"
@@ -21,8 +21,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Limit for hostile input; far above any real scene.
+// Limits for hostile input; far above any real scene.
 constexpr std::size_t kSceneBytesMax = std::size_t{1} << 20;
+constexpr int kSceneDepthMax = 32;
 
 void check_box(SceneFields& fields, Vec3 min, Vec3 max) {
   if (!(min.x < max.x && min.y < max.y && min.z < max.z))
@@ -309,20 +310,24 @@ SceneError error_at(TextPlace place, const SceneSource& source, std::string path
           .reason = std::move(reason)};
 }
 
-// Parser callback that rejects duplicate keys, of which nlohmann-json silently keeps the last.
-class DuplicateKeys {
- public:
-  bool operator()(int /*depth*/, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) open_.emplace_back();
-    if (event == Json::parse_event_t::object_end) open_.pop_back();
-    if (event == Json::parse_event_t::key && !open_.back().insert(parsed.get<std::string>()).second)
-      throw SceneRejection{parsed.get<std::string>(), "appears twice in one object"};
-    return true;
+SceneError json_error(const JsonFault& fault, std::string_view text, const SceneSource& source) {
+  switch (fault.kind) {
+    case JsonFaultKind::kRepeatedKey:
+      return error_at(locate_json(text, fault.key), source, fault.key,
+                      "appears twice in one object");
+    case JsonFaultKind::kRange:
+      return error_at({}, source, "", "contains a number that is out of range");
+    case JsonFaultKind::kTooDeep:
+      return error_at(
+          {}, source, "",
+          "has lists and objects nested more than " + std::to_string(kSceneDepthMax) + " deep");
+    case JsonFaultKind::kSyntax:
+    case JsonFaultKind::kTooMany:
+    case JsonFaultKind::kStopped:
+      break;
   }
-
- private:
-  std::vector<std::set<std::string>> open_;
-};
+  return error_at(place_of(text, fault.byte), source, "", "is not valid JSON");
+}
 
 }  // namespace
 
@@ -333,20 +338,13 @@ std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneS
                                       .reason = "is " + std::to_string(text.size()) +
                                                 " bytes; the limit is " +
                                                 std::to_string(kSceneBytesMax)});
+  const auto json = parse_bounded_json(text, {.depth_max = kSceneDepthMax});
+  if (!json) return std::unexpected(json_error(json.error(), text, source));
   try {
-    // The parser copies the callback, so the keys are stored outside of it.
-    DuplicateKeys keys;
-    const Json json =
-        Json::parse(text, [&keys](int depth, Json::parse_event_t event, Json& parsed) {
-          return keys(depth, event, parsed);
-        });
-    return read_scene(json, source);
+    return read_scene(*static_cast<const Json*>(json->get()), source);
   } catch (const SceneRejection& rejection) {
     return std::unexpected(
         error_at(locate_json(text, rejection.path), source, rejection.path, rejection.reason));
-  } catch (const Json::parse_error& error) {
-    const TextPlace place = place_of(text, error.byte > 0 ? error.byte - 1 : 0);
-    return std::unexpected(error_at(place, source, "", "is not valid JSON"));
   } catch (const Json::exception& error) {
     // Thrown for numbers beyond the range of a double.
     return std::unexpected(error_at({}, source, "", "contains a number that is out of range"));

@@ -101,6 +101,14 @@ ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
   return error_response(404, "unknown_session", "there is no session " + id);
 }
 
+ApiResponse stopped() {
+  ApiResponse response = error_response(
+      503, "stopped",
+      "the work on the request was ended: its session was closed, or the server is shutting down");
+  response.headers.emplace_back("Retry-After", "1");
+  return response;
+}
+
 ApiResponse out_of_memory() {
   ApiResponse response = error_response(
       503, "busy", "uploads and running programs use all memory granted to them; try again later");
@@ -155,6 +163,7 @@ Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& m
   registry_.set_hooks(
       {[this](Session& session, Opening opening) { return adopt(session, opening); },
        [this](const std::string& id) {
+         jobs_.end(id);
          if (!registry_.find_followed(id)) forget(id);
        }});
   access_.report_to([this](const std::string& id, AttachmentChange change) {
@@ -190,7 +199,10 @@ ApiResponse Api::handle(const ApiRequest& request) {
     response.headers.emplace_back("Allow", match.allow);
     return response;
   }
-  return (this->*match.route->handler)(call);
+  ApiResponse response = (this->*match.route->handler)(call);
+  // Whatever the handler says of it: no fault of the request, nor of the server.
+  const bool is_cut_short = response.status >= 400 && request.stop.stop_requested();
+  return is_cut_short ? stopped() : std::move(response);
 }
 
 std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMatch& match,

@@ -15,6 +15,7 @@
 #include "server/http/byte_range.h"
 #include "server/http/download_cache.h"
 #include "server/http/http_options.h"
+#include "server/http/job_stops.h"
 #include "server/http/page_preview.h"
 #include "server/http/picture_cache.h"
 #include "server/http/target_parts.h"
@@ -44,7 +45,8 @@ struct ApiRequest {
   bool is_script = false;     ///< of a page in a browser: it may not follow to another origin
   bool is_forwarded = false;  ///< a proxy has added the address of its client
   std::string body;
-  std::stop_token stop = {};  ///< requested when the client is gone
+  /// Requested when the client is gone, the session is closed or the server stops.
+  std::stop_token stop = {};
 
   /// The value of a query parameter; null if it is missing.
   const std::string* query_value(const std::string& name) const {
@@ -86,6 +88,8 @@ std::shared_ptr<Session> find_to_look(const SessionRegistry& registry, const std
 std::optional<std::string> other_place(const SessionRegistry& registry, const std::string& id);
 /// 404: the session has no target part of that name.
 ApiResponse unknown_target(const std::string& name);
+/// 503 with Retry-After: the work on the request was ended (ApiRequest::stop).
+ApiResponse stopped();
 /// 503 with Retry-After: the memory for uploads and programs is used up.
 ApiResponse out_of_memory();
 /// A response whose body is the JSON text `json` and a line break.
@@ -126,8 +130,12 @@ class Api {
   /// Address of the server at which an administrator wants the sessions to go on; empty: none
   /// asked.
   std::string drain_target() const;
-  /// Cancels the downloads in preparation; further ones are rejected.
+  /// The stop of a request that is about to be handled, for as long as it is kept: also requested
+  /// when its session is closed, and by stop().
+  JobStops::Source begin_job(std::string session) { return jobs_.begin(std::move(session)); }
+  /// Ends the work on requests, and on later ones; files in preparation are cancelled.
   void stop() {
+    jobs_.stop();
     downloads_.stop();
     pictures_.stop();
   }
@@ -239,6 +247,7 @@ class Api {
   SessionRegistry& registry_;
   const Metrics& metrics_;
   Access& access_;
+  JobStops jobs_;
   DownloadCache downloads_;
   PictureCache pictures_;
   UploadBudget uploads_;

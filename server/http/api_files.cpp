@@ -46,7 +46,7 @@ ApiResponse Api::upload_file(const ApiCall& call) {
   const auto memory = program_memory(kReadingFactor * request.body.size());
   if (!memory) return out_of_memory();
   auto mesh = read_mesh(*format, std::as_bytes(std::span(request.body)),
-                        triangles_max(request.body.size()));
+                        triangles_max(request.body.size()), request.stop);
   if (!mesh) return error_response(400, to_string(mesh.error().code), mesh.error().reason);
   const std::string* wanted = request.query_value("repair");
   MeshRepair repair;

@@ -244,7 +244,7 @@ ApiResponse Api::start_program(const ApiCall& call) {
   if (!memory || !text_memory) return out_of_memory();
   const auto kept =
       std::make_shared<ProgramText>(request.body, ProgramPath{}, *std::move(text_memory));
-  ProgramSurvey survey(kPathPointsMax, rate_hz, dynamics_of(session.scene().machine));
+  ProgramSurvey survey(kPathPointsMax, rate_hz, dynamics_of(session.scene().machine), request.stop);
   auto read = read_program(name, kept->text, session.scene(), *environment, survey);
   if (!read) return program_failure(read.error());
   if (rate_hz && survey.duration_s() * *rate_hz >= kSamplesMax) {
@@ -278,9 +278,9 @@ ApiResponse Api::describe_program(const ApiCall& call) {
   const auto environment = parse_environment(call.request);
   if (!environment) return environment.error();
   const std::string& text = call.request.body;
-  const auto derived = derive_scene(name, text, *environment, {});
+  const auto derived = derive_scene(name, text, *environment, {}, call.request.stop);
   if (derived) return json_response(200, derived_json(*derived));
-  const auto facts = program_facts(name, text, *environment);
+  const auto facts = program_facts(name, text, *environment, call.request.stop);
   return facts ? error_response(400, "bad_program", derived.error())
                : program_failure(facts.error());
 }

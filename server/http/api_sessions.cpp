@@ -236,9 +236,9 @@ ApiResponse Api::close_session(const ApiCall& call) {
   // First, so that nobody has rights to a later session of the same id.
   if (auto done = access_.forget(call.session->id()); !done) return access_failure(done.error());
   call.session->attach({});
-  if (auto ok = registry_.close(call.session->id(), purge); !ok) {
-    return registry_failure(ok.error());
-  }
+  const auto closed = registry_.close(call.session->id(), purge);
+  jobs_.end(call.session->id());
+  if (!closed) return registry_failure(closed.error());
   targets_.forget(call.session->id());
   return json_response(200, to_text({{"closed", call.session->id()}, {"purged", purge}}));
 }

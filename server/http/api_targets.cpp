@@ -121,7 +121,7 @@ ApiResponse Api::set_target(const ApiCall& call) {
     as.unit_mm = mm_of_unit(*unit);
     if (!as.unit_mm) return error_response(400, "bad_unit", "unit must be mm, cm, m or inch");
   }
-  const auto put = targets_.put(call.session->id(), as, call.request.body);
+  const auto put = targets_.put(call.session->id(), as, call.request.body, call.request.stop);
   if (!put) return error_response(put.error().status, put.error().code, put.error().reason);
   attach_target(*call.session, put->name);
   (void)call.session->flush();

@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 
 #include "server/http/api.h"
 #include "server/http/beast_head.h"
@@ -22,6 +23,7 @@
 #include "server/http/response_head.h"
 #include "server/metrics/metrics.h"
 #include "server/socket/serve_peer.h"
+#include "server/threads/run_in_turn.h"
 #include "server/threads/run_on.h"
 #include "server/wire/limits.h"
 
@@ -78,8 +80,8 @@ class Connection {
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
   asio::awaitable<bool> answer(const RequestHead& head, ApiResponse& response, bool keep_alive);
   asio::awaitable<void> wait_until_loaded(const ApiRequest& target, bool only_looks);
-  IoThreads& threads_for(Runs runs) const;
-  void watch(const std::shared_ptr<std::stop_source>& gone);
+  asio::awaitable<ApiResponse> handle(ApiRequest& request, Runs runs, const Caller& caller);
+  void watch(const JobStops::Source& gone);
   asio::awaitable<bool> reject_malformed();
   asio::awaitable<void> send(std::string_view first, std::string_view second);
   asio::awaitable<void> send_text(std::string_view text);
@@ -100,31 +102,41 @@ class Connection {
   OpenConnections::Place place_;
   bool first_ = true;
   error_code error_;
-  UploadBudget::Share upload_;                 ///< of the body that is being read or handled
-  std::shared_ptr<std::stop_source> watched_;  ///< of the request that is being handled
+  UploadBudget::Share upload_;  ///< of the body that is being read or handled
 };
 
-IoThreads& Connection::threads_for(Runs runs) const {
-  switch (runs) {
-    case Runs::kAtOnce:
-      return context_.immediate;
-    case Runs::kSession:
-      return context_.control;
-    case Runs::kWork:
-      return context_.workers;
-    case Runs::kExport:
-      return context_.exports;
+asio::awaitable<ApiResponse> Connection::handle(ApiRequest& request, Runs runs,
+                                                const Caller& caller) {
+  FairQueue* const queue = context_.turns_of(runs);
+  JobStops::Source gone;
+  if (queue != nullptr) {
+    // The request that closes a session does not end with it.
+    const bool is_of_session = runs != Runs::kWork && is_below_session(request.path);
+    gone = context_.api.begin_job(is_of_session ? request.path[2] : std::string());
+    request.stop = gone->get_token();
   }
-  return context_.workers;
+  auto work = [&api = context_.api, request = std::move(request)] {
+    try {
+      return api.handle(request);
+    } catch (const std::exception& error) {
+      return error_response(500, "internal_error", error.what());
+    }
+  };
+  end_deadline();
+  if (queue == nullptr) co_return co_await run_on(context_.immediate, std::move(work));
+  watch(gone);
+  std::string client = caller.client();
+  std::stop_token stop = gone->get_token();
+  auto done = co_await run_in_turn(*queue, std::move(client), std::move(stop), std::move(work));
+  co_return done ? *std::move(done) : stopped();
 }
 
-/// Requests a stop when the client closes the connection before its request has been handled. Bytes
-/// of a next request end the watch.
-void Connection::watch(const std::shared_ptr<std::stop_source>& gone) {
-  watched_ = gone;
-  auto readable = [this, weak = std::weak_ptr(gone)](error_code error) {
-    const auto source = weak.lock();
-    if (!source) return;  // handled: the connection may be another one by now, or none
+/// Requests a stop when the client closes the connection before its request has been handled.
+void Connection::watch(const JobStops::Source& gone) {
+  auto readable = [this, job = std::weak_ptr(gone),
+                   alive = std::weak_ptr(alive_)](error_code error) {
+    const auto source = job.lock();
+    if (!source || alive.expired()) return;  // handled
     if (error || stream_.has_peer_ended()) source->request_stop();
   };
   stream_.socket().async_wait(asio::ip::tcp::socket::wait_read, std::move(readable));
@@ -203,19 +215,7 @@ asio::awaitable<bool> Connection::serve_one() {
   request->body = std::move(parser.get().body());
   const bool keep_alive = parser.get().keep_alive();
   const Runs runs = match.route == nullptr ? Runs::kAtOnce : match.route->runs;
-  const auto gone = std::make_shared<std::stop_source>();
-  request->stop = gone->get_token();
-  if (runs == Runs::kExport) watch(gone);
-  auto work = [&api = context_.api, request = *std::move(request)] {
-    try {
-      return api.handle(request);
-    } catch (const std::exception& error) {
-      return error_response(500, "internal_error", error.what());
-    }
-  };
-  end_deadline();  // handling the request has none
-  ApiResponse response = co_await run_on(threads_for(runs), std::move(work));
-  watched_.reset();
+  ApiResponse response = co_await handle(*request, runs, caller);
   upload_ = {};
   co_return co_await answer(head, response, keep_alive);
 }

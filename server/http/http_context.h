@@ -2,12 +2,13 @@
 #pragma once
 
 #include "server/http/open_connections.h"
+#include "server/http/routes.h"
 #include "server/session/session_registry.h"
 #include "server/socket/peer_context.h"
+#include "server/threads/fair_queue.h"
 
 namespace kerf::net {
 
-class Api;
 class TlsCertificate;
 struct HttpOptions;
 
@@ -17,13 +18,30 @@ struct HttpContext {
   SessionRegistry& registry;
   Metrics& metrics;
   Api& api;
-  IoThreads& immediate;   ///< requests that wait for nothing
-  IoThreads& control;     ///< requests that wait for a turn of a session's thread
-  IoThreads& workers;     ///< requests that may take long: uploads, new sessions
-  IoThreads& exports;     ///< downloads
-  PeerContext& peers;     ///< for connections that become WebSockets
-  OpenConnections& open;  ///< viewers' thread only
+  IoThreads& immediate;                                        ///< requests that wait for nothing
+  FairQueue &control, &history, &workers, &readers, &exports;  ///< of Runs::kSession and so on
+  PeerContext& peers;                           ///< for connections that become WebSockets
+  OpenConnections& open;                        ///< viewers' thread only
   const TlsCertificate* certificate = nullptr;  ///< null: without TLS
+
+  /// The turns of requests that may have to wait; null for the others.
+  FairQueue* turns_of(Runs runs) const {
+    switch (runs) {
+      case Runs::kAtOnce:
+        return nullptr;
+      case Runs::kSession:
+        return &control;
+      case Runs::kHistory:
+        return &history;
+      case Runs::kWork:
+        return &workers;
+      case Runs::kRead:
+        return &readers;
+      case Runs::kExport:
+        return &exports;
+    }
+    return nullptr;
+  }
 };
 
 }  // namespace kerf::net

@@ -16,12 +16,15 @@ namespace kerf::net {
 /// The protocol that a WebSocket upgrade of a route leads to.
 enum class Upgrade : std::uint8_t { kNone, kAgent, kViewer };
 
-/// The threads that a request runs on, by what it may wait for.
+/// The threads that a request runs on, by what it may wait for. All but kAtOnce have turns by
+/// client and end if the client is gone (HttpContext).
 enum class Runs : std::uint8_t {
   kAtOnce,   ///< waits for nothing: cached figures, the viewer's files
   kSession,  ///< waits for a turn of its session's thread
-  kWork,     ///< long: uploads, new sessions, the end of a session
-  kExport    ///< long, possibly endless: files made from a session; ends if the client is gone
+  kHistory,  ///< short, but waits for the disk or the history of its session: undo, strokes, pins
+  kWork,     ///< the beginning and the end of sessions
+  kRead,     ///< long: programs and meshes of strangers are read
+  kExport    ///< long: files made from a session, and what looks back
 };
 
 /// One row of the HTTP interface. Everything that depends on a request's path and method is decided

@@ -97,10 +97,9 @@ bool write_part_file(const fs::path& path, const std::string& bytes) {
   return false;
 }
 
-std::expected<std::shared_ptr<const TargetPart>, TargetError> read_part(const std::string& name,
-                                                                        const std::string& bytes,
-                                                                        double unit_mm,
-                                                                        Vec3 shift) {
+std::expected<std::shared_ptr<const TargetPart>, TargetError> read_part(
+    const std::string& name, const std::string& bytes, double unit_mm, Vec3 shift,
+    const std::stop_token& stop) {
   const auto format = mesh_file_format(name);
   if (!format || !is_plain_text(name, kPartNameBytesMax)) {
     return std::unexpected(TargetError{
@@ -108,7 +107,7 @@ std::expected<std::shared_ptr<const TargetPart>, TargetError> read_part(const st
         std::string("name must be 1 to 64 bytes of UTF-8 without control characters, and end in ") +
             kMeshFileNames});
   }
-  auto mesh = read_mesh(*format, std::as_bytes(std::span(bytes)), TargetParts::kTrianglesMax);
+  auto mesh = read_mesh(*format, std::as_bytes(std::span(bytes)), TargetParts::kTrianglesMax, stop);
   if (!mesh) {
     return std::unexpected(TargetError{400, to_string(mesh.error().code), mesh.error().reason});
   }
@@ -124,12 +123,13 @@ std::expected<std::shared_ptr<const TargetPart>, TargetError> read_part(const st
 
 std::expected<TargetFacts, TargetError> TargetParts::put(const std::string& session,
                                                          const MeshFile& as,
-                                                         const std::string& bytes) {
+                                                         const std::string& bytes,
+                                                         const std::stop_token& stop) {
   const std::string& name = as.file;
   std::expected<std::shared_ptr<const TargetPart>, TargetError> part;
   {
     const std::lock_guard one(reading_);
-    part = read_part(name, bytes, as.unit_mm.value_or(1), as.placement.translate_mm);
+    part = read_part(name, bytes, as.unit_mm.value_or(1), as.placement.translate_mm, stop);
   }
   if (!part) return std::unexpected(part.error());
   const std::lock_guard lock(mutex_);
@@ -228,7 +228,7 @@ std::shared_ptr<const TargetPart> TargetParts::get(const std::string& session,
     bytes = read_file(file.replace_extension(kMeshExtension));
   }
   if (!bytes) return nullptr;
-  auto part = read_part(name, *bytes, facts->unit_mm, facts->shift_mm);
+  auto part = read_part(name, *bytes, facts->unit_mm, facts->shift_mm, {});
   if (!part) return nullptr;
   const std::lock_guard lock(mutex_);
   keep(session, *part);

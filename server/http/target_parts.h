@@ -70,9 +70,10 @@ class TargetParts {
   explicit TargetParts(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   /// Reads and stores a mesh file, whose name tells the format. `as` has the name and the unit;
-  /// its placement counts only for its translation.
+  /// its placement counts only for its translation. Ends soon after a stop is requested.
   std::expected<TargetFacts, TargetError> put(const std::string& session, const MeshFile& as,
-                                              const std::string& bytes);
+                                              const std::string& bytes,
+                                              const std::stop_token& stop = {});
   /// The parts of a session, by name.
   std::vector<TargetFacts> list(const std::string& session) const;
   /// Null if the session has no such part, or its file can no longer be read.

@@ -22,6 +22,11 @@ struct Caller {
   /// The token may be one of a session that is not here, whose rights are where it runs.
   bool belongs_elsewhere = false;
 
+  /// Whose turns its requests take: those of one grant, or of one role in one network.
+  std::string client() const {
+    return grant.empty() ? std::string(to_string(role)) + "@" + network : "grant " + grant;
+  }
+
   /// Somebody on a server without rights: loopback, without tokens.
   static Caller local() {
     Caller caller;

@@ -37,6 +37,9 @@ const std::vector<Ban>& bans() {
        "fast-math breaks determinism: equal commands must give equal bytes"},
       {"kernel/", "kernel/math/tolerance.h", true, std::regex(R"(\b\d+(\.\d+)?[eE]-\d+)"),
        "an epsilon is named in kernel/math/tolerance.h, with its unit and owner"},
+      {"server/", "", true, std::regex(R"(\b(parse_event_t|parser_callback_t)\b)"),
+       "the parser with a callback takes time by the square: server/formats/bounded_json.h does "
+       "not"},
   };
   return kBans;
 }

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stop_token>
 
+#include "server/formats/derived_scene.h"
 #include "server/formats/gcode/program_flow.h"
 #include "server/formats/program_survey.h"
 #include "tests/formats/scene_fixture.h"
@@ -124,6 +126,54 @@ TEST(ProgramReader, ALoopWithoutMotionsIsExecutedInManySteps) {
     }
     EXPECT_GT(steps, 20'000u / kGcodeLinesPerStep);
   }
+}
+
+/// Ends the reading when it has been asked so often.
+class Impatient final : public ProgramVisitor {
+ public:
+  explicit Impatient(int patience) : patience_(patience) {}
+  void begin() override {}
+  void visit(std::span<const ProgramMotion>) override {}
+  bool is_stopped() const override { return ++asked >= patience_; }
+  mutable int asked = 0;
+
+ private:
+  int patience_;
+};
+
+// Each of these takes seconds to its limit of lines or motions.
+TEST(ProgramReader, EndsWithinAStepOfAStop) {
+  const Scene scene = scene_of("xyz");
+  const Sample endless[] = {
+      {"p.nc", "fanuc", "%\nO1\n#1=0\nWHILE[1EQ1]DO1\n#1=#1+1\nEND1\nM30\n%\n"},
+      {"p.ngc", "linuxcnc", "#1=1\nO1 while [1]\n#1=[#1+1]\nO1 endwhile\nM2\n"},
+      {"p.mpf", "siemens", "L1:\nR1=R1+1\nGOTOB L1\nM30\n"},
+      {"p.h", "heidenhain",
+       "BEGIN PGM A MM\nQ1 = 0\nLBL 1\nQ1 = Q1 + 1\nFN 9: IF +1 EQU +1 GOTO LBL 1\n"
+       "END PGM A MM\n"}};
+  for (const auto& [name, dialect, text] : endless) {
+    SCOPED_TRACE(dialect);
+    GcodeEnvironment environment;
+    environment.dialect = dialect_of(dialect).value();
+    Impatient visitor(5);
+    const auto ended = read_program(name, text, scene, environment, visitor);
+    ASSERT_FALSE(ended);
+    EXPECT_THAT(to_string(ended.error()), HasSubstr("stopped"));
+    EXPECT_EQ(visitor.asked, 5);
+  }
+}
+
+TEST(ProgramReader, AStopEndsTheReadingsOfAProgramWithoutAScene) {
+  std::stop_source stop;
+  stop.request_stop();
+  const std::string text = "G21\nT1 M6\nF100\nG0 X0 Y0 Z5\nG1 Z-1\nX9\nM2\n";
+  ASSERT_TRUE(program_facts("p.ngc", text));
+  const auto facts = program_facts("p.ngc", text, {}, stop.get_token());
+  ASSERT_FALSE(facts);
+  EXPECT_THAT(to_string(facts.error()), HasSubstr("stopped"));
+  const auto derived = derive_scene("p.ngc", text, {}, {}, stop.get_token());
+  ASSERT_FALSE(derived);
+  EXPECT_THAT(derived.error(), HasSubstr("stopped"));
 }
 
 TEST(ProgramReader, AnErrorBehindTheBeginningOfAPathNamesItsLine) {

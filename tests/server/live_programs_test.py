@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests the control of programs in a real server: pause, step, resume, speed, queue, source."""
+import http.client
 import json
 import math
 import os
 import pathlib
+import select
 import subprocess
 
 from kept_logs import run_tests
@@ -178,6 +180,19 @@ class Programs(LiveTest):
                          (404, "unknown_program"))
         self.assertEqual(self.refused("GET", "/v1/sessions/block/programs/9/source"),
                          (404, "unknown_program"))
+
+    def test_a_pin_does_not_wait_for_programs_without_an_end(self):
+        # Each takes seconds of CPU time until its limit of lines.
+        text = "O1\nT1 M6\n#1=0\nWHILE[1EQ1]DO1\n#1=#1+1\nEND1\nM30\n"
+        peers = []
+        for _ in range(6):
+            peer = http.client.HTTPConnection("127.0.0.1", self.port)
+            self.addCleanup(peer.close)
+            peer.request("POST", "/v1/sessions/block/programs?dialect=fanuc", text)
+            peers.append(peer)
+        status, pin = self.ask("POST", "/v1/sessions/block/pins?text=a&at_mm=0,0,0&normal=0,0,1")
+        self.assertEqual(status, 201, pin)
+        self.assertEqual(select.select([peer.sock for peer in peers], [], [], 0)[0], [])
 
 
 if __name__ == "__main__":

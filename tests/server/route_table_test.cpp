@@ -22,11 +22,38 @@ RouteMatch match(std::string_view method, std::string_view target) {
 TEST(Routes, MethodAndPathSelectARow) {
   const RouteMatch found = match("POST", "/v1/sessions/demo/programs");
   ASSERT_NE(found.route, nullptr);
-  EXPECT_EQ(found.route->runs, Runs::kWork);
+  EXPECT_EQ(found.route->runs, Runs::kRead);
   EXPECT_EQ(found.allow, "GET, HEAD, POST");
   EXPECT_EQ(match("DELETE", "/v1/sessions/demo/programs/7").captured, "7");
   EXPECT_EQ(match("GET", "/v1/sessions/demo/model.glb").captured, "glb");
   EXPECT_EQ(match("GET", "/v1/sessions/demo/view").upgrade, Upgrade::kViewer);
+}
+
+// What reads the bytes of strangers, makes files or looks back may take long.
+TEST(Routes, ShortRequestsHaveThreadsApartFromLongOnes) {
+  const auto runs = [](const char* method, const std::string& target) {
+    return match(method, "/v1/sessions" + target).route->runs;
+  };
+  for (const auto& [method, target] : {std::pair{"POST", "/x/undo"},
+                                       {"POST", "/x/redo"},
+                                       {"GET", "/x/strokes"},
+                                       {"GET", "/x/authors"},
+                                       {"POST", "/x/pins"},
+                                       {"DELETE", "/x/pins/1"},
+                                       {"POST", "/x/versions"},
+                                       {"PATCH", "/x/versions/a"},
+                                       {"DELETE", "/x/versions/a"},
+                                       {"DELETE", "/x/targets/a.stl"}})
+    EXPECT_EQ(runs(method, target), Runs::kHistory) << target;
+  for (const auto& [method, target] : {std::pair{"POST", ""}, {"DELETE", "/x"}})
+    EXPECT_EQ(runs(method, target), Runs::kWork) << target;
+  for (const auto& [method, target] : {std::pair{"POST", "/x/programs"}, {"POST", "/x/targets"}})
+    EXPECT_EQ(runs(method, target), Runs::kRead) << target;
+  for (const char* target : {"/x/model.stl", "/x/program.ngc", "/x/forces", "/x/picture.png",
+                             "/x/probe", "/x/replay", "/x/targets/a.stl/deviation"})
+    EXPECT_EQ(runs("GET", target), Runs::kExport) << target;
+  EXPECT_EQ(match("POST", "/v1/files").route->runs, Runs::kRead);
+  EXPECT_EQ(match("POST", "/v1/programs").route->runs, Runs::kRead);
 }
 
 TEST(Routes, TheViewersFilesAreWhatRemainsOutsideTheInterface) {

@@ -82,8 +82,9 @@ std::optional<AptStatement> AptStatements::next() {
                             .text = free_text(lines_.line(), word.size()),
                             .is_text = true,
                             .creo = creo_};
+    std::size_t looked = 0;  // a comment cannot begin before: of long statements once
     while (true) {
-      if (const std::size_t comment = text.find("$$"); comment != std::string::npos)
+      if (const std::size_t comment = text.find("$$", looked); comment != std::string::npos)
         text.erase(comment);
       if (!text.ends_with('$')) break;
       text.pop_back();
@@ -94,6 +95,7 @@ std::optional<AptStatement> AptStatements::next() {
         ahead_line_ = lines_.number();
         break;
       }
+      looked = text.size();
       text += more;
     }
     if (text.empty()) continue;

@@ -278,7 +278,7 @@ std::expected<ReadProgram, ProgramError> read_gcode(const std::string& name, std
   if (choice->dialect == Dialect::kSiemens)
     return read_sinumerik(name, text, scene, environment.lines_max, visitor, choice->reason);
   auto read = read_macros(choice->dialect, program, choice->reason);
-  if (read || !choice->open) return read;
+  if (read || !choice->open || visitor.is_stopped()) return read;
   // Nothing points to LinuxCNC, and it does not take the program: a plain Fanuc program.
   auto again = read_macros(
       Dialect::kFanuc, program,

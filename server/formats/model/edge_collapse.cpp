@@ -9,6 +9,7 @@
 #include "kernel/math/nearest_on_triangle.h"
 #include "server/formats/model/collapsing_mesh.h"
 #include "server/formats/model/quadric.h"
+#include "server/formats/stop_poll.h"
 
 namespace kerf {
 namespace {
@@ -76,12 +77,13 @@ class EdgeCollapser {
   }
 
   void run(std::size_t triangles, const std::stop_token& stop) {
+    StopPoll poll(stop);
     while (mesh_.size() > triangles && !stop.stop_requested()) {
       collect();
       ++pass_;
       const std::size_t before = mesh_.size();
       for (const Collapse& collapse : candidates_) {
-        if (mesh_.size() <= triangles) break;
+        if (mesh_.size() <= triangles || poll.stops()) break;
         if (is_allowed(collapse)) apply(collapse);
       }
       if (double(before - mesh_.size()) < kWorthwhileShare * double(before)) break;

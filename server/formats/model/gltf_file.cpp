@@ -11,7 +11,9 @@
 #include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
 
+#include "server/formats/bounded_json.h"
 #include "server/formats/model/mesh_rejection.h"
 
 namespace kerf {
@@ -160,13 +162,31 @@ class MeshoptViews {
   std::string unpacked_;
 };
 
+/// Limits for hostile files: each item takes some hundred bytes of memory, of three in the file.
+constexpr std::size_t kItemsMax = 250'000, kValuesMax = 4'000'000;
+
+[[noreturn]] void reject_json(JsonFaultKind kind) {
+  if (kind == JsonFaultKind::kStopped) reject_mesh(MeshFileErrorCode::kStopped, "stopped");
+  if (kind == JsonFaultKind::kTooMany)
+    reject_mesh(
+        MeshFileErrorCode::kTooLarge,
+        "the JSON of the file has more than " + std::to_string(kValuesMax) + " values, the limit");
+  reject_mesh(MeshFileErrorCode::kSyntax, "the JSON of the file is invalid");
+}
+
 /// Returns the JSON of a file, without what does not tell of triangles.
-Json geometry_json(std::string_view text) {
+Json geometry_json(std::string_view text, const std::stop_token& stop) {
   // What is nested deeper is dropped: the library writes JSON by recursion.
   constexpr int kDepthMax = 32;
-  const auto all = Json::parse(
-      text, [](int depth, Json::parse_event_t, Json&) { return depth < kDepthMax; }, false);
-  if (!all.is_object()) reject_mesh(MeshFileErrorCode::kSyntax, "the JSON of the file is invalid");
+  const auto parsed =
+      parse_bounded_json(text, {.depth_max = kDepthMax,
+                                .drops_deeper = true,
+                                .takes_repeated_keys = true,
+                                .values_max = kValuesMax,
+                                .is_stopped = [&stop] { return stop.stop_requested(); }});
+  if (!parsed) reject_json(parsed.error().kind);
+  Json& all = *static_cast<Json*>(parsed->get());
+  if (!all.is_object()) reject_json(JsonFaultKind::kSyntax);
   // tinygltf fails at what such an extension leaves out, without naming it.
   for (const auto& required : at(all, "extensionsRequired")) {
     const std::string extension = required.is_string() ? required.get<std::string>() : "";
@@ -177,7 +197,13 @@ Json geometry_json(std::string_view text) {
   Json kept = Json::object();
   for (const char* key :
        {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers"}) {
-    if (const auto found = all.find(key); found != all.end()) kept[key] = *found;
+    const auto found = all.find(key);
+    if (found == all.end()) continue;
+    if (found->is_array() && found->size() > kItemsMax)
+      reject_mesh(MeshFileErrorCode::kTooLarge, std::string("the file has ") +
+                                                    std::to_string(found->size()) + " " + key +
+                                                    "; the limit is " + std::to_string(kItemsMax));
+    kept[key] = std::move(*found);
   }
   return kept;
 }
@@ -191,7 +217,7 @@ std::span<const std::byte> binary_chunk(std::span<const std::byte> rest) {
 
 }  // namespace
 
-std::string gltf_geometry(std::span<const std::byte> bytes) {
+std::string gltf_geometry(std::span<const std::byte> bytes, const std::stop_token& stop) {
   const std::size_t json_at = kHeader + kChunkHeader;
   if (bytes.size() < json_at || word_at(bytes, 0) != kMagic || word_at(bytes, 16) != kJsonChunk)
     reject_mesh(MeshFileErrorCode::kSyntax, "the file does not begin as binary glTF does");
@@ -200,7 +226,8 @@ std::string gltf_geometry(std::span<const std::byte> bytes) {
   const std::size_t json_size = word_at(bytes, kHeader);
   if (word_at(bytes, 8) > bytes.size() || json_size > bytes.size() - json_at)
     reject_mesh(MeshFileErrorCode::kTruncated, "the file is shorter than it says");
-  Json json = geometry_json({reinterpret_cast<const char*>(bytes.data()) + json_at, json_size});
+  Json json =
+      geometry_json({reinterpret_cast<const char*>(bytes.data()) + json_at, json_size}, stop);
   const auto binary = binary_chunk(bytes.subspan(json_at + json_size));
   const std::string unpacked = MeshoptViews(json, binary).unpack();
   std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);

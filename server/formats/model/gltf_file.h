@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <span>
+#include <stop_token>
 #include <string>
 
 namespace kerf {
@@ -11,7 +12,8 @@ namespace kerf {
 /// places of pictures and would unpack them. Views of positions and indices that are compressed by
 /// EXT_meshopt_compression are unpacked behind the file's own bytes. Throws MeshRejection: not a
 /// file of version 2, shorter than it says, a required extension that is not read, compressed data
-/// that are invalid or unpack to more than 64 times the file's size.
-std::string gltf_geometry(std::span<const std::byte> bytes);
+/// that are invalid or unpack to more than 64 times the file's size, more items than a scene needs,
+/// a stop that was requested.
+std::string gltf_geometry(std::span<const std::byte> bytes, const std::stop_token& stop = {});
 
 }  // namespace kerf

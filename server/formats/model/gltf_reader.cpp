@@ -93,9 +93,10 @@ tinygltf::FsCallbacks no_files() {
 
 class GltfReader {
  public:
-  GltfReader(std::span<const std::byte> bytes, std::uint64_t triangles_max)
-      : triangles_max_(triangles_max) {
-    const std::string file = gltf_geometry(bytes);
+  GltfReader(std::span<const std::byte> bytes, std::uint64_t triangles_max,
+             const std::stop_token& stop)
+      : triangles_max_(triangles_max), stop_(stop) {
+    const std::string file = gltf_geometry(bytes, stop);
     std::string error, warning;
     tinygltf::TinyGLTF loader;
     loader.SetFsCallbacks(no_files());
@@ -123,6 +124,7 @@ class GltfReader {
     if (depth > kNodeDepthMax)
       reject_mesh(MeshFileErrorCode::kUnsupported, "nodes are nested more than 64 deep");
     if (++nodes_ > triangles_max_) reject_mesh(MeshFileErrorCode::kTooLarge, "too many nodes");
+    if (stop_.stop_requested()) reject_mesh(MeshFileErrorCode::kStopped, "stopped");
     const tinygltf::Node& node = gltf_item(model_.nodes, number, "node");
     const NodeMatrix matrix = parent.after(matrix_of(node));
     if (node.mesh >= 0) {
@@ -191,6 +193,7 @@ class GltfReader {
   }
 
   std::uint64_t triangles_max_, nodes_ = 0;
+  const std::stop_token& stop_;
   tinygltf::Model model_;
   TriangleMesh mesh_;
   std::uint32_t first_ = 0;  ///< vertex of the current primitive
@@ -200,9 +203,10 @@ class GltfReader {
 
 }  // namespace
 
-MeshFileResult read_gltf(std::span<const std::byte> bytes, std::uint64_t triangles_max) {
+MeshFileResult read_gltf(std::span<const std::byte> bytes, std::uint64_t triangles_max,
+                         const std::stop_token& stop) {
   try {
-    return GltfReader(bytes, triangles_max).read();
+    return GltfReader(bytes, triangles_max, stop).read();
   } catch (const MeshRejection& rejection) {
     return std::unexpected(rejection.error);
   }

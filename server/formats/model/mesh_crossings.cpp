@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/formats/model/triangle_pair.h"
+#include "server/formats/stop_poll.h"
 
 namespace kerf {
 namespace {
@@ -92,7 +93,8 @@ class BoxTree {
 
 }  // namespace
 
-std::vector<std::uint32_t> crossing_triangles(const IndexedMesh& mesh) {
+std::vector<std::uint32_t> crossing_triangles(const IndexedMesh& mesh,
+                                              const std::stop_token& stop) {
   std::vector<FloatTriangle> corners;
   std::vector<Box> boxes;
   std::vector<bool> found(mesh.triangles.size()), flat(mesh.triangles.size());
@@ -105,7 +107,8 @@ std::vector<std::uint32_t> crossing_triangles(const IndexedMesh& mesh) {
     flat[corners.size() - 1] = found[corners.size() - 1] = has_no_area(corners.back());
   }
   const BoxTree tree(std::move(boxes));
-  for (std::uint32_t n = 0; n < corners.size(); ++n) {
+  StopPoll poll(stop);
+  for (std::uint32_t n = 0; n < corners.size() && !poll.stops(); ++n) {
     if (flat[n]) continue;
     tree.for_near(n, [&](std::uint32_t other) {
       if (other <= n || flat[other] || (found[n] && found[other])) return;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "server/formats/model/indexed_mesh.h"
@@ -11,7 +12,8 @@ namespace kerf {
 /// Returns the triangles of a mesh that meet another one elsewhere than in common corners and
 /// edges, and those without area, by exact predicates on the positions relative to the origin.
 /// Sorted, each once. Triangles are found by a tree of boxes: O(n log n) unless boxes overlap a
-/// lot.
-std::vector<std::uint32_t> crossing_triangles(const IndexedMesh& mesh);
+/// lot. Those found so far if a stop is requested.
+std::vector<std::uint32_t> crossing_triangles(const IndexedMesh& mesh,
+                                              const std::stop_token& stop = {});
 
 }  // namespace kerf

@@ -13,7 +13,8 @@ enum class MeshFileErrorCode {
   kSyntax,         ///< an unexpected word
   kBadIndex,       ///< a vertex index out of range
   kEmpty,          ///< no triangle
-  kUnsupported     ///< an unsupported format or feature
+  kUnsupported,    ///< an unsupported format or feature
+  kStopped         ///< a stop was requested
 };
 struct MeshFileError {
   MeshFileErrorCode code;

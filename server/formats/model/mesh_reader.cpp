@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/mesh_reader.h"
 
-#include <bit>
-#include <unordered_map>
+#include <algorithm>
+#include <tuple>
 #include <vector>
 
 #include "server/formats/model/open_vertices.h"
@@ -12,19 +12,30 @@
 namespace kerf {
 namespace {
 
-struct SamePlace {
-  // -0 and +0 are the same coordinate.
-  static Vec3 plain(Vec3 v) { return {v.x + 0.0, v.y + 0.0, v.z + 0.0}; }
-  std::size_t operator()(Vec3 v) const {
-    std::uint64_t hash = 14695981039346656037U;
-    const Vec3 p = plain(v);
-    for (const double c : {p.x, p.y, p.z}) {
-      hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 1099511628211U;
-      hash ^= hash >> 29U;
-    }
-    return static_cast<std::size_t>(hash);
+// -0 and +0 are the same coordinate.
+Vec3 plain(Vec3 v) { return {v.x + 0.0, v.y + 0.0, v.z + 0.0}; }
+
+/// Returns for each vertex the first one at the same place. Sorted, because a file may be made so
+/// that its vertices collide in a table.
+std::vector<std::uint32_t> first_at_place(const std::vector<Vec3>& vertices) {
+  struct Placed {
+    Vec3 at;
+    std::uint32_t vertex;
+  };
+  std::vector<Placed> placed;
+  placed.reserve(vertices.size());
+  for (const Vec3& v : vertices)
+    placed.push_back({plain(v), static_cast<std::uint32_t>(placed.size())});
+  std::ranges::sort(placed, [](const Placed& a, const Placed& b) {
+    return std::tie(a.at.x, a.at.y, a.at.z, a.vertex) < std::tie(b.at.x, b.at.y, b.at.z, b.vertex);
+  });
+  std::vector<std::uint32_t> first(vertices.size());
+  for (std::size_t n = 0; n < placed.size(); ++n) {
+    const bool repeats = n > 0 && placed[n].at == placed[n - 1].at;
+    first[placed[n].vertex] = repeats ? first[placed[n - 1].vertex] : placed[n].vertex;
   }
-};
+  return first;
+}
 
 /// Share of the mesh's diagonal below which vertices on open edges are one: programs that compute a
 /// vertex once for each of its triangles, or write floats, state it with different last digits.
@@ -37,14 +48,11 @@ void drop_triangles_without_area(TriangleMesh& mesh) {
 
 TriangleMesh merge_vertices(const TriangleMesh& read) {
   TriangleMesh mesh;
-  std::unordered_map<Vec3, std::uint32_t, SamePlace> number;
-  std::vector<std::uint32_t> merged;
-  merged.reserve(read.vertices_mm.size());
-  for (const Vec3& v : read.vertices_mm) {
-    const auto fresh = static_cast<std::uint32_t>(mesh.vertices_mm.size());
-    const auto [place, added] = number.try_emplace(v, fresh);
-    if (added) mesh.vertices_mm.push_back(SamePlace::plain(v));
-    merged.push_back(place->second);
+  std::vector<std::uint32_t> merged = first_at_place(read.vertices_mm);
+  for (std::uint32_t v = 0; v < merged.size(); ++v) {
+    const bool is_first = merged[v] == v;  // those before have their numbers already
+    merged[v] = is_first ? static_cast<std::uint32_t>(mesh.vertices_mm.size()) : merged[merged[v]];
+    if (is_first) mesh.vertices_mm.push_back(plain(read.vertices_mm[v]));
   }
   for (const auto& t : read.triangles)
     mesh.triangles.push_back({merged[t[0]], merged[t[1]], merged[t[2]]});
@@ -56,20 +64,21 @@ TriangleMesh merge_vertices(const TriangleMesh& read) {
 }
 
 MeshFileResult read_unmerged(MeshFileFormat format, std::span<const std::byte> bytes,
-                             std::uint64_t triangles_max) {
+                             std::uint64_t triangles_max, const std::stop_token& stop) {
   switch (format) {
     case MeshFileFormat::kPly:
-      return read_ply(bytes, triangles_max);
+      return read_ply(bytes, triangles_max, stop);
     case MeshFileFormat::kObj:
-      return read_obj({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, triangles_max);
+      return read_obj({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, triangles_max,
+                      stop);
     case MeshFileFormat::k3mf:
-      return read_threemf(bytes, triangles_max);
+      return read_threemf(bytes, triangles_max, stop);
     case MeshFileFormat::kGlb:
-      return read_gltf(bytes, triangles_max);
+      return read_gltf(bytes, triangles_max, stop);
     case MeshFileFormat::kStl:
       break;
   }
-  const auto facets = read_stl(bytes, triangles_max);
+  const auto facets = read_stl(bytes, triangles_max, stop);
   if (!facets) return std::unexpected(facets.error());
   TriangleMesh mesh;
   for (const StlTriangle& facet : *facets) {
@@ -100,6 +109,8 @@ const char* to_string(MeshFileErrorCode code) {
       return "empty";
     case MeshFileErrorCode::kUnsupported:
       return "unsupported";
+    case MeshFileErrorCode::kStopped:
+      return "stopped";
   }
   return "unknown";
 }
@@ -117,10 +128,12 @@ std::optional<MeshFileFormat> mesh_file_format(std::string_view file_name) {
 }
 
 MeshFileResult read_mesh(MeshFileFormat format, std::span<const std::byte> bytes,
-                         std::uint64_t triangles_max) {
-  const auto read = read_unmerged(format, bytes, triangles_max);
+                         std::uint64_t triangles_max, const std::stop_token& stop) {
+  const auto read = read_unmerged(format, bytes, triangles_max, stop);
   if (!read) return read;
   TriangleMesh mesh = merge_vertices(*read);
+  if (stop.stop_requested())
+    return std::unexpected(MeshFileError{MeshFileErrorCode::kStopped, "stopped"});
   if (mesh.triangles.empty()) {
     return std::unexpected(
         MeshFileError{MeshFileErrorCode::kEmpty, "the file contains no triangle with an area > 0"});

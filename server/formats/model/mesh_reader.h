@@ -6,6 +6,7 @@
 #include <expected>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string_view>
 
 #include "kernel/dexel/triangle_mesh.h"
@@ -28,14 +29,21 @@ using MeshFileResult = std::expected<TriangleMesh, MeshFileError>;
 /// binary glTF. Coordinates are the file's numbers, in 3MF and GLB mm by the file's unit and +Z up.
 /// Polygons are split into fans of triangles; colors, normals, textures and other attributes are
 /// ignored. Vertices with equal coordinates are merged, and, on open edges, those that are nearer
-/// than 1e-6 of the diagonal; triangles with two equal corners are dropped.
+/// than 1e-6 of the diagonal; triangles with two equal corners are dropped. The time grows with the
+/// bytes and the triangles, whatever the file holds, and ends soon after a stop is requested
+/// (kStopped).
 MeshFileResult read_mesh(MeshFileFormat format, std::span<const std::byte> bytes,
-                         std::uint64_t triangles_max = kMeshTrianglesMax);
+                         std::uint64_t triangles_max = kMeshTrianglesMax,
+                         const std::stop_token& stop = {});
 
 /// Read one format without merging vertices.
-MeshFileResult read_ply(std::span<const std::byte> bytes, std::uint64_t triangles_max);
-MeshFileResult read_obj(std::string_view text, std::uint64_t triangles_max);
-MeshFileResult read_threemf(std::span<const std::byte> bytes, std::uint64_t triangles_max);
-MeshFileResult read_gltf(std::span<const std::byte> bytes, std::uint64_t triangles_max);
+MeshFileResult read_ply(std::span<const std::byte> bytes, std::uint64_t triangles_max,
+                        const std::stop_token& stop);
+MeshFileResult read_obj(std::string_view text, std::uint64_t triangles_max,
+                        const std::stop_token& stop);
+MeshFileResult read_threemf(std::span<const std::byte> bytes, std::uint64_t triangles_max,
+                            const std::stop_token& stop);
+MeshFileResult read_gltf(std::span<const std::byte> bytes, std::uint64_t triangles_max,
+                         const std::stop_token& stop);
 
 }  // namespace kerf

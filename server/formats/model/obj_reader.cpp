@@ -5,6 +5,7 @@
 
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/model/text_words.h"
+#include "server/formats/stop_poll.h"
 
 // Reads the polygon statements of Wavefront OBJ (specification of 1995). Other statements are known
 // by name and skipped.
@@ -24,12 +25,14 @@ bool is_skipped(std::string_view word) {
 
 class ObjReader {
  public:
-  ObjReader(std::string_view text, std::uint64_t triangles_max)
-      : words_(text, true), triangles_max_(triangles_max) {}
+  ObjReader(std::string_view text, std::uint64_t triangles_max, const std::stop_token& stop)
+      : words_(text, true), triangles_max_(triangles_max), poll_(stop) {}
 
   MeshFileResult read() {
     for (std::string_view word = words_.next(); !word.empty() && !error_; word = words_.next()) {
-      if (is_skipped(word)) {
+      if (poll_.stops()) {
+        fail(MeshFileErrorCode::kStopped, "stopped");
+      } else if (is_skipped(word)) {
         words_.skip_line();
       } else if (word == "v") {
         read_vertex();
@@ -116,6 +119,7 @@ class ObjReader {
 
   TextWords words_;
   std::uint64_t triangles_max_;
+  StopPoll poll_;
   TriangleMesh mesh_;
   std::optional<MeshFileError> error_;
 };
@@ -136,10 +140,11 @@ std::optional<std::string> narrow_text(std::string_view text) {
 
 }  // namespace
 
-MeshFileResult read_obj(std::string_view text, std::uint64_t triangles_max) {
-  if (const auto narrow = narrow_text(text)) return ObjReader(*narrow, triangles_max).read();
+MeshFileResult read_obj(std::string_view text, std::uint64_t triangles_max,
+                        const std::stop_token& stop) {
+  if (const auto narrow = narrow_text(text)) return ObjReader(*narrow, triangles_max, stop).read();
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  return ObjReader(text, triangles_max).read();
+  return ObjReader(text, triangles_max, stop).read();
 }
 
 }  // namespace kerf

@@ -8,6 +8,7 @@
 
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/model/text_words.h"
+#include "server/formats/stop_poll.h"
 
 // Reads PLY 1.0 (Turk, The PLY polygon file format, 1994): a header that lists elements and their
 // properties, then the elements as text or binary numbers. All announced elements are parsed; x, y,
@@ -43,10 +44,12 @@ constexpr std::uint64_t kListMax = 100'000;
 
 class PlyReader {
  public:
-  PlyReader(std::span<const std::byte> bytes, std::uint64_t triangles_max)
+  PlyReader(std::span<const std::byte> bytes, std::uint64_t triangles_max,
+            const std::stop_token& stop)
       : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
         words_(text_),
-        triangles_max_(triangles_max) {}
+        triangles_max_(triangles_max),
+        poll_(stop) {}
 
   MeshFileResult read() {
     read_header();
@@ -223,6 +226,7 @@ class PlyReader {
   }
 
   double number(const Type& type) {
+    if (poll_.stops()) fail(MeshFileErrorCode::kStopped, "stopped");
     return encoding_ == Encoding::kAscii ? ascii_number() : binary_number(type);
   }
 
@@ -268,6 +272,7 @@ class PlyReader {
   std::string_view text_;
   TextWords words_;  ///< the header, and the elements if they are text
   std::uint64_t triangles_max_;
+  StopPoll poll_;
   Encoding encoding_ = Encoding::kAscii;
   std::size_t at_ = 0;  ///< of the next binary number
   std::vector<Element> elements_;
@@ -279,8 +284,9 @@ class PlyReader {
 
 }  // namespace
 
-MeshFileResult read_ply(std::span<const std::byte> bytes, std::uint64_t triangles_max) {
-  return PlyReader(bytes, triangles_max).read();
+MeshFileResult read_ply(std::span<const std::byte> bytes, std::uint64_t triangles_max,
+                        const std::stop_token& stop) {
+  return PlyReader(bytes, triangles_max, stop).read();
 }
 
 }  // namespace kerf

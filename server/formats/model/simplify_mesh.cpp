@@ -11,6 +11,7 @@
 #include "server/formats/model/mesh_crossings.h"
 #include "server/formats/model/mesh_nearest.h"
 #include "server/formats/number_text.h"
+#include "server/formats/stop_poll.h"
 
 namespace kerf {
 namespace {
@@ -74,6 +75,7 @@ class Simplifier {
       if (crossed_ && bound_mm == kNoBound && result.triangles.size() > target) return {};
       Measured measured;
       if (faults.none()) measured = measure(result, bound_mm);
+      if (stop_.stop_requested()) return {};
       if (faults.none() && measured.error_mm <= bound_mm)
         return SimplifiedMesh{compact(result), 0, measured.error_mm, 0};
       if (faults.closed && bound_mm == kNoBound &&
@@ -91,11 +93,11 @@ class Simplifier {
     std::vector<std::uint32_t> crossing;  ///< triangles; not searched where it is none
     bool none() const { return closed && crossing.empty(); }
   };
-  static Faults find_faults(const IndexedMesh& result) {
+  Faults find_faults(const IndexedMesh& result) const {
     EdgeReport edges = check_edges(result.triangles);
     Faults faults{
         edges.closed_manifold() && !result.triangles.empty(), std::move(edges.vertices), {}};
-    if (faults.closed) faults.crossing = crossing_triangles(result);
+    if (faults.closed) faults.crossing = crossing_triangles(result, stop_);
     return faults;
   }
 
@@ -136,14 +138,15 @@ class Simplifier {
       return std::sqrt(found.squared_mm2);
     };
     const MeshNearest to_result(result);
+    StopPoll poll(stop_);
     std::uint32_t near = 0;
-    for (std::uint32_t v = 0; v < exact_.positions_mm.size(); ++v) {
+    for (std::uint32_t v = 0; v < exact_.positions_mm.size() && !poll.stops(); ++v) {
       const double d = distance_mm(to_result, exact_.position(v), near);
       measured.error_mm = std::max(measured.error_mm, d);
       if (d > bound_mm) measured.beyond.push_back(v);
     }
     near = 0;
-    for (std::size_t t = 0; t < result.triangles.size(); ++t) {
+    for (std::size_t t = 0; t < result.triangles.size() && !poll.stops(); ++t) {
       const auto [a, b, c] = result.corners(t);
       for (const Vec3 p : {(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5, (a + b + c) * (1.0 / 3)}) {
         const double d = distance_mm(to_exact_, p, near);

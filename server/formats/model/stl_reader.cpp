@@ -8,6 +8,7 @@
 #include <string>
 
 #include "server/formats/model/text_words.h"
+#include "server/formats/stop_poll.h"
 
 namespace kerf {
 namespace {
@@ -35,7 +36,8 @@ std::string too_many(std::uint64_t facets, std::uint64_t facets_max) {
   return std::to_string(facets) + " facets; the limit is " + std::to_string(facets_max);
 }
 
-Result read_binary(std::span<const std::byte> bytes, std::uint64_t facets_max) {
+Result read_binary(std::span<const std::byte> bytes, std::uint64_t facets_max,
+                   const std::stop_token& stop) {
   if (bytes.size() < kHeaderBytes) {
     return error(MeshFileErrorCode::kTruncated, "the file ends after " +
                                                     std::to_string(bytes.size()) +
@@ -52,7 +54,9 @@ Result read_binary(std::span<const std::byte> bytes, std::uint64_t facets_max) {
                      std::to_string(bytes.size()));
   }
   std::vector<StlTriangle> triangles(static_cast<std::size_t>(facets));
+  StopPoll poll(stop);
   for (std::size_t f = 0; f < triangles.size(); ++f) {
+    if (poll.stops()) return error(MeshFileErrorCode::kStopped, "stopped");
     const std::byte* at = bytes.data() + kHeaderBytes + f * kFacetBytes + 12;
     for (Vec3& corner : triangles[f]) {
       corner = {get_float(at), get_float(at + 4), get_float(at + 8)};
@@ -69,11 +73,12 @@ Result read_binary(std::span<const std::byte> bytes, std::uint64_t facets_max) {
 /// Parses statement by statement and stops at the first error.
 class AsciiReader {
  public:
-  AsciiReader(std::string_view text, std::uint64_t facets_max)
-      : words_(text), facets_max_(facets_max) {}
+  AsciiReader(std::string_view text, std::uint64_t facets_max, const std::stop_token& stop)
+      : words_(text), facets_max_(facets_max), poll_(stop) {}
 
   Result read() {
     while (!error_) {
+      if (poll_.stops()) return error(MeshFileErrorCode::kStopped, "stopped");
       const std::string_view word = words_.next();
       if (word.empty()) break;
       if (equal_ignoring_case(word, "solid") || equal_ignoring_case(word, "endsolid")) {
@@ -150,6 +155,7 @@ class AsciiReader {
 
   TextWords words_;
   std::uint64_t facets_max_;
+  StopPoll poll_;
   bool inside_ = false;
   std::vector<StlTriangle> triangles_;
   std::optional<MeshFileError> error_;
@@ -170,10 +176,11 @@ bool looks_ascii(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-Result read_stl(std::span<const std::byte> bytes, std::uint64_t facets_max) {
-  if (!looks_ascii(bytes)) return read_binary(bytes, facets_max);
+Result read_stl(std::span<const std::byte> bytes, std::uint64_t facets_max,
+                const std::stop_token& stop) {
+  if (!looks_ascii(bytes)) return read_binary(bytes, facets_max, stop);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return AsciiReader(text, facets_max).read();
+  return AsciiReader(text, facets_max, stop).read();
 }
 
 }  // namespace kerf

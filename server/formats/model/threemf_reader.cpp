@@ -20,8 +20,12 @@ constexpr std::size_t kPartsMax = 1000;
 
 class ThreemfReader {
  public:
-  ThreemfReader(std::span<const std::byte> bytes, std::uint64_t triangles_max)
-      : package_(bytes), triangles_max_(triangles_max), count_{.triangles_max = triangles_max} {}
+  ThreemfReader(std::span<const std::byte> bytes, std::uint64_t triangles_max,
+                const std::stop_token& stop)
+      : package_(bytes),
+        triangles_max_(triangles_max),
+        stop_(stop),
+        count_{.triangles_max = triangles_max} {}
 
   TriangleMesh read() {
     std::string relationships;
@@ -44,7 +48,11 @@ class ThreemfReader {
     return parts_
         .emplace(name, read_threemf_part(name, count_,
                                          [&](const auto& take) {
-                                           if (!package_.read(name, take))
+                                           const auto piece = [&](std::string_view text) {
+                                             go_on();
+                                             take(text);
+                                           };
+                                           if (!package_.read(name, piece))
                                              reject_mesh(MeshFileErrorCode::kSyntax,
                                                          "the package has no part " + name);
                                          }))
@@ -61,12 +69,17 @@ class ThreemfReader {
     if (object == source.objects.end())
       reject_mesh(MeshFileErrorCode::kBadIndex, name + " has no object " + placed.id);
     if (!object->second.is_solid) return;
+    go_on();
     add(object->second.mesh, transform, source.unit_mm);
     for (const ThreemfPlaced& component : object->second.components) {
       if (++placed_ > triangles_max_)
         reject_mesh(MeshFileErrorCode::kTooLarge, "the package places too many components");
       place(component, name, component.transform.then(transform), depth + 1);
     }
+  }
+
+  void go_on() const {
+    if (stop_.stop_requested()) reject_mesh(MeshFileErrorCode::kStopped, "stopped");
   }
 
   void add(const TriangleMesh& mesh, const ThreemfTransform& transform, double unit_mm) {
@@ -87,6 +100,7 @@ class ThreemfReader {
 
   ZipReader package_;
   std::uint64_t triangles_max_, placed_ = 0;
+  const std::stop_token& stop_;
   ThreemfCount count_;  ///< of all parts
   std::map<std::string, ThreemfPart> parts_;
   TriangleMesh mesh_;
@@ -94,9 +108,10 @@ class ThreemfReader {
 
 }  // namespace
 
-MeshFileResult read_threemf(std::span<const std::byte> bytes, std::uint64_t triangles_max) {
+MeshFileResult read_threemf(std::span<const std::byte> bytes, std::uint64_t triangles_max,
+                            const std::stop_token& stop) {
   try {
-    return ThreemfReader(bytes, triangles_max).read();
+    return ThreemfReader(bytes, triangles_max, stop).read();
   } catch (const MeshRejection& rejection) {
     return std::unexpected(rejection.error);
   }

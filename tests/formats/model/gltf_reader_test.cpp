@@ -97,6 +97,25 @@ TEST(GltfReader, NodesPlaceTheirMeshes) {
                                            std::array<std::uint32_t, 3>{3, 0, 4}));
 }
 
+/// A file of so many nodes, each the child of the one before, or nested in each other.
+std::string nodes(int count, bool nested) {
+  std::string json = R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{})";
+  for (int n = 1; n < count; ++n)
+    json += nested ? R"(,{"extras": [{})" : ",{\"children\": [" + std::to_string(n) + "]}";
+  if (nested) {
+    for (int n = 1; n < count; ++n) json += "]}";
+  }
+  return glb(json + "]}", "");
+}
+
+TEST(GltfReader, ManyNodesAreRejectedByTheirNumber) {
+  for (const bool nested : {false, true}) EXPECT_FALSE(read(nodes(100'000, nested)));
+  const auto many = read(nodes(250'001, false));
+  ASSERT_FALSE(many);
+  EXPECT_STREQ(to_string(many.error().code), "too_large");
+  EXPECT_THAT(many.error().reason, testing::HasSubstr("250001 nodes; the limit is 250000"));
+}
+
 TEST(GltfReader, ReadsStripsAndSkipsLines) {
   const auto mesh = read(file_of(
       R"({"attributes": {"POSITION": 0}, "mode": 5}, {"attributes": {"POSITION": 0}, "mode": 1})"));

@@ -54,6 +54,34 @@ const std::string kObj =
     "# a pyramid\nmtllib x.mtl\no p\nv 0 0 0\nv 2 0 0 1.0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nvn 0 0 1\n"
     "usemtl m\nf 4 3 2 1\nf 1/1/1 2//1 5\nf -4 -3 -1\nf 3 4 5\nf 4 1 5\n";
 
+TEST(MeshReader, EndsAfterAStop) {
+  std::stop_source stop;
+  stop.request_stop();
+  for (const auto& [format, as, encoding] :
+       {std::tuple{MeshFileFormat::kStl, ModelFormat::kStl, ModelEncoding::kBinary},
+        {MeshFileFormat::kStl, ModelFormat::kStl, ModelEncoding::kAscii},
+        {MeshFileFormat::kPly, ModelFormat::kPly, ModelEncoding::kBinary},
+        {MeshFileFormat::kObj, ModelFormat::kObj, ModelEncoding::kAscii},
+        {MeshFileFormat::k3mf, ModelFormat::k3mf, ModelEncoding::kAscii},
+        {MeshFileFormat::kGlb, ModelFormat::kGlb, ModelEncoding::kBinary}}) {
+    const std::string bytes = written(as, encoding);
+    const auto ended =
+        read_mesh(format, std::as_bytes(std::span(bytes)), 100'000, stop.get_token());
+    ASSERT_FALSE(ended);
+    EXPECT_STREQ(to_string(ended.error().code), "stopped");
+  }
+}
+
+// -0 is 0; equal vertices have the number of the first one.
+TEST(MeshReader, MergesVerticesInTheOrderOfTheFile) {
+  const auto mesh = read(MeshFileFormat::kObj,
+                         "v 3 0 0\nv 0 0 0\nv 0 2 0\nv -0 0 0\nv 3 0 0\nv 0 0 1\nf 1 2 3\n"
+                         "f 5 4 6\nf 2 4 3\n");
+  ASSERT_TRUE(mesh);
+  EXPECT_EQ(mesh->vertices_mm, (std::vector<Vec3>{{3, 0, 0}, {0, 0, 0}, {0, 2, 0}, {0, 0, 1}}));
+  EXPECT_EQ(mesh->triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 1, 3}}));
+}
+
 TEST(MeshReader, ReadsBackWrittenFiles) {
   const auto stl = read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary));
   ASSERT_TRUE(stl);

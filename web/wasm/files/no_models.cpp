@@ -15,8 +15,12 @@ MeshFileResult not_here(const char* format) {
 
 }  // namespace
 
-MeshFileResult read_threemf(std::span<const std::byte>, std::uint64_t) { return not_here("3MF"); }
-MeshFileResult read_gltf(std::span<const std::byte>, std::uint64_t) { return not_here("GLB"); }
+MeshFileResult read_threemf(std::span<const std::byte>, std::uint64_t, const std::stop_token&) {
+  return not_here("3MF");
+}
+MeshFileResult read_gltf(std::span<const std::byte>, std::uint64_t, const std::stop_token&) {
+  return not_here("GLB");
+}
 ModelResult write_glb(const ModelOutput&) { return model_error("GLB is not written here"); }
 
 }  // namespace kerf

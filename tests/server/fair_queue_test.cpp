@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/threads/fair_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <latch>
+#include <map>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/threads/io_threads.h"
+#include "tests/server/manual_executor.h"
+
+namespace kerf {
+namespace {
+
+class FairQueueTest : public testing::Test {
+ protected:
+  void post(FairQueue& queue, const std::string& client, const std::stop_token& stop = {}) {
+    queue.post({.client = client,
+                .work = [this, client] { ran.push_back(client); },
+                .dropped = [this, client] { dropped.push_back(client); },
+                .stop = stop});
+  }
+
+  test::ManualExecutor executor;
+  std::vector<std::string> ran, dropped;
+};
+
+using Names = std::vector<std::string>;
+
+TEST_F(FairQueueTest, ClientsTakeTurns) {
+  FairQueue queue(executor, 1);
+  for (const char* client : {"a", "a", "a", "a", "b", "b", "c"}) post(queue, client);
+  executor.run();
+  EXPECT_EQ(ran, (Names{"a", "a", "b", "c", "a", "b", "a"}));
+}
+
+TEST_F(FairQueueTest, AClientThatComesAgainWaitsBehindThoseThatWait) {
+  FairQueue queue(executor, 1);
+  for (const char* client : {"a", "b", "c"}) post(queue, client);
+  executor.run_one();
+  post(queue, "a");
+  executor.run();
+  EXPECT_EQ(ran, (Names{"a", "b", "c", "a"}));
+}
+
+TEST_F(FairQueueTest, OneClientLeavesAThreadToOthers) {
+  FairQueue queue(executor, 3);
+  for (int n = 0; n < 10; ++n) post(queue, "greedy");
+  EXPECT_EQ(executor.waiting(), 2U);
+  post(queue, "other");
+  EXPECT_EQ(executor.waiting(), 3U);
+  executor.run();
+  EXPECT_EQ(ran[2], "other");
+  EXPECT_EQ(ran.size(), 11U);
+}
+
+TEST_F(FairQueueTest, WhoHasNothingRunningComesBeforeWhoHas) {
+  FairQueue queue(executor, 3);
+  for (int n = 0; n < 3; ++n) post(queue, "a");
+  for (int n = 0; n < 3; ++n) post(queue, "b");
+  // Two of a and one of b have begun; when the oldest ends, both have one.
+  for (int n = 0; n < 2; ++n) post(queue, "c");
+  executor.run();
+  EXPECT_EQ(ran, (Names{"a", "a", "b", "c", "a", "b", "c", "b"}));
+}
+
+TEST_F(FairQueueTest, AStopEndsAWaitingJobAtOnce) {
+  FairQueue queue(executor, 1);
+  std::stop_source stop;
+  post(queue, "a");
+  post(queue, "b", stop.get_token());
+  post(queue, "b", stop.get_token());
+  post(queue, "c");
+  stop.request_stop();
+  EXPECT_EQ(dropped, (Names{"b", "b"}));
+  EXPECT_EQ(queue.waiting(), 1U);
+  executor.run();
+  EXPECT_EQ(ran, (Names{"a", "c"}));
+}
+
+TEST_F(FairQueueTest, AStopLeavesAJobThatHasBegun) {
+  FairQueue queue(executor, 1);
+  std::stop_source stop;
+  post(queue, "a", stop.get_token());
+  stop.request_stop();
+  executor.run();
+  EXPECT_EQ(ran, Names{"a"});
+  EXPECT_TRUE(dropped.empty());
+}
+
+TEST_F(FairQueueTest, AJobThatIsPostedAfterItsStopIsDropped) {
+  FairQueue queue(executor, 1);
+  std::stop_source stop;
+  stop.request_stop();
+  post(queue, "a", stop.get_token());
+  EXPECT_EQ(dropped, Names{"a"});
+  EXPECT_EQ(executor.waiting(), 0U);
+}
+
+TEST_F(FairQueueTest, WaitingJobsEndWithTheQueue) {
+  {
+    FairQueue queue(executor, 1);
+    post(queue, "a");
+    post(queue, "b");
+  }
+  executor.run();
+  EXPECT_EQ(ran, Names{"a"});
+  EXPECT_TRUE(dropped.empty());
+}
+
+TEST_F(FairQueueTest, AnExceptionDoesNotKeepTheTurn) {
+  FairQueue queue(executor, 1);
+  queue.post({.client = "a",
+              .work = [] { throw std::runtime_error("thrown by a test"); },
+              .dropped = [] {}});
+  post(queue, "b");
+  EXPECT_THROW(executor.run_one(), std::runtime_error);
+  executor.run();
+  EXPECT_EQ(ran, Names{"b"});
+}
+
+/// What had run when the only job of a client was posted.
+struct Posted {
+  std::map<std::string, int> ran;
+  std::size_t total = 0, begun = 0;
+};
+
+/// Random arrivals, bursts of one client among them. A job whose client has no other one must not
+/// wait for more than what had begun, and one job of each other client.
+class Arrivals {
+ public:
+  explicit Arrivals(std::uint32_t seed)
+      : random_(seed),
+        parallel_(1 + static_cast<int>(seed % 4)),
+        clients_(2 + static_cast<int>(seed / 4 % 6)),
+        queue_(executor_, parallel_) {}
+
+  void run() {
+    for (int step = 0; step < 400; ++step) {
+      const int choice = pick(10);
+      if (choice == 0) {
+        for (int n = pick(20); n > 0; --n) post(0);  // one sends all at once
+      } else if (choice < 5) {
+        post(pick(clients_));
+      } else {
+        executor_.run_one();
+      }
+      EXPECT_LE(executor_.waiting(), static_cast<std::size_t>(parallel_));
+    }
+    executor_.run();
+    for (const auto& [name, count] : outstanding_) EXPECT_EQ(count, 0) << name;
+  }
+
+ private:
+  int pick(int count) { return static_cast<int>(random_() % static_cast<unsigned>(count)); }
+
+  void post(int number) {
+    const std::string client(1, static_cast<char>('a' + number));
+    const bool alone = outstanding_[client]++ == 0;
+    const Posted before{ran_, total_, executor_.waiting()};
+    queue_.post({.client = client,
+                 .work = [this, client, alone, before] { took_turn(client, alone, before); },
+                 .dropped = [] {}});
+  }
+
+  void took_turn(const std::string& client, bool alone, const Posted& before) {
+    --outstanding_[client];
+    if (alone) {
+      EXPECT_LE(total_ - before.total, before.begun + static_cast<std::size_t>(clients_ - 1));
+      for (const auto& [other, count] : ran_) {
+        const auto then = before.ran.find(other);
+        const int since = count - (then == before.ran.end() ? 0 : then->second);
+        EXPECT_LE(since, 1 + std::max(1, parallel_ - 1)) << client << " waited for " << other;
+      }
+    }
+    ++ran_[client];
+    ++total_;
+  }
+
+  std::mt19937 random_;
+  int parallel_, clients_;
+  test::ManualExecutor executor_;
+  FairQueue queue_;
+  std::map<std::string, int> outstanding_, ran_;
+  std::size_t total_ = 0;
+};
+
+TEST(FairQueueProperty, NobodyWaitsForMoreThanOneJobOfEachOther) {
+  for (std::uint32_t seed = 0; seed < 500; ++seed) {
+    Arrivals(seed).run();
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+  }
+}
+
+TEST(FairQueueThreads, EveryJobRunsOrIsDropped) {
+  constexpr int kPosters = 3, kJobs = 500;
+  std::atomic<int> ran = 0, dropped = 0;
+  std::latch all(kPosters * kJobs);
+  const auto count = [&all](std::atomic<int>& which) {
+    ++which;
+    all.count_down();
+  };
+  IoThreads threads("fair", 3, 0);
+  FairQueue queue(threads, 3);
+  {
+    std::vector<std::jthread> posters;
+    for (int poster = 0; poster < kPosters; ++poster) {
+      posters.emplace_back([&, poster] {
+        for (int n = 0; n < kJobs; ++n) {
+          std::stop_source stop;
+          queue.post({.client = std::to_string((poster + n) % 4),
+                      .work = [&] { count(ran); },
+                      .dropped = [&] { count(dropped); },
+                      .stop = stop.get_token()});
+          if (n % 2 == 0) stop.request_stop();
+        }
+      });
+    }
+  }
+  all.wait();
+  EXPECT_EQ(ran + dropped, kPosters * kJobs);
+}
+
+}  // namespace
+}  // namespace kerf
