@@ -56,6 +56,7 @@ std::expected<ProgramStatus, Rejection> Session::start_program(ProgramJob job,
   if (!job.totals.tools.empty()) request.tool = job.totals.tools.front().tool;
   const auto joined = join(request);
   if (!joined) return std::unexpected(joined.error());
+  options.author = caller.grant;
   options.tolerance_mm = sculpture_.settings().tolerance_mm;
   const auto text = options.text;
   ProgramStatus status =
