@@ -51,6 +51,7 @@ std::expected<ProgramStatus, Rejection> Session::start_program(ProgramJob job,
   request.role = caller.role;
   request.grant = caller.grant;
   request.is_personal = caller.is_personal;
+  request.invitation = caller.invitation;
   request.is_muted = caller.is_muted;
   request.name = job.name.substr(0, wire::kMaxNameBytes);
   if (!job.totals.tools.empty()) request.tool = job.totals.tools.front().tool;
