@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <ranges>
 #include <tuple>
 #include <utility>
 
@@ -26,9 +27,15 @@ std::size_t Resumable::FirstBytes::operator()(const TokenHash& hash) const {
 }
 
 Resumable::Resumable(std::span<const JournalParticipant> participants) {
-  for (const JournalParticipant& participant : participants) {
-    if (!participant.token) continue;
-    keep(participant.participant, stored(participant), [](ParticipantId) { return false; }, 0);
+  const auto has_token = [](const JournalParticipant& one) { return one.token.has_value(); };
+  auto left_to_journal =
+      std::ranges::count_if(participants, has_token) - static_cast<std::ptrdiff_t>(kKept);
+  for (const JournalParticipant& one : participants | std::views::filter(has_token)) {
+    tokens_[*one.token] = {one.participant, 0};
+    if (left_to_journal-- > 0) continue;
+    ResumableAgent agent = stored(one);
+    agent.turn = ++turns_;
+    agents_.emplace(one.participant, std::move(agent));
   }
 }
 
