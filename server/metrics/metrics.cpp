@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 
 namespace kerf::net {
 namespace {
@@ -94,6 +95,14 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   family("kerf_disk_free_bytes", "Free space of the file system of the data folder.")
       .Add({})
       .Set(static_cast<double>(disk.free));
+  if (const auto expires_s = metrics.certificate_expires_s.load(); expires_s != 0) {
+    const auto now_s = std::chrono::system_clock::now().time_since_epoch();
+    const std::chrono::duration<double, std::ratio<86'400>> left =
+        std::chrono::seconds(expires_s) - now_s;
+    family("kerf_certificate_days_left", "Days until the certificate expires; below 0: it has.")
+        .Add({})
+        .Set(left.count());
+  }
   auto& connections = family("kerf_connections", "Open connections by kind.");
   connections.Add({{"kind", "agent"}}).Set(static_cast<double>(metrics.agents.load()));
   connections.Add({{"kind", "viewer"}}).Set(static_cast<double>(metrics.viewers.load()));
