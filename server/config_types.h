@@ -12,7 +12,7 @@ namespace kerf {
 
 /// What an option takes as its value in a configuration file.
 enum class ConfigType : std::uint8_t {
-  kUnknown,  ///< there is no such option; whoever reads the file says so
+  kUnknown,  ///< there is no such option; who reads the file says so
   kBoolean,  ///< true or false
   kNumber,
   kText,   ///< in quotes

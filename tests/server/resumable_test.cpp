@@ -135,7 +135,8 @@ TEST_F(ResumableTest, WhatIsNotCommittedYetIsTriedAgain) {
   EXPECT_EQ(resumable.recall(token(1), journal, absent), kFound);
   ASSERT_NE(resumable.find(1), nullptr);
   EXPECT_EQ(resumable.find(1)->name, "Ada");
-  EXPECT_EQ(resumable.recall(token(2), journal, absent), kLater) << "it has made room for it";
+  EXPECT_EQ(resumable.recall(token(2), journal, absent), kLater)
+      << "it has left its place to the other";
   EXPECT_EQ(resumable.owner("unknown"), std::nullopt);
 }
 
@@ -161,8 +162,8 @@ class JoinLimits : public SessionTest {
   std::shared_ptr<Session> session;
 };
 
-TEST_F(JoinLimits, ARoomBehindOneInvitationNeverMeetsItsLimit) {
-  for (std::size_t n = 0; n < 2 * limits.agents_max; ++n) ASSERT_TRUE(admit("room")) << n;
+TEST_F(JoinLimits, AFullSessionBehindOneInvitationDoesNotMeetItsLimit) {
+  for (std::size_t n = 0; n < 2 * limits.agents_max; ++n) ASSERT_TRUE(admit("class")) << n;
 }
 
 TEST_F(JoinLimits, TheHoldersOfOneInvitationDoNotJoinAgainAndAgain) {
