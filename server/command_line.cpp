@@ -22,6 +22,7 @@
 
 #include "server/cluster/copies.h"
 #include "server/cluster_options.h"
+#include "server/configuration.h"
 #include "server/http/browser_rules.h"
 #include "server/http/number.h"
 #include "server/http/static_files.h"
@@ -94,56 +95,6 @@ std::vector<std::string> own_names() {
   if (gethostname(name.data(), name.size()) != 0 || name[0] == 0) return {};
   const std::string host(name.data());
   return {host, host + ".local"};
-}
-
-std::string variable_of(const std::string& option) {
-  std::string variable = "KERF_";
-  for (const char c : option) {
-    variable += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  }
-  return variable;
-}
-
-bool is_list(const CLI::Option& option) { return option.get_items_expected_max() > 1; }
-
-/// Takes the options that may be repeated from the environment, unless the command line or the file
-/// has them.
-void take_environment_lists(CLI::App& app) {
-  for (CLI::Option* option : app.get_options()) {
-    if (!is_list(*option) || option->count() > 0) continue;
-    const char* text = std::getenv(variable_of(option->get_single_name()).c_str());
-    std::string_view rest = text == nullptr ? "" : text;
-    constexpr std::string_view kSeparators = ", ";
-    while (!rest.empty()) {
-      const auto end = std::min(rest.find_first_of(kSeparators), rest.size());
-      if (end > 0) option->add_result(std::string(rest.substr(0, end)));
-      rest.remove_prefix(std::min(end + 1, rest.size()));
-    }
-    if (option->count() > 0) option->run_callback();
-  }
-}
-
-/// Lets each option be set in a file and in the environment too: `--allow-host` is `allow-host` in
-/// the file and KERF_ALLOW_HOST in the environment. The command line counts before the file, and
-/// the file before the environment. A key that is not an option is an error. Lists are separated by
-/// commas or spaces in the environment (take_environment_lists).
-void accept_configuration(CLI::App& app) {
-  for (CLI::Option* option : app.get_options()) {
-    const std::string name = option->get_single_name();
-    if (name == "help" || name == "version" || is_list(*option)) continue;
-    option->envname(variable_of(name));
-  }
-  app.set_config("--config", "",
-                 "TOML file of options, e.g. listen = \"0.0.0.0:8080\"; the environment may set "
-                 "them too, e.g. KERF_LISTEN");
-  app.allow_config_extras(CLI::config_extras_mode::error);
-}
-
-/// What is wrong with the file of --config, of CLI11's words, which call it INI.
-std::string config_fault(std::string reason) {
-  constexpr std::string_view kUnknown = "INI was not able to parse ";
-  if (!reason.starts_with(kUnknown)) return reason;
-  return "there is no option '" + reason.substr(kUnknown.size()) + "'";
 }
 
 /// The commands that verify or copy files instead of serving sessions.

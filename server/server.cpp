@@ -11,6 +11,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "server/certificate.h"
 #include "server/http/api.h"
 #include "server/http/http_connection.h"
 #include "server/log/log.h"
@@ -21,7 +22,6 @@
 #include "server/threads/run_and_wait.h"
 #include "server/threads/run_on.h"
 #include "server/threads/thread_pool.h"
-#include "server/tls/tls_context.h"
 #include "server/udp/udp_port.h"
 
 namespace kerf::net {
@@ -277,12 +277,8 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
                               .admin_token = std::exchange(options.admin_token, {}),
                               .open = options.open});
   if (!access) return std::unexpected(access.error());
-  std::unique_ptr<TlsCertificate> certificate;
-  if (!options.tls_certificate.empty()) {
-    auto loaded = TlsCertificate::load(options.tls_certificate, options.tls_key);
-    if (!loaded) return std::unexpected(loaded.error());
-    certificate = *std::move(loaded);
-  }
+  auto certificate = load_certificate(options.tls_certificate, options.tls_key);
+  if (!certificate) return std::unexpected(certificate.error());
   std::unique_ptr<ClusterNode> node;
   if (!options.cluster.node.empty()) {
     auto made =
@@ -295,7 +291,8 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
     options.http.page_servers = [at = node.get()] { return at->page_servers(); };
   }
   auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock), *std::move(access),
-                                     std::move(certificate), std::move(node));
+                                     *std::move(certificate), std::move(node));
+  show_expiry(impl->certificate.get(), impl->metrics);
   if (impl->node) {
     impl->registry.open_one_by_one();  // those whose lease this server gets
   } else if (const auto found = impl->registry.find_journals(); !found) {
@@ -328,7 +325,9 @@ std::string Server::url() const {
 
 std::expected<void, std::string> Server::reload_certificate() {
   if (!impl_->certificate) return std::unexpected("the server has no certificate");
-  return impl_->certificate->reload();
+  auto reloaded = impl_->certificate->reload();
+  show_expiry(impl_->certificate.get(), impl_->metrics);
+  return reloaded;
 }
 
 std::expected<void, std::string> Server::listen() {

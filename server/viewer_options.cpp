@@ -35,6 +35,7 @@ void describe_viewers(CLI::App& app, net::ServerOptions& server) {
          [&server](const std::string& kb) { server.viewer_budget = *budget_of(kb); },
          "kB per second of the surface that each viewer is sent at most: it gets coarser tiles "
          "while more changes; default: 0, no limit")
+      ->type_name("FLOAT")
       ->check(CLI::Validator(check, ""));
 }
 

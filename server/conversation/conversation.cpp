@@ -85,6 +85,7 @@ JoinRequest Conversation::join_request(ParticipantKind kind, const HelloMessage&
   request.role = caller_.role;
   request.grant = caller_.grant;
   request.is_personal = caller_.is_personal;
+  request.invitation = caller_.invitation;
   request.is_muted = caller_.is_muted;
   request.network = caller_.network;
   return request;

@@ -20,6 +20,10 @@ Rejection sample_rejection(const wire::MotionSample& sample, wire::ErrorCode cod
                            const std::string& reason);
 /// Returns the rejection of a tool that the session does not have.
 Rejection unknown_tool(ToolId tool);
+/// Returns the rejection of what a muted participant asks of the block.
+inline Rejection muted_rejection() {
+  return {wire::ErrorCode::kMuted, "an owner has muted this participant"};
+}
 /// Converts an error of the sculpture to an error of the protocol.
 Rejection to_rejection(const SculptureError& error);
 

@@ -48,6 +48,16 @@ ApiResponse error_response(unsigned status, std::string_view code, std::string_v
                        Json{{"error", error}}.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
+ApiResponse rejection_response(const Rejection& rejection, unsigned otherwise) {
+  using enum wire::ErrorCode;
+  const wire::ErrorCode code = rejection.code;
+  const unsigned status = code == kBusy                           ? 503
+                          : code == kNotAllowed || code == kMuted ? 403
+                          : code == kUnknownSession               ? 404
+                                                                  : otherwise;
+  return error_response(status, wire::to_string(code), rejection.reason);
+}
+
 ApiResponse not_found() {
   return error_response(404, "not_found", "there is no resource at this path");
 }
@@ -200,9 +210,30 @@ ApiResponse Api::handle(const ApiRequest& request) {
     return response;
   }
   ApiResponse response = (this->*match.route->handler)(call);
+  if (auto gone = gone_meanwhile(call, *match.route, response)) return *std::move(gone);
   // Whatever the handler says of it: no fault of the request, nor of the server.
   const bool is_cut_short = response.status >= 400 && request.stop.stop_requested();
   return is_cut_short ? stopped() : std::move(response);
+}
+
+/// A session that has been closed while it was asked has no journal any more, or that of another
+/// one which has taken its id: what was read from it, and errors in it, say nothing of the session.
+std::optional<ApiResponse> Api::gone_meanwhile(const ApiCall& call, const Route& route,
+                                               const ApiResponse& response) const {
+  if (!call.session || route.handler == &Api::close_session || registry_.is_stopping()) {
+    return std::nullopt;
+  }
+  const std::string& id = call.session->id();
+  if (registry_.find(id) == call.session || registry_.find_followed(id) == call.session) {
+    return std::nullopt;
+  }
+  const bool reads_only = call.request.method == "GET" || call.request.method == "HEAD";
+  const bool is_elsewhere = is_coming(registry_, id) || other_place(registry_, id).has_value();
+  // What may have been done must not be sent to the next server by itself.
+  if (!reads_only && (response.status < 500 || is_elsewhere)) return std::nullopt;
+  if (is_elsewhere) return no_session(registry_, id, call.request.target);
+  return error_response(404, "unknown_session",
+                        "session " + id + " was closed while the request was handled");
 }
 
 std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMatch& match,
@@ -218,7 +249,9 @@ std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMat
   // Unknown paths below a session tell whether it exists.
   const Action unknown = is_below ? Action::kWatch : Action::kReach;
   const Action action = match.route != nullptr ? match.route->action : unknown;
-  if (may(caller.role, action)) return std::nullopt;
+  if (may(caller.role, action)) {
+    return match.route != nullptr ? query_fault(*match.route, request) : std::nullopt;
+  }
   caller.belongs_elsewhere = caller.has_bad_token && is_below &&
                              parse_access_token(request.token) && is_not_here(request.path[2]);
   if (caller.belongs_elsewhere) return std::nullopt;

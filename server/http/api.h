@@ -28,13 +28,15 @@
 
 namespace kerf::net {
 
+struct Route;
 struct RouteMatch;
 
 /// An HTTP request as the interface sees it: no sockets, no Beast.
 struct ApiRequest {
   std::string method;                        ///< GET, HEAD, POST, DELETE
   std::vector<std::string> path;             ///< decoded segments, e.g. {"v1", "sessions"}
-  std::map<std::string, std::string> query;  ///< decoded
+  std::map<std::string, std::string> query;  ///< decoded; of a name that comes twice the first
+  std::string repeated = {};                 ///< a name that comes twice; empty: none does
   std::string target;                        ///< path and query as they were sent
   std::string if_none_match, range, if_range, accept_encoding;
   std::string token;          ///< of the Authorization header, else `pass`; empty: none
@@ -68,6 +70,9 @@ struct ApiResponse {
 /// {"error":{"code","reason"}}, with "path" if a field of the scene is invalid.
 ApiResponse error_response(unsigned status, std::string_view code, std::string_view reason,
                            std::string_view path = {});
+/// The response to a request that a session has rejected; `otherwise` is the status of errors that
+/// no status belongs to whatever the request is.
+ApiResponse rejection_response(const Rejection& rejection, unsigned otherwise);
 ApiResponse not_found();
 /// Whether a path is that of a session, or of something in it.
 bool is_below_session(const std::vector<std::string>& path);
@@ -121,8 +126,9 @@ class Api {
       Access& access);
 
   ApiResponse handle(const ApiRequest& request);
-  /// The response to a caller without the right to a route; nullopt: it has the right, and `caller`
-  /// is who it is. Cheap enough to be asked before the body of a request is read.
+  /// The response to a caller without the right to a route, or with a query that is not one of the
+  /// route (query_fault); nullopt: it has the right, and `caller` is who it is. Cheap enough to be
+  /// asked before the body of a request is read.
   std::optional<ApiResponse> refuse(const ApiRequest& request, const RouteMatch& match,
                                     Caller& caller) const;
   /// The regions that are reserved in a session. Must be given to it before somebody may carve.
@@ -209,6 +215,9 @@ class Api {
   ApiResponse viewer_file(const ApiCall& call);
 
  private:
+  /// The response in place of one that was made while the session of the request was closed.
+  std::optional<ApiResponse> gone_meanwhile(const ApiCall& call, const Route& route,
+                                            const ApiResponse& response) const;
   /// The preview of a link to a session that everybody may watch; nothing for other requests.
   std::optional<PagePreview> preview_of(const ApiRequest& request) const;
   /// The response to a request for the page of a session of another server; nullopt: it is another.

@@ -52,9 +52,6 @@ ApiResponse Api::change_participant(const ApiCall& call) {
   if (!target) return no_participant(call.captured);
   const ParticipantId id = target->participant.id;
   const std::string* muted = call.request.query_value("muted");
-  if (muted != nullptr && *muted != "0" && *muted != "1") {
-    return error_response(400, "bad_value", "muted must be 0 or 1");
-  }
   const std::string* transfer = call.request.query_value("transfer");
   const bool transfers = transfer != nullptr && *transfer == "1";
   const std::string* role_text = call.request.query_value("role");

@@ -8,6 +8,7 @@
 #include "server/formats/program_survey.h"
 #include "server/http/api.h"
 #include "server/http/number.h"
+#include "server/rights/rights.h"
 #include "server/session/program_json.h"
 #include "server/threads/run_and_wait.h"
 
@@ -18,8 +19,9 @@ using Json = nlohmann::json;
 
 constexpr double kRateMinHz = 1, kRateMaxHz = 2000;
 
-Json status_json(const Session& session, const ProgramStatus& status) {
+Json status_json(const Session& session, const ProgramStatus& status, const Caller& caller) {
   Json json = Json::parse(program_json(status));
+  json["may_control"] = may_change(caller, status.author, Action::kRunPrograms);
   json["url"] = "/v1/sessions/" + session.id() + "/programs/" + std::to_string(status.id);
   return json;
 }
@@ -52,6 +54,14 @@ std::optional<ApiResponse> name_failure(const std::string& name) {
   }
   return error_response(400, "bad_name",
                         "name must have at most 64 bytes, without slashes and line breaks");
+}
+
+/// Nothing if the caller may control the program: one's own, or any as an owner.
+std::optional<ApiResponse> control_failure(const ApiCall& call, const ProgramStatus& status) {
+  if (may_change(call.caller, status.author, Action::kRunPrograms)) return std::nullopt;
+  return error_response(403, wire::to_string(wire::ErrorCode::kNotAllowed),
+                        "program " + call.captured +
+                            " was started by somebody else: an owner may control those of others");
 }
 
 ApiResponse has_ended(const ApiCall& call) {
@@ -96,9 +106,6 @@ std::expected<GcodeEnvironment, ApiResponse> parse_environment(const ApiRequest&
 std::expected<ProgramId, ApiResponse> parse_after(const ApiRequest& request) {
   const std::string* queue = request.query_value("queue");
   const std::string* after = request.query_value("after");
-  if (queue != nullptr && *queue != "0" && *queue != "1") {
-    return std::unexpected(error_response(400, "bad_value", "queue must be 0 or 1"));
-  }
   if (after == nullptr) return queue != nullptr && *queue == "1" ? kAfterNewest : ProgramId{0};
   const auto id = parse_number<ProgramId>(*after);
   if (id && *id != 0 && *id != kAfterNewest) return *id;
@@ -138,7 +145,7 @@ ApiResponse Api::list_programs(const ApiCall& call) {
   Session& session = *call.session;
   Json list = Json::array();
   for (const auto& status : run_and_wait(session.executor(), [&] { return session.programs(); })) {
-    list.push_back(status_json(session, status));
+    list.push_back(status_json(session, status, call.caller));
   }
   return json_response(200, text({{"programs", list}}));
 }
@@ -146,22 +153,24 @@ ApiResponse Api::list_programs(const ApiCall& call) {
 ApiResponse Api::program_status(const ApiCall& call) {
   const auto status = find_program(call);
   if (!status) return unknown_program(call);
-  return json_response(200, text(status_json(*call.session, *status)));
+  return json_response(200, text(status_json(*call.session, *status, call.caller)));
 }
 
 ApiResponse Api::cancel_program(const ApiCall& call) {
   const auto status = find_program(call);
   if (!status) return unknown_program(call);
+  if (auto failure = control_failure(call, *status)) return *std::move(failure);
   Session& session = *call.session;
   const bool cancelled =
       run_and_wait(session.executor(), [&, id = status->id] { return session.cancel_program(id); });
   if (!cancelled) return has_ended(call);
-  return json_response(200, text(status_json(session, *find_program(call))));
+  return json_response(200, text(status_json(session, *find_program(call), call.caller)));
 }
 
 ApiResponse Api::change_program(const ApiCall& call) {
   const auto status = find_program(call);
   if (!status) return unknown_program(call);
+  if (auto failure = control_failure(call, *status)) return *std::move(failure);
   const ApiRequest& request = call.request;
   std::optional<ProgramOrder> order;
   if (const std::string* given = request.query_value("do")) {
@@ -182,13 +191,17 @@ ApiResponse Api::change_program(const ApiCall& call) {
   if (!order && !has_pace) {
     return error_response(400, "bad_value", "nothing to change: give do, pace or speed");
   }
+  // A mute ends what carves: the program may be paused, and cancelled, but not go on.
+  if (call.caller.is_muted && order != ProgramOrder::kPause) {
+    return rejection_response(muted_rejection(), 400);
+  }
   Session& session = *call.session;
   const bool done = run_and_wait(session.executor(), [&, id = status->id] {
     return (!has_pace || session.set_program_pace(id, *pace, *speed)) &&
            (!order || session.order_program(id, *order));
   });
   if (!done) return has_ended(call);
-  return json_response(200, text(status_json(session, *find_program(call))));
+  return json_response(200, text(status_json(session, *find_program(call), call.caller)));
 }
 
 std::optional<MemoryBudget::Share> Api::program_memory(std::size_t bytes) {
@@ -262,11 +275,8 @@ ApiResponse Api::start_program(const ApiCall& call) {
     session.reserve(access_.regions(session.id()));
     return session.start_program(std::move(job), std::move(order), call.caller);
   });
-  if (!started) {
-    const unsigned status = started.error().code == wire::ErrorCode::kBusy ? 503 : 400;
-    return error_response(status, wire::to_string(started.error().code), started.error().reason);
-  }
-  auto response = json_response(202, text(status_json(session, *started)));
+  if (!started) return rejection_response(started.error(), 400);
+  auto response = json_response(202, text(status_json(session, *started, call.caller)));
   response.headers.emplace_back(
       "Location", "/v1/sessions/" + session.id() + "/programs/" + std::to_string(started->id));
   return response;

@@ -125,6 +125,20 @@ unsigned http_status(RegistryErrorCode code) {
   return 500;
 }
 
+/// The target of a request with `here=1`, also if it has `here=0`.
+std::string with_here(const std::string& target) {
+  const std::size_t mark = target.find('?');
+  std::string changed = target.substr(0, mark) + "?";
+  std::string_view query =
+      mark == std::string::npos ? "" : std::string_view(target).substr(mark + 1);
+  while (!query.empty()) {
+    const auto pair = query.substr(0, query.find('&'));
+    query.remove_prefix(std::min(pair.size() + 1, query.size()));
+    if (!pair.empty() && !pair.starts_with("here=")) changed.append(pair).append("&");
+  }
+  return changed + "here=1";
+}
+
 ApiResponse registry_failure(const RegistryError& error) {
   return error_response(http_status(error.code), to_string(error.code), error.reason, error.path);
 }
@@ -209,9 +223,8 @@ std::optional<ApiResponse> Api::create_elsewhere(const ApiRequest& request) {
   if (stays || registry_.places() == nullptr) return std::nullopt;
   const auto address = registry_.places()->place_for_new();
   if (!address) return std::nullopt;
-  const bool has_query = request.target.find('?') != std::string::npos;
   return at_other_server("new sessions are created at " + *address,
-                         *address + request.target + (has_query ? "&" : "?") + "here=1");
+                         *address + with_here(request.target));
 }
 
 ApiResponse Api::create_branch(const ApiCall& call, const std::string& id) {

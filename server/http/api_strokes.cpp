@@ -37,13 +37,10 @@ std::optional<std::vector<StrokeId>> parse_strokes(const std::string& text) {
 }
 
 ApiResponse stroke_failure(const Rejection& rejection) {
-  using enum wire::ErrorCode;
-  const unsigned status = rejection.code == kBusy             ? 503
-                          : rejection.code == kNotAllowed     ? 403
-                          : rejection.code == kUnknownSession ? 404
-                                                              : 409;
-  const std::string_view code = status == 409 ? "bad_stroke" : wire::to_string(rejection.code);
-  return error_response(status, code, rejection.reason);
+  if (rejection.code == wire::ErrorCode::kBadMessage) {
+    return error_response(409, "bad_stroke", rejection.reason);
+  }
+  return rejection_response(rejection, 409);
 }
 
 }  // namespace

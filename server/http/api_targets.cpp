@@ -13,6 +13,7 @@
 #include "server/http/api.h"
 #include "server/http/entity_tag.h"
 #include "server/http/place.h"
+#include "server/rights/rights.h"
 #include "server/session/hash_text.h"
 #include "server/verify/deviation_survey.h"
 
@@ -31,12 +32,13 @@ static_assert(std::endian::native == std::endian::little);
 
 Json array_of(Vec3 v) { return {v.x, v.y, v.z}; }
 
-Json shown_facts(const TargetFacts& facts) {
+Json shown_facts(const TargetFacts& facts, const Caller& caller) {
   Json json = {{"name", facts.name},
                {"triangles", facts.triangles},
                {"min_mm", array_of(facts.min_mm)},
                {"max_mm", array_of(facts.max_mm)},
-               {"shift_mm", array_of(facts.shift_mm)}};
+               {"shift_mm", array_of(facts.shift_mm)},
+               {"may_change", may_change(caller, facts.author, Action::kRunPrograms)}};
   if (!facts.fault.empty()) json["fault"] = facts.fault;
   return json;
 }
@@ -99,7 +101,7 @@ ApiResponse unknown_target(const std::string& name) {
 ApiResponse Api::list_targets(const ApiCall& call) {
   Json list = Json::array();
   for (const TargetFacts& facts : targets_.list(call.session->id()))
-    list.push_back(shown_facts(facts));
+    list.push_back(shown_facts(facts, call.caller));
   return json_response(200, target_text({{"targets", list}}));
 }
 
@@ -121,11 +123,12 @@ ApiResponse Api::set_target(const ApiCall& call) {
     as.unit_mm = mm_of_unit(*unit);
     if (!as.unit_mm) return error_response(400, "bad_unit", "unit must be mm, cm, m or inch");
   }
-  const auto put = targets_.put(call.session->id(), as, call.request.body, call.request.stop);
+  const auto put =
+      targets_.put(call.session->id(), as, call.request.body, call.caller, call.request.stop);
   if (!put) return error_response(put.error().status, put.error().code, put.error().reason);
   attach_target(*call.session, put->name);
   (void)call.session->flush();
-  Json json = shown_facts(*put);
+  Json json = shown_facts(*put, call.caller);
   const BoxStock stock = stock_bounds(call.session->scene().settings.stock);
   if (const auto question =
           unit_question("unit", as, {put->min_mm, put->max_mm}, greatest_side_mm(stock)))
@@ -134,7 +137,13 @@ ApiResponse Api::set_target(const ApiCall& call) {
 }
 
 ApiResponse Api::remove_target(const ApiCall& call) {
-  if (!targets_.remove(call.session->id(), call.captured)) return unknown_target(call.captured);
+  const std::string& id = call.session->id();
+  const auto facts = targets_.facts(id, call.captured);
+  if (!facts) return unknown_target(call.captured);
+  if (!may_change(call.caller, facts->author, Action::kRunPrograms)) {
+    return error_response(403, "not_allowed", others_target(call.captured));
+  }
+  if (!targets_.remove(id, call.captured)) return unknown_target(call.captured);
   attach_target(*call.session, call.captured);
   (void)call.session->flush();
   return json_response(200, target_text({{"removed", call.captured}}));

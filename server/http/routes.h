@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,7 +39,9 @@ struct Route {
   /// Segments separated by "/". "{name}" matches the rest of a segment and captures it; a last
   /// segment "{name...}" matches any number of segments outside /v1.
   std::string_view pattern;
-  std::string_view query = {};  ///< names of the query parameters, for the README
+  /// Names of the query parameters, separated by ", ", or kAnyQuery. "name=1" is a flag: 0 or 1. A
+  /// request with another one is rejected (query_fault).
+  std::string_view query = {};
   Handler handler = nullptr;
   std::size_t body_bytes_max = 0;
   Runs runs = Runs::kAtOnce;
@@ -46,6 +49,9 @@ struct Route {
   Upgrade upgrade = Upgrade::kNone;
   std::string_view summary;  ///< for the README
 };
+
+/// Of the viewer's files: their query is for the page, and sites that pass a link on add to it.
+inline constexpr std::string_view kAnyQuery = "*";
 
 std::span<const Route> routes();
 
@@ -63,6 +69,10 @@ RouteMatch match_route(std::string_view method, const std::vector<std::string>& 
 
 /// The most bytes that the body of the request may have.
 std::size_t body_bytes_max(const RouteMatch& match, std::string_view method);
+
+/// What is wrong with the query of a request to a route, as a 400: a parameter that the route does
+/// not declare, one that comes twice, or a flag that is neither 0 nor 1. Nullopt: nothing.
+std::optional<ApiResponse> query_fault(const Route& route, const ApiRequest& request);
 
 /// The table of README.md.
 std::string routes_markdown();

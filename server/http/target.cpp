@@ -57,14 +57,15 @@ std::expected<ApiRequest, std::string> parse_target(std::string_view target) {
     request.path.push_back(*std::move(decoded));
     path.remove_prefix(std::min(segment.size() + 1, path.size()));
   }
-  while (!query.empty()) {
-    const auto pair = query.substr(0, query.find('&'));
+  for (std::string_view pair; !query.empty();
+       query.remove_prefix(std::min(pair.size() + 1, query.size()))) {
+    pair = query.substr(0, query.find('&'));
+    if (pair.empty()) continue;
     const auto name = pair.substr(0, pair.find('='));
     auto key = decode(name, true);
     auto value = decode(name.size() < pair.size() ? pair.substr(name.size() + 1) : "", true);
     if (!key || !value) return std::unexpected("the query string is malformed");
-    request.query[*key] = *value;
-    query.remove_prefix(std::min(pair.size() + 1, query.size()));
+    if (!request.query.emplace(*key, *value).second) request.repeated = *key;
   }
   return request;
 }

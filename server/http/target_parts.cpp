@@ -11,6 +11,7 @@
 #include "kernel/math/hash.h"
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/text_file.h"
+#include "server/rights/rights.h"
 #include "server/session/hash_text.h"
 #include "server/store/byte_code.h"
 #include "server/store/plain_text.h"
@@ -59,6 +60,7 @@ Json stored_facts(const TargetFacts& facts) {
           {"max_mm", stored_place(facts.max_mm)},
           {"shift_mm", stored_place(facts.shift_mm)},
           {"unit_mm", facts.unit_mm},
+          {"author", facts.author},
           {"fault", facts.fault}};
 }
 
@@ -73,6 +75,7 @@ std::optional<TargetFacts> parse_facts(const std::string& text) {
                        place_of(json.at("max_mm")),
                        place_of(json.at("shift_mm")),
                        json.value("unit_mm", 1.0),
+                       json.value("author", ""),
                        json.at("fault").get<std::string>()};
   } catch (const Json::exception&) {
     return std::nullopt;
@@ -99,7 +102,7 @@ bool write_part_file(const fs::path& path, const std::string& bytes) {
 
 std::expected<std::shared_ptr<const TargetPart>, TargetError> read_part(
     const std::string& name, const std::string& bytes, double unit_mm, Vec3 shift,
-    const std::stop_token& stop) {
+    const std::string& author, const std::stop_token& stop) {
   const auto format = mesh_file_format(name);
   if (!format || !is_plain_text(name, kPartNameBytesMax)) {
     return std::unexpected(TargetError{
@@ -115,26 +118,37 @@ std::expected<std::shared_ptr<const TargetPart>, TargetError> read_part(
   const BoxStock box = mesh_bounds(*mesh);
   return std::make_shared<const TargetPart>(
       TargetFacts{name, tag_of(name, bytes, unit_mm, shift), mesh->triangles.size(), box.min_mm,
-                  box.max_mm, shift, unit_mm, mesh_stock_fault(*mesh)},
+                  box.max_mm, shift, unit_mm, author, mesh_stock_fault(*mesh)},
       indexed_mesh(*mesh));
 }
 
 }  // namespace
 
+std::string others_target(const std::string& name) {
+  return "target part \"" + name + "\" is another's: an owner may replace and delete it";
+}
+
 std::expected<TargetFacts, TargetError> TargetParts::put(const std::string& session,
                                                          const MeshFile& as,
                                                          const std::string& bytes,
+                                                         const Caller& caller,
                                                          const std::stop_token& stop) {
   const std::string& name = as.file;
   std::expected<std::shared_ptr<const TargetPart>, TargetError> part;
   {
     const std::lock_guard one(reading_);
-    part = read_part(name, bytes, as.unit_mm.value_or(1), as.placement.translate_mm, stop);
+    part = read_part(name, bytes, as.unit_mm.value_or(1), as.placement.translate_mm, caller.grant,
+                     stop);
   }
   if (!part) return std::unexpected(part.error());
   const std::lock_guard lock(mutex_);
   const auto parts = stored(session);
-  const bool replaces = std::ranges::find(parts, name, &TargetFacts::name) != parts.end();
+  const auto before = std::ranges::find(parts, name, &TargetFacts::name);
+  const bool replaces = before != parts.end();
+  if (replaces && !may_change(caller, before->author, Action::kRunPrograms)) {
+    return std::unexpected(
+        TargetError{403, "not_allowed", others_target(name) + "; choose another name"});
+  }
   if (parts.size() >= kPartsOfSession && !replaces) {
     return std::unexpected(TargetError{409, "limit",
                                        "a session has at most " + std::to_string(kPartsOfSession) +
@@ -196,6 +210,12 @@ bool TargetParts::unpack(const std::string& session, std::span<const std::byte> 
   return store(session, *facts, string_of(bytes.subspan(sizeof size + text.size())));
 }
 
+std::optional<TargetFacts> TargetParts::facts(const std::string& session,
+                                              const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return read_facts(facts_file(session, name));
+}
+
 std::vector<TargetFacts> TargetParts::list(const std::string& session) const {
   const std::lock_guard lock(mutex_);
   return stored(session);
@@ -228,7 +248,7 @@ std::shared_ptr<const TargetPart> TargetParts::get(const std::string& session,
     bytes = read_file(file.replace_extension(kMeshExtension));
   }
   if (!bytes) return nullptr;
-  auto part = read_part(name, *bytes, facts->unit_mm, facts->shift_mm, {});
+  auto part = read_part(name, *bytes, facts->unit_mm, facts->shift_mm, facts->author, {});
   if (!part) return nullptr;
   const std::lock_guard lock(mutex_);
   keep(session, *part);

@@ -18,6 +18,7 @@
 #include "server/formats/model/indexed_mesh.h"
 #include "server/formats/model/mesh_distance.h"
 #include "server/formats/model/model_limits.h"
+#include "server/rights/caller.h"
 #include "server/verify/part_model.h"
 
 namespace kerf::net {
@@ -30,6 +31,7 @@ struct TargetFacts {
   Vec3 min_mm, max_mm;  ///< bounds in scene coordinates
   Vec3 shift_mm;        ///< added to the file's coordinates
   double unit_mm = 1;   ///< of the file's numbers, before the shift
+  std::string author;   ///< grant by which it was stored; empty: none
   std::string fault;    ///< why the mesh bounds no solid, so that signs are unreliable; else empty
 };
 
@@ -56,6 +58,9 @@ struct TargetError {
   std::string code, reason;
 };
 
+/// Why a caller may not change a part: it was stored by somebody else.
+std::string others_target(const std::string& name);
+
 /// Keeps the target parts of sessions as files, each session's in a folder of its own, and the
 /// parts that were used last in memory too. A part of a name replaces the one before. Thread-safe;
 /// a call that reads a part may take seconds.
@@ -70,9 +75,10 @@ class TargetParts {
   explicit TargetParts(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   /// Reads and stores a mesh file, whose name tells the format. `as` has the name and the unit;
-  /// its placement counts only for its translation. Ends soon after a stop is requested.
+  /// its placement counts only for its translation. A part of the same name is replaced if the
+  /// caller may change it: its own, or any as an owner. Ends soon after a stop is requested.
   std::expected<TargetFacts, TargetError> put(const std::string& session, const MeshFile& as,
-                                              const std::string& bytes,
+                                              const std::string& bytes, const Caller& caller,
                                               const std::stop_token& stop = {});
   /// The parts of a session, by name.
   std::vector<TargetFacts> list(const std::string& session) const;
@@ -87,6 +93,8 @@ class TargetParts {
                                              const std::string& name) const;
   /// False if the bytes are none, or cannot be stored. A part that is there already stays.
   bool unpack(const std::string& session, std::span<const std::byte> bytes);
+  /// What is known of a part; nullopt if the session has none of that name.
+  std::optional<TargetFacts> facts(const std::string& session, const std::string& name) const;
   /// Returns whether the session had such a part.
   bool remove(const std::string& session, const std::string& name);
   /// Deletes the parts of a session.

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 
 namespace kerf::net {
 namespace {
@@ -67,6 +68,20 @@ struct Metrics::Impl {
 
 namespace {
 
+/// Adds how long the certificate is valid yet, if there is one.
+void add_certificate(prometheus::Registry& now, const Metrics& metrics) {
+  const std::int64_t expires_s = metrics.certificate_expires_s;
+  if (expires_s == 0) return;
+  const std::chrono::duration<double, std::ratio<86'400>> left =
+      std::chrono::seconds(expires_s) - std::chrono::system_clock::now().time_since_epoch();
+  prometheus::BuildGauge()
+      .Name("kerf_certificate_days_left")
+      .Help("Days until the certificate expires; below 0: since it has.")
+      .Register(now)
+      .Add({})
+      .Set(left.count());
+}
+
 /// Adds what belongs to a session. It is rebuilt on every scrape, so that a closed session leaves
 /// no line.
 void add_gauges(prometheus::Registry& now, const Metrics& metrics,
@@ -94,6 +109,7 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   family("kerf_disk_free_bytes", "Free space of the file system of the data folder.")
       .Add({})
       .Set(static_cast<double>(disk.free));
+  add_certificate(now, metrics);
   auto& connections = family("kerf_connections", "Open connections by kind.");
   connections.Add({{"kind", "agent"}}).Set(static_cast<double>(metrics.agents.load()));
   connections.Add({{"kind", "viewer"}}).Set(static_cast<double>(metrics.viewers.load()));

@@ -85,6 +85,7 @@ Caller Access::identify(std::string_view token, std::string_view session) const 
   if (grant == nullptr) return caller;
   caller.role = grant->role;
   caller.grant = grant->id;
+  caller.invitation = grant->is_pass() ? grant->invitation : grant->id;
   caller.session = grant->session;
   caller.is_personal = grant->is_personal();
   caller.name = grant->name;

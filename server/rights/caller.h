@@ -12,6 +12,7 @@ namespace kerf {
 struct Caller {
   Role role = Role::kNobody;
   std::string grant;         ///< id of its grant; empty: guest, administrator, nobody
+  std::string invitation;    ///< the grant, or that for which it is a pass
   std::string session;       ///< of the grant
   bool is_personal = false;  ///< the grant belongs to one person
   std::string name, color;   ///< that the grant states; empty: the peer's own choice

@@ -30,11 +30,13 @@ constexpr std::array kRows = {
         "name versions of the block; rename and delete one's own"},
     Row{Action::kPlacePins, "place_pins", "...xxx", "set pins on the block; remove one's own"},
     Row{Action::kRunPrograms, "run_programs", "...xxx",
-        "start, pause, step, pace and cancel NC programs"},
+        "start NC programs, and pause, step, pace and cancel one's own; store target parts, and "
+        "replace and delete one's own"},
     Row{Action::kInvite, "invite", "....xx", "make, list and revoke invitations"},
     Row{Action::kModerate, "moderate", "....xx",
         "remove and mute participants, change their roles; reserve regions, and cut in them; undo "
-        "strokes of others, rename and delete their versions, remove their pins"},
+        "strokes of others, rename and delete their versions, remove their pins, control their "
+        "programs, replace and delete their target parts"},
     Row{Action::kCloseSession, "close_session", "....xx", "close the session, or delete it"},
     Row{Action::kAdminister, "administer", ".....x", "create sessions, upload meshes, `/metrics`"},
 };
@@ -50,6 +52,11 @@ const Row& row_of(Action action) {
 
 bool may(Role role, Action action) {
   return row_of(action).roles[static_cast<std::size_t>(role)] == 'x';
+}
+
+bool may_change(const Caller& caller, std::string_view author, Action own) {
+  if (may(caller.role, Action::kModerate)) return true;
+  return may(caller.role, own) && !author.empty() && author == caller.grant;
 }
 
 std::string_view to_string(Action action) { return row_of(action).name; }

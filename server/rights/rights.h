@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/rights/caller.h"
 #include "server/rights/role.h"
 
 namespace kerf {
@@ -31,6 +32,11 @@ enum class Action : std::uint8_t {
 /// Returns whether a role may do something, from the table of README.md (rights.cpp). Every check
 /// of the server calls this function.
 bool may(Role role, Action action);
+
+/// Returns whether a caller may change a thing that somebody has made: one's own with the right
+/// `own`, and any with Action::kModerate. `author` is the grant by which it was made; empty:
+/// nobody's in particular. Those who share an invitation count as one.
+bool may_change(const Caller& caller, std::string_view author, Action own);
 
 /// The name of an action in errors and on the wire, e.g. "run_programs".
 std::string_view to_string(Action action);

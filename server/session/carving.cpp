@@ -87,9 +87,7 @@ std::optional<Rejection> Carving::judge(ParticipantId id, const MoveTool& move) 
     return Rejection{wire::ErrorCode::kNotAllowed,
                      "a " + std::string(to_string(participant.role)) + " may not carve"};
   }
-  if (participant.is_muted) {
-    return Rejection{wire::ErrorCode::kMuted, "an owner has muted this participant"};
-  }
+  if (participant.is_muted) return muted_rejection();
   return reserved_.judge(*state, move, *tool);
 }
 

@@ -50,8 +50,9 @@ struct JoinRequest {
   bool durable = false;       ///< an agent that sends again what is not durable; gets a token
   std::string token = {};     ///< of the participant to continue as; empty or unknown: a new one
   Role role = Role::kAdministrator;
-  std::string grant = {};    ///< by which it may join; empty: none
-  bool is_personal = false;  ///< the grant belongs to this person alone
+  std::string grant = {};       ///< by which it may join; empty: none
+  bool is_personal = false;     ///< the grant belongs to this person alone
+  std::string invitation = {};  ///< the grant, or that for which it is a pass; empty: none
   bool is_muted = false;
   std::string network = {};  ///< from which it comes, for limits; empty: unknown
   bool has_turn = false;     ///< a viewer that has waited for viewer_turn()

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <ranges>
 #include <utility>
 
@@ -74,12 +75,32 @@ std::expected<void, Rejection> Participants::check_rate(const JoinRequest& reque
                                      "too many guests join from your network; try again later"});
   }
   if (request.kind == ParticipantKind::kViewer && request.has_turn) return {};
+  const bool is_new_carver = resumed == 0 && request.kind != ParticipantKind::kViewer;
+  if (is_new_carver && !allows_invitation(request)) {
+    return std::unexpected(
+        Rejection{wire::ErrorCode::kBusy,
+                  "with one invitation at most " +
+                      std::to_string(std::llround(limits_.invitation_joins_burst)) +
+                      " agents and programs join at once, and then one each " +
+                      std::to_string(std::llround(1 / limits_.invitation_joins_per_s)) +
+                      " s; wait, or come with another invitation"});
+  }
   RateLimit& fresh = request.role == Role::kGuest ? guest_joins_ : carver_joins_;
   RateLimit& carvers = resumed != 0 ? resumable_.find(resumed)->resumes : fresh;
   RateLimit& joins = request.kind == ParticipantKind::kViewer ? viewer_joins_ : carvers;
   if (joins.allow(Clock::now())) return {};
   return std::unexpected(Rejection{wire::ErrorCode::kBusy,
                                    "too many participants join at the same time; try again later"});
+}
+
+/// The holders of one invitation do not use up what all together may join, and its passes count as
+/// it: one link gives many.
+bool Participants::allows_invitation(const JoinRequest& request) {
+  if (request.invitation.empty()) return true;
+  if (invitation_joins_.size() >= kNetworksMax) invitation_joins_.clear();
+  const RateLimit whole(limits_.invitation_joins_per_s, limits_.invitation_joins_burst);
+  const auto one = invitation_joins_.try_emplace(request.invitation, whole).first;
+  return one->second.allow(Clock::now());
 }
 
 /// One network does not use up what all guests together may join.
@@ -125,11 +146,33 @@ std::expected<ParticipantState, Rejection> Participants::make_state(const JoinRe
   return state;
 }
 
+std::function<bool(ParticipantId)> Participants::is_present() const {
+  return [this](ParticipantId id) { return states_.contains(id); };
+}
+
+std::expected<ParticipantId, Rejection> Participants::resumed_by(const JoinRequest& request) {
+  const auto owner = resumable_.owner(request.token);
+  if (!owner) return ParticipantId{0};
+  switch (resumable_.recall(request.token, journal_, is_present())) {
+    case Resumable::Recall::kFound:
+      return *owner;
+    case Resumable::Recall::kDamaged:
+      return ParticipantId{0};
+    case Resumable::Recall::kLater:
+      break;
+  }
+  return std::unexpected(Rejection{
+      wire::ErrorCode::kBusy,
+      "the journal, which knows the participant of this token, cannot be read now; try again"});
+}
+
 std::expected<Admission, Rejection> Participants::admit(const JoinRequest& asked) {
   const auto decided = as_decided(asked);
   if (!decided) return std::unexpected(decided.error());
   const JoinRequest& request = *decided;
-  const ParticipantId resumed = resumable_.owner(request.token).value_or(0);
+  const auto known_as = resumed_by(request);
+  if (!known_as) return std::unexpected(known_as.error());
+  const ParticipantId resumed = *known_as;
   if (const auto ok = check(request, resumed); !ok) return std::unexpected(ok.error());
   if (const auto error = resumed != 0 ? journal_.pause() : std::nullopt;
       error && !is_limit(error->code)) {
@@ -178,8 +221,7 @@ void Participants::keep_resumable(ParticipantState& state) {
                        state.last_sequence, state.durable,          state.in_stroke};
   agent.is_muted = state.participant.is_muted;
   agent.is_in_stock = state.is_in_stock;
-  resumable_.keep(state.participant.id, std::move(agent),
-                  [&](ParticipantId id) { return states_.contains(id); });
+  resumable_.keep(state.participant.id, std::move(agent), is_present(), journal_.sequence());
 }
 
 void Participants::leave(ParticipantId id) {

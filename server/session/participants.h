@@ -57,7 +57,8 @@ class Participants {
   /// the limits of `SessionLimits` per second are rejected with kBusy.
   /// An agent with a valid token continues as the same participant, also while that is present. It
   /// has a limit of its own, and is rejected with kBusy while the journal is paused: the samples
-  /// that it sends again could not be journaled.
+  /// that it sends again could not be journaled. So it is while the journal, which alone knows an
+  /// agent that has been away for long, cannot be read.
   std::expected<Admission, Rejection> admit(const JoinRequest& request);
   /// As admit(), for a participant that does not resume.
   std::expected<Participant, Rejection> join(const JoinRequest& request) {
@@ -139,12 +140,16 @@ class Participants {
   std::expected<void, Rejection> check(const JoinRequest& request, ParticipantId resumed) const;
   std::expected<ParticipantState, Rejection> make_state(const JoinRequest& request,
                                                         ParticipantId resumed);
+  /// The participant as which a request continues; 0: as a new one. Afterwards `resumable_` has it.
+  std::expected<ParticipantId, Rejection> resumed_by(const JoinRequest& request);
+  std::function<bool(ParticipantId)> is_present() const;
   /// Moves what must last of a participant to `resumable_`.
   void keep_resumable(ParticipantState& state);
   /// What the role of a peer does not allow it; nullopt: it may join.
   std::optional<Rejection> check_role(const JoinRequest& request, ParticipantId resumed) const;
   std::expected<void, Rejection> check_rate(const JoinRequest& request, ParticipantId resumed);
   bool allows_network(const JoinRequest& request);
+  bool allows_invitation(const JoinRequest& request);
   void changed(bool carvers);
   /// A request with the role and the mute that owners have decided since its connection was opened;
   /// rejected if its grant has ended.
@@ -177,6 +182,7 @@ class Participants {
   /// Of the guests who carve, by network; as many as have come lately.
   static constexpr std::size_t kNetworksMax = 1024;
   std::map<std::string, RateLimit, std::less<>> network_joins_;
+  std::map<std::string, RateLimit, std::less<>> invitation_joins_;  ///< of agents and programs
   std::function<void()> schedule_;  ///< empty: changes are notified at once
   bool pending_ = false, pending_carvers_ = false;
 };

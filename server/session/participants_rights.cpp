@@ -19,9 +19,7 @@ std::optional<Rejection> Participants::check_role(const JoinRequest& request,
     return Rejection{wire::ErrorCode::kNotAllowed,
                      role + "s may not join as " + to_string(request.kind) + "s"};
   }
-  if (runs && request.is_muted) {
-    return Rejection{wire::ErrorCode::kMuted, "an owner has muted this participant"};
-  }
+  if (runs && request.is_muted) return muted_rejection();
   if (request.role != Role::kGuest || watches) return std::nullopt;
   const auto guests =
       std::ranges::count_if(states_ | std::views::values, [&](const ParticipantState& state) {

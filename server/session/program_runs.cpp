@@ -40,6 +40,7 @@ ProgramStatus ProgramRuns::start(ParticipantId participant, ProgramJob job, Prog
   status.id = ++last_id_;
   status.participant = participant;
   status.name = std::move(job.name);
+  status.author = std::move(options.author);
   status.pace = options.pace;
   status.speed = options.speed;
   status.motions = job.totals.motions;

@@ -64,6 +64,7 @@ struct ProgramStatus : ProgramGlance {
   double machine_s = 0;       ///< time on the scene's machine; 0: unknown
   std::vector<std::string> warnings;
   std::vector<ProgramAlarm> alarms;  ///< the first ProgramAlarms::kListedMax
+  std::string author;                ///< grant by which it was started; empty: none
   std::string target;                ///< the part that it is to make; empty: none
   double target_tolerance_mm = 0;    ///< below which depth a cut is an alarm
 };
@@ -83,7 +84,8 @@ inline constexpr ProgramId kAfterNewest = ~ProgramId{0};
 struct ProgramOptions {
   ProgramPace pace = ProgramPace::kFast;
   double speed = 1;
-  ProgramId after = 0;  ///< begins when this program has finished; 0: at once
+  ProgramId after = 0;      ///< begins when this program has finished; 0: at once
+  std::string author = {};  ///< grant by which it is started; empty: none
   /// Mean cutting force of a motion above which there is an alarm, N; nothing: no limit.
   std::optional<double> force_limit_n = {};
   double tolerance_mm = 0;  ///< of the scene

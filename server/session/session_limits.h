@@ -21,6 +21,9 @@ struct SessionLimits {
   /// Of all agents and programs together, and of all viewers: an audience that arrives at the same
   /// time is let in, one that joins and leaves all the time is not.
   double carver_joins_per_s = 10, carver_joins_burst = 100;
+  /// Of those with one invitation, its passes included. Where agents_max people have the same
+  /// link, all may join, start their agents again together, and then each once in 30 s.
+  double invitation_joins_per_s = 1, invitation_joins_burst = 64;
   double viewer_joins_per_s = 250, viewer_joins_burst = 1000;
   /// So long a viewer waits for its turn before it is rejected: until viewers_max can have come.
   double viewer_wait_max_s = 4;

@@ -9,8 +9,7 @@
 namespace kerf {
 
 bool Session::may_remove(const Pin& pin, const Caller& caller) {
-  const bool is_own = caller.is_personal && !pin.person.empty() && pin.person == caller.grant;
-  return is_own || may(caller.role, Action::kModerate);
+  return kerf::may_change(caller, pin.person, Action::kPlacePins);
 }
 
 std::expected<Pin, PinError> Session::set_pin(Pin pin) {

@@ -51,11 +51,13 @@ std::expected<ProgramStatus, Rejection> Session::start_program(ProgramJob job,
   request.role = caller.role;
   request.grant = caller.grant;
   request.is_personal = caller.is_personal;
+  request.invitation = caller.invitation;
   request.is_muted = caller.is_muted;
   request.name = job.name.substr(0, wire::kMaxNameBytes);
   if (!job.totals.tools.empty()) request.tool = job.totals.tools.front().tool;
   const auto joined = join(request);
   if (!joined) return std::unexpected(joined.error());
+  options.author = caller.grant;
   options.tolerance_mm = sculpture_.settings().tolerance_mm;
   const auto text = options.text;
   ProgramStatus status =

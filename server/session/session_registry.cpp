@@ -39,6 +39,18 @@ std::expected<void, RegistryError> check_tiles(const DexelGrid& grid, std::int64
       "accuracy.pitch_mm"});
 }
 
+/// Each list of sessions, each welcome and each preview of a link has the name. Journals may have
+/// longer ones from before, so it is not for the reader of scenes to say.
+std::expected<void, RegistryError> check_name(const std::string& name) {
+  constexpr std::size_t kBytesMax = 200;
+  if (name.size() <= kBytesMax) return {};
+  return std::unexpected(RegistryError{RegistryErrorCode::kBadScene,
+                                       "the name of the scene has " + std::to_string(name.size()) +
+                                           " bytes; at most " + std::to_string(kBytesMax) +
+                                           " are allowed: shorten it",
+                                       "name"});
+}
+
 }  // namespace
 
 const char* to_string(RegistryErrorCode code) {
@@ -131,6 +143,7 @@ std::expected<Scene, RegistryError> SessionRegistry::check_scene(std::string_vie
   if (!scene) {
     return std::unexpected(RegistryError{kBadScene, to_string(scene.error()), scene.error().path});
   }
+  if (auto ok = check_name(scene->name); !ok) return std::unexpected(ok.error());
   // Run the kernel's checks (too many columns, an obstacle inside out) before creating a file.
   const auto probe = Sculpture::create(scene->settings);
   if (!probe) return std::unexpected(RegistryError{kBadScene, probe.error().reason, {}});

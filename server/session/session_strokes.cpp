@@ -119,6 +119,10 @@ std::expected<std::uint64_t, Rejection> Session::note_changes(const StrokeReques
                                                               const std::vector<Stroke>& strokes) {
   using enum wire::ErrorCode;
   if (closed_) return std::unexpected(Rejection{kUnknownSession, "the session is closed"});
+  const ParticipantState* author = participants_.find(request.author);
+  if (author != nullptr ? author->participant.is_muted : request.caller.is_muted) {
+    return std::unexpected(muted_rejection());
+  }
   for (const Stroke& stroke : strokes) {
     if (may_change(request, stroke.participant)) continue;
     return std::unexpected(Rejection{kNotAllowed, "stroke " + std::to_string(stroke.id) +

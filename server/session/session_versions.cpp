@@ -7,9 +7,7 @@
 namespace kerf {
 
 bool Session::may_change(const NamedVersion& version, const Caller& caller) {
-  const bool is_own =
-      caller.is_personal && !version.person.empty() && version.person == caller.grant;
-  return is_own || may(caller.role, Action::kModerate);
+  return kerf::may_change(caller, version.person, Action::kNameVersions);
 }
 
 std::expected<void, VersionError> Session::name_version(NamedVersion version) {

@@ -3,6 +3,8 @@
 
 #include <expected>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "server/store/journal_error.h"
@@ -14,5 +16,15 @@ namespace kerf {
 /// of their numbers, without their tokens. Reads what is committed.
 std::expected<std::vector<JournalParticipant>, JournalError> people_of(
     const std::filesystem::path& journal);
+
+/// The token of a row of the table `agents`; nullopt if the row is damaged.
+std::optional<TokenHash> agent_token(ParticipantId participant, std::uint64_t agent_sequence,
+                                     std::span<const std::byte> token, std::int64_t crc);
+
+/// Returns an agent that may resume, with its token and how far its samples are in the journal;
+/// nullopt if there is none of that number, kCorrupt if its row is damaged. Reads what is
+/// committed: two rows by their keys.
+std::expected<std::optional<JournalParticipant>, JournalError> agent_of(
+    const std::filesystem::path& journal, ParticipantId participant);
 
 }  // namespace kerf

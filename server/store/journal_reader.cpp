@@ -10,6 +10,7 @@
 #include "kernel/math/hash.h"
 #include "server/store/attachment.h"
 #include "server/store/crc32.h"
+#include "server/store/journal_people.h"
 
 namespace kerf {
 
@@ -128,17 +129,13 @@ std::expected<void, JournalError> JournalReader::read_agents() {
     if (!*row) return {};
     const auto id = static_cast<ParticipantId>(rows->integer(0));
     const auto agent_sequence = static_cast<std::uint64_t>(rows->integer(2));
-    const auto token = rows->blob(1);
-    // An agent whose row is damaged joins as a new participant.
-    if (token.size() != kTokenHashBytes ||
-        rows->integer(3) != std::int64_t{progress_checksum(id, agent_sequence, token)}) {
-      continue;
-    }
+    const auto token = agent_token(id, agent_sequence, rows->blob(1), rows->integer(3));
+    if (!token) continue;  // it joins as a new participant
     const auto found =
         std::ranges::lower_bound(participants_, id, {}, &JournalParticipant::participant);
     if (found == participants_.end() || found->participant != id) continue;
     found->agent_sequence = agent_sequence;
-    std::ranges::copy(token, found->token.emplace().begin());
+    found->token = token;
   }
 }
 

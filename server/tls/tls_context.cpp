@@ -5,6 +5,7 @@
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
+#include <array>
 #include <chrono>
 #include <ctime>
 #include <system_error>
@@ -49,6 +50,27 @@ std::int64_t now_s() {
   return std::chrono::duration_cast<std::chrono::seconds>(now).count();
 }
 
+/// A time in UTC, e.g. "2026-11-22 14:03:00 UTC".
+std::string date_text(std::int64_t seconds) {
+  const std::time_t time = seconds;
+  std::tm parts{};
+  gmtime_r(&time, &parts);
+  std::array<char, 40> text{};
+  const std::size_t size = std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S UTC", &parts);
+  return {text.data(), size};
+}
+
+std::optional<std::string> validity_fault(const std::filesystem::path& certificate,
+                                          const TlsContext& context) {
+  const std::int64_t now = now_s();
+  const bool has_begun = context.begins_s() <= now;
+  if (has_begun && now < context.expires_s()) return std::nullopt;
+  return "the certificate " + certificate.string() +
+         (has_begun ? " has expired" : " is not valid yet") + ": it is valid from " +
+         date_text(context.begins_s()) + " to " + date_text(context.expires_s()) +
+         (has_begun ? "" : ", and this machine has " + date_text(now));
+}
+
 }  // namespace
 
 std::expected<TlsContext, std::string> TlsContext::of_server(
@@ -75,6 +97,7 @@ std::expected<TlsContext, std::string> TlsContext::of_server(
   SSL_CTX_set_default_passwd_cb_userdata(native.get(), nullptr);
   TlsContext context(std::move(native));
   const X509* own = SSL_CTX_get0_certificate(context.native());
+  context.begins_s_ = to_seconds(X509_get0_notBefore(own));
   context.expires_s_ = to_seconds(X509_get0_notAfter(own));
   return context;
 }
@@ -113,12 +136,14 @@ TlsContext TlsCertificate::current() const {
   return current_;
 }
 
+std::optional<std::string> TlsCertificate::fault() const {
+  return validity_fault(certificate_, current());
+}
+
 std::expected<void, std::string> TlsCertificate::reload() {
   auto context = TlsContext::of_server(certificate_, key_);
   if (!context) return std::unexpected(context.error());
-  if (context->expires_s() <= now_s()) {
-    return std::unexpected("the certificate " + certificate_.string() + " has expired");
-  }
+  if (auto fault = validity_fault(certificate_, *context)) return std::unexpected(*fault);
   const std::scoped_lock lock(mutex_);
   current_ = *std::move(context);
   return {};

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 struct ssl_ctx_st;
@@ -24,14 +25,15 @@ class TlsContext {
   /// if it is empty, from those of the system. The error is one sentence.
   static std::expected<TlsContext, std::string> of_client(const std::filesystem::path& authorities);
 
-  /// End of the validity of a server's certificate, seconds since 1970.
+  /// The validity of a server's certificate, seconds since 1970.
+  std::int64_t begins_s() const { return begins_s_; }
   std::int64_t expires_s() const { return expires_s_; }
   ssl_ctx_st* native() const { return context_.get(); }
 
  private:
   explicit TlsContext(std::shared_ptr<ssl_ctx_st> context) : context_(std::move(context)) {}
   std::shared_ptr<ssl_ctx_st> context_;
-  std::int64_t expires_s_ = 0;
+  std::int64_t begins_s_ = 0, expires_s_ = 0;
 };
 
 /// The certificate of a server, which may be replaced while it runs. Thread-safe.
@@ -43,9 +45,12 @@ class TlsCertificate {
 
   /// For new connections.
   TlsContext current() const;
+  /// Why clients reject the present certificate: it has expired, or is not valid yet. One sentence,
+  /// with the dates; nullopt: they do not, as far as time goes.
+  std::optional<std::string> fault() const;
   /// Reads the files again. Connections that exist continue with the certificate that they have
-  /// seen. If the files cannot be used, or the certificate has expired, the last one stays, and the
-  /// error says why.
+  /// seen. If the files cannot be used, or the certificate is not valid now, the last one stays,
+  /// and the error says why.
   std::expected<void, std::string> reload();
 
  private:

@@ -186,6 +186,31 @@ TEST_F(AgentUndo, LearnsWhyNothingChanges) {
   ASSERT_EQ(read().size(), 1U);
 }
 
+TEST_F(AgentUndo, IsRefusedToAMutedAgentAsCuttingIs) {
+  const auto outcome = [&](std::string_view text) {
+    send(text);
+    work();
+    for (const json& message : read()) {
+      if (message.at("type") == "stroke") return message.value("code", "done");
+    }
+    return std::string("none");
+  };
+  stroke(id_, {-10, 0, -2}, {10, 0, -2});
+  const std::uint64_t one = hash();
+  EXPECT_EQ(outcome(R"({"type":"undo"})"), "done");
+  const std::uint64_t none = hash();
+  ASSERT_TRUE(session_->set_muted(id_, true));
+  const auto records = session_->sequence();
+  EXPECT_EQ(outcome(R"({"type":"redo"})"), "muted");
+  EXPECT_EQ(hash(), none);
+  EXPECT_EQ(session_->sequence(), records);
+  ASSERT_TRUE(session_->set_muted(id_, false));
+  EXPECT_EQ(outcome(R"({"type":"redo"})"), "done");
+  ASSERT_TRUE(session_->set_muted(id_, true));
+  EXPECT_EQ(outcome(R"({"type":"undo"})"), "muted");
+  EXPECT_EQ(hash(), one);
+}
+
 TEST_F(AgentUndo, MayLeaveBeforeItsUndoBegins) {
   stroke(id_, {-10, 0, -2}, {10, 0, -2});
   const std::uint64_t carved = hash();

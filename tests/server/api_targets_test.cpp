@@ -122,13 +122,15 @@ TEST_F(ApiTargetsTest, AModelThatIsShiftedFarAwaySaysWhatItLoses) {
 }
 
 TEST_F(ApiTargetsTest, SculptorsSetAndRemoveWhatWatchersSee) {
-  const Json set = Json::parse(send("?name=part.stl&shift_mm=1,0,0", part_).body);
+  Json set = Json::parse(send("?name=part.stl&shift_mm=1,0,0", part_).body);
   EXPECT_EQ(set.at("name"), "part.stl");
   EXPECT_EQ(set.at("triangles"), 12);
   EXPECT_EQ(set.at("min_mm"), Json({-19, -20, -20}));
   EXPECT_EQ(set.at("max_mm"), Json({21, 20, -0.5}));
   EXPECT_FALSE(set.contains("fault"));
   EXPECT_EQ(send("?name=part.stl", part_, Role::kWatcher).status, 403U);
+  EXPECT_EQ(made("GET", kTargets, tokens[Role::kSculptor]).at("targets"), Json::array({set}));
+  set["may_change"] = false;
   EXPECT_EQ(made("GET", kTargets, tokens[Role::kWatcher]).at("targets"), Json::array({set}));
   made("DELETE", kTargets + "/part.stl", tokens[Role::kWatcher], 403);
   made("DELETE", kTargets + "/part.stl", tokens[Role::kSculptor]);

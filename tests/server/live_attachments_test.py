@@ -126,8 +126,7 @@ class Move(unittest.TestCase):
         revoked = self.invite(self.a, "sculptor")
         eve, gone = self.redeem(self.a, link, "Eve"), self.redeem(self.a, revoked["token"], "Bob")
         self.ask(self.a, "POST", f"{SESSION}/regions?min_mm=2,2,-5&max_mm=9,9,0", self.admin)
-        part = self.ask(self.a, "POST", f"{SESSION}/targets?name=t.stl&shift_mm=1,2,3", self.admin,
-                        STL)
+        part = self.ask(self.a, "POST", f"{SESSION}/targets?name=t.stl&shift_mm=1,2,3", named, STL)
         text = spiral(3000)
         self.ask(self.a, "POST", f"{SESSION}/programs?name=short.ngc&pace=fast", self.admin,
                  spiral(3))

@@ -136,9 +136,9 @@ class Takeover(unittest.TestCase):
                          ("bye", f"http://127.0.0.1:{b.port}"), reasons)
         self.assertIn("paused: lease", json.dumps(reasons[:-1]))
         self.assertEqual(self.block("b"), before)
-        status, headers, _ = self.a.http.request("GET", "/v1/sessions/block?x=1")
+        status, headers, _ = self.a.http.request("GET", "/v1/sessions/block/strokes?since=1")
         self.assertEqual((status, headers["location"]),
-                         (307, f"http://127.0.0.1:{b.port}/v1/sessions/block?x=1"))
+                         (307, f"http://127.0.0.1:{b.port}/v1/sessions/block/strokes?since=1"))
         self.wait_for_copy(b)
         to = os.path.join(self.cluster.path("copy"), "block.kerf")
         self.assertEqual(run("--nats", self.cluster.nats.url, "fetch", "block", to)[0], 0)

@@ -176,6 +176,29 @@ class Configuration(LiveTest):
         self.assertEqual((address, code), ("", 2))
         self.assertIn("--config: there is no option 'lisen'", log)
 
+    def test_each_value_of_the_file_has_the_type_of_its_option(self):
+        for line, why in (('open = "yes"', "open must be true or false, without quotes"),
+                          ("open = 1", "open must be true or false"),
+                          ("open", "open has no value"),
+                          ('disk-total = "5"', "disk-total must be a number, without quotes"),
+                          ("disk-total = true", "disk-total must be a number"),
+                          ("log-format = json", "log-format must be a text in quotes"),
+                          ("udp = 9000", "udp must be a text in quotes"),
+                          ("allow-host = true", "allow-host must be a list of texts in quotes"),
+                          ("allow-host = [1, 2]", "allow-host must be a list of texts"),
+                          ('allow-host = ["a"', "allow-host has a list that is not closed"),
+                          ('log-format = "json', "log-format has quotes that are not closed")):
+            with self.subTest(line):
+                address, code, log = self.run_server(text='listen = "127.0.0.1:0"\n# one\n' + line + "\n")
+                self.assertEqual((address, code), ("", 2), log)
+                self.assertRegex(log, r"^kerf-server: --config: .*kerf\.toml:3: " + re.escape(why))
+                self.assertRegex(log, r"--help lists the options\n$")
+        text = ('listen = "127.0.0.1:0" # one\nopen = true\ndisk-total = 5.5\nlog-format = \'json\'\n'
+                'allow-host = ["a.example",\n  "b.example"]\nallow-origin = "https://c.example"\n'
+                "viewer-budget = 500\nlease-ms = 5000\n")
+        address, code, log = self.run_server(text=text)
+        self.assertEqual(code, 0, log)
+
     def test_an_unknown_option_exits_with_2_and_says_what_to_do(self):
         for options in (("--lisen", "127.0.0.2:0"), ("--disk-total", "many")):
             address, code, log = self.run_server(*options)
@@ -204,9 +227,10 @@ class Metrics(LiveTest):
         rows = [row for row in self.read("server", "metrics", "README.md").splitlines()
                 if row.startswith("| `")]
         listed = {name for row in rows for name in self.NAME.findall(row.split("|")[1])}
-        # Counted by label, so it appears with the first one; and those of --nats (live_copy_test).
+        # Counted by label, so it appears with the first one; those of --nats (live_copy_test); and that
+        # of TLS (live_tls_test).
         others = {"kerf_refused_total", "kerf_copied_record", "kerf_copy_lag_records",
-                  "kerf_copied_snapshot_record"}
+                  "kerf_copied_snapshot_record", "kerf_certificate_days_left"}
         self.assertEqual(listed, self.served() | others)
 
     def test_dashboard_shows_metrics_that_exist(self):

@@ -219,6 +219,20 @@ class Tls(unittest.TestCase):
         agent.move([(1, 0, 5)])
         agent.result()  # over the connection from before
 
+    def test_a_certificate_that_has_expired_is_reported_at_the_start(self):
+        with tempfile.TemporaryDirectory() as folder:
+            server = Server(folder, "--tls-cert", self.path("old.pem"), "--tls-key",
+                            self.path("old.key"), tls=ssl._create_unverified_context())
+            headers = {"Authorization": "Bearer " + ADMIN}
+            text = server.http.request("GET", "/metrics", headers=headers)[2].decode()
+            self.assertLess(float(re.search(r"\nkerf_certificate_days_left (\S+)", text).group(1)), 0)
+            status, log = server.stop()
+            self.assertEqual(status, 0)
+            self.assertRegex(log, r"old\.pem has expired: it is valid from 20\S+ \S+ UTC to 20\S+ \S+ UTC")
+            self.assertIn("SIGHUP", log)
+        text = self.server.http.request("GET", "/metrics", headers=headers)[2].decode()
+        self.assertGreater(float(re.search(r"\nkerf_certificate_days_left (\S+)", text).group(1)), 0)
+
     def test_the_end_of_tcp_without_an_end_of_tls_loses_nothing(self):
         agent = TlsAgent(self.port, self.client)
         before = self.ask("GET", "/v1/sessions/block")[1]["motions"]

@@ -28,6 +28,20 @@ TEST_F(MetricsTest, CountsDroppedDatagramsByReasonFromZero) {
   EXPECT_TRUE(has_line("kerf_datagrams_dropped_total{reason=\"too_many\"} 0"));
 }
 
+TEST_F(MetricsTest, TheDaysOfACertificateAreCountedToBothSidesOfItsEnd) {
+  EXPECT_FALSE(metrics.text(*registry).contains("kerf_certificate_days_left"));
+  const auto days_left = [&] {
+    const std::string text = metrics.text(*registry);
+    return std::stod(text.substr(text.find("\nkerf_certificate_days_left ") + 28));
+  };
+  const std::chrono::seconds now = std::chrono::duration_cast<std::chrono::seconds>(
+      std::chrono::system_clock::now().time_since_epoch());
+  metrics.certificate_expires_s = (now + std::chrono::days(30)).count();
+  EXPECT_NEAR(days_left(), 30, 0.1);
+  metrics.certificate_expires_s = (now - std::chrono::days(2)).count();
+  EXPECT_NEAR(days_left(), -2, 0.1);
+}
+
 TEST_F(MetricsTest, GaugesFollowTheOpenSessions) {
   EXPECT_TRUE(metrics.text(*registry).contains("kerf_sessions 0"));
   const auto session = start();

@@ -19,6 +19,23 @@ class ImmediateExecutor final : public Executor {
   void post_after(std::chrono::microseconds, Work) override {}
 };
 
+TEST_F(SessionTest, ASceneHasANameThatListsCanHold) {
+  const auto named = [](std::size_t bytes) {
+    std::string scene = kScene;
+    return scene.replace(scene.find("Test block"), 10, std::string(bytes, 'n'));
+  };
+  for (const std::string id : {"", "block"}) {
+    const auto long_one = registry->create(id, named(900'000), SceneSource{});
+    ASSERT_FALSE(long_one);
+    EXPECT_EQ(long_one.error().code, RegistryErrorCode::kBadScene);
+    EXPECT_EQ(long_one.error().path, "name");
+    EXPECT_TRUE(long_one.error().reason.contains("has 900000 bytes; at most 200"))
+        << long_one.error().reason;
+    EXPECT_FALSE(registry->check(id, named(201), SceneSource{}));
+  }
+  EXPECT_TRUE(registry->create("block", named(200), SceneSource{}));
+}
+
 TEST_F(SessionTest, KeptJournalsOfOneNameDoNotOverwriteEachOther) {
   registry.emplace(
       RegistryOptions{folder.path(), 4, limits},

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // TLS against peers that do not speak it; tests/server/live_tls_test.py has those that do.
 #include <gtest/gtest.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
+#include <cstdio>
+#include <memory>
+#include <regex>
 #include <string_view>
 
 #include "server/tls/tls_channel.h"
+#include "server/tls/tls_context.h"
+#include "tests/server/temporary_folder.h"
 
 namespace kerf::net {
 namespace {
@@ -79,6 +87,59 @@ TEST_F(TlsTest, FilesThatCannotBeUsedAreNamed) {
   const auto client = TlsContext::of_client("/no/such/authority.pem");
   ASSERT_FALSE(client);
   EXPECT_NE(client.error().find("/no/such/authority.pem"), std::string::npos);
+}
+
+/// Writes PATH.pem and PATH.key: a certificate of its own, valid between times from now on, s.
+void certify(const std::filesystem::path& path, long begins_s, long ends_s) {
+  const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(EVP_EC_gen("P-256"), EVP_PKEY_free);
+  const std::unique_ptr<X509, decltype(&X509_free)> own(X509_new(), X509_free);
+  ASSERT_TRUE(key && own);
+  ASN1_INTEGER_set(X509_get_serialNumber(own.get()), 1);
+  X509_gmtime_adj(X509_getm_notBefore(own.get()), begins_s);
+  X509_gmtime_adj(X509_getm_notAfter(own.get()), ends_s);
+  X509_set_pubkey(own.get(), key.get());
+  ASSERT_GT(X509_sign(own.get(), key.get(), EVP_sha256()), 0);
+  const auto write = [&](const char* extension, auto&& put) {
+    const std::unique_ptr<FILE, int (*)(FILE*)> file(
+        std::fopen((path.string() + extension).c_str(), "w"), std::fclose);
+    ASSERT_TRUE(file);
+    EXPECT_EQ(put(file.get()), 1);
+  };
+  write(".pem", [&](FILE* file) { return PEM_write_X509(file, own.get()); });
+  write(".key", [&](FILE* file) {
+    return PEM_write_PrivateKey(file, key.get(), nullptr, nullptr, 0, nullptr, nullptr);
+  });
+}
+
+TEST(TlsCertificate, OneThatIsNotValidNowIsNamedWithItsDates) {
+  constexpr long kDay = 86'400;
+  const test::TemporaryFolder folder;
+  const auto load = [&](const char* name, long begins_s, long ends_s) {
+    certify(folder / name, begins_s, ends_s);
+    auto loaded = TlsCertificate::load(folder / (std::string(name) + ".pem"),
+                                       folder / (std::string(name) + ".key"));
+    EXPECT_TRUE(loaded) << loaded.error();
+    return *std::move(loaded);
+  };
+  const auto good = load("good", -kDay, kDay);
+  EXPECT_FALSE(good->fault());
+  EXPECT_TRUE(load("old", -2 * kDay, -kDay)->fault()->contains("has expired"));
+  EXPECT_TRUE(load("next", kDay, 2 * kDay)->fault()->contains("is not valid yet"));
+  const std::string fault = *load("old", -2 * kDay, -kDay)->fault();
+  EXPECT_TRUE(fault.contains("old.pem")) << fault;
+  EXPECT_TRUE(std::regex_search(
+      fault, std::regex("from 20..-..-.. ..:..:.. UTC to 20..-..-.. ..:..:.. UTC")))
+      << fault;
+  // Neither takes the place of one that is valid.
+  const std::int64_t expires_s = good->current().expires_s();
+  for (const auto& [begins_s, ends_s] : {std::pair(-2 * kDay, -kDay), std::pair(kDay, 2 * kDay)}) {
+    certify(folder / "good", begins_s, ends_s);
+    EXPECT_FALSE(good->reload());
+    EXPECT_EQ(good->current().expires_s(), expires_s);
+  }
+  certify(folder / "good", -kDay, 3 * kDay);
+  EXPECT_TRUE(good->reload());
+  EXPECT_GT(good->current().expires_s(), expires_s);
 }
 
 }  // namespace

@@ -200,9 +200,9 @@ export class ProgramsPanel {
   private show_(program: ProgramInfo): void {
     const done = program.motions === 0 ? 1 : program.motions_done / program.motions;
     this.progress_.value = done;
-    this.controls_.update(program, this.may_('run_programs'));
-    const removed = volume(program.removed_volume_mm3).join(' ');
     const details = this.details_.get(program.id);
+    this.controls_.update(program, this.may_('run_programs') && details?.mayControl !== false);
+    const removed = volume(program.removed_volume_mm3).join(' ');
     const tools = details && details.tools.length > 1 ? t(' of {0}', details.tools.join(', ')) : '';
     const lines = [
       t('{0} of {1} at feed rate, ', duration(program.elapsed_s), duration(program.programmed_s)) +

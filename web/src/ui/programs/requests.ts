@@ -39,6 +39,8 @@ export interface ProgramDetails {
   targetToleranceMm: number;
   warnings: string[];
   alarms: Alarm[];
+  /** Whether this person may pause, step, pace and cancel it: its own ones, or any as an owner. */
+  mayControl: boolean;
 }
 
 /**
@@ -83,6 +85,7 @@ function detailsOf(value: unknown): ProgramDetails {
     targetToleranceMm: Number(from['target_tolerance_mm'] ?? 0),
     warnings: listOf(from['warnings']).map(String),
     alarms: listOf(from['alarms']).map(alarmOf),
+    mayControl: from['may_control'] !== false,
   };
 }
 

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <expected>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "server/metrics/metrics.h"
+#include "server/tls/tls_context.h"
+
+namespace kerf {
+
+/// Reads the certificate of the server and its key; null if `certificate` is empty: without TLS.
+/// Logs one that clients reject because it has expired, or is not valid yet. The error is one
+/// sentence.
+std::expected<std::unique_ptr<net::TlsCertificate>, std::string> load_certificate(
+    const std::filesystem::path& certificate, const std::filesystem::path& key);
+
+/// Makes /metrics show when the present certificate expires; null: there is none.
+void show_expiry(const net::TlsCertificate* certificate, net::Metrics& metrics);
+
+}  // namespace kerf
