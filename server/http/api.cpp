@@ -7,6 +7,7 @@
 #include "server/http/routes.h"
 #include "server/http/static_files.h"
 #include "server/rights/rights.h"
+#include "server/session/history_failure.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
@@ -99,6 +100,17 @@ ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
     return response;
   }
   return error_response(404, "unknown_session", "there is no session " + id);
+}
+
+ApiResponse damaged_journal(const JournalError& damage) {
+  return error_response(500, wire::to_string(wire::ErrorCode::kDamagedJournal),
+                        damage_text(damage));
+}
+
+ApiResponse history_failure(const Session& session, const std::string& reason,
+                            const std::stop_token& stop) {
+  if (const auto damage = damage_after(session, reason, stop)) return damaged_journal(*damage);
+  return error_response(503, "busy", reason);
 }
 
 ApiResponse out_of_memory() {
@@ -253,9 +265,11 @@ std::string Api::drain_target() const {
 ApiResponse Api::health(const ApiCall&) { return json_response(200, R"({"status":"ok"})"); }
 
 ApiResponse Api::ready(const ApiCall& call) {
-  Json paused = Json::array();
+  Json paused = Json::array(), damaged = Json::array();
   bool is_paused = false;
   for (const auto& session : registry_.list()) {
+    // Another server would read the same file, and this one carves on.
+    if (session->health().damage()) damaged.push_back(session->id());
     const auto error = session->pause();
     if (!error) continue;
     paused.push_back(session->id());
@@ -273,10 +287,13 @@ ApiResponse Api::ready(const ApiCall& call) {
   Json json = {{"status", status},
                {"loading", registry_.loading()},
                {"paused", paused},
+               {"damaged", damaged},
                {"unreadable", unreadable}};
   // An invitation is for one session, and gives no right to list the others.
   if (!may(call.caller.role, Action::kList) || !call.caller.grant.empty()) {
-    for (const char* list : {"loading", "paused", "unreadable"}) json[list] = json[list].size();
+    for (const char* list : {"loading", "paused", "damaged", "unreadable"}) {
+      json[list] = json[list].size();
+    }
   }
   return json_response(loaded && !is_paused ? 200 : 503, json.dump());
 }

@@ -87,6 +87,11 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   family("kerf_sessions_loading", "Sessions that are not loaded yet.")
       .Add({})
       .Set(static_cast<double>(registry.loading().size()));
+  const auto damaged = std::ranges::count_if(
+      sessions, [](const auto& session) { return session->health().damage().has_value(); });
+  family("kerf_journal_damaged_sessions", "Open sessions whose journals are damaged.")
+      .Add({})
+      .Set(static_cast<double>(damaged));
   const DiskUse disk = registry.disk_use();
   family("kerf_data_bytes", "Size of all files of the data folder.")
       .Add({})
