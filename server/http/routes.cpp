@@ -382,8 +382,7 @@ constexpr Route kRoutes[] = {
     {.pattern = "/readyz",
      .handler = &Api::ready,
      .action = Action::kReach,
-     .summary =
-         "200; 503 while loading or paused; `{status, loading, paused, damaged, unreadable}`"},
+     .summary = "200; 503 while not ready; `{status, loading, paused, damaged, unreadable}`"},
     {.pattern = "/metrics",
      .handler = &Api::metrics,
      .action = Action::kAdminister,

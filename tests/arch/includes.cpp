@@ -184,7 +184,7 @@ const std::vector<Library>& libraries() {
       {{"prometheus/"}, false, {"server/metrics"}, "one class counts for the whole server"},
       {{"CLI/"},
        false,
-       {"server/command_line.cpp", "server/commands", "server/cluster_options.cpp",
+       {"server/command_line.cpp", "server/commands.cpp", "server/cluster_options.cpp",
         "server/viewer_options.cpp", "server/carve", "haptic_agent/main.cpp",
         "haptic_agent/number_in.cpp", "haptic_agent/options.cpp",
         "haptic_agent/recording_commands.cpp", "haptic_agent/wrapped_help.cpp",
