@@ -8,7 +8,7 @@ name=$(basename "$program")
 case $name in
   kerf-agent) subcommands=doctor purpose='carve in a Kerf session with a haptic device' ;;
   kerf-carve) subcommands=tradeoff purpose='carve a block with an NC program' ;;
-  kerf-server) subcommands='check replay backup' purpose='sessions in which several people carve one block' ;;
+  kerf-server) subcommands='check replay backup salvage' purpose='sessions in which several people carve one block' ;;
   *) subcommands='' purpose='write the tool paths of the Kerf demo' ;;
 esac
 mkdir -p "$folder"

@@ -20,14 +20,13 @@
 #include <string_view>
 #include <utility>
 
-#include "server/cluster/copies.h"
 #include "server/cluster_options.h"
+#include "server/commands.h"
 #include "server/configuration.h"
 #include "server/http/browser_rules.h"
 #include "server/http/number.h"
 #include "server/http/static_files.h"
 #include "server/log/log.h"
-#include "server/maintenance.h"
 #include "server/rights/admin_token.h"
 #include "server/store/journal_file.h"
 #include "server/viewer_options.h"
@@ -96,66 +95,6 @@ std::vector<std::string> own_names() {
   const std::string host(name.data());
   return {host, host + ".local"};
 }
-
-/// The commands that verify or copy files instead of serving sessions.
-struct Commands {
-  std::string folder, journal, backup, session, fetched;
-  std::vector<std::uint64_t> without_strokes;
-
-  /// The commands for copies at NATS; --nats may come before or after them.
-  void add_copies(CLI::App& app) {
-    app.add_subcommand("copies", "lists the sessions whose journals are copied at NATS (--nats)")
-        ->fallthrough();
-    CLI::App* fetch = app.add_subcommand(
-        "fetch", "writes the journal of a session from its copy at NATS (--nats), and verifies it");
-    fetch->fallthrough();
-    fetch->add_option("SESSION", session, "id of the session")->required();
-    fetch->add_option("TO", fetched, "file to write, DATA/SESSION.kerf; no file is replaced")
-        ->required();
-    CLI::App* forget =
-        app.add_subcommand("forget", "deletes the copy of a session's journal at NATS (--nats)");
-    forget->fallthrough();
-    forget->add_option("SESSION", session, "id of the session")->required();
-  }
-  void add(CLI::App& app) {
-    app.add_subcommand("check",
-                       "reads the journals and snapshots of a data folder; exits with 1 if "
-                       "something is wrong, and says what to do")
-        ->add_option("DATA", folder, "data folder, also of a running server")
-        ->required();
-    CLI::App* copy = app.add_subcommand(
-        "backup",
-        "copies the journals and the rights of a data folder into another folder, also while "
-        "a server runs on it");
-    copy->add_option("DATA", folder, "data folder")->required();
-    copy->add_option("TO", backup, "folder of the copies, created if missing; no file is replaced")
-        ->required();
-    CLI::App* replay =
-        app.add_subcommand("replay",
-                           "carves a journal from the start and compares it with its state hashes "
-                           "and its snapshots; exits with 1 at the first difference");
-    replay->add_option("FILE", journal, "journal, DATA/SESSION.kerf")->required();
-    replay
-        ->add_option("--without-strokes", without_strokes,
-                     "strokes, as GET .../strokes lists them, separated by commas: prints the hash "
-                     "of the block in which they never happened, and compares nothing")
-        ->delimiter(',');
-    add_copies(app);
-  }
-  /// The exit status of the command that was named; nullopt if none was.
-  std::optional<int> run(const CLI::App& app, const std::string& nats) const {
-    if (app.got_subcommand("copies")) return print_copies(nats);
-    if (app.got_subcommand("fetch")) return fetch_journal(nats, session, fetched);
-    if (app.got_subcommand("forget")) return forget_copy(nats, session);
-    if (app.got_subcommand("check")) return check_data(folder);
-    if (app.got_subcommand("backup")) return back_up(folder, backup);
-    if (app.got_subcommand("replay")) {
-      return without_strokes.empty() ? replay_journal(journal)
-                                     : replay_without(journal, without_strokes);
-    }
-    return std::nullopt;
-  }
-};
 
 SnapshotLimits snapshot_limits(double replay_s) {
   SnapshotLimits limits;

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <pthread.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -172,6 +173,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   open_standard_streams();
+  umask(S_IRWXG | S_IRWXO);  // journals, rights and uploads are for this user only
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {

@@ -11,10 +11,12 @@
 #include "server/session/hash_text.h"
 #include "server/session/journal_carve.h"
 #include "server/session/journal_check.h"
+#include "server/session/journal_salvage.h"
 #include "server/session/session_registry.h"
 #include "server/store/block_snapshot.h"
 #include "server/store/folder_lock.h"
 #include "server/store/journal_file.h"
+#include "server/store/private_file.h"
 
 namespace kerf {
 
@@ -71,28 +73,57 @@ std::expected<void, std::string> copy_snapshots(const std::filesystem::path& jou
   return {};
 }
 
-/// Copies a journal and its snapshots, and reports it. A copy that is there already stays.
+/// Copies the files of a journal whose pages SQLite cannot read, as they are.
+std::expected<void, std::string> copy_bytes(const std::filesystem::path& journal,
+                                            const std::filesystem::path& copy) {
+  for (const char* suffix : {"", "-wal"}) {
+    std::error_code error;
+    std::filesystem::copy_file(journal.string() + suffix, copy.string() + suffix, error);
+    if (error && error != std::errc::no_such_file_or_directory) {
+      return std::unexpected(copy.string() + suffix + ": " + error.message());
+    }
+  }
+  return {};
+}
+
+/// The error is one sentence.
+std::expected<void, std::string> copy_records(const std::filesystem::path& journal,
+                                              const std::filesystem::path& copy) {
+  const auto copied = copy_journal(journal, copy);
+  if (copied) return {};
+  if (copied.error().code == JournalErrorCode::kCorrupt) return copy_bytes(journal, copy);
+  return std::unexpected(journal.string() + ": " + describe(copied.error()));
+}
+
+/// Verifies the copy of a journal; says what is wrong with it.
+bool is_good(const std::filesystem::path& journal, const std::filesystem::path& copy) {
+  const CheckedFile checked = check_journal(copy);
+  for (const FileFault& fault : checked.faults) {
+    std::fprintf(stderr, "kerf-server: %s is damaged, and was copied as it is: %s -> %s\n",
+                 journal.c_str(), fault.problem.c_str(), fault.remedy.c_str());
+  }
+  return checked.faults.empty();
+}
+
+/// Copies a journal and its snapshots, verifies the copy and reports it; false if it is not good. A
+/// copy that is there already stays.
 bool copy_session(const std::filesystem::path& journal, const std::filesystem::path& copy) {
   const bool is_new = !std::filesystem::exists(copy);
   auto copied = is_new ? copy_snapshots(journal, copy) : std::expected<void, std::string>();
-  if (copied) {
-    if (const auto done = copy_journal(journal, copy); !done) {
-      copied = std::unexpected(journal.string() + ": " + describe(done.error()));
-    }
-  }
+  if (copied) copied = copy_records(journal, copy);
   if (!copied) {
     std::fprintf(stderr, "kerf-server: %s\n", copied.error().c_str());
     if (is_new) remove_journal(copy);
     return false;
   }
   std::printf("%s\n", copy.c_str());
-  return true;
+  std::fflush(stdout);
+  return is_good(journal, copy);
 }
 
 /// Copies the sessions of one folder; false if one could not be.
 bool copy_sessions(const std::filesystem::path& data, const std::filesystem::path& to) {
-  std::error_code error;
-  std::filesystem::create_directories(to, error);
+  std::error_code error = create_private_folder(to);
   std::vector<std::filesystem::path> journals;
   if (!error) {
     for (auto entry = std::filesystem::directory_iterator(data, error);
@@ -172,6 +203,19 @@ int replay_journal(const std::filesystem::path& file) {
               : verified->snapshots_compared == 1 ? " and the snapshot"
                                                   : " and two snapshots",
               hash_text(verified->hash).c_str());
+  return 0;
+}
+
+int salvage(const std::filesystem::path& file, const std::filesystem::path& to) {
+  const auto salvaged = salvage_journal(file, to);
+  if (!salvaged) {
+    std::fprintf(stderr, "kerf-server: %s: %s\n", to_string(salvaged.error().code),
+                 describe(salvaged.error()).c_str());
+    return 1;
+  }
+  for (const std::string& line : describe_salvage(*salvaged)) std::printf("%s\n", line.c_str());
+  std::printf("written: %s, up to record %s, hash %s\n", to.c_str(),
+              std::to_string(salvaged->last).c_str(), hash_text(salvaged->hash).c_str());
   return 0;
 }
 

@@ -16,8 +16,11 @@
 #include "server/http/http_connection.h"
 #include "server/log/log.h"
 #include "server/metrics/metrics.h"
+#include "server/session/journal_watch.h"
+#include "server/session_log.h"
 #include "server/socket/viewer_hub.h"
 #include "server/store/folder_lock.h"
+#include "server/store/private_file.h"
 #include "server/threads/fair_threads.h"
 #include "server/threads/run_and_wait.h"
 #include "server/threads/run_on.h"
@@ -61,49 +64,6 @@ constexpr std::string_view kProxyNeedsRights =
     " makes everybody behind the proxy an administrator of a server without rights. Start with "
     "--admin-token-file FILE or --open";
 
-void log_pause(const std::string& id, const std::optional<JournalError>& error) {
-  if (error && is_limit(error->code)) {
-    log::error("session " + id + ": paused: disk: " + error->reason +
-               "; motions are rejected until then");
-  } else if (error) {
-    log::error("session " + id + ": paused: disk: " + describe(*error) +
-               "; motions are rejected and the commit is tried every " +
-               std::to_string(kJournalRetry.count()) + " ms");
-  } else {
-    log::info("session " + id + ": the journal may be written again; the session continues");
-  }
-}
-
-void log_snapshot_failure(const std::string& id, const std::string& reason) {
-  log::warn("session " + id + ": no snapshot can be written: " + reason +
-            "; the next start will take longer");
-}
-
-void log_report(const LoadReport& report) {
-  for (const std::string& id : report.loaded) log::info("session " + id + " is loaded");
-  for (const JournalError& failure : report.failures) {
-    log::error(std::string(to_string(failure.code)) + ": " + describe(failure) +
-               "; its session is not open, and its journal stays as it is");
-  }
-  for (const IgnoredSnapshot& snapshot : report.ignored) {
-    log::warn("session " + snapshot.id + ": its snapshot was ignored: " + snapshot.reason +
-              (snapshot.used_sequence == 0
-                   ? "; all records were replayed"
-                   : "; the one before it, after record " + std::to_string(snapshot.used_sequence) +
-                         ", was used"));
-  }
-  for (const ShortenedSession& session : report.shortened) {
-    log::warn("session " + session.id + ": the journal ends after record " +
-              std::to_string(session.last_sequence) +
-              ", before its newest state hash: what came later is lost, and the hash was dropped");
-  }
-  for (const RecarvedSession& session : report.recarved) {
-    log::warn("session " + session.id + ": the journal is of kernel version " +
-              std::to_string(session.kernel_version) + "; carved again with version " +
-              std::to_string(kKernelVersion));
-  }
-}
-
 }  // namespace
 
 struct Server::Impl {
@@ -122,7 +82,7 @@ struct Server::Impl {
         registry(
             {options.http.data_folder, options.sessions_max, options.session, log_pause,
              SnapshotOptions{&snapshots, options.snapshots, log_snapshot_failure}, options.disk,
-             carvers.count() > 1 ? &carvers : nullptr, node.get(), options.needs_copy},
+             carvers.count() > 1 ? &carvers : nullptr, node.get(), options.needs_copy, log_damage},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics, *access),
@@ -156,6 +116,7 @@ struct Server::Impl {
   /// Help the sessions' threads. Agents pause longer than a thread could spin.
   ThreadPool carvers{std::min(usable_threads(), kCarversMax), ThreadPool::Idle::kSleeps};
   SessionRegistry registry;
+  JournalWatch watch{registry, snapshots};
   Api api;
   IoThreads immediate;  ///< after `api`, which the work on requests uses
   FairThreads control{"control", kShown}, history{"history", kShown}, workers{"workers", kBehind},
@@ -266,8 +227,7 @@ Server::~Server() {
 }
 
 std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions options) {
-  std::error_code error;
-  std::filesystem::create_directories(options.http.data_folder, error);
+  const std::error_code error = create_private_folder(options.http.data_folder);
   if (!std::filesystem::is_directory(options.http.data_folder)) {
     return std::unexpected(options.http.data_folder.string() + ": " + error.message());
   }
@@ -300,6 +260,7 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
   }
   impl->loader =
       std::jthread([server = impl.get()](const std::stop_token& stop) { server->load(stop); });
+  impl->watch.start();
   impl->disk_watch = std::jthread(
       [server = impl.get()](const std::stop_token& stop) { server->watch_disk(stop); });
   if (!impl->options.copies.url.empty()) {
@@ -366,6 +327,7 @@ void Server::stop() {
   if (std::exchange(impl_->stopped, true)) return;
   impl_->loader = {};  // stops it
   impl_->disk_watch = {};
+  impl_->watch.stop();
   // The acceptor belongs to the viewers' thread: it is closed there and destroyed here.
   run_and_wait(impl_->viewers, [this] {
     error_code ignored;

@@ -81,7 +81,9 @@ std::expected<void, std::string> RecordedMotions::read_windows(
     ranges.back().last = std::min(first + kWindow - 1, strokes_.last());
   }
   const auto add = [&](JournalRecord& record) {
-    read.at(window_begin(record.sequence))->motions.push_back(motion_of(record));
+    Window& window = *read.at(window_begin(record.sequence));
+    window.motions.resize(record.sequence - window.first);  // a salvaged journal begins anywhere
+    window.motions.push_back(motion_of(record));
   };
   if (auto ok = journal_->read(ranges, add, stop); !ok) return ok;
   for (const std::uint64_t first : firsts) {

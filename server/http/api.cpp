@@ -7,6 +7,7 @@
 #include "server/http/routes.h"
 #include "server/http/static_files.h"
 #include "server/rights/rights.h"
+#include "server/session/history_failure.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
@@ -54,6 +55,7 @@ ApiResponse rejection_response(const Rejection& rejection, unsigned otherwise) {
   const unsigned status = code == kBusy                           ? 503
                           : code == kNotAllowed || code == kMuted ? 403
                           : code == kUnknownSession               ? 404
+                          : code == kDamagedJournal               ? 500
                                                                   : otherwise;
   return error_response(status, wire::to_string(code), rejection.reason);
 }
@@ -117,6 +119,17 @@ ApiResponse stopped() {
       "the work on the request was ended: its session was closed, or the server is shutting down");
   response.headers.emplace_back("Retry-After", "1");
   return response;
+}
+
+ApiResponse damaged_journal(const JournalError& damage) {
+  return error_response(500, wire::to_string(wire::ErrorCode::kDamagedJournal),
+                        damage_text(damage));
+}
+
+ApiResponse history_failure(const Session& session, const std::string& reason,
+                            const std::stop_token& stop) {
+  if (const auto damage = damage_after(session, reason, stop)) return damaged_journal(*damage);
+  return error_response(503, "busy", reason);
 }
 
 ApiResponse out_of_memory() {
@@ -298,9 +311,11 @@ std::string Api::drain_target() const {
 ApiResponse Api::health(const ApiCall&) { return json_response(200, R"({"status":"ok"})"); }
 
 ApiResponse Api::ready(const ApiCall& call) {
-  Json paused = Json::array();
+  Json paused = Json::array(), damaged = Json::array();
   bool is_paused = false;
   for (const auto& session : registry_.list()) {
+    // Another server would read the same file, and this one carves on.
+    if (session->health().damage()) damaged.push_back(session->id());
     const auto error = session->pause();
     if (!error) continue;
     paused.push_back(session->id());
@@ -318,10 +333,13 @@ ApiResponse Api::ready(const ApiCall& call) {
   Json json = {{"status", status},
                {"loading", registry_.loading()},
                {"paused", paused},
+               {"damaged", damaged},
                {"unreadable", unreadable}};
   // An invitation is for one session, and gives no right to list the others.
   if (!may(call.caller.role, Action::kList) || !call.caller.grant.empty()) {
-    for (const char* list : {"loading", "paused", "unreadable"}) json[list] = json[list].size();
+    for (const char* list : {"loading", "paused", "damaged", "unreadable"}) {
+      json[list] = json[list].size();
+    }
   }
   return json_response(loaded && !is_paused ? 200 : 503, json.dump());
 }

@@ -91,6 +91,12 @@ bool is_coming(const SessionRegistry& registry, const std::string& id, bool only
 std::shared_ptr<Session> find_to_look(const SessionRegistry& registry, const std::string& id);
 /// Where else a session runs: the address of that server; nullopt: nowhere, or there are no others.
 std::optional<std::string> other_place(const SessionRegistry& registry, const std::string& id);
+/// 500 `damaged_journal`: it names the bad record and what can be done.
+ApiResponse damaged_journal(const JournalError& damage);
+/// The response after the history of a session could not be read, for `reason`: 500 if its journal
+/// is damaged, else 503: the request can be repeated. May read the journal.
+ApiResponse history_failure(const Session& session, const std::string& reason,
+                            const std::stop_token& stop);
 /// 404: the session has no target part of that name.
 ApiResponse unknown_target(const std::string& name);
 /// 503 with Retry-After: the work on the request was ended (ApiRequest::stop).

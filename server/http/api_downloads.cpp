@@ -12,6 +12,7 @@
 #include "server/http/download_request.h"
 #include "server/http/entity_tag.h"
 #include "server/session/hash_text.h"
+#include "server/session/history_failure.h"
 #include "server/session/session_walls.h"
 
 namespace kerf::net {
@@ -167,6 +168,10 @@ ApiResponse Api::download(const ApiCall& call) {
   if (!file) {
     const MakeError& error = file.error();
     if (error.no_space) return error_response(507, "disk_full", error.reason);
+    if (!download->model && !error.impossible) {
+      const auto damage = damage_after(session, error.reason, request.stop);
+      if (damage) return damaged_journal(*damage);
+    }
     return error.impossible ? error_response(422, "budget_impossible", error.reason)
                             : error_response(500, "export_failed", error.reason);
   }
@@ -191,7 +196,9 @@ std::expected<HashedSolid, ApiResponse> Api::requested_block(const ApiCall& call
 std::expected<HashedSolid, ApiResponse> Api::solid_after(const ApiCall& call,
                                                          std::uint64_t record) {
   const auto then = call.session->solid_at(record, carvers(), call.request.stop);
-  if (!then) return std::unexpected(error_response(503, "busy", then.error()));
+  if (!then) {
+    return std::unexpected(history_failure(*call.session, then.error(), call.request.stop));
+  }
   if (!*then) return std::unexpected(no_record(record));
   return HashedSolid{**then, {record, (*then)->hash()}};
 }

@@ -176,7 +176,7 @@ ApiResponse Api::probe(const ApiCall& call) {
   }
   if (!air) return json_response(200, json.dump());
   const auto maker = call.session->first_to_remove(*air, block->hash.sequence, call.request.stop);
-  if (!maker) return error_response(503, "busy", maker.error());
+  if (!maker) return history_failure(*call.session, maker.error(), call.request.stop);
   if (*maker) json["cut"] = shown_maker(*call.session, **maker);
   return json_response(200, json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
@@ -200,7 +200,7 @@ ApiResponse Api::owners(const ApiCall& call) {
     asked.push_back(n);
   }
   const auto found = call.session->owners(cells, block->hash.sequence, call.request.stop);
-  if (!found) return error_response(503, "busy", found.error());
+  if (!found) return history_failure(*call.session, found.error(), call.request.stop);
   std::vector<ParticipantId> owners(places->size(), 0);
   for (std::size_t n = 0; n < asked.size(); ++n) owners[asked[n]] = (*found)[n];
   ApiResponse response;

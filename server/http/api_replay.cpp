@@ -21,10 +21,18 @@ namespace {
 constexpr std::size_t kHashesMax = 1000;
 
 ApiResponse journal_failure(const JournalError& error) {
+  if (error.code == JournalErrorCode::kCorrupt) return damaged_journal(error);
   if (error.code == JournalErrorCode::kForeignVersion) {
     return error_response(409, to_string(error.code), error.reason);
   }
   return error_response(500, to_string(error.code), error.reason);
+}
+
+/// A page would begin with the stock, and carve another block.
+ApiResponse salvaged_journal() {
+  return error_response(409, "salvaged_journal",
+                        "this journal was salvaged: it begins with a block that was cut already, "
+                        "which only the server can replay");
 }
 
 /// The name of a journal: that of its first record, so that it stays the same for ever, and the
@@ -40,6 +48,7 @@ std::expected<JournalReader, ApiResponse> named_journal(const ApiCall& call) {
   auto journal =
       JournalReader::open(call.session->journal_file(), RecordOrder::kSequence, call.request.stop);
   if (!journal) return std::unexpected(journal_failure(journal.error()));
+  if (call.session->base() > 0) return std::unexpected(salvaged_journal());
   const auto name = name_of(*journal);
   if (!name) return std::unexpected(journal_failure(name.error()));
   const std::string* asked = call.request.query_value("journal");
@@ -63,6 +72,7 @@ ApiResponse lasting(const ApiCall& call, std::span<const std::byte> bytes) {
 
 ApiResponse Api::replay(const ApiCall& call) {
   Session& session = *call.session;
+  if (session.base() > 0) return salvaged_journal();
   const auto asked = requested_block(call);
   if (!asked) return asked.error();
   const HashedSolid& now = *asked;

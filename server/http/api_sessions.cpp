@@ -48,6 +48,15 @@ Json copy_json(const CopyNote& note) {
           {"snapshot", note.snapshot()}};
 }
 
+/// Null as long as no damage of the journal is known.
+Json damage_json(const JournalHealth& health) {
+  const auto damage = health.damage();
+  if (!damage) return {};
+  return {{"file", std::filesystem::path(damage->file).filename().string()},
+          {"record", damage->sequence == 0 ? Json() : Json(damage->sequence)},
+          {"reason", damage_text(*damage)}};
+}
+
 Json info_json(const Session& session, const SessionInfo& info, const StateHash& hash) {
   Json participants = Json::array();
   for (const Participant& participant : info.participants) {
@@ -77,6 +86,7 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
           {"journal_lag", info.journal_lag},
           {"copied", copy_json(session.copy())},
           {"paused", info.paused.empty() ? Json() : Json(info.paused)},
+          {"damaged", damage_json(session.health())},
           {"followed", session.is_followed()},
           {"disk_bytes", session.disk_bytes()},
           {"pitch_mm", session.scene().settings.pitch_mm},
@@ -118,6 +128,7 @@ unsigned http_status(RegistryErrorCode code) {
     case RegistryErrorCode::kJournal:
       return 500;
     case RegistryErrorCode::kDiskFull:
+    case RegistryErrorCode::kNotClosed:
       return 507;
     case RegistryErrorCode::kNoLease:
       return 503;
@@ -246,6 +257,10 @@ ApiResponse Api::create_branch(const ApiCall& call, const std::string& id) {
 ApiResponse Api::close_session(const ApiCall& call) {
   const std::string* value = call.request.query_value("purge");
   const bool purge = value != nullptr && *value == "1";
+  // On a full disk it stays open, with its rights.
+  if (const auto flushed = call.session->flush(); !flushed && !purge) {
+    return registry_failure({RegistryErrorCode::kNotClosed, stays_open(flushed.error()), {}});
+  }
   // First, so that nobody has rights to a later session of the same id.
   if (auto done = access_.forget(call.session->id()); !done) return access_failure(done.error());
   call.session->attach({});

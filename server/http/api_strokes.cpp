@@ -62,7 +62,7 @@ ApiResponse Api::list_strokes(const ApiCall& call) {
     since = *number;
   }
   const auto strokes = call.session->strokes(since, call.request.stop);
-  if (!strokes) return error_response(503, "busy", strokes.error());
+  if (!strokes) return history_failure(*call.session, strokes.error(), call.request.stop);
   Json list = Json::array();
   for (const ListedStroke& stroke : *strokes) list.push_back(stroke_json(stroke));
   return json_response(200, Json{{"strokes", std::move(list)}}.dump());
@@ -73,7 +73,9 @@ ApiResponse Api::list_authors(const ApiCall& call) {
     return error_response(503, "busy", describe(flushed.error()));
   }
   const auto people = people_of(call.session->journal_file());
-  if (!people) return error_response(503, "busy", describe(people.error()));
+  if (!people) {
+    return history_failure(*call.session, describe(people.error()), call.request.stop);
+  }
   Json list = Json::array();
   for (const JournalParticipant& person : *people) {
     list.push_back({{"participant", person.participant},

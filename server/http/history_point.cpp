@@ -42,6 +42,13 @@ std::optional<int> parse_decimals(std::string_view text) {
   return std::ranges::all_of(text, is_digit) ? std::optional(ms) : std::nullopt;
 }
 
+/// 404: the record is one that a salvaged journal has lost.
+ApiResponse lost_record(std::uint64_t base) {
+  return error_response(
+      404, "no_record",
+      "this journal was salvaged: the block is known from record " + std::to_string(base) + " on");
+}
+
 }  // namespace
 
 std::expected<WallTime, std::string> parse_time(std::string_view text) {
@@ -95,7 +102,7 @@ std::expected<std::uint64_t, ApiResponse> find_record(Session& session, const Hi
   const auto flushed = session.flush();
   if (!flushed) return std::unexpected(error_response(503, "busy", describe(flushed.error())));
   const auto record = record_at(session.journal_file(), time.ms);
-  if (!record) return std::unexpected(error_response(500, "journal_io", describe(record.error())));
+  if (!record) return std::unexpected(history_failure(session, describe(record.error()), {}));
   return *record;
 }
 
@@ -108,6 +115,7 @@ std::expected<std::uint64_t, ApiResponse> find_requested(Session& session, const
   if (!point) return std::unexpected(error_response(400, "bad_at", "at " + point.error()));
   const auto record = find_record(session, *point);
   if (record && *record > last()) return std::unexpected(no_record(*record));
+  if (record && *record < session.base()) return std::unexpected(lost_record(session.base()));
   return record;
 }
 

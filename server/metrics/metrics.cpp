@@ -82,6 +82,17 @@ void add_certificate(prometheus::Registry& now, const Metrics& metrics) {
       .Set(left.count());
 }
 
+void add_damaged(prometheus::Registry& now, const std::vector<std::shared_ptr<Session>>& sessions) {
+  const auto damaged = std::ranges::count_if(
+      sessions, [](const auto& session) { return session->health().damage().has_value(); });
+  prometheus::BuildGauge()
+      .Name("kerf_journal_damaged_sessions")
+      .Help("Open sessions whose journals are damaged.")
+      .Register(now)
+      .Add({})
+      .Set(static_cast<double>(damaged));
+}
+
 /// Adds what belongs to a session. It is rebuilt on every scrape, so that a closed session leaves
 /// no line.
 void add_gauges(prometheus::Registry& now, const Metrics& metrics,
@@ -102,6 +113,7 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   family("kerf_sessions_loading", "Sessions that are not loaded yet.")
       .Add({})
       .Set(static_cast<double>(registry.loading().size()));
+  add_damaged(now, sessions);
   const DiskUse disk = registry.disk_use();
   family("kerf_data_bytes", "Size of all files of the data folder.")
       .Add({})

@@ -17,8 +17,9 @@ std::expected<CarvedJournal, std::string> carve_without(const std::filesystem::p
   left_out->insert(without.begin(), without.end());
   const auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
-  auto block = Sculpture::create(scene->settings);
-  if (!block) return std::unexpected(block.error().reason);
+  auto first = first_block(*reader, *scene, journal);
+  if (!first) return std::unexpected(describe(first.error()));
+  Sculpture& block = first->sculpture;
   StrokeSet missing = without;
   for (;;) {
     const auto record = reader->next();
@@ -28,7 +29,7 @@ std::expected<CarvedJournal, std::string> carve_without(const std::filesystem::p
     auto command = kernel_command((*record)->command);
     if (!command || left_out->contains((*record)->stroke)) continue;
     if (auto* move = std::get_if<MoveTool>(&*command)) move->feel = false;
-    if (auto applied = block->apply(*command); !applied) {
+    if (auto applied = block.apply(*command); !applied) {
       return std::unexpected("record " + std::to_string((*record)->sequence) + ": " +
                              applied.error().reason);
     }
@@ -36,7 +37,7 @@ std::expected<CarvedJournal, std::string> carve_without(const std::filesystem::p
   if (!missing.empty()) {
     return std::unexpected("no stroke begins with record " + std::to_string(*missing.begin()));
   }
-  return CarvedJournal{block->motions(), block->state_hash(), block->removed_volume_mm3()};
+  return CarvedJournal{block.motions(), block.state_hash(), block.removed_volume_mm3()};
 }
 
 }  // namespace kerf

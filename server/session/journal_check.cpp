@@ -26,7 +26,8 @@ constexpr const char* kKeepIt = "keep it until the journal can be read again";
 std::string remedy_of(const JournalError& error) {
   switch (error.code) {
     case JournalErrorCode::kCorrupt:
-      return "restore a copy of the file, or move it away; the server leaves it as it is";
+      return "restore a copy of the file, or keep the rest of it with 'kerf-server salvage'; the "
+             "server leaves it as it is";
     case JournalErrorCode::kForeignVersion:
       return "open it with the version of Kerf that wrote it";
     case JournalErrorCode::kNotAJournal:
@@ -47,6 +48,8 @@ FileFault left_out(const std::string& table, std::int64_t rows) {
   return {"the checksums of " + std::to_string(rows) + " rows of " + table + " are wrong",
           "restore a copy of the file; the server leaves these rows out"};
 }
+
+}  // namespace
 
 CheckedFile check_journal(const std::filesystem::path& file) {
   CheckedFile checked{file.filename().string(), {}, {}};
@@ -86,6 +89,8 @@ CheckedFile check_journal(const std::filesystem::path& file) {
                     std::to_string(header.kernel_version);
   return checked;
 }
+
+namespace {
 
 /// Why the snapshot of a journal cannot be used; nullopt if it can.
 std::optional<std::string> snapshot_problem(const std::filesystem::path& journal,
@@ -252,14 +257,14 @@ std::expected<VerifiedJournal, JournalError> verify_journal(const std::filesyste
   if (!reader) return std::unexpected(reader.error());
   const auto scene = journal_scene(*reader, file);
   if (!scene) return std::unexpected(scene.error());
-  auto sculpture = Sculpture::create(scene->settings);
+  auto first = first_block(*reader, *scene, file);
+  if (!first) return std::unexpected(first.error());
   const auto corrupt_at = [&](std::uint64_t sequence, const std::string& reason) {
     return std::unexpected(
         JournalError{JournalErrorCode::kCorrupt, file.string(), sequence, reason});
   };
-  if (!sculpture) return corrupt_at(0, sculpture.error().reason);
-  SolidSnapshot start = sculpture->solid();
-  Verification verification(file, *reader, {*std::move(sculpture), std::move(start), file});
+  SolidSnapshot start = first->sculpture.solid();
+  Verification verification(file, *reader, {std::move(first->sculpture), std::move(start), file});
   while (!verification.differs()) {
     const auto record = reader->next();
     if (!record) return std::unexpected(record.error());

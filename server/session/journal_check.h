@@ -24,6 +24,9 @@ struct CheckedFile {
   std::vector<FileFault> faults;
 };
 
+/// Reads a journal and verifies its checksums and its pages, without cutting anything.
+CheckedFile check_journal(const std::filesystem::path& file);
+
 /// Reads the journals and snapshots of a data folder and verifies their checksums, without cutting
 /// anything. Calls `report` for each file, sorted by name. Fails if the folder cannot be read.
 std::expected<void, JournalError> check_folder(

@@ -7,6 +7,7 @@
 #include "server/history/recorded_block.h"
 #include "server/session/hash_text.h"
 #include "server/store/block_snapshot.h"
+#include "server/store/journal_base.h"
 
 namespace kerf {
 namespace {
@@ -33,6 +34,25 @@ std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
   return *std::move(scene);
 }
 
+std::expected<FirstBlock, JournalError> first_block(const JournalReader& reader, const Scene& scene,
+                                                    const std::filesystem::path& file) {
+  auto sculpture = Sculpture::create(scene.settings);
+  if (!sculpture) return std::unexpected(corrupt(file, 0, sculpture.error().reason));
+  FirstBlock first{*std::move(sculpture)};
+  const std::string* base = base_of(reader.header().files);
+  if (base == nullptr) return first;
+  const auto snapshot = read_stored_snapshot(*base, first.sculpture);
+  if (!snapshot) {
+    return std::unexpected(
+        corrupt(file, 0, "the block with which it begins: " + snapshot.error().reason));
+  }
+  if (!first.sculpture.restore(snapshot->state)) {
+    return std::unexpected(corrupt(file, 0, "it begins with another block"));
+  }
+  first.base = snapshot->head.sequence;
+  return first;
+}
+
 namespace {
 
 /// Creates the block of a journal as it was before the first record.
@@ -40,17 +60,18 @@ std::expected<Replayed, JournalError> untouched(const JournalReader& reader,
                                                 const std::filesystem::path& file) {
   auto scene = journal_scene(reader, file);
   if (!scene) return std::unexpected(scene.error());
-  auto sculpture = Sculpture::create(scene->settings);
-  if (!sculpture) return std::unexpected(corrupt(file, 0, sculpture.error().reason));
+  auto first = first_block(reader, *scene, file);
+  if (!first) return std::unexpected(first.error());
   ParticipantId last_participant = 0;
   for (const JournalParticipant& participant : reader.participants()) {
     last_participant = std::max(last_participant, participant.participant);
   }
-  SolidSnapshot start = sculpture->solid();
+  SolidSnapshot start = first->sculpture.solid();
   return Replayed{.scene = *std::move(scene),
                   .header = reader.header(),
-                  .sculpture = *std::move(sculpture),
+                  .sculpture = std::move(first->sculpture),
                   .start = std::move(start),
+                  .base = first->base,
                   .last_participant = last_participant,
                   .resumable = Resumable(reader.participants()),
                   .versions = reader.versions(),

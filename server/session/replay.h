@@ -24,6 +24,9 @@ struct Replayed {
   JournalHeader header;
   Sculpture sculpture;
   SolidSnapshot start;  ///< the solid before the first record
+  /// Of a salvaged journal: the record after which that was the solid; the motions before it are
+  /// lost. 0: the journal has them all.
+  std::uint64_t base = 0;
   std::uint64_t last_sequence = 0;
   ParticipantId last_participant = 0;
   Resumable resumable;
@@ -62,5 +65,13 @@ std::expected<Replayed, JournalError> restore(const std::filesystem::path& file,
 /// as kCorrupt.
 std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
                                                  const std::filesystem::path& file);
+
+/// The block of a journal before its first record.
+struct FirstBlock {
+  Sculpture sculpture;
+  std::uint64_t base = 0;  ///< Replayed::base
+};
+std::expected<FirstBlock, JournalError> first_block(const JournalReader& reader, const Scene& scene,
+                                                    const std::filesystem::path& file);
 
 }  // namespace kerf

@@ -26,6 +26,7 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
       scene_(std::move(replayed.scene)),
       sculpture_(std::move(replayed.sculpture)),
       start_(std::move(replayed.start)),
+      base_(replayed.base),
       limits_(limits),
       journal_(std::move(journal)),
       participants_(limits_, sculpture_, journal_, scene_.tools.begin()->first,
@@ -48,6 +49,11 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
 }
 
 Session::~Session() = default;
+
+void Session::note_times(std::int64_t created_ms, std::int64_t active_ms) {
+  created_ms_ = created_ms;
+  active_ms_ = active_ms;
+}
 
 void Session::show_figures() {
   const auto relaxed = std::memory_order_relaxed;

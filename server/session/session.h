@@ -83,6 +83,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<JournalError> pause() const { return journal_.pause(); }
   JournalFigures journal_figures() const { return journal_.figures(); }
   CopyNote& copy() const { return journal_.copy(); }
+  JournalHealth& health() const { return journal_.health(); }
+  /// The first record after which the block is known (Replayed::base).
+  std::uint64_t base() const { return base_; }
   /// Stores or removes an attachment of the journal; without effect in a followed session.
   void attach(AttachmentChange change) { journal_.attach(std::move(change)); }
   /// Size of the journal, its side files and the snapshots, bytes.
@@ -101,10 +104,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// from one thread at a time.
   void keep_disk_limits(const DiskLimits& limits, const DiskUse& use, DiskLevel shared);
   /// What the journal says of the times in figures(). Call once, before the session is used.
-  void note_times(std::int64_t created_ms, std::int64_t active_ms) {
-    created_ms_ = created_ms;
-    active_ms_ = active_ms;
-  }
+  void note_times(std::int64_t created_ms, std::int64_t active_ms);
   /// Carves motions of several participants at the same time from now on, on `carvers`, which
   /// outlive the session. Call once, when the session has been created.
   void carve_on(Workers& carvers) { carvers_ = &carvers; }
@@ -245,8 +245,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Undoes or redoes strokes: afterwards the block is, to the bit, the one in which only the
   /// others have happened. Blocks until it is so: not on the executor. Others carve meanwhile; the
   /// session's thread is taken for about a millisecond at a time. Requests wait for each other.
-  /// Answers kNotAllowed, kBadMessage for a stroke that does not exist or is so already, and kBusy
-  /// if the journal fails or `stop` was requested early.
+  /// Answers kNotAllowed, kBadMessage for a stroke that does not exist or is so already, kBusy if
+  /// the disk fails or `stop` was requested early, and kDamagedJournal.
   std::expected<StrokesChanged, Rejection> change_strokes(const StrokeRequest& request,
                                                           Workers& workers,
                                                           const std::stop_token& stop = {});
@@ -354,6 +354,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Scene scene_;
   Sculpture sculpture_;
   SolidSnapshot start_;  ///< the solid before the first record
+  std::uint64_t base_;
   SessionLimits limits_;
   SessionJournal journal_;
   Participants participants_;

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "server/session/session_registry.h"
+#include "server/store/private_file.h"
+#include "server/threads/run_and_wait.h"
 
 namespace kerf {
 namespace {
@@ -43,11 +45,28 @@ ClosedSession parse_name(const std::string& name) {
 
 }  // namespace
 
+std::string stays_open(const JournalError& error) {
+  return "the session stays open and loses nothing, because its records cannot be stored: " +
+         describe(error);
+}
+
 std::filesystem::path SessionRegistry::closed_folder() const {
   return options_.data_folder / kClosedFolder;
 }
 
 std::expected<void, RegistryError> SessionRegistry::close(const std::string& id, bool purge) {
+  const auto not_closed = [](const JournalError& error) {
+    return std::unexpected(RegistryError{RegistryErrorCode::kNotClosed, stays_open(error), {}});
+  };
+  if (!purge) {  // while the session is found by everybody: this may wait for the disk
+    const auto open = find(id);
+    if (const auto flushed = open ? open->flush() : std::expected<void, JournalError>(); !flushed) {
+      return not_closed(flushed.error());
+    }
+    if (const auto error = create_private_folder(closed_folder())) {
+      return not_closed({JournalErrorCode::kIo, closed_folder().string(), 0, error.message()});
+    }
+  }
   std::shared_ptr<Session> session;
   {
     const std::lock_guard lock(mutex_);
@@ -59,8 +78,31 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
     session = std::move(found->second);
     found->second = nullptr;  // the id stays reserved until the file has been moved
   }
-  end(session, "the session was closed by its operator");
-  const auto flushed = session->finish_journal();
+  if (const auto ended = end_committed(session, purge); !ended) {
+    const std::lock_guard lock(mutex_);
+    sessions_[id] = session;
+    return not_closed(ended.error());
+  }
+  // All records are committed: an error could lose hashes and notes about programs only.
+  (void)session->finish_journal();
+  session.reset();
+  return put_away(id, purge);
+}
+
+/// Ends a session whose records are all on the disk: in one turn of its executor, so that nothing
+/// is accepted in between. After an error it goes on. What is deleted need not be committed.
+std::expected<void, JournalError> SessionRegistry::end_committed(
+    const std::shared_ptr<Session>& session, bool purge) {
+  return run_and_wait(session->executor(), [&]() -> std::expected<void, JournalError> {
+    if (auto ok = purge ? std::expected<void, JournalError>() : session->flush(); !ok) return ok;
+    session->close("the session was closed by its operator");
+    return {};
+  });
+}
+
+/// Moves or deletes the journal of a session that has ended. One that cannot be moved is opened
+/// again.
+std::expected<void, RegistryError> SessionRegistry::put_away(const std::string& id, bool purge) {
   const auto file = journal_path(id);
   std::error_code error;
   if (purge) {
@@ -69,21 +111,24 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(
                              std::chrono::system_clock::now().time_since_epoch())
                              .count();
-    std::filesystem::create_directories(closed_folder(), error);
     const auto kept = keep_journal(file, closed_folder(), id + "-" + std::to_string(seconds));
     if (!kept) error = kept.error();
+  }
+  if (error) {
+    LoadReport ignored;
+    load(id, ignored);  // if this fails too, the session is listed as unreadable
+    const std::lock_guard lock(mutex_);
+    if (!sessions_[id]) sessions_.erase(id);
+    return std::unexpected(
+        RegistryError{RegistryErrorCode::kNotClosed,
+                      "the session was opened again and loses nothing, because its journal cannot "
+                      "be moved to " +
+                          closed_folder().string() + ": " + error.message(),
+                      {}});
   }
   if (options_.places != nullptr) options_.places->close(id);
   const std::lock_guard lock(mutex_);
   sessions_.erase(id);
-  if (!flushed) {
-    return std::unexpected(
-        RegistryError{RegistryErrorCode::kJournal, describe(flushed.error()), {}});
-  }
-  if (error) {
-    return std::unexpected(RegistryError{
-        RegistryErrorCode::kJournal, "cannot move the journal: " + error.message(), {}});
-  }
   return {};
 }
 

@@ -93,13 +93,13 @@ std::expected<FeltJournal, std::string> open_felt(const std::filesystem::path& j
   if (!undone) return std::unexpected(undone.error());
   const auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
-  auto sculpture = Sculpture::create(scene->settings);
-  if (!sculpture) return std::unexpected(sculpture.error().reason);
+  auto first = first_block(*reader, *scene, journal);
+  if (!first) return std::unexpected(describe(first.error()));
   if (start != nullptr) {
-    if (auto ok = go_to(*start, *scene, *sculpture); !ok) return std::unexpected(ok.error());
+    if (auto ok = go_to(*start, *scene, first->sculpture); !ok) return std::unexpected(ok.error());
   }
   return FeltJournal{std::make_unique<JournalReader>(*std::move(reader)), *std::move(undone),
-                     std::make_unique<Sculpture>(*std::move(sculpture)),
+                     std::make_unique<Sculpture>(std::move(first->sculpture)),
                      start != nullptr ? start->last : 0};
 }
 

@@ -14,6 +14,7 @@
 
 #include "server/convert/rejection.h"
 #include "server/session/copy_state.h"
+#include "server/session/journal_health.h"
 #include "server/session/participant.h"
 #include "server/store/journal_writer.h"
 
@@ -72,8 +73,11 @@ class SessionJournal {
   std::expected<void, JournalError> flush() {
     return writer_ ? writer_->flush() : std::expected<void, JournalError>();
   }
+  /// Whether the file is damaged.
+  JournalHealth& health() const { return *health_; }
   /// Commits and closes the file; later appends fail. Call once.
   std::expected<void, JournalError> finish() {
+    health_->end();
     return writer_ ? writer_->finish() : std::expected<void, JournalError>();
   }
 
@@ -121,6 +125,7 @@ class SessionJournal {
   std::optional<StateHash> hash_;
   bool needs_copy_ = false;
   std::unique_ptr<CopyNote> copy_ = std::make_unique<CopyNote>();
+  std::unique_ptr<JournalHealth> health_ = std::make_unique<JournalHealth>();
 };
 
 }  // namespace kerf

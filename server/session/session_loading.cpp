@@ -45,6 +45,10 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(con
   auto session = std::make_shared<Session>(id, *std::move(replayed), std::move(kept),
                                            options_.session, make_executor_(id), workers_);
   session->note_times(created_ms, active_ms);
+  if (options_.on_damage) {
+    session->health().report_to(
+        [id, report = options_.on_damage](const JournalError& damage) { report(id, damage); });
+  }
   session->place_in(options_.places, options_.needs_copy);
   if (options_.carvers != nullptr) session->carve_on(*options_.carvers);
   if (options_.snapshots.writer != nullptr) session->keep_snapshots(options_.snapshots);

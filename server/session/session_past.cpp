@@ -27,6 +27,20 @@ std::uint64_t felt_from(const StrokeTable& strokes, std::uint64_t first,
   return std::max(from, before(kFeltBeforeMax));
 }
 
+/// Adds the tiles that were cut before the first record, as in a salvaged journal. Sorted.
+std::vector<FieldTile> shown_tiles(const SolidSnapshot& start, std::vector<FieldTile> tiles) {
+  const std::size_t reached = tiles.size();
+  for (const DexelSnapshot& field : start.fields) {
+    field.for_each_touched(
+        [&](TileIndex at, const DexelTile&) { tiles.push_back({field.grid().axis, at}); });
+  }
+  if (tiles.size() == reached) return tiles;
+  std::ranges::sort(tiles);
+  const auto twice = std::ranges::unique(tiles);
+  tiles.erase(twice.begin(), twice.end());
+  return tiles;
+}
+
 }  // namespace
 
 /// Carves all tiles by the motions that `choose` names once the journal has been read; nullopt if
@@ -39,7 +53,7 @@ std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session:
     if (auto read = read_history(end); !read) return std::unexpected(read.error());
     const std::optional<MotionSet> set = choose();
     if (!set) return std::nullopt;
-    return history_->carve(history_->tiles(), *set, workers, end);
+    return history_->carve(shown_tiles(start_, history_->tiles()), *set, workers, end);
   };
   for (;;) {
     std::stop_source end;
@@ -55,7 +69,7 @@ std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session:
 std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session::tiles_at(
     std::uint64_t record, Workers& workers, const std::stop_token& stop) {
   const auto then = [&]() -> std::optional<MotionSet> {
-    if (record > history_->last()) return std::nullopt;
+    if (record > history_->last() || record < base_) return std::nullopt;
     return history_->strokes().at(record);
   };
   return look_back(then, workers, stop);

@@ -69,6 +69,8 @@ const char* to_string(RegistryErrorCode code) {
       return "journal_error";
     case RegistryErrorCode::kDiskFull:
       return "disk_full";
+    case RegistryErrorCode::kNotClosed:
+      return "not_closed";
     case RegistryErrorCode::kNoLease:
       return "no_lease";
   }

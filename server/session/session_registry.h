@@ -29,7 +29,8 @@ enum class RegistryErrorCode {
   kUnknown,
   kJournal,
   kDiskFull,
-  kNoLease  ///< the other servers of the cluster cannot be asked
+  kNotClosed,  ///< it stays open, because the disk fails
+  kNoLease     ///< the other servers of the cluster cannot be asked
 };
 struct RegistryError {
   RegistryErrorCode code = RegistryErrorCode::kUnknown;
@@ -38,6 +39,8 @@ struct RegistryError {
 };
 /// Returns the error code of the HTTP interface, e.g. "unknown_session".
 const char* to_string(RegistryErrorCode code);
+/// The reason of kNotClosed for an error of the disk.
+std::string stays_open(const JournalError& error);
 
 struct RegistryOptions {
   std::filesystem::path data_folder;  ///< holds one journal per session, ID.kerf
@@ -53,6 +56,9 @@ struct RegistryOptions {
   /// The servers that share the sessions; outlives the registry. Null: there is this one only.
   SessionPlaces* places = nullptr;
   bool needs_copy = false;  ///< samples are durable when they are copied too
+  /// Called when a journal is found to be damaged, once while its session is open; on the thread
+  /// that has read it.
+  std::function<void(const std::string& id, const JournalError&)> on_damage = {};
 };
 
 /// A session whose journal was written with another version of the kernel: its block has been
@@ -205,7 +211,9 @@ class SessionRegistry {
   /// Why nothing may be added to the data folder now; nullopt: it may.
   std::optional<RegistryError> disk_obstacle() const;
 
-  /// Ends a session. Moves its journal to the folder `closed`, or deletes it with `purge`.
+  /// Ends a session. Moves its journal to the folder `closed`, or deletes it with `purge`. Fails
+  /// with kNotClosed, and the session goes on, if its records cannot be committed or its journal
+  /// cannot be moved.
   std::expected<void, RegistryError> close(const std::string& id, bool purge);
   /// The closed sessions, sorted by name.
   std::vector<ClosedSession> closed() const;
@@ -246,6 +254,9 @@ class SessionRegistry {
   std::expected<std::shared_ptr<Session>, JournalError> start(const std::string& id, Opened& opened,
                                                               Opening opening);
   void load(const std::string& id, LoadReport& report);
+  static std::expected<void, JournalError> end_committed(const std::shared_ptr<Session>& session,
+                                                         bool purge);
+  std::expected<void, RegistryError> put_away(const std::string& id, bool purge);
   /// Starts the session of a journal that has been written, or failed to be, and deletes what
   /// cannot be started.
   std::expected<std::shared_ptr<Session>, RegistryError> start_new(

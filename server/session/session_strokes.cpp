@@ -10,7 +10,7 @@
 #include "server/history/block_history.h"
 #include "server/history/journal_records.h"
 #include "server/rights/rights.h"
-#include "server/session/session.h"
+#include "server/session/history_failure.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf {
@@ -153,7 +153,12 @@ std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeReq
       request.at ? *request.at : run_and_wait(*executor_, [this] { return sequence(); });
   const auto lock = history_turns_.ask(kHistoryPatience);
   const auto read = lock ? read_history(stop) : std::unexpected(std::string(kOthersAskHistory));
-  if (!read) return std::unexpected(Rejection{wire::ErrorCode::kBusy, read.error()});
+  if (!read) {
+    const auto damage = damage_after(*this, read.error(), stop);
+    return std::unexpected(damage
+                               ? Rejection{wire::ErrorCode::kDamagedJournal, damage_text(*damage)}
+                               : Rejection{wire::ErrorCode::kBusy, read.error()});
+  }
   const auto chosen = chosen_strokes(request, at);
   if (!chosen) return std::unexpected(chosen.error());
   std::vector<Stroke> strokes;

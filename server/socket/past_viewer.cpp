@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/metrics/metrics.h"
+#include "server/session/history_failure.h"
 #include "server/session/session_past_source.h"
 #include "server/wire/codec.h"
 
@@ -115,10 +116,19 @@ void PastViewer::go(Side& side, const Job& job, const std::stop_token& stop, Res
   }
 }
 
+/// Tells damage of the journal, which remains, from failures that pass.
+void PastViewer::explain(const Session& session, const std::stop_token& stop, Result& result) {
+  const auto damage = damage_after(session, result.error, stop);
+  if (!damage) return;
+  result.is_damaged = true;
+  result.error = damage_text(*damage);
+}
+
 PastViewer::Result PastViewer::run_job(Side& side, const Job& job, const std::stop_token& stop) {
   Result result;
   try {
     go(side, job, stop, result);
+    if (!result.error.empty()) explain(*side.session, stop, result);
     if (job.look && !side.feed) side.first_look = job.look;
     if (job.budget && !side.feed) side.budget = *job.budget;
     if (side.feed || result.has_moved) serve(side, job, result);
@@ -165,7 +175,8 @@ void PastViewer::reject(const Result& result) {
   viewer_->reject_request(
       result.has_no_record
           ? Rejection{wire::ErrorCode::kBadMessage, "the session has no record of this number yet"}
-          : Rejection{wire::ErrorCode::kBusy, result.error});
+          : Rejection{result.is_damaged ? wire::ErrorCode::kDamagedJournal : wire::ErrorCode::kBusy,
+                      result.error});
 }
 
 void PastViewer::deliver(Result result) {

@@ -64,7 +64,8 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
     bool empty() const { return !record && !until_ms && acks.empty() && !look && !budget; }
   };
   struct Result {
-    std::string error;  ///< empty: none
+    std::string error;        ///< empty: none
+    bool is_damaged = false;  ///< the journal is, so that the error remains
     bool has_no_record = false, is_late = false, has_bad_ack = false, has_moved = false;
     bool waits_for_budget = false;
     std::int64_t next_ms = 0;
@@ -78,6 +79,7 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
   void start_job();
   static Result run_job(Side& side, const Job& job, const std::stop_token& stop);
   static void go(Side& side, const Job& job, const std::stop_token& stop, Result& result);
+  static void explain(const Session& session, const std::stop_token& stop, Result& result);
   static void serve(Side& side, const Job& job, Result& result);
   void deliver(Result result);
   void reject(const Result& result);

@@ -14,8 +14,7 @@ bool is_valid(const BatchHead& head) {
 
 }  // namespace
 
-std::expected<std::vector<JournalRecord>, BadBatch> BatchRows::read(const BatchRow& row,
-                                                                    std::uint64_t last) {
+std::expected<void, BadBatch> verify_row(const BatchRow& row, std::uint64_t last) {
   const BatchHead& head = row.head;
   const auto bad = [](std::uint64_t sequence, std::string reason) {
     return std::unexpected(BadBatch{sequence, std::move(reason)});
@@ -29,8 +28,15 @@ std::expected<std::vector<JournalRecord>, BadBatch> BatchRows::read(const BatchR
   if (row.crc != std::int64_t{batch_checksum(head, row.bytes)}) {
     return bad(head.first, "the checksum of the records is wrong");
   }
+  return {};
+}
+
+std::expected<std::vector<JournalRecord>, BadBatch> BatchRows::read(const BatchRow& row,
+                                                                    std::uint64_t last) {
+  if (auto good = verify_row(row, last); !good) return std::unexpected(std::move(good.error()));
+  const BatchHead& head = row.head;
   auto decoded = decoder_.decode(row.bytes, static_cast<std::size_t>(head.count));
-  if (!decoded) return bad(head.first, decoded.error());
+  if (!decoded) return std::unexpected(BadBatch{head.first, decoded.error()});
   std::vector<JournalRecord> records;
   records.reserve(decoded->size());
   for (BatchRecord& record : *decoded) {

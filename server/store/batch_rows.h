@@ -26,6 +26,9 @@ struct BadBatch {
   std::string reason;
 };
 
+/// Verifies a row, which must begin after record `last`, without decoding it.
+std::expected<void, BadBatch> verify_row(const BatchRow& row, std::uint64_t last);
+
 /// Verifies the rows of `batches`, one after the other, and decodes their records. Knows nothing of
 /// where they are stored.
 class BatchRows {

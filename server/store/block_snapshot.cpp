@@ -197,6 +197,29 @@ std::expected<std::span<const std::byte>, SnapshotError> first_chunk(
   return *chunk;
 }
 
+/// Reads the rest of a snapshot, whose first chunk is given.
+std::expected<BlockSnapshot, SnapshotError> read_block(std::span<const std::byte> first,
+                                                       ChunkReader& in, const Sculpture& like,
+                                                       bool of_any_kernel) {
+  BlockSnapshot snapshot;
+  ByteReader bytes(first);
+  std::uint32_t fields = 0;
+  snapshot.head = decode_head(bytes, snapshot.state, fields);
+  if (!decode_users(bytes, snapshot.state)) return damaged("its head is malformed");
+  if (snapshot.head.kernel_version != kKernelVersion && !of_any_kernel) {
+    return damaged("it is of version " + std::to_string(snapshot.head.kernel_version) +
+                   " of the kernel");
+  }
+  if (fields != axes_of(like.settings().rays).size()) return damaged("it is of another block");
+  auto solid = read_solid(in, like);
+  if (!solid) return std::unexpected(solid.error());
+  snapshot.state.solid = *std::move(solid);
+  if (snapshot.state.solid.hash() != snapshot.head.hash) {
+    return damaged("its columns do not have the hash that it states");
+  }
+  return snapshot;
+}
+
 }  // namespace
 
 std::filesystem::path snapshot_file(const std::filesystem::path& journal) {
@@ -236,23 +259,15 @@ std::expected<BlockSnapshot, SnapshotError> read_snapshot(const std::filesystem:
   ChunkReader in(file, kSnapshotVersion);
   const auto chunk = first_chunk(file, in);
   if (!chunk) return std::unexpected(chunk.error());
-  BlockSnapshot snapshot;
-  ByteReader bytes(*chunk);
-  std::uint32_t fields = 0;
-  snapshot.head = decode_head(bytes, snapshot.state, fields);
-  if (!decode_users(bytes, snapshot.state)) return damaged("its head is malformed");
-  if (snapshot.head.kernel_version != kKernelVersion) {
-    return damaged("it is of version " + std::to_string(snapshot.head.kernel_version) +
-                   " of the kernel");
-  }
-  if (fields != axes_of(like.settings().rays).size()) return damaged("it is of another block");
-  auto solid = read_solid(in, like);
-  if (!solid) return std::unexpected(solid.error());
-  snapshot.state.solid = *std::move(solid);
-  if (snapshot.state.solid.hash() != snapshot.head.hash) {
-    return damaged("its columns do not have the hash that it states");
-  }
-  return snapshot;
+  return read_block(*chunk, in, like, false);
+}
+
+std::expected<BlockSnapshot, SnapshotError> read_stored_snapshot(std::string contents,
+                                                                 const Sculpture& like) {
+  ChunkReader in(std::move(contents), kSnapshotVersion);
+  const auto chunk = in.next();
+  if (!chunk) return damaged(chunk.error());
+  return read_block(*chunk, in, like, true);
 }
 
 }  // namespace kerf

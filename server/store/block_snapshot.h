@@ -53,4 +53,8 @@ struct BlockSnapshot {
 std::expected<BlockSnapshot, SnapshotError> read_snapshot(const std::filesystem::path& file,
                                                           const Sculpture& like);
 
+/// Reads and verifies the contents of a snapshot's file, of any version of the kernel.
+std::expected<BlockSnapshot, SnapshotError> read_stored_snapshot(std::string contents,
+                                                                 const Sculpture& like);
+
 }  // namespace kerf

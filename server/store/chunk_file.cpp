@@ -7,6 +7,8 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <sstream>
 #include <utility>
 
 #include "server/store/byte_code.h"
@@ -18,7 +20,7 @@ namespace {
 constexpr std::array<char, 8> kMagic = {'K', 'E', 'R', 'F', 'S', 'N', 'A', 'P'};
 constexpr std::size_t kBeginBytes = kMagic.size() + sizeof(std::uint32_t);
 constexpr std::size_t kChunkHeadBytes = 3 * sizeof(std::uint32_t);
-constexpr mode_t kMode = 0644;
+constexpr mode_t kMode = 0600;  // the block is for those who may watch its session
 
 /// Of a chunk at its place.
 std::uint32_t chunk_checksum(std::uint64_t number, std::uint32_t size,
@@ -105,17 +107,22 @@ std::expected<std::uint64_t, std::string> ChunkWriter::finish(
 }
 
 ChunkReader::ChunkReader(const std::filesystem::path& file, std::uint32_t version)
-    : in_(file, std::ios::binary), version_(version) {
+    : in_(std::make_unique<std::ifstream>(file, std::ios::binary)), version_(version) {
   std::error_code ignored;
   left_ = std::filesystem::file_size(file, ignored);
   if (ignored) left_ = 0;
 }
 
+ChunkReader::ChunkReader(std::string contents, std::uint32_t version)
+    : version_(version), left_(contents.size()) {
+  in_ = std::make_unique<std::istringstream>(std::move(contents));
+}
+
 bool ChunkReader::read(std::span<std::byte> bytes) {
   if (bytes.size() > left_) return false;
-  in_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  in_->read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   left_ -= bytes.size();
-  return in_.good();
+  return in_->good();
 }
 
 std::expected<std::span<const std::byte>, std::string> ChunkReader::next() {

@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <expected>
 #include <filesystem>
-#include <fstream>
+#include <istream>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -55,6 +56,8 @@ class ChunkWriter {
 class ChunkReader {
  public:
   ChunkReader(const std::filesystem::path& file, std::uint32_t version);
+  /// Reads the contents of such a file.
+  ChunkReader(std::string contents, std::uint32_t version);
   /// Returns the next chunk, valid until the next call. The error is one sentence: the file is of
   /// another kind or version, damaged, or at its end.
   std::expected<std::span<const std::byte>, std::string> next();
@@ -63,7 +66,7 @@ class ChunkReader {
  private:
   bool read(std::span<std::byte> bytes);
 
-  std::ifstream in_;
+  std::unique_ptr<std::istream> in_;
   std::uint32_t version_;
   std::uint64_t left_ = 0, chunks_ = 0;
   std::vector<std::byte> packed_;

@@ -10,12 +10,14 @@
 
 #include "server/store/chunk_file.h"
 #include "server/store/crc32.h"
+#include "server/store/journal_base.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_reader.h"
 #include "server/store/named_version.h"
 #include "server/store/pin.h"
 #include "server/store/record_batch.h"
 #include "server/store/record_rows.h"
+#include "server/store/table_copy.h"
 
 namespace kerf {
 namespace {
@@ -44,65 +46,17 @@ SqlResult<void> store_parent(SqlDatabase& database, const JournalParent& parent)
   return {};
 }
 
-enum class Column { kInteger, kText, kBytes };
-
-/// Copies the rows of a query; `columns` are its columns and those of the table.
-SqlResult<void> copy_rows(SqlDatabase& from, const std::string& query, SqlDatabase& to,
-                          const std::string& table, std::span<const Column> columns) {
-  std::string insertion = "INSERT OR REPLACE INTO " + table + " VALUES(?";
-  for (std::size_t n = 1; n < columns.size(); ++n) insertion += ",?";
-  auto rows = from.prepare(query);
-  if (!rows) return std::unexpected(rows.error());
-  auto insert = to.prepare(insertion + ")");
-  if (!insert) return std::unexpected(insert.error());
-  for (;;) {
-    const auto row = rows->step();
-    if (!row) return std::unexpected(row.error());
-    if (!*row) return {};
-    for (std::size_t n = 0; n < columns.size(); ++n) {
-      const int column = static_cast<int>(n);
-      if (columns[n] == Column::kInteger) insert->bind(column + 1, rows->integer(column));
-      if (columns[n] == Column::kText) insert->bind(column + 1, rows->text(column));
-      if (columns[n] == Column::kBytes) insert->bind(column + 1, rows->blob(column));
-    }
-    if (auto stored = insert->step(); !stored) return std::unexpected(stored.error());
-  }
-}
-
 /// Copies everything that is whole rows: all but the batch that holds records of both sides.
 SqlResult<void> copy_tables(SqlDatabase& from, SqlDatabase& to, std::uint64_t last) {
-  using enum Column;
-  struct Table {
-    const char *name, *query, *sequence;  ///< sequence: of the last record of a row; null: none
-    std::vector<Column> columns;
-  };
-  const Table tables[] = {
-      {"participants",
-       "SELECT participant, name, color, kind FROM participants",
-       nullptr,
-       {kInteger, kText, kText, kText}},
-      {"kernel_versions",
-       "SELECT sequence, version FROM kernel_versions",
-       "sequence",
-       {kInteger, kInteger}},
-      {"state_hashes", "SELECT sequence, hash FROM state_hashes", "sequence", {kInteger, kInteger}},
-      {"commands",
-       "SELECT sequence, participant, bytes, crc FROM commands",
-       "sequence",
-       {kInteger, kInteger, kBytes, kInteger}},
-      {"batches",
-       "SELECT first, count, wall_ms, span_ms, bytes, crc FROM batches",
-       "first+count-1",
-       {kInteger, kInteger, kInteger, kInteger, kBytes, kInteger}}};
-  for (const Table& table : tables) {
-    const auto exists = from.has_table(table.name);
-    if (!exists) return std::unexpected(exists.error());
-    if (!*exists) continue;
-    std::string query = table.query;
-    if (table.sequence != nullptr) {
-      query.append(" WHERE ").append(table.sequence).append("<=").append(std::to_string(last));
-    }
-    if (auto ok = copy_rows(from, query, to, table.name, table.columns); !ok) return ok;
+  const std::string up_to_last = "<=" + std::to_string(last);
+  const std::pair<const char*, std::string> tables[] = {
+      {"participants", ""},
+      {"kernel_versions", "sequence" + up_to_last},
+      {"state_hashes", "sequence" + up_to_last},
+      {"commands", "sequence" + up_to_last},
+      {"batches", "first+count-1" + up_to_last}};
+  for (const auto& [name, where] : tables) {
+    if (auto ok = copy_table(from, to, name, where); !ok) return ok;
   }
   const auto versions = read_versions(from, last);
   if (!versions) return std::unexpected(versions.error());
@@ -123,14 +77,17 @@ std::expected<void, JournalError> copy_rest(const std::filesystem::path& file, S
   const auto failed = [&](const SqlError& error) {
     return std::unexpected(to_journal_error(file, error));
   };
-  const auto copied = last_record(to);
-  if (!copied) return failed(copied.error());
-  if (*copied == last) return {};
-  auto rows = RecordRows::open(file, from, *copied + 1);
+  const auto base = base_record(to);
+  if (!base) return failed(base.error());
+  const auto whole = last_record(to);
+  if (!whole) return failed(whole.error());
+  const std::uint64_t copied = std::max(*base, *whole);
+  if (copied >= last) return {};
+  auto rows = RecordRows::open(file, from, copied + 1);
   if (!rows) return std::unexpected(rows.error());
   std::vector<BatchRecord> records;
-  BatchHead head{*copied + 1};
-  while (*copied + records.size() < last) {
+  BatchHead head{copied + 1};
+  while (copied + records.size() < last) {
     auto record = rows->next();
     if (!record) return std::unexpected(record.error());
     if (!*record) {
@@ -167,16 +124,8 @@ std::expected<void, JournalError> fill(const std::filesystem::path& from, SqlDat
   };
   // One transaction for all reads, and one for all that is written.
   if (auto ok = done(source->execute("BEGIN")); !ok) return ok;
-  const auto is_old = source->has_table("commands");
-  if (!is_old) return std::unexpected(to_journal_error(from, is_old.error()));
   // The versions of the kernel that computed the hashes come with the rows.
-  std::string begin = "BEGIN;DELETE FROM kernel_versions;";
-  if (*is_old) {
-    begin +=
-        "CREATE TABLE commands(sequence INTEGER PRIMARY KEY, participant INTEGER NOT NULL, "
-        "bytes BLOB NOT NULL, crc INTEGER NOT NULL);";
-  }
-  if (auto ok = done(to.execute(begin)); !ok) return ok;
+  if (auto ok = done(to.execute("BEGIN;DELETE FROM kernel_versions")); !ok) return ok;
   if (auto ok = done(store_parent(to, parent)); !ok) return ok;
   if (auto ok = done(copy_tables(*source, to, parent.record)); !ok) return ok;
   if (auto ok = copy_rest(from, *source, to, parent.record); !ok) return ok;

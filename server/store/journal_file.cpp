@@ -12,6 +12,7 @@
 #include "server/store/crc32.h"
 #include "server/store/named_version.h"
 #include "server/store/pin.h"
+#include "server/store/private_file.h"
 
 namespace kerf {
 namespace {
@@ -122,13 +123,18 @@ JournalError to_journal_error(const std::filesystem::path& file, const SqlError&
 std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::path& file,
                                                         const JournalHeader& header,
                                                         CreateMode mode) {
-  std::error_code ignored;
-  if (std::filesystem::exists(file, ignored)) {
+  if (const auto error = create_private_file(file)) {
+    if (error != std::errc::file_exists) {
+      return std::unexpected(make_error(JournalErrorCode::kIo, file, error.message()));
+    }
     return std::unexpected(
         make_error(JournalErrorCode::kExists, file, "the journal already exists"));
   }
   auto database = SqlDatabase::open(file, SqlMode::kCreate);
-  if (!database) return std::unexpected(to_journal_error(file, database.error()));
+  if (!database) {
+    remove_journal(file);
+    return std::unexpected(to_journal_error(file, database.error()));
+  }
   const auto fill = [&]() -> SqlResult<void> {
     const std::string log = mode == CreateMode::kLive ? "WAL" : "OFF";
     const std::string begin = "PRAGMA journal_mode=" + log + "; PRAGMA synchronous=FULL; BEGIN;";
@@ -236,8 +242,13 @@ std::expected<void, JournalError> copy_journal(const std::filesystem::path& from
   auto copy = database->prepare("VACUUM INTO ?");
   if (!copy) return std::unexpected(to_journal_error(from, copy.error()));
   copy->bind(1, to.string());
-  if (auto row = copy->step(); !row) return std::unexpected(to_journal_error(to, row.error()));
-  return {};
+  // SQLite writes into an empty file too, and would create one that all may read.
+  const bool is_new = !create_private_file(to);
+  const auto row = copy->step();
+  if (row) return {};
+  if (is_new) remove_journal(to);
+  const bool is_damaged = is_damage(row.error());
+  return std::unexpected(to_journal_error(is_damaged ? from : to, row.error()));
 }
 
 std::error_code rename_new(const std::filesystem::path& from, const std::filesystem::path& to) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/record_rows.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "server/store/journal_base.h"
 #include "server/store/journal_file.h"
 
 namespace kerf {
@@ -37,6 +39,13 @@ SqlResult<std::int64_t> restart_before(SqlDatabase& database, std::uint64_t from
   }
 }
 
+BatchRow batch_of(const SqlStatement& row) {
+  return {{static_cast<std::uint64_t>(row.integer(0)), static_cast<std::uint64_t>(row.integer(1)),
+           row.integer(2), row.integer(3)},
+          row.integer(5),
+          row.blob(4)};
+}
+
 SqlResult<std::uint64_t> last_record(SqlDatabase& database) {
   std::int64_t last = 0;
   const std::pair<const char*, const char*> queries[] = {
@@ -65,6 +74,9 @@ std::expected<RecordRows, JournalError> RecordRows::open(const std::filesystem::
 }
 
 SqlResult<void> RecordRows::prepare(SqlDatabase& database, std::uint64_t from) {
+  const auto base = base_record(database);
+  if (!base) return std::unexpected(base.error());
+  from = std::max(from, *base + 1);
   from_ = from;
   const auto last = last_record(database);
   if (!last) return std::unexpected(last.error());
@@ -150,12 +162,7 @@ std::expected<std::optional<JournalRecord>, JournalError> RecordRows::next_singl
 std::expected<bool, JournalError> RecordRows::next_batch() {
   const auto row = step(*batches_);
   if (!row || !*row) return row;
-  const BatchRow batch{{static_cast<std::uint64_t>(batches_->integer(0)),
-                        static_cast<std::uint64_t>(batches_->integer(1)), batches_->integer(2),
-                        batches_->integer(3)},
-                       batches_->integer(5),
-                       batches_->blob(4)};
-  auto records = rows_.read(batch, count_);
+  auto records = rows_.read(batch_of(*batches_), count_);
   if (!records) {
     return std::unexpected(corrupt(records.error().sequence, std::move(records.error().reason)));
   }

@@ -21,8 +21,8 @@ namespace kerf {
 class RecordRows {
  public:
   /// Fails with the error of SQLite. `database` must outlive the result. Begins with record `from`,
-  /// and verifies none before the batch that holds it; the stroke of a record whose participant
-  /// began it earlier is 0 then.
+  /// or the first one of a salvaged journal (journal_base.h), and verifies none before the batch
+  /// that holds it; the stroke of a record whose participant began it earlier is 0 then.
   static std::expected<RecordRows, JournalError> open(const std::filesystem::path& file,
                                                       SqlDatabase& database,
                                                       std::uint64_t from = 1);
@@ -74,6 +74,9 @@ class SortedRecords {
 /// before it; 0 if there is none, as in a journal whose record `from` is a single row, and for the
 /// first record.
 SqlResult<std::int64_t> restart_before(SqlDatabase& database, std::uint64_t from);
+/// The present row of a query of first, count, wall_ms, span_ms, bytes and crc of `batches`; its
+/// bytes are valid until the next step.
+BatchRow batch_of(const SqlStatement& row);
 /// Returns the sequence of the last record of a journal; 0 if it has none.
 SqlResult<std::uint64_t> last_record(SqlDatabase& database);
 

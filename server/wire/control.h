@@ -59,13 +59,14 @@ enum class ErrorCode : std::uint8_t {
   kMuted,
   kReserved,
   kInStock,
+  kDamagedJournal,
 };
 
-inline constexpr std::array<std::string_view, 19> kErrorNames = {
+inline constexpr std::array<std::string_view, 20> kErrorNames = {
     "bad_frame",      "bad_json",        "bad_message", "bad_pose",  "bad_sequence",
     "unknown_tool",   "unknown_session", "too_large",   "too_fast",  "no_hello",
     "turn_too_large", "motion_refused",  "busy",        "bad_epoch", "not_allowed",
-    "removed",        "muted",           "reserved",    "in_stock"};
+    "removed",        "muted",           "reserved",    "in_stock",  "damaged_journal"};
 
 /// Returns the name of `code` on the wire.
 constexpr std::string_view to_string(ErrorCode code) noexcept {
@@ -81,6 +82,7 @@ constexpr std::optional<ErrorCode> parse_error_code(std::string_view name) noexc
 }
 
 static_assert(to_string(ErrorCode::kBusy) == "busy");
+static_assert(to_string(ErrorCode::kDamagedJournal) == "damaged_journal");
 static_assert(to_string(ErrorCode::kNoHello) == "no_hello");
 static_assert(parse_error_code("motion_refused") == ErrorCode::kMotionRefused);
 

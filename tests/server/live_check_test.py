@@ -108,6 +108,39 @@ class Check(LiveTest):
         status, text = run("backup", os.path.join(self.folder.name, "missing"), to)
         self.assertEqual(status, 1)
 
+    def test_damage_below_a_snapshot_is_reported_and_the_rest_is_salvaged(self):
+        self.carved()
+        self.restart()  # from here on records can be read without those before
+        carve(Agent(self.server.port, "block"), 50, phase=1.0)
+        until(self, lambda: self.server.info()["journal_lag"], 0)
+        expected = self.server.hash()
+        self.server.stop()
+        second = "(SELECT first FROM batches ORDER BY first LIMIT 1 OFFSET 1)"
+        self.sql(f"UPDATE batches SET crc=crc+1 WHERE first={second}")
+        self.restart()
+        self.assertEqual(self.server.hash(), expected)
+        ready = lambda: self.server.http.json("GET", "/readyz")  # noqa: E731
+        until(self, lambda: ready()[1].get("damaged"), ["block"])
+        self.assertEqual(ready()[0], 200)
+        status, answer = self.server.http.json("POST", "/v1/sessions/block/undo?participant=1")
+        self.assertEqual((status, answer["error"]["code"]), (500, "damaged_journal"))
+        status, text = run("backup", self.folder.name, os.path.join(self.folder.name, "copies"))
+        self.assertEqual(status, 1, text)
+        self.assertIn("block.kerf is damaged, and was copied as it is", text)
+        for folder, _, files in os.walk(self.folder.name):
+            for file in files:
+                self.assertEqual(os.stat(os.path.join(folder, file)).st_mode & 0o077, 0, file)
+        self.assertEqual(self.server.stop()[1].count("corrupt_journal"), 1)
+        out = os.path.join(self.folder.name, "out")
+        status, text = run("salvage", self.journal, out)
+        self.assertEqual(status, 0, text)
+        self.assertIn("kept: the block after record", text)
+        for file in (self.journal, self.snapshot, self.previous):
+            os.remove(file)
+        os.rename(out, self.journal)
+        self.restart()
+        self.assertEqual(self.server.hash(), expected)
+
     def test_closed_sessions_are_checked_and_backed_up_too(self):
         expected = self.carved()["state_hash"]
         self.assertEqual(self.server.http.json("DELETE", "/v1/sessions/block")[0], 200)

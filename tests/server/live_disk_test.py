@@ -43,7 +43,7 @@ class FullDisk(LiveTest):
         agent, viewer = Agent(self.port, "block"), Viewer(self.port, "block")
         carve(agent, 200)
         self.assertEqual(self.ready(), (200, {"status": "ready", "loading": [], "paused": [],
-                                              "unreadable": []}))
+                                              "damaged": [], "unreadable": []}))
         self.assertIsNone(self.server.info()["paused"])
         self.limit_files(0)
         # What was accepted before the failed commit stays in the block; then motions are rejected.
@@ -151,7 +151,7 @@ class DiskLimits(LiveTest):
         until(self, lambda: self.server.info()["paused"], "disk")
         # A session at a limit of its own is no fault of the server.
         self.assertEqual(self.server.http.json("GET", "/readyz"), (200, {
-            "status": "ready", "loading": [], "paused": ["block"], "unreadable": []}))
+            "status": "ready", "loading": [], "paused": ["block"], "damaged": [], "unreadable": []}))
         http = self.server.http
         # The limit of one session is not that of another, nor of the folder.
         self.server.create("second")

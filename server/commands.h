@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace kerf {
+
+/// The commands that verify, copy or salvage files instead of serving sessions, with their words.
+struct Commands {
+  std::string folder, journal, backup, session, fetched, salvaged;
+  std::vector<std::uint64_t> without_strokes;
+
+  void add(CLI::App& app);
+  /// The exit status of the command that was named; nullopt if none was.
+  std::optional<int> run(const CLI::App& app, const std::string& nats) const;
+
+ private:
+  void add_copies(CLI::App& app);
+  void add_replay(CLI::App& app);
+};
+
+}  // namespace kerf
