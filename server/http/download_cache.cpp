@@ -59,7 +59,9 @@ DownloadCache::File DownloadCache::wait(const std::shared_ptr<Job>& job,
   const std::stop_callback leave(gone, [&job] {
     if (--job->wanted == 0) job->stop.request_stop();
   });
-  return job->file.get();
+  std::unique_lock lock(job->mutex);
+  job->made.wait(lock, gone, [&job] { return job->file.has_value(); });
+  return job->file ? *job->file : std::unexpected(MakeError{"stopped"});
 }
 
 void DownloadCache::stop() {
@@ -111,7 +113,6 @@ DownloadCache::File DownloadCache::get(const std::string& key, const Make& make,
     if (needed_) return std::unexpected(MakeError{.reason = *needed_, .no_space = true});
     job->key = key;
     job->start = std::chrono::steady_clock::now();
-    job->file = job->promise.get_future().share();
     jobs_.push_back(job);
     path = folder_ / std::to_string(++last_);
   }
@@ -123,7 +124,9 @@ DownloadCache::File DownloadCache::get(const std::string& key, const Make& make,
   jobs_.remove(job);
   if (file && !needed_) keep(key, *file);
   if (!file && needed_) file = std::unexpected(MakeError{.reason = *needed_, .no_space = true});
-  job->promise.set_value(file);
+  const std::lock_guard made(job->mutex);
+  job->file = file;
+  job->made.notify_all();
   return file;
 }
 

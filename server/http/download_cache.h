@@ -3,11 +3,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
 #include <functional>
-#include <future>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -67,7 +67,7 @@ class DownloadCache {
                                       const std::stop_token&)>;
   /// Returns the file for `key`; `make` writes it if it does not exist. Blocks while another call
   /// writes the same file. `make` is asked to stop once all calls for the file have been asked to
-  /// (`gone`), and by stop().
+  /// (`gone`), and by stop(). A call that waits for another one ends with its own `gone`.
   File get(const std::string& key, const Make& make, const std::stop_token& gone = {});
   /// Asks all files that are being written to stop. Later calls of get() write none.
   void stop();
@@ -100,12 +100,13 @@ class DownloadCache {
     std::string key;
     std::chrono::steady_clock::time_point start;
     std::atomic<double> share = 0;
-    std::promise<File> promise;
-    std::shared_future<File> file;
+    std::mutex mutex;  ///< guards the file
+    std::condition_variable_any made;
+    std::optional<File> file;  ///< once it has been made, or has failed
     std::stop_source stop;
     std::atomic<int> wanted = 1;  ///< calls of get() that have not been asked to stop
   };
-  /// Waits as one of the calls that want the file.
+  /// Waits as one of the calls that want the file, until it is made or `gone`.
   static File wait(const std::shared_ptr<Job>& job, const std::stop_token& gone);
   File make_file(Job& job, const std::filesystem::path& path, const Make& make);
   void keep(const std::string& key, const std::shared_ptr<const OpenFile>& file);

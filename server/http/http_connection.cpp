@@ -124,7 +124,7 @@ asio::awaitable<ApiResponse> Connection::handle(ApiRequest& request, Runs runs,
   };
   end_deadline();
   if (queue == nullptr) co_return co_await run_on(context_.immediate, std::move(work));
-  watch(gone);
+  if (runs == Runs::kRead || runs == Runs::kExport) watch(gone);
   std::string client = caller.client();
   std::stop_token stop = gone->get_token();
   auto done = co_await run_in_turn(*queue, std::move(client), std::move(stop), std::move(work));

@@ -18,7 +18,7 @@ namespace kerf::net {
 enum class Upgrade : std::uint8_t { kNone, kAgent, kViewer };
 
 /// The threads that a request runs on, by what it may wait for. All but kAtOnce have turns by
-/// client and end if the client is gone (HttpContext).
+/// client (HttpContext); long ones end if the client is gone.
 enum class Runs : std::uint8_t {
   kAtOnce,   ///< waits for nothing: cached figures, the viewer's files
   kSession,  ///< waits for a turn of its session's thread

@@ -147,6 +147,24 @@ TEST_F(DownloadCacheTest, AFileIsNoLongerMadeOnceNobodyWaitsForIt) {
   EXPECT_TRUE(cache.get("s/a", maker())) << "it can be requested again";
 }
 
+TEST_F(DownloadCacheTest, ARequestThatWaitsForAnotherOnesFileEndsWithItsClient) {
+  DownloadCache cache(folder_.path() / "downloads");
+  hold_ = true;
+  std::stop_source gone;
+  DownloadCache::File first, second;
+  std::jthread one([&] { first = cache.get("s/a", maker()); });
+  while (!begun_) std::this_thread::yield();
+  std::jthread two([&] { second = cache.get("s/a", maker(), gone.get_token()); });
+  while (cache.waiting("s/a") < 2) std::this_thread::yield();
+  gone.request_stop();
+  two.join();  // while the file is still being made
+  EXPECT_FALSE(second);
+  EXPECT_EQ(cache.waiting("s/a"), 1);
+  hold_ = false;
+  one.join();
+  EXPECT_TRUE(first);
+}
+
 TEST_F(DownloadCacheTest, StoppingEndsWhatIsBeingMade) {
   DownloadCache cache(folder_.path() / "downloads");
   hold_ = true;
