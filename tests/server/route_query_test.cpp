@@ -107,13 +107,11 @@ TEST_F(RouteQuery, AFlagIsZeroOrOne) {
 }
 
 TEST_F(RouteQuery, AMisspelledPointMakesNoBranchOfThePresent) {
-  const auto session = start();
-  ApiRequest request = *parse_target("/v1/sessions?from=block&at=1&id=other");
-  request.method = "POST";
-  const ApiResponse response = api_->handle(request);
+  const auto response =
+      fault(*match_route("POST", {"v1", "sessions"}).route, "?from=block&at=1&id=other");
   EXPECT_EQ(code(response), "unknown_parameter");
-  EXPECT_TRUE(response.body.contains("id, from, dry_run, here")) << response.body;
-  EXPECT_EQ(registry->find("other"), nullptr);
+  ASSERT_TRUE(response);
+  EXPECT_TRUE(response->body.contains("id, from, dry_run, here")) << response->body;
 }
 
 TEST_F(RouteQuery, EmptyPartsOfAQueryAreNone) {
