@@ -68,10 +68,13 @@ struct JournalWatch::Impl : std::enable_shared_from_this<Impl> {
     if (next == passes.end() || next->second.due > options.now()) return false;
     Pass& pass = next->second;
     Session& session = *open.at(next->first);
+    pass.due = options.now() + options.retry;  // also after an exception
     const auto done = session.health().advance(pass.scan, options.part_bytes, stopping.get_token());
+    const bool is_damaged = !done && done.error().code == JournalErrorCode::kCorrupt;
+    if (!done && !is_damaged) return true;  // as of a failing disk: the same part again, later
     pass.due = options.now();
-    // A journal that cannot be read now, as one of a failing disk, is tried again later.
-    if (!done || *done) pass = {JournalScan(session.journal_file()), pass.due + options.again};
+    const bool has_ended = is_damaged || *done;
+    if (has_ended) pass = {JournalScan(session.journal_file()), pass.due + options.again};
     return true;
   }
 

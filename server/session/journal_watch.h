@@ -18,7 +18,8 @@ struct WatchOptions {
   std::chrono::microseconds pause{50'000};
   int pause_factor = 19;
   std::chrono::microseconds idle{1'000'000};  ///< between two looks for sessions to verify
-  std::chrono::steady_clock::duration again = std::chrono::hours(6);  ///< from pass to pass
+  std::chrono::steady_clock::duration again = std::chrono::hours(6);    ///< from pass to pass
+  std::chrono::steady_clock::duration retry = std::chrono::minutes(1);  ///< after a failed read
   std::function<std::chrono::steady_clock::time_point()> now = std::chrono::steady_clock::now;
 };
 

@@ -69,6 +69,25 @@ TEST_F(JournalWatchTest, AGoodJournalIsReadAgainAfterAWhile) {
   EXPECT_EQ(damages.size(), 1U);
 }
 
+TEST_F(JournalWatchTest, AJournalThatCannotBeReadForAMomentIsNotDamagedAndReadLater) {
+  leave();
+  damage_record(journal(), strokes[1] + 15);
+  reload();
+  JournalWatch watch(*registry, watcher, small_parts());
+  watch.start();
+  run(10);
+  const auto aside = folder / "aside";
+  std::filesystem::rename(journal(), aside);
+  run(500);
+  EXPECT_TRUE(damages.empty());
+  std::filesystem::rename(aside, journal());
+  run(500);
+  EXPECT_TRUE(damages.empty()) << "it is tried again after a minute";
+  time += std::chrono::minutes(2);
+  run(500);
+  EXPECT_EQ(damages.size(), 1U);
+}
+
 TEST_F(JournalWatchTest, WorkIsDividedByPausesAndEndsWithTheServer) {
   leave();
   damage_record(journal(), strokes[1] + 15);
