@@ -330,21 +330,22 @@ class Session : public std::enable_shared_from_this<Session> {
       const std::function<std::optional<MotionSet>()>& choose, Workers& workers,
       const std::stop_token& stop);
   std::expected<SolidSnapshot, std::string> solid_of(std::span<const TileReplacement> tiles) const;
-  std::expected<StrokeSet, Rejection> chosen_strokes(const StrokeRequest& request,
-                                                     std::uint64_t at) const;
+  template <typename Value>
+  using Answer = std::expected<Value, Rejection>;
+  Answer<StrokeSet> chosen_strokes(const StrokeRequest& request, std::uint64_t at) const;
   bool may_change(const StrokeRequest& request, ParticipantId participant);
-  std::expected<std::uint64_t, Rejection> note_changes(const StrokeRequest& request,
-                                                       const std::vector<Stroke>& strokes);
+  Answer<std::uint64_t> note_changes(const StrokeRequest& request,
+                                     const std::vector<Stroke>& strokes);
   Outcome try_to_settle(Workers& workers, const std::stop_token& stop, StrokesChanged& changed);
   Outcome settle(Workers& workers, const std::stop_token& stop, StrokesChanged& changed);
-  Outcome settle_tiles(std::span<const FieldTile> reached, Workers& workers,
+  Outcome settle_tiles(std::span<const FieldTile> some, Workers& workers,
                        const std::stop_token& stop, StrokesChanged& changed);
   Outcome wait_for_pieces(const std::stop_token& stop);
   void retry_settling();
   void settle_later();
   void follow_change(const StrokeChange& change);
   void show_live(SessionFrame& frame, bool all);
-  /// Does long work that nobody waits for.
+  /// For long work that nobody waits for.
   Executor& background() { return snapshots_.writer != nullptr ? *snapshots_.writer : workers_; }
   /// Frees the memory of the history, unless somebody asks about it now.
   void forget_history();

@@ -237,7 +237,7 @@ std::expected<void, std::string> Session::settle(Workers& workers, const std::st
 }
 
 /// Carves these tiles and replaces them. The motions that come in meanwhile are cut again.
-std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile> reached,
+std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile> some,
                                                        Workers& workers,
                                                        const std::stop_token& stop,
                                                        StrokesChanged& changed) {
@@ -255,7 +255,7 @@ std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile
     });
     if (auto read = read_history(stop); !read) return std::unexpected(read.error());
     const MotionSet set = history_->strokes().at(begun.sequence);
-    return history_->change(begun.solid, reached, begun.strokes, set, workers, stop);
+    return history_->change(begun.solid, some, begun.strokes, set, workers, stop);
   };
   auto tiles = carve();
   // Each round takes less time than the one before, so fewer motions come in meanwhile.

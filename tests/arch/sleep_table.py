@@ -34,8 +34,6 @@ SLEEPS = [
     ("tests/server/store/journal_fault_test.cpp", 1, "poll", "a journal pauses"),
     ("tests/server/udp_port_test.cpp", 1, "poll", "becomes, of a metric"),
     # Devices, hands, lines and disks with a clock.
-    ("tests/agent/library/library_rig.h", 1, "pace", "a device of 1 kHz"),
-    ("tests/agent/library/library_safety_test.cpp", 3, "pace", "the tick before an invalid pose"),
     ("tests/agent/library/library_test.cpp", 2, "pace", "a user stops a loop in the middle"),
     ("tests/agent/link/udp_carve_test.cpp", 2, "pace", "a hand of 1 kHz, and its ring if full"),
     ("tests/agent/sound/sound_test.cpp", 1, "pace", "a sound card plays for a time"),

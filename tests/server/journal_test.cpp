@@ -3,10 +3,7 @@
 #include <sqlite3.h>
 
 #include <fstream>
-#include <thread>
-#include <vector>
 
-#include "server/store/journal_file.h"
 #include "server/store/journal_reader.h"
 #include "server/store/journal_writer.h"
 #include "tests/server/temporary_folder.h"
@@ -235,42 +232,6 @@ TEST_F(Journal, FinishClosesTheFileAndRejectsAppends) {
   int count = 0;
   while (reader->next().value()) ++count;
   EXPECT_EQ(count, 100);
-}
-
-TEST_F(Journal, CommandsThatStandTogetherAreCommittedTogether) {
-  constexpr int kTogether = 40, kTimes = 400;
-  auto writer = JournalWriter::create(file, kHeader);
-  ASSERT_TRUE(writer) << describe(writer.error());
-  {
-    // Commits whatever is in the buffer, as often as it can.
-    const std::jthread committer([&](const std::stop_token& stop) {
-      while (!stop.stop_requested()) ASSERT_TRUE(writer->flush());
-    });
-    const std::vector<RecordedCommand> changes(kTogether, StrokeChange{1, true});
-    for (int n = 1; n <= kTimes; ++n) {
-      const auto last = writer->append_together(1, changes);
-      ASSERT_TRUE(last) << describe(last.error());
-      EXPECT_EQ(*last, static_cast<std::uint64_t>(kTogether * n));
-    }
-  }
-  ASSERT_TRUE(writer->finish());
-  const auto count = [this](const std::string& question) {
-    return open_journal(file, SqlMode::kRead)->integer(question).value();
-  };
-  EXPECT_EQ(count("SELECT sum(count) FROM batches"), kTogether * kTimes);
-  EXPECT_GT(count("SELECT count(*) FROM batches"), 1);
-  EXPECT_EQ(count("SELECT count(*) FROM batches WHERE count%40<>0"), 0) << "one was divided";
-}
-
-TEST_F(Journal, CommandsThatDoNotAllHaveSpaceAreRejectedTogether) {
-  auto writer = JournalWriter::create(file, kHeader);
-  ASSERT_TRUE(writer) << describe(writer.error());
-  const std::vector<RecordedCommand> many(kJournalBufferRecords + 1, StrokeChange{1, true});
-  const auto rejected = writer->append_together(1, many);
-  ASSERT_FALSE(rejected);
-  EXPECT_EQ(rejected.error().code, JournalErrorCode::kFull);
-  EXPECT_EQ(writer->last_sequence(), 0U);
-  EXPECT_EQ(writer->lag(), 0U);
 }
 
 TEST_F(Journal, CreateDoesNotOverwriteAnExistingJournal) {
