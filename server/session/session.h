@@ -330,12 +330,10 @@ class Session : public std::enable_shared_from_this<Session> {
       const std::function<std::optional<MotionSet>()>& choose, Workers& workers,
       const std::stop_token& stop);
   std::expected<SolidSnapshot, std::string> solid_of(std::span<const TileReplacement> tiles) const;
-  template <typename Value>
-  using Answer = std::expected<Value, Rejection>;
-  Answer<StrokeSet> chosen_strokes(const StrokeRequest& request, std::uint64_t at) const;
+  std::expected<StrokeSet, Rejection> chosen_strokes(const StrokeRequest& request,
+                                                     std::uint64_t at) const;
   bool may_change(const StrokeRequest& request, ParticipantId participant);
-  Answer<std::uint64_t> note_changes(const StrokeRequest& request,
-                                     const std::vector<Stroke>& strokes);
+  std::optional<Rejection> note_changes(const StrokeRequest& request, std::span<const Stroke> all);
   Outcome try_to_settle(Workers& workers, const std::stop_token& stop, StrokesChanged& changed);
   Outcome settle(Workers& workers, const std::stop_token& stop, StrokesChanged& changed);
   Outcome settle_tiles(std::span<const FieldTile> some, Workers& workers,
@@ -345,7 +343,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void settle_later();
   void follow_change(const StrokeChange& change);
   void show_live(SessionFrame& frame, bool all);
-  /// For long work that nobody waits for.
+  /// Does long work that nobody waits for.
   Executor& background() { return snapshots_.writer != nullptr ? *snapshots_.writer : workers_; }
   /// Frees the memory of the history, unless somebody asks about it now.
   void forget_history();

@@ -115,40 +115,39 @@ bool Session::may_change(const StrokeRequest& request, ParticipantId participant
 }
 
 /// Journals the changes, from which on the block is wrong until settle() has replaced its tiles.
-std::expected<std::uint64_t, Rejection> Session::note_changes(const StrokeRequest& request,
-                                                              const std::vector<Stroke>& strokes) {
+std::optional<Rejection> Session::note_changes(const StrokeRequest& request,
+                                               std::span<const Stroke> all) {
   using enum wire::ErrorCode;
-  if (closed_) return std::unexpected(Rejection{kUnknownSession, "the session is closed"});
+  if (closed_) return Rejection{kUnknownSession, "the session is closed"};
   const ParticipantState* author = participants_.find(request.author);
   if (author != nullptr ? author->participant.is_muted : request.caller.is_muted) {
-    return std::unexpected(muted_rejection());
+    return muted_rejection();
   }
-  for (const Stroke& stroke : strokes) {
+  for (const Stroke& stroke : all) {
     if (may_change(request, stroke.participant)) continue;
-    return std::unexpected(Rejection{kNotAllowed, "stroke " + std::to_string(stroke.id) +
-                                                      " is participant " +
-                                                      std::to_string(stroke.participant) +
-                                                      "'s: an owner may change those of others"});
+    return Rejection{kNotAllowed, "stroke " + std::to_string(stroke.id) + " is participant " +
+                                      std::to_string(stroke.participant) +
+                                      "'s: an owner may change those of others"};
   }
-  if (auto ok = journal_.check_space_for_programs(); !ok) return std::unexpected(ok.error());
+  if (auto ok = journal_.check_space_for_programs(); !ok) return ok.error();
   std::vector<RecordedCommand> changes;
   auto unsettled = unsettled_;
   std::uint64_t record = sequence();
-  for (const Stroke& stroke : strokes) {
+  for (const Stroke& stroke : all) {
     changes.emplace_back(StrokeChange{stroke.id, request.undone});
     unsettled[stroke.id] = ++record;
   }
   participants_.end_strokes();
-  if (auto ok = journal_.append(request.author, changes); !ok) return std::unexpected(ok.error());
+  if (auto ok = journal_.append(request.author, changes); !ok) return ok.error();
   // Nothing fails from here on: the journal says so.
   unsettled_ = std::move(unsettled);
   journal_.note_removal();
-  return sequence();
+  return std::nullopt;
 }
 
 std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeRequest& request,
                                                                  Workers& workers,
-                                                                 const std::stop_token& stop) {
+                                                                 const std::stop_token& stop) try {
   const std::uint64_t at =
       request.at ? *request.at : run_and_wait(*executor_, [this] { return sequence(); });
   const auto lock = history_turns_.ask(kHistoryPatience);
@@ -164,14 +163,20 @@ std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeReq
   std::vector<Stroke> strokes;
   for (const StrokeId id : *chosen) strokes.push_back(*history_->strokes().find(id));
   StrokesChanged changed{.strokes = {chosen->begin(), chosen->end()}};
-  const auto noted = run_and_wait(*executor_, [&] { return note_changes(request, strokes); });
-  if (!noted) return std::unexpected(noted.error());
-  changed.sequence = *noted;
+  const auto rejected = run_and_wait(*executor_, [&] {
+    auto fault = note_changes(request, strokes);
+    changed.sequence = sequence();
+    return fault;
+  });
+  if (rejected) return std::unexpected(*rejected);
   if (auto settled = try_to_settle(workers, stop, changed); !settled) {
     changed.pending = settled.error();
     retry_settling();
   }
   return changed;
+} catch (const std::bad_alloc&) {  // before anything was journaled
+  return std::unexpected(Rejection{wire::ErrorCode::kBusy,
+                                   "the server has not enough memory for this now; try later"});
 }
 
 /// As settle(). Without memory the changes stay pending.

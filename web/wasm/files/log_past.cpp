@@ -28,8 +28,10 @@ Tiles LogPast::tiles_at(std::uint64_t record, const std::stop_token& stop) {
 Tiles LogPast::tiles_after(const SolidSnapshot& solid, const StrokeSet& changed,
                            std::uint64_t record, const std::stop_token& stop) {
   if (auto read = read_history(stop); !read) return std::unexpected(read.error());
+  const auto reached = history_->reach(changed, stop);
+  if (!reached) return std::unexpected(reached.error());
   SerialWorkers alone;
-  return history_->change(solid, changed, history_->strokes().at(record), alone, stop);
+  return history_->change(solid, *reached, changed, history_->strokes().at(record), alone, stop);
 }
 
 std::expected<std::int64_t, std::string> LogPast::time_of(std::uint64_t record) {
