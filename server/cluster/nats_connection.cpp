@@ -20,8 +20,14 @@ constexpr std::int64_t kWaitMs = 2000;
 constexpr std::int64_t kReconnectMs = 250, kPingMs = 2000;
 constexpr std::chrono::milliseconds kConnectPoll{5};
 
-using Options = NatsOwned<natsOptions, natsOptions_Destroy>;
-using Message = NatsOwned<natsMsg, natsMsg_Destroy>;
+template <typename T, void (*Destroy)(T*)>
+struct Owner {
+  void operator()(T* object) const { Destroy(object); }
+};
+template <typename T, void (*Destroy)(T*)>
+using Owned = std::unique_ptr<T, Owner<T, Destroy>>;
+using Options = Owned<natsOptions, natsOptions_Destroy>;
+using Message = Owned<natsMsg, natsMsg_Destroy>;
 
 std::unexpected<NatsError> failed(natsStatus status, jsErrCode code) {
   auto kind = NatsErrorCode::kAway;
@@ -312,7 +318,7 @@ NatsResult<std::vector<std::string>> NatsConnection::streams() {
   jsStreamNamesList* raw = nullptr;
   jsErrCode code{};
   const natsStatus status = js_StreamNames(&raw, impl_->streams(), nullptr, &code);
-  const NatsOwned<jsStreamNamesList, jsStreamNamesList_Destroy> list(raw);
+  const Owned<jsStreamNamesList, jsStreamNamesList_Destroy> list(raw);
   if (status == NATS_NOT_FOUND) return std::vector<std::string>{};
   if (status != NATS_OK) return failed(status, code);
   return std::vector<std::string>(list->List, list->List + list->Count);

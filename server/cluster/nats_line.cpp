@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cluster/nats_line.h"
 
+#include <nats/nats.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
@@ -28,6 +30,14 @@ bool has_read_on(natsConnection* connection) {
 }
 
 }  // namespace
+
+void NatsDestroyer::operator()(natsConnection* connection) const {
+  natsConnection_Destroy(connection);
+}
+void NatsDestroyer::operator()(natsSubscription* subscription) const {
+  natsSubscription_Destroy(subscription);
+}
+void NatsDestroyer::operator()(jsCtx* streams) const { jsCtx_Destroy(streams); }
 
 NatsLine::~NatsLine() {
   streams.reset();

@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <nats/nats.h>
-
 #include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
 
+// Types of libnats, whose header only sources include.
+struct __natsConnection;
+struct __natsSubscription;
+struct __jsCtx;
+
 namespace kerf {
 
-template <typename T, void (*Destroy)(T*)>
-struct NatsOwner {
-  void operator()(T* object) const { Destroy(object); }
+/// Destroys what libnats has made.
+struct NatsDestroyer {
+  void operator()(__natsConnection* connection) const;
+  void operator()(__natsSubscription* subscription) const;
+  void operator()(__jsCtx* streams) const;
 };
-/// An object of the C library that is destroyed with its owner.
-template <typename T, void (*Destroy)(T*)>
-using NatsOwned = std::unique_ptr<T, NatsOwner<T, Destroy>>;
+template <typename T>
+using NatsOwned = std::unique_ptr<T, NatsDestroyer>;
 
 /// A connection of libnats and the subscriptions on it that have ended. The library's thread that
 /// reads looks a subscription up and then uses it without a reference to it, up to version 3.5: one
@@ -32,13 +36,13 @@ class NatsLine {
 
   /// Ends a subscription, and destroys it and those that ended before as soon as that is safe.
   /// Waits for at most half a second.
-  void end(natsSubscription* subscription);
+  void end(__natsSubscription* subscription);
 
-  NatsOwned<natsConnection, natsConnection_Destroy> connection;
-  NatsOwned<jsCtx, jsCtx_Destroy> streams;  // destroyed before the connection
+  NatsOwned<__natsConnection> connection;
+  NatsOwned<__jsCtx> streams;  // destroyed before the connection
 
  private:
-  using Ended = NatsOwned<natsSubscription, natsSubscription_Destroy>;
+  using Ended = NatsOwned<__natsSubscription>;
   std::mutex mutex_;
   std::vector<Ended> ended_;  ///< that the reading thread may still use
 };
@@ -48,7 +52,7 @@ class NatsSubscription {
  public:
   NatsSubscription() = default;
   /// `subscription` may be null.
-  NatsSubscription(std::shared_ptr<NatsLine> line, natsSubscription* subscription)
+  NatsSubscription(std::shared_ptr<NatsLine> line, __natsSubscription* subscription)
       : line_(std::move(line)), subscription_(subscription) {}
   NatsSubscription(NatsSubscription&& other) noexcept { *this = std::move(other); }
   NatsSubscription& operator=(NatsSubscription&& other) noexcept {
@@ -59,11 +63,11 @@ class NatsSubscription {
   ~NatsSubscription() {
     if (subscription_ != nullptr) line_->end(subscription_);
   }
-  natsSubscription* get() const { return subscription_; }
+  __natsSubscription* get() const { return subscription_; }
 
  private:
   std::shared_ptr<NatsLine> line_;
-  natsSubscription* subscription_ = nullptr;
+  __natsSubscription* subscription_ = nullptr;
 };
 
 }  // namespace kerf

@@ -209,7 +209,7 @@ SqlResult<void> JournalGroups::commit_after(const std::vector<Pending>& group,
   return outcome;
 }
 
-/// An encoder that has failed in the middle begins anew, with a batch that restarts.
+/// An encoder that has failed in the middle is reset: its next batch restarts.
 SqlResult<void> JournalGroups::encode_once(const std::vector<Pending>& group) {
   if (is_encoded_) return {};
   auto encoded = with_memory([&]() -> SqlResult<void> {

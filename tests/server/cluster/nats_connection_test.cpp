@@ -32,11 +32,11 @@ TEST_F(NatsConnectionTest, WatchesAndListenersEndWhileTheirMessagesArrive) {
   for (unsigned n = 0; n < kCycles * setting("KERF_EFFORT", 1); ++n) {
     std::atomic<int> heard = 0;
     auto watch = nats_->watch("S", "s.*");
-    auto listener = nats_->listen("told", [&](const StreamMessage&) { ++heard; });
+    auto listener = nats_->listen("s2.live", [&](const StreamMessage&) { ++heard; });
     ASSERT_TRUE(watch && listener);
     for (int k = 0; k < kMessages; ++k) {
       nats_->send("s.live", bytes);
-      nats_->send("told", bytes);
+      nats_->send("s2.live", bytes);
     }
     const auto message = watch->next(milliseconds(2000));
     ASSERT_TRUE(message) << message.error().reason;
