@@ -37,7 +37,7 @@ class Lines {
   std::size_t number_ = 0;
 };
 
-/// What a value is, or what is wrong with it.
+/// The type of a value, or its fault.
 struct Value {
   ConfigType type = ConfigType::kUnknown;  ///< kUnknown: a word without quotes
   std::string fault = {};

@@ -20,7 +20,7 @@ void accept_configuration(CLI::App& app);
 /// has them. Call it after `app` has parsed the command line.
 void take_environment_lists(CLI::App& app);
 
-/// What is wrong with the file of --config, of CLI11's words, which call it INI.
+/// Rewrites an error of CLI11 about the file of --config, which CLI11 calls INI.
 std::string config_fault(std::string reason);
 
 }  // namespace kerf

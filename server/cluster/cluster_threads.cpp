@@ -187,8 +187,8 @@ std::optional<std::string> ClusterNode::Impl::next_to_take() {
   return std::nullopt;
 }
 
-/// Another server was faster, or NATS has lost what this server has seen: then the session is free
-/// later than it seemed.
+/// Notes the stored lease after a take that failed: another server was faster, or NATS has lost
+/// messages that this server had seen. Then the session is free later than it seemed.
 void ClusterNode::Impl::note_not_taken(const std::string& id, const SeenLease& seen,
                                        const LeaseError& error) {
   const bool has_lost = error.stored && error.stored->revision < seen.revision;

@@ -13,7 +13,7 @@ struct __jsCtx;
 
 namespace kerf {
 
-/// Destroys what libnats has made.
+/// Deleter for objects of libnats.
 struct NatsDestroyer {
   void operator()(__natsConnection* connection) const;
   void operator()(__natsSubscription* subscription) const;

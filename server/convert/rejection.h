@@ -20,7 +20,7 @@ Rejection sample_rejection(const wire::MotionSample& sample, wire::ErrorCode cod
                            const std::string& reason);
 /// Returns the rejection of a tool that the session does not have.
 Rejection unknown_tool(ToolId tool);
-/// Returns the rejection of what a muted participant asks of the block.
+/// Returns the rejection of a command by a muted participant.
 inline Rejection muted_rejection() {
   return {wire::ErrorCode::kMuted, "an owner has muted this participant"};
 }

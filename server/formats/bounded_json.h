@@ -14,7 +14,7 @@ namespace kerf {
 /// How JSON of strangers is read.
 struct JsonRules {
   int depth_max = 32;                 ///< of lists and objects in each other; the outermost is 1
-  bool drops_deeper = false;          ///< what is deeper is left out; otherwise it is an error
+  bool drops_deeper = false;          ///< deeper values are left out; otherwise they are an error
   bool takes_repeated_keys = false;   ///< the last one counts; otherwise it is an error
   std::size_t values_max = SIZE_MAX;  ///< of the document, lists and objects included
   std::function<bool()> is_stopped = {};  ///< asked now and then: whether to end

@@ -59,10 +59,11 @@ class BlockHistory {
                                                                  Workers& workers,
                                                                  const std::stop_token& stop = {});
 
-  /// Returns those of some tiles of a block that are others when strokes are undone or redone: what
-  /// a set of motions leaves of them. `solid`: what the set leaves of the block, except that of the
-  /// strokes `changed` it may hold any. `reached`: sorted, without duplicates; outside reach() of
-  /// these strokes nothing changes. Costs what the place of these strokes costs, not the history.
+  /// Returns the tiles among `reached` that differ after the strokes `changed` are undone or
+  /// redone, as the motions of `set` leave them. `solid`: the block after the set, with or without
+  /// any of these strokes. `reached`: sorted, without duplicates; outside reach() of these strokes
+  /// nothing changes. The cost depends on the place of these strokes, not on the length of the
+  /// history.
   std::expected<std::vector<TileReplacement>, std::string> change(
       const SolidSnapshot& solid, std::span<const FieldTile> reached, const StrokeSet& changed,
       const MotionSet& set, Workers& workers, const std::stop_token& stop = {});
