@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/sim/world/clerk.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace kerf::sim {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string pin_name(std::uint32_t number, const std::string& text) {
+  return "pin " + std::to_string(number) + " \"" + text + "\"";
+}
+std::string stroke_name(std::uint64_t id) { return "undo of stroke " + std::to_string(id); }
+
+/// The port of an address "http://HOST:PORT/..."; 0: it is none.
+int port_in(const std::string& location) {
+  const std::size_t host = location.find("://");
+  const std::size_t colon = host == std::string::npos ? host : location.find(':', host + 3);
+  return colon == std::string::npos ? 0 : std::atoi(location.c_str() + colon + 1);
+}
+
+/// Whether a server may answer so to a request that is a good one. 500 only says that its disk has
+/// failed.
+bool is_allowed(const HttpAnswer& answer) {
+  constexpr std::array kAllowed = {0, 200, 201, 202, 307, 404, 409, 429, 503, 507};
+  if (answer.status == 500) return answer.body.find("disk I/O error") != std::string::npos;
+  return std::ranges::find(kAllowed, answer.status) != kAllowed.end();
+}
+
+}  // namespace
+
+Clerk::Clerk(std::string session, std::vector<int> ports, std::uint64_t seed)
+    : session_(std::move(session)), ports_(std::move(ports)), random_(seed | 1) {}
+
+std::uint64_t Clerk::draw_own(std::uint64_t below) {
+  random_ = random_ * 6364136223846793005 + 1442695040888963407;
+  return (random_ >> 33) % below;
+}
+
+/// Asks the server that has answered last, then where it leads; the next one if it is silent.
+HttpAnswer Clerk::request(const std::string& method, const std::string& rest, Time patience) {
+  ++requests_;
+  const std::string target = "/v1/sessions/" + session_ + rest;
+  int port = ports_[place_];
+  for (int hop = 0; hop < 3; ++hop) {
+    const HttpAnswer answer = ask(port, method, target, {}, patience);
+    if (answer.status == 0) place_ = (place_ + 1) % ports_.size();
+    if (!is_allowed(answer)) {
+      wrong_.push_back(method + " " + target + ": " + std::to_string(answer.status) + " " +
+                       answer.body);
+    }
+    const auto next = std::ranges::find(ports_, port_in(answer.location));
+    if (answer.status != 307 || next == ports_.end()) return answer;
+    place_ = static_cast<std::size_t>(next - ports_.begin());
+    port = *next;
+  }
+  return {};
+}
+
+void Clerk::set_pin() {
+  const std::string text = "p" + std::to_string(++made_);
+  const auto answer =
+      request("POST", "/pins?text=" + text + "&at_mm=1,2,-1&normal=0,0,1", 5 * kSecond);
+  if (answer.status != 201) return;
+  const auto number = Json::parse(answer.body).at("pin").get<std::uint32_t>();
+  pins_.push_back(number);
+  names_.push_back(text);
+  promises_.promise(pin_name(number, text), true);
+}
+
+void Clerk::remove_pin() {
+  if (pins_.empty()) return;
+  const std::size_t chosen = draw_own(pins_.size());
+  const std::uint32_t number = pins_[chosen];
+  const std::string name = pin_name(number, names_[chosen]);
+  promises_.ask(name);
+  const auto answer = request("DELETE", "/pins/" + std::to_string(number), 5 * kSecond);
+  pins_.erase(pins_.begin() + static_cast<std::ptrdiff_t>(chosen));
+  names_.erase(names_.begin() + static_cast<std::ptrdiff_t>(chosen));
+  if (answer.status == 200) promises_.promise(name, false);
+}
+
+void Clerk::name_version() {
+  const std::string name = "v" + std::to_string(draw_own(6));
+  const auto answer = request("POST", "/versions?name=" + name, 5 * kSecond);
+  if (answer.status == 201) promises_.promise("version " + name, true);
+  if (answer.status == 0 || answer.status >= 500) promises_.ask("version " + name);
+}
+
+void Clerk::remove_version() {
+  const std::string name = "v" + std::to_string(draw_own(6));
+  const auto answer = request("DELETE", "/versions/" + name, 5 * kSecond);
+  if (answer.status == 200) promises_.promise("version " + name, false);
+  if (answer.status == 0 || answer.status >= 500) promises_.ask("version " + name);
+}
+
+void Clerk::change_stroke() {
+  const auto listed = request("GET", "/strokes", 5 * kSecond);
+  if (listed.status != 200) return;
+  const Json strokes = Json::parse(listed.body).at("strokes");
+  if (strokes.empty()) return;
+  const Json& stroke = strokes[draw_own(strokes.size())];
+  const auto id = stroke.at("id").get<std::uint64_t>();
+  const bool undo = !stroke.at("undone").get<bool>();
+  const std::string name = stroke_name(id);
+  promises_.ask(name);
+  const auto answer =
+      request("POST", std::string(undo ? "/undo" : "/redo") + "?strokes=" + std::to_string(id),
+              10 * kSecond);
+  // 202: it is in the journal, and the block gets it later.
+  if (answer.status == 200 || answer.status == 202) promises_.promise(name, undo);
+}
+
+void Clerk::download() {
+  constexpr std::array kFiles = {"/model.stl", "/program.ngc", "/forces.csv", "/strokes",
+                                 "/authors",   "/versions",    "/pins",       "/replay",
+                                 "/exports",   "/programs",    "/model.glb",  ""};
+  (void)request("GET", kFiles[draw_own(kFiles.size())], 5 * kSecond);
+}
+
+void Clerk::act() {
+  switch (draw_own(12)) {
+    case 0:
+    case 1:
+    case 2:
+      return set_pin();
+    case 3:
+      return remove_pin();
+    case 4:
+    case 5:
+      return name_version();
+    case 6:
+      return remove_version();
+    case 7:
+    case 8:
+    case 9:
+      return change_stroke();
+    default:
+      return download();
+  }
+}
+
+void Clerk::start(Time end, Time pause_max) {
+  thread_ = std::thread([this, end, pause_max] {
+    while (now() < end) {
+      act();
+      const auto pause = draw_own(static_cast<std::uint64_t>(pause_max));
+      std::this_thread::sleep_for(std::chrono::nanoseconds(pause));
+    }
+  });
+}
+
+bool Clerk::read(std::map<std::string, bool>& present, Time patience) {
+  const Time end = now() + patience;
+  while (now() < end) {
+    const auto pins = request("GET", "/pins", patience);
+    const auto versions = request("GET", "/versions", patience);
+    const auto strokes = request("GET", "/strokes", patience);
+    if (pins.status == 200 && versions.status == 200 && strokes.status == 200) {
+      const Json pin_list = Json::parse(pins.body), version_list = Json::parse(versions.body),
+                 stroke_list = Json::parse(strokes.body);
+      for (const Json& pin : pin_list.at("pins")) {
+        present[pin_name(pin.at("pin"), pin.at("text"))] = true;
+      }
+      for (const Json& version : version_list.at("versions")) {
+        present["version " + version.at("name").get<std::string>()] = true;
+      }
+      for (const Json& stroke : stroke_list.at("strokes")) {
+        present[stroke_name(stroke.at("id"))] = stroke.at("undone").get<bool>();
+      }
+      return true;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return false;
+}
+
+}  // namespace kerf::sim

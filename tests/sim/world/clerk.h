@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/sim/os/scheduler.h"
+#include "tests/sim/world/http_client.h"
+#include "tests/sim/world/promises.h"
+
+namespace kerf::sim {
+
+/// Somebody who uses the HTTP interface of a session at random: sets and removes pins, names and
+/// deletes versions, undoes and redoes strokes, downloads, and notes what is promised.
+class Clerk {
+ public:
+  /// `ports` of the servers; it asks one, and where that leads it.
+  Clerk(std::string session, std::vector<int> ports, std::uint64_t seed);
+
+  void start(Time end, Time pause_max);
+  void join() { thread_.join(); }
+
+  // ---- after join() ----
+  const Promises& promises() const { return promises_; }
+  /// Answers that no request may have, e.g. 500: a line for each.
+  const std::vector<std::string>& wrong_answers() const { return wrong_; }
+  std::uint64_t requests() const { return requests_; }
+
+  /// Pins, versions and undone strokes as a server tells them; false: it does not answer.
+  bool read(std::map<std::string, bool>& present, Time patience);
+
+ private:
+  std::uint64_t draw_own(std::uint64_t below);
+  HttpAnswer request(const std::string& method, const std::string& rest, Time patience);
+  void act();
+  void set_pin();
+  void remove_pin();
+  void name_version();
+  void remove_version();
+  void change_stroke();
+  void download();
+
+  std::string session_;
+  std::vector<int> ports_;
+  std::size_t place_ = 0;  ///< the port that has answered last
+  std::uint64_t random_;
+  std::thread thread_;
+  std::uint64_t requests_ = 0, made_ = 0;
+  std::vector<std::string> names_;
+  std::vector<std::uint32_t> pins_;
+  Promises promises_;
+  std::vector<std::string> wrong_;
+};
+
+}  // namespace kerf::sim

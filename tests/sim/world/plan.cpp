@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/sim/world/plan.h"
+
+#include <algorithm>
+#include <array>
+#include <random>
+
+namespace kerf::sim {
+namespace {
+
+/// The faults of a server alone, and those of a cluster.
+constexpr std::size_t kOfOne = 11;
+
+Time between(std::mt19937_64& random, Time least, Time most) {
+  return least + static_cast<Time>(random() % static_cast<std::uint64_t>(most - least + 1));
+}
+
+double choose(std::mt19937_64& random, std::initializer_list<double> values) {
+  return values.begin()[random() % values.size()];
+}
+
+PlannedFault fault_of(std::mt19937_64& random, const Plan& plan) {
+  PlannedFault fault;
+  fault.at = between(random, 300 * kMillisecond, plan.length);
+  const std::size_t kinds = plan.servers == 1 ? kOfOne : kFaults;
+  fault.fault = static_cast<Fault>(random() % kinds);
+  fault.server = random() % static_cast<std::size_t>(plan.servers);
+  fault.length = between(random, 50 * kMillisecond, 3 * kSecond);
+  return fault;
+}
+
+}  // namespace
+
+const char* to_string(Fault fault) {
+  constexpr std::array<const char*, kFaults> kNames = {
+      "kill",       "power-loss", "restart",      "stand-still", "cut",
+      "disk-full",  "disk-fails", "no-sync",      "disk-slow",   "clock-forward",
+      "clock-back", "nats-gone",  "nats-earlier", "nats-cut-off"};
+  return kNames[static_cast<std::size_t>(fault)];
+}
+
+Plan plan_of(std::uint64_t seed) {
+  std::mt19937_64 random(seed * 0x9e3779b97f4a7c15 + 7);
+  Plan plan;
+  plan.seed = seed;
+  plan.servers = random() % 3 == 0 ? 2 + static_cast<int>(random() % 2) : 1;
+  plan.hands = 1 + static_cast<int>(random() % 3);
+  plan.clerks = static_cast<int>(random() % 3);
+  plan.length = between(random, 2 * kSecond, plan.servers == 1 ? 6 * kSecond : 12 * kSecond);
+  plan.period = between(random, 2 * kMillisecond, 12 * kMillisecond);
+  plan.switch_chance = choose(random, {0.001, 0.01, 0.1});
+  for (double& rate : plan.clock_rates) rate = choose(random, {1, 1, 0.95, 1.05});
+  plan.follows = random() % 2 == 0;
+  plan.nats_loses = choose(random, {0, 0, 0.01});
+  plan.snapshots_often = random() % 2 == 0;
+  for (std::uint64_t count = random() % 5; count > 0; --count) {
+    plan.faults.push_back(fault_of(random, plan));
+  }
+  std::ranges::sort(plan.faults, {}, &PlannedFault::at);
+  return plan;
+}
+
+std::string describe(const Plan& plan) {
+  std::string text = "seed " + std::to_string(plan.seed) + ": " + std::to_string(plan.servers) +
+                     " server(s), " + std::to_string(plan.hands) + " hand(s), " +
+                     std::to_string(plan.clerks) + " clerk(s), " +
+                     std::to_string(plan.length / kMillisecond) + " ms, switch " +
+                     std::to_string(plan.switch_chance) + (plan.follows ? ", follows" : "");
+  for (std::size_t i = 0; i < plan.faults.size(); ++i) {
+    const PlannedFault& fault = plan.faults[i];
+    text += "\n  fault " + std::to_string(i) + ": at " + std::to_string(fault.at / kMillisecond) +
+            " ms " + to_string(fault.fault) + " of server " + std::to_string(fault.server) +
+            " for " + std::to_string(fault.length / kMillisecond) + " ms";
+  }
+  return text;
+}
+
+}  // namespace kerf::sim

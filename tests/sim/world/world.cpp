@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/sim/world/world.h"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <utility>
+
+#include "server/http/api.h"
+#include "server/session/journal_carve.h"
+#include "server/session/journal_check.h"
+#include "server/store/journal_reader.h"
+#include "tests/sim/nats/nats_model.h"
+#include "tests/sim/world/http_client.h"
+
+namespace kerf::sim {
+namespace {
+
+constexpr const char* kSession = "block";
+constexpr int kFirstPort = 8080;
+/// Within this time after the last fault every session answers.
+constexpr Time kRecovers = 10 * kSecond;
+constexpr Time kDrains = 90 * kSecond;
+constexpr Time kLook = 50 * kMillisecond;
+
+constexpr const char* kScene = R"({
+  "name": "Simulated block",
+  "stock": {"shape": "box", "min_mm": [-20, -20, -20], "max_mm": [20, 20, 0]},
+  "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
+  "tools": [{"id": 1, "shape": "ball", "diameter_mm": 6, "length_mm": 60},
+            {"id": 2, "shape": "flat", "diameter_mm": 4, "length_mm": 60}],
+  "machine": {"kinematics": "tool-vector"}})";
+
+net::ServerOptions options_of(const Plan& plan, int number) {
+  net::ServerOptions options;
+  options.port = static_cast<std::uint16_t>(kFirstPort + number);
+  options.udp.on = false;
+  if (plan.snapshots_often) {
+    options.snapshots = {.replay_time = std::chrono::microseconds(2000),
+                         .age = std::chrono::seconds(2),
+                         .pause = std::chrono::milliseconds(100)};
+  }
+  if (plan.servers == 1) return options;
+  options.copies.url = "nats://127.0.0.1:4222";
+  options.cluster.node = "node" + std::to_string(number);
+  options.cluster.follow = plan.follows ? Follow::kAll : Follow::kNone;
+  options.needs_copy = true;
+  return options;
+}
+
+/// Waits until `happened`, at most until `end`.
+bool awaits(Time end, const std::function<bool()>& happened) {
+  while (!happened()) {
+    if (now() >= end) return false;
+    sleep_until(now() + kLook);
+  }
+  return true;
+}
+
+bool is_same(const HandMotion& a, const MoveTool& b) {
+  // The session rounds positions to 1e-6 mm.
+  return a.tool == b.tool && length(a.from_mm - b.from.tip_mm) < 1e-5 &&
+         length(a.to_mm - b.to.tip_mm) < 1e-5;
+}
+
+std::string text_of(const HandMotion& motion) {
+  return "tool " + std::to_string(motion.tool) + " to x " + std::to_string(motion.to_mm.x) + " z " +
+         std::to_string(motion.to_mm.z);
+}
+
+}  // namespace
+
+World::World(Plan plan, std::filesystem::path folder)
+    : plan_(std::move(plan)), folder_(std::move(folder)) {}
+
+void World::start_servers() {
+  NatsModel::instance().set_weather({.lost = plan_.nats_loses, .answer_lost = plan_.nats_loses},
+                                    plan_.seed);
+  for (int n = 0; n < plan_.servers; ++n) {
+    const std::string name = "server" + std::to_string(n);
+    servers_.push_back(std::make_unique<ServerMachine>(name, options_of(plan_, n), folder_ / name,
+                                                       plan_.clock_rates[n]));
+    servers_.back()->start();
+  }
+}
+
+void World::create_session() {
+  const bool is_made = awaits(now() + kRecovers, [] {
+    const std::string target = std::string("/v1/sessions?here=1&id=") + kSession;
+    const int status = ask(kFirstPort, "POST", target, kScene).status;
+    return status == 201 || status == 409;
+  });
+  if (!is_made) fail("the session could not be created");
+}
+
+void World::carry_out(const PlannedFault& fault) {
+  ServerMachine& server = *servers_[fault.server];
+  switch (fault.fault) {
+    case Fault::kKill:
+      return server.kill(false);
+    case Fault::kPowerLoss:
+      return server.kill(true);
+    case Fault::kRestart:
+      return server.stop();
+    case Fault::kStandStill:
+      return server.runs() ? server.stand_still(fault.length) : void();
+    case Fault::kCut:
+      return server.cut_connections();
+    case Fault::kDiskFull:
+      server.disk().state = DiskState::kFull;
+      server.disk().free_bytes = draw(100'000);
+      return;
+    case Fault::kDiskFails:
+      server.disk().state = DiskState::kFails;
+      return;
+    case Fault::kNoSync:
+      server.disk().state = DiskState::kNoSync;
+      return;
+    case Fault::kDiskSlow:
+      server.disk().sync_ns = kSecond;
+      return;
+    case Fault::kClockForward:
+      return server.set_clock(3 * 86'400 * kSecond);
+    case Fault::kClockBack:
+      return server.set_clock(-3 * 86'400 * kSecond);
+    case Fault::kNatsGone:
+    case Fault::kNatsEarlier:
+      return NatsModel::instance().stop();
+    case Fault::kNatsCutOff:
+      return NatsModel::instance().cut_off(&server.machine());
+  }
+}
+
+void World::end(const PlannedFault& fault) {
+  ServerMachine& server = *servers_[fault.server];
+  server.disk().state = DiskState::kFine;
+  server.disk().sync_ns = kMillisecond / 2;
+  if (fault.fault == Fault::kNatsGone || fault.fault == Fault::kNatsEarlier) {
+    NatsModel::instance().start();
+  }
+  NatsModel::instance().let_in(&server.machine());
+  server.start();
+}
+
+/// Carries out the plan while hands and clerks work, and looks at who runs the session.
+void World::work() {
+  struct Step {
+    Time at = 0;
+    const PlannedFault* fault = nullptr;
+    bool is_end = false;
+  };
+  std::vector<Step> steps;
+  const Time begin = now();
+  for (const PlannedFault& fault : plan_.faults) {
+    steps.push_back({begin + fault.at, &fault, false});
+    steps.push_back({begin + fault.at + fault.length, &fault, true});
+  }
+  std::ranges::stable_sort(steps, {}, &Step::at);
+  std::vector<std::pair<Time, NatsStore>> stores;
+  const Time last = begin + plan_.length;
+  std::size_t next = 0;
+  while (next < steps.size() || now() < last) {
+    if (plan_.servers > 1) stores.emplace_back(now(), NatsModel::instance().store());
+    check_owners();
+    while (next < steps.size() && steps[next].at <= now()) {
+      const Step& step = steps[next++];
+      if (!step.is_end) {
+        carry_out(*step.fault);
+      } else {
+        if (step.fault->fault == Fault::kNatsEarlier) {
+          const Time then = begin + step.fault->at - step.fault->length;
+          auto earlier =
+              std::ranges::find_if(stores, [&](const auto& s) { return s.first >= then; });
+          NatsModel::instance().set_store(earlier->second);
+        }
+        end(*step.fault);
+      }
+    }
+    sleep_until(now() + kLook);
+  }
+}
+
+void World::heal() {
+  NatsModel::instance().set_weather({}, plan_.seed);
+  for (const auto& server : servers_) {
+    end({.server = static_cast<std::size_t>(&server - servers_.data())});
+  }
+}
+
+ServerMachine* World::owner() {
+  for (const auto& server : servers_) {
+    net::Server* running = server->server();
+    if (running == nullptr) continue;
+    const auto session = running->sessions().find(kSession);
+    if (session && !session->closed() && !session->pause()) return server.get();
+  }
+  return nullptr;
+}
+
+/// At most one server accepts motions.
+void World::check_owners() {
+  std::vector<std::string> owners;
+  for (const auto& server : servers_) {
+    net::Server* running = server->server();
+    const bool stands = server->machine().stands_until > now();
+    if (running == nullptr || stands) continue;
+    const auto session = running->sessions().find(kSession);
+    if (session && !session->closed() && !session->pause()) owners.push_back(server->name());
+  }
+  if (owners.size() > 1) fail("two servers run the session: " + owners[0] + ", " + owners[1]);
+}
+
+void World::check_answers() {
+  const Time begin = now();
+  const bool answers = awaits(begin + kRecovers, [this] {
+    const auto info = ask(servers_.front()->port(), "GET", std::string("/v1/sessions/") + kSession);
+    return (info.status == 200 || info.status == 307) && owner() != nullptr;
+  });
+  if (answers) return;
+  std::string states;
+  for (const auto& server : servers_) {
+    states +=
+        " " + server->name() + (server->server() == nullptr ? " (does not listen" : " (listens");
+    if (!server->failure().empty()) states += ": " + server->failure();
+    if (net::Server* running = server->server()) {
+      const auto session = running->sessions().find(kSession);
+      const auto unread = running->sessions().unreadable(kSession);
+      if (!session) states += ", has no session";
+      if (session && session->pause()) states += ", paused: " + describe(*session->pause());
+      if (unread) states += ", unreadable: " + describe(*unread);
+    }
+    states += ")";
+  }
+  fail("the session does not answer " + std::to_string(kRecovers / kSecond) +
+       " s after the last fault:" + states);
+}
+
+void World::check_motions(const std::filesystem::path& journal) {
+  auto reader = JournalReader::open(journal);
+  if (!reader) return fail("the journal cannot be read: " + describe(reader.error()));
+  std::map<std::string, std::vector<MoveTool>> journaled;
+  std::map<std::string, int> ids;
+  std::map<ParticipantId, std::string> names;
+  for (const JournalParticipant& participant : reader->participants()) {
+    names[participant.participant] = participant.name;
+    ++ids[participant.name];
+  }
+  for (auto record = reader->next(); record && *record; record = reader->next()) {
+    const auto* move = std::get_if<MoveTool>(&(*record)->command);
+    if (move != nullptr) journaled[names[(*record)->participant]].push_back(*move);
+  }
+  const bool may_lose = std::ranges::any_of(
+      plan_.faults, [](const PlannedFault& fault) { return fault.fault == Fault::kNatsEarlier; });
+  for (const auto& hand : hands_) {
+    const auto& made = hand->motions();
+    const auto& cut = journaled[hand->name()];
+    const agent::LinkReport& report = hand->report();
+    outcome_.motions += made.size();
+    if (!report.failure.empty()) fail(hand->name() + " has given up: " + report.failure);
+    if (report.unanswered + report.not_durable > 0) {
+      fail(hand->name() + ": " + std::to_string(report.unanswered) +
+           " samples were not answered, " + std::to_string(report.not_durable) + " not durable");
+    }
+    std::size_t at = 0, missing = 0;
+    std::string first_missing;
+    for (const MoveTool& motion : cut) {
+      std::size_t found = at;
+      while (found < made.size() && !is_same(made[found], motion)) ++found;
+      if (found == made.size()) {
+        // A server that did not know it any more got again what it may have had.
+        if (ids[hand->name()] > 1) continue;
+        fail(hand->name() + ": motion " + std::to_string(&motion - cut.data()) +
+             " of the journal was not made then, or is there twice");
+        break;
+      }
+      if (found > at && first_missing.empty()) first_missing = text_of(made[at]);
+      missing += found - at;
+      at = found + 1;
+    }
+    if (at < made.size() && first_missing.empty()) first_missing = text_of(made[at]);
+    missing += made.size() - at;
+    const bool may_miss = report.rejected_results > 0 || may_lose || report.thinned_cuts > 0 ||
+                          report.forgotten > 0 || report.given_up > 0;
+    if (missing > 0 && !may_miss) {
+      fail(hand->name() + ": " + std::to_string(missing) + " of " + std::to_string(made.size()) +
+           " motions are not in the journal, the first is " + first_missing);
+    }
+  }
+}
+
+void World::check_journal() {
+  ServerMachine* server = owner();
+  if (server == nullptr) return;
+  const auto session = server->server()->sessions().find(kSession);
+  if (const auto flushed = session->flush(); !flushed) {
+    return fail("the journal cannot be committed: " + describe(flushed.error()));
+  }
+  if (!awaits(now() + kRecovers, [&] { return !session->is_between_records(); })) {
+    return fail("a change of strokes is never completed");
+  }
+  const net::HashedSolid live = net::current_solid(*session);
+  const auto verified = verify_journal(session->journal_file());
+  if (!verified) return fail("the journal cannot be verified: " + describe(verified.error()));
+  if (!verified->difference.empty()) fail("replay differs: " + verified->difference);
+  const auto carved = carve_without(session->journal_file(), {});
+  if (!carved) return fail("the journal cannot be carved: " + carved.error());
+  if (carved->hash != live.hash.hash) {
+    fail("the block is not that of its journal after record " + std::to_string(live.hash.sequence));
+  }
+  check_motions(session->journal_file());
+  check_followers();
+}
+
+/// A server that follows the session gets the same block.
+void World::check_followers() {
+  if (plan_.servers == 1 || !plan_.follows) return;
+  ServerMachine* server = owner();
+  const auto session = server->server()->sessions().find(kSession);
+  const std::uint64_t hash = net::current_solid(*session).hash.hash;
+  for (const auto& other : servers_) {
+    if (other.get() == server || other->server() == nullptr) continue;
+    const bool is_equal = awaits(now() + 3 * kRecovers, [&] {
+      const auto followed = other->server()->sessions().find_followed(kSession);
+      return followed && followed->sequence() == session->sequence() &&
+             !followed->is_between_records() && net::current_solid(*followed).hash.hash == hash;
+    });
+    if (!is_equal) fail(other->name() + " follows the session and does not get its block");
+  }
+}
+
+void World::check_promises() {
+  for (const auto& clerk : clerks_) {
+    outcome_.promises += clerk->promises().count();
+    outcome_.requests += clerk->requests();
+    for (const std::string& wrong : clerk->wrong_answers()) fail("wrong answer: " + wrong);
+  }
+  // With several clerks each may have changed what another was promised.
+  const bool may_lose = std::ranges::any_of(
+      plan_.faults, [](const PlannedFault& fault) { return fault.fault == Fault::kNatsEarlier; });
+  if (clerks_.size() != 1 || may_lose) return;
+  std::map<std::string, bool> present;
+  if (!clerks_[0]->read(present, kRecovers)) return fail("the lists of the session do not come");
+  for (const std::string& broken : clerks_[0]->promises().broken(present)) fail(broken);
+}
+
+Outcome World::run() {
+  start_servers();
+  create_session();
+  const Time end = now() + plan_.length;
+  std::vector<int> ports;
+  for (const auto& server : servers_) ports.push_back(server->port());
+  for (int n = 0; n < plan_.hands; ++n) {
+    const auto number = static_cast<std::uint64_t>(n);
+    hands_.push_back(std::make_unique<Hand>(n, kSession, ports[number % ports.size()],
+                                            plan_.seed * 16 + number));
+    hands_.back()->start(end, plan_.period, kDrains);
+  }
+  for (int n = 0; n < plan_.clerks; ++n) {
+    clerks_.push_back(
+        std::make_unique<Clerk>(kSession, ports, plan_.seed * 64 + static_cast<std::uint64_t>(n)));
+    clerks_.back()->start(end, 200 * kMillisecond);
+  }
+  work();
+  heal();
+  for (const auto& clerk : clerks_) clerk->join();
+  check_answers();
+  for (const auto& hand : hands_) hand->join();
+  check_journal();
+  check_promises();
+
+  for (const auto& server : servers_) server->stop();
+  outcome_.length = now();
+  outcome_.trace = trace();
+  outcome_.turns = turns_taken();
+  return outcome_;
+}
+
+}  // namespace kerf::sim
