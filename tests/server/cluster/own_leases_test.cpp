@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <csignal>
 #include <thread>
 
 #include "tests/server/cluster/nats_fixture.h"
@@ -98,10 +97,10 @@ TEST_F(OwnLeasesTest, ARenewalWhoseAnswerWasLostIsNotThatOfAnother) {
 
 TEST_F(OwnLeasesTest, ALeaseWhoseAnswerIsLateIsTakenOnce) {
   // Longer than one attempt waits, shorter than all of them.
-  kill(process_, SIGSTOP);
+  process_.suspend();
   std::jthread later([this] {
     std::this_thread::sleep_for(std::chrono::milliseconds(1100));
-    kill(process_, SIGCONT);
+    process_.resume();
   });
   ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
   EXPECT_TRUE(a_->find("s"));

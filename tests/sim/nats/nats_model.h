@@ -30,6 +30,9 @@ class NatsModel {
   /// The one that connections use.
   static NatsModel& instance();
 
+  /// Tells who opens a connection; without it all are one client.
+  std::function<NatsClient()> caller = {};
+
   struct Weather {
     std::chrono::microseconds delay_max{2000};  ///< of a message, one way
     double lost = 0;         ///< requests that do not arrive, though the connection stays

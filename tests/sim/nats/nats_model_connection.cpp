@@ -5,10 +5,8 @@
 #include <deque>
 #include <thread>
 
-#include "server/cluster/nats_address.h"
 #include "server/cluster/nats_connection.h"
 #include "tests/sim/nats/nats_model.h"
-#include "tests/sim/os/scheduler.h"
 
 namespace kerf {
 
@@ -44,7 +42,7 @@ NatsConnection::~NatsConnection() = default;
 
 NatsResult<NatsConnection> NatsConnection::open(const std::string&, const std::string&) {
   auto impl = std::make_unique<Impl>();
-  impl->client = sim::this_machine();
+  if (model().caller) impl->client = model().caller();
   NatsConnection made(std::move(impl));
   const auto end = Clock::now() + kWait;
   while (!made.is_connected() && Clock::now() < end) {

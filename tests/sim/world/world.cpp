@@ -74,6 +74,7 @@ World::World(Plan plan, std::filesystem::path folder)
     : plan_(std::move(plan)), folder_(std::move(folder)) {}
 
 void World::start_servers() {
+  NatsModel::instance().caller = [] { return this_machine(); };
   NatsModel::instance().set_weather({.lost = plan_.nats_loses, .answer_lost = plan_.nats_loses},
                                     plan_.seed);
   for (int n = 0; n < plan_.servers; ++n) {
