@@ -99,21 +99,31 @@ void Clerk::remove_version() {
   if (answer.status == 0 || answer.status >= 500) promises_.ask("version " + name);
 }
 
-void Clerk::change_stroke() {
+/// Undoes or redoes up to five strokes in one request.
+void Clerk::change_strokes() {
   const auto listed = request("GET", "/strokes", 5 * kSecond);
   if (listed.status != 200) return;
-  const Json strokes = Json::parse(listed.body).at("strokes");
+  const Json answer = Json::parse(listed.body);
+  const Json& strokes = answer.at("strokes");
   if (strokes.empty()) return;
-  const Json& stroke = strokes[draw_own(strokes.size())];
-  const auto id = stroke.at("id").get<std::uint64_t>();
-  const bool undo = !stroke.at("undone").get<bool>();
-  const std::string name = stroke_name(id);
-  promises_.ask(name);
-  const auto answer =
-      request("POST", std::string(undo ? "/undo" : "/redo") + "?strokes=" + std::to_string(id),
-              10 * kSecond);
+  const bool undo = draw_own(3) != 0;
+  std::vector<std::string> names;
+  std::string numbers;
+  for (std::size_t n = draw_own(strokes.size()); n < strokes.size() && names.size() < 5; ++n) {
+    const Json& stroke = strokes[n];
+    if (stroke.at("undone").get<bool>() == undo) continue;
+    const auto id = stroke.at("id").get<std::uint64_t>();
+    names.push_back(stroke_name(id));
+    numbers += (numbers.empty() ? "" : ",") + std::to_string(id);
+  }
+  if (names.empty()) return;
+  promises_.ask(names);
+  stroke_changes_ += names.size();
+  const auto changed =
+      request("POST", std::string(undo ? "/undo" : "/redo") + "?strokes=" + numbers, 10 * kSecond);
   // 202: it is in the journal, and the block gets it later.
-  if (answer.status == 200 || answer.status == 202) promises_.promise(name, undo);
+  if (changed.status != 200 && changed.status != 202) return;
+  for (const std::string& name : names) promises_.promise(name, undo);
 }
 
 void Clerk::download() {
@@ -139,7 +149,7 @@ void Clerk::act() {
     case 7:
     case 8:
     case 9:
-      return change_stroke();
+      return change_strokes();
     default:
       return download();
   }

@@ -28,6 +28,8 @@ class Clerk {
   /// Answers that no request may have, e.g. 500: a line for each.
   const std::vector<std::string>& wrong_answers() const { return wrong_; }
   std::uint64_t requests() const { return requests_; }
+  /// Strokes of requests to undo or redo.
+  std::uint64_t stroke_changes() const { return stroke_changes_; }
 
   /// Pins, versions and undone strokes as a server tells them; false: it does not answer.
   bool read(std::map<std::string, bool>& present, Time patience);
@@ -40,7 +42,7 @@ class Clerk {
   void remove_pin();
   void name_version();
   void remove_version();
-  void change_stroke();
+  void change_strokes();
   void download();
 
   std::string session_;
@@ -48,7 +50,7 @@ class Clerk {
   std::size_t place_ = 0;  ///< the port that has answered last
   std::uint64_t random_;
   std::thread thread_;
-  std::uint64_t requests_ = 0, made_ = 0;
+  std::uint64_t requests_ = 0, made_ = 0, stroke_changes_ = 0;
   std::vector<std::string> names_;
   std::vector<std::uint32_t> pins_;
   Promises promises_;

@@ -46,6 +46,7 @@ Plan plan_of(std::uint64_t seed) {
   plan.servers = random() % 3 == 0 ? 2 + static_cast<int>(random() % 2) : 1;
   plan.hands = 1 + static_cast<int>(random() % 3);
   plan.clerks = static_cast<int>(random() % 3);
+  plan.pages = static_cast<int>(random() % 3);
   plan.length = between(random, 2 * kSecond, plan.servers == 1 ? 6 * kSecond : 12 * kSecond);
   plan.period = between(random, 2 * kMillisecond, 12 * kMillisecond);
   plan.switch_chance = choose(random, {0.001, 0.01, 0.1});
@@ -63,8 +64,8 @@ Plan plan_of(std::uint64_t seed) {
 std::string describe(const Plan& plan) {
   std::string text = "seed " + std::to_string(plan.seed) + ": " + std::to_string(plan.servers) +
                      " server(s), " + std::to_string(plan.hands) + " hand(s), " +
-                     std::to_string(plan.clerks) + " clerk(s), " +
-                     std::to_string(plan.length / kMillisecond) + " ms, switch " +
+                     std::to_string(plan.clerks) + " clerk(s), " + std::to_string(plan.pages) +
+                     " page(s), " + std::to_string(plan.length / kMillisecond) + " ms, switch " +
                      std::to_string(plan.switch_chance) + (plan.follows ? ", follows" : "");
   for (std::size_t i = 0; i < plan.faults.size(); ++i) {
     const PlannedFault& fault = plan.faults[i];

@@ -40,7 +40,7 @@ struct PlannedFault {
 struct Plan {
   std::uint64_t seed = 1;
   int servers = 1;  ///< more than one share their sessions at NATS
-  int hands = 2, clerks = 1;
+  int hands = 2, clerks = 1, pages = 0;
   Time length = 6 * kSecond;       ///< how long they work
   Time period = 4 * kMillisecond;  ///< of a hand's samples
   double switch_chance = 0.01;

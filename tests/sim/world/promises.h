@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -19,7 +20,18 @@ class Promises {
   };
 
   /// A change of something was sent. What it was is not sure until the answer.
-  void ask(const std::string& what) { states_[what] = State::kUnknown; }
+  void ask(const std::string& what) {
+    states_[what] = State::kUnknown;
+    std::erase_if(together_, [&](const std::vector<std::string>& all) {
+      return std::ranges::find(all, what) != all.end();
+    });
+  }
+  /// A change of all of these in one request was sent, each the other way before: all of them
+  /// happen or none.
+  void ask(const std::vector<std::string>& all) {
+    for (const std::string& what : all) ask(what);
+    together_.push_back(all);
+  }
   /// The answer says what it is now.
   void promise(const std::string& what, bool is_present) {
     states_[what] = is_present ? State::kPresent : State::kAbsent;
@@ -30,11 +42,22 @@ class Promises {
     std::vector<std::string> sentences;
     for (const auto& [what, state] : states_) {
       const auto found = present.find(what);
-      const bool is_there = found != present.end() && found->second;
-      if (state == State::kPresent && !is_there)
+      const bool is_present = found != present.end() && found->second;
+      if (state == State::kPresent && !is_present)
         sentences.push_back(what + " was promised and is gone");
-      if (state == State::kAbsent && is_there)
+      if (state == State::kAbsent && is_present)
         sentences.push_back(what + " was ended and is there");
+    }
+    const auto is_there = [&](const std::string& what) {
+      const auto found = present.find(what);
+      return found != present.end() && found->second;
+    };
+    for (const auto& all : together_) {
+      const auto changed = std::ranges::count_if(all, is_there);
+      if (changed != 0 && changed != std::ssize(all)) {
+        sentences.push_back("of " + std::to_string(all.size()) + " changes of one request " +
+                            std::to_string(changed) + " have happened: " + all.front());
+      }
     }
     return sentences;
   }
@@ -43,6 +66,7 @@ class Promises {
 
  private:
   std::map<std::string, State> states_;
+  std::vector<std::vector<std::string>> together_;
   std::uint64_t kept_ = 0;
 };
 

@@ -9,9 +9,9 @@
 #include "server/http/api.h"
 #include "server/session/journal_carve.h"
 #include "server/session/journal_check.h"
-#include "server/store/journal_reader.h"
 #include "tests/sim/nats/nats_model.h"
 #include "tests/sim/world/http_client.h"
+#include "tests/sim/world/motion_check.h"
 
 namespace kerf::sim {
 namespace {
@@ -55,17 +55,6 @@ bool awaits(Time end, const std::function<bool()>& happened) {
     sleep_until(now() + kLook);
   }
   return true;
-}
-
-bool is_same(const HandMotion& a, const MoveTool& b) {
-  // The session rounds positions to 1e-6 mm.
-  return a.tool == b.tool && length(a.from_mm - b.from.tip_mm) < 1e-5 &&
-         length(a.to_mm - b.to.tip_mm) < 1e-5;
-}
-
-std::string text_of(const HandMotion& motion) {
-  return "tool " + std::to_string(motion.tool) + " to x " + std::to_string(motion.to_mm.x) + " z " +
-         std::to_string(motion.to_mm.z);
 }
 
 }  // namespace
@@ -237,56 +226,16 @@ void World::check_answers() {
 }
 
 void World::check_motions(const std::filesystem::path& journal) {
-  auto reader = JournalReader::open(journal);
-  if (!reader) return fail("the journal cannot be read: " + describe(reader.error()));
-  std::map<std::string, std::vector<MoveTool>> journaled;
-  std::map<std::string, int> ids;
-  std::map<ParticipantId, std::string> names;
-  for (const JournalParticipant& participant : reader->participants()) {
-    names[participant.participant] = participant.name;
-    ++ids[participant.name];
-  }
-  for (auto record = reader->next(); record && *record; record = reader->next()) {
-    const auto* move = std::get_if<MoveTool>(&(*record)->command);
-    if (move != nullptr) journaled[names[(*record)->participant]].push_back(*move);
-  }
-  const bool may_lose = std::ranges::any_of(
+  Allowance allowance{.any = loses_messages()};
+  for (const auto& clerk : clerks_) allowance.stroke_changes += clerk->stroke_changes();
+  for (const std::string& fault : sim::check_motions(journal, hands_, allowance)) fail(fault);
+  for (const auto& hand : hands_) outcome_.motions += hand->motions().size();
+}
+
+/// Whether NATS comes back with less than it had: what only it had is lost.
+bool World::loses_messages() const {
+  return std::ranges::any_of(
       plan_.faults, [](const PlannedFault& fault) { return fault.fault == Fault::kNatsEarlier; });
-  for (const auto& hand : hands_) {
-    const auto& made = hand->motions();
-    const auto& cut = journaled[hand->name()];
-    const agent::LinkReport& report = hand->report();
-    outcome_.motions += made.size();
-    if (!report.failure.empty()) fail(hand->name() + " has given up: " + report.failure);
-    if (report.unanswered + report.not_durable > 0) {
-      fail(hand->name() + ": " + std::to_string(report.unanswered) +
-           " samples were not answered, " + std::to_string(report.not_durable) + " not durable");
-    }
-    std::size_t at = 0, missing = 0;
-    std::string first_missing;
-    for (const MoveTool& motion : cut) {
-      std::size_t found = at;
-      while (found < made.size() && !is_same(made[found], motion)) ++found;
-      if (found == made.size()) {
-        // A server that did not know it any more got again what it may have had.
-        if (ids[hand->name()] > 1) continue;
-        fail(hand->name() + ": motion " + std::to_string(&motion - cut.data()) +
-             " of the journal was not made then, or is there twice");
-        break;
-      }
-      if (found > at && first_missing.empty()) first_missing = text_of(made[at]);
-      missing += found - at;
-      at = found + 1;
-    }
-    if (at < made.size() && first_missing.empty()) first_missing = text_of(made[at]);
-    missing += made.size() - at;
-    const bool may_miss = report.rejected_results > 0 || may_lose || report.thinned_cuts > 0 ||
-                          report.forgotten > 0 || report.given_up > 0;
-    if (missing > 0 && !may_miss) {
-      fail(hand->name() + ": " + std::to_string(missing) + " of " + std::to_string(made.size()) +
-           " motions are not in the journal, the first is " + first_missing);
-    }
-  }
 }
 
 void World::check_journal() {
@@ -329,6 +278,19 @@ void World::check_followers() {
   }
 }
 
+/// Each page shows the block in the end.
+void World::check_pages() {
+  ServerMachine* server = owner();
+  const auto session = server == nullptr ? nullptr : server->server()->sessions().find(kSession);
+  for (const auto& page : pages_) {
+    const std::string name = "page " + std::to_string(&page - pages_.data());
+    const std::uint64_t hash = session ? net::current_solid(*session).hash.hash : 0;
+    if (session && !page->shows(hash, 3 * kRecovers)) fail(name + " does not show the block");
+    page->stop();
+    for (const std::string& wrong : page->wrong_frames()) fail(name + ": " + wrong);
+  }
+}
+
 void World::check_promises() {
   for (const auto& clerk : clerks_) {
     outcome_.promises += clerk->promises().count();
@@ -336,9 +298,7 @@ void World::check_promises() {
     for (const std::string& wrong : clerk->wrong_answers()) fail("wrong answer: " + wrong);
   }
   // With several clerks each may have changed what another was promised.
-  const bool may_lose = std::ranges::any_of(
-      plan_.faults, [](const PlannedFault& fault) { return fault.fault == Fault::kNatsEarlier; });
-  if (clerks_.size() != 1 || may_lose) return;
+  if (clerks_.size() != 1 || loses_messages()) return;
   std::map<std::string, bool> present;
   if (!clerks_[0]->read(present, kRecovers)) return fail("the lists of the session do not come");
   for (const std::string& broken : clerks_[0]->promises().broken(present)) fail(broken);
@@ -360,6 +320,11 @@ Outcome World::run() {
     clerks_.push_back(
         std::make_unique<Clerk>(kSession, ports, plan_.seed * 64 + static_cast<std::uint64_t>(n)));
     clerks_.back()->start(end, 200 * kMillisecond);
+  }
+  for (int n = 0; n < plan_.pages; ++n) {
+    pages_.push_back(
+        std::make_unique<Page>(kSession, ports, plan_.seed * 32 + static_cast<std::uint64_t>(n)));
+    pages_.back()->start();
   }
   work();
   heal();

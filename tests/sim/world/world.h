@@ -8,6 +8,7 @@
 
 #include "tests/sim/world/clerk.h"
 #include "tests/sim/world/hand.h"
+#include "tests/sim/world/page.h"
 #include "tests/sim/world/plan.h"
 #include "tests/sim/world/server_machine.h"
 
@@ -42,6 +43,8 @@ class World {
   void check_motions(const std::filesystem::path& journal);
   void check_promises();
   void check_followers();
+  void check_pages();
+  bool loses_messages() const;
   ServerMachine* owner();
   void fail(const std::string& sentence) { outcome_.faults.push_back(sentence); }
 
@@ -50,6 +53,7 @@ class World {
   std::vector<std::unique_ptr<ServerMachine>> servers_;
   std::vector<std::unique_ptr<Hand>> hands_;
   std::vector<std::unique_ptr<Clerk>> clerks_;
+  std::vector<std::unique_ptr<Page>> pages_;
   Outcome outcome_;
 };
 

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "tests/sim/world/plan.h"
+
+namespace kerf::sim {
+
+/// What the process of a world has told.
+struct Report {
+  bool is_whole = false;  ///< it has come to its end
+  std::string faults;     ///< a line for each promise that was broken
+  std::uint64_t motions = 0, promises = 0, requests = 0, trace = 0, turns = 0;
+  Time length = 0;   ///< that has passed in the world
+  double cpu_s = 0;  ///< that it took
+  bool is_good() const { return is_whole && faults.empty(); }
+};
+
+/// Runs a world in a process of its own, because a simulation lasts as long as its process.
+/// `folder` is emptied; the server's log and the disks of all machines are there afterwards.
+Report run_world(const Plan& plan, const std::filesystem::path& folder);
+
+}  // namespace kerf::sim
