@@ -214,8 +214,8 @@ Server::~Server() {
   stop();
   // An agent's connection belongs to the thread of its session and uses what is destroyed here.
   // Peers that do not close are cut off, those that have not said hello too.
-  const auto deadline = std::chrono::steady_clock::now() + kCutTime;
-  while (impl_->metrics.agents > 0 && std::chrono::steady_clock::now() < deadline) {
+  const auto deadline = Clock::now() + kCutTime;
+  while (impl_->metrics.agents > 0 && Clock::now() < deadline) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   // The viewers' thread uses the other threads until its last turn: they are destroyed before it.
@@ -347,13 +347,13 @@ void Server::stop() {
   for (const JournalError& lost : impl_->registry.close_all(reason, redirect)) {
     log::error("the last records could not be written and are lost: " + describe(lost));
   }
-  const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
+  const auto deadline = Clock::now() + kDrainTime;
   std::vector<std::string> uncopied;
   if (impl_->copies) uncopied = impl_->copies->finish(deadline);
   if (impl_->node) impl_->node->release(uncopied);
   const Metrics& metrics = impl_->metrics;
   while (metrics.agents + metrics.viewers + metrics.waiting_to_load > 0 &&
-         std::chrono::steady_clock::now() < deadline) {
+         Clock::now() < deadline) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }

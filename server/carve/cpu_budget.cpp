@@ -3,8 +3,9 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <ctime>
 #include <mutex>
+
+#include "server/platform/clock.h"
 
 namespace kerf {
 namespace {
@@ -13,19 +14,13 @@ constexpr std::chrono::milliseconds kLook{5};
 
 }  // namespace
 
-double cpu_seconds() {
-  std::timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
-}
-
 CpuBudget::CpuBudget(double until_s, const std::stop_token& parent)
     : forward_(parent, [this] { source_.request_stop(); }),
       watcher_([this, until_s](const std::stop_token& end) {
         std::mutex mutex;
         std::condition_variable_any never;
         std::unique_lock lock(mutex);
-        while (!end.stop_requested() && cpu_seconds() < until_s)
+        while (!end.stop_requested() && Clock::process_cpu_s() < until_s)
           never.wait_for(lock, end, kLook, [] { return false; });
         if (!end.stop_requested()) source_.request_stop();
       }) {}

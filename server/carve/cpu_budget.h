@@ -7,14 +7,11 @@
 
 namespace kerf {
 
-/// Returns the CPU time of this process, s.
-double cpu_seconds();
-
 /// Requests a stop when this process has used a given CPU time, or when another stop is requested.
 /// Looks every 5 ms.
 class CpuBudget {
  public:
-  /// Stops at cpu_seconds() >= `until_s`, or with `parent`.
+  /// Stops at Clock::process_cpu_s() >= `until_s`, or with `parent`.
   CpuBudget(double until_s, const std::stop_token& parent);
   std::stop_token token() const { return source_.get_token(); }
 

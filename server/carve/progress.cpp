@@ -18,7 +18,7 @@ Progress::Progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 void Progress::show(const std::string& phase, double share) {
   if (!terminal_) return;
-  const auto now = std::chrono::steady_clock::now();
+  const auto now = Clock::now();
   if (now < next_ && phase == phase_) return;
   next_ = now + kRedraw;
   phase_ = phase;

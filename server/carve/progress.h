@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <string>
+
+#include "server/platform/clock.h"
 
 namespace kerf {
 
@@ -23,7 +24,7 @@ class Progress {
  private:
   bool terminal_ = false, drawn_ = false;
   std::string phase_;
-  std::chrono::steady_clock::time_point next_{};
+  Clock::time_point next_{};
 };
 
 }  // namespace kerf

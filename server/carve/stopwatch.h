@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "server/platform/clock.h"
+
 namespace kerf {
 
 /// Measures the times of consecutive steps.
@@ -11,12 +13,12 @@ class Stopwatch {
  public:
   /// Returns the seconds since construction or the last call.
   double lap() {
-    const auto now = std::chrono::steady_clock::now();
+    const auto now = Clock::now();
     return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
   }
 
  private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Clock::time_point start_ = Clock::now();
 };
 
 }  // namespace kerf

@@ -182,7 +182,7 @@ class Tradeoff {
     return settings;
   }
 
-  double elapsed_s() const { return cpu_seconds() - start_s_; }
+  double elapsed_s() const { return Clock::process_cpu_s() - start_s_; }
 
   std::string too_large(const SculptureSettings& settings) const {
     const double mb = 1e-6 * bytes_if_all_touched(settings);
@@ -265,7 +265,8 @@ class Tradeoff {
       if (row.skipped.empty()) finest = row.pitch_mm;
     if (finest == 0) return;
     settings.pitch_mm = fitting_pitch(settings.stock, kReferencePitch * finest);
-    const CpuBudget budget(cpu_seconds() + (1 - kSweepShare) * options_.budget_seconds, stop_);
+    const CpuBudget budget(Clock::process_cpu_s() + (1 - kSweepShare) * options_.budget_seconds,
+                           stop_);
     const auto reference = carve(settings, budget.token(), "reference");
     if (stop_.stop_requested()) return;
     SculptureSettings coarser = settings;
@@ -349,7 +350,7 @@ class Tradeoff {
   const TradeoffOptions& options_;
   OutputFiles outputs_;
   std::stop_token stop_;
-  const double start_s_ = cpu_seconds();
+  const double start_s_ = Clock::process_cpu_s();
   Progress progress_;
   Scene scene_;
   Program program_;

@@ -9,6 +9,7 @@
 #include "kernel/dexel/dexel_tile.h"
 #include "kernel/dexel/stock_column.h"
 #include "server/carve/cpu_budget.h"
+#include "server/platform/clock.h"
 
 namespace kerf {
 namespace {
@@ -30,7 +31,7 @@ std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& setti
       return std::unexpected(defined.error().reason);
   std::vector<Vec3> forces;
   forces.reserve(program.motions.size());
-  double cpu_s = 0, since = cpu_seconds();
+  double cpu_s = 0, since = Clock::process_cpu_s();
   for (const ProgramMotion& motion : program.motions) {
     if (stop.stop_requested()) return std::unexpected(std::string());
     const auto result = sculpture->apply(
@@ -39,11 +40,11 @@ std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& setti
       return std::unexpected("line " + std::to_string(motion.line) + ": " + result.error().reason);
     forces.push_back(result->wrench.force_n);
     if (forces.size() % kMotionsPerLook != 0 || !progress) continue;
-    cpu_s += cpu_seconds() - since;
+    cpu_s += Clock::process_cpu_s() - since;
     progress(double(forces.size()) / double(program.motions.size()));
-    since = cpu_seconds();
+    since = Clock::process_cpu_s();
   }
-  cpu_s += cpu_seconds() - since;
+  cpu_s += Clock::process_cpu_s() - since;
   const std::uint64_t bytes = sculpture->memory_bytes();
   return CarvedOnce{
       sculpture->solid(), cpu_s, sculpture->sub_motions(), bytes, sculpture->removed_volume_mm3(),

@@ -9,6 +9,7 @@
 #include "server/cluster/random_number.h"
 #include "server/cluster/takeover.h"
 #include "server/log/log.h"
+#include "server/platform/clock.h"
 
 namespace kerf {
 namespace {
@@ -58,7 +59,7 @@ std::string ClusterNode::hold() {
   {
     const std::lock_guard lock(impl_->mutex);
     impl_->holds = true;
-    if (const auto least = impl_->table.least_loaded(boot_time_ns())) {
+    if (const auto least = impl_->table.least_loaded(Clock::boot_ns())) {
       name = least->name;
       address = least->address;
     }
@@ -150,7 +151,7 @@ std::vector<PlacedSession> ClusterNode::elsewhere() const {
 std::optional<std::string> ClusterNode::address_of(const std::string& id) const {
   if (impl_->own.find(id)) return std::nullopt;
   const std::lock_guard lock(impl_->mutex);
-  return impl_->table.address_of(id, boot_time_ns());
+  return impl_->table.address_of(id, Clock::boot_ns());
 }
 
 bool ClusterNode::is_moving(const std::string& id) const {
@@ -158,13 +159,13 @@ bool ClusterNode::is_moving(const std::string& id) const {
   const std::lock_guard lock(impl_->mutex);
   // Before anything has been heard nobody can say that there is no such session.
   if (impl_->heard_ns == 0 && impl_->table.find(id) == nullptr) return true;
-  return impl_->table.is_moving(id, boot_time_ns());
+  return impl_->table.is_moving(id, Clock::boot_ns());
 }
 
 std::vector<std::string> ClusterNode::other_servers() const {
   const std::lock_guard lock(impl_->mutex);
   std::vector<std::string> addresses;
-  for (const OtherServer& server : impl_->table.others(boot_time_ns())) {
+  for (const OtherServer& server : impl_->table.others(Clock::boot_ns())) {
     addresses.push_back(server.address);
   }
   return addresses;
@@ -172,7 +173,7 @@ std::vector<std::string> ClusterNode::other_servers() const {
 
 std::vector<std::string> ClusterNode::page_servers() const {
   const std::lock_guard lock(impl_->mutex);
-  return impl_->table.page_servers(boot_time_ns());
+  return impl_->table.page_servers(Clock::boot_ns());
 }
 
 bool ClusterNode::wants_to_follow(const std::string& id) {
@@ -184,7 +185,7 @@ std::optional<std::string> ClusterNode::place_for_new() {
   if (!impl_->nats.is_connected()) return std::nullopt;
   const std::size_t own = impl_->own.sessions().size();
   const std::lock_guard lock(impl_->mutex);
-  const auto least = impl_->table.least_loaded(boot_time_ns());
+  const auto least = impl_->table.least_loaded(Clock::boot_ns());
   if (!least || (least->sessions >= own && !impl_->only_follows)) return std::nullopt;
   impl_->table.expect_session(least->name);
   return least->address;

@@ -9,6 +9,7 @@
 #include "server/cluster/snapshot_copy.h"
 #include "server/cluster/takeover.h"
 #include "server/log/log.h"
+#include "server/platform/clock.h"
 #include "server/store/journal_file.h"
 
 namespace kerf {
@@ -63,7 +64,7 @@ void ClusterNode::Impl::renew(const std::string& id) {
   const std::string fault = renewed ? "" : renewed.error().reason;
   if (!renewed && renewed.error().is_lost) {
     const std::lock_guard lock(mutex);
-    lost.try_emplace(id, boot_time_ns());
+    lost.try_emplace(id, Clock::boot_ns());
     faults.erase(id);
     return;
   }
@@ -79,7 +80,7 @@ void ClusterNode::Impl::renew(const std::string& id) {
 
 /// Says that this server is there.
 void ClusterNode::Impl::state_itself() {
-  const std::int64_t now = boot_time_ns();
+  const std::int64_t now = Clock::boot_ns();
   if (now - noted_ns < kNoteNs) return;
   noted_ns = now;
   NodeNote note{run, address, only_follows};
@@ -97,13 +98,13 @@ void ClusterNode::Impl::state_itself() {
 
 void ClusterNode::Impl::renew_all(const std::stop_token& stop) {
   do {
-    for (const std::string& id : own.due(boot_time_ns())) renew(id);
+    for (const std::string& id : own.due(Clock::boot_ns())) renew(id);
     if (nats.is_connected()) state_itself();
   } while (pause(stop));
 }
 
 void ClusterNode::Impl::take_note(const StreamMessage& message) {
-  const std::int64_t now = boot_time_ns();
+  const std::int64_t now = Clock::boot_ns();
   const auto session = session_of_subject(message.subject);
   const auto lease = session ? decode_lease(message.bytes) : std::nullopt;
   const auto other = node_of_subject(message.subject);
@@ -130,7 +131,7 @@ void ClusterNode::Impl::watch(const std::stop_token& stop) {
   if (!messages) return;
   {
     const std::lock_guard lock(mutex);
-    heard_ns = boot_time_ns();
+    heard_ns = Clock::boot_ns();
     table.begin(heard_ns);
   }
   while (!stop.stop_requested()) {
@@ -138,7 +139,7 @@ void ClusterNode::Impl::watch(const std::stop_token& stop) {
     if (!message) return;
     if (*message) take_note(**message);
     const std::lock_guard lock(mutex);
-    if (boot_time_ns() - heard_ns > kSilenceNs) return;
+    if (Clock::boot_ns() - heard_ns > kSilenceNs) return;
   }
 }
 
@@ -161,7 +162,7 @@ void ClusterNode::Impl::find_local() {
 }
 
 std::optional<std::string> ClusterNode::Impl::next_to_take() {
-  const std::int64_t now = boot_time_ns();
+  const std::int64_t now = Clock::boot_ns();
   const std::size_t sessions = std::min(own.sessions().size(), kSessionsCounted);
   const std::lock_guard lock(mutex);
   if (only_follows || holds || heard_ns == 0) return std::nullopt;
@@ -195,7 +196,7 @@ void ClusterNode::Impl::note_not_taken(const std::string& id, const SeenLease& s
   if (has_lost || !error.is_lost) log_failure(id, error.reason + "; it is tried again");
   if (!error.stored) return;
   const std::lock_guard lock(mutex);
-  table.correct(id, *error.stored, boot_time_ns());
+  table.correct(id, *error.stored, Clock::boot_ns());
   due_ns.erase(id);
 }
 
@@ -227,9 +228,9 @@ void ClusterNode::Impl::take(const std::string& id) {
   registry->give_up(id);
   {
     const std::lock_guard lock(mutex);
-    if (is_open && !own.find(id)) lost.try_emplace(id, boot_time_ns());  // meanwhile
+    if (is_open && !own.find(id)) lost.try_emplace(id, Clock::boot_ns());  // meanwhile
     if (is_open) return;
-    again_ns[id] = boot_time_ns() + kRetryNs;
+    again_ns[id] = Clock::boot_ns() + kRetryNs;
   }
   own.give_back(id, LeaseState::kReleased, {});
 }
@@ -258,7 +259,7 @@ void ClusterNode::Impl::hand_over_lost() {
   std::map<std::string, std::string> ended;  // and where they go on
   {
     const std::lock_guard lock(mutex);
-    const std::int64_t now = boot_time_ns();
+    const std::int64_t now = Clock::boot_ns();
     std::erase_if(lost, [&](const auto& session) {
       const auto& [id, since] = session;
       const auto at = table.address_of(id, now);
@@ -282,7 +283,7 @@ void ClusterNode::Impl::follow_others() {
   {
     const std::lock_guard lock(mutex);
     if (holds || heard_ns == 0) return;
-    known_ns = boot_time_ns();
+    known_ns = Clock::boot_ns();
     taken.assign(taking.begin(), taking.end());
     for (const PlacedSession& session : table.elsewhere()) {
       if (!taking.contains(session.id)) ids.push_back(session.id);

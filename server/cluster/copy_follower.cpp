@@ -11,6 +11,7 @@
 #include "server/cluster/takeover.h"
 #include "server/history/journal_records.h"
 #include "server/log/log.h"
+#include "server/platform/clock.h"
 #include "server/session/live_state.h"
 #include "server/store/journal_change.h"
 #include "server/threads/run_and_wait.h"
@@ -19,7 +20,6 @@ namespace kerf {
 namespace {
 
 using std::chrono::milliseconds;
-using Clock = std::chrono::steady_clock;
 
 constexpr milliseconds kTick{100};
 /// Hashes of the owner are compared with those of the block at most this often: the owner's are

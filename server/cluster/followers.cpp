@@ -87,7 +87,7 @@ void Followers::end(const std::string& session, std::unique_ptr<CopyFollower> fo
 
 bool Followers::want(const std::string& session) {
   if (policy_ == Follow::kNone) return false;
-  const std::int64_t now = boot_time_ns();
+  const std::int64_t now = Clock::boot_ns();
   const std::lock_guard lock(mutex_);
   if (has_stopped_) return false;
   auto [found, is_new] = followed_.try_emplace(session);
@@ -145,7 +145,7 @@ bool Followers::finish(const std::string& session) {
 
 /// Those that have failed, and those that nobody has looked at for a while.
 std::vector<std::string> Followers::unused() {
-  const std::int64_t now = boot_time_ns();
+  const std::int64_t now = Clock::boot_ns();
   std::vector<std::string> ids;
   const std::lock_guard lock(mutex_);
   for (auto& [id, one] : followed_) {

@@ -54,7 +54,7 @@ class Followers {
   bool want(const std::string& session);
   bool is_following(const std::string& session) const;
   /// The sessions that other servers have, and those that this one is about to take, as they were
-  /// known at the time `known_ns` (boot_time_ns): others are followed no more, unless they are
+  /// known at the time `known_ns` (Clock::boot_ns): others are followed no more, unless they are
   /// wanted since then only.
   void set_elsewhere(const std::vector<std::string>& sessions,
                      const std::vector<std::string>& taken, std::int64_t known_ns);

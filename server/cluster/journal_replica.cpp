@@ -47,7 +47,7 @@ void JournalReplica::wake() {
   wake_.notify_all();
 }
 
-bool JournalReplica::finish(std::chrono::steady_clock::time_point end) {
+bool JournalReplica::finish(Clock::time_point end) {
   std::unique_lock lock(mutex_);
   finishing_ = woken_ = true;
   wake_.notify_all();

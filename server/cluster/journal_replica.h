@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
@@ -14,6 +13,7 @@
 
 #include "server/cluster/change_frame.h"
 #include "server/cluster/nats_connection.h"
+#include "server/platform/clock.h"
 #include "server/session/copy_state.h"
 #include "server/store/journal_change.h"
 
@@ -44,7 +44,7 @@ class JournalReplica {
   void wake();
   /// Copies what is committed by now, if that takes no longer than until `end`; then nothing more.
   /// Returns whether it has.
-  bool finish(std::chrono::steady_clock::time_point end);
+  bool finish(Clock::time_point end);
 
  private:
   void run(const std::stop_token& stop);

@@ -30,7 +30,7 @@ struct OtherServer {
 };
 
 /// What one server has seen of the leases and of the other servers. Has no clock: times are ns of
-/// boot_time_ns(). It does not know which leases this server holds. Not thread-safe.
+/// Clock::boot_ns(). It does not know which leases this server holds. Not thread-safe.
 class LeaseTable {
  public:
   /// `node` and `run` are this server's.

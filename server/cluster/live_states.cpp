@@ -34,14 +34,14 @@ void LiveStates::hear() {
     const auto note = decode_follow(message.bytes);
     if (!session || !note || note->node == node_) return;
     const std::lock_guard lock(mutex_);
-    followed_[*session][note->node] = {note->viewers, boot_time_ns()};
+    followed_[*session][note->node] = {note->viewers, Clock::boot_ns()};
   });
   if (listener) listener_ = *std::move(listener);
 }
 
 /// The sessions with those who follow them; without any, once: their viewers are counted no more.
 std::map<std::string, LiveStates::Followers> LiveStates::fresh() {
-  const std::int64_t now = boot_time_ns();
+  const std::int64_t now = Clock::boot_ns();
   const std::lock_guard lock(mutex_);
   for (auto& [session, followers] : followed_) {
     std::erase_if(followers,

@@ -12,6 +12,7 @@
 
 #include "server/cluster/nats_address.h"
 #include "server/cluster/nats_line.h"
+#include "server/platform/clock.h"
 
 namespace kerf {
 namespace {
@@ -114,8 +115,8 @@ NatsResult<NatsConnection> NatsConnection::open(const std::string& url, const st
   }
   if (status != NATS_OK) return failed(status, jsErrCode{});
   NatsConnection made(std::move(impl));
-  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(kWaitMs);
-  while (!made.is_connected() && std::chrono::steady_clock::now() < end) {
+  const auto end = Clock::now() + std::chrono::milliseconds(kWaitMs);
+  while (!made.is_connected() && Clock::now() < end) {
     std::this_thread::sleep_for(kConnectPoll);
   }
   return made;

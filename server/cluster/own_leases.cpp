@@ -5,6 +5,8 @@
 #include <chrono>
 #include <utility>
 
+#include "server/platform/clock.h"
+
 namespace kerf {
 namespace {
 
@@ -47,7 +49,7 @@ LeaseError OwnLeases::read_newest(const std::string& session, std::uint64_t revi
 
 std::expected<void, LeaseError> OwnLeases::take(const std::string& session, Lease lease,
                                                 std::uint64_t revision) {
-  const std::int64_t sent = boot_time_ns();
+  const std::int64_t sent = Clock::boot_ns();
   const auto stored = store(session, lease, revision, kAttempts);
   if (!stored && stored.error().code == NatsErrorCode::kNotNext) {
     return std::unexpected(read_newest(session, revision));
@@ -102,7 +104,7 @@ std::expected<void, LeaseError> OwnLeases::renew(const std::string& session,
     lease.shown = *shown;
     lease.epoch = std::max(lease.epoch, shown->epoch);
   }
-  const std::int64_t sent = boot_time_ns();
+  const std::int64_t sent = Clock::boot_ns();
   const auto stored = store_own(session, lease, revision);
   if (!stored && stored.error().is_lost) lose(session);
   if (!stored) return std::unexpected(stored.error());

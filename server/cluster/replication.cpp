@@ -108,7 +108,7 @@ void Replication::hold() {
   impl_->look();             // sessions that are newer than the last look are copied too
 }
 
-std::vector<std::string> Replication::finish(std::chrono::steady_clock::time_point end) {
+std::vector<std::string> Replication::finish(Clock::time_point end) {
   hold();
   std::vector<std::string> unfinished;
   for (const auto& copied : impl_->copies) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <expected>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "server/platform/clock.h"
 #include "server/session/session_registry.h"
 
 namespace kerf {
@@ -30,7 +30,7 @@ class Replication {
   void hold();
   /// Copies what is committed by now and ends; waits for NATS until `end` at most. Returns the
   /// sessions of which something is not copied.
-  std::vector<std::string> finish(std::chrono::steady_clock::time_point end);
+  std::vector<std::string> finish(Clock::time_point end);
 
  private:
   struct Impl;

@@ -12,11 +12,10 @@
 #include <utility>
 
 #include "server/log/log.h"
+#include "server/platform/clock.h"
 
 namespace kerf {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// Time between two looks at the snapshots of all sessions. A look at one asks for the time of a
 /// file.

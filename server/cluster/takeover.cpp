@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cluster/takeover.h"
 
-#include <chrono>
 #include <utility>
 
 #include "server/cluster/change_frame.h"
 #include "server/cluster/copies.h"
 #include "server/cluster/random_number.h"
 #include "server/log/log.h"
+#include "server/platform/clock.h"
 #include "server/store/journal_change.h"
 #include "server/store/journal_file.h"
 
@@ -58,11 +58,6 @@ std::expected<std::optional<CopyEnd>, std::string> end_epochs(NatsConnection& na
   return std::unexpected("another server adds to its copy all the time");
 }
 
-std::int64_t now_s() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::seconds>(now).count();
-}
-
 /// Takes the journal of a former time away: for good if the fetched one has all of it.
 std::expected<void, std::string> put_away(const std::filesystem::path& file,
                                           const std::filesystem::path& fetched,
@@ -77,7 +72,7 @@ std::expected<void, std::string> put_away(const std::filesystem::path& file,
     return {};
   }
   std::filesystem::create_directories(kept, error);
-  const auto moved = keep_journal(file, kept, session + "-" + std::to_string(now_s()));
+  const auto moved = keep_journal(file, kept, session + "-" + std::to_string(Clock::wall_s()));
   if (!moved) return std::unexpected(file.string() + ": " + moved.error().message());
   log::warn("session " + session +
             ": the journal of this server has records that were not copied " +

@@ -8,6 +8,7 @@
 #include "server/conversation/sample_gate.h"
 #include "server/datagram/key.h"
 #include "server/datagram/layout.h"
+#include "server/platform/clock.h"
 
 namespace kerf::net {
 

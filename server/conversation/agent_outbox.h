@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/conversation/control_queue.h"
+#include "server/platform/clock.h"
 
 namespace kerf::net {
 

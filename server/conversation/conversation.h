@@ -10,6 +10,7 @@
 #include "server/conversation/control_json.h"
 #include "server/conversation/out_frame.h"
 #include "server/metrics/metrics.h"
+#include "server/platform/clock.h"
 #include "server/rights/caller.h"
 #include "server/session/rate_limit.h"
 #include "server/session/session.h"

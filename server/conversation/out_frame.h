@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-namespace kerf::net {
+#include "server/platform/clock.h"
 
-using Clock = std::chrono::steady_clock;
+namespace kerf::net {
 
 /// A message that several peers share.
 using SharedBytes = std::shared_ptr<const std::vector<std::byte>>;

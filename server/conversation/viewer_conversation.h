@@ -11,6 +11,7 @@
 #include "server/conversation/conversation.h"
 #include "server/conversation/viewer_outbox.h"
 #include "server/feed/tile_detail.h"
+#include "server/platform/clock.h"
 
 namespace kerf::net {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The routes that list, set and remove pins.
-#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "server/http/api.h"
 #include "server/http/place.h"
+#include "server/platform/clock.h"
 #include "server/session/pin_json.h"
 #include "server/store/plain_text.h"
 #include "server/threads/run_and_wait.h"
@@ -58,8 +58,7 @@ std::expected<Pin, ApiResponse> requested_pin(const ApiCall& call) {
   pin.author = call.caller.name;
   if (pin.author.empty() && author != nullptr) pin.author = *author;
   if (call.caller.is_personal) pin.person = call.caller.grant;
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  pin.created_ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  pin.created_ms = Clock::wall_ms();
   return pin;
 }
 

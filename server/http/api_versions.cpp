@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The routes that list, make and delete named versions.
-#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "server/http/api.h"
 #include "server/http/history_point.h"
+#include "server/platform/clock.h"
 #include "server/store/journal_times.h"
 #include "server/threads/run_and_wait.h"
 
@@ -54,11 +54,6 @@ std::optional<ApiResponse> version_name_failure(const std::string* name) {
                         "and no number, time or \"live\"");
 }
 
-std::int64_t now_ms() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-}
-
 }  // namespace
 
 ApiResponse Api::list_versions(const ApiCall& call) {
@@ -84,9 +79,12 @@ ApiResponse Api::name_version(const ApiCall& call) {
   }
   const auto time = time_of(session.journal_file(), *record);
   if (!time) return error_response(500, "journal_io", describe(time.error()));
-  const NamedVersion version{
-      *name,    *record,          *time,
-      now_ms(), call.caller.name, call.caller.is_personal ? call.caller.grant : std::string()};
+  const NamedVersion version{*name,
+                             *record,
+                             *time,
+                             Clock::wall_ms(),
+                             call.caller.name,
+                             call.caller.is_personal ? call.caller.grant : std::string()};
   const auto named =
       run_and_wait(session.executor(), [&] { return session.name_version(version); });
   if (!named) return version_failure(named.error());

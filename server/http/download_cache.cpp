@@ -112,7 +112,7 @@ DownloadCache::File DownloadCache::get(const std::string& key, const Make& make,
     if (stopped_) return std::unexpected(MakeError{"the server is shutting down"});
     if (needed_) return std::unexpected(MakeError{.reason = *needed_, .no_space = true});
     job->key = key;
-    job->start = std::chrono::steady_clock::now();
+    job->start = Clock::now();
     jobs_.push_back(job);
     path = folder_ / std::to_string(++last_);
   }
@@ -158,7 +158,7 @@ int DownloadCache::waiting(std::string_view key) const {
 }
 
 std::vector<DownloadCache::Making> DownloadCache::making(std::string_view prefix) const {
-  const auto now = std::chrono::steady_clock::now();
+  const auto now = Clock::now();
   std::vector<Making> list;
   const std::lock_guard lock(mutex_);
   for (const auto& job : jobs_) {

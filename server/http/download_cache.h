@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <expected>
@@ -17,6 +16,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "server/platform/clock.h"
 
 namespace kerf::net {
 
@@ -98,7 +99,7 @@ class DownloadCache {
   };
   struct Job {
     std::string key;
-    std::chrono::steady_clock::time_point start;
+    Clock::time_point start;
     std::atomic<double> share = 0;
     std::mutex mutex;  ///< guards the file
     std::condition_variable_any made;

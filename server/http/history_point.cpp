@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "server/http/number.h"
+#include "server/platform/clock.h"
 #include "server/store/journal_times.h"
 #include "server/store/named_version.h"
 #include "server/threads/run_and_wait.h"
@@ -95,8 +96,7 @@ std::expected<std::uint64_t, ApiResponse> find_record(Session& session, const Hi
                        "the session has no version of this name, which is no time either"));
   }
   const WallTime time = std::get<WallTime>(point);
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  if (time.ms > std::chrono::duration_cast<std::chrono::milliseconds>(now).count()) {
+  if (time.ms > Clock::wall_ms()) {
     return std::unexpected(error_response(404, "no_record", "that time is still to come"));
   }
   const auto flushed = session.flush();

@@ -22,6 +22,7 @@
 #include "server/http/request_head.h"
 #include "server/http/response_head.h"
 #include "server/metrics/metrics.h"
+#include "server/platform/clock.h"
 #include "server/socket/serve_peer.h"
 #include "server/threads/run_in_turn.h"
 #include "server/threads/run_on.h"
@@ -143,15 +144,13 @@ void Connection::watch(const JobStops::Source& gone) {
 }
 
 /// Not cancel(): a handler that waits to be called already would close the connection.
-void Connection::end_deadline() {
-  deadline_.expires_at(std::chrono::steady_clock::time_point::max());
-}
+void Connection::end_deadline() { deadline_.expires_at(Clock::time_point::max()); }
 
 void Connection::expires_after(std::chrono::seconds time) {
   deadline_.expires_after(time);
   deadline_.async_wait([this, alive = std::weak_ptr(alive_)](error_code error) {
     // A wait that had ended before the deadline was moved must not count.
-    if (error || alive.expired() || deadline_.expiry() > std::chrono::steady_clock::now()) return;
+    if (error || alive.expired() || deadline_.expiry() > Clock::now()) return;
     stream_.close();
   });
 }
@@ -227,8 +226,8 @@ asio::awaitable<void> Connection::wait_until_loaded(const ApiRequest& target, bo
   end_deadline();
   ++context_.metrics.waiting_to_load;
   asio::steady_timer pause(stream_.get_executor());
-  const auto end = std::chrono::steady_clock::now() + kLoadTime;
-  while (is_coming(context_.registry, id, only_looks) && std::chrono::steady_clock::now() < end) {
+  const auto end = Clock::now() + kLoadTime;
+  while (is_coming(context_.registry, id, only_looks) && Clock::now() < end) {
     pause.expires_after(kLoadPoll);
     co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error_));
   }
@@ -275,9 +274,9 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
     if (error_) co_return false;
   }
   const UploadPace& pace = context_.options.upload_pace;
-  const auto end = std::chrono::steady_clock::now() + pace.time_for(bytes);
+  const auto end = Clock::now() + pace.time_for(bytes);
   while (!error_ && !parser.is_done()) {
-    if (std::chrono::steady_clock::now() > end) {
+    if (Clock::now() > end) {
       // Gives the memory back now: the peer may take seconds to close the connection.
       upload_ = {};
       const std::string reason = pace.too_slow();

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "server/http/download_cache.h"
+#include "server/platform/clock.h"
 
 namespace kerf::net {
 
@@ -21,7 +22,6 @@ namespace kerf::net {
 /// its pictures nothing is made for `pause`, however many ask. Thread-safe.
 class PictureCache {
  public:
-  using Clock = std::chrono::steady_clock;
   explicit PictureCache(std::filesystem::path folder,
                         std::chrono::milliseconds pause = std::chrono::seconds(2),
                         std::function<Clock::time_point()> now = Clock::now);

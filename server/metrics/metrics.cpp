@@ -11,6 +11,8 @@
 #include <array>
 #include <chrono>
 
+#include "server/platform/clock.h"
+
 namespace kerf::net {
 namespace {
 
@@ -73,7 +75,7 @@ void add_certificate(prometheus::Registry& now, const Metrics& metrics) {
   const std::int64_t expires_s = metrics.certificate_expires_s;
   if (expires_s == 0) return;
   const std::chrono::duration<double, std::ratio<86'400>> left =
-      std::chrono::seconds(expires_s) - std::chrono::system_clock::now().time_since_epoch();
+      std::chrono::seconds(expires_s) - Clock::wall().time_since_epoch();
   prometheus::BuildGauge()
       .Name("kerf_certificate_days_left")
       .Help("Days until the certificate expires; below 0: since it has.")

@@ -2,11 +2,11 @@
 #include "server/rights/access.h"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <ranges>
 #include <utility>
 
+#include "server/platform/clock.h"
 #include "server/rights/default_color.h"
 #include "server/rights/rights_rows.h"
 #include "server/wire/limits.h"
@@ -49,11 +49,7 @@ std::expected<std::unique_ptr<Access>, std::string> Access::open(AccessOptions o
   return access;
 }
 
-std::int64_t Access::now_s() const {
-  if (options_.now_s) return options_.now_s();
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::seconds>(now).count();
-}
+std::int64_t Access::now_s() const { return options_.now_s ? options_.now_s() : Clock::wall_s(); }
 
 bool Access::is_valid(const Grant& grant) const {
   return grant.role != Role::kNobody && (grant.expires_s == 0 || now_s() < grant.expires_s);

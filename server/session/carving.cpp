@@ -119,9 +119,9 @@ std::expected<void, Rejection> Carving::admit(ParticipantId id, const MoveTool& 
 }
 
 Carving::Applied Carving::apply_recorded(ParticipantId id, const Command& command) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   auto result = sculpture_.apply(command);
-  work_time_ += std::chrono::steady_clock::now() - start;
+  work_time_ += Clock::now() - start;
   if (!result) return std::unexpected(to_rejection(result.error()));
   note(id, *result);
   return *std::move(result);
@@ -138,9 +138,9 @@ std::expected<void, Rejection> Carving::follow(ParticipantId id, Command command
 
 std::optional<MotionResult> Carving::advance(ParticipantId id, std::int64_t& tiles) {
   if (tiles <= 0) return std::nullopt;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   auto result = sculpture_.advance(cuts_.at(id).pieces, tiles);
-  work_time_ += std::chrono::steady_clock::now() - start;
+  work_time_ += Clock::now() - start;
   tiles = 0;
   if (!result) return std::nullopt;
   cuts_.erase(id);
@@ -172,7 +172,7 @@ std::expected<std::optional<MoveTool>, Rejection> Carving::read_sample(
   state.last_sequence = sample.agent_sequence;
   state.newest_us = sample.time_us;
   state.cuts = false;
-  if (!state.samples.allow(ParticipantState::Clock::now())) {
+  if (!state.samples.allow(Clock::now())) {
     state.track.lift();  // leaves a gap: a chord across the dropped samples would gouge the block
     return std::unexpected(
         sample_rejection(sample, wire::ErrorCode::kTooFast,

@@ -16,6 +16,7 @@
 #include "kernel/force/collision.h"
 #include "kernel/sculpture.h"
 #include "server/convert/rejection.h"
+#include "server/platform/clock.h"
 #include "server/session/air_path.h"
 #include "server/session/cpu_costs.h"
 #include "server/session/participants.h"
@@ -208,7 +209,7 @@ class Carving {
   std::optional<std::vector<Since>> since_;  ///< set while motions are collected
   std::uint32_t program_line_ = 0;           ///< of the motion that is recorded; 0: no program's
   std::vector<ParticipantId> left_;          ///< whose cuts may be in progress
-  std::chrono::steady_clock::duration work_time_{0};
+  Clock::duration work_time_{0};
   std::atomic<std::uint64_t> motions_applied_{0};
   CpuCosts costs_;
 };

@@ -39,11 +39,11 @@ std::optional<MotionAnswer> Carving::go_on(ParticipantState& state, Workers& wor
 void Carving::carve_waiting(Workers& workers) {
   std::int64_t tiles = kTilesPerTurn * workers.count();
   while (tiles > 0 && !waiting_.empty()) {
-    const double start_s = CpuCosts::thread_s();
+    const double start_s = Clock::thread_cpu_s();
     Together round;
     collect_round(round, tiles);
     apply_together(round, workers);
-    const double share_s = (CpuCosts::thread_s() - start_s) /
+    const double share_s = (Clock::thread_cpu_s() - start_s) /
                            static_cast<double>(std::max<std::size_t>(1, round.of.size()));
     for (const Recorded& motion : round.of) costs_.add(motion.state->participant.id, share_s);
     if (round.last) {
@@ -124,7 +124,7 @@ void Carving::begin_pieces(const Recorded& of, const MoveTool& move, std::int64_
 
 void Carving::apply_together(const Together& round, Workers& workers) {
   if (round.moves.empty()) return;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   SerialWorkers alone;
   Workers& used = round.moves.size() > 1 ? workers : alone;
   sculpture_.apply(round.moves, used, [&](std::size_t n, const MotionResult& result) {
@@ -133,7 +133,7 @@ void Carving::apply_together(const Together& round, Workers& workers) {
     add_motion(batch->sum, sculpture_, round.moves[n], result, state->held);
   });
   // A replay has one thread.
-  work_time_ += used.count() * (std::chrono::steady_clock::now() - start);
+  work_time_ += used.count() * (Clock::now() - start);
 }
 
 }  // namespace kerf

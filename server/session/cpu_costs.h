@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <ctime>
 #include <map>
 #include <mutex>
 
+#include "server/platform/clock.h"
 #include "server/session/participant.h"
 
 namespace kerf {
@@ -16,8 +16,9 @@ class CpuCosts {
   /// Adds the time of the calling thread from its construction to its end.
   class Meter {
    public:
-    Meter(CpuCosts& costs, ParticipantId id) : costs_(costs), id_(id), start_s_(thread_s()) {}
-    ~Meter() { costs_.add(id_, thread_s() - start_s_); }
+    Meter(CpuCosts& costs, ParticipantId id)
+        : costs_(costs), id_(id), start_s_(Clock::thread_cpu_s()) {}
+    ~Meter() { costs_.add(id_, Clock::thread_cpu_s() - start_s_); }
     Meter(const Meter&) = delete;
     Meter& operator=(const Meter&) = delete;
 
@@ -38,13 +39,6 @@ class CpuCosts {
   std::map<ParticipantId, double> all() const {
     const std::scoped_lock lock(mutex_);
     return costs_s_;
-  }
-
-  /// Returns the CPU time of the calling thread, s.
-  static double thread_s() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
   }
 
  private:

@@ -3,6 +3,8 @@
 
 #include <thread>
 
+#include "server/platform/clock.h"
+
 namespace kerf {
 namespace {
 
@@ -25,7 +27,7 @@ HistoryTurns::Lock HistoryTurns::ask(std::chrono::milliseconds patience) {
 
 HistoryTurns::Lock HistoryTurns::look_back(std::chrono::milliseconds patience,
                                            const std::stop_source& stop) {
-  const auto end = std::chrono::steady_clock::now() + patience;
+  const auto end = Clock::now() + patience;
   for (;;) {
     Lock lock(turn_, end);
     if (!lock) return lock;
@@ -38,7 +40,7 @@ HistoryTurns::Lock HistoryTurns::look_back(std::chrono::milliseconds patience,
     }
     lock.unlock();
     std::this_thread::sleep_for(kBetweenLooks);
-    if (std::chrono::steady_clock::now() >= end) return lock;
+    if (Clock::now() >= end) return lock;
   }
 }
 

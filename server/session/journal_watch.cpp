@@ -13,8 +13,6 @@
 namespace kerf {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /// A session that is opened again has a journal of another epoch.
 using Key = std::pair<std::string, std::uint32_t>;
 

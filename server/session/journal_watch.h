@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 
+#include "server/platform/clock.h"
 #include "server/session/session_registry.h"
 #include "server/threads/executor.h"
 
@@ -17,10 +18,10 @@ struct WatchOptions {
   /// After a part: at least this, and so many times as long as the part took.
   std::chrono::microseconds pause{50'000};
   int pause_factor = 19;
-  std::chrono::microseconds idle{1'000'000};  ///< between two looks for sessions to verify
-  std::chrono::steady_clock::duration again = std::chrono::hours(6);    ///< from pass to pass
-  std::chrono::steady_clock::duration retry = std::chrono::minutes(1);  ///< after a failed read
-  std::function<std::chrono::steady_clock::time_point()> now = std::chrono::steady_clock::now;
+  std::chrono::microseconds idle{1'000'000};        ///< between two looks for sessions to verify
+  Clock::duration again = std::chrono::hours(6);    ///< from pass to pass
+  Clock::duration retry = std::chrono::minutes(1);  ///< after a failed read
+  std::function<Clock::time_point()> now = Clock::now;
 };
 
 /// Reads the journals of the open sessions in the background and verifies their checksums, each

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 
 #include "server/convert/tool_track.h"
 #include "server/feed/stock_feed.h"
+#include "server/platform/clock.h"
 #include "server/session/durable_mark.h"
 #include "server/session/participant.h"
 #include "server/session/rate_limit.h"
@@ -17,8 +17,6 @@ namespace kerf {
 
 /// The state that a session keeps for one participant.
 struct ParticipantState {
-  using Clock = std::chrono::steady_clock;
-
   Participant participant;
   std::string grant;          ///< by which it has joined; empty: none
   std::string person;         ///< the grant, if it belongs to this participant alone

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "server/convert/rejection.h"
+#include "server/platform/clock.h"
 #include "server/session/participant_state.h"
 #include "server/session/resumable.h"
 #include "server/session/roster.h"
@@ -42,7 +43,6 @@ inline constexpr double kIntentReachMm = 20;
 /// session's executor.
 class Participants {
  public:
-  using Clock = ParticipantState::Clock;
   /// `sculpture` and `journal` must outlive this. Ids continue after `last_id`.
   Participants(const SessionLimits& limits, const Sculpture& sculpture, SessionJournal& journal,
                ToolId default_tool, ParticipantId last_id, Resumable resumable = {});

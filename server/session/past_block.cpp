@@ -5,6 +5,8 @@
 #include <iterator>
 #include <utility>
 
+#include "server/platform/clock.h"
+
 namespace kerf {
 namespace {
 
@@ -59,7 +61,7 @@ std::expected<void, std::string> PastBlock::read_ahead(const std::stop_token& st
 std::expected<PastBlock::Played, std::string> PastBlock::play(const PlayUntil& until,
                                                               std::chrono::microseconds budget,
                                                               const std::stop_token& stop) {
-  const auto end = std::chrono::steady_clock::now() + budget;
+  const auto end = Clock::now() + budget;
   Played played;
   for (;;) {
     if (ahead_.empty()) {
@@ -69,7 +71,7 @@ std::expected<PastBlock::Played, std::string> PastBlock::play(const PlayUntil& u
     played.next_ms = ahead_.front().wall_ms;
     if (!until.covers(ahead_.front())) return played;
     if (stop.stop_requested()) return std::unexpected("stopped");
-    if (std::chrono::steady_clock::now() >= end) {
+    if (Clock::now() >= end) {
       played.is_late = true;
       return played;
     }

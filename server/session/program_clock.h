@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <chrono>
 
+#include "server/platform/clock.h"
+
 namespace kerf {
 
 /// The time of a program, s of its cycle time at feed rate: passes `speed` times as fast as the
 /// machine's clock, and stands while the clock is stopped.
 class ProgramClock {
  public:
-  using Clock = std::chrono::steady_clock;
-
   double now_s(Clock::time_point now) const {
     if (!runs_) return base_s_;
     return base_s_ + std::chrono::duration<double>(now - base_).count() * speed_;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/convert/rejection.h"
+#include "server/platform/clock.h"
 #include "server/session/program_clock.h"
 #include "server/session/program_job.h"
 #include "server/session/program_status.h"
@@ -30,7 +31,6 @@ struct ProgramStep {
 /// an agent waits for at most one slice and one program motion.
 class ProgramRuns {
  public:
-  using Clock = std::chrono::steady_clock;
   /// Carves one motion; returns nothing if the motion takes longer: then it is called again with
   /// the same motion, in a later slice. kBusy: nothing was carved; the motion is tried again later.
   using Carve =

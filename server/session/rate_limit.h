@@ -5,12 +5,13 @@
 #include <chrono>
 #include <optional>
 
+#include "server/platform/clock.h"
+
 namespace kerf {
 
 /// Token bucket: allows `rate_per_s` events per second on average and `burst` at once.
 class RateLimit {
  public:
-  using Clock = std::chrono::steady_clock;
   RateLimit(double rate_per_s, double burst) : rate_(rate_per_s), burst_(burst), tokens_(burst) {}
 
   /// Takes one token; false if the bucket is empty.

@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "server/history/recorded_block.h"
+#include "server/platform/clock.h"
 #include "server/session/hash_text.h"
 #include "server/store/block_snapshot.h"
 #include "server/store/journal_base.h"
@@ -85,7 +86,7 @@ std::expected<Replayed, JournalError> untouched(const JournalReader& reader,
 std::expected<void, JournalError> apply_records(JournalReader& reader,
                                                 const std::filesystem::path& file,
                                                 const std::stop_token& stop, Replayed& block) {
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = Clock::now();
   const auto& hashes = reader.state_hashes();
   const bool comparable = reader.header().kernel_version == kKernelVersion && !hashes.empty();
   const StateHash newest = comparable ? hashes.back() : StateHash{};  // sequence 0: no hash
@@ -122,8 +123,7 @@ std::expected<void, JournalError> apply_records(JournalReader& reader,
   }
   if (auto ok = settle(); !ok) return ok;
   block.sculpture = std::move(carved.sculpture());
-  block.replay_time = std::chrono::duration_cast<std::chrono::microseconds>(
-      std::chrono::steady_clock::now() - begin);
+  block.replay_time = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin);
   block.hash = {block.last_sequence, block.sculpture.state_hash()};
   return {};
 }

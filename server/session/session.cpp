@@ -60,8 +60,7 @@ void Session::show_figures() {
   if (shown_motions_.load(relaxed) != sculpture_.motions() ||
       shown_removed_mm3_.load(relaxed) != sculpture_.removed_volume_mm3() ||  // after an undo
       shown_participants_.load(relaxed) != participants_.count()) {
-    const auto now = std::chrono::system_clock::now().time_since_epoch();
-    active_ms_.store(std::chrono::duration_cast<std::chrono::milliseconds>(now).count(), relaxed);
+    active_ms_.store(Clock::wall_ms(), relaxed);
   }
   shown_motions_.store(sculpture_.motions(), relaxed);
   shown_removed_mm3_.store(sculpture_.removed_volume_mm3(), relaxed);

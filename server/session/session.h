@@ -18,6 +18,7 @@
 #include "kernel/sculpture_state.h"
 #include "server/formats/scene.h"
 #include "server/history/surface_maker.h"
+#include "server/platform/clock.h"
 #include "server/rights/caller.h"
 #include "server/session/carving.h"
 #include "server/session/disk_limits.h"
@@ -302,8 +303,6 @@ class Session : public std::enable_shared_from_this<Session> {
   bool is_followed() const { return journal_.is_followed(); }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   ParticipantState* replica_owner(ParticipantId id);
   std::expected<ProgramId, Rejection> predecessor(ProgramId after) const;
   void schedule_programs();

@@ -1,21 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of SessionRegistry that starts a session from a point of another.
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
+#include "server/platform/clock.h"
 #include "server/session/session_registry.h"
 #include "server/store/journal_branch.h"
 
 namespace kerf {
-namespace {
-
-std::int64_t now_ms() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-}
-
-}  // namespace
+namespace {}  // namespace
 
 std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
     std::string id, Session& parent, std::uint64_t record) {
@@ -40,7 +33,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
   if (!reserved) return std::unexpected(reserved.error());
   // The definitions of the tools come first; without them nobody could cut.
   const std::uint64_t last = std::max<std::uint64_t>(record, parent.scene().tools.size());
-  const JournalParent point{parent.id(), last, parent.epoch(), now_ms()};
+  const JournalParent point{parent.id(), last, parent.epoch(), Clock::wall_ms()};
   return start_new(
       *reserved, branch_journal(parent.journal_file(), journal_path(*reserved), *reserved, point));
 }

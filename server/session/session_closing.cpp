@@ -2,11 +2,11 @@
 // The part of SessionRegistry that closes sessions, lists the closed ones and reopens them.
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "server/platform/clock.h"
 #include "server/session/session_registry.h"
 #include "server/store/private_file.h"
 #include "server/threads/run_and_wait.h"
@@ -108,10 +108,8 @@ std::expected<void, RegistryError> SessionRegistry::put_away(const std::string& 
   if (purge) {
     remove_journal(file);
   } else {
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(
-                             std::chrono::system_clock::now().time_since_epoch())
-                             .count();
-    const auto kept = keep_journal(file, closed_folder(), id + "-" + std::to_string(seconds));
+    const auto kept =
+        keep_journal(file, closed_folder(), id + "-" + std::to_string(Clock::wall_s()));
     if (!kept) error = kept.error();
   }
   if (error) {

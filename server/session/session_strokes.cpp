@@ -9,6 +9,7 @@
 
 #include "server/history/block_history.h"
 #include "server/history/journal_records.h"
+#include "server/platform/clock.h"
 #include "server/rights/rights.h"
 #include "server/session/history_failure.h"
 #include "server/threads/run_and_wait.h"

@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "server/platform/clock.h"
 #include "server/threads/executor.h"
 
 namespace kerf {
@@ -28,7 +29,6 @@ inline constexpr std::chrono::seconds kCopiedSnapshotAge{10};
 /// Decides when a session's snapshot is due. Times are of one steady clock.
 class SnapshotSchedule {
  public:
-  using Clock = std::chrono::steady_clock;
   using Micros = std::chrono::microseconds;
   /// Writing takes at most this part of the time, unless it is urgent.
   static constexpr int kShare = 10;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -12,6 +11,7 @@
 
 #include "server/conversation/viewer_conversation.h"
 #include "server/feed/tile_feed.h"
+#include "server/platform/clock.h"
 #include "server/session/past_block.h"
 #include "server/socket/peer_context.h"
 
@@ -41,8 +41,6 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
   void end();
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   /// Belongs to the thread `past` while a job runs there.
   struct Side {
     std::shared_ptr<Session> session;

@@ -7,6 +7,8 @@
 #include <chrono>
 #include <utility>
 
+#include "server/platform/clock.h"
+
 namespace kerf::net {
 
 namespace asio = boost::asio;

@@ -15,6 +15,7 @@
 
 #include "server/conversation/viewer_conversation.h"
 #include "server/feed/tile_feed.h"
+#include "server/platform/clock.h"
 #include "server/socket/past_viewer.h"
 #include "server/socket/peer_context.h"
 

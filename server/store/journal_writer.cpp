@@ -10,23 +10,15 @@
 #include <utility>
 #include <vector>
 
+#include "server/platform/clock.h"
 #include "server/store/journal_group.h"
 
 namespace kerf {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// ms since 1970, UTC.
-std::int64_t wall_ms() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
 }
 
 }  // namespace
@@ -73,7 +65,7 @@ struct JournalWriter::Impl {
               std::to_string(kJournalBufferRecords) + " records are pending"});
     }
     const std::size_t before = buffer.size();
-    const std::int64_t now_ms = wall_ms();
+    const std::int64_t now_ms = Clock::wall_ms();
     std::uint64_t sequence = last_sequence;
     try {
       for (const RecordedCommand& command : commands) {

@@ -7,6 +7,8 @@
 #include <chrono>
 #include <utility>
 
+#include "server/platform/clock.h"
+
 namespace kerf {
 namespace {
 
@@ -28,13 +30,13 @@ void pause() {
 /// Spins until `happened` is true; returns false after kSpinTime.
 template <class Condition>
 bool spin_until(const Condition& happened) {
-  const auto until = std::chrono::steady_clock::now() + kSpinTime;
+  const auto until = Clock::now() + kSpinTime;
   do {
     for (int i = 0; i < 32; ++i) {
       if (happened()) return true;
       pause();
     }
-  } while (std::chrono::steady_clock::now() < until);
+  } while (Clock::now() < until);
   return false;
 }
 
@@ -67,7 +69,6 @@ void ThreadPool::run(int jobs, const std::function<void(int)>& job) {
 }
 
 void ThreadPool::divide(int jobs, const std::function<void(int)>& job) {
-  using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   {
     const std::scoped_lock lock(mutex_);

@@ -5,6 +5,8 @@
 #include <condition_variable>
 #include <mutex>
 
+#include "server/platform/clock.h"
+
 namespace kerf {
 
 /// std::timed_mutex, made of a mutex and a condition: ThreadSanitizer of GCC 12 knows their waits,
@@ -27,7 +29,7 @@ class TimedMutex {
   }
   template <class Rep, class Period>
   bool try_lock_for(const std::chrono::duration<Rep, Period>& patience) {
-    return try_lock_until(std::chrono::steady_clock::now() + patience);
+    return try_lock_until(Clock::now() + patience);
   }
   void unlock() {
     const std::lock_guard guard(mutex_);

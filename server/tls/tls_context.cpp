@@ -6,10 +6,11 @@
 #include <openssl/x509.h>
 
 #include <array>
-#include <chrono>
 #include <ctime>
 #include <system_error>
 #include <utility>
+
+#include "server/platform/clock.h"
 
 namespace kerf::net {
 namespace {
@@ -45,11 +46,6 @@ std::int64_t to_seconds(const ASN1_TIME* time) {
   return ASN1_TIME_to_tm(time, &parts) == 1 ? timegm(&parts) : 0;
 }
 
-std::int64_t now_s() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::seconds>(now).count();
-}
-
 /// A time in UTC, e.g. "2026-11-22 14:03:00 UTC".
 std::string date_text(std::int64_t seconds) {
   const std::time_t time = seconds;
@@ -62,7 +58,7 @@ std::string date_text(std::int64_t seconds) {
 
 std::optional<std::string> validity_fault(const std::filesystem::path& certificate,
                                           const TlsContext& context) {
-  const std::int64_t now = now_s();
+  const std::int64_t now = Clock::wall_s();
   const bool has_begun = context.begins_s() <= now;
   if (has_begun && now < context.expires_s()) return std::nullopt;
   return "the certificate " + certificate.string() +

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
 
 #include "server/datagram/cipher.h"
+#include "server/platform/clock.h"
 #include "server/session/rate_limit.h"
 #include "server/threads/executor.h"
 #include "server/udp/udp_address.h"
@@ -33,7 +33,6 @@ class UdpSocket {
 /// The UDP connection of one agent; it lasts as long as its WebSocket.
 class UdpPeer : public std::enable_shared_from_this<UdpPeer> {
  public:
-  using Clock = std::chrono::steady_clock;
   /// Receives a frame of the agent, on the agent's executor.
   using Take = std::function<void(std::span<const std::byte> frame, Clock::time_point arrived)>;
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "server/metrics/metrics.h"
+#include "server/platform/clock.h"
 
 namespace kerf::net {
 namespace {
@@ -89,7 +90,7 @@ bool UdpPort::receive_one() {
   UdpAddress from;
   const ssize_t count = receive_datagram(socket_->descriptor(), bytes, from);
   if (count < 0) return errno == EINTR;
-  const auto arrived = UdpPeer::Clock::now();
+  const auto arrived = Clock::now();
   const auto datagram = std::span(bytes).first(static_cast<std::size_t>(count));
   const auto header = datagram::read_header(datagram);
   if (!header) {

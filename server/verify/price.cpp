@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <ctime>
 #include <numbers>
 
 #include "kernel/dexel/stock_column.h"
@@ -193,12 +192,6 @@ Sample carve_windows(const Scene& scene, std::span<const ProgramMotion> motions,
 }
 
 }  // namespace
-
-double thread_cpu_s() {
-  std::timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
-}
 
 Price price_of_program(const Scene& scene, std::span<const ProgramMotion> motions,
                        const CpuClock& now) {

@@ -8,6 +8,7 @@
 
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
+#include "server/platform/clock.h"
 
 namespace kerf {
 
@@ -20,18 +21,17 @@ struct Price {
 
 /// Returns the CPU time of this thread, s. A test gives another clock.
 using CpuClock = std::function<double()>;
-double thread_cpu_s();
 
 /// Carves a program in a block of the scene if that takes some 1.5 s of CPU time at most, by an
 /// estimate from short windows, else long windows that are spread evenly over it and take as long.
 /// Memory grows with the tiles that the motions reach, which are counted for all of them. Nothing
 /// of it is kept in a scene.
 Price price_of_program(const Scene& scene, std::span<const ProgramMotion> motions,
-                       const CpuClock& now = thread_cpu_s);
+                       const CpuClock& now = Clock::thread_cpu_s);
 
 /// The same of a hand that carves the whole block: strokes of 1 mm with the largest tool, a third
 /// of its radius deep, that turn by 2.5 degrees where the machine can turn it.
-Price price_of_hand(const Scene& scene, const CpuClock& now = thread_cpu_s);
+Price price_of_hand(const Scene& scene, const CpuClock& now = Clock::thread_cpu_s);
 /// The strokes that it carves.
 std::vector<ProgramMotion> sample_hand(const Scene& scene);
 

@@ -16,6 +16,7 @@
 #include "kernel/sculpture.h"
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
+#include "server/platform/clock.h"
 #include "server/verify/price.h"
 
 namespace kerf::bench {
@@ -169,10 +170,10 @@ Measured carve(const Job& job) {
   const double before = resident_bytes();
   auto block = Sculpture::create(job.scene.settings).value();
   for (const auto& [id, tool] : job.scene.tools) block.apply(DefineTool{id, tool.tool}).value();
-  const double start = thread_cpu_s();
+  const double start = Clock::thread_cpu_s();
   for (const ProgramMotion& m : job.motions)
     (void)block.apply(MoveTool{m.tool, m.from, m.to, m.duration_s, true});
-  const double us = 1e6 * (thread_cpu_s() - start) / double(job.motions.size());
+  const double us = 1e6 * (Clock::thread_cpu_s() - start) / double(job.motions.size());
   malloc_trim(0);
   return {us, resident_bytes() - before};
 }

@@ -4,6 +4,7 @@
 
 #include "server/conversation/agent_conversation.h"
 #include "server/conversation/viewer_conversation.h"
+#include "server/platform/clock.h"
 #include "tests/fuzz/targets.h"
 #include "tests/server/manual_executor.h"
 #include "tests/server/temporary_folder.h"
@@ -78,7 +79,7 @@ class Rig {
     }
   }
 
-  net::Clock::time_point now_{std::chrono::hours(1)};
+  Clock::time_point now_{std::chrono::hours(1)};
   SessionLimits limits_;
   net::Metrics metrics_;
   std::optional<test::TemporaryFolder> folder_;

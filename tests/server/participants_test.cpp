@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/platform/clock.h"
 #include "tests/server/temporary_folder.h"
 
 namespace kerf {
@@ -174,7 +175,7 @@ TEST_F(ParticipantsTest, APeerThatJoinsAndLeavesAgainAndAgainIsRejectedInTheEnd)
 
 TEST(RateLimit, ATokenThatIsStillToComeIsTakenForWhoWaitsForIt) {
   RateLimit limit(2, 3);
-  RateLimit::Clock::time_point now{std::chrono::hours(1)};
+  Clock::time_point now{std::chrono::hours(1)};
   for (int n = 0; n < 3; ++n) EXPECT_EQ(limit.take(now, 1), 0.0);
   EXPECT_EQ(limit.take(now, 1), 0.5);
   EXPECT_EQ(limit.take(now, 1), 1.0);

@@ -4,13 +4,13 @@
 
 #include <thread>
 
+#include "server/platform/clock.h"
 #include "server/session/stopped_program.h"
 #include "tests/server/session_fixture.h"
 
 namespace kerf {
 namespace {
 
-using Clock = ProgramRuns::Clock;
 using Carved = std::expected<std::optional<CarvedMotion>, Rejection>;
 using std::chrono::seconds;
 

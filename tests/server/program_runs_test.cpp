@@ -5,10 +5,11 @@
 
 #include <thread>
 
+#include "server/platform/clock.h"
+
 namespace kerf {
 namespace {
 
-using Clock = ProgramRuns::Clock;
 using Carved = std::expected<std::optional<CarvedMotion>, Rejection>;
 
 Program program_of(std::size_t motions, double duration_s = 0.001) {

@@ -6,12 +6,14 @@
 
 #include <algorithm>
 
+#include "server/platform/clock.h"
+
 namespace kerf {
 namespace {
 
 TEST(SnapshotSchedules, AreDueByReplayTimeAndByAgeButNotTooOften) {
   using std::chrono::milliseconds, std::chrono::seconds, std::chrono::minutes;
-  const SnapshotSchedule::Clock::time_point start{};
+  const Clock::time_point start{};
   SnapshotSchedule schedule({seconds(1), minutes(10), seconds(2)}, 100, milliseconds(400), start);
   EXPECT_FALSE(schedule.is_due(100, seconds(5), start)) << "nothing is new";
   EXPECT_FALSE(schedule.is_due(101, milliseconds(590), start));
@@ -37,7 +39,7 @@ TEST(SnapshotSchedules, AreDueByReplayTimeAndByAgeButNotTooOften) {
 // takes a second to write.
 TEST(SnapshotSchedules, KeepEveryRestartBelowThreeSeconds) {
   using std::chrono::milliseconds, std::chrono::seconds, std::chrono::minutes;
-  const SnapshotSchedule::Clock::time_point start{};
+  const Clock::time_point start{};
   SnapshotSchedule schedule({seconds(1), minutes(10), seconds(2)}, 0, seconds(0), start);
   milliseconds written_at{-1};  // of the one being written
   milliseconds longest{0}, writing{0};

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "haptic_agent/link/sample_queue.h"
+#include "server/platform/clock.h"
 #include "server/session/rate_limit.h"
 #include "server/session/session_limits.h"
 
@@ -102,7 +103,7 @@ class PacedLine {
   void take(std::uint64_t number) {
     if (number <= server_has_) return;
     server_has_ = number;
-    const RateLimit::Clock::time_point now{std::chrono::microseconds(now_us_)};
+    const kerf::Clock::time_point now{std::chrono::microseconds(now_us_)};
     refused_ += limit_.allow(now) ? 0 : 1;
   }
 

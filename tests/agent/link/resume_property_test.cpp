@@ -20,6 +20,7 @@
 #include "haptic_agent/link/traffic.h"
 #include "server/conversation/agent_conversation.h"
 #include "server/formats/pose_grid.h"
+#include "server/platform/clock.h"
 #include "server/store/journal_reader.h"
 #include "tests/server/session_fixture.h"
 #include "tests/server/store/faulty_disk.h"
@@ -34,8 +35,8 @@ struct World {
   net::Metrics& metrics;
   std::uint64_t now_us = 1'000'000;
 
-  net::Clock::time_point time() const {
-    return net::Clock::time_point(std::chrono::microseconds(now_us));
+  kerf::Clock::time_point time() const {
+    return kerf::Clock::time_point(std::chrono::microseconds(now_us));
   }
 };
 

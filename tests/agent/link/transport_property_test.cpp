@@ -18,6 +18,7 @@
 #include "haptic_agent/link/traffic.h"
 #include "server/conversation/agent_conversation.h"
 #include "server/datagram/layout.h"
+#include "server/platform/clock.h"
 #include "server/store/journal_reader.h"
 #include "server/wire/codec.h"
 #include "tests/server/session_fixture.h"
@@ -116,8 +117,8 @@ class Network {
   bool happens(double share) {
     return std::uniform_real_distribution<double>(0, 1)(random_) < share;
   }
-  net::Clock::time_point time() const {
-    return net::Clock::time_point(std::chrono::microseconds(now_us_));
+  kerf::Clock::time_point time() const {
+    return kerf::Clock::time_point(std::chrono::microseconds(now_us_));
   }
 
   void make_sample() {

@@ -10,6 +10,7 @@
 #include "haptic_agent/replica/replica.h"
 #include "haptic_agent/servo/servo_cycle.h"
 #include "server/conversation/agent_conversation.h"
+#include "server/platform/clock.h"
 #include "server/session/session_registry.h"
 #include "server/wire/codec.h"
 #include "tests/agent/stability/virtual_line.h"
@@ -65,8 +66,8 @@ class TestBed {
   void serve(std::span<const std::byte> frame);
   void send_answers();
   void run_session();
-  net::Clock::time_point time() const {
-    return net::Clock::time_point(std::chrono::microseconds(now_us_));
+  kerf::Clock::time_point time() const {
+    return kerf::Clock::time_point(std::chrono::microseconds(now_us_));
   }
 
   test::TemporaryFolder folder_;

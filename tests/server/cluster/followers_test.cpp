@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "server/platform/clock.h"
 #include "server/store/write_fence.h"
 #include "tests/server/cluster/nats_fixture.h"
 #include "tests/server/manual_executor.h"
@@ -24,17 +25,17 @@ TEST_F(FollowersTest, AListOfSessionsDoesNotEndWhatIsWantedSinceItWasMade) {
   options.data_folder = folder_.path();
   SessionRegistry registry(options, [this](const std::string&) { return executor_; }, *executor_);
   Followers followers(*nats_, registry, "b", Follow::kViewed);
-  const std::int64_t known_ns = boot_time_ns();
+  const std::int64_t known_ns = Clock::boot_ns();
   ASSERT_TRUE(followers.want("demo"));
   // It has no copy, so following it has failed; at the beginning that is not known.
   ASSERT_TRUE(test::eventually([&] { return !followers.want("demo"); }));
   followers.set_elsewhere({}, {}, known_ns);
   EXPECT_FALSE(followers.want("demo")) << "it has ended, and begins again";
-  followers.set_elsewhere({"demo"}, {}, boot_time_ns());
+  followers.set_elsewhere({"demo"}, {}, Clock::boot_ns());
   EXPECT_FALSE(followers.want("demo"));
-  followers.set_elsewhere({}, {"demo"}, boot_time_ns());
+  followers.set_elsewhere({}, {"demo"}, Clock::boot_ns());
   EXPECT_FALSE(followers.want("demo"));
-  followers.set_elsewhere({}, {}, boot_time_ns());
+  followers.set_elsewhere({}, {}, Clock::boot_ns());
   EXPECT_TRUE(followers.want("demo")) << "it has not ended";
 }
 

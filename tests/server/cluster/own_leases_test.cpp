@@ -6,6 +6,7 @@
 #include <chrono>
 #include <thread>
 
+#include "server/platform/clock.h"
 #include "tests/server/cluster/nats_fixture.h"
 
 namespace kerf {
@@ -119,8 +120,8 @@ TEST_F(OwnLeasesTest, WhatIsGivenBackMayBeTaken) {
   EXPECT_EQ(decode_lease(stored().bytes)->state, LeaseState::kReleased);
   EXPECT_EQ(decode_lease(stored().bytes)->to, "b");
   EXPECT_TRUE(b_->take("s", lease("b", 2), stored().sequence));
-  EXPECT_TRUE(b_->due(boot_time_ns()).empty());
-  EXPECT_EQ(b_->due(boot_time_ns() + LeaseTime{}.renew_ns()), std::vector<std::string>{"s"});
+  EXPECT_TRUE(b_->due(Clock::boot_ns()).empty());
+  EXPECT_EQ(b_->due(Clock::boot_ns() + LeaseTime{}.renew_ns()), std::vector<std::string>{"s"});
 }
 
 }  // namespace

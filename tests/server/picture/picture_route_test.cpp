@@ -9,6 +9,7 @@
 
 #include "server/http/api.h"
 #include "server/http/picture_cache.h"
+#include "server/platform/clock.h"
 #include "tests/server/session_fixture.h"
 
 namespace kerf::net {
@@ -65,7 +66,7 @@ TEST_F(PictureCacheTest, ShowsTheNewStateAfterThePauseAndAnOldOneWithoutWork) {
 }
 
 TEST_F(PictureCacheTest, ThePauseBeginsWhenThePictureIsDone) {
-  PictureCache::Clock::time_point now{};
+  Clock::time_point now{};
   PictureCache cache(folder_.path() / "pictures", std::chrono::seconds(2), [&] { return now; });
   const auto slowly = [&] {
     PictureCache::Present state = present();

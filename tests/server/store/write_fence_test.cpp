@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "server/platform/clock.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_writer.h"
 #include "tests/server/temporary_folder.h"
@@ -17,16 +18,16 @@ constexpr std::int64_t kHour = 3'600'000'000'000;
 TEST(WriteFence, IsClosedUntilItIsExtendedAndNeverMovesBack) {
   WriteFence fence;
   EXPECT_FALSE(fence.is_open());
-  fence.extend(boot_time_ns() + kHour);
-  fence.extend(boot_time_ns() - 1);
+  fence.extend(Clock::boot_ns() + kHour);
+  fence.extend(Clock::boot_ns() - 1);
   EXPECT_TRUE(fence.is_open());
 }
 
 TEST(WriteFence, CannotBeOpenedAgainOnceItHasEnded) {
   WriteFence fence;
-  fence.extend(boot_time_ns() + kHour);
+  fence.extend(Clock::boot_ns() + kHour);
   fence.end();
-  fence.extend(boot_time_ns() + 2 * kHour);
+  fence.extend(Clock::boot_ns() + 2 * kHour);
   EXPECT_FALSE(fence.is_open());
 }
 
@@ -41,7 +42,7 @@ TEST(WriteFence, AJournalAcceptsCommandsOnlyWhileItIsOpen) {
   EXPECT_EQ(refused.error().code, JournalErrorCode::kLease);
   EXPECT_TRUE(writer->is_fenced());
   EXPECT_EQ(writer->pause()->code, JournalErrorCode::kLease);
-  fence->extend(boot_time_ns() + kHour);
+  fence->extend(Clock::boot_ns() + kHour);
   EXPECT_EQ(writer->append(1, MoveTool{}), 1U);
   EXPECT_FALSE(writer->is_fenced());
   EXPECT_FALSE(writer->pause());
