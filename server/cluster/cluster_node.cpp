@@ -6,10 +6,10 @@
 
 #include "server/cluster/cluster_node_impl.h"
 #include "server/cluster/nats_address.h"
-#include "server/cluster/random_number.h"
 #include "server/cluster/takeover.h"
 #include "server/log/log.h"
 #include "server/platform/clock.h"
+#include "server/platform/random.h"
 
 namespace kerf {
 namespace {

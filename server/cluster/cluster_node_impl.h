@@ -24,6 +24,7 @@
 #include "server/cluster/live_states.h"
 #include "server/cluster/nats_connection.h"
 #include "server/cluster/own_leases.h"
+#include "server/platform/random.h"
 
 namespace kerf {
 
@@ -72,7 +73,7 @@ struct ClusterNode::Impl {
   std::set<std::string> local;  ///< journals of the data folder at the start
   bool holds = false;
   std::map<std::string, std::int64_t> lost;  ///< sessions to be ended, and since when
-  std::mt19937_64 chance{std::random_device{}()};
+  std::mt19937_64 chance{random_number()};
   /// Both exist between start() and hold(), the first one as asked.
   std::unique_ptr<Followers> followers;
   std::unique_ptr<LiveStates> live;

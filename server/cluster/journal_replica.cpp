@@ -9,8 +9,8 @@
 #include <chrono>
 #include <utility>
 
-#include "server/cluster/random_number.h"
 #include "server/log/log.h"
+#include "server/platform/random.h"
 
 namespace kerf {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "server/cluster/change_frame.h"
 #include "server/cluster/copies.h"
-#include "server/cluster/random_number.h"
+#include "server/platform/random.h"
 #include "server/store/block_snapshot.h"
 #include "server/store/chunk_file.h"
 

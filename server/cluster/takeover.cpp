@@ -5,9 +5,9 @@
 
 #include "server/cluster/change_frame.h"
 #include "server/cluster/copies.h"
-#include "server/cluster/random_number.h"
 #include "server/log/log.h"
 #include "server/platform/clock.h"
+#include "server/platform/random.h"
 #include "server/store/journal_change.h"
 #include "server/store/journal_file.h"
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/datagram/key.h"
 
-#include <openssl/rand.h>
-
-#include <cstring>
 #include <span>
+
+#include "server/platform/random.h"
 
 namespace kerf::datagram {
 namespace {
@@ -12,21 +11,13 @@ namespace {
 constexpr std::string_view kDigits = "0123456789abcdef";
 constexpr std::size_t kBitsPerDigit = 4;
 
-bool fill_random(std::span<std::byte> bytes) {
-  return RAND_bytes(reinterpret_cast<unsigned char*>(bytes.data()),
-                    static_cast<int>(bytes.size())) == 1;
-}
-
 }  // namespace
 
 std::optional<Offer> random_offer(std::uint16_t port) {
   Offer offer{.port = port};
-  std::array<std::byte, sizeof offer.connection> connection{};
-  if (!fill_random(connection) || !fill_random(offer.to_server) || !fill_random(offer.to_agent)) {
-    return std::nullopt;
-  }
-  std::memcpy(&offer.connection, connection.data(), connection.size());
-  return offer;
+  const bool is_random = fill_random(std::as_writable_bytes(std::span(&offer.connection, 1))) &&
+                         fill_random(offer.to_server) && fill_random(offer.to_agent);
+  return is_random ? std::optional(offer) : std::nullopt;
 }
 
 std::string to_text(const Key& key) {

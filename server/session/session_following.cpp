@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of SessionRegistry with the sessions that other servers run.
-#include <random>
 #include <utility>
 
+#include "server/platform/random.h"
 #include "server/session/session_registry.h"
 #include "server/store/journal_times.h"
 
@@ -12,7 +12,7 @@ namespace {
 /// Where the ids of a follower's viewers begin: 65,536 of one run of one server.
 ParticipantId first_viewer_id() {
   constexpr ParticipantId kSpan = 0x1'0000, kSpans = 0x2000;
-  return kFollowerIds + kSpan * (std::random_device{}() % kSpans);
+  return kFollowerIds + kSpan * static_cast<ParticipantId>(random_number() % kSpans);
 }
 
 }  // namespace

@@ -3,9 +3,10 @@
 
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
-#include <openssl/rand.h>
 
 #include <algorithm>
+
+#include "server/platform/random.h"
 
 namespace kerf {
 namespace {
@@ -16,12 +17,12 @@ constexpr std::string_view kHexDigits = "0123456789abcdef";
 }  // namespace
 
 std::optional<std::string> random_token() {
-  std::array<unsigned char, kTokenBytes> bytes{};
-  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) return std::nullopt;
+  std::array<std::byte, kTokenBytes> bytes{};
+  if (!fill_random(bytes)) return std::nullopt;
   std::string token;
-  for (const unsigned char byte : bytes) {
-    token += kHexDigits[byte >> 4U];
-    token += kHexDigits[byte & 0xFU];
+  for (const std::byte byte : bytes) {
+    token += kHexDigits[std::to_integer<std::size_t>(byte >> 4U)];
+    token += kHexDigits[std::to_integer<std::size_t>(byte & std::byte{0xF})];
   }
   return token;
 }
