@@ -190,6 +190,49 @@ TEST(ArchTokens, FastMathIsReportedInBuildFiles) {
             1u);
 }
 
+TEST(ArchTokens, ServerReadsTimeFromItsClockOnly) {
+  const std::string path = "server/session/a.cpp";
+  for (const std::string code :
+       {"x = std::chrono::steady_clock::now();", "f(system_clock::now);",
+        "using Clock = std::chrono::steady_clock;", "using std::chrono::system_clock;",
+        "x = Timer::clock_type::now();", "clock_gettime(CLOCK_MONOTONIC, &now);",
+        "::gettimeofday(&now, nullptr);", "x = time(nullptr);", "std::time(&now);",
+        "x = std::clock();", "x = __rdtsc();"}) {
+    const auto found = check_tokens({path, "\n" + code});
+    ASSERT_EQ(found.size(), 1u) << code;
+    EXPECT_EQ(found[0].line, 2u);
+    EXPECT_NE(found[0].reason.find("server/platform/clock.h"), std::string::npos);
+    EXPECT_EQ(check_tokens({"kernel/dexel/a.cpp", code}).size(), 1u) << code;
+    EXPECT_TRUE(check_tokens({"server/platform/clock.cpp", code}).empty()) << code;
+    EXPECT_TRUE(check_tokens({"tests/server/a.cpp", code}).empty()) << code;
+  }
+  for (const std::string code :
+       {"x = Clock::now();", "std::chrono::steady_clock::time_point x;",
+        "using Timer = basic_waitable_timer<std::chrono::steady_clock>;",
+        "time_point<std::chrono::steady_clock, Duration> x;", "x = play_time(0); y = time(s);",
+        "// steady_clock::now()", "timer.expires_after(wait);"}) {
+    EXPECT_TRUE(check_tokens({path, code}).empty()) << code;
+  }
+}
+
+TEST(ArchTokens, ServerTakesRandomNumbersFromOnePlace) {
+  const std::string path = "server/cluster/a.cpp";
+  for (const std::string code :
+       {"std::random_device random;", "std::mt19937_64 chance{std::random_device{}()};",
+        "RAND_bytes(data, size);", "#include <openssl/rand.h>", "getrandom(data, size, 0);",
+        "x = std::rand();", "srand(1);", "x = ::random();", "x = drand48();",
+        "x = arc4random_uniform(3);", "open(\"/dev/urandom\", O_RDONLY);"}) {
+    const auto found = check_tokens({path, "\n" + code});
+    ASSERT_EQ(found.size(), 1u) << code;
+    EXPECT_EQ(found[0].line, 2u);
+    EXPECT_NE(found[0].reason.find("server/platform/random.h"), std::string::npos);
+    EXPECT_TRUE(check_tokens({"server/platform/random.cpp", code}).empty()) << code;
+  }
+  EXPECT_EQ(check_tokens({"kernel/dexel/a.cpp", "x = rand();"}).size(), 1u);
+  EXPECT_TRUE(check_tokens({path, "std::mt19937_64 chance{random_number()};"}).empty());
+  EXPECT_TRUE(check_tokens({path, "x = random_token(); y = operand(x);"}).empty());
+}
+
 TEST(ArchTokens, ServoLoopMayNotAllocateLockThrowOrPrint) {
   const std::string path = "haptic_agent/servo/loop.cpp";
   for (const std::string code :

@@ -44,6 +44,35 @@ const std::vector<Ban>& bans() {
   return kBans;
 }
 
+// The clocks of the standard library may be named in types of times, and read nowhere.
+constexpr const char* kClock =
+    R"(\b((steady|system|high_resolution|file|utc|tai|gps)_clock\b)"
+    R"((?!\s*(::\s*(time_point|duration)\b|[,>]))|clock_type\s*::\s*now\b)"
+    R"(|(clock_gettime|gettimeofday|timespec_get|ftime|__(builtin_ia32_)?rdtscp?)\s*\()"
+    R"(|time\s*\(\s*(nullptr|NULL|0|&\s*\w+)\s*\)|clock\s*\(\s*\)))";
+constexpr const char* kRandom = R"(\b((random_device|RAND_\w+|arc4random\w*)\b|openssl/rand\.h\b)"
+                                R"(|(getrandom|getentropy|s?rand(om)?(_r)?|[dejlmn]rand48)\s*\())";
+
+// What decides by itself when a run is repeated with the same input.
+const std::vector<Ban>& outside_bans() {
+  static const std::vector<Ban> kBans = [] {
+    constexpr std::string_view kServer = "server/", kPlatform = "server/platform/";
+    constexpr std::string_view kTime =
+        "time comes from Clock (server/platform/clock.h), so that a test can decide about it";
+    constexpr std::string_view kNumbers =
+        "random numbers come from server/platform/random.h, so that a test can decide about them";
+    constexpr std::string_view kNeither = "the kernel has neither time nor random numbers";
+    return std::vector<Ban>{
+        {kServer, kPlatform, true, std::regex(kClock), kTime},
+        {kServer, kPlatform, true, std::regex(kRandom), kNumbers},
+        {kServer, kPlatform, false, std::regex("/dev/u?random"), kNumbers},
+        {"kernel/", "", true, std::regex(kClock), kNeither},
+        {"kernel/", "", true, std::regex(kRandom), kNeither},
+    };
+  }();
+  return kBans;
+}
+
 // Also the folder of what the servo thread shares with other threads.
 constexpr std::string_view kRealtime[] = {"haptic_agent/servo/", "haptic_agent/realtime/"};
 
@@ -91,6 +120,7 @@ std::vector<Violation> check_tokens(const Source& source) {
   const std::string code = is_cpp(source.path) ? code_only(source.text) : std::string();
   std::vector<Violation> violations;
   check_bans(source, code, bans(), violations);
+  check_bans(source, code, outside_bans(), violations);
   check_bans(source, code, realtime_bans(), violations);
   return violations;
 }
