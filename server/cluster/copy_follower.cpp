@@ -25,6 +25,8 @@ constexpr milliseconds kTick{100};
 /// Hashes of the owner are compared with those of the block at most this often: the owner's are
 /// read from the journal.
 constexpr std::chrono::seconds kCompare{2};
+/// While no message comes, NATS is asked at most this often whether it still has the last one.
+constexpr std::chrono::seconds kLookBack{1};
 
 }  // namespace
 
@@ -39,7 +41,7 @@ struct CopyFollower::Followed {
   FrameJoiner joiner = {};
   std::uint64_t applied = 0;   ///< last record
   std::uint64_t compared = 0;  ///< record of the owner's hash that was compared last
-  Clock::time_point compared_at = {};
+  Clock::time_point compared_at = {}, looked_back_at = {};
 };
 
 CopyFollower::CopyFollower(NatsConnection& nats, SessionRegistry& registry, std::string session,
@@ -99,10 +101,27 @@ std::expected<void, std::string> CopyFollower::take_messages(Followed& followed,
   while (!stop.stop_requested() && !followed.session->closed()) {
     const auto message = watch->next(kTick);
     if (!message) return {};
-    if (auto ok = *message ? take(followed, **message) : compare(followed); !ok) return ok;
+    if (auto ok = *message ? take(followed, **message) : look_back(followed); !ok) return ok;
     if (*message) message_ = (*message)->sequence;
   }
   return {};
+}
+
+/// While nothing comes. NATS may have come back with less than this server has seen: then messages
+/// with numbers that were used before follow, which the watch leaves out.
+std::expected<void, std::string> CopyFollower::look_back(Followed& followed) {
+  const auto now = Clock::now();
+  if (now >= followed.looked_back_at + kLookBack) {
+    followed.looked_back_at = now;
+    const auto last = nats_.last_message(copy_stream(id_), copy_subject(id_));
+    const std::uint64_t newest = last && *last ? (*last)->sequence : 0;
+    if (last && newest < message_) {
+      return std::unexpected("NATS has lost messages: " + std::to_string(message_) +
+                             " of its copy was seen, the last one now is " +
+                             std::to_string(newest));
+    }
+  }
+  return compare(followed);
 }
 
 std::expected<void, std::string> CopyFollower::take(Followed& followed,

@@ -41,6 +41,7 @@ class CopyFollower {
   void run(const std::stop_token& stop);
   std::expected<void, std::string> follow(const std::stop_token& stop);
   std::expected<void, std::string> take_messages(Followed& followed, const std::stop_token& stop);
+  std::expected<void, std::string> look_back(Followed& followed);
   std::expected<void, std::string> take(Followed& followed, const StreamMessage& message);
   std::expected<void, std::string> deliver(Followed& followed);
   std::expected<void, std::string> deliver_lists(Followed& followed);

@@ -26,10 +26,27 @@ class WorldTest : public testing::Test {
 
 TEST_F(WorldTest, NothingIsLostWithoutFaults) {
   Plan plan;
+  plan.length = 2 * kSecond;
   plan.pages = 1;
   EXPECT_EQ(faults_of(plan), "");
   plan.servers = 2;
   plan.follows = true;
+  EXPECT_EQ(faults_of(plan), "");
+}
+
+/// It waited for the message after the last one that it had seen, which NATS had not any more.
+TEST_F(WorldTest, AFollowerNoticesThatNatsHasLostMessages) {
+  Plan plan;
+  plan.servers = 2;
+  plan.follows = true;
+  plan.hands = 1;
+  plan.clerks = 0;
+  plan.length = 3 * kSecond;
+  // The hand ends while NATS is away: no message after it brings a follower up to date.
+  plan.faults.push_back({.at = 2800 * kMillisecond,
+                         .fault = Fault::kNatsEarlier,
+                         .server = 0,
+                         .length = 600 * kMillisecond});
   EXPECT_EQ(faults_of(plan), "");
 }
 
