@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Builds the kernel and state_hashes with another compiler, optimization level or instruction set, or as WebAssembly, and
-compares its output byte for byte with that of the reference state_hashes. With --threads, compares the reference with itself
-on several threads.
+compares its output byte for byte with that of the reference state_hashes. With --program, compares another program, which is
+built already; with --threads, the reference with itself on several threads.
 
 Exit status: 0 equal; 1 different, or the build failed; 77 this machine cannot run that build (the reason is printed).
 """
@@ -28,8 +28,9 @@ def arguments():
     parser.add_argument("--compiler")
     parser.add_argument("--wasm", action="store_true", help="build WebAssembly, and run it in node")
     parser.add_argument("--flags", help="compiler flags, e.g. -O2")
-    parser.add_argument("--vector", choices=["clones", "avx2", "avx512", "none"])
     parser.add_argument("--folder", type=pathlib.Path, help="where to build")
+    parser.add_argument("--program", type=pathlib.Path, help="compare this one; builds nothing")
+    parser.add_argument("--level", choices=["v1", "v3", "v4"], default="v1", help="what the CPU must have: x86-64-v3, -v4")
     parser.add_argument("--every", type=int, default=1, help="compare each N-th job only, where the build is slow")
     parser.add_argument("--threads", type=int, nargs="+", help="numbers of threads to compare with one; builds nothing")
     parser.add_argument("--reference", required=True, type=pathlib.Path, help="state_hashes program to compare with")
@@ -38,28 +39,25 @@ def arguments():
 
 def why_not(options):
     """Returns why this machine cannot run the build, or an empty string."""
-    if shutil.which(options.compiler) is None:
-        return f"{options.compiler} is not installed"
-    if options.wasm:
-        missing = [tool for tool in ("wasm-ld-19", "node") if shutil.which(tool) is None]
-        missing += [] if WASI_HEADERS.is_dir() else ["libc++-19-dev-wasm32"]
-        return f"{', '.join(missing)}: not installed" if missing else ""
-    needs = set()
-    if options.vector == "avx2" or "x86-64-v3" in options.flags:
-        needs = V3
-    elif options.vector == "avx512" or "x86-64-v4" in options.flags:
-        needs = V3 | V4
+    tools = ["clang++-19", "wasm-ld-19", "node"] if options.wasm else [options.compiler] if options.compiler else []
+    absent = [tool for tool in tools if shutil.which(tool) is None]
+    if options.wasm and not WASI_HEADERS.is_dir():
+        absent.append("libc++-19-dev-wasm32")
+    if absent:
+        return f"{', '.join(absent)}: not installed"
+    needs = {"v1": set(), "v3": V3, "v4": V3 | V4}[options.level]
     missing = needs - set(pathlib.Path("/proc/cpuinfo").read_text().split())
     return f"this CPU has no {', '.join(sorted(missing))}" if missing else ""
 
 
 def build(options):
+    """Builds state_hashes; returns how to run it."""
     # Ignore the environment's compiler and flags: this build sets its own.
     environment = {k: v for k, v in os.environ.items() if k not in ("CXX", "CXXFLAGS", "CC", "CFLAGS")}
     launcher = shutil.which("ccache")
     configure = ["cmake", "-G", "Ninja", "-S", SOURCES, "-B", options.folder, "-DKERF_KERNEL_ONLY=ON",
                  f"-DCMAKE_CXX_COMPILER={options.compiler}", f"-DCMAKE_CXX_FLAGS={options.flags}",
-                 f"-DKERF_VECTOR={options.vector}", "-DKERF_FAST_BUILD=ON"]
+                 "-DKERF_VECTOR=none", "-DKERF_FAST_BUILD=ON"]
     if options.wasm:
         configure.append(f"-DCMAKE_TOOLCHAIN_FILE={WASM_TOOLCHAIN}")
     if launcher:
@@ -69,6 +67,10 @@ def build(options):
         done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if done.returncode != 0:
             sys.exit(f"{done.stdout}\nThis build failed: {' '.join(map(str, command))}")
+    program = options.folder / "tests/determinism/state_hashes"
+    if options.wasm:
+        return ["node", "--no-warnings", SOURCES / "tests/determinism/run_wasi.mjs", f"{program}.wasm"]
+    return [program]
 
 
 def printed_by(program, *arguments):
@@ -95,11 +97,8 @@ def main():
     if reason:
         print(f"skipped: {reason}")
         sys.exit(CANNOT_RUN)
-    build(options)
+    program = [options.program] if options.program else build(options)
     jobs = ("1", str(options.every))
-    program = [options.folder / "tests/determinism/state_hashes"]
-    if options.wasm:
-        program = ["node", "--no-warnings", SOURCES / "tests/determinism/run_wasi.mjs", f"{program[0]}.wasm"]
     compare(printed_by(options.reference, *jobs), printed_by(*program, *jobs))
 
 
