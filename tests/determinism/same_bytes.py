@@ -19,14 +19,14 @@ SOURCES = pathlib.Path(__file__).resolve().parents[2]
 # CPU features that x86-64-v3 and x86-64-v4 require, as named in /proc/cpuinfo.
 V3 = {"avx2", "fma", "bmi2"}
 V4 = {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}
-WASM_TOOLCHAIN = SOURCES / "web/wasm/toolchain.cmake"
 WASI_HEADERS = pathlib.Path("/usr/include/wasm32-wasi/c++/v1")
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--compiler")
-    parser.add_argument("--wasm", action="store_true", help="build WebAssembly, and run it in node")
+    parser.add_argument("--wasm", action="store_true",
+                        help="build with the preset of kerf.wasm, whose kernel is then compiled once, and run it in node")
     parser.add_argument("--flags", help="compiler flags, e.g. -O2")
     parser.add_argument("--folder", type=pathlib.Path, help="where to build")
     parser.add_argument("--program", type=pathlib.Path, help="compare this one; builds nothing")
@@ -54,20 +54,22 @@ def build(options):
     """Builds state_hashes; returns how to run it."""
     # Ignore the environment's compiler and flags: this build sets its own.
     environment = {k: v for k, v in os.environ.items() if k not in ("CXX", "CXXFLAGS", "CC", "CFLAGS")}
-    launcher = shutil.which("ccache")
-    configure = ["cmake", "-G", "Ninja", "-S", SOURCES, "-B", options.folder, "-DKERF_KERNEL_ONLY=ON",
-                 f"-DCMAKE_CXX_COMPILER={options.compiler}", f"-DCMAKE_CXX_FLAGS={options.flags}",
-                 "-DKERF_VECTOR=none", "-DKERF_FAST_BUILD=ON"]
+    # Not as an option: one that differs from that of an earlier build would have everything compiled again.
+    if "CMAKE_CXX_COMPILER_LAUNCHER" not in environment and shutil.which("ccache"):
+        environment["CMAKE_CXX_COMPILER_LAUNCHER"] = "ccache"
+    folder = SOURCES / "build/wasm" if options.wasm else options.folder
     if options.wasm:
-        configure.append(f"-DCMAKE_TOOLCHAIN_FILE={WASM_TOOLCHAIN}")
-    if launcher:
-        configure.append(f"-DCMAKE_CXX_COMPILER_LAUNCHER={launcher}")
+        configure = ["cmake", "--preset", "wasm", "-DKERF_TESTS=ON"]
+    else:
+        configure = ["cmake", "-G", "Ninja", "-S", SOURCES, "-B", folder, "-DKERF_KERNEL_ONLY=ON",
+                     f"-DCMAKE_CXX_COMPILER={options.compiler}", f"-DCMAKE_CXX_FLAGS={options.flags}",
+                     "-DKERF_VECTOR=none", "-DKERF_FAST_BUILD=ON"]
     # One job, because ctest runs several of these builds at a time.
-    for command in (configure, ["cmake", "--build", options.folder, "--target", "state_hashes", "-j", "1"]):
-        done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    for command in (configure, ["cmake", "--build", folder, "--target", "state_hashes", "-j", "1"]):
+        done = subprocess.run(command, cwd=SOURCES, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if done.returncode != 0:
             sys.exit(f"{done.stdout}\nThis build failed: {' '.join(map(str, command))}")
-    program = options.folder / "tests/determinism/state_hashes"
+    program = folder / "tests/determinism/state_hashes"
     if options.wasm:
         return ["node", "--no-warnings", SOURCES / "tests/determinism/run_wasi.mjs", f"{program}.wasm"]
     return [program]
