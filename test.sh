@@ -15,8 +15,7 @@ usage() {
 usage: ./test.sh [--preset release|dev|asan|tsan] [--filter REGEX] [--jobs N]
   --preset P      build preset (default: release); asan and tsan build with the sanitizers
   --filter REGEX  only the test programs whose name matches (ctest -R); the viewer's own tests if it matches "web"
-  --jobs N        tests at a time (default: the number of cores), twice as many of a server, which mostly wait; those
-                  that load the machine, and e2e tests, run alone
+  --jobs N        tests at a time (default: the number of cores); those that load the machine, and e2e tests, run alone
 CI=true makes every compiler warning an error.
 TXT
 }
@@ -109,8 +108,7 @@ main() {
   export GTEST_OUTPUT="xml:$RESULTS/gtest/"
   run_ctest fast -LE 'server|e2e' -j "$JOBS"
   run_web_tests
-  # These wait more than they compute.
-  run_ctest server -L server -j "$((2 * JOBS))"
+  run_ctest server -L server -j "$JOBS"
   run_ctest e2e -L e2e
   note_cpu tests "$begin"
   python3 tests/summary.py "$RESULTS"
