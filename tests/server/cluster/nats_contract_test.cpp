@@ -123,7 +123,7 @@ TEST_F(NatsContract, AWatchOfAStreamThatIsAbsentIsAnError) {
   EXPECT_EQ(nats_->watch("NONE", "none.*").error().code, NatsErrorCode::kAbsent);
 }
 
-TEST_F(NatsContract, ReadingEndsWhenItIsToldTo) {
+TEST_F(NatsContract, ReadingEndsWhenItsReaderWantsNoMore) {
   for (std::uint64_t n = 0; n < 5; ++n) stored("all.a", std::to_string(n), n);
   int read = 0;
   ASSERT_TRUE(nats_->read("ALL", "all.a", [&](const StreamMessage&) { return ++read < 3; }));

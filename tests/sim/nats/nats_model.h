@@ -34,7 +34,7 @@ class NatsModel {
   std::function<NatsClient()> caller = {};
 
   struct Weather {
-    std::chrono::microseconds delay_max{2000};  ///< of a message, one way
+    std::chrono::microseconds delay_max{2000};  ///< of a message, in one direction
     double lost = 0;         ///< requests that do not arrive, though the connection stays
     double answer_lost = 0;  ///< of those that do, answers that do not
   };

@@ -67,7 +67,7 @@ Descriptor* socket_of(int file) {
 
 /// Calls a function that sends or ends something that another thread may wait for.
 template <typename Function, typename... Words>
-auto with_news(const char* name, Words... words) {
+auto then_wake(const char* name, Words... words) {
   const auto result = real<Function>(name)(words...);
   const int error = errno;
   if (takes_turns()) {
@@ -153,29 +153,29 @@ int setsockopt(int file, int level, int name, const void* value, socklen_t size)
 }
 
 ssize_t send(int file, const void* bytes, std::size_t size, int flags) {
-  return with_news<ssize_t (*)(int, const void*, std::size_t, int)>("send", file, bytes, size,
+  return then_wake<ssize_t (*)(int, const void*, std::size_t, int)>("send", file, bytes, size,
                                                                     flags);
 }
 ssize_t sendmsg(int file, const msghdr* message, int flags) {
-  return with_news<ssize_t (*)(int, const msghdr*, int)>("sendmsg", file, message, flags);
+  return then_wake<ssize_t (*)(int, const msghdr*, int)>("sendmsg", file, message, flags);
 }
 ssize_t recv(int file, void* bytes, std::size_t size, int flags) {
-  return with_news<ssize_t (*)(int, void*, std::size_t, int)>("recv", file, bytes, size, flags);
+  return then_wake<ssize_t (*)(int, void*, std::size_t, int)>("recv", file, bytes, size, flags);
 }
 ssize_t recvmsg(int file, msghdr* message, int flags) {
-  return with_news<ssize_t (*)(int, msghdr*, int)>("recvmsg", file, message, flags);
+  return then_wake<ssize_t (*)(int, msghdr*, int)>("recvmsg", file, message, flags);
 }
 int shutdown(int file, int how) noexcept {
-  return with_news<int (*)(int, int)>("shutdown", file, how);
+  return then_wake<int (*)(int, int)>("shutdown", file, how);
 }
 int close(int file) {
   if (takes_turns()) Descriptors::instance().remove(file);
-  return with_news<int (*)(int)>("close", file);
+  return then_wake<int (*)(int)>("close", file);
 }
 
 /// Boost.Asio wakes a thread by arming a descriptor again that is ready already.
 int epoll_ctl(int file, int operation, int of, epoll_event* event) noexcept {
-  return with_news<int (*)(int, int, int, epoll_event*)>("epoll_ctl", file, operation, of, event);
+  return then_wake<int (*)(int, int, int, epoll_event*)>("epoll_ctl", file, operation, of, event);
 }
 
 int timerfd_create(int clock, int flags) noexcept {

@@ -39,8 +39,8 @@ std::map<std::string, Journaled> read(JournalReader& reader) {
   return by_name;
 }
 
-/// Whether the hand was told that motions would be missing.
-bool was_told(const agent::LinkReport& report) {
+/// Whether the hand was notified that motions would be missing.
+bool was_notified(const agent::LinkReport& report) {
   return report.rejected_results + report.thinned_cuts + report.forgotten + report.given_up > 0;
 }
 
@@ -91,7 +91,8 @@ std::vector<std::string> check_motions(const std::filesystem::path& journal,
     if (compared.stranger > 0) {
       fail(": motion " + std::to_string(compared.stranger) +
            " of the journal was not made then, or is there twice");
-    } else if (compared.missing > allowance.stroke_changes && !allowance.any && !was_told(report)) {
+    } else if (compared.missing > allowance.stroke_changes && !allowance.any &&
+               !was_notified(report)) {
       fail(": " + std::to_string(compared.missing) + " of " + std::to_string(made.size()) +
            " motions are not in the journal, the first is " +
            text_of(made[compared.first_missing]) + "; its link has connected " +

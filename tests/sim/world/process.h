@@ -9,7 +9,7 @@
 
 namespace kerf::sim {
 
-/// What the process of a world has told.
+/// The outcome of a world, as its process reports it.
 struct Report {
   bool is_whole = false;  ///< it has come to its end
   std::string faults;     ///< a line for each promise that was broken

@@ -26,7 +26,7 @@ class Promises {
       return std::ranges::find(all, what) != all.end();
     });
   }
-  /// A change of all of these in one request was sent, each the other way before: all of them
+  /// A change of all of these in one request was sent, each in the other state before: all of them
   /// happen or none.
   void ask(const std::vector<std::string>& all) {
     for (const std::string& what : all) ask(what);
