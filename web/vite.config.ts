@@ -55,11 +55,17 @@ function compress(): Plugin {
   };
 }
 
+/** Whether a module of web/wasm is there, or run.sh builds it while the page is already served. */
+function hasModule(name: string): string {
+  const isThere = existsSync(join(import.meta.dirname, 'public', name));
+  return JSON.stringify(isThere || process.env['KERF_WASM'] === 'later');
+}
+
 export default defineConfig({
   base: './',
   define: {
-    KERF_HAS_KERNEL: JSON.stringify(existsSync(join(import.meta.dirname, 'public/kerf.wasm'))),
-    KERF_HAS_FILES: JSON.stringify(existsSync(join(import.meta.dirname, 'public/kerf_files.wasm'))),
+    KERF_HAS_KERNEL: hasModule('kerf.wasm'),
+    KERF_HAS_FILES: hasModule('kerf_files.wasm'),
   },
   json: { namedExports: false },
   plugins: [preloadView(), compress()],

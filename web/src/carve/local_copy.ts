@@ -4,18 +4,13 @@
 import { t } from '../strings';
 import { BlockCopy } from '../kernel/block_copy';
 import type { WorkerPort } from '../kernel/block_copy';
+import { moduleBeside } from '../kernel/module';
 import type { Viewer } from '../view/viewer';
 
-/** Whether kerf.wasm was there when the page was built (vite.config.ts). */
+/** Whether kerf.wasm was there when the page was built, or was to come later (vite.config.ts). */
 declare const KERF_HAS_KERNEL: boolean;
 
 export const NO_COPY = t("This server can't preview cuts: they appear a moment later.");
-
-/** The page compiles it, because the policy of a worker's file forbids to fetch it (server/http). */
-async function compiled(): Promise<WebAssembly.Module | null> {
-  if (!KERF_HAS_KERNEL) return null;
-  return WebAssembly.compileStreaming(fetch(new URL('kerf.wasm', document.baseURI)));
-}
 
 /**
  * `felt`: the greatest cutting force of a frame's motions, N; `lacks`: the server must send its stock again; `ended`: the copy has, for
@@ -28,7 +23,8 @@ export function makeCopy(
   ended: (reason: string) => void,
 ): BlockCopy {
   const worker = new Worker(new URL('../kernel/worker.ts', import.meta.url), { type: 'module' });
-  const copy = new BlockCopy(compiled(), worker as WorkerPort, {
+  const module = KERF_HAS_KERNEL ? moduleBeside('kerf.wasm') : Promise.resolve(null);
+  const copy = new BlockCopy(module, worker as WorkerPort, {
     tiles: (tiles, newest) => viewer.applyCopy(tiles, newest),
     changes: () => viewer.local.hold(),
     felt,

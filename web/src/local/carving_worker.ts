@@ -1,23 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The worker that carves. Each block has one of its own: ending it ends whatever it does.
 
+import { moduleBeside } from '../kernel/module';
 import { t } from '../strings';
 import type { FromWorker, ToWorker } from './messages';
 
-/** Whether kerf_files.wasm was there when the page was built (vite.config.ts). */
+/** Whether kerf_files.wasm was there when the page was built, or was to come later (vite.config.ts). */
 declare const KERF_HAS_FILES: boolean;
 export const HAS_FILES = KERF_HAS_FILES;
 
-/** The page compiles it, because the policy of a worker's file forbids that (server/http). */
 async function compiled(): Promise<WebAssembly.Module> {
   if (!HAS_FILES) throw new Error(t('this page was built without kerf_files.wasm'));
-  const url = new URL('kerf_files.wasm', document.baseURI);
-  try {
-    return await WebAssembly.compileStreaming(fetch(url));
-  } catch {
-    // A host of files may send it as another type.
-    return await WebAssembly.compile(await (await fetch(url)).arrayBuffer());
-  }
+  const module = await moduleBeside('kerf_files.wasm');
+  if (module) return module;
+  throw new Error(t('kerf_files.wasm is not there yet: reload the page in a minute'));
 }
 
 export class CarvingWorker {

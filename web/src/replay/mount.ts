@@ -9,7 +9,7 @@ import type { SessionCheck } from './check';
 import type { LocalPast, PastHost } from './local_past';
 import { checkBadge } from './badge';
 
-/** Whether kerf_files.wasm was there when the page was built (vite.config.ts). */
+/** Whether kerf_files.wasm was there when the page was built, or was to come later (vite.config.ts). */
 declare const KERF_HAS_FILES: boolean;
 
 export interface PastSwitch {
