@@ -18,7 +18,7 @@ constexpr NormalCode kPendingMax = 0xffff;
 /// Fewer tiles are resolved sooner than another thread wakes up.
 constexpr std::size_t kTilesForThreads = 16;
 /// Jobs per thread balance the varying number of ends in a tile.
-constexpr std::size_t kJobsPerThread = 2;
+constexpr std::size_t kNormalJobsPerThread = 2;
 
 /// Tiles that are resolved at a time while a batch is collected: about 0.1 ms.
 constexpr std::size_t kTilesAtOnce = 32;
@@ -123,7 +123,7 @@ void LazyNormals::resolve_until(DexelField& field, Workers& workers, Batch& batc
   batch.resolved = end;
   if (all.empty()) return;
   const bool divides = workers.count() > 1 && all.size() >= kTilesForThreads;
-  const std::size_t jobs = divides ? std::size_t(workers.count()) * kJobsPerThread : 1;
+  const std::size_t jobs = divides ? std::size_t(workers.count()) * kNormalJobsPerThread : 1;
   if (jobs_.size() < jobs) jobs_.resize(jobs);
   const auto run_job = [&](int n) {
     const std::size_t from = all.size() * std::size_t(n) / jobs;

@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-constexpr int kSearchSteps = 120;
+constexpr int kNearestSteps = 120;
 
 /// Steps towards the share at which a ball's center is closest. A straight path needs one; a bent
 /// one deviates little from its chord.
@@ -117,7 +117,7 @@ KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const PieceProfile& piec
   Lanes a = Lanes(0), b = Lanes(1), weight_a = Lanes(1), weight_b = Lanes(1);
   Lanes wide = Lanes(1);
   LaneMask was_later = ~every_lane(), was_sooner = was_later;
-  for (int i = 0; i < kSearchSteps && any(searching); ++i) {
+  for (int i = 0; i < kNearestSteps && any(searching); ++i) {
     Lanes s = (a + b) * 0.5;
     const LaneMask jumps = first.by_side * last.by_side < 0.0;
     const Lanes fa = weight_a * kerf::select(jumps, first.by_side, first.advance);

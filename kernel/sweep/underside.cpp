@@ -11,7 +11,7 @@ namespace kerf {
 namespace {
 
 /// Least vertical component of the axis, and of a plane's normal, for a bound.
-constexpr double kAxisUprightMin = 0.3, kFacingMin = 0.1;
+constexpr double kUnderAxisMin = 0.3, kFacingMin = 0.1;
 
 /// A direction of the slice for each disc: the normal is e cosine + u sine, and no point of the
 /// slice is farther than `support` along it.
@@ -72,7 +72,7 @@ Underside::Underside(const ToolPiece& slice, const ToolPose& from, const ToolPos
   m_.tip = f.tip;
   m_.u = f.u;
   m_.w = f.w;
-  m_.leans_little = std::min({f.u.z, from.axis.z, to.axis.z}) > kAxisUprightMin;
+  m_.leans_little = std::min({f.u.z, from.axis.z, to.axis.z}) > kUnderAxisMin;
   if (!m_.leans_little) return;
   const auto* arc = std::get_if<ArcPiece>(&slice);
   m_.is_arc = arc != nullptr;
