@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace kerf::demo {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kDishWallMm = 11;    // from the rim to the floor
 constexpr double kOverlap = 1.07;     // each whorl overlaps the previous one
 constexpr double kRoundness = 0.95;   // tube height above the floor / half width

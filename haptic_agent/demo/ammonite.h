@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <numbers>
+
 #include "kernel/math/vec3.h"
 
 namespace kerf::demo {
+
+/// An angle, rad.
+constexpr double kTurn = 2 * std::numbers::pi;
 
 /// The target shape of the demo: an ammonite, a ribbed tube coiled along a logarithmic spiral r = R
 /// e^(b (a - a_end)), in a dish surrounded by a frame at the rim of the block. Lengths in mm,

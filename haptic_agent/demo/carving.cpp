@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace kerf::demo {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kMapPitchMm = 0.2;
 constexpr double kPastMouthRad = 0.14;  // strokes begin before the mouth, to expose its face
 

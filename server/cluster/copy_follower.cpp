@@ -21,7 +21,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kTick{100};
+constexpr milliseconds kFollowTick{100};
 /// Hashes of the owner are compared with those of the block at most this often: the owner's are
 /// read from the journal.
 constexpr std::chrono::seconds kCompare{2};
@@ -85,7 +85,7 @@ std::expected<void, std::string> CopyFollower::follow(const std::stop_token& sto
   std::unique_lock lock(mutex);
   while (!stop.stop_requested()) {
     if (auto ok = take_messages(followed, stop); !ok) return ok;
-    wake.wait_for(lock, stop, kTick, [] { return false; });
+    wake.wait_for(lock, stop, kFollowTick, [] { return false; });
   }
   return {};
 }
@@ -99,7 +99,7 @@ std::expected<void, std::string> CopyFollower::take_messages(Followed& followed,
   }
   if (!watch) return {};
   while (!stop.stop_requested() && !followed.session->closed()) {
-    const auto message = watch->next(kTick);
+    const auto message = watch->next(kFollowTick);
     if (!message) return {};
     if (auto ok = *message ? take(followed, **message) : look_back(followed); !ok) return ok;
     if (*message) message_ = (*message)->sequence;

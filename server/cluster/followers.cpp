@@ -20,7 +20,7 @@ constexpr std::string_view kSubject = "kerf.follow.";
 constexpr milliseconds kNote{1000};
 /// A session that nobody looks at is followed for so long, and one that could not be followed is
 /// tried again after the second.
-constexpr std::int64_t kUnusedNs = 30'000'000'000, kRetryNs = 5'000'000'000;
+constexpr std::int64_t kUnusedNs = 30'000'000'000, kFollowRetryNs = 5'000'000'000;
 /// Time in which a follower gets what is left of a copy. Its owner is gone: nothing is added.
 constexpr milliseconds kFinish{1000};
 
@@ -155,7 +155,7 @@ std::vector<std::string> Followers::unused() {
     const auto session = registry_.find_followed(id);
     if (session && session->figures().participants > 0) one.wanted_ns = now;
     const bool is_wanted = policy_ == Follow::kAll || now - one.wanted_ns < kUnusedNs;
-    if (has_failed ? now - one.failed_ns >= kRetryNs : !is_wanted) ids.push_back(id);
+    if (has_failed ? now - one.failed_ns >= kFollowRetryNs : !is_wanted) ids.push_back(id);
   }
   return ids;
 }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kInterval{40};
 /// A follower that has not stated itself for so long is gone: it does so every second.
-constexpr std::int64_t kSilenceNs = 3'000'000'000;
+constexpr std::int64_t kFollowerSilenceNs = 3'000'000'000;
 
 }  // namespace
 
@@ -45,7 +45,7 @@ std::map<std::string, LiveStates::Followers> LiveStates::fresh() {
   const std::lock_guard lock(mutex_);
   for (auto& [session, followers] : followed_) {
     std::erase_if(followers,
-                  [&](const auto& one) { return now - one.second.since_ns > kSilenceNs; });
+                  [&](const auto& one) { return now - one.second.since_ns > kFollowerSilenceNs; });
   }
   auto sessions = followed_;
   std::erase_if(followed_, [](const auto& one) { return one.second.empty(); });

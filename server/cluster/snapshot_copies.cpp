@@ -19,9 +19,9 @@ namespace {
 
 /// Time between two looks at the snapshots of all sessions. A look at one asks for the time of a
 /// file.
-constexpr std::chrono::milliseconds kLook{200};
+constexpr std::chrono::milliseconds kSnapshotLook{200};
 /// As the thread that writes the snapshots.
-constexpr int kNiceness = 5;
+constexpr int kSnapshotNiceness = 5;
 
 void pause(const std::stop_token& stop, Clock::duration time) {
   std::mutex mutex;
@@ -41,7 +41,7 @@ SnapshotCopies::SnapshotCopies(NatsConnection& nats, int replicas, SessionRegist
 SnapshotCopies::~SnapshotCopies() = default;  // stops the thread and waits for it
 
 void SnapshotCopies::run(const std::stop_token& stop) {
-  setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNiceness);
+  setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kSnapshotNiceness);
   while (!stop.stop_requested()) {
     follow_registry();
     for (auto& [id, copied] : copies_) {
@@ -49,7 +49,7 @@ void SnapshotCopies::run(const std::stop_token& stop) {
       if (look_at(copied, stop)) pause(stop, Clock::now() - begin);
       if (stop.stop_requested()) return;
     }
-    pause(stop, kLook);
+    pause(stop, kSnapshotLook);
   }
 }
 

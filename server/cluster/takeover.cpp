@@ -15,7 +15,7 @@ namespace kerf {
 namespace {
 
 /// A former owner may add this many messages meanwhile before something is wrong.
-constexpr int kAttempts = 100;
+constexpr int kMarkAttempts = 100;
 
 /// Adds a change without rows after the last message of the copy, if that is `end`: the writers
 /// before `epoch` then learn that they are succeeded. False: it is not.
@@ -43,7 +43,7 @@ std::expected<bool, std::string> add_mark(NatsConnection& nats, const std::strin
 std::expected<std::optional<CopyEnd>, std::string> end_epochs(NatsConnection& nats,
                                                               const std::string& session,
                                                               std::uint32_t epoch) {
-  for (int n = 0; n < kAttempts; ++n) {
+  for (int n = 0; n < kMarkAttempts; ++n) {
     auto end = end_of_copy(nats, session);
     if (!end || !*end) return end;
     if ((*end)->head.epoch >= epoch) {
