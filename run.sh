@@ -15,6 +15,7 @@ BUILD_ONLY=false
 SESSION=ammonite # the server names a session after its scene
 CHILDREN=()
 SERVER=
+WASM= # builds the kernel for pages while the server runs
 SCRATCH=
 
 usage() {
@@ -26,7 +27,7 @@ usage: ./run.sh [--port N] [--listen ADDR] [--data DIR] [--no-demo] [--build-onl
   --data DIR     folder of the sessions. Default: with the demo a temporary folder, removed at the end;
                  with --no-demo ~/.local/share/kerf
   --no-demo      start the server only
-  --build-only   install, build kerf-carve and libkerf_agent too, start nothing
+  --build-only   install, build everything (libkerf_agent too), start nothing
 Ctrl-C ends all programs that this script started.
 TXT
 }
@@ -47,14 +48,21 @@ parse_options() {
 }
 
 build() {
-  local tests=ON programs=(kerf-server)
+  local tests=ON programs=(kerf-server kerf-carve)
   if [ -n "$(packages_missing test)" ]; then tests=OFF; fi # test.sh installs the packages that only tests need
   install_sections build run
   (install_sections wasm) || true # without it there is a page all the same, and build_wasm says what it lacks
   use_node
-  if $DEMO; then programs+=(kerf-agent kerf-demo); fi
-  if $BUILD_ONLY; then programs=(kerf-server kerf-agent kerf-demo kerf-carve kerf_agent); fi
+  if $DEMO || $BUILD_ONLY; then programs+=(kerf-agent kerf-demo); fi
+  if $BUILD_ONLY; then programs+=(kerf_agent); fi
+  if ! $BUILD_ONLY && is_wasm_new; then export KERF_WASM=later; fi
   build_all release -DKERF_TESTS=$tests -- web "${programs[@]}"
+}
+
+# Whether the kernel for pages can be built and never was: that takes minutes, in which the page works without it. One of
+# an older build is brought up to date before the page is served, because it may not be the server's kernel.
+is_wasm_new() {
+  [ -z "$(packages_missing wasm)" ] && ! compgen -G 'web/public/*.wasm' >/dev/null
 }
 
 program() { echo "$KERF_ROOT/build/release/bin/$1"; }
@@ -76,6 +84,7 @@ stop_children() {
   trap '' INT TERM # a second Ctrl-C must not leave programs behind
   local child
   for child in "${CHILDREN[@]}"; do kill -TERM "$child" 2>/dev/null || true; done
+  if [ -n "$WASM" ]; then kill -TERM -- "-$WASM" 2>/dev/null || true; fi # with its compilers
   for _ in {1..50}; do
     [ -n "$(jobs -rp)" ] || break
     sleep 0.1
@@ -125,18 +134,42 @@ start_hand() {
     --name "$2" --color "$3" --device "sim:$SCRATCH/$1.apt" --stiffness 10
 }
 
+start_wasm() {
+  # A group of its own, so that all of it can be ended.
+  start wasm setsid nice docker/machine.sh wasm
+  WASM=$!
+}
+
+# Gives the page, which is served, the modules.
+serve_wasm() {
+  local module
+  for module in web/public/*.wasm; do
+    cp "$module" web/dist/.module && mv web/dist/.module "web/dist/${module##*/}"
+  done
+}
+
 start_demo() {
   start_hand first Ada '#d9541e'
   start_hand second Grace '#1e7ad9'
 }
 
-# Waits until the server ends or Ctrl-C; reports a simulated hand that fails.
+# Waits until the server ends or Ctrl-C; reports a simulated hand that fails, and the end of the page's kernel.
 watch_over() {
   local ended rc hands=$((${#CHILDREN[@]} - 1))
+  if [ "${KERF_WASM:-}" = later ]; then start_wasm; fi
   while [ ${#CHILDREN[@]} -gt 0 ]; do
     rc=0
     wait -n -p ended || rc=$?
     if [ "${ended:-}" = "$SERVER" ]; then server_failed "The server ended (exit $rc)."; fi
+    if [ "${ended:-}" = "$WASM" ]; then
+      if [ $rc = 0 ] && serve_wasm; then
+        echo "The kernel for pages is built: reload the page, and it shows cuts at once. kerf.html carves now."
+      else
+        echo "The kernel for pages could not be built (exit $rc; log: $KERF_LOGS/wasm.log). The page works without it." >&2
+      fi
+      WASM=
+      continue
+    fi
     if [ $rc != 0 ]; then
       tail -n 5 "$KERF_LOGS"/kerf-agent-*.log >&2
       echo "A simulated hand ended (exit $rc); its log is in $KERF_LOGS. The server continues." >&2

@@ -144,9 +144,10 @@ if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   case "${1:-}" in
     install) shift; install_sections "$@" ;;
     packages) shift; packages_of "$@" ;;
-    web) build_wasm && build_page ;;
+    web) { [ "${KERF_WASM:-}" = later ] || build_wasm; } && build_page ;;
+    wasm) build_wasm ;;
     page) build_page ;;
     libraries) libraries_of "$2" ;;
-    *) fail "usage: docker/machine.sh install|packages SECTION... | web | page | libraries PROGRAM" ;;
+    *) fail "usage: docker/machine.sh install|packages SECTION... | web | wasm | page | libraries PROGRAM" ;;
   esac
 fi
