@@ -2,7 +2,6 @@
 """When a server is gone, or stops, another one goes on with its sessions, and never two of them."""
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -205,34 +204,6 @@ class Takeover(unittest.TestCase):
         until(self, lambda: self.info(owner)["paused"], None)
         if owner == "a":
             self.assertEqual(self.info(owner)["epoch"], epoch)
-
-    def test_a_nats_that_comes_back_with_an_earlier_store_keeps_no_session_from_going_on(self):
-        self.cluster.start("b")
-        agent = ClusterAgent(self.cluster)
-        agent.move(50)
-        agent.settle()
-        self.wait_for_copy(self.a)
-        block = self.block("a")
-        nats, earlier = self.cluster.nats, os.path.join(self.folder.name, "earlier")
-
-        def revisions():
-            answer = nats.request("$JS.API.STREAM.INFO.KERF_CLUSTER")
-            return answer.get("state", {"last_seq": 0})["last_seq"]
-
-        nats.stop()
-        shutil.copytree(nats.folder, earlier)
-        nats.start()
-        owner = self.cluster.wait_for_owner()
-        seen = revisions()
-        until(self, lambda: revisions() >= seen + 12, True)
-        nats.stop()
-        self.cluster.stop(owner, signal.SIGKILL)
-        shutil.rmtree(nats.folder)
-        shutil.copytree(earlier, nats.folder)
-        nats.start()
-        other = self.cluster.wait_for_owner()
-        self.assertNotEqual(other, owner)
-        self.assertEqual(self.block(other), block)
 
     def test_any_server_lists_all_sessions_and_none_gets_a_second_one_of_an_id(self):
         b = self.cluster.start("b")

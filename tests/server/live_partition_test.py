@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Servers that cannot reach NATS, NATS without one of its own, clocks that jump: never two owners,
-nothing lost."""
-import glob
+"""A disk that is full, a folder for two servers, NATS without one of its own: never two owners, nothing
+lost. What partitions and clocks that jump do is in tests/sim."""
 import http.client
 import json
 import os
@@ -10,18 +9,16 @@ import signal
 import sys
 import tempfile
 import threading
-import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import nats_server  # noqa: E402
 from cluster_servers import Cluster, ClusterAgent, RasterPath, uninterrupted  # noqa: E402
-from delaying_relay import Line, Relay  # noqa: E402
 from kept_logs import run_tests  # noqa: E402
 from live_server import SCENE, Server, until  # noqa: E402
 from waiting import eventually  # noqa: E402
-from wire_client import Closed, WebSocket  # noqa: E402
+from wire_client import WebSocket  # noqa: E402
 
 
 class Owners(threading.Thread):
@@ -102,39 +99,6 @@ class ClusterTest(unittest.TestCase):
 
 
 class Partition(ClusterTest):
-    def test_an_owner_that_nats_does_not_hear_pauses_before_another_one_goes_on(self):
-        with Relay(self.cluster.nats.port, Line()) as line:
-            a = self.cluster.start("a", nats=f"nats://127.0.0.1:{line.port}")
-            a.create()
-            self.cluster.start("b")
-            agent, owners = self.carve_at_a()
-            line.hold(True)
-            del self.cluster.servers["a"]  # no agent comes to it any more
-            self.assertEqual(self.cluster.wait_for_owner(), "b")
-            self.cluster.servers["a"] = a
-            self.assertEqual(a.info()["paused"], "lease")
-            stopped = a.info()["motions"]
-            agent.move(16)  # at a, where it still is: rejected, or it finds b
-            second = ClusterAgent(self.cluster_of("b"), tip=RasterPath(1))
-            second.move(160)
-            second.settle()
-            self.assertEqual(a.info()["motions"], stopped)
-            line.hold(False)
-            until(self, lambda: a.http.request("GET", "/v1/sessions/block")[0], 307)
-            try:
-                while True:  # its bye
-                    agent.socket.receive()
-            except (Closed, OSError):
-                agent.connect(None)
-            agent.move(64)
-            agent.settle()
-            self.assertEqual(owners.end(), ["a", "b"])
-            self.assertEqual(self.block("b"), self.expected(agent, second))
-
-    def cluster_of(self, *names):
-        """The same servers, as an agent sees them that knows only some."""
-        return type("Part", (), {"servers": {n: self.cluster.servers[n] for n in names}})
-
     def test_an_owner_whose_disk_is_full_keeps_its_session_until_it_is_gone(self):
         a = self.cluster.start("a")
         a.create()
@@ -171,58 +135,6 @@ class Partition(ClusterTest):
         agent.move(50)
         agent.settle()
         self.assertEqual(self.block("again"), self.expected(agent))
-
-
-class Clock:
-    """The time of day of one server, which jumps (Debian package libfaketime)."""
-
-    LIBRARY = next(iter(glob.glob("/usr/lib/*/faketime/libfaketimeMT.so.1")), None)
-
-    def __init__(self, path):
-        self.path = path
-        self.jump_to(0)
-        self.environment = {"LD_PRELOAD": self.LIBRARY, "FAKETIME_TIMESTAMP_FILE": path,
-                            "FAKETIME_NO_CACHE": "1", "FAKETIME_DONT_FAKE_MONOTONIC": "1"}
-
-    @staticmethod
-    def remove_shared_memory(pid):
-        """Of a process that was killed."""
-        for path in glob.glob(f"/dev/shm/*faketime_*_{pid}"):
-            os.remove(path)
-
-    def jump_to(self, offset_s):
-        with open(self.path + ".new", "w") as file:
-            file.write(f"{offset_s:+d}")
-        os.replace(self.path + ".new", self.path)
-
-
-@unittest.skipIf(Clock.LIBRARY is None, "libfaketime is not installed")
-class ClockJumps(ClusterTest):
-    def test_the_time_of_day_decides_nothing(self):
-        clocks = {name: Clock(os.path.join(self.folder.name, f"clock of {name}")) for name in "ab"}
-        for name, clock in clocks.items():
-            server = self.cluster.start(name, environment=clock.environment)
-            self.addCleanup(clock.remove_shared_memory, server.process.pid)
-        self.cluster.servers["a"].create()
-        agent, owners = self.carve_at_a()
-        day_s = 86400
-        for jump_s in (day_s, -day_s, 0):
-            clocks["a"].jump_to(jump_s)
-            clocks["b"].jump_to(-jump_s)
-            agent.move(64)
-            agent.settle()
-            until(self, lambda: round((self.active_s("a") - time.time()) / day_s) * day_s, jump_s)
-            self.wait_for_renewals()
-        self.assertEqual(self.cluster.owner(), "a")
-        self.cluster.stop("a", signal.SIGKILL)
-        agent.move(64)
-        agent.settle()
-        self.assertEqual(owners.end(), ["a", "b"])
-        self.assertEqual(self.block("b"), self.expected(agent))
-
-    def active_s(self, name):
-        """When a session was carved last, by its server's clock."""
-        return self.cluster.servers[name].info()["active_ms"] / 1000
 
 
 class NatsCluster(ClusterTest):

@@ -13,7 +13,6 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from kept_logs import keep, run_tests  # noqa: E402
 from live_agent_test import AGENT, rows  # noqa: E402
 from live_server import LiveTest, Server, until  # noqa: E402
-from waiting import eventually  # noqa: E402
 from wire_client import CUTTING, MOTION, PING, PONG, RESULT, WebSocket, header, sample  # noqa: E402
 
 
@@ -77,36 +76,6 @@ class Resume(LiveTest):
     def kill(self):
         self.server.stop(signal.SIGKILL)
         self.server = Server(self.folder.name, port=self.port)
-
-    def test_samples_sent_again_give_the_solid_of_an_uninterrupted_run(self):
-        self.server.create("whole")
-        whole = DurableAgent(self.port, "whole")
-        whole.move(600)
-        expected = self.server.info("whole")
-        agent = DurableAgent(self.port, "block")
-        # A kill before it would lose the participant with everything that it has done.
-        until(self, lambda: self.server.info()["journal_lag"], 0)
-        stated = []
-        for _ in range(5):
-            agent.move(120)  # in less time than a group takes to be committed
-            before = agent.durable
-            self.kill()
-            agent.connect(self.port)
-            resume = agent.welcome["resume"]
-            self.assertTrue(resume["resumed"])
-            self.assertEqual(agent.welcome["participant"], 1)
-            self.assertGreaterEqual(resume["agent_sequence"], before)
-            stated.append(resume["agent_sequence"])
-        self.assertTrue(any(number < 120 * (i + 1) for i, number in enumerate(stated)), stated)
-        info = self.server.info()
-        self.assertEqual((info["motions"], info["state_hash"]),
-                         (expected["motions"], expected["state_hash"]))
-
-        def is_durable():
-            agent.ping()
-            return agent.durable == 600
-
-        eventually(is_durable, lambda: f"{agent.durable} of 600 samples are durable")
 
     def run_agent(self, session):
         path = os.path.join(self.folder.name, "rows.csv")

@@ -29,6 +29,17 @@ PlannedFault fault_of(std::mt19937_64& random, const Plan& plan) {
   return fault;
 }
 
+/// Ends the first server of several for good, where that is the only thing that happens to it: an
+/// agent that joins just after a start has not learned yet where else to go.
+void end_first_server(Plan& plan, bool if_possible) {
+  const auto is_of_first = [](const PlannedFault& fault) { return fault.server == 0; };
+  const auto fault = std::ranges::find_if(plan.faults, is_of_first);
+  if (!if_possible || plan.servers == 1 || std::ranges::count_if(plan.faults, is_of_first) != 1) {
+    return;
+  }
+  fault->for_good = fault->fault == Fault::kKill || fault->fault == Fault::kPowerLoss;
+}
+
 }  // namespace
 
 const char* to_string(Fault fault) {
@@ -58,6 +69,7 @@ Plan plan_of(std::uint64_t seed) {
     plan.faults.push_back(fault_of(random, plan));
   }
   std::ranges::sort(plan.faults, {}, &PlannedFault::at);
+  end_first_server(plan, random() % 2 == 0);
   return plan;
 }
 
@@ -71,7 +83,8 @@ std::string describe(const Plan& plan) {
     const PlannedFault& fault = plan.faults[i];
     text += "\n  fault " + std::to_string(i) + ": at " + std::to_string(fault.at / kMillisecond) +
             " ms " + to_string(fault.fault) + " of server " + std::to_string(fault.server) +
-            " for " + std::to_string(fault.length / kMillisecond) + " ms";
+            (fault.for_good ? " for good"
+                            : " for " + std::to_string(fault.length / kMillisecond) + " ms");
   }
   return text;
 }

@@ -34,6 +34,7 @@ struct PlannedFault {
   Fault fault = Fault::kKill;
   std::size_t server = 0;
   Time length = 0;
+  bool for_good = false;  ///< of kKill and kPowerLoss: the server is not started again
 };
 
 /// A world and what happens in it: all of it follows from the seed.

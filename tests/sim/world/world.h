@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -45,11 +46,14 @@ class World {
   void check_followers();
   void check_pages();
   bool loses_messages() const;
+  std::shared_ptr<Session> accepted(ServerMachine& server) const;
   ServerMachine* owner();
   void fail(const std::string& sentence) { outcome_.faults.push_back(sentence); }
 
   Plan plan_;
   std::filesystem::path folder_;
+  std::set<std::size_t> gone_;  ///< servers that do not come back
+  bool has_two_owners_ = false;
   std::vector<std::unique_ptr<ServerMachine>> servers_;
   std::vector<std::unique_ptr<Hand>> hands_;
   std::vector<std::unique_ptr<Clerk>> clerks_;

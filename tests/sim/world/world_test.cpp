@@ -21,6 +21,16 @@ class WorldTest : public testing::Test {
     return faults;
   }
 
+  /// Two servers and a hand.
+  static Plan cluster() {
+    Plan plan;
+    plan.servers = 2;
+    plan.hands = 1;
+    plan.clerks = 0;
+    plan.length = 4 * kSecond;
+    return plan;
+  }
+
   const test::TemporaryFolder folder_;
 };
 
@@ -36,17 +46,55 @@ TEST_F(WorldTest, NothingIsLostWithoutFaults) {
 
 /// It waited for the message after the last one that it had seen, which NATS had not any more.
 TEST_F(WorldTest, AFollowerNoticesThatNatsHasLostMessages) {
-  Plan plan;
-  plan.servers = 2;
+  Plan plan = cluster();
   plan.follows = true;
-  plan.hands = 1;
-  plan.clerks = 0;
   plan.length = 3 * kSecond;
   // The hand ends while NATS is away: no message after it brings a follower up to date.
   plan.faults.push_back({.at = 2800 * kMillisecond,
                          .fault = Fault::kNatsEarlier,
                          .server = 0,
                          .length = 600 * kMillisecond});
+  EXPECT_EQ(faults_of(plan), "");
+}
+
+TEST_F(WorldTest, ASessionGoesOnWhenItsServerIsGoneAndNatsHasAnEarlierStore) {
+  Plan plan = cluster();
+  plan.faults = {{.at = 2500 * kMillisecond, .fault = Fault::kNatsEarlier, .length = kSecond},
+                 {.at = 2600 * kMillisecond, .fault = Fault::kKill, .for_good = true}};
+  EXPECT_EQ(faults_of(plan), "");
+}
+
+TEST_F(WorldTest, AnOwnerThatNatsDoesNotHearPausesBeforeAnotherOneGoesOn) {
+  Plan plan = cluster();
+  plan.length = 8 * kSecond;
+  plan.faults = {{.at = kSecond, .fault = Fault::kNatsCutOff, .length = 5 * kSecond}};
+  EXPECT_EQ(faults_of(plan), "");
+}
+
+TEST_F(WorldTest, AStoppedOwnerThatIsContinuedChangesNothing) {
+  Plan plan = cluster();
+  plan.length = 8 * kSecond;
+  plan.faults = {{.at = kSecond, .fault = Fault::kStandStill, .length = 6 * kSecond}};
+  EXPECT_EQ(faults_of(plan), "");
+}
+
+TEST_F(WorldTest, TheTimeOfDayDecidesNothing) {
+  Plan plan = cluster();
+  plan.faults = {{.at = 500 * kMillisecond, .fault = Fault::kClockForward, .server = 0},
+                 {.at = 600 * kMillisecond, .fault = Fault::kClockBack, .server = 1},
+                 {.at = 1500 * kMillisecond, .fault = Fault::kClockBack, .server = 0},
+                 {.at = 2000 * kMillisecond, .fault = Fault::kKill, .for_good = true}};
+  EXPECT_EQ(faults_of(plan), "");
+}
+
+TEST_F(WorldTest, SamplesThatAKillHasLostAreSentAgain) {
+  Plan plan;
+  plan.clerks = 0;
+  plan.period = 2 * kMillisecond;
+  for (int n = 1; n <= 5; ++n) {
+    const Fault fault = n % 2 == 0 ? Fault::kKill : Fault::kPowerLoss;
+    plan.faults.push_back({.at = n * kSecond, .fault = fault, .length = 20 * kMillisecond});
+  }
   EXPECT_EQ(faults_of(plan), "");
 }
 
