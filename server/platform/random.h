@@ -12,9 +12,9 @@ namespace kerf {
 /// random then. Callable on every thread.
 [[nodiscard]] bool fill_random(std::span<std::byte> bytes) noexcept;
 
-/// Returns a random number of the same generator: what tells a run of a server, or a writer of a
-/// stream, from all others, or the seed of a generator. If the system gives none, it prints that
-/// and aborts, because two servers with one number would take each other for themselves.
+/// Returns a random number of the same generator. It identifies a run of a server or a writer of a
+/// stream, or seeds a generator. If the system gives none, it prints an error and aborts, because
+/// two servers with equal numbers would be taken for one.
 std::uint64_t random_number() noexcept;
 
 }  // namespace kerf

@@ -23,7 +23,7 @@ using NatsClient = const void*;
 /// A nats-server in this process. A program that links it has NatsConnection (nats_model_connection
 /// .cpp) without a network: the model decides how long messages take, whether they and their
 /// answers arrive, and who is connected. tests/server/cluster/nats_connection_test.cpp holds it to
-/// what the real server does. Thread-safe.
+/// the behaviour of the real server. Thread-safe.
 class NatsModel {
  public:
   using Clock = std::chrono::steady_clock;
@@ -56,7 +56,8 @@ class NatsModel {
   template <typename Result>
   Result ask(NatsClient client, std::chrono::milliseconds wait,
              const std::function<Result(NatsStore&)>& work);
-  /// Calls `look` with the store, at once: what a watch does with what has come to it.
+  /// Calls `look` with the store at once, without the time of a message: a watch reads messages
+  /// that have been delivered.
   template <typename Result>
   Result look(const std::function<Result(NatsStore&)>& look) {
     const std::lock_guard lock(mutex_);

@@ -144,8 +144,8 @@ NatsResult<NatsWatch> NatsConnection::watch_since(const std::string& stream,
   return NatsWatch(std::move(watch));
 }
 
-/// A message is delivered while the server can be reached; a watch goes on after a loss of the
-/// connection where it was.
+/// Delivers messages while the server can be reached. After a loss of the connection a watch
+/// continues with the next message.
 NatsResult<std::optional<StreamMessage>> NatsWatch::next(std::chrono::milliseconds wait) {
   using Result = NatsResult<std::optional<StreamMessage>>;
   const auto end = Clock::now() + wait;

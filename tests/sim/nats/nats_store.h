@@ -16,8 +16,8 @@ namespace kerf::sim {
 /// Whether a subject matches a pattern of NATS: "*" is any one word, ">" the rest.
 bool matches(std::string_view subject, std::string_view pattern);
 
-/// The streams of a nats-server with JetStream, as Kerf uses them: a value, so that a server can
-/// come back with what it had before.
+/// The streams of a nats-server with JetStream, as Kerf uses them. It is a value, so that a server
+/// can return with an earlier state.
 class NatsStore {
  public:
   using Clock = std::chrono::steady_clock;

@@ -11,17 +11,17 @@
 
 namespace kerf::sim {
 
-/// What a disk does to those who write to it.
+/// Whether writes and synchronization succeed.
 enum class DiskState : std::uint8_t {
   kFine,
-  kFull,    ///< a write stores what fits in `free_bytes`, then there is no space
+  kFull,    ///< a write stores at most `free_bytes`; then it fails with ENOSPC
   kFails,   ///< writes fail
   kNoSync,  ///< writes succeed, and synchronizing fails
 };
 
-/// The disk of a machine: a folder of the real file system. The calls that write to files below it
-/// fail and take time as it says, and it remembers what has not been synchronized, which a loss of
-/// power takes back.
+/// The disk of a machine: a folder of the real file system. Writes to files below it fail by its
+/// state, and synchronization takes time. It remembers writes that have not been synchronized: a
+/// loss of power takes them back.
 class Disk {
  public:
   /// The folder exists. While the disk exists, calls for files below the folder come to it.

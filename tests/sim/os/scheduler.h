@@ -87,7 +87,7 @@ bool happens(double probability) noexcept;
 /// A sum of all decisions so far: equal runs have equal sums.
 std::uint64_t trace() noexcept;
 std::uint64_t turns_taken() noexcept;
-/// A line for each thread that exists: what it is and what it waits for.
+/// Describes each thread in a line: its number, its machine and its wait.
 std::string describe_threads();
 
 }  // namespace kerf::sim
