@@ -8,7 +8,6 @@
 #include "server/store/journal_branch.h"
 
 namespace kerf {
-namespace {}  // namespace
 
 std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
     std::string id, Session& parent, std::uint64_t record) {

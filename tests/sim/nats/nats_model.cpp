@@ -26,11 +26,6 @@ void NatsModel::start() {
   is_up_ = true;
 }
 
-bool NatsModel::is_up() const {
-  const std::lock_guard lock(mutex_);
-  return is_up_;
-}
-
 void NatsModel::cut_off(NatsClient client) {
   const std::lock_guard lock(mutex_);
   cut_off_.insert(client);

@@ -42,7 +42,6 @@ class NatsModel {
   /// The server ends, with its store, and comes back.
   void stop();
   void start();
-  bool is_up() const;
   /// The connections of a client are cut, and cannot be made again until it is let in.
   void cut_off(NatsClient client);
   void let_in(NatsClient client);

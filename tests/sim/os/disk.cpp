@@ -85,17 +85,13 @@ void Disk::remember(int file, Change change) {
 std::int64_t Disk::write(int file, const void* bytes, std::size_t size, std::int64_t offset,
                          std::int64_t (*real)(int, const void*, std::size_t, std::int64_t)) {
   may_switch();
-  ++writes;
   std::size_t stored = size;
   if (state == DiskState::kFails) stored = 0;
   if (state == DiskState::kFull) {
     stored = std::min<std::size_t>(size, free_bytes);
     free_bytes -= stored;
   }
-  if (stored == 0 && size > 0) {
-    ++failures;
-    return fail_with(state == DiskState::kFull ? ENOSPC : EIO);
-  }
+  if (stored == 0 && size > 0) return fail_with(state == DiskState::kFull ? ENOSPC : EIO);
   const std::int64_t at = offset >= 0 ? offset : lseek(file, 0, SEEK_CUR);
   const auto* text = static_cast<const char*>(bytes);
   Change change{.offset = at,
@@ -108,7 +104,7 @@ std::int64_t Disk::write(int file, const void* bytes, std::size_t size, std::int
 
 int Disk::truncate(int file, std::int64_t size, int (*real)(int, std::int64_t)) {
   may_switch();
-  if (state == DiskState::kFails) return ++failures, fail_with(EIO);
+  if (state == DiskState::kFails) return fail_with(EIO);
   const std::int64_t end = size_of(file);
   if (size < end) {
     remember(file, {.offset = size,
@@ -119,13 +115,12 @@ int Disk::truncate(int file, std::int64_t size, int (*real)(int, std::int64_t)) 
   return real(file, size);
 }
 
-int Disk::synchronize(int file, int (*real)(int)) {
-  ++syncs;
+/// The real disk keeps the writes anyway, as long as this process runs.
+int Disk::synchronize(int file) {
   sleep_until(now() + static_cast<Time>(draw(static_cast<std::uint64_t>(sync_ns) + 1)));
-  if (state == DiskState::kFails || state == DiskState::kNoSync) return ++failures, fail_with(EIO);
+  if (state == DiskState::kFails || state == DiskState::kNoSync) return fail_with(EIO);
   struct stat status = {};
   if (fstat(file, &status) == 0) unsynced_.erase(status.st_ino);
-  (void)real;  // the real disk keeps them anyway, as long as the process runs
   return 0;
 }
 
@@ -174,15 +169,6 @@ void Disk::take_back(const std::filesystem::path& file, const std::vector<Change
     put(text, change.offset, change.after, size);
   }
   std::ofstream(file, std::ios::binary | std::ios::trunc) << text;
-}
-
-void Disk::flip_bit(const std::filesystem::path& file, std::uint64_t bit) {
-  std::fstream stream(file, std::ios::binary | std::ios::in | std::ios::out);
-  const auto at = static_cast<std::streamoff>(bit / 8);
-  stream.seekg(at);
-  const int byte = stream.get();
-  stream.seekp(at);
-  stream.put(static_cast<char>(byte ^ (1 << (bit % 8))));
 }
 
 }  // namespace kerf::sim

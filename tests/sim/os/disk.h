@@ -36,13 +36,10 @@ class Disk {
   /// Copies the files as they are after a loss of power: of the writes that were not synchronized
   /// each is there, is not, or is torn at a sector.
   void copy_after_power_loss(const std::filesystem::path& folder) const;
-  /// Flips a bit of a file.
-  static void flip_bit(const std::filesystem::path& file, std::uint64_t bit);
 
   DiskState state = DiskState::kFine;
   std::uint64_t free_bytes = 0;     ///< kFull
   Time sync_ns = kMillisecond / 2;  ///< the longest time to synchronize a file
-  std::uint64_t writes = 0, syncs = 0, failures = 0;
 
   // ---- for the calls of the C library (disk_calls.cpp) ----
   /// The disk of a file that is open for writing; null: it is on none.
@@ -51,7 +48,7 @@ class Disk {
   std::int64_t write(int file, const void* bytes, std::size_t size, std::int64_t offset,
                      std::int64_t (*real)(int, const void*, std::size_t, std::int64_t));
   int truncate(int file, std::int64_t size, int (*real)(int, std::int64_t));
-  int synchronize(int file, int (*real)(int));
+  int synchronize(int file);
 
  private:
   struct Change {

@@ -50,7 +50,7 @@ int cut(int file, std::int64_t size) {
 
 int keep(int file) {
   Disk* disk = disk_of(file);
-  return disk == nullptr ? synchronize(file) : disk->synchronize(file, synchronize);
+  return disk == nullptr ? synchronize(file) : disk->synchronize(file);
 }
 
 }  // namespace

@@ -75,7 +75,6 @@ asio::awaitable<bool> Page::Visit::take() {
     co_return true;
   }
   const auto frame = wire::decode(socket->message());
-  ++page.frames_;
   if (!frame) {
     page.wrong_.push_back("a frame that is none: " + std::string(frame.error().reason));
     co_return false;

@@ -26,7 +26,6 @@ class Page {
   // ---- after stop() ----
   /// Frames that no page may get: a line for each.
   const std::vector<std::string>& wrong_frames() const { return wrong_; }
-  std::uint64_t frames() const { return frames_; }
 
  private:
   struct Visit;
@@ -40,7 +39,6 @@ class Page {
   std::thread thread_;
   std::atomic<bool> stays_ = false, ends_ = false;
   std::atomic<std::uint64_t> shown_ = 0;  ///< hash of the surface that it has whole; 0: none
-  std::uint64_t frames_ = 0;
   std::vector<std::string> wrong_;
 };
 

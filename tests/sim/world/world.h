@@ -18,7 +18,7 @@ namespace kerf::sim {
 /// What a world has shown.
 struct Outcome {
   std::vector<std::string> faults;  ///< a sentence for each promise that was broken; empty: none
-  std::uint64_t motions = 0, promises = 0, requests = 0, starts = 0;
+  std::uint64_t motions = 0, promises = 0, requests = 0;
   Time length = 0;  ///< that has passed in it
   std::uint64_t trace = 0, turns = 0;
 };
