@@ -8,7 +8,7 @@ namespace kerf {
 namespace {
 
 // Ordered, so that fields of the canonical text keep the order in which they are inserted.
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 template <class... Cases>
 struct Overloaded : Cases... {
@@ -17,51 +17,53 @@ struct Overloaded : Cases... {
 template <class... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
 
-Json to_json(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
+OrderedJson to_json(Vec3 v) { return OrderedJson::array({v.x, v.y, v.z}); }
 
-Json to_json(const StockShape& stock) {
-  return std::visit(Overloaded{[](const BoxStock& box) {
-                                 return Json{{"shape", "box"},
-                                             {"min_mm", to_json(box.min_mm)},
-                                             {"max_mm", to_json(box.max_mm)}};
-                               },
-                               [](const CylinderStock& c) {
-                                 return Json{
-                                     {"shape", "cylinder"},
-                                     {"center_mm", Json::array({c.center_x_mm, c.center_y_mm})},
-                                     {"radius_mm", c.radius_mm},
-                                     {"min_z_mm", c.min_z_mm},
-                                     {"max_z_mm", c.max_z_mm}};
-                               }},
-                    stock);
+OrderedJson to_json(const StockShape& stock) {
+  return std::visit(
+      Overloaded{
+          [](const BoxStock& box) {
+            return OrderedJson{
+                {"shape", "box"}, {"min_mm", to_json(box.min_mm)}, {"max_mm", to_json(box.max_mm)}};
+          },
+          [](const CylinderStock& c) {
+            return OrderedJson{{"shape", "cylinder"},
+                               {"center_mm", OrderedJson::array({c.center_x_mm, c.center_y_mm})},
+                               {"radius_mm", c.radius_mm},
+                               {"min_z_mm", c.min_z_mm},
+                               {"max_z_mm", c.max_z_mm}};
+          }},
+      stock);
 }
 
-Json to_json(const ProfilePoint& point) { return Json::array({point.r_mm, point.h_mm}); }
+OrderedJson to_json(const ProfilePoint& point) {
+  return OrderedJson::array({point.r_mm, point.h_mm});
+}
 
-Json to_json(const ProfileStep& step) {
+OrderedJson to_json(const ProfileStep& step) {
   const auto side = [](ArcBulge bulge) { return bulge == ArcBulge::kOut ? "out" : "in"; };
   return std::visit(Overloaded{[](const ProfilePoint& point) { return to_json(point); },
                                [&](const ProfileArc& arc) {
-                                 return Json{{"to", to_json(arc.to)},
-                                             {"radius", arc.radius_mm},
-                                             {"bulge", side(arc.bulge)}};
+                                 return OrderedJson{{"to", to_json(arc.to)},
+                                                    {"radius", arc.radius_mm},
+                                                    {"bulge", side(arc.bulge)}};
                                },
                                [&](const ProfileCenteredArc& arc) {
-                                 return Json{{"to", to_json(arc.to)},
-                                             {"center", to_json(arc.center)},
-                                             {"bulge", side(arc.bulge)}};
+                                 return OrderedJson{{"to", to_json(arc.to)},
+                                                    {"center", to_json(arc.center)},
+                                                    {"bulge", side(arc.bulge)}};
                                }},
                     step);
 }
 
-Json to_json(const ProfileShape& profile) {
-  Json steps = Json::array();
+OrderedJson to_json(const ProfileShape& profile) {
+  OrderedJson steps = OrderedJson::array();
   for (const ProfileStep& step : profile.steps) steps.push_back(to_json(step));
   return {{"profile_mm", steps}, {"chord_tolerance_mm", profile.chord_tolerance_mm}};
 }
 
-Json to_json(ToolId id, const ToolShape& shape) {
-  Json json{{"id", id}};
+OrderedJson to_json(ToolId id, const ToolShape& shape) {
+  OrderedJson json{{"id", id}};
   std::visit(Overloaded{[&](const BallShape& s) {
                           json.update({{"shape", "ball"},
                                        {"diameter_mm", s.diameter_mm},
@@ -109,9 +111,9 @@ Json to_json(ToolId id, const ToolShape& shape) {
   return json;
 }
 
-Json to_json(const Holder& holder) {
+OrderedJson to_json(const Holder& holder) {
   if (const auto* profile = std::get_if<ProfileShape>(&holder)) return to_json(*profile);
-  Json sections = Json::array();
+  OrderedJson sections = OrderedJson::array();
   for (const HolderSection& s : std::get<std::vector<HolderSection>>(holder)) {
     sections.push_back({{"diameter_mm", s.diameter_mm},
                         {"top_diameter_mm", s.top_diameter_mm},
@@ -120,8 +122,8 @@ Json to_json(const Holder& holder) {
   return sections;
 }
 
-Json to_json(ToolId id, const SceneTool& tool) {
-  Json json = to_json(id, tool.shape);
+OrderedJson to_json(ToolId id, const SceneTool& tool) {
+  OrderedJson json = to_json(id, tool.shape);
   if (tool.body.shank) {
     json["shank"] = {{"diameter_mm", tool.body.shank->diameter_mm},
                      {"length_mm", tool.body.shank->length_mm}};
@@ -130,18 +132,18 @@ Json to_json(ToolId id, const SceneTool& tool) {
   return json;
 }
 
-Json tools_to_json(const Scene& scene) {
-  Json tools = Json::array();
+OrderedJson tools_to_json(const Scene& scene) {
+  OrderedJson tools = OrderedJson::array();
   for (const auto& [id, tool] : scene.tools) tools.push_back(to_json(id, tool));
   return tools;
 }
 
-Json to_json(const ForceSettings& force) {
-  Json json = {{"law", to_string(force.law)},
-               {"specific_force_n_per_mm2", force.specific_force_n_per_mm2},
-               {"drr_n_s_per_mm3", force.drr_n_s_per_mm3},
-               {"pivot_mm", force.pivot_mm},
-               {"contact_stiffness_n_per_mm", force.contact_stiffness_n_per_mm}};
+OrderedJson to_json(const ForceSettings& force) {
+  OrderedJson json = {{"law", to_string(force.law)},
+                      {"specific_force_n_per_mm2", force.specific_force_n_per_mm2},
+                      {"drr_n_s_per_mm3", force.drr_n_s_per_mm3},
+                      {"pivot_mm", force.pivot_mm},
+                      {"contact_stiffness_n_per_mm", force.contact_stiffness_n_per_mm}};
   if (force.law != ForceLaw::kMechanistic) return json;
   const MillingSettings& m = force.milling;
   json["spindle_rpm"] = m.spindle_rpm;
@@ -175,11 +177,11 @@ const char* unit_name(double unit_mm) {
 }
 
 // What has its default is left out, as in scenes before these fields came.
-Json to_json(const MeshFile& file) {
-  Json json{{"shape", "mesh"}, {"file", file.file}};
+OrderedJson to_json(const MeshFile& file) {
+  OrderedJson json{{"shape", "mesh"}, {"file", file.file}};
   if (file.repair) json["repair"] = true;
   const MeshPlacement standard;
-  Json placement = Json::object();
+  OrderedJson placement = OrderedJson::object();
   if (file.unit_mm) placement["unit"] = unit_name(*file.unit_mm);
   if (file.placement.scale != standard.scale) placement["scale"] = to_json(file.placement.scale);
   if (file.placement.rotate_deg != standard.rotate_deg)
@@ -190,34 +192,34 @@ Json to_json(const MeshFile& file) {
   return json;
 }
 
-Json to_json(const Obstacle& obstacle, const MeshFile& file) {
-  Json json = std::visit(Overloaded{[](const BoxObstacle& box) {
-                                      return Json{{"shape", "box"},
-                                                  {"min_mm", to_json(box.min_mm)},
-                                                  {"max_mm", to_json(box.max_mm)}};
-                                    },
-                                    [](const CylinderObstacle& c) {
-                                      return Json{{"shape", "cylinder"},
-                                                  {"from_mm", to_json(c.from_mm)},
-                                                  {"to_mm", to_json(c.to_mm)},
-                                                  {"radius_mm", c.radius_mm}};
-                                    },
-                                    [](const SphereObstacle& s) {
-                                      return Json{{"shape", "sphere"},
-                                                  {"center_mm", to_json(s.center_mm)},
-                                                  {"radius_mm", s.radius_mm}};
-                                    },
-                                    [&file](const MeshObstacle&) { return to_json(file); }},
-                         obstacle.shape);
+OrderedJson to_json(const Obstacle& obstacle, const MeshFile& file) {
+  OrderedJson json = std::visit(Overloaded{[](const BoxObstacle& box) {
+                                             return OrderedJson{{"shape", "box"},
+                                                                {"min_mm", to_json(box.min_mm)},
+                                                                {"max_mm", to_json(box.max_mm)}};
+                                           },
+                                           [](const CylinderObstacle& c) {
+                                             return OrderedJson{{"shape", "cylinder"},
+                                                                {"from_mm", to_json(c.from_mm)},
+                                                                {"to_mm", to_json(c.to_mm)},
+                                                                {"radius_mm", c.radius_mm}};
+                                           },
+                                           [](const SphereObstacle& s) {
+                                             return OrderedJson{{"shape", "sphere"},
+                                                                {"center_mm", to_json(s.center_mm)},
+                                                                {"radius_mm", s.radius_mm}};
+                                           },
+                                           [&file](const MeshObstacle&) { return to_json(file); }},
+                                obstacle.shape);
   json["stiffness_n_per_mm"] = obstacle.stiffness_n_per_mm;
   return json;
 }
 
 // A target is written together with the values chosen for it. Reading it back then has nothing to
 // choose, so a journal keeps its values even if a later version would choose others.
-Json accuracy_to_json(const Scene& scene) {
+OrderedJson accuracy_to_json(const Scene& scene) {
   const SculptureSettings& s = scene.settings;
-  Json json = Json::object();
+  OrderedJson json = OrderedJson::object();
   if (scene.accuracy) json["target_mm"] = scene.accuracy->request.target_mm;
   json.update({{"rays", to_string(s.rays)},
                {"pitch_mm", s.pitch_mm},
@@ -227,42 +229,42 @@ Json accuracy_to_json(const Scene& scene) {
 }
 
 // Invalid UTF-8 is replaced. It cannot come from a file, whose parser rejects it, only from code.
-std::string text_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string text_of(const OrderedJson& json) {
+  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 }  // namespace
 
 std::string scene_json(const Scene& scene) {
   const SculptureSettings& settings = scene.settings;
-  const Json stock =
+  const OrderedJson stock =
       scene.stock_file.file.empty() ? to_json(settings.stock) : to_json(scene.stock_file);
-  Json obstacles = Json::array();
+  OrderedJson obstacles = OrderedJson::array();
   for (std::size_t i = 0; i < settings.obstacles.size(); ++i)
     obstacles.push_back(to_json(settings.obstacles[i], scene.obstacle_files[i]));
-  Json json = {{"name", scene.name},
-               {"stock", stock},
-               {"accuracy", accuracy_to_json(scene)},
-               {"tools", tools_to_json(scene)},
-               {"force", to_json(settings.force)},
-               {"machine",
-                {{"kinematics", to_string(scene.machine.kinematics)},
-                 {"rapid_mm_per_min", scene.machine.rapid_mm_per_min}}},
-               {"obstacles", obstacles}};
+  OrderedJson json = {{"name", scene.name},
+                      {"stock", stock},
+                      {"accuracy", accuracy_to_json(scene)},
+                      {"tools", tools_to_json(scene)},
+                      {"force", to_json(settings.force)},
+                      {"machine",
+                       {{"kinematics", to_string(scene.machine.kinematics)},
+                        {"rapid_mm_per_min", scene.machine.rapid_mm_per_min}}},
+                      {"obstacles", obstacles}};
   if (scene.machine.dialect != Dialect::kAuto)
     json["machine"]["dialect"] = std::string(name_of(scene.machine.dialect));
   if (scene.machine.rotary_direction == RotaryDirection::kTool)
     json["machine"]["rotary_direction"] = "tool";
   if (scene.machine.spindle_tool > 0) json["machine"]["spindle_tool"] = scene.machine.spindle_tool;
   if (!scene.guides.empty())
-    json["guides"] = Json::parse(guides_json(scene.guides, GuideFiles::kNamed));
+    json["guides"] = OrderedJson::parse(guides_json(scene.guides, GuideFiles::kNamed));
   return text_of(json);
 }
 
 std::string stock_json(const Scene& scene) { return text_of(to_json(scene.settings.stock)); }
 std::string tools_json(const Scene& scene) { return text_of(tools_to_json(scene)); }
 std::string accuracy_json(const Scene& scene) {
-  Json json = accuracy_to_json(scene);
+  OrderedJson json = accuracy_to_json(scene);
   if (scene.accuracy) {
     json["predicted_error_mm"] = scene.accuracy->predicted_error_mm;
     json["reason"] = scene.accuracy->reason;

@@ -12,14 +12,14 @@
 namespace kerf {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr double kTurnRad = 2 * std::numbers::pi;
 constexpr double kRadiusDifferenceRelative = 0.001;
 constexpr double kRadiusDifferenceMaxFactor = 100;
 // A radius below this counts as zero, and an R shorter than half the chord by at most this is
 // accepted as rounding of the program's text (LinuxCNC: 0.00005 inch).
 constexpr double kRadiusToleranceMm = 0.00127;
 // Ends nearer than this are equal, which makes a full circle. One step of the pose grid.
-constexpr double kSamePointMm = 1e-6;
+constexpr double kClosedMm = 1e-6;
 constexpr double kChordMaxRad = std::numbers::pi / 4;
 
 // Returns the center for the R form: on the perpendicular bisector of the chord, on the side that
@@ -28,7 +28,7 @@ PlanePoint center_of_radius(PlanePoint a, PlanePoint b, double radius, bool cloc
   const double dx = b.first - a.first;
   const double dy = b.second - a.second;
   const double chord = std::hypot(dx, dy);
-  if (chord < kSamePointMm)
+  if (chord < kClosedMm)
     throw GcodeFault{"R", "cannot define a full circle; give the center with I, J, K"};
   const double half = chord / 2;
   if (half > std::abs(radius) + kRadiusToleranceMm)
@@ -104,12 +104,12 @@ Arc arc_about(Vec3 start, Vec3 end, ArcPlane plane, PlanePoint c, int turns) {
   arc.end_radius = std::hypot(b.first - c.first, b.second - c.second);
   arc.start_angle_rad = std::atan2(a.second - c.second, a.first - c.first);
   const double end_angle = std::atan2(b.second - c.second, b.first - c.first);
-  double sweep = std::fmod(end_angle - arc.start_angle_rad, kTwoPi);
-  const bool full = std::hypot(a.first - b.first, a.second - b.second) < kSamePointMm;
+  double sweep = std::fmod(end_angle - arc.start_angle_rad, kTurnRad);
+  const bool full = std::hypot(a.first - b.first, a.second - b.second) < kClosedMm;
   if (full) sweep = 0;
-  if (!clockwise && sweep <= 0) sweep += kTwoPi;
-  if (clockwise && sweep >= 0) sweep -= kTwoPi;
-  arc.sweep_rad = sweep + kTwoPi * (clockwise ? turns + 1 : turns - 1);
+  if (!clockwise && sweep <= 0) sweep += kTurnRad;
+  if (clockwise && sweep >= 0) sweep -= kTurnRad;
+  arc.sweep_rad = sweep + kTurnRad * (clockwise ? turns + 1 : turns - 1);
   return arc;
 }
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kTitleBytes = 80;
 /// Twelve floats and two bytes that are zero.
-constexpr std::size_t kFacetBytes = 50;
+constexpr std::size_t kBytesPerFacet = 50;
 
 std::vector<std::byte> make_header(std::string_view title) {
   // The text does not begin with the scene's name: a file that begins with "solid" is read as
@@ -54,12 +54,12 @@ ModelResult write_stl(const ModelOutput& output) {
   MeshPiece piece;
   std::vector<std::byte> bytes;
   while (output.next(piece)) {
-    bytes.assign(piece.indices.size() / 3 * kFacetBytes, std::byte{});
+    bytes.assign(piece.indices.size() / 3 * kBytesPerFacet, std::byte{});
     std::byte* facet = bytes.data();
     for (std::size_t first = 0; first + 2 < piece.indices.size(); first += 3) {
       std::byte* to = put_floats(facet, normal_of(piece, first));
       for (const auto& corner : corners_of(output, piece, first)) to = put_floats(to, corner);
-      facet += kFacetBytes;
+      facet += kBytesPerFacet;
     }
     output.sink.write(bytes);
     summary.triangles += piece.indices.size() / 3;
