@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/arch/words.h"
 
+#include <algorithm>
 #include <array>
+#include <ranges>
 #include <regex>
 #include <string>
 #include <string_view>
@@ -79,8 +81,22 @@ std::regex pattern_of(std::string_view words) {
                     ")($|[^a-z])|(^|[^A-Za-z])(" + camel + ")[A-Z]");
 }
 
+// Of each alternative the letters after the first that all its forms have. A line without them
+// needs no regular expression, which takes a hundred times as long.
+std::vector<std::string> stems_of(std::string_view words) {
+  std::vector<std::string> stems;
+  for (const auto alternative : std::views::split(words, '|')) {
+    std::string_view stem(alternative.begin(), alternative.end());
+    const std::size_t end = std::min(stem.find_first_of("?["), stem.size());
+    stem = stem.substr(0, end < stem.size() && stem[end] == '?' ? end - 1 : end);
+    stems.emplace_back(stem.substr(1));
+  }
+  return stems;
+}
+
 struct Rule {
   std::regex pattern;
+  std::vector<std::string> stems;
   std::string_view instead;
 };
 
@@ -88,11 +104,15 @@ const std::vector<Rule>& rules() {
   static const std::vector<Rule> kRules = [] {
     std::vector<Rule> rules;
     for (const Retired& retired : kRetired) {
-      rules.push_back({pattern_of(retired.words), retired.instead});
+      rules.push_back({pattern_of(retired.words), stems_of(retired.words), retired.instead});
     }
     return rules;
   }();
   return kRules;
+}
+
+bool may_match(const Rule& rule, std::string_view line) {
+  return std::ranges::any_of(rule.stems, [&](const auto& stem) { return line.contains(stem); });
 }
 
 std::string word_of(const std::cmatch& match) {
@@ -117,6 +137,7 @@ std::vector<Violation> check_words(const Source& source) {
   for (const std::string_view line : lines_of(source.text)) {
     ++number;
     for (const Rule& rule : rules()) {
+      if (!may_match(rule, line)) continue;
       std::cmatch match;
       if (!std::regex_search(line.data(), line.data() + line.size(), match, rule.pattern)) continue;
       const std::string word = word_of(match);
