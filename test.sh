@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds everything and runs every test; the last line says `N passed, M failed`. See tests/README.md.
+# Builds everything and runs the tests; the last line says `N passed, M failed`. See tests/README.md.
 set -euo pipefail
 cd "$(dirname "$0")"
 # shellcheck source=docker/machine.sh
@@ -8,14 +8,16 @@ cd "$(dirname "$0")"
 
 PRESET=release
 FILTER=
+LONG=
 JOBS=$(nproc)
 
 usage() {
   cat <<'TXT'
-usage: ./test.sh [--preset release|dev|asan|tsan] [--filter REGEX] [--jobs N]
+usage: ./test.sh [--preset release|dev|asan|tsan] [--filter REGEX] [--jobs N] [--long]
   --preset P      build preset (default: release); asan and tsan build with the sanitizers
   --filter REGEX  only the test programs whose name matches (ctest -R); the viewer's own tests if it matches "web"
   --jobs N        tests at a time (default: the number of cores); those that load the machine, and e2e tests, run alone
+  --long          also the tests in a browser that take long (ctest -L browser, tests/e2e/README.md)
 CI=true makes every compiler warning an error.
 TXT
 }
@@ -26,6 +28,7 @@ parse_options() {
       --preset) PRESET="${2:?--preset needs a name}"; shift 2 ;;
       --filter) FILTER="${2:?--filter needs a pattern}"; shift 2 ;;
       --jobs) JOBS="${2:?--jobs needs a number}"; shift 2 ;;
+      --long) LONG=1; shift ;;
       -h|--help) usage; exit 0 ;;
       *) usage >&2; fail "Unknown option: $1" ;;
     esac
@@ -106,10 +109,11 @@ main() {
   note_cpu build "$begin"
   begin=$(cpu_seconds)
   export GTEST_OUTPUT="xml:$RESULTS/gtest/"
-  run_ctest fast -LE 'server|e2e' -j "$JOBS"
+  run_ctest fast -LE 'server|e2e|browser' -j "$JOBS"
   run_web_tests
   run_ctest server -L server -j "$JOBS"
   run_ctest e2e -L e2e
+  if [ -n "$LONG" ]; then run_ctest browser -L browser; fi
   note_cpu tests "$begin"
   python3 tests/summary.py "$RESULTS"
 }

@@ -3,7 +3,7 @@
 // and names, in Chromium and Firefox, on a desk and on a phone; on a server that has no session yet,
 // and in kerf.html without a server. See README.md.
 //
-// node first_cut_live.mjs --server PROGRAM --web FOLDER --out FOLDER
+// node first_cut_live.mjs --server PROGRAM --web FOLDER --out FOLDER [--users all]
 
 import assert from 'node:assert/strict';
 import { writeFile } from 'node:fs/promises';
@@ -15,11 +15,19 @@ import { openInFirefox, withFirefox } from './support/firefox.mjs';
 import { poll, stop, until } from './support/processes.mjs';
 import { getJson, optionsOf, runFilesTest, startEmptyServer } from './support/session.mjs';
 
-const options = optionsOf(['server', 'web', 'out']);
+const options = optionsOf(['server', 'web', 'out'], { users: 'some' });
 
 const SETTLE_S = 90; // software WebGL on a busy machine
 const DESK = { width: 1280, height: 800 };
 const PHONE = { width: 390, height: 844 };
+/** Who tries: the browser, and its window. Some: each browser, each window. */
+const ALL = {
+  'chromium-phone': PHONE,
+  firefox: DESK,
+  chromium: DESK,
+  'firefox-phone': PHONE,
+};
+const USERS = Object.entries(ALL).slice(0, options.users === 'all' ? 4 : 2);
 /** A cut is brighter than the block's skin, by this in red, green and blue together. */
 const BRIGHTER = 90;
 const CUT_PIXELS = 120; // of the part that is looked at, at least
@@ -183,9 +191,8 @@ function seconds(began) {
   return `${((Date.now() - began) / 1000).toFixed(1)} s`;
 }
 
-async function carveBoth(open, name, viewport, host, folder) {
+async function carveBoth(user, name, viewport, host, folder) {
   const { server, base } = await startEmptyServer(options, folder);
-  const user = await open(viewport);
   await atServer(user, base, name, viewport);
   await withoutServer(user, host.base, name, viewport);
   assert.deepEqual(user.problems, []);
@@ -195,16 +202,16 @@ async function carveBoth(open, name, viewport, host, folder) {
 
 async function test(folder) {
   const host = await serveFiles(options.web);
-  await withBrowser(async (browser) => {
-    const open = (touch) => (size) => chromiumUser(browser, 'about:blank', size, touch);
-    await carveBoth(open(false), 'chromium', DESK, host, join(folder, '1'));
-    await carveBoth(open(true), 'chromium-phone', PHONE, host, join(folder, '2'));
-  });
-  await withFirefox(async (browser) => {
-    const open = (touch) => (size) => firefoxUser(browser, 'about:blank', size, touch);
-    await carveBoth(open(false), 'firefox', DESK, host, join(folder, '3'));
-    await carveBoth(open(true), 'firefox-phone', PHONE, host, join(folder, '4'));
-  });
+  for (const [kind, withIt, userOf] of [
+    ['chromium', withBrowser, chromiumUser],
+    ['firefox', withFirefox, firefoxUser],
+  ])
+    await withIt(async (browser) => {
+      for (const [name, viewport] of USERS.filter(([each]) => each.startsWith(kind))) {
+        const user = await userOf(browser, 'about:blank', viewport, viewport === PHONE);
+        await carveBoth(user, name, viewport, host, join(folder, name));
+      }
+    });
 }
 
 await runFilesTest(test, options);

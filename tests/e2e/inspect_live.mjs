@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // End-to-end test of sections, measures and paths: areas are those of the server's model cut by the
-// same plane and those of the drawn caps, a wall is as thick as it was carved, and lines of a program
-// have their places in the picture. See README.md.
+// same plane and those of the drawn caps, a wall is as thick as it was carved, who cut what and how far
+// it deviates is said, and lines of a program have their places in the picture. See README.md.
 //
 // node inspect_live.mjs --server PROGRAM --web FOLDER --out FOLDER
 
@@ -180,6 +180,21 @@ async function checkMaker(viewer) {
   await page.getByRole('button', { name: 'Who cut this?' }).click();
 }
 
+/** The surface that was cut is the program's, and has the color that the legend shows. */
+async function checkOwners({ page }) {
+  await page.getByRole('button', { name: 'Color by participant' }).click();
+  const legend = page.getByRole('list', { name: 'Who cut what' });
+  await legend.getByRole('button', { name: /wall\.ngc.*100/ }).waitFor();
+  await page.getByRole('button', { name: 'Color by participant' }).click();
+}
+
+/** The block deviates by nothing from its own model. */
+async function checkDeviation({ page }, buffer) {
+  const file = { name: 'part.stl', mimeType: 'model/stl', buffer };
+  await page.locator('.deviation input[type=file]').setInputFiles(file);
+  await page.locator('.deviation').getByText('100 % within tolerance').waitFor();
+}
+
 /** A line that is pressed in the text is marked where it was carved, and a pressed path in the text. */
 async function checkPath(viewer) {
   const { page } = viewer;
@@ -231,8 +246,9 @@ async function checkCut({ page }, session) {
 async function test(folder) {
   const { server, base, session } = await startServer(options, folder, 'wall', SCENE);
   await carveProgram(session, PROGRAM, 'name=wall.ngc&pace=fast');
-  const stl = await fetch(`${session}/model.stl`);
-  const corners = stlCorners(Buffer.from(await stl.arrayBuffer()));
+  const response = await fetch(`${session}/model.stl`);
+  const stl = Buffer.from(await response.arrayBuffer());
+  const corners = stlCorners(stl);
   await withBrowser(async (browser) => {
     const [width, height] = SIZES.at(-1);
     const address = `${base}/?session=wall&quality=full`;
@@ -248,6 +264,8 @@ async function test(folder) {
     await checkMeasures(viewer);
     await checkCurvature(viewer);
     await checkMaker(viewer);
+    await checkOwners(viewer);
+    await checkDeviation(viewer, stl);
     await checkAccessible(page, 'the panel of sections and measures');
     for (const size of SIZES) {
       await checkFreeBlock(viewer, size, ['.bar', '.toolbar', '.panel', '.inspect']);

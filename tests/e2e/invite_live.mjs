@@ -5,17 +5,15 @@
 // node invite_live.mjs --server PROGRAM --web FOLDER
 
 import assert from 'node:assert/strict';
-import { mkdtemp, readFile, rm } from 'node:fs/promises';
+import { readFile } from 'node:fs/promises';
 import { request } from 'node:https';
-import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import { parseArgs } from 'node:util';
 import { openViewer, withBrowser } from './support/browser.mjs';
-import { run, start, stop, stopAll, until } from './support/processes.mjs';
+import { run, start, stop, until } from './support/processes.mjs';
+import { optionsOf, runTest } from './support/session.mjs';
 
-const { values: options } = parseArgs({
-  options: { server: { type: 'string' }, web: { type: 'string' } },
-});
+const options = optionsOf(['server', 'web']);
+
 const SETTLE_S = 90; // software WebGL on a busy machine
 const SCENE = {
   name: 'invitation',
@@ -88,7 +86,7 @@ async function open(browser, link) {
   return viewer;
 }
 
-async function main(folder) {
+async function test(folder) {
   const { server, base, api } = await startServer(folder);
   await withBrowser(async (browser) => {
     const first = await api('POST', '/v1/sessions/e2e/invitations?role=owner');
@@ -107,10 +105,4 @@ async function main(folder) {
   console.log('an owner has invited a watcher over TLS');
 }
 
-const folder = await mkdtemp(join(tmpdir(), 'kerf-invite-'));
-try {
-  await main(folder);
-} finally {
-  await stopAll();
-  await rm(folder, { recursive: true, force: true });
-}
+await runTest(test);

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // End-to-end test of kerf.html, served as plain files: a dropped program is carved in the page, its
-// state hash and STL file are those of kerf-carve, and errors are shown at their place. See README.md.
+// state hash and STL file are those of kerf-carve, a hand carves on, to the hash of kerf-server, and
+// errors are shown at their place. See README.md.
 //
-// node local_live.mjs --carve PROGRAM --web FOLDER --out FOLDER
+// node local_live.mjs --server PROGRAM --carve PROGRAM --web FOLDER --out FOLDER
 
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { checkAccessible } from './support/axe.mjs';
-import { openViewer, withBrowser } from './support/browser.mjs';
+import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { photograph } from './support/pictures.mjs';
 import { dropFiles } from './support/drop.mjs';
 import { serveFiles } from './support/file_host.mjs';
+import { carvedMore, checkReplayed, isJoined, savedTo, settled } from './support/local_page.mjs';
 import { until } from './support/processes.mjs';
 import { optionsOf, runFilesTest } from './support/session.mjs';
 import { clashesIn } from './support/texts.mjs';
 
-const options = optionsOf(['carve', 'web', 'out']);
+const options = optionsOf(['server', 'carve', 'web', 'out']);
 
 const SETTLE_S = 60; // software WebGL on a busy machine
 const DESK = { width: 1440, height: 900 };
@@ -56,20 +58,12 @@ async function carvedHere(folder) {
   return { ...report, stl: await readFile(join(folder, 'here.stl')) };
 }
 
-/** The state of a page at rest; null: it is not. Of one moment, because the page may go on. */
-async function atRest({ state }) {
-  const now = await state();
-  return now.status === 'rest' && now.hash !== null && now.waiting === 0 ? now : null;
-}
-
 async function checkCarving(viewer, here) {
   const { page } = viewer;
   await checkAccessible(page, 'the empty page');
   await dropFiles(page, { [NAME]: PROGRAM, 'wave.json': SCENE });
-  const carvedProgram = await until('carved program', SETTLE_S, () => atRest(viewer));
-  const { hash, carved, motions } = carvedProgram;
+  const { hash } = await settled(viewer, 'program', ({ carved, motions }) => carved === motions);
   assert.equal(hash, here.state_hash);
-  assert.equal(carved, motions);
   await page.getByText(here.state_hash).waitFor({ state: 'attached' }); // under Details
   const stl = await readFile(await takenHome(page, 'stl'));
   assert(stl.equals(here.stl), "the page's STL file is not that of kerf-carve");
@@ -108,18 +102,35 @@ async function checkScrubbing(viewer, here) {
   const { page, state } = viewer;
   const scrub = page.getByRole('slider', { name: 'Position in the program' });
   await scrub.fill('100');
-  const then = await until('state of motion 100', SETTLE_S, async () => {
-    const rests = await atRest(viewer);
-    return rests?.carved === 100 && rests;
-  });
+  const then = await settled(viewer, 'state of motion 100', ({ carved }) => carved === 100);
   assert.notEqual(then.hash, here.state_hash);
   await page.getByText('Step 100 of', { exact: false }).waitFor();
   const spread = await photograph(viewer, join(options.out, 'local-scrubbed.png'));
   assert(spread > 4, `the picture is blank: ${spread}`);
   await scrub.fill(String((await state()).motions));
-  await until('state of the end', SETTLE_S, async () => {
-    return (await atRest(viewer))?.hash === here.state_hash;
-  });
+  return settled(viewer, 'state of the end', ({ hash }) => hash === here.state_hash);
+}
+
+/** A hand carves behind the program, which is one stroke of the journal; undoes and redoes. */
+async function checkHand(viewer, carved, file) {
+  const { page } = viewer;
+  await page.getByRole('button', { name: 'Carve', exact: true }).click();
+  await isJoined(viewer);
+  await settled(viewer, 'program in the journal', ({ hash }) => hash === carved.hash);
+  const last = await carvedMore(viewer, carved, 0.5);
+  await page.keyboard.press('Control+z');
+  await settled(viewer, 'undo', ({ hash }) => hash === carved.hash);
+  await page.keyboard.press('Control+Shift+z');
+  await settled(viewer, 'redo', ({ hash }) => hash === last.hash);
+  await checkAccessible(page, 'the page while a hand carves');
+  for (const size of [PHONE, DESK]) {
+    await page.setViewportSize(size);
+    await nextFrames(page);
+    assert.deepEqual(await clashesIn(page, 'main > :is(.bar, .toolbar, .panel, .carve-bar)'), []);
+    await photograph(viewer, join(options.out, `local-hand-${size.width}.png`));
+  }
+  await savedTo(viewer, file);
+  checkReplayed(options.server, file, last);
 }
 
 async function checkFault({ page, state }) {
@@ -144,11 +155,8 @@ async function test(folder) {
     await until('picture', SETTLE_S, async () => (await viewer.state()).hasPicture);
     await photograph(viewer, join(options.out, 'local.png'));
     await checkAccessible(viewer.page, 'the page with a block');
-    await checkScrubbing(viewer, here);
-    assert.deepEqual(await clashesIn(viewer.page, 'main > :is(.bar, .toolbar, .panel)'), []);
-    await viewer.page.setViewportSize(PHONE);
-    await photograph(viewer, join(options.out, 'local-phone.png'));
-    await viewer.page.setViewportSize(DESK);
+    const carved = await checkScrubbing(viewer, here);
+    await checkHand(viewer, carved, join(folder, 'by-hand.kerf'));
     await checkFault(viewer);
     assert.deepEqual(viewer.problems, []);
     assert.deepEqual(host.missing, [], 'the page asks for what is not in its folder');

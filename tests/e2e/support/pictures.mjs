@@ -52,16 +52,22 @@ export async function stillShot({ page }) {
 
 /** Pixels of a screenshot, RGBA, of the part that begins at x, y. */
 async function pixelsOf(page, png, [x, y, width, height]) {
-  return page.evaluate(
-    async ([base64, left, top, columns, rows]) => {
-      const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+  const base64 = await page.evaluate(
+    async ([coded, left, top, columns, rows]) => {
+      const bytes = Uint8Array.from(atob(coded), (c) => c.charCodeAt(0));
       const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
       const context = new OffscreenCanvas(columns, rows).getContext('2d');
       context.drawImage(bitmap, -left, -top);
-      return Array.from(context.getImageData(0, 0, columns, rows).data);
+      const { data } = context.getImageData(0, 0, columns, rows);
+      // As one text: a million numbers would take seconds to come.
+      const parts = [];
+      for (let n = 0; n < data.length; n += 32_768)
+        parts.push(String.fromCharCode(...data.subarray(n, n + 32_768)));
+      return btoa(parts.join(''));
     },
     [png.toString('base64'), x, y, width, height],
   );
+  return Buffer.from(base64, 'base64');
 }
 
 /** The colors of pixels of a still picture: red, green, blue, 0 to 255; places are x, y. */
@@ -69,7 +75,7 @@ export async function colorsAt(viewer, places) {
   const png = await stillShot(viewer);
   const colors = [];
   for (const [x, y] of places)
-    colors.push((await pixelsOf(viewer.page, png, [x, y, 1, 1])).slice(0, 3));
+    colors.push([...(await pixelsOf(viewer.page, png, [x, y, 1, 1])).subarray(0, 3)]);
   return colors;
 }
 
