@@ -69,7 +69,6 @@ SLEEPS = [
     ("tests/e2e/strokes_live.mjs", 1, "quiet", "no page has anything left that it sends again"),
     ("tests/server/cluster/own_leases_test.cpp", 1, "quiet",
      "a NATS that is late: longer than one attempt, shorter than all"),
-    ("tests/server/live_bad_input_test.py", 1, "quiet", "a limit of samples a second recovers"),
     ("tests/server/live_haply_test.py", 1, "quiet", "a service that is absent is named once"),
     ("tests/server/session_test.cpp", 1, "quiet", "a limit of samples a second recovers"),
 ]

@@ -29,7 +29,7 @@ import time
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server"))
 
 from cluster_servers import Cluster, ClusterAgent, RasterPath, uninterrupted  # noqa: E402
-from live_programs_test import spiral  # noqa: E402
+from hands import spiral  # noqa: E402
 from wire_client import MESH, Closed, Rejected, Viewer, WebSocket  # noqa: E402
 
 

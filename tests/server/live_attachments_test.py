@@ -12,8 +12,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import nats_server  # noqa: E402
 from cluster_servers import Cluster  # noqa: E402
 from kept_logs import run_tests  # noqa: E402
-from live_programs_test import spiral  # noqa: E402
-from live_rights_test import Holder, bearer  # noqa: E402
+from hands import Holder, bearer, spiral  # noqa: E402
 from live_server import SCENE, until  # noqa: E402
 from wire_client import Rejected, WebSocket  # noqa: E402
 

@@ -6,11 +6,10 @@ import signal
 import subprocess
 import tempfile
 
-from delaying_relay import Line, Relay
 from kept_logs import keep, run_tests
 from live_agent_test import AGENT, rows
 from live_server import LiveTest, Server, until
-from wire_client import Agent, Viewer, WebSocket
+from wire_client import Viewer
 
 
 class Drain(LiveTest):
@@ -58,35 +57,6 @@ class Drain(LiveTest):
         self.assertEqual([self.server.hash("block"), self.server.hash("other")],
                          [expected, expected])
         self.port = self.server.port
-
-    def test_an_agent_that_is_offline_meanwhile_goes_on_without_a_gap(self):
-        self.server.create("whole")
-        with Relay(self.port, Line()) as line:
-            agents = [self.run_agent(self.port, "whole"), self.run_agent(line.port, "block")]
-            until(self, lambda: self.server.info("block")["motions"] > 100, True)
-            line.cut()
-            self.assert_lost_nothing(agents[0], 0)
-            expected = self.server.hash("whole")
-            self.assertNotEqual(self.server.hash("block"), expected, "the line was cut too late")
-            carved = self.server.info("block")["motions"]
-            status, log = self.server.stop()
-            self.assertEqual(status, 0, log)
-            self.server = Server(self.folder.name, port=self.port)
-            self.assertEqual(self.server.info("block")["motions"], carved)
-            line.mend()
-            self.assert_lost_nothing(agents[1], 1)
-        self.assertEqual(self.server.hash("block"), expected)
-
-    def test_an_administrator_drains_by_a_request(self):
-        for bad in ("", "?to=", "?to=elsewhere", "?to=http://a/b"):
-            self.assertEqual(self.server.http.json("POST", "/v1/drain" + bad)[0], 400, bad)
-        agent = Agent(self.port, "block")
-        agent.move([(0, 0, -1), (1, 0, -1)])
-        agent.result()
-        status, body = self.server.http.json("POST", "/v1/drain?to=http://127.0.0.1:9")
-        self.assertEqual((status, body), (202, {"to": "http://127.0.0.1:9"}))
-        self.assertEqual(agent.receive_json("bye")["redirect"], "http://127.0.0.1:9")
-        self.assertEqual(self.server.process.wait(timeout=60), 0)
 
 
 if __name__ == "__main__":

@@ -1,35 +1,51 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The process of a real server: its data folder, its limits, and requests without one Host."""
+"""The process of a real server: its folder, its options, its signals, its commands and its neighbours."""
 import json
 import os
-import re
 import resource
+import shutil
 import signal
-import socket
+import sqlite3
 import subprocess
 import sys
 import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+from hands import bearer, carve, spiral  # noqa: E402
 from kept_logs import run_tests  # noqa: E402
 from live_server import PROGRAM, SCENE, LiveTest, Server, until  # noqa: E402
 from nats_server import free_port  # noqa: E402
 from waiting import eventually  # noqa: E402
-from wire_client import ACK, Agent, Http, Viewer, header, motion_frame, sample  # noqa: E402
+from wire_client import Agent, Closed, Http, Viewer  # noqa: E402
+
+AGENT, CARVE = os.environ["KERF_AGENT"], os.environ["KERF_CARVE"]
 
 
-class Folder(LiveTest):
+def run(*words, **more):
+    done = subprocess.run([PROGRAM, *words], capture_output=True, text=True, timeout=60, **more)
+    return done.returncode, done.stdout + done.stderr
+
+
+class Process(LiveTest):
+    def restart(self, how=signal.SIGTERM, *options):
+        """Stops the server and starts it again; returns its exit status and its log."""
+        ended = self.server.stop(how)
+        self.server = Server(self.folder.name, *options)
+        self.port = self.server.port
+        return ended
+
+    def write(self, name, text):
+        path = os.path.join(self.folder.name, name)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text if isinstance(text, str) else json.dumps(text))
+        return path
+
     def test_second_server_on_one_folder_exits_and_names_the_first(self):
-        agent = Agent(self.port, "block")
-        second = subprocess.run([PROGRAM, "--listen", "127.0.0.1:0", "--data", self.folder.name],
-                                capture_output=True, text=True, timeout=30)
-        self.assertEqual(second.returncode, 1)
-        self.assertEqual(second.stdout, "")
-        self.assertIn(f"process {self.server.process.pid}", second.stderr)
-        agent.move([(0, 0, -1)])
-        agent.move([(1, 0, -1)])
-        agent.result()
+        status, text = run("--listen", "127.0.0.1:0", "--data", self.folder.name)
+        self.assertEqual(status, 1)
+        self.assertIn(f"process {self.server.process.pid}", text)
+        carve(Agent(self.port, "block"), 3)
         expected = self.server.hash()
         until(self, lambda: self.server.info()["journal_lag"], 0)
         # A killed server leaves its lock file, but not its lock.
@@ -38,125 +54,80 @@ class Folder(LiveTest):
         self.server = Server(self.folder.name)
         self.assertEqual(self.server.hash(), expected)
 
-    def test_limit_of_open_files_is_raised(self):
-        self.server.stop()
-        before = resource.getrlimit(resource.RLIMIT_NOFILE)
-        resource.setrlimit(resource.RLIMIT_NOFILE, (min(256, before[1]), before[1]))
-        try:
-            self.server = Server(self.folder.name)
-        finally:
-            resource.setrlimit(resource.RLIMIT_NOFILE, before)
-        soft, hard = resource.prlimit(self.server.process.pid, resource.RLIMIT_NOFILE)
-        self.assertEqual(soft, hard)
-        self.assertGreater(hard, 256)
-
-
-class End(LiveTest):
-    def test_a_server_ends_without_viewers_that_do_not_answer(self):
-        """A sanitizer saw connections use a thread that had been destroyed."""
-        viewers = [Viewer(self.port, "block", name) for name in ("Ada", "Bo", "Cy")]
+    def test_killed_server_restarts_with_the_same_hash(self):
         agent = Agent(self.port, "block")
-        for step in range(50):
-            agent.move([(step * 0.1, 0, -1)])
-        status, log = self.server.stop()
-        self.assertEqual(status, 0, log)
-        self.assertEqual(len(viewers), 3)  # their sockets were open until now
+        carve(agent, 300)
+        before = self.server.info()
+        until(self, lambda: self.server.info()["journal_lag"], 0)
+        self.assertEqual(self.restart(signal.SIGKILL)[0], -signal.SIGKILL)
+        after = self.server.info()
+        for figure in ("state_hash", "motions"):
+            self.assertEqual(after[figure], before[figure])
+        self.assertEqual(after["epoch"], before["epoch"] + 1)
+        ada = Agent(self.port, "block")
+        self.assertGreater(ada.participant, agent.participant)
+        for i in range(200):  # the answers are not read
+            ada.move([(i * 0.05, i * 0.01, -2)])
+        self.restart(signal.SIGKILL)
+        self.assertGreaterEqual(self.server.info()["motions"], before["motions"])
+        self.assertLessEqual(self.server.info()["motions"], before["motions"] + 200)
+        carve(Agent(self.port, "block"), 50)
 
+    def test_terminated_server_sends_bye_and_loses_nothing(self):
+        agent, viewer = Agent(self.port, "block"), Viewer(self.port, "block")
+        carve(agent, 100)
+        before = self.server.hash()
+        code, log = self.restart()
+        self.assertEqual(code, 0, log)
+        for peer in (agent, viewer):
+            self.assertIn("shutting down", peer.receive_json("bye")["reason"])
+            with self.assertRaises(Closed):
+                peer.receive(5)
+        self.assertEqual(self.server.hash(), before)
 
-class Configuration(LiveTest):
-    """Options from the command line, a file and the environment."""
-
-    def run_server(self, *options, text=None, **environment):
-        """Starts a server that a signal ends; returns its address, exit code and log."""
-        with tempfile.TemporaryDirectory() as folder:
-            if text is not None:
-                path = os.path.join(folder, "kerf.toml")
-                with open(path, "w", encoding="utf-8") as file:
-                    file.write(text)
-                options += ("--config", path)
-            process = subprocess.Popen(
-                [PROGRAM, *options], env={**os.environ, "KERF_DATA": folder, **environment},
-                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-            address = process.stdout.readline().strip()
-            if address:
-                process.send_signal(signal.SIGTERM)
-            _, log = process.communicate(timeout=30)
-            return address, process.returncode, log
-
-    def test_a_service_without_a_certificate_survives_a_reload(self):
-        with tempfile.TemporaryDirectory() as folder:
-            server = Server(folder)
-            server.process.send_signal(signal.SIGHUP)
-            self.assertIn("SIGHUP: nothing is changed", server.log_line("SIGHUP"))
-            self.assertEqual(server.http.request("GET", "/healthz")[0], 200)
-            status, _ = server.stop()
-            self.assertEqual(status, 0)
-
-    def test_options_may_stand_in_a_file_and_in_the_environment(self):
-        address, code, log = self.run_server(
-            text='listen = "127.0.0.2:0"\nlog-format = "json"\nallow-host = ["a.example"]\n')
-        self.assertTrue(address.startswith("http://127.0.0.2:"), address)
-        self.assertEqual(code, 0)
+    def test_scenes_come_from_options_of_a_file_the_environment_and_the_command_line(self):
+        carve(Agent(self.port, "block"), 50)
+        self.server.stop()
+        journal = os.path.join(self.folder.name, "block.kerf")
+        with sqlite3.connect(journal) as database:
+            database.execute("UPDATE batches SET bytes = zeroblob(7) "
+                             "WHERE first = (SELECT max(first) FROM batches)")
+        database.close()
+        with open(journal, "rb") as file:
+            damaged = file.read()
+        scenes = [self.write(f"{name}.json", dict(SCENE, name=name)) for name in ("one", "two")]
+        again = self.write("again.json", SCENE)  # the session whose journal cannot be read
+        config = self.write("kerf.toml", f'scene = ["{scenes[0]}", "{again}"]\nudp = "off"\n')
+        self.server = Server(self.folder.name, "--config", config)
+        carve(Agent(self.server.port, "one"), 50)
+        expected = self.server.hash("one")
+        code, log = self.server.stop()
+        self.assertEqual(code, 0, log)
+        self.assertIn("session block of " + again + " is not open, its journal stays as it is", log)
+        self.assertNotIn("UDP: port", log)
+        with open(journal, "rb") as file:
+            self.assertEqual(file.read(), damaged)
+        # A session that exists is not created again.
+        self.server = Server(self.folder.name, "--scene", scenes[1], environment={
+            "KERF_SCENE": scenes[0], "KERF_LOG_FORMAT": "json"})
+        self.assertEqual(self.server.hash("one"), expected)
+        log = self.server.stop()[1]
         messages = [json.loads(line)["message"] for line in log.splitlines()]
         self.assertIn("shutting down", messages)
-        address, code, _ = self.run_server(KERF_LISTEN="127.0.0.3:0")
-        self.assertTrue(address.startswith("http://127.0.0.3:"), address)
+        for name in ("one", "two"):
+            self.assertTrue(any(m.startswith(f"session {name}: http") for m in messages), log)
 
-    def test_a_server_on_all_addresses_prints_one_that_can_be_opened(self):
-        for every in ("0.0.0.0:0", "[::]:0"):
-            address, code, _ = self.run_server("--listen", every, "--open", "--udp", "off")
-            self.assertTrue(address.startswith("http://localhost:"), address)
-            self.assertEqual(code, 0)
-
-    def test_the_command_line_counts_before_the_file_and_the_file_before_the_environment(self):
-        text = 'listen = "127.0.0.2:0"\n'
-        address, _, _ = self.run_server(text=text, KERF_LISTEN="127.0.0.3:0")
-        self.assertTrue(address.startswith("http://127.0.0.2:"), address)
-        address, _, _ = self.run_server("--listen", "127.0.0.4:0", text=text)
-        self.assertTrue(address.startswith("http://127.0.0.4:"), address)
-
-    def test_a_list_in_the_environment_is_separated_by_commas_or_spaces(self):
-        scenes = []
-        with tempfile.TemporaryDirectory() as folder:
-            for name in ("one", "two", "three"):
-                scenes.append(os.path.join(folder, name + ".json"))
-                with open(scenes[-1], "w", encoding="utf-8") as file:
-                    json.dump(dict(SCENE, name=name), file)
-            listen = {"KERF_LISTEN": "127.0.0.1:0"}
-            lists = {"KERF_SCENE": f"{scenes[0]}, {scenes[1]}  {scenes[2]}"}
-            _, code, log = self.run_server(**listen, **lists)
-            self.assertEqual(code, 0, log)
-            for name in ("one", "two", "three"):
-                self.assertIn(f"session {name}: ", log)
-            # The command line counts before it.
-            _, code, log = self.run_server("--scene", scenes[0], **listen, **lists)
-            self.assertIn("session one: ", log)
-            self.assertNotIn("session two: ", log)
-
-    def test_options_that_would_have_no_effect_or_another_one_are_errors(self):
-        for options in (("--allow-origin", "kerf.example"), ("--allow-origin", "https://kerf.example/"),
-                        ("--allow-origin", "null"), ("--allow-host", "https://kerf.example"),
-                        ("--allow-host", "a b"), ("--disk-reserve", "nan"), ("--disk-total", "-1"),
-                        ("--snapshot-after", "inf"), ("--viewer-budget", "24"),
-                        ("--viewer-budget", "nan"), ("--web", "/does/not/exist")):
-            with self.subTest(options):
-                address, code, log = self.run_server("--listen", "127.0.0.1:0", *options)
-                self.assertEqual(address, "")
-                self.assertNotEqual(code, 0)
-                self.assertIn(options[0], log)
-                self.assertIn(options[1], log)
-        for options in (("--allow-host", "kerf.example"), ("--allow-host", "kerf.example:8443"),
-                        ("--allow-origin", "https://kerf.example:8443"), ("--disk-reserve", "1e3"),
-                        ("--viewer-budget", "0"), ("--viewer-budget", "62.5")):
-            with self.subTest(options):
-                self.assertEqual(self.run_server("--listen", "127.0.0.1:0", *options)[1], 0)
-
-    def test_without_standard_streams_nothing_is_written_into_other_files(self):
+    def test_streams_that_are_closed_a_low_limit_of_files_and_a_reload_do_no_harm(self):
         with tempfile.TemporaryDirectory() as folder:
             port = free_port()
-            shell = subprocess.Popen(
-                ["sh", "-c", 'exec "$0" --listen "$1" --data "$2" <&- >&- 2>&-', PROGRAM,
-                 f"127.0.0.1:{port}", folder])
+            before = resource.getrlimit(resource.RLIMIT_NOFILE)
+            resource.setrlimit(resource.RLIMIT_NOFILE, (min(256, before[1]), before[1]))
+            try:
+                shell = subprocess.Popen(
+                    ["sh", "-c", 'exec "$0" --listen "$1" --data "$2" <&- >&- 2>&-', PROGRAM,
+                     f"127.0.0.1:{port}", folder])
+            finally:
+                resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
             def is_ready():
                 self.assertIsNone(shell.poll())
@@ -167,128 +138,107 @@ class Configuration(LiveTest):
 
             eventually(is_ready, "the server does not answer")
             streams = [os.readlink(f"/proc/{shell.pid}/fd/{n}") for n in range(3)]
+            soft, hard = resource.prlimit(shell.pid, resource.RLIMIT_NOFILE)
             shell.send_signal(signal.SIGTERM)
             self.assertEqual(shell.wait(30), 0)
             self.assertEqual(streams, ["/dev/null"] * 3)
+            self.assertEqual(soft, hard)
+        # A service without a certificate.
+        self.server.process.send_signal(signal.SIGHUP)
+        self.assertIn("SIGHUP: nothing is changed", self.server.log_line("SIGHUP"))
+        self.assertEqual(self.server.http.request("GET", "/healthz")[0], 200)
 
-    def test_an_unknown_key_of_the_file_is_an_error_that_names_it(self):
-        address, code, log = self.run_server(text='lisen = "127.0.0.2:0"\n')
-        self.assertEqual((address, code), ("", 2))
-        self.assertIn("--config: there is no option 'lisen'", log)
+    def test_a_backup_of_a_running_server_is_checked_replayed_and_served(self):
+        carve(Agent(self.port, "block"), 300)
+        expected = self.server.hash()
+        until(self, lambda: self.server.info()["journal_lag"], 0)
+        to = os.path.join(self.folder.name, "copies")
+        copy = os.path.join(to, "block.kerf")
+        self.assertEqual(run("backup", self.folder.name, to), (0, copy + "\n"))
+        self.assertEqual(run("check", self.folder.name)[0], 0)  # beside the server, too
+        carve(Agent(self.port, "block"), 50, phase=1.0)  # the server goes on
+        status, text = run("check", to)
+        self.assertEqual(status, 0, text)
+        status, text = run("replay", copy)
+        self.assertEqual(status, 0, text)
+        self.assertIn("hash " + expected, text)
+        other = Server(to)
+        self.addCleanup(other.stop)
+        self.assertEqual(other.hash(), expected)
+        self.assertEqual(run("backup", self.folder.name, to)[0], 1)  # no file is replaced
+        out = os.path.join(self.folder.name, "out")
+        self.assertEqual(run("salvage", copy, out)[0], 0)
+        for folder, _, files in os.walk(self.folder.name):  # for their user only
+            for name in files:
+                self.assertEqual(os.stat(os.path.join(folder, name)).st_mode & 0o077, 0, name)
 
-    def test_each_value_of_the_file_has_the_type_of_its_option(self):
-        for line, why in (('open = "yes"', "open must be true or false, without quotes"),
-                          ("open = 1", "open must be true or false"),
-                          ("open", "open has no value"),
-                          ('disk-total = "5"', "disk-total must be a number, without quotes"),
-                          ("disk-total = true", "disk-total must be a number"),
-                          ("log-format = json", "log-format must be a text in quotes"),
-                          ("udp = 9000", "udp must be a text in quotes"),
-                          ("allow-host = true", "allow-host must be a list of texts in quotes"),
-                          ("allow-host = [1, 2]", "allow-host must be a list of texts"),
-                          ('allow-host = ["a"', "allow-host has a list that is not closed"),
-                          ('log-format = "json', "log-format has quotes that are not closed")):
-            with self.subTest(line):
-                address, code, log = self.run_server(text='listen = "127.0.0.1:0"\n# one\n' + line + "\n")
-                self.assertEqual((address, code), ("", 2), log)
-                self.assertRegex(log, r"^kerf-server: --config: .*kerf\.toml:3: " + re.escape(why))
-                self.assertRegex(log, r"--help lists the options\n$")
-        text = ('listen = "127.0.0.1:0" # one\nopen = true\ndisk-total = 5.5\nlog-format = \'json\'\n'
-                'allow-host = ["a.example",\n  "b.example"]\nallow-origin = "https://c.example"\n'
-                "viewer-budget = 500\nlease-ms = 5000\n")
-        address, code, log = self.run_server(text=text)
-        self.assertEqual(code, 0, log)
-
-    def test_an_unknown_option_exits_with_2_and_says_what_to_do(self):
-        for options in (("--lisen", "127.0.0.2:0"), ("--disk-total", "many")):
-            address, code, log = self.run_server(*options)
-            self.assertEqual((address, code), ("", 2))
-            self.assertRegex(log, r"^kerf-server: .*--help lists the options\n$")
-
-
-class Metrics(LiveTest):
-    """Served, listed in the README and shown by the dashboard are the same metrics."""
-    NAME = re.compile(r"\bkerf_[a-z_]+")
-
-    def read(self, *path):
-        top = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
-        with open(os.path.join(top, *path), encoding="utf-8") as file:
-            return file.read()
-
-    def served(self):
-        agent = Agent(self.port, "block")
-        agent.move([(0, 0, -1)])
-        agent.move([(1, 0, -1)])
-        agent.result()
-        text = self.server.http.request("GET", "/metrics")[2].decode()
-        return set(re.findall(r"^# TYPE (\S+)", text, re.MULTILINE))
-
-    def test_readme_lists_every_metric(self):
-        rows = [row for row in self.read("server", "metrics", "README.md").splitlines()
-                if row.startswith("| `")]
-        listed = {name for row in rows for name in self.NAME.findall(row.split("|")[1])}
-        # Counted by label, so it appears with the first one; those of --nats (live_copy_test); and that
-        # of TLS (live_tls_test).
-        others = {"kerf_refused_total", "kerf_copied_record", "kerf_copy_lag_records",
-                  "kerf_copied_snapshot_record", "kerf_certificate_days_left"}
-        self.assertEqual(listed, self.served() | others)
-
-    def test_dashboard_shows_metrics_that_exist(self):
-        dashboard = json.loads(self.read("docker", "grafana.json"))
-        expressions = [target["expr"] for panel in dashboard["panels"]
-                       for target in panel["targets"]]
-        self.assertGreater(len(expressions), 12)
-        served = self.served() | {"kerf_refused_total"}
-        for expression in expressions:
-            for name in self.NAME.findall(expression):
-                self.assertIn(name.removesuffix("_bucket"), served, expression)
-
-
-class Hosts(LiveTest):
-    def ask(self, *lines):
-        with socket.create_connection(("127.0.0.1", self.port), timeout=10) as raw:
-            raw.sendall(("\r\n".join(lines) + "\r\n\r\n").encode())
-            answer = b""
-            while data := raw.recv(65536):
-                answer += data
-                if b"\r\n\r\n" in answer and b"}" in answer:
-                    break
-        status = int(answer.split()[1])
-        code = re.search(rb'"code":"([a-z_]+)"', answer)
-        return status, code and code.group(1).decode()
-
-    def test_requests_need_one_host(self):
-        upgrade = ("Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13",
-                   "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
-                   "Sec-WebSocket-Protocol: kerf.agent.v1")
-        for line, more in (("GET /healthz HTTP/1.1", ()),
-                           ("DELETE /v1/sessions/block HTTP/1.1", ()),
-                           ("GET /v1/sessions/block/agent HTTP/1.1", upgrade)):
-            self.assertEqual(self.ask(line, *more), (400, "bad_host"), line)
-            self.assertEqual(self.ask(line, "Host: localhost", "Host: b", *more), (400, "bad_host"), line)
-            self.assertEqual(self.ask(line, "Host: localhost", "Host: localhost", *more), (400, "bad_host"), line)
-        self.assertEqual(self.ask("GET /healthz HTTP/1.1", "Host: localhost"), (200, None))
-        self.assertEqual(self.ask("GET /healthz HTTP/1.0"), (200, None))
-        self.assertEqual(self.server.info()["id"], "block")
-
-
-class Epochs(LiveTest):
-    def test_frames_of_an_earlier_epoch_have_no_effect(self):
-        first = Agent(self.port, "block")
+    def test_copies_on_a_medium_that_cannot_be_written_are_read(self):
+        carve(Agent(self.port, "block"), 50)
         self.server.stop()
-        self.server = Server(self.folder.name)
-        agent = Agent(self.server.port, "block")
-        self.assertEqual(agent.epoch, first.epoch + 1)
-        agent.send_binary(motion_frame([sample(1, 1000, (0, 0, -1)), sample(2, 2000, (1, 0, -1))],
-                                       first.epoch))
-        self.assertEqual(agent.receive_json("error")["code"], "bad_epoch")
-        self.assertEqual(self.server.info()["motions"], 0)
-        agent.move([(0, 0, -1), (1, 0, -1)])
-        self.assertGreater(agent.result()["removed"], 0)
-        viewer = Viewer(self.server.port, "block")
-        viewer.settled()
-        viewer.send_binary(header(ACK, 0, sequence=1, epoch=first.epoch))
-        self.assertEqual(viewer.receive_json("error")["code"], "bad_epoch")
+        mount = 'mount --bind "$1" "$1" && mount -o remount,bind,ro "$1" && exec "$0" "$2" "$3" $4'
+        other = tempfile.TemporaryDirectory()
+        self.addCleanup(other.cleanup)
+        odd = os.path.join(other.name, "100% of #1?")
+        shutil.copytree(self.folder.name, odd)
+        for words in (("check", odd), ("replay", os.path.join(odd, "block.kerf")),
+                      ("backup", odd, os.path.join(other.name, "to"))):
+            done = subprocess.run(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", mount,
+                                   PROGRAM, odd, *words], capture_output=True, text=True, timeout=60)
+            if "unshare" in done.stderr:
+                self.skipTest("this machine permits no mounts of one's own: " + done.stderr)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(run("check", os.path.join(other.name, "to"))[0], 0)
+
+    def test_kerf_carve_carves_the_exports_and_derives_the_same_scene(self):
+        ada = Agent(self.port, "block")
+        carve(ada, 300)
+        for _ in range(2):  # programs of two tools
+            status, program = self.server.http.json(
+                "POST", "/v1/sessions/block/programs?pace=fast&name=s.ngc", spiral(60))
+            self.assertEqual(status, 202, program)
+            until(self, lambda url=program["url"]: self.server.http.json("GET", url)[1]["state"],
+                  "finished")
+        scene, report = self.write("scene.json", SCENE), os.path.join(self.folder.name, "report")
+        for name in ("program.ngc", "program.apt"):
+            text = self.server.http.request("GET", "/v1/sessions/block/" + name)[2].decode()
+            done = subprocess.run([CARVE, self.write(name, text), "--scene", scene, "--report", report],
+                                  capture_output=True, text=True, timeout=120)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            with open(report, encoding="utf-8") as file:
+                self.assertIn(f'"{self.server.hash()}"', file.read(), name)
+        apt = "PARTNO A\nUNITS/MM\nCUTTER/8\nLOADTL/1\nFEDRAT/500\nGOTO/0,0,-2\nGOTO/30,0,-2\nFINI\n"
+        ball = "(T3 - 4MM BALL ENDMILL)\nG20 G90\nT3 M6\nG1 X1 Z-.1 F20\nM30\n"
+        for name, text in (("spiral.ngc", spiral(20)), ("part.apt", apt), ("ball.nc", ball)):
+            status, body = self.server.http.json("POST", f"/v1/programs?name={name}", text)
+            self.assertEqual(status, 200, body)
+            printed = subprocess.run([CARVE, "--derive", "--program", self.write(name, text)],
+                                     capture_output=True, text=True, check=True).stdout
+            self.assertEqual(json.loads(printed), body, name)
+            self.server.create(name.replace(".", "-"), body["scene"])
+
+    def test_the_agent_takes_its_token_from_a_file_or_the_environment(self):
+        admin = os.path.join(self.folder.name, "admin")
+        self.restart(signal.SIGTERM, "--admin-token-file", admin)
+        with open(admin, encoding="ascii") as file:
+            token = file.read().strip()
+        status, body = self.server.http.json(
+            "POST", "/v1/sessions/block/invitations?role=sculptor", headers=bearer(token))
+        self.assertEqual(status, 201, body)
+        link = "https://kerf.example" + body["link"]
+        file = self.write("link", link + "\n")
+        command = [AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session", "block",
+                   "--device", "sim", "--duration", "0.2", "--patience", "5"]
+        plain = {key: value for key, value in os.environ.items() if key != "KERF_TOKEN"}
+        for more, environment, is_good in ((["--token-file", file], plain, True),
+                                           ([], dict(plain, KERF_TOKEN=link.split("=")[-1]), True),
+                                           ([], plain, False)):
+            done = subprocess.run([*command, *more], env=environment, capture_output=True, text=True,
+                                  timeout=60, check=False)
+            self.assertEqual(done.returncode == 0, is_good, done.stderr)
+        self.assertIn("needs a token", done.stderr)
+        log = self.server.stop()[1]
+        self.assertNotIn(token, log)
+        self.assertNotIn("kerf_", log)
 
 
 if __name__ == "__main__":

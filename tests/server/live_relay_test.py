@@ -13,9 +13,8 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from cluster_servers import Cluster, ClusterAgent, RasterPath, uninterrupted  # noqa: E402
 from kept_logs import run_tests  # noqa: E402
 from live_copy_test import is_copied_to  # noqa: E402
-from live_programs_test import spiral  # noqa: E402
+from hands import spiral, stroke  # noqa: E402
 from live_server import SCENE, until  # noqa: E402
-from live_undo_test import stroke  # noqa: E402
 from wire_client import TOOLS, Agent, Viewer, WebSocket  # noqa: E402
 
 

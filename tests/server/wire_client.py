@@ -60,16 +60,15 @@ class Http:
 
 class WebSocket:
     opened = []  # keeps the sockets of a test from being garbage-collected
-    text_bytes = 0  # of the messages received
 
-    def __init__(self, port, path, protocol, headers=(), host=None, tls=None):
+    def __init__(self, port, path, protocol, headers=(), tls=None):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=WAIT_S)
         if tls:
             self.socket = tls.wrap_socket(self.socket, server_hostname="127.0.0.1")
         WebSocket.opened.append(self)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         key = base64.b64encode(os.urandom(16)).decode()
-        lines = [f"GET {path} HTTP/1.1", f"Host: {host or f'127.0.0.1:{port}'}",
+        lines = [f"GET {path} HTTP/1.1", f"Host: 127.0.0.1:{port}",
                  "Upgrade: websocket",
                  "Connection: Upgrade", f"Sec-WebSocket-Key: {key}", "Sec-WebSocket-Version: 13"]
         if protocol:
@@ -100,23 +99,19 @@ class WebSocket:
         data, self.buffer = self.buffer[:count], self.buffer[count:]
         return data
 
-    def send_frame(self, opcode, payload, masked=True, first=0x80):
+    def send_frame(self, opcode, payload):
         length = len(payload)
-        mask_bit = 0x80 if masked else 0
-        head = bytes([first | opcode])
+        head = bytes([0x80 | opcode])
         if length < 126:
-            head += bytes([mask_bit | length])
+            head += bytes([0x80 | length])
         elif length < 65536:
-            head += bytes([mask_bit | 126]) + struct.pack(">H", length)
+            head += bytes([0x80 | 126]) + struct.pack(">H", length)
         else:
-            head += bytes([mask_bit | 127]) + struct.pack(">Q", length)
-        if masked:
-            mask = os.urandom(4)
-            head += mask
-            repeated = (mask * (length // 4 + 1))[:length]
-            payload = (int.from_bytes(payload, "big") ^ int.from_bytes(repeated, "big")).to_bytes(
-                length, "big")
-        self.socket.sendall(head + payload)
+            head += bytes([0x80 | 127]) + struct.pack(">Q", length)
+        mask = os.urandom(4)
+        repeated = (mask * (length // 4 + 1))[:length]
+        masked = int.from_bytes(payload, "big") ^ int.from_bytes(repeated, "big")
+        self.socket.sendall(head + mask + masked.to_bytes(length, "big"))
 
     def send_text(self, text):
         self.send_frame(1, text.encode() if isinstance(text, str) else text)
@@ -145,7 +140,6 @@ class WebSocket:
             if opcode == 9:
                 self.send_frame(10, payload)
             elif opcode == 1:
-                self.text_bytes += len(payload)
                 return "text", json.loads(payload)
             elif opcode == 2:
                 return "binary", payload
@@ -180,8 +174,8 @@ def parse_header(frame):
 NEW_EPOCH = 2  # of a new session: its journal was created and opened
 
 
-def header(kind, payload_bytes, sequence=1, epoch=NEW_EPOCH, magic=MAGIC):
-    return struct.pack("<IBBHIIQQ", magic, kind, 0, 32, payload_bytes, epoch, sequence, 0)
+def header(kind, payload_bytes, sequence=1, epoch=NEW_EPOCH):
+    return struct.pack("<IBBHIIQQ", MAGIC, kind, 0, 32, payload_bytes, epoch, sequence, 0)
 
 
 def sample(sequence, time_us, tip, axis=(0, 0, 1), tool=1, buttons=CUTTING):
@@ -212,13 +206,13 @@ class Agent(WebSocket):
             self.participant = self.welcome["participant"]
             self.epoch = self.welcome["epoch"]
 
-    def move(self, tips, axis=(0, 0, 1), tool=1, step_us=1000, buttons=CUTTING):
+    def move(self, tips, tool=1, buttons=CUTTING):
         """Sends one message with a sample per tip."""
         samples = []
         for tip in tips:
             self.sequence += 1
-            self.time_us += step_us
-            samples.append(sample(self.sequence, self.time_us, tip, axis, tool, buttons))
+            self.time_us += 1000
+            samples.append(sample(self.sequence, self.time_us, tip, tool=tool, buttons=buttons))
         self.send_binary(motion_frame(samples, self.epoch))
 
     def result(self, sequence=None):
@@ -236,12 +230,8 @@ class Viewer(WebSocket):
         self.send_json({"type": "hello", "name": name, **more})
         self.welcome = self.receive_json("welcome")
         self.participant = self.welcome["participant"]
-        self.welcomes = 1
-        self.tiles = {}   # version of each tile
         self.keeps_meshes = False
         self.meshes = {}  # if so: place and coded mesh of each tile
-        self.levels = {}  # level of detail of each tile
-        self.received = 0  # tiles of all frames
         self.tools = []
 
     def take(self, timeout=WAIT_S):
@@ -250,12 +240,12 @@ class Viewer(WebSocket):
         if form == "text":
             self.last = message
             if message["type"] == "welcome":  # the tiles of another block follow
-                self.welcomes += 1
-                self.tiles, self.levels, self.meshes = {}, {}, {}
+                self.meshes = {}
             return message["type"]
         fields = parse_header(message)
         if fields["type"] == MESH:
-            self.apply(message[32:])
+            if self.keeps_meshes:
+                self.apply(message[32:])
             self.send_binary(header(ACK, 0, sequence=fields["sequence"],
                                     epoch=self.welcome["epoch"]))
         elif fields["type"] == TOOLS:
@@ -267,15 +257,10 @@ class Viewer(WebSocket):
     def apply(self, glb):
         length = struct.unpack("<I", glb[12:16])[0]
         document = json.loads(glb[20:20 + length])
-        self.motions = document["scenes"][0]["extras"]["to"]
         for node in document["nodes"]:
             tile = node.get("extras", {}).get("tile")
             if tile is not None:
-                self.received += 1
-                self.tiles[tuple(tile)] = node["extras"]["version"]
-                self.levels[tuple(tile)] = node["extras"].get("level", 0)
-                if self.keeps_meshes:
-                    self.meshes[tuple(tile)] = self.mesh_of(document, node, glb[28 + length:])
+                self.meshes[tuple(tile)] = self.mesh_of(document, node, glb[28 + length:])
 
     @staticmethod
     def mesh_of(document, node, buffer):

@@ -98,5 +98,14 @@ TEST_F(WorldTest, SamplesThatAKillHasLostAreSentAgain) {
   EXPECT_EQ(faults_of(plan), "");
 }
 
+TEST_F(WorldTest, AHandThatIsOfflineWhileItsServerIsRestartedGoesOnWithoutAGap) {
+  Plan plan;
+  plan.clerks = 0;
+  plan.period = 2 * kMillisecond;
+  plan.faults = {{.at = kSecond, .fault = Fault::kCut},
+                 {.at = kSecond + kMillisecond, .fault = Fault::kRestart, .length = kSecond}};
+  EXPECT_EQ(faults_of(plan), "");
+}
+
 }  // namespace
 }  // namespace kerf::sim
