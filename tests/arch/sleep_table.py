@@ -43,7 +43,6 @@ SLEEPS = [
     ("tests/e2e/support/slow_line.mjs", 2, "pace", "a line with a delay"),
     ("tests/server/cluster_servers.py", 2, "pace", "agents below the limit of samples a second"),
     ("tests/server/delaying_relay.py", 2, "pace", "a line with a delay, and one that is held"),
-    ("tests/server/live_rearm_test.py", 1, "pace", "a device of 500 Hz"),
     ("tests/server/live_usb_test.py", 3, "pace",
      "a hand lets go, and grips as long as arming takes"),
     ("tests/server/machine_stalls.py", 1, "pace", "measures how late this machine is at 1 kHz"),
@@ -70,6 +69,5 @@ SLEEPS = [
     ("tests/server/cluster/own_leases_test.cpp", 1, "quiet",
      "a NATS that is late: longer than one attempt, shorter than all"),
     ("tests/server/live_bad_input_test.py", 1, "quiet", "a limit of samples a second recovers"),
-    ("tests/server/live_haply_test.py", 1, "quiet", "a service that is absent is named once"),
     ("tests/server/session_test.cpp", 1, "quiet", "a limit of samples a second recovers"),
 ]
