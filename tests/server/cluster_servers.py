@@ -96,9 +96,8 @@ class Cluster:
         os.makedirs(path, exist_ok=True)
         return path
 
-    def start(self, name, *more, nats=None, environment=None):
-        self.servers[name] = Server(self.path(name), "--nats", nats or self.nats.url, "--node", name,
-                                    *more, environment=environment)
+    def start(self, name, *more):
+        self.servers[name] = Server(self.path(name), "--nats", self.nats.url, "--node", name, *more)
         return self.servers[name]
 
     def stop(self, name, how=signal.SIGTERM):

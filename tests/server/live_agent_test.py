@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the real kerf-agent with the real server: a slow line, two devices, recordings."""
+"""Tests the real kerf-agent with the real server: a slow line, two devices, a study and recordings."""
 import csv
 import io
 import json
 import os
 import signal
 import subprocess
+import threading
 
 from delaying_relay import Line, Relay
 from kept_logs import keep, path_of, run_tests
@@ -134,20 +135,48 @@ class Recordings(AgentTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         return list(csv.DictReader(io.StringIO(done.stdout)))
 
-    def test_a_recording_has_every_tick_and_replays_to_the_same_block(self):
-        file = self.file("carved.mcap")
-        words = ("--device", "sim", "--duration", "2.5", "--record", file)
-        status = self.run_agent(*words)
+    def run_study(self, recording, study):
+        """Answers a study of one trial while it is recorded; returns the agent's summary."""
+        agent = subprocess.Popen(
+            self.words("--device", "sim", "--loop", "--record", recording, "--study", study,
+                       "--trials", "1", "--interval", "1", "--seed", "4",
+                       "--status-json", self.file("study.json")),
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        limit = threading.Timer(LIMIT_S, agent.kill)
+        limit.start()
+        self.addCleanup(limit.cancel)
+        said = []
+        for line in agent.stderr:
+            said.append(line)
+            if "a or b?" in line:
+                agent.stdin.write("a\n")
+                agent.stdin.flush()
+        output = agent.communicate()[0]
+        keep("agent", "".join(said))
+        self.assertEqual(agent.returncode, 0, "".join(said))
+        self.assertIn(f"1 trials in {study}", output)
+        with open(self.file("study.json")) as file:
+            return json.load(file)
+
+    def test_a_study_is_recorded_with_every_tick_and_replays_to_the_same_block(self):
+        file, study = self.file("carved.mcap"), self.file("study.csv")
+        status = self.run_study(file, study)
+        with open(study) as table:
+            trial, = csv.DictReader(table)
+        self.assertEqual({trial["mode_a"], trial["mode_b"]}, {"kerf", "paper"})
+        self.assertEqual(trial["correct"], "1" if trial["mode_a"] == "kerf" else "0")
         record = status["record"]
         self.assertEqual((record["lost"], record["error"]), (0, ""))
         self.assertEqual(record["ticks"], status["servo"]["ticks"])
+        self.assertGreater(status["copy"]["felt_ticks"], 100, "the replica answers")
         ticks = self.export(file)
         self.assertEqual(len(ticks), record["ticks"])
-        most = max(sum(float(row[f"felt_f{i}_n"]) ** 2 for i in "xyz") ** 0.5
-                   for row in ticks)
+        self.assertEqual(set(row["mode"] for row in ticks), {"model", "paper", "silent"})
+        most = max(sum(float(row[f"felt_f{i}_n"]) ** 2 for i in "xyz") ** 0.5 for row in ticks)
         self.assertAlmostEqual(most, status["force"]["max_n"], delta=1e-6)
         # Never overwritten; the error says so before anything is carved.
-        self.assertIn("exists; choose another name", self.run_agent(*words, code=1))
+        self.assertIn("exists; choose another name",
+                      self.run_agent("--device", "sim", "--record", file, code=1))
         # The replay reads its pose between the ticks' times, so the volume is equal, not the bytes.
         self.server.create("again", SCENE)
         self.run_agent("--device", "replay:" + file, session="again")

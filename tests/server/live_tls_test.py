@@ -93,6 +93,7 @@ class Tls(unittest.TestCase):
              "replay:" + self.path("rows.csv"), "--tool", "2", "--status-json", "-", *more],
             capture_output=True, text=True, timeout=60, env={**os.environ, "KERF_TOKEN": ADMIN})
         keep("agent", done.stderr)
+        self.assertNotIn(ADMIN, done.stderr)
         self.assertEqual(done.returncode, 0, done.stderr)
         link = json.loads(done.stdout)["link"]
         self.assertEqual((link["unanswered"], link["not_durable"], link["errors"]), (0, 0, {}))

@@ -175,7 +175,7 @@ class Session(LiveTest):
             self.plug(address)  # a loaded machine had tripped the agent before
         self.assertIn("device_lost", self.trips())
 
-        # After reconnecting it carves again, but displays no force until the grip was released once.
+        # After reconnecting it carves again, but displays no force until the grip was released.
         before = self.removed()
         self.plug(9)
         self.retract()
@@ -185,6 +185,10 @@ class Session(LiveTest):
         self.wait_for(lambda: self.removed() > before + 100, "the agent does not carve after reconnecting")
         self.assertEqual(self.pen.felt(), (0, 0))
         self.retract()
+        # So does a request of the user, whose hand still holds the grip.
+        before = self.log().count("the force is on")
+        self.agent.send_signal(signal.SIGUSR1)
+        self.wait_for(lambda: self.log().count("the force is on") > before, "SIGUSR1 has no effect")
         self.feel_a_cut()
         self.retract()
         self.check_exit()

@@ -119,6 +119,29 @@ TEST_F(SimFollowers, ViewersThereSeeWhoCarvesAndAreCountedAtTheOwner) {
             "");
 }
 
+TEST_F(SimFollowers, TheyShowTheSameBlockThroughUndoAndRedo) {
+  EXPECT_EQ(faults_of([](Cluster& servers) {
+              begin(servers);
+              Page page("block", {servers.at("b").port()}, 7);
+              page.start();
+              const auto change = [&](const char* what, int participant) {
+                const auto answer = servers.ask("a", "POST",
+                                                std::string("/v1/sessions/block/") + what +
+                                                    "?participant=" + std::to_string(participant));
+                EXPECT_EQ(answer.status / 100, 2) << answer.body;
+              };
+              for (int n = 1; n <= 3; ++n) {
+                servers.carve("a", 300 * kMillisecond);
+                change("undo", n);
+                if (n == 2) change("redo", n);
+                wait_until_equal(servers);
+                EXPECT_TRUE(page.shows(hash(servers, "a"), 10 * kSecond));
+              }
+              page.stop();
+            }),
+            "");
+}
+
 TEST_F(SimFollowers, TheyGoOnWhenTheOwnerIsKilledAndNothingIsLost) {
   EXPECT_EQ(faults_of([](Cluster& servers) {
               servers.start("a", follows(Follow::kAll));

@@ -83,6 +83,34 @@ TEST_F(Takeovers, AStoppedOwnerThatIsContinuedChangesNothingBeforeItKnows) {
       "");
 }
 
+TEST_F(Takeovers, WithoutNatsTheSessionPausesAndGoesOnByItself) {
+  EXPECT_EQ(faults_of([](Cluster& servers) {
+              servers.start("a");
+              servers.create("a");
+              servers.start("b");
+              servers.carve("a");
+              const Json before = servers.info("a");
+              NatsModel::instance().stop();
+              EXPECT_TRUE(servers.until([&] { return servers.info("a").at("paused") == "lease"; }));
+              const Json ready = Json::parse(servers.ask("a", "GET", "/readyz").body);
+              EXPECT_EQ(ready.at("paused"), Json::array({"block"}));
+              const auto refused = servers.ask("a", "POST", "/v1/sessions?id=other", kClusterScene);
+              EXPECT_EQ(refused.status, 503);
+              EXPECT_EQ(code_of(refused), "no_lease");
+              servers.begin_carving("a", 2 * kSecond);
+              sleep_until(now() + 3 * kSecond);
+              EXPECT_EQ(servers.info("a").at("motions"), before.at("motions"));
+              NatsModel::instance().start();
+              const std::string owner = servers.wait_for_owner();
+              if (owner == "a") {
+                EXPECT_EQ(servers.info("a").at("epoch"), before.at("epoch"));
+              }
+              servers.finish_carving();
+              servers.check_journal(servers.wait_for_owner());
+            }),
+            "");
+}
+
 TEST_F(Takeovers, AnOwnerWhoseDiskIsFullKeepsItsSessionUntilItIsGone) {
   EXPECT_EQ(faults_of([](Cluster& servers) {
               servers.start("a");
