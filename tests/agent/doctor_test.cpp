@@ -2,11 +2,17 @@
 #include "haptic_agent/doctor/doctor.h"
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include "haptic_agent/doctor/checks.h"
 #include "haptic_agent/run_agents.h"
@@ -94,6 +100,57 @@ TEST(Doctor, UnreachableServerIsBad) {
   EXPECT_EQ(finding.health, Health::kBad);
   EXPECT_TRUE(contains(finding, "cannot be reached"));
   EXPECT_EQ(check_server({.host = "no-such-host.invalid", .port = "1"}).health, Health::kBad);
+}
+
+/// Listens, and answers the first request with this status line.
+class OneAnswer {
+ public:
+  explicit OneAnswer(std::string status)
+      : listener_(socket(AF_INET, SOCK_STREAM, 0)), thread_([this, status = std::move(status)] {
+          const int asked = accept(listener_, nullptr, nullptr);
+          std::array<char, 1000> request{};
+          EXPECT_GT(recv(asked, request.data(), request.size(), 0), 0);
+          const std::string answer = "HTTP/1.1 " + status + "\r\nContent-Length: 0\r\n\r\n";
+          EXPECT_EQ(send(asked, answer.data(), answer.size(), MSG_NOSIGNAL), std::ssize(answer));
+          close(asked);
+        }) {}
+  ~OneAnswer() {
+    thread_.join();
+    close(listener_);
+  }
+  OneAnswer(const OneAnswer&) = delete;
+  OneAnswer& operator=(const OneAnswer&) = delete;
+  ServerUrl url() const {
+    return {.host = "127.0.0.1", .port = std::to_string(ntohs(address_.sin_port))};
+  }
+
+ private:
+  static sockaddr_in listen_on(int listener) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(listener, reinterpret_cast<const sockaddr*>(&address), size), 0);
+    EXPECT_EQ(listen(listener, 16), 0);  // the connections that are only measured wait
+    getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
+    return address;
+  }
+  int listener_;
+  sockaddr_in address_ = listen_on(listener_);
+  std::thread thread_;
+};
+
+TEST(Doctor, HealthOfAServerIsItsAnswer) {
+  const OneAnswer healthy("200 OK"), other("404 Not Found");
+  const Finding good = check_server(healthy.url());
+  EXPECT_NE(good.health, Health::kBad);
+  EXPECT_TRUE(good.what.starts_with("the server 127.0.0.1:" + healthy.url().port +
+                                    " is healthy; round trip "))
+      << good.what;
+  const Finding bad = check_server(other.url());
+  EXPECT_EQ(bad.health, Health::kBad);
+  EXPECT_EQ(bad.what, "no healthy kerf-server at 127.0.0.1:" + other.url().port +
+                          " (HTTP/1.1 404 Not Found)");
 }
 
 TEST(Doctor, LatencyOfADeviceIsComparedWithTheDeclaredOne) {

@@ -24,8 +24,8 @@ except ImportError:
     print("skipped: python3-yaml is not installed")
     sys.exit(77)
 
+from cluster_servers import is_copied_to  # noqa: E402
 from kept_logs import Output, run_tests  # noqa: E402
-from live_copy_test import is_copied_to  # noqa: E402
 from live_server import PROGRAM, SCENE, until  # noqa: E402
 from waiting import eventually  # noqa: E402
 from wire_client import Http  # noqa: E402

@@ -228,6 +228,11 @@ TEST_F(ApiRightsTest, AnInvitationIsExchangedForAPassInACookie) {
   EXPECT_EQ(caller.role, Role::kSculptor);
   EXPECT_EQ(caller.name, "Grace");
   EXPECT_EQ(ask("POST", "/v1/sessions/block/join", "kerf_x").status, 401U);
+  ApiRequest over_tls = *parse_target("/v1/sessions/block/join");
+  over_tls.method = "POST";
+  over_tls.token = invite("role=watcher");
+  over_tls.is_secure = true;
+  EXPECT_TRUE(api->handle(over_tls).headers.at(0).second.contains("; Secure"));
 }
 
 TEST_F(ApiRightsTest, ALinkThatIsOpenedAgainGivesTheSamePass) {

@@ -90,6 +90,17 @@ TEST(BrowserRules, ThePageMayLoadWhatItNeedsFromItsOwnServerOnly) {
   EXPECT_EQ(header(data, "Content-Security-Policy"), "default-src 'none'; frame-ancestors 'none'");
 }
 
+TEST(BrowserRules, BrowsersStayWithTlsButForLocalhost) {
+  const auto transport = [](std::string_view host, bool is_secure) {
+    ApiResponse page;
+    add_browser_headers({.host = host, .origin = "", .is_secure = is_secure}, {}, page);
+    return header(page, "Strict-Transport-Security");
+  };
+  EXPECT_TRUE(transport("kerf.example", true).starts_with("max-age="));
+  EXPECT_EQ(transport("kerf.example", false), "");
+  EXPECT_EQ(transport("localhost:8080", true), "") << "other ports are other programs";
+}
+
 TEST(BrowserRules, ThePageMayAlsoUseTheOtherServersOfItsCluster) {
   HttpOptions options;
   options.other_servers = [] {

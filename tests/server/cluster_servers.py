@@ -1,15 +1,86 @@
 # SPDX-License-Identifier: Apache-2.0
 """Several kerf-servers that share sessions over one nats-server, and what their agents may expect."""
+import math
 import os
 import signal
+import sqlite3
+import struct
 import threading
 import time
 
 import nats_server
-from live_resume_test import DurableAgent, spiral_tip
 from live_server import Server
 from waiting import eventually
-from wire_client import Closed, Rejected
+from wire_client import (CUTTING, MOTION, PING, PONG, RESULT, Closed, Rejected, WebSocket, header,
+                         sample)
+
+
+def batches(folder, session="block"):
+    """The rows of a journal's records."""
+    with sqlite3.connect(os.path.join(folder, session + ".kerf")) as database:
+        return database.execute("SELECT * FROM batches ORDER BY first").fetchall()
+
+
+def is_copied_to(info, record):
+    """Whether the copy goes up to a record, and goes on."""
+    copied = info["copied"]  # null right after a start
+    return copied is not None and (copied["record"], copied["fault"]) == (record, None)
+
+
+def spiral_tip(i):
+    angle, radius = 0.02 * i, 4 + 0.01 * i
+    return radius * math.cos(angle), radius * math.sin(angle), -2 - 0.002 * i
+
+
+class DurableAgent:
+    """Keeps its samples until the server has stated that they are durable."""
+
+    def __init__(self, port, session):
+        self.session, self.token, self.epoch = session, None, 0
+        self.sent = []      # poses by number, from 1
+        self.durable = 0
+        self.connect(port)
+
+    def connect(self, port):
+        self.socket = WebSocket(port, f"/v1/sessions/{self.session}/agent", "kerf.agent.v1")
+        hello = {"type": "hello", "name": "Ada", "tool": 1, "durable": True}
+        if self.token:
+            hello["resume"] = self.token
+        self.socket.send_json(hello)
+        self.welcome = self.socket.receive_json("welcome")
+        self.epoch = self.welcome["epoch"]
+        self.token = self.welcome["resume"]["token"]
+        self.send(max(1, self.welcome["resume"]["agent_sequence"], self.durable))
+
+    def send(self, first):
+        """Sends the samples from number `first` on, and reads their answers."""
+        numbers = range(first, len(self.sent) + 1)
+        for start in range(0, len(numbers), 16):
+            samples = [sample(n, 1000 * n, self.sent[n - 1], buttons=CUTTING)
+                       for n in numbers[start:start + 16]]
+            payload = struct.pack("<II", len(samples), 0) + b"".join(samples)
+            self.socket.send_binary(header(MOTION, len(payload), epoch=self.epoch) + payload)
+            self.wait(RESULT)
+
+    def wait(self, kind):
+        while True:
+            form, frame = self.socket.receive()
+            if form != "binary":
+                continue
+            flags, header_bytes = frame[5], struct.unpack("<H", frame[6:8])[0]
+            if flags & 1 and header_bytes >= 40:
+                self.durable = max(self.durable, struct.unpack("<Q", frame[32:40])[0])
+            if frame[4] == kind:
+                return frame[header_bytes:]
+
+    def ping(self):
+        self.socket.send_binary(header(PING, 8, epoch=self.epoch) + struct.pack("<Q", 1))
+        self.wait(PONG)
+
+    def move(self, count):
+        first = len(self.sent) + 1
+        self.sent += [spiral_tip(len(self.sent) + i) for i in range(count)]
+        self.send(first)
 
 
 class Cluster:
@@ -25,9 +96,8 @@ class Cluster:
         os.makedirs(path, exist_ok=True)
         return path
 
-    def start(self, name, *more, nats=None, environment=None):
-        self.servers[name] = Server(self.path(name), "--nats", nats or self.nats.url, "--node", name,
-                                    *more, environment=environment)
+    def start(self, name, *more):
+        self.servers[name] = Server(self.path(name), "--nats", self.nats.url, "--node", name, *more)
         return self.servers[name]
 
     def stop(self, name, how=signal.SIGTERM):

@@ -60,8 +60,6 @@ class Relay:
 
     def __init__(self, target_port, line, seed=1):
         self.up, self.down = Direction(line, seed), Direction(line, seed + 1)
-        self.connections = 0
-        self._is_cut = self._is_held = False
         self._target_port = target_port
         self._loop = asyncio.new_event_loop()
         self._tasks = set()
@@ -80,34 +78,15 @@ class Relay:
         self._thread.join()
         self._loop.close()
 
-    def cut(self):
-        """Ends all connections and relays no further ones until mend(): the network is gone."""
-        self._is_cut = True
-        asyncio.run_coroutine_threadsafe(self._end_connections(), self._loop).result(30)
-
-    def mend(self):
-        self._is_cut = False
-
-    def hold(self, is_held):
-        """Forwards nothing, and ends nothing either, while it is held: the ends learn of nothing."""
-        self._is_held = is_held
-
     async def _end(self):
         self._server.close()
-        await self._end_connections()
-
-    async def _end_connections(self):
         for task in list(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
     async def _relay(self, reader, writer):
         """Relays both directions of one connection until both have ended."""
-        if self._is_cut:
-            writer.close()
-            return
         self._tasks.add(asyncio.current_task())
-        self.connections += 1
         target = None
         try:
             back, target = await asyncio.open_connection("127.0.0.1", self._target_port)
@@ -140,8 +119,6 @@ class Relay:
         while True:
             due_s, data = await waiting.get()
             await asyncio.sleep(max(0.0, due_s - self._loop.time()))
-            while self._is_held:
-                await asyncio.sleep(0.01)
             if not data:
                 writer.write_eof()
                 return

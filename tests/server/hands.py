@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What agents and programs of the live tests cut, and agents with a token."""
+"""What agents and programs of the live tests cut, and the header of a token."""
 import math
-
-from wire_client import Agent, WebSocket
 
 
 def carve(agent, steps=400, phase=0.0):
@@ -12,19 +10,6 @@ def carve(agent, steps=400, phase=0.0):
         radius = 4 + 8 * i / steps
         agent.move([(radius * math.cos(angle), radius * math.sin(angle), -2 - i / steps)])
         agent.result()
-
-
-def stroke(agent, y, depth=-3, count=40):
-    """A line along x; the tool is lifted afterwards."""
-    agent.move([(-15, y, 1)], buttons=0)
-    agent.result()
-    agent.move([(-15, y, 0.5)], buttons=0)
-    for first in range(0, count, 8):
-        agent.move([(-15 + 30 * n / count, y, depth * min(1, n / 4))
-                    for n in range(first, first + 8)])
-        agent.result()
-    agent.move([(15, y, 1)], buttons=0)
-    agent.result()
 
 
 def spiral(blocks):
@@ -38,17 +23,3 @@ def spiral(blocks):
 
 def bearer(token):
     return {"Authorization": "Bearer " + token}
-
-
-class Holder(Agent):
-    """An agent that presents a token when it asks for its WebSocket."""
-
-    def __init__(self, port, token, name="Ada"):
-        WebSocket.__init__(self, port, "/v1/sessions/block/agent", "kerf.agent.v1",
-                           [f"Authorization: Bearer {token}"])
-        self.sequence = 0
-        self.time_us = 1_000_000
-        self.send_json({"type": "hello", "name": name})
-        self.welcome = self.receive_json("welcome")
-        self.participant = self.welcome["participant"]
-        self.epoch = self.welcome["epoch"]

@@ -2,7 +2,6 @@
 """A server that is drained sends its peers to the one that takes its data folder."""
 import json
 import os
-import signal
 import subprocess
 import tempfile
 

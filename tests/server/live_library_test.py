@@ -118,21 +118,6 @@ class Examples(LiveTest):
         self.assertGreater(count, 1000)
         self.assertGreater(self.server.info(session)["removed_volume_mm3"], 5, output)
 
-    def test_faults_of_a_plugin_are_reported(self):
-        for argument, code in (("plugin:/no/such.so", 2), (f"plugin:{PLUGIN}:9", 1)):
-            done = subprocess.run([AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session",
-                                   "block", "--device", argument], capture_output=True, text=True,
-                                  timeout=60)
-            self.assertEqual(done.returncode, code, done.stderr)
-            self.assertIn("the plugin", done.stderr)
-        self.assertIn("at most 2 N/mm", done.stderr)
-
-    def test_unknown_session_is_reported(self):
-        done = subprocess.run([PRESS, f"http://127.0.0.1:{self.port}", "nowhere"],
-                              capture_output=True, text=True, timeout=60)
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("nowhere", done.stderr)
-
 
 if __name__ == "__main__":
     run_tests()

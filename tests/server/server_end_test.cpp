@@ -98,5 +98,17 @@ TEST(ServerEnd, OfAServerWithViewersLeavesNothingBehind) {
   }
 }
 
+TEST(ServerStart, InAFolderThatAnotherOneUsesFailsAndChangesNothing) {
+  const test::TemporaryFolder folder;
+  const auto first = start(folder.path());
+  bench::post(first->port(), "/v1/sessions?id=bench", kScene);
+  ServerOptions options;
+  options.http.data_folder = folder.path();
+  const auto second = Server::create(options);
+  ASSERT_FALSE(second);
+  EXPECT_TRUE(second.error().contains("in use")) << second.error();
+  EXPECT_EQ(bench::json_field(bench::get(first->port(), "/v1/sessions/bench"), "paused"), "null");
+}
+
 }  // namespace
 }  // namespace kerf::net

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// TLS against peers that do not speak it; tests/server/live_tls_test.py has those that do.
+// TLS channels against each other, and against peers that do not speak it.
+#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <openssl/evp.h>
-#include <openssl/pem.h>
-#include <openssl/x509.h>
+#include <openssl/ssl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
-#include <cstdio>
+#include <fstream>
 #include <memory>
 #include <regex>
 #include <string_view>
+#include <tuple>
+#include <vector>
 
 #include "server/tls/tls_channel.h"
 #include "server/tls/tls_context.h"
+#include "tests/server/certificates.h"
 #include "tests/server/temporary_folder.h"
 
 namespace kerf::net {
@@ -79,6 +81,95 @@ TEST_F(TlsTest, AClosedPeerRaisesNoSignal) {
   EXPECT_FALSE(made.is_final());
 }
 
+/// A server and a client on the two ends.
+class TlsPair : public TlsTest {
+ protected:
+  void SetUp() override { test::certify(folder_ / "good"); }
+  TlsContext server(const char* name) const {
+    return TlsContext::of_server(folder_ / (std::string(name) + ".pem"),
+                                 folder_ / (std::string(name) + ".key"))
+        .value();
+  }
+  TlsContext client(const char* authority) const {
+    return TlsContext::of_client(folder_ / (std::string(authority) + ".pem")).value();
+  }
+  static bool is_waiting(TlsStep step) {
+    return step == TlsStep::kWantsRead || step == TlsStep::kWantsWrite;
+  }
+  /// Shakes hands; whether both have.
+  static bool shake(TlsChannel& server, TlsChannel& client) {
+    TlsStep there = TlsStep::kWantsRead, here = TlsStep::kWantsRead;
+    while (is_waiting(here) && there != TlsStep::kFailed) {
+      here = client.handshake();
+      if (is_waiting(there)) there = server.handshake();
+    }
+    return here == TlsStep::kDone && there == TlsStep::kDone;
+  }
+
+  const test::TemporaryFolder folder_;
+};
+
+TEST_F(TlsPair, AClientSaysWhatIsWrongWithACertificate) {
+  test::certify(folder_ / "old", {.begins_s = -2 * test::kDayS, .ends_s = -test::kDayS});
+  test::certify(folder_ / "next", {.begins_s = test::kDayS, .ends_s = 2 * test::kDayS});
+  test::certify(folder_ / "other", {.names = "DNS:other.example"});
+  struct Case {
+    const char *certificate, *authority, *host, *reason;
+  };
+  for (const Case& one :
+       {Case{"good", "good", "127.0.0.1", ""}, Case{"good", "good", "localhost", ""},
+        Case{"old", "old", "localhost", "has expired"},
+        Case{"next", "next", "localhost", "is not valid yet"},
+        Case{"other", "other", "127.0.0.1", "is not for 127.0.0.1"},
+        Case{"other", "other", "localhost", "is not for localhost"},
+        Case{"good", "other", "localhost", "unknown authority"}}) {
+    std::array<int, 2> ends{};
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()), 0);
+    TlsChannel there(server(one.certificate), ends[0]);
+    TlsChannel here(client(one.authority), ends[1], one.host);
+    EXPECT_EQ(shake(there, here), *one.reason == '\0') << one.certificate << " " << one.host;
+    EXPECT_TRUE(here.failure().contains(one.reason)) << here.failure();
+    EXPECT_EQ(here.is_final(), *one.reason != '\0') << here.failure();
+    for (const int end : ends) close(end);
+  }
+}
+
+TEST_F(TlsPair, NothingOlderThanTls13IsSpoken) {
+  TlsChannel there(server("good"), ends_[0]);
+  const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> rules(SSL_CTX_new(TLS_client_method()),
+                                                                SSL_CTX_free);
+  SSL_CTX_set_max_proto_version(rules.get(), TLS1_2_VERSION);
+  const std::unique_ptr<SSL, decltype(&SSL_free)> old(SSL_new(rules.get()), SSL_free);
+  SSL_set_fd(old.get(), ends_[1]);
+  SSL_set_connect_state(old.get());
+  ASSERT_EQ(fcntl(ends_[1], F_SETFL, O_NONBLOCK), 0);
+  EXPECT_NE(SSL_do_handshake(old.get()), 1);
+  EXPECT_EQ(there.handshake(), TlsStep::kFailed);
+  EXPECT_EQ(there.failure(), "the peer does not speak TLS 1.3");
+  EXPECT_NE(SSL_do_handshake(old.get()), 1);
+  EXPECT_EQ(SSL_get_error(old.get(), -1), SSL_ERROR_SSL) << "and the client knows";
+}
+
+TEST_F(TlsPair, TheEndOfTcpWithoutAnEndOfTlsLosesNothing) {
+  TlsChannel there(server("good"), ends_[0]);
+  TlsChannel here(client("good"), ends_[1], "localhost");
+  ASSERT_TRUE(shake(there, here));
+  constexpr std::size_t kMessages = 50, kBytes = 100;
+  const std::vector<std::byte> message(kBytes, std::byte{7});
+  for (std::size_t n = 0; n < kMessages; ++n) {
+    std::size_t count = 0;
+    ASSERT_EQ(here.write(message, count), TlsStep::kDone);
+    ASSERT_EQ(count, kBytes);
+  }
+  ASSERT_EQ(shutdown(ends_[1], SHUT_WR), 0);
+  std::array<std::byte, 1000> read{};
+  std::size_t all = 0, count = 0;
+  TlsStep step = TlsStep::kDone;
+  while ((step = there.read(read, count)) == TlsStep::kDone) all += count;
+  EXPECT_EQ(step, TlsStep::kClosed) << there.failure();
+  EXPECT_EQ(all, kMessages * kBytes);
+}
+
 TEST_F(TlsTest, FilesThatCannotBeUsedAreNamed) {
   const auto server = TlsContext::of_server("/no/such/chain.pem", "/no/such/key.pem");
   ASSERT_FALSE(server);
@@ -89,33 +180,11 @@ TEST_F(TlsTest, FilesThatCannotBeUsedAreNamed) {
   EXPECT_NE(client.error().find("/no/such/authority.pem"), std::string::npos);
 }
 
-/// Writes PATH.pem and PATH.key: a certificate of its own, valid between times from now on, s.
-void certify(const std::filesystem::path& path, long begins_s, long ends_s) {
-  const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(EVP_EC_gen("P-256"), EVP_PKEY_free);
-  const std::unique_ptr<X509, decltype(&X509_free)> own(X509_new(), X509_free);
-  ASSERT_TRUE(key && own);
-  ASN1_INTEGER_set(X509_get_serialNumber(own.get()), 1);
-  X509_gmtime_adj(X509_getm_notBefore(own.get()), begins_s);
-  X509_gmtime_adj(X509_getm_notAfter(own.get()), ends_s);
-  X509_set_pubkey(own.get(), key.get());
-  ASSERT_GT(X509_sign(own.get(), key.get(), EVP_sha256()), 0);
-  const auto write = [&](const char* extension, auto&& put) {
-    const std::unique_ptr<FILE, int (*)(FILE*)> file(
-        std::fopen((path.string() + extension).c_str(), "w"), std::fclose);
-    ASSERT_TRUE(file);
-    EXPECT_EQ(put(file.get()), 1);
-  };
-  write(".pem", [&](FILE* file) { return PEM_write_X509(file, own.get()); });
-  write(".key", [&](FILE* file) {
-    return PEM_write_PrivateKey(file, key.get(), nullptr, nullptr, 0, nullptr, nullptr);
-  });
-}
-
 TEST(TlsCertificate, OneThatIsNotValidNowIsNamedWithItsDates) {
-  constexpr long kDay = 86'400;
+  constexpr long kDay = test::kDayS;
   const test::TemporaryFolder folder;
   const auto load = [&](const char* name, long begins_s, long ends_s) {
-    certify(folder / name, begins_s, ends_s);
+    test::certify(folder / name, {.begins_s = begins_s, .ends_s = ends_s});
     auto loaded = TlsCertificate::load(folder / (std::string(name) + ".pem"),
                                        folder / (std::string(name) + ".key"));
     EXPECT_TRUE(loaded) << loaded.error();
@@ -133,13 +202,44 @@ TEST(TlsCertificate, OneThatIsNotValidNowIsNamedWithItsDates) {
   // Neither takes the place of one that is valid.
   const std::int64_t expires_s = good->current().expires_s();
   for (const auto& [begins_s, ends_s] : {std::pair(-2 * kDay, -kDay), std::pair(kDay, 2 * kDay)}) {
-    certify(folder / "good", begins_s, ends_s);
+    test::certify(folder / "good", {.begins_s = begins_s, .ends_s = ends_s});
     EXPECT_FALSE(good->reload());
     EXPECT_EQ(good->current().expires_s(), expires_s);
   }
-  certify(folder / "good", -kDay, 3 * kDay);
+  test::certify(folder / "good", {.ends_s = 3 * kDay});
   EXPECT_TRUE(good->reload());
   EXPECT_GT(good->current().expires_s(), expires_s);
+}
+
+TEST(TlsCertificate, TheLastOneStaysWhileTheNextCannotBeUsed) {
+  const test::TemporaryFolder folder;
+  test::certify(folder / "first");
+  test::certify(folder / "next", {.ends_s = 2 * test::kDayS});
+  test::certify(folder / "locked", {.ends_s = 2 * test::kDayS, .password = "secret"});
+  std::ofstream(folder / "text.pem") << "no certificate\n";
+  const auto install = [&](const char* name, const char* to) {
+    constexpr auto kReplace = std::filesystem::copy_options::overwrite_existing;
+    std::filesystem::copy_file(folder / name, folder / to, kReplace);
+  };
+  install("first.pem", "used.pem");
+  install("first.key", "used.key");
+  const auto used = TlsCertificate::load(folder / "used.pem", folder / "used.key").value();
+  const std::int64_t expires_s = used->current().expires_s();
+  for (const auto& [certificate, key, reason] :
+       {std::tuple("text.pem", "first.key", "no start line"),
+        std::tuple("next.pem", "first.key", "mismatch"),
+        std::tuple("locked.pem", "locked.key", "it needs a password; store it without one")}) {
+    install(certificate, "used.pem");
+    install(key, "used.key");
+    const auto reloaded = used->reload();
+    ASSERT_FALSE(reloaded) << reason;
+    EXPECT_TRUE(reloaded.error().contains(reason)) << reloaded.error();
+    EXPECT_EQ(used->current().expires_s(), expires_s);
+  }
+  install("next.pem", "used.pem");
+  install("next.key", "used.key");
+  EXPECT_TRUE(used->reload());
+  EXPECT_GT(used->current().expires_s(), expires_s);
 }
 
 }  // namespace

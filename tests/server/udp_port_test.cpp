@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/udp/udp_port.h"
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include "server/datagram/cipher.h"
 #include "server/metrics/metrics.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/eventually.h"
 
 namespace kerf::net {
 namespace {
@@ -26,6 +28,15 @@ TEST(UdpAddress, ReadsNumericAddressesOnly) {
   }
 }
 
+/// A socket of IPv4 that waits for 5 s at most, which only ends a failed test.
+int open_socket() {
+  const int opened = ::socket(AF_INET, SOCK_DGRAM, 0);
+  EXPECT_GE(opened, 0);
+  const timeval limit{5, 0};
+  ::setsockopt(opened, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+  return opened;
+}
+
 /// A port on the loopback interface, one peer, and a client socket that knows the peer's keys.
 class UdpPortTest : public SessionTest {
  protected:
@@ -36,13 +47,10 @@ class UdpPortTest : public SessionTest {
       frames.emplace_back(frame.begin(), frame.end());
     });
     ASSERT_TRUE(peer);
-    client = ::socket(AF_INET, SOCK_DGRAM, 0);
-    ASSERT_GE(client, 0);
+    client = open_socket();
     server = *to_address("127.0.0.1", port.port());
     ASSERT_EQ(::connect(client, reinterpret_cast<const sockaddr*>(&server.peer), server.peer_bytes),
               0);
-    const timeval limit{5, 0};
-    ::setsockopt(client, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
   }
   void TearDown() override { ::close(client); }
 
@@ -151,6 +159,74 @@ TEST_F(UdpPortTest, DropsDatagramsBeyondTheWaitingLimit) {
 TEST_F(UdpPortTest, SendsNothingBeforeTheFirstDatagramOfTheAgent) {
   peer->send(Bytes(30, std::byte{9}));
   EXPECT_TRUE(becomes("kerf_datagrams_sent_total 0"));
+}
+
+/// Sends from another socket, as an agent behind another address does.
+class Elsewhere {
+ public:
+  explicit Elsewhere(const UdpAddress& server) : server_(server) {}
+  ~Elsewhere() { ::close(socket_); }
+  Elsewhere(const Elsewhere&) = delete;
+  Elsewhere& operator=(const Elsewhere&) = delete;
+  void send(const Bytes& datagram) const {
+    EXPECT_EQ(::sendto(socket_, datagram.data(), datagram.size(), 0,
+                       reinterpret_cast<const sockaddr*>(&server_.peer), server_.peer_bytes),
+              static_cast<ssize_t>(datagram.size()));
+  }
+  /// Where the next datagram comes from; empty: there is none.
+  std::string source(int flags = 0) const {
+    std::array<char, 2048> bytes{};
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    if (::recvfrom(socket_, bytes.data(), bytes.size(), flags, reinterpret_cast<sockaddr*>(&from),
+                   &size) < 0) {
+      return {};
+    }
+    std::array<char, INET_ADDRSTRLEN> text{};
+    ::inet_ntop(AF_INET, &from.sin_addr, text.data(), text.size());
+    return text.data();
+  }
+
+ private:
+  UdpAddress server_;
+  int socket_ = open_socket();
+};
+
+TEST_F(UdpPortTest, AnswersGoToTheSourceOfTheNewestDatagram) {
+  const Bytes frame(40, std::byte{7});
+  const Bytes old = seal(frame);
+  send(seal(frame));
+  ASSERT_TRUE(becomes("kerf_datagrams_received_total 1"));
+  const Elsewhere stranger(server), moved(server);
+  stranger.send(old);  // delayed by an attacker
+  ASSERT_TRUE(becomes("kerf_datagrams_received_total 2"));
+  peer->send(frame);
+  Bytes answer(datagram::kMaxBytes);
+  EXPECT_GT(::recv(client, answer.data(), answer.size(), 0), 0);
+  moved.send(seal(frame));  // the agent, behind a NAT that has lost its mapping
+  ASSERT_TRUE(becomes("kerf_datagrams_received_total 3"));
+  peer->send(frame);
+  EXPECT_EQ(moved.source(), "127.0.0.1");
+  EXPECT_EQ(stranger.source(MSG_DONTWAIT), "");
+}
+
+TEST_F(UdpPortTest, AnswersComeFromTheAddressThatTheAgentUses) {
+  for (const char* all : {"0.0.0.0", "::"}) {
+    UdpPort wide(metrics);
+    ASSERT_TRUE(wide.listen(all, 0));
+    for (const char* host : {"127.0.0.1", "127.0.0.2"}) {
+      const auto agents = wide.open(posted, [](std::span<const std::byte>, auto) {});
+      datagram::Sealer own(agents->offer().connection, agents->offer().to_server);
+      Bytes sealed(datagram::kMaxBytes);
+      sealed.resize(own.seal(Bytes(40), sealed));
+      const Elsewhere agent(*to_address(host, wide.port()));
+      agent.send(sealed);
+      ASSERT_TRUE(test::eventually([this] { return posted.run() == 1; }));
+      agents->send(Bytes(30));
+      EXPECT_EQ(agent.source(), host) << all;
+      wide.close(*agents);
+    }
+  }
 }
 
 }  // namespace

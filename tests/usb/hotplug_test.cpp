@@ -2,12 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <sstream>
 #include <utility>
 
 #include "haptic_agent/device/falcon/falcon_protocol.h"
 #include "haptic_agent/device/reference/reference_protocol.h"
 #include "haptic_agent/device/spacemouse/space_mouse.h"
 #include "haptic_agent/device/usb/usb_haptic_device.h"
+#include "haptic_agent/doctor/doctor.h"
 #include "tests/usb/mock_bus.h"
 #include "tests/usb/model/falcon_model.h"
 #include "tests/usb/model/reference_firmware.h"
@@ -116,6 +118,20 @@ TEST_F(HotPlug, OtherUsbIdsAreIgnored) {
   const auto pen = make_pen();
   EXPECT_TRUE(eventually([&] { return notices.has("not plugged in"); }));
   EXPECT_FALSE(device.claimed());
+}
+
+TEST_F(HotPlug, TheDoctorFindsTheDeviceAndMeasuresIt) {
+  MockDevice device(bus, firmware, 5);
+  device.plug();
+  std::ostringstream out;
+  const char* words[] = {"doctor", "--device", "usb", "--seconds", "0.1"};
+  agent::run_doctor(5, words, out);
+  for (const char* line :
+       {"ok       the 5-DOF reference device at /dev/bus/usb/001/005 is accessible",
+        "ok       the 5-DOF reference device is ready",
+        "the 5-DOF reference device acknowledges commands after "}) {
+    EXPECT_TRUE(out.str().contains(line)) << line << "\n" << out.str();
+  }
 }
 
 }  // namespace

@@ -56,9 +56,12 @@ class UdpCarve : public testing::Test {
     std::vector<std::string> notices;
   };
 
-  void SetUp() override {
+  void SetUp() override { start(true); }
+  void start(bool with_udp) {
+    server.reset();
     net::ServerOptions options;
     options.port = 0;
+    options.udp.on = with_udp;
     options.udp.port = 0;
     options.http.data_folder = folder_.path();
     auto made = net::Server::create(options);
@@ -66,7 +69,7 @@ class UdpCarve : public testing::Test {
     server = std::move(*made);
     const auto listening = server->listen();
     ASSERT_TRUE(listening) << listening.error();
-    ASSERT_NE(server->udp_port(), 0);
+    ASSERT_EQ(server->udp_port() != 0, with_udp);
   }
 
   void line(const LineFaults& faults) { line_.emplace(server->port(), server->udp_port(), faults); }
@@ -142,6 +145,17 @@ TEST_F(UdpCarve, CleanLineUsesUdp) {
   EXPECT_EQ(udp.report.udp.taken_over, 1U);
   EXPECT_GT(udp.report.udp.samples, 0U);
   EXPECT_TRUE(udp.notices.empty()) << udp.notices.front();
+}
+
+TEST_F(UdpCarve, WithoutUdpOfTheServerTheWebSocketCarriesAll) {
+  const Carved& plain = over_web_socket();
+  start(false);
+  const Carved without = carve("without", true);
+  expect_equal(without, plain);
+  EXPECT_TRUE(without.report.udp.asked);
+  EXPECT_FALSE(without.report.udp.offered);
+  EXPECT_EQ(without.notices,
+            std::vector<std::string>{"the server has no UDP transport, staying on the WebSocket"});
 }
 
 TEST_F(UdpCarve, LossDuplicationAndReorderingChangeNothing) {

@@ -3,10 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
 #include "server/cluster/change_frame.h"
+#include "server/cluster/copies.h"
+#include "server/cluster/journal_replica.h"
 #include "server/session/replay.h"
 #include "server/store/block_snapshot.h"
 #include "server/store/journal_file.h"
@@ -197,6 +201,49 @@ TEST_F(SnapshotCopyTest, ALargeOneIsSentInPartsAndWhatIsNewerHereStays) {
   const std::uint64_t newer = cut_and_write(5);
   EXPECT_EQ(fetch_snapshots(*nats_, "demo", 3, first_), newer);
   EXPECT_EQ(read_snapshot_head(snapshot_file(first_))->sequence, newer);
+}
+
+/// The commands of kerf-server, with what they print.
+TEST_F(SnapshotCopyTest, ACopyIsListedFetchedWithItsSnapshotAndForgottenWithIt) {
+  const std::uint64_t record = cut_and_write(20);
+  {
+    JournalReplica replica(*nats_, {"demo", first_, 2}, 1, [](const CopyState&) {});
+    ASSERT_TRUE(replica.finish(Clock::now() + std::chrono::seconds(30)));
+  }
+  ASSERT_EQ(owner(2).copy(record, never_), true);
+  const auto printed = [](const std::string& url) {
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(print_copies(url), 0);
+    return testing::internal::GetCapturedStdout();
+  };
+  const std::string listed = "demo: " + std::to_string(record) + " records, epoch 2\n";
+  EXPECT_EQ(printed(process_.url()), listed);
+  const std::string away = "nats://ada:secret@127.0.0.1:" + std::to_string(test::free_port());
+  EXPECT_EQ(printed(away + "," + process_.url()), listed) << "any of a list serves";
+  const auto complaint = [](const auto& command) {
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(command(), 1);
+    return testing::internal::GetCapturedStderr();
+  };
+  const std::string none = complaint([&] { return print_copies(away); });
+  EXPECT_TRUE(none.contains("NATS cannot be reached")) << none;
+  EXPECT_FALSE(none.contains("secret")) << none;
+
+  ASSERT_EQ(fetch_journal(process_.url(), "demo", second_), 0);
+  const auto fetched = restore(second_);
+  ASSERT_TRUE(fetched);
+  EXPECT_EQ(fetched->snapshot, UsedSnapshot::kNewest);
+  EXPECT_EQ(fetched->snapshot_sequence, record);
+  EXPECT_EQ(fetched->hash.hash, replay(first_)->hash.hash);
+
+  ASSERT_EQ(forget_copy(process_.url(), "demo"), 0);
+  EXPECT_TRUE(nats_->streams()->empty()) << "neither journal nor snapshots";
+  EXPECT_EQ(printed(process_.url()), "");
+  const auto third = folder_ / "third.kerf";
+  const std::string forgotten =
+      complaint([&] { return fetch_journal(process_.url(), "demo", third); });
+  EXPECT_TRUE(forgotten.contains("there is no copy of session demo")) << forgotten;
+  EXPECT_FALSE(std::filesystem::exists(third));
 }
 
 }  // namespace

@@ -74,21 +74,24 @@ std::optional<HttpAnswer> whole(const std::string& text, bool is_head) {
   const std::string_view head = std::string_view(text).substr(0, end + 2);
   const auto length = number<std::size_t>(field(head, "content-length"));
   if (!is_head && text.size() < end + 4 + length) return std::nullopt;
+  const std::string cookie = field(head, "set-cookie");
   return HttpAnswer{.status = number<int>(head.substr(std::min<std::size_t>(9, head.size()), 3)),
                     .body = text.substr(end + 4),
-                    .location = field(head, "location")};
+                    .location = field(head, "location"),
+                    .cookie = cookie.substr(0, cookie.find(';'))};
 }
 
 }  // namespace
 
 HttpAnswer ask(int port, const std::string& method, const std::string& target,
-               const std::string& body, Time patience) {
+               const std::string& body, Time patience, const std::string& fields) {
   const Time end = now() + patience;
   const Socket connection;
   if (connection.file < 0 || !connects(connection.file, port)) return {};
-  const std::string request =
-      method + " " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
-      "\r\nConnection: close\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+  const std::string request = method + " " + target +
+                              " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
+                              "\r\nConnection: close\r\n" + fields +
+                              "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
   if (!sends(connection.file, request, end)) return {};
   std::string text;
   std::array<char, 65536> part{};

@@ -53,11 +53,15 @@ struct Page::Visit {
   std::uint64_t meshes = 0;
 };
 
-Page::Page(std::string session, std::vector<int> ports, std::uint64_t seed)
-    : session_(std::move(session)), ports_(std::move(ports)), random_(seed | 1) {}
+Page::Page(std::string session, std::vector<int> ports, std::uint64_t seed, std::string token)
+    : session_(std::move(session)),
+      token_(std::move(token)),
+      ports_(std::move(ports)),
+      random_(seed | 1) {}
 
 void Page::take_text(const std::string& text) {
   const Json message = Json::parse(text);
+  if (message.at("type") == "error") errors_.push_back(message.at("reason"));
   if (message.at("type") != "state") return;
   const std::string hash = message.at("state_hash");
   std::uint64_t number = 0;
@@ -70,7 +74,10 @@ asio::awaitable<bool> Page::Visit::take() {
     const std::string text(socket->text());
     const Json message = Json::parse(text);
     if (message.at("type") == "welcome") epoch = message.at("epoch");
-    if (message.at("type") == "bye") co_return false;
+    if (message.at("type") == "bye") {
+      page.byes_.push_back(message.at("reason"));
+      co_return false;
+    }
     page.take_text(text);
     co_return true;
   }
@@ -105,9 +112,9 @@ asio::awaitable<void> Page::Visit::run() {
   const auto [unconnected] = co_await tcp.async_connect(place, kAwait);
   if (unconnected) co_return;
   socket = std::make_unique<net::WebSocket>(std::move(tcp), kLimits);
-  const auto answer =
-      co_await socket->shake_hands("127.0.0.1:" + std::to_string(port),
-                                   "/v1/sessions/" + page.session_ + "/view", wire::kViewProtocol);
+  const auto answer = co_await socket->shake_hands("127.0.0.1:" + std::to_string(port),
+                                                   "/v1/sessions/" + page.session_ + "/view",
+                                                   wire::kViewProtocol, page.token_);
   if (answer.error || answer.declined_status != 0) co_return;
   const std::string hello = R"({"type":"hello","name":"page","changes":true})";
   if (co_await socket->write(true, asio::buffer(hello))) co_return;

@@ -16,7 +16,8 @@ namespace kerf::sim {
 /// then, and comes again.
 class Page {
  public:
-  Page(std::string session, std::vector<int> ports, std::uint64_t seed);
+  /// `token`: what it shows to servers; empty: nothing.
+  Page(std::string session, std::vector<int> ports, std::uint64_t seed, std::string token = {});
 
   void start();
   /// Stays from now on. Whether it shows the block with this hash within `patience`.
@@ -26,6 +27,10 @@ class Page {
   // ---- after stop() ----
   /// Frames that no page may get: a line for each.
   const std::vector<std::string>& wrong_frames() const { return wrong_; }
+  /// The reasons with which servers have sent it away.
+  const std::vector<std::string>& byes() const { return byes_; }
+  /// The reasons of errors that servers have stated.
+  const std::vector<std::string>& errors() const { return errors_; }
 
  private:
   struct Visit;
@@ -33,13 +38,13 @@ class Page {
   void visit(int port);
   void take_text(const std::string& text);
 
-  std::string session_;
+  std::string session_, token_;
   std::vector<int> ports_;
   std::uint64_t random_;
   std::thread thread_;
   std::atomic<bool> stays_ = false, ends_ = false;
   std::atomic<std::uint64_t> shown_ = 0;  ///< hash of the surface that it has whole; 0: none
-  std::vector<std::string> wrong_;
+  std::vector<std::string> wrong_, byes_, errors_;
 };
 
 }  // namespace kerf::sim

@@ -12,7 +12,6 @@
 #include <iterator>
 
 #include "server/log/log.h"
-#include "tests/sim/world/world.h"
 
 namespace kerf::sim {
 namespace {
@@ -28,7 +27,8 @@ void tell(const std::filesystem::path& folder, const Outcome& outcome) {
       << outcome.trace << ' ' << outcome.turns << ' ' << outcome.length;
 }
 
-[[noreturn]] void live(const Plan& plan, const std::filesystem::path& folder) {
+[[noreturn]] void live(const TurnOptions& turns, const std::filesystem::path& folder,
+                       const std::function<Outcome()>& life) {
   const rlimit limit{kCpuSeconds, kCpuSeconds};
   setrlimit(RLIMIT_CPU, &limit);
   const std::string log = folder / "log";
@@ -41,9 +41,8 @@ void tell(const std::filesystem::path& folder, const Outcome& outcome) {
     outcome.faults.push_back(reason);
     tell(folder, outcome);
   };
-  begin_turns({.seed = plan.seed, .switch_chance = plan.switch_chance}, stuck);
-  World world(plan, folder / "world");
-  tell(folder, world.run());
+  begin_turns(turns, stuck);
+  tell(folder, life());
   std::fflush(nullptr);
   _exit(0);
 }
@@ -54,12 +53,13 @@ double seconds(const timeval& time) {
 
 }  // namespace
 
-Report run_world(const Plan& plan, const std::filesystem::path& folder) {
+Report run_apart(const TurnOptions& turns, const std::filesystem::path& folder,
+                 const std::function<Outcome()>& life) {
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   std::fflush(nullptr);
   const pid_t child = fork();
-  if (child == 0) live(plan, folder);
+  if (child == 0) live(turns, folder, life);
   int status = 0;
   rusage use{};
   wait4(child, &status, 0, &use);
@@ -75,6 +75,11 @@ Report run_world(const Plan& plan, const std::filesystem::path& folder) {
                       ? std::string("ended by signal: ") + strsignal(WTERMSIG(status)) + "\n"
                       : "ended with status " + std::to_string(WEXITSTATUS(status)) + "\n";
   return report;
+}
+
+Report run_world(const Plan& plan, const std::filesystem::path& folder) {
+  return run_apart({.seed = plan.seed, .switch_chance = plan.switch_chance}, folder,
+                   [&] { return World(plan, folder / "world").run(); });
 }
 
 }  // namespace kerf::sim

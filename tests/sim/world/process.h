@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 
+#include "tests/sim/os/scheduler.h"
 #include "tests/sim/world/plan.h"
+#include "tests/sim/world/world.h"
 
 namespace kerf::sim {
 
@@ -19,8 +22,11 @@ struct Report {
   bool is_good() const { return is_whole && faults.empty(); }
 };
 
-/// Runs a world in a process of its own, because a simulation lasts as long as its process.
-/// `folder` is emptied; the server's log and the disks of all machines are there afterwards.
+/// Simulates `life` in a process of its own, because a simulation lasts as long as its process.
+/// `folder` is emptied; the server's log is there afterwards.
+Report run_apart(const TurnOptions& turns, const std::filesystem::path& folder,
+                 const std::function<Outcome()>& life);
+/// The same with a world, the disks of whose machines are in `folder`.
 Report run_world(const Plan& plan, const std::filesystem::path& folder);
 
 }  // namespace kerf::sim

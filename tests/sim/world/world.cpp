@@ -347,7 +347,7 @@ Outcome World::run() {
   for (const auto& hand : hands_) hand->join();
   check_journal();
   check_promises();
-
+  check_pages();
   for (const auto& server : servers_) server->stop();
   outcome_.length = now();
   outcome_.trace = trace();
