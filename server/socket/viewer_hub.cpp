@@ -215,30 +215,35 @@ void ViewerHub::read_session() {
                job = std::move(job)]() mutable {
     SessionFrame frame = self->session_->frame(first);
     const bool has_surface = frame.snapshot.has_value();
-    if (with_job && has_surface) {
+    if (has_surface) {
       // The feed holds the snapshot. A second reference would make the kernel copy more tiles.
-      job.surface = {*std::exchange(frame.snapshot, std::nullopt), std::exchange(frame.changed, {}),
-                     frame.motions};
+      SolidSnapshot snapshot = *std::exchange(frame.snapshot, std::nullopt);
+      if (first) {
+        job.first = {std::move(snapshot), frame.motions};
+      } else {
+        // On this thread, so that the feed gets changes in their order: a job may begin after the
+        // next reading.
+        self->side_->feed->note_change(std::move(snapshot), frame.changed, frame.motions);
+        job.is_for_all = with_job;
+      }
     }
     const bool is_idle = with_job && job.empty();
-    self->context_.viewers.post([self, frame = std::move(frame), has_surface, is_idle]() mutable {
-      if (is_idle) self->job_runs_ = false;
-      self->take_frame(std::move(frame), has_surface);
-    });
+    const bool needs_job = has_surface && !with_job;
+    self->context_.viewers.post(
+        [self, frame = std::move(frame), has_surface, needs_job, is_idle]() mutable {
+          if (is_idle) self->job_runs_ = false;
+          if (needs_job) self->next_job_.is_for_all = true;
+          self->take_frame(std::move(frame), has_surface);
+        });
     if (with_job && !is_idle) self->mesh(std::move(job));
   };
   threads_of(*session_).post(std::move(read));
 }
 
-/// `has_surface`: a job has been started with the snapshot, or the frame contains it.
+/// `has_surface`: it has changed; the feed knows it, or is made of it by a job.
 void ViewerHub::take_frame(SessionFrame frame, bool has_surface) {
   is_reading_ = false;
   if (has_surface) revision_ = frame.motions;
-  if (frame.snapshot) {
-    side_->feed->note_change(*frame.snapshot, frame.changed, revision_);
-    frame.snapshot.reset();
-    next_job_.is_for_all = true;
-  }
   take_lists(frame);
   newest_ = std::move(frame);
   has_newest_ = true;

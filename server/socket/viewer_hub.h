@@ -90,17 +90,15 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     bool has_cameras = false;                   ///< the same of `cameras_`
     std::optional<std::uint64_t> sent;  ///< every tile of this revision of the feed was sent
   };
-  /// A change of the surface.
   struct Surface {
     SolidSnapshot snapshot;
-    std::vector<TileIndex> changed;
     std::uint64_t revision = 0;
   };
   /// Requests that have come since the last job.
   struct Job {
-    bool is_for_all = false;         ///< the surface has changed: every viewer needs a frame
-    bool is_for_waiting = false;     ///< time has passed: those that wait for their budgets do
-    std::optional<Surface> surface;  ///< it has changed to this since, unless the feed knows it
+    bool is_for_all = false;       ///< the surface has changed: every viewer needs a frame
+    bool is_for_waiting = false;   ///< time has passed: those that wait for their budgets do
+    std::optional<Surface> first;  ///< what the feed is made of; the feed is notified of changes
     struct Joined {
       ParticipantId id = 0;
       std::uint64_t stay = 0;
@@ -114,7 +112,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     std::map<ParticipantId, ViewerLook> looks;
     std::map<ParticipantId, std::uint32_t> budgets;
     bool empty() const {
-      return !is_for_all && !is_for_waiting && !surface && joined.empty() && left.empty() &&
+      return !is_for_all && !is_for_waiting && !first && joined.empty() && left.empty() &&
              acks.empty() && looks.empty() && budgets.empty();
     }
   };

@@ -29,13 +29,9 @@ void ViewerHub::mesh(Job job) {
 
 ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, Job& job) {
   JobResult result;
-  if (job.surface) {
-    auto [snapshot, changed, revision] = *std::exchange(job.surface, std::nullopt);
-    if (side.feed) {
-      side.feed->note_change(std::move(snapshot), changed, revision);
-    } else {
-      side.feed = std::make_unique<TileFeed>(std::move(snapshot), revision);
-    }
+  if (job.first) {
+    auto [snapshot, revision] = *std::exchange(job.first, std::nullopt);
+    side.feed = std::make_unique<TileFeed>(std::move(snapshot), revision);
     job.is_for_all = true;
   }
   // Else, on a busy machine, the block changes while the job runs, each viewer gets frames of its
