@@ -17,7 +17,7 @@ usage: ./test.sh [--preset release|dev|asan|tsan] [--filter REGEX] [--jobs N] [-
   --preset P      build preset (default: release); asan and tsan build with the sanitizers
   --filter REGEX  only the test programs whose name matches (ctest -R); the viewer's own tests if it matches "web"
   --jobs N        tests at a time (default: the number of cores); those that load the machine, and e2e tests, run alone
-  --long          also the tests in a browser that take long (ctest -L browser, tests/e2e/README.md)
+  --long          also the tests that take long (ctest -L long): more scripts in a browser, more builds of the kernel
 CI=true makes every compiler warning an error.
 TXT
 }
@@ -109,11 +109,11 @@ main() {
   note_cpu build "$begin"
   begin=$(cpu_seconds)
   export GTEST_OUTPUT="xml:$RESULTS/gtest/"
-  run_ctest fast -LE 'server|e2e|browser' -j "$JOBS"
+  run_ctest fast -LE 'server|e2e|long' -j "$JOBS"
   run_web_tests
   run_ctest server -L server -j "$JOBS"
   run_ctest e2e -L e2e
-  if [ -n "$LONG" ]; then run_ctest browser -L browser; fi
+  if [ -n "$LONG" ]; then run_ctest long -L long; fi
   note_cpu tests "$begin"
   python3 tests/summary.py "$RESULTS"
 }
