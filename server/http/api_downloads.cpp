@@ -173,7 +173,7 @@ ApiResponse Api::download(const ApiCall& call) {
       if (damage) return damaged_journal(*damage);
     }
     return error.impossible ? error_response(422, "budget_impossible", error.reason)
-                            : error_response(500, "export_failed", error.reason);
+                            : error_response(503, "export_failed", error.reason);
   }
   response.file = *file;
   response.content_type = download->kind.content_type;

@@ -53,7 +53,7 @@ ApiResponse Api::picture(const ApiCall& call) {
   const auto picture = pictures_.get(
       session.id() + "/" + std::to_string(session.epoch()) + "/" + size,
       [&] { return present_state(session, *width, height); }, call.request.stop);
-  if (!picture) return error_response(500, "export_failed", picture.error().reason);
+  if (!picture) return error_response(503, "export_failed", picture.error().reason);
   const std::string etag = '"' + picture->tag + "-" + size + '"';
   ApiResponse response;
   response.content_type = "image/png";

@@ -165,7 +165,7 @@ ApiResponse Api::target_deviation(const ApiCall& call) {
         return write_survey(*block, *part, path, progress, stop);
       },
       request.stop);
-  if (!file) return error_response(500, "export_failed", file.error().reason);
+  if (!file) return error_response(503, "export_failed", file.error().reason);
   response.file = *file;
   return response;
 }

@@ -69,7 +69,7 @@ def main():
         print(f"{cost:8.1f} MB  {unit}")
     total = sum(by_unit.values())
     print(f"{total:8.1f} MB  in {len(by_unit)} units")
-    sys.exit(fault(total, stated_in(changelog.read_text())))
+    sys.exit(fault(total, stated_in(changelog.read_text())) or 0)
 
 
 if __name__ == "__main__":

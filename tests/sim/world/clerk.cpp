@@ -24,11 +24,9 @@ int port_in(const std::string& location) {
   return colon == std::string::npos ? 0 : std::atoi(location.c_str() + colon + 1);
 }
 
-/// Whether a server may answer so to a request that is a good one. 500 only says that its disk has
-/// failed.
+/// Whether a server may answer so to a request that is a good one.
 bool is_allowed(const HttpAnswer& answer) {
   constexpr std::array kAllowed = {0, 200, 201, 202, 307, 404, 409, 429, 503, 507};
-  if (answer.status == 500) return answer.body.find("disk I/O error") != std::string::npos;
   return std::ranges::find(kAllowed, answer.status) != kAllowed.end();
 }
 
