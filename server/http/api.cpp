@@ -101,7 +101,9 @@ ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
     return at_other_server("session " + id + " is at " + *address, *address + target);
   }
   if (const auto error = registry.unreadable(id)) {
-    return error_response(500, "unreadable_session",
+    // Where the disk failed, it is tried again; what is damaged or foreign stays so.
+    const unsigned status = error->code == JournalErrorCode::kIo ? 503 : 500;
+    return error_response(status, "unreadable_session",
                           "the journal cannot be read and stays as it is: " + error->reason);
   }
   if (registry.is_stopping()) {  // 404 would be final for an agent

@@ -62,7 +62,7 @@ ApiResponse Api::upload_file(const ApiCall& call) {
   }
   const std::string stored =
       upload_folder_.keep(call.caller.network, extension_of(name), request.body);
-  if (stored.empty()) return error_response(500, "disk", "the file could not be stored");
+  if (stored.empty()) return error_response(503, "disk", "the file could not be stored");
   const BoxStock box = mesh_bounds(*mesh);
   nlohmann::json json{{"file", stored},
                       {"vertices", mesh->vertices_mm.size()},

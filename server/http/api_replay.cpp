@@ -25,7 +25,8 @@ ApiResponse journal_failure(const JournalError& error) {
   if (error.code == JournalErrorCode::kForeignVersion) {
     return error_response(409, to_string(error.code), error.reason);
   }
-  return error_response(500, to_string(error.code), error.reason);
+  return error_response(error.code == JournalErrorCode::kIo ? 503 : 500, to_string(error.code),
+                        error.reason);
 }
 
 /// A page would begin with the stock, and carve another block.

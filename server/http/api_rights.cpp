@@ -52,7 +52,7 @@ ApiResponse access_failure(const AccessError& error) {
     case AccessFault::kInvalid:
       return error_response(400, "bad_value", error.reason);
     case AccessFault::kStorage:
-      return error_response(500, "rights_io", error.reason);
+      return error_response(503, "rights_io", error.reason);
   }
   return not_found();
 }

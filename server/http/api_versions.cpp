@@ -78,7 +78,7 @@ ApiResponse Api::name_version(const ApiCall& call) {
     return error_response(503, "busy", describe(flushed.error()));
   }
   const auto time = time_of(session.journal_file(), *record);
-  if (!time) return error_response(500, "journal_io", describe(time.error()));
+  if (!time) return error_response(503, "journal_io", describe(time.error()));
   const NamedVersion version{*name,
                              *record,
                              *time,
