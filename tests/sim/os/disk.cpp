@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <climits>
 #include <fstream>
+#include <set>
 #include <string_view>
 
 namespace kerf::sim {
@@ -21,11 +22,15 @@ std::vector<Disk*>& disks() {
   return all;
 }
 
+/// Opens a file again, which may be open for writing only.
+int open_again(int file, int flags) {
+  const std::string name = "/proc/self/fd/" + std::to_string(file);
+  return open(name.c_str(), flags | O_CLOEXEC);
+}
+
 std::vector<char> content(int file, std::int64_t offset, std::int64_t size) {
   std::vector<char> bytes(static_cast<std::size_t>(std::max<std::int64_t>(size, 0)));
-  // The file may be open for writing only.
-  const std::string name = "/proc/self/fd/" + std::to_string(file);
-  const int reader = open(name.c_str(), O_RDONLY | O_CLOEXEC);
+  const int reader = open_again(file, O_RDONLY);
   const ssize_t got = reader < 0 ? -1 : pread(reader, bytes.data(), bytes.size(), offset);
   if (reader >= 0) close(reader);
   bytes.resize(got < 0 ? 0 : static_cast<std::size_t>(got));
@@ -77,9 +82,16 @@ Disk* Disk::of(int file) {
   return nullptr;
 }
 
+Disk::Unsynced::~Unsynced() {
+  if (holder >= 0) close(holder);
+}
+
 void Disk::remember(int file, Change change) {
   struct stat status = {};
-  if (fstat(file, &status) == 0) unsynced_[status.st_ino].push_back(std::move(change));
+  if (fstat(file, &status) != 0) return;
+  Unsynced& unsynced = unsynced_[status.st_ino];
+  if (unsynced.holder < 0) unsynced.holder = open_again(file, O_PATH);  // takes part in no lock
+  unsynced.changes.push_back(std::move(change));
 }
 
 std::int64_t Disk::write(int file, const void* bytes, std::size_t size, std::int64_t offset,
@@ -130,13 +142,16 @@ void Disk::copy_to(const std::filesystem::path& folder) const {
 
 void Disk::copy_after_power_loss(const std::filesystem::path& folder) const {
   copy_to(folder);
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_)) {
-    if (!entry.is_regular_file()) continue;
-    const auto copy = folder / std::filesystem::relative(entry.path(), folder_);
+  // In the order of their names: the real file system may list them in another.
+  const std::filesystem::recursive_directory_iterator listing(folder_);
+  const std::set<std::filesystem::path> files(begin(listing), end(listing));
+  for (const auto& file : files) {
+    if (!std::filesystem::is_regular_file(file)) continue;
+    const auto copy = folder / std::filesystem::relative(file, folder_);
     // Shared memory; SQLite makes it again from the log.
-    if (entry.path().native().ends_with("-shm")) std::filesystem::remove(copy);
-    const auto found = unsynced_.find(inode_of(entry.path()));
-    if (found != unsynced_.end()) take_back(copy, found->second);
+    if (file.native().ends_with("-shm")) std::filesystem::remove(copy);
+    const auto found = unsynced_.find(inode_of(file));
+    if (found != unsynced_.end()) take_back(copy, found->second.changes);
   }
 }
 

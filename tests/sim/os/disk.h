@@ -56,11 +56,21 @@ class Disk {
     std::vector<char> before, after;  ///< `before` ends where the file did
     bool is_truncation = false;       ///< to `offset`; `before` is what stood behind
   };
+  /// The changes of a file. `holder` keeps it open by its path alone: its inode's number is then
+  /// not given to another file after it is deleted.
+  struct Unsynced {
+    Unsynced() = default;
+    ~Unsynced();
+    Unsynced(const Unsynced&) = delete;
+    Unsynced& operator=(const Unsynced&) = delete;
+    int holder = -1;
+    std::vector<Change> changes;
+  };
   void remember(int file, Change change);
   static void take_back(const std::filesystem::path& file, const std::vector<Change>& changes);
 
   std::filesystem::path folder_;
-  std::map<std::uint64_t, std::vector<Change>> unsynced_;  ///< by inode
+  std::map<std::uint64_t, Unsynced> unsynced_;  ///< by inode
 };
 
 }  // namespace kerf::sim
