@@ -56,12 +56,12 @@ DownloadCache::DownloadCache(std::filesystem::path folder) : folder_(std::move(f
 
 DownloadCache::File DownloadCache::wait(const std::shared_ptr<Job>& job,
                                         const std::stop_token& gone) {
-  const std::stop_callback leave(gone, [&job] {
-    if (--job->wanted == 0) job->stop.request_stop();
-  });
   std::unique_lock lock(job->mutex);
   job->made.wait(lock, gone, [&job] { return job->file.has_value(); });
-  return job->file ? *job->file : std::unexpected(MakeError{"stopped"});
+  if (job->file) return *job->file;
+  lock.unlock();
+  if (--job->wanted == 0) job->stop.request_stop();
+  return std::unexpected(MakeError{"stopped"});
 }
 
 void DownloadCache::stop() {
