@@ -17,7 +17,7 @@ usage: ./test.sh [--preset release|dev|asan|tsan] [--filter REGEX] [--jobs N] [-
   --preset P      build preset (default: release); asan and tsan build with the sanitizers
   --filter REGEX  only the test programs whose name matches (ctest -R); the viewer's own tests if it matches "web"
   --jobs N        tests at a time (default: the number of cores); those that load the machine, and e2e tests, run alone
-  --long          also what takes long (ctest -L long): more scripts in a browser, clang, more builds of the kernel
+  --long          also the slow tests (ctest -L long): more scripts in a browser, clang, more builds of the kernel
 CI=true makes every compiler warning an error.
 TXT
 }

@@ -101,7 +101,7 @@ ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
     return at_other_server("session " + id + " is at " + *address, *address + target);
   }
   if (const auto error = registry.unreadable(id)) {
-    // Where the disk failed, it is tried again; what is damaged or foreign stays so.
+    // The server retries the load after a disk error; damage is permanent.
     const unsigned status = error->code == JournalErrorCode::kIo ? 503 : 500;
     return error_response(status, "unreadable_session",
                           "the journal cannot be read and stays as it is: " + error->reason);

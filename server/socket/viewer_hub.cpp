@@ -221,8 +221,8 @@ void ViewerHub::read_session() {
       if (first) {
         job.first = {std::move(snapshot), frame.motions};
       } else {
-        // On this thread, so that the feed gets changes in their order: a job may begin after the
-        // next reading.
+        // On the session's thread, which keeps changes in order: a job may start after the next
+        // reading.
         self->side_->feed->note_change(std::move(snapshot), frame.changed, frame.motions);
         job.is_for_all = with_job;
       }
@@ -240,7 +240,7 @@ void ViewerHub::read_session() {
   threads_of(*session_).post(std::move(read));
 }
 
-/// `has_surface`: it has changed; the feed knows it, or is made of it by a job.
+/// `has_surface`: the block has changed, and the feed has the change or a job creates it.
 void ViewerHub::take_frame(SessionFrame frame, bool has_surface) {
   is_reading_ = false;
   if (has_surface) revision_ = frame.motions;

@@ -90,6 +90,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     bool has_cameras = false;                   ///< the same of `cameras_`
     std::optional<std::uint64_t> sent;  ///< every tile of this revision of the feed was sent
   };
+  /// The block when the feed is created.
   struct Surface {
     SolidSnapshot snapshot;
     std::uint64_t revision = 0;
@@ -98,7 +99,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   struct Job {
     bool is_for_all = false;       ///< the surface has changed: every viewer needs a frame
     bool is_for_waiting = false;   ///< time has passed: those that wait for their budgets do
-    std::optional<Surface> first;  ///< what the feed is made of; the feed is notified of changes
+    std::optional<Surface> first;  ///< creates the feed; later changes go to it directly
     struct Joined {
       ParticipantId id = 0;
       std::uint64_t stay = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Downloads that the disk does not take.
+// Downloads on a full or failing disk.
 #include <nlohmann/json.hpp>
 
 #include "tests/server/api_rights_fixture.h"
@@ -12,7 +12,7 @@ using test::DiskFault;
 
 class DownloadFault : public ApiRightsTest {
  protected:
-  void TearDown() override {  // closes the databases before the disk goes
+  void TearDown() override {  // closes the databases before the disk is destroyed
     api.reset();
     session.reset();
     registry.reset();
@@ -21,7 +21,7 @@ class DownloadFault : public ApiRightsTest {
   test::FaultyDisk disk;
 };
 
-TEST_F(DownloadFault, IsA503ThatMayBeAskedForAgain) {
+TEST_F(DownloadFault, IsAnswered503AndTheNextRequestSucceeds) {
   for (const DiskFault fault : {DiskFault::kNoSpace, DiskFault::kIoError}) {
     disk.fail({fault, test::FaultTarget::kAll, 0});
     const ApiResponse failed = ask("GET", "/v1/sessions/block/journal", kAdmin);

@@ -80,4 +80,12 @@ MUTATIONS = [
              "server/cluster/journal_replica.cpp",
              "    if (!send()) return false;\n",
              "    state_.record = changes_.position().record;\n    show();\n    if (!send()) return false;\n"),
+    Mutation("the meshes get a change of the block late",
+             "server/socket/viewer_hub.cpp",
+             "        self->side_->feed->note_change(std::move(snapshot), frame.changed, frame.motions);\n",
+             "        auto note = [side = self->side_, snapshot = std::move(snapshot), changed = frame.changed,\n"
+             "                     motions = frame.motions]() mutable {\n"
+             "          side->feed->note_change(std::move(snapshot), changed, motions);\n"
+             "        };\n"
+             "        with_job ? self->context_.meshing.post(std::move(note)) : note();\n"),
 ]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tests of kerf.html need: its state at rest, strokes by hand, and the .kerf file that it writes,
-// which kerf-server replays.
+// Helpers for tests of kerf.html: wait until it is at rest, carve strokes, save its .kerf file, and
+// replay that file with kerf-server.
 
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
@@ -10,7 +10,7 @@ import { until } from './processes.mjs';
 
 const SETTLE_S = 60; // software WebGL on a busy machine
 
-/** Waits for the state after what was done; `isDone`: of a state. */
+/** Waits until the page is at rest in a state for which `isDone` is true; returns that state. */
 export function settled(viewer, what, isDone) {
   return until(what, SETTLE_S, async () => {
     // All of one state: on a busy machine a stroke pauses, and the block of a pause has a hash too.
@@ -20,7 +20,7 @@ export function settled(viewer, what, isDone) {
   });
 }
 
-/** Waits for the hand, which a key or a button has taken up. */
+/** Waits until the page is ready to carve. */
 export const isJoined = ({ page }) => page.locator('main[data-carve=ready]').waitFor();
 
 async function stroke(viewer, y) {
@@ -32,7 +32,7 @@ async function stroke(viewer, y) {
   await mouse.up();
 }
 
-/** Carves a stroke at a share of the block's height in the picture; returns the state after it. */
+/** Carves a stroke at `y`, a fraction of the block's height in the picture; returns the new state. */
 export async function carvedMore(viewer, before, y) {
   await stroke(viewer, y);
   return settled(viewer, 'stroke', ({ hash }) => hash !== before.hash);
@@ -48,7 +48,7 @@ export async function savedTo({ page }, file) {
   await copyFile(await download.path(), file);
 }
 
-/** kerf-server carves the file from its first record: to the state that the page has. */
+/** Checks that kerf-server replays the file to the page's state hash. */
 export function checkReplayed(program, file, { hash }) {
   const { status, stdout, stderr } = spawnSync(program, ['replay', file], { encoding: 'utf8' });
   assert.equal(status, 0, stdout + stderr);

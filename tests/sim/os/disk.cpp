@@ -22,7 +22,7 @@ std::vector<Disk*>& disks() {
   return all;
 }
 
-/// Opens a file again, which may be open for writing only.
+/// Opens the file of a descriptor again, with other flags.
 int open_again(int file, int flags) {
   const std::string name = "/proc/self/fd/" + std::to_string(file);
   return open(name.c_str(), flags | O_CLOEXEC);
@@ -90,7 +90,7 @@ void Disk::remember(int file, Change change) {
   struct stat status = {};
   if (fstat(file, &status) != 0) return;
   Unsynced& unsynced = unsynced_[status.st_ino];
-  if (unsynced.holder < 0) unsynced.holder = open_again(file, O_PATH);  // takes part in no lock
+  if (unsynced.holder < 0) unsynced.holder = open_again(file, O_PATH);  // no effect on locks
   unsynced.changes.push_back(std::move(change));
 }
 
@@ -142,7 +142,7 @@ void Disk::copy_to(const std::filesystem::path& folder) const {
 
 void Disk::copy_after_power_loss(const std::filesystem::path& folder) const {
   copy_to(folder);
-  // In the order of their names: the real file system may list them in another.
+  // Sorted, because the order of the real file system varies.
   const std::filesystem::recursive_directory_iterator listing(folder_);
   const std::set<std::filesystem::path> files(begin(listing), end(listing));
   for (const auto& file : files) {

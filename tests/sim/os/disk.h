@@ -56,8 +56,8 @@ class Disk {
     std::vector<char> before, after;  ///< `before` ends where the file did
     bool is_truncation = false;       ///< to `offset`; `before` is what stood behind
   };
-  /// The changes of a file. `holder` keeps it open by its path alone: its inode's number is then
-  /// not given to another file after it is deleted.
+  /// The unsynchronized changes of a file. The open descriptor `holder` (O_PATH) keeps the file
+  /// system from reusing its inode number after the file is deleted.
   struct Unsynced {
     Unsynced() = default;
     ~Unsynced();

@@ -60,7 +60,7 @@ Json Cluster::info(const std::string& name, const std::string& session, const st
 
 void Cluster::create(const std::string& name, const std::string& session) {
   EXPECT_TRUE(until([&] {
-    return ask(name, "POST", "/v1/sessions?here=1&id=" + session, kClusterScene).status == 201;
+    return ask(name, "POST", "/v1/sessions?here=1&id=" + session, kScene).status == 201;
   })) << session;
 }
 

@@ -17,22 +17,15 @@
 #include "tests/sim/world/hand.h"
 #include "tests/sim/world/http_client.h"
 #include "tests/sim/world/page.h"
+#include "tests/sim/world/scene.h"
 #include "tests/sim/world/server_machine.h"
 
 namespace kerf::sim {
 
 using Json = nlohmann::json;
 
-inline constexpr const char* kClusterScene = R"({
-  "name": "block",
-  "stock": {"shape": "box", "min_mm": [-20, -20, -20], "max_mm": [20, 20, 0]},
-  "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
-  "tools": [{"id": 1, "shape": "ball", "diameter_mm": 6, "length_mm": 60},
-            {"id": 2, "shape": "flat", "diameter_mm": 4, "length_mm": 60}],
-  "machine": {"kinematics": "tool-vector"}})";
-
-/// Servers by name, each with a disk of its own, and a NATS, in a simulation that has begun: for
-/// what a test writes out step by step. Faults are failures of the test.
+/// Named servers, each with its own disk, and a NATS, in a running simulation that a test controls
+/// step by step. Its faults are failures of the test.
 class Cluster {
  public:
   using Change = std::function<void(net::ServerOptions&)>;

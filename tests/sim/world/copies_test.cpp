@@ -54,6 +54,13 @@ class Copies : public ClusterTest {
     options.cluster.node.clear();
     options.needs_copy = false;
   }
+  /// Server a with a carved session that is copied.
+  static void start_copied(Cluster& servers) {
+    servers.start("a", alone);
+    servers.create("a");
+    servers.carve("a");
+    servers.wait_for_copy("a");
+  }
   static std::string fault(Cluster& servers, const std::string& name) {
     const Json info = servers.info(name);
     if (!info.is_object() || !info.at("copied").is_object()) return {};  // right after a start
@@ -124,10 +131,7 @@ TEST_F(Copies, NatsThatIsAwayForAWhileGetsTheRestLater) {
 
 TEST_F(Copies, MessagesThatNatsHasLostAreSentAgain) {
   EXPECT_EQ(faults_of([](Cluster& servers) {
-              servers.start("a", alone);
-              servers.create("a");
-              servers.carve("a");
-              servers.wait_for_copy("a");
+              start_copied(servers);
               const NatsStore old = NatsModel::instance().store();
               servers.carve("a");
               servers.wait_for_copy("a");
@@ -143,10 +147,7 @@ TEST_F(Copies, MessagesThatNatsHasLostAreSentAgain) {
 
 TEST_F(Copies, AFormerServerCannotChangeTheCopy) {
   EXPECT_EQ(faults_of([](Cluster& servers) {
-              servers.start("a", alone);
-              servers.create("a");
-              servers.carve("a");
-              servers.wait_for_copy("a");
+              start_copied(servers);
               servers.at("a").stand_still(4 * kSecond);
               servers.start("b", alone);  // to have a disk
               servers.stop("b");
@@ -190,7 +191,7 @@ TEST_F(Copies, FilesThatAreLargerThanAMessageAreCopied) {
                   EXPECT_GT(mesh.size(), std::size_t{1} << 20);
                   const auto stored = servers.ask("a", "POST", "/v1/files?name=ball.stl", mesh);
                   EXPECT_EQ(stored.status, 201) << stored.body;
-                  Json scene = Json::parse(kClusterScene);
+                  Json scene = Json::parse(kScene);
                   const Json file = Json::parse(stored.body).at("file");
                   scene["stock"] = {{"shape", "mesh"}, {"file", file}};
                   const auto made = servers.ask("a", "POST", "/v1/sessions?id=block", scene.dump());

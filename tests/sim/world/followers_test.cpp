@@ -47,11 +47,10 @@ TEST_F(SimFollowers, OneThatOnlyFollowsShowsSessionsAndRunsNone) {
   EXPECT_EQ(faults_of([](Cluster& servers) {
               begin(servers, Follow::kOnly);
               EXPECT_TRUE(servers.until([&] {
-                const auto sent = servers.ask("b", "POST", "/v1/sessions", kClusterScene);
+                const auto sent = servers.ask("b", "POST", "/v1/sessions", kScene);
                 return sent.location == servers.address("a") + "/v1/sessions?here=1";
               }));
-              const auto refused =
-                  servers.ask("b", "POST", "/v1/sessions?here=1&id=x", kClusterScene);
+              const auto refused = servers.ask("b", "POST", "/v1/sessions?here=1&id=x", kScene);
               EXPECT_EQ(refused.status, 503);
               EXPECT_TRUE(refused.body.contains("no_lease")) << refused.body;
               EXPECT_TRUE(refused.body.contains("only follows")) << refused.body;

@@ -63,7 +63,7 @@ class MovedRights : public ClusterTest {
   }
   static void create(Cluster& servers) {
     EXPECT_TRUE(servers.until([&] {
-      return servers.ask("a", "POST", "/v1/sessions?id=block&here=1", kClusterScene, bearer(kAdmin))
+      return servers.ask("a", "POST", "/v1/sessions?id=block&here=1", kScene, bearer(kAdmin))
                  .status == 201;
     }));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Peers that send nothing more: the server closes their connections in time, by its virtual clock.
+// The server closes the connections of silent peers in time, by its virtual clock.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -15,16 +15,13 @@
 #include "server/log/log.h"
 #include "tests/server/temporary_folder.h"
 #include "tests/sim/world/http_client.h"
+#include "tests/sim/world/scene.h"
 #include "tests/sim/world/server_machine.h"
 
 namespace kerf::sim {
 namespace {
 
 constexpr int kPort = 8080;
-constexpr const char* kScene = R"({"name": "block",
-  "stock": {"shape": "box", "min_mm": [0, 0, 0], "max_mm": [10, 10, 10]},
-  "tools": [{"id": 1, "shape": "ball", "diameter_mm": 6, "length_mm": 60}]})";
-
 std::string upgrade(const std::string& kind) {
   return "GET /v1/sessions/block/" + kind +
          " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
@@ -33,7 +30,7 @@ std::string upgrade(const std::string& kind) {
          kind + ".v1\r\n\r\n";
 }
 
-/// What comes until the end of a connection that sends these bytes only, and when that is.
+/// The bytes received on a connection that sends only `bytes`, and the time of its end.
 struct Silence {
   std::string received;
   Time length = 0;

@@ -94,7 +94,7 @@ TEST_F(Takeovers, WithoutNatsTheSessionPausesAndGoesOnByItself) {
               EXPECT_TRUE(servers.until([&] { return servers.info("a").at("paused") == "lease"; }));
               const Json ready = Json::parse(servers.ask("a", "GET", "/readyz").body);
               EXPECT_EQ(ready.at("paused"), Json::array({"block"}));
-              const auto refused = servers.ask("a", "POST", "/v1/sessions?id=other", kClusterScene);
+              const auto refused = servers.ask("a", "POST", "/v1/sessions?id=other", kScene);
               EXPECT_EQ(refused.status, 503);
               EXPECT_EQ(code_of(refused), "no_lease");
               servers.begin_carving("a", 2 * kSecond);
@@ -145,7 +145,7 @@ TEST_F(Takeovers, AnyServerListsAllSessionsAndNoneGetsASecondOneOfAnId) {
               }
               // `here`: never at the one with fewer sessions.
               const auto again = [&] {
-                return servers.ask("b", "POST", "/v1/sessions?id=block&here=1", kClusterScene);
+                return servers.ask("b", "POST", "/v1/sessions?id=block&here=1", kScene);
               };
               EXPECT_EQ(again().status, 409);
               EXPECT_EQ(code_of(again()), "session_exists");
@@ -168,7 +168,7 @@ TEST_F(Takeovers, ANewSessionGoesToTheServerWithTheFewest) {
               };
               EXPECT_TRUE(has(1));
               const auto make = [&](const std::string& query, const std::string& fields = {}) {
-                return servers.ask("a", "POST", "/v1/sessions?id=" + query, kClusterScene, fields);
+                return servers.ask("a", "POST", "/v1/sessions?id=" + query, kScene, fields);
               };
               EXPECT_TRUE(servers.until([&] {
                 return servers.at("a").server()->sessions().find("block")->other_servers().size() ==

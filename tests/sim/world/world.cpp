@@ -12,6 +12,7 @@
 #include "tests/sim/nats/nats_model.h"
 #include "tests/sim/world/http_client.h"
 #include "tests/sim/world/motion_check.h"
+#include "tests/sim/world/scene.h"
 
 namespace kerf::sim {
 namespace {
@@ -22,14 +23,6 @@ constexpr int kFirstPort = 8080;
 constexpr Time kRecovers = 10 * kSecond;
 constexpr Time kDrains = 90 * kSecond;
 constexpr Time kLook = 50 * kMillisecond;
-
-constexpr const char* kScene = R"({
-  "name": "Simulated block",
-  "stock": {"shape": "box", "min_mm": [-20, -20, -20], "max_mm": [20, 20, 0]},
-  "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
-  "tools": [{"id": 1, "shape": "ball", "diameter_mm": 6, "length_mm": 60},
-            {"id": 2, "shape": "flat", "diameter_mm": 4, "length_mm": 60}],
-  "machine": {"kinematics": "tool-vector"}})";
 
 net::ServerOptions options_of(const Plan& plan, int number) {
   net::ServerOptions options;
