@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The datagrams of an agent that has asked for UDP.
+// Datagrams of an agent that uses UDP.
 #include "kernel/cut/workers.h"
 #include "tests/server/conversation_fixture.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an agent sends by mistake or out of malice: each has its error, and everybody goes on.
+// Invalid messages of an agent: each has its error, and the session continues.
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -22,7 +22,7 @@ class AgentMistakes : public ConversationTest {
     join_agent(*mallory, R"({"type":"hello","name":"Mallory"})");
     join_agent(*ada);
   }
-  /// The bytes with another number at a place.
+  /// A copy of `bytes` with one field replaced.
   static Bytes with(Bytes bytes, std::size_t place, std::uint32_t value) {
     std::memcpy(bytes.data() + place, &value, sizeof value);
     return bytes;

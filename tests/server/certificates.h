@@ -15,14 +15,14 @@ namespace kerf::test {
 
 inline constexpr long kDayS = 86'400;
 
-/// The words of a certificate.
+/// Validity, names and key password of a self-signed certificate.
 struct Certified {
   long begins_s = -kDayS, ends_s = kDayS;  ///< from now on
   const char* names = "DNS:localhost,IP:127.0.0.1";
   const char* password = nullptr;  ///< of the key
 };
 
-/// Writes PATH.pem and PATH.key: a certificate of its own, and its key.
+/// Writes a self-signed certificate to PATH.pem and its key to PATH.key.
 inline void certify(const std::filesystem::path& path, const Certified& words = {}) {
   const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(EVP_EC_gen("P-256"), EVP_PKEY_free);
   const std::unique_ptr<X509, decltype(&X509_free)> own(X509_new(), X509_free);

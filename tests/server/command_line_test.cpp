@@ -34,7 +34,7 @@ class CommandLineTest : public testing::Test {
   };
   void TearDown() override { log::open(); }
 
-  /// Reads words, and a file of options if there is a text.
+  /// Parses command-line words and, if `text` is not empty, a file of options.
   Outcome read(Words words, const std::string& text = "",
                const std::map<std::string, std::string>& environment = {}) {
     words.insert(words.begin(), "kerf-server");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// TLS of a whole server: what it says of its certificate, and files for clients that read slowly.
+// TLS of a whole server: reports about its certificate, and downloads by slow clients.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <openssl/ssl.h>
@@ -24,7 +24,7 @@ namespace {
 
 class CertificateReport : public SessionTest {
  protected:
-  /// Loads one as a server does at its start; what it logs.
+  /// Loads a certificate as a server does at its start; returns the log.
   std::string log_of(const char* name, const test::Certified& words) {
     test::certify(folder / name, words);
     const std::string path = folder / name;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// UDP of a whole server: its port, the keys of its agents, and datagrams beside WebSockets.
+// UDP of a whole server: its port, the keys of agents, and both transports together.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>

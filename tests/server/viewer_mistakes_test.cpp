@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a viewer sends by mistake.
+// Invalid messages of a viewer.
 #include <utility>
 
 #include "tests/server/conversation_fixture.h"

@@ -157,7 +157,7 @@ TEST_F(Maintenance, FaultsAreNamedWithWhatToDo) {
       << loaded.said;
   EXPECT_EQ(registry->find("block")->solid().hash(), hash);
   restart();
-  // A hash that no replay gives, of the last record.
+  // A wrong hash for the last record.
   sql("INSERT OR REPLACE INTO state_hashes SELECT max(first+count)-1, 2989 FROM batches");
   const Outcome differs = replayed();
   EXPECT_EQ(differs.status, 1);

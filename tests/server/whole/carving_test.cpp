@@ -30,7 +30,7 @@ std::string content(const std::filesystem::path& file) {
 
 using Carving = WholeServer;
 
-// Its thread is made by a request, whose thread is nice, and interrupts those of people who wait.
+// A thread inherits niceness, and requests run on nice threads; a session must not.
 TEST_F(Carving, TheThreadOfASessionIsNotNice) {
   std::map<std::string, int> niceness;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -87,7 +87,7 @@ TEST_F(Carving, AnAgentIsAnsweredWhileAProgramRunsThatIsCancelled) {
   EXPECT_EQ(people.at(0).at("kind"), "agent");
 }
 
-// A flat tool as wide as the block: the motion is the work of many turns of the session.
+// A motion of a flat tool as wide as the block takes many turns of the session.
 TEST_F(Carving, AnAgentIsAnsweredWhileAMotionOfAnotherSweepsTheWholeBlock) {
   Json accuracy = kBlock.at("accuracy");
   accuracy["pitch_mm"] = 0.1;
@@ -102,7 +102,7 @@ TEST_F(Carving, AnAgentIsAnsweredWhileAMotionOfAnotherSweepsTheWholeBlock) {
   ball.move({{0, 0, 5}}, {.tool = 2});
   ball.result();
   while (mill.receive("participants").at("participants").size() < 2) continue;
-  // From now on the mill receives nothing but its result.
+  // The mill receives only its result after this.
   mill.move({{100, 100, 1}, {100, 100, -3}}, {.step_us = 100'000});
   int answered = 0;
   while (!mill.peer().has_input()) {
@@ -142,7 +142,7 @@ TEST_F(Carving, ParticipantsAreReportedWhenTheyJoinChangeTheirToolAndLeave) {
   EXPECT_EQ(people.at(0).at("name"), "Grace");
 }
 
-TEST_F(Carving, MetricsCountIt) {
+TEST_F(Carving, IsCountedByTheMetrics) {
   EXPECT_EQ(made("GET", "/healthz"), Json({{"status", "ok"}}));
   Hand ada(port);
   ada.carve(20);

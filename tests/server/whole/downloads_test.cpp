@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files of a session over HTTP, and those that take long to make.
+// Downloads of a session over HTTP, including slow ones.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -146,7 +146,7 @@ TEST_F(Downloads, AreSentInParts) {
     return get("model.stl", {{"Range", "bytes=0-9"}, {"If-Range", tag}});
   };
   EXPECT_EQ(if_range(whole.header("ETag")).status, 206U);
-  // After a change of the block, the rest of the old file is of no use.
+  // The rest of an old file is useless once the block has changed.
   EXPECT_EQ(if_range("\"0000000000000000\"").status, 200U);
   EXPECT_TRUE(if_range("\"0000000000000000\"").body == whole.body);
   EXPECT_EQ(get("model.stl", {{"Range", "bytes=1-2,4-5"}}).status, 200U);
@@ -215,7 +215,7 @@ TEST_F(Downloads, OfTheJournalOpenElsewhereWithTheSameHash) {
   EXPECT_EQ(hash(), expected);
 }
 
-/// The round side of a fine cylinder has triangles that no export merges.
+/// A fine cylinder: exports cannot merge the triangles of its side.
 class LongDownloads : public WholeServer {
  protected:
   void SetUp() override {
@@ -228,7 +228,7 @@ class LongDownloads : public WholeServer {
     create("fine", scene_with({{"stock", rod}, {"accuracy", {{"pitch_mm", 0.1}}}}));
   }
   Json exports() { return made("GET", "/v1/sessions/fine/exports").at("exports"); }
-  /// Begins a download; returns when it is being made.
+  /// Starts a download and waits until the server is writing it.
   Peer begin() {
     Peer peer(port);
     peer.send("GET /v1/sessions/fine/model.obj?error_mm=0 HTTP/1.1\r\nHost: localhost\r\n\r\n");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The data folder of a server: damaged journals, and what limits of the disk do.
+// The data folder of a server: damaged journals and limits of the disk.
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -22,7 +22,7 @@ class DataFolder : public WholeServer {
   void carve(int steps, const std::string& session = "block") const {
     Hand(port, session).carve(steps);
   }
-  /// Ends the server, and starts the next one; what that logs.
+  /// Restarts the server; returns the log of the start.
   std::string log_of_a_restart() {
     server.reset();
     testing::internal::CaptureStderr();
@@ -109,11 +109,11 @@ TEST_F(DataFolder, ASessionAtItsLimitIsPausedAndClosedOnesComeBack) {
   wait_for_the_journal();
   const std::string expected = hash();
   server.reset();
-  // Without the log of SQLite, which has as many bytes more as there were commits.
+  // Without SQLite's log, whose size depends on the number of commits.
   options.disk.session = std::filesystem::file_size(journal()) / 2;
   start();
   EXPECT_TRUE(is_paused());
-  // A session at a limit of its own is no fault of the server.
+  // The server stays ready when one session reaches its own limit.
   EXPECT_EQ(ready(200).at("status"), "ready");
   EXPECT_EQ(ready(200).at("paused"), Json({"block"}));
   create("second");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames that break the rules of WebSockets, peers that vanish, and upgrades that are declined.
+// Frames that violate RFC 6455, peers that vanish, and declined upgrades.
 #include <algorithm>
 #include <string>
 #include <vector>

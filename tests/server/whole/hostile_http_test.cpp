@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hostile bytes on the port of a server: each request gets its answer, and the others go on.
+// Hostile HTTP requests: each gets its answer, and other clients are served.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -36,7 +36,7 @@ struct Row {
   std::vector<unsigned> statuses;  ///< any of them is correct
 };
 
-/// First lines, and a Host that is wrong.
+/// Request lines, and wrong Host fields.
 const std::vector<Row> kStarts = {
     {"nothing but a line break", "\r\n\r\n", {400}},
     {"no Host", "GET /healthz HTTP/1.1\r\n\r\n", {400}},
@@ -188,7 +188,7 @@ const std::vector<Row> kUpgrades = {
 
 class HostileHttp : public WholeServer {
  protected:
-  /// All answers to these bytes, after which the peer sends nothing more.
+  /// All answers to `bytes`, after which the peer ends its stream.
   std::string answers(const std::string& bytes) const {
     const Peer peer(port);
     peer.send(bytes);
@@ -215,7 +215,7 @@ TEST_F(HostileHttp, EachHeaderGetsItsAnswer) { expect_answers(kHeaders); }
 TEST_F(HostileHttp, EachLengthAndCodingGetsItsAnswer) { expect_answers(kBodies); }
 TEST_F(HostileHttp, EachUpgradeGetsItsAnswer) { expect_answers(kUpgrades); }
 
-// A proxy that takes what follows for the body would let it pass.
+// A proxy that read the rest as the body would forward a smuggled request.
 TEST_F(HostileHttp, WhatFollowsAnUnknownTransferCodingIsNoRequest) {
   for (const std::string method : {"GET", "OPTIONS"}) {
     const std::string all =
@@ -281,7 +281,7 @@ class ManyConnections : public HostileHttp {
 
 TEST_F(ManyConnections, OfOneClientKeepNobodyOut) {
   Hand ada(port);
-  // A client of another network that sends its next request later.
+  // A client of another network, whose connection is idle meanwhile.
   const Peer patient(port, "127.0.0.2");
   std::vector<Peer> idle;
   for (int n = 0; n < 80; ++n) idle.emplace_back(port).send("GET /healthz");

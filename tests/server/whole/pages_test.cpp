@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a browser may do for a page, the figures that a server shows, and its end by a request.
+// Rules for browsers (origins, hosts, headers), metrics, and draining by a request.
 #include <unistd.h>
 
 #include <array>
@@ -132,14 +132,14 @@ TEST_F(Drain, AnAdministratorDrainsByARequest) {
   EXPECT_EQ(ada.receive("bye").at("redirect"), "http://127.0.0.1:9");
 }
 
-/// Served, listed in the README and shown by the dashboard are the same metrics.
+/// The server, the README and the dashboard have the same metrics.
 class ListedMetrics : public WholeServer {
  protected:
   static std::string source(const std::string& file) {
     std::ifstream in(KERF_SOURCE_DIR "/" + file);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   }
-  /// What the first group of an expression matches.
+  /// All matches of the first group of an expression.
   static std::set<std::string> names(const std::string& text, const char* expression) {
     const std::regex pattern(expression, std::regex::multiline);
     std::set<std::string> found;
@@ -161,7 +161,7 @@ TEST_F(ListedMetrics, AreThoseOfTheReadme) {
     listed.merge(names(cell, "\\b(kerf_[a-z_]+)"));
   }
   std::set<std::string> expected = served();
-  // Counted by label, so it appears with the first one; those of --nats; and that of TLS.
+  // Absent here: a counter by label without counts, and the metrics of --nats and TLS.
   expected.insert({"kerf_refused_total", "kerf_copied_record", "kerf_copy_lag_records",
                    "kerf_copied_snapshot_record", "kerf_certificate_days_left"});
   EXPECT_EQ(listed, expected);

@@ -19,7 +19,7 @@ namespace {
 
 using WallClock = std::chrono::system_clock;
 
-/// As RFC 3339 writes it.
+/// A time in RFC 3339 format.
 std::string utc(WallClock::time_point time) {
   const auto us = std::chrono::floor<std::chrono::microseconds>(time.time_since_epoch()).count();
   const std::time_t seconds = us / 1'000'000;
@@ -45,7 +45,7 @@ class PointsInTime : public WholeServer {
     message.update(fields);
     viewer.send(message);
   }
-  /// Waits until a viewer has all tiles of a record; the hash that it then shows.
+  /// Waits until a viewer has all tiles of a record; returns its state hash.
   static std::string reached(Watcher& viewer, std::uint64_t record, double rate = 0) {
     for (;;) {
       const Json state = viewer.settled();
@@ -165,7 +165,7 @@ TEST_F(PointsInTime, OneViewerLooksAtThemWhileOthersCarveAndWatch) {
   EXPECT_EQ(past.tools[0].participant, ada.participant);
   seek(past, {{"at", end - 5}, {"rate", 0.25}});
   EXPECT_EQ(reached(past, end, 0.25), now);
-  // And is back in the present, with the tiles that a new viewer gets.
+  // Back in the present it has the same tiles as a new viewer.
   seek(past, {{"at", first}});
   reached(past, first);
   seek(past, {{"at", "live"}});

@@ -107,7 +107,7 @@ TEST_F(Programs, HaveAStrokeForEachPass) {
 }
 
 TEST_F(Programs, OfAQueueRunOneAfterTheOther) {
-  // So slow that it is not at its end before it is paused.
+  // Slow, so that it is still running when it is paused.
   const Json first = upload(spiral(20), "pace=feed&speed=0.1&name=first.ngc");
   change(first, "do=pause");
   const Json second = upload(spiral(20), "pace=fast&queue=1&name=second.ngc");

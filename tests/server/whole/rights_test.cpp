@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tokens, invitations and what owners may do to others, over HTTP and WebSockets.
+// Tokens, invitations and the powers of owners, over HTTP and WebSockets.
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -59,7 +59,7 @@ TEST_F(Invitations, WithoutATokenThereIsNothingButThePage) {
   EXPECT_EQ(upgrade("view"), 401U);
 }
 
-// 60 MB are announced and none is sent: the answer comes all the same.
+// The client announces 60 MB and sends none; the server answers without waiting.
 TEST_F(Invitations, TheBodyOfAStrangerIsNotRead) {
   const Answer answer = ask_with("POST", "/v1/files", {{"Content-Length", "62914560"}});
   EXPECT_EQ(answer.status, 401U);
@@ -108,7 +108,7 @@ TEST_F(Invitations, ThatAreRevokedOrExpireEndConnections) {
   const std::string one = invitation.at("token"), brief = token("watcher&hours=0.0009");
   Watcher first(port, Json::object(), "block", bearer(one)),
       second(port, Json::object(), "block", bearer(brief));
-  // Opened before the invitation ends, and silent until then.
+  // Opened before the invitation expires, and idle until then.
   WebPeer spare(port, "/v1/sessions/block/view", "kerf.view.v1", bearer(one));
   made("DELETE", "/v1/sessions/block/invitations/" + invitation.at("id").get<std::string>());
   spare.send({{"type", "hello"}});

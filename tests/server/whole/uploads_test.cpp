@@ -91,7 +91,7 @@ class UploadMemory : public WholeServer {
               std::to_string(kBytes) + "\r\n\r\n" + std::string(1000, ' '));
     return peer;
   }
-  /// Waits until so many are rejected; the answer of one.
+  /// Waits until `count` uploads are rejected; returns one answer.
   static Answer rejected(const std::vector<Peer>& peers, std::size_t count) {
     const auto answered = [&] {
       return static_cast<std::size_t>(
@@ -131,7 +131,7 @@ TEST_F(UploadMemory, OfOneClientDoesNotKeepOthersOut) {
   expect_taken();  // of another
 }
 
-/// Of this process, MB, and most of it since the last reset.
+/// Memory of this process in MB: now, and the peak since the last reset.
 double status_mb(const std::string& field) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
@@ -167,7 +167,7 @@ TEST_F(Memory, OfUploadsThatBreakOffIsGivenBack) {
         "60000000\r\n\r\n");
     peer.send(part);
   }
-  // What tests before this one have used may be given back meanwhile.
+  // Memory of earlier tests may be returned meanwhile.
   EXPECT_TRUE(eventually([&] { return status_mb("VmRSS:") > before + 100; }));
   peers.clear();
   EXPECT_TRUE(eventually([&] { return status_mb("VmRSS:") < before + 30; }))

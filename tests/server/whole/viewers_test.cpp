@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What viewers get: tiles at their levels, within their budgets, and in crowds.
+// Tiles for viewers: levels of detail, budgets of bandwidth, and crowds.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -85,7 +85,7 @@ TEST_F(Viewers, LearnFromMeshFramesWhichMotionsTheyInclude) {
   while (eve.motions <= motions) eve.take();
 }
 
-/// Whose bytes are counted: what it was sent more than its budget allows, at most.
+/// A watcher that measures the largest excess of received bytes over its budget.
 class CountedWatcher : public Watcher {
  public:
   CountedWatcher(std::uint16_t port, double bytes_per_s, const Json& hello = Json::object())
@@ -114,7 +114,7 @@ class CountedWatcher : public Watcher {
   double bytes_per_s_;
 };
 
-/// A block of two tiles, which come within the smallest budget soon.
+/// A block of two tiles, small enough for the smallest budget.
 class Budgets : public Viewers {
  protected:
   void SetUp() override {
