@@ -15,6 +15,7 @@
 #include "server/http/api.h"
 #include "server/http/http_connection.h"
 #include "server/log/log.h"
+#include "server/matters.h"
 #include "server/metrics/metrics.h"
 #include "server/session/journal_watch.h"
 #include "server/session_log.h"
@@ -82,10 +83,11 @@ struct Server::Impl {
         registry(
             {options.http.data_folder, options.sessions_max, options.session, log_pause,
              SnapshotOptions{&snapshots, options.snapshots, log_snapshot_failure}, options.disk,
-             carvers.count() > 1 ? &carvers : nullptr, node.get(), options.needs_copy, log_damage},
+             carvers.count() > 1 ? &carvers : nullptr, node.get(), options.needs_copy, log_damage,
+             net::matters()},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
-        api(options.http, registry, metrics, *access),
+        api(options.http, registry, metrics, *access, matter_routes),
         immediate("immediate", 1, kShown),
         acceptor(viewers.context()) {}
 
@@ -117,6 +119,7 @@ struct Server::Impl {
   ThreadPool carvers{std::min(usable_threads(), kCarversMax), ThreadPool::Idle::kSleeps};
   SessionRegistry registry;
   JournalWatch watch{registry, snapshots};
+  const std::vector<std::span<const Route>> matter_routes = net::matter_routes();
   Api api;
   IoThreads immediate;  ///< after `api`, which the work on requests uses
   FairThreads control{"control", kShown}, history{"history", kShown}, workers{"workers", kBehind},

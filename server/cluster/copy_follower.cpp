@@ -165,7 +165,7 @@ std::expected<void, std::string> CopyFollower::deliver_lists(Followed& followed)
   auto reader = JournalReader::open(followed.file, RecordOrder::kSequence, {}, followed.applied);
   if (!reader) return std::unexpected(describe(reader.error()));
   run_and_wait(followed.session->executor(), [&] {
-    followed.session->follow_lists(reader->versions(), reader->pins());
+    followed.session->matters().restore(reader->lists());
     return 0;
   });
   return {};

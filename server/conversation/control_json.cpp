@@ -8,7 +8,6 @@
 #include "server/formats/guide_json.h"
 #include "server/rights/rights.h"
 #include "server/session/hash_text.h"
-#include "server/session/pin_json.h"
 #include "server/session/program_json.h"
 
 namespace kerf::net {
@@ -148,12 +147,6 @@ std::string programs_message(const std::vector<ProgramGlance>& programs) {
   Json list = Json::array();
   for (const ProgramGlance& program : programs) list.push_back(Json::parse(program_json(program)));
   return text({{"type", wire::kTypePrograms}, {"programs", list}});
-}
-
-std::string pins_message(const std::vector<Pin>& pins) {
-  Json list = Json::array();
-  for (const Pin& pin : pins) list.push_back(Json::parse(pin_json(pin)));
-  return text({{"type", wire::kTypePins}, {"pins", std::move(list)}});
 }
 
 std::string cameras_message(const std::vector<ShownCamera>& cameras) {

@@ -111,8 +111,6 @@ std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64
                           const std::optional<PastPlace>& past = std::nullopt);
 /// The programs of a session, for viewers: each message replaces the one before.
 std::string programs_message(const std::vector<ProgramGlance>& programs);
-/// The pins of a session, for viewers: each message replaces the one before.
-std::string pins_message(const std::vector<Pin>& pins);
 /// The cameras that viewers show: each message replaces the one before.
 std::string cameras_message(const std::vector<ShownCamera>& cameras);
 std::string error_message(const Rejection& rejection, bool fatal);

@@ -30,7 +30,7 @@ struct OutFrame {
     kState,
     kParticipants,
     kPrograms,
-    kPins,
+    kMatter,
     kCameras
   };
   Kind kind = Kind::kText;
@@ -40,7 +40,7 @@ struct OutFrame {
 
   bool is_text() const {
     return kind == Kind::kText || kind == Kind::kState || kind == Kind::kParticipants ||
-           kind == Kind::kPrograms || kind == Kind::kPins || kind == Kind::kCameras;
+           kind == Kind::kPrograms || kind == Kind::kMatter || kind == Kind::kCameras;
   }
 };
 

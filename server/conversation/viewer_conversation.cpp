@@ -147,8 +147,8 @@ void ViewerConversation::send_programs(SharedText programs) {
   wake();
 }
 
-void ViewerConversation::send_pins(SharedText pins) {
-  out_.put_pins(std::move(pins));
+void ViewerConversation::send_matter(std::size_t matter, SharedText text) {
+  out_.put_matter(matter, std::move(text));
   wake();
 }
 

@@ -101,9 +101,9 @@ class ViewerConversation final : public Conversation {
   /// of the previous call for any viewer of the session; it suffices if the viewer understands it
   /// and has been sent that list.
   void send_participants(const SharedText& all, const SharedText& change);
-  void send_programs(SharedText programs);  ///< replaces a message that has not left
-  void send_pins(SharedText pins);          ///< likewise
-  void send_cameras(SharedText cameras);    ///< likewise
+  void send_programs(SharedText programs);                ///< replaces a message that has not left
+  void send_matter(std::size_t matter, SharedText text);  ///< likewise, by matter
+  void send_cameras(SharedText cameras);                  ///< likewise
   /// The viewer has acknowledged a frame that was never sent.
   void reject_ack();
   /// The viewer cannot be where it has asked to be, or not show its camera.

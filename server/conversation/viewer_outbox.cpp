@@ -22,7 +22,7 @@ void ViewerOutbox::close() {
   drop_surface();
   participants_.reset();
   programs_.reset();
-  pins_.reset();
+  matters_.clear();
   cameras_.reset();
 }
 
@@ -40,11 +40,15 @@ bool ViewerOutbox::take(const wire::FrameStamp& stamp, OutFrame& out) {
     return true;
   }
   if (take_shared(participants_, OutFrame::Kind::kParticipants, out) ||
-      take_shared(programs_, OutFrame::Kind::kPrograms, out) ||
-      take_shared(pins_, OutFrame::Kind::kPins, out) ||
-      take_shared(cameras_, OutFrame::Kind::kCameras, out)) {
+      take_shared(programs_, OutFrame::Kind::kPrograms, out)) {
     return true;
   }
+  if (const auto first = matters_.begin(); first != matters_.end()) {
+    take_shared(first->second, OutFrame::Kind::kMatter, out);
+    matters_.erase(first);
+    return true;
+  }
+  if (take_shared(cameras_, OutFrame::Kind::kCameras, out)) return true;
   if (!mesh_.empty()) {
     auto [mesh, is_summed] = std::move(mesh_.front());
     mesh_.pop_front();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <string>
 
 #include "server/conversation/control_queue.h"
@@ -10,7 +11,7 @@
 namespace kerf::net {
 
 /// Frames that wait to leave for one viewer, in order of priority: control messages, tool poses,
-/// the participants, the programs, the pins, the cameras, mesh frames, the state message. Newer
+/// the participants, the programs, the matters, the cameras, mesh frames, the state message. Newer
 /// ones of each but control messages and mesh frames replace older ones that have not left; mesh
 /// frames keep their order (TileFeed bounds their number).
 class ViewerOutbox {
@@ -29,8 +30,9 @@ class ViewerOutbox {
   void put_programs(SharedText text) {
     if (!closed_) programs_ = std::move(text);
   }
-  void put_pins(SharedText text) {
-    if (!closed_) pins_ = std::move(text);
+  /// `matter`: its index (MatterMessage).
+  void put_matter(std::size_t matter, SharedText text) {
+    if (!closed_) matters_.insert_or_assign(matter, std::move(text));
   }
   void put_cameras(SharedText text) {
     if (!closed_) cameras_ = std::move(text);
@@ -60,7 +62,8 @@ class ViewerOutbox {
  private:
   ControlQueue control_;
   SharedBytes tools_;
-  SharedText participants_, programs_, pins_, cameras_;
+  SharedText participants_, programs_, cameras_;
+  std::map<std::size_t, SharedText> matters_;  ///< by index
   struct Mesh {
     FeedFrame frame;
     bool is_summed = false;

@@ -60,6 +60,32 @@ ApiResponse rejection_response(const Rejection& rejection, unsigned otherwise) {
   return error_response(status, wire::to_string(code), rejection.reason);
 }
 
+ApiResponse error_response(const Error& error) {
+  const auto status = [&]() -> unsigned {
+    switch (error.kind) {
+      case ErrorKind::kInvalid:
+        return 400;
+      case ErrorKind::kNotAllowed:
+        return 403;
+      case ErrorKind::kUnknown:
+        return 404;
+      case ErrorKind::kConflict:
+        return 409;
+      case ErrorKind::kBusy:
+        return 503;
+    }
+    return 500;
+  };
+  return error_response(status(), error.code, error.reason);
+}
+
+std::optional<ApiResponse> flush_failure(Session& session) {
+  if (const auto flushed = session.flush(); !flushed) {
+    return error_response(503, "busy", describe(flushed.error()));
+  }
+  return std::nullopt;
+}
+
 ApiResponse not_found() {
   return error_response(404, "not_found", "there is no resource at this path");
 }
@@ -174,8 +200,9 @@ HashedSolid current_solid(Session& session) {
 }
 
 Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& metrics,
-         Access& access)
-    : options_(options),
+         Access& access, std::span<const std::span<const Route>> matters)
+    : routes_(std::make_unique<const RouteTable>(matters)),
+      options_(options),
       registry_(registry),
       metrics_(metrics),
       access_(access),
@@ -196,8 +223,10 @@ Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& m
   });
 }
 
+Api::~Api() = default;
+
 ApiResponse Api::handle(const ApiRequest& request) {
-  RouteMatch match = match_route(request.method, request.path);
+  RouteMatch match = routes_->match(request.method, request.path);
   Caller caller;
   if (auto rejection = refuse(request, match, caller)) return *std::move(rejection);
   ApiCall call{request, nullptr, std::move(match.captured), std::move(caller)};
@@ -224,8 +253,10 @@ ApiResponse Api::handle(const ApiRequest& request) {
     response.headers.emplace_back("Allow", match.allow);
     return response;
   }
-  ApiResponse response = (this->*match.route->handler)(call);
-  if (auto gone = gone_meanwhile(call, *match.route, response)) return *std::move(gone);
+  const Route& route = *match.route;
+  ApiResponse response =
+      route.answer != nullptr ? route.answer(call) : (this->*route.handler)(call);
+  if (auto gone = gone_meanwhile(call, route, response)) return *std::move(gone);
   // Whatever the handler says of it: no fault of the request, nor of the server.
   const bool is_cut_short = response.status >= 400 && request.stop.stop_requested();
   return is_cut_short ? stopped() : std::move(response);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -30,6 +31,7 @@ namespace kerf::net {
 
 struct Route;
 struct RouteMatch;
+class RouteTable;
 
 /// An HTTP request as the interface sees it: no sockets, no Beast.
 struct ApiRequest {
@@ -70,6 +72,10 @@ struct ApiResponse {
 /// {"error":{"code","reason"}}, with "path" if a field of the scene is invalid.
 ApiResponse error_response(unsigned status, std::string_view code, std::string_view reason,
                            std::string_view path = {});
+ApiResponse error_response(const Error& error);
+/// Waits until all that was recorded is on the disk: an answer with 2xx is durable. Returns 503 if
+/// the disk fails, else nothing.
+std::optional<ApiResponse> flush_failure(Session& session);
 /// The response to a request that a session has rejected; `otherwise` is the status of errors that
 /// no status belongs to whatever the request is.
 ApiResponse rejection_response(const Rejection& rejection, unsigned otherwise);
@@ -128,8 +134,12 @@ struct ApiCall {
 /// be called on one, nor on the viewers' thread.
 class Api {
  public:
-  Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& metrics,
-      Access& access);
+  /// `matters` are the routes of each matter.
+  Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& metrics, Access& access,
+      std::span<const std::span<const Route>> matters = {});
+  ~Api();
+
+  const RouteTable& routes() const { return *routes_; }
 
   ApiResponse handle(const ApiRequest& request);
   /// The response to a caller without the right to a route, or with a query that is not one of the
@@ -197,13 +207,6 @@ class Api {
   ApiResponse list_authors(const ApiCall& call);
   ApiResponse undo(const ApiCall& call);
   ApiResponse redo(const ApiCall& call);
-  ApiResponse list_versions(const ApiCall& call);
-  ApiResponse name_version(const ApiCall& call);
-  ApiResponse rename_version(const ApiCall& call);
-  ApiResponse remove_version(const ApiCall& call);
-  ApiResponse list_pins(const ApiCall& call);
-  ApiResponse set_pin(const ApiCall& call);
-  ApiResponse remove_pin(const ApiCall& call);
   ApiResponse list_invitations(const ApiCall& call);
   ApiResponse invite(const ApiCall& call);
   ApiResponse revoke(const ApiCall& call);
@@ -258,6 +261,7 @@ class Api {
   /// are dropped, in all sessions. Nothing if that does not suffice.
   std::optional<MemoryBudget::Share> program_memory(std::size_t bytes);
 
+  const std::unique_ptr<const RouteTable> routes_;
   const HttpOptions& options_;
   SessionRegistry& registry_;
   const Metrics& metrics_;

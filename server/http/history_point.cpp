@@ -8,12 +8,13 @@
 #include "server/http/number.h"
 #include "server/platform/clock.h"
 #include "server/store/journal_times.h"
-#include "server/store/named_version.h"
+#include "server/store/plain_text.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
 namespace {
 
+constexpr std::size_t kPointNameBytesMax = 64;
 constexpr int kDecimals = 3;  ///< of a second that count
 
 /// The number that some digits of a text spell.
@@ -76,10 +77,14 @@ std::expected<WallTime, std::string> parse_time(std::string_view text) {
   return WallTime{std::chrono::duration_cast<std::chrono::milliseconds>(time).count()};
 }
 
+bool is_point_name(std::string_view name) {
+  return is_plain_text(name, kPointNameBytesMax) && !name.contains('/');
+}
+
 std::expected<HistoryPoint, std::string> parse_point(const std::string& text) {
   if (const auto record = parse_number<std::uint64_t>(text)) return *record;
   if (const auto time = parse_time(text)) return *time;
-  if (is_version_name(text)) return text;
+  if (is_point_name(text)) return text;
   return std::unexpected(
       "must be the number of a record, a time in UTC, as 2026-11-22T14:03:00Z, or the name of a "
       "version");
@@ -89,7 +94,7 @@ std::expected<std::uint64_t, ApiResponse> find_record(Session& session, const Hi
   if (const auto* record = std::get_if<std::uint64_t>(&point)) return *record;
   if (const auto* name = std::get_if<std::string>(&point)) {
     const auto named =
-        run_and_wait(session.executor(), [&] { return session.record_of_version(*name); });
+        run_and_wait(session.executor(), [&] { return session.matters().record_named(*name); });
     if (named) return *named;
     return std::unexpected(
         error_response(404, "unknown_version",

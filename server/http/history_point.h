@@ -15,10 +15,14 @@ namespace kerf::net {
 struct WallTime {
   std::int64_t ms = 0;
 };
-/// A point in the history of a session: after a record, at a time, or as a version is named.
+/// A point in the history of a session: after a record, at a time, or under a name
+/// (Matter::record_named).
 using HistoryPoint = std::variant<std::uint64_t, WallTime, std::string>;
-/// The name of the present, which no version has.
+/// The name of the present, which no other point has.
 inline constexpr std::string_view kLive = "live";
+
+/// Whether a text can name a point: UTF-8 of 1 to 64 bytes without control characters and "/".
+bool is_point_name(std::string_view name);
 
 /// Reads a time in UTC as RFC 3339 writes it, e.g. 2026-11-22T14:03:00Z, with or without decimals
 /// of the second, which are cut to ms. Years are 1970 to 9999.

@@ -193,7 +193,7 @@ asio::awaitable<bool> Connection::serve_one() {
   if (!request) co_return co_await answer(head, request.error(), false);
   // Who has no right to a session does not learn that it is loading.
   Caller caller;
-  const RouteMatch match = match_route(request->method, request->path);
+  const RouteMatch match = context_.api.routes().match(request->method, request->path);
   auto rejection = context_.api.refuse(*request, match, caller);
   if (!rejection) co_await wait_until_loaded(*request, only_looks(match));
   if (beast::websocket::is_upgrade(parser.get())) {

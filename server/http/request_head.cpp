@@ -72,7 +72,7 @@ std::expected<UpgradeTarget, ApiResponse> open_upgrade(const RequestHead& head,
                                                        const ApiRequest& request, const Api& api,
                                                        const SessionRegistry& registry,
                                                        const HttpOptions& options) {
-  const RouteMatch match = match_route(request.method, request.path);
+  const RouteMatch match = api.routes().match(request.method, request.path);
   if (match.upgrade == Upgrade::kNone) {
     return std::unexpected(error_response(404, "not_found", "there is no WebSocket at this path"));
   }

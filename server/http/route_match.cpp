@@ -57,9 +57,9 @@ bool lists(std::string_view methods, std::string_view method) {
 
 }  // namespace
 
-RouteMatch match_route(std::string_view method, const std::vector<std::string>& path) {
+RouteMatch RouteTable::match(std::string_view method, const std::vector<std::string>& path) const {
   RouteMatch match;
-  for (const Route& route : routes()) {
+  for (const Route& route : routes_) {
     // The viewer's files are what remains.
     if (route.pattern.ends_with("...}") && !match.allow.empty()) break;
     auto captured = match_pattern(route.pattern, path);
@@ -91,9 +91,9 @@ std::size_t body_bytes_max(const RouteMatch& match, std::string_view method) {
   return method == "POST" ? kRejectedBytesMax : 0;
 }
 
-std::string routes_markdown() {
+std::string RouteTable::markdown() const {
   std::string text = "| method | path | query | right | answer |\n|---|---|---|---|---|\n";
-  for (const Route& route : routes()) {
+  for (const Route& route : routes_) {
     text += "| ";
     text.append(route.methods).append(" | `").append(route.pattern).append("` | ");
     text.append(route.query).append(route.query.empty() ? "| `" : " | `");

@@ -216,49 +216,6 @@ constexpr Route kRoutes[] = {
      .runs = Runs::kHistory,
      .action = Action::kUndo,
      .summary = "redoes strokes, or the one of a participant that was undone last; 200"},
-    {.pattern = "/v1/sessions/{id}/versions",
-     .handler = &Api::list_versions,
-     .runs = Runs::kSession,
-     .action = Action::kWatch,
-     .summary = "200, the named versions: name, record, times, author, may_change"},
-    {.methods = "POST",
-     .pattern = "/v1/sessions/{id}/versions",
-     .query = "name, at",
-     .handler = &Api::name_version,
-     .runs = Runs::kHistory,
-     .action = Action::kNameVersions,
-     .summary = "names the block as it is, or was at a point; 201 with the version"},
-    {.methods = "PATCH",
-     .pattern = "/v1/sessions/{id}/versions/{name}",
-     .query = "name",
-     .handler = &Api::rename_version,
-     .runs = Runs::kHistory,
-     .action = Action::kNameVersions,
-     .summary = "gives a version another name; 200 with the version"},
-    {.methods = "DELETE",
-     .pattern = "/v1/sessions/{id}/versions/{name}",
-     .handler = &Api::remove_version,
-     .runs = Runs::kHistory,
-     .action = Action::kNameVersions,
-     .summary = "deletes a version"},
-    {.pattern = "/v1/sessions/{id}/pins",
-     .handler = &Api::list_pins,
-     .runs = Runs::kSession,
-     .action = Action::kWatch,
-     .summary = "200, the pins: pin, text, at_mm, normal, record, time, author, may_remove"},
-    {.methods = "POST",
-     .pattern = "/v1/sessions/{id}/pins",
-     .query = "text, at_mm, normal, author",
-     .handler = &Api::set_pin,
-     .runs = Runs::kHistory,
-     .action = Action::kPlacePins,
-     .summary = "sets a pin on the surface; 201 with the pin"},
-    {.methods = "DELETE",
-     .pattern = "/v1/sessions/{id}/pins/{n}",
-     .handler = &Api::remove_pin,
-     .runs = Runs::kHistory,
-     .action = Action::kPlacePins,
-     .summary = "removes a pin"},
     {.pattern = "/v1/sessions/{id}/targets",
      .handler = &Api::list_targets,
      .runs = Runs::kSession,
@@ -395,6 +352,12 @@ constexpr Route kRoutes[] = {
 
 }  // namespace
 
-std::span<const Route> routes() { return kRoutes; }
+RouteTable::RouteTable(std::span<const std::span<const Route>> matters) {
+  // The last route matches any path.
+  const std::span<const Route> own(kRoutes);
+  routes_.assign(own.begin(), own.end() - 1);
+  for (const auto& routes : matters) routes_.insert(routes_.end(), routes.begin(), routes.end());
+  routes_.push_back(own.back());
+}
 
 }  // namespace kerf::net

@@ -43,6 +43,8 @@ struct Route {
   /// request with another one is rejected (query_fault).
   std::string_view query = {};
   Handler handler = nullptr;
+  /// The handler of a matter's route; `handler` is null.
+  ApiResponse (*answer)(const ApiCall&) = nullptr;
   std::size_t body_bytes_max = 0;
   Runs runs = Runs::kAtOnce;
   Action action = Action::kAdminister;  ///< that the caller must have the right to
@@ -52,8 +54,6 @@ struct Route {
 
 /// Of the viewer's files: their query is for the page, and sites that pass a link on add to it.
 inline constexpr std::string_view kAnyQuery = "*";
-
-std::span<const Route> routes();
 
 /// What the table knows of a request.
 struct RouteMatch {
@@ -65,7 +65,6 @@ struct RouteMatch {
 /// Whether the request only looks at a session's block and its history: a server that follows the
 /// session serves it. Programs, targets, regions and people are known to its owner.
 bool only_looks(const RouteMatch& match);
-RouteMatch match_route(std::string_view method, const std::vector<std::string>& path);
 
 /// The most bytes that the body of the request may have.
 std::size_t body_bytes_max(const RouteMatch& match, std::string_view method);
@@ -74,7 +73,17 @@ std::size_t body_bytes_max(const RouteMatch& match, std::string_view method);
 /// not declare, one that comes twice, or a flag that is neither 0 nor 1. Nullopt: nothing.
 std::optional<ApiResponse> query_fault(const Route& route, const ApiRequest& request);
 
-/// The table of README.md.
-std::string routes_markdown();
+/// The routes of the interface: its own and those of the matters.
+class RouteTable {
+ public:
+  explicit RouteTable(std::span<const std::span<const Route>> matters);
+  std::span<const Route> all() const { return routes_; }
+  RouteMatch match(std::string_view method, const std::vector<std::string>& path) const;
+  /// The table of README.md.
+  std::string markdown() const;
+
+ private:
+  std::vector<Route> routes_;
+};
 
 }  // namespace kerf::net

@@ -30,8 +30,7 @@ struct Replayed {
   std::uint64_t last_sequence = 0;
   ParticipantId last_participant = 0;
   Resumable resumable;
-  std::vector<NamedVersion> versions = {};
-  std::vector<Pin> pins = {};
+  Lists lists = {};
   JournalParent parent = {};
   StateHash hash;  ///< of the solid after the last record
   /// Stored hashes beyond the last record, which were ignored: the journal has lost its end.

@@ -20,7 +20,8 @@ Rejection session_closed() { return {wire::ErrorCode::kUnknownSession, "the sess
 }  // namespace
 
 Session::Session(std::string id, Replayed replayed, SessionJournal journal, SessionLimits limits,
-                 std::shared_ptr<Executor> executor, Executor& workers)
+                 std::shared_ptr<Executor> executor, Executor& workers,
+                 std::span<const MakeMatter> matters)
     : executor_(std::move(executor)),
       id_(std::move(id)),
       scene_(std::move(replayed.scene)),
@@ -35,15 +36,9 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
       workers_(workers),
       schedule_({}, replayed.snapshot_sequence, replayed.replay_time, Clock::now()),
       good_snapshot_(replayed.snapshot),
+      matters_(matters, journal_),
       parent_(std::move(replayed.parent)) {
-  for (NamedVersion& version : replayed.versions) {
-    std::string name = version.name;
-    versions_.emplace(std::move(name), std::move(version));
-  }
-  for (Pin& pin : replayed.pins) {
-    last_pin_ = pin.number;
-    pins_.emplace(pin.number, std::move(pin));
-  }
+  matters_.restore(replayed.lists);
   participants_.defer_changes([this] { report_changes(); });
   show_figures();
 }
@@ -186,7 +181,7 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.hash_is_current = current_hash().has_value();
   if (const auto error = pause()) frame.paused = pause_word(error->code);
   frame.programs = program_update(with_snapshot);
-  frame.pins = pin_update(with_snapshot);
+  frame.matters = matters_.updates(with_snapshot);
   frame.tools.tools = participants_.tool_states();
   show_live(frame, with_snapshot);
   frame.changed = carving_.take_changed();
@@ -243,6 +238,7 @@ void Session::close(const std::string& reason, const std::string& redirect) {
   programs_.cancel_all();
   retire_programs(false);
   closed_ = true;
+  matters_.close();
   keep_last_state();
   participants_.notify(
       {.closing = reason.empty() ? "the session is closed" : reason, .redirect = redirect});

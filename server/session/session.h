@@ -26,16 +26,15 @@
 #include "server/session/history_turns.h"
 #include "server/session/live_state.h"
 #include "server/session/participants.h"
-#include "server/session/pin_error.h"
 #include "server/session/program_runs.h"
 #include "server/session/replay.h"
 #include "server/session/session_info.h"
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
+#include "server/session/session_matters.h"
 #include "server/session/session_places.h"
 #include "server/session/snapshot_schedule.h"
 #include "server/session/stroke_request.h"
-#include "server/session/version_error.h"
 #include "server/threads/executor.h"
 
 namespace kerf {
@@ -58,7 +57,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Takes over a replayed (or new) block and its journal. `workers` computes state hashes and must
   /// outlive the session.
   Session(std::string id, Replayed replayed, SessionJournal journal, SessionLimits limits,
-          std::shared_ptr<Executor> executor, Executor& workers);
+          std::shared_ptr<Executor> executor, Executor& workers,
+          std::span<const MakeMatter> matters);
   ~Session();
 
   // ---- any thread ----
@@ -203,29 +203,8 @@ class Session : public std::enable_shared_from_this<Session> {
   bool set_program_pace(ProgramId id, ProgramPace pace, double speed);
   bool cancel_program(ProgramId id);
 
-  /// Names a version; its name is one (is_version_name).
-  std::expected<void, VersionError> name_version(NamedVersion version);
-  /// Whether the caller may rename and delete a version: one's own, or any as an owner.
-  static bool may_change(const NamedVersion& version, const Caller& caller);
-  /// Gives a version, one's own or any as an owner, another name, which is one (is_version_name).
-  /// All else of it stays. Returns it with that name.
-  std::expected<NamedVersion, VersionError> rename_version(const std::string& name,
-                                                           const std::string& to,
-                                                           const Caller& caller);
-  /// Deletes a version: one's own, or any as an owner.
-  std::expected<void, VersionError> remove_version(const std::string& name, const Caller& caller);
-  /// The versions, by name.
-  std::vector<NamedVersion> versions() const;
-  std::optional<std::uint64_t> record_of_version(const std::string& name) const;
-
-  /// Sets a pin; its text is plain (is_plain_text), its normal of unit length. Returns it with its
-  /// number and record.
-  std::expected<Pin, PinError> set_pin(Pin pin);
-  /// Whether the caller may remove a pin: one's own, or any as an owner.
-  static bool may_remove(const Pin& pin, const Caller& caller);
-  std::expected<void, PinError> remove_pin(std::uint32_t number, const Caller& caller);
-  /// The pins, by number.
-  std::vector<Pin> pins() const;
+  /// The lists that people keep with the block.
+  SessionMatters& matters() { return matters_; }
 
   SessionInfo info() const;
   /// All of them; of a followed session, its owner's viewers are not.
@@ -286,7 +265,6 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Compares a hash of the owner with that of the solid; false: they are not of the same solid.
   /// The error, one sentence, says how they differ.
   std::expected<bool, std::string> compare_hash(StateHash owners) const;
-  void follow_lists(std::vector<NamedVersion> versions, std::vector<Pin> pins);
   void follow_live(LiveState state, std::size_t viewers_elsewhere);
   // Of one that others follow:
   LiveState live_state() const;  ///< without the viewers
@@ -307,7 +285,6 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<ProgramId, Rejection> predecessor(ProgramId after) const;
   void schedule_programs();
   std::optional<std::vector<ProgramGlance>> program_update(bool all);
-  std::optional<std::vector<Pin>> pin_update(bool all);
   void run_programs();
   /// `for_good`: their attachments go too.
   void retire_programs(bool for_good = true);
@@ -381,10 +358,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::unique_ptr<BlockHistory> history_;  ///< made when it is first needed
   std::uint64_t history_read_ = 0;         ///< record up to which it was read ahead
   bool reads_ahead_ = false;
-  std::map<std::string, NamedVersion> versions_;
-  std::map<std::uint32_t, Pin> pins_;
-  std::uint32_t last_pin_ = 0;  ///< number of the newest one since the server started
-  std::uint64_t pin_changes_ = 0, pin_changes_sent_ = 0;
+  SessionMatters matters_;
   JournalParent parent_;
   std::optional<LiveState> live_;  ///< of a followed session: what its owner has stated last
   std::string live_programs_sent_;

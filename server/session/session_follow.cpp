@@ -57,17 +57,6 @@ std::expected<bool, std::string> Session::compare_hash(StateHash owners) const {
                          " at its owner");
 }
 
-void Session::follow_lists(std::vector<NamedVersion> versions, std::vector<Pin> pins) {
-  versions_.clear();
-  for (NamedVersion& version : versions) {
-    std::string name = version.name;
-    versions_.emplace(std::move(name), std::move(version));
-  }
-  pins_.clear();
-  for (Pin& pin : pins) pins_.emplace(pin.number, std::move(pin));
-  ++pin_changes_;
-}
-
 void Session::follow_live(LiveState state, std::size_t viewers_elsewhere) {
   const bool is_same_list = live_ && viewers_elsewhere == viewers_elsewhere_ &&
                             kerf::is_same(Roster{live_->carvers, 0}, Roster{state.carvers, 0});

@@ -32,8 +32,9 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::follow(
   followed->epoch = replayed->header.epoch;
   followed->sequence = replayed->last_sequence;
   SessionJournal journal(std::move(followed), replayed->hash);
-  auto session = std::make_shared<Session>(id, *std::move(replayed), std::move(journal),
-                                           options_.session, make_executor_(id), workers_);
+  auto session =
+      std::make_shared<Session>(id, *std::move(replayed), std::move(journal), options_.session,
+                                make_executor_(id), workers_, options_.matters);
   session->note_times(created_ms, active_ms);
   session->place_in(options_.places, false);
   if (options_.snapshots.writer != nullptr) session->keep_snapshots(options_.snapshots);

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "kernel/sculpture_state.h"
+#include "server/session/matter.h"
 #include "server/session/participant.h"
 #include "server/session/program_runs.h"
 #include "server/store/journal_reader.h"
-#include "server/store/pin.h"
 #include "server/wire/types.h"
 
 namespace kerf {
@@ -30,7 +30,7 @@ struct SessionFrame {
   /// The programs that have not ended and the newest that have, if one has changed since the
   /// previous frame that had them; at most every kProgramUpdateInterval.
   std::optional<std::vector<ProgramGlance>> programs;
-  std::optional<std::vector<Pin>> pins;  ///< all of them, if one has been set or removed since
+  std::vector<MatterMessage> matters;  ///< of those that have changed since the previous frame
 };
 
 struct SessionInfo {

@@ -94,11 +94,8 @@ class SessionJournal {
   void append(const Participant& participant, const std::optional<TokenHash>& token);
   /// Makes a participant unable to resume, also after a restart.
   void append_removal(const Participant& participant);
-  void append(const VersionChange& change) {
-    if (writer_) writer_->append(change);
-  }
-  void append(const PinChange& change) {
-    if (writer_) writer_->append(change);
+  void append(ListChange change) {
+    if (writer_) writer_->append(std::move(change));
   }
   /// Fails with kBusy while the journal is paused, or more records wait than programs may cause:
   /// the rest of the buffer is for agents, which cannot wait.

@@ -42,8 +42,9 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(con
       parent.session.empty() ? time_of(file, 1).value_or(0) : parent.branched_ms;
   const std::int64_t active_ms = std::max(created_ms, time_of(file, last).value_or(0));
   SessionJournal kept(*std::move(journal), replayed->hash);
-  auto session = std::make_shared<Session>(id, *std::move(replayed), std::move(kept),
-                                           options_.session, make_executor_(id), workers_);
+  auto session =
+      std::make_shared<Session>(id, *std::move(replayed), std::move(kept), options_.session,
+                                make_executor_(id), workers_, options_.matters);
   session->note_times(created_ms, active_ms);
   if (options_.on_damage) {
     session->health().report_to(

@@ -45,7 +45,7 @@ std::string stays_open(const JournalError& error);
 struct RegistryOptions {
   std::filesystem::path data_folder;  ///< holds one journal per session, ID.kerf
   std::size_t sessions_max = 64;
-  SessionLimits session;
+  SessionLimits session = {};
   /// Called when a session pauses because its journal cannot be written, with the error, and when
   /// it continues, with nullopt; on a thread of the journal.
   std::function<void(const std::string& id, const std::optional<JournalError>&)> on_pause = {};
@@ -59,6 +59,8 @@ struct RegistryOptions {
   /// Called when a journal is found to be damaged, once while its session is open; on the thread
   /// that has read it.
   std::function<void(const std::string& id, const JournalError&)> on_damage = {};
+  /// Of each session; their order is that of their messages to viewers.
+  std::vector<MakeMatter> matters = {};
 };
 
 /// A session whose journal was written with another version of the kernel: its block has been

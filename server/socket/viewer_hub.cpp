@@ -137,7 +137,8 @@ void ViewerHub::leave_present(ParticipantId id, bool reached) {
   leave_feed(id);
   viewer->look_due.reset();
   viewer->conversation->begin_again(roster_);
-  viewer->has_programs = viewer->has_pins = viewer->has_cameras = false;
+  viewer->has_programs = viewer->has_cameras = false;
+  viewer->matters_sent.clear();
   start_job();
 }
 
@@ -149,7 +150,8 @@ void ViewerHub::show_present(ParticipantId id, Viewer& viewer) {
   if (!was_shown) return;
   viewer.conversation->begin_again(roster_);
   viewer.sent.reset();
-  viewer.has_tools = viewer.has_programs = viewer.has_pins = viewer.has_cameras = false;
+  viewer.has_tools = viewer.has_programs = viewer.has_cameras = false;
+  viewer.matters_sent.clear();
   last_tools_.clear();  // its tools come again
   join_feed(id, viewer.look);
   start_job();

@@ -86,8 +86,8 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     std::optional<Clock::time_point> look_due;  ///< the first snapshot awaits a look until then
     bool has_tools = false;                     ///< has been sent `tools_` already
     bool has_programs = false;                  ///< has been sent `programs_` already
-    bool has_pins = false;                      ///< the same of `pins_`
-    bool has_cameras = false;                   ///< the same of `cameras_`
+    std::map<std::size_t, SharedText> matters_sent;  ///< those of `matters_` that it has
+    bool has_cameras = false;                        ///< the same of `cameras_`
     std::optional<std::uint64_t> sent;  ///< every tile of this revision of the feed was sent
   };
   /// The block when the feed is created.
@@ -176,8 +176,9 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   std::vector<std::byte> last_tools_;  ///< encoded without sequence and time, to detect changes
   SharedBytes tools_;                  ///< tool poses that have not been passed on yet
   std::uint64_t tools_sent_ = 0;
-  SharedText programs_;        ///< the newest message on the programs; null: there are none
-  SharedText pins_, cameras_;  ///< the same
+  SharedText programs_;  ///< the newest message on the programs; null: there are none
+  SharedText cameras_;   ///< the same
+  std::map<std::size_t, SharedText> matters_;  ///< the newest message of each
   std::map<ParticipantId, ShownCamera> shown_;
   bool cameras_are_new_ = false;
   Clock::time_point cameras_sent_at_{};

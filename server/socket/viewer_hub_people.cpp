@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of ViewerHub that tells viewers who is there, what they run, their pins and cameras.
+// The part of ViewerHub that sends viewers the participants, programs, matters and cameras.
 #include <utility>
 
 #include "server/socket/viewer_hub.h"
@@ -31,9 +31,8 @@ void ViewerHub::take_lists(const SessionFrame& frame) {
     programs_ = std::make_shared<const std::string>(programs_message(*frame.programs));
     for (auto& [id, viewer] : viewers_) viewer.has_programs = false;
   }
-  if (frame.pins) {
-    pins_ = std::make_shared<const std::string>(pins_message(*frame.pins));
-    for (auto& [id, viewer] : viewers_) viewer.has_pins = false;
+  for (const MatterMessage& message : frame.matters) {
+    matters_[message.matter] = std::make_shared<const std::string>(message.text);
   }
 }
 
@@ -43,7 +42,10 @@ void ViewerHub::send_lists() {
     ViewerConversation& conversation = *viewer.conversation;
     if (programs_ && !std::exchange(viewer.has_programs, true))
       conversation.send_programs(programs_);
-    if (pins_ && !std::exchange(viewer.has_pins, true)) conversation.send_pins(pins_);
+    for (const auto& [matter, text] : matters_) {
+      if (std::exchange(viewer.matters_sent[matter], text) == text) continue;
+      conversation.send_matter(matter, text);
+    }
     if (cameras_ && !std::exchange(viewer.has_cameras, true)) conversation.send_cameras(cameras_);
   }
 }

@@ -13,8 +13,7 @@
 #include "server/store/journal_base.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_reader.h"
-#include "server/store/named_version.h"
-#include "server/store/pin.h"
+#include "server/store/list_table.h"
 #include "server/store/record_batch.h"
 #include "server/store/record_rows.h"
 #include "server/store/table_copy.h"
@@ -58,15 +57,12 @@ SqlResult<void> copy_tables(SqlDatabase& from, SqlDatabase& to, std::uint64_t la
   for (const auto& [name, where] : tables) {
     if (auto ok = copy_table(from, to, name, where); !ok) return ok;
   }
-  const auto versions = read_versions(from, last);
-  if (!versions) return std::unexpected(versions.error());
-  for (const NamedVersion& version : *versions) {
-    if (auto ok = store_version(to, {version, false, {}}); !ok) return ok;
-  }
-  const auto pins = read_pins(from, last);
-  if (!pins) return std::unexpected(pins.error());
-  for (const Pin& pin : *pins) {
-    if (auto ok = store_pin(to, {pin, false}); !ok) return ok;
+  const auto lists = read_lists(from, last);
+  if (!lists) return std::unexpected(lists.error());
+  for (const auto& [table, rows] : *lists) {
+    for (const ListRow& row : rows) {
+      if (auto ok = store_list_change(to, {.table = table, .stored = row}); !ok) return ok;
+    }
   }
   return {};
 }

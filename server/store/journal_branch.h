@@ -20,7 +20,7 @@ struct JournalParent {
 };
 
 /// Creates the journal of a session that begins as a copy of another one up to a record: with its
-/// scene, its records, so that the strokes in them stay, its participants and its named versions,
+/// scene, its records, so that the strokes in them stay, its participants and the lists up to it,
 /// but without the tokens of its agents. Reads the other journal beside its writer, in one pass.
 /// The record must be committed. Takes the space of the copy once; `to` is there when all of it is
 /// on the disk, and a process that is killed leaves a file of another name, is_unfinished_branch().

@@ -168,7 +168,7 @@ SqlResult<void> read_small(SqlDatabase& database, bool all, std::map<std::string
                            Rows& rows) {
   std::map<std::string, Rows> now;
   for (const JournalTable& table : kJournalTables) {
-    if (table.kind != TableKind::kSmall) continue;
+    if (table.kind != TableKind::kSmall && table.kind != TableKind::kList) continue;
     if (all) append(rows, begin_row(table, RowChange::kClear));
     const auto exists = database.has_table(table.name);
     if (!exists) return std::unexpected(exists.error());

@@ -166,7 +166,7 @@ std::expected<void, JournalError> JournalCopy::apply(const JournalChange& change
     if (auto ok = write_row(*database_, *row); !ok) {
       return std::unexpected(to_journal_error(file_, ok.error()));
     }
-    lists_changed_ = lists_changed_ || row->table->name == "versions" || row->table->name == "pins";
+    lists_changed_ = lists_changed_ || row->table->kind == TableKind::kList;
     attachments_changed_ = attachments_changed_ || row->table->name == "attachments";
   }
   position_ = change.after;

@@ -10,8 +10,7 @@
 
 #include "server/store/attachment.h"
 #include "server/store/crc32.h"
-#include "server/store/named_version.h"
-#include "server/store/pin.h"
+#include "server/store/list_table.h"
 #include "server/store/private_file.h"
 
 namespace kerf {
@@ -139,8 +138,7 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
     const std::string log = mode == CreateMode::kLive ? "WAL" : "OFF";
     const std::string begin = "PRAGMA journal_mode=" + log + "; PRAGMA synchronous=FULL; BEGIN;";
     if (auto ok = database->execute(begin + kTables); !ok) return ok;
-    if (auto ok = create_version_table(*database); !ok) return ok;
-    if (auto ok = create_pin_table(*database); !ok) return ok;
+    if (auto ok = create_list_tables(*database); !ok) return ok;
     if (auto ok = create_attachment_table(*database); !ok) return ok;
     // The table of the records has the last page: a file without its end is damaged.
     const std::string setup = std::string(kTables2) +
@@ -208,10 +206,7 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
     if (auto ok = database->execute(setup); !ok) {
       return std::unexpected(to_journal_error(file, ok.error()));
     }
-    if (auto ok = create_version_table(*database); !ok) {
-      return std::unexpected(to_journal_error(file, ok.error()));
-    }
-    if (auto ok = create_pin_table(*database); !ok) {
+    if (auto ok = create_list_tables(*database); !ok) {
       return std::unexpected(to_journal_error(file, ok.error()));
     }
     if (auto ok = create_attachment_table(*database); !ok) {

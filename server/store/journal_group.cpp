@@ -133,10 +133,9 @@ SqlResult<void> JournalGroups::insert(const Pending& pending) {
     if (auto ok = insert_version(inserts_.version, recarved->state.sequence); !ok) return ok;
     return insert_hash(inserts_.hash, recarved->state);
   }
-  if (const auto* change = std::get_if<VersionChange>(&pending)) {
-    return store_version(database_, *change);
+  if (const auto* change = std::get_if<ListChange>(&pending)) {
+    return store_list_change(database_, *change);
   }
-  if (const auto* change = std::get_if<PinChange>(&pending)) return store_pin(database_, *change);
   if (const auto* change = std::get_if<AttachmentChange>(&pending)) {
     return store_attachment(database_, *change, ++last_attachment_);
   }

@@ -9,8 +9,7 @@
 #include "server/store/attachment.h"
 #include "server/store/journal_reader.h"
 #include "server/store/journal_record.h"
-#include "server/store/named_version.h"
-#include "server/store/pin.h"
+#include "server/store/list_table.h"
 #include "server/store/record_batch.h"
 #include "server/store/sqlite.h"
 
@@ -36,7 +35,7 @@ struct RecarvedHash {
 };
 /// One row of a journal that has not been committed.
 using Pending = std::variant<PendingCommand, JournalParticipant, StateHash, RecarvedHash,
-                             VersionChange, PinChange, AttachmentChange>;
+                             ListChange, AttachmentChange>;
 
 /// Commits groups of rows to the tables of a journal, each in one transaction. The commands of a
 /// group are one batch.

@@ -91,12 +91,9 @@ std::expected<void, JournalError> JournalReader::read_head() {
   if (!ok) return ok;
   ok = read_agents();
   if (!ok) return ok;
-  auto versions = read_versions(*database_, rows_->last());
-  if (!versions) return std::unexpected(to_journal_error(file_, versions.error()));
-  versions_ = *std::move(versions);
-  auto pins = read_pins(*database_, rows_->last());
-  if (!pins) return std::unexpected(to_journal_error(file_, pins.error()));
-  pins_ = *std::move(pins);
+  auto lists = read_lists(*database_, rows_->last());
+  if (!lists) return std::unexpected(to_journal_error(file_, lists.error()));
+  lists_ = *std::move(lists);
   auto parent = read_parent(*database_);
   if (!parent) return std::unexpected(to_journal_error(file_, parent.error()));
   parent_ = *std::move(parent);
@@ -147,12 +144,10 @@ std::expected<std::vector<JournalReader::DamagedRows>, JournalError> JournalRead
   };
   const auto agents = std::ranges::count_if(
       participants_, [](const JournalParticipant& one) { return one.token.has_value(); });
-  const std::array<Table, 4> tables{{
-      {"agents", " WHERE participant IN (SELECT participant FROM participants)", agents},
-      {"versions", up_to_last, std::ssize(versions_)},
-      {"pins", up_to_last, std::ssize(pins_)},
-      {"parent", "", parent_.session.empty() ? 0 : 1},
-  }};
+  std::vector<Table> tables = {
+      {"agents", " WHERE participant IN (SELECT participant FROM participants)", agents}};
+  for (const auto& [name, rows] : lists_) tables.push_back({name, up_to_last, std::ssize(rows)});
+  tables.push_back({"parent", "", parent_.session.empty() ? 0 : 1});
   std::vector<DamagedRows> damaged;
   for (const Table& table : tables) {
     const auto exists = has_table(table.name);

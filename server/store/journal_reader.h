@@ -12,8 +12,7 @@
 #include "server/store/journal_error.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_record.h"
-#include "server/store/named_version.h"
-#include "server/store/pin.h"
+#include "server/store/list_table.h"
 #include "server/store/record_rows.h"
 #include "server/store/resume_token.h"
 
@@ -57,10 +56,8 @@ class JournalReader {
   const std::vector<JournalParticipant>& participants() const { return participants_; }
   /// Sorted by sequence; none is beyond the last record.
   const std::vector<StateHash>& state_hashes() const { return hashes_; }
-  /// The named versions, by name.
-  const std::vector<NamedVersion>& versions() const { return versions_; }
-  /// The pins, by number.
-  const std::vector<Pin>& pins() const { return pins_; }
+  /// The lists that people keep with the block, up to the last record.
+  const Lists& lists() const { return lists_; }
   /// The session from a point of which this one began; its id is empty if there is none.
   const JournalParent& parent() const { return parent_; }
   /// Number of state hashes that were left out because they are beyond the last record: the journal
@@ -100,8 +97,7 @@ class JournalReader {
   JournalHeader header_;
   std::vector<JournalParticipant> participants_;
   std::vector<StateHash> hashes_;
-  std::vector<NamedVersion> versions_;
-  std::vector<Pin> pins_;
+  Lists lists_;
   JournalParent parent_;
   std::size_t dropped_hashes_ = 0;
   RecordOrder order_;

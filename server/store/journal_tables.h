@@ -11,6 +11,7 @@ namespace kerf {
 enum class TableKind : std::uint8_t {
   kRecords,  ///< appended in the order of their sequence
   kSmall,    ///< few rows, any of which may change or go
+  kList,     ///< the same, kept by people with the block (list_table.h)
   kFixed,    ///< rows come and go, and do not change; their numbers only grow
   kOrigin    ///< written when the journal is created
 };
@@ -23,6 +24,9 @@ struct JournalTable {
   std::string_view columns;  ///< one letter each, the key first: i integer, t text, b bytes
   std::string_view key;      ///< its primary key; empty: it has one row
   std::string_view create;   ///< what creates it in a copy; empty: every journal has it
+  /// Of a list: its rows show the block after their records, so a journal without those records
+  /// has no use for them.
+  bool needs_record = false;
 };
 
 inline constexpr std::array<JournalTable, 13> kJournalTables = {{
@@ -30,8 +34,16 @@ inline constexpr std::array<JournalTable, 13> kJournalTables = {{
     {2, "participants", TableKind::kSmall, "ittt", "participant", ""},
     {3, "kernel_versions", TableKind::kSmall, "ii", "sequence", ""},
     {4, "agents", TableKind::kSmall, "ibii", "participant", ""},
-    {5, "versions", TableKind::kSmall, "tiiitti", "name", ""},
-    {6, "pins", TableKind::kSmall, "iiiiiiiiittti", "number", ""},
+    {5, "versions", TableKind::kList, "tiiitti", "name",
+     "CREATE TABLE IF NOT EXISTS versions(name TEXT PRIMARY KEY, record INTEGER NOT NULL, "
+     "record_ms INTEGER NOT NULL, created_ms INTEGER NOT NULL, author TEXT NOT NULL, "
+     "person TEXT NOT NULL, crc INTEGER NOT NULL) WITHOUT ROWID",
+     true},
+    {6, "pins", TableKind::kList, "iiiiiiiiittti", "number",
+     "CREATE TABLE IF NOT EXISTS pins(number INTEGER PRIMARY KEY, record INTEGER NOT NULL, "
+     "created_ms INTEGER NOT NULL, x INTEGER NOT NULL, y INTEGER NOT NULL, z INTEGER NOT NULL, "
+     "normal_x INTEGER NOT NULL, normal_y INTEGER NOT NULL, normal_z INTEGER NOT NULL, "
+     "text TEXT NOT NULL, author TEXT NOT NULL, person TEXT NOT NULL, crc INTEGER NOT NULL)"},
     {7, "batches", TableKind::kRecords, "iiiibi", "first", ""},
     {8, "state_hashes", TableKind::kRecords, "ii", "sequence", ""},
     {9, "commands", TableKind::kOrigin, "iibi", "sequence",

@@ -234,8 +234,7 @@ void JournalWriter::keep_within(std::shared_ptr<const WriteFence> fence) {
 }
 
 void JournalWriter::append(const JournalParticipant& participant) { impl_->push(participant); }
-void JournalWriter::append(const VersionChange& change) { impl_->push(change); }
-void JournalWriter::append(const PinChange& change) { impl_->push(change); }
+void JournalWriter::append(ListChange change) { impl_->push(std::move(change)); }
 void JournalWriter::append(AttachmentChange change) { impl_->push(std::move(change)); }
 void JournalWriter::append(StateHash state) { impl_->push(state); }
 void JournalWriter::append_recarved(StateHash state) { impl_->push(RecarvedHash{state}); }

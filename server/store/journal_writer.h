@@ -70,9 +70,8 @@ class JournalWriter {
   void append(const JournalParticipant& participant);
   /// Appends the hash of the solid after record `state.sequence`.
   void append(StateHash state);
-  /// Stores or removes a named version.
-  void append(const VersionChange& change);
-  void append(const PinChange& change);
+  /// Changes a row of a list that people keep with the block.
+  void append(ListChange change);
   /// Stores or removes an attachment. Any thread.
   void append(AttachmentChange change);
   /// Appends the hash of a block that this kernel has carved from the records of another one, and

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/salvage_writer.h"
 
+#include <algorithm>
 #include <span>
 #include <utility>
 
 #include "server/store/attachment.h"
 #include "server/store/chunk_file.h"
 #include "server/store/journal_branch.h"
+#include "server/store/journal_tables.h"
+#include "server/store/list_table.h"
 #include "server/store/table_copy.h"
 
 namespace kerf {
@@ -15,6 +18,11 @@ namespace {
 /// Bounds of a batch: times within it are interpolated.
 constexpr std::size_t kRecordsMax = 4096;
 constexpr std::int64_t kSpanMs = 20;
+
+std::string key_text(const ListRow& row) {
+  const auto* text = std::get_if<std::string>(&row.at(0));
+  return text != nullptr ? *text : std::to_string(std::get<std::int64_t>(row.at(0)));
+}
 
 }  // namespace
 
@@ -100,19 +108,16 @@ std::expected<std::vector<std::string>, JournalError> SalvageWriter::copy_rest(
                            std::to_string(hashes_end));
   copy("program_lines", "");
   if (!journal.parent().session.empty()) copy("parent", "");
-  for (const NamedVersion& version : journal.versions()) {
-    if (version.record < first || version.record > last) {
-      left_out.push_back("the version " + version.name + " of record " +
-                         std::to_string(version.record));
-    } else if (auto ok = store_version(*database_, {version, false, {}}); !ok) {
-      return failed(ok.error());
-    }
-  }
-  for (const Pin& pin : journal.pins()) {
-    if (pin.record > last) {
-      left_out.push_back("pin " + std::to_string(pin.number));
-    } else if (auto ok = store_pin(*database_, {pin, false}); !ok) {
-      return failed(ok.error());
+  for (const auto& [name, rows] : journal.lists()) {
+    const JournalTable& table = *std::ranges::find(kJournalTables, name, &JournalTable::name);
+    for (const ListRow& row : rows) {
+      const std::uint64_t record = record_of(row);
+      if (record > last || (table.needs_record && record < first)) {
+        left_out.push_back("the row " + key_text(row) + " of the table " + name + ", of record " +
+                           std::to_string(record));
+      } else if (auto ok = store_list_change(*database_, {.table = name, .stored = row}); !ok) {
+        return failed(ok.error());
+      }
     }
   }
   auto agent = database_->prepare("INSERT INTO agents VALUES(?,?,?,?)");

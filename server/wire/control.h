@@ -29,7 +29,6 @@ inline constexpr std::string_view kTypeParticipants = "participants";
 inline constexpr std::string_view kTypeParticipantsChanged = "participants_changed";
 inline constexpr std::string_view kTypeState = "state";
 inline constexpr std::string_view kTypePrograms = "programs";
-inline constexpr std::string_view kTypePins = "pins";
 inline constexpr std::string_view kTypeCameras = "cameras";
 inline constexpr std::string_view kTypeError = "error";
 inline constexpr std::string_view kTypeBye = "bye";

@@ -6,6 +6,7 @@
 #include "server/http/byte_range.h"
 #include "server/http/download_request.h"
 #include "server/http/routes.h"
+#include "server/matters.h"
 #include "tests/fuzz/targets.h"
 
 namespace kerf::fuzz {
@@ -19,8 +20,9 @@ void read_request(Bytes input) {
   }
   const auto& [target, range, host, origin] = lines;
   if (const auto request = net::parse_target(target)) {
+    static const net::RouteTable table(net::matter_routes());
     for (const char* method : {"GET", "POST", "BREW"}) {
-      const auto match = net::match_route(method, request->path);
+      const auto match = table.match(method, request->path);
       require(match.route == nullptr || !match.allow.empty(), "a route has methods");
     }
     if (request->path.size() > 3) (void)net::read_download_request(*request);

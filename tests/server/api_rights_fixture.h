@@ -10,6 +10,7 @@
 #include <string>
 
 #include "server/http/api.h"
+#include "server/matters.h"
 #include "tests/server/session_fixture.h"
 
 namespace kerf::net {
@@ -29,7 +30,7 @@ class ApiRightsTest : public testing::Test {
   void SetUp() override {
     options.data_folder = folder.path();
     registry.emplace(
-        RegistryOptions{folder.path(), 4, SessionLimits{}},
+        RegistryOptions{.data_folder = folder.path(), .sessions_max = 4, .matters = matters()},
         [this](const std::string&) { return executor; }, workers);
     session = *registry->create("block", kScene, SceneSource{});
     open(kAdmin, false);
@@ -37,7 +38,7 @@ class ApiRightsTest : public testing::Test {
   void open(const std::string& admin, bool is_open) {
     api.reset();
     access = *Access::open({.admin_token = admin, .open = is_open});
-    api.emplace(options, *registry, metrics, *access);
+    api.emplace(options, *registry, metrics, *access, matter_routes());
     for (const Role role : {Role::kWatcher, Role::kSculptor, Role::kOwner}) {
       tokens[role] = access->invite("block", {.role = role})->token;
     }

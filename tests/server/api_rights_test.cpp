@@ -61,13 +61,13 @@ TEST(PagePreview, NamesCannotEndTheirAttribute) {
 
 TEST_F(ApiRightsTest, EveryRouteAsksTheTable) {
   const auto check = [&](Role role, const std::string& token) {
-    for (const Route& route : routes()) {
+    for (const Route& route : api->routes().all()) {
       ApiRequest request = *parse_target(target_of(route));
       request.method = std::string(route.methods.substr(0, route.methods.find(',')));
       request.token = token;
       Caller caller;
       const auto rejection =
-          api->refuse(request, match_route(request.method, request.path), caller);
+          api->refuse(request, api->routes().match(request.method, request.path), caller);
       EXPECT_EQ(!rejection, may(role, route.action)) << route.pattern << to_string(role);
       if (!rejection) continue;
       EXPECT_EQ(rejection->status, role == Role::kNobody ? 401U : 403U);
@@ -85,7 +85,7 @@ TEST_F(ApiRightsTest, EveryRouteAsksTheTable) {
 
 TEST_F(ApiRightsTest, RoutesWithoutATokenAreThoseOfTheTable) {
   std::set<std::string> reachable;
-  for (const Route& route : routes()) {
+  for (const Route& route : api->routes().all()) {
     if (may(Role::kNobody, route.action)) reachable.insert(std::string(route.pattern));
   }
   EXPECT_EQ(reachable,

@@ -24,10 +24,10 @@ class ClosedMeanwhile : public testing::Test {
   void SetUp() override {
     options_.data_folder = folder_.path();
     registry_.emplace(
-        RegistryOptions{folder_.path(), 4, SessionLimits{}},
+        RegistryOptions{.data_folder = folder_.path(), .sessions_max = 4, .matters = matters()},
         [this](const std::string&) { return executor_; }, workers_);
     access_ = *Access::open({});
-    api_.emplace(options_, *registry_, metrics_, *access_);
+    api_.emplace(options_, *registry_, metrics_, *access_, matter_routes());
     ASSERT_TRUE(registry_->create("block", kScene, SceneSource{}));
   }
   ApiResponse ask(const std::string& method, std::string_view target) {

@@ -210,5 +210,17 @@ TEST_F(ForcePlots, FromTheHistoryAreThoseFromTheFirstRecord) {
   EXPECT_GT(later, 10);
 }
 
+TEST(PointName, IsPlainUtf8) {
+  for (const char* name : {"a", "2nd try", "für Ada", "\xE2\x82\xAC", "\xF0\x9F\x98\x80"}) {
+    EXPECT_TRUE(is_point_name(name)) << name;
+  }
+  for (const char* name : {"", "a/b", "a\nb", "\x7F", "\xFF", "\xC3", "\xC0\xAF", "\xE0\x80\xAF",
+                           "\xED\xA0\x80", "\xF4\x90\x80\x80", "\x80", "\xE2\x82"}) {
+    EXPECT_FALSE(is_point_name(name)) << name;
+  }
+  EXPECT_TRUE(is_point_name(std::string(64, 'x')));
+  EXPECT_FALSE(is_point_name(std::string(65, 'x')));
+}
+
 }  // namespace
 }  // namespace kerf::net

@@ -1,18 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/pins/pins.h"
+
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 
+#include "server/matters.h"
 #include "server/store/journal_file.h"
-#include "server/store/pin.h"
+#include "server/store/list_table.h"
 #include "server/store/plain_text.h"
 #include "tests/server/undo_fixture.h"
 
 namespace kerf {
 namespace {
 
-class Pins : public SessionUndo {
+class PinsTest : public SessionUndo {
  protected:
+  PinsTest() { matters_ = net::matters(); }
+  Pins& pins() { return session_->matters().get<Pins>(); }
   static Pin pin(const std::string& text, const std::string& person = "") {
     return {0, text, {1.5, -2, 1e-3}, {0, 0.6, 0.8}, 0, 3000, "Ada", person};
   }
@@ -23,93 +29,97 @@ class Pins : public SessionUndo {
     caller.grant = grant;
     return caller;
   }
-  PinFault fault(std::uint32_t number, const Caller& caller) {
-    const auto removed = session_->remove_pin(number, caller);
-    EXPECT_FALSE(removed);
-    return removed ? PinFault::kPaused : removed.error().fault;
+  std::string fault(std::uint32_t number, const Caller& caller) {
+    const auto removed = pins().remove(number, caller);
+    return removed ? "" : removed.error().code;
   }
 };
 
-TEST_F(Pins, OutlastARestartWithAllTheySay) {
+TEST_F(PinsTest, OutlastARestartWithAllTheySay) {
   create();
   const ParticipantId ada = join("Ada");
   stroke(ada, {-15, 0, -2}, {15, 0, -2});
   const std::uint64_t record = session_->sequence();
-  EXPECT_EQ(session_->set_pin(pin("too deep?"))->number, 1U);
-  EXPECT_EQ(session_->set_pin(pin("gone"))->number, 2U);
-  EXPECT_EQ(session_->set_pin(pin("third"))->number, 3U);
-  ASSERT_TRUE(session_->remove_pin(2, Caller::local()));
+  EXPECT_EQ(pins().set(pin("too deep?"))->number, 1U);
+  EXPECT_EQ(pins().set(pin("gone"))->number, 2U);
+  EXPECT_EQ(pins().set(pin("third"))->number, 3U);
+  ASSERT_TRUE(pins().remove(2, Caller::local()));
   for (int round = 0; round < 2; ++round) {
-    const auto pins = session_->pins();
-    ASSERT_EQ(pins.size(), 2U);
-    EXPECT_EQ(pins[0].number, 1U);
-    EXPECT_EQ(pins[0].text, "too deep?");
-    EXPECT_EQ(pins[0].at_mm.x, 1.5);
-    EXPECT_EQ(pins[0].at_mm.z, 1e-3);
-    EXPECT_EQ(pins[0].normal.y, 0.6);
-    EXPECT_EQ(pins[0].normal.z, 0.8);
-    EXPECT_EQ(pins[0].record, record);
-    EXPECT_EQ(pins[0].created_ms, 3000);
-    EXPECT_EQ(pins[0].author, "Ada");
-    EXPECT_EQ(pins[1].number, 3U);
+    const auto list = pins().list();
+    ASSERT_EQ(list.size(), 2U);
+    EXPECT_EQ(list[0].number, 1U);
+    EXPECT_EQ(list[0].text, "too deep?");
+    EXPECT_EQ(list[0].at_mm.x, 1.5);
+    EXPECT_EQ(list[0].at_mm.z, 1e-3);
+    EXPECT_EQ(list[0].normal.y, 0.6);
+    EXPECT_EQ(list[0].normal.z, 0.8);
+    EXPECT_EQ(list[0].record, record);
+    EXPECT_EQ(list[0].created_ms, 3000);
+    EXPECT_EQ(list[0].author, "Ada");
+    EXPECT_EQ(list[1].number, 3U);
     reload();
   }
-  EXPECT_EQ(session_->set_pin(pin("next"))->number, 4U);
+  EXPECT_EQ(pins().set(pin("next"))->number, 4U);
 }
 
-TEST_F(Pins, AreRemovedByThoseWhoSetThemAndByOwners) {
+TEST_F(PinsTest, AreRemovedByThoseWhoSetThemAndByOwners) {
   create();
-  session_->set_pin(pin("ada's", "a"));
-  session_->set_pin(pin("nobody's"));
+  pins().set(pin("ada's", "a"));
+  pins().set(pin("nobody's"));
   const Caller ada = sculptor("a"), bo = sculptor("b");
-  EXPECT_EQ(fault(1, bo), PinFault::kNotAllowed);
-  EXPECT_EQ(fault(2, bo), PinFault::kNotAllowed);
-  EXPECT_EQ(fault(7, ada), PinFault::kUnknown);
-  EXPECT_TRUE(session_->remove_pin(1, ada));
-  EXPECT_EQ(fault(1, ada), PinFault::kUnknown);
-  EXPECT_TRUE(session_->remove_pin(2, Caller::local()));
+  EXPECT_EQ(fault(1, bo), "not_allowed");
+  EXPECT_EQ(fault(2, bo), "not_allowed");
+  EXPECT_EQ(fault(7, ada), "unknown_pin");
+  EXPECT_TRUE(pins().remove(1, ada));
+  EXPECT_EQ(fault(1, ada), "unknown_pin");
+  EXPECT_TRUE(pins().remove(2, Caller::local()));
 }
 
-TEST_F(Pins, AreLimitedInNumber) {
+TEST_F(PinsTest, AreLimitedInNumber) {
   create();
-  for (std::size_t n = 0; n < kPinsMax; ++n) ASSERT_TRUE(session_->set_pin(pin("one")));
-  EXPECT_EQ(session_->set_pin(pin("more")).error().fault, PinFault::kLimit);
-  ASSERT_TRUE(session_->remove_pin(1, Caller::local()));
-  EXPECT_TRUE(session_->set_pin(pin("more")));
+  for (std::size_t n = 0; n < kPinsMax; ++n) ASSERT_TRUE(pins().set(pin("one")));
+  EXPECT_STREQ(pins().set(pin("more")).error().code, "limit");
+  ASSERT_TRUE(pins().remove(1, Caller::local()));
+  EXPECT_TRUE(pins().set(pin("more")));
 }
 
-TEST_F(Pins, AreInAFrameWhenOneHasChanged) {
+TEST_F(PinsTest, AreInAFrameWhenOneHasChanged) {
   create();
-  EXPECT_FALSE(session_->frame(true).pins);
-  session_->set_pin(pin("one"));
-  ASSERT_TRUE(session_->frame(false).pins);
-  EXPECT_FALSE(session_->frame(false).pins);
-  EXPECT_EQ(session_->frame(true).pins->size(), 1U);
-  ASSERT_TRUE(session_->remove_pin(1, Caller::local()));
-  const auto pins = session_->frame(false).pins;
-  ASSERT_TRUE(pins);
-  EXPECT_TRUE(pins->empty());
+  EXPECT_TRUE(session_->frame(true).matters.empty());
+  pins().set(pin("one"));
+  EXPECT_EQ(session_->frame(false).matters.size(), 1U);
+  EXPECT_TRUE(session_->frame(false).matters.empty());
+  const auto all = session_->frame(true).matters;
+  ASSERT_EQ(all.size(), 1U);
+  const auto message = nlohmann::json::parse(all[0].text);
+  EXPECT_EQ(message.at("type"), "pins");
+  EXPECT_EQ(message.at("pins").size(), 1U);
+  EXPECT_EQ(message.at("pins")[0].at("text"), "one");
+  ASSERT_TRUE(pins().remove(1, Caller::local()));
+  const auto none = session_->frame(false).matters;
+  ASSERT_EQ(none.size(), 1U);
+  EXPECT_TRUE(nlohmann::json::parse(none[0].text).at("pins").empty());
 }
 
-TEST_F(Pins, OfABranchAreThoseThatWereSetUpToItsPoint) {
+TEST_F(PinsTest, OfABranchAreThoseThatWereSetUpToItsPoint) {
   create();
   const ParticipantId ada = join("Ada");
-  session_->set_pin(pin("before"));
+  pins().set(pin("before"));
   const std::uint64_t record = session_->sequence();
   stroke(ada, {-15, 0, -2}, {15, 0, -2});
-  session_->set_pin(pin("after"));
+  pins().set(pin("after"));
   ASSERT_TRUE(session_->flush());
   const auto branched = registry_->branch("other", *session_, record);
   ASSERT_TRUE(branched) << branched.error().reason;
-  const auto pins = (*branched)->pins();
-  ASSERT_EQ(pins.size(), 1U);
-  EXPECT_EQ(pins[0].text, "before");
+  const auto list = (*branched)->matters().get<Pins>().list();
+  ASSERT_EQ(list.size(), 1U);
+  EXPECT_EQ(list[0].text, "before");
 }
 
-TEST_F(Pins, ADamagedRowIsLeftOut) {
+TEST_F(PinsTest, ADamagedRowIsLeftOut) {
   create();
-  session_->set_pin(pin("good"));
-  session_->set_pin(pin("bad"));
+  pins().set(pin("good"));
+  pins().set(pin("bad"));
   ASSERT_TRUE(session_->flush());
   session_.reset();
   registry_.reset();
@@ -117,10 +127,11 @@ TEST_F(Pins, ADamagedRowIsLeftOut) {
     auto journal = open_journal(folder_->path() / "block.kerf", SqlMode::kWrite);
     ASSERT_TRUE(journal);
     ASSERT_TRUE(journal->execute("UPDATE pins SET x=x+1 WHERE number=2"));
-    const auto pins = read_pins(*journal, 1000);
-    ASSERT_TRUE(pins);
-    ASSERT_EQ(pins->size(), 1U);
-    EXPECT_EQ(pins->at(0).text, "good");
+    const auto lists = read_lists(*journal, 1000);
+    ASSERT_TRUE(lists);
+    const auto& rows = lists->at("pins");
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(pin_of(rows[0]).text, "good");
   }
 }
 

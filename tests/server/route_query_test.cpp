@@ -6,6 +6,7 @@
 #include <ranges>
 
 #include "server/http/routes.h"
+#include "server/matters.h"
 #include "tests/server/session_fixture.h"
 
 namespace kerf::net {
@@ -33,16 +34,17 @@ std::vector<std::string> parameters_of(const Route& route) {
 class RouteQuery : public SessionTest {
  protected:
   void SetUp() override {
+    matters = net::matters();
     SessionTest::SetUp();
     options_.data_folder = folder.path();
     access_ = *Access::open({});  // everybody has every right
-    api_.emplace(options_, *registry, metrics_, *access_);
+    api_.emplace(options_, *registry, metrics_, *access_, matter_routes());
   }
   /// The response before the body of a request to a route is read; nullopt: it may be handled.
   std::optional<ApiResponse> fault(const Route& route, const std::string& query) {
     ApiRequest request = *parse_target(target_of(route) + query);
     request.method = route.methods.substr(0, route.methods.find(','));
-    const RouteMatch match = match_route(request.method, request.path);
+    const RouteMatch match = api_->routes().match(request.method, request.path);
     EXPECT_EQ(match.route, &route);
     Caller caller;
     return api_->refuse(request, match, caller);
@@ -60,7 +62,7 @@ class RouteQuery : public SessionTest {
 };
 
 TEST_F(RouteQuery, EveryRouteRejectsAParameterThatItDoesNotDeclareAndNamesThoseItHas) {
-  for (const Route& route : routes()) {
+  for (const Route& route : api_->routes().all()) {
     const auto unknown = fault(route, "?another_one=1");
     if (route.query == kAnyQuery) {
       EXPECT_FALSE(unknown) << route.pattern;
@@ -76,7 +78,7 @@ TEST_F(RouteQuery, EveryRouteRejectsAParameterThatItDoesNotDeclareAndNamesThoseI
 }
 
 TEST_F(RouteQuery, EveryRouteTakesItsParametersOnceEach) {
-  for (const Route& route : routes()) {
+  for (const Route& route : api_->routes().all()) {
     if (route.query.empty() || route.query == kAnyQuery) continue;
     std::string all = "?";
     for (const std::string& name : parameters_of(route)) all += name + "=1&";
@@ -91,7 +93,7 @@ TEST_F(RouteQuery, EveryRouteTakesItsParametersOnceEach) {
 
 TEST_F(RouteQuery, AFlagIsZeroOrOne) {
   std::size_t flags = 0;
-  for (const Route& route : routes()) {
+  for (const Route& route : api_->routes().all()) {
     for (const auto part : std::views::split(route.query, std::string_view(", "))) {
       const std::string flag(part.begin(), part.end());
       if (!flag.ends_with("=1")) continue;
@@ -108,16 +110,17 @@ TEST_F(RouteQuery, AFlagIsZeroOrOne) {
 
 TEST_F(RouteQuery, AMisspelledPointMakesNoBranchOfThePresent) {
   const auto response =
-      fault(*match_route("POST", {"v1", "sessions"}).route, "?from=block&at=1&id=other");
+      fault(*api_->routes().match("POST", {"v1", "sessions"}).route, "?from=block&at=1&id=other");
   EXPECT_EQ(code(response), "unknown_parameter");
   ASSERT_TRUE(response);
   EXPECT_TRUE(response->body.contains("id, from, dry_run, here")) << response->body;
 }
 
 TEST_F(RouteQuery, EmptyPartsOfAQueryAreNone) {
-  EXPECT_FALSE(fault(*match_route("GET", {"healthz"}).route, "?&&"));
-  EXPECT_FALSE(fault(*match_route("GET", {"healthz"}).route, "?"));
-  EXPECT_EQ(code(fault(*match_route("GET", {"healthz"}).route, "?=1")), "unknown_parameter");
+  EXPECT_FALSE(fault(*api_->routes().match("GET", {"healthz"}).route, "?&&"));
+  EXPECT_FALSE(fault(*api_->routes().match("GET", {"healthz"}).route, "?"));
+  EXPECT_EQ(code(fault(*api_->routes().match("GET", {"healthz"}).route, "?=1")),
+            "unknown_parameter");
 }
 
 }  // namespace

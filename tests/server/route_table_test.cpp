@@ -9,14 +9,20 @@
 #include <set>
 
 #include "server/http/routes.h"
+#include "server/matters.h"
 #include "tests/server/session_fixture.h"
 #include "tests/support/zip_files.h"
 
 namespace kerf::net {
 namespace {
 
+const RouteTable& table() {
+  static const RouteTable kTable(matter_routes());
+  return kTable;
+}
+
 RouteMatch match(std::string_view method, std::string_view target) {
-  return match_route(method, parse_target(target)->path);
+  return table().match(method, parse_target(target)->path);
 }
 
 TEST(Routes, MethodAndPathSelectARow) {
@@ -79,9 +85,10 @@ TEST(Routes, BodyLimitsFollowTheRow) {
 
 TEST(Routes, EveryRowIsReachable) {
   std::set<std::pair<std::string_view, std::string_view>> rows;
-  for (const Route& route : routes()) {
+  for (const Route& route : table().all()) {
     EXPECT_TRUE(rows.emplace(route.methods, route.pattern).second) << route.pattern;
-    EXPECT_NE(route.handler == nullptr, route.upgrade == Upgrade::kNone) << route.pattern;
+    EXPECT_NE(route.handler == nullptr && route.answer == nullptr, route.upgrade == Upgrade::kNone)
+        << route.pattern;
     std::string target(route.pattern);
     for (auto open = target.find('{'); open != target.npos; open = target.find('{')) {
       target.replace(open, target.find('}') - open + 1, "x");
@@ -94,18 +101,19 @@ TEST(Routes, EveryRowIsReachable) {
 TEST(Routes, TheReadmeHoldsTheTable) {
   std::ifstream file(KERF_SOURCE_DIR "/server/http/README.md");
   const std::string readme{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  EXPECT_TRUE(readme.contains(routes_markdown()))
+  EXPECT_TRUE(readme.contains(table().markdown()))
       << "server/http/README.md must contain this table:\n"
-      << routes_markdown();
+      << table().markdown();
 }
 
 class ApiTest : public SessionTest {
  protected:
   void SetUp() override {
+    matters = net::matters();
     SessionTest::SetUp();
     options.data_folder = folder.path();
     access = *Access::open({});
-    api.emplace(options, *registry, metrics, *access);
+    api.emplace(options, *registry, metrics, *access, matter_routes());
   }
   ApiResponse ask(const std::string& method, std::string_view target, std::string body = {}) {
     ApiRequest request = *parse_target(target);
@@ -135,12 +143,12 @@ constexpr const char* kTetrahedron =
 TEST_F(ApiTest, AMeshWaitsForTheMemoryThatItsReadingTakes) {
   const std::string body = kTetrahedron;
   options.program_bytes = 19 * body.size();
-  api.emplace(options, *registry, metrics, *access);
+  api.emplace(options, *registry, metrics, *access, matter_routes());
   const ApiResponse busy = ask("POST", "/v1/files?name=a.obj", body);
   EXPECT_EQ(busy.status, 503U) << busy.body;
   EXPECT_FALSE(header(busy, "Retry-After").empty());
   options.program_bytes = 20 * body.size();
-  api.emplace(options, *registry, metrics, *access);
+  api.emplace(options, *registry, metrics, *access, matter_routes());
   for (int n = 0; n < 3; ++n) {  // it is given back
     EXPECT_EQ(ask("POST", "/v1/files?name=a.obj", body).status, 201U);
   }
@@ -179,7 +187,7 @@ TEST_F(ApiTest, UnknownPathsAreNotFound) {
 TEST_F(ApiTest, ListsAndHealthDoNotWaitForASession) {
   const auto session = start();
   move(*session, join(*session), 0, 0, -1);
-  for (const Route& route : routes()) {
+  for (const Route& route : table().all()) {
     if (route.runs != Runs::kAtOnce || route.upgrade != Upgrade::kNone) continue;
     std::string target(route.pattern);
     if (const auto id = target.find("{id}"); id != target.npos) target.replace(id, 4, "block");
@@ -197,7 +205,7 @@ TEST_F(ApiTest, ListsAndHealthDoNotWaitForASession) {
 
 TEST_F(ApiTest, OtherMethodsAreNotAllowed) {
   const auto session = start();
-  for (const Route& route : routes()) {
+  for (const Route& route : table().all()) {
     if (route.upgrade != Upgrade::kNone) continue;
     std::string target(route.pattern);
     if (const auto id = target.find("{id}"); id != target.npos) target.replace(id, 4, "block");
@@ -317,7 +325,7 @@ TEST_F(ApiTest, ADryRunFailsAsCreatingWould) {
     registry.emplace(
         RegistryOptions{folder.path(), sessions, limits, {}, snapshots, {.folder = bytes}},
         [this](const std::string&) { return executor; }, workers);
-    api.emplace(options, *registry, metrics, *access);
+    api.emplace(options, *registry, metrics, *access, matter_routes());
   };
   renew(1, 0);
   for (int n = 0; n < 2; ++n) {
@@ -337,7 +345,7 @@ TEST_F(ApiTest, EachTemplateCanBePricedAndCreated) {
   registry.emplace(
       RegistryOptions{folder.path(), 20, limits, {}, snapshots},
       [this](const std::string&) { return executor; }, workers);
-  api.emplace(options, *registry, metrics, *access);
+  api.emplace(options, *registry, metrics, *access, matter_routes());
   for (const auto& one : list) {
     const std::string scene = one.at("scene").dump();
     EXPECT_EQ(ask("POST", "/v1/sessions?dry_run=1", scene).status, 200U) << one.at("id");
@@ -370,7 +378,7 @@ TEST_F(ApiTest, AListOfSessionsStatesWhenTheyWereCreatedAndUsed) {
   const auto active_ms = used.at("active_ms").get<std::int64_t>();
   restart();
   registry->load_all();
-  api.emplace(options, *registry, metrics, *access);
+  api.emplace(options, *registry, metrics, *access, matter_routes());
   EXPECT_EQ(listed().at("created_ms"), created.at("created_ms"));
   EXPECT_NEAR(listed().at("active_ms").get<double>(), static_cast<double>(active_ms), 100);
 }

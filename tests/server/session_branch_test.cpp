@@ -11,9 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "server/matters.h"
 #include "server/session/journal_check.h"
 #include "server/store/journal_times.h"
 #include "server/store/record_rows.h"
+#include "server/versions/versions.h"
 #include "tests/server/undo_fixture.h"
 
 namespace kerf {
@@ -23,122 +25,9 @@ NamedVersion named(const std::string& name, std::uint64_t record) {
   return {name, record, 1000, 2000, "Ada", ""};
 }
 
-using Versions = SessionUndo;
-
-TEST_F(Versions, OutlastARestartAndAreNotReplaced) {
-  create();
-  const ParticipantId ada = join("Ada");
-  stroke(ada, {-15, 0, -2}, {15, 0, -2});
-  const std::uint64_t record = session_->sequence();
-  ASSERT_TRUE(session_->name_version(named("first", record)));
-  ASSERT_TRUE(session_->name_version(named("gone", 1)));
-  stroke(ada, {-15, 8, -2}, {15, 8, -2});
-  EXPECT_EQ(session_->name_version(named("first", 1)).error().fault, VersionFault::kTaken);
-  EXPECT_EQ(session_->name_version(named("later", session_->sequence() + 1)).error().fault,
-            VersionFault::kNoRecord);
-  ASSERT_TRUE(session_->remove_version("gone", Caller::local()));
-  EXPECT_EQ(session_->remove_version("gone", Caller::local()).error().fault,
-            VersionFault::kUnknown);
-  for (int round = 0; round < 2; ++round) {
-    const auto versions = session_->versions();
-    ASSERT_EQ(versions.size(), 1U);
-    EXPECT_EQ(versions[0].name, "first");
-    EXPECT_EQ(versions[0].record_ms, 1000);
-    EXPECT_EQ(versions[0].created_ms, 2000);
-    EXPECT_EQ(versions[0].author, "Ada");
-    EXPECT_EQ(session_->record_of_version("first"), record);
-    EXPECT_EQ(session_->record_of_version("gone"), std::nullopt);
-    reload();
-  }
-}
-
-TEST_F(Versions, ARenamedOneKeepsItsAuthorAndTimes) {
-  create();
-  NamedVersion first = named("first", 1);
-  first.person = "ada's pass";
-  ASSERT_TRUE(session_->name_version(first));
-  ASSERT_TRUE(session_->name_version(named("other", 1)));
-  Caller bo, ada;
-  bo.role = ada.role = Role::kSculptor;
-  bo.is_personal = ada.is_personal = true;
-  bo.grant = "bo's pass";
-  ada.grant = first.person;
-  using enum VersionFault;
-  EXPECT_FALSE(Session::may_change(first, bo));
-  EXPECT_EQ(session_->rename_version("first", "mine", bo).error().fault, kNotAllowed);
-  EXPECT_EQ(session_->rename_version("none", "mine", ada).error().fault, kUnknown);
-  EXPECT_EQ(session_->rename_version("first", "other", ada).error().fault, kTaken);
-  EXPECT_TRUE(session_->rename_version("first", "first", ada));
-  EXPECT_TRUE(Session::may_change(first, ada));
-  ASSERT_TRUE(session_->rename_version("first", "second", ada));
-  ASSERT_TRUE(session_->rename_version("other", "zeroth", Caller::local()));
-  for (int round = 0; round < 2; ++round) {
-    const auto versions = session_->versions();
-    ASSERT_EQ(versions.size(), 2U);
-    EXPECT_EQ(versions[0].name, "second");
-    EXPECT_EQ(versions[0].author, first.author);
-    EXPECT_EQ(versions[0].person, first.person);
-    EXPECT_EQ(versions[0].record_ms, first.record_ms);
-    EXPECT_EQ(versions[0].created_ms, first.created_ms);
-    EXPECT_EQ(versions[1].name, "zeroth");
-    reload();
-  }
-}
-
-TEST_F(Versions, AreRenamedInOneTransaction) {
-  create();
-  ASSERT_TRUE(session_->name_version(named("first", 1)));
-  ASSERT_TRUE(session_->flush());
-  ASSERT_TRUE(session_->rename_version("first", "second", Caller::local()));
-  EXPECT_LE(session_->journal_lag(), 1U) << "a crash between two changes leaves both names";
-  reload();
-  EXPECT_EQ(session_->versions().size(), 1U);
-  EXPECT_EQ(session_->versions()[0].name, "second");
-  // And back: the row of that name may be an old one.
-  ASSERT_TRUE(session_->rename_version("second", "first", Caller::local()));
-  reload();
-  ASSERT_EQ(session_->versions().size(), 1U);
-  EXPECT_EQ(session_->versions()[0].name, "first");
-}
-
-TEST_F(Versions, AreLimitedInNumber) {
-  create();
-  for (std::size_t n = 0; n < kVersionsMax; ++n) {
-    ASSERT_TRUE(session_->name_version(named("v" + std::to_string(n), 1)));
-  }
-  EXPECT_EQ(session_->name_version(named("more", 1)).error().fault, VersionFault::kLimit);
-}
-
-TEST_F(Versions, ADamagedRowIsLeftOut) {
-  create();
-  ASSERT_TRUE(session_->name_version(named("good", 1)));
-  ASSERT_TRUE(session_->name_version(named("bad", 1)));
-  ASSERT_TRUE(session_->flush());
-  session_.reset();
-  registry_.reset();
-  {
-    auto journal = open_journal(folder_->path() / "block.kerf", SqlMode::kWrite);
-    ASSERT_TRUE(journal->execute("UPDATE versions SET record=2 WHERE name='bad'"));
-  }
-  reload();
-  ASSERT_EQ(session_->versions().size(), 1U);
-  EXPECT_EQ(session_->versions()[0].name, "good");
-}
-
-TEST(VersionName, IsPlainUtf8) {
-  for (const char* name : {"a", "2nd try", "für Ada", "\xE2\x82\xAC", "\xF0\x9F\x98\x80"}) {
-    EXPECT_TRUE(is_version_name(name)) << name;
-  }
-  for (const char* name : {"", "a/b", "a\nb", "\x7F", "\xFF", "\xC3", "\xC0\xAF", "\xE0\x80\xAF",
-                           "\xED\xA0\x80", "\xF4\x90\x80\x80", "\x80", "\xE2\x82"}) {
-    EXPECT_FALSE(is_version_name(name)) << name;
-  }
-  EXPECT_TRUE(is_version_name(std::string(64, 'x')));
-  EXPECT_FALSE(is_version_name(std::string(65, 'x')));
-}
-
 class Branches : public SessionUndo {
  protected:
+  Branches() { matters_ = net::matters(); }
   std::shared_ptr<Session> branch(const std::string& id, std::uint64_t record) {
     auto created = registry_->branch(id, *session_, record);
     EXPECT_TRUE(created) << created.error().reason;
@@ -167,8 +56,8 @@ class Branches : public SessionUndo {
 
 TEST_F(Branches, BeginAsTheParentWasToTheBit) {
   carve();
-  ASSERT_TRUE(session_->name_version(named("early", b_)));
-  ASSERT_TRUE(session_->name_version(named("late", session_->sequence())));
+  ASSERT_TRUE(session_->matters().get<Versions>().name(named("early", b_)));
+  ASSERT_TRUE(session_->matters().get<Versions>().name(named("late", session_->sequence())));
   const std::uint64_t now = hash(), last = session_->sequence();
   int number = 0;
   for (const std::uint64_t record : {last, a_ + 3, b_ + 20, c_, last - 1}) {
@@ -179,8 +68,8 @@ TEST_F(Branches, BeginAsTheParentWasToTheBit) {
     EXPECT_EQ(other->parent().session, "block");
     EXPECT_EQ(other->parent().record, record);
     EXPECT_EQ(other->parent().epoch, session_->epoch());
-    EXPECT_EQ(other->record_of_version("early").has_value(), record >= b_);
-    EXPECT_EQ(other->record_of_version("late").has_value(), record == last);
+    EXPECT_EQ(other->matters().record_named("early").has_value(), record >= b_);
+    EXPECT_EQ(other->matters().record_named("late").has_value(), record == last);
     const std::int64_t ms = time_of(other->journal_file(), record - 1).value() -
                             time_of(session_->journal_file(), record - 1).value();
     EXPECT_LE(std::abs(ms), 1);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/session/session_registry.h"
 #include "tests/server/manual_executor.h"
@@ -28,7 +29,11 @@ class SessionTest : public testing::Test {
   /// Discards the sessions and creates a registry of the same folder, as a restarted server does.
   void restart() {
     registry.emplace(
-        RegistryOptions{folder.path(), 4, limits, {}, snapshots},
+        RegistryOptions{.data_folder = folder.path(),
+                        .sessions_max = 4,
+                        .session = limits,
+                        .snapshots = snapshots,
+                        .matters = matters},
         [this](const std::string&) { return executor; }, workers);
   }
   void SetUp() override { restart(); }
@@ -67,7 +72,8 @@ class SessionTest : public testing::Test {
 
   test::TemporaryFolder folder;
   SessionLimits limits;
-  SnapshotOptions snapshots;  ///< none by default
+  SnapshotOptions snapshots;        ///< none by default
+  std::vector<MakeMatter> matters;  ///< likewise
   std::shared_ptr<test::ManualExecutor> executor = std::make_shared<test::ManualExecutor>();
   test::ManualExecutor workers;
   std::optional<SessionRegistry> registry;

@@ -28,7 +28,12 @@ class SessionUndo : public testing::Test {
   void restart() {
     session_.reset();
     registry_.emplace(
-        RegistryOptions{folder_->path(), 4, limits_, {}, snapshots_, {}, carvers_},
+        RegistryOptions{.data_folder = folder_->path(),
+                        .sessions_max = 4,
+                        .session = limits_,
+                        .snapshots = snapshots_,
+                        .carvers = carvers_,
+                        .matters = matters_},
         [this](const std::string&) { return executor_; }, workers_);
   }
   /// Forgets everything.
@@ -151,8 +156,9 @@ class SessionUndo : public testing::Test {
   std::uint64_t hash() { return session_->solid().hash(); }
 
   SessionLimits limits_ = {};
-  SnapshotOptions snapshots_ = {};  ///< none by default
-  Workers* carvers_ = nullptr;      ///< help to carve, and undo; null: two threads undo
+  SnapshotOptions snapshots_ = {};   ///< none by default
+  std::vector<MakeMatter> matters_;  ///< none by default
+  Workers* carvers_ = nullptr;       ///< help to carve, and undo; null: two threads undo
   std::optional<test::TemporaryFolder> folder_{std::in_place};
   std::shared_ptr<test::SharedExecutor> executor_ = std::make_shared<test::SharedExecutor>();
   test::SharedExecutor workers_;

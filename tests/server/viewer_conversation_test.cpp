@@ -226,14 +226,14 @@ TEST_F(ViewerConversationTest, FramesLeaveInTheOrderOfTheirPriority) {
   eve->send_programs(shared("{}"));
   eve->send_cameras(shared("old"));
   eve->send_cameras(shared("{}"));
-  eve->send_pins(shared("{}"));
+  eve->send_matter(0, shared("{}"));
   eve->send_participants(shared("{}"), shared("{}"));
   eve->reject_ack();
   const auto frames = drain(*eve);
   ASSERT_EQ(frames.size(), 9U);
-  const std::vector<Kind> kinds = {Kind::kText,     Kind::kTools, Kind::kParticipants,
-                                   Kind::kPrograms, Kind::kPins,  Kind::kCameras,
-                                   Kind::kMesh,     Kind::kMesh,  Kind::kState};
+  const std::vector<Kind> kinds = {Kind::kText,     Kind::kTools,  Kind::kParticipants,
+                                   Kind::kPrograms, Kind::kMatter, Kind::kCameras,
+                                   Kind::kMesh,     Kind::kMesh,   Kind::kState};
   for (std::size_t n = 0; n < kinds.size(); ++n) EXPECT_EQ(frames[n].kind, kinds[n]) << n;
   EXPECT_EQ(text_of(frames[3]), "{}");
   EXPECT_EQ(text_of(frames[5]), "{}");

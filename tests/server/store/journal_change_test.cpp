@@ -15,6 +15,11 @@
 namespace kerf {
 namespace {
 
+ListChange stored(const std::string& name, std::int64_t record, const std::string& person) {
+  return {.table = "versions",
+          .stored = ListRow{name, record, std::int64_t{5}, std::int64_t{6}, "Ada", person}};
+}
+
 class JournalChangeTest : public testing::Test {
  protected:
   static void append_motions(JournalWriter& writer, int count) {
@@ -92,11 +97,11 @@ TEST_F(JournalChangeTest, CopyHasEveryRowOfTheJournal) {
   append_motions(writer, 40);
   pass_on(changes, *copy);
   writer.append(StateHash{40, 0x8000000000000042});
-  writer.append(VersionChange{{"half", 20, 5, 6, "Ada", "grant"}, false, {}});
-  writer.append(VersionChange{{"first", 1, 5, 6, "Ada", ""}, false, {}});
+  writer.append(stored("half", 20, "grant"));
+  writer.append(stored("first", 1, ""));
   append_motions(writer, 1000);
   pass_on(changes, *copy);
-  writer.append(VersionChange{{"half", 20, 5, 6, "Ada", "grant"}, true, {}});
+  writer.append(ListChange{.table = "versions", .removed = "half"});
   add_participant(writer, 1, "Ada L.");
   pass_on(changes, *copy);
   const auto finished = copy->finish();
@@ -122,7 +127,7 @@ TEST_F(JournalChangeTest, AFinishedCopyThatGoesOnHasEachWholeChangeAtOnce) {
   auto copy = JournalCopy::resume(copied_, *end);
   ASSERT_TRUE(copy);
   append_motions(writer, 40);
-  writer.append(VersionChange{{"half", 20, 5, 6, "Ada", "grant"}, false, {}});
+  writer.append(stored("half", 20, "grant"));
   ASSERT_TRUE(writer.flush());
   EXPECT_FALSE(copy->take_changed_lists());
   pass_on(changes, *copy);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The routes that list, set and remove pins.
+#include "server/pins/pin_routes.h"
+
 #include <nlohmann/json.hpp>
 
-#include "server/http/api.h"
 #include "server/http/place.h"
+#include "server/pins/pins.h"
 #include "server/platform/clock.h"
-#include "server/session/pin_json.h"
 #include "server/store/plain_text.h"
 #include "server/threads/run_and_wait.h"
 #include "server/wire/limits.h"
@@ -15,21 +15,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-ApiResponse pin_failure(const PinError& error) {
-  switch (error.fault) {
-    case PinFault::kUnknown:
-      return error_response(404, "unknown_pin", error.reason);
-    case PinFault::kLimit:
-      return error_response(409, "limit", error.reason);
-    case PinFault::kNotAllowed:
-      return error_response(403, "not_allowed", error.reason);
-    case PinFault::kPaused:
-      return error_response(503, "busy", error.reason);
-  }
-  return not_found();
-}
+Pins& pins_of(Session& session) { return session.matters().get<Pins>(); }
 
-/// The pin that a request describes.
+/// Reads the pin that a request describes.
 std::expected<Pin, ApiResponse> requested_pin(const ApiCall& call) {
   Pin pin;
   const std::string* text = call.request.query_value("text");
@@ -62,45 +50,64 @@ std::expected<Pin, ApiResponse> requested_pin(const ApiCall& call) {
   return pin;
 }
 
-}  // namespace
-
-ApiResponse Api::list_pins(const ApiCall& call) {
+ApiResponse list_pins(const ApiCall& call) {
   Json list = Json::array();
-  const auto pins = run_and_wait(call.session->executor(), [&] { return call.session->pins(); });
+  Session& session = *call.session;
+  const auto pins = run_and_wait(session.executor(), [&] { return pins_of(session).list(); });
   for (const Pin& pin : pins) {
     Json json = Json::parse(pin_json(pin));
-    json["may_remove"] = Session::may_remove(pin, call.caller);
+    json["may_remove"] = Pins::may_remove(pin, call.caller);
     list.push_back(std::move(json));
   }
   return json_response(200, Json{{"pins", list}}.dump());
 }
 
-ApiResponse Api::set_pin(const ApiCall& call) {
+ApiResponse set_pin(const ApiCall& call) {
   const auto pin = requested_pin(call);
   if (!pin) return pin.error();
   Session& session = *call.session;
-  const auto set = run_and_wait(session.executor(), [&] { return session.set_pin(*pin); });
-  if (!set) return pin_failure(set.error());
-  // What is answered is on the disk.
-  if (const auto flushed = session.flush(); !flushed) {
-    return error_response(503, "busy", describe(flushed.error()));
-  }
+  const auto set = run_and_wait(session.executor(), [&] { return pins_of(session).set(*pin); });
+  if (!set) return error_response(set.error());
+  if (auto failure = flush_failure(session)) return *std::move(failure);
   return json_response(201, pin_json(*set));
 }
 
-ApiResponse Api::remove_pin(const ApiCall& call) {
+ApiResponse remove_pin(const ApiCall& call) {
   const auto number = parse_number<std::uint32_t>(call.captured);
   if (!number) {
     return error_response(404, "unknown_pin", "\"" + call.captured + "\" is no number of a pin");
   }
   Session& session = *call.session;
-  const auto removed =
-      run_and_wait(session.executor(), [&] { return session.remove_pin(*number, call.caller); });
-  if (!removed) return pin_failure(removed.error());
-  if (const auto flushed = session.flush(); !flushed) {
-    return error_response(503, "busy", describe(flushed.error()));
-  }
+  const auto removed = run_and_wait(session.executor(),
+                                    [&] { return pins_of(session).remove(*number, call.caller); });
+  if (!removed) return error_response(removed.error());
+  if (auto failure = flush_failure(session)) return *std::move(failure);
   return json_response(200, Json{{"removed", *number}}.dump());
 }
+
+constexpr Route kRoutes[] = {
+    {.pattern = "/v1/sessions/{id}/pins",
+     .answer = &list_pins,
+     .runs = Runs::kSession,
+     .action = Action::kWatch,
+     .summary = "200, the pins: pin, text, at_mm, normal, record, time, author, may_remove"},
+    {.methods = "POST",
+     .pattern = "/v1/sessions/{id}/pins",
+     .query = "text, at_mm, normal, author",
+     .answer = &set_pin,
+     .runs = Runs::kHistory,
+     .action = Action::kPlacePins,
+     .summary = "sets a pin on the surface; 201 with the pin"},
+    {.methods = "DELETE",
+     .pattern = "/v1/sessions/{id}/pins/{n}",
+     .answer = &remove_pin,
+     .runs = Runs::kHistory,
+     .action = Action::kPlacePins,
+     .summary = "removes a pin"},
+};
+
+}  // namespace
+
+std::span<const Route> pin_routes() { return kRoutes; }
 
 }  // namespace kerf::net

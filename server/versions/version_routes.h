@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "server/http/routes.h"
+
+namespace kerf::net {
+
+/// Returns the routes that list, make, rename and delete named versions.
+std::span<const Route> version_routes();
+
+}  // namespace kerf::net
