@@ -66,10 +66,8 @@ MUTATIONS = [
              "  }\n"
              "  return last;"),
     Mutation("a pin is answered before it is durable",
-             "server/http/api_pins.cpp",
-             "  if (const auto flushed = session.flush(); !flushed) {\n"
-             '    return error_response(503, "busy", describe(flushed.error()));\n'
-             "  }\n"
+             "server/pins/pin_routes.cpp",
+             "  if (auto failure = flush_failure(session)) return *std::move(failure);\n"
              "  return json_response(201, pin_json(*set));",
              "  return json_response(201, pin_json(*set));"),
     Mutation("a follower leaves out a record",

@@ -26,8 +26,9 @@ struct Machine {
   double rate = 1;
   /// Its wall clock shows this many nanoseconds since 1970 when the monotonic one shows 0.
   Time wall_ns = 0;
-  bool is_gone = false;   ///< its threads run no more
-  Time stands_until = 0;  ///< its threads stand still, as those of a process that was stopped
+  bool is_gone = false;       ///< its threads run no more
+  bool lacks_memory = false;  ///< large allocations for requests fail by chance
+  Time stands_until = 0;      ///< its threads stand still, as those of a process that was stopped
 
   Time monotonic(Time now) const;
   /// The time at which its monotonic clock shows `shown`, or somewhat later.

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "tests/sim/world/scene.h"
+
 namespace kerf::sim {
 namespace {
 
@@ -33,20 +35,28 @@ bool is_allowed(const HttpAnswer& answer) {
 }  // namespace
 
 Clerk::Clerk(std::string session, std::vector<int> ports, std::uint64_t seed)
-    : session_(std::move(session)), ports_(std::move(ports)), random_(seed | 1) {}
+    : session_(std::move(session)),
+      branch_prefix_("b" + std::to_string(seed) + "x"),
+      ports_(std::move(ports)),
+      random_(seed | 1) {}
 
 std::uint64_t Clerk::draw_own(std::uint64_t below) {
   random_ = random_ * 6364136223846793005 + 1442695040888963407;
   return (random_ >> 33) % below;
 }
 
+HttpAnswer Clerk::request(const std::string& method, const std::string& rest, Time patience,
+                          const std::string& body) {
+  return request_at(method, "/v1/sessions/" + session_ + rest, patience, body);
+}
+
 /// Asks the server that has answered last, then where it leads; the next one if it is silent.
-HttpAnswer Clerk::request(const std::string& method, const std::string& rest, Time patience) {
+HttpAnswer Clerk::request_at(const std::string& method, const std::string& target, Time patience,
+                             const std::string& body) {
   ++requests_;
-  const std::string target = "/v1/sessions/" + session_ + rest;
   int port = ports_[place_];
   for (int hop = 0; hop < 3; ++hop) {
-    const HttpAnswer answer = ask(port, method, target, {}, patience);
+    const HttpAnswer answer = ask(port, method, target, body, patience, kAsAdmin);
     if (answer.status == 0) place_ = (place_ + 1) % ports_.size();
     if (!is_allowed(answer)) {
       wrong_.push_back(method + " " + target + ": " + std::to_string(answer.status) + " " +
@@ -124,6 +134,47 @@ void Clerk::change_strokes() {
   for (const std::string& name : names) promises_.promise(name, undo);
 }
 
+/// A program that crosses the block to and fro.
+void Clerk::run_program() {
+  std::string text = "G21 G90 G17 G94\nT2 M6\nG0 X-15 Y14 Z5\nG1 Z-2 F6000\n";
+  for (std::uint64_t n = 10 + draw_own(100); n > 0; --n) {
+    text += "G1 X" + std::to_string(n % 2 == 0 ? -15 : 15) + " Y" +
+            std::to_string(14.0 - 0.01 * static_cast<double>(n)) + "\n";
+  }
+  const std::string name = "job" + std::to_string(++made_) + ".ngc";
+  (void)request("POST", "/programs?pace=fast&name=" + name, 5 * kSecond, text + "M2\n");
+}
+
+void Clerk::make_branch() {
+  const std::string id = branch_prefix_ + std::to_string(++made_);
+  promises_.ask("session " + id);
+  const auto answer =
+      request_at("POST", "/v1/sessions?here=1&from=" + session_ + "&id=" + id, 10 * kSecond);
+  branches_.push_back(id);
+  if (answer.status == 201) promises_.promise("session " + id, true);
+}
+
+void Clerk::close_branch() {
+  if (branches_.empty()) return;
+  const std::string& id = branches_[draw_own(branches_.size())];
+  promises_.ask("session " + id);
+  const auto answer = request_at("DELETE", "/v1/sessions/" + id, 10 * kSecond);
+  if (answer.status == 200) promises_.promise("session " + id, false);
+}
+
+void Clerk::reopen_branch() {
+  const auto listed = request_at("GET", "/v1/closed", 5 * kSecond);
+  if (listed.status != 200) return;
+  const Json closed = Json::parse(listed.body).at("closed");
+  if (closed.empty()) return;
+  const Json& one = closed[draw_own(closed.size())];
+  const auto id = one.at("id").get<std::string>();
+  promises_.ask("session " + id);
+  const auto answer =
+      request_at("POST", "/v1/closed/" + one.at("name").get<std::string>(), 10 * kSecond);
+  if (answer.status == 201) promises_.promise("session " + id, true);
+}
+
 void Clerk::download() {
   constexpr std::array kFiles = {"/model.stl", "/program.ngc", "/forces.csv", "/strokes",
                                  "/authors",   "/versions",    "/pins",       "/replay",
@@ -132,7 +183,7 @@ void Clerk::download() {
 }
 
 void Clerk::act() {
-  switch (draw_own(12)) {
+  switch (draw_own(17)) {
     case 0:
     case 1:
     case 2:
@@ -148,6 +199,15 @@ void Clerk::act() {
     case 8:
     case 9:
       return change_strokes();
+    case 10:
+      return run_program();
+    case 11:
+    case 12:
+      return make_branch();
+    case 13:
+      return close_branch();
+    case 14:
+      return reopen_branch();
     default:
       return download();
   }
@@ -181,7 +241,13 @@ bool Clerk::read(std::map<std::string, bool>& present, Time patience) {
       for (const Json& stroke : stroke_list.at("strokes")) {
         present[stroke_name(stroke.at("id"))] = stroke.at("undone").get<bool>();
       }
-      return true;
+      bool is_whole = true;
+      for (const std::string& id : branches_) {
+        const int status = request_at("GET", "/v1/sessions/" + id, patience).status;
+        present["session " + id] = status == 200;
+        is_whole = is_whole && (status == 200 || status == 404);
+      }
+      if (is_whole) return true;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }

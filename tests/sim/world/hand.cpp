@@ -10,12 +10,13 @@
 
 namespace kerf::sim {
 
-Hand::Hand(int number, std::string session, int port, std::uint64_t seed)
+Hand::Hand(int number, std::string session, int port, std::uint64_t seed, std::string token)
     : name_("hand " + std::to_string(number)), y_mm_(-12.0 + 6.0 * number), random_(seed | 1) {
   agent::LinkSettings settings;
   settings.server = {"127.0.0.1", std::to_string(port), false};
   settings.session = std::move(session);
   settings.hello.name = name_;
+  settings.token = std::move(token);
   settings.hello.tool_id = 1;
   settings.patience_s = 120;
   settings.notice = [this](const std::string& line) { notices_.push_back(line); };

@@ -25,7 +25,8 @@ struct HandMotion {
 class Hand {
  public:
   /// Carves a strip of the block of its own. `number` from 0.
-  Hand(int number, std::string session, int port, std::uint64_t seed);
+  /// `token`: proves its rights; empty: none.
+  Hand(int number, std::string session, int port, std::uint64_t seed, std::string token = {});
 
   /// Connects, and moves until `end`; then it waits until all is durable, for at most `patience`.
   void start(Time end, Time period, Time patience);

@@ -9,7 +9,7 @@ namespace kerf::sim {
 namespace {
 
 /// The faults of a server alone, and those of a cluster.
-constexpr std::size_t kOfOne = 11;
+constexpr std::size_t kOfOne = 12;
 
 Time between(std::mt19937_64& random, Time least, Time most) {
   return least + static_cast<Time>(random() % static_cast<std::uint64_t>(most - least + 1));
@@ -44,9 +44,9 @@ void end_first_server(Plan& plan, bool if_possible) {
 
 const char* to_string(Fault fault) {
   constexpr std::array<const char*, kFaults> kNames = {
-      "kill",       "power-loss", "restart",      "stand-still", "cut",
-      "disk-full",  "disk-fails", "no-sync",      "disk-slow",   "clock-forward",
-      "clock-back", "nats-gone",  "nats-earlier", "nats-cut-off"};
+      "kill",          "power-loss", "restart",   "stand-still",  "cut",
+      "disk-full",     "disk-fails", "no-sync",   "disk-slow",    "no-memory",
+      "clock-forward", "clock-back", "nats-gone", "nats-earlier", "nats-cut-off"};
   return kNames[static_cast<std::size_t>(fault)];
 }
 

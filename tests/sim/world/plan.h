@@ -20,13 +20,14 @@ enum class Fault : std::uint8_t {
   kDiskFails,     ///< writes and synchronizing fail for `length`
   kNoSync,        ///< synchronizing fails for `length`
   kDiskSlow,      ///< synchronizing takes up to a second for `length`
+  kNoMemory,      ///< large allocations for requests fail for `length`
   kClockForward,  ///< its wall clock, by days
   kClockBack,
   kNatsGone,     ///< for `length`
   kNatsEarlier,  ///< for `length`, and comes back with the store of `length` before
   kNatsCutOff,   ///< this server from NATS, for `length`
 };
-inline constexpr int kFaults = 14;
+inline constexpr int kFaults = 15;
 const char* to_string(Fault fault);
 
 struct PlannedFault {

@@ -3,6 +3,11 @@
 
 namespace kerf::sim {
 
+/// Token of the administrator of servers with rights, and the line of a header that shows it.
+inline constexpr const char* kAdminToken = "0123456789abcdef0123456789abcdef";
+inline constexpr const char* kAsAdmin =
+    "Authorization: Bearer 0123456789abcdef0123456789abcdef\r\n";
+
 /// The scene of simulated sessions: small, so that worlds are cheap.
 inline constexpr const char* kScene = R"({
   "name": "block",

@@ -10,6 +10,7 @@
 #include "server/session/journal_carve.h"
 #include "server/session/journal_check.h"
 #include "tests/sim/nats/nats_model.h"
+#include "tests/sim/world/file_checks.h"
 #include "tests/sim/world/http_client.h"
 #include "tests/sim/world/motion_check.h"
 #include "tests/sim/world/scene.h"
@@ -28,6 +29,8 @@ net::ServerOptions options_of(const Plan& plan, int number) {
   net::ServerOptions options;
   options.port = static_cast<std::uint16_t>(kFirstPort + number);
   options.udp.on = false;
+  options.admin_token = kAdminToken;
+  options.open = true;
   if (plan.snapshots_often) {
     options.snapshots = {.replay_time = std::chrono::microseconds(2000),
                          .age = std::chrono::seconds(2),
@@ -70,7 +73,7 @@ void World::start_servers() {
 void World::create_session() {
   const bool is_made = awaits(now() + kRecovers, [] {
     const std::string target = std::string("/v1/sessions?here=1&id=") + kSession;
-    const int status = ask(kFirstPort, "POST", target, kScene).status;
+    const int status = ask(kFirstPort, "POST", target, kScene, 5 * kSecond, kAsAdmin).status;
     return status == 201 || status == 409;
   });
   if (!is_made) fail("the session could not be created");
@@ -79,56 +82,6 @@ void World::create_session() {
     const auto session = accepted(*servers_.front());
     return !session || session->other_servers().size() + 1 == servers_.size();
   });
-}
-
-void World::carry_out(const PlannedFault& fault) {
-  ServerMachine& server = *servers_[fault.server];
-  if (fault.for_good) gone_.insert(fault.server);
-  switch (fault.fault) {
-    case Fault::kKill:
-      return server.kill(false);
-    case Fault::kPowerLoss:
-      return server.kill(true);
-    case Fault::kRestart:
-      return server.stop();
-    case Fault::kStandStill:
-      return server.runs() ? server.stand_still(fault.length) : void();
-    case Fault::kCut:
-      return server.cut_connections();
-    case Fault::kDiskFull:
-      server.disk().state = DiskState::kFull;
-      server.disk().free_bytes = draw(100'000);
-      return;
-    case Fault::kDiskFails:
-      server.disk().state = DiskState::kFails;
-      return;
-    case Fault::kNoSync:
-      server.disk().state = DiskState::kNoSync;
-      return;
-    case Fault::kDiskSlow:
-      server.disk().sync_ns = kSecond;
-      return;
-    case Fault::kClockForward:
-      return server.set_clock(3 * 86'400 * kSecond);
-    case Fault::kClockBack:
-      return server.set_clock(-3 * 86'400 * kSecond);
-    case Fault::kNatsGone:
-    case Fault::kNatsEarlier:
-      return NatsModel::instance().stop();
-    case Fault::kNatsCutOff:
-      return NatsModel::instance().cut_off(&server.machine());
-  }
-}
-
-void World::end(const PlannedFault& fault) {
-  ServerMachine& server = *servers_[fault.server];
-  server.disk().state = DiskState::kFine;
-  server.disk().sync_ns = kMillisecond / 2;
-  if (fault.fault == Fault::kNatsGone || fault.fault == Fault::kNatsEarlier) {
-    NatsModel::instance().start();
-  }
-  NatsModel::instance().let_in(&server.machine());
-  if (!gone_.contains(fault.server)) server.start();
 }
 
 /// Carries out the plan while hands and clerks work, and looks at who runs the session.
@@ -154,7 +107,7 @@ void World::work() {
     while (next < steps.size() && steps[next].at <= now()) {
       const Step& step = steps[next++];
       if (!step.is_end) {
-        carry_out(*step.fault);
+        faults_.begin(*step.fault);
       } else {
         if (step.fault->fault == Fault::kNatsEarlier) {
           const Time then = begin + step.fault->at - step.fault->length;
@@ -162,7 +115,7 @@ void World::work() {
               std::ranges::find_if(stores, [&](const auto& s) { return s.first >= then; });
           NatsModel::instance().set_store(earlier->second);
         }
-        end(*step.fault);
+        faults_.end(*step.fault);
       }
     }
     sleep_until(now() + kLook);
@@ -171,9 +124,7 @@ void World::work() {
 
 void World::heal() {
   NatsModel::instance().set_weather({}, plan_.seed);
-  for (const auto& server : servers_) {
-    end({.server = static_cast<std::size_t>(&server - servers_.data())});
-  }
+  faults_.end_all();
 }
 
 /// The session at a server that accepts motions of it; null: it does not.
@@ -265,7 +216,50 @@ void World::check_journal() {
     fail("the block is not that of its journal after record " + std::to_string(live.hash.sequence));
   }
   check_motions(session->journal_file());
+  const std::string exported = check_export(session->journal_file(), live.hash.hash);
+  if (!exported.empty()) fail(exported);
   check_followers();
+}
+
+/// Each program ends, whether its server was killed under it or not.
+void World::check_programs() {
+  const auto have_ended = [this] {
+    ServerMachine* server = owner();
+    if (server == nullptr) return false;
+    const auto list =
+        ask(server->port(), "GET", std::string("/v1/sessions/") + kSession + "/programs", {},
+            5 * kSecond, kAsAdmin);
+    if (list.status != 200) return false;
+    for (const char* state : {"\"queued\"", "\"running\""}) {
+      if (list.body.contains(std::string("\"state\":") + state)) return false;
+    }
+    return true;
+  };
+  if (!awaits(now() + 3 * kRecovers, have_ended)) fail("a program does not end");
+}
+
+/// The block of each branch is that of its journal.
+void World::check_branches() {
+  for (const auto& server : servers_) {
+    if (server->server() == nullptr) continue;
+    for (const auto& session : server->server()->sessions().list()) {
+      if (session->id() == kSession || !session->flush()) continue;
+      const auto carved = carve_without(session->journal_file(), {});
+      if (!carved || carved->hash != net::current_solid(*session).hash.hash) {
+        fail("the block of the branch " + session->id() + " is not that of its journal");
+      }
+    }
+  }
+}
+
+/// Damage of the files that the servers have left does not stay unnoticed.
+void World::check_files() {
+  for (const auto& server : servers_) {
+    const auto journal = server->disk().folder() / "data" / (std::string(kSession) + ".kerf");
+    if (!std::filesystem::exists(journal)) continue;
+    const std::string unnoticed = check_rot(journal, folder_);
+    if (!unnoticed.empty()) fail(server->name() + ": " + unnoticed);
+  }
 }
 
 /// A server that follows the session gets the same block.
@@ -304,6 +298,8 @@ void World::check_promises() {
     outcome_.requests += clerk->requests();
     for (const std::string& wrong : clerk->wrong_answers()) fail("wrong answer: " + wrong);
   }
+  outcome_.requests += intruder_->requests();
+  for (const std::string& wrong : intruder_->wrong_answers()) fail(wrong);
   // With several clerks each may have changed what another was promised.
   if (clerks_.size() != 1 || loses_messages()) return;
   std::map<std::string, bool> present;
@@ -311,16 +307,14 @@ void World::check_promises() {
   for (const std::string& broken : clerks_[0]->promises().broken(present)) fail(broken);
 }
 
-Outcome World::run() {
-  start_servers();
-  create_session();
-  const Time end = now() + plan_.length;
+/// Starts everybody who uses the servers until `end`.
+void World::populate(Time end) {
   std::vector<int> ports;
   for (const auto& server : servers_) ports.push_back(server->port());
   for (int n = 0; n < plan_.hands; ++n) {
     const auto number = static_cast<std::uint64_t>(n);
     hands_.push_back(std::make_unique<Hand>(n, kSession, ports[number % ports.size()],
-                                            plan_.seed * 16 + number));
+                                            plan_.seed * 16 + number, kAdminToken));
     hands_.back()->start(end, plan_.period, kDrains);
   }
   for (int n = 0; n < plan_.clerks; ++n) {
@@ -329,19 +323,31 @@ Outcome World::run() {
     clerks_.back()->start(end, 200 * kMillisecond);
   }
   for (int n = 0; n < plan_.pages; ++n) {
-    pages_.push_back(
-        std::make_unique<Page>(kSession, ports, plan_.seed * 32 + static_cast<std::uint64_t>(n)));
+    pages_.push_back(std::make_unique<Page>(
+        kSession, ports, plan_.seed * 32 + static_cast<std::uint64_t>(n), kAdminToken));
     pages_.back()->start();
   }
+  intruder_ = std::make_unique<Intruder>(kSession, ports, plan_.seed);
+  intruder_->start(end, kSecond);
+}
+
+Outcome World::run() {
+  start_servers();
+  create_session();
+  populate(now() + plan_.length);
   work();
   heal();
   for (const auto& clerk : clerks_) clerk->join();
+  intruder_->join();
   check_answers();
   for (const auto& hand : hands_) hand->join();
+  check_programs();
   check_journal();
+  check_branches();
   check_promises();
   check_pages();
   for (const auto& server : servers_) server->stop();
+  check_files();
   outcome_.length = now();
   outcome_.trace = trace();
   outcome_.turns = turns_taken();

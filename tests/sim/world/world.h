@@ -3,12 +3,13 @@
 
 #include <filesystem>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
+#include "tests/sim/world/active_faults.h"
 #include "tests/sim/world/clerk.h"
 #include "tests/sim/world/hand.h"
+#include "tests/sim/world/intruder.h"
 #include "tests/sim/world/page.h"
 #include "tests/sim/world/plan.h"
 #include "tests/sim/world/server_machine.h"
@@ -34,16 +35,18 @@ class World {
  private:
   void start_servers();
   void create_session();
-  void carry_out(const PlannedFault& fault);
-  void end(const PlannedFault& fault);
   void work();
   void heal();
+  void populate(Time end);
   void check_owners();
   void check_answers();
   void check_journal();
   void check_motions(const std::filesystem::path& journal);
   void check_promises();
   void check_followers();
+  void check_programs();
+  void check_branches();
+  void check_files();
   void check_pages();
   bool loses_messages() const;
   std::shared_ptr<Session> accepted(ServerMachine& server) const;
@@ -52,12 +55,13 @@ class World {
 
   Plan plan_;
   std::filesystem::path folder_;
-  std::set<std::size_t> gone_;  ///< servers that do not come back
   bool has_two_owners_ = false;
   std::vector<std::unique_ptr<ServerMachine>> servers_;
   std::vector<std::unique_ptr<Hand>> hands_;
   std::vector<std::unique_ptr<Clerk>> clerks_;
   std::vector<std::unique_ptr<Page>> pages_;
+  std::unique_ptr<Intruder> intruder_;
+  ActiveFaults faults_{servers_};
   Outcome outcome_;
 };
 

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/sim/world/file_checks.h"
+
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "server/formats/program.h"
+#include "server/session/journal_check.h"
+#include "server/session/replay.h"
+#include "server/session/session_export.h"
+#include "server/store/journal_reader.h"
+#include "tests/sim/os/scheduler.h"
+
+namespace kerf::sim {
+namespace {
+
+/// Everything that a journal gives to a server that opens it.
+struct Contents {
+  std::uint64_t hash = 0, last = 0;
+  Lists lists;
+  bool operator==(const Contents&) const = default;
+};
+
+std::optional<Contents> contents_of(const std::filesystem::path& journal) {
+  const auto block = replay(journal);
+  if (!block) return std::nullopt;
+  return Contents{block->hash.hash, block->last_sequence, block->lists};
+}
+
+void flip_bit(const std::filesystem::path& file, std::uint64_t bit) {
+  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+  const auto at = static_cast<std::streamoff>(bit / 8);
+  stream.seekg(at);
+  const int byte = stream.get();
+  stream.seekp(at);
+  stream.put(static_cast<char>(byte ^ (1 << (bit % 8))));
+}
+
+}  // namespace
+
+std::string check_export(const std::filesystem::path& journal, std::uint64_t hash) {
+  std::ostringstream text;
+  const auto written = export_program(journal, {.style = {.format = ProgramFormat::kGcode}}, text);
+  if (!written) return "the program cannot be exported: " + written.error();
+  const auto block = replay(journal);
+  if (!block) return "the journal cannot be replayed: " + describe(block.error());
+  const auto program = parse_program("export.ngc", text.str(), block->scene);
+  if (!program) return "the exported program cannot be read: " + to_string(program.error());
+  Sculpture carved = Sculpture::create(block->scene.settings).value();
+  for (const auto& [id, tool] : block->scene.tools) {
+    carved.apply(DefineTool{id, tool.tool}).value();
+  }
+  for (const ProgramMotion& motion : program->motions) {
+    carved.apply(MoveTool{motion.tool, motion.from, motion.to, motion.duration_s, false}).value();
+  }
+  if (carved.state_hash() == hash) return {};
+  return "the exported program of " + std::to_string(program->motions.size()) +
+         " motions carves another block";
+}
+
+std::string check_rot(const std::filesystem::path& journal, const std::filesystem::path& folder) {
+  const auto before = contents_of(journal);
+  if (!before) return {};  // a loss that another check has reported
+  const auto copy = folder / "rotten.kerf";
+  std::filesystem::copy_file(journal, copy, std::filesystem::copy_options::overwrite_existing);
+  const std::uint64_t bit = draw(8 * std::filesystem::file_size(copy));
+  flip_bit(copy, bit);
+  const CheckedFile checked = check_journal(copy);
+  const auto after = contents_of(copy);
+  std::filesystem::remove(copy);
+  if (!checked.faults.empty() || !after || *after == *before) return {};
+  return "bit " + std::to_string(bit) + " of the journal was flipped, and nothing reports it";
+}
+
+}  // namespace kerf::sim
