@@ -20,16 +20,6 @@ constexpr Retired kRetired[] = {
     {"la"
      "nes?",
      "thread, executor or transport; the word is for SIMD only"},
-    {"wa"
-     "ys?",
-     "path, displacement, direction or distance"},
-    {"ne"
-     "ws",
-     "update or delta"},
-    {"afr"
-     "esh|an"
-     "ew",
-     "again; reset or resync"},
     {"o"
      "we[ds]?|de"
      "bts?",
@@ -37,21 +27,12 @@ constexpr Retired kRetired[] = {
     {"se"
      "ats?",
      "participant state"},
-    {"ro"
-     "oms?",
-     "module"},
     {"bir"
      "ths",
      "the task of the thread"},
-    {"to"
-     "ld",
-     "sent, reported or notified"},
     {"refu"
      "sals?",
      "rejection or error"},
-    {"who"
-     "ever",
-     "any client that, the thread that"},
 };
 
 // The glossary, the rules' own samples, and folders in which a word has its technical meaning.
@@ -122,13 +103,6 @@ std::string word_of(const std::cmatch& match) {
   return match.str();
 }
 
-// The class of three.js that lights a scene.
-bool names_foreign_class(std::string_view line) {
-  return line.find(
-             "Ro"
-             "omEnvironment") != line.npos;
-}
-
 }  // namespace
 
 std::vector<Violation> check_words(const Source& source) {
@@ -141,7 +115,7 @@ std::vector<Violation> check_words(const Source& source) {
       std::cmatch match;
       if (!std::regex_search(line.data(), line.data() + line.size(), match, rule.pattern)) continue;
       const std::string word = word_of(match);
-      if (is_exempt(source.path, word) || names_foreign_class(line)) continue;
+      if (is_exempt(source.path, word)) continue;
       violations.push_back(
           {source.path, number, "'" + word + "' is retired: " + std::string(rule.instead)});
     }
