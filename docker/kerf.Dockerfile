@@ -46,7 +46,7 @@ RUN cmake --preset release -DKERF_TESTS=OFF \
 FROM debian:12-slim AS base
 # One user for both images, by number, so that a host's folder can be given to it before the first start.
 RUN useradd --system --uid 10001 --create-home --home-dir /var/lib/kerf kerf
-LABEL org.opencontainers.image.version="0.1.0" \
+LABEL org.opencontainers.image.version="0.2.0" \
       org.opencontainers.image.licenses="Apache-2.0"
 
 FROM base AS server
