@@ -54,6 +54,11 @@ bool accepts(std::string_view accept_encoding, std::string_view coding) {
   return false;
 }
 
+bool is_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
 /// A file as it is sent.
 struct SentFile {
   std::filesystem::path path;
@@ -65,8 +70,7 @@ SentFile choose(const std::filesystem::path& path, std::string_view accept_encod
     if (!accepts(accept_encoding, coding)) continue;
     auto packed = path;
     packed += ending;
-    std::error_code ignored;
-    if (std::filesystem::is_regular_file(packed, ignored)) return {std::move(packed), coding};
+    if (is_file(packed)) return {std::move(packed), coding};
   }
   return {path, {}};
 }
@@ -76,6 +80,22 @@ std::string etag_of(const std::filesystem::path& path, std::uint64_t bytes) {
   std::error_code ignored;
   const auto time = std::filesystem::last_write_time(path, ignored).time_since_epoch().count();
   return '"' + std::to_string(time) + '-' + std::to_string(bytes) + '"';
+}
+
+/// Returns whether the path of a request target ends with a slash, as that of a folder does.
+bool names_folder(std::string_view target) {
+  return target.substr(0, target.find('?')).ends_with('/');
+}
+
+/// Redirects to the same folder with a slash at the end, so that links in its page are relative to
+/// the folder.
+ApiResponse with_slash(const std::string& folder) {
+  ApiResponse response;
+  response.status = 308;
+  response.content_type = "text/plain; charset=utf-8";
+  response.headers.emplace_back("Location", "./" + folder + "/");
+  response.headers.emplace_back("Cache-Control", "no-cache");
+  return response;
 }
 
 }  // namespace
@@ -92,7 +112,12 @@ ApiResponse static_file(const std::filesystem::path& folder, const ApiRequest& r
     if (!plain) return not_found();
     path /= segment;
   }
-  if (request.path.empty()) path /= "index.html";
+  if (request.path.empty()) {
+    path /= "index.html";
+  } else if (is_file(path / "index.html")) {
+    if (!names_folder(request.target)) return with_slash(request.path.back());
+    path /= "index.html";
+  }
   const SentFile sent = choose(path, request.accept_encoding);
   auto file = OpenFile::open(sent.path);
   if (!file) return not_found();
@@ -119,8 +144,7 @@ std::filesystem::path find_web_folder() {
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) return {};
   const auto has_viewer = [](const std::filesystem::path& folder) {
-    std::error_code ignored;
-    return std::filesystem::is_regular_file(folder / "index.html", ignored);
+    return is_file(folder / "index.html");
   };
   for (const char* beside : {"web", "../share/kerf/web"}) {
     const auto folder = (program.parent_path() / beside).lexically_normal();

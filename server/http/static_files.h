@@ -7,9 +7,11 @@
 
 namespace kerf::net {
 
-/// Serves a file of the built viewer; "/" is index.html. Paths outside the folder, hidden files and
-/// folders are 404. To clients that accept it, FILE.br or FILE.gz is sent in place of FILE where
-/// the build has made it. The ETag is that of the bytes sent (from their time and size), so a
+/// Serves a file of the built viewer; "/" is index.html, and so is each folder that has one, such
+/// as
+/// "/manual/". "/manual" is a redirect there (308). Paths outside the folder, hidden files and
+/// other folders are 404. To clients that accept it, FILE.br or FILE.gz is sent in place of FILE
+/// where the build has made it. The ETag is that of the bytes sent (from their time and size), so a
 /// client that has them gets 304.
 ApiResponse static_file(const std::filesystem::path& folder, const ApiRequest& request);
 

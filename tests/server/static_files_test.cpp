@@ -21,6 +21,8 @@ class StaticFilesTest : public testing::Test {
     std::filesystem::create_directory(folder_.path() / "assets");
     write("assets/index-1.js", "script");
     write("assets/index-1.js.gz", "gzip script");
+    std::filesystem::create_directory(folder_.path() / "manual");
+    write("manual/index.html", "manual");
   }
 
   void write(const std::string& name, const std::string& text) const {
@@ -34,6 +36,12 @@ class StaticFilesTest : public testing::Test {
     request.path = std::move(path);
     request.accept_encoding = accept_encoding;
     request.if_none_match = if_none_match;
+    return static_file(folder_.path(), request);
+  }
+
+  ApiResponse get_target(const std::string& target) const {
+    ApiRequest request = parse_target(target).value();
+    request.method = "GET";
     return static_file(folder_.path(), request);
   }
 
@@ -101,6 +109,21 @@ TEST_F(StaticFilesTest, OnlyNamesWithAHashAreKeptForever) {
   const std::string forever = "public, max-age=31536000, immutable";
   EXPECT_EQ(header(get({"assets", "index-1.js"}, "gzip"), "Cache-Control"), forever);
   EXPECT_EQ(header(get({"font.woff2"}, "gzip"), "Cache-Control"), "no-cache");
+}
+
+TEST_F(StaticFilesTest, AFolderWithAnIndexIsServedUnderItsNameWithASlash) {
+  const ApiResponse index = get_target("/manual/?from=help");
+  EXPECT_EQ(index.status, 200U);
+  EXPECT_EQ(text(index), "manual");
+  EXPECT_EQ(index.content_type, "text/html; charset=utf-8");
+  for (const std::string target : {"/manual", "/manual?from=help/"}) {
+    const ApiResponse redirect = get_target(target);
+    EXPECT_EQ(redirect.status, 308U) << target;
+    EXPECT_EQ(header(redirect, "Location"), "./manual/") << target;
+    EXPECT_EQ(redirect.file, nullptr) << target;
+  }
+  EXPECT_EQ(get_target("/assets").status, 404U);
+  EXPECT_EQ(get_target("/assets/").status, 404U);
 }
 
 }  // namespace
