@@ -4,6 +4,7 @@ import { existsSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { HtmlTagDescriptor, Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
+import { manual } from './manual/render';
 
 // In development Vite serves the page and forwards /v1 to a running kerf-server (or to `npm run
 // fake`). In production the server itself serves dist/.
@@ -68,7 +69,7 @@ export default defineConfig({
     KERF_HAS_FILES: hasModule('kerf_files.wasm'),
   },
   json: { namedExports: false },
-  plugins: [preloadView(), compress()],
+  plugins: [preloadView(), manual(), compress()],
   build: {
     target: 'es2022',
     chunkSizeWarningLimit: 900,

@@ -66,7 +66,12 @@ export function helpDialog(): HTMLDialogElement {
     table(POINTERS),
     h('h2', {}, t('While you carve')),
     table(CARVING),
-    h('form', { method: 'dialog' }, close),
+    h(
+      'form',
+      { method: 'dialog', class: 'help-end' },
+      h('a', { href: 'manual/index.html', target: '_blank' }, t('Open the manual')),
+      close,
+    ),
   );
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();
