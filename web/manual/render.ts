@@ -48,6 +48,12 @@ const markdown = new MarkdownIt({ html: false, typographer: false });
 markdown.renderer.rules['table_open'] = () => '<div class="wide" tabindex="0"><table>\n';
 markdown.renderer.rules['table_close'] = () => '</table></div>\n';
 
+// A line does not end at the hyphens of an option.
+markdown.renderer.rules['code_inline'] = (tokens, i) => {
+  const code = markdown.utils.escapeHtml(tokens[i]!.content);
+  return `<code>${code.replace(/--[a-z0-9-]+/g, '<span>$&</span>')}</code>`;
+};
+
 export function sourceOf(name: PageName): string {
   return readFileSync(join(import.meta.dirname, `${name}.md`), 'utf8');
 }
