@@ -12,7 +12,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Words without influence on the path.
+/// Words that do not affect the path.
 constexpr std::array<std::string_view, 13> kWordsWithoutMotion = {
     "PARTNO", "PPRINT", "REMARK", "MACHIN", "MULTAX", "CUTTER", "SPINDL",
     "COOLNT", "INTOL",  "OUTTOL", "TOLER",  "STOP",   "OPSTOP"};

@@ -34,17 +34,17 @@ enum class DeviceKind {
 /// A parsed `--device` option, with its file loaded.
 struct DeviceChoice {
   DeviceKind kind = DeviceKind::kSimulated;
-  /// Path of a simulated hand or replay. Empty: make_carving_figure.
+  /// Path of a simulated hand or replay. If empty, make_carving_figure.
   std::optional<PoseScript> script{};
   /// USB ids of the reference device; builders may use their own.
   UsbId usb_id{reference::kVendorId, reference::kProductId};
-  /// Firmware of the Falcon. Empty: one must be running already.
+  /// Firmware of the Falcon. If empty, one must be running already.
   std::vector<std::uint8_t> firmware{};
   /// Set for kPlugin.
   std::optional<Plugin> plugin{};
-  /// Of the process of a kSocket.
+  /// Address of the process that serves a kSocket.
   SocketAddress socket{};
-  /// Event device of a kGamepad; empty: the first gamepad found.
+  /// Event device of a kGamepad; if empty, the first gamepad found.
   std::string node{};
 };
 
@@ -54,12 +54,12 @@ struct DeviceChoice {
 /// sentence, with file and line where applicable.
 std::expected<DeviceChoice, std::string> choose_device(std::string_view text);
 
-/// The parameters of a device that the session determines.
+/// Parameters of a device that depend on the session.
 struct DevicePlace {
   StockBox stock{};
   double pivot_mm = 60;
   std::uint32_t participant = 0;
-  /// The session's tools, and the one to start with; for devices that change it.
+  /// The session's tools and the initial one, for devices that change the tool.
   std::vector<std::uint32_t> tools{};
   std::uint32_t tool = 0;
 };
@@ -68,14 +68,14 @@ struct DeviceOptions {
   bool loop = false;
   double speed = 1.0;
   double stiffness_n_per_mm = HandSettings{}.stiffness_n_per_mm;
-  /// Called by a USB device or one of another process on its own thread: with the reason why it is
-  /// not ready, and when it is.
+  /// Called on the thread of a USB or socket device, with the reason why it is not ready, and when
+  /// it is ready.
   std::function<void(const std::string&)> notice{};
 };
 
 /// Creates the device. A USB device may be plugged in later: it is searched for until found. The
-/// center of its workspace is placed on the center of the stock's top. The error, of a plugin
-/// or a device in another process, is one sentence.
+/// center of the workspace is placed on the center of the stock's top. The error of a plugin or
+/// socket device is one sentence.
 std::expected<std::unique_ptr<HapticDevice>, std::string> make_device(const DeviceChoice& choice,
                                                                       const DevicePlace& place,
                                                                       const DeviceOptions& options);

@@ -16,14 +16,14 @@ namespace {
 
 constexpr std::string_view kHead = "kerf-device-profile 1";
 
-/// A number of the file: its name, its range, and its member, which is always written or only if
-/// it is present.
+/// A number of the file: its name, its range and its member, which is written always or only if
+/// present.
 struct Number {
   std::string_view name;
   double least, most;
   double DeviceProfile::* always = nullptr;
   std::optional<double> DeviceProfile::* optional = nullptr;
-  /// Zero means that none was found, and is not written.
+  /// Zero means not found, and is not written.
   bool nonzero = false;
 };
 

@@ -35,7 +35,7 @@ struct ScriptError {
 /// Returns "file:line: reason".
 std::string to_string(const ScriptError& error);
 
-/// A tool axis in a file may have any length but one below this.
+/// Shortest tool axis accepted from a file; longer ones are normalized.
 inline constexpr double kAxisMinLength = 1e-6;
 
 /// Speed of moves without a programmed feed: RAPID, and the move to the first pose after the start

@@ -5,12 +5,13 @@
 
 namespace kerf::agent {
 
-// Ranges that are accepted from files, peers and command lines. Each begins at zero unless stated.
+// Accepted ranges of numbers from files, peers and command lines. Each begins at zero unless stated
+// otherwise.
 
 /// Greatest coordinate, ±, mm; the kernel's kCoordinateMaxMm.
 inline constexpr double kPlaceMaxMm = 1e6;
 /// Greatest distance of the pivot from the tip, mm: the length of the longest tool. The device's
-/// grip is placed there, and a pose error of the axis moves it by that length.
+/// grip is at the pivot, so an error of the axis moves it by that length.
 inline constexpr double kPivotMaxMm = 5000;
 
 /// Greatest coordinate in a device's own space, ±, mm.

@@ -5,13 +5,13 @@
 
 namespace kerf::agent {
 
-/// What a user does whose device gives no force: stops, lets go, holds the device again, waits for
-/// the force and goes on; without it after a while, and tries again later.
+/// Behavior of a user whose device gives no force: stops, lets go, holds the device again, waits a
+/// while for the force, continues, and tries again later if there is still none.
 class Regrip {
  public:
   enum class Act : std::uint8_t { kWork, kLetGo, kWait };
 
-  /// Returns what the user does in the next `dt_s` seconds. `force_on`: forces are permitted now.
+  /// Returns the user's action in the next `dt_s` seconds. `force_on`: forces are permitted now.
   Act step(bool force_on, double dt_s) noexcept {
     switch (act_) {
       case Act::kWork:
@@ -32,7 +32,7 @@ class Regrip {
   }
 
  private:
-  /// After this time without a force it is noticed; longer than a user waits for it at the start.
+  /// Time without a force until the user reacts; longer than arming takes at the start.
   static constexpr double kNoticeS = 0.7;
   /// Longer than the supervisor asks for (0.3 s).
   static constexpr double kLetGoS = 0.4;

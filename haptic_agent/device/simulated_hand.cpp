@@ -14,8 +14,8 @@ namespace {
 
 /// Integration step: the servo's period, far below the stability limit.
 constexpr double kStepS = 0.001;
-/// Longest time that one read simulates: after a longer pause of the loop, e.g. while the machine
-/// was suspended, the hand has not moved on.
+/// Longest time simulated by one read. After a longer pause of the loop, for example while the
+/// machine was suspended, the hand has not moved.
 constexpr double kLongestGapS = 0.05;
 /// Time spent at the end of the path, so that the last results arrive.
 constexpr double kRestAtEndS = 0.3;
@@ -92,7 +92,7 @@ void SimulatedHand::step(double dt_s) noexcept {
   pivot_mm_per_s_ = pivot_mm_per_s_ + force_n * (kMmPerM / settings_.mass_kg * dt_s);
   pivot_mm_ = pivot_mm_ + pivot_mm_per_s_ * dt_s;
 
-  // Rotation vector from the axis to its target, approximated by the sine; it has no component
+  // Rotation vector from the axis to its target, approximated by the sine. It has no component
   // about the tool's own axis.
   const Vec3 error_rad = cross(axis_, target_.axis);
   const Vec3 pull_nmm = error_rad * settings_.turn_stiffness_nmm_per_rad +
@@ -107,8 +107,8 @@ void SimulatedHand::step(double dt_s) noexcept {
   follow_path(dt_s);
 }
 
-/// Moves the target along the path, or rests on it. The button that cuts stays as it is: pressed,
-/// the tool does not push its own cut aside, and is armed at rest.
+/// Moves the target along the path, or rests on it. The cutting button keeps its state: while
+/// pressed, the tool does not push its own cut aside, and it can be armed at rest.
 void SimulatedHand::follow_path(double dt_s) noexcept {
   act_ = regrip_.step(force_on_, dt_s);
   if (act_ == Regrip::Act::kWork) {

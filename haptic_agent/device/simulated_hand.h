@@ -17,19 +17,19 @@ struct HandSettings {
   /// Inertia about the pivot.
   double inertia_kg_m2 = 2e-4;
   double turn_stiffness_nmm_per_rad = 1340.0;
-  /// Distance from the tip along the axis to the pivot, where the hand holds the tool; torques are
-  /// about it.
+  /// Distance from the tip along the axis to the pivot, where the hand holds the tool. Torques are
+  /// about the pivot.
   double pivot_mm = 60.0;
-  /// Quanta to which the device rounds tip and axis; 0: not at all.
+  /// Quanta to which the device rounds tip and axis; 0 for no rounding.
   double quantum_mm = 0, quantum_rad = 0;
-  /// Time spent at the first pose, as a user waits until the device is armed.
+  /// Time at the first pose, as a user waits until the device is armed.
   double rest_at_start_s = 0;
 };
 
 /// A simulated hand that follows a path: a mass and an inertia at the pivot, coupled to the path by
-/// springs and dampers. Force and torque deflect it from the path, as they would a user's hand. It
-/// stops on its path and lets go while there is no force (Regrip). 5 DOF: there is no rotation or
-/// torque about the tool's own axis.
+/// springs and dampers. Force and torque deflect it as they would a user's hand. While there is no
+/// force it stops on its path and lets go (Regrip). 5 DOF: there is no rotation or torque about the
+/// tool's own axis.
 class SimulatedHand final : public HapticDevice {
  public:
   SimulatedHand(PathCursor path, const HandSettings& settings);

@@ -9,7 +9,7 @@ namespace {
 
 /// Longest time over which a line is fitted, s. A hand does not move evenly for longer.
 constexpr double kLongestFitS = 0.4;
-/// Distance from the line at which a step ends it, in quanta, and in ticks of travel: a step is
+/// Distance from the line at which a step ends it, in quanta and in ticks of travel: a step is
 /// timed to within half a tick.
 constexpr double kOffQuanta = 0.1;
 constexpr double kOffTicks = 1.5;
@@ -25,8 +25,8 @@ void StepTracker::reset() noexcept {
   rate_ = slope_ = 0;
 }
 
-/// An encoder rests between its steps; a continuous value does so only where the device does. The
-/// steps of a coordinate that several encoders move differ: their median counts.
+/// An encoder rests between its steps; a continuous value rests only where the device does. A
+/// coordinate moved by several encoders has steps of different size, so the median counts.
 void StepTracker::find_quantum() noexcept {
   if (declared_ > 0 || !newest(0).rested) return;
   std::array<double, kKept> sizes{};
@@ -52,8 +52,8 @@ bool StepTracker::is_line(std::size_t steps, double dt_s) const noexcept {
   return true;
 }
 
-/// Returns how many of the steps before the newest lie on one line with it. Tries half as many more
-/// each time, so that a tick costs little.
+/// Returns how many of the steps before the newest are on one line with it. Each attempt adds half
+/// as many, so that a tick costs little.
 std::size_t StepTracker::explained(double dt_s) const noexcept {
   std::size_t most = 0;
   for (std::size_t n = 1; n < kept(); n += std::max<std::size_t>(1, n / 2)) {

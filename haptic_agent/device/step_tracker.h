@@ -9,35 +9,35 @@ namespace kerf::agent {
 /// Estimates one coordinate of a pose between the steps of its encoder.
 ///
 /// When the measured value steps, the true one is midway between the two values, at some time since
-/// the last measurement: a step is the only exact measurement that an encoder makes. A line is
-/// fitted to the newest steps that one line explains, and continued until the next step, but not
-/// out of the cell whose value the encoder shows. So the estimate has no delay in steady motion,
-/// after two steps, and is never more than a cell off.
+/// the last measurement: a step is the only exact measurement of an encoder. A line is fitted to
+/// the newest collinear steps and continued until the next step, within the cell whose value the
+/// encoder shows. So the estimate has no delay in steady motion, after two steps, and is never more
+/// than a cell off.
 class StepTracker {
  public:
-  /// `quantum`: size of the encoder's steps, in the coordinate's unit; 0: unknown. Then steps count
-  /// as an encoder's once kStepsOfEncoder of them followed rests within kDetectS, and their median
-  /// is its quantum; until then the estimate is the measured value.
+  /// `quantum`: size of the encoder's steps, in the coordinate's unit; 0 if unknown. An unknown
+  /// quantum is the median of the steps that follow rests, once kStepsOfEncoder of them occurred
+  /// within kDetectS. Until then the estimate is the measured value.
   explicit StepTracker(double quantum = 0) noexcept : declared_(quantum) {}
 
-  /// Takes the value measured `dt_s` after the last one; returns the estimate for the present time.
-  /// `is_new`: whether the device has measured since; otherwise that it repeats means nothing.
+  /// Adds the value measured `dt_s` after the last one; returns the estimate for the present time.
+  /// `is_new`: the device has measured since; otherwise a repeated value carries no information.
   double take(double measured, double dt_s, bool is_new = true) noexcept;
-  /// Forgets the motion, but not the quantum; the next value is taken as it is.
+  /// Forgets the motion, but not the quantum; the next estimate is the measured value.
   void reset() noexcept;
   /// Rate of the estimate, per second.
   double rate() const noexcept { return rate_; }
-  /// Size of the encoder's steps, as declared or found; 0: none has been found.
+  /// Size of the encoder's steps, as declared or found; 0 if not found yet.
   double quantum() const noexcept { return declared_ > 0 ? declared_ : found_; }
 
   static constexpr std::size_t kStepsOfEncoder = 4;
   static constexpr double kDetectS = 0.5;
 
  private:
-  /// The true value `at` is reached at the time `s`.
+  /// The true value is `at` at the time `s`.
   struct Step {
     double s, at, size;
-    bool rested;  ///< the value had not changed in the measurement before
+    bool rested;  ///< the previous measurement had not changed the value
   };
   static constexpr std::size_t kKept = 64;
 

@@ -25,8 +25,8 @@ inline std::string join(std::initializer_list<std::string_view> parts) {
   return text;
 }
 
-/// Returns the longest beginning of a text that has at most `bytes` bytes and cuts no character of
-/// UTF-8.
+/// Returns the longest prefix of a text that has at most `bytes` bytes and ends between UTF-8
+/// characters.
 inline std::string_view shortened(std::string_view text, std::size_t bytes) noexcept {
   if (text.size() <= bytes) return text;
   constexpr unsigned kContinuationMask = 0xC0, kContinuation = 0x80;

@@ -37,7 +37,7 @@ void Alarm::wait() noexcept {
   const int most_ms = timer_ >= 0 && ended_ >= 0 ? -1 : kWithoutTimerMs;
   while (::poll(events.data(), events.size(), most_ms) < 0 && errno == EINTR) {
   }
-  // Reads nothing if it was put off meanwhile.
+  // Reads nothing if the alarm was set again meanwhile.
   std::uint64_t times = 0;
   [[maybe_unused]] const auto read_bytes = ::read(timer_, &times, sizeof times);
 }

@@ -5,22 +5,23 @@
 
 namespace kerf::agent {
 
-/// A timer of the kernel that one thread keeps putting off and another one waits for. Putting it
-/// off wakes nobody, and costs a tenth of waking a thread that looks at a clock.
+/// A kernel timer that one thread keeps postponing and another waits for. Postponing wakes no
+/// thread and costs a tenth of waking a thread that checks a clock.
 class Alarm {
  public:
-  /// If the process may open no more files, `wait` returns every 5 ms instead.
+  /// If the process may not open more files, `wait` returns every 5 ms instead.
   Alarm() noexcept;
   ~Alarm();
   Alarm(const Alarm&) = delete;
   Alarm& operator=(const Alarm&) = delete;
 
-  /// Lets it go off at `time_ns` of CLOCK_MONOTONIC, instead of when it was to before. Does not
-  /// wait or allocate.
+  /// Sets the alarm to `time_ns` of CLOCK_MONOTONIC, replacing the previous time. Does not wait or
+  /// allocate.
   void set(std::uint64_t time_ns) noexcept;
-  /// Waits until it has gone off since it was set, or `end` was called. From one thread.
+  /// Waits until the alarm has gone off since the last `set`, or `end` was called. Call from one
+  /// thread only.
   void wait() noexcept;
-  /// Ends `wait`, now and later. From any thread.
+  /// Ends the current and all later calls of `wait`. From any thread.
   void end() noexcept;
 
  private:

@@ -25,7 +25,7 @@ class MonotonicClock final : public Clock {
 
 inline constexpr std::uint64_t kNsPerS = 1'000'000'000;
 
-/// Returns a time in nanoseconds as the kernel's calls take it.
+/// Converts a time in nanoseconds to a timespec.
 inline timespec timespec_of(std::uint64_t time_ns) noexcept {
   return {.tv_sec = static_cast<time_t>(time_ns / kNsPerS),
           .tv_nsec = static_cast<long>(time_ns % kNsPerS)};

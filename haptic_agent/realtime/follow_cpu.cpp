@@ -62,7 +62,7 @@ void FollowCpu::apply(Place place) noexcept {
   if (place == Place::kBeside) CPU_ZERO(&set);
   if (place == Place::kBeside) CPU_SET(static_cast<std::size_t>(cpu), &set);
   if (place == Place::kApart) CPU_CLR(static_cast<std::size_t>(cpu), &set);
-  // Refused where the processors that the process may use have changed: the thread stays.
+  // Fails if the set of permitted processors has changed: the thread stays where it is.
   if (pthread_setaffinity_np(pthread_self(), sizeof set, &set) != 0) return;
   applied_ = place;
   cpu_ = cpu;

@@ -17,24 +17,25 @@ enum class Place : std::uint8_t {
   kApart,   ///< on the other processors
 };
 
-/// Decides from the time that a thread works between its waits. A pure function of the times.
+/// Chooses the place of a thread from the time that it works between its waits. Depends on the
+/// given times only.
 class PlaceChoice {
  public:
   /// Time over which the load is measured.
   static constexpr std::uint64_t kWindowNs = 50'000'000;
-  /// Load up to which a thread may stay beside the loop, and down to which it must fall before it
-  /// comes back. The threads of lower priority there get the rest.
+  /// A thread moves away from the loop above this load, and returns below half of it. Threads of
+  /// lower priority on the same processor get the rest.
   static constexpr double kHeavy = 0.5;
   static constexpr double kLight = 0.25;
   /// Work without a wait that counts as heavy at once.
   static constexpr std::uint64_t kLongNs = 5'000'000;
 
-  /// The thread has been woken, and has done its work. Times must not decrease.
+  /// `begin`: the thread was woken; `end`: its work is done. Times must not decrease.
   void begin(std::uint64_t now_ns) noexcept;
   void end(std::uint64_t now_ns) noexcept;
-  /// Work begins that may take long.
+  /// Announces work that may take long.
   void leave(std::uint64_t now_ns) noexcept;
-  /// Nothing is known of the load any more.
+  /// Forgets the measured load.
   void reset() noexcept { *this = PlaceChoice(); }
 
   Place place() const noexcept { return place_; }
@@ -47,22 +48,23 @@ class PlaceChoice {
   std::uint64_t woken_ns_ = 0, busy_ns_ = 0;
 };
 
-/// Keeps the calling thread on the processor of the real-time loop that wakes it, as long as its
-/// work is light, and away from it otherwise. Waking a thread on another processor needs an
-/// interrupt there, ends its sleep and finds cold caches; on the same one it is a switch of
-/// threads, which a loop of higher priority never waits for. Where the loop is not real-time, or
-/// its processor is not among those that the thread may use, nothing is changed.
+/// Keeps the calling thread on the processor of the real-time loop that wakes it while its work is
+/// light, and off that processor otherwise. Waking a thread on another processor needs an interrupt
+/// there, ends its idle state and finds cold caches. On the same processor it is a context switch,
+/// for which a loop of higher priority never waits. Nothing changes if the loop is not real-time or
+/// the thread may not use its processor.
 class FollowCpu {
  public:
-  /// Construct in the thread that is to be kept; `lead` may be null and must outlive the object.
+  /// Construct in the thread to be placed; `lead` may be null and must outlive the object.
   explicit FollowCpu(const LeadCpu* lead) noexcept;
 
   /// Call after each wait, and before the next one.
   void begin(std::uint64_t now_ns) noexcept { choice_.begin(now_ns); }
   void end(std::uint64_t now_ns) noexcept;
-  /// Before work that may take long: threads of lower priority beside the loop must not wait.
+  /// Call before work that may take long, so that threads of lower priority on the loop's processor
+  /// need not wait.
   void leave(std::uint64_t now_ns) noexcept;
-  /// Returns the thread to all its processors until the load is known again.
+  /// Allows the thread all its processors until the load is known again.
   void release() noexcept;
 
   Place place() const noexcept { return applied_; }
@@ -74,7 +76,7 @@ class FollowCpu {
   cpu_set_t allowed_{};
   PlaceChoice choice_;
   Place applied_ = Place::kAnywhere;
-  int cpu_ = -1;  ///< the loop's processor when the place was applied
+  int cpu_ = -1;  ///< the loop's processor when the thread was placed
 };
 
 }  // namespace kerf::agent

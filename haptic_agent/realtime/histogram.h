@@ -22,7 +22,8 @@ class Histogram {
   std::uint64_t total() const noexcept { return total_; }
   std::uint64_t max_us() const noexcept { return max_us_; }
 
-  /// Returns the upper edge of the bucket below which `part` (0..1) of all values lie; 0 if empty.
+  /// Returns the upper edge of the bucket below which a share of `part` (0..1) of all values fall;
+  /// 0 if empty.
   std::uint64_t quantile_us(double part) const noexcept {
     const double target = part * static_cast<double>(total_);
     std::uint64_t seen = 0;

@@ -9,8 +9,8 @@
 namespace kerf::agent {
 
 /// Lock-free triple buffer: passes the newest value from one writing thread to one reading thread.
-/// Neither waits. The writer owns one slot, the reader another, and the third is exchanged. A value
-/// that the reader does not fetch before the next write is overwritten.
+/// Neither waits. The writer owns one slot, the reader another, and the third is exchanged. A write
+/// overwrites a value that was not read.
 template <typename T>
 class LatestValue {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -23,7 +23,7 @@ class LatestValue {
     back_ = before & kIndex;
   }
 
-  /// Reader only. Fetches the newest value; returns false, and leaves `value` as it is, if nothing
+  /// Reader only. Fetches the newest value. Returns false and leaves `value` unchanged if nothing
   /// was written since the last call.
   bool read(T& value) noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
@@ -40,8 +40,8 @@ class LatestValue {
 
   std::array<T, 3> slots_{};
   alignas(kCacheLineBytes) std::atomic<std::uint8_t> middle_{1};
-  alignas(kCacheLineBytes) std::uint8_t back_ = 0;   // the writer's
-  alignas(kCacheLineBytes) std::uint8_t front_ = 2;  // the reader's
+  alignas(kCacheLineBytes) std::uint8_t back_ = 0;   // slot of the writer
+  alignas(kCacheLineBytes) std::uint8_t front_ = 2;  // slot of the reader
 };
 
 }  // namespace kerf::agent

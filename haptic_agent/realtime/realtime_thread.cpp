@@ -14,7 +14,7 @@
 namespace kerf::agent {
 namespace {
 
-/// More than a tick needs. Touched in advance, so that the loop takes no page faults.
+/// More than a tick needs. The stack is touched in advance, so that the loop takes no page faults.
 constexpr std::size_t kStackBytes = std::size_t{128} * 1024;
 constexpr std::size_t kPageBytes = 4096;
 

@@ -6,12 +6,12 @@
 
 namespace kerf::agent {
 
-/// What the operating system granted to a thread.
+/// Permissions that the operating system granted to a thread.
 struct RealtimeReport {
   bool fifo = false;
   bool memory_locked = false;
   bool pinned = false;
-  /// What was denied and how to allow it; empty if everything was granted.
+  /// The denied permissions and how to allow them; empty if all were granted.
   std::string warning;
 };
 
@@ -26,22 +26,22 @@ inline constexpr int kLinkPriority = 60;
 
 struct RealtimeRequest {
   int priority = kServoPriority;
-  /// Processor to pin the thread to, from 0; negative: any.
+  /// Processor to pin the thread to, from 0; negative: no pinning.
   int cpu = -1;
 };
 
-/// Stack of a thread of kerf-agent: far more than any of them uses.
+/// Stack size of the threads of kerf-agent: far more than any of them uses.
 inline constexpr std::size_t kThreadStackBytes = std::size_t{1024} * 1024;
-/// Gives threads that are created later a stack of kThreadStackBytes: locked memory is resident,
-/// also stacks that nobody uses, of 8 MiB each by default. For programs, not for libraries. Returns
-/// 0 or an error number.
+/// Gives threads created later a stack of kThreadStackBytes. Locked memory is resident, including
+/// unused stacks, which have 8 MiB each by default. For programs, not for libraries. Returns 0 or
+/// an error number.
 int limit_thread_stacks() noexcept;
 
 /// Requests SCHED_FIFO for the calling thread. Returns 0 or an error number.
 int request_fifo(int priority) noexcept;
 
 /// Requests SCHED_FIFO and a processor for the calling thread, locks the process's memory, and
-/// touches the stack that the thread will use. What is denied is reported and not fatal: the loop
+/// touches the stack that the thread will use. Denied requests are reported and not fatal: the loop
 /// then runs as an ordinary thread.
 RealtimeReport make_realtime(const RealtimeRequest& request);
 

@@ -13,7 +13,7 @@ class SpscRing {
  public:
   static constexpr std::size_t kCapacity = Capacity;
 
-  /// Writer only. Returns false, and drops `value`, if the ring is full.
+  /// Writer only. Returns false and drops `value` if the ring is full.
   bool push(const T& value) noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head - tail_.load(std::memory_order_acquire) == kCapacity) return false;
@@ -22,7 +22,7 @@ class SpscRing {
     return true;
   }
 
-  /// Reader only. Returns false, and leaves `value` as it is, if the ring is empty.
+  /// Reader only. Returns false and leaves `value` unchanged if the ring is empty.
   bool pop(T& value) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == head_.load(std::memory_order_acquire)) return false;

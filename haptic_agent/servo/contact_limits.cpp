@@ -10,12 +10,12 @@ namespace kerf::agent {
 namespace {
 
 constexpr double kPeriodS = 1e-3;
-/// The filter may delay the velocity by as long as a damper of this strength takes to stop the mass
-/// at the tip, N s/m: 1.6 ms, that of 100 Hz, from 20 g on.
+/// The velocity filter may delay by the time in which a damper of this strength stops the mass at
+/// the tip, N s/m. From 20 g on that is the 1.6 ms of a filter of 100 Hz.
 constexpr double kFilterNSPerM = 12.5;
-/// Most by which one step of an encoder may change the force of a damper, N.
+/// Greatest change of a damper's force by one encoder step, N.
 constexpr double kEncoderStepN = 0.1;
-/// Step of an encoder that declares none, mm.
+/// Assumed encoder step of a device that declares none, mm.
 constexpr double kUnknownStepMm = 0.02;
 
 double filter_s(double cutoff_hz) { return 1 / (2 * std::numbers::pi * cutoff_hz); }

@@ -6,16 +6,16 @@
 
 namespace kerf::agent {
 
-/// Returns the cut-off frequency for the velocity of a device, Hz, at least `usual_hz`. The
-/// filter's delay limits the stiffness of a device that turns easily, whose dampers are so weak
-/// that they pass little of the encoders' noise: such a one gets a shorter filter. `pivot_mm`: from
-/// the tip.
+/// Returns the cut-off frequency of the velocity filter for a device, Hz, at least `usual_hz`. The
+/// filter's delay limits the stiffness of a device that turns easily. Its dampers are so weak that
+/// they pass little of the encoders' noise, so such a device gets a shorter filter. `pivot_mm`:
+/// distance from the tip.
 double velocity_cutoff_hz(const DeviceCapabilities& device, double pivot_mm,
                           double usual_hz) noexcept;
 
-/// Returns the limits of contacts on a device (README.md, "Stiffness"): its declared stiffness;
-/// its declared damping, which holds without latency, as far as the latency permits and the step of
-/// an encoder does not move the damper's force by more than 0.1 N; its mechanics and delays.
+/// Returns the limits of contacts on a device (theory.md, "Stiffness"): its mechanics, delays and
+/// declared stiffness, and its declared damping. The damping holds without latency; it is reduced
+/// by the latency, and so that one encoder step changes the damper's force by at most 0.1 N.
 ContactLimits contact_limits(const DeviceCapabilities& device, double velocity_cutoff_hz) noexcept;
 
 }  // namespace kerf::agent

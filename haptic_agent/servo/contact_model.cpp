@@ -11,15 +11,16 @@ namespace kerf::agent {
 
 namespace {
 
-/// Share of the stiffness at which oscillation would begin.
+/// Share of the stiffness limit that is used; at the limit oscillation begins.
 constexpr double kStiffnessShare = 0.8;
-/// Share of mass / delay that a damper has: more, the less late the spring is than the damper.
+/// Share of mass / delay that a damper gets. The more promptly the spring acts than the damper, the
+/// larger the share.
 constexpr double kDampingShare = 0.4, kDampingSlope = 0.1;
-/// Ages of an answer over which a difference fades, and the least time, s. Where the contact moves
-/// on the tool, the difference is late stiffness, and what is late drives the tool.
+/// A difference between two answers fades over this many times the answer's age, s. Where a contact
+/// moves on the tool, the difference is stiffness that acts late and drives the tool.
 constexpr double kFadeAges = 2;
 constexpr double kLeastFadeS = 0.002;
-/// A greater difference is that of a contact which appears or ends, and fades slowly, N.
+/// A difference above this is a contact that appears or ends; it fades slowly, N.
 constexpr double kStepN = 0.2;
 /// Friction of a tool on a surface, as a share of the normal force: that of steel on greased steel
 /// or dry wax. It is viscous up to the device's stable damping, so that it ends with the motion.
@@ -41,10 +42,10 @@ double stable_stiffness(const ContactLimits& limits, double mass, double damping
   const double late = limits.force_delay_s, later = limits.velocity_delay_s;
   double stable = damping / late;
   if (mass > 0) {
-    // Of a free mass with its best damper: found by simulation, within a tenth.
+    // For a free mass with its best damper: found by simulation, within a tenth.
     const double free = 0.25 * (1 + late / later) / (late * later);
-    // With a weaker one the limit falls no faster than the damper. That acts late, which takes a
-    // part b of the mass: K <= B / (late + later b / (2 (1 - b))) where little is taken.
+    // With a weaker damper the limit falls no faster than the damper. The damper acts late and so
+    // takes a part b of the mass: K <= B / (late + later b / (2 (1 - b))) for small b.
     const double b = damping * later / mass;
     constexpr double kHalf = 0.5;
     const double weak = b < 1 ? damping / (late + kHalf * later * b / (1 - b)) : 0;

@@ -11,15 +11,15 @@ namespace kerf::agent {
 
 /// Limits within which a device renders a contact stably, and the mechanics that they follow from.
 struct ContactLimits {
-  /// Upper limit of the springs, N/mm, and of the dampers beside them, N s/mm: what the device
-  /// renders stably at this delay.
+  /// Greatest stiffness of the springs, N/mm, and damping of the dampers in parallel, N s/mm, that
+  /// the device renders stably at this delay.
   double max_stiffness = 1.5;
   double max_damping = 0.004;
-  /// Least mass and inertia of the device (DeviceCapabilities); 0: unknown, no limit follows.
+  /// Least mass and inertia of the device (DeviceCapabilities); 0 if unknown: no limit follows.
   double mass_kg = 0;
   double inertia_kg_m2 = 0;
-  /// Time from a pose to its force, on average: latency and half a period; and from the velocity,
-  /// whose estimate is filtered.
+  /// Mean time from a pose to its force (latency and half a period), and from a velocity to its
+  /// force, which includes the filter.
   double force_delay_s = 0.001;
   double velocity_delay_s = 0.003;
 };
@@ -30,55 +30,56 @@ struct ContactGains {
   double damping = 0;
 };
 
-/// Returns the mass that a push along `normal` at `arm_mm` from the pivot moves at least, kg; 0 if
-/// the device's mechanics are unknown.
+/// Returns the least mass that a push along `normal` at `arm_mm` from the pivot moves, kg; 0 if the
+/// device's mechanics are unknown.
 double moved_mass(const ContactLimits& limits, Vec3 arm_mm, Vec3 normal) noexcept;
 
-/// Returns the damper with which a free mass bears the stiffest spring at the delays of `limits`
-/// (README.md, "Stiffness"). `mass` in N s^2/mm gives N s/mm; an inertia in N mm s^2 gives N mm s.
+/// Returns the damper with which a free mass is stable at the stiffest spring, for the delays of
+/// `limits` (theory.md, "Stiffness"). `mass` in N s^2/mm gives N s/mm; an inertia in N mm s^2 gives
+/// N mm s.
 double best_damping(const ContactLimits& limits, double mass) noexcept;
 
-/// Returns the stiffness up to which a spring with a damper of `damping` comes to rest on a mass of
-/// at least `mass` at the delays of `limits`, whether the damper is the best one or weaker, with a
-/// margin of a fifth. Units as in best_damping; mass 0: unknown, any.
+/// Returns the greatest stiffness at which a spring with a damper of `damping`, the best one or
+/// weaker, comes to rest on a mass of at least `mass` at the delays of `limits`, with a margin of a
+/// fifth. Units as in best_damping. Unbounded if `mass` is 0 (unknown).
 double stable_stiffness(const ContactLimits& limits, double mass, double damping) noexcept;
 
 /// Returns gains at which a contact of a free device does not oscillate. `arm_mm`: from the pivot
-/// to the contact, at which a push along `normal` also turns the device and moves less mass;
+/// to the contact; a push along `normal` there also turns the device and so moves less mass.
 /// `share`: of the load that this contact bears, 0 to 1.
 ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 arm_mm, Vec3 normal,
                           double share) noexcept;
 
 /// Renders the contact planes of the newest answer as damped springs that act on the moving tool
-/// between two answers. Contacts bear the device's greatest stiffness together, each as much as its
-/// depth is of the sum: one that is just touched changes nothing. The points of one contact share
-/// equally at any depth, so that they push as springs do, which return no work over a cycle. A
-/// difference between the planes of two answers fades in, so that a new answer never causes a step
-/// of the force.
+/// between two answers. All contacts together are as stiff as the device permits; each has a share
+/// in proportion to its depth, so a contact that is just touched changes nothing. The points of one
+/// contact share equally at any depth, so that they act as springs, which return no work over a
+/// cycle. A difference between the planes of two answers fades in, so that a new answer never
+/// causes a step of the force.
 class ContactModel {
  public:
-  /// Longest time constant with which a difference between two answers fades, s: twice the age of
-  /// the newer one.
+  /// Longest time constant with which a difference between two answers fades, s. The usual one is
+  /// twice the age of the newer answer.
   static constexpr double kFadeS = 0.015;
 
-  /// Planes with none of `flags` (wire::ContactPlane) are ignored.
+  /// Ignores planes that have none of `flags` (wire::ContactPlane).
   explicit ContactModel(const ContactLimits& limits,
                         std::uint32_t flags = wire::kContactStock | wire::kContactObstacle) noexcept
       : limits_(limits), flags_(flags) {}
 
-  /// Sets the newest answer. `then`: the grip that it answers; `now`, `velocity`: the newest.
+  /// Sets the newest answer. `then`: the grip that it answers; `now`, `velocity`: the newest ones.
   void take(const ServerWrench& answer, const Grip& then, const Grip& now,
             const Twist& velocity) noexcept;
   /// Returns force and torque about the pivot, `dt_s` after the last call.
   Wrench at(const Grip& now, const Twist& velocity, double dt_s) noexcept;
-  /// Returns the wrench of the undamped springs of the surfaces themselves, which the session
-  /// computes, at the grip of the last call of `at`.
+  /// Returns the wrench of the surfaces' own undamped springs, as the session computes it, at the
+  /// grip of the last call of `at`.
   const Wrench& computed() const noexcept { return computed_; }
   /// Returns the part of the answer's own wrench that these planes contribute.
   Wrench in_answer() const noexcept;
 
  private:
-  /// A plane that pushes at a grip, and the contact that it is a point of.
+  /// A plane that pushes at a grip, and the contact to which it belongs.
   struct Touch {
     const wire::ContactPlane* plane;
     Vec3 arm_mm;
@@ -88,7 +89,7 @@ class ContactModel {
   struct Touches {
     std::array<Touch, wire::kMaxContactPlanes> all;
     std::uint32_t count = 0;
-    /// Points of each contact, and the sum of the depths of those that push.
+    /// Number of points of each contact, and the sum of their depths where they push.
     std::array<double, wire::kMaxContactPlanes> points{}, depths_mm{};
     std::uint32_t contacts = 0;
   };

@@ -11,45 +11,47 @@ namespace {
 
 constexpr double kDelayTickS = 0.001;
 constexpr double kPeriodShare = 0.75;
-/// Of a cut (cut_limits, gains_across): N s/mm, and the time constant of 100 Hz.
+/// Coupling of a cut (cut_limits, gains_across): share of the stiffness, damping in N s/mm, and the
+/// time constant of the 100 Hz filter.
 constexpr double kCutStiffnessShare = 0.5, kCutDamping = 0.004;
 constexpr double kMassShare = 0.5, kSpringShare = 0.8, kFilterS = 0.00159;
-/// Time constants of the high passes, 16 Hz, of the means of power and squares, and of the earlier
-/// mean with which trembling is compared.
+/// Time constants: of the high passes (16 Hz), of the means of power and squares, and of the
+/// earlier mean to which trembling is compared.
 constexpr double kFastS = 0.01;
 constexpr double kMeanS = 0.015;
 constexpr double kEarlierS = 0.03;
-/// Ratio to the earlier mean square from which on trembling grows.
+/// Trembling grows if its mean square exceeds the earlier one by this ratio.
 constexpr double kGrows = 1.2;
-/// Speed below which trembling counts little, mm/s: encoders of a few micrometers tremble as fast.
+/// Speed below which trembling counts little, mm/s: encoder steps of a few micrometers cause as
+/// much.
 constexpr double kLeastSpeed = 1;
-/// Longest time between two reversals of trembling, and the share of the last peak from which on
-/// the opposite velocity is one. The filters answer to one change of velocity with a peak and 0.14
-/// of it in the opposite direction.
+/// Longest time between two reversals of trembling, and the share of the last peak that the
+/// opposite velocity must reach to count as a reversal. The filters respond to a single change of
+/// velocity with a peak and 0.14 of it in the opposite direction.
 constexpr double kHalfPeriodS = 0.08;
 constexpr double kReversed = 0.4;
-/// Share of the power from which on a force counts as driving. A force that is a quarter of a
-/// period late has none; noise has less than this.
+/// Share of the greatest power from which on a force counts as driving. A force that is a quarter
+/// of a period late has a share of zero, and noise has less than this.
 constexpr double kDriven = 0.2;
-/// Time in which the compliance grows by a factor e where the force only drives, and in which it
-/// falls by it. A path of short segments has corners that look like trembling for some ticks.
+/// Time constants in which the compliance grows by a factor e while the force only drives, and
+/// falls by it. Corners of a path of short segments look like trembling for some ticks.
 constexpr double kGrowS = 0.01;
 constexpr double kFallS = 0.2;
-/// The heading with which the force turns follows over this share of the force's own path: over a
-/// longer one, it would be late for a circle; over none, it would tremble with the tool.
+/// The heading that turns the force follows over this share of the force's own path. Over a longer
+/// path it would lag on a circle; without one it would tremble with the tool.
 constexpr double kHeadingShare = 0.5;
-/// Aside, the force follows by 1 / c, and its heading by two more: what the device renders stably
-/// may be shared among them.
+/// Laterally, the force follows by 1 / c and its heading by two more; together they must stay
+/// within the stiffness that the device renders stably.
 constexpr double kStiffnesses = 1 + 1 / kHeadingShare;
-/// Trembling beyond this multiple of what the force moves of the free device at 16 Hz was not
-/// caused by it. A hand that is less than critically damped doubles it.
+/// Trembling beyond this multiple of the motion that the force causes in the free device at 16 Hz
+/// has another cause. An underdamped hand doubles the motion.
 constexpr double kResonance = 2;
 /// Length below which a heading has no direction: the tool turned back.
 constexpr double kLeastHeading = 0.5;
 
 double part_of(double dt_s, double time_s) noexcept { return 1 - std::exp(-dt_s / time_s); }
 
-/// Returns a direction across the arm, in which a push moves least mass.
+/// Returns a direction across the arm. A push in this direction moves the least mass.
 Vec3 across(Vec3 arm_mm) noexcept {
   const Vec3 other = std::abs(arm_mm.x) < std::abs(arm_mm.y) ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 normal = cross(arm_mm, other);
@@ -66,7 +68,7 @@ ContactLimits cut_limits(ContactLimits contact) noexcept {
 }
 
 ContactGains gains_across(const ContactLimits& limits, Vec3 arm_mm) noexcept {
-  const double delay_s = limits.force_delay_s + kDelayTickS / 2;  // at most: a whole period
+  const double delay_s = limits.force_delay_s + kDelayTickS / 2;  // at most a whole period
   double damping = limits.max_damping;
   const double mass = moved_mass(limits, arm_mm, across(arm_mm));
   if (mass > 0) damping = std::min(damping, kMassShare * mass / (delay_s + kFilterS) / kMmPerM);
@@ -129,12 +131,12 @@ CutCoupling::CutCoupling(const ContactLimits& limits, double least_most_mm_per_n
 
 void CutCoupling::adapt(Vec3 moved_mm, Vec3 arm_mm, double dt_s) noexcept {
   trembling_.take(forces_[(newest_ + kKept - latency_ticks_) % kKept], moved_mm, dt_s);
-  // At rest in a cut it stays: a stiffer tool would tremble again.
+  // Keep the compliance at rest in a cut: a stiffer tool would tremble again.
   const bool rests = held_ || length(moved_mm) <= kLeastSpeed * dt_s;
   if (!rests || !(length(slipped_n_) > 0)) compliance_ *= std::exp(-dt_s / kFallS);
   const double driven = (trembling_.driven() - kDriven) / (1 - kDriven);
   if (!(driven > 0) || !trembling_.grows() || !trembling_.swings()) return;
-  // Where the path has a corner, a weak force, an answer late, may drive by chance.
+  // At a corner of the path, a weak force that is one answer late may drive by chance.
   const double mass = moved_mass(limits_, arm_mm, across(arm_mm));
   const double most = kResonance * kFastS * kFastS * kMmPerM / mass;  // mm/N
   if (mass > 0 && trembling_.compliance() > most) return;
@@ -168,9 +170,9 @@ Vec3 CutCoupling::follow(Vec3 arm_mm, const PastGrip& now) noexcept {
   return moved;
 }
 
-/// Returns what the force is along itself after it pushed the tool back by `back_mm`: as the
-/// computed one, but falling by no more than the elastic tool is unloaded, and by no less than over
-/// the path of a heading. A computed force that is late does not drive the tool then.
+/// Returns the component of the force along itself after it pushed the tool back by `back_mm`. It
+/// follows the computed force, but falls by no more than the elastic tool is unloaded, and by no
+/// less than over the path of a heading. A late computed force then cannot drive the tool.
 double CutCoupling::held_n(double target_n, double back_mm) const noexcept {
   const double newtons = length(rendered_.force_n);
   const double least = newtons - back_mm / compliance_;
@@ -178,9 +180,9 @@ double CutCoupling::held_n(double target_n, double back_mm) const noexcept {
   return std::clamp(target_n, least, most);
 }
 
-/// Moves the rendered wrench as the elastic tool would that is held at its place in the material.
-/// Returns false, having changed nothing, where it slips: the computed force is greater, the force
-/// would exceed that at which it last slipped, or the tool is slack.
+/// Moves the rendered wrench like that of an elastic tool held at its position in the material.
+/// Returns false and changes nothing if the tool slips: the computed force is greater, the force
+/// would exceed that of the last slip, or the tool is slack.
 bool CutCoupling::hold(const Wrench& target, Vec3 moved_mm) noexcept {
   const double newtons = length(rendered_.force_n);
   if (!(newtons > 0) || !(compliance_ > 0)) return false;
@@ -201,8 +203,9 @@ bool CutCoupling::hold(const Wrench& target, Vec3 moved_mm) noexcept {
   return true;
 }
 
-/// Returns the damping of a held tool: what the device renders stably beside the stiffest spring
-/// that it does. A stiffer coupling has less, in proportion, so that damping begins without a step.
+/// Returns the damping of a held tool, N s/mm: the damping that the device renders stably together
+/// with its stiffest spring. A stiffer coupling has proportionally less, so that damping begins
+/// without a step.
 double CutCoupling::damping_at_rest(Vec3 arm_mm) const noexcept {
   const ContactGains stable = gains_across(limits_, arm_mm);
   return stable.damping * std::min(1.0, compliance_ * stable.stiffness);

@@ -11,13 +11,12 @@ struct CarryDeficit {
 };
 
 /// Energy tank: the work that the device may still do on the user, mJ. Work of the user on the
-/// device fills it, up to a ceiling; work of the device on the user empties it. `Deficit` decides
-/// what becomes of a negative level: the agent carries it, and a test shows that forgiving it
-/// breaks passivity.
+/// device fills it, up to a ceiling; work of the device on the user empties it. `Deficit` handles a
+/// negative level: the agent carries it, and a test shows that forgiving it breaks passivity.
 template <typename Deficit = CarryDeficit>
 class BasicEnergyAccount {
  public:
-  /// Begins at `level_mj`, at most the ceiling.
+  /// The account begins at `level_mj`, limited to the ceiling.
   explicit BasicEnergyAccount(double ceiling_mj, double level_mj = 0) noexcept
       : ceiling_mj_(ceiling_mj), level_mj_(std::min(level_mj, ceiling_mj)) {}
 

@@ -7,7 +7,7 @@
 namespace kerf::agent {
 
 /// Weighted linear fit of the tool's engagement over the path length of its tip. The newest answers
-/// have the greatest weight. It extrapolates answers that are a round trip old to the current
+/// have the greatest weight. The fit extrapolates answers that are a round trip old to the current
 /// position.
 class EngagementTrend {
  public:

@@ -22,7 +22,7 @@ inline double felt_share(const Wrench& felt, const Wrench& computed, double leve
   return square > 0 ? std::clamp(product(felt, computed) / square, 0.0, 1.0) : 1.0;
 }
 
-/// Sums over ticks of one quantity, force (N) or torque (N·mm): computed, felt, and the difference
+/// Sums over ticks for one quantity, force (N) or torque (N·mm): computed, felt, and the difference
 /// of the two vectors.
 class FeltSums {
  public:
@@ -52,11 +52,11 @@ class FeltSums {
   double felt_peak_ = 0, computed_peak_ = 0;
 };
 
-/// Felt beside computed, over the ticks in which the force was on and the session computed one.
+/// Felt and computed wrench, over the ticks in which the force was on and the session computed one.
 struct FeltReport {
   std::uint64_t ticks = 0;
-  /// Ticks in which less than kWhole of the computed wrench was felt, for whatever reason: limits,
-  /// their rise, ramp, fading, the energy tank.
+  /// Ticks in which less than kWhole of the computed wrench was felt, for any reason: limits, their
+  /// rise, ramp, fading, the energy tank.
   std::uint64_t reduced_ticks = 0;
   FeltSums force{}, torque{};
 

@@ -17,7 +17,7 @@ enum class ForceMode : std::uint8_t {
   kHold,
   /// Zhu & Lee, section 4, with its rates: a wrench every 10 ms, interpolated over 10 ms.
   kPaper,
-  /// No force of the session; between the intervals of a comparison (haptic_agent/study).
+  /// No force of the session, as between the intervals of a comparison (haptic_agent/study).
   kSilent,
 };
 

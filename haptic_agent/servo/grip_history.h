@@ -21,7 +21,7 @@ struct PastGrip {
   Twist velocity{};
   /// Path length of the tip since the start.
   double path_mm = 0;
-  /// As LocalModel::heading.
+  /// See LocalModel::heading.
   Vec3 heading{};
 };
 
@@ -34,7 +34,7 @@ class GripHistory {
   void push(const PastGrip& now) noexcept { kept_[count_++ % kKept] = now; }
 
   /// Returns the newest grip not after `time_us`; null if that is too long ago or before the start.
-  /// Answers are mostly a few ticks old: the search begins at the newest.
+  /// The search begins at the newest grip, because most answers are a few ticks old.
   const PastGrip* at(std::uint64_t time_us) const noexcept {
     const std::size_t kept = std::min(count_, kKept);
     std::size_t high = count_;
@@ -47,7 +47,7 @@ class GripHistory {
   }
 
  private:
-  /// As `at`, where the grip is known to be at `low` or later and before `high`.
+  /// Like `at`, for a grip at index `low` or later and before `high`.
   const PastGrip* newest_in(std::size_t low, std::size_t high,
                             std::uint64_t time_us) const noexcept {
     while (high - low > 1) {

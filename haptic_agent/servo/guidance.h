@@ -12,11 +12,11 @@ struct ServoSettings;
 class Guidance {
  public:
   virtual ~Guidance() = default;
-  /// Returns force and torque about the pivot at the newest grip. Called by the servo thread, once
-  /// per tick; neither waits nor allocates.
+  /// Returns force and torque about the pivot at the newest grip. The servo thread calls it once
+  /// per tick; it must not wait or allocate.
   virtual Wrench at(const PastGrip& now) noexcept = 0;
-  /// Called by the servo thread when the mapping has changed. `settings`: those of the device as it
-  /// is seen in the block (block_settings).
+  /// The servo thread calls this when the mapping has changed. `settings`: those of the device as
+  /// seen in the block (block_settings).
   virtual void adapt(const ServoSettings& settings) noexcept { static_cast<void>(settings); }
 };
 

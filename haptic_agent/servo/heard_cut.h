@@ -3,11 +3,11 @@
 
 namespace kerf::agent {
 
-/// What is heard of the newest tick: `../sound` turns it into sound.
+/// Input of the sound for the newest tick (`../sound`).
 struct HeardCut {
   /// The spindle turns: the pose is valid and the cutting button pressed.
   bool running = false;
-  double force_n = 0;            ///< that the session computes, without guides
+  double force_n = 0;            ///< computed by the session, without guides
   double removed_mm3_per_s = 0;  ///< engaged area times the tip's speed
 };
 

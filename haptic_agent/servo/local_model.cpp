@@ -13,16 +13,16 @@ constexpr double kMinSpeed = 0.2;
 /// Time constant of the weights in the trend: kTrendS plus kTrendOfLag of the delay.
 constexpr double kTrendS = 0.005;
 constexpr double kTrendOfLag = 0.5;
-/// The force of a cut is rendered as it is from answers that are no older, s: a fit over the path
-/// would smooth what changes at once, as at the end of a plunge or with each chip of a milling
-/// cutter. An older ripple of teeth has no place at the present pose.
+/// Cut forces from answers up to this age are rendered unfitted, s: a fit over the path would
+/// smooth abrupt changes, as at the end of a plunge or with each chip of a milling cutter. A tooth
+/// ripple in an older answer does not apply to the present pose.
 constexpr double kFreshLagS = 0.002;
-/// The cutting force fades as the heading turns away from that of the answer, between these two
-/// cosines: a reversing tool cuts nothing.
+/// The cutting force fades between these two cosines of the angle between the heading and that of
+/// the answer: a reversing tool cuts nothing.
 constexpr double kFullCos = 0.5;
 constexpr double kNoneCos = -0.5;
 
-/// Returns the rotation vector that takes one direction to another.
+/// Returns the rotation vector from one direction to another.
 Vec3 turn_between(Vec3 from, Vec3 to) noexcept {
   const Vec3 normal = cross(from, to);
   const double sine = length(normal);
@@ -48,7 +48,7 @@ void LocalModel::take_replica(const ServerWrench& answer, const PastGrip& then,
   take_stock(answer, then, now);
 }
 
-/// Takes stock contact and cut from the server or the replica, whichever answered the newer pose.
+/// Sets stock contact and cut from the server or the replica, whichever answered the newer pose.
 void LocalModel::take_stock(const ServerWrench& answer, const PastGrip& then,
                             const PastGrip& now) noexcept {
   if (answer.pose_us < answered_us_) return;
@@ -107,15 +107,15 @@ Wrench LocalModel::cut(const PastGrip& now, Vec3 arm, double& rendered) const no
   newtons *= kept * std::min(1.0, length_now / length_then);
   const double scale = newtons / answered_n;
   const Vec3 force = rotated(cut_.force_n, turn) * scale;
-  // The rest of the torque, which does not come from the cut's center, is rotated too.
+  // Rotate the rest of the torque too, which does not come from the cut's center.
   const Vec3 rest = rotated(cut_.torque_nmm - cross(arm_mm_, cut_.force_n), turn) * scale;
   Vec3 torque = cross(arm, force) + rest;
   torque = torque - now.grip.axis * dot(torque, now.grip.axis);
   return {force, torque};
 }
 
-/// A low pass of first order at the greatest frequency that the device renders. It has no memory
-/// of an earlier cut.
+/// A first-order low pass at the greatest frequency that the device renders. It keeps nothing of an
+/// earlier cut.
 Wrench LocalModel::within_band(const Wrench& cutting, double dt_s) noexcept {
   if (settings_.law != CutLaw::kMechanistic || !(settings_.max_vibration_hz > 0)) return cutting;
   if (!(dot(cutting.force_n, cutting.force_n) > 0)) return in_band_ = {};
@@ -139,7 +139,7 @@ Wrench LocalModel::at(const PastGrip& now, const PastGrip& measured, bool cuttin
   double rendered = 1;
   const Wrench cutting_wrench = cut(now, arm, rendered);
   computed_ = computed_ + cutting_wrench;
-  // The law of a damper is limited by itself.
+  // Under the removal-rate law the damping is limited instead.
   if (settings_.law == CutLaw::kRemovalRate) return touched + cutting_wrench * rendered;
   const Wrench coupled = coupling_.at(within_band(cutting_wrench, dt_s), arm, now, dt_s);
   if (!trend_.empty()) compliance_ = coupling_.compliance_mm_per_n();

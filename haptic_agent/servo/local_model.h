@@ -18,8 +18,8 @@ enum class CutLaw : std::uint8_t {
   kSpecificEnergy,
   /// The cutting force is proportional to the tool's speed, like that of a damper.
   kRemovalRate,
-  /// The force of a milling cutter: it follows the chips of each motion, and may hold the ripple of
-  /// the teeth.
+  /// The force of a milling cutter: it follows the chips of each motion, and may contain the ripple
+  /// of the teeth.
   kMechanistic,
 };
 
@@ -35,13 +35,13 @@ struct ModelSettings {
   ContactLimits contact{};
   /// Damping that the device renders stably at 1 kHz, N s/mm.
   double max_damping = 0.02;
-  /// Greatest frequency of the ripple of teeth that the device renders; 0: all.
+  /// Greatest frequency of the tooth ripple that the device renders, Hz; 0: unlimited.
   double max_vibration_hz = 0;
 };
 
-/// Extrapolates the server's answers, which are a round trip old, to the current grip and velocity:
-/// the cutting force, whose magnitude follows the path of the tip and whose direction follows the
-/// motion of the tool, and the contact forces. Each new answer corrects the model without a step.
+/// Extrapolates the server's answers, which are a round trip old, to the current grip and velocity.
+/// The magnitude of the cutting force follows the path of the tip, its direction the motion of the
+/// tool; the contacts act as springs. Each new answer corrects the model without a step.
 class LocalModel {
  public:
   explicit LocalModel(const ModelSettings& settings) noexcept
@@ -51,35 +51,35 @@ class LocalModel {
         coupling_(cut_limits(settings.contact),
                   settings.law == CutLaw::kMechanistic ? kMillingMmPerN : kCutMmPerN) {}
 
-  /// Takes an answer of the server. `then`: the grip that was sent; `now`: the measured one. If the
+  /// Adds an answer of the server. `then`: the grip that was sent; `now`: the measured one. If the
   /// replica has already answered a newer pose, only the obstacles of this answer are used.
   void take(const ServerWrench& answer, const PastGrip& then, const PastGrip& now) noexcept;
-  /// Takes an answer of the local replica, which has no obstacles.
+  /// Adds an answer of the local replica, which has no obstacles.
   void take_replica(const ServerWrench& answer, const PastGrip& then, const PastGrip& now) noexcept;
-  /// Returns the wrench at the newest grip, `dt_s` after the previous one: that of the cut at
-  /// `now`, as estimated between the steps of the encoders, and that of contacts at `measured`.
-  /// `cutting`: the user presses the cutting button.
+  /// Returns the wrench at the newest grip, `dt_s` after the previous one. The cut is rendered at
+  /// `now`, the grip estimated between encoder steps, and the contacts at `measured`. `cutting`:
+  /// the cutting button is pressed.
   Wrench at(const PastGrip& now, const PastGrip& measured, bool cutting, double dt_s) noexcept;
-  /// Returns the wrench of the last call of `at` before it was reduced to the stiffness and damping
-  /// that the device renders stably: the one that the session computes.
+  /// Returns the wrench of the last call of `at` as the session computes it, before the reduction
+  /// to the stiffness and damping that the device renders stably.
   const Wrench& computed() const noexcept { return computed_; }
-  /// Returns the compliance through which the last call of `at` rendered the cut; 0: none, or no
-  /// cut.
+  /// Returns the compliance through which the last call of `at` rendered the cut; 0 if rigid or
+  /// without a cut.
   double compliance_mm_per_n() const noexcept { return compliance_; }
 
   /// Returns the direction of travel, low-pass filtered over the path (PastGrip::heading): a vector
-  /// of length <= 1, which passes through zero when the motion reverses.
+  /// of length <= 1 that passes through zero when the motion reverses.
   static Vec3 heading(Vec3 before, Vec3 moved_mm) noexcept;
 
  private:
-  /// Compliance up to which the force of a cut may be rendered, however stable the device: a hand
-  /// of 0.5 N/mm, which yields by more, is shaken with less (found by trial, `felt_bench hands`).
+  /// Compliance that is permitted for a cut on any device. A hand of 0.5 N/mm, which yields by
+  /// more, is shaken with less (found by trial, `felt_bench hands`).
   static constexpr double kCutMmPerN = 4;
-  /// The force of a milling cutter also pushes aside, by which it drives an elastic tool itself.
+  /// The force of a milling cutter also pushes laterally, which drives an elastic tool.
   static constexpr double kMillingMmPerN = 8;
 
   /// Returns the cutting wrench as computed; `rendered` is the share that the device can render.
-  /// `arm`: as below.
+  /// `arm`: see below.
   Wrench cut(const PastGrip& now, Vec3 arm, double& rendered) const noexcept;
   /// Returns the arm from the pivot to the middle of the cut.
   Vec3 arm(const PastGrip& now) const noexcept;
@@ -100,7 +100,7 @@ class LocalModel {
   Vec3 arm_mm_{};
   double lag_s_ = 0;
   double compliance_ = 0;
-  /// Time of the newest pose for which stock contact and cut were answered.
+  /// Time of the newest pose whose stock contact and cut were answered.
   std::uint64_t answered_us_ = 0;
 };
 

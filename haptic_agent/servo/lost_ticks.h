@@ -7,10 +7,10 @@
 
 namespace kerf::agent {
 
-/// The ticks that the loop lost in the last second, and how far the force is scaled down for them.
-/// A force that follows the pose a tick later acts like a spring with a delay, and is stable up to
-/// a stiffness that falls as 1 / delay (`stable_gains`). At a random time the loop is in a tick of
-/// mean length T = Σ dt² / Σ dt, in place of 1 ms; so every force is multiplied by 1 ms / T.
+/// The ticks that the loop lost in the last second, and the resulting factor of the force. A force
+/// that follows the pose a tick later acts like a delayed spring, which is stable up to a stiffness
+/// that falls as 1 / delay (`stable_gains`). At a random time the loop is in a tick of mean length
+/// T = Σ dt² / Σ dt instead of 1 ms, so every force is multiplied by 1 ms / T.
 class LostTicks {
  public:
   /// `lost`: ticks lost since the previous one; `dt_s`: length of this one.
@@ -33,13 +33,13 @@ class LostTicks {
     gain_ = 1;
   }
 
-  /// Of the ticks of the last second, 0 to 1.
+  /// Share of lost ticks in the last second, 0 to 1.
   double share() const noexcept {
     double lost = 0;
     for (const Slot& slot : slots_) lost += slot.lost;
     return lost / kTicksPerS;
   }
-  /// Factor of the force, 0.2 to 1: at once when ticks are lost, rising by 2 per second.
+  /// Factor of the force, 0.2 to 1. Falls at once when ticks are lost and rises by 2 per second.
   double gain() const noexcept { return gain_; }
 
  private:

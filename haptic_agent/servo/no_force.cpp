@@ -4,7 +4,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Why a device cannot be used; kNone if it can.
+/// Returns why a device cannot be used; kNone if it can.
 NoForce trouble_of(const SafetyInput& in) noexcept {
   if (in.present) return in.finite ? NoForce::kNone : NoForce::kFault;
   switch (in.device) {

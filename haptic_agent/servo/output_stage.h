@@ -7,8 +7,7 @@
 namespace kerf::agent {
 
 /// Last stage before the motors: makes the wrench passive, limits it and its rise, and shortens the
-/// result to what the energy account covers. Nothing follows that could break a limit: shortening
-/// keeps them all.
+/// result to the energy in the account. It comes last because shortening keeps every limit.
 template <typename Deficit = CarryDeficit>
 class BasicOutputStage {
  public:
@@ -23,7 +22,7 @@ class BasicOutputStage {
 
   /// Returns the wrench to write until the next tick. `velocity`: the filtered estimate; `moved`:
   /// the displacement in the last `dt_s`, which is newer and noisier. The energy must suffice for
-  /// both.
+  /// both velocities.
   const Wrench& release(const Wrench& requested, const Twist& velocity, const Twist& moved,
                         double dt_s, std::uint64_t now_us) noexcept {
     const Wrench passive = passivity_.project(requested, velocity);
@@ -50,7 +49,7 @@ class BasicOutputStage {
   const WrenchLimiter& limiter() const noexcept { return limiter_; }
 
  private:
-  /// Upper limit of the time step for slew limiting, so that the force does not jump after a stall.
+  /// Longest time step for slew limiting, so that the force does not jump after a stall.
   static constexpr double kLongestStepS = 0.002;
 
   BasicPassivity<Deficit> passivity_;

@@ -7,19 +7,19 @@
 
 namespace kerf::agent {
 
-/// The haptic cycle of Zhu & Lee 2004, section 4: a force and torque every 10 ms (100 Hz), between
-/// which a linear interpolation from the previous to the newest is output every 1 ms.
+/// The haptic cycle of Zhu & Lee 2004, section 4: a force and torque every 10 ms (100 Hz),
+/// interpolated linearly from the previous to the newest and output every 1 ms.
 ///
-/// The paper's force is that of the stock removed in one update of 10 ms (Eq. 18). Answers here are
-/// those of 1 ms each; the force of an update is their mean, which equals it under the removal-rate
-/// law. The output reaches it 10 ms after the update: of a force that changes steadily it shows the
-/// mean of the last update, one update late.
+/// The paper's force is that of the stock removed in one update of 10 ms (Eq. 18). Here the force
+/// of an update is the mean of the answers of 1 ms each, which is equal under the removal-rate law.
+/// The output reaches it 10 ms after the update, so a steadily changing force is shown as the mean
+/// of the last update, one update late.
 class PaperLoop {
  public:
   /// Time of an update, and of an interpolation.
   static constexpr std::uint64_t kUpdateUs = 10'000;
 
-  /// Adds an answer to the update that is in progress.
+  /// Adds an answer to the current update.
   void take(const Wrench& answer) noexcept {
     sum_ = sum_ + answer;
     ++answers_;
@@ -28,7 +28,7 @@ class PaperLoop {
   /// Returns the wrench to output in this tick; zero until the first update is over. Times must
   /// not decrease. An update without an answer repeats the last one.
   Wrench at(std::uint64_t now_us) noexcept {
-    // A tick that wakes a little early still ends the update that is due.
+    // A tick that wakes slightly early still ends the update that is due.
     constexpr std::uint64_t kHalfTickUs = 500;
     if (due_us_ == 0) due_us_ = now_us + kUpdateUs;
     if (now_us + kHalfTickUs >= due_us_) {

@@ -14,11 +14,12 @@ namespace kerf::agent {
 struct PassivitySettings {
   /// Bound of the net work done on the user over any interval, mJ.
   double tank_mj = 30;
-  /// Bound of the error of the work estimate, mJ. Twice this is kept out of the account: it may be
-  /// overdrawn by this much before the output is cut off, and by as much again until that acts.
+  /// Bound of the error of the work estimate, mJ. Twice this is kept out of the account. It may be
+  /// overdrawn by this much before the output is cut off, and by as much again until the cut-off
+  /// acts.
   double reserve_mj = 6;
-  /// Level at which the account begins, mJ. From nothing, the first cut after arming would be felt
-  /// only as its own work fills the account, over millimetres of travel.
+  /// Level at which the account begins, mJ. From zero, the first cut after arming would be felt
+  /// only after its own work has filled the account, over millimeters of travel.
   double start_mj = 6;
   /// Greatest damping of the damper that dissipates a deficit: N s/mm, N mm s/rad. The root of
   /// their ratio is the lever arm that weighs rotation against translation, mm.
@@ -36,7 +37,7 @@ struct PassivitySettings {
 };
 
 /// Keeps the device passive: bounds the energy that it returns to the user, for any requested
-/// wrench (derivation in haptic_agent/servo/README.md). In each tick: `settle`, then `project` and
+/// wrench (derivation in haptic_agent/servo/theory.md). In each tick: `settle`, then `project` and
 /// `share` as needed, then `wrote`.
 template <typename Deficit = CarryDeficit>
 class BasicPassivity {
@@ -45,14 +46,14 @@ class BasicPassivity {
       : settings_(settings),
         account_(settings.tank_mj - 2 * settings.reserve_mj, settings.start_mj) {}
 
-  /// Accounts for the displacement between the ticks at `from_us` and `now_us`: for the greatest
+  /// Accounts for the displacement between the ticks at `from_us` and `now_us`, by the greatest
   /// work of any written wrench that may have acted.
   void settle(const Twist& moved, std::uint64_t from_us, std::uint64_t now_us) noexcept {
     account_.settle(written_.greatest_work(moved, from_us, now_us, settings_.latency_us));
   }
 
   /// Returns the wrench nearest to `requested` whose power the account covers while the device
-  /// moves with `velocity`; a damper if there is a deficit.
+  /// moves with `velocity`; a damper if there is a deficit; zero if overdrawn.
   Wrench project(const Wrench& requested, const Twist& velocity) noexcept {
     if (overdrawn()) return {};
     const double level = account_.level_mj();
@@ -110,19 +111,19 @@ class BasicPassivity {
   static constexpr double kStarvingShare = 0.05;
   static constexpr int kBisections = 12;
 
-  /// How long a wrench that is written now may act, counted from now.
+  /// Longest time for which a wrench written now may act, counted from now.
   double acts_us() const noexcept {
     return static_cast<double>(settings_.latency_us + settings_.longest_tick_us);
   }
-  /// The given share of the strongest damper.
+  /// A damper with the given share of the greatest damping.
   Wrench damper(const Twist& v, double share) const noexcept {
     return {v.linear * (-share * settings_.max_damping),
             v.angular * (-share * settings_.max_turn_damping)};
   }
 
-  /// Upper estimate of the work until `wrench` has ended, mJ: at the present velocity, of any of
-  /// the wrenches that may act at each time; and of `wrench` on the lightest device that it
-  /// accelerates until the tick after the next, when its effect is measured.
+  /// Upper estimate of the work until `wrench` has ended, mJ. It adds the greatest work, at the
+  /// present velocity, of the wrenches that may act at each time, and the energy that `wrench`
+  /// gives to the lightest device until the tick after the next, when its effect is measured.
   double cost(const Wrench& wrench, const Twist& velocity, std::uint64_t now_us) const noexcept {
     const double power = work(wrench, velocity);
     double greatest = std::max(0.0, power);

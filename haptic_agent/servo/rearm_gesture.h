@@ -7,24 +7,24 @@
 
 namespace kerf::agent {
 
-/// The gesture by which the user of a device without a deadman re-arms it after a trip: hold the
-/// tip still for a second, then move it away by a centimetre and back, within two seconds. It
-/// judges places and no speeds, so that the steps of an encoder (0.06 mm) do not matter. A device
-/// that rests or falls does not come back, a tremor does not leave, and strokes do not hold still.
+/// The gesture that re-arms a device without a deadman after a trip: hold the tip still for a
+/// second, then move it away by a centimeter and back within two seconds. It compares positions,
+/// not speeds, so encoder steps (0.06 mm) do not matter. A device that rests or falls does not come
+/// back, a tremor does not leave, and strokes do not hold still.
 class RearmGesture {
  public:
   static constexpr std::uint64_t kStillUs = 1'000'000;
   /// How far the tip may stray while it is held still, mm.
   static constexpr double kStillMm = 2;
   static constexpr double kAwayMm = 10;
-  /// Within this distance of the place at which it was held still it has come back, mm.
+  /// Greatest distance from the held position at which the tip has come back, mm.
   static constexpr double kBackMm = 4;
   static constexpr std::uint64_t kMoveUs = 2'000'000;
 
   void restart() noexcept { act_ = Act::kNone; }
 
-  /// Returns whether the gesture ends with this tick. `may`: whether it counts; otherwise it starts
-  /// again.
+  /// Returns whether the gesture ends with this tick. `may`: whether the gesture counts now; if
+  /// not, it starts again.
   bool done(Vec3 tip_mm, bool may, std::uint64_t now_us) noexcept {
     if (!may) act_ = Act::kNone;
     if (!may) return false;

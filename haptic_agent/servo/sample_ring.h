@@ -6,9 +6,9 @@
 
 namespace kerf::agent {
 
-/// Samples from the servo thread to the link thread or the replica thread: one second at 1 kHz, by
-/// which the reader may fall behind. A sample that finds the ring full is dropped; the next one
-/// then ends a longer motion.
+/// Samples from the servo thread to the link thread or the replica thread. The reader may fall
+/// behind by one second at 1 kHz. A sample that finds the ring full is dropped; the next one then
+/// ends a longer motion.
 using SampleRing = SpscRing<wire::MotionSample, 1024>;
 
 }  // namespace kerf::agent

@@ -16,7 +16,7 @@ struct ServerWrench {
   std::uint64_t pose_us = 0;
   /// When the answer arrived.
   std::uint64_t arrival_us = 0;
-  /// Engaged area of the cut, mm²; 0: nothing was cut.
+  /// Engaged area of the cut, mm²; 0 without a cut.
   double engaged_area_mm2 = 0;
   Vec3 cut_centre_mm{};
   /// Wrench of the participant that this agent follows (--feel); else zero.
@@ -24,7 +24,7 @@ struct ServerWrench {
   std::uint32_t plane_count = 0;
   std::array<wire::ContactPlane, wire::kMaxContactPlanes> planes{};
 
-  /// Leaves of the answer only that it came: it is of a place where the tool is no more.
+  /// Keeps only the fact of the answer, after the tool has moved away from the answered position.
   void forget_place() noexcept {
     wrench = {};
     engaged_area_mm2 = 0;

@@ -15,10 +15,11 @@ constexpr std::uint64_t kTickUs = 1000;
 /// Time constant of the low-pass filter for a followed participant's wrench, which arrives in
 /// steps.
 constexpr double kFeltS = 0.01;
-/// Cosine of the turn that makes a corner, and the step below which noise of encoders may turn.
+/// Cosine of the turn that counts as a corner, and the length of a step whose direction may be
+/// encoder noise.
 constexpr double kTurnCos = 0.9;
 constexpr double kLeastStepMm = 0.01;
-/// Share by which the force of two answers differs where it changes.
+/// Relative difference of two answers from which on the force counts as changing.
 constexpr double kChangeShare = 0.03;
 
 }  // namespace
@@ -70,7 +71,8 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   const Wrench wrench = usable ? requested_wrench(now_us, cutting, dt_s) : Wrench{};
   const SafetyInput seen = safety_input(state, usable, wrench);
   const bool tripped = supervisor_.phase() == ServoPhase::kSafe;
-  // The supervisor judges the whole wrench: it does not arm a tool that is pressed.
+  // The supervisor sees the whole wrench, so that it does not arm a tool that is pressed against
+  // something.
   const double gain = supervisor_.tick(seen) * hand_.share(now_us);
   if (tripped && supervisor_.phase() != ServoPhase::kSafe) output_.restart();
   device_.show_force(gain > 0);
@@ -92,8 +94,8 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   return true;
 }
 
-/// Takes the request to re-arm, and presses the cutting button of a device that has none while it
-/// is held and force is permitted.
+/// Handles the request to re-arm, and presses the cutting button of a device without one while the
+/// device is held and force is permitted.
 void ServoCycle::take_buttons(DeviceState& state) noexcept {
   const bool pressed = (state.buttons & kButtonRearm) != 0;
   if (rearm_.exchange(false, std::memory_order_relaxed) || (pressed && !rearm_pressed_)) {
@@ -117,7 +119,7 @@ bool ServoCycle::is_usable(const DeviceState& state) noexcept {
 }
 
 /// Returns the state of the tool in the block, from the estimated pose. Model and output work in
-/// device space; samples, answers and guides are those of the block (mapping/README.md).
+/// device space; samples, answers and guides are in the block (mapping/README.md).
 DeviceState ServoCycle::map(const DeviceState& device, bool usable, std::uint64_t now_us) noexcept {
   if (MappingRequest request; mapping_requests_.read(request)) hand_.change(request);
   DeviceState estimated = device;
@@ -134,7 +136,7 @@ DeviceState ServoCycle::map(const DeviceState& device, bool usable, std::uint64_
   return tool;
 }
 
-/// Forgets what was said of the block where device space was before.
+/// Discards answers for the previous position of device space in the block.
 void ServoCycle::take_mapping() noexcept {
   model_ = LocalModel(settings_.model);
   interpolator_.forget_wrench();
@@ -162,7 +164,7 @@ void ServoCycle::send(const DeviceState& tool) noexcept {
   if (must_wake_link(sample.buttons)) listener_.sample_ready();
 }
 
-/// Returns whether the tool travels by more than kTurnCos from its heading: the force of the cut
+/// Returns whether the tool deviates by more than kTurnCos from its heading. The force of the cut
 /// may change at once there, as where a plunge turns into a slot.
 bool ServoCycle::turns(Vec3 step_mm) const noexcept {
   const double size_mm = length(step_mm);
@@ -170,9 +172,9 @@ bool ServoCycle::turns(Vec3 step_mm) const noexcept {
          dot(step_mm, now_.heading) < kTurnCos * size_mm * length(now_.heading);
 }
 
-/// Wakes the replica for every second sample: a thread that wakes costs more than a cut. The chips
-/// and teeth of a milling cutter, corners of the path, a force that changes, as in a plunge, and
-/// the mean of an update in mode paper need an answer to each.
+/// Wakes the replica for every second sample, because a wake-up costs more than a cut. Chips and
+/// teeth of a milling cutter, corners of the path, a changing force (as in a plunge) and the mean
+/// of an update in mode paper need an answer to each sample.
 void ServoCycle::pass_to_replica(const wire::MotionSample& sample) noexcept {
   if (!replica_->push(sample)) ++report_.replica_overflows;
   replica_waits_ = !replica_waits_ && settings_.model.law != CutLaw::kMechanistic && !turns_ &&
@@ -180,8 +182,8 @@ void ServoCycle::pass_to_replica(const wire::MotionSample& sample) noexcept {
   if (!replica_waits_) replica_->wake();
 }
 
-/// Returns whether the link must send now. While the replica answers, nothing waits for the server,
-/// and samples are sent a few at a time: each wake-up costs a message in both directions.
+/// Returns whether the link must send now. While the replica answers, the server's answer is not
+/// urgent, and samples are sent a few at a time: each wake-up costs a message in both directions.
 bool ServoCycle::must_wake_link(std::uint32_t buttons) noexcept {
   const bool answered = replica_us_ != 0 && last_us_ - replica_us_ <= kReplicaFreshUs;
   ++unsent_;
@@ -217,7 +219,7 @@ Twist ServoCycle::follow(const DeviceState& state, bool usable, std::uint64_t no
 /// which may be before the tick's.
 void ServoCycle::estimate(const DeviceState& state, std::uint64_t time_us, double dt_s) noexcept {
   PoseEstimator::Pose pose{state.tip_mm, state.axis};
-  // The path of a device without motors is cut as it is: nothing of it is felt.
+  // The path of a device without motors is cut as measured, because none of its force is felt.
   if (settings_.safety.motors) pose = estimator_.take(pose, dt_s, time_us != now_.time_us);
   const Grip grip{pose.tip_mm + pose.axis * settings_.pivot_mm, pose.axis};
   sent_moved_ = has_grip_ ? between(now_.grip, grip) : Twist{};
@@ -241,7 +243,7 @@ std::uint64_t ServoCycle::answer_age(std::uint64_t now_us) const noexcept {
     return answer_age_us(now_us, newest.arrival_us, newest.pose_us);
   }
   if (!replica) return model_age_us(now_us, newest.arrival_us, newest.pose_us);
-  // Forces also fade if the server's answers become too late.
+  // Also fade if the server's answers become too late.
   return std::max(replica_age_us(now_us, newest.arrival_us),
                   model_age_us(now_us, now_us, newest.pose_us));
 }
@@ -292,7 +294,7 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
   followed_ = followed_ + (interpolator_.newest().felt - followed_) * (dt_s / (kFeltS + dt_s));
   Wrench own = followed_;
   Wrench session = interpolator_.newest().wrench;
-  // In every mode, so that a change of the mode finds the update that is in progress.
+  // Compute it in every mode, so that a change of the mode finds the current update.
   const Wrench paper = paper_.at(now_us);
   switch (mode_.load(std::memory_order_relaxed)) {
     case ForceMode::kModel:

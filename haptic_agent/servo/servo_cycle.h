@@ -40,7 +40,7 @@ struct ServoSettings {
   WrenchLimits limits{};
   /// Tool of samples for which the device requests none.
   std::uint32_t tool_id = 1;
-  /// Ends the loop after this time; 0: never.
+  /// Ends the loop after this time; 0: unlimited.
   std::uint64_t duration_us = 0;
   ForceMode mode = ForceMode::kModel;
   ModelSettings model{};
@@ -53,7 +53,7 @@ struct ServoSettings {
   double velocity_cutoff_hz = 100;
   /// Quanta of the device's poses (DeviceCapabilities).
   double resolution_mm = 0, resolution_rad = 0;
-  /// The tool cuts whenever force is permitted, as if the cutting button were pressed then.
+  /// The tool cuts whenever force is permitted, as if the cutting button were pressed.
   bool always_cut = false;
 };
 
@@ -67,7 +67,7 @@ struct ServoReport {
   std::uint64_t ring_overflows = 0;
   /// Samples dropped because the ring to the replica was full.
   std::uint64_t replica_overflows = 0;
-  /// Ticks with a new answer of the replica.
+  /// Ticks with a new answer from the replica.
   std::uint64_t replica_answers = 0;
   /// Ticks in which the device had no pose or an invalid one.
   std::uint64_t invalid_poses = 0;
@@ -76,10 +76,10 @@ struct ServoReport {
   double max_force_n = 0;
   double max_torque_nmm = 0;
   FeltReport felt{};
-  /// Ticks per reason why no force, or less than computed, was output (NoForce).
+  /// Ticks per reason (NoForce) for which no force, or less than computed, was output.
   std::array<std::uint64_t, kNoForceNames.size()> no_force_ticks{};
-  /// Ticks with a cut whose force followed the tip by more than kSoftMmPerN, because it shook the
-  /// tool (CutCoupling), and the softest.
+  /// Ticks in which the force of a cut followed the tip by more than kSoftMmPerN because it shook
+  /// the tool (CutCoupling), and the greatest compliance.
   std::uint64_t soft_ticks = 0;
   double softest_mm_per_n = 0;
 
@@ -99,30 +99,31 @@ struct ServoStatus {
   /// Share of the computed wrench that is output.
   double felt_share = 1;
   NoForce no_force = NoForce::kNone;
-  /// Factor of the force for lost ticks.
+  /// Factor of the force due to lost ticks.
   double lost_gain = 1;
 };
 
-/// Samples that the link sends together while the replica answers, and how old, us, its answer may
-/// be. The server's copy of the path is late by as many ticks.
+/// Number of samples that the link sends together while the replica answers, and the age up to
+/// which its answer counts, us. The server's copy of the path is late by as many ticks.
 inline constexpr int kSamplesPerWake = 8;
 inline constexpr std::uint64_t kReplicaFreshUs = 5'000;
 
 /// One tick: reads the device, passes the pose to the link and the replica, and renders the newest
-/// answer for the current pose: faded when the server is silent, scaled by the supervisor, made
-/// passive, limited. No allocation, lock, exception or printing.
+/// answer for the current pose. The wrench fades when the server is silent, is scaled by the
+/// supervisor, made passive and limited. No allocation, lock, exception or printing.
 class ServoCycle final : public ServoTask {
  public:
-  /// All references, `replica` and `guidance` must outlive the cycle. The last two may be null.
+  /// The arguments must outlive the cycle. `replica` and `guidance` may be null.
   ServoCycle(HapticDevice& device, SampleRing& samples, LatestValue<ServerWrench>& wrenches,
              SampleListener& listener, const ServoSettings& settings,
              ReplicaExchange* replica = nullptr, Guidance* guidance = nullptr) noexcept;
 
   bool tick(std::uint64_t now_us) noexcept override;
-  /// The user re-arms after a trip (Supervisor::rearm). From any thread, or a signal handler.
+  /// Re-arms after a trip at the user's request (Supervisor::rearm). From any thread, or a signal
+  /// handler.
   void rearm() noexcept { rearm_.store(true, std::memory_order_relaxed); }
 
-  /// Every tick goes to `tape` from now on, which must outlive the cycle; at most kTapes of them.
+  /// Passes every tick to `tape` from now on, which must outlive the cycle; at most kTapes tapes.
   /// Call before the loop runs.
   static constexpr std::size_t kTapes = 2;
   void record_on(TickTape& tape) noexcept;
@@ -133,16 +134,16 @@ class ServoCycle final : public ServoTask {
   const WrenchLimiter& limiter() const noexcept { return output_.limiter(); }
   const Passivity& passivity() const noexcept { return output_.passivity(); }
   const Supervisor& supervisor() const noexcept { return supervisor_; }
-  /// Why there is no force now, or less than is computed. From any thread.
+  /// Why there is no force now, or less than computed. From any thread.
   NoForce no_force() const noexcept { return reason_.load(std::memory_order_relaxed); }
-  /// Each for one other thread.
+  /// Each may be read by one other thread.
   LatestValue<ServoStatus>& status() noexcept { return status_; }
   LatestValue<HeardCut>& heard() noexcept { return heard_; }
   FlightRecorder& recorder() noexcept { return recorder_; }
   /// Changes of the mapping, from one other thread.
   LatestValue<MappingRequest>& mapping_requests() noexcept { return mapping_requests_; }
-  /// Writes the place of the device's workspace in the block there whenever it has changed, if it
-  /// is known. Call it before the first tick.
+  /// From now on, writes the device's workspace in the block to `reach` whenever it changes, if it
+  /// is known. Call before the first tick.
   void tell_reach(LatestValue<Reach>& reach) noexcept { reach_ = &reach; }
 
  private:
@@ -192,19 +193,19 @@ class ServoCycle final : public ServoTask {
   ServoReport report_;
   PoseEstimator estimator_;
   VelocityEstimator estimated_velocity_;
-  /// The grip as measured, which contacts, guides, energy and safety refer to, and as estimated
-  /// between the steps of the encoders, which is sent and cuts.
+  /// The grip as measured, for contacts, guides, energy and safety, and as estimated between
+  /// encoder steps, for samples and cuts.
   PastGrip measured_, now_;
-  /// Wrench of the followed participant, low-pass filtered.
+  /// Wrench of the followed participant, low-pass filtered (--feel).
   Wrench followed_{};
   /// Part of the requested wrench that comes from the guides.
   Wrench guided_{};
-  /// The newest answer, of the replica or the server.
+  /// The newest answer, from the replica or the server.
   Wrench answered_{};
   /// The wrench that the session computes at the newest pose, and the share of it that is output.
   Wrench computed_{};
   double share_ = 1;
-  /// What is heard: the session's force, and the engaged area of the newest answer.
+  /// Input of the sound: the session's force, and the engaged area of the newest answer.
   double heard_n_ = 0, engaged_mm2_ = 0;
   /// The measured tip, and the estimated one.
   Vec3 tip_mm_{}, sent_tip_mm_{};
@@ -218,16 +219,16 @@ class ServoCycle final : public ServoTask {
   bool faded_ = false, limited_ = false;
   std::atomic<bool> rearm_{false};
   std::atomic<NoForce> reason_{NoForce::kArming};
-  /// The device's button that re-arms was pressed in the previous tick.
+  /// The device's re-arm button was pressed in the previous tick.
   bool rearm_pressed_ = false;
   /// Time of the replica's latest answer; 0: never.
   std::uint64_t replica_us_ = 0;
   /// The replica has a sample for which it was not woken.
   bool replica_waits_ = false;
-  /// The force of the replica's newest answer, and whether it differs from the one before.
+  /// The force of the replica's newest answer; whether it differs from the previous one.
   Vec3 replica_force_n_{};
   bool force_changes_ = false;
-  /// Samples for which the link was not woken, and the buttons for which it was.
+  /// Number of samples for which the link was not woken, and the buttons it was last woken with.
   int unsent_ = 0;
   std::uint32_t sent_buttons_ = 0;
   std::uint64_t lost_now_ = 0;

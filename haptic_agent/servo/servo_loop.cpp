@@ -21,7 +21,7 @@ void ServoLoop::run(ServoTask& task) noexcept {
     clock_.sleep_until_ns(due_ns);
     const std::uint64_t now_ns = clock_.now_ns();
     const std::uint64_t behind_ns = now_ns > due_ns ? now_ns - due_ns : 0;
-    // Only the newest of the overdue ticks runs.
+    // Run only the newest of the overdue ticks.
     const std::uint64_t lost = behind_ns / kPeriodNs;
     put_off_alarm(now_ns);
     heartbeat_ns_.store(now_ns);

@@ -18,12 +18,12 @@ struct CycleStats {
   std::uint64_t late = 0;
   /// Ticks that were skipped because the loop was at least one period behind.
   std::uint64_t lost = 0;
-  /// Maximum number of ticks skipped in a row.
+  /// Greatest number of ticks skipped in a row.
   std::uint64_t most_lost_at_once = 0;
   std::uint64_t longest_gap_us = 0;
   /// Duration of the longest tick.
   std::uint64_t longest_tick_us = 0;
-  /// Wake-up latency: time from when a tick was due to when it started.
+  /// Wake-up latency: from the time at which a tick was due until it started.
   Histogram wake_us;
 };
 
@@ -43,7 +43,7 @@ class ServoLoop {
   static constexpr std::uint64_t kLateNs = kPeriodNs / 4;
   /// Age of a heartbeat after which the loop has stalled.
   static constexpr std::uint64_t kStaleNs = 10'000'000;
-  /// The alarm need not be set again in every tick.
+  /// Slack that saves setting the alarm again in every tick.
   static constexpr std::uint64_t kAlarmSlackNs = kPeriodNs * 3 / 2;
 
   explicit ServoLoop(Clock& clock) noexcept : clock_(clock) {}
@@ -56,12 +56,12 @@ class ServoLoop {
   /// Start of the newest tick, ns on the loop's clock; 0 before the first. From any thread; checked
   /// by the watchdog.
   std::uint64_t heartbeat_ns() const noexcept { return heartbeat_ns_.load(); }
-  /// States the loop's processor from now on. Call before `run`, or on its thread, and only if that
-  /// is real-time; `lead` must outlive the run.
+  /// Publishes the loop's processor from now on. Call before `run`, or on its thread, and only if
+  /// that is real-time; `lead` must outlive the run.
   void announce(LeadCpu& lead) noexcept { lead_ = &lead; }
-  /// Keeps `alarm` set from now on: to go off kStaleNs after the newest heartbeat, or up to
-  /// kAlarmSlackNs later. It is set before the heartbeat, so that the thread that sees a new one
-  /// may wait for the alarm again. Call before `run`; `alarm` must outlive it.
+  /// Keeps `alarm` set from now on, to go off kStaleNs after the newest heartbeat, or up to
+  /// kAlarmSlackNs later. The alarm is set before the heartbeat, so a thread that sees a new
+  /// heartbeat may wait for the alarm again. Call before `run`; `alarm` must outlive it.
   void set_off_without_heartbeat(Alarm& alarm) noexcept { alarm_ = &alarm; }
   /// Read after `run` has returned, or within a tick.
   const CycleStats& stats() const noexcept { return stats_; }
@@ -74,7 +74,7 @@ class ServoLoop {
   std::atomic<std::uint64_t> heartbeat_ns_{0};
   LeadCpu* lead_ = nullptr;
   Alarm* alarm_ = nullptr;
-  std::uint64_t alarm_ns_ = 0;  ///< when it goes off
+  std::uint64_t alarm_ns_ = 0;  ///< time for which the alarm is set
   CycleStats stats_;
 };
 

@@ -9,13 +9,13 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint64_t kPeriodUs = 1000;
-/// Share of a device's stable damping that cuts and the passivity layer use.
+/// Share of a device's stable damping that cuts and the passivity layer may use.
 constexpr double kStableShare = 0.5;
-/// Share of mass / delay up to which a damper may be set.
+/// Greatest share of mass / delay that a damper may have.
 constexpr double kDamperShare = 0.25;
 
-/// Gains that follow from the device's mass and latency: those of the dampers act a latency and a
-/// period late, and what they may take from the least mass in that time is limited.
+/// Sets the gains that follow from the device's mass and latency. Dampers act a latency and a
+/// period late, so the least mass limits them.
 void adapt_to_mechanics(const DeviceCapabilities& device, ServoSettings& settings) {
   settings.velocity_cutoff_hz =
       velocity_cutoff_hz(device, settings.pivot_mm, settings.velocity_cutoff_hz);

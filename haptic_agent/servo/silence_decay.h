@@ -23,7 +23,7 @@ inline double wrench_share(std::uint64_t age_us) noexcept {
 
 /// Returns the age of an answer: the time since its arrival or, if greater, the time since the
 /// answered pose was measured, less the round trip that counts as prompt. Forces therefore also
-/// decay if the server answers steadily but with growing delay.
+/// fade if the server answers steadily but with growing delay.
 inline std::uint64_t answer_age_us(std::uint64_t now_us, std::uint64_t arrival_us,
                                    std::uint64_t pose_us) noexcept {
   const std::uint64_t silent_us = now_us > arrival_us ? now_us - arrival_us : 0;
@@ -31,18 +31,17 @@ inline std::uint64_t answer_age_us(std::uint64_t now_us, std::uint64_t arrival_u
   return std::max(silent_us, lag_us > kFullWrenchUs ? lag_us - kFullWrenchUs : 0);
 }
 
-/// Delay of an answer that still counts as prompt for the local model, which stays accurate while
-/// answers are late: a round trip of 250 ms and its jitter.
+/// Greatest delay of an answer that counts as prompt for the local model, which stays accurate with
+/// late answers: a round trip of 250 ms and its jitter.
 inline constexpr std::uint64_t kModelLagUs = 350'000;
 
-/// While the replica answers the newest poses, forces stay accurate without the server: silence of
-/// the server up to this time counts as a prompt answer ...
+/// While the replica answers the newest poses, forces stay accurate without the server. Silence of
+/// the server up to this time does not reduce them.
 inline constexpr std::uint64_t kReplicaFullUs = 100'000;
-/// ... and from this time on gives zero force, within the 150 ms allowed after the loss of a
-/// server.
+/// From this time on the force is zero, within the 150 ms allowed after the loss of a server.
 inline constexpr std::uint64_t kReplicaNoneUs = 140'000;
 
-/// As answer_age_us, while the replica answers.
+/// Like answer_age_us, while the replica answers.
 inline std::uint64_t replica_age_us(std::uint64_t now_us, std::uint64_t arrival_us) noexcept {
   const std::uint64_t silent_us = now_us > arrival_us ? now_us - arrival_us : 0;
   if (silent_us <= kReplicaFullUs) return std::min(silent_us, kFullWrenchUs);
@@ -50,7 +49,7 @@ inline std::uint64_t replica_age_us(std::uint64_t now_us, std::uint64_t arrival_
                              (kReplicaNoneUs - kReplicaFullUs);
 }
 
-/// As answer_age_us, for the local model.
+/// Like answer_age_us, for the local model.
 inline std::uint64_t model_age_us(std::uint64_t now_us, std::uint64_t arrival_us,
                                   std::uint64_t pose_us) noexcept {
   const std::uint64_t silent_us = now_us > arrival_us ? now_us - arrival_us : 0;

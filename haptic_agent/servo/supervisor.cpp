@@ -18,7 +18,7 @@ constexpr double kArmingForceN = 0.2;
 constexpr double kArmingTorqueNmm = 10;
 /// Maximum age of a recent answer; older ones fade (silence_decay.h).
 constexpr std::uint64_t kFreshUs = 20 * kUsPerMs;
-/// After this time without an answer the agent must be armed again.
+/// After this time without an answer the device must be armed again.
 constexpr std::uint64_t kDisarmUs = 1000 * kUsPerMs;
 /// How long all conditions must hold before kDegraded becomes kActive again.
 constexpr std::uint64_t kRecoverUs = 200 * kUsPerMs;
@@ -76,7 +76,7 @@ void Supervisor::enter(ServoPhase phase, const SafetyInput& in) noexcept {
   pressed_ = false;
   asked_ = false;
   gesture_.restart();
-  // Ticks that were lost without a force, or have tripped once, did no harm to this one.
+  // Ignore ticks that were lost before there was a force, or that have tripped already.
   if (phase == ServoPhase::kRamp) lost_.clear();
 }
 
@@ -86,7 +86,7 @@ bool Supervisor::lets_go(const SafetyInput& in) noexcept {
   return !limits_.has_deadman && pressed_ && !in.cutting;
 }
 
-/// Whether the user has re-armed by other means than letting go: at once, without a wait. The
+/// Whether the user has re-armed by other means than letting go. Takes effect without a wait. The
 /// gesture counts where it cannot be a stroke: without the button, and where no force would be
 /// felt.
 bool Supervisor::ends_trip(const SafetyInput& in) noexcept {
@@ -96,8 +96,8 @@ bool Supervisor::ends_trip(const SafetyInput& in) noexcept {
   return in.present && (asked_ || gestured);
 }
 
-/// Transitions kReady to kArmed, kArmed to kRamp and kSafe to kReady: each requires a condition to
-/// hold for some time.
+/// Transitions kReady to kArmed, kArmed to kRamp and kSafe to kReady. Each requires a condition
+/// that holds for some time.
 void Supervisor::advance(const SafetyInput& in) noexcept {
   bool holds = false;
   std::uint64_t wait_us = 0;

@@ -23,7 +23,7 @@ enum class ServoPhase : std::uint8_t {
   /// The force gain rises from 0 to 1.
   kRamp,
   kActive,
-  /// As kActive, while the server is late, ticks are lost or the energy tank is empty.
+  /// Like kActive, while the server is late, ticks are lost or the energy tank is empty.
   kDegraded,
   /// Tripped: no force until the user has let go of the device (Supervisor) and holds it again.
   kSafe,
@@ -72,17 +72,17 @@ constexpr std::string_view to_string(TripCode code) noexcept {
 struct SafetyLimits {
   double tip_mm_per_s = 1000;
   double turn_rad_per_s = 15;
-  double jump_mm = 5;  ///< of the tip, per ms
+  double jump_mm = 5;  ///< displacement of the tip, per ms
   std::uint64_t lost_in_a_row = 5;
-  double lost_share = 0.5;  ///< of the ticks of the last second
-  /// 0: unknown, not checked.
+  double lost_share = 0.5;  ///< of the ticks in the last second
+  /// 0 if unknown: not checked.
   double continuous_force_n = 0;
   double continuous_torque_nmm = 0;
   Vec3 workspace_min_mm{};
-  Vec3 workspace_max_mm{};  ///< equal to the minimum: unknown, not checked
+  Vec3 workspace_max_mm{};  ///< equal to the minimum if unknown: not checked
   double ramp_s = 0.5;
-  /// The device senses that it is held. Otherwise the user lets go of the cutting button instead,
-  /// or makes a RearmGesture.
+  /// The device senses that it is held. Without this sensor the user releases the cutting button to
+  /// re-arm, or makes a RearmGesture.
   bool has_deadman = true;
   /// A device without motors needs no arming and cannot trip.
   bool motors = true;
@@ -93,9 +93,9 @@ struct SafetyInput {
   std::uint64_t now_us = 0;
   double dt_s = 0.001;
   bool present = true;  ///< the device is ready and has a pose
-  bool finite = true;   ///< of the pose
+  bool finite = true;   ///< the pose is finite
   bool deadman = false;
-  bool cutting = false;  ///< the button that cuts
+  bool cutting = false;  ///< the cutting button is pressed
   DevicePhase device = DevicePhase::kReady;
   Vec3 tip_mm{};
   double jumped_mm = 0;  ///< displacement of the tip since the previous tick
@@ -105,7 +105,7 @@ struct SafetyInput {
   std::uint64_t answer_age_us = 0;
   std::uint64_t lost_now = 0;  ///< ticks lost since the previous one
   Wrench requested{};          ///< before the gain is applied
-  Wrench guided{};             ///< part of it that guides ask for: no reason not to arm
+  Wrench guided{};             ///< the guides' part of it, which does not prevent arming
   Wrench output{};             ///< of the previous tick
   bool starving = false;
   bool overdrawn = false;
@@ -114,10 +114,10 @@ struct SafetyInput {
   bool clutched = false;  ///< the clutch is held: the tool stays in the block
 };
 
-/// Decides in each tick whether force may be output, and with which gain: that of the ramp times
-/// that of LostTicks. A trip ends when the user has let go for 0.3 s: released the deadman or, of a
-/// device without one, released the cutting button, which must have been pressed since the trip; or
-/// makes a RearmGesture with such a device; or asks for it by other means (`rearm`).
+/// Decides in each tick whether force may be output, and with which gain: the ramp's times that of
+/// LostTicks. A trip ends when the user has let go for 0.3 s: released the deadman or, on a device
+/// without one, the cutting button, which must have been pressed since the trip. On such a device a
+/// RearmGesture ends it too, and on any device a request (`rearm`).
 class Supervisor {
  public:
   explicit Supervisor(const SafetyLimits& limits) noexcept
@@ -129,13 +129,13 @@ class Supervisor {
   /// Ends a trip in the next tick in which the device is present. No effect in other phases.
   void rearm() noexcept { asked_ = phase_ == ServoPhase::kSafe; }
 
-  /// Why there is no force after the newest tick, or less than is computed.
+  /// Why there is no force after the newest tick, or less than computed.
   NoForce no_force() const noexcept { return no_force_; }
-  /// Factor of the force for lost ticks.
+  /// Factor of the force due to lost ticks.
   double lost_gain() const noexcept { return lost_.gain(); }
 
   ServoPhase phase() const noexcept { return phase_; }
-  /// Code of the latest trip; kNone before the first.
+  /// Code of the latest trip; kNone before the first trip.
   TripCode code() const noexcept { return code_; }
   std::uint64_t trips() const noexcept { return trips_; }
   /// Ticks in kDegraded.
@@ -158,7 +158,7 @@ class Supervisor {
   static bool is_slow(const SafetyInput& in) noexcept;
   bool reaches(const SafetyInput& in) const noexcept;
 
-  /// Lost ticks that scale the force by less are not worth a word.
+  /// Lost ticks with a gain above this are not reported.
   static constexpr double kTellingGain = 0.98;
 
   SafetyLimits limits_;
@@ -167,9 +167,9 @@ class Supervisor {
   TripCode code_ = TripCode::kNone;
   std::uint64_t trips_ = 0;
   std::uint64_t since_us_ = 0;        ///< start of the phase
-  std::uint64_t steady_from_us_ = 0;  ///< since when the phase's exit condition holds; 0: not now
+  std::uint64_t steady_from_us_ = 0;  ///< since when the phase's exit condition holds; 0 if not
   std::uint64_t starving_from_us_ = 0;
-  bool pressed_ = false;  ///< the cutting button, since the start of the phase
+  bool pressed_ = false;  ///< the cutting button was pressed since the start of the phase
   std::uint64_t degraded_ticks_ = 0;
   LostTicks lost_;
   RearmGesture gesture_;

@@ -11,21 +11,21 @@
 
 namespace kerf::agent {
 
-/// One tick of the servo, as recorded, as the hand feels it: in device space, which is the
-/// session's unless there is a mapping. Wrenches are about the pivot.
+/// One recorded tick of the servo, as the hand feels it: in device space, which is the session's
+/// unless there is a mapping. Wrenches are about the pivot.
 struct TickRecord {
-  /// Counts the ticks given to a tape from 1, dropped ones included. Set by TickTape::push.
+  /// Number of the tick on its tape from 1, counting dropped ones. Set by TickTape::push.
   std::uint64_t number = 0;
   std::uint64_t time_us = 0;        ///< start of the tick, CLOCK_MONOTONIC
   std::uint64_t pose_us = 0;        ///< when the device measured the pose, on the same clock
-  std::uint64_t answer_age_us = 0;  ///< of the newest answer; 0 before the first
+  std::uint64_t answer_age_us = 0;  ///< age of the newest answer; 0 before the first
   Vec3 tip_mm{};
   Vec3 axis{0, 0, 1};
-  /// That the session computes at this pose, guides and a followed participant included.
+  /// Computed by the session at this pose, including guides and a followed participant.
   Wrench computed{};
-  /// That is requested from the output stage, before the supervisor's gain, passivity and limits.
+  /// Requested from the output stage, before the supervisor's gain, passivity and limits.
   Wrench requested{};
-  /// That is written to the device.
+  /// Written to the device.
   Wrench felt{};
   double energy_mj = 0;   ///< level of the energy tank
   double felt_share = 1;  ///< share of the computed wrench that is felt, 0 to 1
@@ -33,9 +33,9 @@ struct TickRecord {
   std::uint32_t tool_id = 0;
   std::uint32_t lost = 0;  ///< ticks lost since the previous one
   ServoPhase phase = ServoPhase::kReady;
-  TripCode trip = TripCode::kNone;  ///< of the latest trip; kNone before the first
+  TripCode trip = TripCode::kNone;  ///< the latest trip; kNone before the first
   ForceMode mode = ForceMode::kModel;
-  bool has_pose = false;  ///< false: the device had no usable pose; tip and axis are the last ones
+  bool has_pose = false;  ///< false without a usable pose; tip and axis are the last ones
 };
 
 /// Passes every tick from the servo thread to one other thread. The servo never waits: a tick that
@@ -49,7 +49,7 @@ class TickTape {
     tick.number = ++pushed_;
     if (!ring_.push(tick)) lost_.fetch_add(1, std::memory_order_relaxed);
   }
-  /// Other thread. Returns false, and leaves `tick` as it is, if there is none.
+  /// Other thread. Returns false and leaves `tick` unchanged if there is none.
   bool pop(TickRecord& tick) noexcept { return ring_.pop(tick); }
 
   /// Ticks dropped so far. From any thread.

@@ -10,7 +10,7 @@ bool Watchdog::check(std::uint64_t now_ns) {
   if (beat_ns == 0 || now_ns < beat_ns || now_ns - beat_ns < ServoLoop::kStaleNs) {
     return false;
   }
-  // At every check, not once per stall: a wrench may have been written after the first stop.
+  // At every check of a stall: a wrench may have been written after the first stop.
   stop_();
   if (beat_ns != stopped_at_) stops_.fetch_add(1);
   stopped_at_ = beat_ns;

@@ -11,8 +11,8 @@
 namespace kerf::agent {
 
 /// Stops the device, from a thread of higher priority, when a loop's heartbeat is missing. The
-/// thread sleeps until an alarm goes off that the loop puts off as long as it runs. The loop itself
-/// trips when it resumes.
+/// thread sleeps until an alarm goes off, which the running loop postpones. The loop itself trips
+/// when it resumes.
 class Watchdog {
  public:
   /// Period at which the device is stopped during a stall.
@@ -51,8 +51,8 @@ struct MotorSwitch {
   std::function<void()> stop;
 };
 
-/// Runs the loop on a new thread, which calls `prepare` first, with a watchdog beside it. When it
-/// has ended, for any reason, the motors are set to zero and stopped. Returns the number of stalls.
+/// Runs the loop on a new thread, which calls `prepare` first, with a watchdog. When the loop has
+/// ended, for any reason, the motors are set to zero and stopped. Returns the number of stalls.
 std::uint64_t run_watched(ServoLoop& loop, ServoTask& task, const MotorSwitch& motors,
                           const std::function<void()>& prepare);
 

@@ -6,8 +6,8 @@
 namespace kerf::agent {
 
 void WrenchInterpolator::take(const ServerWrench& next, std::uint64_t now_us) noexcept {
-  // Starts at the current output instead of the previous wrench: continuous even if an answer
-  // arrives before the previous one was reached. With regular answers the two are the same.
+  // Start at the current output instead of the previous wrench, which is continuous even if an
+  // answer arrives before the previous one was reached. With regular answers both are equal.
   from_ = at(now_us);
   const std::uint64_t gap_us =
       has_ && next.arrival_us > newest_.arrival_us ? next.arrival_us - newest_.arrival_us : 0;

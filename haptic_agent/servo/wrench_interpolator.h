@@ -16,9 +16,9 @@ class WrenchInterpolator {
   static constexpr std::uint64_t kLongestUs = 20'000;
   static constexpr std::uint64_t kShortestUs = 1'000;
 
-  /// Takes a new wrench. Arrival times must not decrease.
+  /// Adds a new wrench. Arrival times must not decrease.
   void take(const ServerWrench& next, std::uint64_t now_us) noexcept;
-  /// Forgets the wrenches taken so far: the output is zero until the next one.
+  /// Forgets the wrenches so far: the output is zero until the next one.
   void forget_wrench() noexcept { from_ = newest_.wrench = {}; }
   /// Returns the wrench to output now; zero before the first.
   Wrench at(std::uint64_t now_us) const noexcept;

@@ -14,9 +14,9 @@ Vec3 shortened_to(double most, Vec3 v, bool& shortened) noexcept {
   return v * (most / current);
 }
 
-/// Returns the vector nearest to `target` that `current` may become in one step: it may fall to any
-/// fraction of itself at once, and from there move by `rise` in any direction. A reversal therefore
-/// passes through zero immediately.
+/// Returns the vector nearest to `target` that `current` may become in one step. It may fall to any
+/// fraction of itself at once, and move by `rise` in any direction from there, so a reversal passes
+/// through zero immediately.
 Vec3 slew(Vec3 current, Vec3 target, double rise, bool& slewed) noexcept {
   const double square = dot(current, current);
   const double keep = square > 0 ? std::clamp(dot(target, current) / square, 0.0, 1.0) : 0.0;

@@ -7,8 +7,7 @@
 
 namespace kerf::agent {
 
-/// Limits of the output wrench and of its rate of rise. Defaults: the safety envelope in the
-/// README.
+/// Limits of the output wrench and of its rate of rise. Defaults: theory.md, "Passivity", step 3.
 struct WrenchLimits {
   double force_n = 8.0;
   double torque_nmm = 150.0;
@@ -33,8 +32,8 @@ class WrenchLimiter {
   /// Returns the wrench to output `dt_s` after the last one.
   Wrench limit(const Wrench& requested, double dt_s) noexcept;
 
-  /// Shortens the current output to a share of itself, 0 to 1, which may be done at any time: the
-  /// result is within the limits and the rates that the output was within. Returns it.
+  /// Shortens the current output to a share of itself, 0 to 1, and returns it. This keeps all
+  /// limits and rates, so it may be called at any time.
   Wrench shorten(double share) noexcept;
 
   std::uint64_t saturated() const noexcept { return saturated_; }

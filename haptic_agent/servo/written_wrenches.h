@@ -11,8 +11,8 @@
 
 namespace kerf::agent {
 
-/// The wrenches that were written last. A device outputs a written wrench after a latency of which
-/// only the greatest value is known, and until the next one acts: several may be the acting one.
+/// The wrenches written last. A device outputs a written wrench after an unknown latency up to a
+/// known maximum, until the next one acts, so several may be the acting one.
 class WrittenWrenches {
  public:
   /// Number of wrenches that are kept; before the first write, the output is zero.
@@ -24,10 +24,9 @@ class WrittenWrenches {
     kept_[newest_] = {now_us, wrench};
   }
 
-  /// Calls `visit(wrench, until_us)`, newest first, for each wrench that may act after `from_us`
-  /// although every latency up to `latency_us` is possible. `until_us`: the time after which it
-  /// cannot act any more, because its successor does; for the newest, that of a successor written
-  /// at `now_us`.
+  /// Calls `visit(wrench, until_us)`, newest first, for each wrench that may act after `from_us`,
+  /// for any latency up to `latency_us`. `until_us`: the time at which its successor certainly
+  /// acts; for the newest wrench, as if a successor were written at `now_us`.
   template <typename Visit>
   void for_each_possible(std::uint64_t from_us, std::uint64_t now_us, std::uint64_t latency_us,
                          const Visit& visit) const noexcept {
@@ -41,8 +40,8 @@ class WrittenWrenches {
   }
 
   /// Returns the greatest work of any wrench that may have acted since `from_us`, mJ, for the
-  /// displacement `moved` since then. The wrenches may have acted one after the other: the work
-  /// done along the straight path is a weighted mean of theirs, and not greater.
+  /// displacement `moved` since then. If the wrenches acted one after the other, the work along the
+  /// straight path is a weighted mean of theirs and not greater.
   double greatest_work(const Twist& moved, std::uint64_t from_us, std::uint64_t now_us,
                        std::uint64_t latency_us) const noexcept {
     double greatest = -std::numeric_limits<double>::infinity();

@@ -34,7 +34,7 @@ constexpr std::uint16_t kBaudRun = 0x0002;
 
 constexpr std::size_t kChunkBytes = kPacketBytes - kModemBytes;
 constexpr unsigned kTimeoutMs = 200;
-/// Consecutive packets with only the modem status after which no answer is expected.
+/// Number of consecutive packets with only the modem status after which no answer is expected.
 constexpr int kMaxEmptyPackets = 50;
 constexpr int kMaxWakeAttempts = 100;
 constexpr int kMaxAttempts = 10;

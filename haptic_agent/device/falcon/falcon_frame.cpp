@@ -21,7 +21,7 @@ void put_word(Frame& frame, std::size_t at, std::int16_t value) noexcept {
   }
 }
 
-/// Returns nothing if a byte is not one of the sixteen letters.
+/// Returns nullopt if a byte is not one of the sixteen letters.
 std::optional<std::int16_t> take_word(std::span<const std::uint8_t> frame,
                                       std::size_t at) noexcept {
   unsigned bits = 0;

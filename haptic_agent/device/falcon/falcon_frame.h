@@ -10,11 +10,11 @@
 namespace kerf::agent::falcon {
 
 inline constexpr std::size_t kFrameBytes = 16;
-/// A packet of the USB bridge, and the modem status that each packet of its answer begins with.
+/// A packet of the USB bridge, and the modem status with which each packet of its answer begins.
 inline constexpr std::uint16_t kPacketBytes = 64;
 inline constexpr std::size_t kModemBytes = 2;
-/// Largest motor word sent. The vendor's program uses no larger ones, and values beyond the field's
-/// 16 bits would reverse the force.
+/// Largest motor word. The vendor's program uses no larger ones, and values beyond the field's 16
+/// bits would reverse the force.
 inline constexpr int kMaxMotorWord = 4096;
 
 inline constexpr std::uint8_t kHomingMode = 0x1;
@@ -61,7 +61,7 @@ std::array<std::int16_t, 3> motor_words(const std::array<double, 3>& torques_nmm
 /// and all bytes outside frames.
 class FrameReader {
  public:
-  /// Takes one USB packet and returns the newest frame that it completed, if any.
+  /// Adds one USB packet and returns the newest frame that it completed, if any.
   std::optional<Frame> take(std::span<const std::uint8_t> packet) noexcept;
   void reset() noexcept { filled_ = 0; }
 

@@ -10,7 +10,7 @@ namespace kerf::agent::falcon {
 namespace {
 
 // Notation of R. E. Stamper, "A three degree of freedom parallel manipulator with only
-// translational degrees of freedom" (1997). The lengths are libnifalcon's measurements, mm.
+// translational degrees of freedom" (1997). The lengths, mm, are libnifalcon's measurements.
 constexpr double kA = 60.0;
 constexpr double kB = 102.5;
 constexpr double kC = 14.0;
@@ -68,7 +68,7 @@ std::optional<Constraint> constraint(std::size_t i, double angle, Vec3 p) noexce
 
 using Rows = std::array<Vec3, 3>;
 
-/// Solves rows * x = right by Cramer's rule. Returns nothing if the matrix is singular.
+/// Solves rows * x = right by Cramer's rule. Returns nullopt if the matrix is singular.
 std::optional<Vec3> solve(const Rows& rows, Vec3 right) noexcept {
   const Vec3 bc = cross(rows[1], rows[2]);
   const double det = dot(rows[0], bc);
@@ -117,7 +117,7 @@ std::optional<LegAngles> leg_angles(Vec3 p) noexcept {
     if (!(square > 0)) return std::nullopt;
     const double rho = kD + kE + std::sqrt(square);
     // a cos(theta) P + a sin(theta) w = (P^2 + w^2 + a^2 - rho^2)/2 is a line that intersects the
-    // circle of the knee twice; the Falcon's knees point outward.
+    // circle of the knee twice. The Falcon's knees point outward.
     const double reach = std::hypot(pu, p.z);
     const double cosine = (reach * reach + kA * kA - rho * rho) / (2 * kA * reach);
     if (!(std::abs(cosine) <= 1)) return std::nullopt;

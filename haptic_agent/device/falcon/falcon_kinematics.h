@@ -25,11 +25,11 @@ double angle_of(std::int16_t count) noexcept;
 std::int16_t count_of(double angle_rad) noexcept;
 
 /// Estimates the legs' angles between the counts of their encoders. A count moves all three
-/// coordinates of the grip, by about 0.04 mm in all, so they have no steps of their own.
+/// coordinates of the grip, by about 0.04 mm in all, so the coordinates have no steps of their own.
 class LegTracker {
  public:
   LegTracker() noexcept;
-  /// Takes the counts measured `dt_s` after the last ones.
+  /// Adds the counts measured `dt_s` after the last ones; returns the estimated angles.
   LegAngles take(const std::array<std::int16_t, 3>& counts, double dt_s) noexcept;
   void reset() noexcept;
 
@@ -37,15 +37,15 @@ class LegTracker {
   std::array<StepTracker, 3> legs_;
 };
 
-/// Inverse kinematics in closed form; nothing if the position is out of reach.
+/// Inverse kinematics in closed form; nullopt if the position is out of reach.
 std::optional<LegAngles> leg_angles(Vec3 position_mm) noexcept;
 
-/// Forward kinematics by Newton iteration from `guess_mm`. Returns nothing if 15 steps do not
-/// converge to 1 um: no position has such angles.
+/// Forward kinematics by Newton iteration from `guess_mm`. Returns nullopt if 15 steps do not
+/// converge to 1 um, because no position has such angles.
 std::optional<Vec3> position_of(const LegAngles& angles, Vec3 guess_mm) noexcept;
 
 /// Leg torques, N·mm, that exert `force_n` at the grip: tau = J^T f with J = dp/dtheta. Returns
-/// nothing at singular configurations.
+/// nullopt at singular configurations.
 std::optional<std::array<double, 3>> leg_torques(const LegAngles& angles, Vec3 position_mm,
                                                  Vec3 force_n) noexcept;
 

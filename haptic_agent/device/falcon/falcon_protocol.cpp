@@ -16,10 +16,10 @@ constexpr std::uint64_t kAnswerUs = 10'000;
 constexpr std::uint64_t kSilenceUs = 500'000;
 /// A request and a reply through the serial chip, whose latency timer is 1 ms.
 constexpr std::uint64_t kLatencyUs = 3000;
-/// Resolution of the pose as estimated between the counts, each of which moves the grip by 0.04 mm.
+/// Resolution of the pose as estimated between the counts; each count moves the grip by 0.04 mm.
 constexpr double kResolutionMm = 0.001;
 constexpr double kSPerUs = 1e-6;
-/// An assumption for the grip and its three legs. The grip does not turn: no torque moves it.
+/// Assumed mass of the grip and its three legs. The grip does not turn, so no torque moves it.
 constexpr double kMovingMassKg = 0.1;
 constexpr double kMovingInertiaKgM2 = 1;
 /// Largest plausible movement between two poses; a larger one means that an encoder slipped.

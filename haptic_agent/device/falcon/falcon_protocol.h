@@ -15,7 +15,7 @@ namespace kerf::agent::falcon {
 struct FalconSettings {
   /// Position of the tool's tip, in session coordinates, at the center of the workspace.
   Vec3 middle_mm{};
-  /// Empty: a firmware must be running already.
+  /// If empty, a firmware must be running already.
   std::vector<std::uint8_t> firmware{};
 };
 

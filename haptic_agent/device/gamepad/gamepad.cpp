@@ -26,7 +26,7 @@ constexpr const char* kEventFolder = "/dev/input";
 constexpr int kPadPollMs = 10;
 constexpr int kPadRetries = 50;
 constexpr std::chrono::milliseconds kPadRetryStep{20};
-/// Longest time that one read integrates, so that a pause of the loop does not make the tool jump.
+/// Longest time integrated by one read, so that a pause of the loop does not make the tool jump.
 constexpr double kPadStepS = 0.01;
 constexpr double kPadSPerUs = 1e-6;
 constexpr std::size_t kBitsPerByte = 8;
@@ -39,7 +39,7 @@ bool has(const BitField<Bits>& field, std::size_t bit) {
   return ((field[bit / kBitsPerByte] >> (bit % kBitsPerByte)) & 1U) != 0;
 }
 
-/// The codes of events of a type that a node reports; none if it is no event device.
+/// Returns the codes of the events of a type that a node reports; empty if it is no event device.
 template <std::size_t Bits>
 BitField<Bits> codes(int fd, unsigned type) {
   BitField<Bits> field{};
@@ -178,7 +178,7 @@ int Gamepad::open_gamepad(const std::string& node, std::string& trouble) {
   return fd;
 }
 
-/// Uploads the effect, silent, if the gamepad can rumble. Later uploads under its id change it.
+/// Uploads the effect, silent, if the gamepad can rumble. Later uploads with its id change it.
 void Gamepad::upload(int fd) {
   effect_ = -1;
   clock_.restart();
@@ -221,7 +221,7 @@ void Gamepad::serve(int fd) {
   if (effect_ >= 0) play(fd, {});
 }
 
-/// Reads what has arrived. Returns false if the gamepad is lost.
+/// Reads the pending events. Returns false if the gamepad is lost.
 bool Gamepad::take_events(int fd) {
   std::array<input_event, 64> events{};
   const ssize_t got = ::read(fd, events.data(), sizeof events);
@@ -230,7 +230,7 @@ bool Gamepad::take_events(int fd) {
   const auto count = static_cast<std::size_t>(got) / sizeof events[0];
   for (std::size_t i = 0; i < count; ++i) {
     if (events[i].type == EV_SYN && events[i].code == SYN_DROPPED) {
-      // The kernel has lost events: nothing is pressed until it is pressed again.
+      // The kernel has lost events: treat every control as released until the next press.
       report_.release();
       changed = true;
     }
@@ -240,7 +240,8 @@ bool Gamepad::take_events(int fd) {
   return true;
 }
 
-/// Stores why the device is not ready, empty if it is, and tells the user of changes.
+/// Stores the reason why the device is not ready (empty if it is), and notifies the user of
+/// changes.
 void Gamepad::report(const std::string& trouble) {
   {
     const std::scoped_lock lock(mutex_);

@@ -18,22 +18,23 @@
 namespace kerf::agent {
 
 struct GamepadSettings {
-  /// An event device such as /dev/input/event5; empty: the first gamepad there.
+  /// An event device such as /dev/input/event5; if empty, the first gamepad found.
   std::string node;
   StockBox stock{};
-  /// The session's tools, and the one to start with.
+  /// The session's tools and the initial one.
   std::vector<std::uint32_t> tools;
   std::uint32_t tool = 0;
-  /// Called on the device's thread with a line for the user: why it is not ready, or that it is.
+  /// Called on the device's thread with a line for the user: why the device is not ready, or that
+  /// it is.
   std::function<void(const std::string&)> notice{};
-  /// Opens a node for reading and writing without blocking; returns -1 and sets errno if it cannot.
-  /// Empty: the operating system's.
+  /// Opens a node for reading and writing without blocking; returns -1 and sets errno on failure.
+  /// If empty, the operating system's open.
   std::function<int(const std::string& node)> open{};
 };
 
-/// A gamepad: its sticks and triggers command a velocity of the tool, which it has no motors to
-/// hold back; force and torque are felt as rumble. It is searched for until it is there, and again
-/// after a loss.
+/// A gamepad: sticks and triggers command a velocity of the tool. It has no motors that resist
+/// motion; rumble indicates force and torque. It is searched for until found, and again after a
+/// loss.
 class Gamepad final : public HapticDevice {
  public:
   explicit Gamepad(GamepadSettings settings);
@@ -65,13 +66,13 @@ class Gamepad final : public HapticDevice {
   GamepadSettings settings_;
   RateControl control_;
   TimedPad newest_;            ///< servo thread
-  std::uint64_t last_us_ = 0;  ///< servo thread; 0: no read yet
+  std::uint64_t last_us_ = 0;  ///< servo thread; 0 before the first read
   LatestValue<TimedPad> pads_;
   DeviceMailbox rumble_;
   // Device's thread.
   GamepadReport report_;
   RumbleClock clock_;
-  std::int16_t effect_ = -1;  ///< the kernel's id of the uploaded effect; -1: none
+  std::int16_t effect_ = -1;  ///< the kernel's id of the uploaded effect; -1 if none
   mutable std::mutex mutex_;  ///< guards trouble_
   std::string trouble_;
   std::atomic<bool> ending_{false};

@@ -34,7 +34,7 @@ void GamepadReport::release() noexcept {
   state_.cap = {};
 }
 
-/// -1 … 1, 0 in the middle.
+/// -1 … 1, 0 at the center.
 double GamepadReport::stick(PadAxis axis) const noexcept {
   const AxisRange& range = ranges_[axis_index(axis)];
   const double half = (static_cast<double>(range.most) - range.least) / 2;

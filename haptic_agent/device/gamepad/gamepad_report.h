@@ -18,9 +18,9 @@ inline constexpr std::size_t kPadAxes = 6;
 /// Event codes of the axes (ABS_... of linux/input-event-codes.h).
 using PadCodes = std::array<std::uint16_t, kPadAxes>;
 
-/// Returns the codes under which a pad reports its axes. Linux's drivers of gamepads report the
-/// right stick as RX and RY, and the triggers as Z and RZ. Generic HID pads, such as an Xbox pad
-/// over Bluetooth, report that stick as Z and RZ, and the triggers as BRAKE and GAS or not at all.
+/// Returns the codes under which a pad reports its axes. Linux's gamepad drivers report the right
+/// stick as RX and RY, and the triggers as Z and RZ. Generic HID pads, such as an Xbox pad over
+/// Bluetooth, report that stick as Z and RZ, and the triggers as BRAKE and GAS or not at all.
 /// `has_rx_ry`: the pad has RX and RY; `has_gas_brake`: it has GAS and BRAKE.
 PadCodes pad_codes(bool has_rx_ry, bool has_gas_brake) noexcept;
 
@@ -29,22 +29,22 @@ struct AxisRange {
   std::int32_t least = 0, most = 0;
 };
 
-/// What a gamepad commands.
+/// The command of a gamepad.
 struct PadState {
-  /// Left stick: across; triggers: up and down; right stick: tilt. Buttons as of a SpaceMouse: bit
-  /// 0 cuts (A, or a cross), bit 1 is the fifth of the speed (left shoulder); bit 2 undoes (B, or a
-  /// circle), bit 3 redoes (right shoulder).
+  /// Left stick: across; triggers: up and down; right stick: tilt. Buttons are numbered as on a
+  /// SpaceMouse: bit 0 cuts (A, or a cross), bit 1 selects a fifth of the speed (left shoulder),
+  /// bit 2 undoes (B, or a circle), bit 3 redoes (right shoulder).
   CapDeflection cap{};
-  /// Presses of the button for the next tool (BTN_NORTH) less those for the previous one
+  /// Presses of the button for the next tool (BTN_NORTH) minus presses for the previous one
   /// (BTN_WEST). On a pad whose driver reports positions these are the upper button (a triangle)
-  /// and the left one (a square). xpad, the driver of Xbox pads, reports labels instead, and the
-  /// label X has the code of BTN_NORTH, Y that of BTN_WEST.
+  /// and the left one (a square). xpad, the driver of Xbox pads, reports labels instead: X has the
+  /// code of BTN_NORTH, Y that of BTN_WEST.
   std::int32_t tool_steps = 0;
 
   bool operator==(const PadState&) const = default;
 };
 
-/// Decodes the events of a gamepad (linux/input.h). Whatever the device sends is valid.
+/// Decodes the events of a gamepad (linux/input.h). Accepts any event.
 class GamepadReport {
  public:
   /// Default: pad_codes(true, false).
@@ -52,7 +52,7 @@ class GamepadReport {
   void set_range(PadAxis axis, AxisRange range) noexcept;
   /// Returns whether the state changed.
   bool take(const input_event& event) noexcept;
-  /// All sticks, triggers and buttons are released.
+  /// Marks all sticks, triggers and buttons as released.
   void release() noexcept;
   const PadState& state() const noexcept { return state_; }
 

@@ -8,7 +8,7 @@ namespace kerf::agent {
 namespace {
 
 constexpr double kFullMagnitude = 65535;
-/// Smallest change that is set: 2 % of the full strength.
+/// Smallest change that is output: 2 % of the full strength.
 constexpr int kLeastChange = 1311;
 
 std::uint16_t magnitude(double share) noexcept {

@@ -11,7 +11,7 @@ namespace kerf::agent {
 /// Magnitudes of a gamepad's two motors, as in linux/input.h.
 struct RumbleLevel {
   std::uint16_t strong = 0;  ///< the heavy motor, for force
-  std::uint16_t weak = 0;    ///< the light one, for torque
+  std::uint16_t weak = 0;    ///< the light motor, for torque
 
   bool operator==(const RumbleLevel&) const = default;
 };
@@ -20,20 +20,20 @@ struct RumbleLevel {
 inline constexpr double kFullRumbleN = 4;
 inline constexpr double kFullRumbleNmm = 120;
 
-/// Returns the magnitudes for a wrench; zero if it is not finite. A force and a torque, not a
-/// power: a tool that rests against a surface rumbles too.
+/// Returns the magnitudes for a wrench; zero if it is not finite. They follow force and torque
+/// rather than power, so a tool that rests against a surface rumbles too.
 RumbleLevel rumble_of(const Wrench& wrench) noexcept;
 
-/// Decides when a rumble effect is updated: at most every kPeriodUs, if the level has changed
-/// perceptibly, at once if it becomes zero, and again every kRenewUs while it is not, because an
-/// effect ends by itself after kEffectMs.
+/// Decides when a rumble effect is updated. An update is due at most every kPeriodUs if the level
+/// has changed perceptibly, and at once if it becomes zero. A level above zero is renewed every
+/// kRenewUs, because an effect ends after kEffectMs.
 class RumbleClock {
  public:
   static constexpr std::uint64_t kPeriodUs = 20'000;
   static constexpr std::uint64_t kRenewUs = 100'000;
   static constexpr std::uint16_t kEffectMs = 250;
 
-  /// Returns the level to set now; nothing if none is due.
+  /// Returns the level to set now; nullopt if no update is due.
   std::optional<RumbleLevel> due(const RumbleLevel& level, std::uint64_t now_us) noexcept;
   void restart() noexcept { *this = {}; }
 

@@ -15,7 +15,7 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::size_t kNameBytes = 64;
-/// Below, a band would delay the force of a cut itself.
+/// A lower band would delay the force of a cut itself.
 constexpr std::uint32_t kMinVibrationHz = 20, kMaxVibrationHz = 1000;
 
 constexpr std::uint32_t kKnownFlags = KERF_AGENT_HAS_DEADMAN | KERF_AGENT_ALWAYS_CUT;

@@ -17,8 +17,8 @@ namespace kerf::agent {
 inline constexpr std::uint32_t kMaxStructBytes = 4096;
 
 /// Copies a structure of the C interface, whose first field is its size. A shorter one, from an
-/// older header, is completed with zeros; a longer one is accepted if the rest is zero. Returns
-/// false if it is not, or if the structure is null, shorter than its size field or longer than
+/// older header, is completed with zeros. A longer one is accepted if the rest is zero. Returns
+/// false otherwise, or if the structure is null, shorter than its size field or longer than
 /// kMaxStructBytes.
 template <typename T>
 bool read_struct(const T* from, T& to) noexcept {
@@ -33,7 +33,7 @@ bool read_struct(const T* from, T& to) noexcept {
                                           [](std::byte byte) { return byte == std::byte{0}; });
 }
 
-/// Fills in a structure of the C interface, as much of it as the caller's header knows. Returns
+/// Fills in a structure of the C interface up to the size that the caller's header knows. Returns
 /// false if it is null or states no size.
 template <typename T>
 bool write_struct(const T& from, T* to) noexcept {
@@ -51,8 +51,8 @@ std::expected<DeviceCapabilities, std::string> capabilities_of(
 /// Whether the tip of a ready device is finite and its axis of length 1; true if it is not ready.
 bool is_pose(const kerf_agent_pose& pose) noexcept;
 
-/// Converts a pose. It is not valid if the device is not ready, it is as old as
-/// DeviceMailbox::kPoseLifeUs or dated further ahead than that; the servo checks its numbers. A
+/// Converts a pose. The result is not valid if the device is not ready, or if the pose is as old as
+/// DeviceMailbox::kPoseLifeUs or dated further ahead than that. The servo checks the numbers. A
 /// device without a deadman sensor counts as held.
 DeviceState state_of(const kerf_agent_pose& pose, bool has_deadman, std::uint64_t now_us) noexcept;
 

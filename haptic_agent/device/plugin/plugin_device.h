@@ -16,9 +16,9 @@ namespace kerf::agent {
 
 /// Why a plugin cannot be used.
 enum class PluginFault : std::uint8_t {
-  kNotLoaded,   ///< no such file, or no shared library, or it needs another one
+  kNotLoaded,   ///< the file is missing, is no shared library, or needs a missing one
   kNoSymbol,    ///< it does not export kPluginSymbol
-  kVersion,     ///< of another ABI
+  kVersion,     ///< it has another ABI version
   kIncomplete,  ///< a required function is missing
   kOpen,        ///< its `open` failed
   kCapability,  ///< a capability is out of range

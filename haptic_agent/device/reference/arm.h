@@ -29,8 +29,8 @@ Vec3 arm_point(const ArmShape& shape, const ArmAngles& q) noexcept;
 /// Returns the columns of dp/dq, mm/rad.
 std::array<Vec3, 3> arm_jacobian(const ArmShape& shape, const ArmAngles& q) noexcept;
 
-/// Torques that exert `force_n` at the arm's end: tau = J^T f (virtual work). No inverse is needed,
-/// so a stretched arm is no special case.
+/// Torques that exert `force_n` at the arm's end: tau = J^T f (virtual work). Needs no inverse, so
+/// a stretched arm is no special case.
 ArmTorques arm_torques(const ArmShape& shape, const ArmAngles& q, Vec3 force_n) noexcept;
 
 }  // namespace kerf::agent

@@ -7,7 +7,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Below this distance of A and B the pen's direction is undefined.
+/// Below this distance between A and B the pen's direction is undefined.
 constexpr double kMinPointDistanceMm = 1.0;
 
 bool all_finite(const ArmAngles& q) noexcept {

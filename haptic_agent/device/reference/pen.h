@@ -17,14 +17,14 @@ struct PenShape {
   ArmShape rear{};
   /// |B - A|, L.
   double length_mm = 0;
-  /// Distance from A along the pen to the grip point G, where the user holds it; a.
+  /// Distance from A along the pen to the grip point G, where the user holds it: a.
   double grip_mm = 0;
 
   bool operator==(const PenShape&) const = default;
 };
 
-/// Dimensions of the standard device of README.md. It reaches every grip point within kGripReachMm
-/// of the center, with the pen tilted up to kLeanRad.
+/// Dimensions of the standard device of README.md. The pen reaches every grip point within
+/// kGripReachMm of the center, tilted by up to kLeanRad.
 PenShape standard_pen() noexcept;
 inline constexpr Vec3 kGripReachMm{60, 50, 50};
 inline constexpr double kLeanRad = 0.87;
@@ -34,11 +34,11 @@ struct PenAngles {
   ArmAngles rear{};
 };
 
-/// Estimates the joints' angles between the steps of their encoders, which it finds by itself: the
-/// device does not state them. In coordinates of the pen they have no steps of their own.
+/// Estimates the joints' angles between encoder steps, whose size it finds from the angles because
+/// the device does not state it. The coordinates of the pen have no steps of their own.
 class JointTracker {
  public:
-  /// Takes the angles measured `dt_s` after the last ones.
+  /// Adds the angles measured `dt_s` after the last ones; returns the estimated angles.
   PenAngles take(const PenAngles& measured, double dt_s) noexcept;
   void reset() noexcept;
 
@@ -46,7 +46,7 @@ class JointTracker {
   std::array<StepTracker, 6> joints_;
 };
 
-/// A pose of 5 DOF: two points do not determine the rotation about the line through them.
+/// A pose of 5 DOF: two points do not determine the rotation about their common line.
 struct PenPose {
   Vec3 grip_mm{};
   /// Unit, u = (B - A)/|B - A|: from the tool's tip towards the spindle.
@@ -55,7 +55,7 @@ struct PenPose {
   double mismatch_mm = 0;
 };
 
-/// Forward kinematics. Returns nothing if an angle is not finite or both points coincide.
+/// Forward kinematics. Returns nullopt if an angle is not finite or both points coincide.
 std::optional<PenPose> pen_pose(const PenShape& shape, const PenAngles& q) noexcept;
 
 /// Velocities of A and B for a velocity of the grip point and an angular velocity of the pen about
@@ -71,7 +71,7 @@ PointVelocities point_velocities(const PenShape& shape, Vec3 axis, Vec3 velocity
 struct PointForces {
   Vec3 front_n{};
   Vec3 rear_n{};
-  /// The torque about the pen's axis, N·mm, which forces at two points of that axis cannot produce.
+  /// The torque about the pen's axis, N·mm. Forces at two points of that axis cannot produce it.
   double left_out_nmm = 0;
 };
 

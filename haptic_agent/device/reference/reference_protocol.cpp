@@ -27,7 +27,7 @@ constexpr std::uint64_t kKeepAliveUs = 4000;
 constexpr std::uint64_t kSilenceUs = 500'000;
 /// A report and a command of one 1 ms frame each, and the firmware's own loop.
 constexpr std::uint64_t kLatencyUs = 3000;
-/// The least that the pen and the ends of both arms may have (README.md).
+/// Least mass and inertia of the pen and the ends of both arms (README.md).
 constexpr double kMovingMassKg = 0.15;
 constexpr double kMovingInertiaKgM2 = 2e-4;
 

@@ -11,8 +11,7 @@
 
 namespace kerf::agent::reference {
 
-/// Messages of the protocol of README.md in this folder, which has their layouts. Numbers are
-/// little-endian.
+/// Messages of the protocol; README.md in this folder has their layouts. Numbers are little-endian.
 inline constexpr std::uint16_t kVendorId = 0x1209;
 inline constexpr std::uint16_t kProductId = 0x0001;
 inline constexpr std::uint8_t kUsbClass = 0xFF;
@@ -94,7 +93,7 @@ std::array<std::uint8_t, kIdentityBytes> encode(const Identity& identity) noexce
 std::array<std::uint8_t, kStateBytes> encode(const StateReport& report) noexcept;
 std::array<std::uint8_t, kCommandBytes> encode(const CommandReport& report) noexcept;
 
-/// Returns nothing if the length, kind, version or checksum is wrong. An identity of another
+/// Returns nullopt if the length, kind, version or checksum is wrong. An identity of another
 /// version is returned, so that it can be reported, but its fields after `minor` are not valid.
 std::optional<Identity> decode_identity(std::span<const std::uint8_t> bytes) noexcept;
 std::optional<StateReport> decode_state(std::span<const std::uint8_t> bytes) noexcept;
@@ -102,8 +101,9 @@ std::optional<CommandReport> decode_command(std::span<const std::uint8_t> bytes)
 
 PenAngles angles_of(const StateReport& report) noexcept;
 
-/// Converts torques to 0.1 N·mm. Scales all by one factor so that none exceeds its motor's limit or
-/// the field's range: the wrench keeps its direction. Returns zeros if a torque is not finite.
+/// Converts torques to 0.1 N·mm. One factor scales all of them so that none exceeds its motor's
+/// limit or the field's range, which keeps the direction of the wrench. Returns zeros if a torque
+/// is not finite.
 std::array<std::int16_t, 6> wire_torques(const std::array<double, 6>& torques_nmm,
                                          const std::array<double, 6>& most_nmm) noexcept;
 

@@ -14,22 +14,22 @@
 
 namespace kerf::agent {
 
-/// Messages of the line protocol of README.md in this folder, without the newline. Whatever comes
-/// from the device is untrusted.
+/// Messages of the line protocol of README.md in this folder, without the newline. Input from the
+/// device is untrusted.
 inline constexpr int kLineProtocolVersion = 1;
 /// Longest accepted line.
 inline constexpr std::size_t kMaxLineBytes = 1024;
 
 struct SocketPose {
   DeviceState state;
-  /// Number of the newest wrench that the device has accepted; 0: none.
+  /// Number of the newest wrench that the device has accepted; 0 before the first.
   std::uint16_t accepted = 0;
 };
 
 /// Reads `kerf-device 1 KEY=VALUE ...`. The error is one clause.
 std::expected<DeviceCapabilities, std::string> parse_device_line(std::string_view line);
 
-/// Reads `pose STATE X Y Z AX AY AZ BUTTONS ACCEPTED`; nothing if it is malformed.
+/// Reads `pose STATE X Y Z AX AY AZ BUTTONS ACCEPTED`; nullopt if it is malformed.
 std::optional<SocketPose> parse_pose_line(std::string_view line, bool has_deadman,
                                           std::uint64_t now_us) noexcept;
 

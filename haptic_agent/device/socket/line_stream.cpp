@@ -37,7 +37,7 @@ int start_connecting(int family, const sockaddr* address, socklen_t bytes) noexc
   return -error;
 }
 
-/// Waits until a socket is connected; returns the error, 0 if it is.
+/// Waits until a socket is connected; returns 0 or the error.
 int finish_connecting(int fd) noexcept {
   pollfd waited{.fd = fd, .events = POLLOUT, .revents = 0};
   if (::poll(&waited, 1, kConnectMs) != 1) return ETIMEDOUT;

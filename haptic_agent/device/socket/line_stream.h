@@ -34,14 +34,15 @@ class LineStream {
   void close() noexcept;
   int fd() const noexcept { return fd_; }
 
-  /// Receives what has arrived. Returns false if the connection is closed, or if a line is longer
+  /// Receives the pending bytes. Returns false if the connection is closed, or if a line is longer
   /// than `most` bytes.
   bool receive(std::size_t most);
   /// Fetches the next complete line without its newline; returns false if there is none.
   bool next(std::string& line);
-  /// Appends a text to what is sent, unless earlier text is still waiting; returns false if it is.
+  /// Appends a text to the output, unless earlier text is still waiting; then returns false.
   bool queue(std::string_view text);
-  /// Sends what is waiting, as far as the socket takes it. Returns false if the connection is lost.
+  /// Sends the waiting output as far as the socket accepts it. Returns false if the connection is
+  /// lost.
   bool flush();
   bool waiting() const noexcept { return !out_.empty(); }
 

@@ -16,15 +16,15 @@
 namespace kerf::agent {
 namespace {
 
-/// As that of USB devices: below the servo.
+/// The priority of USB devices: below the servo.
 constexpr int kSocketPriority = kServoPriority - 1;
 /// An unchanged wrench is repeated after this time, for the device's watchdog.
 constexpr std::uint64_t kRepeatUs = 4000;
 constexpr int kPollMs = 4;
 /// A device that sends nothing for this time counts as lost.
 constexpr std::uint64_t kQuietUs = 500'000;
-/// A wrench that cannot be sent, or is not acknowledged, within this time ends the connection:
-/// later ones would wait behind it and act when they are old.
+/// A wrench that cannot be sent, or is not acknowledged, within this time ends the connection.
+/// Later ones would wait behind it and act when they are old.
 constexpr std::uint64_t kUntakenUs = 20'000;
 constexpr std::chrono::milliseconds kRetry{100};
 constexpr std::uint64_t kGreetingUs = 1'000'000;
@@ -178,8 +178,8 @@ bool SocketDevice::send_wrench(std::uint64_t now_us) {
   return stream_.flush();
 }
 
-/// Returns false if, at `asked_us`, a wrench has waited too long to be sent or, where the process
-/// acknowledges wrenches, to be accepted. Read everything that has arrived by then first: a pause
+/// Returns false if, at `asked_us`, a wrench has waited too long to be sent or, if the process
+/// acknowledges wrenches, to be accepted. Read all lines that have arrived by then first: a pause
 /// of this thread is no fault of the process.
 bool SocketDevice::takes_wrenches(std::uint64_t asked_us) const noexcept {
   if (stream_.waiting() && asked_us > queued_us_ + kUntakenUs) return false;
@@ -194,7 +194,8 @@ void SocketDevice::lose(const std::string& reason) {
   report(join({"the device at ", to_string(settings_.address), " is lost: ", reason}));
 }
 
-/// Stores why the device is not ready, empty if it is, and tells the user of changes.
+/// Stores the reason why the device is not ready (empty if it is), and notifies the user of
+/// changes.
 void SocketDevice::report(const std::string& trouble) {
   {
     const std::scoped_lock lock(mutex_);

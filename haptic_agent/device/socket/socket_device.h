@@ -23,14 +23,14 @@ struct SocketDeviceSettings {
   StockBox stock{};
   double pivot_mm = 60;
   std::uint32_t participant = 0;
-  /// How long `open` waits for the process.
+  /// Longest time for which `open` waits for the process.
   double wait_s = 5;
   /// Called on the device's thread with a line for the user: lost, connected again.
   std::function<void(const std::string&)> notice{};
 };
 
 /// A device that another process serves over a Unix or TCP socket (README.md). After a loss it is
-/// searched for until it is there again, with the same capabilities.
+/// searched for until it is back with the same capabilities.
 class SocketDevice final : public HapticDevice {
  public:
   /// Connects and reads the device's capabilities. The error is one sentence.
@@ -62,15 +62,15 @@ class SocketDevice final : public HapticDevice {
   SocketDeviceSettings settings_;
   /// Assigned at the first connection, before the device's thread starts; constant afterwards.
   DeviceCapabilities capabilities_;
-  /// The device's first line; after a loss it must be the same.
+  /// The device's first line; it must be the same after a loss.
   std::string device_line_;
   LineStream stream_;
   DeviceMailbox mailbox_;
   CommandClock clock_;
   DeviceState newest_;
   std::uint16_t number_ = 0;
-  std::uint64_t sent_us_ = 0;    ///< when the newest wrench was queued; 0: none is
-  std::uint64_t queued_us_ = 0;  ///< when the newest line was
+  std::uint64_t sent_us_ = 0;    ///< when the newest wrench was queued; 0 if none is
+  std::uint64_t queued_us_ = 0;  ///< when the newest line was queued
   int wake_fd_;
   mutable std::mutex mutex_;  ///< guards trouble_
   std::string trouble_;

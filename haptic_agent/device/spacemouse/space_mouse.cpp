@@ -17,7 +17,7 @@ constexpr double kAroundMm = 50.0;
 constexpr std::uint32_t kLeftButton = 1;
 constexpr std::uint32_t kRightButton = 2;
 constexpr double kSPerUs = 1e-6;
-/// Longest time that one read integrates, so that a pause of the loop does not make the tool jump.
+/// Longest time integrated by one read, so that a pause of the loop does not make the tool jump.
 constexpr double kLongestStepS = 0.01;
 
 Vec3 shaped(Vec3 v) noexcept {

@@ -15,7 +15,7 @@ namespace kerf::agent {
 /// names it as the last accepted one. Used on the event thread; `echo` from any thread.
 class CommandClock {
  public:
-  /// A device was connected: earlier commands will not be acknowledged.
+  /// Call when a device was connected: earlier commands will not be acknowledged.
   void restart() noexcept {
     sent_ = {};
     newest_ = 0;
@@ -27,8 +27,8 @@ class CommandClock {
     newest_ = sequence;
     if (waiting_us_ == 0) waiting_us_ = now_us;
   }
-  /// A report says that this command was the last one accepted, after all earlier ones. Repetitions
-  /// are ignored.
+  /// Call when a report names this command as the last accepted one, after all earlier ones.
+  /// Repetitions are ignored.
   void accepted(std::uint16_t sequence, std::uint64_t now_us) noexcept {
     Sent& sent = sent_[sequence % kKept];
     if (sent.time_us == 0 || sent.sequence != sequence) return;
@@ -49,8 +49,8 @@ class CommandClock {
     }
   }
 
-  /// Time of the oldest command that is not accepted yet, for numbers of 1 to 65535 in turn; 0 if
-  /// there is none or the device has not acknowledged any.
+  /// Time of the oldest command not yet accepted, for numbers of 1 to 65535 in turn; 0 if there is
+  /// none or the device has not acknowledged any.
   std::uint64_t waiting_since_us() const noexcept { return acknowledges_ ? waiting_us_ : 0; }
 
   CommandEcho echo() const noexcept {
@@ -61,17 +61,17 @@ class CommandClock {
   }
 
  private:
-  /// Commands in flight, at most.
+  /// Greatest number of commands in flight.
   static constexpr std::size_t kKept = 64;
   struct Sent {
     std::uint16_t sequence = 0;
-    std::uint64_t time_us = 0;  ///< 0: none, or acknowledged
+    std::uint64_t time_us = 0;  ///< 0 if unused, or acknowledged
   };
 
   std::array<Sent, kKept> sent_{};
   std::uint16_t newest_ = 0;
   bool acknowledges_ = false;
-  std::uint64_t waiting_us_ = 0;  ///< of the oldest command in flight; 0: none
+  std::uint64_t waiting_us_ = 0;  ///< time of the oldest command in flight; 0 if none
   std::atomic<std::uint64_t> count_{0}, sum_us_{0}, most_us_{0};
 };
 

@@ -14,8 +14,8 @@ namespace {
 constexpr unsigned kControlTimeoutMs = 500;
 /// Timeout of an OUT transfer.
 constexpr unsigned kOutTimeoutMs = 20;
-/// After so many consecutive failures the device counts as unplugged: host controllers report an
-/// unplugged device as transfer errors at first.
+/// Number of consecutive failures after which the device counts as unplugged: host controllers
+/// first report an unplugged device as transfer errors.
 constexpr int kMaxFailures = 16;
 constexpr std::uint64_t kFarewellUs = 20'000;
 constexpr std::uint64_t kCancelUs = 500'000;

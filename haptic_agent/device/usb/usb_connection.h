@@ -76,7 +76,7 @@ class UsbConnection final : public UsbSyncIo {
   bool claimed_ = false;
   bool streaming_ = false;
   bool lost_ = false;
-  /// Endpoint whose halt must be cleared outside the callbacks; 0: none.
+  /// Endpoint whose halt must be cleared outside the callbacks; 0 if none.
   std::uint8_t halted_in_ = 0;
   std::uint8_t halted_out_ = 0;
   /// Failed transfers since the last good packet.

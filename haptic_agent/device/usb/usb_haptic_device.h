@@ -15,7 +15,7 @@ class HapticProtocol : public UsbProtocol {
  public:
   DeviceMailbox& mailbox() noexcept { return mailbox_; }
   virtual DeviceCapabilities capabilities() const = 0;
-  /// As HapticDevice::command_echo; callable from any thread.
+  /// See HapticDevice::command_echo. Callable from any thread.
   virtual CommandEcho command_echo() const noexcept { return {}; }
 
  protected:

@@ -22,8 +22,7 @@ namespace {
 constexpr int kIdleMs = 5;
 constexpr std::uint64_t kUsPerMs = 1000;
 
-/// Whether `a` is the better error to report: a device that cannot be used is more specific than
-/// none found.
+/// Whether `a` is the better error to report: an unusable device is more specific than no device.
 bool is_more_specific(const UsbError& a, const UsbError& b) noexcept {
   return a.fault != UsbFault::kNotFound && b.fault == UsbFault::kNotFound;
 }

@@ -19,8 +19,8 @@ inline constexpr int kUsbPriority = 79;
 
 struct UsbPortSettings {
   /// Opens a usbfs node and returns its file descriptor, which the port then owns; -1 if there is
-  /// no device. For systems that pass opened nodes (sandboxes, phones), and for tests. Empty: the
-  /// port searches the bus for the device's ids.
+  /// no device. For systems that pass opened nodes (sandboxes, phones), and for tests. If empty,
+  /// the port searches the bus for the device's ids.
   std::function<int()> node{};
   /// Called on the event thread with a line for the user: a problem, or that the device is ready.
   std::function<void(const std::string&)> notice{};

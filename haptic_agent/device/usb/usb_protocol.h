@@ -66,8 +66,8 @@ class UsbProtocol {
   virtual void connected(std::uint64_t now_us) noexcept = 0;
   /// Processes a received packet, which is untrusted data; returns false if it is invalid.
   virtual bool take(std::span<const std::uint8_t> packet, std::uint64_t now_us) noexcept = 0;
-  /// Writes the next packet to send into `packet` and returns its length; 0: nothing to send.
-  /// Called while no OUT transfer is in flight: after every received or sent packet, after every
+  /// Writes the next packet to send into `packet` and returns its length; 0 to send nothing. Called
+  /// while no OUT transfer is in flight: after every received or sent packet, after every
   /// UsbPort::wake, and at least every 5 ms.
   virtual std::size_t compose(std::span<std::uint8_t> packet, std::uint64_t now_us) noexcept = 0;
   /// The last composed packet was sent.

@@ -16,8 +16,8 @@ namespace kerf::agent {
 /// A kind of device that kerf-agent recognizes.
 struct KnownDevice {
   std::string_view name{};
-  /// Its value of --device; empty: recognized but not supported, because its protocol is closed and
-  /// needs the vendor's SDK.
+  /// Its value of --device. Empty if recognized but not supported, because its protocol is closed
+  /// and needs the vendor's SDK.
   std::string_view word{};
   std::vector<UsbId> ids{};
 };

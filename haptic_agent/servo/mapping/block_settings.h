@@ -5,9 +5,9 @@
 
 namespace kerf::agent {
 
-/// Returns the settings of a device as it is seen in the block through a mapping: what a model
-/// renders there with these stays stable at the device. The servo cycle itself uses the device's
-/// own settings.
+/// Returns the settings of a device as seen in the block through a mapping: a model that is stable
+/// in the block with these is stable at the device. The servo cycle itself uses the device's own
+/// settings.
 ServoSettings block_settings(const ServoSettings& device, const WorkspaceMapping& mapping) noexcept;
 
 }  // namespace kerf::agent

@@ -7,7 +7,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Returns the buttons of the device whose press is the clutch.
+/// Returns the buttons of the device that act as the clutch.
 std::uint32_t buttons_of(ClutchButton clutch) noexcept {
   switch (clutch) {
     case ClutchButton::kUndo:

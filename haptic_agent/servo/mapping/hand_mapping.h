@@ -8,10 +8,10 @@
 
 namespace kerf::agent {
 
-/// The button that is the clutch: while it is held the tool stays in the block and the hand moves
-/// back, as a mouse is lifted. kButtonClutch of a device that has one always is.
+/// The button that acts as the clutch: while it is held the tool stays in the block and the hand
+/// moves back, like lifting a mouse. kButtonClutch of a device always is one.
 enum class ClutchButton : std::uint8_t {
-  /// No other.
+  /// Only kButtonClutch.
   kOwn,
   /// The release of the deadman: the tool stays while nobody holds the device.
   kDeadman,
@@ -28,13 +28,13 @@ struct MappingSettings {
 /// A change of the mapping while the loop runs.
 struct MappingRequest {
   WorkspaceMapping mapping{};
-  /// The tool stays where it is, and the mapping's points count only before the first pose.
+  /// The tool stays at its position, and the mapping's points count only before the first pose.
   bool keeps_tool = true;
 };
 
-/// The mapping of a running device: follows its poses, clutch and changes. Where clutch or change
-/// have moved device space against the block, earlier answers do not hold, and the force comes back
-/// over kResumeUs.
+/// The mapping of a running device: follows its poses, clutch and changes. After the clutch or a
+/// change has moved device space against the block, earlier answers are invalid, and the force
+/// returns over kResumeUs.
 class HandMapping {
  public:
   /// Time in which the force rises again.
@@ -43,10 +43,10 @@ class HandMapping {
   explicit HandMapping(const MappingSettings& settings) noexcept
       : map_(settings.at_start), clutch_(settings.clutch) {}
 
-  /// Takes the newest state of the device; returns the tool's in the block. The clutch is not among
-  /// its buttons, and it does not cut while the clutch is held, nor over a change.
+  /// Processes the newest state of the device; returns that of the tool in the block, without the
+  /// clutch buttons. The tool does not cut while the clutch is held, nor across a change.
   DeviceState follow(const DeviceState& device, std::uint64_t now_us) noexcept;
-  /// The mapping from the next pose on.
+  /// Sets the mapping from the next pose on.
   void change(const MappingRequest& request) noexcept { request_ = request; }
 
   const SpaceMap& map() const noexcept { return map_; }
@@ -54,7 +54,7 @@ class HandMapping {
   bool is_away() const noexcept { return is_away_; }
   /// The newest pose is the first one after a clutch or a change.
   bool has_resumed() const noexcept { return has_resumed_; }
-  /// Whether an answer to the pose measured at `pose_us` holds for the present mapping.
+  /// Whether an answer to the pose measured at `pose_us` is valid under the present mapping.
   bool holds_for(std::uint64_t pose_us) const noexcept { return pose_us >= valid_from_us_; }
   /// Share of the force, 0 to 1.
   double share(std::uint64_t now_us) const noexcept;
@@ -67,7 +67,7 @@ class HandMapping {
   ClutchButton clutch_;
   std::optional<MappingRequest> request_;
   bool is_away_ = false, has_resumed_ = false;
-  /// Tip of the tool in the block at the newest pose; nothing before the first.
+  /// Tip of the tool in the block at the newest pose; empty before the first.
   std::optional<Vec3> tool_mm_;
   std::uint64_t valid_from_us_ = 0;
   std::uint64_t resumed_us_ = 0;  ///< 0: never

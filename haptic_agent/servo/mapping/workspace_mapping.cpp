@@ -69,7 +69,7 @@ ServerWrench SpaceMap::to_device(const ServerWrench& answer, Vec3 axis,
   const double nearer_mm = pivot_mm * (1 / mapping_.scale - 1);
   mapped.wrench.torque_nmm =
       mapped.wrench.torque_nmm + cross(axis * nearer_mm, mapped.wrench.force_n);
-  // The other's hand has a lever as long as this one's, in device space.
+  // In device space, the other participant's hand has a lever as long as this one's.
   mapped.felt = {turned_to_device(answer.felt.force_n) * mapping_.gain,
                  turned_to_device(answer.felt.torque_nmm) * mapping_.gain};
   mapped.cut_centre_mm = to_device(answer.cut_centre_mm);
@@ -105,7 +105,7 @@ std::optional<WorkspaceMapping> fitted(const SpaceBox& stock, const SpaceBox& wo
   if (!workspace.has_volume()) return std::nullopt;
   const SpaceMap turn({.turn_rad = like.turn_rad});
   const Vec3 half = stock.size() * 0.5;
-  // Extents of the stock along the axes of the device: of a turned box, the sum over its edges.
+  // Extents of the stock along the axes of the device: for a turned box, the sum over its edges.
   Vec3 extent{};
   for (const Vec3 edge : {Vec3{half.x, 0, 0}, Vec3{0, half.y, 0}, Vec3{0, 0, half.z}}) {
     const Vec3 along = turn.turned_to_device(edge);

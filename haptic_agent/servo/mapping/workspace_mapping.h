@@ -14,18 +14,18 @@ namespace kerf::agent {
 inline constexpr double kScaleMin = 1e-3, kScaleMax = 1e3;
 inline constexpr double kGainMin = 1e-2, kGainMax = 100;
 
-/// How the space of a device lies in that of the block: a similarity, which keeps angles
-/// (derivation in README.md).
+/// The mapping from device space to the block: a similarity, which keeps angles (derivation in
+/// README.md).
 struct WorkspaceMapping {
   /// Millimeters in the block per millimeter of the device, kScaleMin to kScaleMax.
   double scale = 1;
   /// Force at the hand per force in the block, kGainMin to kGainMax.
   double gain = 1;
-  /// Rotation vector, rad: device space is turned by it against the block.
+  /// Rotation vector from device space to the block, rad.
   Vec3 turn_rad{};
-  /// This point of device space ...
+  /// This point of device space corresponds to `block_mm`.
   Vec3 device_mm{};
-  /// ... is at this point of the block.
+  /// Point of the block.
   Vec3 block_mm{};
 
   /// Torque about the tip at the hand per torque in the block.
@@ -43,17 +43,17 @@ struct SpaceBox {
   Vec3 middle() const noexcept { return (min_mm + max_mm) * 0.5; }
   Vec3 size() const noexcept { return max_mm - min_mm; }
   /// Whether all edges are longer than zero. A device with an unknown workspace states an empty
-  /// one.
+  /// box.
   bool has_volume() const noexcept {
     const Vec3 edges = size();
     return edges.x > 0 && edges.y > 0 && edges.z > 0;
   }
 };
 
-/// Where a device's workspace is in the block: a box that may be turned.
+/// The device's workspace in the block: a box that may be turned.
 struct Reach {
   Vec3 center_mm{};
-  /// Half of its edges along the device's axes, mm in the block.
+  /// Half of its edge lengths along the device's axes, mm in the block.
   Vec3 half_mm{};
   /// Rotation vector.
   Vec3 turn_rad{};
@@ -62,8 +62,8 @@ struct Reach {
   friend bool operator==(const Reach&, const Reach&) = default;
 };
 
-/// Carries points, motions and answers from one space to the other. Where the mapping changes
-/// nothing, values stay the same to the bit.
+/// Maps points, motions and answers from one space to the other. Under the identity, values stay
+/// the same to the bit.
 class SpaceMap {
  public:
   SpaceMap() noexcept : SpaceMap(WorkspaceMapping{}) {}
@@ -74,21 +74,20 @@ class SpaceMap {
 
   Vec3 to_block(Vec3 device_mm) const noexcept;
   Vec3 to_device(Vec3 block_mm) const noexcept;
-  /// Of a direction: turned only.
+  /// For a direction: turned only.
   Vec3 turned_to_block(Vec3 v) const noexcept;
   Vec3 turned_to_device(Vec3 v) const noexcept;
 
-  /// Returns the image of a grip in the block. Its pivot is nearer to the tip than the session's by
-  /// the scale.
+  /// Returns the image of a grip in the block. The distance from its pivot to the tip is scaled.
   PastGrip to_block(const PastGrip& device) const noexcept;
-  /// Returns a wrench in the block about the image of the device's pivot, as the hand feels it.
+  /// Returns a wrench in the block, about the image of the device's pivot, as the hand feels it.
   Wrench to_device(const Wrench& block) const noexcept;
-  /// Returns an answer of the session in device space. Its torque refers to the session's pivot,
-  /// `pivot_mm` from the tip; the result's, to the device's, as far from the tip in device space.
-  /// `axis`: of the device at the answered pose.
+  /// Returns an answer of the session in device space. Its torque is about the session's pivot,
+  /// `pivot_mm` from the tip; the result's about the device's pivot, at the same distance in device
+  /// space. `axis`: the device's axis at the answered pose.
   ServerWrench to_device(const ServerWrench& answer, Vec3 axis, double pivot_mm) const noexcept;
 
-  /// Returns the mapping with another point of the block at `device_mm`.
+  /// Returns the mapping with `device_mm` moved to another point of the block.
   SpaceMap placed(Vec3 device_mm, Vec3 block_mm) const noexcept;
   Reach reach_of(const SpaceBox& workspace) const noexcept;
 
@@ -99,24 +98,24 @@ class SpaceMap {
   std::array<Vec3, 3> rows_{};
 };
 
-/// A request of the user.
+/// Mapping requested by the user.
 struct MappingChoice {
   double scale = 1;
-  /// Fit the stock to the workspace, if that is known, in place of `scale`.
+  /// Fits the stock to the workspace, if that is known, and ignores `scale`.
   bool fits = false;
   double gain = 1;
   Vec3 turn_rad{};
 };
 
-/// Returns a mapping that shows the middle of the workspace at the middle of the stock, at the
-/// least scale at which the workspace reaches all of the stock and a tenth of the workspace's edges
-/// beyond on each side; nothing if the workspace is unknown. `like`: gain and turn.
+/// Returns a mapping that shows the center of the workspace at the center of the stock, at the
+/// least scale at which the stock fills at most kFilled of each edge of the workspace; empty if the
+/// workspace is unknown. `like`: gives gain and turn.
 std::optional<WorkspaceMapping> fitted(const SpaceBox& stock, const SpaceBox& workspace,
                                        const WorkspaceMapping& like) noexcept;
 
-/// Returns the mapping at the start. Without a fit the middle of the workspace stays where the
-/// device has placed it; of an unknown workspace, the middle of the stock's top, on which devices
-/// place theirs. A fit without a workspace has the scale 1.
+/// Returns the mapping at the start. Without a fit the center of the workspace stays where the
+/// driver placed it. An unknown workspace is centered on the top of the stock, as drivers place
+/// theirs. A fit without a workspace has the scale 1.
 WorkspaceMapping placed_mapping(const MappingChoice& choice, const SpaceBox& stock,
                                 const SpaceBox& workspace) noexcept;
 
