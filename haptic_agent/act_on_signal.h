@@ -8,9 +8,9 @@
 
 namespace kerf::agent {
 
-/// Acts on the signals of the process, from a thread of its own: SIGINT and SIGTERM leave, SIGUSR1
-/// re-arms. Construct it before any other thread starts, so that all threads inherit the blocked
-/// signals and only this one receives them. The destructor unblocks them again.
+/// Handles the signals of the process on its own thread: SIGINT and SIGTERM end the program,
+/// SIGUSR1 re-arms. Construct it before any other thread starts, so that all threads inherit the
+/// blocked signals and only this one receives them. The destructor unblocks them again.
 class ActOnSignal {
  public:
   ActOnSignal();
@@ -18,10 +18,11 @@ class ActOnSignal {
   ActOnSignal(const ActOnSignal&) = delete;
   ActOnSignal& operator=(const ActOnSignal&) = delete;
 
-  // Each of these functions replaces an action; null: none. Once it has returned, the old action
-  // neither runs nor will run, so its captures may be destroyed. An action must not call them.
+  // Each of these functions replaces an action, which may be null. Once it has returned, the old
+  // action neither runs nor will run, so its captures may be destroyed. An action must not call
+  // them.
 
-  /// A signal to leave that arrived while there was no action runs this one at once.
+  /// If a signal to end arrived while there was no action, this one runs at once.
   void on_leave(std::function<void()> action);
   void on_rearm(std::function<void()> action);
 
@@ -31,7 +32,7 @@ class ActOnSignal {
   sigset_t signals_{}, before_{};
   std::mutex mutex_;  ///< guards the members below, and the actions while they run
   std::function<void()> leave_, rearm_;
-  bool leaves_ = false;  ///< a signal to leave has arrived
+  bool leaves_ = false;  ///< a signal to end has arrived
   std::jthread thread_;
 };
 

@@ -10,8 +10,8 @@
 namespace kerf::agent {
 namespace {
 
-/// The force that a law computes per engaged area, and the most that the device outputs: in N, or
-/// in N s/mm for the law whose force grows with speed.
+/// The force that a law computes per engaged area, and the greatest that the device outputs, in N,
+/// or in N s/mm for the law whose force grows with speed.
 struct CutLoad {
   double per_mm2 = 0;
   double most = 0;
@@ -21,7 +21,7 @@ CutLoad load_of(const Welcome& welcome, const ServoSettings& settings) {
   if (welcome.law == CutLaw::kRemovalRate) {
     return {welcome.drr_n_s_per_mm3, settings.model.max_damping};
   }
-  // The force acts near the tip, and its torque about the pivot reaches its limit as well.
+  // The force acts near the tip, so its torque about the pivot is limited as well.
   const double at_tip_n = settings.pivot_mm > 0 ? settings.limits.torque_nmm / settings.pivot_mm
                                                 : settings.limits.force_n;
   return {welcome.specific_force_n_per_mm2, std::min(settings.limits.force_n, at_tip_n)};
@@ -31,7 +31,7 @@ CutLoad load_of(const Welcome& welcome, const ServoSettings& settings) {
 
 std::string force_notice(const Welcome& welcome, const ServoSettings& settings, std::uint32_t tool,
                          double full_cut_mm2) {
-  // Its force per area depends on the speed and the angles of engagement.
+  // The force per area of this law depends on the speed and the angles of engagement.
   if (welcome.law == CutLaw::kMechanistic) return {};
   const CutLoad load = load_of(welcome, settings);
   const double full = load.per_mm2 * full_cut_mm2;

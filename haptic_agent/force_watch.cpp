@@ -12,7 +12,7 @@ std::string ForceWatch::look(NoForce reason, std::uint64_t now_us) {
     said_ = false;
   }
   if (reason == NoForce::kTripped) notified_ = true;
-  // A user who holds the clutch knows it.
+  // The user who holds the clutch knows the reason.
   const bool known = reason == NoForce::kArming || reason == NoForce::kClutched;
   if (reason == NoForce::kTripped || known) return {};
   if (!blocks(reason) && std::exchange(notified_, false)) return "the force is on";

@@ -11,15 +11,14 @@ namespace kerf::agent {
 
 /// Decides when to tell the user why there is no force: once the reason has lasted for half a
 /// second (a second if the force is only reduced), and the same reason again after 5 s (60 s) at
-/// the earliest. It also tells that the force is on again. It leaves trips to TripWriter, which
-/// tells of each at once.
+/// the earliest. Also reports that the force is on again. TripWriter reports trips, at once.
 class ForceWatch {
  public:
   /// `reasons` must outlive the object.
   explicit ForceWatch(const ForceReasons& reasons) noexcept : reasons_(reasons) {}
 
-  /// Returns the line to print now, without its full stop; empty if there is none. Call it ten
-  /// times per second.
+  /// Returns the line to print now, without its full stop; may be empty. Call it ten times per
+  /// second.
   std::string look(NoForce reason, std::uint64_t now_us);
 
  private:
@@ -29,9 +28,9 @@ class ForceWatch {
   const ForceReasons& reasons_;
   NoForce reason_ = NoForce::kNone;
   std::uint64_t since_us_ = 0;
-  /// The user knows that there is no force.
+  /// The user has been told that there is no force.
   bool notified_ = false;
-  bool said_ = false;  ///< of reason_, since it began
+  bool said_ = false;  ///< the user has been told of reason_ since it began
   std::array<std::uint64_t, kNoForceNames.size()> said_us_{};
 };
 

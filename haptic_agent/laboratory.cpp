@@ -11,7 +11,7 @@
 namespace kerf::agent {
 namespace {
 
-/// The metadata at its end.
+/// Returns the metadata for the end of a recording.
 mcap::Texts end_of_session(const Summary& summary) {
   return {{"server_minus_agent_clock_us", std::to_string(summary.link.clock.offset_us())},
           {"loop_ticks_run", std::to_string(summary.cycles.ticks)},
@@ -42,7 +42,7 @@ std::expected<Laboratory, std::string> Laboratory::start(
         options.record_file, about_session(options.link.hello.name, welcome, rated, settings),
         welcome.text);
     if (!recorder) {
-      // The table is new and has no trial: the next attempt may use its name.
+      // The table is new and has no trial, so the next attempt may use its name.
       if (laboratory.study_) std::filesystem::remove(options.study_file);
       return std::unexpected("no recording: " + recorder.error());
     }

@@ -13,14 +13,14 @@
 
 namespace kerf::agent {
 
-/// Recording and study of a session, as far as the command line asks for them (--record, --study).
+/// Recording and study of a session, if the command line requests them (--record, --study).
 class Laboratory {
  public:
   /// Creates the files and starts both; call before the loop runs. `rated`: the device's
   /// capabilities, as changed by its profile and the command line. `cycle` and `loop` must outlive
   /// the object. The study ends the loop after its last answer. `say` shows a sentence to the user,
-  /// from any thread. The error is one sentence without its full stop; it leaves no new file of a
-  /// study without a trial. A study needs a device with motors.
+  /// from any thread. The error is one sentence without its full stop; on an error the new table of
+  /// a study is removed. A study needs a device with motors.
   static std::expected<Laboratory, std::string> start(const Options& options,
                                                       const Welcome& welcome,
                                                       const DeviceCapabilities& rated,
@@ -28,7 +28,7 @@ class Laboratory {
                                                       ServoCycle& cycle, ServoLoop& loop,
                                                       std::function<void(const std::string&)> say);
 
-  /// After the loop and the link have ended: completes the files, and the summary.
+  /// Call after the loop and the link have ended: completes the files and the summary.
   void finish(Summary& summary);
 
  private:

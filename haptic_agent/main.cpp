@@ -9,7 +9,7 @@
 #include "haptic_agent/run_agents.h"
 
 int main(int argc, char** argv) {
-  // If this fails, more memory is locked.
+  // A failure only means that more memory is locked.
   kerf::agent::limit_thread_stacks();
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "doctor") return kerf::agent::run_doctor(argc - 1, argv + 1, std::cout);

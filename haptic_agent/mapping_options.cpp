@@ -19,7 +19,7 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kMaxTurnDeg = 360;
 constexpr int kDigits = 3;
-/// Speed of the hand, mm/s, that users reach: the notice states a lower limit of the server.
+/// Speed of the hand that users reach, mm/s; the notice warns about a lower limit of the server.
 constexpr double kFastHandMmPerS = 300;
 constexpr std::pair<std::string_view, ClutchButton> kClutches[] = {
     {"own", ClutchButton::kOwn},
@@ -27,8 +27,8 @@ constexpr std::pair<std::string_view, ClutchButton> kClutches[] = {
     {"undo", ClutchButton::kUndo},
     {"redo", ClutchButton::kRedo}};
 
-/// Returns the rotation vector of a text: degrees about z, or three degrees X,Y,Z; nothing if it is
-/// neither, or turns by more than once around.
+/// Returns the rotation vector of a text: degrees about z, or three degrees X,Y,Z. Nullopt for
+/// other texts and for more than a full turn.
 std::optional<Vec3> read_turn(std::string_view text) {
   const auto fields = split_fields(text);
   if (fields.size() != 1 && fields.size() != 3) return std::nullopt;
@@ -49,7 +49,7 @@ SpaceBox workspace_of(const DeviceCapabilities& device) noexcept {
   return {device.workspace_min_mm, device.workspace_max_mm};
 }
 
-/// Whether the device can bring the tool to every corner of the stock.
+/// Whether the device can move the tool to every corner of the stock.
 bool reaches(const WorkspaceMapping& mapping, const SpaceBox& workspace, const SpaceBox& stock) {
   const SpaceMap map(mapping);
   const Vec3 half = workspace.size() * 0.5;

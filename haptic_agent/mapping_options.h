@@ -28,14 +28,15 @@ struct MappingOptions {
 /// error is one sentence that begins with the option.
 std::expected<MappingOptions, std::string> read_mapping(const MappingTexts& texts);
 
-/// Returns the settings for a device. The error is one sentence: the device cannot have the clutch.
+/// Returns the settings for a device. The error is one sentence: the device does not support the
+/// clutch.
 std::expected<MappingSettings, std::string> mapping_of(const MappingOptions& options,
                                                        const DeviceCapabilities& device,
                                                        const StockBox& stock);
 
 /// Returns the line for the user: scale, size of the device's workspace in the block, force gain
-/// and stiffness at the hand; and the remedy if the workspace is unknown or the stock does not fit.
-/// Empty for a device of unknown workspace without a mapping.
+/// and stiffness at the hand, and the remedy if the workspace is unknown or the stock does not fit.
+/// Empty for a device with an unknown workspace without a mapping.
 std::string mapping_notice(const MappingOptions& options, const WorkspaceMapping& mapping,
                            const DeviceCapabilities& device, const StockBox& stock);
 

@@ -7,7 +7,7 @@
 
 namespace kerf::agent {
 
-// Each creates a file for writing and fails if it exists, so that nothing is overwritten. The error
+// Each creates a file for writing and fails if it exists, so that no file is overwritten. The error
 // is one sentence without its full stop.
 
 /// Returns the file's descriptor, which the caller closes.

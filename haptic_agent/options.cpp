@@ -48,7 +48,7 @@ std::string check_name(const std::string& name) {
   return name.size() <= wire::kMaxNameBytes ? "" : "must be at most 64 bytes long";
 }
 
-/// Returns the mode of --mode with this name. kSilent is internal and has none.
+/// Returns the mode of --mode with this name. kSilent is internal and has no name.
 std::optional<ForceMode> mode_named(std::string_view name) {
   for (const ForceMode mode :
        {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold, ForceMode::kPaper}) {
@@ -57,7 +57,7 @@ std::optional<ForceMode> mode_named(std::string_view name) {
   return std::nullopt;
 }
 
-/// As CLI::IsMember, but its error lists the names.
+/// Like CLI::IsMember, but its error lists the names.
 CLI::Validator mode_name() {
   const auto check = [](const std::string& text) -> std::string {
     return mode_named(text) ? "" : "must be model, interpolated, hold or paper";
@@ -282,7 +282,7 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   describe_study(app, options, texts);
 }
 
-/// Returns why a study cannot run with the other options; empty if it can, or if there is none.
+/// Returns why a study cannot run with the other options; empty if it can, or without a study.
 std::string fault_of_study(const Options& options, const Texts& texts) {
   if (options.study_file.empty()) return {};
   if (options.view) return "it uses the terminal for its questions; leave --view out";

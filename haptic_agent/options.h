@@ -24,7 +24,7 @@ struct Options {
   DeviceOptions device_options;
   WrenchLimits limits;
   ForceMode mode = ForceMode::kModel;
-  /// Declared latency of the device; ignored if its driver declares a longer one.
+  /// Declared latency of the device, us; ignored if its driver declares a longer one.
   std::uint64_t latency_us = 0;
   /// The tool cuts whenever force is permitted, for a device without a button.
   bool always_cut = false;
@@ -36,25 +36,25 @@ struct Options {
   /// In mode model: maintain a replica of the block near the tool and render its forces.
   bool keep_copy = true;
   double duration_s = 0;
-  /// Processor to pin the loop to; negative: any.
+  /// Processor to pin the loop to; negative for any.
   int cpu = -1;
-  /// ALSA's device for the sound of spindle and cut; empty: none.
+  /// ALSA's device for the sound of spindle and cut; empty for no sound.
   std::string sound;
   /// Show the agent's state on the terminal.
   bool view = false;
-  /// File for the last 200 ms before a trip; empty: standard error.
+  /// File for the last 200 ms before a trip; if empty, standard error.
   std::string trip_log;
-  /// MCAP file for every tick of the loop; empty: none. It must not exist.
+  /// MCAP file for every tick of the loop, which must not exist; empty for no recording.
   std::string record_file;
-  /// Table of a two-alternative test of the paper's loop and Kerf's, which runs if it is named; it
-  /// must not exist.
+  /// Table of a two-alternative test of the paper's loop and Kerf's, which must not exist; empty
+  /// for no test.
   std::string study_file;
   TrialSettings study{};
-  /// File for the summary as JSON; "-": standard output; empty: none.
+  /// File for the summary as JSON; "-" for standard output, empty for none.
   std::string status_json;
 };
 
-/// The program must exit without carving: it has printed the help (code 0) or an error in the
+/// The program must exit without carving: it has printed the help (code 0), or an error in the
 /// command line or in a file that it names (code 2).
 struct EarlyExit {
   int code = 0;

@@ -22,7 +22,7 @@ std::string text_of(const T& value) {
 
 std::string text_of(Vec3 v) { return text_of(v.x) + ' ' + text_of(v.y) + ' ' + text_of(v.z); }
 
-/// Of the program, the loop and its device.
+/// Metadata about the program, the loop and its device.
 mcap::Texts about_loop(const DeviceCapabilities& device, const ServoSettings& settings) {
   const WorkspaceMapping& mapping = settings.mapping.at_start;
   return {{"agent_version", kVersion},

@@ -11,12 +11,13 @@ namespace kerf::agent {
 
 // The metadata "kerf" of recordings (record/README.md).
 
-/// Of a session. `user`: the name of its user; `device`: as rated by profile and command line.
+/// For a session. `user`: the name of its user; `device`: as rated by profile and command line.
 mcap::Texts about_session(const std::string& user, const Welcome& welcome,
                           const DeviceCapabilities& device, const ServoSettings& settings);
 
-/// Of the playing of a recording: device, limits and versions are those of the playing; session,
-/// stock and force law those of the recording, whose metadata are `recorded`. `feel_of` is `file`.
+/// For the playing of a recording. Device, limits and versions are those of the playing; session,
+/// stock and force law are those of the recording, whose metadata are `recorded`. `feel_of` is
+/// `file`.
 mcap::Texts about_playing(const mcap::Texts& recorded, const std::string& file,
                           const DeviceCapabilities& device, const ServoSettings& settings);
 

@@ -93,7 +93,7 @@ int fail(const CLI::App& app, int code, const std::string& reason) {
   return code;
 }
 
-/// The simulated hand follows the recording unless it has a path of its own.
+/// The simulated hand follows the recording unless it has its own path.
 std::expected<DeviceChoice, std::string> feeling_device(const FeelOptions& options,
                                                         const Recording& recording) {
   auto choice = choose_device_or_recording(options.device);
@@ -191,7 +191,7 @@ int run_feel(int argc, const char* const* argv, std::ostream& out) {
   const auto print = [](const std::string& text) {
     std::cerr << join({"kerf-agent: ", text, "\n"}) << std::flush;
   };
-  // Before the device starts threads.
+  // Block the signals before the device starts threads.
   ActOnSignal signals;
   const auto device = make_device(
       *choice, *place, {.stiffness_n_per_mm = options.stiffness_n_per_mm, .notice = print});

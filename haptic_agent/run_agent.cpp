@@ -23,7 +23,7 @@
 namespace kerf::agent {
 namespace {
 
-/// How long to wait for the last answers at the end. A slow server gets time to finish the cut.
+/// Longest wait for the last answers at the end. A slow server gets time to finish the cut.
 constexpr double kDrainS = 10.0;
 
 void print_line(const std::string& text) {
@@ -78,7 +78,7 @@ std::expected<MappingSettings, std::string> map_device(const Options& options,
   return mapping;
 }
 
-/// Creates the device, checks that the profile belongs to it, and tells the user.
+/// Creates the device, checks that the profile matches it, and notifies the user.
 std::expected<std::unique_ptr<HapticDevice>, std::string> open_device(const Options& options,
                                                                       const Welcome& welcome,
                                                                       std::uint32_t tool) {
@@ -140,14 +140,14 @@ constexpr bool has_replica(ForceMode mode) {
   return mode == ForceMode::kModel || mode == ForceMode::kPaper;
 }
 
-/// The spindle of a law that has one; otherwise a usual one.
+/// The spindle of the force law, or a typical one if the law has none.
 Spindle spindle_of(const ForceSettings& force) {
   if (force.law != ForceLaw::kMechanistic) return {};
   return {.rpm = force.milling.spindle_rpm, .teeth = force.milling.teeth};
 }
 
 /// Starts the replica of the block near the tool. Returns null and prints the reason if the welcome
-/// is not sufficient for one; only the server's answers are rendered then.
+/// is not sufficient; then only the server's answers are rendered.
 ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange,
                                std::expected<BlockSource, std::string> source) {
   if (!source) {
@@ -159,8 +159,8 @@ ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange
   return &exchange;
 }
 
-/// Tells the user of the session's guides and of the device's Z-width, and if cuts are softer than
-/// computed, or with the first tool may exceed the device.
+/// Tells the user about the session's guides and the device's Z-width, and warns if cuts are softer
+/// than computed or may exceed the device with the first tool.
 void notify_of_force(const std::expected<BlockSource, std::string>& block, const Welcome& welcome,
                      const ServoSettings& settings, const DeviceCapabilities& rated,
                      const Options& options, const std::vector<Guide>& guides) {
@@ -175,7 +175,7 @@ void notify_of_force(const std::expected<BlockSource, std::string>& block, const
   print_if(force_notice(welcome, settings, tool, block->full_cut_mm2(tool)));
 }
 
-/// Starts the sound if it is asked for; prints the reason if there can be none.
+/// Starts the sound if requested; prints the reason if that fails.
 void play_sound(const Options& options, const Spindle& spindle, ServoCycle& cycle,
                 std::optional<SoundPlayer>& player) {
   if (options.sound.empty()) return;
@@ -258,7 +258,7 @@ int run_agent(Options options) {
               {.status = &link_status, .copy = keep_copy ? &replica : nullptr, .reach = &reach},
               lead, loop);
   ServerLink link(options.link, samples, wrenches);
-  // After all that its action refers to, and before the first thread.
+  // Declare it after everything that its action refers to, and before the first thread.
   ActOnSignal signals;
   signals.on_leave([&] {
     loop.stop();

@@ -9,7 +9,7 @@ namespace kerf::agent {
 inline constexpr int kFailed = 1;
 
 /// Joins the session, runs the device until it ends, the duration has passed or a signal arrives,
-/// and prints the summary. Returns the exit code: 0, or kFailed if the server could not be reached,
+/// and prints the summary. Returns the exit code: 0, or kFailed if the server was unreachable,
 /// rejected the agent, or was lost for good.
 int run_agent(Options options);
 

@@ -68,7 +68,7 @@ int run_agents(Options options) {
   for (Options& one : split_options(options)) {
     const pid_t child = fork();
     if (child == 0) {
-      // Ends the child when the parent dies.
+      // End the child when the parent dies.
       prctl(PR_SET_PDEATHSIG, SIGTERM);
       sigprocmask(SIG_SETMASK, &before, nullptr);
       const int code = run_agent(std::move(one));

@@ -11,9 +11,9 @@ namespace kerf::agent {
 /// recordings a.mcap, a.2.mcap, …
 std::vector<Options> split_options(const Options& options);
 
-/// Runs one agent per device. With several devices each agent has its own process, so that a
-/// failure of one does not affect the others. Returns the maximum of their exit codes after all
-/// have ended; forwards signals to all.
+/// Runs one agent per device. With several devices each agent has its own process, so that one
+/// failure does not affect the rest. Returns the maximum of their exit codes after all have ended;
+/// forwards signals to all.
 int run_agents(Options options);
 
 }  // namespace kerf::agent

@@ -150,7 +150,7 @@ json guides_json(const Summary& s) {
   return guides;
 }
 
-/// The reasons that occurred, with their ticks.
+/// Returns the reasons that occurred, with their ticks.
 json no_force_json(const Summary& s) {
   json ticks = json::object();
   for (std::size_t i = 1; i < kNoForceNames.size(); ++i) {
@@ -255,7 +255,7 @@ std::string no_force_line(const ServoReport& servo) {
   return line.empty() ? line : line + "\n";
 }
 
-/// Returns the line about samples that a loss of the server could affect; empty if none did.
+/// Returns the line about samples that a loss of the server could affect; empty if there are none.
 std::string durable_line(const LinkReport& link) {
   if (link.resumed + link.not_durable + link.given_up == 0) return {};
   std::ostringstream out;

@@ -34,7 +34,7 @@ struct Summary {
   std::uint64_t trips = 0;
   TripCode last_trip = TripCode::kNone;
   std::uint64_t degraded_ticks = 0;
-  /// Why there was no force at the end, or less than computed, and the sentence about it.
+  /// Why there was no force at the end, or less than computed, and its sentence.
   NoForce no_force = NoForce::kNone;
   std::string no_force_text;
   std::uint64_t projected_wrenches = 0;
@@ -48,8 +48,8 @@ struct Summary {
   StudyReport study;
 };
 
-/// Whether the server answered everything, and recording and study were written, as far as there
-/// were any. Otherwise the agent ends with an error.
+/// Whether the server answered everything, and any recording and study were written. Otherwise the
+/// agent ends with an error.
 bool succeeded(const Summary& summary);
 
 /// Prints the summary as text.

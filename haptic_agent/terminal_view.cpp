@@ -13,12 +13,12 @@ namespace {
 constexpr int kBarColumns = 30;
 constexpr const char* kEndOfLine = "\x1b[K\n";
 constexpr const char* kTenLinesUp = "\x1b[10A";
-/// Width of the lines of the reason, which a terminal of 80 columns does not break, and their
-/// number, enough for the longest sentence of ForceReasons.
+/// Width of the lines of the reason, which fits a terminal of 80 columns, and their number, enough
+/// for the longest sentence of ForceReasons.
 constexpr std::size_t kReasonColumns = 70;
 constexpr int kReasonLines = 4;
 
-/// Empty if the server does not offer UDP.
+/// Returns the counts of datagrams; empty if the server does not offer UDP.
 std::string udp_rate(const UdpReport& udp) {
   if (!udp.offered) return {};
   return "datagrams " + std::to_string(udp.sent) + " out, " + std::to_string(udp.received) +

@@ -16,15 +16,15 @@ namespace kerf::agent {
 std::string bar(double value, double most, int columns);
 
 /// Returns the state of the agent in ten lines, each ended by the escape code that erases to the
-/// end of the line. `reason`: why there is no force, or less than computed; the last four lines,
-/// which hold every sentence of ForceReasons.
+/// end of the line. `reason`: why there is no force, or less than computed. It fills the last four
+/// lines, which are enough for every sentence of ForceReasons.
 std::string view_text(const ServoStatus& servo, const LinkStatus& link, const WrenchLimits& limits,
                       double tank_mj, std::string_view reason);
 
 /// Prints the agent's state on a terminal ten times per second, in place, from an ordinary thread.
 class TerminalView {
  public:
-  /// All references must outlive the view. Starts at once.
+  /// The arguments must outlive the view. Starts at once.
   TerminalView(LatestValue<ServoStatus>& servo, LatestValue<LinkStatus>& link,
                const ServoSettings& settings, const ForceReasons& reasons, std::ostream& out);
   ~TerminalView();

@@ -16,8 +16,9 @@ namespace kerf::agent {
 /// line per tick.
 std::string trip_csv(const FlightLog& log);
 
-/// Tells the user from an ordinary thread, on standard error, of trips at once and of other reasons
-/// why there is no force (ForceWatch); appends the ticks before a trip to a file if one is given.
+/// Notifies the user on standard error, from an ordinary thread: of trips at once, and of other
+/// reasons why there is no force (ForceWatch). Appends the ticks before a trip to a file if one is
+/// given.
 class TripWriter {
  public:
   /// `cycle` and `reasons` must outlive the object. `file` may be empty.

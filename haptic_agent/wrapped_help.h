@@ -10,12 +10,12 @@ class App;
 
 namespace kerf::agent {
 
-/// Columns of a description beside the names of the options, on a terminal of 80.
+/// Columns of the option names, to the left of the descriptions, on a terminal of 80 columns.
 inline constexpr std::size_t kHelpNameColumns = 30;
 inline constexpr std::size_t kHelpTextColumns = 80 - kHelpNameColumns;
 
-/// Breaks lines between words, so that none is longer than kHelpTextColumns unless a word is; line
-/// breaks of the text stay.
+/// Breaks lines between words, so that none is longer than kHelpTextColumns unless a word is. Line
+/// breaks of the text are kept.
 std::string wrapped(const std::string& text);
 
 /// Wraps the descriptions of all options that the program has so far.

@@ -16,7 +16,7 @@ constexpr double kMsPerS = 1000, kNSPerMPerNSPerMm = 1000, kGPerKg = 1000;
 
 std::string two_digits(double value) { return plain_number(value, 2); }
 
-/// Returns why a wall across the tip is softer than the device declares.
+/// Returns why a wall across the tip is softer than declared.
 std::string reason_of(const DeviceCapabilities& device, const ContactLimits& limits, Vec3 arm_mm) {
   const double mass = moved_mass(limits, arm_mm, {1, 0, 0});
   ContactLimits heavy = limits;

@@ -8,17 +8,17 @@
 
 namespace kerf::agent {
 
-/// Z-width of a device: the stiffest wall that it renders stably, with the strongest damper
-/// parallel to it. `along`: the tool's axis; `across`: at the tip, where a push also turns the
+/// Z-width of a device: the stiffest wall that it renders stably, with the strongest damper in
+/// parallel. `along`: along the tool's axis; `across`: at the tip, where a push also turns the
 /// device.
 struct ZWidth {
   ContactGains along{}, across{};
 };
-/// `settings`: of settings_for.
+/// `settings`: the result of settings_for.
 ZWidth z_width(const ServoSettings& settings) noexcept;
 
-/// Returns a line with the Z-width of a device and, if that is less than the stiffness that the
-/// device declares, the reason. Empty for a device without motors.
+/// Returns a line with the Z-width of a device and, if that is below the declared stiffness, the
+/// reason. Empty for a device without motors.
 std::string z_width_notice(const DeviceCapabilities& device, const ServoSettings& settings);
 
 }  // namespace kerf::agent

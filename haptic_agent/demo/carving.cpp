@@ -8,7 +8,7 @@ namespace kerf::demo {
 namespace {
 
 constexpr double kMapPitchMm = 0.2;
-constexpr double kPastMouthRad = 0.14;  // strokes begin before the mouth, to expose its face
+constexpr double kPastMouthRad = 0.14;  // strokes begin before the mouth to expose its face
 
 using Line = std::vector<Vec3>;
 
@@ -25,7 +25,7 @@ double reach_in_dish(const Ammonite& ammonite, Vec3 from, double angle, double f
 }
 
 // Returns one arm of a spiral from the rim of the dish to its center. A second arm, rotated by half
-// a turn, lies between its turns.
+// a turn, runs between its turns.
 Line dish_spiral(const Ammonite& ammonite, double begin_angle, double turns, double rim) {
   Line line;
   const int count = static_cast<int>(turns * 180);

@@ -11,8 +11,8 @@ namespace kerf::demo {
 /// The tools of demo.json.
 inline constexpr BallTool kCoarse{1, 6, 60}, kShell{2, 2.5, 60}, kFloor{3, 3, 60},
     kFine{4, 1.5, 60};
-/// The hands lift after this time at the latest: a stroke is what an undo takes back, and a tool
-/// around which stock has come back cuts again when it has left it.
+/// Longest time between two lifts of a hand. Undo works on strokes, and a tool around which stock
+/// has come back cuts again only after leaving it.
 inline constexpr double kStrokeSeconds = 8;
 /// Height of a tool between two strokes.
 inline constexpr double kRetractMm = 12;

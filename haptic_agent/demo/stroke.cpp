@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kClearStepMm = 0.5;  // distance between the checked points of the shank
-constexpr double kClearMm = 0.02;     // bound of the error of the map's bilinear interpolation
+constexpr double kClearMm = 0.02;     // error bound of the map's bilinear interpolation
 constexpr Vec3 kUp{0, 0, 1};
 
 // Returns points on the line at most step_mm apart, including its corners.
@@ -68,8 +68,8 @@ Vec3 Follower::preferred_axis(Vec3 center_mm) const {
   return side * std::sin(tilt) + kUp * std::cos(tilt);
 }
 
-// The shank has the ball's radius, so it is clear if every point of the axis is a valid position of
-// the ball's center.
+// The shank has the ball's radius, so it is clear if every point of the axis is a valid center of
+// the ball.
 bool Follower::is_clear(Vec3 center_mm, Vec3 axis) const {
   for (double s = 0; s < tool_.length_mm; s += kClearStepMm) {
     const Vec3 point = center_mm + axis * s;

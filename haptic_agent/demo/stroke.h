@@ -30,12 +30,12 @@ struct Stroke {
   std::vector<DemoPose> poses;
 };
 
-/// How a tool follows the surface.
+/// Settings of a tool that follows the surface.
 struct FollowSettings {
   double allowance_mm = 0;   ///< material left on the target surface
   double tilt_max_deg = 38;  ///< from +Z
   double tilt_share = 1;     ///< fraction of the angle between +Z and the surface normal
-  double step_mm = 0.7;      ///< between poses
+  double step_mm = 0.7;      ///< distance between poses
   double smooth_mm = 3;      ///< length over which the axis is averaged
 };
 
@@ -60,7 +60,7 @@ class Follower {
   HeightMap centers_;
 };
 
-/// Divides strokes into ones of at most `seconds` at their feeds, which meet at common poses.
+/// Divides strokes into strokes of at most `seconds` at their feeds; neighbors share a pose.
 std::vector<Stroke> divided(const std::vector<Stroke>& strokes, double seconds);
 
 /// Rest above the block before each stroke. An agent whose force was switched off, for example

@@ -57,7 +57,7 @@ Finding judge_found(const FoundDevice& device) {
                      "then run udevadm control --reload && udevadm trigger and plug it in again"}};
 }
 
-/// Sends commands without force for a second, so that a device can acknowledge them.
+/// Sends commands without force for a second, which a device can acknowledge.
 void send_zero_force(HapticDevice& device) {
   constexpr int kCommands = 1000;
   for (int i = 0; i < kCommands; ++i) {

@@ -17,24 +17,25 @@
 
 namespace kerf::agent {
 
-/// Requests on a temporary thread what the servo thread requests, and releases it again.
+/// Requests the servo thread's privileges on a temporary thread, and releases them again.
 RealtimeReport probe_realtime();
 
-/// Findings with the limits of this process and the configuration lines that raise them.
+/// Returns a finding with the limits of this process and the configuration lines that raise them.
 Finding judge_priority(const RealtimeReport& report);
 Finding judge_memory_lock(const RealtimeReport& report);
 
 /// Returns one finding per device; one if there is no device or USB cannot be used.
 std::vector<Finding> judge_usb(const std::expected<std::vector<FoundDevice>, std::string>& survey);
 
-/// Returns the udev rule that lets the local user open such devices.
+/// Returns the udev rule that gives the local user access to such devices.
 std::string udev_rule(UsbId id);
 
-/// Waits until the device is ready, at most `wait_s`; then measures the latency of one with motors.
+/// Waits up to `wait_s` until the device is ready; then measures the latency of a device with
+/// motors.
 std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s);
 
-/// Waits as check_device does, and identifies the device (Identification): writes its profile to
-/// `path` and returns the findings. Before it moves the device, it passes the warning to `warn`.
+/// Waits like check_device, and identifies the device (Identification): writes its profile to
+/// `path` and returns the findings. Passes the warning to `warn` before it moves the device.
 std::vector<Finding> identify_device(const DeviceChoice& choice, double wait_s,
                                      const std::string& path,
                                      const std::function<void(const std::string&)>& warn);
@@ -42,15 +43,15 @@ std::vector<Finding> identify_device(const DeviceChoice& choice, double wait_s,
 /// Judges the measured latency of a device with motors against the declared one.
 Finding judge_latency(const DeviceCapabilities& device, const CommandEcho& echo);
 
-/// Notes if the device is so light for its latency that cuts are felt softer than computed in a
-/// loose grip, at the pivot that scenes have by default.
+/// Returns a note if the device is so light for its latency that cuts feel softer than computed in
+/// a loose grip, at the default pivot of scenes.
 std::optional<Finding> judge_grip(const DeviceCapabilities& device);
 
 /// Statistics of the servo loop and its scheduling.
 struct LoopMeasurement {
   RealtimeReport realtime{};
   CycleStats stats{};
-  /// Number of threads that kept all cores busy meanwhile; 0: none.
+  /// Number of threads that kept all cores busy during the measurement; may be 0.
   unsigned load_threads = 0;
 };
 /// Targets for a loop with real-time priority: p99 wake-up latency and share of lost ticks.

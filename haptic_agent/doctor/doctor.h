@@ -5,9 +5,9 @@
 
 namespace kerf::agent {
 
-/// Runs `kerf-agent doctor`: reports what is missing for carving with a device, and measures the
-/// servo loop. `argv[0]` is "doctor". Returns 0: all checks passed; 1: some did not; 2: bad command
-/// line.
+/// Runs `kerf-agent doctor`: reports problems that prevent carving with a device, and measures the
+/// servo loop. `argv[0]` is "doctor". Returns 0 if all checks passed, 1 if some did not, 2 for an
+/// invalid command line.
 int run_doctor(int argc, const char* const* argv, std::ostream& out);
 
 }  // namespace kerf::agent

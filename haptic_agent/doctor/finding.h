@@ -6,15 +6,15 @@
 
 namespace kerf::agent {
 
-/// Result of a check. kNote: something that may concern the user, and is no fault. kWarning: the
-/// agent works, but not as well as it could. kBad: what was asked for does not work.
+/// Result of a check. kNote: something that may concern the user but is no fault. kWarning: the
+/// agent works, but not as well as it could. kBad: a requested function does not work.
 enum class Health { kFine, kNote, kWarning, kBad };
 
 struct Finding {
   Health health = Health::kFine;
   /// One sentence.
   std::string what{};
-  /// What to do, one step per line; may be empty.
+  /// Remedy, one step per line; may be empty.
   std::vector<std::string> advice{};
 };
 

@@ -15,20 +15,20 @@ namespace {
 
 constexpr double kShakeTickS = 1e-3;
 constexpr std::uint64_t kTickUs = 1000;
-constexpr std::uint64_t kTicksPerLost = 100;  ///< for one that may be lost
+constexpr std::uint64_t kTicksPerLost = 100;  ///< ticks per permitted lost tick
 constexpr auto kShakeTicks = static_cast<std::uint64_t>(kShakeS / kShakeTickS);
-constexpr std::uint64_t kRestTicks = 300;    ///< without force, before each part
-constexpr std::uint64_t kAbsentTicks = 100;  ///< without a pose
+constexpr std::uint64_t kRestTicks = 300;    ///< ticks without force before each part
+constexpr std::uint64_t kAbsentTicks = 100;  ///< ticks without a pose
 /// Share of the device's greatest force that is used, and of the limit at which the steps begin.
 constexpr double kShareOfDevice = 0.2, kFirstShare = 0.05;
-/// Motion at which the steps are strong enough, in parts of the limit of motion.
+/// Motion at which the steps are strong enough, and too strong, as shares of the limit of motion.
 constexpr double kMoved = 0.15, kMuch = 0.35;
 constexpr std::uint64_t kJudgeTicks = 400;
 constexpr double kStronger = 1.5, kWeaker = 0.6;
 /// Steps last 10 to 50 ms.
 constexpr int kShortest = 10, kLongest = 50;
-/// The spring that brings the device back, in parts of the limit of the effort at the limit of
-/// motion; and the time constant of its damper, s.
+/// The spring that brings the device back, as a share of the limit of effort at the limit of
+/// motion, and the time constant of its damper, s.
 constexpr double kCentering = 0.8, kCenteringS = 0.02, kSpeedPart = 0.1;
 
 std::string short_number(double value) {
@@ -59,7 +59,7 @@ void Identification::stop(const char* reason) noexcept {
 }
 
 /// Returns the effort of this tick: a step plus a restoring effort towards the start. The strength
-/// adapts to how far the previous steps moved the device.
+/// adapts to the device's motion in the previous steps.
 double Identification::effort(double position, double least, double most, double range) noexcept {
   Shake& shake = part_ == Part::kForce ? force_ : torque_;
   speed_ += ((position - before_) / kShakeTickS - speed_) * kSpeedPart;
@@ -190,7 +190,7 @@ std::vector<Finding> judge_profile(const DeviceCapabilities& declared,
   say(us > declared_us + kUsPerMs / 2 ? Health::kWarning : Health::kFine,
       join(
           {"latency ", short_number(us / kUsPerMs), " ms", beside(declared_us / kUsPerMs, " ms")}));
-  // Heavier than declared is safe, lighter is not.
+  // A device heavier than declared is safe; a lighter one is not.
   constexpr double kLighter = 0.8;
   const double mass = profile.moving_mass_kg.value_or(0);
   say(mass < kLighter * declared.moving_mass_kg ? Health::kWarning : Health::kFine,

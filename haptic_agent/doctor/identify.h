@@ -23,10 +23,10 @@ inline constexpr double kShakeMm = 10, kShakeRad = 0.15;
 /// Duration for each of force and torque.
 inline constexpr double kShakeS = 9;
 
-/// Pushes a device to and fro along x, and then, if it has torque, turns it about y, with steps of
-/// random length whose strength grows until it moves by some millimetres. For a device that nobody
-/// holds. One tick a millisecond; more than a hundredth of them lost is an error, because the fit
-/// takes them as equal.
+/// Pushes a device to and fro along x and then, if it has torque, turns it about y, with steps of
+/// random length whose strength grows until it moves by some millimeters. For a device that nobody
+/// holds. One tick per millisecond; losing more than a hundredth of them is an error, because the
+/// fit assumes equal ticks.
 class Identification final : public ServoTask {
  public:
   /// `device` must outlive the object. `pivot_mm`: from the tip to the point where forces act.
@@ -35,7 +35,7 @@ class Identification final : public ServoTask {
   /// Returns false when it has ended; the device's force is then zero.
   bool tick(std::uint64_t now_us) noexcept override;
 
-  /// Returns the profile measured, after the end; or, as a sentence, why there is none.
+  /// Returns the measured profile after the end, or the reason why there is none, as a sentence.
   std::expected<DeviceProfile, std::string> profile() const;
   /// The fits of force and torque; call after `profile` had a value.
   const MotionFit& moved() const { return moved_; }
@@ -65,10 +65,10 @@ class Identification final : public ServoTask {
   mutable MotionFit moved_{};
 };
 
-/// Says, before it starts, what an identification does with the device.
+/// Returns the warning to show before an identification moves the device.
 std::string identification_warning(const DeviceCapabilities& device);
 
-/// Compares each measured value with the declared one; adds the stiffest walls.
+/// Compares each measured value with the declared one, and adds the stiffest walls.
 std::vector<Finding> judge_profile(const DeviceCapabilities& declared,
                                    const DeviceProfile& profile);
 

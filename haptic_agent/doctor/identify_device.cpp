@@ -15,7 +15,7 @@
 namespace kerf::agent {
 namespace {
 
-constexpr double kPivotMm = 60;  ///< that scenes have by default
+constexpr double kPivotMm = 60;  ///< the default pivot of scenes
 constexpr auto kTimeToLetGo = std::chrono::seconds(3);
 
 bool waits_until_ready(HapticDevice& device, double wait_s) {
@@ -35,9 +35,9 @@ std::vector<Finding> identify_device(const DeviceChoice& choice, double wait_s,
   const auto bad = [](std::string what) {
     return std::vector<Finding>{{.health = Health::kBad, .what = std::move(what)}};
   };
-  // A user who interrupts it leaves no force on.
+  // An interruption by the user leaves no force on.
   ActOnSignal signals;
-  // The simulated hand would carve meanwhile: it stays where its path begins.
+  // The simulated hand would carve meanwhile, so it stays at the start of its path.
   constexpr double kHardlyMoves = 0.0001;
   const bool simulated = choice.kind == DeviceKind::kSimulated;
   const auto made = make_device(choice, {}, {.speed = simulated ? kHardlyMoves : 1.0});

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kTickS = 1e-3;
 constexpr double kCutoffHz = 30;
-constexpr int kPasses = 4;  ///< of a first-order low-pass filter
+constexpr int kPasses = 4;  ///< passes of a first-order low-pass filter
 constexpr double kMostLatencyS = 0.015, kLatencyStepS = 1e-4;
 constexpr std::size_t kTerms = 5;  ///< mass, viscous, friction, stiffness, constant
 constexpr std::size_t kSettling = 100;
@@ -32,7 +32,7 @@ Signal filtered(Signal signal) {
 /// The terms of the equation of motion, low-passed.
 struct Terms {
   std::array<Signal, kTerms> of;
-  Signal effort;  ///< the mean over the two ticks around each
+  Signal effort;  ///< mean over the two adjacent ticks
 };
 
 Terms terms_of(const std::vector<MotionRecord>& motion) {
@@ -48,8 +48,8 @@ Terms terms_of(const std::vector<MotionRecord>& motion) {
     speed[i] = (smooth[i + 1] - smooth[i - 1]) / (2 * kTickS);
     change[i] = (smooth[i + 1] - 2 * smooth[i] + smooth[i - 1]) / (kTickS * kTickS);
   }
-  // Friction depends on the sign of the unfiltered velocity. The result is filtered as the other
-  // terms are, so that all have the same delay.
+  // Friction depends on the sign of the unfiltered velocity. The result is filtered like the other
+  // terms, so that all have the same delay.
   double fastest = 0;
   for (const double v : speed) fastest = std::max(fastest, std::abs(v));
   Signal raw(n);
@@ -66,7 +66,7 @@ struct Solution {
   double error = 0;
 };
 
-/// Solves the normal equations by elimination; nothing if they are singular.
+/// Solves the normal equations by elimination; nullopt if they are singular.
 std::optional<std::array<double, kTerms>> solved(
     std::array<std::array<double, kTerms + 1>, kTerms> a) {
   for (std::size_t c = 0; c < kTerms; ++c) {
@@ -123,7 +123,7 @@ double quantum_of(const std::vector<MotionRecord>& motion) {
   for (std::size_t i = 1; i < motion.size(); ++i)
     steps.push_back(std::abs(motion[i].position - motion[i - 1].position));
   constexpr std::size_t kEnough = 20;
-  // Normalizing the axis couples its coordinates, so a step of one moves the others a little; such
+  // Normalizing the axis couples its coordinates, so a step of one moves the other slightly. Such
   // small steps do not count.
   constexpr double kUsual = 0.9, kLeast = 0.01;
   std::ranges::sort(steps);

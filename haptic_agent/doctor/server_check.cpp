@@ -25,7 +25,7 @@ namespace {
 constexpr int kTimeoutMs = 3000;
 constexpr int kConnections = 9;
 constexpr std::size_t kAnswerBytes = 256;
-/// Beyond this round trip a user feels the delay of the server's force, before it becomes visible.
+/// Round trip beyond which a user feels the delay of the server's force.
 constexpr std::uint64_t kPromptUs = 25'000;
 
 class Socket {
@@ -60,7 +60,7 @@ std::string connect_to(const addrinfo& address, int fd) {
   return error == 0 ? std::string() : std::generic_category().message(error);
 }
 
-/// Repeats a step of TLS until it has ended, or nothing comes.
+/// Repeats a TLS step until it has ended, or no data arrives.
 template <class Attempt>
 net::TlsStep complete(int fd, const Attempt& attempt) {
   while (true) {
@@ -71,7 +71,7 @@ net::TlsStep complete(int fd, const Attempt& attempt) {
   }
 }
 
-/// The response to a request, or what is wrong with TLS; empty without a response.
+/// Returns the response to a request, or the TLS fault; empty without a response.
 std::string ask_over_tls(int fd, const ServerUrl& server, const std::string& authorities,
                          const std::string& request) {
   const auto context = net::TlsContext::of_client(authorities);
@@ -98,7 +98,7 @@ std::string ask(int fd, const std::string& request) {
   return got <= 0 ? std::string() : std::string(answer.data(), static_cast<std::size_t>(got));
 }
 
-/// Returns the status line of the response to GET /healthz, or why there is none.
+/// Returns the status line of the response to GET /healthz, or the fault.
 std::string request_health(int fd, const ServerUrl& server, const std::string& authorities) {
   const std::string request = join(
       {"GET /healthz HTTP/1.1\r\nHost: ", server.authority(), "\r\nConnection: close\r\n\r\n"});

@@ -15,7 +15,7 @@ namespace {
 using namespace kerf::agent;
 using kerf::Wrench;
 
-/// Moves down and up along a sine, through z = 0 at its lower half.
+/// Moves up and down along a sine and crosses z = 0 in its lower half.
 class SineDevice final : public HapticDevice {
  public:
   DeviceCapabilities capabilities() const override {

@@ -5,8 +5,8 @@
 // Needs CHAI3D 3.3's headers and libkerf_agent; C++11. chai3d_device.cpp is a complete program.
 //
 // CHAI3D: m, x toward the user, y right, z up. Kerf: mm, x right, y away from the user, z up. The
-// device's point is where its force acts, so it holds the tool at the pivot; the center of its
-// workspace is where the tip of an upright tool touches the middle of the stock's top.
+// device's point is where its force acts, so it is the pivot of the tool. The center of its
+// workspace corresponds to an upright tool whose tip touches the center of the stock's top.
 
 #include <devices/CGenericHapticDevice.h>
 #include <kerf/kerf_agent.h>
@@ -28,20 +28,20 @@ inline chai3d::cVector3d to_chai3d(const double (&from)[3], double factor) {
   return chai3d::cVector3d(-from[1] * factor, from[0] * factor, from[2] * factor);
 }
 
-/// What CHAI3D's specifications do not state.
+/// Properties that CHAI3D's specifications do not state.
 struct Settings {
   std::string server = "http://localhost:8080";
   std::string session = "demo";
   std::string name;
-  /// From the handle's frame: direction from the tip to the spindle. CHAI3D does not define it.
+  /// Direction from the tip to the spindle in the handle's frame. CHAI3D does not define it.
   chai3d::cVector3d spindle = chai3d::cVector3d(1, 0, 0);
-  /// User switch that cuts.
+  /// User switch for cutting.
   int cut_switch = 0;
-  /// From a pose until its force acts; rate it high (kerf_agent.h).
+  /// Time from a pose until its force acts; choose a safe upper bound (kerf_agent.h).
   uint32_t latency_us = 3000;
 };
 
-/// Returns the ratings of a device, from CHAI3D's specifications of it.
+/// Returns the ratings of a device, from its CHAI3D specifications.
 inline kerf_agent_capabilities capabilities_of(const chai3d::cHapticDeviceInfo& info,
                                                const Settings& settings) {
   kerf_agent_capabilities rated = kerf_agent_capabilities();

@@ -23,9 +23,9 @@ struct Close {
   void operator()(kerf_agent* agent) const { kerf_agent_close(agent, 2); }
 };
 
-/// A mass of 0.2 kg, pulled along a path by a spring of 0.5 N/mm with damping: mm and seconds. The
-/// path goes on while the force is on; otherwise, as after a trip on a busy machine, the hand lifts
-/// the tool and waits.
+/// A mass of 0.2 kg, pulled along a path by a spring of 0.5 N/mm with damping; units are mm and
+/// seconds. The path advances while the force is on. Otherwise, as after a trip on a busy machine,
+/// the hand lifts the tool and waits.
 class Hand {
  public:
   explicit Hand(kerf_agent* agent) : agent_(agent) {
@@ -40,7 +40,7 @@ class Hand {
 
   void read(kerf_agent_pose& pose) {
     if (++tick_ % 10 == 0) kerf_agent_get_status(agent_, &status_);
-    if (status_.tripped != 0) kerf_agent_rearm(agent_);  // A program asks its user first.
+    if (status_.tripped != 0) kerf_agent_rearm(agent_);  // A real program asks its user first.
     const bool on = status_.phase >= KERF_AGENT_PHASE_RAMP && status_.phase < KERF_AGENT_PHASE_SAFE;
     // Sinks 7 mm, the last 2 into the stock, without cutting; cuts 15 mm along x.
     std::array<double, 3> goal{start_[0] + 10 * std::max(0.0, t_ - kCutS), start_[1],
@@ -77,8 +77,8 @@ class Hand {
   double pressed = 0, cut = 0;
 
  private:
-  /// Times on the path from which on the hand cuts, and of its end, s; greatest number of ticks,
-  /// with all waits.
+  /// Times on the path at which the hand begins to cut and at which the path ends, s; greatest
+  /// number of ticks, including waits.
   static constexpr double kCutS = 1.2, kEndS = 2.7;
   static constexpr int kMostTicks = 60'000;
 
@@ -128,7 +128,7 @@ int main(int argc, char** argv) {
   loop.write_wrench = [](void* at, const kerf_agent_wrench* wrench) {
     static_cast<Hand*>(at)->write(*wrench);
   };
-  loop.stop = [](void*) {};  // Would switch the motors off, from any thread.
+  loop.stop = [](void*) {};  // A real device switches its motors off, from any thread.
   if (kerf_agent_run(agent.get(), &loop, &hand) != KERF_AGENT_OK) return fail();
   std::printf("greatest force: pressing %.2f N, cutting %.2f N\n", hand.pressed, hand.cut);
   return hand.pressed > 0.1 && hand.cut > 0.1 ? 0 : 1;

@@ -15,7 +15,7 @@ namespace kerf::agent {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
-/// A guide counts as used in ticks with more force (N) or torque (N·mm) than this.
+/// A guide counts as used in ticks with a force (N) or torque (N·mm) above this.
 constexpr double kUsed = 0.01;
 /// N/mm; bounds the length over which a stroke's force reverses.
 constexpr double kLeastStiffness = 0.05;
@@ -28,9 +28,9 @@ double force_and_torque(const Wrench& wrench) noexcept {
   return std::max(length(wrench.force_n), length(wrench.torque_nmm));
 }
 
-/// Stiffest spring in an angle and its damper, of which this spring has a share: N mm/rad,
-/// N mm s/rad. `push`: force and torque that the spring exerts per N mm; the more they move, the
-/// less inertia the spring sees.
+/// The stiffest angular spring and its damper, N mm/rad and N mm s/rad, of which this spring has a
+/// share. `push`: force and torque that the spring exerts per N mm. The more they move, the less
+/// inertia the spring sees.
 ContactGains stable_turn_gains(const ServoSettings& settings, double stiffness, const Wrench& push,
                                double share) noexcept {
   const ContactLimits& contact = settings.model.contact;
@@ -66,7 +66,7 @@ Wrench GuideModel::at(const PastGrip& now) noexcept {
   if (!(strength_ > 0)) return sum;
   for (std::size_t i = 0; i < guides_.size(); ++i) {
     Wrench one = wrench(guides_[i], tip);
-    // Five degrees of freedom: no torque about the tool's own axis.
+    // Five degrees of freedom: remove the torque about the tool's own axis.
     one.torque_nmm = one.torque_nmm - now.grip.axis * dot(one.torque_nmm, now.grip.axis);
     if (force_and_torque(one) > kUsed) ++uses_[i].ticks;
     uses_[i].max_force_n = std::max(uses_[i].max_force_n, length(one.force_n));
@@ -90,7 +90,8 @@ Wrench GuideModel::wrench(Compiled& compiled, const Tip& tip) const noexcept {
   return snap(guide, std::get<SnapGuide>(guide.shape), tip);
 }
 
-/// Spring and damper along a direction: no stiffer than the device, and shared by all guides.
+/// Spring and damper along a direction: no stiffer than the device renders, and shared by all
+/// guides.
 ContactGains GuideModel::gains(const Guide& guide, Vec3 normal, const Tip& tip) const noexcept {
   return stable_gains(settings_.model.contact, strength_ * guide.stiffness_n_per_mm, tip.arm_mm,
                       normal, share());
@@ -129,9 +130,9 @@ Wrench GuideModel::snap(const Guide& guide, const SnapGuide& shape, const Tip& t
   return {force, cross(tip.arm_mm, force)};
 }
 
-/// Turns the axis that the tool is turned to toward the path's, by at most max_force_n /
-/// max_torque_nmm per distance that the tip moves: the two differ after a jump of the nearest point
-/// from one part of the path to another. Returns whether they are equal.
+/// Turns the target axis of the tool toward the path's axis, by at most max_force_n /
+/// max_torque_nmm per distance that the tip moves. The two differ after the nearest point has
+/// jumped to another part of the path. Returns whether they are equal.
 bool GuideModel::follow(Compiled& compiled, const PathGuide& path, Vec3 axis,
                         double moved_mm) const noexcept {
   const double most_rad =
@@ -143,7 +144,7 @@ bool GuideModel::follow(Compiled& compiled, const PathGuide& path, Vec3 axis,
     compiled.axis = axis;
     return true;
   }
-  // Between opposite axes every turn is a shortest one: about any direction across them.
+  // Between opposite axes any direction across them gives a shortest turn.
   constexpr double kHalf = 0.5;
   const Vec3 about =
       sine > 0 ? normal * (1 / sine)
@@ -153,8 +154,8 @@ bool GuideModel::follow(Compiled& compiled, const PathGuide& path, Vec3 axis,
 }
 
 /// Returns the wrench that turns the tool's axis back to within an angle of the path's. Where the
-/// path's axis varies by `axis_rate` along it, a force on the tip is part of it: motion along the
-/// path changes the angle, and thereby the energy of the spring.
+/// path's axis varies by `axis_rate` along it, the wrench includes a force on the tip, because
+/// motion along the path changes the angle and thereby the energy of the spring.
 Wrench GuideModel::turn(const Compiled& compiled, const PathGuide& path, Vec3 axis_rate,
                         const GuidePoint& near, const Tip& tip) const noexcept {
   const Vec3 axis = tip.now.grip.axis;
@@ -164,7 +165,7 @@ Wrench GuideModel::turn(const Compiled& compiled, const PathGuide& path, Vec3 ax
       std::atan2(sine, dot(axis, compiled.axis)) - path.axis_within_deg * kRadPerDeg;
   if (!(excess > 0) || !(sine > 0)) return {};
   const Vec3 about = normal * (1 / sine);
-  // The angle falls by this much per mm along the tangent.
+  // The angle decreases by this much per mm along the tangent.
   const double fall = dot(axis, axis_rate) / sine;
   const Vec3 along = near.tangent * fall;
   const Vec3 torque = about + cross(tip.arm_mm, along);
@@ -197,7 +198,7 @@ Wrench GuideModel::along_path(Compiled& compiled, const PathGuide& path,
   return sum;
 }
 
-/// Returns the teacher's wrench: in full while the tool moves forward along the stroke, not at all
+/// Returns the teacher's wrench: in full while the tool moves forward along the stroke, zero
 /// backward, and less beyond the distance that the guide allows.
 Wrench GuideModel::taught(Compiled& compiled, const PathGuide& path, const GuidePoint& near,
                           Vec3 moved_mm, const Tip& tip) const noexcept {

@@ -20,8 +20,8 @@ namespace kerf::agent {
 /// Use of a guide in a run.
 struct GuideUse {
   std::string kind;
-  std::uint64_t ticks = 0;  ///< in which it pushed or turned the tool
-  double max_force_n = 0;   ///< of the wrench that it requested
+  std::uint64_t ticks = 0;  ///< ticks in which it pushed or turned the tool
+  double max_force_n = 0;   ///< greatest force that it requested
 };
 
 /// Computes the forces of a session's guides: damped springs on the tip, and on the axis of a path,
@@ -29,8 +29,7 @@ struct GuideUse {
 class GuideModel final : public Guidance {
  public:
   /// `settings`: those of the servo cycle, with the pivot of the session. `strength`: factor of all
-  /// guides, 0 to 1. Allocates;
-  /// `at` does not.
+  /// guides, 0 to 1. The constructor allocates; `at` does not.
   GuideModel(const std::vector<Guide>& guides, const ServoSettings& settings, double strength);
 
   Wrench at(const PastGrip& now) noexcept override;
@@ -42,9 +41,10 @@ class GuideModel final : public Guidance {
   struct Compiled {
     Guide guide;
     std::optional<PathTree> tree;
-    /// Of a stroke: direction of travel over the last heading_mm, of length <= 1; and the tip then.
+    /// For a stroke: direction of travel over the last heading_mm, of length <= 1, and the tip at
+    /// that time.
     Vec3 heading{};
-    /// Of a path: the tip in the tick before, and the axis that the tool was turned to then.
+    /// For a path: the tip and the target axis in the previous tick.
     std::optional<Vec3> last_mm;
     Vec3 axis{0, 0, 1};
   };
@@ -61,7 +61,7 @@ class GuideModel final : public Guidance {
               const GuidePoint& near, const Tip& tip) const noexcept;
   Wrench taught(Compiled& compiled, const PathGuide& path, const GuidePoint& near, Vec3 moved_mm,
                 const Tip& tip) const noexcept;
-  /// Of the load that each guide bears, so that all together are stable.
+  /// Share of the load that each guide bears, so that all together are stable.
   double share() const noexcept {
     return 1.0 / static_cast<double>(std::max<std::size_t>(1, guides_.size()));
   }
@@ -70,14 +70,14 @@ class GuideModel final : public Guidance {
   Wrench push(const Guide& guide, Vec3 normal, double depth_mm, const Tip& tip) const noexcept;
 
   ServoSettings settings_;
-  /// Distance from the tip of the pivot to which a teacher's torque refers.
+  /// Distance from the tip to the pivot of a teacher's torque.
   double session_pivot_mm_;
   double strength_;
   std::vector<Compiled> guides_;
   std::vector<GuideUse> uses_;
 };
 
-/// Reads the guides of a session from the text of its welcome; none if it has none. The error is
+/// Reads the guides of a session from the text of its welcome; the list may be empty. The error is
 /// one sentence.
 std::expected<std::vector<Guide>, std::string> guides_of(std::string_view welcome);
 

@@ -10,11 +10,11 @@
 namespace kerf::agent {
 namespace {
 
-/// Segments of a leaf.
+/// Number of segments in a leaf.
 constexpr std::size_t kLeaf = 4;
-/// Segments on either side of the last result at which a query begins.
+/// Number of segments on either side of the last result at which a query begins.
 constexpr std::size_t kBeside = 8;
-/// More than the depth of a tree over kGuidePosesMax segments; each level leaves one box waiting.
+/// More than the depth of a tree over kGuidePosesMax segments; each level leaves one pending box.
 constexpr std::size_t kDepthMax = 32;
 
 double box_distance2(Vec3 p, Vec3 low, Vec3 high) noexcept {
@@ -39,7 +39,7 @@ PathTree::PathTree(const std::vector<GuidePath>& paths) {
 }
 
 /// Sets the boxes of `node`, which spans the segments from `first` to `end`, and of its children.
-/// The number of segments is rounded up; a box without any stays empty, infinitely far away.
+/// The number of segments is rounded up. A box without segments stays empty, infinitely far away.
 PathTree::Box PathTree::build(std::size_t node, std::size_t first, std::size_t end) {
   constexpr double kFar = 1e300;
   Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};

@@ -20,24 +20,23 @@ struct GuidePoint {
   double distance_mm = 0;
 };
 
-/// Finds the point of polylines that is nearest to a given one: a tree of bounding boxes over
-/// consecutive segments. Queries do not allocate, and examine a bounded number of boxes.
+/// Finds the point of polylines nearest to a given point, by a tree of bounding boxes over
+/// consecutive segments. Queries do not allocate and examine a bounded number of boxes.
 class PathTree {
  public:
-  /// Allocates. `paths` must contain at least one pose.
+  /// The constructor allocates. `paths` must contain at least one pose.
   explicit PathTree(const std::vector<GuidePath>& paths);
 
-  /// Boxes that a query examines at most. A path all of which is about equally near, such as a
-  /// circle around the point, would need all of them: then the query returns the nearest of those
-  /// examined, and of those near the previous query's result, which no step of the search is
-  /// farther than.
+  /// Greatest number of boxes that a query examines. A path that is equally near everywhere, such
+  /// as a circle around the point, would need all of them. The query then returns the nearest of
+  /// the examined segments, which include those near the previous result.
   static constexpr std::size_t kMostVisits = 1024;
 
-  /// Returns the point nearest to `tip_mm`. Remembers its segment, at which the next query begins.
+  /// Returns the point nearest to `tip_mm`. The next query begins at its segment.
   GuidePoint nearest(Vec3 tip_mm) noexcept;
 
   std::size_t segments() const noexcept { return segments_.size(); }
-  /// Boxes that the last query examined.
+  /// Number of boxes that the last query examined.
   std::size_t visits() const noexcept { return visits_; }
 
  private:

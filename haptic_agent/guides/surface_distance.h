@@ -14,7 +14,7 @@ struct SurfaceDistance {
 /// Returns the distance from a box. Inside, the nearest face counts.
 SurfaceDistance box_distance(Vec3 min_mm, Vec3 max_mm, Vec3 point_mm) noexcept;
 
-/// Returns the distance from the upright cylinder that fits into a box: its radius is half of the
+/// Returns the distance from the upright cylinder inscribed in a box: its radius is half of the
 /// box's extent in X. Inside, the nearer of side and end counts.
 SurfaceDistance cylinder_distance(Vec3 min_mm, Vec3 max_mm, Vec3 point_mm) noexcept;
 

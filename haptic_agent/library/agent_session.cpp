@@ -23,7 +23,7 @@ static_assert(static_cast<int>(ServoPhase::kDegraded) == KERF_AGENT_PHASE_DEGRAD
 static_assert(static_cast<int>(ServoPhase::kSafe) == KERF_AGENT_PHASE_SAFE);
 static_assert(KERF_AGENT_CUT == wire::kButtonCutting && KERF_AGENT_DEADMAN == wire::kButtonDeadman);
 
-/// The text of an enumerator: a literal, so it ends with a zero.
+/// The text of an enumerator: a string literal, so it is null-terminated.
 template <class Enum>
 const char* text_of(Enum value) noexcept {
   const std::string_view text = to_string(value);
@@ -36,7 +36,7 @@ void set(double (&to)[3], Vec3 from) noexcept {
   to[2] = from.z;
 }
 
-/// The loop of kerf_agent_run: a device given as functions, and the session's own tick between.
+/// The loop of kerf_agent_run: reads the device, runs the session's tick, writes the device.
 class DeviceLoop final : public ServoTask {
  public:
   DeviceLoop(AgentSession& session, const kerf_agent_device& device, void* context,

@@ -52,8 +52,8 @@ class GivenDevice final : public HapticDevice {
   Wrench wrench_;
 };
 
-/// A session joined with a device of the caller: what kerf_agent.h calls an agent. Link, replica
-/// and servo cycle are those of kerf-agent.
+/// A session joined with a device of the caller: the agent of kerf_agent.h. Link, replica and servo
+/// cycle are those of kerf-agent.
 class AgentSession {
  public:
   /// Waits for the welcome.
@@ -67,9 +67,9 @@ class AgentSession {
   std::uint32_t tool() const noexcept { return tool_.load(); }
   /// From any thread. Returns false if the session has no such tool.
   bool choose_tool(std::uint32_t tool) noexcept;
-  /// Supervisor::rearm. From any thread.
+  /// See Supervisor::rearm. From any thread.
   void rearm() noexcept { cycle_->rearm(); }
-  /// From any thread, as kerf_agent_set_mapping. The error is one sentence.
+  /// See kerf_agent_set_mapping. From any thread. The error is one sentence.
   std::expected<void, std::string> set_mapping(const kerf_agent_mapping& given);
   kerf_agent_mapping mapping();
   /// From any thread.
@@ -77,23 +77,23 @@ class AgentSession {
   bool connected() const noexcept { return link_->connected(); }
   bool lost() const noexcept { return lost_.load(); }
 
-  /// Reserves the servo cycle for the calling thread; returns false if another has it.
+  /// Reserves the servo cycle for the calling thread; returns false if another thread has it.
   bool enter() noexcept { return !ticking_.test_and_set(std::memory_order_acquire); }
   void leave() noexcept { ticking_.clear(std::memory_order_release); }
-  /// One tick, by the thread that entered; returns the wrench until the next one. Within
-  /// kShortestUs after a tick, the same again, or zero if the device is not ready; a malformed pose
-  /// is a tick at any time.
+  /// One tick, on the thread that entered; returns the wrench until the next one. Within
+  /// kShortestUs after a tick it returns the same wrench, or zero if the device is not ready. A
+  /// malformed pose is a tick at any time.
   Wrench step(const kerf_agent_pose& pose, std::uint64_t now_us) noexcept;
 
   /// From any thread.
   kerf_agent_status status();
-  /// Runs the loop on a thread of its own and waits until it has ended; the caller has entered.
+  /// Runs the loop on its own thread and waits until it has ended. The caller must have entered.
   void run(const kerf_agent_device& device, void* context, bool realtime);
   void stop_running() noexcept { stopping_.store(true); }
-  /// Called for a warning to the user, from run.
+  /// Reports a warning to the user, from run.
   void notice(const std::string& line) const;
 
-  /// Ends the connection after at most `drain_s`.
+  /// Closes the connection within `drain_s`.
   void close(double drain_s);
 
   static constexpr std::uint64_t kShortestUs = 500;
@@ -123,13 +123,13 @@ class AgentSession {
   std::atomic<bool> lost_{false}, stopping_{false};
   std::atomic<std::uint32_t> tool_{0};
   std::atomic<std::uint64_t> ticks_{0};
-  std::uint64_t last_us_ = 0;  ///< of the newest tick; belongs to the thread that entered
+  std::uint64_t last_us_ = 0;  ///< time of the newest tick; belongs to the thread that entered
 
-  std::mutex mapping_mutex_;  ///< guards mapping_ and its writer to the cycle
+  std::mutex mapping_mutex_;  ///< guards mapping_ and the writes of it to the cycle
   MappingRequest mapping_;
   std::uint32_t mapping_flags_ = 0;
 
-  std::mutex status_mutex_;  ///< guards both: LatestValue has one reader
+  std::mutex status_mutex_;  ///< guards both, because LatestValue has one reader
   ServoStatus servo_now_;
   LinkStatus link_now_;
 };

@@ -28,7 +28,8 @@ namespace {
 constexpr double kMaxPatienceS = 1e6, kMaxDrainS = 60;
 constexpr std::uint32_t kKnownFlags = KERF_AGENT_NO_COPY | KERF_AGENT_UDP | KERF_AGENT_NO_REALTIME;
 
-/// Of the calling thread; a fixed length, because kerf_agent_step writes it and may not allocate.
+/// Error of the calling thread. Its length is fixed, because kerf_agent_step writes it and may not
+/// allocate.
 constinit thread_local std::array<char, 512> last_error{};
 
 kerf_agent_result fail(kerf_agent_result result, std::string_view reason) noexcept {
@@ -38,7 +39,7 @@ kerf_agent_result fail(kerf_agent_result result, std::string_view reason) noexce
   return result;
 }
 
-/// Runs a call of the interface; an exception becomes a result.
+/// Runs a call of the interface and converts an exception to a result.
 template <typename Call>
 kerf_agent_result guarded(const Call& call) noexcept {
   try {
@@ -148,7 +149,7 @@ kerf_agent_result ask(kerf_agent* agent, bool undone) noexcept {
   return KERF_AGENT_OK;
 }
 
-/// `wrench` has been set to zero before and stays so on failure.
+/// `wrench` was set to zero before and stays zero on failure.
 kerf_agent_result step(AgentSession& session, const kerf_agent_pose& pose,
                        kerf_agent_wrench* wrench) noexcept {
   if (!session.enter()) return fail(KERF_AGENT_BUSY, "another thread runs this agent's loop");

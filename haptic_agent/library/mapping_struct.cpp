@@ -13,7 +13,7 @@ constexpr std::uint32_t kKnownFlags = KERF_AGENT_MAPPING_FIT | KERF_AGENT_MAPPIN
 
 Vec3 vec_of(const double (&v)[3]) noexcept { return {v[0], v[1], v[2]}; }
 
-/// Zero stands for 1. Rejects NaN.
+/// Zero means 1. Rejects NaN.
 bool is_factor(double value, double least, double most) noexcept {
   return value == 0 || (value >= least && value <= most);
 }

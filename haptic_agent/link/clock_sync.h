@@ -12,7 +12,7 @@ namespace kerf::agent {
 /// Round-trip times and the offset of the server's clock, from pings and pongs.
 class ClockSync {
  public:
-  /// Takes a pong. All in us: local time of sending, the server's time, local time of arrival.
+  /// Adds a pong. All times in us: local time of sending, the server's time, local time of arrival.
   void take(std::uint64_t sent_us, std::uint64_t server_us, std::uint64_t arrival_us) noexcept {
     if (arrival_us < sent_us) return;
     const std::uint64_t rtt_us = arrival_us - sent_us;
@@ -22,7 +22,7 @@ class ClockSync {
   }
 
   /// Returns the server's clock minus the local clock, from the pong with the shortest round trip
-  /// among the last 32.
+  /// of the last 32.
   std::int64_t offset_us() const noexcept {
     Answer best;
     for (std::size_t i = 0; i < kWindow && i < count_; ++i) {

@@ -19,7 +19,7 @@ using std::chrono::seconds;
 
 constexpr seconds kConnectTimeout{3};
 constexpr seconds kWelcomeTimeout{5};
-/// The server may load the session first.
+/// The server may have to load the session first.
 constexpr seconds kUpgradeTimeout{8};
 static_assert(kUpgradeTimeout > seconds(wire::kLoadWaitS));
 constexpr net::WebSocketLimits kLimits{
@@ -28,11 +28,11 @@ constexpr net::WebSocketLimits kLimits{
     .message_bytes = wire::kMaxServerFrameBytes,
 };
 
-/// Cuts the connection unless it is cancelled or destroyed before `time` has passed.
+/// Cuts the connection after `time` unless cancelled or destroyed before.
 class Deadline {
  public:
   Deadline(Connection& connection, seconds time) : timer_(connection.tcp.get_executor(), time) {
-    // The wait may have ended, and its handler be queued, when the timer is destroyed.
+    // When the timer is destroyed, the wait may already have ended and its handler be queued.
     timer_.async_wait([&connection, alive = std::weak_ptr(alive_)](error_code stopped) {
       if (!stopped && !alive.expired()) connection.cut();
     });

@@ -25,10 +25,10 @@ struct Connection {
   explicit Connection(boost::asio::io_context& io) : tcp(io), reader_ended(io) {
     reader_ended.expires_at(boost::asio::steady_timer::time_point::max());
   }
-  /// Ends the connection at once, in whatever stage it is.
+  /// Ends the connection at once, at any stage.
   void cut();
 
-  /// Until it is connected; then it belongs to `stream`, and, once TLS is there, to `socket`.
+  /// Used until it is connected; then it moves to `stream` and, under TLS, to `socket`.
   boost::asio::ip::tcp::socket tcp;
   std::optional<net::ByteStream> stream;
   std::unique_ptr<net::WebSocket> socket;

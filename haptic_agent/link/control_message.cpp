@@ -19,7 +19,7 @@ Vec3 vec3(const json& numbers) {
   return {numbers.at(0).get<double>(), numbers.at(1).get<double>(), numbers.at(2).get<double>()};
 }
 
-// All functions here throw json::exception if a field is missing or has the wrong type.
+// The functions here throw json::exception if a field is missing or has the wrong type.
 
 StockBox stock_box(const json& stock) {
   if (stock.at("shape") == "cylinder") {
@@ -41,7 +41,7 @@ CutLaw cut_law(const json& force) {
   return CutLaw::kSpecificEnergy;
 }
 
-/// Returns nothing for an offer that is missing or invalid: the WebSocket then carries everything.
+/// Returns nullopt if the offer is missing or invalid; all frames then use the WebSocket.
 std::optional<datagram::Offer> read_offer(const json& message) {
   const json offer = message.value("udp", json::object());
   if (!offer.is_object()) return std::nullopt;
@@ -66,7 +66,7 @@ std::optional<datagram::Offer> read_offer(const json& message) {
                          *to_server, *to_agent};
 }
 
-/// Returns nothing for a field that is missing or invalid: the agent then does without.
+/// Returns nullopt if the field is missing or invalid; the agent then works without it.
 std::optional<Resume> read_resume(const json& message) {
   const json resume = message.value("resume", json::object());
   if (!resume.is_object()) return std::nullopt;
@@ -80,7 +80,7 @@ std::optional<Resume> read_resume(const json& message) {
   return Resume{token->get<std::string>(), sequence->get<std::uint64_t>(), resumed->get<bool>()};
 }
 
-/// Servers beyond these are not tried.
+/// Greatest number of other servers that are tried.
 constexpr std::size_t kOthersMax = 16;
 
 std::vector<std::string> read_others(const json& message) {
@@ -120,12 +120,12 @@ Welcome read_welcome(const json& message) {
   return welcome;
 }
 
-/// Returns what is wrong with a number of the welcome; empty if nothing is.
+/// Returns the fault of a number of the welcome; empty if there is none.
 std::string fault_of(const Welcome& welcome) {
   constexpr double kCoefficientMax = 1e9;
   std::ostringstream reason;
   const auto check = [&reason](const char* field, double value, double least, double most) {
-    // Also rejects NaN.
+    // The negated comparison also rejects NaN.
     if (!reason.str().empty() || (value >= least && value <= most)) return;
     reason << field << " must be from " << least << " to " << most << ", not " << value;
   };

@@ -19,27 +19,27 @@ namespace kerf::agent {
 /// First message of an agent.
 struct Hello {
   std::string name;
-  /// "#rrggbb"; empty: the server chooses one.
+  /// "#rrggbb"; if empty, the server chooses one.
   std::string color;
-  /// 0: the server chooses the session's first tool.
+  /// If 0, the server chooses the session's first tool.
   std::uint32_t tool_id = 0;
-  /// Participant whose wrench is sent along (--feel); 0: none.
+  /// Participant whose wrench is requested (--feel); 0 for none.
   std::uint32_t feel_of = 0;
   /// Request the UDP transport.
   bool udp = false;
   /// Request updates of the stock near the tool, and the poses of other tools there.
   bool stock = false;
-  /// Ask whether the server accepts messages 'reach' (reach_text).
+  /// Ask whether the server accepts 'reach' messages (reach_text).
   bool reach = false;
-  /// Token of an earlier welcome: continue as the same participant. Not to be logged.
+  /// Token of an earlier welcome, to continue as the same participant. Must not be logged.
   std::string resume = {};
 };
 
-/// The server states which samples are durable, and how far a participant has come.
+/// States that the server reports durable samples, and how far a participant has come.
 struct Resume {
-  /// For the next hello. Not to be logged.
+  /// For the next hello. Must not be logged.
   std::string token;
-  /// The server has all samples up to this number; 0: none.
+  /// The server has all samples up to this number; 0 if it has none.
   std::uint64_t agent_sequence = 0;
   /// This is the participant of the token in the hello.
   bool resumed = false;
@@ -53,19 +53,19 @@ struct Welcome {
   std::string color;
   double pivot_mm = 0;
   CutLaw law = CutLaw::kSpecificEnergy;
-  /// Coefficients of the two laws; 0: not stated.
+  /// Coefficients of the two laws; 0 if not stated.
   double specific_force_n_per_mm2 = 0;
   double drr_n_s_per_mm3 = 0;
   /// Bounding box of the stock.
   StockBox stock;
   std::vector<std::uint32_t> tool_ids;
-  /// The UDP transport; empty if it was not requested, or is unavailable or not supported here.
+  /// The UDP transport; empty if not requested, unavailable or not supported here.
   std::optional<datagram::Offer> udp;
-  /// Empty: the server does not support it.
+  /// Empty if the server does not support it.
   std::optional<Resume> resume;
-  /// The server accepts messages 'reach'.
+  /// The server accepts 'reach' messages.
   bool takes_reach = false;
-  /// Addresses of the other servers that may continue the session; invalid ones are left out.
+  /// Addresses of the other servers that may continue the session, without invalid ones.
   std::vector<std::string> others;
   /// The message without its secrets, from which the replica is created.
   std::string text;
@@ -79,16 +79,16 @@ struct ServerError {
 
 struct Bye {
   std::string reason;
-  std::string redirect;  ///< address of the server that continues the session; empty: none
+  std::string redirect;  ///< address of the server that continues the session; empty if none
 };
 
-/// A stroke of this agent has been undone or redone, as it asked.
+/// A stroke of this agent has been undone or redone at its request.
 struct StrokeChanged {
   bool undone = true;
   std::uint64_t stroke = 0;  ///< its first record
 };
 
-/// Nothing has been undone or redone, although the agent asked.
+/// The agent's request to undo or redo had no effect.
 struct ChangeRefused {
   bool undone = true;
   std::string code;
@@ -103,7 +103,7 @@ using ControlMessage =
 
 std::string hello_text(const Hello& hello);
 std::string tool_text(std::uint32_t tool_id);
-/// Undoes the agent's newest stroke, or redoes the one that was undone last.
+/// Undoes the agent's newest stroke, or redoes the last undone one.
 std::string change_text(bool undone);
 /// States the box of the block that the device reaches.
 std::string reach_text(const Reach& reach);
@@ -112,7 +112,7 @@ std::string stock_text();
 
 enum class ControlFault : std::uint8_t {
   kMalformed,   ///< not JSON, or a field is missing or has the wrong type
-  kOutOfRange,  ///< a number of the welcome with which no device can be rendered
+  kOutOfRange,  ///< a number of the welcome is outside the range that a device can render
 };
 
 struct ControlError {
@@ -121,8 +121,8 @@ struct ControlError {
   std::string reason;
 };
 
-/// Parses a text frame. Of a welcome, the pivot, the force coefficients and the stock must be in
-/// range.
+/// Parses a text frame. Checks the ranges of the pivot, the force coefficients and the stock of a
+/// welcome.
 std::expected<ControlMessage, ControlError> parse_control(std::string_view text);
 
 /// Returns the reason to show to a user from the body of a declined HTTP request, at most 200

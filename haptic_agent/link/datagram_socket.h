@@ -12,9 +12,9 @@
 
 namespace kerf::agent {
 
-/// UDP socket of one connection, encrypted with the keys that the server has offered. Used on the
-/// link thread only. A socket that cannot be opened, or whose datagrams do not arrive, is silent;
-/// the WebSocket then carries everything.
+/// UDP socket of one connection, encrypted with the keys that the server offered. Used on the link
+/// thread only. If it cannot be opened or its datagrams are lost, it does nothing, and the
+/// WebSocket carries all frames.
 class DatagramSocket {
  public:
   /// `counts` must outlive the socket.
@@ -27,7 +27,7 @@ class DatagramSocket {
   void close();
 
  private:
-  /// Returns false if nothing was waiting.
+  /// Returns false if no datagram was waiting.
   bool receive(const std::function<void(std::span<const std::byte>)>& take);
 
   boost::asio::ip::udp::socket socket_;

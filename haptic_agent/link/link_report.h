@@ -10,7 +10,7 @@
 
 namespace kerf::agent {
 
-/// Errors of one code that the server has sent.
+/// Errors with one code that the server has sent.
 struct ServerComplaint {
   std::uint64_t count = 0;
   std::string first_reason;
@@ -22,14 +22,14 @@ struct UdpReport {
   bool offered = false;
   /// Samples are sent over UDP now, or were at the end.
   bool carries = false;
-  /// Number of switches from the WebSocket to UDP, and of switches back because UDP went silent.
+  /// Number of switches from the WebSocket to UDP, and back because UDP went silent.
   std::uint64_t taken_over = 0;
   std::uint64_t fell_back = 0;
   std::uint64_t sent = 0;
   std::uint64_t received = 0;
   /// Sent by the server and not received, from the counters in its datagrams.
   std::uint64_t lost = 0;
-  /// Received but not authentic, or duplicates.
+  /// Received, but not authentic or duplicate.
   std::uint64_t dropped = 0;
   /// Samples that were first sent over UDP.
   std::uint64_t samples = 0;
@@ -44,7 +44,7 @@ struct LinkStatus {
   std::uint64_t connections = 0;
   std::uint64_t samples_sent = 0;
   std::uint64_t results = 0;
-  std::uint64_t rtt_us = 0;  ///< of the last ping
+  std::uint64_t rtt_us = 0;  ///< from the last ping
   std::int64_t clock_offset_us = 0;
   UdpReport udp{};
 };
@@ -59,12 +59,12 @@ struct LinkReport {
   std::uint64_t merged_cuts = 0;
   std::uint64_t thinned_cuts = 0;
   std::uint64_t forgotten = 0;
-  /// Poses out of contact that the deadband has dropped.
+  /// Poses out of contact that the deadband dropped.
   std::uint64_t held_back = 0;
   std::uint64_t unanswered = 0;
-  /// Connections on which the server has recognized the agent by its token.
+  /// Connections on which the server recognized the agent by its token.
   std::uint64_t resumed = 0;
-  /// Answered samples that were not durable at the end, and such that were dropped.
+  /// Answered samples that were not durable at the end, and those that were dropped before.
   std::uint64_t not_durable = 0;
   std::uint64_t given_up = 0;
   std::uint64_t results = 0;
@@ -74,7 +74,7 @@ struct LinkReport {
   std::uint64_t bad_frames = 0;
   std::uint64_t motions_in_session = 0;
   double removed_mm3 = 0;
-  /// Results of motions that began inside stock: what they took there gave no force.
+  /// Results of motions that began inside stock: the imprint gave no force.
   std::uint64_t imprint_results = 0;
   double max_server_force_n = 0;
   UdpReport udp;
@@ -83,7 +83,7 @@ struct LinkReport {
   Histogram answer_us;
   Histogram turnaround_us;
   std::map<std::string, ServerComplaint> complaints;
-  /// Why the link has failed; empty if it has not.
+  /// Why the link has failed; empty if it has not failed.
   std::string failure;
 };
 

@@ -24,7 +24,7 @@ class Pace {
     last_us_ = now_us;
     return static_cast<std::size_t>(tokens_);
   }
-  /// Takes `samples` tokens; not more than were allowed.
+  /// Removes `samples` tokens; at most as many as were allowed.
   void sent(std::size_t samples) noexcept { tokens_ -= static_cast<double>(samples); }
 
  private:

@@ -14,7 +14,7 @@ bool cuts(const wire::MotionSample& sample) noexcept {
 }
 
 /// Returns true if the samples between `from` and `to` may be dropped: the motion is one cut with
-/// one tool, and tip and axis of each of them lie on the chord.
+/// one tool, and the tip and axis of each sample are on the chord.
 bool is_chord(const std::deque<wire::MotionSample>& samples, std::size_t from, std::size_t to) {
   const wire::MotionSample& a = samples[from];
   const wire::MotionSample& c = samples[to];
@@ -69,7 +69,7 @@ wire::MotionBatch SampleQueue::take(std::size_t most) {
 }
 
 SampleQueue::Repeating SampleQueue::take_repeating(std::size_t most, std::uint32_t tool_id) {
-  // Samples sent before a go_back may have been answered since.
+  // Samples sent before go_back may have been answered since.
   next_ = std::max(next_, first_unanswered());
   Repeating out;
   const std::size_t start = next_;
@@ -168,7 +168,7 @@ void SampleQueue::rewind(std::uint64_t server_has) {
   answered(from);
   next_ = 0;
   if (!kept_.empty()) answered_ = std::min(answered_, from);
-  // A first sample without a number was never sent: those before it were dropped.
+  // A first sample without a number was never sent, so samples before it were dropped.
   while (!kept_.empty() &&
          (samples_.front().agent_sequence == 0 || samples_.front().agent_sequence > from)) {
     samples_.push_front(kept_.back());
@@ -209,7 +209,8 @@ std::size_t SampleQueue::first_fresh() const noexcept {
 }
 
 void SampleQueue::merge_air() {
-  // A sample through the air may merge with one considered before: its path does not matter.
+  // A sample through the air may merge with one considered before, because its path does not
+  // matter.
   const std::size_t start = std::max(next_, first_fresh() - (first_fresh() > 0 ? 1 : 0));
   std::size_t keep = start;
   for (std::size_t at = start; at < samples_.size(); ++at) {
@@ -246,7 +247,7 @@ void SampleQueue::thin_cuts() {
   bool dropped = true;
   for (auto at = first; at != samples_.end(); ++at) {
     const auto after = std::next(at);
-    // Never two in a row, and only where the motions before and after are both cuts of one tool.
+    // Never drop two in a row, and only where the motions before and after are cuts of one tool.
     const bool thins = !dropped && at->agent_sequence == 0 && after != samples_.end() &&
                        cuts(*at) && cuts(*after) && at->tool_id == after->tool_id;
     dropped = thins;
@@ -271,8 +272,8 @@ void SampleQueue::drop_oldest() {
   }
 }
 
-/// Removes the first sample. An answered one is kept until it is durable; after an unanswered one
-/// the tool moves to the next one without cutting.
+/// Removes the first sample. An answered one is kept until it is durable. After an unanswered one
+/// the tool moves to the next without cutting.
 void SampleQueue::drop_first() {
   if (next_ > 0) --next_;
   const std::uint64_t number = samples_.front().agent_sequence;

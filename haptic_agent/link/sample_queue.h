@@ -11,24 +11,25 @@
 
 namespace kerf::agent {
 
-/// Queue of samples that the server has not answered yet, sent or not, and of those that it has
-/// answered and not yet stored durably. Each gets its number when it is first sent, so that numbers
-/// are consecutive even if samples were merged. After a reconnection all samples that the server
-/// does not have are sent again, preceded by the last one that it has, at which the first motion
-/// starts. Cuts are idempotent, so samples that had already arrived change nothing.
+/// Queue of samples without an answer from the server, sent or not, and of answered samples that
+/// are not durable yet. A sample gets its number when it is first sent, so that numbers are
+/// consecutive even after merging. After a reconnection all samples that the server lacks are
+/// resent, preceded by the last one that it has, where the first motion starts. Cuts are
+/// idempotent, so samples that had already arrived change nothing.
 class SampleQueue {
  public:
   /// Capacity: eight seconds at 1 kHz.
   static constexpr std::size_t kMaxKept = 8192;
-  /// Answered samples kept until they are durable: a minute of a stalled disk. Older ones are given
-  /// up. A server accepts no more than this before its disk has caught up.
+  /// Greatest number of answered samples that are not durable: a minute of a stalled disk. The
+  /// oldest are dropped beyond that. A server accepts no more than this before its disk has caught
+  /// up.
   static constexpr std::size_t kMaxNotDurable = 65'536;
-  /// Maximum time between the oldest unanswered sample and one that may be sent; bounds the backlog
-  /// sent to a slow server. An older answer gives no force anyway.
+  /// Greatest time between the oldest unanswered sample and one that may be sent; bounds the
+  /// backlog sent to a slow server. An older answer gives no force anyway.
   static constexpr std::uint64_t kWindowUs = 120'000;
   static constexpr std::uint64_t kMaxRttUs = 300'000;
   /// With more unsent samples than this the server is behind. Samples are then merged where that
-  /// does not change the cut: through the air, and where the path is straight to within the two
+  /// does not change the cut: through the air, and where the path is straight within the two
   /// tolerances below.
   static constexpr std::size_t kMergeAbove = 32;
   static constexpr std::size_t kLongestChord = 16;
@@ -37,36 +38,36 @@ class SampleQueue {
 
   /// Appends a sample; its number is ignored.
   void push(const wire::MotionSample& sample);
-  /// Returns the next samples to send, at most `most` and at most one message, all of one tool and
+  /// Returns the next samples to send, at most `most` and at most one message, all for one tool and
   /// within the window. Numbers the new ones.
   wire::MotionBatch take(std::size_t most);
   /// Contents of one datagram.
   struct Repeating {
     wire::MotionBatch batch;
     /// `due`: number of samples at the end of the batch that must be delivered; `fresh`: how many
-    /// of those were never sent on this connection. The samples before them are repetitions.
+    /// of those were never sent on this connection. Earlier samples are repetitions.
     std::uint32_t due = 0, fresh = 0;
   };
   /// Maximum number of due samples per datagram, so that even a backlog is sent in two datagrams.
   static constexpr std::size_t kNewPerDatagram = 8;
-  /// As take, for a datagram: at most `most` samples that were never sent on this connection,
-  /// preceded by as many sent but unanswered ones as fit. All of this tool; empty if no sample is
+  /// Like take, for a datagram: at most `most` samples that were never sent on this connection,
+  /// preceded by as many sent but unanswered ones as fit. All for `tool_id`; empty if no sample is
   /// due.
   Repeating take_repeating(std::size_t most, std::uint32_t tool_id);
-  /// Schedules all unanswered samples to be sent again on the same connection.
+  /// Schedules all unanswered samples for resending on the same connection.
   void go_back() noexcept;
   /// Returns true if a sent sample is unanswered.
   bool in_flight() const noexcept { return last_number_ > answered_; }
-  /// Marks all numbers up to this one as answered. A number that was never sent is ignored.
+  /// Marks all numbers up to this one as answered. Ignores a number that was never sent.
   void answered(std::uint64_t agent_sequence);
   /// Extends the window by the round-trip time, up to kMaxRttUs.
   void set_rtt(std::uint64_t rtt_us) noexcept { rtt_us_ = std::min(rtt_us, kMaxRttUs); }
-  /// Keep answered samples until durable() names them; otherwise they are released when answered.
+  /// If set, keeps answered samples until durable() names them; otherwise releases them at once.
   void keep_until_durable(bool keep) noexcept { keeps_ = keep; }
   /// The server has stored all samples up to this number.
   void durable(std::uint64_t agent_sequence);
-  /// Prepares for a new connection. `server_has`: the number up to which the server has the
-  /// samples; 0 if it knows nothing of them: then all that are not durable are sent again.
+  /// Prepares for a new connection. `server_has`: number up to which the server has the samples; if
+  /// 0, all samples that are not durable are resent.
   void rewind(std::uint64_t server_has = 0);
 
   std::size_t unsent() const noexcept { return samples_.size() - next_; }
@@ -106,19 +107,20 @@ class SampleQueue {
   void release_first();
   bool drop_unsent();
 
-  /// Answered and, but for the first, not durable; in order, before those of `samples_`.
+  /// Answered samples that are not durable, except the first, which may be; in order, before those
+  /// of `samples_`.
   std::deque<wire::MotionSample> kept_;
   bool keeps_ = false;
   std::uint64_t durable_ = 0;
-  /// Number of samples at the start of `samples_` that were answered before a rewind: they were
+  /// Number of samples at the start of `samples_` that were answered before a rewind. They were
   /// felt, so they are not dropped.
   std::size_t returned_ = 0;
   std::uint64_t given_up_ = 0;
-  /// In order. The first may be answered already; it is kept as the start of the first motion.
+  /// In order. The first may be answered; it is kept as the start of the first motion.
   std::deque<wire::MotionSample> samples_;
   std::size_t next_ = 0;
   /// Number of samples at the end that have not been considered for merging. Each is considered
-  /// only once; otherwise the errors of chords over chords would add up.
+  /// once, because errors of chords over chords would add up.
   std::size_t fresh_ = 0;
   std::uint64_t rtt_us_ = 0;
   std::uint64_t last_number_ = 0;

@@ -9,10 +9,10 @@
 
 namespace kerf::agent {
 
-/// The servers that may continue a session, and which of them is tried next.
+/// The servers that may continue a session, and the next one to try.
 class ServerChoice {
  public:
-  /// The server `at` has accepted the agent and names others.
+  /// Call when the server `at` has accepted the agent and names other servers.
   void welcomed(const ServerUrl& at, const std::vector<std::string>& others) {
     servers_ = {at};
     at_ = 0;
@@ -20,10 +20,10 @@ class ServerChoice {
       if (const auto server = follow_redirect(at, other)) servers_.push_back(*server);
     }
   }
-  /// Whether there are several.
+  /// Whether there is more than one server.
   bool has_others() const { return servers_.size() > 1; }
-  /// The last one could not be reached, or has not accepted the agent: moves `server` to the next
-  /// one. True if all of them, or the only one, have been tried since the last time.
+  /// Call when the last server was unreachable or did not accept the agent: moves `server` to the
+  /// next one. Returns true if every server has been tried since the last time.
   bool turn(ServerUrl& server) {
     if (!has_others()) return true;
     at_ = (at_ + 1) % servers_.size();

@@ -37,10 +37,10 @@ using std::chrono::milliseconds;
 constexpr milliseconds kFirstBackOff{50};
 constexpr milliseconds kLongestBackOff{2000};
 constexpr milliseconds kCloseTimeout{500};
-/// Period at which the ring is emptied and timeouts are checked when no sample wakes the link.
+/// Period at which the ring is emptied and timeouts are checked if no sample wakes the link.
 constexpr milliseconds kHousekeeping{10};
 
-/// A link that is late finds several samples too, but not so often in a row.
+/// A link that is late also finds several samples, but not so often in a row.
 constexpr int kBatchesInARow = 8;
 
 /// WebSocket close code 1000: the purpose of the connection is fulfilled.
@@ -67,7 +67,7 @@ class ServerLink::Impl {
     asio::co_spawn(io_, run(), asio::detached);
     asio::co_spawn(io_, housekeep(), asio::detached);
     thread_ = std::thread([this] {
-      // If this is denied, the servo thread's warning explains it.
+      // The servo thread's warning explains a denial.
       request_fifo(kLinkPriority);
       run_io();
     });
@@ -99,7 +99,7 @@ class ServerLink::Impl {
 
   void wake() noexcept {
     const std::uint64_t one = 1;
-    // The write fails only if the counter is full, and then the link is awake already.
+    // The write fails only if the counter is full, and then the link is already awake.
     [[maybe_unused]] const auto written = ::write(wake_fd_, &one, sizeof one);
   }
 
@@ -109,8 +109,8 @@ class ServerLink::Impl {
 
  private:
   /// While the servo hands over several samples at a time, because the replica answers them,
-  /// nothing that arrives is urgent: it is handled when the servo wakes the link the next time.
-  /// While a peer that does not read keeps a frame from being written, the wake-ups are not taken.
+  /// received frames are not urgent and are handled at the next wake-up by the servo. While a frame
+  /// is being written to a peer that does not read, wake-ups are not consumed.
   void run_io() {
     FollowCpu place(settings_.lead);
     while (!io_.stopped()) {
@@ -168,7 +168,7 @@ class ServerLink::Impl {
       }
       if (welcome) notice("connection lost (" + loss.reason + "), connecting again");
       follow(loss.redirect);
-      // Of several servers each is tried before the pause grows.
+      // With several servers, try each before the pause grows.
       bool is_round = welcome || !servers_.has_others();
       if (!is_round && loss.redirect.empty()) is_round = servers_.turn(settings_.server);
       back_off_.expires_after(is_round ? pause : kFirstBackOff);
@@ -178,7 +178,7 @@ class ServerLink::Impl {
     end();
   }
 
-  /// The server that has ended the connection says where the session continues.
+  /// The server that ended the connection names the one that continues the session.
   void follow(const std::string& redirect) {
     if (redirect.empty()) return;
     const auto server = follow_redirect(settings_.server, redirect);
@@ -210,7 +210,7 @@ class ServerLink::Impl {
       housekeeping_.expires_after(kHousekeeping);
       co_await housekeeping_.async_wait(kAwait);
       traffic_.collect();
-      // Nothing has become due since the writing coroutine last looked, if it just did.
+      // If the writing coroutine has just looked, no frame has become due since.
       if (!std::exchange(looked_, false)) wake();
       if (!finished()) continue;
       // Cancels a pending reconnection.
@@ -220,7 +220,7 @@ class ServerLink::Impl {
   }
 
   void enter(const Welcome& welcome) {
-    // Requests are given up with the connection.
+    // Requests do not survive the connection.
     undos_.store(0);
     redos_.store(0);
     servers_.welcomed(settings_.server, welcome.others);
@@ -274,8 +274,8 @@ class ServerLink::Impl {
     asio::co_spawn(io_, read_all(connection), asio::detached);
     co_await write_all(*connection);
     if (!connection->loss) {
-      // The stream's own timeout for the closing handshake is long; a server that does not answer
-      // must not delay the agent.
+      // The stream's own timeout for the closing handshake is long. A silent server must not delay
+      // the agent.
       asio::steady_timer deadline(io_, kCloseTimeout);
       deadline.async_wait([connection](error_code stopped) {
         if (!stopped) connection->cut();
@@ -349,18 +349,18 @@ class ServerLink::Impl {
   LinkSettings settings_;
   std::atomic<bool> interrupted_{false}, connected_{false}, rejected_{false};
   std::atomic<std::uint64_t> drain_until_us_{0};
-  std::atomic<int> undos_{0}, redos_{0};  ///< requested, not yet taken by the link thread
+  std::atomic<int> undos_{0}, redos_{0};  ///< requested, not yet handled by the link thread
 
-  // The members below belong to the link thread, except those that the mutex guards.
+  // The members below belong to the link thread, except those guarded by the mutex.
   asio::io_context io_{1};
   int wake_fd_;
   asio::posix::stream_descriptor wake_;
-  bool awaits_wake_ = false;  ///< the writing coroutine has written all that is due
-  bool looked_ = false;       ///< it has looked for what is due since the last housekeeping
+  bool awaits_wake_ = false;  ///< the writing coroutine has written every due frame
+  bool looked_ = false;       ///< it has looked for due frames since the last housekeeping
   asio::steady_timer housekeeping_;
   asio::steady_timer back_off_;
   Traffic traffic_;
-  /// The connection whose handshake is in progress; null if none.
+  /// The connection whose handshake is in progress; otherwise null.
   std::shared_ptr<Connection> greeting_;
   bool ended_ = false;
   ServerChoice servers_;

@@ -19,18 +19,18 @@ namespace kerf::agent {
 struct LinkSettings {
   ServerUrl server;
   std::string session;
-  /// PEM file of the authorities that may certify the server; empty: those of the system.
+  /// PEM file of the authorities that may certify the server; if empty, those of the system.
   std::string authorities{};
-  /// Proves the right to join (token.h); empty: none. Not to be logged.
+  /// Proves the right to join (token.h); may be empty. Must not be logged.
   std::string token{};
   Hello hello;
   TrafficOptions traffic{};
   /// How long to retry connecting, at the start and after each loss.
   double patience_s = 30.0;
-  /// Processor of the loop that wakes the link; null if it has none. Must outlive the link.
+  /// Processor of the loop that wakes the link; may be null. Must outlive the link.
   const LeadCpu* lead = nullptr;
-  /// Called on the link thread with one line for the user: an error of the server (the first of
-  /// each code), a connection lost, a connection restored.
+  /// Called on the link thread with one line for the user: an error from the server (the first of
+  /// each code), a connection lost or restored.
   std::function<void(const std::string&)> notice;
   /// Called on the link thread when the link has failed for good.
   std::function<void()> failed;
@@ -38,8 +38,7 @@ struct LinkSettings {
 
 /// The connection to the server, on its own thread: sends the samples of the ring, receives
 /// wrenches, and reconnects after a loss as the same participant. Every sample is sent once per
-/// WebSocket connection, and again with the same number on the next one if the server does not have
-/// it any more.
+/// WebSocket connection, and resent with the same number on the next one if the server lacks it.
 class ServerLink final : public SampleListener {
  public:
   /// Both references must outlive the link.
@@ -58,15 +57,15 @@ class ServerLink final : public SampleListener {
   /// closes the connection and ends the thread. Call from the thread that called start.
   void stop(double drain_s);
 
-  /// Requests that this agent's newest stroke be undone, or the one that was undone last be redone;
-  /// a notice says what has come of it. From any thread; no effect without a connection.
+  /// Requests an undo of this agent's newest stroke, or a redo of the last undone one. A notice
+  /// states the result. From any thread; no effect without a connection.
   void ask(bool undone) noexcept;
 
   void sample_ready() noexcept override;
 
   /// Whether there is a welcomed connection now. From any thread.
   bool connected() const noexcept;
-  /// Whether the link has failed because the server rejected the agent, instead of being
+  /// Whether the link has failed because the server rejected the agent, rather than because it was
   /// unreachable. From any thread.
   bool rejected() const noexcept;
 

@@ -19,13 +19,12 @@ struct ServerUrl {
   std::string authority() const;
 };
 
-/// Parses `http://HOST[:PORT]`, `ws://…` or `HOST[:PORT]`, whose default port is 8080, or, with
-/// TLS, `https://…` or `wss://…`, whose default port is 443; an IPv6 address is in brackets. The
-/// error is one sentence.
+/// Parses `http://HOST[:PORT]`, `ws://…` or `HOST[:PORT]` (default port 8080), or `https://…` or
+/// `wss://…` for TLS (default port 443). An IPv6 address is in brackets. The error is one sentence.
 std::expected<ServerUrl, std::string> parse_server_url(std::string_view text);
 
 /// Returns the server at which a session continues according to the server `from`; nullopt if the
-/// address is invalid, or would take an agent from TLS to a connection without.
+/// address is invalid or would downgrade the agent from TLS to plain text.
 std::optional<ServerUrl> follow_redirect(const ServerUrl& from, std::string_view redirect);
 
 /// Returns true for a valid session identifier: letters, digits, `.`, `_`, `-`; at most

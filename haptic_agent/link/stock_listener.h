@@ -8,12 +8,12 @@
 
 namespace kerf::agent {
 
-/// Receives the stock updates and results of the server, to maintain a replica of the block. Called
-/// on the link thread; must not block for long.
+/// Receives the server's stock updates and results, to maintain a replica of the block. Called on
+/// the link thread; must not block for long.
 class StockListener {
  public:
   virtual ~StockListener() = default;
-  /// A stock or an intent frame has arrived; the bytes are valid during the call only.
+  /// Called for a stock or intent frame; the bytes are valid during the call only.
   virtual void take_stock(std::span<const std::byte> frame) = 0;
   virtual void take_result(const wire::Result& result) = 0;
   /// Returns true once if the server must send the stock from scratch.

@@ -12,9 +12,10 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint64_t kPingEveryUs = 100'000;
-/// The server takes 10 messages 'reach' per second; a program may change its mapping in each tick.
+/// The server accepts 10 'reach' messages per second; a program may change its mapping in each
+/// tick.
 constexpr std::uint64_t kReachEveryUs = 100'000;
-/// While the link waits for nothing but the server's disk.
+/// Period of pings while the link waits only for the server's disk.
 constexpr std::uint64_t kLastPingsEveryUs = 20'000;
 constexpr unsigned kHttpClientError = 400;
 constexpr unsigned kHttpTooMany = 429;
@@ -40,7 +41,7 @@ void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t no
   motion_sequence_ = ping_sequence_ = pong_sequence_ = 0;
   next_ping_us_ = now_us;
   pong_due_.reset();
-  ack_due_.reset();  // of a frame of the connection before
+  ack_due_.reset();  // it belongs to the previous connection
   asked_.clear();
   queue_.keep_until_durable(server_has.has_value());
   queue_.rewind(server_has.value_or(0));
@@ -80,7 +81,7 @@ std::size_t Traffic::collect() {
   return count;
 }
 
-/// Takes out the buttons that are not part of the protocol; their presses become requests.
+/// Removes the buttons that are not part of the protocol; their presses become requests.
 void Traffic::take_buttons(wire::MotionSample& sample) {
   const std::uint32_t now = sample.buttons & (kButtonUndo | kButtonRedo);
   const std::uint32_t pressed = now & ~std::exchange(pressed_, now);
@@ -90,7 +91,7 @@ void Traffic::take_buttons(wire::MotionSample& sample) {
 }
 
 /// Returns true for poses out of contact that differ imperceptibly from the last one, for at most
-/// one heartbeat: longer silence must still indicate a failure.
+/// one heartbeat: a longer silence must still indicate a failure.
 bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
   constexpr double kDeadbandMm = 0.05;
   constexpr double kDeadbandRad = 1e-3;
@@ -105,8 +106,8 @@ bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
          dot(turned, turned) < kDeadbandRad * kDeadbandRad;
 }
 
-/// Returns whether to send the reach now. A change within kReachEveryUs after the last message
-/// stays due until that time is over.
+/// Returns whether to send the reach now. A change within kReachEveryUs after the last message is
+/// due at the end of that time.
 bool Traffic::take_reach(std::uint64_t now_us) noexcept {
   if (options_.reach == nullptr || !reach_taken_) return false;
   Reach reach;
@@ -141,7 +142,7 @@ std::string Traffic::take_control(std::uint64_t now_us) {
   return tool_text(tool_id_);
 }
 
-/// Before a message that is sent over the WebSocket, in order with the samples: earlier samples
+/// Call before a message that the WebSocket carries in order with the samples. Earlier samples
 /// precede it there, and UDP must wait until a later one is answered.
 void Traffic::leave_udp() {
   base_.reset();
@@ -163,7 +164,7 @@ std::size_t Traffic::fill(std::uint64_t now_us, std::span<std::byte> frame) {
     ack_due_.reset();
     return wire::encode(stamp(sequence, now_us), wire::Ack{}, frame);
   }
-  // Over UDP, pings are sent there too, to measure its round trip.
+  // While UDP is in use, pings use it too, to measure its round trip.
   if (transport_.over_udp()) return 0;
   if (now_us >= next_ping_us_) {
     next_ping_us_ = now_us + kPingEveryUs;
@@ -246,7 +247,7 @@ std::optional<Loss> Traffic::take_message(const wire::Message& message, std::uin
 void Traffic::take_pong(const wire::Pong& pong, std::uint64_t now_us) {
   report_.clock.take(pong.ping_time_us, pong.time_us, now_us);
   const std::uint64_t rtt_us = now_us > pong.ping_time_us ? now_us - pong.ping_time_us : 0;
-  // A long round trip does not mean that the server cannot keep up.
+  // Extend the window, because a long round trip does not mean that the server is slow.
   queue_.set_rtt(rtt_us);
   if (options_.status == nullptr) return;
   options_.status->write({.connections = report_.connections,

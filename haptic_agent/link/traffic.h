@@ -26,7 +26,7 @@ namespace kerf::agent {
 struct Loss {
   std::string reason;
   bool final = false;
-  std::string redirect = {};  ///< address of the server that continues the session; empty: the same
+  std::string redirect = {};  ///< address of the server that continues; empty: the same
 };
 
 /// Returns the loss for a server that declined the WebSocket with an HTTP status and body. Client
@@ -34,57 +34,58 @@ struct Loss {
 Loss declined(const std::string& session, unsigned status, std::string_view body);
 
 struct TrafficOptions {
-  /// Out of contact, do not send poses that differ imperceptibly from the last one.
+  /// Out of contact, skip poses that differ imperceptibly from the last one.
   bool deadband = false;
   /// Destination of status updates; may be null.
   LatestValue<LinkStatus>* status = nullptr;
-  /// Receives stock updates; null: none are requested.
+  /// Receives stock updates; if null, none are requested.
   StockListener* copy = nullptr;
-  /// The box that the device reaches. Each change is sent, at most one every 100 ms. Null: none is.
+  /// The box that the device reaches. Each change is sent, at most one every 100 ms. May be null.
   LatestValue<Reach>* reach = nullptr;
 };
 
 /// The protocol of the link without its sockets: decides which frame is due, handles received
-/// frames and counts both. Used on the link thread only.
+/// frames, and counts both. Used on the link thread only.
 class Traffic {
  public:
   /// Both references must outlive the object.
   Traffic(SampleRing& samples, LatestValue<ServerWrench>& wrenches, TrafficOptions options = {})
       : ring_(samples), wrenches_(wrenches), options_(options) {}
 
-  /// A connection has been welcomed; `tool_id` is the one of the hello. `server_has`: the number up
-  /// to which the server has the samples of this agent, if it states what is durable.
+  /// Call when a connection was welcomed; `tool_id` is that of the hello. `server_has`: number up
+  /// to which the server has this agent's samples, if it reports durable samples.
   void begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us,
              bool udp_offered = false, std::optional<std::uint64_t> server_has = {});
-  /// Whether the server accepts messages 'reach'. Call after `begin`; the newest reach is then
-  /// sent.
+  /// States whether the server accepts 'reach' messages. Call after `begin`; then sends the newest
+  /// reach.
   void offer_reach(bool taken) noexcept { reach_taken_ = reach_due_ = taken; }
-  /// The server has recognized the agent.
+  /// Counts a connection on which the server recognized the agent.
   void note_resumed() noexcept { ++report_.resumed; }
   /// Records that the user requested UDP.
   void ask_for_udp() noexcept { report_.udp.asked = true; }
 
-  /// Requests that the agent's newest stroke be undone (or the one undone last be redone). Given up
+  /// Requests an undo of the agent's newest stroke, or a redo of the last undone one. Discarded
   /// with the connection.
   void ask(bool undone) { asked_.push_back(undone); }
-  /// Moves the samples of the ring to the queue. Returns how many there were.
+  /// Moves the samples of the ring to the queue. Returns their number.
   std::size_t collect();
   /// Returns true if every collected sample is answered and durable.
   bool settled() const noexcept { return queue_.settled() && queue_.not_durable() == 0; }
-  /// The same; if all are answered, it also hastens the next ping, whose answer states what is
-  /// durable.
+  /// Like `settled`. If all samples are answered, also hastens the next ping, whose answer states
+  /// which are durable.
   bool settle(std::uint64_t now_us) noexcept;
 
-  /// Returns the control message that must precede the next frame, e.g. a tool change; empty: none.
+  /// Returns the control message that must precede the next frame, such as a tool change; may be
+  /// empty.
   std::string take_control(std::uint64_t now_us);
   /// Encodes the next due WebSocket frame into `frame` (kMaxClientFrameBytes). Returns its size, or
   /// 0.
   std::size_t fill(std::uint64_t now_us, std::span<std::byte> frame);
-  /// As fill, for UDP (datagram::kMaxFrameBytes).
+  /// Like fill, for UDP (datagram::kMaxFrameBytes).
   std::size_t fill_datagram(std::uint64_t now_us, std::span<std::byte> frame);
 
-  /// Handle a received frame. Return why the connection must end, if so; `notice` is set to a line
-  /// for the user, or left empty.
+  /// Handle a received frame. Return the reason if the connection must end. `notice` is set to a
+  /// line for the user, or left empty.
   std::optional<Loss> take_text(std::string_view text, std::string& notice);
   std::optional<Loss> take_frame(std::span<const std::byte> frame, std::uint64_t now_us);
   std::optional<Loss> take_datagram(std::span<const std::byte> frame, std::uint64_t now_us);
@@ -118,7 +119,7 @@ class Traffic {
   LatestValue<ServerWrench>& wrenches_;
   TrafficOptions options_;
   SampleQueue queue_;
-  /// The last queued sample, and a later one that the deadband holds back.
+  /// The last queued sample, and a later one that the deadband delays.
   std::optional<wire::MotionSample> queued_;
   std::optional<wire::MotionSample> held_;
   /// The newest result reports no force and no nearby contact.
@@ -136,25 +137,27 @@ class Traffic {
   std::uint64_t newest_result_ = 0;
 
   TransportSwitch transport_;
-  /// Number of the first sample of this connection, of the current tool or after the last request.
-  /// It must be sent over the WebSocket, in order with those messages; once it is answered, samples
-  /// may use UDP. 0: not sent yet; empty: the message before it has not been sent yet.
+  /// Number of the first sample on this connection, with the current tool, or after the last
+  /// request. It must be sent over the WebSocket, in order with those messages. Once it is
+  /// answered, samples may use UDP. 0: not sent yet; empty: the message before it has not been sent
+  /// yet.
   std::optional<std::uint64_t> base_ = 0;
   /// The server has answered the base sample.
   bool based_ = false;
   std::uint64_t progress_us_ = 0;
   std::uint64_t went_back_us_ = 0;
-  /// Resends since the last progress. Few, because the transport falls back after a silence.
+  /// Resends since the last progress. There are few, because the transport falls back after a
+  /// silence.
   unsigned fruitless_resends_ = 0;
   std::uint64_t udp_rtt_us_ = 0;
   std::uint64_t newest_felt_ = 0;
-  /// Requests to undo (true) or redo that are not sent yet.
+  /// Requests to undo (true) or redo (false) that are not sent yet.
   std::deque<bool> asked_;
-  std::uint32_t pressed_ = 0;  ///< kButtonUndo, kButtonRedo of the last sample
+  std::uint32_t pressed_ = 0;  ///< kButtonUndo and kButtonRedo in the last sample
   /// The newest reach, and whether it must be sent.
   std::optional<Reach> device_reach_;
   bool reach_taken_ = false, reach_due_ = false;
-  std::uint64_t next_reach_us_ = 0;  ///< not before, on this connection
+  std::uint64_t next_reach_us_ = 0;  ///< earliest time of the next reach message on this connection
   /// Sequence of the stock frame to acknowledge.
   std::optional<std::uint64_t> ack_due_;
 };

@@ -35,7 +35,7 @@ std::size_t Traffic::fill_datagram(std::uint64_t now_us, std::span<std::byte> fr
   if (!transport_.over_udp()) return 0;
   resend_lost(now_us);
   // A tool change is sent over the WebSocket first; until then only samples of the old tool are
-  // due. A request waits until all that are in flight are answered, so no others are sent.
+  // due. A request waits until all samples in flight are answered, so no new ones are sent.
   const std::size_t most = asked_.empty() ? pace_.allowed(now_us) : 0;
   const auto out = queue_.take_repeating(most, tool_id_);
   if (out.batch.count == 0) return 0;
@@ -47,8 +47,8 @@ std::size_t Traffic::fill_datagram(std::uint64_t now_us, std::span<std::byte> fr
   return wire::encode(stamp(++motion_sequence_, now_us), out.batch, frame);
 }
 
-/// Resends unanswered samples after a timeout: needed if no new samples reveal the gap to the
-/// server or if the answers are lost. The timeout doubles with each resend without progress.
+/// Resends unanswered samples after a timeout. This is needed if no new samples reveal the gap to
+/// the server, or if the answers are lost. The timeout doubles with each resend without progress.
 void Traffic::resend_lost(std::uint64_t now_us) {
   if (!queue_.in_flight()) return;
   const std::uint64_t since_us = std::max(progress_us_, went_back_us_);
@@ -58,7 +58,8 @@ void Traffic::resend_lost(std::uint64_t now_us) {
   ++fruitless_resends_;
 }
 
-/// Every datagram in flight behind the lost ones causes a gap answer; only the first one counts.
+/// Handles a gap answer. Every datagram in flight behind the lost ones causes one; only the first
+/// counts.
 void Traffic::take_gap(std::uint64_t now_us) {
   if (!transport_.over_udp()) return;
   ++report_.udp.gaps;

@@ -19,8 +19,8 @@ static_assert(std::endian::native == std::endian::little, "MCAP and CDR are writ
 using Bytes = std::vector<std::byte>;
 using Texts = std::map<std::string, std::string>;
 
-/// Appends numbers and texts as MCAP stores them: little-endian; texts and maps after their length
-/// in bytes.
+/// Appends numbers and texts in MCAP's format: little-endian, texts and maps after their length in
+/// bytes.
 class ByteWriter {
  public:
   explicit ByteWriter(Bytes& bytes) : bytes_(bytes) {}

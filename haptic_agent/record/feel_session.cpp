@@ -10,7 +10,8 @@
 namespace kerf::agent {
 namespace {
 
-/// Returns the numbers of a text of the metadata; empty if there are not `count`, within ±most.
+/// Returns the numbers in a text of the metadata; empty unless there are `count` of them within
+/// ±most.
 std::vector<double> numbers(const mcap::Texts& texts, const char* key, std::size_t count,
                             double most) {
   const auto found = texts.find(key);

@@ -10,11 +10,11 @@
 
 namespace kerf::agent {
 
-/// Replaces the session where there is none: answers each sample at once, with no force. The
-/// supervisor arms the device as with a server.
+/// Replaces the session: answers each sample at once, with no force. The supervisor arms the device
+/// as with a server.
 class NoSession final : public SampleListener {
  public:
-  /// Both must outlive the object.
+  /// Both arguments must outlive the object.
   NoSession(SampleRing& samples, LatestValue<ServerWrench>& wrenches) noexcept
       : samples_(samples), wrenches_(wrenches) {}
 
@@ -30,8 +30,8 @@ class NoSession final : public SampleListener {
   LatestValue<ServerWrench>& wrenches_;
 };
 
-/// Returns where the recorded session had its device. The error is one sentence without its full
-/// stop: a recording of other software may lack stock_min_mm, stock_max_mm or pivot_mm.
+/// Returns the placement of the device in the recorded session. The error is one sentence without
+/// its full stop: recordings of other software may lack stock_min_mm, stock_max_mm or pivot_mm.
 std::expected<DevicePlace, std::string> place_of(const Recording& recording);
 
 }  // namespace kerf::agent

@@ -22,7 +22,7 @@ constexpr std::size_t kHeadBytes = 1 + sizeof(std::uint64_t);
 
 }  // namespace
 
-/// Appends a record whose content `fill` writes.
+/// Appends a record with the content that `fill` writes.
 template <typename Fill>
 void McapWriter::record(Bytes& out, Op op, const Fill& fill) {
   ByteWriter to(out);
@@ -122,7 +122,7 @@ void McapWriter::message(std::uint32_t sequence, std::uint64_t time_ns,
 
 bool McapWriter::write_chunk() {
   if (index_.empty()) return error_.empty();
-  const auto packed = pack_.pack(chunk_);  // a second of ticks takes about 1 ms
+  const auto packed = pack_.pack(chunk_);  // about 1 ms for a second of ticks
   const auto [first, last] = std::ranges::minmax_element(index_);
   ChunkPlace place{.start_ns = first->first,
                    .end_ns = last->first,

@@ -43,10 +43,10 @@ struct ChannelType {
   std::string schema;
 };
 
-/// Writes an MCAP file with one channel: messages in chunks, compressed by Zstandard and with a
-/// CRC-32, each followed by its index; at the end statistics, indexes and a footer. Every chunk is
-/// written by one system call as soon as it is full: a program that is killed leaves a file that is
-/// whole up to its last chunk.
+/// Writes an MCAP file with one channel. Messages are in chunks, compressed by Zstandard and with a
+/// CRC-32, each followed by its index; statistics, indexes and a footer are at the end. A full
+/// chunk is written at once by one system call, so the file of a killed program is complete up to
+/// its last chunk.
 class McapWriter {
  public:
   /// Creates the file. Fails if it exists, so that no recording is overwritten; the error is one
@@ -59,10 +59,10 @@ class McapWriter {
 
   /// Appends a message to the chunk. `time_ns`: since 1970 in UTC.
   void message(std::uint32_t sequence, std::uint64_t time_ns, std::span<const std::byte> data);
-  /// Size of the messages that `write_chunk` will write.
+  /// Total size of the messages that `write_chunk` will write.
   std::size_t waiting_bytes() const noexcept { return chunk_.size(); }
 
-  // Each returns false once a write has failed (`error`), and then writes nothing more.
+  // Each returns false after a failed write (`error`), and then writes nothing more.
   bool write_chunk();
   bool metadata(const std::string& name, const Texts& texts);
   bool attachment(const std::string& name, const std::string& media_type, std::uint64_t time_ns,
@@ -70,7 +70,7 @@ class McapWriter {
   /// Writes the last chunk, the summary and the footer.
   bool finish();
 
-  /// Why a write has failed, as one sentence without its full stop; empty if none has.
+  /// Why a write failed, as one sentence without its full stop; empty if none failed.
   const std::string& error() const noexcept { return error_; }
   std::uint64_t messages() const noexcept { return messages_; }
   /// Size of the file so far.
@@ -81,7 +81,7 @@ class McapWriter {
     std::uint64_t start_ns, end_ns, offset, length, index_offset, index_length;
     std::uint64_t compressed, uncompressed;
   };
-  /// Place of an attachment or of metadata in the file.
+  /// Position of an attachment or of metadata in the file.
   struct Place {
     Op op;
     std::uint64_t offset, length, time_ns, data_bytes;

@@ -9,8 +9,8 @@
 
 namespace kerf::agent {
 
-/// As choose_device; also `sim:FILE.mcap` and `replay:FILE.mcap`, with the path of a recording
-/// (path_of).
+/// Like choose_device; also accepts `sim:FILE.mcap` and `replay:FILE.mcap`, with the path of a
+/// recording (path_of).
 std::expected<DeviceChoice, std::string> choose_device_or_recording(std::string_view text);
 
 }  // namespace kerf::agent

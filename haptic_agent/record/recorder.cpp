@@ -14,7 +14,7 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint64_t kNsPerUs = 1000;
-/// Length of a chunk; a kill loses at most the ticks of one, and of one look at the tape.
+/// Length of a chunk. A kill loses at most the ticks of one chunk and of one read of the tape.
 constexpr std::uint64_t kChunkUs = 1'000'000;
 
 std::uint64_t utc_ns() {

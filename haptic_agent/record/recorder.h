@@ -15,12 +15,12 @@ namespace kerf::agent {
 
 /// Result of a recording.
 struct RecordReport {
-  std::string file;         ///< empty: nothing was recorded
+  std::string file;         ///< empty if nothing was recorded
   std::uint64_t ticks = 0;  ///< in the file
-  /// Ticks that are not in it: the writer was 16 s behind, or a write had failed.
+  /// Ticks missing from the file: the writer was 16 s behind, or a write had failed.
   std::uint64_t lost = 0;
   std::uint64_t bytes = 0;  ///< size of the file
-  std::string error;        ///< as McapWriter::error
+  std::string error;        ///< see McapWriter::error
 };
 
 /// Returns one line about a recording, without a line break.
@@ -35,7 +35,7 @@ class Recorder {
   static std::expected<std::unique_ptr<Recorder>, std::string> start(const std::string& file,
                                                                      const mcap::Texts& about,
                                                                      std::string_view welcome);
-  /// Ends the thread without finishing the file: it is as after a kill.
+  /// Ends the thread without finishing the file, which is then like that of a killed program.
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -43,8 +43,8 @@ class Recorder {
   /// Written by the servo thread.
   TickTape& tape() noexcept { return tape_; }
 
-  /// After the servo's last tick: writes the rest and the file's end, with `result` and the
-  /// numbers of ticks as the metadata "kerf_end".
+  /// Call after the servo's last tick: writes the rest and the end of the file, with `result` and
+  /// the numbers of ticks as the metadata "kerf_end".
   RecordReport finish(mcap::Texts result);
 
  private:

@@ -44,7 +44,7 @@ class RecordingReader {
   }
 
  private:
-  /// Reads records up to the footer, to a fault, or to where the bytes end.
+  /// Reads records up to the footer, a fault or the end of the bytes.
   void records(std::span<const std::byte> bytes, bool in_chunk) {
     ByteReader from(bytes);
     while (from.left() > 0 && fault_.empty()) {
@@ -55,7 +55,7 @@ class RecordingReader {
         recording_.cut_off = false;
         return;
       }
-      // The summary repeats records that were read before.
+      // The summary repeats records that were already read.
       if (op == Op::kDataEnd) ended_ = true;
       if (!ended_) record(op, ByteReader(content), in_chunk);
     }
@@ -203,14 +203,14 @@ std::expected<Guide, std::string> stroke_of(const Recording& recording) {
     ticks = in_stroke ? ticks + 1 : 1;
     in_stroke = true;
     if (!poses.empty() && length(tick.tip_mm - poses.back().tip_mm) < kStrokeStepMm) continue;
-    // The mean since the last pose: a pose with the force of one tick would keep its noise.
+    // The mean since the last pose: the force of a single tick would be noisy.
     poses.push_back({.tip_mm = tick.tip_mm, .axis = tick.axis, .felt = sum * (1 / ticks)});
     sum = {};
     ticks = 0;
   }
   std::erase_if(path.paths, [](const GuidePath& poses) { return poses.size() < 2; });
-  // A guide builds the teacher's force up over the distance max_force_n / stiffness, so the limits
-  // are no greater than the forces that were felt.
+  // A guide builds up the teacher's force over the distance max_force_n / stiffness, so the limits
+  // must not exceed the felt forces.
   Guide guide;
   guide.max_force_n = path.max_torque_nmm = 0;
   for (const GuidePath& poses : path.paths) {

@@ -19,28 +19,29 @@ struct Recording {
   std::vector<TickRecord> ticks;  ///< in the order of the file
   mcap::Texts about;              ///< metadata "kerf"
   mcap::Texts end;                ///< metadata "kerf_end"; empty if the recording was cut off
-  /// The file ends in the middle of a record, or without its footer: its program was killed.
+  /// The file ends within a record or without its footer, because its program was killed.
   bool cut_off = false;
 };
 
-/// Reads a recording of kerf-agent: chunks compressed by Zstandard or not at all; of a file that
-/// was cut off, everything before the cut. Fails for other files, for a wrong CRC and for a
-/// recording without ticks; the error is one sentence without its full stop.
+/// Reads a recording of kerf-agent, with chunks compressed by Zstandard or uncompressed. From a
+/// truncated file, reads everything before the cut. Fails for other files, a wrong CRC and a
+/// recording without ticks. The error is one sentence without its full stop.
 std::expected<Recording, std::string> read_recording(const std::string& path);
-/// As above, of the bytes of a file.
+/// Like read_recording, from the bytes of a file.
 std::expected<Recording, std::string> parse_recording(std::span<const std::byte> bytes);
 
 /// Writes the ticks as a table with a header. Its first columns are those of a pose list (t_s, x,
-/// y, z, i, j, k, cutting, tool; t_s counts from the first tick), so that the table can be replayed
-/// as such; wrenches are in N and N·mm.
+/// y, z, i, j, k, cutting, tool; t_s counts from the first tick), so the table can be replayed.
+/// Wrenches are in N and N·mm.
 void write_csv(std::ostream& out, const Recording& recording);
 
-/// Returns the path of a recording: the pose of each tick that has one, with its time.
+/// Returns the path of a recording: each pose with its time.
 std::expected<PoseScript, std::string> path_of(const Recording& recording);
 
-/// Returns the strokes of a recording as a teacher's stroke (../guides): the felt wrench at the
-/// poses between touching down and lifting, at distances of at least kStrokeStepMm of the tip, with
-/// the greatest force and torque among them as its limits. Fails if nothing was felt in a cut.
+/// Returns the strokes of a recording as a teacher's stroke (../guides). It has the felt wrench at
+/// the poses between touching down and lifting, with at least kStrokeStepMm of the tip between
+/// poses. Its limits are the greatest force and torque among them. Fails if no force was felt in a
+/// cut.
 std::expected<Guide, std::string> stroke_of(const Recording& recording);
 inline constexpr double kStrokeStepMm = 0.05;
 

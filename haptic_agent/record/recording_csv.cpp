@@ -18,7 +18,7 @@ constexpr const char* kHeader =
     "energy_mj,felt_share,answer_age_us,pose_us,time_us,buttons,lost_ticks,phase,trip,mode,"
     "has_pose\n";
 
-/// A line of a table. Numbers have the fewest digits that give the same number again.
+/// A line of a table. Numbers have the fewest digits that round-trip.
 class Line {
  public:
   template <typename T>

@@ -102,8 +102,8 @@ const mcap::ChannelType& tick_channel() {
   return kChannel;
 }
 
-// CDR aligns each number to its size, counted from the end of its head. In this order of the
-// fields, from the widest to the narrowest, that needs no padding.
+// CDR aligns each number to its size, counted from the end of its head. The fields are ordered from
+// the widest to the narrowest, so there is no padding.
 void append_tick(Bytes& out, const TickRecord& t) {
   ByteWriter to(out);
   to.number(kCdrLittleEndian);

@@ -13,8 +13,8 @@
 namespace kerf::agent {
 
 /// Compares the replica's answers with the server's later answers to the same samples. Cuts of
-/// other participants within the last round trip cause temporary differences; a replica that stays
-/// different has diverged.
+/// other participants within the last round trip cause temporary differences; a persistent
+/// difference means that the replica has diverged.
 class Agreement {
  public:
   /// Records an answer of the replica. Times must increase.
@@ -25,9 +25,9 @@ class Agreement {
   /// Records that the replica did not answer a sample.
   void note_missing() { is_missing_ = true; }
 
-  /// Compares an answer of the server, which is the mean over the time since its last one, with the
-  /// same mean of the replica's. Ignored if the replica has not answered each sample of that time.
-  /// All answers of the server must be passed, in their order.
+  /// Compares an answer of the server, which is the mean since its previous one, with the same mean
+  /// of the replica's answers. Ignores it if the replica lacks an answer to a sample in that time.
+  /// Pass all answers of the server, in their order.
   void compare(std::uint64_t agent_time_us, Vec3 force) {
     const std::optional<Vec3> local = mean(find(remote_us_), find(agent_time_us));
     remote_us_ = agent_time_us;
@@ -54,7 +54,7 @@ class Agreement {
   }
 
   std::uint64_t compared() const { return compared_; }
-  /// Returns the rms of the difference over the rms of the server's force; 0 without any force.
+  /// Returns the rms difference over the rms of the server's force; 0 without any force.
   double error() const { return square_force_ > 0 ? std::sqrt(square_error_ / square_force_) : 0; }
 
  private:
@@ -67,7 +67,7 @@ class Agreement {
   struct Answer {
     std::uint64_t time_us = 0;
     Vec3 force_n{};
-    bool follows = false;  ///< the sample after that of the answer before
+    bool follows = false;  ///< the sample follows that of the previous answer
   };
   struct Window {
     int count = 0;
@@ -75,7 +75,7 @@ class Agreement {
   };
 
   static constexpr std::size_t kNone = SIZE_MAX;
-  /// Returns the mean of the replica's answers after one until another, weighted by time.
+  /// Returns the time-weighted mean of the replica's answers after index `before` up to `last`.
   std::optional<Vec3> mean(std::size_t before, std::size_t last) const {
     if (before == kNone || last == kNone || before >= last || last - before > kBatchMax) return {};
     Vec3 impulse;
@@ -105,7 +105,7 @@ class Agreement {
   std::array<Answer, kKept> kept_{};
   std::size_t count_ = 0;
   bool is_missing_ = true;
-  std::uint64_t remote_us_ = 0;  ///< of the server's last answer
+  std::uint64_t remote_us_ = 0;  ///< time of the server's last answer
   std::uint64_t compared_ = 0;
   double square_error_ = 0, square_force_ = 0;
   Window window_;

@@ -16,12 +16,12 @@ class BlockSource {
   /// Parses the text of a welcome. The error is one sentence.
   static std::expected<BlockSource, std::string> read(std::string_view welcome);
 
-  /// Lets the block keep the normals that meshes need (mesh_tile). A replica for forces needs none.
+  /// Lets the block keep the normals that meshes need (mesh_tile). The forces need none.
   void keep_normals() { settings_.keep_normals = true; }
 
-  /// Returns the uncut block with the session's tools, without obstacles: contact with those is
-  /// rendered from the server's contact planes (ContactModel). A mesh stock is replaced by its
-  /// bounding box; the server sends which parts of it are empty.
+  /// Returns the uncut block with the session's tools, without obstacles, whose contact is rendered
+  /// from the server's contact planes (ContactModel). A mesh stock is replaced by its bounding box;
+  /// the server sends which parts of it are empty.
   Sculpture make() const;
   /// Returns an upper bound of the engaged area of a cut with a tool, mm²: the width of the tool
   /// times its cutting length, or the stock's diagonal if that is shorter. 0 for an unknown tool.

@@ -11,26 +11,27 @@ namespace kerf::agent {
 namespace {
 
 constexpr double kSPerUs = 1e-6;
-/// Poses of this time, s, determine the expected path. Longer: less noise, later turns.
+/// Time span of the poses that determine the expected path, s. A longer span reduces noise but
+/// detects turns later.
 constexpr double kFitS = 0.04;
-/// Poses are kept for this long. The server's tiles with what they cut arrive earlier.
+/// Poses are kept for this long. The server's tiles with their cuts arrive earlier.
 constexpr std::int64_t kKnownUs = 150'000;
 constexpr std::size_t kKnownMax = 64;
 constexpr std::uint64_t kRecutUs = 60'000;
-/// No chord is cut between poses that are further apart.
+/// Longest time between two poses for which the chord is cut.
 constexpr std::int64_t kGapUs = 50'000;
-/// Without a pose for this long the tool is regarded as gone.
+/// Without a pose for this long the tool counts as gone.
 constexpr std::uint64_t kGoneUs = 100'000;
-/// The path is not extended further than this beyond the newest pose.
+/// Longest extrapolation beyond the newest pose.
 constexpr std::uint64_t kAheadMaxUs = 350'000;
-/// Time of a chord of the expected path: when cut at once, and while time passes.
+/// Duration of one chord of the expected path: when it is cut at once, and when it grows with time.
 constexpr std::uint64_t kLongStepUs = 20'000;
 constexpr std::uint64_t kStepUs = 4'000;
-/// Share of a new difference of the clocks in its mean: jitter averages out over 16 poses.
+/// Weight of a new clock difference in the mean: jitter averages out over 16 poses.
 constexpr double kOffsetShare = 1.0 / 16;
 constexpr double kOffsetJumpUs = 200'000;
 constexpr double kTurnMaxRad = 2;
-/// Limits of what a server may claim: of clocks (70,000 years), speeds and chords.
+/// Sanity limits of values from the server: clocks (70,000 years), speeds and chords.
 constexpr std::uint64_t kTimeMaxUs = std::uint64_t{1} << 61;
 constexpr double kSpeedMaxMmPerS = 1000;
 constexpr double kChordMaxMm = 20;
@@ -132,7 +133,7 @@ ToolPose OtherTool::at(std::uint64_t time_us) const {
   const double t = std::clamp(passed_us, 0.0, static_cast<double>(kAheadMaxUs)) * kSPerUs;
   const double speed = length(velocity_mm_per_s_);
   if (!(speed > 0 && speed <= kSpeedMaxMmPerS)) return newest.pose;
-  // It slows down to rest at most, and does not run away.
+  // The tool brakes to rest at most, and its acceleration is bounded.
   const double braked = speed_up_mm_per_s2_ < 0 ? std::min(t, -speed / speed_up_mm_per_s2_) : t;
   const double far =
       std::min(speed * braked + speed_up_mm_per_s2_ * braked * braked / 2, 1.5 * speed * t);
@@ -146,7 +147,7 @@ ToolPose OtherTool::at(std::uint64_t time_us) const {
   return {newest.pose.tip_mm + moved, normalized(newest.pose.axis + turn_per_s_ * t)};
 }
 
-/// Returns the tip at a time of the path that has been cut.
+/// Returns the tip at a time on the path that has been cut.
 Vec3 OtherTool::cut_at(std::uint64_t time_us) const {
   const auto after = std::ranges::lower_bound(cut_, time_us, {}, &Placed::time_us);
   if (after == cut_.begin()) return after->pose.tip_mm;
@@ -164,7 +165,7 @@ bool OtherTool::is_off(std::uint64_t now_us, double off_mm) {
   const std::uint64_t until_us = std::min(now_us, cut_.back().time_us);
   const bool off = !newest.cuts || length(newest.pose.tip_mm - cut_at(in_time(newest))) > off_mm ||
                    length(at(until_us).tip_mm - cut_at(until_us)) > off_mm;
-  if (off && !has_cut_) restart();  // out of reach: nothing needs to be restored
+  if (off && !has_cut_) restart();  // out of reach, and the block has no cuts to restore
   return off && has_cut_;
 }
 
@@ -175,7 +176,7 @@ void OtherTool::cut_to(Sculpture& block, const Bounds& reach, const Placed& to) 
   if (tool == nullptr || length(move.to.tip_mm - move.from.tip_mm) > kChordMaxMm) return;
   if (!meet(reach, joined(tool_bounds(*tool, move.from), tool_bounds(*tool, move.to)))) return;
   has_cut_ = true;
-  (void)block.apply(move);  // one out of range is left out
+  (void)block.apply(move);  // ignores a motion out of range
 }
 
 void OtherTool::cut_known(Sculpture& block, const Bounds& reach, std::uint64_t now_us) {

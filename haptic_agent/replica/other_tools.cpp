@@ -12,8 +12,8 @@ namespace {
 constexpr double kOffShareOfPitch = 0.1;
 constexpr double kOffMinMm = 0.02;
 constexpr std::size_t kCutMax = 4;
-/// Chords this close to the tool are cut, so that it moves on for some time before all are cut
-/// again around it.
+/// Chords within this distance of the tool are cut, so that it can move for some time before they
+/// must be cut again around it.
 constexpr double kReachMm = 3;
 
 bool encloses(const Bounds& outer, const Bounds& inner) {
@@ -56,7 +56,7 @@ bool OtherTools::are_near(std::uint64_t now_us) {
   return near;
 }
 
-/// Returns the nearest tools that cut, as expected by now.
+/// Returns the nearest tools that are expected to cut by now.
 std::vector<std::uint32_t> OtherTools::nearest(std::uint64_t now_us, const Own& own) const {
   std::vector<std::pair<double, std::uint32_t>> near;
   for (const auto& [participant, tool] : tools_) {
@@ -69,7 +69,8 @@ std::vector<std::uint32_t> OtherTools::nearest(std::uint64_t now_us, const Own& 
   return nearest;
 }
 
-/// Chooses the tools to be cut. Returns whether the block has cuts of one that no longer is.
+/// Chooses the tools to be cut. Returns whether the block has cuts of a tool that is no longer
+/// chosen.
 bool OtherTools::choose(std::uint64_t now_us, const Own& own) {
   chosen_ = nearest(now_us, own);
   return std::ranges::any_of(tools_, [&](const auto& tool) {

@@ -86,7 +86,7 @@ bool Replica::is_settled(const MoveTool& motion, bool known) {
 }
 
 /// Returns the tool in the motion to this sample. The force also depends on the stock around it and
-/// over the last two pitches of travel.
+/// along the last two pitches of travel.
 OtherTools::Own Replica::own_tool(const wire::MotionSample& sample) const {
   const ToolPose to{sample.tip_mm, normalized(Vec3(sample.axis))};
   const ToolPose from = track_.pose().value_or(to);
@@ -97,8 +97,7 @@ OtherTools::Own Replica::own_tool(const wire::MotionSample& sample) const {
   return {to.tip_mm, grown(box, 2 * block_.settings().pitch_mm)};
 }
 
-/// Cuts in block_ what others are expected to have cut by now near the tool, and nothing else that
-/// stock_ has not lost.
+/// Makes block_ equal to stock_ less the expected cuts of other tools near this one until now.
 void Replica::look_ahead(const wire::MotionSample& sample) {
   const std::uint64_t now_us = sample.time_us;
   if (!others_.are_near(now_us)) {
@@ -144,7 +143,7 @@ std::optional<wire::Result> Replica::answer(const wire::MotionSample& sample) {
   bool known = false;
   if (auto* move = std::get_if<MoveTool>(&*step)) {
     known = is_known(*move);
-    // The force of cutting stock that may not exist is never rendered, not even later.
+    // Never render the force of cutting stock that may not exist, not even later.
     move->feel = known;
     auto result = block_.apply(*move);
     if (!result) return std::nullopt;
@@ -171,7 +170,7 @@ std::optional<wire::Result> Replica::answer(const wire::MotionSample& sample) {
   return result;
 }
 
-/// Applies the motions again that the server's tiles do not contain yet.
+/// Reapplies the motions that the server's tiles do not contain yet.
 void Replica::cut_again(std::uint64_t server_has_us) {
   for (const Cut& cut : cuts_) {
     if (cut.time_us <= server_has_us) continue;
@@ -181,7 +180,7 @@ void Replica::cut_again(std::uint64_t server_has_us) {
   }
 }
 
-/// Returns the field in whose grid a tile is.
+/// Returns the field that contains a tile.
 std::expected<const DexelField*, std::string_view> Replica::field_of(FieldTile at) const {
   const DexelField* field = block_.field(at.axis);
   if (field != nullptr && field->grid().has(at.tile)) return field;
@@ -199,15 +198,15 @@ std::expected<void, std::string_view> Replica::take_tile(const wire::StockTile& 
   return {};
 }
 
-/// Forgets what others are expected to cut, and their poses: the server may have taken back what
-/// they cut.
+/// Forgets the expected cuts and poses of other tools, because the server may have undone their
+/// cuts.
 void Replica::forget_others() {
   if (stock_) block_.restore(stock_->solid());
   stock_.reset();
   others_.forget();
 }
 
-/// Takes tiles to which stock has come back: what the server has there, less this agent's motions
+/// Applies tiles to which stock has come back: the server's contents, less this agent's motions
 /// that the server did not have yet.
 std::expected<void, std::string_view> Replica::take_returned(const wire::StockPatch& patch) {
   std::vector<TileReplacement> tiles;
@@ -263,7 +262,7 @@ void Replica::replace(std::span<const TileReplacement> tiles, std::uint64_t serv
   }
 }
 
-/// Returns whether the force of the next motion may depend on what was cut in a tile.
+/// Returns whether the force of the next motion may depend on the cuts in a tile.
 bool Replica::is_near(FieldTile at) const {
   const Tool* tool = block_.tool(track_.tool());
   if (tool == nullptr || !track_.pose()) return false;

@@ -21,7 +21,7 @@ namespace kerf::agent {
 
 /// Replica of the block, exact near the tool. It interprets each sample as the server will, cuts it
 /// at once, and returns the answer that the server will give a round trip later. The server is
-/// authoritative: it sends what other participants have cut, and its answers are compared with the
+/// authoritative: it sends the cuts of other participants, and its answers are compared with the
 /// replica's. Not thread-safe; uses no clock.
 class Replica {
  public:
@@ -31,11 +31,11 @@ class Replica {
   /// unknown, and over the following two pitches of travel, because the force depends on the stock
   /// cut over that length (TravelQueue).
   std::optional<wire::Result> move(const wire::MotionSample& sample);
-  /// Applies the contents of tiles near the tool. On an error, neither the tile at fault nor the
-  /// later ones of the patch have been applied.
+  /// Applies the contents of tiles near the tool. On an error, neither the faulty tile nor later
+  /// ones of the patch are applied.
   std::expected<void, std::string_view> take(const wire::StockPatch& patch);
-  /// Takes the poses of other tools nearby. Their motions up to now are expected, and the force of
-  /// the next samples is that in a block without what they cut.
+  /// Adds the poses of other tools nearby. The force of the next samples is that of a block without
+  /// their expected cuts.
   void take(const wire::Intents& intents) { others_.take(intents, track_.time_us()); }
   /// Compares the force of an answer of the server; see Agreement::compare.
   void compare(std::uint64_t agent_time_us, Vec3 force_n) {
@@ -46,13 +46,14 @@ class Replica {
 
   const Agreement& agreement() const { return agreement_; }
   std::uint64_t tiles_known() const { return known_.size(); }
-  /// Returns the replica of the server's block, without what others are expected to cut. For tests.
+  /// Returns the replica of the server's block, without the expected cuts of other tools. For
+  /// tests.
   const Sculpture& block() const { return stock_ ? *stock_ : block_; }
   /// Returns a view of that block.
   SolidSnapshot solid() { return (stock_ ? *stock_ : block_).solid(); }
-  /// Returns a copy of that block, on which something may be tried.
+  /// Returns a copy of that block for experiments.
   Sculpture copy();
-  /// What the newest sample has cut. Null if its motion does not cut, or was rejected.
+  /// The cut of the newest sample. Null if its motion does not cut, or was rejected.
   struct NewestCut {
     MoveTool move;
     MotionResult result;
@@ -61,7 +62,7 @@ class Replica {
   /// Returns whether the server has sent a tile.
   bool knows(FieldTile at) const { return known_.contains(at); }
   /// Returns whether the server has sent all tiles on which the surface of a tile of the field
-  /// along Z depends: of each field, those through its columns and one pitch around.
+  /// along Z depends: in each field, those through its columns and one pitch around them.
   bool knows_around(TileIndex tile) const;
 
  private:
@@ -83,22 +84,22 @@ class Replica {
   void cut_again(std::uint64_t server_has_us);
   void replace(std::span<const TileReplacement> tiles, std::uint64_t server_has_us);
   bool is_near(FieldTile at) const;
-  /// Travel over which the force depends on stock that was cut before.
+  /// Travel over which the force depends on stock cut earlier.
   double settling_mm() const { return 2 * block_.settings().pitch_mm; }
   OtherTools::Own own_tool(const wire::MotionSample& sample) const;
   void look_ahead(const wire::MotionSample& sample);
 
   BlockSource source_;
-  /// The block of which the force is computed.
+  /// The block that gives the force.
   Sculpture block_;
-  /// While other tools are near: the replica. block_ is then what remains of it when they have cut.
+  /// While other tools are near: the replica. block_ is then a copy without their expected cuts.
   std::optional<Sculpture> stock_;
   OtherTools others_;
   ToolTrack track_;
   HeldCut held_;
   std::set<FieldTile> known_;
-  /// Per field, the region of the last query, all of whose tiles were known. Speeds up the next
-  /// query, which mostly overlaps it.
+  /// Per field, the region of the last query, in which all tiles are known. The next query mostly
+  /// overlaps it.
   std::array<TileRegion, 3> known_region_;
   std::deque<Cut> cuts_;
   std::optional<NewestCut> newest_cut_;

@@ -14,7 +14,7 @@ ReplicaThread::~ReplicaThread() { stop(); }
 void ReplicaThread::start(BlockSource source) {
   replica_ = std::make_unique<Replica>(std::move(source));
   thread_ = std::thread([this] {
-    // If this is denied, the servo thread's warning explains it.
+    // The servo thread's warning explains a denial.
     request_fifo(kReplicaPriority);
     run();
   });
@@ -67,7 +67,7 @@ void ReplicaThread::take_patches(FollowCpu& place) {
       continue;
     }
     const auto* patch = message ? std::get_if<wire::StockPatch>(&message->body) : nullptr;
-    // The block is made again, or the motions of seconds are cut again.
+    // The block is rebuilt, or the motions of several seconds are cut again.
     if (patch != nullptr && (patch->reset || patch->returned)) place.leave(monotonic_ns());
     if (patch == nullptr || !replica_->take(*patch)) {
       ++report_.bad_patches;

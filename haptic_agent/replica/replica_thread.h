@@ -20,13 +20,13 @@ namespace kerf::agent {
 /// Counters of the replica; read after the thread has ended.
 struct ReplicaReport {
   std::uint64_t samples = 0;   ///< received from the servo
-  std::uint64_t answered = 0;  ///< how many of these
+  std::uint64_t answered = 0;  ///< number of answered samples
   Histogram answer_us;         ///< from the measurement of a pose to its answer
   std::uint64_t patches = 0, tiles = 0, bytes = 0;
   std::uint64_t bad_patches = 0;
   std::uint64_t intents = 0;  ///< frames with poses of other tools nearby
   std::uint64_t resyncs = 0;
-  std::uint64_t compared = 0;  ///< answers compared with the server's
+  std::uint64_t compared = 0;  ///< answers that were compared with the server's
   double error = 0;            ///< rms difference of the forces over the rms of the server's
 };
 

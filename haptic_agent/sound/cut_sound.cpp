@@ -11,19 +11,20 @@ namespace {
 constexpr double kSPerMin = 60;
 constexpr double kToneMinHz = 60, kToneMaxHz = 4000;
 constexpr double kNoiseMinHz = 500, kNoiseMaxHz = 8000;
-/// Noise of chips is centered on this multiple of the tone.
+/// Ratio of the center frequency of the chips' noise to the tone.
 constexpr double kNoiseOverTone = 4;
-/// Gains of a spindle that runs free, and most of a cut.
+/// Gains: of a free spindle, and the greatest ones of a cut.
 constexpr double kFreeGain = 0.02, kToneGain = 0.12, kNoiseGain = 0.25;
-/// Force and removal rate at which a cut has half of its loudness.
+/// Force and removal rate at which their factors are one half.
 constexpr double kHalfN = 10, kHalfMm3PerS = 100;
 constexpr double kSmoothingS = 0.05;
 constexpr double kNoiseQ = 0.8;
-/// Below, a gain that fades to zero is zero: less than a step of 16 bits.
+/// A gain that fades below this becomes zero: less than a step of 16 bits.
 constexpr double kInaudible = 1e-5;
 
-/// What a band-limited step adds to a sawtooth around its jump (T. Stilson, J. Smith, "Alias-free
-/// digital synthesis of classic analog waveforms", 1996, with a polynomial of two samples).
+/// Returns the correction of a sawtooth around its jump that makes the step band-limited (T.
+/// Stilson, J. Smith, "Alias-free digital synthesis of classic analog waveforms", 1996, with a
+/// polynomial of two samples).
 double rounded_jump(double phase, double step) {
   if (phase < step) {
     const double t = phase / step;
@@ -68,7 +69,7 @@ double Synthesizer::noise() {
 }
 
 void Synthesizer::render(const SoundLevels& levels, std::span<float> samples) {
-  // Frequencies of a silent synthesizer have nothing to change from.
+  // A silent synthesizer starts at the new frequencies directly.
   const bool silent = now_.tone_gain == 0 && now_.noise_gain == 0;
   now_.tone_hz = silent ? levels.tone_hz : now_.tone_hz;
   now_.noise_hz = levels.noise_hz;

@@ -8,7 +8,7 @@
 
 namespace kerf::agent {
 
-/// A spindle that a scene's force law states, or a usual one.
+/// The spindle that a scene's force law states, or a typical one.
 struct Spindle {
   double rpm = 12000;
   int teeth = 2;
@@ -20,19 +20,19 @@ struct SoundLevels {
   double noise_hz = 0, noise_gain = 0;
 };
 
-/// Returns the sound of a cut, as the viewer's (web/src/model/sound.ts): a tone at the frequency at
-/// which teeth pass, and the noise of chips, which follow force and removal rate. Force without
-/// removal is contact, and removal without force an imprint: both leave the tone of a spindle that
-/// runs free. Silence unless the spindle runs.
+/// Returns the sound of a cut, like the viewer's (web/src/model/sound.ts): a tone at the
+/// tooth-passing frequency, and the noise of chips, which follow force and removal rate. Contact
+/// (force without removal) and an imprint (removal without force) leave the tone of a free spindle.
+/// Silent unless the spindle runs.
 SoundLevels sound_of(const Spindle& spindle, const HeardCut& cut);
 
 /// Turns levels into samples: a sawtooth without aliases, and white noise through a band-pass.
-/// Levels change within 50 ms, so that nothing clicks. Deterministic.
+/// Levels change within 50 ms to avoid clicks. Deterministic.
 class Synthesizer {
  public:
   explicit Synthesizer(double sample_hz) : sample_hz_(sample_hz) {}
 
-  /// Writes the next samples, each in [-1, 1], on the approach to `levels`. Exactly zero once both
+  /// Writes the next samples, each in [-1, 1], while approaching `levels`. Exactly zero once both
   /// gains have faded.
   void render(const SoundLevels& levels, std::span<float> samples);
 
@@ -42,7 +42,7 @@ class Synthesizer {
 
   double sample_hz_;
   SoundLevels now_;
-  double phase_ = 0;  ///< of the sawtooth, in turns
+  double phase_ = 0;  ///< phase of the sawtooth, in turns
   std::uint32_t random_ = 1;
   double in_[2] = {}, out_[2] = {};  ///< past samples of the band-pass
   double center_gain_ = 0, back_[2] = {};

@@ -8,24 +8,25 @@
 namespace kerf::agent {
 namespace {
 
-// From ALSA's pcm.h, whose values are a part of its binary interface.
+// From ALSA's pcm.h, whose values are part of its binary interface.
 constexpr int kPlayback = 0;
 constexpr int kFloatLittleEndian = 14;
 constexpr int kInterleaved = 3;
 constexpr unsigned kChannels = 1;
 constexpr int kResample = 1;
-/// What the card has of samples: less is heard sooner, more bridges a busy machine.
+/// Length of the card's buffer: a shorter one is heard sooner, a longer one bridges a busy machine.
 constexpr unsigned kLatencyUs = 60'000;
 constexpr int kQuietly = 1;
 
-/// For ALSA, which prints a page of causes on standard error; the result is one sentence.
+/// Error handler for ALSA, which otherwise prints a page of causes on standard error; the agent
+/// reports one sentence.
 using ErrorHandler = void(const char* file, int line, const char* function, int error,
                           const char* format, ...);
 void ignore_error(const char*, int, const char*, int, const char*, ...) {}
 
 }  // namespace
 
-/// The functions of ALSA that are used, and an open device.
+/// The used functions of ALSA, and an open device.
 struct SoundCard::Pcm {
   int (*handle_errors)(ErrorHandler*);
   int (*open)(void**, const char*, int, int);

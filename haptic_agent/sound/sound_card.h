@@ -11,16 +11,16 @@ namespace kerf::agent {
 /// Sample rate of SoundCard.
 inline constexpr unsigned kSoundHz = 48000;
 
-/// An output of ALSA, of one channel. Its library is loaded when a card is opened, so neither
-/// building nor running the agent requires it; PipeWire and PulseAudio offer the device "default".
+/// A mono output of ALSA. The library is loaded when a card is opened, so neither building nor
+/// running the agent requires it. PipeWire and PulseAudio offer the device "default".
 class SoundCard {
  public:
   /// `device`: a PCM name of ALSA, such as "default", "hw:0" or "null". The error is one sentence.
   static std::expected<SoundCard, std::string> open(const std::string& device,
                                                     const char* library = "libasound.so.2");
 
-  /// Writes samples in [-1, 1] and waits while the card has enough of them. Continues after an
-  /// underrun. Returns false if the card is lost.
+  /// Writes samples in [-1, 1]; waits while the card's buffer is full. Continues after an underrun.
+  /// Returns false if the card is lost.
   bool write(std::span<const float> samples);
 
  private:

@@ -10,10 +10,10 @@ namespace {
 
 /// 10 ms.
 constexpr std::size_t kBlockSamples = kSoundHz / 100;
-/// The rest of a block's time is left to the card, which sets the pace; one without a pace, such as
-/// "null", gets blocks at this one.
+/// The card sets the pace in the rest of a block's time. A device without a pace, such as "null",
+/// gets blocks at this one.
 constexpr std::chrono::milliseconds kPause{9};
-/// The servo has ended, or is stalled, if it has said nothing for so many blocks.
+/// Number of blocks without a value after which the servo counts as ended or stalled.
 constexpr int kStaleBlocks = 20;
 
 }  // namespace

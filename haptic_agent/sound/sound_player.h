@@ -9,8 +9,8 @@
 
 namespace kerf::agent {
 
-/// Plays what the servo hears, from an ordinary thread; the servo never waits for it. Ends quietly
-/// if the card is lost.
+/// Plays the servo's HeardCut values on an ordinary thread; the servo never waits for it. Ends
+/// silently if the card is lost.
 class SoundPlayer {
  public:
   /// `heard` must outlive the player. Starts at once.

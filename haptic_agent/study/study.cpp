@@ -17,7 +17,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Delivers keys without the return key, as long as it lives; no effect on a pipe.
+/// Delivers keys without the return key during its lifetime; no effect on a pipe.
 class SingleKeys {
  public:
   explicit SingleKeys(int file) : file_(file), terminal_(tcgetattr(file, &before_) == 0) {
@@ -101,7 +101,7 @@ void Study::run(const std::stop_token& stop) {
   calls_.done();
 }
 
-/// Reads the servo's new ticks; sets its mode and announces the state that follows from them.
+/// Reads the servo's new ticks, sets its mode and announces the resulting state.
 void Study::follow_ticks() {
   for (TickRecord tick; tape_.pop(tick);) run_.take(tick);
   calls_.set_mode(run_.mode());

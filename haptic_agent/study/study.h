@@ -14,10 +14,10 @@ namespace kerf::agent {
 
 /// Result of a study.
 struct StudyReport {
-  std::string file;  ///< empty: there was none
+  std::string file;  ///< empty without a study
   int answered = 0;
   int correct = 0;
-  /// Why the table has not been written, as one sentence without its full stop; empty if it has.
+  /// Why the table could not be written, as one sentence without its full stop; empty on success.
   std::string error;
 };
 
@@ -34,12 +34,12 @@ struct StudyCalls {
 };
 
 /// Runs a two-alternative test (TrialRun) on an ordinary thread: reads the servo's ticks, switches
-/// its mode, takes the answers (the keys a and b) from a terminal or a pipe, and writes a line of
-/// the table after each.
+/// its mode, reads the answers (keys a and b) from a terminal or a pipe, and writes a line of the
+/// table after each.
 class Study {
  public:
-  /// Creates `file`, which must not exist. `keys`: a file descriptor, that of the terminal or a
-  /// pipe. The error is one sentence without its full stop.
+  /// Creates `file`, which must not exist. `keys`: the file descriptor of the terminal or a pipe.
+  /// The error is one sentence without its full stop.
   static std::expected<std::unique_ptr<Study>, std::string> create(const std::string& file,
                                                                    const TrialSettings& settings,
                                                                    int keys);
@@ -49,7 +49,7 @@ class Study {
   /// Written by the servo thread.
   TickTape& tape() noexcept { return tape_; }
   void start(StudyCalls calls);
-  /// Ends the thread. Lines that have been written stay.
+  /// Ends the thread. The written lines remain.
   StudyReport finish();
 
  private:

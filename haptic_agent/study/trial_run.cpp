@@ -52,7 +52,7 @@ void TrialRun::take(const TickRecord& tick) noexcept {
       return;
     case State::kA:
     case State::kB: {
-      // A change of the mode reaches the servo some ticks later.
+      // The servo applies a change of the mode some ticks later.
       if (tick.mode != mode()) return;
       Interval& interval = current_.intervals[state_ == State::kA ? 0 : 1];
       interval.felt.add(tick.felt, tick.computed, tick.felt_share);

@@ -22,37 +22,37 @@ struct TrialSettings {
 /// One of the two intervals of a trial.
 struct Interval {
   ForceMode mode = ForceMode::kModel;
-  /// Felt against computed, over the ticks with a computed force.
+  /// Felt and computed wrench, over the ticks with a computed force.
   FeltReport felt{};
 };
 
-/// A trial that has been answered.
+/// An answered trial.
 struct TrialResult {
   int trial = 0;  ///< from 1
   std::array<Interval, 2> intervals{};
-  int answer = 0;  ///< the interval that was named, 0 or 1
+  int answer = 0;  ///< the chosen interval, 0 or 1
   /// Time from the end of the second interval to the answer.
   double reaction_s = 0;
-  /// The named interval is that of ForceMode::kModel.
+  /// The chosen interval is that of ForceMode::kModel.
   bool correct() const noexcept {
     return intervals[static_cast<std::size_t>(answer)].mode == ForceMode::kModel;
   }
 };
 
-/// A two-alternative forced choice between the paper's loop and Kerf's: in each trial the user cuts
+/// A two-alternative forced choice between the paper's loop and Kerf's. In each trial the user cuts
 /// during two intervals, A and B, one with ForceMode::kPaper and one with kModel, in random order,
-/// and then names one. Between them and during the question there is no force of the session. A
-/// pure function of the ticks, the answers and the seed.
+/// and then chooses one. Between them and during the question the session gives no force. A pure
+/// function of the ticks, the answers and the seed.
 class TrialRun {
  public:
   enum class State : std::uint8_t { kBefore, kA, kBetween, kB, kQuestion, kDone };
 
   explicit TrialRun(const TrialSettings& settings);
 
-  /// Takes the next tick of the servo.
+  /// Processes the next tick of the servo.
   void take(const TickRecord& tick) noexcept;
-  /// Takes the answer, 0 for interval A and 1 for B, given at `now_us` on the servo's clock.
-  /// Returns the result; nullopt if nothing was asked.
+  /// Records the answer, 0 for interval A and 1 for B, given at `now_us` on the servo's clock.
+  /// Returns the result; nullopt if no question was open.
   std::optional<TrialResult> answer(int interval, std::uint64_t now_us);
 
   State state() const noexcept { return state_; }
