@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
- * press URL SESSION: a device of one's own in 100 lines of C. A simulated hand lowers the tool onto
- * the middle of the stock, presses, then cuts along x; prints what it feels. A real device reads
- * its encoders where `move` computes a position, and sets its motors where it takes `wrench`. */
+ * press URL SESSION: a custom device in 100 lines of C. A simulated hand lowers the tool onto the
+ * middle of the stock, presses, then cuts along x, and prints the force that it feels. A real
+ * device reads its encoders where `move` computes a position, and sets its motors to `wrench`. */
 #define _GNU_SOURCE
 #include <kerf/kerf_agent.h>
 #include <math.h>
@@ -10,12 +10,12 @@
 #include <time.h>
 
 #define PERIOD_NS 1000000L
-#define ABOVE_MM 5 /* height above the stock at which the hand begins, and waits */
-#define CUT_S 1.2  /* time on the path from which on the hand cuts */
+#define ABOVE_MM 5 /* height above the stock at which the hand starts and waits */
+#define CUT_S 1.2  /* time on the path at which the hand begins to cut */
 #define END_S 2.7  /* end of the path */
-#define LONGEST_S 60 /* end of the program, with all waits */
+#define LONGEST_S 60 /* longest duration of the program, including waits */
 
-/* A mass of 0.2 kg, pulled to a target by a hand of 0.5 N/mm with damping: mm and seconds. */
+/* A mass of 0.2 kg, pulled to a target by a hand of 0.5 N/mm with damping; mm and seconds. */
 struct hand {
   double at[3], speed[3];
 };
@@ -29,7 +29,7 @@ static void move(struct hand* hand, const double target[3], const kerf_agent_wre
   }
 }
 
-/* The path of the hand: sinks 7 mm, the last 2 into the stock, without cutting; then cuts 15 mm
+/* The path of the hand: sinks 7 mm without cutting, the last 2 into the stock; then cuts 15 mm
  * along x. */
 static void aim(double t, const kerf_agent_session* session, double goal[3]) {
   const double sink = t < 0.7 ? 10 * t : 7;
@@ -39,7 +39,7 @@ static void aim(double t, const kerf_agent_session* session, double goal[3]) {
   goal[2] = session->stock_max_mm[2] + ABOVE_MM - sink;
 }
 
-/* Moves the target towards the goal, at 20 mm/s at most; returns 1 when it is there. */
+/* Moves the target towards the goal, at most at 20 mm/s; returns 1 when it has arrived. */
 static int approach(const double goal[3], double target[3]) {
   double left = 0;
   for (int i = 0; i < 3; ++i) {
@@ -51,7 +51,7 @@ static int approach(const double goal[3], double target[3]) {
 
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-/* Why there is no force, for the user; a library before minor 5 has the phase only. */
+/* Why there is no force, for the user; libraries before minor 5 state only the phase. */
 static const char* why(const kerf_agent_status* status) {
   return status->no_force_text != NULL ? status->no_force_text : status->phase_text;
 }
@@ -61,7 +61,7 @@ static void print(const kerf_agent_status* status, double t, const struct hand* 
          length(status->felt_force_n), length(status->computed_force_n), why(status));
 }
 
-/* The path goes on while the force is on. Otherwise, as after a trip on a busy machine, the hand
+/* The path advances while the force is on. Otherwise, as after a trip on a busy machine, the hand
  * lifts the tool and waits. */
 static int feel(kerf_agent* agent) {
   kerf_agent_session session = {.struct_size = sizeof session};
@@ -82,7 +82,7 @@ static int feel(kerf_agent* agent) {
     if (due.tv_nsec >= 1000 * PERIOD_NS) due.tv_nsec -= 1000 * PERIOD_NS, ++due.tv_sec;
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, NULL);
     if (tick % 10 == 0) kerf_agent_get_status(agent, &status);
-    if (status.tripped) kerf_agent_rearm(agent); /* A program asks its user first. */
+    if (status.tripped) kerf_agent_rearm(agent); /* A real program asks its user first. */
     const int on = status.phase >= KERF_AGENT_PHASE_RAMP && status.phase < KERF_AGENT_PHASE_SAFE;
     double goal[3];
     aim(t, &session, goal);

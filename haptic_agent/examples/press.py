@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""press.py URL SESSION [LIBRARY]: a device of one's own in Python, with nothing but ctypes. A
-simulated hand lowers the tool onto the middle of the stock, presses, then cuts along x; prints what
+"""press.py URL SESSION [LIBRARY]: a custom device in Python, with ctypes only. A simulated hand
+lowers the tool onto the middle of the stock, presses, then cuts along x, and prints the force that
 it feels. A real device reads its encoders in `read_pose` and sets its motors in `write_wrench`."""
 import ctypes
 import ctypes.util
@@ -78,8 +78,8 @@ class Device(Sized):
 
 
 class Hand:
-    """A mass of 0.2 kg, pulled along a path by a spring of 0.5 N/mm with damping. Its path goes on
-    while the force is on; otherwise, as after a trip, it lifts the tool and waits."""
+    """A mass of 0.2 kg, pulled along a path by a spring of 0.5 N/mm with damping. Its path
+    advances while the force is on. Otherwise, as after a trip, it lifts the tool and waits."""
 
     def __init__(self, kerf, agent, session):
         self.kerf, self.agent, self.status = kerf, agent, Status()
@@ -90,7 +90,7 @@ class Hand:
         self.pressed, self.cut = 0.0, 0.0
 
     def aim(self):
-        """Sinks 7 mm, the last 2 into the stock, without cutting; cuts 15 mm along x."""
+        """Sinks 7 mm without cutting, the last 2 into the stock; then cuts 15 mm along x."""
         x, y, z = self.start
         return [x + 10 * max(0.0, self.t - 1.2), y, z - min(7.0, 10 * self.t)]
 
@@ -130,7 +130,7 @@ class Hand:
 
 
 def load(named):
-    """Loads libkerf_agent: the named file, or that of this source tree, or the installed one."""
+    """Loads libkerf_agent: the given file, the one of this source tree, or the installed one."""
     tree = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
     built = glob.glob(os.path.join(tree, "build", "*", "haptic_agent", "libkerf_agent.so.1"))
     installed = ctypes.util.find_library("kerf_agent") or "libkerf_agent.so.1"

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """socket_hand.py PATH | PORT: serves a device to `kerf-agent --device socket:PATH` (or
-socket:localhost:PORT) from a process of its own: haptic_agent/device/socket/README.md. A simulated
-hand lowers the tool onto the stock and cuts along x; prints what it feels. A real device reads its
-encoders where the loop computes a position, and sets its motors where it takes the force."""
+socket:localhost:PORT), see haptic_agent/device/socket/README.md. A simulated hand lowers the tool
+onto the stock, cuts along x, and prints the force that it feels. A real device reads its encoders
+where the loop computes a position, and sets its motors where it receives the force."""
 import os
 import socket
 import sys

@@ -23,7 +23,7 @@ MOST_M = 100.0  # a cursor farther away is an error of the service
 SERVICE_QUIET_S = 0.5  # a service that does not answer for this time is lost
 RETRY_S, START_ABOVE_MM = 0.5, 10.0
 WORDS = ("vector", "values")  # names of the force in set_cursor_force: of 3.5, and of 3.1
-# A force of LEAST_N is not carried out if ECHO_SHARE of it is not reported within UNTAKEN_S.
+# A force of LEAST_N or more must be reported within UNTAKEN_S, at least ECHO_SHARE of it.
 LEAST_N, ECHO_SHARE, UNTAKEN_S = 0.1, 0.05, 0.15
 RAMP_S = 0.5  # time in which the force rises after its name has been changed
 BUTTONS = (1, 1024, 256)  # bits of a pose for the grip's a, b, c: cut, re-arm, undo
@@ -32,10 +32,10 @@ TEXT, CLOSE, PING, PONG = 1, 8, 9, 10
 
 
 class Lost(Exception):
-    """The service or the agent is gone; the text is the reason."""
+    """The connection to the service or the agent is lost; the text is the reason."""
 
 
-# Raised for what the service or the agent sends; it is then lost, and a new connection made.
+# Raised for invalid messages of the service or the agent, whose connection is then lost.
 FAULTS = (Lost, OSError, ValueError, LookupError, TypeError, AttributeError, OverflowError)
 
 
@@ -112,7 +112,7 @@ class Service:
 
 
 def message_of(text):
-    """The JSON object that a message holds."""
+    """Returns the JSON object of a message."""
     try:
         message = json.loads(text)
     except (ValueError, RecursionError):
@@ -123,7 +123,7 @@ def message_of(text):
 
 
 def position_of(value):
-    """The numbers of {"x", "y", "z"}, m; raises ValueError if one is beyond MOST_M or no number."""
+    """Returns {"x", "y", "z"}, m. Raises ValueError if one is no number or beyond MOST_M."""
     numbers = [float(value[name]) for name in "xyz"]
     if not all(abs(number) <= MOST_M for number in numbers):
         raise ValueError("the position is out of range")
@@ -131,7 +131,7 @@ def position_of(value):
 
 
 def axis_of(quaternion, sign):
-    """The unit axis of the tool: `sign` times the grip's local +Y, along which it points."""
+    """Returns the unit axis of the tool: `sign` times the grip's local +Y, its direction."""
     w, x, y, z = (float(quaternion[name]) for name in "wxyz")
     norm = w * w + x * x + y * y + z * z
     if not (math.isfinite(norm) and norm > 1e-6):
@@ -154,7 +154,7 @@ class ForceWord:
         return 1.0 if self.rise_from_s is None else min(1.0, (now_s - self.rise_from_s) / RAMP_S)
 
     def judge(self, now_s, commanded, reported):
-        """Takes the forces commanded and reported, N; returns a line for the user, or nothing."""
+        """Compares commanded and reported force, N; returns a line for the user or ""."""
         newtons = math.hypot(*commanded)
         if reported is None or newtons < LEAST_N or math.hypot(*reported) > ECHO_SHARE * newtons:
             self.confirmed |= reported is not None and newtons >= LEAST_N
@@ -189,7 +189,7 @@ class Inverse3:
         self.word, self.reported_n, self.said = ForceWord(inventory), None, set()
 
     def take(self, message):
-        """Takes a state update; a device that is missing from it is absent."""
+        """Processes a state update. A device missing from it is absent."""
         if message.get("error"):
             self.say(f"the Inverse Service reports: {str(message['error'])[:200]}")
         device = next((d for d in message.get("inverse3") or []
@@ -217,7 +217,7 @@ class Inverse3:
         return {"inverse3": [{"device_id": self.device_id, "commands": commands}]}
 
     def say(self, line):
-        """Tells the user, of each thing once."""
+        """Prints a line for the user, each line once."""
         if line and line not in self.said:
             print(line, file=sys.stderr, flush=True)
         self.said.add(line)
@@ -247,7 +247,7 @@ class Agent:
         connection.setblocking(False)
 
     def wrench(self, now_s):
-        """The newest force and its number; no force if the agent has not renewed it."""
+        """Returns the newest force and its number; no force if the agent has not renewed it."""
         try:
             while True:
                 self._read()
@@ -275,8 +275,8 @@ class Agent:
 
 
 def run(service, device, agent):
-    """Exchanges states and forces until one side is lost. The cursor holds the tool at its pivot:
-    where it is when the device is ready, the tip is START_ABOVE_MM above the stock."""
+    """Exchanges states and forces until one side is lost. The cursor holds the tool at its pivot.
+    Its position when the device becomes ready puts the tip START_ABOVE_MM above the stock."""
     offset, due_s = None, time.monotonic()
     while True:
         now_s = time.monotonic()
@@ -347,7 +347,7 @@ def serve(listener, options):
 
 
 def stop(service, device):
-    """Commands no force, as far as the service still listens, and leaves."""
+    """Commands no force if the service still listens, and exits."""
     try:
         service.send(device.command([0.0] * 3))
         service.receive()
@@ -357,7 +357,7 @@ def stop(service, device):
 
 
 def listen(where):
-    """Listens at a port of this machine, or at a path, where it replaces a socket but no file."""
+    """Listens at a local port or at a path, where it may replace a socket but no file."""
     if where.isdigit():
         return socket.create_server(("localhost", int(where)))
     if os.path.lexists(where):
@@ -368,7 +368,7 @@ def listen(where):
 
 
 def number_in(least, most):
-    """Returns a check for the number of an option; NaN is out of every range."""
+    """Returns a check for the number of an option, which rejects NaN."""
     def check(text):
         try:
             if least <= float(text) <= most:
