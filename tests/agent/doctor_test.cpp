@@ -131,7 +131,7 @@ class OneAnswer {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof address;
     EXPECT_EQ(bind(listener, reinterpret_cast<const sockaddr*>(&address), size), 0);
-    EXPECT_EQ(listen(listener, 16), 0);  // the connections that are only measured wait
+    EXPECT_EQ(listen(listener, 16), 0);  // the connections that only measure the round trip wait
     getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
     return address;
   }

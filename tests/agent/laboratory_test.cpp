@@ -13,7 +13,7 @@
 namespace kerf::agent {
 namespace {
 
-/// A cycle that does not run, and a folder of this test's own.
+/// A cycle that does not run, and a folder for this test.
 class LaboratoryTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -24,7 +24,7 @@ class LaboratoryTest : public testing::Test {
     options_.record_file = (folder_ / "stroke.mcap").string();
     options_.study_file = (folder_ / "study.csv").string();
   }
-  /// Returns the error; empty if it starts.
+  /// Returns the error; empty on success.
   std::string start() {
     const auto laboratory =
         Laboratory::start(options_, {}, device_, {}, cycle_, loop_, [](const std::string&) {});

@@ -19,7 +19,7 @@
 namespace kerf::agent {
 namespace {
 
-/// A recording of a stroke of 2 s in a folder of this test's own.
+/// A recording of a stroke of 2 s in a folder for this test.
 class RecordingCommands : public testing::Test {
  protected:
   void SetUp() override {

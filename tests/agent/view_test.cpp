@@ -36,7 +36,7 @@ TEST(TerminalView, PrintsTheStateInTenLines) {
   }
 }
 
-/// The text of the last four lines, in one.
+/// Returns the text of the last four lines, joined.
 std::string shown_reason(const std::string& reason) {
   std::string text = view_text({}, {}, {}, 30, reason);
   text.erase(0, text.find("why     ") + 8);

@@ -48,7 +48,7 @@ class FakeDevice final : public chai3d::cGenericHapticDevice {
   }
 
   std::atomic<bool> present{true};
-  /// The handle's x axis, along which the spindle is, points up.
+  /// The handle's x axis, which is the direction of the spindle, points up.
   cMatrix3d turn{cVector3d(0, 0, 1), cVector3d(0, 1, 0), cVector3d(-1, 0, 0)};
   cVector3d force, torque;
 };
@@ -118,8 +118,8 @@ TEST(Chai3d, PoseReachesTheServerWithThePivotAtTheDevice) {
     agent.stop();
     loop.join();
   }
-  // Upright: the tip is below the device, which is at the middle of the stock's top, moved by 20 mm
-  // to the right, 10 mm toward the user and 30 mm up.
+  // Upright: the tip is below the device, whose position is the middle of the stock's top, moved by
+  // 20 mm to the right, 10 mm toward the user and 30 mm up.
   EXPECT_NEAR(seen.tip_mm.x, 20, 1e-9);
   EXPECT_NEAR(seen.tip_mm.y, -10, 1e-9);
   EXPECT_NEAR(seen.tip_mm.z, 30, 1e-9);

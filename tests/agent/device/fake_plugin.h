@@ -7,7 +7,8 @@
 
 namespace kerf::agent {
 
-/// What the fake plugin reports and has received; its address is the plugin's argument.
+/// Poses that the fake plugin reports and calls that it received; its address is the plugin's
+/// argument.
 struct FakePluginLog {
   kerf_agent_capabilities capabilities{};
   kerf_agent_result rated = KERF_AGENT_OK;

@@ -94,7 +94,7 @@ class FakePad {
     errno = EINVAL;
     return -1;
   }
-  /// What the motors do: the effect that the newest event has started.
+  /// State of the motors: the effect that the newest event has started.
   RumbleLevel rumble() {
     const std::scoped_lock lock(mutex_);
     input_event event{};
@@ -150,7 +150,7 @@ class GamepadTest : public testing::Test {
                                     .notice = {},
                                     .open = [&pad](const std::string&) { return pad.plug(); }});
   }
-  /// Reads once, a millisecond later; the device's thread has taken the events when it holds.
+  /// Reads once, a millisecond later; true once the device's thread has processed the events.
   template <typename Condition>
   bool reads(Condition condition) {
     return eventually([&] { return condition(state_ = device_->read(now_us_ += 1000)); });

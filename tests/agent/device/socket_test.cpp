@@ -115,7 +115,7 @@ TEST(SocketAddress, IsAPathOrAHostAndAPort) {
   EXPECT_EQ(choose_device("socket:pi:7000")->kind, DeviceKind::kSocket);
 }
 
-/// The process of a device, driven by the test's thread.
+/// The process that serves a device, driven by the test's thread.
 class FakeProcess {
  public:
   FakeProcess() {
@@ -147,7 +147,7 @@ class FakeProcess {
     lines_.pop_front();
     return line;
   }
-  /// The process takes no more bytes from its socket.
+  /// Stops reading from the socket.
   void freeze() { frozen_ = true; }
   void hang_up() {
     if (fd_ < 0) return;
@@ -185,7 +185,7 @@ class FakeProcess {
   int listener_ = -1, fd_ = -1;
   std::thread reader_;
   std::atomic<bool> frozen_{false};
-  std::mutex mutex_;  ///< guards the lines and whether there are more
+  std::mutex mutex_;  ///< guards the lines and the flag for more
   std::condition_variable came_;
   std::deque<std::string> lines_;
   bool ended_ = false;
@@ -244,7 +244,7 @@ TEST_F(SocketDeviceTest, ExchangesPosesAndWrenches) {
   EXPECT_TRUE(line.starts_with("wrench ")) << line;
   agent->stop();
   EXPECT_TRUE(eventually([&] { return process.hear().ends_with(" 0 0 0 0 0 0"); }));
-  // The device acknowledges it, from which its latency is measured.
+  // The device acknowledges the wrench, which gives its latency.
   const auto number = static_cast<std::uint16_t>(std::stoi(line.substr(7)));
   EXPECT_TRUE(eventually([&] {
     process.say("pose ready 1 2 3 0 0 1 1 " + std::to_string(number) + "\n");

@@ -68,7 +68,7 @@ TEST(StepTracker, AContinuousDeviceThatStopsIsNoEncoder) {
   StepTracker tracker(0);
   double value = 0;
   for (int i = 0; i < 4000; ++i) {
-    if (i % 400 < 200) value += 0.01;  // starts and stops at once, every 0.4 s
+    if (i % 400 < 200) value += 0.01;  // starts and stops abruptly, every 0.4 s
     EXPECT_EQ(tracker.take(value, kTickS), value);
   }
 }

@@ -18,7 +18,7 @@
 namespace kerf::agent {
 namespace {
 
-/// What an identification has to find.
+/// The properties that an identification has to find.
 struct Truth {
   double mass_kg = 0.2, inertia_kg_m2 = 1e-4;
   double friction_n = 0.1;
@@ -28,7 +28,7 @@ struct Truth {
   double max_torque_nmm = 200;
 };
 
-/// A device that nobody holds, with friction, whose poses are rounded and whose wrenches act late.
+/// A device that nobody holds, with friction, rounded poses and late wrenches.
 class LooseDevice final : public HapticDevice {
  public:
   explicit LooseDevice(const Truth& truth) : truth_(truth) {}
@@ -237,7 +237,7 @@ TEST(DeviceProfile, HasNoStepThatWasNotFound) {
   const DeviceCapabilities declared{.resolution_mm = 0.01, .resolution_rad = 0.001};
   EXPECT_DOUBLE_EQ(with_profile(declared, *read).resolution_mm, 0.01);
   EXPECT_DOUBLE_EQ(with_profile(declared, *read).resolution_rad, 0.0005);
-  // Files of earlier versions state it as zero.
+  // Files of earlier versions contain a zero.
   std::ofstream(path) << "kerf-device-profile 1\nresolution_mm 0\n";
   EXPECT_DOUBLE_EQ(with_profile(declared, *read_profile(path)).resolution_mm, 0.01);
 }
@@ -252,7 +252,7 @@ TEST(DeviceProfile, BelongsToTheDeviceThatItNames) {
             "device with kerf-agent doctor --identify FILE, or leave --profile out");
 }
 
-/// Walls of devices with the ratings of the README's table.
+/// Walls of devices with the ratings in the table of servo/theory.md.
 TEST(ZWidth, UsesTheDeclaredDamping) {
   const auto width = [](const DeviceCapabilities& device) {
     return z_width(settings_for(device, {}));

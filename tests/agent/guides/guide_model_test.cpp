@@ -102,7 +102,7 @@ TEST(GuideModel, StrokeIsFeltForwardAndNearOnly) {
                                 .felt_share = 0.5,
                                 .file = {},
                                 .paths = {line({0, 0, 0}, {20, 0, 0}, {0, 0, 1}, taught)}}});
-  // In steps of 0.1 mm, much farther than the 3 mm over which the direction of travel is measured.
+  // Steps of 0.1 mm over much more than the 3 mm that determine the direction of travel.
   const auto move = [&](double from_mm, double to_mm, double beside_mm) {
     Wrench last;
     const double step = from_mm < to_mm ? 0.1 : -0.1;
@@ -120,7 +120,7 @@ TEST(GuideModel, StrokeIsFeltForwardAndNearOnly) {
   EXPECT_NEAR(forward.force_n.y, -1, 1e-9);
 }
 
-/// Wrench at a hand whose tip is there, behind a mapping.
+/// Returns the wrench at the hand for a tip in device space, behind a mapping.
 Wrench felt(GuideModel& guides, const SpaceMap& map, Vec3 tip_mm) {
   return map.to_device(guides.at(map.to_block(at(tip_mm))));
 }
@@ -170,7 +170,7 @@ TEST(GuideModel, SpringsAreDampedAndNoStifferThanTheDevice) {
 }
 
 TEST(GuideModel, ForceIsTheGradientOfAnEnergyInPosition) {
-  // So a guide gives back no more than was put into it. The work around closed loops is zero.
+  // A guide returns no more energy than was put into it: the work around closed loops is zero.
   std::mt19937 random(3);
   std::uniform_real_distribution<double> spread(-6, 6);
   const SnapSurface box{false, {-5, -5, -5}, {5, 5, 5}};
@@ -243,7 +243,7 @@ TEST(GuideModel, TorqueHasNoStepBetweenTwoPaths) {
   double last = before, widest = 0;
   for (int i = 0; i < 1000; ++i) {
     const double now = guides.at(at({5 + 0.01 * i, 1, 0}, axis)).torque_nmm.y;
-    if (i > 0) widest = std::max(widest, std::abs(now - last));  // at first the tip moves by 0.5 mm
+    if (i > 0) widest = std::max(widest, std::abs(now - last));  // the tip moves by 0.5 mm at first
     last = now;
   }
   EXPECT_LT(widest, 0.6) << "1000 N mm/rad, 0.05 rad/mm, 0.01 mm";

@@ -21,7 +21,7 @@ double distance_to(const GuidePath& path, Vec3 p) {
   return nearest;
 }
 
-/// Rows of a raster, as an NC program has them.
+/// Rows of a raster, as in an NC program.
 GuidePath raster(int rows, int columns) {
   GuidePath path;
   for (int row = 0; row < rows; ++row) {

@@ -98,7 +98,7 @@ TEST_F(LibraryMappingTest, ClutchHoldsTheToolWithoutForce) {
     return pose.tip_mm[2] > 10;
   }));
   EXPECT_EQ(norm(wrench_.force_n), 0);
-  // The tool is as deep as before: without the clutch it is felt again, 13 mm higher.
+  // The tool is as deep as before, so without the clutch it is felt again, 13 mm higher.
   pose.buttons = 0;
   EXPECT_TRUE(tick_until(pose, [&] { return std::abs(wrench_.force_n[2] - kServedN) < 0.1; }));
 }

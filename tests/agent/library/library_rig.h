@@ -21,7 +21,7 @@ namespace kerf::agent {
 
 using std::chrono::milliseconds;
 
-/// The surface of the server below, and how deep the test presses into it.
+/// Stiffness of the server's surface below, and the depth to which the test presses.
 inline constexpr double kNPerMm = 0.5, kPressedMm = 3, kServedN = kNPerMm * kPressedMm;
 
 template <typename T>
@@ -99,7 +99,7 @@ class LibraryTest : public ::testing::Test {
     ASSERT_EQ(kerf_agent_connect(&given, &agent_), KERF_AGENT_OK) << kerf_agent_last_error();
   }
   kerf_agent_result connect_fails(const kerf_agent_options& given) {
-    agent_ = reinterpret_cast<kerf_agent*>(this);  // to be set to null
+    agent_ = reinterpret_cast<kerf_agent*>(this);  // must be set to null
     const kerf_agent_result result = kerf_agent_connect(&given, &agent_);
     EXPECT_EQ(agent_, nullptr);
     EXPECT_STRNE(kerf_agent_last_error(), "");
@@ -115,8 +115,8 @@ class LibraryTest : public ::testing::Test {
     return kerf_agent_step(agent_, &pose, &wrench_);
   }
   /// A step 1 ms after the previous one, on the library's stepped clock. Then waits for the
-  /// server's answer, so that answers are as old as on an idle machine; not for long, because a
-  /// server that is lost gives none.
+  /// server's answer, so that answers are as old as on an idle machine. The wait is short, because
+  /// a lost server gives none.
   kerf_agent_result tick(const kerf_agent_pose& pose) {
     constexpr std::uint64_t kTickUs = 1000, kBehindUs = 4 * kTickUs;
     SteppedClock::advance_us(kTickUs);
@@ -158,7 +158,7 @@ class LibraryTest : public ::testing::Test {
 
   std::mutex answer_mutex_;
   std::condition_variable has_answered_;
-  std::uint64_t answered_us_ = 0;  ///< time of the newest sample that the server has answered
+  std::uint64_t answered_us_ = 0;  ///< time of the newest sample that the server answered
   std::string welcome_ = welcome_text();
   std::optional<FakeServer> server_;
   std::string url_;

@@ -33,7 +33,7 @@ TEST_F(LibraryTest, TripsOnAnInvalidPoseUntilRearmed) {
   EXPECT_STREQ(tripped.phase_text, "safe");
   EXPECT_STREQ(tripped.trip_text, "pose_not_finite");
 
-  // It stays without force as long as nobody re-arms it.
+  // There is no force until the user re-arms.
   int ticks = 0;
   ASSERT_TRUE(tick_until(pose_at(0), [&] { return ++ticks > 700; }));
   EXPECT_EQ(status().tripped, 1U);
@@ -78,7 +78,7 @@ TEST_F(LibraryTest, LostConnectionGivesNoForceFromTheFirstResultOn) {
   ASSERT_EQ(kerf_agent_connect(&given, &agent_), KERF_AGENT_OK) << kerf_agent_last_error();
   ASSERT_TRUE(feel());
   std::thread crash([this] { server_.reset(); });
-  // The repeated wrench of the newest tick is returned no longer either.
+  // The repeated wrench of the newest tick ends too.
   kerf_agent_result result = KERF_AGENT_OK;
   while ((result = tick(pose_at(-kPressedMm))) == KERF_AGENT_OK) {
   }

@@ -70,7 +70,7 @@ TEST_F(LibraryTest, StructuresOfOtherVersionsAreAcceptedOrRejectedByTheirContent
   many.front().struct_size = 4097;
   EXPECT_EQ(kerf_agent_connect(many.data(), &other), KERF_AGENT_UNSUPPORTED) << "too long";
 
-  // A shorter structure is filled in as far as it goes, and not beyond.
+  // A shorter structure is filled in up to its size.
   auto session = sized<kerf_agent_session>();
   session.struct_size = offsetof(kerf_agent_session, tool_ids);
   session.tool_count = 77;
@@ -96,7 +96,7 @@ TEST_F(LibraryTest, AuthoritiesThatCannotBeReadAreNamed) {
   given.ca_file = "/no/such/authority.pem";
   EXPECT_EQ(connect_fails(given), KERF_AGENT_REJECTED);
   EXPECT_TRUE(std::string_view(kerf_agent_last_error()).contains("/no/such/authority.pem"));
-  // A program of minor 1 ends its options before the field.
+  // The options of a minor 1 program end before the field.
   given.struct_size = offsetof(kerf_agent_options, ca_file);
   given.patience_s = 0.05;
   EXPECT_EQ(connect_fails(given), KERF_AGENT_UNREACHABLE);
@@ -221,7 +221,7 @@ TEST_F(LibraryTest, RunsTheLoopUntilTheDeviceHasFinished) {
   Counter without{.agent = agent_, .last = 10};
   EXPECT_EQ(kerf_agent_run(agent_, &table, &without), KERF_AGENT_OK);
   EXPECT_GE(without.wrenches, 12) << "a wrench of zero in the place of stop";
-  // A loop of the caller follows, and another one of the library.
+  // A loop of the caller follows, then another one of the library.
   EXPECT_EQ(step(pose_at(0)), KERF_AGENT_OK);
   table.abi = KERF_AGENT_ABI + 1;
   EXPECT_EQ(kerf_agent_run(agent_, &table, &counter), KERF_AGENT_UNSUPPORTED);

@@ -17,7 +17,7 @@ namespace {
 
 std::atomic<std::uint64_t> stands_at_ns{0};
 
-/// Addresses at which the library is loaded.
+/// Address range of the loaded library.
 struct Range {
   std::uintptr_t begin = 0, end = 0;
   bool contains(std::uintptr_t address) const { return address >= begin && address < end; }
@@ -60,7 +60,7 @@ void SteppedClock::release() { stands_at_ns.store(0); }
 
 }  // namespace kerf::agent
 
-/// Takes the place of the C library's function: the dynamic linker finds a program's own first.
+/// Replaces the C library's function: the dynamic linker finds a program's own first.
 extern "C" int clock_gettime(clockid_t id, timespec* time) noexcept {
   using namespace kerf::agent;
   const std::uint64_t stands_ns = stands_at_ns.load(std::memory_order_relaxed);

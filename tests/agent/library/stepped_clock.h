@@ -5,18 +5,17 @@
 
 namespace kerf::agent {
 
-/// The monotonic clock that libkerf_agent.so reads in this process. While it is stepped it stands
-/// still between two calls of `advance_us`, however long the threads of a busy machine wait, so a
-/// loop of the test loses no tick. Timers of the link and everything outside the library go on with
-/// the machine's clock.
+/// The monotonic clock that libkerf_agent.so reads in this process. While stepped, it advances only
+/// by `advance_us`, however long the threads of a busy machine wait, so a loop of the test loses no
+/// tick. Timers of the link and everything outside the library follow the machine's clock.
 class SteppedClock {
  public:
-  /// Adds to the library's clock; the first call stops it at the machine's time. Any thread.
+  /// Advances the library's clock; the first call stops it at the machine's time. From any thread.
   static void advance_us(std::uint64_t step_us);
-  /// The time at which it stands, in microseconds; 0 while it runs with the machine's clock.
+  /// The stepped time in microseconds; 0 while the clock follows the machine's.
   static std::uint64_t now_us();
-  /// Returns to the machine's clock. Only after the library's last object was closed, because its
-  /// time may go back.
+  /// Returns to the machine's clock. Call only after the library's last object was closed, because
+  /// its time may go back.
   static void release();
 };
 

@@ -12,8 +12,8 @@
 
 namespace kerf::agent {
 
-/// One agent that has connected to a FakeServer. Every call blocks; all return false or nothing
-/// after the connection is lost.
+/// One agent that has connected to a FakeServer. Every call blocks; after the loss of the
+/// connection all return false or nullopt.
 class FakePeer {
  public:
   virtual ~FakePeer() = default;
@@ -32,13 +32,13 @@ class FakePeer {
 };
 
 /// A server on its own thread: accepts one agent after the other and calls `serve` for each, with
-/// its number from 0. `serve` returns to close the connection.
+/// its number from 0. The connection closes when `serve` returns.
 class FakeServer {
  public:
   using Serve = std::function<void(FakePeer&, int connection)>;
 
   struct Behaviour {
-    /// Declines the WebSocket with this HTTP status; 0: accepts it.
+    /// Declines the WebSocket with this HTTP status; 0 to accept it.
     unsigned decline_status = 0;
     std::string protocol = "kerf.agent.v1";
   };

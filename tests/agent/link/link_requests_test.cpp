@@ -14,7 +14,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Waits until it is true; the limit only ends a failed test.
+/// Waits until the flag is set; the limit only ends a failed test.
 bool eventually(const std::atomic<bool>& flag) {
   for (int i = 0; i < 2000 && !flag; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   return flag;
@@ -49,7 +49,7 @@ TEST(LinkRequests, ARequestIsGivenUpWithTheConnection) {
                    .notice =
                        [&](const std::string& text) {
                          if (text != "stroke 1 undone") return;
-                         // The link, whose thread this is, reads the end before it can write.
+                         // The link, on this thread, reads the end before it can write.
                          EXPECT_TRUE(eventually(ended));
                          asks->ask(true);
                          asks->ask(false);

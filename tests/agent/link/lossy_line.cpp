@@ -60,11 +60,11 @@ int connected(int kind, std::uint16_t port) {
   return socket;
 }
 
-/// Bytes in flight to a socket; empty: end of the connection.
+/// Bytes in flight to a socket; empty for the end of the connection.
 struct Parcel {
   int to = -1;
-  sockaddr_in
-      address{};  ///< of the agent; unused for datagrams to the server, whose socket is connected
+  sockaddr_in address{};  ///< address of the agent; unused for datagrams to the server, whose
+                          ///< socket is connected
   bool named = false;
   std::string bytes;
 };

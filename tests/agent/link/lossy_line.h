@@ -15,7 +15,7 @@ struct LineFaults {
   std::chrono::microseconds tcp_delay{0};
   /// Shares of the datagrams, 0 to 1. A reordered one is delayed by 5 ms.
   double loss = 0, duplication = 0, reordering = 0;
-  /// Of every `burst_every` datagrams, `burst` in a row are lost; 0: none.
+  /// In every `burst_every` datagrams, `burst` in a row are lost; 0 for none.
   int burst_every = 0, burst = 0;
   std::uint64_t seed = 1;
 };
@@ -24,7 +24,7 @@ struct LineCounts {
   std::uint64_t datagrams = 0, lost = 0, duplicated = 0, reordered = 0;
 };
 
-/// Relay to a server on 127.0.0.1. Listens for TCP and UDP on 127.0.0.2, at the server's own port
+/// Relay to a server on 127.0.0.1. It listens for TCP and UDP on 127.0.0.2 at the server's own port
 /// numbers, so that the ports in the server's messages are valid here too.
 class LossyLine {
  public:
@@ -35,7 +35,7 @@ class LossyLine {
 
   /// Blocks or unblocks all datagrams.
   void block_udp(bool blocked);
-  /// Changes the source ports of the agents' datagrams, as a NAT does that has lost its state.
+  /// Changes the source ports of the agents' datagrams, like a NAT that has lost its state.
   void rebind();
   LineCounts counts() const;
 

@@ -33,7 +33,7 @@ TEST(Pace, SendsABacklogSlightlyFasterThanItGrows) {
   EXPECT_NEAR(static_cast<double>(sent), 900 + 12'250, 2);
 }
 
-/// An agent that moves at 1 kHz, the line to its server, and the server's limit of its samples.
+/// An agent that moves at 1 kHz, the line to its server, and the server's rate limit.
 class PacedLine {
  public:
   PacedLine(bool over_udp, std::uint64_t seed) : over_udp_(over_udp), random_(seed) {
@@ -50,7 +50,7 @@ class PacedLine {
       serve();
     }
   }
-  /// Nothing that was answered was durable: all is sent again to a server that counts from zero.
+  /// A server that starts from zero because no answered sample was durable: all are resent.
   void restart_server() {
     in_transit_.clear();
     limit_ = fresh_limit();
@@ -67,7 +67,7 @@ class PacedLine {
   }
   void make_sample() {
     const auto made = static_cast<double>(++made_);
-    // No three samples are on a line, so that none are merged.
+    // No three samples are collinear, so none are merged.
     const double zigzag = made_ % 2 == 0 ? 1 : 0;
     queue_.push({.time_us = now_us_,
                  .tip_mm = {made, zigzag, 0},
@@ -90,7 +90,7 @@ class PacedLine {
       in_transit_.push_back(batch);
     }
   }
-  /// The line, or the server, stands still at times and then delivers everything at once.
+  /// At times the line or the server stalls and then delivers everything at once.
   void serve() {
     if (now_us_ < stalled_until_us_) return;
     if (random_() % 300 == 0) stalled_until_us_ = now_us_ + random_() % 3'000'000;

@@ -28,7 +28,7 @@
 namespace kerf::agent {
 namespace {
 
-/// The session that the agents connect to, if the server runs, and the simulated clock.
+/// The session to which the agents connect, while the server runs, and the simulated clock.
 struct World {
   std::shared_ptr<Session> session;
   const SessionLimits& limits;
@@ -43,7 +43,7 @@ struct World {
 struct MadeMotion {
   ToolId tool = 0;
   Vec3 from_mm, to_mm;
-  std::uint64_t stroke = 0;  ///< in the journal
+  std::uint64_t stroke = 0;  ///< stroke in the journal
 };
 
 /// The session rounds positions to 1e-6 mm.
@@ -52,7 +52,7 @@ bool is_same(const MadeMotion& a, const MadeMotion& b) {
          length(a.to_mm - b.to_mm) < 1e-5;
 }
 
-/// An agent that carves its own strip of the block, and its connection.
+/// An agent that carves its own strip of the block, with its connection.
 class Carver {
  public:
   Carver(World& world, int number, std::uint64_t seed)
@@ -62,7 +62,7 @@ class Carver {
   }
 
   bool is_connected() const { return server_ != nullptr; }
-  /// Connects; an earlier connection of which the server does not know the end stays there.
+  /// Connects; if the server does not know that an earlier connection has ended, it keeps that one.
   void connect() {
     half_open_ = std::exchange(server_, nullptr);
     to_server_.clear();
@@ -95,7 +95,7 @@ class Carver {
     traffic_.begin(welcome.epoch, 1, world_.now_us, false, welcome.resume->agent_sequence);
     delay_us_ = random_() % 40'000;
   }
-  /// The connection is lost, and the server knows it.
+  /// The connection is lost, and the server knows.
   void disconnect() {
     if (server_) server_->end();
     server_.reset();
@@ -139,7 +139,7 @@ class Carver {
     ++made_;
     const std::uint32_t before = tool_;
     if (random_() % 100 == 0) tool_ = 3 - tool_;
-    // No three samples are on a line, so none may be left out. Each position occurs once.
+    // No three samples are collinear, so none may be omitted. Each position occurs once.
     const double along = 0.03 * static_cast<double>(made_);
     const Vec3 tip{-18 + std::fmod(along, 36.0), y_mm_ + 0.01 * along,
                    -0.5 - 0.004 * along - (made_ % 2 == 0 ? 0.2 : 0.0)};
@@ -206,7 +206,7 @@ class ResumeProperty : public SessionTest {
     registry.reset();  // closes the journals before the disk goes
   }
 
-  /// Ends the server as SIGKILL does: the files stay as they are at this moment.
+  /// Ends the server like SIGKILL: the files stay as they are at this moment.
   void kill(World& world, const std::string& id) {
     const auto file = folder.path() / (id + kJournalExtension);
     const auto copy = folder.path() / "killed";
@@ -247,7 +247,7 @@ class ResumeProperty : public SessionTest {
   }
 
   /// Expects the motions of an agent in the journal, and carves them again. A stroke ends where the
-  /// tool was lifted, and with each of the `kills`.
+  /// tool was lifted, and at each of the `kills`.
   static void expect_all_cut(const Carver& carver, const std::vector<MadeMotion>& journaled,
                              std::uint64_t kills, Sculpture& uninterrupted) {
     const auto differs = std::ranges::mismatch(journaled, carver.made(), is_same);
@@ -272,7 +272,7 @@ class ResumeProperty : public SessionTest {
   test::FaultyDisk disk;
   net::Metrics metrics;
   test::ManualExecutor writer;
-  int restored = 0;  ///< sessions that a snapshot has restored
+  int restored = 0;  ///< number of sessions restored from a snapshot
 };
 
 TEST_F(ResumeProperty, NothingIsLostOrCutTwiceHoweverOftenTheServerIsKilled) {
@@ -294,11 +294,11 @@ TEST_F(ResumeProperty, NothingIsLostOrCutTwiceHoweverOftenTheServerIsKilled) {
     for (int ms = 0; ms < 30'000 && !settled; ++ms) {
       const bool moves = ms < 700;
       if (random() % 100 == 0) {
-        writer.run();  // writes the snapshot that is due
+        writer.run();  // writes the due snapshot
         executor->run();
       }
       world.now_us += 1000;
-      // The disk commits at random moments; time passes faster than it.
+      // The disk commits at random moments; time passes faster than the disk works.
       if (random() % 60 == 0) {
         ASSERT_TRUE(world.session->flush());
       }
@@ -314,7 +314,7 @@ TEST_F(ResumeProperty, NothingIsLostOrCutTwiceHoweverOftenTheServerIsKilled) {
         const auto event = moves ? random() % 400 : 2;
         if (event == 0) carver.disconnect();
         if (event == 1) carver.connect();
-        // Agents come back in any order.
+        // Agents reconnect in any order.
         if (!carver.is_connected() && random() % 30 == 0) carver.connect();
         carver.step(moves ? 1 : 0);
         settled = settled && carver.is_connected() && carver.settled();

@@ -9,7 +9,7 @@
 namespace kerf::agent {
 namespace {
 
-/// A path that is bent at every sample, so that none of them may be merged.
+/// A path that bends at every sample, so that none may be merged.
 wire::MotionSample sample(std::uint64_t time_us, bool cuts = true, std::uint32_t tool = 1) {
   const double x = 0.1 * static_cast<double>(time_us);
   return {.time_us = time_us,
@@ -83,7 +83,7 @@ TEST(SampleQueue, AnsweredSamplesAreKeptUntilTheyAreDurable) {
   queue.answered(8);
   queue.durable(3);
   EXPECT_EQ(queue.not_durable(), 5U);
-  // The server was killed: it has what was durable.
+  // The server was killed, so it has only the durable samples.
   queue.rewind(3);
   auto batch = queue.take(16);
   ASSERT_EQ(batch.count, 8U);
@@ -92,14 +92,14 @@ TEST(SampleQueue, AnsweredSamplesAreKeptUntilTheyAreDurable) {
   queue.answered(10);
   EXPECT_TRUE(queue.settled());
   EXPECT_EQ(queue.not_durable(), 7U);
-  // Only the connection was lost: the server has everything, also what it did not answer.
+  // Only the connection was lost: the server has everything, including samples without an answer.
   queue.push(sample(11));
   queue.take(16);
   queue.rewind(11);
   batch = queue.take(16);
   ASSERT_EQ(batch.count, 1U);
   EXPECT_EQ(batch.samples[0].agent_sequence, 11U);
-  // A server that does not know the agent gets all that is not durable.
+  // A server that does not know the agent gets all samples that are not durable.
   queue.rewind(0);
   EXPECT_EQ(queue.take(16).samples[0].agent_sequence, 3U);
   queue.durable(11);
@@ -131,7 +131,7 @@ TEST(SampleQueue, SamplesThatWereFeltAreNotDroppedForNewOnes) {
     queue.answered(i);
   }
   queue.rewind(0);
-  // Every second one cuts: none may be merged or thinned out.
+  // Every second sample cuts: none may be merged or thinned out.
   for (std::uint64_t i = 2001; i <= 2400 + SampleQueue::kMaxKept; ++i) {
     queue.push(sample(i, i % 2 == 0));
   }
@@ -158,7 +158,7 @@ TEST(SampleQueue, AFullQueueKeepsTheLastAnsweredSampleAndCutsNoChordFromIt) {
   for (std::uint64_t i = 1; i <= 10; ++i) queue.push(sample(i));
   queue.take(16);
   queue.answered(10);
-  // As above, none of these may be merged. The last two are too many, with sample 10.
+  // Again none of these may be merged. The last two, together with sample 10, are too many.
   for (std::uint64_t i = 11; i <= 11 + SampleQueue::kMaxKept; ++i) {
     queue.push(sample(i, i % 2 == 0));
   }

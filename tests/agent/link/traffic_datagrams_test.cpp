@@ -24,7 +24,7 @@ class TrafficDatagrams : public ::testing::Test {
 
   void push(int count, std::uint32_t tool = 1) {
     for (int i = 0; i < count; ++i) {
-      // A zigzag, of which no sample may be merged.
+      // A zigzag, so that no sample may be merged.
       const double z = ++pushed % 2 == 0 ? 1 : 0;
       ASSERT_TRUE(ring.push({.time_us = now_us,
                              .tip_mm = {0, 0, z},
@@ -170,7 +170,7 @@ TEST_F(TrafficDatagrams, GapCausesAResendOfUnansweredSamples) {
   ASSERT_FALSE(again.empty());
   EXPECT_EQ(again.front().front(), 6U);
   EXPECT_EQ(again.back().back(), 33U);
-  // Datagrams in flight behind the lost ones cause the same answer; only the first one counts.
+  // Datagrams in flight behind the lost ones cause the same answer; only the first counts.
   answer(5, true, wire::kStatusGap);
   EXPECT_TRUE(over_udp().empty());
   EXPECT_EQ(traffic.report().udp.gaps, 2U);

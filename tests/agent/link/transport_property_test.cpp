@@ -87,7 +87,7 @@ class Network {
     traffic_.begin(session->epoch(), 1, now_us_, true);
   }
 
-  /// One millisecond, in which the device takes `samples` samples.
+  /// Advances by one millisecond, in which the device delivers `samples` samples.
   void step(int samples) {
     now_us_ += kStepUs;
     if (faults_.black_hole > 0 && happens(faults_.black_hole)) {
@@ -110,7 +110,7 @@ class Network {
   bool settled() const { return traffic_.settled(); }
   LinkReport report() const { return traffic_.report(); }
   void leave() { server_.end(); }
-  /// A motion to each sample, unless the sample is the first one of a tool.
+  /// One motion per sample, except for the first sample of a tool.
   const std::vector<Motion>& expected() const { return expected_; }
 
  private:
@@ -125,8 +125,8 @@ class Network {
     ++made_;
     const std::uint32_t before = tool_;
     if (happens(0.004)) tool_ = 3 - tool_;
-    // No three samples are on a line, so none may be left out. Each position occurs once. All
-    // motions are outside the block: only their order matters here.
+    // No three samples are collinear, so none may be omitted. Each position occurs once. All
+    // motions are outside the block, because only their order matters here.
     const Vec3 tip{30 + 1e-3 * static_cast<double>(made_), 0, made_ % 2 == 0 ? 21.0 : 20.0};
     last_time_us_ = std::max(last_time_us_ + 1, now_us_);
     ASSERT_TRUE(ring_.push({.time_us = last_time_us_,

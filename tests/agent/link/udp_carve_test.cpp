@@ -117,7 +117,7 @@ class UdpCarve : public testing::Test {
     return carved;
   }
 
-  /// Result over a good WebSocket; computed once for all tests.
+  /// Result over a good WebSocket, computed once for all tests.
   const Carved& over_web_socket() {
     static const Carved kCarved = carve("plain", false);
     return kCarved;

@@ -48,7 +48,7 @@ TEST(Alarm, EndsTheWaitOfAnotherThread) {
   std::thread waits([&] { alarm.wait(); });
   alarm.end();
   waits.join();
-  alarm.wait();  // and later ones
+  alarm.wait();  // and later calls
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t kMs = 1'000'000;
 
-/// Lets a thread be woken every two milliseconds over `windows` windows, and work for `busy_ns`.
+/// Wakes a thread every two milliseconds over `windows` windows; it works for `busy_ns` each time.
 template <class Choice>
 void work(Choice& choice, std::uint64_t& now_ns, std::uint64_t busy_ns, int windows = 1) {
   const std::uint64_t end_ns = now_ns + (windows * PlaceChoice::kWindowNs) + (4 * kMs);
@@ -78,7 +78,7 @@ class FollowCpuTest : public testing::Test {
   void SetUp() override {
     if (CPU_COUNT(&all_) < 2) GTEST_SKIP() << "needs two processors";
   }
-  /// Expects the processors of the calling thread.
+  /// Expects this set of processors for the calling thread.
   void expect(const cpu_set_t& wanted) {
     const cpu_set_t now = processors();
     EXPECT_TRUE(CPU_EQUAL(&now, &wanted));

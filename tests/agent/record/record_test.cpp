@@ -24,7 +24,7 @@
 namespace kerf::agent {
 namespace {
 
-/// A file in a folder of this test's own.
+/// A file in a folder for this test.
 class RecordTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -159,7 +159,7 @@ TEST_F(RecordTest, SaysWhyAFileCannotBeCreated) {
 }
 
 TEST_F(RecordTest, FailedWriteIsReportedAndItsTicksAreCounted) {
-  // A limit of the file's size stands for a full disk: the write fails likewise.
+  // A limit of the file's size simulates a full disk: the write fails in the same way.
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
@@ -181,7 +181,7 @@ TEST_F(RecordTest, KilledProgramLeavesWholeChunks) {
     auto recorder = Recorder::start(file(), {{"session", "demo"}}, "{}");
     ASSERT_TRUE(recorder);
     for (std::uint64_t n = 0; n < 2500; ++n) (*recorder)->tape().push(tick_at(n));
-    // Its thread looks up 10 times per second; the destructor writes nothing more.
+    // Its thread wakes 10 times per second; the destructor writes no more data.
     ASSERT_TRUE(test::eventually([this] { return std::filesystem::file_size(file()) >= 20'000; }));
   }
   const auto recording = read_recording(file());
@@ -221,7 +221,7 @@ TEST_F(RecordTest, DamagedBytesAreRejectedOrHarmless) {
       ++rejected;
       continue;
     }
-    // Ticks that are accepted are the recorded ones: chunks have a CRC.
+    // Accepted ticks equal the recorded ones, because chunks have a CRC.
     for (std::size_t n = 0; n < recording->ticks.size(); ++n) {
       const std::uint64_t first = (recording->ticks[n].time_us - 5'000'000) / 1000;
       ASSERT_TRUE(same(recording->ticks[n], tick_at(first))) << at;
@@ -289,7 +289,7 @@ TEST_F(RecordTest, StrokesHoldTheMeanForceBetweenTheirPoses) {
   Recording recording;
   for (std::uint64_t n = 0; n < 1000; ++n) {
     TickRecord tick = tick_at(n);
-    // Two strokes: the tool is lifted in between, and unarmed at the end.
+    // Two strokes: the tool is lifted between them, and disarmed at the end.
     if (n >= 400 && n < 500) tick.buttons = wire::kButtonDeadman;
     if (n >= 900) tick.phase = ServoPhase::kReady;
     tick.felt = tick.felt * (n % 2 == 0 ? 0.5 : 1.5);
@@ -315,7 +315,7 @@ TEST_F(RecordTest, StrokesHoldTheMeanForceBetweenTheirPoses) {
   EXPECT_FALSE(stroke_of(recording));
 }
 
-/// A hand that follows the recorded line at another speed, holding the device.
+/// A user who holds the device and follows the recorded line at another speed.
 class FollowingHand final : public HapticDevice {
  public:
   explicit FollowingHand(double mm_per_s) : mm_per_s_(mm_per_s) {}

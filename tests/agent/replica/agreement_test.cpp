@@ -18,7 +18,7 @@ TEST(Agreement, ReportsAPersistentDifference) {
       agreement.compare(remote.agent_time_us, Vec3(remote.force_n));
     }
   };
-  answer(1.0F, 1.1F, 3001);  // the first is not compared: when it began is unknown
+  answer(1.0F, 1.1F, 3001);  // the first answer is not compared, because its start is unknown
   EXPECT_FALSE(agreement.take_divergence());
   answer(0.0F, 1.0F, 900);  // other agents' cuts arrive with delay
   answer(1.0F, 1.0F, 100);
@@ -53,7 +53,7 @@ TEST(Agreement, ComparesTheMeanOverABatchOfSamples) {
   Agreement agreement;
   double impulse = 0;
   std::uint64_t before = 0, answered = 0;
-  // Every third sample comes 5 ms after its predecessor: ticks were lost.
+  // Every third sample is 5 ms after its predecessor: ticks were lost.
   for (std::uint64_t n = 1, time = 1; n <= 400; ++n, time += n % 3 == 0 ? 5 : 1) {
     const double newtons = n % 2 == 0 ? 3 : 1;
     agreement.note(nth(time, newtons));
@@ -77,7 +77,7 @@ TEST(Agreement, IgnoresABatchThatTheReplicaHasNotAnsweredWhole) {
     } else {
       agreement.note(nth(n, 2));
     }
-    // The sample that the replica left out has another force.
+    // The sample without an answer of the replica has another force.
     if (n % 4 == 0) agreement.compare(1000 * n, {n == 8 ? 5.0 : 2.0, 0, 0});
   }
   EXPECT_EQ(agreement.compared(), 2U) << "not the first, and not that with the sample";

@@ -13,8 +13,8 @@
 
 namespace kerf::test {
 
-/// Expects that in the tiles within `margin_mm` of tool 1, upright with its tip at `tip`, a replica
-/// has the columns of the server's block, to the bit.
+/// Expects that a replica has the columns of the server's block, to the bit, in the tiles within
+/// `margin_mm` of tool 1, upright with its tip at `tip`.
 inline void expect_equal_near(const agent::Replica& replica, const SolidSnapshot& solid, Vec3 tip,
                               double margin_mm) {
   std::vector<Dexel> local, remote;

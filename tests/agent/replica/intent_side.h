@@ -14,7 +14,7 @@ inline constexpr const char* kWelcome = R"({
   "force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.4, "pivot_mm": 40}})";
 inline constexpr Vec3 kUp{0, 0, 1};
 inline constexpr std::uint32_t kOther = 7;
-/// The clock of the other agent is behind, and its poses come this many samples late.
+/// The other agent's clock is behind, and its poses are this many samples late.
 inline constexpr std::uint64_t kBehindUs = 123'456'789;
 inline constexpr int kLate = 100;
 inline constexpr int kEvery = 10;
@@ -41,12 +41,13 @@ inline wire::StockPatch all_tiles() {
   return all;
 }
 
-/// The agent's replica, which has all tiles, and the block as the server cuts it.
+/// The agent's replica, which has all tiles, and the block as cut by the server.
 struct Side {
   Side() : source(*BlockSource::read(kWelcome)), truth(source.make()), replica(source) {
     EXPECT_TRUE(replica.take(all_tiles()));
   }
-  /// Cuts with both tools, the other one first. Returns the force of the agent's in the true block.
+  /// Cuts with both tools, the other one first. Returns the force on the agent's tool in the true
+  /// block.
   Vec3 cut(Vec3 own, Vec3 other) {
     Vec3 force_n;
     if (last.count > 0) {

@@ -40,8 +40,8 @@ TEST(OtherTool, IsGoneWithoutPoses) {
   EXPECT_FALSE(tool.is_present(time_of(kLate + 150)));
 }
 
-/// The rms error of the force over its rms, with or without the other's poses. `twice`: each frame
-/// names the other a second time, with an unknown tool.
+/// Returns the rms error of the force over its rms, with or without the other tool's poses.
+/// `twice`: each frame lists the other tool a second time, with an unknown tool.
 double error_beside_another(bool intent, bool twice = false) {
   Side side;
   double error2 = 0, force2 = 0;
@@ -93,7 +93,7 @@ TEST(ReplicaIntent, OfAParticipantThatAFrameNamesTwiceTheFirstPoseCounts) {
 }
 
 TEST(ReplicaIntent, StockThatTheOtherDidNotCutIsFelt) {
-  // The other one stops in front of this agent's tool, which goes on into the stock behind.
+  // The other tool stops in front of this agent's tool, which continues into the stock behind it.
   Side side;
   Sculpture own_cuts = side.source.make();
   double error_n = 0, force_n = 0;
@@ -118,7 +118,7 @@ TEST(ReplicaIntent, StockThatTheOtherDidNotCutIsFelt) {
   }
   EXPECT_GT(force_n, 3);
   EXPECT_LT(error_n, 0.1 * force_n);
-  // The server's tiles would bring what the other has cut: it never enters the replica itself.
+  // The cuts of the other tool never enter the replica itself: the server's tiles would bring them.
   EXPECT_EQ(solid_quanta(side.replica.block()), solid_quanta(own_cuts));
 }
 

@@ -11,7 +11,7 @@
 namespace kerf::agent {
 namespace {
 
-/// How the tool of another ends that has cut until the sample kEnd.
+/// How a tool of another participant ends that has cut until the sample kEnd.
 enum class End { kLeaves, kEmptyFrame, kSilent, kSilentLate, kOtherTool, kClockJump, kReset };
 constexpr int kEnd = 150;
 
@@ -25,7 +25,7 @@ void add(wire::Intents& intents, const wire::Intent& intent) {
 wire::Intents frame_after(End end, int n) {
   wire::Intents intents;
   wire::Intent tool = intent_of(n, {-5, 0, 3}, false);
-  if (end == End::kLeaves) tool.participant = kOther + 1;  // another one stays near
+  if (end == End::kLeaves) tool.participant = kOther + 1;  // a different tool stays near
   if (end == End::kSilent || end == End::kSilentLate) {
     tool = intent_of(kEnd, along(kEnd));
     tool.agent_time_us = time_of(n);
@@ -36,8 +36,8 @@ wire::Intents frame_after(End end, int n) {
   return intents;
 }
 
-/// The largest difference, N, from the force in a block that this agent alone has cut: it follows
-/// the other's tool from the sample `begin` on.
+/// Returns the largest difference, N, from the force in a block cut by this agent alone, which
+/// follows the other tool from the sample `begin` on.
 double felt_of_ended(End end, int begin) {
   Side side;
   Sculpture alone = side.source.make();
@@ -108,13 +108,13 @@ TEST(OtherTool, FewPosesAreKeptOfAFlood) {
   EXPECT_GE(tool.poses(), 16U);
 }
 
-/// The tools of others alone, in a block of which this agent's tool sees the middle.
+/// Only the other tools, in a block whose middle is at this agent's tool.
 struct Crowd {
   Crowd() : block(BlockSource::read(kWelcome)->make()), others(0.5) {}
   OtherTools::Own own(Vec3 tip_mm) const {
     return {tip_mm, tool_bounds(*block.tool(1), {tip_mm, kUp})};
   }
-  /// Others, 2 mm deep, that move along y, 1 mm each 10 ms, at these x.
+  /// Other tools, 2 mm deep, that move along y by 1 mm every 10 ms, at these x.
   void take(int n, std::initializer_list<double> xs) {
     wire::Intents intents;
     for (const double x : xs) {

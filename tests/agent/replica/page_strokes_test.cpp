@@ -30,7 +30,7 @@ std::string scene(const std::string& rays, const std::string& box) {
 }
 
 constexpr const char* kSmall = R"("min_mm": [-30, -20, -20], "max_mm": [30, 20, 0])";
-/// 34 x 34 tiles: more than are sent as a whole.
+/// 34 x 34 tiles: more than are sent at once.
 constexpr const char* kLarge = R"("min_mm": [-270, -270, -60], "max_mm": [270, 270, 0])";
 
 std::string welcome_of(const Scene& scene) {
@@ -38,7 +38,7 @@ std::string welcome_of(const Scene& scene) {
          force_json(scene) + R"(,"accuracy":)" + accuracy_json(scene) + "}";
 }
 
-/// Ada carves in a page; samples, requests, answers and patches are in flight for a while. Bo has
+/// Ada carves in a page. Samples, requests, answers and patches are in flight for a while. Bo has
 /// no copy.
 class PageStrokes : public SessionUndo, public testing::WithParamInterface<const char*> {
  protected:
@@ -46,12 +46,12 @@ class PageStrokes : public SessionUndo, public testing::WithParamInterface<const
     bool undone;
   };
   struct Received {
-    std::vector<std::byte> frame;  ///< none: a request was refused
+    std::vector<std::byte> frame;  ///< empty if a request was refused
     std::uint64_t sequence, arrives_ms;
   };
 
   void begin(const char* box = kSmall) {
-    limits_.samples_per_s = limits_.samples_burst = 1e9;  // of the clock
+    limits_.samples_per_s = limits_.samples_burst = 1e9;  // faster than the real clock
     restart();
     create(scene(GetParam(), box));
     request_.stock = request_.whole = request_.returned = request_.durable = true;
@@ -64,8 +64,8 @@ class PageStrokes : public SessionUndo, public testing::WithParamInterface<const
     ada_ = admission.participant.id;
     request_.token = admission.token;
   }
-  /// The line breaks: what is on it is lost, and samples are sent again. The page cuts on when it
-  /// has the server's stock.
+  /// Breaks the line: data in transit is lost, and samples are resent. The page continues to cut
+  /// when it has the server's stock.
   void reconnect() {
     received_.clear();
     std::erase_if(sent_, [](const auto& one) { return std::holds_alternative<Request>(one); });
@@ -168,7 +168,7 @@ TEST_P(PageStrokes, UndoAndRedoAreDisplayedBeforeTheServerHasThem) {
     expect_equal();
     hashes.push_back(hash());
   }
-  delay_ = 1000;  // nothing arrives
+  delay_ = 1000;  // no data arrives
   (void)page_->changed();
   for (int n = 2; n >= 0; --n) {
     ada_asks(true);
@@ -196,7 +196,7 @@ TEST_P(PageStrokes, WhatOthersHaveCutSinceStaysCut) {
   ada_strokes({-20, 0, -2}, {20, 0, -2}, 40);
   expect_equal();
   const std::uint64_t before = never_happened(0);
-  stroke(bo_, {-10, 6, -4}, {10, 6, -4});  // beside it, in the same tiles
+  stroke(bo_, {-10, 6, -4}, {10, 6, -4});  // next to the stroke, in the same tiles
   arrive_all();
   delay_ = 1000;
   ada_asks(true);
@@ -277,7 +277,7 @@ TEST_P(PageStrokes, ALargeBlockIsDisplayedWhereOneCuts) {
     for (int n = 0; n < 3; ++n) ada({x, 100, 5}, false);
     arrive_all();
     (void)page_->changed();
-    delay_ = 1000;  // nothing arrives
+    delay_ = 1000;  // no data arrives
     ada_strokes({x, 100, -2}, {x + 8, 100, -2});
     std::vector<TileIndex> tiles;
     for (const ChangedTile& tile : page_->changed()) {

@@ -48,7 +48,7 @@ class ReplicaTest : public SessionTest, public testing::WithParamInterface<const
   void begin(const char* rays, const char* force = kSpecificEnergy) {
     // Samples arrive faster here than the session's rate limit permits.
     limits.samples_burst = max_samples;
-    limits.samples_per_s = max_samples / 10;  // hardly one during a burst, on a busy machine too
+    limits.samples_per_s = max_samples / 10;  // hardly one during a burst, even on a busy machine
     restart();
     in_flight_.clear();
     sequence = other_sequence_ = 0;
@@ -163,7 +163,7 @@ TEST_P(ReplicaTest, FeelsTheMillingForceOfTheServer) {
 }
 
 TEST_P(ReplicaTest, TakesTheImprintOfAToolAsTheServerDoes) {
-  // The ball begins to cut 4 mm inside the block; the wider mill takes its place in the slot.
+  // The ball begins to cut 4 mm inside the block; the wider mill replaces it in the slot.
   begin(GetParam());
   const Vec3 start{0, 0, -4};
   send(start, {0, 0, 1}, 1, 0);
@@ -177,7 +177,7 @@ TEST_P(ReplicaTest, TakesTheImprintOfAToolAsTheServerDoes) {
     EXPECT_EQ(local->status, remote_.status) << i;
     EXPECT_FLOAT_EQ(local->removed_mm3, remote_.removed_mm3) << i;
     EXPECT_NEAR(local->force_n.x, remote_.force_n.x, 1e-4) << i;
-    // A ball's or mill's half section at a depth of 4 mm, with the ripple of one field.
+    // Half of the section of a ball or mill at a depth of 4 mm, with the ripple of one field.
     EXPECT_LT(length(Vec3(local->force_n)), 1.3 * 0.4 * 8 * 4) << i;
     imprints += (remote_.status & wire::kStatusImprint) != 0 ? 1 : 0;
   }
@@ -198,8 +198,8 @@ TEST_P(ReplicaTest, AnswersDoNotDependOnTheDelay) {
     const auto local = send(winding(n));
     in_a_row = local ? in_a_row + 1 : 0;
     if (!local) continue;
-    // Stock cut before it was known has little influence; later only the points at which the travel
-    // is divided differ (TravelQueue). The force is 8 N.
+    // Stock that was cut before it was known has little influence. Later only the points at which
+    // the travel is divided differ (TravelQueue). The force is 8 N.
     ++answered;
     const Vec3 error = Vec3(local->force_n) - Vec3(near[static_cast<std::size_t>(n)]);
     for (const double component : {error.x, error.y, error.z}) {

@@ -29,7 +29,7 @@ std::string welcome_of(const Scene& scene) {
          force_json(scene) + R"(,"accuracy":)" + accuracy_json(scene) + "}";
 }
 
-/// Ada has a replica; samples and patches are in flight for a while. Bo has none.
+/// Ada has a replica. Samples and patches are in flight for a while. Bo has none.
 class ReplicaUndo : public SessionUndo, public testing::WithParamInterface<const char*> {
  protected:
   struct Patch {
@@ -38,7 +38,7 @@ class ReplicaUndo : public SessionUndo, public testing::WithParamInterface<const
   };
 
   void begin(bool takes_returned = true) {
-    limits_.samples_per_s = limits_.samples_burst = 1e9;  // of the clock
+    limits_.samples_per_s = limits_.samples_burst = 1e9;  // faster than the real clock
     restart();
     create(scene(GetParam()));
     request_.stock = request_.intent = request_.durable = true;
@@ -46,7 +46,7 @@ class ReplicaUndo : public SessionUndo, public testing::WithParamInterface<const
     connect();
     bo_ = join("Bo");
   }
-  /// Ada connects, again if she has been here before.
+  /// Ada connects, or reconnects.
   void connect() {
     const Admission admission = session_->admit(request_).value();
     ada_ = admission.participant.id;
@@ -97,7 +97,7 @@ class ReplicaUndo : public SessionUndo, public testing::WithParamInterface<const
       take_patches(UINT64_MAX);
     } while (send_patch());
   }
-  /// Moves Ada's tool above a place, and compares the columns near it.
+  /// Moves Ada's tool above a point, and compares the columns near it.
   void expect_equal_at(Vec3 tip) {
     for (int n = 0; n < 3; ++n) ada(tip, false);
     arrive_all();
@@ -138,7 +138,7 @@ TEST_P(ReplicaUndo, EqualsTheServerToTheBitAfterCutsAndUndoAtAnyDelay) {
       if (turn < 8) ada(tip(), round % 3 != 0);
     };
     for (int n = 0; n < 10; ++n) cut();
-    // Undo and redo while samples and tiles are in flight: of strokes of Bo, and of Ada's newest.
+    // Undo and redo while samples and tiles are in flight, of strokes of Bo and of Ada's newest.
     for (auto changes = 1 + random_() % 3; changes > 0; --changes) {
       if (random_() % 3 == 0) {
         const bool undoes = random_() % 3 != 0;
@@ -187,7 +187,7 @@ TEST_P(ReplicaUndo, AnUndoNearByIsAnsweredOnlyAfterTwoPitches) {
   for (int n = 0; n < 40; ++n) ada({30 + 0.1 * n, 0, -2});
   arrive_all();
   undo({near});
-  ada({34, 0, -2});  // the tiles follow it
+  ada({34, 0, -2});  // the tiles follow the tool
   double silent_mm = 0;
   for (int n = 1; n < 40; ++n) silent_mm += ada({34 + 0.1 * n, 0, -2}) ? 0 : 0.1;
   EXPECT_NEAR(silent_mm, 1, 0.15);
@@ -257,7 +257,7 @@ TEST_P(ReplicaUndo, ItsOwnMotionsInFlightOutlastAnUndo) {
 
 TEST_P(ReplicaUndo, WhatItCutInTilesThatItDoesNotKnowIsTakenBackToo) {
   begin();
-  delay_ms_ = 1000;  // nothing arrives
+  delay_ms_ = 1000;  // no data arrives
   for (int n = 0; n < 20; ++n) ada({-30 + 0.1 * n, 0, -3});
   while (!samples_.empty()) arrive();
   patches_.clear();

@@ -14,15 +14,16 @@
 
 namespace kerf::agent {
 
-/// A special case, and deliberate errors.
+/// Special cases and deliberate errors.
 struct AdversaryFaults {
-  /// No error: the pen turns as easily as the lightest for which the bound is claimed.
+  /// No error: the pen turns as easily as the lightest one for which the bound is claimed.
   bool lightest_pen = false;
   /// The account assumes that a wrench acts when it is written.
   bool ignores_latency = false;
-  /// The device declares 20 times its mass and inertia: its motion differs much from the estimate.
+  /// The device declares 20 times its mass and inertia, so its motion differs much from the
+  /// estimate.
   bool declares_too_much_mass = false;
-  /// The damper of a deficit may turn a pen harder than it can act late without oscillating.
+  /// The damper of a deficit may exceed the limit above which a late damper of rotation oscillates.
   bool damps_turning_freely = false;
   /// A released wrench is not charged for turning a pen at rest.
   bool ignores_turning = false;
@@ -30,8 +31,8 @@ struct AdversaryFaults {
 
 /// Simulation of a device in a human hand, a network that sends adversarial wrenches, a loop that
 /// loses ticks, and the output stage between them. Wrenches act up to 3 ms after they are written.
-/// The work on the hand is that of the acting wrench, integrated in steps of 0.125 ms: the stage's
-/// own account is not used.
+/// The work on the hand is that of the acting wrench, integrated in steps of 0.125 ms, independent
+/// of the stage's own account.
 template <typename Deficit>
 class Adversary {
  public:
@@ -72,7 +73,7 @@ class Adversary {
     for (int tick = 0; tick < ticks; ++tick) step();
     return most_returned_mj_;
   }
-  /// Each wrench was finite, within its limits, and within the limits of its rise.
+  /// Each wrench was finite, and within the limits of its size and rise.
   bool kept_limits() const { return kept_limits_; }
 
  private:
@@ -120,7 +121,7 @@ class Adversary {
     return {{snap(at_.pivot_mm.x), snap(at_.pivot_mm.y), snap(at_.pivot_mm.z)}, at_.axis};
   }
 
-  /// One tick: after 1 ms, or after up to 5 if ticks are lost, fewer than 2 % in all.
+  /// One tick: after 1 ms, or up to 5 ms if ticks are lost, less than 2 % in all.
   void step() {
     const bool loses = uniform(0, 1) < 0.008;
     const auto ticks = loses ? static_cast<std::uint64_t>(uniform(2, 5.999)) : 1;
@@ -137,7 +138,7 @@ class Adversary {
     const Twist velocity = estimate_.take(moved, dt_s);
     const Wrench before = stage_.released();
     const double time_s = static_cast<double>(now_us_ - kStartUs) * 1e-6;
-    // As the supervisor does: no force after the tip was too fast.
+    // Like the supervisor: no force after the tip was too fast.
     tripped_ = tripped_ || length(velocity.linear) > SafetyLimits{}.tip_mm_per_s;
     const Wrench output =
         tripped_ ? stage_.silence(now_us_)
@@ -238,7 +239,7 @@ WorstReturn worst_return(std::uint32_t first_seed, std::uint32_t traces, int tic
   return worst;
 }
 
-/// Invalid policy, for comparison: forgives a deficit.
+/// Invalid policy for comparison: forgives a deficit.
 struct ForgiveDeficit {
   static double keep(double level_mj) { return std::max(level_mj, 0.0); }
 };

@@ -41,10 +41,10 @@ void operator delete[](void* memory, std::size_t /*bytes*/) noexcept { counted_f
 namespace kerf::agent {
 namespace {
 
-/// Until then the hand rests and there is no force, so that the supervisor lets forces through.
+/// Until then the hand rests without force, so that the supervisor permits forces.
 constexpr std::uint64_t kStartUs = 1'000'000;
 
-/// A hand that circles, presses the cutting button in turns, and is unplugged at the end.
+/// A hand that circles, presses the cutting button at intervals, and is unplugged at the end.
 class CirclingDevice final : public HapticDevice {
  public:
   DeviceCapabilities capabilities() const override {
@@ -65,7 +65,7 @@ class CirclingDevice final : public HapticDevice {
   Wrench newest{};
 };
 
-/// A guide of each kind, all of which the circling hand meets.
+/// A guide of each kind; the circling hand meets all of them.
 std::vector<Guide> every_guide() {
   PathGuide path, stroke;
   path.within_mm = stroke.within_mm = 1;
@@ -129,7 +129,7 @@ TEST(Allocation, DoesNotHappenInATick) {
                           .stiffness_n_per_mm = 1,
                           .radius_mm = 5,
                           .flags = wire::kContactObstacle};
-      // Now and then a silence, so that forces fade and the replica takes over.
+      // Silent at times, so that forces fade and the replica answers instead.
       if (now_us % 700'000 < 500'000) wrenches.write(answer);
       replica.write(answer);
       calls = 0;

@@ -29,8 +29,8 @@ const std::vector<LateLoop> kLoops = [] {
   return loops;
 }();
 
-/// At the gains every mass from the declared one on comes to rest; at 1.5 times the stiffness some
-/// mass does not, whatever the damper. So they are at least two thirds of the greatest.
+/// With the gains, every mass from the declared one on comes to rest. At 1.5 times the stiffness
+/// some mass does not, whatever the damper. So the gains are at least two thirds of the greatest.
 TEST(ContactLimits, AreNearTheLimitOfAFreeMass) {
   constexpr double kMass = 0.05;
   for (const LateLoop& loop : kLoops) {

@@ -14,7 +14,7 @@ constexpr double kTickS = 0.001;
 constexpr double kPi = std::numbers::pi;
 const Vec3 kArm{0, 0, -60};
 
-/// The mean share of the power of a force that leads the trembling by `lead_rad`.
+/// Returns the mean share of the power of a force that leads the trembling by `lead_rad`.
 double driven(double hz, double mm_per_s, double lead_rad) {
   Trembling trembling;
   double sum = 0;
@@ -40,7 +40,7 @@ TEST(Trembling, NeitherWillingNorTinyMotionCounts) {
   EXPECT_LT(driven(50, 0.1, 0), 0.15) << "noise of an encoder";
 }
 
-/// A device; `force_delay_s` of none is one tick.
+/// A device; with a latency of 0, `force_delay_s` is one tick.
 ContactLimits pen(double inertia_kg_m2, double latency_s = 0) {
   return {.mass_kg = 0.1,
           .inertia_kg_m2 = inertia_kg_m2,
@@ -49,11 +49,11 @@ ContactLimits pen(double inertia_kg_m2, double latency_s = 0) {
 }
 
 /// A tool that moves along x at 30 mm/s and trembles along y, with a cut of 1.5 N that turns with
-/// the tremor: against it, or some time after.
+/// the tremor, against it at once or after a delay.
 struct Cutting {
   explicit Cutting(const ContactLimits& limits) : coupling(limits) {}
 
-  /// The tremor doubles in `doubles_s`, up to 20 mm/s.
+  /// Trembles with a speed that doubles in `doubles_s`, up to 20 mm/s.
   void tremble(int ticks, double late_s, double doubles_s = 0.02) {
     for (int i = 0; i < ticks; ++i) {
       const auto velocity = [this](double at_s) {
@@ -90,7 +90,7 @@ TEST(CutCoupling, WithoutTremblingTheForceIsTheComputedOne) {
 }
 
 TEST(CutCoupling, AWeakForceDrivesNoCorner) {
-  // A plunge that ends, with 0.1 N along it that end some ticks later, and a cut across it.
+  // A plunge that ends, with 0.1 N along it for some more ticks, and a cut across it.
   CutCoupling coupling(pen(2e-4), 4);
   PastGrip now{};
   const auto move = [&](Vec3 mm_per_s, Vec3 force) {
@@ -104,8 +104,8 @@ TEST(CutCoupling, AWeakForceDrivesNoCorner) {
 }
 
 TEST(CutCoupling, TheOnsetOfAStrokeIsNoTrembling) {
-  // Pecks of 3 Hz, 2 mm deep, along the axis: the force begins and ends while the tool moves fast,
-  // one tick late.
+  // Pecks at 3 Hz, 2 mm deep, along the axis. The force begins and ends one tick late while the
+  // tool moves fast.
   CutCoupling coupling(pen(2e-4), 4);
   PastGrip now{};
   double force_n = 0;
@@ -145,7 +145,7 @@ TEST(CutCoupling, ForceDoesNotBecomeSofterWhereTheTremblingFades) {
   tool.tremble(200, 0.006);
   double compliance = tool.coupling.compliance_mm_per_n();
   EXPECT_GT(compliance, 0.1);
-  tool.tremble(30, 0.006, -0.02);  // what is a few hundredths old may still have grown
+  tool.tremble(30, 0.006, -0.02);  // growth is measured over a few hundredths of a second
   compliance = tool.coupling.compliance_mm_per_n();
   tool.tremble(100, 0.006, -0.02);
   EXPECT_LT(tool.coupling.compliance_mm_per_n(), compliance);
@@ -196,14 +196,14 @@ TEST(CutCoupling, NextCutHasNoDirectionOfTheLast) {
   EXPECT_NEAR(tool.felt.force_n.x, 0, 1e-12);
 }
 
-/// A tool in a cut of 1.5 N along x, to which trembling has made its coupling soft.
+/// A tool in a cut of 1.5 N along x, whose coupling trembling has made soft.
 struct Held : Cutting {
   Held() : Cutting(pen(1e-5, 0.003)) {
     tremble(500, 0.006);
     for (int i = 0; i < 100; ++i) move({0.03, 0, 0}, {1, 0, 0});
     loaded_n = -felt.force_n.x;
   }
-  /// Moves along x where nothing is left to be cut; returns the force against that.
+  /// Moves along x where no stock is left; returns the force against the motion.
   double retrace(double speed_mm_per_s, int ticks, Vec3 force_n = {}) {
     for (int i = 0; i < ticks; ++i) {
       now.grip.pivot_mm.x += speed_mm_per_s * kTickS;

@@ -61,7 +61,7 @@ class NoListener final : public SampleListener {
 class FeltTest : public ::testing::Test {
  protected:
   /// Runs `ticks` with a server that answers `computed`, after 0.1 s without force, in which the
-  /// agent arms; returns the last sample.
+  /// device arms. Returns the last sample.
   wire::MotionSample run(int ticks, const Wrench& computed, double max_force_n = 5) {
     device.max_force_n = max_force_n;
     ServoSettings settings{.mode = ForceMode::kHold, .passivity = {.mass_kg = 1}};

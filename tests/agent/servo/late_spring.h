@@ -18,8 +18,8 @@ struct LateLoop {
   double filter_s() const { return 1 / (2 * std::numbers::pi * cutoff_hz); }
 };
 
-/// Returns how much more a mass on a rendered spring and damper moves after 0.5 s than after 0.1:
-/// more than 1 if it oscillates ever more. SI units.
+/// Returns the ratio of the motion of a mass on a rendered spring and damper after 0.5 s to that
+/// after 0.1 s: more than 1 if the oscillation grows. SI units.
 inline double growth(double mass, double stiffness, double damping, const LateLoop& loop) {
   constexpr int kSteps = 8, kTicks = 600, kEarly = 100, kLate = 500;
   const double part = kTickS / (loop.filter_s() + kTickS);
@@ -44,7 +44,7 @@ inline double growth(double mass, double stiffness, double damping, const LateLo
   return std::isfinite(late) ? late / early : 1e9;
 }
 
-/// Returns the growth with the mass, from `mass` to 1000 times it, with which it is the greatest.
+/// Returns the greatest growth over masses from `mass` to 1000 times it.
 inline double worst_growth(double mass, double stiffness, double damping, const LateLoop& loop) {
   double worst = 0;
   for (const double times : {1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 30.0, 100.0, 1000.0})

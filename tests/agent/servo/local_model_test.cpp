@@ -60,7 +60,7 @@ TEST(LocalModel, ReproducesAnAnswerWithoutDelay) {
       << "no cutting force without the cutting button";
 }
 
-/// Returns the range of the rendered force, over the mean, where answers of this age alternate.
+/// Returns the range of the rendered force over its mean, for alternating answers of this age.
 double rendered_ripple(CutLaw law, double max_vibration_hz = 0, std::size_t late_ticks = 1) {
   LocalModel model({.law = law, .max_vibration_hz = max_vibration_hz});
   std::vector<PastGrip> path{move_along_x(start(), 200)};
@@ -86,8 +86,8 @@ TEST(LocalModel, FreshAnswersAreRenderedAsTheyAreAndOldOnesSmoothed) {
   }
 }
 
-// A square wave of 250 Hz, whose extremes a low pass of first order at f lowers to
-// tanh(pi f / (2 * 250 Hz)) of themselves.
+// A square wave of 250 Hz: a first-order low pass at f reduces its extremes by the factor tanh(pi f
+// / (2 * 250 Hz)).
 TEST(LocalModel, RippleAboveTheDevicesBandIsLowered) {
   for (const double hz : {50.0, 100.0, 200.0}) {
     const double expected = std::tanh(std::numbers::pi * hz / 500) / 3;
@@ -301,7 +301,7 @@ TEST(ContactGains, FollowFromMassAndDelay) {
   EXPECT_NEAR(axial.stiffness, 0.8 * 0.375 * 0.05 / (0.004 * 0.008) / 1000, 1e-12);
   ContactLimits weak = slow;
   weak.max_damping = 0.001;
-  const double taken = 0.001 * 0.008 / (0.05 / 1000);  // part of the mass
+  const double taken = 0.001 * 0.008 / (0.05 / 1000);  // part of the mass that is used
   EXPECT_NEAR(stable_gains(weak, 50, {0, 0, -60}, normal, 1).stiffness,
               0.8 * 0.001 / (0.004 + 0.008 * taken / (2 * (1 - taken))), 1e-12);
   // Across the axis, a push at 60 mm turns a light pen: 1 / (1/m + r^2/I) = 17.9 g.

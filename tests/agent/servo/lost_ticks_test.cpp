@@ -10,7 +10,7 @@ namespace {
 
 class LostTicksTest : public SupervisorTest {
  protected:
-  /// Runs ticks of which each `every`-th comes after `lost` lost ones; returns the least gain.
+  /// Runs ticks, of which each `every`-th follows `lost` lost ones; returns the least gain.
   double lose(std::uint64_t lost, int every, int ticks) {
     double least = 1;
     for (int i = 0; i < ticks; ++i) {
@@ -27,7 +27,7 @@ class LostTicksTest : public SupervisorTest {
 
 TEST_F(LostTicksTest, AFewScaleTheForceDownAndDoNotTrip) {
   arm();
-  // 4 in a row, 2 % of a second, which once tripped; mean length at a random time 1.1 ms.
+  // 4 in a row, 2 % of a second. The mean length at a random time is 1.1 ms.
   EXPECT_NEAR(lose(4, 200, 2000), 1 / 1.1, 0.02);
   EXPECT_EQ(supervisor.trips(), 0U);
   EXPECT_EQ(supervisor.phase(), ServoPhase::kDegraded);
@@ -39,9 +39,9 @@ TEST_F(LostTicksTest, AFewScaleTheForceDownAndDoNotTrip) {
 
 TEST_F(LostTicksTest, TheGainIsThatOfTheMeanTick) {
   arm();
-  // Each second tick after one lost one: ticks of 1 and 2 ms, (1 + 4) / (1 + 2) = 5/3 ms.
+  // Each second tick follows one lost tick: ticks of 1 and 2 ms, (1 + 4) / (1 + 2) = 5/3 ms.
   EXPECT_NEAR(lose(1, 2, 2000), 0.6, 0.01);
-  // Ticks of 2 ms only would be half of all ticks lost.
+  // Ticks of 2 ms throughout would mean half of all ticks lost.
   EXPECT_EQ(supervisor.trips(), 0U);
 }
 

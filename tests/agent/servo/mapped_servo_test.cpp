@@ -20,8 +20,8 @@ class NoListener final : public SampleListener {
 };
 
 /// A device in a hand that rests, then swings, with a server that answers each pose of the tool at
-/// random: wrenches, cuts and planes at any depth, as strong as would overload the device. The user
-/// presses buttons and clutch and changes the mapping at random.
+/// random: wrenches, cuts and planes at any depth that would overload the device. The user presses
+/// buttons and clutch and changes the mapping at random.
 class HostileBlock {
  public:
   HostileBlock(std::uint32_t seed, double scale, double gain)
@@ -66,7 +66,7 @@ class HostileBlock {
     return {.scale = scale_, .gain = gain_, .turn_rad = any(2), .block_mm = any(10)};
   }
 
-  /// Resists the tool for a while, then drives it, or pushes it anywhere.
+  /// Returns a wrench that resists the tool for a while, then drives it, or pushes it anywhere.
   Wrench wanted(Vec3 moved_mm) {
     const double newtons = 20 / gain_;
     if (seed_ % 3 == 0) return pushed_;
@@ -223,12 +223,13 @@ TEST_F(MappedServoTest, HandFeelsTheGainedForceAtItsOwnLever) {
   EXPECT_NEAR(sample.tip_mm.y, 0, 1e-9);
   EXPECT_NEAR(device.output.force_n.y, -2, 1e-9);
   EXPECT_NEAR(device.output.force_n.x, 0, 1e-9);
-  // A force at the tip is 60 mm from the hand, whatever the scale.
+  // A force at the tip is 60 mm from the hand at any scale.
   EXPECT_NEAR(device.output.torque_nmm.x, -120, 1e-6);
 }
 
 TEST_F(MappedServoTest, SupervisorWatchesTheHandInItsOwnSpace) {
-  // 0.3 m/s of the hand are 2.4 m/s of the tool, and the tool leaves what would be the workspace.
+  // 0.3 m/s of the hand are 2.4 m/s of the tool, and the tool leaves the range of the device's
+  // workspace.
   make({.scale = 8});
   run(700);
   EXPECT_EQ(cycle->supervisor().phase(), ServoPhase::kActive);

@@ -33,7 +33,7 @@ class Numbers {
   std::mt19937 random_;
 };
 
-/// A grip of a device, with a motion that leaves the axis a unit vector.
+/// A random grip of a device, with a motion that keeps the axis a unit vector.
 PastGrip any_grip(Numbers& numbers) {
   const Vec3 axis = normalized(numbers.any(1));
   Vec3 turning = numbers.any(1);
@@ -81,7 +81,7 @@ TEST(SpaceMap, WorkAtTheHandIsTheGainOverTheScaleTimesThatInTheBlock) {
   }
 }
 
-/// The tool of the block is the hand's, enlarged: the image of each point moves with it.
+/// The tool in the block is the enlarged pen: the image of each point moves with it.
 TEST(SpaceMap, ToolInTheBlockTurnsAboutTheSamePointAsThePen) {
   Numbers numbers(3);
   for (int i = 0; i < 50; ++i) {
@@ -205,7 +205,7 @@ TEST(HandMapping, ClutchKeepsTheToolAndGoesOnWithoutAJump) {
     EXPECT_TRUE(hand.mapping.is_away());
     EXPECT_EQ(hand.mapping.share(hand.now_us), 0);
   }
-  // The first pose without the clutch moves on by what the hand did.
+  // The first pose without the clutch continues the hand's motion.
   const DeviceState tool = hand.at({-19.8, -6, 0}, kHeldCutting);
   expect_near(tool.tip_mm, before + Vec3{0.1, 0, 0}, 1e-12);
   EXPECT_EQ(tool.buttons, kHeldCutting);

@@ -16,7 +16,7 @@ Wrench force(double x) { return {.force_n = {x, 0, 0}, .torque_nmm = {0, -60 * x
 
 TEST(PaperLoop, RampIsShownOneUpdateLate) {
   // 0.5 N per tick. The mean of the ten answers of an update is that of its middle, 4.5 ticks
-  // before its end; the interpolation is one update, 10 ticks, later.
+  // before its end. The interpolation is one update, 10 ticks, later.
   PaperLoop loop;
   constexpr double kPerTick = 0.5, kLate = 10 + 4.5;
   for (int n = 0; n < 500; ++n) {
@@ -63,7 +63,7 @@ TEST(PaperLoop, KeepsItsRateWhenTicksAreEarlyAndStaysContinuousWhenSomeAreLost) 
     if (n > 30) most = std::max(most, std::abs(x - last));
     last = x;
   }
-  // 0.02 N per tick at most; over seven ticks and the jitter 0.15.
+  // At most 0.02 N per tick; 0.15 over seven ticks and the jitter.
   EXPECT_LT(most, 0.16);
 }
 
@@ -99,7 +99,8 @@ TEST(PaperLoop, CycleInModePaperShowsTheReplicasForceOneUpdateLate) {
   ServoCycle cycle(device, samples, wrenches, listener, settings, &replica);
   TickTape tape;
   cycle.record_on(tape);
-  // -1 N from 1 s on, 2 mN more per tick, against the motion: the output stage leaves it as it is.
+  // -1 N from 1 s on, increasing by 2 mN per tick, against the motion. The output stage does not
+  // change it.
   const auto computed = [](std::uint64_t n) {
     return n < 1000 ? 0 : -1 - 0.002 * static_cast<double>(n - 1000);
   };

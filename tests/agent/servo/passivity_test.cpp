@@ -16,8 +16,8 @@ constexpr std::uint64_t kStartUs = 1'000'000, kTickUs = 1000;
 Twist moving(double x_mm_per_s) { return {{x_mm_per_s, 0, 0}, {}}; }
 Wrench pushing(double fx_n) { return {{fx_n, 0, 0}, {}}; }
 
-/// A passivity layer whose last wrench was `written`, and has acted while the device moved by
-/// `moved_mm`: its level is the negative of the work, because it began empty.
+/// A passivity layer whose last wrench was `written` and acted while the device moved by
+/// `moved_mm`. Its level is the negative of the work, because it began empty.
 Passivity after(const Wrench& written, Vec3 moved_mm, PassivitySettings settings = {}) {
   settings.start_mj = 0;
   Passivity passivity(settings);
@@ -26,7 +26,7 @@ Passivity after(const Wrench& written, Vec3 moved_mm, PassivitySettings settings
   passivity.wrote({}, kStartUs);
   return passivity;
 }
-/// One with `level_mj` >= 0 in its account.
+/// A passivity layer with `level_mj` >= 0 in its account.
 Passivity filled(double level_mj, PassivitySettings settings = {}) {
   return after(pushing(-1), {level_mj, 0, 0}, settings);
 }
@@ -102,7 +102,7 @@ TEST(Passivity, ShareCoversTheLongestToleratedTick) {
 TEST(Passivity, ShareCoversWhatStillActs) {
   Passivity passivity = filled(4, {.latency_us = 3000, .mass_kg = 1e6});
   passivity.wrote(pushing(4), kStartUs);
-  // The written 4 N may act for 3 ms, 2.4 mJ; 1.6 mJ are left for 5 ms.
+  // The written 4 N may act for 3 ms, 2.4 mJ. The remaining 1.6 mJ must cover 5 ms.
   EXPECT_NEAR(passivity.share(pushing(4), moving(200), kStartUs), 0.4, 1e-3);
   passivity.wrote(pushing(4), kStartUs + 1000);
   EXPECT_NEAR(passivity.share(pushing(4), moving(200), kStartUs + 1000), 0.4, 1e-3)
@@ -112,7 +112,7 @@ TEST(Passivity, ShareCoversWhatStillActs) {
 TEST(Passivity, ShareCoversTheMotionOfALightDeviceAtRest) {
   const PassivitySettings light{.start_mj = 0, .longest_tick_us = 5000, .mass_kg = 0.05};
   Passivity passivity = filled(1, light);
-  // 8 N accelerates 50 g within 5 ms to 0.8 m/s: 16 mJ.
+  // 8 N accelerate 50 g within 5 ms to 0.8 m/s: 16 mJ.
   EXPECT_NEAR(passivity.share(pushing(8), {}, kStartUs), 0.25, 1e-3);
   EXPECT_EQ(Passivity(light).share(pushing(1), {}, kStartUs), 0) << "at rest and empty: no force";
   Passivity pen = filled(1, {.longest_tick_us = 5000, .mass_kg = 1e6, .inertia_kg_m2 = 1e-5});
@@ -135,7 +135,7 @@ TEST(Passivity, IsOverdrawnOnlyBeyondTheReserve) {
       << "it begins at its ceiling at most";
 }
 
-/// Tests the bound on random traces; plant_bench runs a hundred thousand.
+/// Tests the bound on random traces. plant_bench runs a hundred thousand.
 constexpr std::uint32_t kTraces = 3000;
 constexpr int kTicks = 1000;
 
@@ -153,7 +153,7 @@ TEST(PassivityProperty, BoundIsViolatedIfTheWrittenWrenchIsSettled) {
 }
 
 TEST(PassivityProperty, BoundIsViolatedIfADeficitIsForgiven) {
-  // The motion of a device that is lighter than it declares exceeds every estimate.
+  // The motion of a device lighter than declared exceeds every estimate.
   const AdversaryFaults light{.declares_too_much_mass = true};
   EXPECT_GT(worst_return<ForgiveDeficit>(1, 200, 2 * kTicks, light).returned_mj,
             2 * PassivitySettings{}.tank_mj);
@@ -167,7 +167,7 @@ TEST(PassivityProperty, RotationOfALightPenIsBoundedByWhatItIsChargedFor) {
     return worst_return<CarryDeficit>(0, kPens, 2 * kTicks, faults).returned_mj;
   };
   EXPECT_GT(returned({.lightest_pen = true, .ignores_turning = true}), PassivitySettings{}.tank_mj);
-  // A damper that is too strong is shortened to what the charge covers.
+  // A damper that is too strong is shortened to the charge.
   EXPECT_LE(returned({.lightest_pen = true, .damps_turning_freely = true}),
             0.8 * PassivitySettings{}.tank_mj);
 }

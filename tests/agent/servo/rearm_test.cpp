@@ -19,7 +19,7 @@ class RearmTest : public SupervisorTest {
     expect_trip(TripCode::kLostTicksInARow);
     in.lost_now = 0;
   }
-  /// Moves to a place within `ms`, in equal steps, rounded to the quantum.
+  /// Moves to a point within `ms`, in equal steps, rounded to the quantum.
   void move(Vec3 to_mm, int ms) {
     const Vec3 from_mm = at_mm;
     for (int i = 1; i <= ms; ++i) {

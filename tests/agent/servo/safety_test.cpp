@@ -65,7 +65,7 @@ class Safety : public ::testing::Test {
     ASSERT_EQ(cycle->supervisor().phase(), ServoPhase::kActive);
     ASSERT_NEAR(device.output.force_n.z, 2, 1e-9);
   }
-  /// Returns the time from `event` to zero force, ms; -1: never.
+  /// Returns the time from `event` to zero force, ms; -1 if the force stays.
   template <typename Event>
   int ms_to_zero_force(Event event, bool answered) {
     event();
@@ -311,7 +311,7 @@ TEST(Watchdog, StopsTheDeviceInEachOfSeveralStalls) {
   ServoLoop loop(clock);
   std::atomic<int> stops{0};
   Watchdog watchdog(loop, [&] { ++stops; });
-  // Runs for longer than an alarm that nobody puts off, and stalls until the device was stopped.
+  // Runs for longer than an alarm that is not postponed, and stalls until the device was stopped.
   struct Stumble final : ServoTask {
     std::atomic<int>& stops;
     int ticks = 0, stalls = 0;

@@ -160,7 +160,8 @@ TEST(SettingsFor, LimitsDampersByMassInertiaAndLatency) {
   EXPECT_EQ(settings.passivity.mass_kg, 0.05);
   EXPECT_EQ(settings.passivity.inertia_kg_m2, 1e-5);
   EXPECT_EQ(settings.passivity.longest_tick_us, 5000U) << "four lost ticks are tolerated";
-  // A damper that acts late oscillates above mass / delay. The filter suits the mass at the tip.
+  // A damper that acts late oscillates above mass / delay. The filter depends on the mass at the
+  // tip.
   const double late_s = 0.004 + 1 / (1 / 0.05 + 0.06 * 0.06 / 1e-5) / 12.5;
   EXPECT_NEAR(settings.passivity.max_damping, 0.25 * 0.05 / late_s / 1000, 1e-6);
   EXPECT_NEAR(settings.passivity.max_turn_damping, 0.25 * 1e-5 / late_s * 1000, 1e-6);
@@ -234,7 +235,7 @@ TEST_F(ServoCycleTest, WakesTheLinkLessOftenWhileTheReplicaAnswers) {
   const int before = listener.calls;
   tick(true);
   EXPECT_EQ(listener.calls, before + 1) << "a button is sent at once";
-  // The replica falls silent: the server's answers are needed again.
+  // The replica falls silent, so the server's answers are needed again.
   for (int i = 0; i < 8; ++i) tick(false);
   const int silent = listener.calls;
   for (int i = 0; i < 8; ++i) tick(false);
@@ -262,7 +263,7 @@ TEST_F(ServoCycleTest, WakesTheReplicaForEverySecondSampleUnlessTheToolMillsOrTu
     EXPECT_EQ(wakes, law == CutLaw::kMechanistic ? 20 : 10);
     EXPECT_EQ(popped, 20);
     for (int i = 20; i < 24; ++i) {
-      // The first tick of a corner holds only a part of the turn, here 35 degrees.
+      // The first tick of a corner contains only a part of the turn, here 35 degrees.
       device.state.tip_mm.y -= i == 20 ? 0.035 : 0.05;
       if (i == 20) device.state.tip_mm.z -= 0.05;
       EXPECT_TRUE(cycle.tick(10'000 + 1000 * static_cast<std::uint64_t>(i)));
@@ -300,7 +301,7 @@ TEST_F(ServoCycleTest, RendersTheServersForceAndFadesItWhenTheServerIsSilent) {
 
 TEST_F(ServoCycleTest, FollowedWrenchIsSmoothedAndFaded) {
   for (const ForceMode mode : {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold}) {
-    // A device so heavy that the little energy of the first ticks suffices.
+    // A device so heavy that the small energy of the first ticks suffices.
     ServoCycle cycle = make({.mode = mode, .passivity = {.mass_kg = 1}});
     std::uint64_t now_us = 10'000;
     const auto feel = [&](int ticks) {

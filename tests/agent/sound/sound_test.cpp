@@ -140,7 +140,7 @@ TEST(Synthesizer, DoesNotDependOnHowItsOutputIsDivided) {
   EXPECT_EQ(got, expected);
 }
 
-/// A file that ALSA writes in place of a card.
+/// A file that ALSA writes instead of playing.
 class SoundFile : public ::testing::Test {
  protected:
   SoundFile() {
@@ -177,9 +177,9 @@ TEST_F(SoundFile, ReceivesTheCutThatTheServoHears) {
   if (!available) GTEST_SKIP() << "ALSA is not on this machine";
   LatestValue<HeardCut> heard;
   std::vector<float> played;
-  // The cut fades within 0.9 s of sound, for which a busy machine takes longer.
+  // The cut fades within 0.9 s of sound, which take longer on a busy machine.
   for (int ms = 900; played.size() < kSoundHz * 9 / 10 && ms < 60'000; ms *= 2) {
-    heard.write(kCut);  // and nothing more: the servo stalls, or has ended
+    heard.write(kCut);  // no more values: the servo stalls, or has ended
     auto card = SoundCard::open(device);
     ASSERT_TRUE(card) << card.error();
     const auto start = std::chrono::steady_clock::now();

@@ -15,7 +15,7 @@ namespace kerf::agent {
 using TargetTip = std::function<Vec3(double)>;
 
 /// Simulated device of 0.1 kg with little friction, pulled along a path by a soft spring. A light
-/// device and a soft hand are the hardest case for stability under delay.
+/// device in a soft hand is the hardest case for stability under delay.
 class BenchHand final : public HapticDevice {
  public:
   struct Mechanics {
@@ -72,8 +72,8 @@ class BenchHand final : public HapticDevice {
   std::uint64_t start_us_ = 0, last_us_ = 0;
 };
 
-/// Replays recorded poses, one per tick, and stores the wrench that is written, with the
-/// capabilities of a device with motors.
+/// Replays recorded poses, one per tick, and stores the written wrench. Has the capabilities of a
+/// device with motors.
 class RecordedHand final : public HapticDevice {
  public:
   explicit RecordedHand(std::vector<DeviceState> poses) : poses_(std::move(poses)) {}

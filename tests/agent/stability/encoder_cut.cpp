@@ -13,10 +13,9 @@
 namespace kerf::agent {
 namespace {
 
-/// Time at rest before the motion, in which the agent arms and the force rises.
+/// Time at rest before the motion, in which the device arms and the force rises.
 constexpr double kRestS = 1.2;
-/// Travel in which a cut of one field becomes even: two pitches, and that over which it is
-/// measured.
+/// Travel after which a cut in one field is even, two pitches, and travel that is measured.
 constexpr double kLeadMm = 1, kMeasuredMm = 1.5;
 constexpr double kAboveMm = 0.3;
 constexpr double kLeanRad = 0.3;
@@ -42,7 +41,7 @@ struct Line {
   Vec3 from_mm, along, axis{0, 0, 1};
 };
 Line line_of(StraightCut path) {
-  // Off the encoders' grid, so that no coordinate steps by chance where another does.
+  // Off the encoders' grid, so that no two coordinates step together by chance.
   constexpr Vec3 kOff{0.0131, -0.0077, 0.0043};
   switch (path) {
     case StraightCut::kPlunge:
@@ -58,7 +57,7 @@ Line line_of(StraightCut path) {
   return {kOff + Vec3{-4, -2, -2}, normalized(Vec3{2, 1, 0}), axis};
 }
 
-/// The tip as the driver of a Falcon reports it, from the counts of its legs' encoders.
+/// Returns the tip as the driver of a Falcon reports it, from the counts of its legs' encoders.
 Vec3 by_falcon(Vec3 tip_mm, falcon::LegTracker& legs) {
   const Vec3 position = falcon::from_kerf(tip_mm) + falcon::kMiddleMm;
   const falcon::LegAngles exact = falcon::leg_angles(position).value();

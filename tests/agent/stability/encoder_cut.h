@@ -14,23 +14,23 @@ inline constexpr StraightCut kStraightCuts[] = {StraightCut::kPlunge, StraightCu
                                                 StraightCut::kRamp, StraightCut::kTilted};
 const char* name_of(StraightCut cut) noexcept;
 
-/// Settings: a flat end mill of 6 mm moves along a straight path at an even speed, held by a hand
-/// that does not yield. Only the pose that the device reports is rounded.
+/// Settings: a flat end mill of 6 mm moves along a straight path at an even speed, held by a rigid
+/// hand. Only the pose that the device reports is rounded.
 struct EncoderCut {
   StraightCut path = StraightCut::kSlot;
   double mm_per_s = 20;
-  double quantum_mm = 0, quantum_rad = 0;  ///< of each coordinate of tip and axis
+  double quantum_mm = 0, quantum_rad = 0;  ///< for each coordinate of tip and axis
   bool declared = true;                    ///< whether the device states its quanta
-  bool falcon = false;  ///< a Falcon with its driver: the angles of its legs are rounded
+  bool falcon = false;  ///< a Falcon with its driver: rounds the angles of its legs
   const char* law = "specific_energy";
   const char* rays = "dexel";
 };
 struct EncoderCutOutcome {
   /// Shown force and torque against those of the same path without rounding: means of the
-  /// magnitudes, and the difference of the vectors. Beginning max(2 quanta of travel, 10 ms) after
-  /// the cut does.
+  /// magnitudes, and the difference of the vectors. Starts max(2 quanta of travel, 10 ms) after the
+  /// cut.
   FeltSums force, torque;
-  /// Volume that the rounded path removes, of that of the exact one.
+  /// Volume removed by the rounded path, relative to the exact one.
   double removed_share = 0;
 };
 EncoderCutOutcome cut_by_encoder(const EncoderCut& cut);

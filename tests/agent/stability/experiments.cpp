@@ -15,11 +15,11 @@
 namespace kerf::agent {
 namespace {
 
-/// Time at rest before the motion starts, in which the agent arms.
+/// Time at rest before the motion starts, in which the device arms.
 constexpr double kRestS = 0.9;
 
 std::string swing_scene(double damping_n_s_per_m) {
-  // A flat end of 10 mm, 2 mm deep: 20 mm² when fully engaged.
+  // A flat end of 10 mm, 2 mm deep, engages 20 mm² at most.
   const double drr = damping_n_s_per_m / 1000 / 20;
   return R"({"name":"swing","stock":{"shape":"box","min_mm":[-30,-20,-10],"max_mm":[30,40,0]},
     "accuracy":{"rays":"dexel","pitch_mm":0.5,"tolerance_mm":0.01,"motion":"tight"},
@@ -58,7 +58,7 @@ constexpr const char* kCarvingScene = R"({"name":"carving",
     "tools":[{"id":1,"shape":"ball","diameter_mm":6,"length_mm":40}],
     "force":{"law":"specific_energy","specific_force_n_per_mm2":0.2,"pivot_mm":20}})";
 
-/// 30 mm at 1 Hz along x, starting beside the block, and slowly along y into uncut stock.
+/// 30 mm at 1 Hz along x, starting next to the block, and slowly along y into uncut stock.
 Vec3 swinging(double time_s) {
   const double t = std::max(0.0, time_s - kRestS);
   const double x = -38 + 30 * (1 - std::cos(2 * std::numbers::pi * t));

@@ -14,17 +14,17 @@ namespace kerf::agent {
 struct Swing {
   ForceMode mode = ForceMode::kModel;
   LineQuality line{};
-  double damping_n_s_per_m = 10;  ///< of the cut, where the tool is fully engaged
+  double damping_n_s_per_m = 10;  ///< of the cut, with the tool fully engaged
   double seconds = 3;
   bool copy = true;  ///< whether the agent has a replica
 };
 struct SwingOutcome {
   double fastest_mm_per_s = 0;  ///< free motion reaches 190
-  double returned_mj = 0;       ///< most over any interval
+  double returned_mj = 0;       ///< greatest over any interval
   double max_force_n = 0;
   bool active = false;  ///< force was active at the end
   std::uint64_t trips = 0;
-  /// At most about three times the speed of free motion, at most the tank's energy returned, no
+  /// At most about three times the speed of free motion, at most the tank's energy returned, and no
   /// trips.
   bool stable() const {
     return fastest_mm_per_s <= 600 && returned_mj <= PassivitySettings{}.tank_mj && trips == 0;
@@ -36,46 +36,45 @@ SwingOutcome swing(const Swing& swing);
 struct Recording {
   std::vector<DeviceState> poses;
   std::vector<Vec3> force_n;
-  /// Tip of a second agent's tool at each tick; empty: no second agent.
+  /// Tip of a second agent's tool at each tick; empty without a second agent.
   std::vector<Vec3> another;
 };
 Recording record_carving(double seconds);
-/// The same path while a second agent carves `beside_mm` beside the position that the first one
-/// reaches `ahead_s` later: much of the stock there was cut since the replica's last update.
+/// The same path while a second agent carves `beside_mm` to the side of the position that the first
+/// one reaches `ahead_s` later. Much of the stock there was cut since the replica's last update.
 Recording beside_another(const Recording& recording, double ahead_s, double beside_mm = 2);
 
 /// Returns the error of the output force against the server's force without delay along that path:
 /// rms of the difference over rms of the force. Both agents have a line of that quality. `intent`:
-/// whether the agent asks for the poses of other tools.
+/// the agent requests the poses of other tools.
 double force_error(const Recording& recording, ForceMode mode, const LineQuality& line, bool copy,
                    bool intent = true);
 
-/// Returns the volume that the path removes in a scene with these guides (JSON list; none if
-/// empty).
+/// Returns the volume that the path removes in a scene with these guides (JSON list, or empty).
 double carved_volume_mm3(const Recording& recording, const std::string& guides);
 
-/// Settings: the tool is pressed against a surface, and held there, by a hand of given mechanics.
+/// Settings: a hand of given mechanics presses the tool against a surface and holds it there.
 struct Press {
   PlantMechanics mechanics{};
   LineQuality line{};
   bool sideways = false;  ///< against a wall, which also turns the tool; otherwise along its axis
-  bool obstacle = false;  ///< against an obstacle, which only the server knows; otherwise the stock
+  bool obstacle = false;  ///< against an obstacle, which only the server knows; else stock
   bool loses_ticks = false;      ///< four in a row, 2 % in all
-  bool ignores_latency = false;  ///< the device declares none
-  bool ignores_inertia = false;  ///< the device declares one so great that no limit follows
-  std::string guides = {};       ///< JSON list; there is no surface then, only the guides push
+  bool ignores_latency = false;  ///< the device declares no latency
+  bool ignores_inertia = false;  ///< the device declares an inertia so great that it limits nothing
+  std::string guides = {};       ///< JSON list; with guides there is no surface
 };
 struct PressOutcome {
-  double returned_mj = 0;    ///< most over any interval, in the plant
+  double returned_mj = 0;    ///< greatest over any interval, in the plant
   double buzz_mm_per_s = 0;  ///< rms speed of the tip while the hand is at rest
-  double force_n = 0;        ///< that acts at the end
-  double most_force_n = 0;   ///< that acted
+  double force_n = 0;        ///< acting force at the end
+  double most_force_n = 0;   ///< greatest acting force
   std::uint64_t trips = 0;
 };
 PressOutcome press(const Press& press);
 
 /// One guide of each kind that the pressed tool meets at the surface of press_scene, along the axis
-/// and sideways; of the strokes one drives the tool on, the other holds it back.
+/// and sideways. One stroke drives the tool on, the other holds it back.
 inline constexpr const char* kPressedGuides[] = {
     R"([{"kind":"plane","point_mm":[0,0,0],"normal":[0,0,1]},
         {"kind":"plane","point_mm":[-3,0,0],"normal":[-1,0,0],"stiffness_n_per_mm":20}])",

@@ -12,8 +12,8 @@
 namespace kerf::agent {
 namespace {
 
-constexpr double kArmS = 0.9;    ///< at rest above the face, in which the agent arms
-constexpr double kPressS = 0.6;  ///< of the approach
+constexpr double kArmS = 0.9;    ///< at rest above the face, in which the device arms
+constexpr double kPressS = 0.6;  ///< duration of the approach
 constexpr double kAboveMm = 12;  ///< the rim of a tilted tool is below its tip
 constexpr int kBuzzTicks = 500;
 

@@ -9,7 +9,7 @@
 
 namespace kerf::agent {
 
-/// A tool as scenes name it.
+/// A tool as named in scenes.
 struct FaceTool {
   const char* name;
   const char* json;  ///< members of the tool, without its id
@@ -34,25 +34,25 @@ inline constexpr std::array<FaceTool, 10> kFaceTools = {
 struct FaceRest {
   PlantMechanics mechanics{};
   LineQuality line{};
-  std::size_t tool = 0;   ///< of kFaceTools
-  double tilt_rad = 0;    ///< from +z to the axis that the hand holds, about y
-  bool obstacle = false;  ///< the face of an obstacle, which only the server knows; otherwise stock
-  double depth_mm = 4;    ///< of the hand's target below the face
+  std::size_t tool = 0;   ///< index in kFaceTools
+  double tilt_rad = 0;    ///< from +z to the axis held by the hand, about y
+  bool obstacle = false;  ///< the face of an obstacle, which only the server knows; else stock
+  double depth_mm = 4;    ///< depth of the hand's target below the face
 };
 struct FaceRestOutcome {
-  double returned_mj = 0;       ///< most over any interval, in the plant
+  double returned_mj = 0;       ///< greatest over any interval, in the plant
   double buzz_mm_per_s = 0;     ///< rms speed of the tip in the last half second
-  double moved_at_rest_mm = 0;  ///< between its ends
-  double given_at_rest_mj = 0;  ///< work of the device on the hand in it
-  double force_n = 0;           ///< that acts at the end
+  double moved_at_rest_mm = 0;  ///< between the ends of that half second
+  double given_at_rest_mj = 0;  ///< work of the device on the hand during it
+  double force_n = 0;           ///< acting force at the end
   std::uint64_t trips = 0;
 };
-/// The hand is observed until its own oscillations would have died out by themselves: seven time
-/// constants of the slower of its two, at most 12 s.
+/// Observes the hand until its own oscillations would have died out: seven time constants of the
+/// slower of its two, at most 12 s.
 FaceRestOutcome rest_on_face(const FaceRest& rest);
-/// Returns settings drawn at random: one of ten tools, tilt 0 to 0.5 rad, damping ratio 0.1 to 1,
-/// wrist 20 to 1340 N mm/rad, hand 0.05 to 2 kg and 0.02 to 2 N/mm, device of 1e-5 to 1e-3 kg m²
-/// with 0, 1 or 3 ms, pressed 0.5 to 6 mm deep on stock or an obstacle, round trip up to 50 ms.
+/// Returns random settings: one of ten tools, tilt 0 to 0.5 rad, damping ratio 0.1 to 1, wrist 20
+/// to 1340 N mm/rad, hand 0.05 to 2 kg and 0.02 to 2 N/mm, device of 1e-5 to 1e-3 kg m² with 0, 1
+/// or 3 ms, pressed 0.5 to 6 mm deep on stock or an obstacle, round trip up to 50 ms.
 FaceRest random_face_rest(std::uint32_t seed);
 
 }  // namespace kerf::agent

@@ -11,8 +11,8 @@
 namespace kerf::agent {
 namespace {
 
-/// Time at rest before the motion, in which the agent arms, and after the tool has reached the
-/// block, until the ramp is over.
+/// Time at rest before the motion, in which the device arms, and time in the block until the ramp
+/// is over.
 constexpr double kRestS = 0.9;
 constexpr double kRampS = 0.8;
 constexpr double kLeadMm = 15, kDepthMm = 2;
@@ -50,7 +50,7 @@ Vec3 target(const HandHeldCut& cut, double time_s) {
   return {cut.radius_mm * std::sin(angle), cut.radius_mm * (1 - std::cos(angle)), -kDepthMm};
 }
 
-/// Shows the poses of a plant to a second agent.
+/// Passes the poses of a plant to a second agent.
 class Mirror final : public HapticDevice {
  public:
   explicit Mirror(const DeviceCapabilities& device) : device_(device) {}
@@ -71,7 +71,7 @@ HeldCutOutcome cut_by_hand(const HandHeldCut& cut) {
   Plant plant([&](double time_s) { return target(cut, time_s); }, cut.mechanics, true);
   Mirror mirror(plant.capabilities());
   TestBed bed(scene_of(cut), plant, {}, cut.line, true);
-  // Without a replica each sample is sent alone, and the server's answer is not a mean of several.
+  // Without a replica each sample is sent alone, so each answer of the server is for one sample.
   TestBed each(scene_of(cut), mirror, {}, {}, false);
   HeldCutOutcome outcome;
   const double end_s = kRestS + (8 + kLeadMm + std::numbers::pi * cut.radius_mm) / cut.mm_per_s;

@@ -9,24 +9,24 @@
 
 namespace kerf::agent {
 
-/// Settings: a hand of given mechanics cuts a slot of a ball of 6 mm, 2 mm deep, into a block from
-/// its side, straight and then in half a circle.
+/// Settings: a hand of given mechanics cuts a slot with a ball of 6 mm, 2 mm deep, into a block
+/// from its side, straight and then in half a circle.
 struct HandHeldCut {
   PlantMechanics mechanics{};
   LineQuality line{};
-  double newtons = 1;  ///< of the whole slot
+  double newtons = 1;  ///< force of the whole slot
   double mm_per_s = 20;
-  /// Of the circle, 10 to 30. A hand that the cut deflects by more than this cannot pull the tool
-  /// around: it comes to rest in the middle. 1 N moves the tip by 13 mm in a hand of 0.5 N/mm that
-  /// turns by 335 N mm/rad about a pivot 60 mm away.
+  /// Radius of the circle, 10 to 30. A hand that the cut deflects by more than this cannot pull the
+  /// tool around: it comes to rest in the middle. 1 N moves the tip by 13 mm in a hand of 0.5 N/mm
+  /// that turns by 335 N mm/rad about a pivot 60 mm away.
   double radius_mm = 30;
-  bool mechanistic = false;  ///< the law; otherwise specific_energy
+  bool mechanistic = false;  ///< this law; otherwise specific_energy
 };
 struct HeldCutOutcome {
-  /// What acts on the hand against what the server computes for the pose of that tick alone.
+  /// The wrench acting on the hand against the server's for the pose of that tick alone.
   FeltSums force, torque;
-  double chatter_mm_per_s = 0;  ///< rms of the tip's velocity, less that of the hand's target
-  double returned_mj = 0;       ///< most over any interval, in the plant
+  double chatter_mm_per_s = 0;  ///< rms of the tip's velocity minus that of the hand's target
+  double returned_mj = 0;       ///< greatest over any interval, in the plant
   std::uint64_t trips = 0;
 };
 HeldCutOutcome cut_by_hand(const HandHeldCut& cut);

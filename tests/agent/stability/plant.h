@@ -22,16 +22,16 @@ struct PlantMechanics {
   double inertia_kg_m2 = 1e-4;
   double hand_n_per_mm = 0.5;
   double hand_nmm_per_rad = 300;
-  double damping_ratio = 1;  ///< of the hand, and of its rotation; 1: critical
+  double damping_ratio = 1;  ///< of the hand and its rotation; 1 is critical
   std::uint64_t latency_us = 0;
   double pivot_mm = 60;
-  Vec3 axis{0, 0, 1};                      ///< to which the hand turns the tool; unit
-  double quantum_mm = 0, quantum_rad = 0;  ///< to which the device rounds tip and axis, declared
+  Vec3 axis{0, 0, 1};                      ///< axis to which the hand turns the tool; unit
+  double quantum_mm = 0, quantum_rad = 0;  ///< to which the device rounds tip and axis; declared
 };
 
 /// A device of five degrees of freedom, held by a spring-damper hand that follows a target. The
-/// wrench that acts is the one written `latency_us` ago. The work that it does is integrated in
-/// steps of 0.125 ms, as the motors and the hand see it.
+/// acting wrench is the one written `latency_us` ago. Its work is integrated in steps of 0.125 ms,
+/// as the motors and the hand see it.
 class Plant final : public HapticDevice {
  public:
   using Target = std::function<Vec3(double time_s)>;  ///< of the tip
@@ -74,22 +74,22 @@ class Plant final : public HapticDevice {
   void declare_latency(std::uint64_t latency_us) { declared_latency_us_ = latency_us; }
   /// For experiments with a device that does not know how easily it turns.
   void declare_inertia(double kg_m2) { declared_inertia_kg_m2_ = kg_m2; }
-  /// The hand presses these buttons beside the deadman, and chooses a tool (0: the servo's).
+  /// Presses these buttons in addition to the deadman, and chooses a tool (0 for the servo's).
   void hold(std::uint32_t buttons, std::uint32_t tool_id) {
     buttons_ = buttons;
     tool_id_ = tool_id;
   }
-  /// Starts to measure what the tip does while the hand is at rest.
+  /// Starts to measure the tip's motion while the hand is at rest.
   void begin_rest() {
     square_sum_ = 0, steps_ = 0;
     rest_tip_ = tip();
     rest_given_mj_ = given_mj_;
   }
-  /// Displacement of the tip since then, and the work that the device has done on the hand; less
-  /// than zero: the hand has moved the device.
+  /// Displacement of the tip since begin_rest, and the work of the device on the hand; negative if
+  /// the hand has moved the device.
   double moved_at_rest_mm() const { return length(tip() - rest_tip_); }
   double given_at_rest_mj() const { return given_mj_ - rest_given_mj_; }
-  /// Root mean square of the tip's speed since then, mm/s.
+  /// Root mean square of the tip's speed since begin_rest, mm/s.
   double rms_mm_per_s() const { return steps_ > 0 ? std::sqrt(square_sum_ / steps_) : 0; }
   /// Greatest work done on the hand over any interval, mJ.
   double most_returned_mj() const { return most_returned_mj_; }

@@ -20,7 +20,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Time at rest before the path, in which the agent arms, and after it has begun, until the ramp is
+/// Time at rest before the path, in which the device arms, and time on the path until the ramp is
 /// over.
 constexpr double kRestS = 0.9;
 constexpr double kRampS = 0.8;
@@ -106,7 +106,7 @@ ShippedFeel feel_shipped(const ShippedScene& scene, double seconds) {
   PlayedDevice device(PathCursor(path_of(scene, text), false));
   PlayedDevice same = device;
   TestBed bed(text, device, {}, {}, true);
-  // Without a replica each sample is sent alone, and the server's answer is not a mean of several.
+  // Without a replica each sample is sent alone, so each answer of the server is for one sample.
   TestBed each(text, same, {}, {}, false);
   ShippedFeel feel;
   const int ticks = static_cast<int>((kRestS + seconds) * 1000);

@@ -30,7 +30,7 @@ TEST(Stability, ModelIsStableUpTo250MsRoundTrip) {
   }
 }
 
-/// The lightest device and hand, a heavy and stiff one, and the greatest latency and none.
+/// The lightest device and hand, and a heavy and stiff one, with the greatest latency and none.
 std::vector<Press> presses() {
   std::vector<Press> all;
   for (const std::uint64_t latency_us : {0U, 3000U}) {
@@ -121,7 +121,7 @@ TEST(Stability, ASlowCutDoesNotShakeASoftHand) {
 }
 
 TEST(Stability, AWeakGripRestsOnAPathWhoseAxisTurns) {
-  // Along such a path the spring of the axis also pushes the tip, and moves less inertia.
+  // Along such a path the spring of the axis also pushes the tip, and so moves less inertia.
   constexpr const char* kTurningPath = kPressedGuides[4];
   const PressOutcome outcome = press({.mechanics = {.mass_kg = 0.944,
                                                     .inertia_kg_m2 = 9.21e-5,
@@ -209,7 +209,7 @@ TEST(ShippedScenes, TheDemoIsFeltAsComputedAroundItsCorners) {
   EXPECT_GT(feel.server_force.computed_peak(), 3) << "the test requires a deep cut";
 }
 
-/// Hands of little and much mass, with the greatest latency and none.
+/// Hands with little and much mass, with the greatest latency and none.
 TEST(Stability, StockThatAppearsAroundTheToolIsPassive) {
   for (const std::uint64_t latency_us : {0U, 3000U}) {
     for (const Surrounding by : {Surrounding::kUndo, Surrounding::kLargerTool}) {
@@ -248,7 +248,7 @@ TEST(Stability, AToolRestsInItsOwnCutWithTheCuttingButtonPressed) {
   }
 }
 
-/// Hands that a flat tool shook by 6 to 29 mm/s while its contact was one point, pushed along the
+/// Hands that a flat tool shook at 6 to 29 mm/s while its contact was one point, pushed along the
 /// normal of the tool.
 TEST(Stability, AFlatToolRestsOnAFace) {
   constexpr std::size_t kFlat6 = 0, kFlat12 = 1, kFlat20 = 2, kSlot = 9;
@@ -272,7 +272,7 @@ TEST(Stability, AFlatToolRestsOnAFace) {
 }
 
 TEST(ShippedScenes, PlungesAreFeltAsComputed) {
-  // The force falls from its peak to almost nothing in the tick in which a plunge turns into a cut.
+  // The force drops from its peak to almost nothing in the tick in which a plunge turns into a cut.
   for (const std::string_view name : {"template:box", "template:cylinder"}) {
     const auto scene = std::ranges::find(shipped_scenes(), name, &ShippedScene::file);
     ASSERT_NE(scene, shipped_scenes().end());

@@ -13,19 +13,20 @@
 namespace kerf::agent {
 namespace {
 
-/// Time at rest before the stroke, in which the agent arms and the force rises.
+/// Time at rest before the stroke, in which the device arms and the force rises.
 constexpr double kRestS = 1.2;
 constexpr double kAboveMm = 1;
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// The tip at a time after the stroke began, from the block's top in its middle.
+/// Returns the tip at a time after the start of the stroke, relative to the middle of the block's
+/// top.
 Vec3 offset_at(Stroke stroke, double rate, double t) {
   const double phase = kTurn * rate * t;
   switch (stroke) {
     case Stroke::kPecking:
       return {2 * t, 0, kAboveMm - 1.5 * (1 - std::cos(phase))};
     case Stroke::kStippling: {
-      // The tool moves aside where it is above the block.
+      // The tool moves to the side while it is above the block.
       const double x = 2 * (rate * t - std::sin(phase) / kTurn);
       return {x, 0, kAboveMm - 0.75 * (1 - std::cos(phase))};
     }
@@ -50,14 +51,14 @@ Vec3 offset_at(Stroke stroke, double rate, double t) {
 
 Vec3 axis_of(const StrokeCut& cut) { return {std::sin(cut.tilt_rad), 0, std::cos(cut.tilt_rad)}; }
 
-/// The tip at a time. A drill moves along its axis.
+/// Returns the tip at a time. A drill moves along its axis.
 Vec3 tip_at(const StrokeCut& cut, double time_s) {
   const Vec3 at = offset_at(cut.stroke, cut.rate, std::max(0.0, time_s - kRestS));
   if (cut.stroke != Stroke::kDrilling) return at + Vec3{-5, -4, 0};
   return axis_of(cut) * at.z + Vec3{0, 0, 1 - axis_of(cut).z};
 }
 
-/// Area that a plunge of a tool engages at most, mm²; of slots it is less.
+/// Greatest area that a plunge of each tool engages, mm²; slots engage less.
 constexpr double kAreaMm2[] = {22, 28, 28, 8, 7, 28, 3, 3, 30, 12};
 
 std::string scene_of(const StrokeCut& cut) {
@@ -70,7 +71,7 @@ std::string scene_of(const StrokeCut& cut) {
          std::to_string(cut.newtons / kAreaMm2[cut.tool]) + "}}";
 }
 
-/// The reference device in a hand that does not yield; and the mirror of a live hand's device.
+/// The reference device in a rigid hand, or the mirror of a live hand's device.
 class Shown final : public HapticDevice {
  public:
   explicit Shown(double quantum_mm) : quantum_mm_(quantum_mm) {}
@@ -134,7 +135,7 @@ StrokeOutcome cut_stroke(const StrokeCut& cut) {
   stiff.show(tip_at(cut, 0), axis_of(cut));
   mirror.show(tip_at(cut, 0), axis_of(cut));
   TestBed bed(scene_of(cut), device, {}, {}, true);
-  // Without a replica each sample is sent alone, and the server's answer is not a mean of several.
+  // Without a replica each sample is sent alone, so each answer of the server is for one sample.
   TestBed each(scene_of(cut), mirror, {}, {}, false);
   StrokeOutcome outcome;
   Wrench before;

@@ -12,8 +12,8 @@ namespace kerf::agent {
 
 /// Strokes of hands. A rate is in Hz for the first four and in mm/s for the last two.
 enum class Stroke : std::uint8_t {
-  kPecking,     ///< down and up by 3 mm, 2 mm of it in the stock, drifting aside by 2 mm/s
-  kStippling,   ///< the same 0.5 mm deep, each time at a new spot
+  kPecking,     ///< down and up by 3 mm, 2 mm of it in the stock, drifting to the side by 2 mm/s
+  kStippling,   ///< the same, 0.5 mm deep, each time at a new position
   kHatching,    ///< to and fro along x, 1 mm deep, drifting along y by 3 mm/s
   kTrochoidal,  ///< circles of 2 mm radius, 1 mm deep, drifting along x by 3 mm/s
   kDrilling,    ///< along the tool's axis, 3 mm deep
@@ -22,10 +22,10 @@ enum class Stroke : std::uint8_t {
 inline constexpr Stroke kStrokes[] = {Stroke::kPecking,    Stroke::kStippling, Stroke::kHatching,
                                       Stroke::kTrochoidal, Stroke::kDrilling,  Stroke::kSlotting};
 const char* name_of(Stroke stroke) noexcept;
-/// Rates that hands have: 0.5 to 5 Hz, or 1 to 40 mm/s.
+/// Typical rates of hands: 0.5 to 5 Hz, or 1 to 40 mm/s.
 std::span<const double> rates_of(Stroke stroke) noexcept;
 
-/// Names of the tools, as JSON of a scene without its "id".
+/// The tools as JSON of a scene without "id".
 inline constexpr const char* kStrokeTools[] = {
     R"("shape":"ball","diameter_mm":6,"length_mm":40)",
     R"("shape":"flat","diameter_mm":6,"length_mm":40)",
@@ -38,27 +38,28 @@ inline constexpr const char* kStrokeTools[] = {
     R"("shape":"ball","diameter_mm":10,"length_mm":40)",
     R"("shape":"profile","profile_mm":[[0,0],{"to":[2,2],"center":[0,2]},[1,4],[1,30]])"};
 
-/// Settings: a hand cuts a stroke into a block. The force is 1 N in a plunge of 1 mm², whatever the
-/// tool, or as much as a scene says.
+/// Settings: a hand cuts a stroke into a block. The force is 1 N in a plunge of 1 mm² with any
+/// tool, or that of a scene.
 struct StrokeCut {
   Stroke stroke = Stroke::kPecking;
   double rate = 3;
-  std::size_t tool = 0;  ///< of kStrokeTools
-  double tilt_rad = 0;   ///< of the tool's axis, about y
+  std::size_t tool = 0;  ///< index in kStrokeTools
+  double tilt_rad = 0;   ///< tilt of the tool's axis about y
   double seconds = 3;
-  double newtons = 1;  ///< about the greatest force of the stroke
+  double newtons = 1;  ///< approximately the greatest force of the stroke
   const char* rays = "dexel";
-  /// A hand that the force moves; none: it does not yield.
+  /// A hand that the force moves; if empty, the hand is rigid.
   std::optional<PlantMechanics> live = std::nullopt;
-  double quantum_mm = 0;  ///< of a hand that does not yield
+  double quantum_mm = 0;  ///< for a rigid hand
 };
 struct StrokeOutcome {
-  /// Shown (of a live hand: acting) against the server's result for the pose of that tick.
+  /// Shown wrench (for a live hand: acting wrench) against the server's result for the pose of that
+  /// tick.
   FeltSums force, torque;
   /// The server's results one tick late, against the same.
   FeltSums late_force, late_torque;
-  double soft_share = 0;     ///< of the ticks, in which the coupling of the cut was soft
-  double reduced_share = 0;  ///< of the ticks with a force
+  double soft_share = 0;     ///< share of the ticks in which the coupling of the cut was soft
+  double reduced_share = 0;  ///< share of the ticks with a force in which it was reduced
   double returned_mj = 0;    ///< by a live hand's device, over any interval
   std::uint64_t trips = 0;
 };

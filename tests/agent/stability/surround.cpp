@@ -21,8 +21,8 @@ std::string scene_of(const Surround& surround) {
          std::to_string(surround.force_n_per_mm2) + "}}";
 }
 
-/// Time at rest before the slot, in which the agent arms; of the slot; in it, until the changes
-/// begin; of the motion to and fro; and at rest, with changes in its first half.
+/// Durations: at rest before the slot, in which the device arms; of the slot; in it, until the
+/// changes begin; of the motion to and fro; and at rest, with changes in its first half.
 constexpr double kRestS = 0.9, kSlotS = 1.2, kPauseS = 0.3, kHeldS = 1.2;
 constexpr double kChangesFromS = kRestS + kSlotS + kPauseS;
 constexpr int kChangeTicks = 400, kPressedTicks = 50, kBuzzTicks = 500;
@@ -35,7 +35,7 @@ Vec3 target(const Surround& surround, double time_s) {
   return {kStartMm + (kEndMm - kStartMm) * slot + aside, 0, -kDepthMm};
 }
 
-/// What the hand presses and chooses, and counts how often that changed what is around the tool.
+/// The hand's buttons and tool; counts how often they changed the stock around the tool.
 class Changes {
  public:
   explicit Changes(const Surround& surround) : surround_(surround) {}
@@ -52,7 +52,7 @@ class Changes {
     }
     plant.hold(buttons, tool_id_);
   }
-  /// Takes the volume that the session has removed.
+  /// Records the volume that the session has removed.
   void take(double removed_mm3) {
     constexpr double kStrokeMm3 = 20;  // a tick removes far less
     if (std::abs(removed_mm3 - removed_mm3_) > kStrokeMm3) ++count_;

@@ -105,7 +105,7 @@ void TestBed::send_answers() {
     if (out.is_text()) {
       const std::string_view text(reinterpret_cast<const char*>(out.bytes.data()),
                                   out.bytes.size());
-      // What the link would report: the participants, and that stock is around the tool.
+      // The link would report these: the participants, and that stock is around the tool.
       const bool is_notice = !text.contains("\"error\"") || text.contains("\"in_stock\"");
       if (!is_notice) throw std::runtime_error(std::string(text));
       continue;
@@ -153,8 +153,8 @@ void TestBed::tick(bool runs) {
   run_session();
 }
 
-/// Runs what is posted. The work of the background waits for the session's thread, which is this
-/// one, so that it needs another.
+/// Runs posted work. Background work waits for the session's thread, which is this one, so it needs
+/// another thread.
 void TestBed::run_session() {
   executor_->run();
   if (workers_.waiting() == 0) return;
@@ -164,7 +164,7 @@ void TestBed::run_session() {
   executor_->run();
 }
 
-/// Does what the link thread does when it is woken.
+/// Does the work of the link thread after a wake-up.
 void TestBed::send() {
   traffic_->collect();
   std::array<std::byte, wire::kMaxClientFrameBytes> frame;

@@ -24,22 +24,22 @@ namespace kerf::agent {
 class TestBed {
  public:
   /// `scene`: a scene in JSON. `device` must outlive the object. `copy`: the agent has a replica,
-  /// and with `intent` that looks ahead of the tools of others.
+  /// which with `intent` looks ahead of other participants' tools.
   TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
           const LineQuality& quality, bool copy, std::uint32_t seed = 1, bool intent = true);
 
-  /// `runs`: whether the servo's tick is run; otherwise it is lost.
+  /// `runs`: whether the servo's tick runs or is lost.
   void tick(bool runs = true);
-  /// A second agent, on a line of the same quality, cuts to `tip_mm` with the first tool.
+  /// Makes a second agent, on a line of the same quality, cut to `tip_mm` with the first tool.
   void another_cuts_to(Vec3 tip_mm);
 
   const ServoCycle& servo() const { return *servo_; }
   /// The server's newest result, before transmission.
   const wire::Result& newest() const { return newest_; }
   Session& session() { return *session_; }
-  /// Null if there is none.
+  /// The agent's replica; may be null.
   const Replica* replica() const { return copy_.replica ? &*copy_.replica : nullptr; }
-  /// Null if the scene has no guides.
+  /// The scene's guides; may be null.
   const GuideModel* guidance() const { return guidance_ ? &*guidance_ : nullptr; }
   LinkReport link() const { return traffic_->report(); }
   std::uint64_t now_us() const { return now_us_; }
@@ -49,7 +49,7 @@ class TestBed {
     bool is_woken = false;
     void sample_ready() noexcept override { is_woken = true; }
   };
-  /// The agent's replica; it answers within the tick in which it is woken.
+  /// The agent's replica. It answers within the tick in which it is woken.
   struct Copy final : StockListener {
     std::optional<Replica> replica;
     void take_stock(std::span<const std::byte> frame) override;

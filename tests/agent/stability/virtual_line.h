@@ -40,7 +40,7 @@ class VirtualLine {
     waiting_.push_back({last_us_, {bytes.begin(), bytes.end()}});
   }
 
-  /// Calls take(bytes) for all that has arrived by now.
+  /// Calls take(bytes) for each message that has arrived by now.
   template <typename Take>
   void receive(std::uint64_t now_us, Take take) {
     while (!waiting_.empty() && waiting_.front().due_us <= now_us) {

@@ -30,10 +30,10 @@ TickRecord cutting_tick(std::uint64_t n, ForceMode mode) {
           .has_pose = true};
 }
 
-/// Runs to the next question; returns the modes of both intervals as they were rendered.
+/// Runs to the next question; returns the modes in which both intervals were rendered.
 std::vector<ForceMode> run_to_question(TrialRun& run, std::uint64_t& n) {
   std::vector<ForceMode> modes;
-  // A trial takes some thousand ticks.
+  // A trial needs some thousand ticks.
   for (int tick = 0; run.state() != State::kQuestion; ++tick) {
     if (tick == 100'000) {
       ADD_FAILURE() << "no question";
@@ -111,7 +111,7 @@ TEST(Study, ChanceIsThatOfTheBinomialDistribution) {
   EXPECT_NEAR(chance_of(15, 20), 0.020695, 1e-6) << "as tables of the sign test have it";
 }
 
-/// Plays servo and user: ticks in the mode that the study sets, and an answer to each question.
+/// Simulates servo and user: ticks in the mode that the study sets, and an answer to each question.
 TEST(Study, WritesALineAfterEachAnswer) {
   const auto file = std::filesystem::path(testing::TempDir()) / "study_test.csv";
   std::filesystem::remove(file);
@@ -188,7 +188,7 @@ TEST(Study, TableThatCannotBeWrittenIsAnErrorOfTheReport) {
   ASSERT_EQ(::pipe(keys), 0);
   auto study = Study::create(file.string(), {.trials = 1, .seed = 5, .interval_ticks = 5}, keys[0]);
   ASSERT_TRUE(study) << study.error();
-  // A limit of the file's size stands for a full disk: the write fails likewise.
+  // A limit of the file's size simulates a full disk: the write fails in the same way.
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Declares what kerf_chai3d.h uses of CHAI3D 3.3, with the same names and types, so that it runs
-// where CHAI3D is missing. compile.sh compiles the same header against CHAI3D itself.
+// Declares the parts of CHAI3D 3.3 that kerf_chai3d.h uses, with the same names and types, so that
+// it runs where CHAI3D is missing. compile.sh compiles the same header against CHAI3D itself.
 
 #include <cmath>
 #include <memory>
