@@ -62,7 +62,8 @@ class CipherTest : public ::testing::Test {
   Opener opener{kConnection, counting_key()};
 };
 
-// Those of golden_bytes_test.py, which passes the test vector of RFC 8439, 2.8.2.
+// The golden bytes are those of golden_bytes_test.py, which passes the test vector of RFC 8439,
+// 2.8.2.
 TEST(Cipher, SealsTheGoldenBytes) {
   Sealer sealer(kConnection, counting_key(), 0x0102030405060708);
   EXPECT_EQ(hex(sealed(sealer, ping_frame())),

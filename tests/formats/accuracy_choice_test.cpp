@@ -39,7 +39,7 @@ TEST(AccuracyChoice, ChosenAccuracyMeetsTheTarget) {
     const AccuracyChoice choice = choose(target(mm));
     EXPECT_LE(choice.predicted_error_mm, mm * (1 + 1e-12));  // rounding
     EXPECT_EQ(choice.predicted_error_mm, predicted_error_mm(choice.accuracy));
-    // It is not much finer than required either.
+    // The choice is not much finer than required.
     EXPECT_GT(choice.predicted_error_mm, 0.95 * mm);
   }
 }
@@ -54,7 +54,7 @@ TEST(AccuracyChoice, AChosenAccuracyIsNeverSaidToMissItsTarget) {
       const AccuracyChoice choice = choose(target(mm), use_of(10, turns));
       exceeding += choice.predicted_error_mm > mm ? 1 : 0;
       ASSERT_THAT(choice.reason, Not(HasSubstr("misses"))) << mm;
-      // Read back from a scene, all four values are given.
+      // Read back from a scene, all four values are set.
       const Accuracy& a = choice.accuracy;
       const AccuracyChoice again = choose({.target_mm = mm,
                                            .rays = a.rays,
@@ -72,7 +72,7 @@ TEST(AccuracyChoice, AChosenAccuracyIsNeverSaidToMissItsTarget) {
 TEST(AccuracyChoice, GivenValuesMayUseTheWholeTarget) {
   const AccuracyRequest whole{.target_mm = 0.3, .pitch_mm = 0.3, .tolerance_mm = 0.03};
   EXPECT_EQ(choose(whole).accuracy, (Accuracy{Rays::kDexel, 0.3, 0.03, MotionModel::kTight}));
-  // Without a tolerance, the pitch must leave a part of the target to it.
+  // Without a tolerance, the pitch must leave it a part of the target.
   const auto rejected =
       choose_accuracy({.target_mm = 0.27, .rays = Rays::kDexel, .pitch_mm = 0.3}, use_of());
   ASSERT_FALSE(rejected.has_value());
@@ -198,7 +198,7 @@ TEST(AccuracyChoice, TargetNamedByMemoryErrorIsAccepted) {
 }
 
 TEST(AccuracyChoice, EqualRequestsGiveEqualChoices) {
-  // Literal values, because every machine must choose the same.
+  // Literal values, because every machine must make the same choice.
   EXPECT_EQ(choose(target(0.05)).accuracy,
             (Accuracy{Rays::kDexel, 0.05, 0.005, MotionModel::kTight}));
   EXPECT_EQ(choose(target(0.3), use_of(10, false)).accuracy,

@@ -81,7 +81,7 @@ TEST(AptReader, StatementsWithoutMotionAreAccepted) {
 }
 
 TEST(AptReader, CutterOfSevenNumbersIsComparedByItsAptDiameter) {
-  // Bottom and side line of this taper meet at a diameter of 10 mm; its top is 14 mm wide.
+  // Bottom and side line of this taper meet at a diameter of 10 mm. Its top is 14 mm wide.
   const auto scene = parse_scene(
       R"({"stock": {"shape": "box", "min_mm": [0,0,-9], "max_mm": [9,9,0]},
           "tools": [{"id": 1, "shape": "apt", "d_mm": 10, "r_mm": 0, "e_mm": 5, "f_mm": 0,

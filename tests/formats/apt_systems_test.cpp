@@ -60,7 +60,8 @@ TEST(AptSystems, ToolsWithoutNumberHaveTheRankOfTheirName) {
   EXPECT_EQ(program.motions[2].tool, 1u);
 }
 
-// Counterclockwise about the axis: from (10, 0) to (0, 10) a quarter; about -Z three quarters.
+// Counterclockwise about the axis: from (10, 0) to (0, 10) is a quarter turn, about -Z three
+// quarters.
 TEST(AptSystems, ACircleLeadsToTheNextPoint) {
   const auto quarter = ends("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1.\nGOTO/0,10,0\n");
   EXPECT_EQ(quarter.back(), (Vec3{0, 10, 0}));
@@ -110,7 +111,7 @@ TEST(AptSystems, AHoleIsDrilledAtEachPoint) {
                    "GOTO/9,5,-2\nCYCLE/OFF\nGOTO/9,9,25\n"),
       ElementsAre(Vec3{5, 5, 25}, Vec3{5, 5, 1}, Vec3{5, 5, -7}, Vec3{5, 5, 25}, Vec3{9, 5, 25},
                   Vec3{9, 5, 1}, Vec3{9, 5, -7}, Vec3{9, 5, 25}, Vec3{9, 9, 25}));
-  // NX: depths below the point are negative, AUTO retracts to where the cycle began.
+  // NX: depths below the point are negative; AUTO retracts to the start of the cycle.
   EXPECT_THAT(
       ends(cycle + "CYCLE/DRILL,RAPTO,3.0,FEDTO,-5.0,RTRCTO,AUTO,MMPM,250.0\nGOTO/7,5,0\n"),
       ElementsAre(Vec3{5, 5, 25}, Vec3{7, 5, 25}, Vec3{7, 5, 3}, Vec3{7, 5, -5}, Vec3{7, 5, 25}));

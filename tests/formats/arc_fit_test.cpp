@@ -88,7 +88,7 @@ Program read_as(const std::string& text, Post post) {
   return read ? *read : Program{};
 }
 
-// Reading an arc back gives points on the circle, as far apart as the scene's tolerance allows.
+// Reading an arc back gives points on the circle whose distance follows the scene's tolerance.
 TEST(ArcFit, EveryControlReadsItsArcsBack) {
   for (const Post post :
        {Post::kLinuxcnc, Post::kGrbl, Post::kFanuc, Post::kHaas, Post::kHeidenhain})

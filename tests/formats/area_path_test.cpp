@@ -43,7 +43,7 @@ double distance_from(const AreaPath& path, double x, double y) {
   return least;
 }
 
-// Every point inside a shape is cut, no point outside is; `depth` is the distance into the shape.
+// Every point inside a shape is cut, and no point outside. `depth` is the distance into the shape.
 void expect_cut(const AreaPath& path, double tool, double reach,
                 const std::function<double(double, double)>& depth) {
   const double margin = 0.02;

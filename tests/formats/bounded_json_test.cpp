@@ -88,7 +88,7 @@ TEST(BoundedJson, NestsAsDeepAsTheLimitAndNoDeeper) {
     EXPECT_EQ(fault_of(nested(most + 1, "[", "1", "]"), rules), JsonFaultKind::kTooDeep);
     EXPECT_EQ(fault_of(nested(most + 1, "{\"a\":", "1", "}"), rules), JsonFaultKind::kTooDeep);
   }
-  // A text that never closes what it opens ends at the limit, not at its end.
+  // The reader stops at the depth limit, not at the end of a text of opening brackets.
   EXPECT_EQ(fault_of(std::string(1 << 20, '[')), JsonFaultKind::kTooDeep);
 }
 
@@ -108,7 +108,7 @@ TEST(BoundedJson, HoldsNoMoreValuesThanTheLimit) {
   const JsonRules rules{.values_max = 4};
   EXPECT_TRUE(parse_bounded_json("[1, 2, {}]", rules));
   EXPECT_EQ(fault_of("[1, 2, {}, 3]", rules), JsonFaultKind::kTooMany);
-  // What is left out takes no memory.
+  // Dropped values take no memory.
   EXPECT_TRUE(parse_bounded_json("[[[1, 2, 3, 4, 5], 6], 7]",
                                  {.depth_max = 2, .drops_deeper = true, .values_max = 4}));
 }

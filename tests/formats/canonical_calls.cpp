@@ -66,7 +66,7 @@ class PrintedCalls final : public GcodeCanon {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // The same machine as rs274: the machine's unit is the inch, programs start in mm.
+  // The same machine as in rs274: its unit is the inch, and programs start in mm.
   GcodeEnvironment environment;
   environment.dialect = Dialect::kLinuxcnc;
   environment.machine_unit_mm = kMmPerInch;

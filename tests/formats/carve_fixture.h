@@ -22,12 +22,12 @@ inline const char* const kScene =
         "accuracy": {"pitch_mm": 0.5},
         "tools": [{"id": 1, "shape": "flat", "diameter_mm": 4, "length_mm": 20}],
         "machine": {"kinematics": "tool-vector"}})";
-// A slot of 4 mm, 2 mm deep, 20 mm long, entered and left outside; then a tilted pass.
+// A slot of 4 mm, 2 mm deep, 20 mm long, entered and left outside the stock; then a tilted pass.
 inline const char* const kProgram =
     "G21 G90 T1 M6\nG0 X-5 Y10 Z8 I0 J0 K1\nG1 X25 F600\nG0 Z15\nX25 Y5\nG1 Z9 I0 J0.6 "
     "K0.8\nX-5\nM2\n";
 
-/// Runs kerf-carve in a folder of its own, with scene.json and p.ngc in it.
+/// Runs kerf-carve in a folder for this test, which contains scene.json and p.ngc.
 class KerfCarve : public testing::Test {
  protected:
   void SetUp() override {
@@ -46,7 +46,7 @@ class KerfCarve : public testing::Test {
     std::ifstream file(folder_ / name, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   }
-  // The exit status; what it writes lands in the files out and err.
+  // Returns the exit status. The output goes to the files out and err.
   int run(const std::string& arguments) const {
     const std::string command =
         "cd '" + folder_.string() + "' && '" KERF_CARVE "' " + arguments + " >out 2>err </dev/null";

@@ -48,7 +48,7 @@ class Process {
     ::close(terminal_);
   }
 
-  // Waits until `reached` holds; returns false if the process ends before.
+  // Waits until `reached` holds; returns false if the process ends first.
   template <class Reached>
   bool wait_until(Reached&& reached) {
     while (!reached(shown_))
@@ -56,7 +56,7 @@ class Process {
     return true;
   }
   void signal(int number) const { ::kill(id_, number); }
-  // Returns the exit status; -1 if a signal ended it.
+  // Returns the exit status; -1 if a signal ended the process.
   int end() {
     while (listen()) continue;
     int status = 0;
@@ -67,7 +67,7 @@ class Process {
   const std::string& shown() const { return shown_; }
 
  private:
-  // Reads what was shown. Returns false at the end of the process.
+  // Reads the terminal output. Returns false at the end of the process.
   bool listen() {
     pollfd ready{terminal_, POLLIN, 0};
     if (::poll(&ready, 1, kLookMs) <= 0) return true;
@@ -96,7 +96,7 @@ class CarveStop : public testing::Test {
               {"id": 2, "shape": "bull_nose", "diameter_mm": 10, "corner_radius_mm": 2,
                "length_mm": 30}],
               "machine": {"kinematics": "tool-vector"}})");
-    // One plunge of a flat cone: millions of triangles of which none can be merged.
+    // One plunge of a flat cone: millions of triangles, none of which can be merged.
     write("cone.ngc", "G21 G90 T1 M6\nG0 X50 Y50 Z100 I0 J0 K1\nG1 Z2 F600\nM2\n");
     std::string turns = "G21 G90 T2 M6\nF1000\nG0 X50 Y50 Z8 I0 J0 K1\n";
     for (int n = 0; n < 400; ++n)
@@ -116,7 +116,7 @@ class CarveStop : public testing::Test {
     std::ranges::sort(names);
     return names;
   }
-  // Whether an unfinished file of this name has content.
+  // Whether a temporary file of this name has content.
   bool is_written(const std::string& name) const {
     for (const auto& entry : fs::directory_iterator(folder_)) {
       std::error_code error;
@@ -126,7 +126,7 @@ class CarveStop : public testing::Test {
     }
     return false;
   }
-  // Sends the signal when the process shows the phase; expects its exit status and no file.
+  // Sends the signal when the process shows the phase; expects its exit status and no output file.
   void expect_stop(const std::vector<std::string>& words, const std::string& phase, int number,
                    int status, const std::string& message = "interrupted") const {
     const std::vector<std::string> before = files();
@@ -144,8 +144,8 @@ class CarveStop : public testing::Test {
 };
 
 TEST_F(CarveStop, WhileAMeshStockIsDexelized) {
-  // A box as a mesh, of which no tile is stored: long work without memory. The kernel knows no
-  // stop.
+  // A box as a mesh, none of whose tiles is stored: long work without memory. The kernel cannot be
+  // stopped.
   std::ofstream obj(folder_ / "box.obj");
   for (int n = 0; n < 8; ++n)
     obj << "v " << (n & 1) * 100 << ' ' << (n >> 1 & 1) * 100 << ' ' << (n >> 2) * 10 << '\n';

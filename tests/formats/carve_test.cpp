@@ -144,7 +144,7 @@ TEST_F(KerfCarve, TargetIsResolvedAndReported) {
   EXPECT_EQ(json["accuracy"]["pitch_mm"], json["pitch_mm"]);
   EXPECT_LE(json["accuracy"]["predicted_error_mm"], 0.4);
   EXPECT_THAT(content("err"), StartsWith("accuracy: dexel, pitch "));
-  // What the command line fixes is not chosen.
+  // Command-line values override the automatic choice.
   const auto fixed = report("--scene target.json --program p.ngc --pitch 0.1");
   EXPECT_EQ(fixed["pitch_mm"], 0.1);
   EXPECT_GT(fixed["tolerance_mm"], json["tolerance_mm"]);
@@ -234,7 +234,7 @@ TEST_F(KerfCarve, WarnsOncePerShankContact) {
     "accuracy": {"pitch_mm": 0.5}, "tools": [{"id": 1, "shape": "flat", "diameter_mm": 2,
     "length_mm": 4, "shank": {"diameter_mm": 10, "length_mm": 50}}]})");
   write("q.ngc", "T1 M6\nF600\nG0 X10 Y10 Z15\nG1 Z7\nG1 Z5\nX12\nZ15\nX30\nZ5.5\nM2\n");
-  const auto json = report(  // without the warning of the cusp between the holes
+  const auto json = report(  // without the warning about the cusp between the holes
       "--scene s.json --program q.ngc --wall-samples 0");
   ASSERT_EQ(json["warnings"].size(), 2u) << json["warnings"];
   EXPECT_THAT(std::string(json["warnings"][0]),
@@ -259,10 +259,10 @@ TEST_F(KerfCarve, PrintsHelpVersionAndExplanation) {
 
 struct BadInput {
   const char* name;
-  const char* file;  ///< a file that is written first
+  const char* file;  ///< a file that is written before the run
   const char* text;
   const char* arguments;
-  const char* error;  ///< beginning of the one line
+  const char* error;  ///< beginning of the error line
 };
 
 class BadInputs : public KerfCarve, public testing::WithParamInterface<BadInput> {};
@@ -314,7 +314,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 TEST_F(KerfCarve, InterruptLeavesNoFiles) {
-  // Thousands of turns: far more than can be carved before the signal comes.
+  // Thousands of turns: far more than can be carved before the signal arrives.
   std::string program = "T1 M6\nG0 X15 Y10 Z9\n";
   for (int i = 0; i < 2; ++i) program += "G2 I-5 P1000 F1000\n";
   write("p.ngc", program + "M2\n");
@@ -373,9 +373,10 @@ TEST_F(KerfCarve, AppliesToolTableParametersAndSubroutines) {
   EXPECT_EQ(simulation["tool_changes"]["count"], 1);
   EXPECT_EQ(simulation["max_engaged_area"]["place"], "subs/slot.ngc:4");
   EXPECT_EQ(simulation["gouges"], nullptr);
-  EXPECT_EQ(json["tip_extents"]["max_mm"][2], 120 - 50 - 20);  // home: less tool and G54
+  EXPECT_EQ(json["tip_extents"]["max_mm"][2],
+            120 - 50 - 20);  // home position, less tool length and G54
 
-  // A program that forgets G43 goes 50 mm deeper, into what the first one has left.
+  // A program without G43 runs 50 mm deeper, into the stock that the first one left.
   write("bad.ngc", "G21 G90 T1 M6\nF600\no<slot> call [10] [57.5]\nM2\n");
   const auto gouged =
       report("--scene scene.json --program bad.ngc --reference ref.stl" + controller);

@@ -9,7 +9,7 @@ using test::KerfCarve;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-// Two slots with a rib of 0.14 mm between them, which no column of 0.3 mm meets.
+// Two slots with a rib of 0.14 mm between them, which no column of 0.3 mm hits.
 const char* const kRibProgram =
     "G21 G90 T1 M6\nF600\nG0 X-5 Y10.43 Z6\nG1 X25\nG0 Z20\nX-5 Y13.57\nZ6\nG1 X25\nM2\n";
 std::string rib_scene(const std::string& accuracy) {
@@ -69,7 +69,7 @@ TEST_F(KerfCarve, WarnsOfAGrooveNarrowerThanThePitch) {
   EXPECT_EQ(report("--scene s.json --program groove.ngc --pitch 0.1")["thin_walls"]["count"], 0);
 }
 
-// A block with a fin of 0.14 mm on it, between the rays.
+// A block with a fin of 0.14 mm on top, between the rays.
 const char* const kFinStock = R"(o fin
 v 0 0 0
 v 9.83 0 0

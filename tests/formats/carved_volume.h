@@ -9,7 +9,7 @@
 
 namespace kerf::test {
 
-/// What a program removes of its scene's stock, mm³.
+/// Returns the volume that a program removes from its scene's stock, mm³.
 inline double removed_mm3(const Scene& scene, const Program& program) {
   auto sculpture = Sculpture::create(scene.settings).value();
   for (const auto& [id, tool] : scene.tools)

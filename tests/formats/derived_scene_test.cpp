@@ -25,7 +25,7 @@ double diameter(const DerivedScene& derived, ToolId id) {
   return 2 * derived.scene.tools.at(id).tool.radius_mm;
 }
 
-// A pocket floor from (10, 10) to (60, 40), 3 mm deep, reached through the air at feed rate.
+// A pocket floor from (10, 10) to (60, 40), 3 mm deep, approached through the air at feed rate.
 constexpr const char* kPocket =
     "G21 G90\n(T1 D=8. CR=0. - flat end mill)\nT1 M6\nG0 Z15\nG0 X-40 Y-30\nG1 X10 Y10 F900\n"
     "G1 Z1\nG1 X14 Z-3\nG1 X60\nY40\nX10\nY10\nG1 Z15\nG1 X90 Y90\nM30\n";

@@ -34,7 +34,7 @@ TEST(Deviation, FiguresAreWeightedByArea) {
   const IndexedMesh lower = mesh_of(block(5));
   SnapshotMesh surface(block(5.5));
   const DistanceFigures d = measure_deviation(surface, MeshDistance(lower), 0.25).figures;
-  // The top (20 x 10) is 0.5 off; of the sides (60 x 5.5) the upper 0.5 mm are, by 0 to 0.5.
+  // The top (20 x 10) is off by 0.5. On the sides (60 x 5.5) the upper 0.5 mm are off by 0 to 0.5.
   const double area = 2 * 200 + 60 * 5.5;
   EXPECT_NEAR(d.mean_mm, (200 * 0.5 + 60 * 0.5 * 0.25) / area, 0.002);
   EXPECT_NEAR(d.rms_mm, std::sqrt((200 * 0.25 + 60 * 0.5 * 0.25 / 3) / area), 0.002);
@@ -91,7 +91,7 @@ TEST(DeviationSurvey, QuantilesAreSharesOfTheArea) {
   EXPECT_NEAR(survey.quantiles_mm.front(), 0, 1e-6);
   EXPECT_NEAR(survey.quantiles_mm.back(), 0.5, 1e-6);
   EXPECT_TRUE(std::ranges::is_sorted(survey.quantiles_mm));
-  // Bottom and the lower 5 mm of the sides are where they should be.
+  // The bottom and the lower 5 mm of the sides have no deviation.
   const auto beyond =
       std::ranges::count_if(survey.quantiles_mm, [](double mm) { return mm > 1e-3; });
   // Around the block the limit may be off by half a spacing.

@@ -9,18 +9,18 @@
 
 namespace kerf::test {
 
-/// An environment in which a program is read as one of a controller.
+/// An environment that reads a program in a controller's dialect.
 inline GcodeEnvironment as(Dialect dialect) {
   GcodeEnvironment environment;
   environment.dialect = dialect;
   return environment;
 }
 
-/// The moves of a program of Fanuc, and of Haas, as moves_of() writes them.
+/// The moves of a program for Fanuc, or for Haas, in the format of moves_of().
 inline std::string fanuc(const std::string& text) { return moves_of(text, as(Dialect::kFanuc)); }
 inline std::string haas(const std::string& text) { return moves_of(text, as(Dialect::kHaas)); }
 
-/// The error for which a program is refused.
+/// Returns the error with which a program is rejected.
 inline std::string refused(const std::string& text, Dialect dialect = Dialect::kFanuc) {
   return to_string(run_error_of(text, as(dialect)));
 }

@@ -58,7 +58,7 @@ TEST(DrillingCycles, HolesAreWrittenAsTheCyclesThatDrilledThem) {
   }
 }
 
-// Holes of all four cycles at random places and depths, with motions, remarks and another tool
+// Holes of all four cycles at random positions and depths, with motions, remarks and another tool
 // between them.
 TEST(DrillingCycles, WhatIsReadBackIsTheSameProgram) {
   const Scene scene = scene_for("xyz");
@@ -88,8 +88,8 @@ TEST(DrillingCycles, WhatIsReadBackIsTheSameProgram) {
   }
 }
 
-// What no cycle makes again stays as it is: a plunge before milling, feeds that differ, pecks that
-// are not equal, a tap's ascent at feed rate, two holes in one place.
+// Motions that no cycle reproduces stay motions: a plunge before milling, differing feeds, unequal
+// pecks, a tap's ascent at feed rate, two holes at one position.
 TEST(DrillingCycles, OtherMotionsStayMotions) {
   const Scene scene = scene_for("xyz");
   for (const char* motions :
@@ -108,7 +108,7 @@ TEST(DrillingCycles, OtherMotionsStayMotions) {
   }
 }
 
-// Where the tool jumps, or leans, nothing is a hole.
+// A jump or a tilted tool is no part of a hole.
 TEST(DrillingCycles, AHoleIsOneMovementOfAnUprightTool) {
   const Scene scene = scene_for("xyz");
   const Program hole = test::gcode(scene, head("G99 G81 X10 Z-4 R2 F100\n"));
@@ -133,7 +133,7 @@ TEST(DrillingCycles, AHoleIsOneMovementOfAnUprightTool) {
   EXPECT_THAT(written.error(), HasSubstr("the tool is tilted"));
 }
 
-// A remark comes before the motion that it came before: within a hole, the hole stays motions.
+// A remark stays before its motion. A hole with a remark inside stays motions.
 TEST(DrillingCycles, ARemarkKeepsItsPlace) {
   const Scene scene = scene_for("xyz");
   const Program source = test::gcode(
@@ -144,7 +144,7 @@ TEST(DrillingCycles, ARemarkKeepsItsPlace) {
   EXPECT_EQ(read.remarks, source.remarks);
 }
 
-// With a tolerance, the motions around a hole are joined, not those of the hole with them.
+// With a tolerance, the motions around a hole are joined, but not with those of the hole.
 TEST(DrillingCycles, HolesStayApartFromJoinedMotions) {
   const Scene scene = scene_for("xyz");
   const Program source =

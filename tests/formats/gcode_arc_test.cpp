@@ -119,7 +119,7 @@ TEST(GcodeArc, ImpossibleArcsAreRejected) {
   fault({10, 0, 0}, {.ijk = {0, 0, 0}});
   fault({10, 0, 0}, {.ijk = {}, .radius = 4.9});
   fault({0, 0, 5}, {.ijk = {}, .radius = 4.9});
-  // Radii 0.004 mm or less than 0.1 % apart are accepted as rounding of the program.
+  // Radii that differ by up to 0.004 mm or 0.1 % count as rounding of the program.
   make_arc({0, 0, 0}, {10.004, 0, 0}, ArcPlane::kXy, {.ijk = {5, 0, 0}}, false, 1);
   make_arc({0, 0, 0}, {1000.4, 0, 0}, ArcPlane::kXy, {.ijk = {500, 0, 0}}, false, 1);
 }

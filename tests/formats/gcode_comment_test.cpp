@@ -27,7 +27,7 @@ TEST(GcodeComment, RunsNothingInLinuxcnc) {
   EXPECT_EQ(gcode_comment(Post::kFanuc, "py,x"), "(PY,X)");
 }
 
-// grbl takes ? ! ~ and all bytes above 0x7f out of the stream and carries them out.
+// grbl removes ? ! ~ and all bytes above 0x7f from the stream and executes them.
 TEST(GcodeComment, CommandsNothingInGrbl) {
   std::string every;
   for (int c = 1; c < 256; ++c) every += static_cast<char>(c);

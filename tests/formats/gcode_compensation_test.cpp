@@ -18,7 +18,7 @@ using testing::HasSubstr;
 const std::string kStart = "G21 G17 G90 G94 F100\nT1 M6\nG0 X-10 Y-5 Z0\n";
 
 TEST(GcodeCompensation, RoundsOutsideCornersWithArcs) {
-  // A square of 10 mm, clockwise, with the tool of 2 mm diameter outside of it.
+  // A square of 10 mm, clockwise, with the tool of 2 mm diameter outside it.
   EXPECT_EQ(
       moves_of(kStart + "G41 D1\nG1 X0 Y-5\nY10\nX10\nY0\nX-5\nG40\nG0 Z5\nM2\n"),
       "R -10 -5 0, F -1 -4 0, F -1 10 0, A 0 11 0, F 10 11 0, A 11 10 0, F 11 0 0, A 10 -1 0, "
@@ -30,7 +30,7 @@ TEST(GcodeCompensation, StopsAtTheIntersectionInInsideCorners) {
             "R -10 -5 0, F 0 -6 0, A 1 -5 0, F 1 9 0, F 9 9 0, F 9 0 0, R 10 0 5");
 }
 
-// The tool center is never nearer to the programmed contour than the tool's radius.
+// The tool center is never closer to the programmed contour than the tool's radius.
 TEST(GcodeCompensation, StaysOutsideOfAPolygon) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> radius(15, 30);

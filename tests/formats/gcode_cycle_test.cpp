@@ -59,8 +59,8 @@ TEST(GcodeCycle, PeckDwellAndBoreCyclesExpandAsInLinuxCnc) {
             "R 0 0 10, R 0 0 10, R 0 0 1, F 0 0 -1, D 1");
 }
 
-// Whether the last peck reaches the bottom is decided by the last bit, in program units, as in
-// LinuxCNC: in mm the last peck of each would end there.
+// In program units, as in LinuxCNC, the last bit decides whether the last peck reaches the bottom.
+// In mm the last peck of each would end there.
 TEST(GcodeCycle, CountsPecksInProgramUnits) {
   const auto feeds = [](const std::string& program) {
     const std::string moves = moves_of("G20 G90 G94 F100 S500 M3\n" + program + "\nM2\n");
@@ -68,14 +68,14 @@ TEST(GcodeCycle, CountsPecksInProgramUnits) {
   };
   EXPECT_EQ(feeds("G0 X0 Y0 Z0.263\nG91 G98 G73 X1 Z-0.162 R-0.019 Q0.054"), 4);
   EXPECT_EQ(feeds("G0 X0 Y0 Z1\nG98 G83 X1 Z-0.021 R0.001 Q0.011"), 3);
-  // The level of the second cycle is that at which the first one ended.
+  // The second cycle starts at the level at which the first one ended.
   EXPECT_EQ(feeds("G0 X0 Y0 Z0.5\nG91 G99 G81 X1 Z-0.1 R-0.237\nG73 X1 Z-0.162 R-0.019 Q0.054"),
             1 + 4);
   // 0.771 inch in mm divided by 25.4 is not 0.771.
   EXPECT_EQ(feeds("G0 X0 Y0 Z0.771\nG91 G98 G73 X1 Z-0.118 R-0.001 Q0.059"), 3);
 }
 
-// LinuxCNC swaps the axes of G74 and G84 in G18 and G19; Kerf taps along the plane's normal.
+// LinuxCNC swaps the axes of G74 and G84 in G18 and G19. Kerf taps along the plane's normal.
 TEST(GcodeCycle, TapsAlongTheNormalOfEveryPlane) {
   EXPECT_EQ(moves_of("F100 S100 M3\nG0 X10 Y0 Z0\nG19 G99 G84 Y1 Z2 X-5 R3\nM2\n"),
             "R 10 0 0, R 10 1 2, R 3 1 2, F -5 1 2, D 0, F 3 1 2");

@@ -124,7 +124,7 @@ TEST(MacroFlow, MacroCallsHaveArgumentsAndVacantVariables) {
   EXPECT_EQ(fanuc("O1\nG65 P9010 X1 Y2 I3\nM30\nO9010\nG0 X#24 Y#25 Z#4\nIF[#1EQ#0]GOTO5\nG0 "
                   "X99\nN5 M99\n"),
             "R 1 2 3");
-  // A vacant variable removes its word and counts as 0 in a sum, but is not equal to 0.
+  // A vacant variable removes its word and counts as 0 in a sum, but does not equal 0.
   EXPECT_EQ(fanuc("G0 X5\nG0 X#1 Y1\nG0 X[#1+2]\nIF[#1EQ0]GOTO9\nG0 Z1\nN9 M30\n"),
             "R 5 0 0, R 5 1 0, R 2 1 0, R 2 1 1");
   EXPECT_EQ(fanuc("O1\nG66 P2 A1\nG90 G0 X1\nX2\nG67\nX3\nM30\nO2\nG91 G0 Y#1\nG90\nM99\n"),

@@ -82,7 +82,7 @@ TEST(GcodeEnvironment, MachineZeroIsKnownWithParameterFile) {
   ASSERT_TRUE(program.has_value()) << to_string(program.error());
   std::vector<Vec3> ends;
   for (const ProgramMotion& motion : program->motions) ends.push_back(motion.to.tip_mm);
-  // The scene's origin is that of G54; other positions follow from the machine zero.
+  // The scene's origin is that of G54. Other positions follow from the machine zero.
   EXPECT_THAT(ends, testing::ElementsAre(Vec3{0, 0, -1}, Vec3{0, 0, 10}, Vec3{-10, -20, 70},
                                          Vec3{5, -20, 70}));
   EXPECT_THAT(program->warnings, IsEmpty());

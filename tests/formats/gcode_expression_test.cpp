@@ -15,7 +15,7 @@ GcodeBlock block_of(const std::string& line, GcodeParameters& parameters) {
   return parse_gcode_block(split_gcode_line(line).code, parameters);
 }
 
-// The value of the word in a line such as "x[1+2]".
+// Returns the value of the word in a line such as "x[1+2]".
 double value_of(const std::string& text, const std::string& before = "") {
   GcodeParameters parameters;
   if (!before.empty()) block_of(before, parameters);

@@ -44,7 +44,7 @@ TEST(FanucBlock, HomesDwellsAndCodesWithoutMotion) {
   EXPECT_THAT(refused("G68.2 X0 Y0 Z0 I0 J30 K0\n"), HasSubstr("tilts the working plane"));
 }
 
-// I is the radius of the hole, D1 takes 1 mm off it. Half a circle leads to it and back.
+// I is the radius of the hole; D1 takes 1 mm off. Half a circle leads to it and back.
 TEST(FanucBlock, CircularPocketsOfHaas) {
   EXPECT_EQ(haas("T1\nG0 X10 Y20 Z1\nG13 I5. D1 Z-2. F100\nG1 X0\nM30\n"),
             "R 10 20 1, F 10 20 -2, A 14 20 -2, A 14 20 -2, A 10 20 -2, F 0 20 -2");
@@ -71,7 +71,7 @@ TEST(FanucBlock, HolesOnACircleOfHaas) {
   EXPECT_THAT(refused("G70 I5. L2\n", Dialect::kHaas), HasSubstr("active canned cycle"));
 }
 
-// G40 alone moves nothing; what retracts behind it goes straight up.
+// G40 alone causes no motion. A retraction after it goes straight up.
 TEST(FanucBlock, ARetractionBehindG40StaysBesideThePath) {
   const std::string start = "T1\nG41 D1 G1 X-20 Y0 F9\nX0\nG40\n";
   EXPECT_EQ(fanuc(start + "G0 Z9\nM30\n"), "F -20 1 0, F 0 1 0, R 0 1 9");
@@ -129,7 +129,7 @@ TEST(FanucBlock, OffsetsAreInTheUnitOfTheProgram) {
 }
 
 TEST(FanucBlock, RotatesTheProgramAboutACenter) {
-  // Y1 beside (10, 0) turned by 90 degrees is X-1 beside it.
+  // Y1 next to (10, 0), turned by 90 degrees, is X-1 next to it.
   EXPECT_EQ(fanuc("G68 X10 Y0 R90\nG0 X10 Y1\nG1 X11 Y0 F9\nG69\nG0 X1 Y2\nM30\n"),
             "R 9 0 0, F 10 1 0, R 1 2 0");
   EXPECT_EQ(fanuc("G52 X100\nG68 X10 Y0 R180\nG0 X11 Y0\nG69\nG0 X0 Y0\nM30\n"),
@@ -168,7 +168,7 @@ TEST(FanucBlock, TheEndOfAnotherTransformationChangesNothing) {
 }
 
 TEST(FanucBlock, ScalingDoesNotScaleTheTool) {
-  // A tool of 2 mm left of the line Y-20 is at Y-19.
+  // A tool of 2 mm to the left of the line Y-20 is at Y-19.
   EXPECT_THAT(fanuc("G0 X0 Y-20\nG51 X0 Y0 I2. J2.\nG1 X-20 Y-20 F9\nG41 D1 X-10 Y-10\nX10\n"
                     "G40 X20 Y-10\nM30\n"),
               HasSubstr("F 20 -19 0"));

@@ -37,7 +37,7 @@ TEST(GcodeFlow, BreakAndContinueAffectTheirOwnLoop) {
 }
 
 TEST(GcodeFlow, BreakDoesNotEndTheNextLoop) {
-  // LinuxCNC does not clear the break and leaves the next do after one pass.
+  // LinuxCNC does not clear the break and leaves the next do loop after one pass.
   EXPECT_EQ(
       moves_of("o1 while [1]\no1 break\no1 endwhile\n#1=0\no2 do\n#1=[#1+1]\nG0 X#1\no2 while "
                "[#1 lt 3]\nM2\n"),
@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{"#<_x>=1\n", 1, "#<_x>", "read-only"}),
     [](const auto& name) { return "Case" + std::to_string(name.index); });
 
-// Without subroutine folders no file is read.
+// Without subroutine folders the reader opens no file.
 TEST(GcodeFlow, SubroutineFilesAreReadFromTheGivenFoldersOnly) {
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / "kerf_gcode_flow_test";

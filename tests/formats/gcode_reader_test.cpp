@@ -38,7 +38,7 @@ TEST(GcodeReader, BlocksBecomeMotionsWithLineToolAndDuration) {
 }
 
 TEST(GcodeReader, RapidsBeforeTheFirstCutPlaceTheToolWithoutMotion) {
-  // A straight path to X-40 would cross the block; a real tool comes from its changer.
+  // A straight path to X-40 would cross the block. A real tool comes from its changer.
   const Program program =
       gcode(scene_for("xyz"), "T1 M6\nG0 Z20\nX-40 Y3\nZ-5\nG1 X-30 F100\nM2\n");
   ASSERT_EQ(program.motions.size(), 2u);
@@ -58,7 +58,7 @@ TEST(GcodeReader, AToolThatIsPlacedInStockTakesTheSameByNoLengthAsByAMicrometre)
   const double taken = test::removed_mm3(scene, moved);
   EXPECT_GT(taken, 1);
   EXPECT_NEAR(test::removed_mm3(scene, still), taken, 0.05);
-  // Another tool at the same place; a rapid that states it again is no motion.
+  // Another tool at the same position; a rapid to the same position is no motion.
   const std::string other = placed + again + "T2 M6\n";
   EXPECT_EQ(gcode(scene, other + again + again + "M2\n").motions.size(), 2U);
   EXPECT_EQ(gcode(scene, other + "G0 X0 Y0\nM2\n").motions.size(), 1U);

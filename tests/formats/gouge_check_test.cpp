@@ -60,11 +60,11 @@ TEST_F(GougeCheckTest, TheDeepestPlaceIsBelowTheGrooveThatIsTooDeep) {
   GougeCheck check(reference_, before, block_.snapshot(), tiles);
   EXPECT_TRUE(check.advance(1'000'000));
   ASSERT_TRUE(check.deepest());
-  EXPECT_NEAR(check.deepest()->depth_mm, 0.5, 0.02);  // the mesh of the groove is that exact
+  EXPECT_NEAR(check.deepest()->depth_mm, 0.5, 0.02);  // the mesh of the groove has this accuracy
   EXPECT_NEAR(check.deepest()->at_mm.y, 10, kPitchMm);
 }
 
-/// What an earlier motion has cut too deep is not cut again by the next one.
+/// An earlier gouge does not count for the next motion.
 TEST_F(GougeCheckTest, EarlierCutsDoNotCount) {
   cut(block_, {5, 10, 5.5}, {35, 10, 6.5}, 3);
   const auto before = block_.snapshot();
@@ -74,7 +74,7 @@ TEST_F(GougeCheckTest, EarlierCutsDoNotCount) {
   EXPECT_FALSE(check.deepest());
 }
 
-/// The second cut leaves what is on top of its columns as it is.
+/// The second cut leaves the tops of its columns unchanged.
 TEST_F(GougeCheckTest, FindsGougesBelowAnOverhang) {
   const auto cut_from_the_side = [&](double z) {
     const Vec3 side{1, 0, 0};

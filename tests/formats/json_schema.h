@@ -7,20 +7,20 @@
 
 namespace kerf::test {
 
-/// A place at which a value violates a schema, and the keyword that it violates.
+/// A position at which a value violates a schema, and the violated keyword.
 struct SchemaFault {
   std::string path;  ///< JSON pointer
   std::string keyword;
 };
 
-/// Validates values against a JSON Schema (draft 7) that uses a part of its keywords; another
-/// keyword throws std::invalid_argument, so that nothing is ignored.
+/// Validates values against a JSON Schema (draft 7) with a subset of its keywords. Another keyword
+/// throws std::invalid_argument, so that none is ignored silently.
 class JsonSchema {
  public:
   explicit JsonSchema(nlohmann::json schema) : root_(std::move(schema)) {}
 
-  /// Returns the faults of a value, none if it is valid. Of alternatives (oneOf) that name a kind
-  /// in a const or enum, those of the one whose kind the value has.
+  /// Returns the faults of a value; empty if it is valid. If alternatives (oneOf) name a kind in a
+  /// const or enum, returns the faults against the alternative with the value's kind.
   std::vector<SchemaFault> faults(const nlohmann::json& value) const;
 
  private:

@@ -56,7 +56,7 @@ TEST(MachineKinematics, APositiveAngleMayTurnTheTool) {
     expect_near(table_axis(tool, found), axis, 1e-14);
     EXPECT_NEAR(found.c, 40, 1e-9);
   }
-  // B30 of ISO 841 leans the tool towards +X.
+  // In ISO 841, B30 tilts the tool towards +X.
   const std::string text = "G43.4 H1\nG0 X0 Y0 Z5 B30 C0\nG1 X1 F99\nM30\n";
   Scene scene = scene_for("xyzbc-trt");
   GcodeEnvironment environment;
@@ -133,7 +133,7 @@ TEST(MachineKinematics, TipStaysOnItsLineWithToolCenterPoint) {
 }
 
 TEST(MachineKinematics, FullTurnsOfTheTableAreKept) {
-  // Start and end axis are equal; in between the tool axis moves on a cone.
+  // Start and end axis are equal; between them the tool axis moves on a cone.
   const Program program =
       gcode(scene_for("xyzac-trt"), "T1 M6\nG43.4\nG0 X0 Y0 Z0 A20 C0\nG1 C1440 F600\nM2\n");
   double turned = 0;

@@ -56,7 +56,7 @@ TEST(KlartextArea, RectangularPocketsHaveRoundCorners) {
       kDepth;
   const double exact = 6 * (60 * 40 - (4 - pi) * 64);
   EXPECT_NEAR(removed(pocket + "L X+5 Y-3 FMAX M99\n") / exact, 1, 0.02);
-  // From its lower left corner.
+  // Measured from its lower left corner.
   std::string corner = pocket;
   corner.replace(corner.find("Q367=0"), 6, "Q367=1");
   corner.replace(corner.find("Q224=+30"), 8, "Q224=+0");
@@ -92,7 +92,7 @@ TEST(KlartextArea, SlotsAndStuds) {
       "Q378=180 ~\n Q377=2 ~\n" +
       kDepth + "CYCL CALL\n");
   EXPECT_NEAR(ring / (2 * 6 * (pi / 6 * (36 * 36 - 24 * 24) + pi * 36)), 1, 0.02);
-  // The blank, the stud less, within a stock that is as large as the blank.
+  // The blank minus the stud, within a stock as large as the blank.
   const double stud = removed(
       "CYCL DEF 256 RECTANGULAR STUD ~\n Q218=50 ~\n Q424=100 ~\n Q219=40 "
       "~\n Q425=100 ~\n Q220=5 ~\n Q368=0 ~\n" +
@@ -135,7 +135,7 @@ TEST(KlartextArea, RefusesWhatItDoesNotModel) {
       HasSubstr("100000 moves"));
 }
 
-// The contour goes along Y; the tool, of 10 mm, is on its left, at X -5.
+// The contour runs along Y. The tool of 10 mm is to its left, at X -5.
 TEST(KlartextApproach, ComesBesideTheContour) {
   const std::string behind = "L Y+20\nDEP LT LEN5\n";
   const auto lt = ends("L X-30 Y-30 Z-1 R0 F500\nAPPR LT X+0 Y+0 LEN10 RL F300\n" + behind);
@@ -171,8 +171,8 @@ TEST(KlartextApproach, ArcsAreTangentialToTheContour) {
   EXPECT_THAT(lct, Contains(Vec3{-25, 0, -1}));
 }
 
-// A line with RL ends beside the contour, across the first element, however short it is; moves
-// along Z come between.
+// A line with RL ends next to the contour, across the first element, however short that is. Moves
+// along Z may come between.
 TEST(KlartextApproach, ALineEndsAcrossTheFirstElement) {
   const auto path =
       ends("L X-3 Y+2 R0 F500\nL X+0 Y+0 RL\nL Z-2 F100\nL Z-3\nL Y+20 F500\nL X+10\nL Z+5 R0\n");
@@ -180,13 +180,13 @@ TEST(KlartextApproach, ALineEndsAcrossTheFirstElement) {
               ElementsAre(Vec3{-3, 2, 5}, Vec3{-5, 0, 5}, Vec3{-5, 0, -2}, Vec3{-5, 0, -3},
                           Vec3{-5, 20, -3}));
   EXPECT_EQ(path[path.size() - 2], (Vec3{10, 25, -3}));
-  // Without a contour: across the line.
+  // Without a contour it ends across the line.
   EXPECT_THAT(ends("L X-30 Y+0 R0 F500\nL X+0 RL\nL Z+9 R0\n"),
               ElementsAre(Vec3{-30, 0, 5}, Vec3{0, 5, 5}, Vec3{0, 5, 9}));
   EXPECT_EQ(ends("L X-30 Y+0 R0 F500\nL X+0 RR\n").back(), (Vec3{0, -5, 5}));
 }
 
-// The arc is smaller than the tool: the path can only be that of its center.
+// The arc is smaller than the tool, so the path can only be that of the tool's center.
 TEST(KlartextApproach, PathsThatTheToolCannotFollowAreThoseOfItsCenter) {
   const auto program =
       read("L X-30 Y+0 R0 F500\nL X+0 RL\nL X+20\nCC X+20 Y+3\nC X+20 Y+6 DR+\nL X+0\nL Y+30 R0\n");

@@ -26,7 +26,7 @@ std::expected<Program, ProgramError> read(const std::string& text, const char* m
   return parse_program("p.h", text, scene_for(machine));
 }
 
-// Ends of the motions behind the head, rounded to 0.001 mm.
+// Ends of the motions after the head, rounded to 0.001 mm.
 std::vector<Vec3> ends(const std::string& body, const char* machine = "xyz") {
   const auto program = read(kHead + body + "END PGM T MM\n", machine);
   EXPECT_TRUE(program) << to_string(program.error());
@@ -48,7 +48,7 @@ TEST(Klartext, IsReadByNameToo) {
   EXPECT_FALSE(parse_program("p.nc", text, scene_for("xyz")));
 }
 
-// A square of 40 mm that a tool of 10 mm follows outside.
+// A square of 40 mm that a tool of 10 mm follows on the outside.
 TEST(Klartext, CompensationStaysBesideTheContour) {
   const auto path = ends(
       "L X+20 Y-30 R0 FMAX\nL Z-1 F500\nL X+20 Y+0 RR\nL X+40\nL Y+40\nL X+0\nL Y+0\nL X+20\n"
@@ -62,7 +62,7 @@ TEST(Klartext, CompensationStaysBesideTheContour) {
   EXPECT_NEAR(left, -5, 1e-9);
   EXPECT_NEAR(right, 45, 1e-9);
   EXPECT_NEAR(back, 45, 1e-9);
-  // R0 alone leaves the tool beside the contour until it moves in X and Y.
+  // R0 alone leaves the tool next to the contour until it moves in X and Y.
   EXPECT_THAT(path, Contains(Vec3{20, -5, 5}));
   EXPECT_EQ(path.back(), (Vec3{20, -30, 5}));
 }
@@ -115,7 +115,7 @@ TEST(Klartext, ArcsGoAboutThePole) {
 }
 
 TEST(Klartext, ARampOfAPostRollsIntoTheCut) {
-  // The center lies below in the plane of X and Z: from (8, 7) down to (0, -1).
+  // The center is below, in the plane of X and Z: from (8, 7) down to (0, -1).
   const auto path = ends("L X+8 Z+7 FMAX\nCC X+0 Z+7\nCP IPA+90 DR+ F1000\n");
   EXPECT_EQ(path.back(), (Vec3{0, 0, -1}));
   for (std::size_t i = 1; i < path.size(); ++i)
@@ -197,7 +197,7 @@ TEST(Klartext, PlaneSpatialTurnsTheCoordinatesAndTheTool) {
                             "xyzac-trt");
   ASSERT_TRUE(program) << to_string(program.error());
   const ProgramMotion& tilted = program->motions.at(1);
-  // X stays, Y of the plane is Z, Z of the plane is -Y.
+  // X stays; the plane's Y is Z, and its Z is -Y.
   EXPECT_NEAR(tilted.from.tip_mm.x, 1, 1e-6);
   EXPECT_NEAR(tilted.from.tip_mm.y, -3, 1e-6);
   EXPECT_NEAR(tilted.from.tip_mm.z, 2, 1e-6);
@@ -214,7 +214,7 @@ TEST(Klartext, M128KeepsTheTipWhileAxesTurn) {
   EXPECT_NEAR(program->motions.back().to.axis.z, std::cos(std::acos(-1.0) / 6), 1e-9);
 }
 
-// By how much the tool axis turns about Z at feed on a trunnion, deg.
+// The angle by which the tool axis turns about Z at feed on a trunnion, deg.
 double turned(const std::string& body) {
   const auto program = read(kHead + body + "END PGM T MM\n", "xyzac-trt");
   EXPECT_TRUE(program) << to_string(program.error());
@@ -230,7 +230,7 @@ double turned(const std::string& body) {
 }
 
 TEST(Klartext, M126TurnsTheShorterPath) {
-  // The axis of the tool turns against the table, here beside C only.
+  // The tool axis turns relative to the table, here in addition to C.
   const std::string from = "L A+30 C+350 FMAX\nM128\nL Z+1 F100\n";
   EXPECT_NEAR(turned(from + "L C+10\n"), 340, 1e-3) << "the other sign of C";
   EXPECT_NEAR(turned(from + "M126\nL C+10\n"), -20, 1e-3);
@@ -264,7 +264,7 @@ TEST(Klartext, TablesTurnInMachineCoordinates) {
 const std::string kDrill =
     "CYCL DEF 200 DRILLING ~\nQ200=2 ~\nQ201=-7 ~\nQ206=30 ~\nQ203=0 ~\nQ204=2\n";
 
-// The places that are drilled.
+// The positions of the holes.
 std::vector<double> holes(const std::string& body) {
   std::vector<double> at;
   for (const Vec3& p : ends(kDrill + body))
@@ -291,7 +291,7 @@ TEST(Klartext, HolesAreDrilledAlongTheAxisOrRefused) {
   EXPECT_THAT(refused(turn + "M128\nM140 MB50\n", "xyzac-trt"), HasSubstr("M128"));
 }
 
-// Tool 1 has a radius of 5 mm. The path is that of a tool which is larger by DR.
+// Tool 1 has a radius of 5 mm. The path is that of a tool larger by DR.
 TEST(Klartext, DrOfToolCallIsAddedToTheRadius) {
   const auto beside = [](const std::string& words) {
     return ends("TOOL CALL 1 Z S1000 " + words +

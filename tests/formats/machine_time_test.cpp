@@ -50,14 +50,14 @@ TEST(MachineTime, TheSlowestAxisOnADirectionLimitsIt) {
   slow.speed_max_mm_per_s.y = 10;
   slow.acceleration_mm_per_s2.y = 100;
   MachineTime time(slow);
-  time.add(motion({0, 0, 0}, {30, 40, 0}, 1e9));  // 0.8 of it along Y
+  time.add(motion({0, 0, 0}, {30, 40, 0}, 1e9));  // 0.8 of it is along Y
   EXPECT_NEAR(time.total_s(), 50 / 12.5 + 12.5 / 125, 1e-9);
 }
 
 TEST(MachineTime, StraightPathsAreOneMotionHoweverTheyAreDivided) {
   MachineTime whole(dynamics()), divided(dynamics());
   whole.add(motion({0, 0, 0}, {100, 0, 0}, 50));
-  constexpr int kParts = 1000;  // far more than the control looks ahead
+  constexpr int kParts = 1000;  // far more than the control's look-ahead
   for (int i = 0; i < kParts; ++i) divided.add(motion({0.1 * i, 0, 0}, {0.1 * (i + 1), 0, 0}, 50));
   EXPECT_NEAR(divided.total_s(), whole.total_s(), 1e-6);
 }

@@ -31,7 +31,7 @@ ProgramMotion motion(const ToolPose& from, const ToolPose& to) {
   return {1, from, to, 1, 0, false};
 }
 
-// Two slots through the block with a rib between them, whose middle is at `middle`.
+// Two slots through the block with a rib between them, whose middle is `middle`.
 Job two_slots(Vec3 along, Vec3 middle, double rib_mm = kRibMm) {
   const Vec3 half = Vec3{-along.y, along.x, 0} * ((kToolMm + rib_mm) / 2);
   const Vec3 floor{middle.x, middle.y, 10 - kDepthMm}, far = along * 40;
@@ -40,8 +40,8 @@ Job two_slots(Vec3 along, Vec3 middle, double rib_mm = kRibMm) {
            motion({floor - half - far}, {floor - half + far})}};
 }
 const double kHalf = std::sqrt(0.5);
-// Columns are at odd multiples of 0.15 mm: the rib along x lies from 14.93 to 15.07, the diagonal
-// one between two diagonals of columns, which are 0.212 mm apart.
+// Columns are at odd multiples of 0.15 mm. The rib along x spans 14.93 to 15.07; the diagonal one
+// is between two diagonals of columns, 0.212 mm apart.
 Job rib_along_x() { return two_slots({1, 0, 0}, {15, 15, 0}); }
 Job diagonal_rib() { return two_slots({kHalf, kHalf, 0}, {15, 15.15, 0}); }
 
@@ -99,7 +99,8 @@ TEST(CutSurface, EqualSolidsGiveEqualPoints) {
 TEST(MissingSurface, RibBetweenTheRaysIsAnErrorOfItsHeight) {
   for (const Job& job : {rib_along_x(), diagonal_rib()}) {
     for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
-      // The distance from the mesh to the solid hides it: the floor is near the rib's foot.
+      // The distance from the mesh to the solid hides the loss, because the floor is near the rib's
+      // foot.
       EXPECT_LT(measure_surface(carve(job, rays), job.truth, kSamples).max_mm, 0.15);
       EXPECT_GT(missing_mm(job, rays), 2);
     }
@@ -152,11 +153,11 @@ TEST(ThinWalls, WallBesideTheBorderOfTheStockIsFound) {
 TEST(ThinWalls, ThickWallsRidgesAndFloorsAreNotReported) {
   EXPECT_TRUE(walls_of(two_slots({1, 0, 0}, {15, 15, 0}, 0.33)).empty());
   EXPECT_TRUE(walls_of(two_slots({kHalf, kHalf, 0}, {15, 15.15, 0}, 0.33)).empty());
-  // Two balls beside each other leave a blunt ridge.
+  // Two parallel ball passes leave a blunt ridge.
   EXPECT_TRUE(walls_of(Job(BallShape{6, 30}, {motion({{-5, 13, 7}}, {{35, 13, 7}}),
                                               motion({{-5, 17, 7}}, {{35, 17, 7}})}))
                   .empty());
-  // A horizontal web of 0.14 mm: every ray along Z meets it.
+  // A horizontal web of 0.14 mm: every ray along Z hits it.
   const Vec3 lying{0, -1, 0};
   EXPECT_TRUE(walls_of(Job(FlatShape{kToolMm, 30},
                            {motion({{-5, 10, 5}, lying}, {{35, 10, 5}, lying}),
@@ -206,12 +207,12 @@ TEST(NarrowGrooves, WideShallowAndHorizontalGroovesAreNotReported) {
   // 0.1 mm deep: the air above is within a pitch.
   EXPECT_TRUE(
       grooves_of(Job(FlatShape{0.14, 30}, {motion({{-5, 15, 9.9}}, {{35, 15, 9.9}})})).empty());
-  // A pocket that a thin tool widens to 0.4 mm.
+  // A pocket widened by a thin tool to 0.4 mm.
   std::vector<ProgramMotion> rows;
   for (const double y : {15.0, 15.1, 15.2, 15.26})
     rows.push_back(motion({{-5, y, 6}}, {{35, y, 6}}));
   EXPECT_TRUE(grooves_of(Job(FlatShape{0.14, 30}, rows)).empty());
-  // A horizontal groove of 0.14 mm: every ray along Z meets it.
+  // A horizontal groove of 0.14 mm: every ray along Z hits it.
   const Vec3 lying{0, -1, 0};
   EXPECT_TRUE(
       grooves_of(Job(FlatShape{0.14, 30}, {motion({{-5, 10, 5}, lying}, {{35, 10, 5}, lying})}))

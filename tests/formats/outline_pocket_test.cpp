@@ -89,13 +89,13 @@ const AreaPath kCircle{
 const AreaPath kLetter{{.x = 0, .y = 8},  {.x = -9, .y = 8}, {.x = -9, .y = -8}, {.x = 9, .y = -8},
                        {.x = 9, .y = -2}, {.x = 0, .y = -2}, {.x = 0, .y = 8}};
 
-// Every point that the tool reaches from a place within the outline is cut, no other one is.
+// Cuts every point that the tool reaches from a position within the outline, and no other point.
 void expect_cleared(const AreaPath& outline, double radius, double step, bool along_x) {
   const OutlinePocket pocket(outline, radius);
   const auto strokes = pocket.strokes(step, along_x);
   ASSERT_TRUE(strokes);
   const std::vector<OutlinePoint> wall = chords_of(outline), loop = chords_of(pocket.loop());
-  std::vector<OutlinePoint> places;  // the outermost ones
+  std::vector<OutlinePoint> places;  // the outermost positions
   for (double x = -20; x <= 20; x += 0.11)
     for (double y = -20; y <= 20; y += 0.11)
       if (const double off = distance_to(wall, x, y);
@@ -153,8 +153,8 @@ std::string square(const std::string& words) {
   return "T1\nG0 X0 Y0 Z5\nF100\nG150 P7 " + words + "\nG0 Z9\n" + kSquare;
 }
 
-// D1 is a tool of radius 1. The outline is read without a motion; the loop begins beside the end of
-// its first line. Strokes keep 0.001 mm more than the radius.
+// D1 is a tool of radius 1. Reading the outline causes no motion. The loop begins next to the end
+// of its first line. Strokes keep 0.001 mm more than the radius.
 TEST(HaasG150, MillsWithinItsOutline) {
   EXPECT_EQ(haas(square("X0 Y0 Z-1. R1. Q5. J4. G41 D1")),
             "R 0 0 5, R 0 0 1, F 0 0 -1, F 4 -4 -1, F 4 4 -1, F -4 4 -1, F -4 -4 -1, F 0 -4 -1, "

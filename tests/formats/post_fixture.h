@@ -28,7 +28,7 @@ inline std::string text_of(const Program& program, const Scene& scene, Post post
   return out.str();
 }
 
-/// Reads a program by the reader of the same control, perhaps with the tools of a table.
+/// Reads a program with the reader of the same control, optionally with a tool table.
 inline Program read_back(const Scene& scene, const std::string& text, Post post,
                          std::optional<ToolTable> tools = {}) {
   GcodeEnvironment environment;

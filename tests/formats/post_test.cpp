@@ -91,7 +91,7 @@ TEST(Post, NumbersAreRoundedToWhatTheControlTakes) {
   }
 }
 
-// Samples of a hand at rest are shorter than the last decimal: their time is not lost.
+// Samples of a hand at rest are shorter than the last decimal. Their time is not lost.
 TEST(Post, MotionsBelowTheLastDecimalAreAddedToTheNext) {
   const Scene scene = scene_for("xyz");
   Program program;
@@ -101,7 +101,7 @@ TEST(Post, MotionsBelowTheLastDecimalAreAddedToTheNext) {
                                .to = {{(n + 1) * 1e-4, 0, 0}, {0, 0, 1}},
                                .duration_s = 0.001});
   const std::string text = text_of(program, scene, Post::kFanuc);
-  EXPECT_LT(std::ranges::count(text, '\n'), 1100);  // a thousand of 0.001 mm, not 10,000
+  EXPECT_LT(std::ranges::count(text, '\n'), 1100);  // a thousand motions of 0.001 mm, not 10,000
   const Program read = read_back(scene, text, Post::kFanuc);
   double seconds = 0;
   for (const ProgramMotion& motion : read.motions) seconds += motion.duration_s;
@@ -193,7 +193,7 @@ TEST(Post, SpindleCoolantStopsAndCommentsAreCarried) {
       if (post == Post::kFanuc)
         for (char& c : remark.said.text) c = static_cast<char>(std::toupper(c));
       if (remark.said.text.starts_with("pocket") || remark.said.text.starts_with("POCKET"))
-        continue;  // said before the first tool change, as a head is
+        continue;  // issued before the first tool change, like a head
       expected.push_back(remark);
     }
     EXPECT_EQ(shown(read.remarks), shown(expected)) << text;
@@ -260,7 +260,7 @@ TEST(Post, NamesAreThoseOfTheCommandLine) {
   EXPECT_EQ(post_of("mach3"), std::nullopt);
 }
 
-// Joining motions keeps a remark where it is said.
+// Joining motions keeps a remark at its position.
 TEST(Post, MotionsAreNotJoinedAcrossARemark) {
   const Scene scene = scene_for("xyz");
   const Program source =

@@ -45,7 +45,7 @@ double carved_bytes(const Scene& scene, const std::vector<ProgramMotion>& motion
   return double(block.memory_bytes());
 }
 
-/// Each call is a microsecond after the one before.
+/// Each call is a microsecond after the previous one.
 struct CountingClock {
   double operator()() { return 1e-6 * ++calls; }
   int calls = 0;
@@ -66,7 +66,7 @@ TEST(Price, MemoryOfAProgramIsThatOfItsSampleForAllTilesItReaches) {
 TEST(Price, WindowsOfALongProgramStandForAllOfIt) {
   const Scene scene = scene_with("dexel");
   const auto motions = rows(0.1, 0, 80);
-  // By this clock the whole would take longer than there is time.
+  // By this clock the whole would exceed the time limit.
   double now_s = 0;
   const Price price = price_of_program(scene, motions, [&] { return now_s += 1e-2; });
   EXPECT_LT(price.motions, motions.size() / 4);
@@ -103,7 +103,7 @@ TEST(Price, AHandCarvesTheWholeBlock) {
     EXPECT_GT(price.bytes, 0.7 * carved) << rays;
     EXPECT_LT(price.bytes, 1.5 * carved + 2e6) << rays;
   }
-  // A machine without rotary axes leans no tool.
+  // A machine without rotary axes tilts no tool.
   for (const ProgramMotion& motion : sample_hand(scene_with("dexel", "xyz")))
     EXPECT_EQ(motion.to.axis, (Vec3{0, 0, 1}));
 }

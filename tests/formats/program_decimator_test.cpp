@@ -45,7 +45,7 @@ std::vector<ProgramMotion> joined(const std::vector<ProgramMotion>& motions, con
   return out;
 }
 
-/// Short motions as of a haptic device: a path whose curvature and tilt change randomly.
+/// Short motions like those of a haptic device: a path whose curvature and tilt change randomly.
 std::vector<ProgramMotion> device_motions(std::uint64_t seed, int count) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> any(-1, 1);
@@ -111,8 +111,7 @@ TEST(ProgramDecimator, JoinsStraightMotionsOnly) {
     motions.push_back({.tool = 1, .from = pose(n, 0), .to = pose(n + 1, 0), .duration_s = 1});
   }
   EXPECT_EQ(joined(motions, scene, 1e-6).size(), 1U);
-  // A corner, a reversal, a rest, a rapid, another tool and a jump each start a motion of their
-  // own.
+  // A corner, a reversal, a rest, a rapid, a tool change and a jump each start a new motion.
   motions = {{.tool = 1, .from = pose(0, 0), .to = pose(1, 0), .duration_s = 1},
              {.tool = 1, .from = pose(1, 0), .to = pose(1, 1), .duration_s = 1},
              {.tool = 1, .from = pose(1, 1), .to = pose(1, 0), .duration_s = 1},

@@ -18,12 +18,12 @@ namespace {
 
 using testing::HasSubstr;
 
-/// More than a step may make: the pieces of a path, and the lines of a block.
+/// More than one step may do: the pieces of a path, and the lines of a block.
 constexpr std::size_t kStepMax = 200;
 
 Scene scene_of(const std::string& kinematics) { return test::scene_for(kinematics, 0.001); }
 
-/// Notes the most motions that were given at once.
+/// Records the greatest number of motions passed at once.
 class Counter final : public ProgramVisitor {
  public:
   void begin() override { motions = most = 0; }
@@ -128,7 +128,7 @@ TEST(ProgramReader, ALoopWithoutMotionsIsExecutedInManySteps) {
   }
 }
 
-/// Ends the reading when it has been asked so often.
+/// Ends the reading after this many queries.
 class Impatient final : public ProgramVisitor {
  public:
   explicit Impatient(int patience) : patience_(patience) {}
@@ -141,7 +141,7 @@ class Impatient final : public ProgramVisitor {
   int patience_;
 };
 
-// Each of these takes seconds to its limit of lines or motions.
+// Each of these runs for seconds to its limit of lines or motions.
 TEST(ProgramReader, EndsWithinAStepOfAStop) {
   const Scene scene = scene_of("xyz");
   const Sample endless[] = {

@@ -180,7 +180,7 @@ TEST(Export, KeepsArcsAndReadsBackTheSameMotions) {
   }
 }
 
-// As a CAM system writes them: the radii at both ends differ by some 0.0005 mm.
+// As written by a CAM system: the radii at both ends differ by some 0.0005 mm.
 TEST(Export, KeepsArcsWhoseEndsAreRounded) {
   const Scene scene = scene_for("xyz");
   const std::string text =

@@ -37,7 +37,7 @@ inline Program gcode(const Scene& scene, const std::string& text) {
   return read(scene, "p.ngc", text);
 }
 
-/// Where a program's motions end, rounded to 0.001 mm.
+/// Returns the ends of a program's motions, rounded to 0.001 mm.
 inline std::vector<Vec3> rounded_ends(const Program& program) {
   const auto rounded = [](double v) { return std::round(v * 1000) / 1000 + 0; };
   std::vector<Vec3> tips;

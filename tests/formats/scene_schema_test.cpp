@@ -29,7 +29,7 @@ const test::JsonSchema& schema() {
   return kSchema;
 }
 
-/// Scenes in which every field occurs.
+/// Scenes that together contain every field.
 std::vector<Json> every_field() {
   const char* const stocks[] = {
       R"({"shape": "box", "min_mm": [0, 0, 0], "max_mm": [9, 9, 9]})",
@@ -91,7 +91,7 @@ std::vector<Json> every_field() {
   return scenes;
 }
 
-/// Why the reader rejects a scene; empty if it accepts it.
+/// Returns why the reader rejects a scene; empty if it accepts it.
 std::string rejection(const Json& scene) {
   static const std::string kMesh =
       "solid m\n"
@@ -107,7 +107,7 @@ std::string rejection(const Json& scene) {
   return read ? "" : read.error().path + " " + read.error().reason;
 }
 
-// Adds the places of all values of a document, those in lists of numbers left out.
+// Adds the paths of all values of a document, except those in lists of numbers.
 void add_places(const Json& value, const std::string& at, std::vector<std::string>& places) {
   places.push_back(at);
   if (value.is_array() && !value.empty() && value[0].is_number()) return;
@@ -117,7 +117,7 @@ void add_places(const Json& value, const std::string& at, std::vector<std::strin
     add_places(value[n], at + "/" + std::to_string(n), places);
 }
 
-// Returns the places of the n-th scene; of those after the first only where they differ from it.
+// Returns the paths of the n-th scene; for scenes after the first only where they differ from it.
 std::vector<std::string> places_of(std::size_t n, const Json& scene) {
   std::vector<std::string> places;
   if (n == 0) {
@@ -160,7 +160,7 @@ TEST(SceneSchema, IsNamedByTheScenesOfTheProject) {
     const std::string named = read_json(entry.path())["$schema"];
     EXPECT_EQ(read_json(folder / named)["title"], "Scene of Kerf") << entry.path();
   }
-  // As both are installed (docker/install.cmake).
+  // With the paths of the installed files (docker/install.cmake).
   EXPECT_EQ(read_json(KERF_SOURCE_DIR "/haptic_agent/demo/demo.json")["$schema"],
             "../scene.schema.json");
 }
@@ -180,7 +180,7 @@ TEST(SceneSchema, KnowsTheSameFieldsAsTheReader) {
       if (!scene[at].is_object()) continue;
       for (const std::string& name : names) {
         if (name.find_first_not_of("0123456789") == name.npos || scene[at].contains(name)) continue;
-        // A null is no value of any field: what is known is rejected for its type.
+        // A null is a valid value of no field: known fields are rejected for their type.
         Json changed = scene;
         changed[at][name] = nullptr;
         const std::string reason = rejection(changed);
@@ -220,7 +220,7 @@ TEST(SceneSchema, RejectsNothingThatTheReaderTakes) {
         const std::string reason = rejection(changed);
         const std::string faults = text_of(schema().faults(changed));
         EXPECT_TRUE(!reason.empty() || faults.empty()) << place << ": " << faults << changed;
-        // A type that is wrong, and a field that is missing, are wrong to both.
+        // A wrong type or a missing field is an error for both.
         static const std::regex kStructural(
             "must be (a (finite )?number|a string|a list|an object|true or false)|is missing$");
         const bool structural = std::regex_search(reason, kStructural);

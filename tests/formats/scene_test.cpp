@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// A valid scene in which one text is replaced by another.
+// A valid scene with one text replaced by another.
 std::string with(const std::string& from, const std::string& to) {
   std::string text =
       R"({"name": "chips", "stock": {"shape": "box", "min_mm": [-50,-50,-50], "max_mm": [50,50,0]},
@@ -116,7 +116,7 @@ TEST(Scene, MaterialSetsTheCoefficientsThatAreNotGiven) {
   EXPECT_EQ(milling.cut_n_per_mm2.tangential, 767.01);
   EXPECT_EQ(milling.cut_n_per_mm2.radial, 170.5);
   EXPECT_EQ(milling.edge_n_per_mm.radial, 26.6);
-  // Agents and journals hold the coefficients, not the name: presets may change.
+  // Agents and journals contain the coefficients, not the name, because presets may change.
   const auto again = parse_scene(scene_json(*scene), {});
   ASSERT_TRUE(again) << to_string(again.error());
   EXPECT_EQ(force_json(*again), force_json(*scene));
@@ -274,7 +274,7 @@ TEST(Scene, ExplainListsEveryFieldWithItsMeaning) {
   int count = 0;
   while (std::getline(lines, line)) {
     ++count;
-    // A line of a field without help ends after its value.
+    // The line of a field without help ends after its value.
     EXPECT_FALSE(line.ends_with(' ')) << line;
   }
   EXPECT_EQ(count, 33);

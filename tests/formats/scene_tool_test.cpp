@@ -75,7 +75,7 @@ TEST(SceneTool, FilletsFollowTheTolerance) {
     EXPECT_GT(tool.tool.pieces.size(), M_PI / 4 / std::sqrt(2 * chord / 4));
     EXPECT_LT(tool.tool.pieces.size(), M_PI / 4 / std::sqrt(2 * chord / 4) + 4);
     finer = tool.tool.pieces.size();
-    // An agent that reads the canonical text has the same tool.
+    // An agent that reads the canonical text gets the same tool.
     const auto again = parse_scene(scene_json(*scene), {});
     ASSERT_TRUE(again.has_value()) << to_string(again.error());
     EXPECT_EQ(again->tools.at(1).tool, tool.tool);
@@ -94,7 +94,7 @@ TEST(SceneTool, AGivenChordToleranceIsKept) {
       parse_scene(filleted(R"({"tolerance_mm": 0.1})", R"(, "chord_tolerance_mm": 0.002)"), {})
           .value();
   EXPECT_EQ(std::get<ProfileShape>(scene.tools.at(1).shape).chord_tolerance_mm, 0.002);
-  // A later change of the tolerance reaches the holder only.
+  // A later change of the tolerance affects the holder only.
   scene.settings.tolerance_mm = 0.5;
   ASSERT_TRUE(resolve_chords(scene).has_value());
   EXPECT_EQ(std::get<ProfileShape>(scene.tools.at(1).shape).chord_tolerance_mm, 0.002);
@@ -109,7 +109,8 @@ TEST(SceneTool, AFilletThatNeedsTooManyPiecesIsRejectedAtItsPlace) {
       {});
   ASSERT_FALSE(scene.has_value());
   EXPECT_EQ(scene.error().path, "tools[0].profile_mm[1]");
-  // What is wrong, the limit, what to do, and where a value that the tool does not give is from.
+  // The message states the fault, the limit, the remedy, and the source of a value that the tool
+  // does not state.
   EXPECT_THAT(scene.error().reason, HasSubstr("1024"));
   EXPECT_THAT(scene.error().reason, HasSubstr("larger chord_tolerance_mm"));
   EXPECT_THAT(scene.error().reason, HasSubstr("(it follows accuracy.tolerance_mm: 0.000001 mm)"));
@@ -135,13 +136,14 @@ TEST(SceneTool, CanonicalTextReadsBackEqual) {
       EXPECT_EQ(again->tools.at(1).tool, scene.tools.at(1).tool);
       std::istringstream lines(explain_scene(scene));
       for (std::string line; std::getline(lines, line);) {
-        EXPECT_FALSE(line.ends_with(' ')) << line;  // A field without help.
+        EXPECT_FALSE(line.ends_with(' ')) << line;  // a field without help
       }
     }
   }
 }
 
-/// The engagement from which on the force is steady, 6 √(pitch D), in two digits: 42.4, 134, 189.7.
+/// The engagement from which on the force is steady, 6 √(pitch D), with two digits: 42.4, 134,
+/// 189.7.
 TEST(SceneTool, ExplanationStatesTheSteadyEngagementInPlainDecimals) {
   for (const auto& [diameter_mm, engagement] :
        {std::pair{"200", "42 mm"}, {"2000", "130 mm"}, {"4000", "190 mm"}}) {

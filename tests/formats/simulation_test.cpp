@@ -16,8 +16,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using Json = nlohmann::json;
 
-// A block of 40 x 40 x 10 mm, its top at 0; flat tools of 6 mm (1) and 4 mm (2), the second with a
-// wide holder above its 5 mm.
+// A block of 40 x 40 x 10 mm, its top at 0, and flat tools of 6 mm (1) and 4 mm (2), the second
+// with a wide holder above its 5 mm.
 Scene block(const std::string& more = "") {
   const std::string text =
       R"({"name": "s", "stock": {"shape": "box", "min_mm": [0,0,-10], "max_mm": [40,40,0]},
@@ -115,7 +115,7 @@ TEST(Simulation, CollisionsNameLinesAndPartner) {
   EXPECT_EQ(obstacle["with"], "obstacle");
   EXPECT_EQ(obstacle["from"], "p.ngc:7");
   EXPECT_TRUE(obstacle["in_rapid"]);
-  // The flutes are 5 mm long: what stands above them is cut during the retract.
+  // The flutes are 5 mm long: stock above them is cut during the retract.
   EXPECT_THAT(r.warnings, ElementsAre(HasSubstr("p.ngc:6: rapid motion through material"),
                                       HasSubstr("p.ngc:4: shank or holder"),
                                       HasSubstr("p.ngc:7: tool 2 touches an obstacle")));
@@ -164,7 +164,7 @@ IndexedMesh box_mesh(Vec3 low, Vec3 high) {
 const std::string kSlot = "T1 M6\nG0 X-5 Y20 Z-2\nG1 X18 F600\n";
 
 TEST(Gouges, AreReportedWithDepthPositionAndLine) {
-  // What is to be left is everything below -2.
+  // The part is everything below -2.
   const IndexedMesh reference = box_mesh({0, 0, -10}, {40, 40, -2});
   const Simulated r = run(block(), kSlot + "Z-2.75\nX20\nZ-2\nX45\nM2\n", &reference);
   ASSERT_EQ(r.report["gouges"]["count"], 1);
@@ -196,7 +196,7 @@ TEST(Gouges, CutsWithinTheToleranceAreNoGouges) {
 }
 
 TEST(Gouges, FindsAWallThatWasRemovedEntirely) {
-  // A wall of 2 mm across the slot, of which nothing is left in it.
+  // A wall of 2 mm across the slot, which removes all of it there.
   const IndexedMesh reference = box_mesh({29, 0, -10}, {31, 40, 0});
   const Simulated r = run(block(), kSlot + "X45\nM2\n", &reference);
   ASSERT_EQ(r.report["gouges"]["count"], 1);

@@ -25,7 +25,7 @@ std::expected<Program, ProgramError> read(const std::string& text, const char* m
   return parse_program("p.mpf", text, scene_for(machine), environment);
 }
 
-// Ends of the motions behind the head, rounded to 0.001 mm.
+// Ends of the motions after the head, rounded to 0.001 mm.
 std::vector<Vec3> ends(const std::string& body, const char* machine = "xyz") {
   const auto program = read(kHead + body + "M30\n", machine);
   EXPECT_TRUE(program) << to_string(program.error());
@@ -65,7 +65,8 @@ TEST(Sinumerik, ComputesParametersVariablesAndFunctions) {
             (Vec3{6, 8, -5}));
   EXPECT_EQ(end("G1 X=10*SIN(30) Y=SQRT(POT(3)+16) Z=-(7 DIV 2)\n"), (Vec3{5, 5, -3}));
   EXPECT_EQ(end("G1 X=ATAN2(1,1) Y=7 MOD 4 Z=TRUNC(2.9)-ROUND(2.5)\n"), (Vec3{45, 3, -1}));
-  EXPECT_EQ(end("R1=1\nR1=2 G1 X=R1\nG1 Y=R1\n"), (Vec3{1, 2, 5}));  // values as the block begins
+  EXPECT_EQ(end("R1=1\nR1=2 G1 X=R1\nG1 Y=R1\n"),
+            (Vec3{1, 2, 5}));  // values at the start of the block
 }
 
 TEST(Sinumerik, ArcsHaveACenterARadiusOrAPointBetween) {
@@ -135,7 +136,7 @@ TEST(Sinumerik, CyclesDrillToTheirDepth) {
 }
 
 TEST(Sinumerik, TheControlFollowsTheToolWithTraori) {
-  // With TRAORI the coordinates are those of the tip; without it the table turns under them.
+  // With TRAORI the coordinates are those of the tip. Without it the table turns under them.
   const std::string turn = "TRAORI\nG1 X10 Y0 Z-2 A30 C0\n";
   const auto program = read(kHead + turn + "M30\n", "xyzac-trt");
   ASSERT_TRUE(program) << to_string(program.error());
@@ -188,7 +189,7 @@ TEST(Sinumerik, DwellsInSecondsAndTurns) {
   ASSERT_TRUE(program) << to_string(program.error());
   ASSERT_EQ(program->motions.size(), 4u);
   EXPECT_NEAR(program->motions[1].duration_s, 2.5, 1e-9);
-  EXPECT_NEAR(program->motions[2].duration_s, 6, 1e-9);  // of 1,000 a minute
+  EXPECT_NEAR(program->motions[2].duration_s, 6, 1e-9);  // at 1,000 per minute
   EXPECT_NEAR(program->motions[3].duration_s, 0.1, 1e-9);
 }
 
@@ -204,7 +205,8 @@ TEST(Sinumerik, SpindleCoolantAndStopsAreCarried) {
   EXPECT_EQ(program->remarks.front().said.rpm, 800);
 }
 
-// A square of 40 mm that a tool of 10 mm follows outside, and inside of an entry from below.
+// A square of 40 mm that a tool of 10 mm follows on the outside, and on the inside from an entry
+// below.
 TEST(Sinumerik, CompensationStaysBesideTheContour) {
   const auto path = ends("G0 X20 Y-30\nG1 Z-1\nG42 Y0\nX40\nY40\nX0\nY0\nX20\nG40 Y-30\nG0 Z5\n");
   double left = 0, right = 0, back = 0;
@@ -227,7 +229,7 @@ TEST(Sinumerik, CompensationStartsAcrossTheNextMove) {
   EXPECT_THAT(path, testing::Not(Contains(Vec3{0, -15, -1})));
 }
 
-// G40 alone moves nothing; a retraction goes straight up.
+// G40 alone causes no motion. A retraction goes straight up.
 TEST(Sinumerik, ARetractionBehindG40StaysBesideThePath) {
   const auto path = ends("G0 X-20\nG1 Z-1\nG41 X0\nX20\nG40\nG0 Z5\n");
   EXPECT_EQ(path.back(), (Vec3{20, 5, 5}));

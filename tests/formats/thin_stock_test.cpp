@@ -38,7 +38,7 @@ TriangleMesh base() {
   add_box(mesh, {0, 0, 0}, {20, 20, 5});
   return mesh;
 }
-// The base with a fin 0.14 mm thick and 5 mm high, whose middle is at x = 9.9.
+// The base with a fin 0.14 mm thick and 5 mm high, its middle at x = 9.9.
 TriangleMesh with_fin() {
   TriangleMesh mesh = base();
   add_box(mesh, {9.83, 2, 4}, {9.97, 18, 10});
@@ -136,7 +136,7 @@ TEST(ThinStock, GapBetweenBodiesOfAMeshIsFoundAndMissing) {
 
 TEST(ThinStock, ThickMeshesAndHorizontalPlatesAreNotReported) {
   EXPECT_TRUE(Stock(base()).walls().empty());
-  TriangleMesh blocks = base();  // two bodies that overlap
+  TriangleMesh blocks = base();  // two overlapping bodies
   add_box(blocks, {5, 5, 3}, {15, 15, 9});
   EXPECT_TRUE(Stock(blocks).walls().empty());
   TriangleMesh plate;
@@ -148,7 +148,7 @@ TEST(ThinStock, WallBetweenACutAndTheMeshIsFound) {
   const ToolShape shape = FlatShape{3, 30};
   const std::map<ToolId, SceneTool> tools{
       {1, {.shape = shape, .body = {}, .tool = make_tool(shape).value()}}};
-  // The blocks end at x = 18: a slot beside that leaves 0.14 mm.
+  // The blocks end at x = 18, so a slot next to that leaves 0.14 mm.
   const Stock stock(with_gap(), tools, {{1, {{16.36, -5, 6}}, {{16.36, 25, 6}}, 1, 0, false}});
   const auto walls = stock.walls();
   EXPECT_TRUE(std::ranges::any_of(walls, [](const ThinWall& wall) {

@@ -24,7 +24,7 @@ using test::text_of;
 
 constexpr double kInch = 25.4;
 
-// The tool of words without its length; "?" before it: the words leave a doubt.
+// Returns the tool of words without its length; preceded by "?" if the words are ambiguous.
 std::string tool_in(const std::string& words, double unit_mm = 1) {
   const auto tool = tool_of_words(words, unit_mm);
   if (!tool) return "none";
@@ -141,7 +141,7 @@ TEST(ToolWords, TellTheOriginOfEachField) {
   EXPECT_EQ(origins("45 DEG CHAMFER MILL 6MM").angle, Origin::kDerived);
 }
 
-// A comment that is made of words with a known meaning, in any order.
+// A comment made of words with a known meaning, in any order.
 struct Made {
   std::string text;
   ToolShape shape;

@@ -55,8 +55,8 @@ std::vector<std::vector<std::string>> cells(const std::string& csv) {
   return rows;
 }
 
-// Whether every element that is opened is closed in turn, and nothing else stands between < and >.
-// Values of attributes must be quoted and must not hold <.
+// Whether the XML is well formed: elements are closed in order, and attribute values are quoted and
+// contain no <.
 bool is_well_formed(const std::string& xml) {
   std::vector<std::string> open;
   std::size_t roots = 0;
@@ -195,7 +195,7 @@ TEST_F(Tradeoff, SweepsAProgramAndWritesTableAndPlot) {
     const double pitch = std::stod(table[n][2]);
     const double error = std::stod(table[n][4]);
     EXPECT_GT(error, 0) << n;
-    // The true surface has a sharp ridge, of which the mesh lacks more than a pitch.
+    // The true surface has a sharp ridge, of which the mesh loses more than a pitch.
     EXPECT_LT(error, 2.5 * pitch) << n;
     EXPECT_LT(std::stod(table[n][5]), error) << n;
     EXPECT_LE(std::stod(table[n][6]), error) << n;

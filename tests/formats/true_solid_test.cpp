@@ -26,7 +26,7 @@ TEST(ToolProfile, GivesTheDistanceFromABall) {
   EXPECT_NEAR(ball.nearest(3, 1).distance_mm, 0, 1e-12);
   EXPECT_NEAR(ball.nearest(4, 20).distance_mm, -1, 1e-12);
   EXPECT_NEAR(ball.nearest(8, 34).distance_mm, 5, 1e-12);
-  // Where ball and shaft meet there is no border inside: the depth is that of the shaft.
+  // The joint of ball and shaft is no border inside: the depth is that of the shaft.
   EXPECT_NEAR(ball.nearest(4, 5.01).distance_mm, -1, 1e-12);
   EXPECT_NEAR(ball.nearest(9, 5).normal_radial, 1, 1e-12);
 }
@@ -63,7 +63,7 @@ TEST(TrueSolid, GivesTheDistancesOfASlot) {
   expect({20, 22.9, 18}, 0.1, true);
   expect({20, 30, 19.5}, 0.5, false);  // below the untouched top
   expect({20, 30, 21}, 1, false);
-  // In the air near the foot of the wall: to the nearer of the two.
+  // In the air near the foot of the wall: the distance to the nearer of the two.
   expect({20, 22.8, 15.3}, 0.2, true);
 }
 
@@ -73,7 +73,7 @@ TEST(TrueSolid, FindsTheRidgeOfTwoCutsFromOutside) {
                         {{1, {{-10, 16, 15}}, {{50, 16, 15}}, 1, 0, false},
                          {1, {{-10, 24, 15}}, {{50, 24, 15}}, 1, 0, false}},
                         8);
-  // The ridge stands at y = 20, z = 20 - sqrt(25 - 16) = 17.
+  // The ridge is at y = 20, z = 20 - sqrt(25 - 16) = 17.
   EXPECT_NEAR(solid.distance({20, 20, 17.4}).mm, 0.4, 0.01);
   EXPECT_NEAR(solid.distance({20, 20, 16}).mm, std::sqrt(32.0) - 5, 1e-5);
 }
@@ -98,7 +98,7 @@ TEST(TrueSolid, AgreesWithBruteForceForTurningMotions) {
           outside = std::min(outside, test::swept_outside(piece, from, to, p));
         const auto d = solid.distance(p);
         if (outside <= 0) continue;
-        // The oracle's value is no distance beside an edge, but never more than it.
+        // Near an edge the oracle's value is only a lower bound of the distance.
         EXPECT_GT(d.mm, outside - 1e-5);
         EXPECT_LT(d.mm, outside * std::sqrt(2.0) + 1e-5);
         EXPECT_TRUE(d.cut);
@@ -108,12 +108,12 @@ TEST(TrueSolid, AgreesWithBruteForceForTurningMotions) {
 }
 
 TEST(SurfaceError, OfTheStandardJobMatchesTheFormula) {
-  // A third of it is enough: rows 0 to 16.
+  // A third of the path is enough: rows 0 to 16.
   std::vector<ToolPose> path = test::standard_path(false);
   path.resize(1733);
   std::vector<ProgramMotion> motions;
   SculptureSettings settings = test::standard_settings(0.5, 0.01);
-  settings.keep_normals = true;  // the mesh is made of them
+  settings.keep_normals = true;  // the mesh needs them
   auto sculpture = *Sculpture::create(settings);
   const auto tools = tool_map(BallShape{10, 50});
   sculpture.apply(DefineTool{1, tools.at(1).tool}).value();
@@ -124,9 +124,9 @@ TEST(SurfaceError, OfTheStandardJobMatchesTheFormula) {
   const TrueSolid truth(sculpture.settings().stock, tools, motions, 4);
   const DistanceFigures error = measure_surface(sculpture.solid(), truth, 3000);
   EXPECT_GT(error.samples, 1000u);
-  // surface_bench measures 0.0055 mm at most away from the borders; here the steep sides of the
-  // outermost rows count too, which one field of rays follows as far as it meets them. A chord of
-  // half a millimetre errs by 0.006 mm on the ball.
+  // surface_bench measures at most 0.0055 mm away from the borders. Here the steep sides of the
+  // outermost rows count too, as far as one field of rays hits them. A chord of half a millimeter
+  // has an error of 0.006 mm on the ball.
   EXPECT_GT(error.max_mm, 0.002);
   EXPECT_LT(error.max_mm, 0.15);
   EXPECT_GT(error.rms_mm, 0.0005);

@@ -28,7 +28,7 @@ void add_facet(std::string& stl, Corner a, Corner b, Corner c) {
   stl += "endloop\nendfacet\n";
 }
 
-/// A prism along Y over an outline in X and Z, counter-clockwise seen from -Y, as STL. `ears`: the
+/// A prism along Y over an outline in X and Z, counterclockwise seen from -Y, as STL. `ears`: the
 /// triangles of its ends.
 std::string prism(const std::vector<std::pair<double, double>>& outline,
                   const std::vector<std::array<std::size_t, 3>>& ears, double from_y, double to_y) {
@@ -67,11 +67,11 @@ class Verify : public test::KerfCarve {
     KerfCarve::SetUp();
     write("part.stl", slotted());
   }
-  // `cuts`: the lines from the fourth on; the tool is above the beginning of the slot.
+  // `cuts`: the lines from the fourth on; the tool starts above the beginning of the slot.
   void write_program(const std::string& cuts) const {
     write("p.ngc", "G21 G90 T1 M6\nG0 X20 Y-6 Z5\nF600\n" + cuts + "G0 Z5\nM2\n");
   }
-  // The checks that found something, by name, of a verification with an exit status.
+  // Returns the failed checks by name, for a verification with an exit status.
   std::map<std::string, Json> failed(const std::string& arguments, int status) const {
     EXPECT_EQ(run(arguments + " --report r.json"), status) << content("err");
     const Json verdict = Json::parse(content("r.json"))["verdict"];
@@ -108,7 +108,7 @@ TEST_F(Verify, ASlotThatIsTooDeepIsAGougeAtItsLine) {
   EXPECT_THAT(failed(kSlotted + "--tolerance 0.6", 0), testing::IsEmpty());
 }
 
-// In cm, turned about Z, beside its place, and with a facet missing.
+// In cm, turned about Z, displaced, and with a missing facet.
 TEST_F(Verify, APartIsPlacedAndRepairedOnRequest) {
   write_program("G0 Z-2\nG1 Y36\n");
   std::string part = prism(
@@ -129,7 +129,7 @@ TEST_F(Verify, APartIsPlacedAndRepairedOnRequest) {
 }
 
 TEST_F(Verify, ARibThatWasLeftIsUncutAtTheNearestLine) {
-  // Two millimeters of the slot are left between two cuts that end in half discs.
+  // Two millimeters of the slot remain between two cuts that end in half discs.
   write_program("G0 Z-2\nG1 Y10\nG0 Z5\nY36\nG0 Z-2\nG1 Y20\n");
   const auto checks = failed(kSlotted, 3);
   ASSERT_EQ(checks.size(), 1U) << content("out");
@@ -176,17 +176,17 @@ TEST_F(Verify, AFrameThatIsCutLooseDoesNotCount) {
   const std::string contour =
       "--verify p.ngc --reference part.stl --tool 1=6 --pitch 0.5 --wall-samples 0 ";
   EXPECT_THAT(failed(contour + "--stock 40,40,10", 0), testing::IsEmpty()) << content("out");
-  // The block less the square around the contour, whose corners are round.
+  // The block minus the square around the contour, whose corners are round.
   const Json verdict = Json::parse(content("r.json"))["verdict"];
   EXPECT_NEAR(verdict["cut_loose_mm3"], (1600 - 32 * 32 + (4 - M_PI) * 9) * 10, 100);
-  // An assumed stock is the box of the part.
+  // An assumed stock is the part's bounding box.
   EXPECT_THAT(failed(contour, 0), testing::IsEmpty()) << content("out");
   EXPECT_THAT(content("err"), HasSubstr("X 10 to 30, Y 10 to 30, Z -10 to 0 mm (that of the part"));
-  // A floor of 2 mm holds the frame, which then counts.
+  // A floor of 2 mm holds the frame, so the frame counts.
   EXPECT_EQ(failed(contour + "--stock 40,40,12", 3).count("uncut"), 1U);
 }
 
-// A plate of 60 x 40 x 9 mm below Z -1, faced in lines that begin and end outside of it.
+// A plate of 60 x 40 x 9 mm below Z -1, faced in lines that begin and end outside it.
 TEST_F(Verify, AnAssumedStockCondemnsNoProgram) {
   write("part.stl", prism({{0, -10}, {60, -10}, {60, -1}, {0, -1}}, {{0, 1, 2}, {0, 2, 3}}, 0, 40));
   std::string lines = "G21 G90\nT1 M6 (D=10 flat end mill)\n";
@@ -277,7 +277,7 @@ TEST_F(Verify, ItsPageIsWellFormedAndLoadsNothing) {
   EXPECT_THAT(document.text, HasSubstr("--pitch 0.1 finds those of the tolerance"));
   EXPECT_THAT(document.text, HasSubstr("scene: stock: X 0 to 40"));
   EXPECT_THAT(document.text, HasSubstr("state hash"));
-  // Nothing but pictures inside the file, and the names of XML.
+  // Only embedded pictures, and the names of XML.
   EXPECT_THAT(document.attributes, HasSubstr("data:image/png;base64,iVBORw0KGgo"));
   EXPECT_THAT(document.attributes, Not(testing::ContainsRegex("(src|href) (https?:|//|/)")));
 }
@@ -289,7 +289,7 @@ ProgramMotion motion_of(double seconds, std::uint32_t line) {
 TEST(LoadCurve, SpreadsVolumeAndKeepsTheGreatestForce) {
   LoadCurve loads;
   double time_s = 0;
-  // 2 mm3 each second, and 5 N in one motion of a thousand.
+  // 2 mm3 per second, and 5 N in one of a thousand motions.
   for (std::uint32_t n = 1; n <= 1000; ++n) {
     const double seconds = 0.01 * (n % 7 + 1);
     loads.add(motion_of(seconds, n), n == 700 ? 5 : 1, 2 * seconds);

@@ -148,7 +148,7 @@ TEST_F(Falcon, ReportsTheGripPosition) {
     model.press(falcon::kCenterButton);
     return 0;
   });
-  // Falcon to Kerf: right is right, up is up, towards the user is -y.
+  // From the Falcon's axes to Kerf's: right is right, up is up, towards the user is -y.
   const Vec3 tip{5, -8, 10 - 3};
   agent::DeviceState state;
   EXPECT_TRUE(eventually([&] {

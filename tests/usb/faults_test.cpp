@@ -19,7 +19,7 @@ using agent::DevicePhase;
 using agent::UsbHapticDevice;
 namespace ref = agent::reference;
 
-/// No fault may lose the device permanently, produce an invalid pose, or leave a force on.
+/// No fault may lose the device permanently, produce an invalid pose, or leave the force on.
 class Fault : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -194,7 +194,7 @@ TEST_F(Fault, ImplausibleJumpIsRejected) {
   const auto before = state().tip_mm;
   const auto bad = count(device->counters().bad_reports);
   rig.query([](ReferenceFirmware& firmware) { return firmware.hold({60, 0, 40}, {0, 0, 1}), 0; });
-  // Rejected repeatedly, until the pen has stayed there for some time.
+  // Rejected until the pen has stayed there for some time.
   EXPECT_TRUE(eventually([&] { return streams() && length(state().tip_mm - before) > 50; }));
   EXPECT_GT(count(device->counters().bad_reports), bad + 10);
 }
@@ -294,9 +294,9 @@ TEST(FaultBeforeStreaming, WrongDescriptorsAreRejected) {
   }
 }
 
-/// Bytes whose corruption makes libusb 1.0.26 leak 40 bytes, which a leak checker would attribute
-/// to this program: it does not free the first interface if its descriptor is invalid
-/// (descriptor.c, parse_configuration).
+/// Bytes whose corruption makes libusb 1.0.26 leak 40 bytes: it does not free the first interface
+/// if its descriptor is invalid (descriptor.c, parse_configuration). A leak checker would blame
+/// this program.
 bool leaks_in_libusb([[maybe_unused]] std::size_t at) {
 #ifdef __SANITIZE_ADDRESS__
   constexpr std::size_t kInterfaceAt = 18 + 9;

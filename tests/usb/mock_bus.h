@@ -29,7 +29,7 @@ class MockBus {
 
   _UMockdevTestbed* testbed() const { return testbed_; }
 
-  /// Sets the errno with which opening any node fails; 0: it succeeds.
+  /// Sets the errno with which opening any node fails; 0 for success.
   static void reject_opening(int error);
 
  private:

@@ -122,7 +122,7 @@ class MockPen {
     double mm_per_s = 0;
     words >> to.x >> to.y >> to.z >> mm_per_s;
     if (!words || !(mm_per_s > 0)) return "go X Y Z MM_PER_S";
-    // One step per millisecond or slower: if this program is delayed, so is the motion.
+    // One step per millisecond or slower: a delay of this program delays the motion.
     const double step_mm = mm_per_s / 1000;
     for (double left_mm = length(to - tip_); left_mm > 0; left_mm = length(to - tip_)) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -149,7 +149,7 @@ class MockPen {
 }  // namespace
 
 int main() {
-  // Real-time priority if permitted, which the threads inherit: it simulates hardware.
+  // Real-time priority if permitted, inherited by the threads, because it simulates hardware.
   kerf::agent::request_fifo(kAboveAllOfTheAgent);
   MockPen pen;
   std::cout << std::getenv("UMOCKDEV_DIR") << std::endl;

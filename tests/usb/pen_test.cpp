@@ -100,7 +100,7 @@ TEST(ReferencePen, ArmForcesDoTheWorkOfTheWrench) {
     const auto points = point_velocities(poses.pen, is.axis, velocity, turn);
     const double by_arms =
         dot(forces.front_n, points.front_mm_per_s) + dot(forces.rear_n, points.rear_mm_per_s);
-    // Except the torque about the pen, which two points on it cannot produce.
+    // Except for the torque about the pen, which two points on it cannot produce.
     const double about = dot(turn, is.axis);
     const double by_wrench =
         dot(wrench.force_n, velocity) + dot(wrench.torque_nmm, turn) - forces.left_out_nmm * about;

@@ -139,7 +139,7 @@ TEST_F(ReferenceDevice, ForceTimesOutWithoutWrites) {
   ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
   ASSERT_TRUE(write_until(*device, push, [&] { return pulls(); }));
   EXPECT_TRUE(eventually([&] { return rests(); }));
-  // By the driver, not by the firmware's watchdog: commands continued.
+  // The driver did this, not the firmware's watchdog: commands continued.
   EXPECT_FALSE(rig.query([](ReferenceFirmware& firmware) { return firmware.watchdog_tripped(); }));
 }
 
@@ -165,7 +165,7 @@ TEST_F(ReferenceDevice, ClosingClearsTheForce) {
   ASSERT_TRUE(write_until(*device, push, [&] { return pulls(); }));
   device.reset();
   EXPECT_TRUE(eventually([&] { return rests(); }));
-  // By the driver's last command, not by the firmware's watchdog.
+  // The driver's last command did this, not the firmware's watchdog.
   EXPECT_FALSE(rig.query([](ReferenceFirmware& firmware) { return firmware.watchdog_tripped(); }));
 }
 

@@ -73,7 +73,7 @@ class ReferenceProtocolAlone : public ::testing::Test {
   }
 
   using Still = std::array<std::int16_t, 6>;
-  /// Constant, so that nothing times out unless a test advances it.
+  /// Constant, so that no timeout expires unless a test advances it.
   const std::uint64_t now_us = monotonic_us();
   ref::ReferenceProtocol protocol{ref::PenPlace{}};
   std::uint16_t sequence = 0;

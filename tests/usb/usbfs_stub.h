@@ -87,7 +87,7 @@ class UsbfsStub {
   std::mutex mutex_;
   std::atomic<bool> ended_{false};
   bool plugged_ = true;
-  /// A node whose device is gone stays invalid, also after another device is plugged in.
+  /// The node of an unplugged device stays invalid after another device is plugged in.
   bool node_dead_ = false;
   bool failing_ = false;
   bool hold_out_ = false;

@@ -22,7 +22,7 @@ IndexedMesh collapsed(const IndexedMesh& mesh, const std::vector<bool>& kept,
           collapse_edges(mesh, MeshNearest(mesh), kept, limits, stop)};
 }
 
-// Two triangles back to back enclose nothing, although each edge has two sides.
+// Two triangles back to back enclose no volume, although each edge has two sides.
 bool has_two_of_equal_corners(const IndexedMesh& mesh) {
   auto triangles = mesh.triangles;
   for (auto& t : triangles) std::ranges::sort(t);
@@ -50,7 +50,7 @@ TEST(EdgeCollapse, StaysAClosedManifoldDownToFewTriangles) {
   }
 }
 
-// Against the distance by its definition: no vertex is farther from the result than the limit.
+// Compared with the distance by definition: no vertex is farther from the result than the limit.
 TEST(EdgeCollapse, NoVertexLeavesTheResultByMoreThanTheLimit) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const IndexedMesh mesh = carved_mesh(seed);
@@ -88,8 +88,8 @@ TEST(EdgeCollapse, VerticesThatAreKeptStay) {
   EXPECT_LT(result.triangles.size(), mesh.triangles.size() / 2);
 }
 
-// A surface of grooves that opens the sides of its block: at the sharp edges there, triangles could
-// turn onto the side, and edges could leave the surface between vertices that are near it.
+// A surface of grooves that open the sides of their block. At the sharp edges there, triangles
+// could turn onto the side, and edges could leave the surface between vertices that are near it.
 TEST(EdgeCollapse, TheResultIsNearAndNotFoldedBesideSharpEdges) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, -20}, {40, 40, 0}}, 0.2);
   ASSERT_TRUE(sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 40})}));

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Writes the surface in every format and expects the files to hold `triangles` of them.
+/// Writes the surface in every format and expects each file to contain `triangles` triangles.
 void write_everywhere(const SolidSnapshot& solid, std::size_t triangles) {
   const fs::path path =
       fs::path(::testing::TempDir()) / (std::to_string(::getpid()) + "_extreme_model");

@@ -63,7 +63,7 @@ TEST_F(FittingModelTest, TheFirstToleranceThatIsEnoughCounts) {
   EXPECT_EQ(fine.tolerance_mm, 0.05 * solid_.grid().pitch_mm);
   const auto coarse = write(ModelFormat::kStl, {.triangles = fine.summary.triangles - 1});
   EXPECT_EQ(coarse.tolerance_mm, 0.2 * solid_.grid().pitch_mm);
-  // Too large to be simplified.
+  // Too large for simplification.
   const auto huge = write(ModelFormat::kStl, {.triangles = 1, .simplified_max = 1});
   EXPECT_FALSE(huge.exact_triangles);
   EXPECT_EQ(huge.summary.triangles, exact.summary.triangles);

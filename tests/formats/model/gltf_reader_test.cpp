@@ -97,7 +97,7 @@ TEST(GltfReader, NodesPlaceTheirMeshes) {
                                            std::array<std::uint32_t, 3>{3, 0, 4}));
 }
 
-/// A file of so many nodes, each the child of the one before, or nested in each other.
+/// A file of this many nodes, each the child of the previous one, or nested.
 std::string nodes(int count, bool nested) {
   std::string json = R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{})";
   for (int n = 1; n < count; ++n)
@@ -125,7 +125,7 @@ TEST(GltfReader, ReadsStripsAndSkipsLines) {
                                            std::array<std::uint32_t, 3>{2, 3, 4}));
 }
 
-/// Compresses as EXT_meshopt_compression 1.0 states.
+/// Compresses according to EXT_meshopt_compression 1.0.
 std::string packed_vertices(const std::string& bytes, std::size_t count, std::size_t stride) {
   meshopt_encodeVertexVersion(0);
   std::vector<unsigned char> out(meshopt_encodeVertexBufferBound(count, stride));
@@ -139,8 +139,9 @@ std::string packed_triangles(const std::vector<unsigned>& indices) {
   return {out.begin(), out.end()};
 }
 
-/// A file as this server's `meshopt` downloads and gltfpack's are: compressed views of a buffer
-/// that exists only unpacked. `vertices` and `triangles` replace fields of the two extensions.
+/// A file like this server's `meshopt` downloads and those of gltfpack: compressed views of a
+/// buffer that exists only unpacked. `vertices` and `triangles` replace fields of the two
+/// extensions.
 std::string meshopt_file(const std::string& vertices = "", const std::string& triangles = "") {
   std::string positions = packed_vertices(corners().substr(0, 60), 5, 12);
   const std::size_t length = positions.size();
@@ -205,17 +206,18 @@ TEST(GltfReader, RefusesInvalidMeshoptCompression) {
   for (std::size_t at = 0; at < whole.size(); ++at) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x13);
-    read(damaged);  // no more than an error
+    read(damaged);  // at worst an error
   }
 }
 
 TEST(GltfReader, ReplacesElementsOfSparseAccessors) {
-  // Vertex 2 of the pyramid moves to (0, 0, 1); without a view all others are at the origin.
+  // Vertex 2 of the pyramid moves to (0, 0, 1). Without a view the other vertices are at the
+  // origin.
   for (const bool based : {true, false}) {
     const std::string base = based ? R"("bufferView": 0, )" : "";
     std::string bytes = corners();
     bytes.resize(88);
-    bytes += std::string{2, 0, 0, 0};  // the place, at 88
+    bytes += std::string{2, 0, 0, 0};  // the index, at 88
     bytes += bytes.substr(36, 12);     // (0, 0, 1), at 92
     const auto mesh =
         read(glb(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
@@ -268,7 +270,7 @@ TEST(GltfReader, RefusesInvalidFilesWithTheReason) {
   EXPECT_FALSE(read(outside));
   const std::string deep(200'000, '[');
   EXPECT_FALSE(read(glb(R"({"nodes": )" + deep + std::string(deep.size(), ']') + "}", corners())));
-  // A picture in a place that does not exist is no concern of the triangles.
+  // An image with an invalid view does not affect the triangles.
   EXPECT_TRUE(
       read(file_of(plain, "", R"(, "images": [{"bufferView": 7, "mimeType": "image/png"}])")));
   const std::string whole = file_of(plain);
@@ -277,7 +279,7 @@ TEST(GltfReader, RefusesInvalidFilesWithTheReason) {
   for (std::size_t at = 0; at < whole.size(); ++at) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x13);
-    read(damaged);  // no more than an error
+    read(damaged);  // at worst an error
   }
 }
 

@@ -12,8 +12,8 @@
 namespace kerf {
 namespace {
 
-/// Small whole numbers, so that corners coincide and touch sides and planes; in some triangles
-/// moved by a last bit, or with sizes so different that differences are inexact.
+/// Small integers, so that corners coincide and touch sides and planes. Some triangles are moved by
+/// one last bit, or have such different sizes that differences are inexact.
 FloatTriangle random_triangle(std::mt19937& random) {
   FloatTriangle t;
   for (auto& corner : t) {
@@ -47,7 +47,7 @@ TEST(TrianglePair, AgreesWithIntegersOfAnySize) {
 
 TEST(CrossingTriangles, AreThoseThatMeetElsewhereThanInCommonCorners) {
   IndexedMesh mesh;
-  // A row of separate triangles, one pierced by the next but one, and one without area.
+  // A row of separate triangles, one pierced by the next but one, and one with zero area.
   for (std::uint32_t n = 0; n < 200; ++n) {
     const float x = 3 * static_cast<float>(n);
     for (const auto& p : {std::array{x, 0.0F, 0.0F}, {x + 2, 0.0F, 0.0F}, {x, 2.0F, 0.0F}}) {
@@ -59,7 +59,7 @@ TEST(CrossingTriangles, AreThoseThatMeetElsewhereThanInCommonCorners) {
   mesh.positions_mm[3 * 120] = {3 * 118 + 0.5F, 0.5F, -1};
   mesh.positions_mm[3 * 120 + 1] = {3 * 118 + 0.5F, 0.5F, 1};
   mesh.positions_mm[3 * 7 + 2] = {3 * 7 + 1, 0, 0};
-  // Triangle 120 spans the one between, too.
+  // Triangle 120 also intersects the one between.
   EXPECT_EQ(crossing_triangles(mesh), (std::vector<std::uint32_t>{7, 118, 119, 120}));
   EXPECT_TRUE(crossing_triangles({}).empty());
 }

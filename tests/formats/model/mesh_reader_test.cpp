@@ -72,7 +72,7 @@ TEST(MeshReader, EndsAfterAStop) {
   }
 }
 
-// -0 is 0; equal vertices have the number of the first one.
+// -0 is 0; equal vertices get the index of the first one.
 TEST(MeshReader, MergesVerticesInTheOrderOfTheFile) {
   const auto mesh = read(MeshFileFormat::kObj,
                          "v 3 0 0\nv 0 0 0\nv 0 2 0\nv -0 0 0\nv 3 0 0\nv 0 0 1\nf 1 2 3\n"
@@ -92,7 +92,7 @@ TEST(MeshReader, ReadsBackWrittenFiles) {
   ASSERT_TRUE(ply);
   const auto obj = read(MeshFileFormat::kObj, written(ModelFormat::kObj, ModelEncoding::kAscii));
   ASSERT_TRUE(obj);
-  // Text holds the shortest number that is the same float, not the same double.
+  // Text contains the shortest number for the same float, not for the same double.
   const auto corners = [](const TriangleMesh& mesh) {
     std::vector<std::array<float, 9>> all;
     for (const auto& t : mesh.triangles) {
@@ -186,7 +186,7 @@ TEST(MeshReader, ReadsObjInUtf16) {
       wide += little ? high : low;
     };
     put(0, '#');
-    put('\x0a', '\x0a');  // a character of Gurmukhi, whose bytes are line feeds
+    put('\x0a', '\x0a');  // a Gurmukhi character, whose bytes are line feeds
     put(0, '\n');
     for (const char c : kObj) put(0, c);
     const auto mesh = read(MeshFileFormat::kObj, wide);
@@ -214,7 +214,7 @@ TEST(MeshReader, MergesEqualVerticesAndDropsTrianglesWithoutThem) {
   EXPECT_EQ(mesh->triangles.size(), 2U);
 }
 
-/// Facets of a file, with every coordinate moved by at most `most_mm`.
+/// Facets of a file, with each coordinate moved by at most `most_mm`.
 std::string blurred_stl(const TriangleMesh& mesh, double most_mm, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> by(-most_mm, most_mm);
@@ -244,7 +244,7 @@ TEST(MeshReader, JoinsVerticesThatAreNearlyEqualWhereEdgesAreOpen) {
     EXPECT_LE(joined->triangles.size(), mesh->triangles.size());
     EXPECT_GE(joined->triangles.size(), mesh->triangles.size() * 99 / 100);
   }
-  // What is farther apart stays a fault, which names the edges.
+  // A larger gap stays a fault, which names the edges.
   const auto apart = read(MeshFileFormat::kStl, blurred_stl(*mesh, 0.01, 4));
   ASSERT_TRUE(apart);
   EXPECT_NE(mesh_stock_fault(*apart), "");

@@ -201,7 +201,7 @@ TEST(ModelWriter, ReportsAnUnwritablePathAndLeavesNoFile) {
   }
 }
 
-/// Files of this process may not grow beyond so many bytes.
+/// Limits the size of files of this process.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {
@@ -289,7 +289,7 @@ TEST(GlbWriter, IsOneObjectWithTheNameOfTheSceneInMetersAndYUp) {
     const auto& node = glb.json["nodes"][0];
     EXPECT_EQ(node["name"], "a \"quoted\" name");
     EXPECT_EQ(glb.json["meshes"][0]["name"], "a \"quoted\" name");
-    // World Z of the block is glTF's Y: its lowest corner lies at (0.1, 0.3, -0.2) m.
+    // World Z of the block is glTF's Y, so its lowest corner is at (0.1, 0.3, -0.2) m.
     const auto& position = glb.json["accessors"][0];
     const auto low = position["min"].get<std::array<double, 3>>();
     const auto high = position["max"].get<std::array<double, 3>>();
@@ -317,7 +317,8 @@ TEST(GlbWriter, FloatPositionsAreExactAndIndicesHave16Bits) {
   const auto written = write(snapshot, ModelFormat::kGlb);
   const ReadModel glb = read(written, ModelFormat::kGlb);
   const ReadModel stl = read(write(snapshot, ModelFormat::kStl), ModelFormat::kStl);
-  EXPECT_EQ(test::sorted_triangles(glb), test::sorted_triangles(stl));  // its corner is at zero
+  EXPECT_EQ(test::sorted_triangles(glb),
+            test::sorted_triangles(stl));  // the box's corner is at zero
   const tinygltf::Model model = load(written.bytes);
   EXPECT_GT(model.meshes.at(0).primitives.size(), 1U);
   for (const tinygltf::Primitive& primitive : model.meshes.at(0).primitives) {
@@ -336,8 +337,8 @@ TEST(GlbWriter, QuantizedSurfaceStaysClosedAndWithinHalfAStep) {
     EXPECT_LE(model.triangles.size(), exact.triangles.size());
     EXPECT_GE(model.triangles.size(), exact.triangles.size() * 99 / 100);
     EXPECT_NEAR(test::volume_mm3(model), test::volume_mm3(exact), step * 100);
-    // By position: groups repeat the vertices on their seams. Positions that fall together may
-    // share an edge twice, but every edge still has as many opposites.
+    // Compare by position, because groups repeat the vertices on their seams. Coinciding positions
+    // may share an edge twice, but every edge still has as many opposites.
     std::map<std::array<test::Corner, 2>, int> edges;
     for (const auto& t : model.triangles) {
       for (std::size_t c = 0; c < 3; ++c) {

@@ -81,7 +81,7 @@ MeshRepair repaired(TriangleMesh& mesh) {
 }
 
 TEST(RepairMesh, LeavesAClosedMeshAsItIs) {
-  // Inside out and in one another, as the winding rule of stocks takes them.
+  // Inside out and nested, as the winding rule of stocks accepts them.
   TriangleMesh mesh = box({0, 0, 0}, {10, 10, 10});
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   append(mesh, box({2, 2, 2}, {4, 4, 4}));
@@ -117,7 +117,7 @@ TEST(RepairMesh, ClosesAFlatHoleOfAnyShapeWithItsFlatFace) {
   }
 }
 
-/// A ball that is damaged so that step by step the rule gives it back.
+/// The rules restore a damaged ball step by step.
 TEST(RepairMesh, GivesADamagedBallBack) {
   const TriangleMesh whole = ball({1, 2, 3}, 8, 12);
   const double expected_mm3 = volume_mm3(whole);
@@ -154,7 +154,7 @@ TEST(RepairMesh, GivesADamagedBallBack) {
 }
 
 TEST(RepairMesh, JoinsVerticesOfASeamThatDoNotMeet) {
-  // Each triangle has corners of its own, apart by less than 1e-5 of the diagonal.
+  // Each triangle has its own corners, moved by less than 1e-5 of the diagonal.
   const TriangleMesh whole = ball({0, 0, 0}, 10, 10);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> apart(-2e-5, 2e-5);
@@ -193,7 +193,7 @@ TEST(RepairMesh, KeepsCavitiesAndTurnsShellsThatAreInsideOut) {
   EXPECT_NEAR(volume_mm3(beside), 1000 + 8, 1e-6);
   EXPECT_EQ(to_string(repair),
             "closed 1 hole (the longest boundary: 34.1 mm), turned 1 shell inside out");
-  // One that overlaps another: inside out it would cancel what is common to both.
+  // A body that overlaps another: inside out it would cancel the common part.
   TriangleMesh across = damaged(box({8, 2, 2}, {12, 4, 4}), true);
   EXPECT_EQ(repaired(across).shells_turned, 1U);
   EXPECT_NEAR(volume_mm3(across), 1000 + 8, 1e-6);

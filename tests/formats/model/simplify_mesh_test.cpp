@@ -34,8 +34,8 @@ double uniform(std::mt19937& random, double low, double high) {
   return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
 }
 
-/// The distance of a point from a mesh by its definition: for every triangle the plane where the
-/// point's foot is inside, else the three edges.
+/// The distance of a point from a mesh by definition: for every triangle, to its plane if the
+/// point's foot is inside, else to the three edges.
 double brute_distance(const IndexedMesh& mesh, Vec3 point_mm) {
   const Vec3 q = point_mm - mesh.origin_mm;
   double nearest = 1e9;
@@ -57,7 +57,7 @@ double brute_distance(const IndexedMesh& mesh, Vec3 point_mm) {
   return nearest;
 }
 
-/// The greatest distance of vertices of one mesh from another one.
+/// The greatest distance of the vertices of one mesh from another mesh.
 double greatest_distance(const IndexedMesh& from, const IndexedMesh& to, std::mt19937& random) {
   double greatest = 0;
   for (int n = 0; n < 100; ++n) {
@@ -67,7 +67,7 @@ double greatest_distance(const IndexedMesh& from, const IndexedMesh& to, std::mt
   return greatest;
 }
 
-/// Counts with predicates that share no code with the simplification's.
+/// Counts with predicates that share no code with the simplification.
 std::size_t count_crossing(const IndexedMesh& mesh) {
   TileMesh all;
   all.positions_mm = mesh.positions_mm;
@@ -106,7 +106,7 @@ TEST(SimplifyMesh, KeepsTheBudgetAndStaysAClosedManifold) {
       EXPECT_GE(result->mesh.triangles.size(), budget * 9 / 10);
       EXPECT_TRUE(check_edges(result->mesh.triangles).closed_manifold()) << seed << " " << share;
       EXPECT_EQ(count_crossing(result->mesh), result->crossing_triangles);
-      // A twentieth is too few for the thin walls.
+      // A twentieth of the triangles is too few for the thin walls.
       EXPECT_LE(result->crossing_triangles, share < 0.1 ? 12U : 0U) << seed << " " << share;
     }
   }
@@ -185,7 +185,7 @@ TEST(MeshDistance, MatchesBruteForceOverAllTriangles) {
     const double nearest = brute_distance(mesh, p);
     const double found = distance.signed_distance_mm(p, near);
     EXPECT_NEAR(std::abs(found), nearest, 1e-9);
-    // Well away from the surface, the sign is that of the dexels.
+    // Far from the surface, the sign is that of the dexels.
     if (nearest < 0.6) continue;
     const DexelGrid& grid = snapshot.grid();
     const auto i = static_cast<std::int32_t>(std::floor((p.x - grid.origin_mm.x) / grid.pitch_mm));

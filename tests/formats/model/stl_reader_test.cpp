@@ -69,7 +69,7 @@ TEST(StlReader, TakesSeveralEndsOfLinesInOneFile) {
   const auto plain = read_stl(bytes_of(kAscii));
   ASSERT_TRUE(plain);
   const std::array<std::string, 3> ends{"\r", "\n", "\r\n"};
-  // Every choice of the ends of the first two lines, the last one and those between.
+  // All combinations of line ends for the first two lines, the last one and those between.
   for (unsigned n = 0; n < 81; ++n) {
     std::string text;
     unsigned line = 0;

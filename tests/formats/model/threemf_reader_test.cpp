@@ -64,7 +64,7 @@ TEST(ThreemfReader, PlacesComponentsByTheirTransforms) {
   ASSERT_TRUE(mesh) << mesh.error().reason;
   EXPECT_THAT(mesh->vertices_mm,
               ElementsAre(Vec3{0, 10, 5}, Vec3{0, 11, 5}, Vec3{-1, 10, 5}, Vec3{0, 10, 6}));
-  // A mirror image is turned, so that it does not become inside out.
+  // A mirror image is turned, so that it is not inside out.
   const auto plain = read_model(model(tetrahedron("1"), R"(<item objectid="1"/>)"));
   const auto mirrored = read_model(
       model(tetrahedron("1"), R"(<item objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 0"/>)"));
@@ -122,7 +122,7 @@ TEST(ThreemfReader, RefusesInvalidPackagesWithTheReason) {
   EXPECT_THAT(reason_of(read_model(
                   model(tetrahedron("1") + std::string(std::size_t{8} << 20U, '\n'), kItem))),
               HasSubstr("100 times its size"));
-  // A shorter file is refused, unless only the end of the archive's last record is missing.
+  // A truncated file is rejected, unless only the end of the archive's last record is missing.
   constexpr std::size_t kEndRecord = 22;
   const std::string whole = test::zip_of({{"3D/3dmodel.model", model(tetrahedron("1"), kItem)}});
   ASSERT_TRUE(read(whole));
@@ -131,12 +131,12 @@ TEST(ThreemfReader, RefusesInvalidPackagesWithTheReason) {
   for (std::size_t at = 0; at < whole.size(); ++at) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
-    read(damaged);  // no more than an error
+    read(damaged);  // at worst an error
   }
 }
 
 TEST(ThreemfReader, RefusesWhatWouldTakeMuchMemory) {
-  // Objects that nothing builds take memory too, and so do vertices without triangles.
+  // Objects that no item builds take memory too, and so do vertices without triangles.
   EXPECT_THAT(reason_of(read_model(model(tetrahedron("1") + tetrahedron("2"), kItem), 7)),
               HasSubstr("line 5: the file has more than 7 triangles"));
   std::string crowded = tetrahedron("1");

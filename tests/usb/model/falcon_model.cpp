@@ -60,7 +60,7 @@ std::optional<Bytes> FalconModel::poll_in(std::uint64_t now_us) {
     packets_.pop_front();
     return packet;
   }
-  // No data: the chip sends its status only.
+  // Without data the chip sends its status only.
   if (now_us < next_status_us_) return std::nullopt;
   next_status_us_ = now_us + kLatencyUs;
   return Bytes(kModemStatus.begin(), kModemStatus.end());

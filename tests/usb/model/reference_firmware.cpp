@@ -96,7 +96,7 @@ std::optional<Bytes> ReferenceFirmware::poll_in(std::uint64_t now_us) {
   go_on(now_us);
   if (next_us_ == 0) next_us_ = now_us;
   if (hangs_ || now_us < next_us_) return std::nullopt;
-  // A late host gets the newest report only.
+  // A late host gets only the newest report.
   while (next_us_ <= now_us) next_us_ += settings_.identity.period_us;
   ++report_.sequence;
   report_.time_us = static_cast<std::uint32_t>(now_us);
@@ -127,7 +127,7 @@ void ReferenceFirmware::take_out(std::span<const std::uint8_t> packet, std::uint
   ++commands_;
   report_.accepted = command->sequence;
   const bool still = std::ranges::all_of(command->torques_dnmm, [](auto t) { return t == 0; });
-  // After a trip, the first command must be without torque.
+  // After a trip, the first command must have no torque.
   if (tripped_ && !still) return;
   tripped_ = false;
   enabled_ = (command->command & ref::kEnableMotors) != 0 && homed();

@@ -25,10 +25,10 @@ struct UsbShape {
   std::uint8_t usb_class = 0xFF;
   std::uint8_t usb_subclass = 0;
   std::uint8_t usb_protocol = 0;
-  /// 2 bulk, 3 interrupt.
+  /// 2 for bulk, 3 for interrupt.
   std::uint8_t kind = 3;
   std::uint8_t in_address = 0x81;
-  /// 0: no OUT endpoint.
+  /// 0 for no OUT endpoint.
   std::uint8_t out_address = 0x02;
   std::uint16_t packet_bytes = 64;
 };
@@ -43,12 +43,12 @@ class UsbModel {
  public:
   virtual ~UsbModel() = default;
   virtual UsbShape shape() const = 0;
-  /// Returns the answer's data (empty for a request without data), or nothing to stall.
+  /// Returns the answer's data (empty for a request without data), or nullopt to stall.
   virtual std::optional<Bytes> control(const Setup& setup, std::span<const std::uint8_t> data) = 0;
-  /// Returns the next IN packet, if there is one.
+  /// Returns the next IN packet, or nullopt.
   virtual std::optional<Bytes> poll_in(std::uint64_t now_us) = 0;
   virtual void take_out(std::span<const std::uint8_t> packet, std::uint64_t now_us) = 0;
-  /// The device was unplugged or plugged in: resets the volatile state.
+  /// Call when the device was unplugged or plugged in: resets the volatile state.
   virtual void power_cycle() = 0;
 };
 
