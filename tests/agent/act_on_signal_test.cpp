@@ -28,7 +28,7 @@ TEST(ActOnSignal, EachSignalRunsItsAction) {
   EXPECT_EQ(rearmed, 1);
 }
 
-TEST(ActOnSignal, LeavingIsNotLostWhereItsActionIsSetLater) {
+TEST(ActOnSignal, EarlySignalRunsTheActionSetLater) {
   std::atomic<int> first{0}, second{0};
   ActOnSignal signals;
   signals.on_leave([&first] { ++first; });
@@ -40,7 +40,7 @@ TEST(ActOnSignal, LeavingIsNotLostWhereItsActionIsSetLater) {
   EXPECT_EQ(first, 1);
 }
 
-TEST(ActOnSignal, ActionThatIsTakenAwayRunsNoMore) {
+TEST(ActOnSignal, RemovedActionDoesNotRun) {
   std::atomic<int> before{0}, after{0};
   ActOnSignal signals;
   signals.on_rearm([&before] { ++before; });

@@ -153,7 +153,7 @@ TEST_F(DemoCarving, BothProgramsTakeThreeToFourMinutes) {
   }
 }
 
-TEST_F(DemoCarving, HandsLiftEveryFewSecondsAndGoOnWhereTheyWere) {
+TEST_F(DemoCarving, HandsLiftEveryFewSecondsAndContinueInPlace) {
   for (const auto& strokes : {carving().first, carving().second}) {
     EXPECT_GT(strokes.size(), 20U);
     for (const Stroke& stroke : strokes) {

@@ -77,7 +77,7 @@ TEST(Doctor, ShippedRulesFileNamesEverySupportedVendor) {
   }
 }
 
-TEST(Doctor, DeniedRightsAreReportedWithTheLinesThatGrantThem) {
+TEST(Doctor, DeniedRightsAreReportedWithTheirRemedy) {
   EXPECT_EQ(judge_priority(rights(true, false)).health, Health::kFine);
   EXPECT_EQ(judge_priority(rights(false, false)).health, Health::kWarning);
   EXPECT_TRUE(contains(judge_priority(rights(false, false)), "@plugdev - rtprio 90"));
@@ -140,7 +140,7 @@ class OneAnswer {
   std::thread thread_;
 };
 
-TEST(Doctor, HealthOfAServerIsItsAnswer) {
+TEST(Doctor, ServerHealthFollowsItsAnswer) {
   const OneAnswer healthy("200 OK"), other("404 Not Found");
   const Finding good = check_server(healthy.url());
   EXPECT_NE(good.health, Health::kBad);

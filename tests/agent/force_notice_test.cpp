@@ -24,7 +24,7 @@ ServoSettings reference_settings() {
                       {});
 }
 
-TEST(ForceNotice, StatesTheEngagementFromWhichOnTheDeviceReducesTheForce) {
+TEST(ForceNotice, StatesTheEngagementAboveWhichTheForceIsReduced) {
   const std::string text =
       force_notice(welcome_of(CutLaw::kSpecificEnergy, 0.5, 0), reference_settings(), 3, 180);
   for (const char* part : {"above 5 mm²", "2.5 N at the tip, 150 N·mm about the pivot",
@@ -43,7 +43,7 @@ TEST(ForceNotice, LargeAndSmallNumbersArePlainDecimals) {
   EXPECT_EQ(text.find("e+"), std::string::npos) << text;
 }
 
-TEST(PlainNumber, HasTheDigitsThatAreAskedFor) {
+TEST(PlainNumber, HasTheRequestedDigits) {
   EXPECT_EQ(plain_number(151.5, 2), "150");
   EXPECT_EQ(plain_number(99.6, 2), "100");
   EXPECT_EQ(plain_number(9.96, 2), "10");
@@ -61,7 +61,7 @@ TEST(ForceNotice, ViscousLawIsLimitedByTheDampingOfTheDevice) {
   }
 }
 
-TEST(ForceNotice, IsEmptyWhereNoCutExceedsTheDevice) {
+TEST(ForceNotice, IsEmptyIfNoCutExceedsTheDevice) {
   const ServoSettings settings = reference_settings();
   const Welcome soft = welcome_of(CutLaw::kSpecificEnergy, 0.01, 0);
   EXPECT_EQ(force_notice(soft, settings, 1, 249), "") << "2.49 N, of 2.5";
@@ -85,14 +85,14 @@ ServoSettings pen(double inertia_kg_m2, std::uint32_t latency_us) {
                       {});
 }
 
-TEST(GripNotice, NamesADeviceThatIsLightForItsLatency) {
+TEST(GripNotice, WarnsAboutADeviceTooLightForItsLatency) {
   for (const char* part : {"0.15 N/mm", "wrong by a tenth", "firm grip"}) {
     EXPECT_NE(grip_notice(pen(1e-5, 1000)).find(part), std::string::npos) << part;
   }
   EXPECT_NE(grip_notice(pen(3e-5, 3000)), "");
 }
 
-TEST(GripNotice, IsEmptyForDevicesThatHoldACut) {
+TEST(GripNotice, IsEmptyForDevicesHeavyEnough) {
   EXPECT_EQ(grip_notice(pen(2e-4, 1000)), "");
   EXPECT_EQ(grip_notice(pen(3e-5, 1000)), "");
   EXPECT_EQ(grip_notice(pen(1e-5, 0)), "");

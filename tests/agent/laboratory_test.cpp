@@ -43,13 +43,13 @@ class LaboratoryTest : public testing::Test {
   ServoLoop loop_{clock_};
 };
 
-TEST_F(LaboratoryTest, StudyThatCannotBeginLeavesNoRecording) {
+TEST_F(LaboratoryTest, FailedStudyLeavesNoRecording) {
   std::ofstream(options_.study_file) << "an earlier study";
   EXPECT_EQ(start(), "no study: " + options_.study_file + " exists; choose another name");
   EXPECT_FALSE(std::filesystem::exists(options_.record_file));
 }
 
-TEST_F(LaboratoryTest, RecordingThatCannotBeginLeavesNoStudyWithoutTrials) {
+TEST_F(LaboratoryTest, FailedRecordingLeavesNoEmptyStudy) {
   std::ofstream(options_.record_file) << "an earlier recording";
   EXPECT_EQ(start(), "no recording: " + options_.record_file + " exists; choose another name");
   EXPECT_FALSE(std::filesystem::exists(options_.study_file));

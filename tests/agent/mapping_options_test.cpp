@@ -22,7 +22,7 @@ std::string line_of(const MappingTexts& texts, const DeviceCapabilities& device,
   return mapping_notice(options, mapping_of(options, device, stock)->at_start, device, stock);
 }
 
-TEST(MappingOptions, CommandLineIsReadAndItsFaultsNamed) {
+TEST(MappingOptions, CommandLineIsParsedAndErrorsNameTheOption) {
   const MappingOptions options =
       *read_mapping({.scale = "0.025", .gain = 4, .turn_deg = "90", .clutch = "undo"});
   EXPECT_EQ(options.choice.scale, 0.025);
@@ -104,7 +104,7 @@ TEST(MappingOptions, DeadmanIsAClutchOnlyIfTheDeviceSensesIt) {
   EXPECT_EQ(mapping_of(options, held, kTooth)->clutch, ClutchButton::kDeadman);
 }
 
-TEST(Summary, StatesTheMappingAsJson) {
+TEST(Summary, ContainsTheMappingAsJson) {
   Summary summary;
   summary.mapping = {.scale = 0.5, .gain = 3, .turn_rad = {0, 0, 1}};
   const auto json = nlohmann::json::parse(summary_json(summary))["mapping"];

@@ -35,7 +35,7 @@ TEST(Options, ParsesACompleteCommandLine) {
   EXPECT_TRUE(options->link.hello.udp);
 }
 
-TEST(Options, SoundHasADeviceIfItIsAskedFor) {
+TEST(Options, SoundHasADeviceIfRequested) {
   const auto sound = [](std::vector<const char*> words) {
     words.insert(words.begin(), {"--session", "demo", "--device", "sim"});
     const auto options = read(std::move(words));
@@ -53,7 +53,7 @@ TEST(Options, HelpIsNotAnError) {
   EXPECT_EQ(options.error().code, 0);
 }
 
-TEST(Options, HelpNamesTheModesAsTheyAreTyped) {
+TEST(Options, HelpListsTheModesByTheirNames) {
   testing::internal::CaptureStdout();
   ASSERT_FALSE(read({"--help"}));
   const std::string help = testing::internal::GetCapturedStdout();
@@ -92,7 +92,7 @@ TEST(Options, ModeIsOneOfTheFourNames) {
   EXPECT_EQ(mode("2"), std::nullopt) << "a number of the enumeration is no name";
 }
 
-TEST(Options, CopyIsKeptUnlessDeclined) {
+TEST(Options, ReplicaIsKeptUnlessDeclined) {
   EXPECT_TRUE(read({"--session", "demo", "--device", "sim"})->keep_copy);
   EXPECT_TRUE(read({"--session", "demo", "--device", "sim", "--copy"})->keep_copy);
   EXPECT_FALSE(read({"--session", "demo", "--device", "sim", "--no-copy"})->keep_copy);
@@ -107,7 +107,7 @@ TEST(Options, LatencyIsInMilliseconds) {
   EXPECT_FALSE(read({"--session", "demo", "--device", "usb", "--latency", "21"}));
 }
 
-TEST(Options, BadInputExitsWithTwo) {
+TEST(Options, InvalidInputExitsWithTwo) {
   const std::vector<std::vector<const char*>> lines = {
       {},
       {"--session", "demo"},
@@ -131,7 +131,7 @@ TEST(Options, BadInputExitsWithTwo) {
   }
 }
 
-TEST(Options, AMistakeIsAnsweredWithWhatToType) {
+TEST(Options, ErrorsSuggestTheCorrectInput) {
   const auto complaint = [](std::vector<const char*> words) {
     testing::internal::CaptureStderr();
     EXPECT_FALSE(read(std::move(words)));
@@ -147,7 +147,7 @@ TEST(Options, AMistakeIsAnsweredWithWhatToType) {
             "kerf-agent: --cpu: must be a whole number from 0 to 1023\n");
 }
 
-TEST(Options, StudyRejectsWhatItCannotBeRunWith) {
+TEST(Options, StudyRejectsIncompatibleOptions) {
   const auto complaint = [](std::vector<const char*> words) {
     words.insert(words.begin(), {"--session", "a", "--device", "sim", "--study", "s.csv"});
     testing::internal::CaptureStderr();
@@ -171,7 +171,7 @@ TEST(Options, StudyRejectsWhatItCannotBeRunWith) {
   EXPECT_EQ(complaint({}), "accepted");
 }
 
-TEST(Options, ProfileIsOfOneDevice) {
+TEST(Options, ProfileRequiresASingleDevice) {
   const std::string file = std::filesystem::path(testing::TempDir()) / "one_device.profile";
   ASSERT_TRUE(write_profile(file, {.device = "pen", .latency_us = 1500}));
   const auto read_with = [&file](std::vector<const char*> words) {
@@ -202,7 +202,7 @@ TEST(WrappedHelp, BreaksBetweenWordsAndKeepsTheLinesOfAList) {
   EXPECT_EQ(wrapped(""), "");
 }
 
-TEST(Summary, JsonHasTheFieldsThatTestsRelyOn) {
+TEST(Summary, JsonHasTheFieldsUsedByTests) {
   Summary summary;
   summary.welcome.session = "demo";
   summary.cycles.ticks = 10;
@@ -219,7 +219,7 @@ TEST(Summary, JsonHasTheFieldsThatTestsRelyOn) {
   EXPECT_EQ(json["link"]["udp"]["carries"], false);
 }
 
-TEST(Summary, FailuresOfTheLinkTheRecordingAndTheStudyCount) {
+TEST(Summary, FailsWithTheLinkTheRecordingOrTheStudy) {
   Summary summary;
   EXPECT_TRUE(succeeded(summary));
   summary.study.file = "s.csv";
@@ -256,7 +256,7 @@ TEST(Summary, ComparesFeltAndComputedForceAndTorque) {
   EXPECT_NEAR(json["torque_nmm"]["rms_error"].get<double>(), 0.75, 1e-12);
 }
 
-TEST(Summary, SaysWhenTheCutShookTheToolAndWasMadeSofter) {
+TEST(Summary, ReportsCutsSoftenedBecauseTheyShookTheTool) {
   const auto printed = [](const ServoReport& servo) {
     Summary summary;
     summary.servo = servo;

@@ -54,7 +54,7 @@ class RecordingCommands : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(RecordingCommands, NumbersOutOfRangeAndNoNumbersAreRejected) {
+TEST_F(RecordingCommands, InvalidNumbersAreRejected) {
   const auto complaint = [this](const char* option, const char* value) {
     testing::internal::CaptureStderr();
     EXPECT_EQ(feel({option, value}), 2) << option << ' ' << value;
@@ -74,7 +74,7 @@ TEST_F(RecordingCommands, NumbersOutOfRangeAndNoNumbersAreRejected) {
             "kerf-agent feel: --duration: must be a number from 0.001 to 1000000\n");
 }
 
-TEST_F(RecordingCommands, FeelGoesOnAfterSigusr1AndEndsAfterSigint) {
+TEST_F(RecordingCommands, FeelContinuesAfterSigusr1AndEndsAfterSigint) {
   int said[2] = {};
   ASSERT_EQ(::pipe(said), 0);
   const pid_t child = ::fork();
@@ -103,7 +103,7 @@ TEST_F(RecordingCommands, FeelGoesOnAfterSigusr1AndEndsAfterSigint) {
   EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
-TEST_F(RecordingCommands, ExportOverwritesNoTable) {
+TEST_F(RecordingCommands, ExportDoesNotOverwriteATable) {
   std::ofstream(file("table.csv")) << "precious";
   const std::string recording = file("stroke.mcap"), table = file("table.csv");
   const char* words[] = {"export", recording.c_str(), table.c_str()};
@@ -117,7 +117,7 @@ TEST_F(RecordingCommands, ExportOverwritesNoTable) {
   EXPECT_EQ(kept, "precious");
 }
 
-TEST(RecordingAbout, PlayingStatesItsOwnDeviceAndTheSessionThatWasRecorded) {
+TEST(RecordingAbout, PlayingStatesItsOwnDeviceAndTheRecordedSession) {
   const DeviceCapabilities recorded{.name = "Omega", .max_force_n = 12, .latency_us = 500};
   const DeviceCapabilities own{.name = "Touch", .max_force_n = 3.3, .latency_us = 1000};
   Welcome welcome;

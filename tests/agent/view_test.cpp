@@ -104,7 +104,7 @@ TEST(TripLog, WritesTheCodeAndOneLinePerTick) {
   EXPECT_NE(csv.find("\n500,"), std::string::npos);
 }
 
-TEST(TripLog, EveryCodeHasAReasonWithItsLimitAndARemedy) {
+TEST(TripLog, EveryCodeHasReasonLimitAndRemedy) {
   for (std::size_t i = 1; i < kTripNames.size(); ++i) {
     const std::string_view reason = trip_reason(static_cast<TripCode>(i));
     EXPECT_NE(reason, "unknown fault") << kTripNames[i];

@@ -44,7 +44,7 @@ TEST(AccuracyChoice, ChosenAccuracyMeetsTheTarget) {
   }
 }
 
-TEST(AccuracyChoice, AChosenAccuracyIsNeverSaidToMissItsTarget) {
+TEST(AccuracyChoice, ChosenAccuracyNeverReportsAMissedTarget) {
   // 0.9 pitch + tolerance exceeds the target in the last bit, as at 0.3 mm.
   int exceeding = 0;
   for (int n = 1; n <= 3000; ++n) {

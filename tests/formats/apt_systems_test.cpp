@@ -50,7 +50,7 @@ TEST(AptSystems, ToolPathsOfNxNeedNoFini) {
   EXPECT_EQ(program.read_as, "APT");
 }
 
-TEST(AptSystems, ToolsWithoutNumberHaveTheRankOfTheirName) {
+TEST(AptSystems, UnnumberedToolsAreNumberedByRank) {
   const Program program = apt(
       "TOOL PATH/A,TOOL,BALL10\nFEDRAT/100\nGOTO/0,0,0\nGOTO/1,0,0\nEND-OF-PATH\n"
       "TOOL PATH/B,TOOL,FLAT10\nGOTO/2,0,0\nEND-OF-PATH\nTOOL PATH/C,TOOL,BALL10\nGOTO/3,0,0\n");
@@ -62,7 +62,7 @@ TEST(AptSystems, ToolsWithoutNumberHaveTheRankOfTheirName) {
 
 // Counterclockwise about the axis: from (10, 0) to (0, 10) is a quarter turn, about -Z three
 // quarters.
-TEST(AptSystems, ACircleLeadsToTheNextPoint) {
+TEST(AptSystems, CircleEndsAtTheNextPoint) {
   const auto quarter = ends("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1.\nGOTO/0,10,0\n");
   EXPECT_EQ(quarter.back(), (Vec3{0, 10, 0}));
   EXPECT_GE(lowest(quarter, &Vec3::x), 0);
@@ -122,7 +122,7 @@ TEST(AptSystems, AHoleIsDrilledAtEachPoint) {
               HasSubstr("FEDTO"));
 }
 
-TEST(AptSystems, AxesAndNormalsBesideAPointNeedNoMultax) {
+TEST(AptSystems, AxesAndNormalsWithAPointNeedNoMultax) {
   const Program program = apt(kHead +
                                   "GOTO/0,0,9,0,0.6,0.8\nGOTO/1,0,9,0,0.6,0.8,0,0,1\n"
                                   "TLAXIS/0,0,1\nGOTO/2,0,9\nFINI\n",
@@ -159,7 +159,7 @@ TEST(AptSystems, AContinuationDoesNotSwallowTheNextPoint) {
               ElementsAre(Vec3{1, 0, 0}, Vec3{2, 0, 0}, Vec3{3, 0, 0}));
 }
 
-TEST(AptSystems, ToolsAreStatedByTheCutterBeforeOrBehindTheirLoad) {
+TEST(AptSystems, CutterMayPrecedeOrFollowItsToolLoad) {
   const std::string text =
       "UNITS/INCHES\nCUTTER/1.,0,0.5,0,0,0,3.\nLOAD/TOOL,12\nSELECT/TOOL,7\nFEDRAT/10,IPM\n"
       "GOTO/0,0,1\nGOTO/0,0,-1\nLOADTL/7\nCUTTER/0.5,0.25\nGOTO/1,0,-1\nFINI\n";
@@ -176,7 +176,7 @@ TEST(AptSystems, ToolsAreStatedByTheCutterBeforeOrBehindTheirLoad) {
   EXPECT_THAT(derived->notes, Contains(HasSubstr("CUTTER in line 9")));
 }
 
-TEST(AptSystems, IsKnownByItsStatementsWhateverItsName) {
+TEST(AptSystems, IsRecognizedByItsStatementsUnderAnyName) {
   const auto program = parse_program("p.txt", kHead + "GOTO/1,0,0\nFINI\n", scene_for("xyz"));
   ASSERT_TRUE(program) << to_string(program.error());
   EXPECT_EQ(program->read_as, "APT");

@@ -55,7 +55,7 @@ TEST(ArcFit, FindsCenterAndDirection) {
   EXPECT_TRUE(helix->helical);
 }
 
-TEST(ArcFit, RefusesWhatIsNoArc) {
+TEST(ArcFit, RejectsOtherPaths) {
   EXPECT_FALSE(fit_arc(arc_path(10, 0, 90, 2), 1));      // too few points
   EXPECT_FALSE(fit_arc(arc_path(10, 0, 350, 60), 0.1));  // nearly a whole turn
   EXPECT_FALSE(fit_arc(arc_path(10, 0, 240, 4), 9));     // a polygon
@@ -126,7 +126,7 @@ TEST(ArcFit, OtherPlanesAreSelectedAndLeftAgain) {
   EXPECT_THAT(written(program_of(path), Post::kHeidenhain, 0.02), Not(HasSubstr("CC")));
 }
 
-TEST(ArcFit, WithoutAToleranceNothingIsJoined) {
+TEST(ArcFit, WithoutAToleranceMotionsAreNotJoined) {
   EXPECT_THAT(written(program_of(arc_path(10, 20, 290, 90)), Post::kFanuc, 0),
               Not(HasSubstr("G3")));
 }

@@ -76,7 +76,7 @@ TEST(AreaPath, PocketsAreClearedToTheirWallsAndNoFurther) {
     }
 }
 
-TEST(AreaPath, StudsStandInTheirBlank) {
+TEST(AreaPath, StudsRemainInTheirBlank) {
   const auto path = mill_stud({10, 6, 1}, {16, 14, 0}, 2, 1.5);
   ASSERT_TRUE(path);
   for (double x = -8; x <= 8; x += 0.173)
@@ -109,7 +109,7 @@ TEST(AreaPath, FacesAreCoveredByTheirStrokes) {
   EXPECT_EQ(path->front().x, 0);
 }
 
-TEST(AreaPath, RefusesWhatTheToolCannotCut) {
+TEST(AreaPath, RejectsAreasThatTheToolCannotCut) {
   EXPECT_FALSE(clear_pocket({10, 3, 0}, 2, 1));
   EXPECT_FALSE(clear_pocket({10, 9, 0}, 0, 1));
   EXPECT_FALSE(clear_pocket({1e6, 1e6, 0}, 0.1, 0.1));

@@ -46,7 +46,7 @@ Json random_value(std::mt19937& random, int depth) {
   return container;
 }
 
-TEST(BoundedJson, ReadsWhatTheLibraryReads) {
+TEST(BoundedJson, AgreesWithTheLibrary) {
   std::mt19937 random(7);
   for (int n = 0; n < 500; ++n) {
     const Json value = random_value(random, 6);
@@ -92,7 +92,7 @@ TEST(BoundedJson, NestsAsDeepAsTheLimitAndNoDeeper) {
   EXPECT_EQ(fault_of(std::string(1 << 20, '[')), JsonFaultKind::kTooDeep);
 }
 
-TEST(BoundedJson, LeavesOutWhatIsDeeper) {
+TEST(BoundedJson, DropsDeeperValues) {
   const auto read = parse_bounded_json(R"({"a": [1, {"x": [2, {}]}, 3], "b": {"c": {"d": 4}}})",
                                        {.depth_max = 2, .drops_deeper = true});
   ASSERT_TRUE(read);
@@ -104,7 +104,7 @@ TEST(BoundedJson, LeavesOutWhatIsDeeper) {
             JsonFaultKind::kSyntax);
 }
 
-TEST(BoundedJson, HoldsNoMoreValuesThanTheLimit) {
+TEST(BoundedJson, KeepsAtMostTheLimitOfValues) {
   const JsonRules rules{.values_max = 4};
   EXPECT_TRUE(parse_bounded_json("[1, 2, {}]", rules));
   EXPECT_EQ(fault_of("[1, 2, {}, 3]", rules), JsonFaultKind::kTooMany);
@@ -113,7 +113,7 @@ TEST(BoundedJson, HoldsNoMoreValuesThanTheLimit) {
                                  {.depth_max = 2, .drops_deeper = true, .values_max = 4}));
 }
 
-TEST(BoundedJson, EndsAfterAStop) {
+TEST(BoundedJson, StopsOnRequest) {
   bool stops = false;
   std::string text = "[";
   for (int n = 0; n < 10'000; ++n) text += "1,";

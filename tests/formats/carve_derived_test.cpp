@@ -11,7 +11,7 @@ using testing::Not;
 
 const std::string kInput = "--scene scene.json --program p.ngc";
 
-TEST_F(KerfCarve, ABorderThatIsAssumedMakesNoThinWall) {
+TEST_F(KerfCarve, AssumedBorderMakesNoThinWall) {
   write(
       "c.ngc",
       "G21 G90\nT1 M6 (D=6 flat end mill)\nG0 X-20 Y0 Z5\nG1 Z-4 F300\nG2 I20 F600\nG0 Z20\nM2\n");
@@ -33,7 +33,7 @@ TEST_F(KerfCarve, ReportsTheProvenanceOfADerivedScene) {
   EXPECT_TRUE(report(kInput)["provenance"].empty());
 }
 
-TEST_F(KerfCarve, AToolFromInsideTheStockGivesTheRotaryDirectionAway) {
+TEST_F(KerfCarve, ToolInsideTheStockRevealsTheRotaryDirection) {
   write("b.nc",
         "G21 G90\nT1 M6\nG0 X60 Y0 Z30\nG43.4 H1 B60.\nG0 X25. Z-10.\nG1 X18. F100\nX25.\nM30\n");
   const auto scene = [&](const std::string& direction) {

@@ -213,7 +213,7 @@ TEST_F(KerfCarve, AWrittenSceneNamesTheFilesOfAGivenOne) {
   EXPECT_EQ(back["guides"][0]["file"], "p.ngc");
 }
 
-TEST_F(KerfCarve, SaysLastThatNothingWasCut) {
+TEST_F(KerfCarve, ReportsLastThatNothingWasCut) {
   write("p.ngc", "T1 M6\nG0 X-5 Y10 Z90\nG1 X25 F100\nM2\n");
   ASSERT_EQ(run(kInput), 0);
   EXPECT_THAT(content("err"), StartsWith("warning: p.ngc: NOTHING WAS CUT"));

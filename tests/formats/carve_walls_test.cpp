@@ -44,7 +44,7 @@ TEST_F(KerfCarve, TargetRefinesThePitchAtAThinWall) {
   EXPECT_THAT(std::string(json["accuracy"]["reason"]), HasSubstr("limited by thin walls"));
 }
 
-TEST_F(KerfCarve, TargetThatAThinWallPreventsIsAWarning) {
+TEST_F(KerfCarve, TargetMissedAtAThinWallIsAWarning) {
   write("rib.ngc", kRibProgram);
   write("s.json", rib_scene(R"({"target_mm": 0.3, "pitch_mm": 0.3})"));
   const auto fixed = report("--scene s.json --program rib.ngc");
@@ -111,7 +111,7 @@ f 19 20 10 9
 f 20 11 1 10
 )";
 
-TEST_F(KerfCarve, WarnsOfAWallOfTheStockThatIsThinnerThanThePitch) {
+TEST_F(KerfCarve, WarnsOfAStockWallThinnerThanThePitch) {
   write("fin.obj", kFinStock);
   write("p.ngc", "G21 G90 T1 M6\nF600\nG0 X5 Y-5 Z4\nG1 Y25\nM2\n");
   const auto scene = [](const std::string& accuracy) {

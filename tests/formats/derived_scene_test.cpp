@@ -30,7 +30,7 @@ constexpr const char* kPocket =
     "G21 G90\n(T1 D=8. CR=0. - flat end mill)\nT1 M6\nG0 Z15\nG0 X-40 Y-30\nG1 X10 Y10 F900\n"
     "G1 Z1\nG1 X14 Z-3\nG1 X60\nY40\nX10\nY10\nG1 Z15\nG1 X90 Y90\nM30\n";
 
-TEST(DerivedScene, IsTheBoxOfTheCutsAndTheToolsOfTheComments) {
+TEST(DerivedScene, HasTheBoxOfTheCutsAndTheToolsOfTheComments) {
   const DerivedScene scene = derived(kPocket);
   EXPECT_EQ(box(scene).min_mm, (Vec3{6, 6, -5})) << "not the traverses at the height of Z15";
   EXPECT_EQ(box(scene).max_mm, (Vec3{64, 44, 0})) << "not where the tool comes down through air";
@@ -42,7 +42,7 @@ TEST(DerivedScene, IsTheBoxOfTheCutsAndTheToolsOfTheComments) {
   EXPECT_EQ(scene.scene.accuracy->request.target_mm, 0.1) << "at least a thousandth of 58 mm";
 }
 
-TEST(DerivedScene, WishesComeFirst) {
+TEST(DerivedScene, RequestedValuesTakePrecedence) {
   SceneWishes wishes;
   wishes.stock_size_mm = Vec3{70, 50, 10};
   wishes.tools = {{1, BallShape{4, 20}}};
@@ -76,7 +76,7 @@ TEST(DerivedScene, ToolsReachFromTheDeepestCutToTheTop) {
   EXPECT_GE(scene.scene.tools.at(1).tool.length_mm, 80);
 }
 
-TEST(DerivedScene, AStatedSizeThatDoesNotHoldTheCutsIsNotUsed) {
+TEST(DerivedScene, StatedSizeSmallerThanTheCutsIsIgnored) {
   const std::string body = "G21\nG0 X0 Y0 Z5\nG1 Z-1 F100\nX300\nM30\n";
   const DerivedScene far = derived("(STOCK X100 Y50 Z20)\n" + body);
   EXPECT_GE(box(far).max_mm.x, 300);
@@ -86,21 +86,21 @@ TEST(DerivedScene, AStatedSizeThatDoesNotHoldTheCutsIsNotUsed) {
   EXPECT_EQ(box(held).max_mm, (Vec3{310, 50, 0}));
 }
 
-TEST(DerivedScene, CountsFromTheTableWhereMostCutsAreAboveIt) {
+TEST(DerivedScene, ZeroIsTheTableIfMostCutsAreAboveIt) {
   const DerivedScene scene =
       derived("G21\nG0 X0 Y0 Z40\nG1 Z18.5 F300\nX50\nY9\nX0\nZ12\nX50\nZ-0.2\nX0\nG0 Z40\nM30\n");
   EXPECT_EQ(box(scene).min_mm.z, -1) << "cut through into the table";
   EXPECT_EQ(box(scene).max_mm.z, 19);
 }
 
-TEST(DerivedScene, OfAProgramThatOnlyDrillsHoldsTheHoles) {
+TEST(DerivedScene, BoxOfADrillingProgramContainsTheHoles) {
   const DerivedScene scene =
       derived("G21\nT1 M6\nG0 X0 Y0 Z20\nG98 G81 X5 Y5 Z-8 R2 F90\nX25\nG80\nM30\n");
   EXPECT_EQ(box(scene).max_mm, (Vec3{28, 8, 0}));
   EXPECT_EQ(box(scene).min_mm.z, -10);
 }
 
-TEST(DerivedScene, TakesTheBlankOfKlartextOnlyFromNumbers) {
+TEST(DerivedScene, ReadsTheKlartextBlankOnlyFromNumbers) {
   const auto stock = [](const std::string& head, const std::string& second) {
     return box(derived(head +
                        "BEGIN PGM T MM\nQ1 = 100\nBLK FORM 0.1 Z X-10 Y-10 Z-20\n"
@@ -138,7 +138,7 @@ TEST(DerivedScene, QuestionsTheUnitOfATinyModel) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(DerivedScene, ErrorsAreThoseOfTheProgram) {
+TEST(DerivedScene, ErrorsComeFromTheProgram) {
   EXPECT_THAT(derive_scene("p.nc", "G21\nG0 X1\nM30\n", {}, {}).error(),
               testing::HasSubstr("cuts nothing"));
   EXPECT_THAT(derive_scene("p.nc", "G21\nG77\n", {}, {}).error(), testing::HasSubstr("p.nc:2"));

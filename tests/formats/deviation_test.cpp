@@ -118,7 +118,7 @@ TEST(DeviationSurvey, ListsThePeaksWorstFirst) {
   }));
 }
 
-TEST(DeviationSurvey, OfNothingIsEmpty) {
+TEST(DeviationSurvey, IsEmptyForAnEmptySurface) {
   const IndexedMesh whole = mesh_of(block(5));
   const IndexedMesh none;
   WholeMesh surface(none);

@@ -60,7 +60,7 @@ TEST(DrillingCycles, HolesAreWrittenAsTheCyclesThatDrilledThem) {
 
 // Holes of all four cycles at random positions and depths, with motions, remarks and another tool
 // between them.
-TEST(DrillingCycles, WhatIsReadBackIsTheSameProgram) {
+TEST(DrillingCycles, ReadBackGivesTheSameProgram) {
   const Scene scene = scene_for("xyz");
   for (std::uint32_t seed = 0; seed < 60; ++seed) {
     std::mt19937_64 random(seed);
@@ -134,7 +134,7 @@ TEST(DrillingCycles, AHoleIsOneMovementOfAnUprightTool) {
 }
 
 // A remark stays before its motion. A hole with a remark inside stays motions.
-TEST(DrillingCycles, ARemarkKeepsItsPlace) {
+TEST(DrillingCycles, RemarkKeepsItsPosition) {
   const Scene scene = scene_for("xyz");
   const Program source = test::gcode(
       scene, head("G0 X10\nG0 Z2\nG1 Z-4 F100\nM9\nG0 Z2\nG0 X20\nM8\nG1 Z-4\nG0 Z2\n"));

@@ -8,13 +8,13 @@
 namespace kerf {
 namespace {
 
-TEST(GcodeComment, EndsWhereItEnds) {
+TEST(GcodeComment, EndsAtItsEndMark) {
   for (const Post post : {Post::kLinuxcnc, Post::kGrbl, Post::kFanuc, Post::kHaas})
     EXPECT_EQ(gcode_comment(post, "A)\nG0 Z-9 (B"),
               post == Post::kGrbl ? "(A]_G0 Z-9 [B)" : "(A]?G0 Z-9 [B)");
 }
 
-TEST(GcodeComment, RunsNothingInLinuxcnc) {
+TEST(GcodeComment, RunsNoCommandInLinuxcnc) {
   EXPECT_EQ(gcode_comment(Post::kLinuxcnc, "PY, import os"), "(- PY, import os)");
   EXPECT_EQ(gcode_comment(Post::kLinuxcnc, " PyRun,x"), "(-  PyRun,x)");
   EXPECT_EQ(gcode_comment(Post::kLinuxcnc, "L O G O P E N,/etc/passwd"),
@@ -28,7 +28,7 @@ TEST(GcodeComment, RunsNothingInLinuxcnc) {
 }
 
 // grbl removes ? ! ~ and all bytes above 0x7f from the stream and executes them.
-TEST(GcodeComment, CommandsNothingInGrbl) {
+TEST(GcodeComment, RunsNoCommandInGrbl) {
   std::string every;
   for (int c = 1; c < 256; ++c) every += static_cast<char>(c);
   for (std::size_t begin = 0; begin < every.size(); begin += 60) {

@@ -22,7 +22,7 @@ Dialect judged(const std::string& text, const std::string& name = "p.nc") {
   return choice ? choice->dialect : Dialect::kAuto;
 }
 
-TEST(DialectChoice, IsJudgedByWordsThatOneControllerHas) {
+TEST(DialectChoice, IsDeterminedByWordsOfOneController) {
   EXPECT_EQ(judged("%\nO1000\nG0 X1\nM30\n"), Dialect::kFanuc);
   EXPECT_EQ(judged("%\nO1000\nG154 P2\nM30\n"), Dialect::kHaas);
   EXPECT_EQ(judged("%\nO1000\n(HAAS VF2)\nM30\n"), Dialect::kHaas);
@@ -43,7 +43,7 @@ TEST(DialectChoice, KlartextWithoutItsReaderIsNamed) {
   EXPECT_THAT(to_string(klartext.error()), HasSubstr("HEIDENHAIN Klartext (line 1 has BEGIN PGM)"));
 }
 
-TEST(DialectChoice, CommentsAndNamesOfProgramsAreNoMarks) {
+TEST(DialectChoice, CommentsAndProgramNamesDoNotCount) {
   EXPECT_EQ(judged("%\nO1000 (CUSTOMER MCALLISTER)\nG0 X1\n"), Dialect::kFanuc);
   EXPECT_EQ(judged("%\nO1000\n(MCALL AND SINUMERIK)\nG0 X1\n"), Dialect::kFanuc);
   EXPECT_EQ(judged("%\nO1000\n(STEP RATIO<5 PERCENT)\nG0 X1\n"), Dialect::kFanuc);
@@ -57,7 +57,7 @@ TEST(DialectChoice, CommentsAndNamesOfProgramsAreNoMarks) {
   EXPECT_EQ(judged("TRAORI\nG0 X1\n"), Dialect::kSiemens);
 }
 
-TEST(DialectChoice, AProgramThatLinuxcncRejectsIsReadAsFanucIfNothingSpeaksAgainstIt) {
+TEST(DialectChoice, ProgramRejectedByLinuxcncDefaultsToFanuc) {
   const Scene scene = test::scene_for("xyz");
   const std::string text = "G21 G90 T1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F100 M131\nM30\n";
   const auto program = parse_program("p.nc", text, scene);
@@ -98,7 +98,7 @@ TEST(MacroFlow, BranchesAndLoops) {
   EXPECT_THAT(refused("IF[1EQ1]\nM30\n"), testing::EndsWith("(read as Fanuc)"));
 }
 
-TEST(MacroIndex, FindsALineWithAFewComparisons) {
+TEST(MacroIndex, FindsALineWithFewComparisons) {
   std::string text = "O1\nN1 DO1\nEND1\n";
   for (int i = 0; i < 50'000; ++i) text += "N9\n";
   text += "O2\nN1\nDO1\nDO1\nEND1\nEND1\nN1\nO2\nN3\n";

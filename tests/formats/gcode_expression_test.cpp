@@ -88,7 +88,7 @@ TEST(GcodeExpression, ErrorsNameTheWholeWord) {
   EXPECT_EQ(fault_of("#1=foo[1]").word, "#1=FOO[1]");
 }
 
-TEST(GcodeParameters, AssignmentsTakeEffectAfterTheirLine) {
+TEST(GcodeParameters, AssignmentsTakeEffectOnTheNextLine) {
   GcodeParameters parameters;
   block_of("#3=6", parameters);
   EXPECT_EQ(block_of("#3=15 x#3 #4=#3", parameters).find('x')->value, 6);

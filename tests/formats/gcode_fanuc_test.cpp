@@ -72,7 +72,7 @@ TEST(FanucBlock, HolesOnACircleOfHaas) {
 }
 
 // G40 alone causes no motion. A retraction after it goes straight up.
-TEST(FanucBlock, ARetractionBehindG40StaysBesideThePath) {
+TEST(FanucBlock, RetractionAfterG40StaysOffThePath) {
   const std::string start = "T1\nG41 D1 G1 X-20 Y0 F9\nX0\nG40\n";
   EXPECT_EQ(fanuc(start + "G0 Z9\nM30\n"), "F -20 1 0, F 0 1 0, R 0 1 9");
   EXPECT_EQ(fanuc(start + "G0 Z9\nX5\nM30\n"), "F -20 1 0, F 0 1 0, R 0 1 9, R 5 0 9");
@@ -159,7 +159,7 @@ TEST(FanucBlock, ScalesAndMirrors) {
               HasSubstr("unequal scale"));
 }
 
-TEST(FanucBlock, TheEndOfAnotherTransformationChangesNothing) {
+TEST(FanucBlock, CancelingAnotherTransformationChangesNothing) {
   EXPECT_EQ(fanuc("G51.1 X0\nG69\nG50\nG0 X10 Y0\nG50.1 X0\nX20 Y1\nM30\n"), "R -10 0 0, R 20 1 0");
   EXPECT_EQ(haas("G68 X0 Y0 R90\nG50\nG50.1 X0\nG0 X20 Y0\nG69\nX1 Y2\nM30\n"),
             "R 0 20 0, R 1 2 0");
@@ -190,7 +190,7 @@ TEST(FanucBlock, ACompensatedPathKeepsItsCoordinateSystem) {
   EXPECT_THAT(fanuc(start + "G54\nX30\nG40 X50\nM30\n"), HasSubstr("F 50 0 0"));
 }
 
-TEST(FanucBlock, PBesideG54IsAnAdditionalSystem) {
+TEST(FanucBlock, PAfterG54IsAnAdditionalSystem) {
   EXPECT_EQ(fanuc("G10 L20 P2 X5\nG54 P2\nG0 X1\nG54\nX1\nM30\n"), "R 6 0 0, R 1 0 0");
   EXPECT_THAT(refused("G54 P2 M131\n"), HasSubstr("write them in two blocks"));
   EXPECT_EQ(fanuc("G10 L20 P2 X5\nG54.1 P2 M131\nG0 X1\nM30\n"), "R 6 0 0");
@@ -206,7 +206,7 @@ TEST(FanucBlock, G70AndG71AreUnitsUnlessTheyDescribeAPattern) {
   EXPECT_THAT(refused("G70 I1. J0 L4\n"), HasSubstr("pattern of holes"));
 }
 
-TEST(FanucBlock, MessagesAndSpindlePowerAreLeftOut) {
+TEST(FanucBlock, MessagesAndSpindlePowerAreIgnored) {
   EXPECT_EQ(fanuc("MSG\"Tool: #1 (3 mm)\"\nM3 P100\nG1 X1 F9\nM5 P0\nM30\n"), "F 1 0 0");
 }
 
@@ -222,7 +222,7 @@ TEST(MacroPrograms, CompensationMayBeRepeatedOnItsSide) {
   EXPECT_NE(repeated->motions.back().to.tip_mm.y, 0) << "beside the path";
 }
 
-TEST(MacroPrograms, CentersAreCoordinatesWhereNothingElseMakesAnArc) {
+TEST(MacroPrograms, CentersAreAbsoluteIfNothingElseGivesAnArc) {
   const Scene scene = test::scene_for("xyz");
   const std::string start = "G21\nT1 M6\nG0 X-40 Y50 Z5\nG1 Z-1 F100\n";
   const auto read = [&](const std::string& arcs) {
@@ -241,7 +241,7 @@ TEST(MacroPrograms, CentersAreCoordinatesWhereNothingElseMakesAnArc) {
       << "one kind of center in a program";
 }
 
-TEST(MacroPrograms, OffsetsAreZeroWhereTheRadiusOfTheToolIsNotPossible) {
+TEST(MacroPrograms, OffsetsAreZeroIfTheToolRadiusIsImpossible) {
   const Scene scene = test::scene_for("xyz");
   const std::string text =
       "G21\nT1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F100\nG41 D1 X0.5\nX30\nY1\nX0\nG40 Y2\nM30\n";
@@ -291,7 +291,7 @@ TEST(FanucBlock, RoundsAndCutsCorners) {
   EXPECT_THAT(refused("G1 X10 ,R2 F9\nG1 Y10 Z1\nM30\n"), HasSubstr("within the active plane"));
 }
 
-TEST(FanucBlock, RoundsAndCutsCornersBesideThePath) {
+TEST(FanucBlock, RoundsAndCutsCornersOfCompensatedPaths) {
   for (const std::string start : {"T1\nG41 D1 G1 X-20 Y0 F9\n", "T1\nG42 D1 G1 X-20 Y0 F9\n"}) {
     const std::string end = "X0\nY5\nM30\n";
     EXPECT_EQ(fanuc(start + "X10 ,R3.\nY10 ,C2.\n" + end),
@@ -332,7 +332,7 @@ TEST(FanucBlock, CyclesStartInG98AndNeedNoDwellOrSpindle) {
   EXPECT_THAT(refused("G87 X1 Z-1 R2 F9\n"), HasSubstr("back boring"));
 }
 
-TEST(FanucBlock, AToolThatIsSelectedAndNeverLoadedNeedNotExist) {
+TEST(FanucBlock, SelectedToolThatIsNeverLoadedNeedNotExist) {
   const Scene scene = test::scene_for("xyz");
   const std::string start = "O1\nG21 T1 M6\nT9\nG90 G0 X0 Y0 Z5\nG43 H21 Z5\n";
   const auto program =

@@ -33,7 +33,7 @@ FirstCut first_cut(const std::string& text, Dialect dialect = Dialect::kFanuc) {
   return {};
 }
 
-TEST(FanucOffsets, OfG54AreTheZeroOfTheScene) {
+TEST(FanucOffsets, G54OffsetsAreTheScenesZero) {
   const std::string cut = "G0 X0 Y0 Z5.\nG1 X1. Y2. Z-3. F99\n";
   const std::string set = "G10 L2 P1 X-269.39 Y-254.65 Z-389.\n";
   for (const Dialect dialect : {Dialect::kFanuc, Dialect::kHaas}) {

@@ -46,7 +46,7 @@ TEST(GcodeReader, RapidsBeforeTheFirstCutPlaceTheToolWithoutMotion) {
   EXPECT_EQ(program.motions[0].to.tip_mm, (Vec3{-40, 3, -5}));
 }
 
-TEST(GcodeReader, AToolThatIsPlacedInStockTakesTheSameByNoLengthAsByAMicrometre) {
+TEST(GcodeReader, ToolPlacedInStockRemovesTheSameWithAMicrometerOfTravel) {
   const Scene scene = scene_for("xyz");
   const std::string placed = "G21 G90 T1 M6\nG0 X0 Y0 Z-2\n", again = "G1 X0 Y0 Z-2 F100\n";
   const Program none = gcode(scene, placed + "M2\n");
@@ -135,7 +135,7 @@ TEST(GcodeReader, OnlyToolOfASceneNeedsNoToolChange) {
   EXPECT_THAT(program.warnings, ElementsAre(HasSubstr("only tool")));
 }
 
-TEST(GcodeReader, AProgramThatChangesToNoToolButT0UsesTheOnlyOne) {
+TEST(GcodeReader, ProgramThatOnlySelectsT0UsesTheOnlyTool) {
   Scene scene = scene_for("xyz");
   scene.tools.erase(2);
   const std::string body = "G0 X0 Y0 Z5\nG1 Z-1 F100\nX9\nM2\n";
@@ -221,12 +221,12 @@ TEST(GcodeReader, ToolChangeRequiresASelectedTool) {
               HasSubstr("no tool is loaded"));
 }
 
-TEST(GcodeReader, WarnsOfTheLengthOfAnotherTool) {
+TEST(GcodeReader, WarnsOfAnotherToolsLength) {
   EXPECT_THAT(gcode(scene_for("xyz"), kStart + "G43 H2\nG43 H1\nG49\nM2\n").warnings,
               testing::Contains(HasSubstr("H2 is the length of another tool")));
 }
 
-TEST(GcodeReader, AProgramThatCutsNothingSaysSoFirst) {
+TEST(GcodeReader, ReportsFirstThatAProgramCutsNothing) {
   const auto warnings = [](const std::string& text) {
     return gcode(scene_for("xyz"), text).warnings;
   };

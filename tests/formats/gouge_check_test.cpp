@@ -46,7 +46,7 @@ class GougeCheckTest : public testing::Test {
   GougeReference reference_;
 };
 
-TEST_F(GougeCheckTest, AMotionThatMakesThePartHasNone) {
+TEST_F(GougeCheckTest, ExactPartHasNoGouges) {
   const auto before = block_.snapshot();
   const auto tiles = cut(block_, {5, 10, 6}, {35, 10, 7}, 3);
   GougeCheck check(reference_, before, block_.snapshot(), tiles);
@@ -54,7 +54,7 @@ TEST_F(GougeCheckTest, AMotionThatMakesThePartHasNone) {
   EXPECT_FALSE(check.deepest());
 }
 
-TEST_F(GougeCheckTest, TheDeepestPlaceIsBelowTheGrooveThatIsTooDeep) {
+TEST_F(GougeCheckTest, DeepestGougeIsInTheDeepGroove) {
   const auto before = block_.snapshot();
   const auto tiles = cut(block_, {5, 10, 5.5}, {35, 10, 6.5}, 3);
   GougeCheck check(reference_, before, block_.snapshot(), tiles);
@@ -93,7 +93,7 @@ TEST_F(GougeCheckTest, FindsGougesBelowAnOverhang) {
   EXPECT_EQ(check.deepest()->depth_mm, all.worst.front().depth_mm);
 }
 
-TEST_F(GougeCheckTest, PortionsOfTheWorkFindWhatASearchOfTheWholeBlockDoes) {
+TEST_F(GougeCheckTest, PortionsFindTheSameGougesAsAFullSearch) {
   std::mt19937 random(7);
   const auto value = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);

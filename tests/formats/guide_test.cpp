@@ -63,7 +63,7 @@ TEST(Guides, AreReadWithTheirDefaults) {
   EXPECT_EQ(path.paths.front().back().axis, (Vec3{0, 0.6, 0.8}));
 }
 
-TEST(Guides, OfAProgramFollowItsCutsAndNotItsRapids) {
+TEST(Guides, ProgramGuidesFollowCutsAndNotRapids) {
   const SceneSource source{
       .base_folder = {}, .files = {{"part.ngc", kProgram}}, .keep_files = true};
   const Scene scene = parsed(R"([{"kind": "path", "file": "part.ngc", "within_mm": 2}])", source);
@@ -76,7 +76,7 @@ TEST(Guides, OfAProgramFollowItsCutsAndNotItsRapids) {
   EXPECT_EQ(scene.files.at("part.ngc"), kProgram) << "a journal needs it";
 }
 
-TEST(Guides, OfAStrokeHaveTheTeachersForces) {
+TEST(Guides, StrokeGuidesHaveTheTeachersForces) {
   const SceneSource source{.base_folder = {}, .files = {{"teacher.csv", kForces}}};
   const Scene scene = parsed(R"([{"kind": "stroke", "file": "teacher.csv"}])", source);
   const auto& paths = std::get<PathGuide>(scene.guides.front().shape).paths;
@@ -107,7 +107,7 @@ TEST(Guides, CanonicalTextReadsBackToTheSameGuides) {
   EXPECT_EQ(parse_guides("{}")->size(), 0U);
 }
 
-TEST(Guides, SceneWithoutThemHasTheTextItHadBefore) {
+TEST(Guides, SceneWithoutGuidesKeepsItsText) {
   const Scene scene = parsed("[]");
   EXPECT_EQ(scene_json(scene).find("guides"), std::string::npos);
   EXPECT_THAT(explain_scene(scene), HasSubstr("virtual fixtures"));
@@ -201,7 +201,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadGuide{R"([{"kind": "stroke", "file": "text.csv"}])", "guides[0].file", "line 8"},
         BadGuide{R"([{"kind": "stroke", "file": "else.csv"}])", "guides[0].file", "not loaded"}));
 
-TEST(Guides, OfAMeshStockNeedASurfaceToSnapTo) {
+TEST(Guides, MeshStockRequiresASnapSurface) {
   const std::string tetrahedron =
       "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
   const SceneSource source{
@@ -218,7 +218,7 @@ TEST(Guides, OfAMeshStockNeedASurfaceToSnapTo) {
   ASSERT_TRUE(given.has_value()) << to_string(given.error());
 }
 
-TEST(Guides, HaveALimitedNumberOfPoses) {
+TEST(Guides, NumberOfPosesIsLimited) {
   std::string poses = "[0,0,0,0,0,1]";
   for (std::size_t i = 0; i < kGuidePosesMax; ++i) poses += ",[0,0,0,0,0,1]";
   const auto guides = parse_guides(R"({"guides":[{"kind":"path","paths":[[)" + poses + "]]}]}");

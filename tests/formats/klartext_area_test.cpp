@@ -120,7 +120,7 @@ TEST(KlartextArea, PatternsCallTheCycleAtTheirPoints) {
   EXPECT_THAT(refused("CYCL DEF 220 ~\n Q241=4\n"), HasSubstr("requires a cycle"));
 }
 
-TEST(KlartextArea, RefusesWhatItDoesNotModel) {
+TEST(KlartextArea, RejectsUnsupportedWords) {
   EXPECT_THAT(refused("CYCL DEF 251 ~\n Q218=9 ~\n Q219=9 ~\n" + kDepth + "CYCL CALL\n"),
               HasSubstr("does not fit into the pocket"));
   EXPECT_THAT(
@@ -136,7 +136,7 @@ TEST(KlartextArea, RefusesWhatItDoesNotModel) {
 }
 
 // The contour runs along Y. The tool of 10 mm is to its left, at X -5.
-TEST(KlartextApproach, ComesBesideTheContour) {
+TEST(KlartextApproach, LineEndsNextToTheContour) {
   const std::string behind = "L Y+20\nDEP LT LEN5\n";
   const auto lt = ends("L X-30 Y-30 Z-1 R0 F500\nAPPR LT X+0 Y+0 LEN10 RL F300\n" + behind);
   EXPECT_THAT(lt, ElementsAre(Vec3{-30, -30, -1}, Vec3{-5, -10, -1}, Vec3{-5, 0, -1},
@@ -187,7 +187,7 @@ TEST(KlartextApproach, ALineEndsAcrossTheFirstElement) {
 }
 
 // The arc is smaller than the tool, so the path can only be that of the tool's center.
-TEST(KlartextApproach, PathsThatTheToolCannotFollowAreThoseOfItsCenter) {
+TEST(KlartextApproach, PathsTooTightForTheToolAreThoseOfItsCenter) {
   const auto program =
       read("L X-30 Y+0 R0 F500\nL X+0 RL\nL X+20\nCC X+20 Y+3\nC X+20 Y+6 DR+\nL X+0\nL Y+30 R0\n");
   ASSERT_TRUE(program) << to_string(program.error());
@@ -212,7 +212,7 @@ TEST(KlartextApproach, TheFirstElementMayBeAnArcOrACorner) {
   EXPECT_EQ(corner.back(), (Vec3{30, 25, -1}));
 }
 
-TEST(KlartextApproach, RefusesWhatItDoesNotModel) {
+TEST(KlartextApproach, RejectsUnsupportedWords) {
   const std::string head = "L X-40 Y-40 Z-1 R0 F500\n";
   EXPECT_THAT(refused(head + "APPR PLT PR+5 PA+3 LEN9 RL\n"), HasSubstr("APPR PLT"));
   EXPECT_THAT(refused(head + "APPR LN X+0 Y+0 LEN9 R0\n"), HasSubstr("RL or RR"));

@@ -38,7 +38,7 @@ std::string refused(const std::string& body, const char* machine = "xyz") {
   return program ? "" : to_string(program.error());
 }
 
-TEST(Klartext, IsReadByNameToo) {
+TEST(Klartext, IsAlsoReadByName) {
   GcodeEnvironment environment;
   environment.dialect = *dialect_of("heidenhain");
   const std::string text = "TOOL CALL 1 Z S1000\nL X+0 Y+0 Z+5 R0 FMAX\nL X+3 F100\n";
@@ -49,7 +49,7 @@ TEST(Klartext, IsReadByNameToo) {
 }
 
 // A square of 40 mm that a tool of 10 mm follows on the outside.
-TEST(Klartext, CompensationStaysBesideTheContour) {
+TEST(Klartext, CompensationStaysOutsideTheContour) {
   const auto path = ends(
       "L X+20 Y-30 R0 FMAX\nL Z-1 F500\nL X+20 Y+0 RR\nL X+40\nL Y+40\nL X+0\nL Y+0\nL X+20\n"
       "L Z+5 R0 FMAX\nL Y-30\n");
@@ -114,7 +114,7 @@ TEST(Klartext, ArcsGoAboutThePole) {
   EXPECT_THAT(refused("L X+10 F100\nCC X+0 Y+0\nCP IPA+90 DR-\n"), HasSubstr("against DR"));
 }
 
-TEST(Klartext, ARampOfAPostRollsIntoTheCut) {
+TEST(Klartext, RampOfAPostprocessorRollsIntoTheCut) {
   // The center is below, in the plane of X and Z: from (8, 7) down to (0, -1).
   const auto path = ends("L X+8 Z+7 FMAX\nCC X+0 Z+7\nCP IPA+90 DR+ F1000\n");
   EXPECT_EQ(path.back(), (Vec3{0, 0, -1}));
@@ -240,7 +240,7 @@ TEST(Klartext, M126TurnsTheShorterPath) {
   EXPECT_THAT(refused(from + "M126\nL IC+270\n", "xyzac-trt"), HasSubstr("M126"));
 }
 
-TEST(Klartext, M94TakesWholeTurnsFromAnAngle) {
+TEST(Klartext, M94RemovesWholeTurnsFromAnAngle) {
   const std::string from = "L A+30 C+538 FMAX\nM128\nL Z+1 F100\n";
   EXPECT_NEAR(turned(from + "L C+180\n"), 358, 1e-3);
   for (const char* reduced : {"M94\nL C+180\n", "M94 C\nL C+180\n", "L C+180 M94\n"})
@@ -283,7 +283,7 @@ TEST(Klartext, ACycleIsCalledUntilItsCallEnds) {
   EXPECT_THAT(refused(kDrill + "L X+9 F9\nRND R1\nCYCL CALL\nL Y+9\n"), HasSubstr("RND"));
 }
 
-TEST(Klartext, HolesAreDrilledAlongTheAxisOrRefused) {
+TEST(Klartext, HolesAreDrilledAlongTheAxisOrRejected) {
   const std::string turn = kDrill + "L A+30 FMAX\n";
   EXPECT_EQ(refused(turn + "L X+1 FMAX M99\n", "xyzac-trt"), "");
   EXPECT_EQ(refused(kDrill + "M128\nL X+1 C+90 FMAX M99\n", "xyzac-trt"), "");
@@ -307,14 +307,14 @@ TEST(Klartext, DrOfToolCallIsAddedToTheRadius) {
               HasSubstr("less than 0"));
 }
 
-TEST(Klartext, WordsOfToolCallThatChangeTheToolAreRefused) {
+TEST(Klartext, ToolCallWordsThatChangeTheToolAreRejected) {
   EXPECT_THAT(ends("TOOL CALL 1 Z S900 F50 DL+0 DR-0,0 DR2:+0\nL X+1\n"), SizeIs(1));
   EXPECT_THAT(ends("TOOL CALL 1 Z DR2+0\nL X+1 F9\n"), SizeIs(1));
   for (const char* word : {"DL+0.5", "DR2:+0.2", "DR2+0.1", "DR2", "DL", "U", "X", "FU1"})
     EXPECT_NE(refused(std::string("TOOL CALL 1 Z S1000 ") + word + "\nL X+1 F9\n"), "") << word;
 }
 
-TEST(Klartext, TcpmIsReadAsM128Only) {
+TEST(Klartext, TcpmIsReadLikeM128Only) {
   const std::string tcpm = "FUNCTION TCPM F TCP AXIS ";
   EXPECT_EQ(refused(tcpm + "POS PATHCTRL AXIS REFPNT TIP-TIP\nL X+1 F9\n"), "");
   EXPECT_THAT(refused(tcpm + "SPAT PATHCTRL AXIS\n"), HasSubstr("AXIS SPAT"));
@@ -322,7 +322,7 @@ TEST(Klartext, TcpmIsReadAsM128Only) {
   EXPECT_THAT(refused(tcpm + "POS PATHCTRL AXIS REFPNT CENTER-CENTER\n"), HasSubstr("CENTER"));
 }
 
-TEST(Klartext, AFeedBesideACornerOrM128IsNotThatOfThePath) {
+TEST(Klartext, FeedOfACornerOrM128IsNotThePathFeed) {
   const auto program = read(kHead + "L X+20 F1000\nCHF 5 F50\nL Y+20\n");
   ASSERT_TRUE(program) << to_string(program.error());
   std::vector<double> feeds;
@@ -345,7 +345,7 @@ TEST(Klartext, PolarLinesHaveCorners) {
   EXPECT_THAT(refused("L X+20 A+9 F9\nRND R5\nL Y+20\n", "xyzac-trt"), HasSubstr("RND"));
 }
 
-TEST(Klartext, WordsMayStandApart) {
+TEST(Klartext, WordsMayContainBlanks) {
   const auto program = read(kHead + "L X+1 R0 F MAX M3\nL X+2 F AUTO F9\n");
   ASSERT_TRUE(program) << to_string(program.error());
   EXPECT_TRUE(program->motions.at(0).rapid);
@@ -356,7 +356,7 @@ TEST(Klartext, WordsMayStandApart) {
   }
 }
 
-TEST(Klartext, WhatIsNotCertainIsRefusedByName) {
+TEST(Klartext, UncertainWordsAreRejectedByName) {
   EXPECT_THAT(refused("L X+20 RL F9\nL X+40\nM128\n"), HasSubstr("ended with R0"));
   for (const char* text : {"APPR LT X+1 LEN15 RL\n", "FL X+1\n", "TCH PROBE 413 D ~\n Q1=1\n",
                            "CALL PGM X\n", "LN X+1 NX0 NY0 NZ1 F9\n", "FN 18: SYSREAD Q1 = ID1\n",

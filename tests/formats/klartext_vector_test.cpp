@@ -56,7 +56,7 @@ TEST(KlartextVectors, TurnTheToolAlongTheGreatCircle) {
   }
 }
 
-TEST(KlartextVectors, TurnTablesAsTheirAnglesDo) {
+TEST(KlartextVectors, TurnTablesLikeTheirAngles) {
   const std::string vector =
       "M128\nLN X+20 TX+0 TY+0.5 TZ+0.8660254037844386 F100\nLN X+40 TX+0 TY+0 TZ+1\n";
   const Program by_vector = carved(vector, "xyzac-trt");
@@ -69,7 +69,7 @@ TEST(KlartextVectors, TurnTablesAsTheirAnglesDo) {
   }
 }
 
-TEST(KlartextVectors, TakeTheNormalWhereTheToolHasNoVector) {
+TEST(KlartextVectors, UseTheNormalWithoutAToolVector) {
   const auto end = [](const std::string& words) {
     return carved("M128\nLN X+20 " + words + " F100\n", "tool-vector").motions.back().to.axis;
   };
@@ -95,7 +95,7 @@ TEST(KlartextVectors, NeedAMachineThatTurnsTheTool) {
   EXPECT_EQ(facts->kinematics, MachineKinematics::kXyzacTrt);
 }
 
-TEST(KlartextVectors, AreRefusedWhereTheirMeaningIsNotClear) {
+TEST(KlartextVectors, AreRejectedIfAmbiguous) {
   EXPECT_THAT(refused("LN X+20 TX+1 TY+0 TZ+1 F9\n"), HasSubstr("requires M128"));
   EXPECT_THAT(refused("M128\nLN X+20 TX+1 TZ+1 F9\n"), HasSubstr("requires all of TX, TY and TZ"));
   EXPECT_THAT(refused("M128\nLN X+20 NX+0 NY+0 NZ+0 F9\n"), HasSubstr("other than 0"));

@@ -54,7 +54,7 @@ TEST(MachineTime, TheSlowestAxisOnADirectionLimitsIt) {
   EXPECT_NEAR(time.total_s(), 50 / 12.5 + 12.5 / 125, 1e-9);
 }
 
-TEST(MachineTime, StraightPathsAreOneMotionHoweverTheyAreDivided) {
+TEST(MachineTime, StraightPathsAreOneMotionHoweverDivided) {
   MachineTime whole(dynamics()), divided(dynamics());
   whole.add(motion({0, 0, 0}, {100, 0, 0}, 50));
   constexpr int kParts = 1000;  // far more than the control's look-ahead
@@ -101,7 +101,7 @@ TEST(MachineTime, DwellsCountAndStopTheTool) {
   EXPECT_NEAR(time.total_s(), 1 + 2 * (50.0 / 40 + 40 / kAcceleration), 1e-9);
 }
 
-TEST(MachineTime, AFeedThatNoMachineFollowsIsQuestioned) {
+TEST(MachineTime, UnreachableFeedIsQuestioned) {
   MachineTime time(dynamics());
   ProgramMotion feed = motion({0, 0, 0}, {50, 0, 0}, 3000);
   feed.line = 12;

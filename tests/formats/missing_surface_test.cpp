@@ -96,7 +96,7 @@ TEST(CutSurface, EqualSolidsGiveEqualPoints) {
   for (std::size_t n = 0; n < a.points.size(); ++n) EXPECT_EQ(a.points[n].mm, b.points[n].mm);
 }
 
-TEST(MissingSurface, RibBetweenTheRaysIsAnErrorOfItsHeight) {
+TEST(MissingSurface, MissedRibIsAnErrorOfItsHeight) {
   for (const Job& job : {rib_along_x(), diagonal_rib()}) {
     for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
       // The distance from the mesh to the solid hides the loss, because the floor is near the rib's
@@ -107,13 +107,13 @@ TEST(MissingSurface, RibBetweenTheRaysIsAnErrorOfItsHeight) {
   }
 }
 
-TEST(MissingSurface, RibThatRaysMeetHasASmallError) {
+TEST(MissingSurface, RibHitByRaysHasASmallError) {
   EXPECT_LT(missing_mm(two_slots({1, 0, 0}, {15, 14.85, 0})), kPitchMm);
   EXPECT_LT(missing_mm(two_slots({1, 0, 0}, {15, 15, 0}, 0.9)), kPitchMm);
   EXPECT_LT(missing_mm(two_slots({1, 0, 0}, {15, 15, 0}, 0.9), Rays::kTriDexel), 0.01);
 }
 
-TEST(MissingSurface, GrooveBetweenTheRaysIsAnErrorOfItsDepth) {
+TEST(MissingSurface, MissedGrooveIsAnErrorOfItsDepth) {
   const Job job = groove(0.14, 15);
   EXPECT_EQ(measure_surface(carve(job), job.truth, kSamples).samples, 0u);
   EXPECT_GT(missing_mm(job), 3.5);
@@ -134,7 +134,7 @@ TEST(ThinWalls, RibIsFoundWithPlaceAndBothCuts) {
   }
 }
 
-TEST(ThinWalls, RibThatAColumnMeetsIsNotMissing) {
+TEST(ThinWalls, RibHitByAColumnIsNotMissing) {
   const Job job = two_slots({1, 0, 0}, {15, 14.85, 0});
   auto walls = walls_of(job);
   mark_missing(walls, carve(job).fields.front());
@@ -142,7 +142,7 @@ TEST(ThinWalls, RibThatAColumnMeetsIsNotMissing) {
   for (const ThinWall& wall : walls) EXPECT_FALSE(wall.missing);
 }
 
-TEST(ThinWalls, WallBesideTheBorderOfTheStockIsFound) {
+TEST(ThinWalls, WallAtTheBorderOfTheStockIsFound) {
   const Job job(FlatShape{kToolMm, 30}, {motion({{-5, 1.64, 6}}, {{35, 1.64, 6}})});
   const auto walls = walls_of(job);
   ASSERT_FALSE(walls.empty());
@@ -187,7 +187,7 @@ TEST(NarrowGrooves, GrooveIsFoundWithItsPlaceAndIsMissing) {
   for (const ThinWall& wall : walls) EXPECT_TRUE(wall.missing);
 }
 
-TEST(NarrowGrooves, GrooveThatAColumnMeetsIsNotMissing) {
+TEST(NarrowGrooves, GrooveHitByAColumnIsNotMissing) {
   const Job job = groove(0.14, 14.85);
   auto walls = walls_of(job);
   mark_missing(walls, carve(job).fields.front());
@@ -219,7 +219,7 @@ TEST(NarrowGrooves, WideShallowAndHorizontalGroovesAreNotReported) {
           .empty());
 }
 
-TEST(NarrowGrooves, PitchForATargetIsThatOfTheGroove) {
+TEST(NarrowGrooves, GrooveDeterminesThePitchForATarget) {
   const auto pitch_of = [](const Job& job) {
     return pitch_for_walls(job.truth, sample_cut_surface(job.truth, kSamples),
                            {kPitchMm, kPitchMm, 0.001});
@@ -247,7 +247,7 @@ TEST(NarrowGrooves, GrooveOfASmallToolIsFoundAmongWidePockets) {
   EXPECT_EQ(walls[0].sweep, motions.size() - 1);
 }
 
-TEST(ThinWalls, PitchForATargetIsThatOfTheRib) {
+TEST(ThinWalls, RibDeterminesThePitchForATarget) {
   const auto pitch_of = [](const Job& job) {
     return pitch_for_walls(job.truth, sample_cut_surface(job.truth, kSamples),
                            {kPitchMm, kPitchMm, 0.001});

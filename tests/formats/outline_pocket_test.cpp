@@ -171,20 +171,20 @@ TEST(HaasG150, RoughsInPassesAndFinishesAtTheBottom) {
             "F 4 4 -1, F -4 4 -1, F -4 -4 -1, F 0 -4 -1, F 4 -4 -1, R 4 -4 1, R 4 -4 9");
 }
 
-TEST(HaasG150, CallsASequenceNumberOfItsProgram) {
+TEST(HaasG150, OutlineMayBeASequenceNumber) {
   const std::string words = "Z-1. R1. Q5. J9. G41 D1";
   EXPECT_EQ(haas("T1\nF9\nG150 P7 " + words + "\nM30\nN7 G1 Y-5\nX5\nY5\nX-5\nY-5\nX0\nM99\n"),
             haas("T1\nF9\nG150 P7 " + words + "\n" + kSquare));
 }
 
 // A square of 10 mm with rounded corners, around the tool of 2 mm.
-TEST(HaasG150, TakesCornersOfItsOutline) {
+TEST(HaasG150, RoundsAndCutsCornersOfItsOutline) {
   const std::string outline = "M30\nO7\nG1 Y-5\nX5 ,R3.\nY5 ,C2.\nX-5\nY-5\nX0\nM99\n";
   EXPECT_THAT(haas("T1\nF9\nG150 P7 Z-1. R1. Q5. I9. G41 D1\n" + outline),
               HasSubstr("F 2 -4 -1, A 4 -2 -1, F 4 2.585786438 -1, F 2.585786438 4 -1, F -4 4 -1"));
 }
 
-TEST(HaasG150, RefusesWhatItCannotMill) {
+TEST(HaasG150, RejectsOutlinesThatCannotBeMilled) {
   const auto why = [](const std::string& program) { return refused(program, Dialect::kHaas); };
   EXPECT_THAT(why(square("Z-1. R1. Q5. J3. G42 D1")), HasSubstr("use G41"));
   EXPECT_THAT(why(square("X9. Z-1. R1. Q5. J3. G41 D1")), HasSubstr("does not fit"));

@@ -56,7 +56,7 @@ double off_mm(const ToolPose& a, const ToolPose& b) {
   return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
 }
 
-TEST(Post, WhatAControlReadsOfThreeDecimalsIsTheSameProgram) {
+TEST(Post, ThreeDecimalsReadBackToTheSameProgram) {
   const Scene scene = scene_for("xyz");
   for (const Post post : kPosts)
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -75,7 +75,7 @@ TEST(Post, WhatAControlReadsOfThreeDecimalsIsTheSameProgram) {
     }
 }
 
-TEST(Post, NumbersAreRoundedToWhatTheControlTakes) {
+TEST(Post, NumbersAreRoundedToTheControlsDecimals) {
   const Scene scene = scene_for("xyz");
   for (const Post post : kPosts) {
     const double half = 0.5 * std::pow(10.0, -rules_of(post).tip_decimals) + 1e-9;
@@ -132,7 +132,7 @@ TEST(Post, RotaryTablesReachEveryPose) {
   }
 }
 
-TEST(Post, FanucTakesToolVectors) {
+TEST(Post, FanucGetsToolVectors) {
   const Scene scene = scene_for("tool-vector");
   const Program program = random_program(3, true, 3);
   const std::string text = text_of(program, scene, Post::kFanuc);
@@ -146,7 +146,7 @@ TEST(Post, FanucTakesToolVectors) {
 }
 
 // Tools of 50 and 80 mm: without G43 H the tip would be 50 and 80 mm deeper.
-TEST(Post, ATipIsAsDeepUnderAToolTable) {
+TEST(Post, TipDepthIsTheSameWithAToolTable) {
   ToolTable tools;
   tools[1].offset[2] = 50;
   tools[2].offset[2] = 80;
@@ -242,7 +242,7 @@ TEST(Post, TablesTurnWithTheToolAwayAndWithoutToolCenterControl) {
               HasSubstr("M429\nG53 G0 Z0\nG0 A0 C0\nG0 X0 Y0\nM428\nG0 X0 Y0 Z-2\n"));
 }
 
-TEST(Post, MachinesThatAControlCannotHaveAreRefused) {
+TEST(Post, UnsupportedMachinesAreRejected) {
   std::ostringstream out;
   const auto error = [&](const char* machine, Post post) {
     const auto made = make_program_writer({.post = post}, scene_for(machine), out);
@@ -254,7 +254,7 @@ TEST(Post, MachinesThatAControlCannotHaveAreRefused) {
   EXPECT_EQ(error("xyzbc-trt", Post::kHaas), "");
 }
 
-TEST(Post, NamesAreThoseOfTheCommandLine) {
+TEST(Post, NamesMatchTheCommandLine) {
   EXPECT_EQ(post_names(), "linuxcnc, grbl, fanuc, haas, heidenhain");
   EXPECT_EQ(post_of("haas"), Post::kHaas);
   EXPECT_EQ(post_of("mach3"), std::nullopt);

@@ -51,7 +51,7 @@ struct CountingClock {
   int calls = 0;
 };
 
-TEST(Price, MemoryOfAProgramIsThatOfItsSampleForAllTilesItReaches) {
+TEST(Price, MemoryScalesFromTheSampleToAllReachedTiles) {
   for (const char* rays : {"dexel", "tri-dexel"}) {
     const Scene scene = scene_with(rays);
     for (const auto& motions : {rows(0.5, 0, 80), rows(0.5, 0, 20), rows(0.1, 30, 60, 2)}) {
@@ -63,7 +63,7 @@ TEST(Price, MemoryOfAProgramIsThatOfItsSampleForAllTilesItReaches) {
   }
 }
 
-TEST(Price, WindowsOfALongProgramStandForAllOfIt) {
+TEST(Price, WindowsRepresentALongProgram) {
   const Scene scene = scene_with("dexel");
   const auto motions = rows(0.1, 0, 80);
   // By this clock the whole would exceed the time limit.
@@ -75,7 +75,7 @@ TEST(Price, WindowsOfALongProgramStandForAllOfIt) {
   EXPECT_LT(price.bytes, 1.5 * carved + 2e6);
 }
 
-TEST(Price, AProgramThatTakesLittleTimeIsCarvedWhole) {
+TEST(Price, ShortProgramIsCarvedCompletely) {
   const Scene scene = scene_with("dexel");
   const auto motions = rows(2, 0, 80);
   ASSERT_LT(motions.size(), 1900U);
@@ -85,7 +85,7 @@ TEST(Price, AProgramThatTakesLittleTimeIsCarvedWhole) {
   EXPECT_GT(price.us_per_motion, 0);
 }
 
-TEST(Price, TheSampleEndsWhenItHasTakenTooLong) {
+TEST(Price, SampleEndsAtItsTimeLimit) {
   const Scene scene = scene_with("dexel");
   double now_s = 0;
   const Price price = price_of_program(scene, rows(0.1, 0, 80), [&] { return now_s += 0.5; });
@@ -117,7 +117,7 @@ TEST(Price, EqualScenesGiveEqualSamples) {
   EXPECT_EQ(a.motions, b.motions);
 }
 
-TEST(Price, AProgramThatReachesNothingCostsTheEmptyBlock) {
+TEST(Price, ProgramOutsideTheBlockCostsTheEmptyBlock) {
   const Scene scene = scene_with("dexel");
   std::vector<ProgramMotion> motions = rows(0.5, 200, 220);
   const Price price = price_of_program(scene, motions, CountingClock{});

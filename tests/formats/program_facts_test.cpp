@@ -13,7 +13,7 @@ ProgramFacts facts(const std::string& text, const std::string& name = "part.ngc"
   return read ? *read : ProgramFacts{};
 }
 
-TEST(ProgramFacts, TheBoxIsThatOfTheFeeds) {
+TEST(ProgramFacts, BoxCoversTheFeeds) {
   const auto read = facts(
       "G21 G90\n(T9 is not used)\nT2 M6\nG0 X-50 Y90 Z30\nG0 X10 Y0 Z5\nG1 Z-3 F600\n"
       "G1 X40 Y20\nG1 Z25\nT11 M6\nG0 X0 Y0\nG1 Z-1\nG3 X20 Y0 I10 J0\nG0 Z40\nM30\n");
@@ -30,7 +30,7 @@ TEST(ProgramFacts, TheBoxIsThatOfTheFeeds) {
   EXPECT_GT(read.duration_s, 3);
 }
 
-TEST(ProgramFacts, RowsThatBeginWhereARapidHasPlungedAreInTheBox) {
+TEST(ProgramFacts, BoxCoversRowsThatBeginAfterARapidPlunge) {
   std::string rows = "G21 G90\nT1 M6\n";
   for (const char* y : {"0", "10", "20"}) {
     rows += std::string("G0 X-5 Y") + y + "\nG0 Z-2\nG1 X105 F500\nG0 Z5\n";
@@ -57,7 +57,7 @@ TEST(ProgramFacts, ReadsApt) {
   EXPECT_EQ(read.cuts->tip_mm.max_mm, (Vec3{30, 0, -2}));
 }
 
-TEST(ProgramFacts, OffsetsForTheRadiusArePossible) {
+TEST(ProgramFacts, RadiusOffsetsArePossible) {
   const auto read = facts(
       "G21 G90\nT3 M6\nG0 X-5 Y0 Z5\nG1 Z-1 F500\nG41 D3 G1 X0 Y0\nG1 X10 Y0\n"
       "G1 X10 Y0.5\nG1 X0 Y0.5\nG40 G1 X-5 Y5\n");
@@ -70,7 +70,7 @@ TEST(ProgramFacts, AProgramWithoutFeedsHasNoBox) {
   EXPECT_TRUE(facts("M30\n").tools.empty());
 }
 
-TEST(ProgramFacts, TheErrorIsThatOfTheMachineThatReadsFarthest) {
+TEST(ProgramFacts, ErrorIsThatOfTheMachineThatReadsFarthest) {
   const auto failed = program_facts("part.ngc", "G21\nT1 M6\nG0 X0 Y0 Z5 A0\nG1 A20 F5\nG77\n");
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().line, 5U);

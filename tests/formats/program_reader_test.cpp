@@ -68,7 +68,7 @@ std::vector<ProgramMotion> drained(MotionStream stream) {
   return motions;
 }
 
-TEST(ProgramReader, MakesTheMotionsOfTheWholeProgramAgainAFewAtATime) {
+TEST(ProgramReader, StepsGiveTheMotionsOfTheWholeProgram) {
   for (const Sample& sample : kSamples) {
     SCOPED_TRACE(sample.name);
     const Scene scene = scene_of(sample.kinematics);
@@ -87,7 +87,7 @@ TEST(ProgramReader, MakesTheMotionsOfTheWholeProgramAgainAFewAtATime) {
   }
 }
 
-TEST(ProgramReader, ManyMotionsOfOneBlockAreMadeAFewAtATime) {
+TEST(ProgramReader, BlockWithManyMotionsIsReadInSteps) {
   const Scene scene = scene_of("xyz");
   const std::string begin = "G21\nT1 M6\nF100\nG0 X0 Y0 Z5\n";
   for (const std::string block :
@@ -142,7 +142,7 @@ class Impatient final : public ProgramVisitor {
 };
 
 // Each of these runs for seconds to its limit of lines or motions.
-TEST(ProgramReader, EndsWithinAStepOfAStop) {
+TEST(ProgramReader, EndsWithinOneStepOfAStop) {
   const Scene scene = scene_of("xyz");
   const Sample endless[] = {
       {"p.nc", "fanuc", "%\nO1\n#1=0\nWHILE[1EQ1]DO1\n#1=#1+1\nEND1\nM30\n%\n"},
@@ -163,7 +163,7 @@ TEST(ProgramReader, EndsWithinAStepOfAStop) {
   }
 }
 
-TEST(ProgramReader, AStopEndsTheReadingsOfAProgramWithoutAScene) {
+TEST(ProgramReader, StopEndsReadingWithoutAScene) {
   std::stop_source stop;
   stop.request_stop();
   const std::string text = "G21\nT1 M6\nF100\nG0 X0 Y0 Z5\nG1 Z-1\nX9\nM2\n";
@@ -176,7 +176,7 @@ TEST(ProgramReader, AStopEndsTheReadingsOfAProgramWithoutAScene) {
   EXPECT_THAT(derived.error(), HasSubstr("stopped"));
 }
 
-TEST(ProgramReader, AnErrorBehindTheBeginningOfAPathNamesItsLine) {
+TEST(ProgramReader, ErrorWithinAPathNamesItsLine) {
   const Scene scene = scene_of("xyz");
   Counter counter;
   const auto read =
@@ -189,7 +189,7 @@ TEST(ProgramReader, AnErrorBehindTheBeginningOfAPathNamesItsLine) {
   EXPECT_GT(counter.motions, 0u);
 }
 
-TEST(ProgramSurvey, CountsWhatIsCarved) {
+TEST(ProgramSurvey, CountsCarvedMotions) {
   const Scene scene = scene_of("xyz");
   const std::string text = kSamples[1].text;
   const auto program = parse_program("p.ngc", text, scene);
@@ -231,7 +231,7 @@ TEST(FeedSampler, HoldsAWindowOfMotions) {
   EXPECT_EQ(samples[1].from, samples[0].to);
 }
 
-TEST(PathCollector, HoldsFewPointsOfALongPath) {
+TEST(PathCollector, KeepsFewPointsOfALongPath) {
   PathCollector collector(500);
   ProgramMotion motion{.tool = 1};
   double far_mm = 0;

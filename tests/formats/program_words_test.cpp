@@ -30,7 +30,7 @@ TEST(ProgramWords, MessagesOfMarlinAreText) {
   EXPECT_NE(refused("M117 Load\nG0 X1\nM2\n", Dialect::kLinuxcnc), "");
 }
 
-TEST(ProgramWords, TheSecondToolOfABlockIsMadeReady) {
+TEST(ProgramWords, SecondToolOfABlockIsPreselected) {
   const auto calls = test::calls_of("T01T02M06\nG0 X1\nM30\n", as(Dialect::kFanuc));
   ASSERT_EQ(calls.size(), 2U);
   EXPECT_EQ(calls[0].kind, 'T');
@@ -38,7 +38,7 @@ TEST(ProgramWords, TheSecondToolOfABlockIsMadeReady) {
   EXPECT_NE(refused("T1 T2 M6\nM2\n", Dialect::kLinuxcnc), "");
 }
 
-TEST(ProgramWords, EndOfNormalDirectionControlMovesNothing) {
+TEST(ProgramWords, EndOfNormalDirectionControlCausesNoMotion) {
   EXPECT_EQ(fanuc("G49 G40.1 G17\nG0 X1\nM30\n"), "R 1 0 0");
   EXPECT_NE(refused("G40.1\nM2\n", Dialect::kLinuxcnc), "");
 }
@@ -77,7 +77,7 @@ TEST(ProgramWords, ANumberBelowEveryDoubleIsZero) {
   EXPECT_FALSE(parse_program("p.apt", start + "GOTO/1E400,0,1\nFINI\n", scene_for("xyz")));
 }
 
-TEST(ProgramWords, OfSinumerikAreRecognized) {
+TEST(ProgramWords, SinumerikWordsAreRecognized) {
   const auto judged = [](const std::string& name, const std::string& text) {
     const auto choice = choose_dialect(name, text);
     return choice ? choice->dialect : Dialect::kAuto;
@@ -91,7 +91,7 @@ TEST(ProgramWords, OfSinumerikAreRecognized) {
   EXPECT_EQ(judged("p.nc", "O1000 ROT\nG0 X1\n"), Dialect::kFanuc);
 }
 
-TEST(ProgramWords, OfALatheAreNamed) {
+TEST(ProgramWords, LatheWordsAreNamed) {
   const std::string turned = "%\nO0060\nT101\nG50 S3000\nG54 G0 X2.2 Z0.1\nG1 X-0.06 F.008\nM30\n";
   EXPECT_EQ(sign_of_turning(turned), "line 4 has G50 S");
   EXPECT_NE(sign_of_turning("G0 X1 Z1\nG71 P10 Q20 U0.01 W0.005\n"), "");
@@ -105,7 +105,7 @@ TEST(ProgramWords, OfALatheAreNamed) {
   EXPECT_THAT(scene.error(), HasSubstr("is a program for a lathe (line 4 has G50 S)"));
 }
 
-TEST(ProgramWords, ACutBeforeTheFirstToolChangeAsksForTheToolInTheSpindle) {
+TEST(ProgramWords, CutBeforeTheFirstToolChangeRequiresTheSpindlesTool) {
   const std::string text =
       "G21\nG0 X-20 Y0 Z5\nF400\nG1 Z-3\nX20\nG0 Z5\nM6 T2\nG0 X0 Y20\nG1 Z-3\nX20\nG0 Z5\nM6 T1\n"
       "G0 X0\nM2\n";
@@ -197,7 +197,7 @@ TEST(Export, KeepsArcsWhoseEndsAreRounded) {
   EXPECT_EQ(count_of(written, "\nG3 "), 1) << written;
 }
 
-TEST(Export, WritesPathsThatAreNoArcAsTheyAre) {
+TEST(Export, WritesOtherPathsUnchanged) {
   Program program;
   const Scene scene = scene_for("xyz");
   const Vec3 points[] = {{0, 0, 0}, {5, 1, 0}, {9, 5, 0}, {10, 11, 0}, {8, 15, 0}};

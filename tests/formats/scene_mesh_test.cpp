@@ -57,7 +57,7 @@ TEST_F(MeshScene, ObstaclesAreReadRelativeToTheScene) {
   EXPECT_THAT(to_string(with_obstacle("s.json").error()), HasSubstr("obstacles[0].file"));
 }
 
-TEST_F(MeshScene, StockIsTheSolidOfTheFile) {
+TEST_F(MeshScene, StockIsTheFilesSolid) {
   write("t.obj", tetrahedron_);
   for (const char* shape : {"mesh", "stl"}) {
     const auto scene = scene_of("t.obj", shape);

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-TEST(SceneTemplates, EachIsAValidSceneOfItsOwn) {
+TEST(SceneTemplates, EachIsAValidScene) {
   std::set<std::string_view> ids;
   for (const SceneTemplate& one : scene_templates()) {
     EXPECT_TRUE(ids.insert(one.id).second) << one.id;
@@ -24,7 +24,7 @@ TEST(SceneTemplates, EachIsAValidSceneOfItsOwn) {
   EXPECT_GE(ids.size(), 4U);
 }
 
-TEST(SceneTemplates, TheAmmoniteIsThatOfTheDemo) {
+TEST(SceneTemplates, AmmoniteEqualsTheDemo) {
   const auto demo = load_scene(KERF_SOURCE_DIR "/haptic_agent/demo/demo.json");
   ASSERT_TRUE(demo);
   for (const SceneTemplate& one : scene_templates()) {

@@ -105,7 +105,7 @@ TEST(Scene, PartsAreCanonicalJson) {
   EXPECT_THAT(tools_json(scene), HasSubstr(R"({"id":2,"shape":"flat","diameter_mm":10.0)"));
 }
 
-TEST(Scene, MaterialSetsTheCoefficientsThatAreNotGiven) {
+TEST(Scene, MaterialSetsTheUnstatedCoefficients) {
   const auto scene = parse_scene(with("\"specific_energy\"",
                                       "\"mechanistic\", \"material\": \"aluminium-7075\", "
                                       "\"teeth\": 3, \"radial_n_per_mm2\": 170.5"),
@@ -123,7 +123,7 @@ TEST(Scene, MaterialSetsTheCoefficientsThatAreNotGiven) {
   EXPECT_THAT(force_json(*scene), HasSubstr("\"radial_edge_n_per_mm\":26.6"));
 }
 
-TEST(Scene, ChipExponentsAreOfAllDirectionsOrOfEach) {
+TEST(Scene, ChipExponentsApplyToAllDirectionsOrEach) {
   const auto exponents_of = [](const std::string& fields) {
     const auto scene = parse_scene(with("\"specific_energy\"", "\"mechanistic\", " + fields), {});
     EXPECT_TRUE(scene) << to_string(scene.error());

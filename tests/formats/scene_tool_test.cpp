@@ -83,13 +83,13 @@ TEST(SceneTool, FilletsFollowTheTolerance) {
   }
 }
 
-TEST(SceneTool, FilletsFollowTheToleranceThatATargetChooses) {
+TEST(SceneTool, FilletsFollowTheToleranceOfATarget) {
   const auto scene = parse_scene(filleted(R"({"target_mm": 0.3})"), {}).value();
   EXPECT_EQ(std::get<ProfileShape>(scene.tools.at(1).shape).chord_tolerance_mm,
             kChordShare * scene.settings.tolerance_mm);
 }
 
-TEST(SceneTool, AGivenChordToleranceIsKept) {
+TEST(SceneTool, StatedChordToleranceIsKept) {
   auto scene =
       parse_scene(filleted(R"({"tolerance_mm": 0.1})", R"(, "chord_tolerance_mm": 0.002)"), {})
           .value();
@@ -101,7 +101,7 @@ TEST(SceneTool, AGivenChordToleranceIsKept) {
   EXPECT_EQ(std::get<ProfileShape>(*scene.tools.at(1).body.holder).chord_tolerance_mm, 0.05);
 }
 
-TEST(SceneTool, AFilletThatNeedsTooManyPiecesIsRejectedAtItsPlace) {
+TEST(SceneTool, FilletWithTooManyPiecesIsRejectedAtItsPosition) {
   const auto scene = parse_scene(
       R"({"stock": {"shape": "box", "min_mm": [0,0,-9], "max_mm": [9,9,0]},
           "accuracy": {"tolerance_mm": 1e-6}, "tools": [{"id": 1, "shape": "profile", "profile_mm":
@@ -116,7 +116,7 @@ TEST(SceneTool, AFilletThatNeedsTooManyPiecesIsRejectedAtItsPlace) {
   EXPECT_THAT(scene.error().reason, HasSubstr("(it follows accuracy.tolerance_mm: 0.000001 mm)"));
 }
 
-TEST(SceneTool, ShankAndHolderStandOnTheCutter) {
+TEST(SceneTool, ShankAndHolderExtendTheCutter) {
   const Tool tool = scene_of(std::string(kBullNose) + kBody).tools.at(1).tool;
   EXPECT_EQ(tool.length_mm, 30);
   EXPECT_EQ(tool.non_cutting,

@@ -57,7 +57,7 @@ TEST(SinumerikArea, SpigotsAndFaces) {
               0.01);
 }
 
-TEST(SinumerikArea, RefusesWhatItDoesNotModel) {
+TEST(SinumerikArea, RejectsUnsupportedWords) {
   EXPECT_THAT(refused("POCKET3(20,0,2,-6,60,40,8,5,-3,30,2.5,0,0,500,150,0,21,0,0,0,0,0,0,0,1)\n"),
               HasSubstr("later controls"));
   EXPECT_THAT(refused("POCKET3(20,0,2,-6,-60,40,8,5,-3)\n"), HasSubstr("from the center"));
@@ -103,7 +103,7 @@ TEST(SinumerikSwivel, AnglesTurnAboutXYAndZInTurn) {
   EXPECT_LT(length(program->motions[1].to.tip_mm - (x + normal) * 10), 1e-5);
 }
 
-TEST(SinumerikSwivel, RefusesWhatItDoesNotModel) {
+TEST(SinumerikSwivel, RejectsUnsupportedWords) {
   const std::string swivel = "CYCLE800(0,\"\",0,57,0,0,0,0,30,0,0,0,0,-1)\n";
   EXPECT_THAT(refused(swivel), HasSubstr("the machine xyz cannot"));
   const char* machine = "xyzbc-trt";

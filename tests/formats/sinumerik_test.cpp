@@ -156,7 +156,7 @@ TEST(Sinumerik, TheControlFollowsTheToolWithTraori) {
   EXPECT_THAT(error("G1 X1 A3=0 B3=0 C3=1\n", "tool-vector"), HasSubstr("requires TRAORI"));
 }
 
-TEST(Sinumerik, PlacesOfTheMachineTakeTheToolAway) {
+TEST(Sinumerik, MachinePositionsMoveTheToolAway) {
   for (const char* away : {"G0 SUPA Z100 D0", "G53 G0 Z100", "G153 Z100", "G75 Z1=0", "G74 Z1=0"}) {
     const auto program = read(kHead + "G1 X5 Z-1\n" + away + "\nG0 X20 Y3\nZ2\nG1 Z-1\nM30\n");
     ASSERT_TRUE(program) << away << to_string(program.error());
@@ -207,7 +207,7 @@ TEST(Sinumerik, SpindleCoolantAndStopsAreCarried) {
 
 // A square of 40 mm that a tool of 10 mm follows on the outside, and on the inside from an entry
 // below.
-TEST(Sinumerik, CompensationStaysBesideTheContour) {
+TEST(Sinumerik, CompensationStaysOutsideTheContour) {
   const auto path = ends("G0 X20 Y-30\nG1 Z-1\nG42 Y0\nX40\nY40\nX0\nY0\nX20\nG40 Y-30\nG0 Z5\n");
   double left = 0, right = 0, back = 0;
   for (const Vec3 p : path) {
@@ -230,7 +230,7 @@ TEST(Sinumerik, CompensationStartsAcrossTheNextMove) {
 }
 
 // G40 alone causes no motion. A retraction goes straight up.
-TEST(Sinumerik, ARetractionBehindG40StaysBesideThePath) {
+TEST(Sinumerik, RetractionAfterG40StaysOffThePath) {
   const auto path = ends("G0 X-20\nG1 Z-1\nG41 X0\nX20\nG40\nG0 Z5\n");
   EXPECT_EQ(path.back(), (Vec3{20, 5, 5}));
 }
@@ -264,7 +264,7 @@ TEST(Sinumerik, DrillsPatterns) {
   EXPECT_THAT(error("HOLES1(0,0,0,0,5,2)\n"), HasSubstr("MCALL"));
 }
 
-TEST(Sinumerik, RefusesByNameWhatItDoesNotModel) {
+TEST(Sinumerik, RejectsUnsupportedWordsByName) {
   const std::pair<const char*, const char*> cases[] = {
       {"G19 G41 G1 Y9", "G41' requires the plane XY"},
       {"CYCLE800(1,\"\",0,57,0,0,0,0,30,0,0,0,0,-1)", "CYCLE800' swivels the plane, which"},
@@ -295,7 +295,7 @@ TEST(Sinumerik, RefusesByNameWhatItDoesNotModel) {
   EXPECT_THAT(error("G1 X=" + std::string(5000, '(') + "\n"), HasSubstr("nested too deeply"));
 }
 
-TEST(Sinumerik, IsJudgedAndDerivesAScene) {
+TEST(Sinumerik, IsRecognizedAndDerivesAScene) {
   const std::string text =
       "T=\"MILL\" M6\nMSG(\"POCKET\")\nG0 X0 Y0\nZ5\nG1 Z-2 F100\nG1 X30\nG2 X40 Y10 CR=10\nM30\n";
   const auto program = parse_program("p.mpf", text, scene_for("xyz"));

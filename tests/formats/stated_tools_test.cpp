@@ -19,7 +19,7 @@ std::map<ToolId, StatedTool> stated_tools(std::string_view program) {
   return kerf::stated_tools(program, program_unit_mm(program));
 }
 
-TEST(ToolWords, AreThoseOfPostProcessors) {
+TEST(ToolWords, ReadPostprocessorComments) {
   EXPECT_EQ(words("D=6. CR=0. - ZMIN=-5. - flat end mill"), "flat, diameter 6 mm, length 30 mm");
   EXPECT_EQ(words("D=0.25 CR=0.125 - ball", 25.4), "ball, diameter 6.35 mm, length 31.75 mm");
   EXPECT_EQ(words("D=10 CR=1. - bull nose end mill"),
@@ -38,7 +38,7 @@ TEST(ToolWords, AreThoseOfPostProcessors) {
   EXPECT_EQ(words("TOOL/MILL,6.35, 3.17, 0.00, 0.00"), "ball, diameter 6.35 mm, length 31.75 mm");
 }
 
-TEST(ToolWords, AreThoseOfPeople) {
+TEST(ToolWords, ReadHandWrittenComments) {
   EXPECT_EQ(words("5mm Endmill001"), "flat, diameter 5 mm, length 25 mm");
   EXPECT_EQ(words("1/4\" ball nose, 2 flute"), "ball, diameter 6.35 mm, length 31.75 mm");
   EXPECT_EQ(words("1-1/4 face mill"), "flat, diameter 31.75 mm, length 158.75 mm");
@@ -67,7 +67,7 @@ TEST(ToolWords, StateTheDiameterAndNotAnotherLength) {
   EXPECT_EQ(words("6mm x 30mm endmill"), "flat, diameter 6 mm, length 30 mm");
 }
 
-TEST(ToolWords, OfAnOptionAreAllUnderstood) {
+TEST(ToolWords, EveryOptionWordIsUnderstood) {
   const auto exact = [](const char* text) {
     const auto shape = tool_of_exact_words(text);
     return shape ? tool_text(*shape) : "none";
@@ -107,7 +107,7 @@ TEST(ToolWords, OfAnOptionAreAllUnderstood) {
     EXPECT_EQ(exact(text), "none") << text;
 }
 
-TEST(ToolWords, WithoutASizeAreNone) {
+TEST(ToolWords, RequireASize) {
   for (const char* text : {"FLAT END MILL", "ENDMILL | H1 | D1", "2 flutes", "feed 300", "", "D="})
     EXPECT_EQ(words(text), "none") << text;
 }
@@ -125,7 +125,7 @@ TEST(StatedTools, ComeWithTheirNumbers) {
             "cone end, diameter 2 mm, length 20 mm, tip angle 118 degrees");
 }
 
-TEST(StatedTools, WithoutANumberAreThoseOfTheNextOrTheLoadedTool) {
+TEST(StatedTools, UnnumberedCommentsDescribeTheNextOrLoadedTool) {
   const auto tools = stated_tools(
       "G21\n(TC: 5mm Endmill)\n(Begin toolchange)\nM5\nM6 T2\nG1 X3\n(2mm drill here)\n"
       "T7 M6\nG1 X4\nT8 M6\n(1/8 ENDMILL)\nG1 X5\n(4mm drill at the end)\n");
@@ -136,13 +136,13 @@ TEST(StatedTools, WithoutANumberAreThoseOfTheNextOrTheLoadedTool) {
   EXPECT_EQ(tool_text(tools.at(8).shape), "flat, diameter 3.175 mm, length 20 mm");
 }
 
-TEST(StatedTools, OfAProgramWithoutNumbersIsTheOnlyTool) {
+TEST(StatedTools, ProgramWithoutNumbersHasOneTool) {
   const auto tools = stated_tools("G20\n(Tool diameter: 0.125)\nG1 X1\n");
   ASSERT_TRUE(tools.contains(1));
   EXPECT_EQ(tool_text(tools.at(1).shape), "flat, diameter 3.175 mm, length 20 mm");
 }
 
-TEST(StatedTools, OfKlartextAreInTheUnitOfItsFirstBlock) {
+TEST(StatedTools, KlartextToolsUseTheUnitOfTheFirstBlock) {
   const auto flat = [](const std::string& head) {
     const auto tools =
         stated_tools(head + "\n; T1 D=0.25 - flat end mill\nTOOL CALL 1 Z\nL X1 F9\n");
@@ -153,7 +153,7 @@ TEST(StatedTools, OfKlartextAreInTheUnitOfItsFirstBlock) {
   EXPECT_EQ(flat("%\n0 BEGIN PGM INCH MM"), "flat, diameter 0.25 mm, length 20 mm");
 }
 
-TEST(StatedTools, OfKlartextBelongToTheNextOrTheCalledTool) {
+TEST(StatedTools, KlartextCommentsDescribeTheNextOrCalledTool) {
   const auto tools = stated_tools(
       "0 BEGIN PGM T MM\n; FLAT END MILL D=10\n1 TOOL CALL 1 Z S1000\n2 L X+0 Y+0 R0 FMAX M3\n"
       "3 L Z-1 F100\n* - BALL END MILL D=4\n4 TOOL CALL 2 Z\n5 TOOL CALL S3000\n6 L X+9 F100\n"
@@ -167,7 +167,7 @@ TEST(StatedTools, OfKlartextBelongToTheNextOrTheCalledTool) {
   EXPECT_EQ(tool_text(tools.at(7).shape), "flat, diameter 8 mm, length 40 mm");
 }
 
-TEST(StatedTools, OfToolDefAreFlatUnlessACommentDescribesThem) {
+TEST(StatedTools, ToolDefToolsAreFlatUnlessDescribed) {
   const auto tools = stated_tools(
       "0 BEGIN PGM T INCH\n; TOOL 2 BALL END MILL D=0.5\n1 TOOL DEF 1 L+0 R+0.25\n"
       "2 TOOL DEF 2 L+0 R+0.1\n3 TOOL DEF 3 L+Q1 R+Q2\n4 TOOL DEF 4\n5 TOOL DEF 5 L+0 R-1\n"
@@ -179,7 +179,7 @@ TEST(StatedTools, OfToolDefAreFlatUnlessACommentDescribesThem) {
   EXPECT_TRUE(std::holds_alternative<BallShape>(tools.at(2).shape));
 }
 
-TEST(StatedTools, OfNamesInKlartextHaveTheRankOfTheirNames) {
+TEST(StatedTools, NamedKlartextToolsAreNumberedByRank) {
   const auto tools = stated_tools(
       "BEGIN PGM T MM\n; END MILL D=8\nTOOL CALL \"A B\" Z\nL X+1 F9\nTOOL CALL \"C\" Z\n"
       "L X+2 F9\n; BALL END MILL D=4\nTOOL CALL \"D\" Z\nL X+1 F9\n; 2mm drill\n"

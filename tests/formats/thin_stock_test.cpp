@@ -74,7 +74,7 @@ struct Stock {
   std::vector<ThinWall> walls() const { return find_thin_walls(truth, surface, {kPitchMm, 0.001}); }
 };
 
-TEST(StockMesh, ContainsWhatTheKernelMakesSolid) {
+TEST(StockMesh, ContainsTheKernelsSolid) {
   const TriangleMesh mesh = with_fin();
   const StockMesh exact(mesh), reversed(inside_out(mesh));
   Sculpture sculpture = Sculpture::create(settings_of(mesh)).value();
@@ -157,7 +157,7 @@ TEST(ThinStock, WallBetweenACutAndTheMeshIsFound) {
   }));
 }
 
-TEST(ThinStock, AFinThatTheProgramRemovesIsNotReported) {
+TEST(ThinStock, RemovedFinIsNotReported) {
   const ToolShape shape = FlatShape{6, 30};
   const std::map<ToolId, SceneTool> tools{
       {1, {.shape = shape, .body = {}, .tool = make_tool(shape).value()}}};
@@ -165,7 +165,7 @@ TEST(ThinStock, AFinThatTheProgramRemovesIsNotReported) {
   EXPECT_TRUE(stock.walls().empty());
 }
 
-TEST(ThinStock, PitchForATargetIsThatOfTheFin) {
+TEST(ThinStock, FinDeterminesThePitchForATarget) {
   const auto pitch_of = [](const TriangleMesh& mesh) {
     const Stock stock(mesh);
     return pitch_for_walls(stock.truth, stock.surface, {kPitchMm, 1.2 * kPitchMm, 0.001});

@@ -88,7 +88,7 @@ TEST(ToolWords, NameAnglesOfTipsAndSides) {
   EXPECT_EQ(tool_in("10MM END MILL 45 DEG HELIX"), "flat, diameter 10 mm");
 }
 
-TEST(ToolWords, AreOfFourLanguages) {
+TEST(ToolWords, ReadFourLanguages) {
   for (const char* text :
        {"KUGELFRAESER D6", "Kugelfr\xC3\xA4ser D6", "Kugelfr\xE4ser D6", "RADIUSFRAESER R3",
         "FRAISE BOULE D6", "FRAISE HEMISPHERIQUE DIAMETRE 6", "FRESA ESFERICA D6",
@@ -107,7 +107,7 @@ TEST(ToolWords, AreOfFourLanguages) {
   EXPECT_EQ(tool_in("FASENFRAESER D6 45 GRAD"), "cone end, diameter 6 mm, tip angle 90 degrees");
 }
 
-TEST(ToolWords, OfOperationsAreNoTools) {
+TEST(ToolWords, OperationsAreNoTools) {
   for (const char* text :
        {"Engraving 1", "Pocket 12 drill pattern", "DRILL 12 HOLES", "2D CONTOUR 6MM", "FACING 50MM",
         "NOT A 6MM BALL", "6MM OR 8MM ENDMILL", "BOHRBILD 12", "PERCAGE 6MM", "POCHE 12MM"})
@@ -116,7 +116,7 @@ TEST(ToolWords, OfOperationsAreNoTools) {
   EXPECT_EQ(tool_in("ENGRAVING BIT 30 DEG 6MM"), "cone end, diameter 6 mm, tip angle 30 degrees");
 }
 
-TEST(ToolWords, LeaveADoubtWhereOneIsNotUnderstood) {
+TEST(ToolWords, AreDoubtfulWithAnUnknownWord) {
   EXPECT_EQ(tool_in("AMANA 1/4 UPCUT"), "? flat, diameter 6.35 mm");
   EXPECT_EQ(tool_in("6MM DOVETAIL"), "? flat, diameter 6 mm") << "no shape is stated";
   EXPECT_EQ(tool_in("6MM 8MM ENDMILL"), "none") << "two sizes";
@@ -130,7 +130,7 @@ TEST(ToolWords, LeaveADoubtWhereOneIsNotUnderstood) {
   EXPECT_EQ(tool->origins, ToolOrigins{});
 }
 
-TEST(ToolWords, TellTheOriginOfEachField) {
+TEST(ToolWords, ReportTheOriginOfEachField) {
   const auto origins = [](const char* text) { return tool_of_words(text, 1)->origins; };
   EXPECT_EQ(origins("6MM DRILL").angle, Origin::kAssumed);
   EXPECT_EQ(origins("6MM DRILL 135 DEG").angle, Origin::kStated);
@@ -220,7 +220,7 @@ TEST(ToolWords, NeverContradictAComment) {
   EXPECT_GT(stated, kComments * 9 / 10) << "most are understood";
 }
 
-TEST(ToolWords, WithOneStrangeWordAreNeverStated) {
+TEST(ToolWords, AreNeverCertainWithAnUnknownWord) {
   Maker maker(7);
   for (int n = 0; n < 500; ++n) {
     const std::string strange = maker.of({"AMANA", "FOO", "XX", "Q", "KLAUS", "@"});
@@ -232,7 +232,7 @@ TEST(ToolWords, WithOneStrangeWordAreNeverStated) {
   }
 }
 
-TEST(StatedTools, AreInTheUnitThatTheCommentsGiveTheProgram) {
+TEST(StatedTools, UseTheUnitStatedInComments) {
   const auto scene = derive_scene("p.nc",
                                   "%\nO1\n(T 1 = 1IN FACE MILL)\n(T 2 = .5 END MILL)\nG90 G17\nT2 "
                                   "M06\nG00 X-1. Y0 Z0.5\nG01 Z-.1 F10.\nG01 X1.\nM30\n",
@@ -241,7 +241,7 @@ TEST(StatedTools, AreInTheUnitThatTheCommentsGiveTheProgram) {
   EXPECT_EQ(scene->scene.tools.at(2).tool.radius_mm, 6.35);
 }
 
-TEST(StatedTools, OfALineThatSelectsAToolMayStateASizeOnly) {
+TEST(StatedTools, SelectionLineMayStateOnlyASize) {
   const auto at = [](const std::string& program) {
     const auto tools = stated_tools(program, 1);
     return tools.contains(1) ? tool_text(tools.at(1).shape) : "none";
@@ -253,7 +253,7 @@ TEST(StatedTools, OfALineThatSelectsAToolMayStateASizeOnly) {
   EXPECT_EQ(at("(Pocket 5mm)\nT1 M6\n(Face 3)\n(CLEARANCE 5MM)\nG1 X1\n"), "none");
 }
 
-TEST(StatedTools, OfACertainCommentReplaceADoubtfulOne) {
+TEST(StatedTools, CertainCommentReplacesADoubtfulOne) {
   const auto tools = stated_tools("(T1 8MM FOO ENDMILL)\n(T1 6MM ENDMILL)\nT1 M6\nG1 X1\n", 1);
   EXPECT_EQ(tool_text(tools.at(1).shape), "flat, diameter 6 mm, length 30 mm");
   EXPECT_EQ(tools.at(1).doubt, "");
@@ -309,7 +309,7 @@ void expect_same_tools(const Scene& scene, const std::string& name, const std::s
     EXPECT_TRUE(origin.tool == 0 || origin.origin == Origin::kStated) << origin.field;
 }
 
-TEST(ExportedTools, ComeBackFromEveryPost) {
+TEST(ExportedTools, RoundTripThroughEveryPostprocessor) {
   const Scene scene = with_tools(every_shape());
   const Program program = cut_with_each(scene);
   for (const Post post : kPosts) {
@@ -323,7 +323,7 @@ TEST(ExportedTools, ComeBackFromEveryPost) {
   expect_same_tools(scene, "p.apt", apt.str());
 }
 
-TEST(ExportedTools, OfManyPointsNeedSeveralComments) {
+TEST(ExportedTools, ToolsWithManyPointsNeedSeveralComments) {
   ProfileShape saw{{ProfilePoint{0, 0}}};
   for (int tooth = 1; tooth <= 40; ++tooth)
     saw.steps.push_back(ProfilePoint{2.123456 + tooth % 3, tooth * 0.987654});
@@ -334,7 +334,7 @@ TEST(ExportedTools, OfManyPointsNeedSeveralComments) {
                       text_of(cut_with_each(scene), scene, post));
 }
 
-TEST(DerivedScene, TellsTheOriginOfEachField) {
+TEST(DerivedScene, ReportsTheOriginOfEachField) {
   const auto scene = derive_scene("p.nc",
                                   "G21\n(T1 6MM DRILL)\n(T2 AMANA 1/4 UPCUT)\n(STOCK X40 Y40 Z10)\n"
                                   "T1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F9\nX9\nT2 M6\nX0\nT3 M6\nX9\nM2\n",
@@ -355,7 +355,7 @@ TEST(DerivedScene, TellsTheOriginOfEachField) {
   EXPECT_THAT(scene->notes, testing::Contains(testing::HasSubstr("\"AMANA\" is not understood")));
 }
 
-TEST(StatedStock, OfAptIsThatOfItsInsert) {
+TEST(StatedStock, AptStockIsThatOfItsInsert) {
   const auto stated =
       stated_tools("PARTNO/1\nUNITS/INCHES\n$$-> CUTTER / 0.500000\nLOADTL/1\nGOTO/0,0,0\n", kInch);
   ASSERT_TRUE(stated.contains(1)) << "the cutter of Creo";

@@ -134,7 +134,7 @@ TEST(TradeoffTable, CsvReadsBackAndListsSkippedRows) {
   EXPECT_EQ(table[2].back(), "needs 9 MB, too much");
 }
 
-TEST(TradeoffPlot, IsWellFormedForAnyNames) {
+TEST(TradeoffPlot, IsWellFormedForAnyName) {
   std::vector<TradeoffRow> rows{row(1, 8), row(20, 0.3), row(300, 0.001)};
   rows[1].motion = MotionModel::kPaper;
   rows[2].force_error = 0.5;

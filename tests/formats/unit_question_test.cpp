@@ -46,7 +46,7 @@ TEST(UnitQuestion, ALikelySizeIsNotQuestioned) {
   EXPECT_EQ(asked(40, 60).size(), 0U);
 }
 
-TEST(UnitQuestion, AModelOfMetresAsksWhatItsNumbersAre) {
+TEST(UnitQuestion, ModelInMetersRaisesAQuestion) {
   const auto question = unit_question("placement", "a.stl", 0.04);
   ASSERT_TRUE(question);
   ASSERT_EQ(question->choices.size(), 3U);
@@ -73,7 +73,7 @@ TEST(UnitQuestion, AModelIsComparedWithItsPartner) {
   EXPECT_EQ(fields(asked(40, 40'000)), std::vector<std::string>{"obstacles[0].placement"});
 }
 
-TEST(UnitQuestion, WhoHasStatedTheUnitIsNotAsked) {
+TEST(UnitQuestion, StatedUnitIsNotQuestioned) {
   EXPECT_EQ(asked(0.04, 40, R"(, "placement": {"unit": "m"})").size(), 0U);
   EXPECT_EQ(asked(0.04, 40, R"(, "placement": {"scale": [1000, 1000, 1000]})").size(), 0U);
   const BoxStock tiny{{0, 0, 0}, {0.04, 0.01, 0.01}};

@@ -128,7 +128,7 @@ TEST_F(Verify, APartIsPlacedAndRepairedOnRequest) {
   EXPECT_EQ(run(kSlotted + "--reference-rotate 0,0,400"), 2);
 }
 
-TEST_F(Verify, ARibThatWasLeftIsUncutAtTheNearestLine) {
+TEST_F(Verify, RemainingRibIsUncutAtTheNearestLine) {
   // Two millimeters of the slot remain between two cuts that end in half discs.
   write_program("G0 Z-2\nG1 Y10\nG0 Z5\nY36\nG0 Z-2\nG1 Y20\n");
   const auto checks = failed(kSlotted, 3);
@@ -149,7 +149,7 @@ TEST_F(Verify, ARapidThroughStockIsNamedWithItsLine) {
   EXPECT_THAT(content("out"), StartsWith("p.ngc makes part.stl within 0.1 mm, but not safely: "));
 }
 
-TEST_F(Verify, ARapidThatTakesAFilmIsNotThroughStock) {
+TEST_F(Verify, RapidThatRemovesAFilmIsNotThroughStock) {
   // Back along the floor of the slot, deeper by less than the tolerance of the cuts, 0.025 mm.
   write_program("G0 Z-2\nG1 Y36\nG0 Z-2.001\nY-6\n");
   EXPECT_THAT(failed(kSlotted, 0), testing::IsEmpty()) << content("out");
@@ -170,7 +170,7 @@ TEST_F(Verify, AShankInTheStockIsACollision) {
               testing::MatchesRegex("0\\.(49|50). mm deep"));
 }
 
-TEST_F(Verify, AFrameThatIsCutLooseDoesNotCount) {
+TEST_F(Verify, DetachedFrameDoesNotCount) {
   write("part.stl", box_stl(10, 30, 10, 30, -10));
   write("p.ngc", "G21 G90 T1 M6\nG0 X7 Y7 Z5\nF600\nG1 Z-10\nX33\nY33\nX7\nY7\nG0 Z5\nM2\n");
   const std::string contour =
@@ -187,7 +187,7 @@ TEST_F(Verify, AFrameThatIsCutLooseDoesNotCount) {
 }
 
 // A plate of 60 x 40 x 9 mm below Z -1, faced in lines that begin and end outside it.
-TEST_F(Verify, AnAssumedStockCondemnsNoProgram) {
+TEST_F(Verify, AssumedStockFailsNoProgram) {
   write("part.stl", prism({{0, -10}, {60, -10}, {60, -1}, {0, -1}}, {{0, 1, 2}, {0, 2, 3}}, 0, 40));
   std::string lines = "G21 G90\nT1 M6 (D=10 flat end mill)\n";
   for (int y = 0; y <= 40; y += 8)
@@ -210,7 +210,7 @@ TEST_F(Verify, AStockThatIsTooSmallFails) {
             "1.000 mm of the part outside of the stock");
 }
 
-TEST_F(Verify, RejectsWhatItCannotJudge) {
+TEST_F(Verify, RejectsInputThatCannotBeJudged) {
   EXPECT_EQ(run("--verify p.ngc"), 2);
   EXPECT_THAT(content("err"), HasSubstr("--verify needs --reference"));
   EXPECT_EQ(run(kSlotted + "--gouge-tolerance 1"), 2);
@@ -254,7 +254,7 @@ Document parse_xml(const std::string& content) {
   return document;
 }
 
-TEST_F(Verify, ItsPageIsWellFormedAndLoadsNothing) {
+TEST_F(Verify, PageIsWellFormedAndSelfContained) {
   const std::string name = "a<b>&\"c.ngc";
   write(name,
         "G21 G90 T1 M6\nG0 X20 Y-6 Z5\nF600\nG0 Z-2\n"
@@ -319,7 +319,7 @@ TEST(LoadCurve, ALongMotionFillsItsTime) {
     EXPECT_EQ(intervals[n].force_n, n < first ? 0 : 4) << n;
 }
 
-TEST(AttachedMaterial, TellsLoosePieces) {
+TEST(AttachedMaterial, DetectsLoosePieces) {
   // A groove through the block along Y at X 8 to 12; the part is the corner up to X 6, Y 1.
   auto block = test::make_sculpture(BoxStock{{0, 0, 0}, {20, 10, 5}}, 0.5);
   block.apply(DefineTool{1, make_tool(FlatShape{4, 30}).value()}).value();

@@ -42,7 +42,7 @@ TEST(Endpoints, MismatchesAreRejected) {
   EXPECT_TRUE(find_pipes(in_only, {.needs_out = false}));
 }
 
-TEST(UsbFaults, TextsTellWhatToDo) {
+TEST(UsbFaults, TextsContainTheRemedy) {
   const auto text = [](UsbFault fault) { return usb_error(fault, "Novint Falcon").text; };
   EXPECT_NE(text(UsbFault::kPermission).find("70-kerf.rules"), std::string::npos);
   EXPECT_NE(text(UsbFault::kPermission).find("udevadm"), std::string::npos);

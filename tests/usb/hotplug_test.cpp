@@ -120,7 +120,7 @@ TEST_F(HotPlug, OtherUsbIdsAreIgnored) {
   EXPECT_FALSE(device.claimed());
 }
 
-TEST_F(HotPlug, TheDoctorFindsTheDeviceAndMeasuresIt) {
+TEST_F(HotPlug, DoctorFindsAndMeasuresTheDevice) {
   MockDevice device(bus, firmware, 5);
   device.plug();
   std::ostringstream out;

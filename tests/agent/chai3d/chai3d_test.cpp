@@ -75,7 +75,7 @@ TEST(Chai3d, RatingsComeFromItsSpecifications) {
   EXPECT_EQ(rated.max_force_n, 0);
 }
 
-TEST(Chai3d, ForceAndTorqueAreThoseOfItsAxesAndUnits) {
+TEST(Chai3d, ForceAndTorqueUseItsAxesAndUnits) {
   auto device = std::make_shared<FakeDevice>();
   kerf_chai3d::Agent agent(device, {});
   kerf_agent_wrench wrench{};

@@ -321,7 +321,7 @@ TEST_F(GamepadTest, RumblesWithTheWrenchWhileItIsRenewed) {
   EXPECT_FALSE(device_->capabilities().max_force_n > 0) << "it holds nothing back";
 }
 
-TEST_F(GamepadTest, IsFoundAgainAfterItWasUnplugged) {
+TEST_F(GamepadTest, IsFoundAgainAfterUnplugging) {
   FakePad pad;
   open(pad);
   ASSERT_TRUE(reads([](const DeviceState& s) { return s.valid; }));
@@ -336,7 +336,7 @@ TEST_F(GamepadTest, IsFoundAgainAfterItWasUnplugged) {
   EXPECT_EQ(device_->read(now_us_ += 1000).tip_mm, rest) << "nothing is pressed any more";
 }
 
-TEST_F(GamepadTest, StatesWhyThereIsNone) {
+TEST_F(GamepadTest, ReportsWhyNoneIsFound) {
   FakePad keyboard(false);
   open(keyboard);
   EXPECT_TRUE(

@@ -50,7 +50,7 @@ PluginError error_of(const std::string& text) {
   return plugin ? PluginError{} : plugin.error();
 }
 
-TEST_F(PluginTest, DeviceGetsThePlaceAndExchangesPosesAndWrenches) {
+TEST_F(PluginTest, DeviceGetsTheSessionAndExchangesPosesAndWrenches) {
   {
     const auto opened = open();
     ASSERT_TRUE(opened) << opened.error().text;
@@ -89,7 +89,7 @@ TEST_F(PluginTest, DeviceGetsThePlaceAndExchangesPosesAndWrenches) {
   EXPECT_EQ(log.closes, 1);
 }
 
-TEST_F(PluginTest, MotorsGetWhatTheyAreRatedFor) {
+TEST_F(PluginTest, MotorsGetOnlyRatedComponents) {
   log.capabilities.actuated_dof = 5;
   log.capabilities.max_torque_nmm = 100;
   const Wrench wrench{.force_n = {1, 2, 3}, .torque_nmm = {4, 5, 6}};
@@ -109,7 +109,7 @@ TEST_F(PluginTest, MotorsGetWhatTheyAreRatedFor) {
   EXPECT_EQ(log.wrench.torque_nmm[0], 0);
 }
 
-TEST_F(PluginTest, WithoutAFunctionStopGetsAWrenchOfZero) {
+TEST_F(PluginTest, MissingStopIsReplacedByAZeroWrench) {
   auto plugin = load_plugin(text());
   ASSERT_TRUE(plugin);
   plugin->functions.stop = nullptr;
@@ -121,7 +121,7 @@ TEST_F(PluginTest, WithoutAFunctionStopGetsAWrenchOfZero) {
   EXPECT_EQ(log.wrench.force_n[2], 0);
 }
 
-TEST_F(PluginTest, PosesOfAnotherTimeAndOtherStatesAreNotValid) {
+TEST_F(PluginTest, PosesOutOfTimeOrInOtherStatesAreInvalid) {
   const auto opened = open();
   ASSERT_TRUE(opened);
   log.pose.state = KERF_AGENT_READY;

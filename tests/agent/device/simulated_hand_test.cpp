@@ -68,7 +68,7 @@ TEST(SimulatedHand, StopClearsTheForceUntilTheNextWrite) {
   EXPECT_NEAR(advance(300).tip_mm.y, 2.0, 0.01);
 }
 
-TEST(SimulatedHand, AndReplayAreAlwaysReady) {
+TEST(SimulatedHand, IsAlwaysReadyLikeReplay) {
   SimulatedHand hand(PathCursor(kLine, false), {});
   Replay replay(PathCursor(kLine, false));
   EXPECT_EQ(hand.read(0).phase, DevicePhase::kReady);

@@ -73,7 +73,7 @@ TEST(LineProtocol, MalformedCapabilitiesAreRejectedWithAReason) {
   }
 }
 
-TEST(LineProtocol, ReadsPosesAndNothingElse) {
+TEST(LineProtocol, ReadsPosesAndRejectsOtherLines) {
   const auto pose = parse_pose_line("pose ready 1 2.5 -3e0 0 0 1 3 65535", true, 77);
   ASSERT_TRUE(pose);
   EXPECT_TRUE(pose->state.valid);
@@ -252,7 +252,7 @@ TEST_F(SocketDeviceTest, ExchangesPosesAndWrenches) {
   }));
 }
 
-TEST_F(SocketDeviceTest, LineThatRearmsIsReadOnceAsAButton) {
+TEST_F(SocketDeviceTest, RearmLineIsReadOnceAsAButton) {
   open();
   ASSERT_TRUE(ready());
   EXPECT_EQ(agent->read(monotonic_us()).buttons & kButtonRearm, 0U);
@@ -292,7 +292,7 @@ TEST_F(SocketDeviceTest, ProcessThatNoLongerAcknowledgesIsLost) {
   EXPECT_NE(agent->trouble().find("does not take wrenches"), std::string::npos) << agent->trouble();
 }
 
-TEST(CommandClock, StatesTheOldestCommandThatIsNotAccepted) {
+TEST(CommandClock, ReportsTheOldestUnacceptedCommand) {
   CommandClock clock;
   clock.composed(65534, 100);
   EXPECT_EQ(clock.waiting_since_us(), 0U) << "it may acknowledge nothing";
@@ -334,7 +334,7 @@ TEST_F(SocketDeviceTest, GetsNoForceUntilReadyAndNoneAtTheEnd) {
   EXPECT_TRUE(last.ends_with(" 0 0 0 0 0 0")) << last;
 }
 
-TEST_F(SocketDeviceTest, DeviceThatHasFinishedIsNotLost) {
+TEST_F(SocketDeviceTest, FinishedDeviceIsNotLost) {
   open();
   ASSERT_TRUE(ready());
   process.say("pose finished 1 2 3 0 0 1 1 0\n");
@@ -353,7 +353,7 @@ TEST_F(SocketDeviceTest, MalformedLineAfterTheEndIsALoss) {
   EXPECT_EQ(process.hear(), "session 4 60 0 0 0 1 1 1") << "the agent looks for it again";
 }
 
-TEST_F(SocketDeviceTest, LossesAndMalformedLinesEndTheForceAndAreRecoveredFrom) {
+TEST_F(SocketDeviceTest, RecoversFromLossesAndMalformedLinesWithoutForce) {
   open();
   for (const std::string& fault :
        {std::string(), std::string("pose ready 1 2\n"), std::string(2 * kMaxLineBytes, 'x')}) {

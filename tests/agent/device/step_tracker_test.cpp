@@ -46,7 +46,7 @@ TEST(StepTracker, EvenMotionIsFollowedWithoutDelayAfterTwoSteps) {
   }
 }
 
-TEST(StepTracker, AQuantumThatIsNotStatedIsFoundFromTheSteps) {
+TEST(StepTracker, UnstatedQuantumIsFoundFromTheSteps) {
   for (const double mm_per_s : {1.0, 5.0, 20.0}) {
     const double quantum = 0.055;
     const double settle_s = (StepTracker::kStepsOfEncoder + 2) * quantum / mm_per_s + 0.03;
@@ -64,7 +64,7 @@ TEST(StepTracker, ContinuousValuesPassUnchanged) {
   EXPECT_EQ(tracker.quantum(), 0);
 }
 
-TEST(StepTracker, AContinuousDeviceThatStopsIsNoEncoder) {
+TEST(StepTracker, StoppedContinuousDeviceIsNoEncoder) {
   StepTracker tracker(0);
   double value = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -73,7 +73,7 @@ TEST(StepTracker, AContinuousDeviceThatStopsIsNoEncoder) {
   }
 }
 
-TEST(StepTracker, AMeasurementThatIsReadTwiceIsNoRest) {
+TEST(StepTracker, RepeatedReadIsNoRest) {
   // A device measures 900 times per second and is read 1000 times.
   StepTracker tracker(0);
   double measured = 0;
@@ -101,7 +101,7 @@ TEST(StepTracker, TheEstimateStaysInTheCellOfTheMeasuredValue) {
   }
 }
 
-TEST(StepTracker, AValueThatFlickersBetweenTwoStepsRestsBetweenThem) {
+TEST(StepTracker, FlickeringValueRestsBetweenItsSteps) {
   constexpr double kQuantum = 0.05;
   StepTracker tracker(kQuantum);
   double estimate = 0;

@@ -131,7 +131,7 @@ TEST(Identification, FindsMassAndQuantumWithinATenthAndLatencyAndFriction) {
   }
 }
 
-TEST(Identification, FindsNoQuantumOfAContinuousPose) {
+TEST(Identification, FindsNoQuantumInAContinuousPose) {
   LooseDevice device({.quantum_mm = 0, .quantum_rad = 0});
   const auto profile = identify(device);
   ASSERT_TRUE(profile) << profile.error();
@@ -139,7 +139,7 @@ TEST(Identification, FindsNoQuantumOfAContinuousPose) {
   EXPECT_EQ(*profile->resolution_rad, 0);
 }
 
-TEST(Identification, LeavesTheInertiaOfADeviceWithoutTorque) {
+TEST(Identification, OmitsTheInertiaOfADeviceWithoutTorque) {
   LooseDevice device({.max_torque_nmm = 0});
   const auto profile = identify(device);
   ASSERT_TRUE(profile) << profile.error();
@@ -147,14 +147,14 @@ TEST(Identification, LeavesTheInertiaOfADeviceWithoutTorque) {
   EXPECT_NEAR(*profile->moving_mass_kg, 0.2, 0.02);
 }
 
-TEST(Identification, EndsWithoutForceWhereTheDeviceIsStuck) {
+TEST(Identification, EndsWithoutForceIfTheDeviceIsStuck) {
   LooseDevice device({.friction_n = 5});
   const auto profile = identify(device);
   ASSERT_FALSE(profile);
   EXPECT_NE(profile.error().find("force: "), std::string::npos) << profile.error();
 }
 
-TEST(Identification, EndsWhereAPoseIsNoNumber) {
+TEST(Identification, EndsOnANonFinitePose) {
   class Broken final : public HapticDevice {
    public:
     DeviceCapabilities capabilities() const override {
@@ -178,7 +178,7 @@ TEST(Identification, EndsWhereAPoseIsNoNumber) {
   EXPECT_NE(identification.profile().error().find("moved too far"), std::string::npos);
 }
 
-TEST(Identification, IsNoneIfTheLoopLosesTicks) {
+TEST(Identification, FailsIfTheLoopLosesTicks) {
   LooseDevice device({});
   Identification identification(device, LooseDevice::kPivotMm);
   std::uint64_t now_us = 1000;
@@ -188,13 +188,13 @@ TEST(Identification, IsNoneIfTheLoopLosesTicks) {
   EXPECT_NE(profile.error().find("the loop lost 3"), std::string::npos) << profile.error();
 }
 
-TEST(Identification, SaysBeforehandWhatItDoes) {
+TEST(Identification, AnnouncesItsMotionFirst) {
   const std::string text = identification_warning(LooseDevice({}).capabilities());
   for (const char* part : {"keep your hands off the loose device", "up to 1 N", "20 N·mm", "10 mm"})
     EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
 }
 
-TEST(DeviceProfile, IsReadAsItWasWrittenAndReplacesWhatIsDeclared) {
+TEST(DeviceProfile, RoundTripsAndReplacesDeclaredValues) {
   const std::string path = std::filesystem::path(testing::TempDir()) / "kerf_profile_test.txt";
   DeviceProfile profile{.device = "loose device", .latency_us = 1500, .resolution_mm = 0.02};
   profile.moving_mass_kg = 0.2;
@@ -226,7 +226,7 @@ TEST(DeviceProfile, DoesNotLowerTheDeclaredLatency) {
   EXPECT_EQ(with_profile({.latency_us = 0}, profile).latency_us, 1500U);
 }
 
-TEST(DeviceProfile, HasNoStepThatWasNotFound) {
+TEST(DeviceProfile, OmitsAStepThatWasNotFound) {
   const std::string path = std::filesystem::path(testing::TempDir()) / "kerf_no_step.txt";
   const DeviceProfile profile{.resolution_mm = 0, .resolution_rad = 0.0005};
   ASSERT_TRUE(write_profile(path, profile));
@@ -242,7 +242,7 @@ TEST(DeviceProfile, HasNoStepThatWasNotFound) {
   EXPECT_DOUBLE_EQ(with_profile(declared, *read_profile(path)).resolution_mm, 0.01);
 }
 
-TEST(DeviceProfile, BelongsToTheDeviceThatItNames) {
+TEST(DeviceProfile, MatchesOnlyTheDeviceItNames) {
   const DeviceProfile profile{.device = "loose device"};
   EXPECT_EQ(profile_mismatch(profile, {.name = "loose device"}), "");
   EXPECT_EQ(profile_mismatch(profile, {.name = " loose device "}), "") << "files hold no edges";
@@ -281,7 +281,7 @@ TEST(ZWidth, UsesTheDeclaredDamping) {
   EXPECT_NEAR(width(pen).across.stiffness, 0.065, 0.005);
 }
 
-TEST(ZWidth, SaysWhyTheDeclaredStiffnessIsNotRendered) {
+TEST(ZWidth, StatesWhyTheDeclaredStiffnessIsNotRendered) {
   const DeviceCapabilities pen{.max_force_n = 10,
                                .max_torque_nmm = 250,
                                .max_stiffness_n_per_mm = 3,

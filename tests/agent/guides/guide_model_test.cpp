@@ -125,7 +125,7 @@ Wrench felt(GuideModel& guides, const SpaceMap& map, Vec3 tip_mm) {
   return map.to_device(guides.at(map.to_block(at(tip_mm))));
 }
 
-TEST(GuideModel, ThroughAMappingItsForceIsGainedAndHasTheHandsLever) {
+TEST(GuideModel, MappedForceHasTheGainAndTheHandsLever) {
   const SpaceMap map({.scale = 0.1, .gain = 2, .turn_rad = {0, 0, std::numbers::pi / 2}});
   GuideModel wall = model({.shape = PlaneGuide{{0, 0, 0}, {1, 0, 0}}});
   wall.adapt(block_settings(settings(), map.mapping()));
@@ -147,7 +147,7 @@ TEST(GuideModel, ThroughAMappingItsForceIsGainedAndHasTheHandsLever) {
   EXPECT_NEAR(last.torque_nmm.y, 50, 1) << "the teacher's force is at the tip";
 }
 
-TEST(GuideModel, StrengthOfTheUserScalesAllAndZeroSwitchesOff) {
+TEST(GuideModel, StrengthScalesAllGuidesAndZeroDisablesThem) {
   const Guide guide{.shape = DepthGuide{0}};
   GuideModel half = model(guide, 0.5);
   expect_force(half.at(at({0, 0, -2})), {0, 0, 1});
@@ -169,7 +169,7 @@ TEST(GuideModel, SpringsAreDampedAndNoStifferThanTheDevice) {
   EXPECT_EQ(guides.at(at({0, 0, -2}, {0, 0, 1}, down * -10)).force_n.z, 0) << "a wall never pulls";
 }
 
-TEST(GuideModel, ForceIsTheGradientOfAnEnergyInPosition) {
+TEST(GuideModel, ForceIsTheGradientOfAPotential) {
   // A guide returns no more energy than was put into it: the work around closed loops is zero.
   std::mt19937 random(3);
   std::uniform_real_distribution<double> spread(-6, 6);
@@ -251,7 +251,7 @@ TEST(GuideModel, TorqueHasNoStepBetweenTwoPaths) {
   EXPECT_NEAR(last, 60, 1e-9) << "it has turned to the second path's axis";
 }
 
-TEST(GuideModel, GuidesShareWhatADeviceRendersOfTheirTorsionalSprings) {
+TEST(GuideModel, GuidesShareTheStableTorsionalStiffness) {
   ServoSettings light = settings();
   light.passivity.inertia_kg_m2 = 2e-4;
   const auto torque = [&](std::size_t count, double tilt_rad, double rad_per_s) {
@@ -271,7 +271,7 @@ TEST(GuideModel, GuidesShareWhatADeviceRendersOfTheirTorsionalSprings) {
   EXPECT_NEAR(torque(16, 1e-3, 1) - torque(16, 1e-3, 0), damper, 1e-9);
 }
 
-TEST(GuideModel, ADeviceComesToRestOnATorsionalSpringWhateverItsDamper) {
+TEST(GuideModel, DeviceComesToRestOnATorsionalSpringWithAnyDamper) {
   constexpr double kInertia = 2e-4, kInertiaNmmS2 = 0.2, kTiltRad = 1e-4, kTurnRadPerS = 0.01;
   const Guide guide{.shape = PathGuide{.axis_within_deg = 0,
                                        .turn_stiffness_nmm_per_rad = 1e9,

@@ -47,7 +47,7 @@ TEST(PathTree, FindsTheNearestPointOfARaster) {
   EXPECT_LT(most, PathTree::kMostVisits) << "no query was cut short";
 }
 
-TEST(PathTree, TakesBoundedTimeWhereAllIsEquallyNear) {
+TEST(PathTree, ExaminesBoundedBoxesIfAllAreEquallyNear) {
   GuidePath circle;
   for (std::size_t i = 0; i < kGuidePosesMax; ++i) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kGuidePosesMax;

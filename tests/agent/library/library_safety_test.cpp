@@ -119,7 +119,7 @@ TEST_F(LibraryTest, DeviceWithoutMotorsGetsNoForce) {
   EXPECT_EQ(most, 0);
 }
 
-TEST_F(LibraryTest, StatusSaysWhyThereIsNoForceAndWhatToDo) {
+TEST_F(LibraryTest, StatusStatesWhyThereIsNoForceAndTheRemedy) {
   serve();
   device_.flags = KERF_AGENT_HAS_DEADMAN;
   connect();
@@ -135,7 +135,7 @@ TEST_F(LibraryTest, StatusSaysWhyThereIsNoForceAndWhatToDo) {
   EXPECT_NE(text.find("release the device for 0.3 s"), std::string::npos) << text;
 }
 
-TEST_F(LibraryTest, PressOfTheButtonThatRearmsEndsATrip) {
+TEST_F(LibraryTest, PressOfTheRearmButtonEndsATrip) {
   serve();
   connect();
   ASSERT_TRUE(feel());
@@ -145,7 +145,7 @@ TEST_F(LibraryTest, PressOfTheButtonThatRearmsEndsATrip) {
   EXPECT_TRUE(feel());
 }
 
-TEST_F(LibraryTest, CallersOfAnOlderHeaderGetTheStatusThatTheyKnow) {
+TEST_F(LibraryTest, CallersWithAnOlderHeaderGetItsStatusFields) {
   serve();
   connect();
   auto known = sized<kerf_agent_status>();

@@ -9,7 +9,7 @@
 namespace kerf::agent {
 namespace {
 
-TEST(LibraryInterface, StatesItsVersionAndTexts) {
+TEST(LibraryInterface, ReportsItsVersionAndTexts) {
   EXPECT_EQ(kerf_agent_version(), KERF_AGENT_VERSION);
   for (int result = KERF_AGENT_OK; result >= KERF_AGENT_INTERNAL; --result) {
     EXPECT_STRNE(kerf_agent_result_text(result), kerf_agent_result_text(1)) << result;
@@ -82,7 +82,7 @@ TEST_F(LibraryTest, StructuresOfOtherVersionsAreAcceptedOrRejectedByTheirContent
   EXPECT_EQ(kerf_agent_get_session(agent_, &session), KERF_AGENT_INVALID);
 }
 
-TEST_F(LibraryTest, ServerThatIsAbsentOrRejectsHasAResultOfItsOwn) {
+TEST_F(LibraryTest, AbsentAndRejectingServersHaveDistinctResults) {
   kerf_agent_options absent = options();
   absent.patience_s = 0.05;
   EXPECT_EQ(connect_fails(absent), KERF_AGENT_UNREACHABLE);
@@ -90,7 +90,7 @@ TEST_F(LibraryTest, ServerThatIsAbsentOrRejectsHasAResultOfItsOwn) {
   EXPECT_EQ(connect_fails(options()), KERF_AGENT_REJECTED);
 }
 
-TEST_F(LibraryTest, AuthoritiesThatCannotBeReadAreNamed) {
+TEST_F(LibraryTest, UnreadableAuthoritiesAreNamed) {
   kerf_agent_options given = options();
   given.server = "https://127.0.0.1:1";
   given.ca_file = "/no/such/authority.pem";
@@ -116,7 +116,7 @@ TEST_F(LibraryTest, GuidesOfTheSessionAreFeltWithoutAnyOption) {
   EXPECT_TRUE(tick_until(pose, felt)) << wrench_.force_n[2] << " N, " << status().trip_text;
 }
 
-TEST_F(LibraryTest, GuidesThatAreNotValidAreRejected) {
+TEST_F(LibraryTest, InvalidGuidesAreRejected) {
   welcome_.insert(1, R"("guides":[{"kind":"rail"}],)");
   serve();
   EXPECT_EQ(connect_fails(options()), KERF_AGENT_REJECTED);

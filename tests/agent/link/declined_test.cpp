@@ -21,7 +21,7 @@ TEST(Declined, OnlyClientErrorsAreFinal) {
   EXPECT_LT(declined("demo", 500, std::string(10'000, 'x')).reason.size(), 300U);
 }
 
-TEST(Declined, SaysTheReasonAndNoJsonNorMarkup) {
+TEST(Declined, ShowsTheReasonWithoutJsonOrMarkup) {
   EXPECT_EQ(
       declined("demo", 404, R"({"error":{"code":"no_session","reason":"no such session"}})").reason,
       "the server rejected session 'demo': no such session (HTTP 404)");
@@ -34,7 +34,7 @@ TEST(Declined, SaysTheReasonAndNoJsonNorMarkup) {
   }
 }
 
-TEST(Declined, CutsNoCharacterOfUtf8) {
+TEST(Declined, TruncatesBetweenUtf8Characters) {
   // The euro sign has three bytes: with 198 letters before it, byte 200 is its second.
   const auto reason = [](std::size_t letters) {
     std::string text(letters, 'x');

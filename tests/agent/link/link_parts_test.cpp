@@ -36,7 +36,7 @@ TEST(ServerUrl, RejectsInvalidAddresses) {
   }
 }
 
-TEST(ServerUrl, ARedirectDoesNotLeadOutOfTls) {
+TEST(ServerUrl, RedirectDoesNotLeaveTls) {
   const ServerUrl plain{"a", "8080"}, safe{"a", "443", true};
   EXPECT_EQ(follow_redirect(plain, "http://b:81"), (ServerUrl{"b", "81"}));
   EXPECT_EQ(follow_redirect(plain, "https://b"), (ServerUrl{"b", "443", true}));
@@ -46,7 +46,7 @@ TEST(ServerUrl, ARedirectDoesNotLeadOutOfTls) {
   EXPECT_FALSE(follow_redirect(plain, "ftp://b"));
 }
 
-TEST(ServerChoice, EachServerIsTriedBeforeTheFirstOneAgain) {
+TEST(ServerChoice, EachServerIsTriedBeforeTheFirstIsRetried) {
   ServerChoice choice;
   ServerUrl server{"a", "8080"};
   EXPECT_TRUE(choice.turn(server)) << "there is only one";
@@ -107,7 +107,7 @@ TEST(Control, UnknownMessagesAreIgnoredAndMalformedOnesRejected) {
   }
 }
 
-TEST(Control, AbsurdNumbersOfAWelcomeAreATypedError) {
+TEST(Control, AbsurdNumbersInAWelcomeGiveATypedError) {
   const auto fault = [](const char* pointer, const nlohmann::json& value) {
     auto message = nlohmann::json::parse(welcome_text());
     message[nlohmann::json::json_pointer(pointer)] = value;
@@ -141,7 +141,7 @@ TEST(Control, HelloOmitsUnsetFields) {
     EXPECT_TRUE(replica.value(key, false)) << key;
 }
 
-TEST(Control, TheTokenIsPresentedAndNotInTheTextOfTheWelcome) {
+TEST(Control, TokenIsSentAndRemovedFromTheWelcomeText) {
   const auto hello = nlohmann::json::parse(hello_text({.name = "", .color = "", .resume = "abc"}));
   EXPECT_EQ(hello["resume"], "abc");
   const auto read = [](const nlohmann::json& resume) {
@@ -327,7 +327,7 @@ TEST_F(TrafficTest, ForwardsTheWrenchOfTheFollowedParticipant) {
   EXPECT_EQ(answer.wrench, Wrench{});
 }
 
-TEST_F(TrafficTest, AcknowledgesNoStockThatAnotherConnectionHasBrought) {
+TEST_F(TrafficTest, DoesNotAcknowledgeStockOfAnEarlierConnection) {
   Traffic traffic = make();
   const auto acks = [&] {
     std::size_t count = 0;

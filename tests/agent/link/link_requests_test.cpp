@@ -20,7 +20,7 @@ bool eventually(const std::atomic<bool>& flag) {
   return flag;
 }
 
-TEST(LinkRequests, ARequestIsGivenUpWithTheConnection) {
+TEST(LinkRequests, RequestIsDroppedWithTheConnection) {
   std::atomic<bool> ended{false}, served{false};
   std::vector<std::string> requests;
   FakeServer server([&](FakePeer& peer, int connection) {

@@ -275,7 +275,7 @@ class ResumeProperty : public SessionTest {
   int restored = 0;  ///< number of sessions restored from a snapshot
 };
 
-TEST_F(ResumeProperty, NothingIsLostOrCutTwiceHoweverOftenTheServerIsKilled) {
+TEST_F(ResumeProperty, EachSampleIsCutOnceThroughAnyNumberOfServerKills) {
   std::mt19937_64 random(7);
   std::uint64_t kills = 0, resent = 0, resumed = 0, lost = 0;
   for (std::uint64_t seed = 0; seed < 4; ++seed) {

@@ -122,7 +122,7 @@ TEST(SampleQueue, ABoundedNumberOfSamplesIsKeptForASlowDisk) {
   EXPECT_EQ(queue.take(1).samples[0].agent_sequence, kMore);
 }
 
-TEST(SampleQueue, SamplesThatWereFeltAreNotDroppedForNewOnes) {
+TEST(SampleQueue, FeltSamplesAreNotDroppedForNewOnes) {
   SampleQueue queue;
   queue.keep_until_durable(true);
   for (std::uint64_t i = 1; i <= 2000; ++i) {

@@ -126,7 +126,7 @@ TEST_F(TrafficDatagrams, WithoutAnOfferUdpIsNotUsed) {
   EXPECT_EQ(over_web_socket(), (Numbers{1, 2, 3}));
 }
 
-TEST_F(TrafficDatagrams, EachDatagramRepeatsAsManyUnansweredSamplesAsFit) {
+TEST_F(TrafficDatagrams, EachDatagramRepeatsUnansweredSamplesUpToItsSize) {
   switch_to_udp();
   Numbers last;
   for (int i = 0; i < 40; ++i) {
@@ -268,7 +268,7 @@ TEST_F(TrafficDatagrams, ToolChangeIsSentAtOnceIfEverythingIsAnswered) {
   EXPECT_EQ(traffic.take_control(now_us), "");
 }
 
-TEST_F(TrafficDatagrams, APressOfTheUndoButtonIsOneRequestAfterItsSamples) {
+TEST_F(TrafficDatagrams, UndoPressIsOneRequestAfterItsSamples) {
   const auto press = [&](std::uint32_t buttons) {
     ASSERT_TRUE(ring.push({.time_us = now_us, .tool_id = 1, .buttons = buttons}));
     traffic.collect();
@@ -292,7 +292,7 @@ TEST_F(TrafficDatagrams, APressOfTheUndoButtonIsOneRequestAfterItsSamples) {
   EXPECT_EQ(traffic.take_control(now_us), "") << "given up with the connection";
 }
 
-TEST_F(TrafficDatagrams, ARequestNeitherOvertakesDatagramsNorIsOvertakenByThem) {
+TEST_F(TrafficDatagrams, RequestKeepsItsOrderWithDatagrams) {
   switch_to_udp();
   push(2);
   EXPECT_EQ(over_udp(), (Numbers{4, 5}));
@@ -324,7 +324,7 @@ TEST_F(TrafficDatagrams, ARequestIsSentAfterItsDatagramsWereLost) {
   EXPECT_EQ(traffic.take_control(now_us), change_text(false));
 }
 
-TEST_F(TrafficDatagrams, TheUserIsNotifiedOfWhatAnUndoHasDone) {
+TEST_F(TrafficDatagrams, UserIsNotifiedOfTheResultOfAnUndo) {
   std::string notice;
   EXPECT_FALSE(traffic.take_text(R"({"type":"stroke","undone":true,"stroke":12})", notice));
   EXPECT_EQ(notice, "stroke 12 undone");

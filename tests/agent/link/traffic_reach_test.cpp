@@ -12,7 +12,7 @@
 namespace kerf::agent {
 namespace {
 
-TEST(Control, ReachIsStatedIfTheServerTakesIt) {
+TEST(Control, ReachIsSentIfTheServerAcceptsIt) {
   EXPECT_EQ(nlohmann::json::parse(hello_text({.name = "", .color = "", .reach = true}))["reach"],
             true);
   auto message = nlohmann::json::parse(welcome_text());
@@ -24,7 +24,7 @@ TEST(Control, ReachIsStatedIfTheServerTakesIt) {
                 "half_mm":[4.0,5.0,6.0],"turn_rad":[0.0,0.0,0.5],"scale":0.1})"));
 }
 
-TEST(TrafficReach, IsStatedWhenItChangesAndOnEachConnectionThatTakesIt) {
+TEST(TrafficReach, IsSentOnEachChangeAndOnEachConnectionThatAcceptsIt) {
   SampleRing ring;
   LatestValue<ServerWrench> wrenches;
   LatestValue<Reach> reach;
@@ -49,7 +49,7 @@ TEST(TrafficReach, IsStatedWhenItChangesAndOnEachConnectionThatTakesIt) {
   EXPECT_EQ(traffic.take_control(now_us), "");
 }
 
-TEST(TrafficReach, IsStatedAtMostTenTimesPerSecondAndItsLastChangeAlways) {
+TEST(TrafficReach, IsSentAtMostTenTimesPerSecondIncludingTheLastChange) {
   SampleRing ring;
   LatestValue<ServerWrench> wrenches;
   LatestValue<Reach> reach;

@@ -147,7 +147,7 @@ TEST_F(UdpCarve, CleanLineUsesUdp) {
   EXPECT_TRUE(udp.notices.empty()) << udp.notices.front();
 }
 
-TEST_F(UdpCarve, WithoutUdpOfTheServerTheWebSocketCarriesAll) {
+TEST_F(UdpCarve, WithoutServerUdpTheWebSocketCarriesAll) {
   const Carved& plain = over_web_socket();
   start(false);
   const Carved without = carve("without", true);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kNsPerMs = 1'000'000;
 
-TEST(Alarm, GoesOffWhenItWasSetToLast) {
+TEST(Alarm, GoesOffAtTheTimeSetLast) {
   Alarm alarm;
   const std::uint64_t start_ns = monotonic_ns();
   alarm.set(start_ns + 2 * kNsPerMs);
@@ -22,7 +22,7 @@ TEST(Alarm, GoesOffWhenItWasSetToLast) {
   EXPECT_GE(monotonic_ns(), start_ns + 20 * kNsPerMs);
 }
 
-TEST(Alarm, IsNotHeardTwice) {
+TEST(Alarm, WakesAWaiterOnce) {
   Alarm alarm;
   alarm.set(monotonic_ns() - kNsPerMs);
   alarm.wait();

@@ -21,7 +21,7 @@ void work(Choice& choice, std::uint64_t& now_ns, std::uint64_t busy_ns, int wind
   }
 }
 
-TEST(PlaceChoice, ALightThreadRunsBesideTheLoopAndAHeavyOneApart) {
+TEST(PlaceChoice, LightThreadSharesTheLoopsProcessorAndHeavyOneDoesNot) {
   PlaceChoice choice;
   std::uint64_t now_ns = kMs;
   choice.begin(now_ns);
@@ -33,7 +33,7 @@ TEST(PlaceChoice, ALightThreadRunsBesideTheLoopAndAHeavyOneApart) {
   EXPECT_EQ(choice.place(), Place::kApart);
 }
 
-TEST(PlaceChoice, BetweenTheLimitsAThreadStaysWhereItIs) {
+TEST(PlaceChoice, ThreadStaysBetweenTheLimits) {
   PlaceChoice choice;
   std::uint64_t now_ns = kMs;
   work(choice, now_ns, kMs / 10);
@@ -44,7 +44,7 @@ TEST(PlaceChoice, BetweenTheLimitsAThreadStaysWhereItIs) {
   EXPECT_EQ(choice.place(), Place::kApart);
 }
 
-TEST(PlaceChoice, OneLongWorkEndsTheStayBesideTheLoopAtOnce) {
+TEST(PlaceChoice, LongWorkMovesTheThreadAwayAtOnce) {
   PlaceChoice choice;
   std::uint64_t now_ns = kMs;
   work(choice, now_ns, kMs / 10);
@@ -53,7 +53,7 @@ TEST(PlaceChoice, OneLongWorkEndsTheStayBesideTheLoopAtOnce) {
   EXPECT_EQ(choice.place(), Place::kApart);
 }
 
-TEST(PlaceChoice, AThreadThatExpectsLongWorkLeavesBeforeIt) {
+TEST(PlaceChoice, ThreadLeavesBeforeAnnouncedLongWork) {
   PlaceChoice choice;
   std::uint64_t now_ns = kMs;
   work(choice, now_ns, kMs / 10);
@@ -86,7 +86,7 @@ class FollowCpuTest : public testing::Test {
   const cpu_set_t all_ = processors();
 };
 
-TEST_F(FollowCpuTest, TheThreadIsKeptBesideTheLoopThenApartThenAnywhere) {
+TEST_F(FollowCpuTest, ThreadMovesToTheLoopThenAwayThenAnywhere) {
   LeadCpu lead;
   lead.note();
   std::thread([&] {
@@ -106,7 +106,7 @@ TEST_F(FollowCpuTest, TheThreadIsKeptBesideTheLoopThenApartThenAnywhere) {
   }).join();
 }
 
-TEST_F(FollowCpuTest, WithoutARealTimeLoopNothingIsChanged) {
+TEST_F(FollowCpuTest, WithoutARealTimeLoopNothingChanges) {
   LeadCpu lead;
   std::thread([&] {
     for (const LeadCpu* none :
@@ -135,7 +135,7 @@ TEST_F(FollowCpuTest, WhenTheLoopEndsTheThreadMayUseAllProcessorsAgain) {
   }).join();
 }
 
-TEST_F(FollowCpuTest, AProcessorThatTheThreadMayNotUseIsNotFollowed) {
+TEST_F(FollowCpuTest, ForbiddenProcessorIsNotFollowed) {
   LeadCpu lead;
   lead.note();
   std::thread([&] {

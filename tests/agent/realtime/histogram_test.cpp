@@ -37,7 +37,7 @@ TEST(Histogram, ValuesBeyondTheRangeCountAsTheLargest) {
   EXPECT_EQ(histogram.max_us(), std::uint64_t{1} << 60);
 }
 
-TEST(Histogram, TailQuantilesFindTheTail) {
+TEST(Histogram, TailQuantilesAreExact) {
   Histogram histogram;
   for (int i = 0; i < 999; ++i) histogram.add(10);
   histogram.add(5000);

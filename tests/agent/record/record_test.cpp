@@ -87,7 +87,7 @@ RecordReport record(const std::string& path, std::uint64_t ticks) {
   return (*recorder)->finish({{"trips", "0"}});
 }
 
-TEST(TickMessage, GivesEveryFieldBack) {
+TEST(TickMessage, RoundTripsEveryField) {
   mcap::Bytes bytes;
   append_tick(bytes, tick_at(3));
   EXPECT_EQ(bytes.size(), 252U);
@@ -109,7 +109,7 @@ TEST(TickMessage, RejectsUnknownStates) {
   }
 }
 
-TEST_F(RecordTest, HoldsEveryTickAndTheMetadata) {
+TEST_F(RecordTest, ContainsEveryTickAndTheMetadata) {
   constexpr std::uint64_t kTicks = 4321;
   const RecordReport report = record(file(), kTicks);
   EXPECT_EQ(report.ticks, kTicks);
@@ -129,7 +129,7 @@ TEST_F(RecordTest, HoldsEveryTickAndTheMetadata) {
   EXPECT_EQ(recording->end.at("lost"), "0");
 }
 
-TEST_F(RecordTest, FullTapeCountsWhatItDrops) {
+TEST_F(RecordTest, FullTapeCountsDroppedTicks) {
   TickTape tape;
   for (std::uint64_t n = 0; n < TickTape::kTicks + 5; ++n) tape.push(tick_at(n));
   EXPECT_EQ(tape.lost(), 5U);
@@ -152,7 +152,7 @@ TEST_F(RecordTest, NeverOverwritesAFile) {
   EXPECT_EQ(contents(file()), before);
 }
 
-TEST_F(RecordTest, SaysWhyAFileCannotBeCreated) {
+TEST_F(RecordTest, ReportsWhyAFileCannotBeCreated) {
   const auto recorder = Recorder::start("/nonexistent/a.mcap", {}, "{}");
   ASSERT_FALSE(recorder);
   EXPECT_EQ(recorder.error(), "cannot create /nonexistent/a.mcap: No such file or directory");
@@ -176,7 +176,7 @@ TEST_F(RecordTest, FailedWriteIsReportedAndItsTicksAreCounted) {
   EXPECT_EQ(recording->ticks.size(), report.ticks);
 }
 
-TEST_F(RecordTest, KilledProgramLeavesWholeChunks) {
+TEST_F(RecordTest, KilledProgramLeavesCompleteChunks) {
   {
     auto recorder = Recorder::start(file(), {{"session", "demo"}}, "{}");
     ASSERT_TRUE(recorder);
@@ -191,7 +191,7 @@ TEST_F(RecordTest, KilledProgramLeavesWholeChunks) {
   EXPECT_GE(recording->ticks.size(), 1000U);
 }
 
-TEST_F(RecordTest, IsReadUpToTheLastChunkWhereverItIsCutOff) {
+TEST_F(RecordTest, TruncatedFileIsReadUpToItsLastChunk) {
   record(file(), 3000);
   const std::string whole = contents(file());
   std::size_t most = 0;
@@ -267,7 +267,7 @@ TEST_F(RecordTest, ReplaysItsPathExactly) {
   EXPECT_TRUE(choose_device_or_recording("sim")) << "other devices as before";
 }
 
-TEST_F(RecordTest, TableIsAPoseListToo) {
+TEST_F(RecordTest, TableIsAlsoAPoseList) {
   record(file(), 50);
   std::ostringstream table;
   write_csv(table, *read_recording(file()));
@@ -349,7 +349,7 @@ class FollowingHand final : public HapticDevice {
   double mm_per_s_;
 };
 
-TEST_F(RecordTest, HandThatFollowsAStrokeFeelsWhatWasFeltAtAnySpeed) {
+TEST_F(RecordTest, FollowingAStrokeGivesItsForceAtAnySpeed) {
   Recording recording;
   for (std::uint64_t n = 0; n < 2000; ++n) recording.ticks.push_back(tick_at(n));
   recording.about = {
@@ -382,7 +382,7 @@ TEST_F(RecordTest, HandThatFollowsAStrokeFeelsWhatWasFeltAtAnySpeed) {
   }
 }
 
-TEST_F(RecordTest, RecordingWithoutAPlaceIsNotPlayed) {
+TEST_F(RecordTest, RecordingWithoutStockAndPivotIsNotPlayed) {
   Recording recording;
   recording.ticks.push_back(tick_at(0));
   recording.about = {{"stock_min_mm", "-30 -30"}, {"stock_max_mm", "30 30 0"}, {"pivot_mm", "60"}};

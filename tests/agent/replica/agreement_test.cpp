@@ -69,7 +69,7 @@ TEST(Agreement, ComparesTheMeanOverABatchOfSamples) {
   EXPECT_LT(agreement.error(), 1e-12);
 }
 
-TEST(Agreement, IgnoresABatchThatTheReplicaHasNotAnsweredWhole) {
+TEST(Agreement, IgnoresABatchTheReplicaAnsweredPartially) {
   Agreement agreement;
   for (std::uint64_t n = 1; n <= 16; ++n) {
     if (n == 6) {

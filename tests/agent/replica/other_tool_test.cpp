@@ -83,16 +83,16 @@ std::int64_t solid_quanta(const Sculpture& block) {
   return sum;
 }
 
-TEST(ReplicaIntent, TheForceIsThatAfterTheCutsOfAnother) {
+TEST(ReplicaIntent, ForceAccountsForTheCutsOfAnotherTool) {
   EXPECT_LT(error_beside_another(true), 0.05);
   EXPECT_GT(error_beside_another(false), 0.3);
 }
 
-TEST(ReplicaIntent, OfAParticipantThatAFrameNamesTwiceTheFirstPoseCounts) {
+TEST(ReplicaIntent, FirstPoseOfADuplicateParticipantCounts) {
   EXPECT_LT(error_beside_another(true, true), 0.05);
 }
 
-TEST(ReplicaIntent, StockThatTheOtherDidNotCutIsFelt) {
+TEST(ReplicaIntent, StockLeftByTheOtherToolIsFelt) {
   // The other tool stops in front of this agent's tool, which continues into the stock behind it.
   Side side;
   Sculpture own_cuts = side.source.make();
@@ -122,7 +122,7 @@ TEST(ReplicaIntent, StockThatTheOtherDidNotCutIsFelt) {
   EXPECT_EQ(solid_quanta(side.replica.block()), solid_quanta(own_cuts));
 }
 
-TEST(ReplicaIntent, AbsurdPosesOfAServerAreLeftOut) {
+TEST(ReplicaIntent, AbsurdPosesAreIgnored) {
   Side side;
   for (int n = 0; n < 300; ++n) {
     wire::Intents intents;

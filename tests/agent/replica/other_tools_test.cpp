@@ -70,19 +70,19 @@ double felt_of_ended(End end, int begin) {
   return off_n;
 }
 
-TEST(OtherTools, WhatAToolWasExpectedToCutIsFeltAgainAfterItsEnd) {
+TEST(OtherTools, WronglyExpectedCutsAreFeltAgainAfterTheToolEnds) {
   for (const End end :
        {End::kLeaves, End::kSilent, End::kSilentLate, End::kOtherTool, End::kClockJump}) {
     EXPECT_LT(felt_of_ended(end, kEnd + 200), 1e-3) << static_cast<int>(end);
   }
 }
 
-TEST(OtherTools, AToolThatAFrameDoesNotListEndsAtOnce) {
+TEST(OtherTools, ToolMissingFromAFrameEndsAtOnce) {
   EXPECT_LT(felt_of_ended(End::kEmptyFrame, kEnd + 2), 1e-3);
   EXPECT_LT(felt_of_ended(End::kLeaves, kEnd + 2), 1e-3);
 }
 
-TEST(OtherTools, CutsThatTheServerTookBackAreNotMadeAgain) {
+TEST(OtherTools, CutsUndoneByTheServerAreNotRepeated) {
   EXPECT_LT(felt_of_ended(End::kReset, kEnd + 2), 1e-3);
 }
 
@@ -98,7 +98,7 @@ TEST(OtherTool, ARepeatedPoseDoesNotKeepItPresent) {
   EXPECT_TRUE(tool.is_present(time_of(310)));
 }
 
-TEST(OtherTool, FewPosesAreKeptOfAFlood) {
+TEST(OtherTool, FloodOfPosesIsBounded) {
   OtherTool tool;
   wire::Intent pose = intent_of(0, along(0));
   for (int n = 0; n < 900; ++n, ++pose.time_us) tool.take(pose, time_of(0));
@@ -151,7 +151,7 @@ TEST(OtherTools, OnlyTheFourNearestAreCut) {
   EXPECT_TRUE(crowd.others.are_off(time_of(30), own)) << "others are the nearest now";
 }
 
-TEST(OtherTools, AreCutOnlyAroundThisToolUntilItMovesThere) {
+TEST(OtherTools, AreCutOnlyAroundThisTool) {
   Crowd crowd;
   for (const int n : {0, 10, 20}) crowd.take(n, {20});
   crowd.others.restart(time_of(20), crowd.own({0, 0, 0}));
@@ -164,7 +164,7 @@ TEST(OtherTools, AreCutOnlyAroundThisToolUntilItMovesThere) {
   EXPECT_TRUE(crowd.is_cut(20));
 }
 
-TEST(OtherTools, APathIsCutAgainWhenATenthOfThePitchOff) {
+TEST(OtherTools, PathIsCutAgainIfOffByATenthOfThePitch) {
   for (const double off_mm : {0.045, 0.06}) {
     Crowd crowd;
     for (const int n : {0, 10, 20, 30, 40}) crowd.take(n, {0});

@@ -158,7 +158,7 @@ class PageStrokes : public SessionUndo, public testing::WithParamInterface<const
   std::size_t delay_ = 0;
 };
 
-TEST_P(PageStrokes, UndoAndRedoAreDisplayedBeforeTheServerHasThem) {
+TEST_P(PageStrokes, UndoAndRedoAreDisplayedAheadOfTheServer) {
   begin();
   ada_strokes({-20, 0, -2}, {-10, 4, -2});
   expect_equal();
@@ -191,7 +191,7 @@ TEST_P(PageStrokes, UndoAndRedoAreDisplayedBeforeTheServerHasThem) {
   expect_equal();
 }
 
-TEST_P(PageStrokes, WhatOthersHaveCutSinceStaysCut) {
+TEST_P(PageStrokes, UndoKeepsLaterCutsOfOthers) {
   begin();
   ada_strokes({-20, 0, -2}, {20, 0, -2}, 40);
   expect_equal();
@@ -211,7 +211,7 @@ TEST_P(PageStrokes, WhatOthersHaveCutSinceStaysCut) {
   expect_equal();
 }
 
-TEST_P(PageStrokes, AnUndoThatTheServerRefusesIsTakenBack) {
+TEST_P(PageStrokes, UndoRefusedByTheServerIsReverted) {
   begin();
   ada_strokes({-20, 0, -2}, {-10, 4, -2});
   expect_equal();
@@ -226,7 +226,7 @@ TEST_P(PageStrokes, AnUndoThatTheServerRefusesIsTakenBack) {
   EXPECT_EQ(page_->hash(), uncut);
 }
 
-TEST_P(PageStrokes, TheCopyEqualsTheServerAfterRandomStrokesUndoDropsAndReconnects) {
+TEST_P(PageStrokes, CopyEqualsTheServerAfterRandomStrokesUndoLossAndReconnects) {
   begin();
   std::vector<StrokeId> done;
   for (int round = 0; round < 24; ++round) {
@@ -271,7 +271,7 @@ TEST_P(PageStrokes, ACutBetweenTheRaysAlongZIsDisplayed) {
   expect_equal();
 }
 
-TEST_P(PageStrokes, ALargeBlockIsDisplayedWhereOneCuts) {
+TEST_P(PageStrokes, LargeBlockIsDisplayedAroundTheCut) {
   begin(kLarge);
   for (const double x : {-200.0, 0.0, 200.0}) {
     for (int n = 0; n < 3; ++n) ada({x, 100, 5}, false);

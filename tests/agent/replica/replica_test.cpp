@@ -162,7 +162,7 @@ TEST_P(ReplicaTest, FeelsTheMillingForceOfTheServer) {
   EXPECT_GT(pushed, 150);
 }
 
-TEST_P(ReplicaTest, TakesTheImprintOfAToolAsTheServerDoes) {
+TEST_P(ReplicaTest, RemovesTheImprintOfAToolLikeTheServer) {
   // The ball begins to cut 4 mm inside the block; the wider mill replaces it in the slot.
   begin(GetParam());
   const Vec3 start{0, 0, -4};
@@ -211,7 +211,7 @@ TEST_P(ReplicaTest, AnswersDoNotDependOnTheDelay) {
   EXPECT_LT(replica_->agreement().error(), 0.05);
 }
 
-TEST_P(ReplicaTest, AppliesTheCutsOfOthers) {
+TEST_P(ReplicaTest, AppliesTheCutsOfOtherAgents) {
   begin(GetParam());
   delay = 30;
   for (int n = 0; n < 500; ++n) {

@@ -164,7 +164,7 @@ TEST_P(ReplicaUndo, EqualsTheServerToTheBitAfterCutsAndUndoAtAnyDelay) {
   EXPECT_GT(returned_, 5);
 }
 
-TEST_P(ReplicaUndo, AnUndoElsewhereSendsItsTilesOnlyAndTheReplicaAnswersOn) {
+TEST_P(ReplicaUndo, DistantUndoSendsOnlyItsTilesAndTheReplicaKeepsAnswering) {
   begin();
   const StrokeId far = stroke(bo_, {-50, -15, -3}, {-40, -15, -3});
   for (int n = 0; n < 40; ++n) ada({30 + 0.1 * n, 15, -2});
@@ -181,7 +181,7 @@ TEST_P(ReplicaUndo, AnUndoElsewhereSendsItsTilesOnlyAndTheReplicaAnswersOn) {
   EXPECT_EQ(resets_, 1);
 }
 
-TEST_P(ReplicaUndo, AnUndoNearByIsAnsweredOnlyAfterTwoPitches) {
+TEST_P(ReplicaUndo, NearbyUndoPausesAnswersForTwoPitches) {
   begin();
   const StrokeId near = stroke(bo_, {26, 8, -3}, {40, 8, -3});
   for (int n = 0; n < 40; ++n) ada({30 + 0.1 * n, 0, -2});
@@ -194,7 +194,7 @@ TEST_P(ReplicaUndo, AnUndoNearByIsAnsweredOnlyAfterTwoPitches) {
   expect_equal();
 }
 
-TEST_P(ReplicaUndo, AnAgentThatDoesNotTakeTilesBackBeginsAgain) {
+TEST_P(ReplicaUndo, AgentWithoutSupportForReturnedTilesIsReset) {
   begin(false);
   const StrokeId far = stroke(bo_, {-50, -15, -3}, {-40, -15, -3});
   for (int n = 0; n < 40; ++n) ada({30 + 0.1 * n, 15, -2});
@@ -205,7 +205,7 @@ TEST_P(ReplicaUndo, AnAgentThatDoesNotTakeTilesBackBeginsAgain) {
   EXPECT_EQ(resets_, 2);
 }
 
-TEST_P(ReplicaUndo, WhatItCutInStockThatHadComeBackIsTakenBack) {
+TEST_P(ReplicaUndo, RejectedCutsInReturnedStockAreReverted) {
   begin();
   const StrokeId groove = stroke(bo_, {28, 0, -4}, {36, 0, -4});
   for (int n = 0; n < 20; ++n) ada({30, 0, 6 - 0.5 * n}, false);
@@ -221,7 +221,7 @@ TEST_P(ReplicaUndo, WhatItCutInStockThatHadComeBackIsTakenBack) {
   expect_equal();
 }
 
-TEST_P(ReplicaUndo, DistantTilesThatCameBackAreUnknownUntilTheToolComes) {
+TEST_P(ReplicaUndo, DistantReturnedTilesAreUnknownUntilTheToolArrives) {
   begin();
   const StrokeId groove = stroke(bo_, {26, 0, -3}, {40, 0, -3});
   const auto go_to = [&](double x) {
@@ -240,7 +240,7 @@ TEST_P(ReplicaUndo, DistantTilesThatCameBackAreUnknownUntilTheToolComes) {
   expect_equal();
 }
 
-TEST_P(ReplicaUndo, ItsOwnMotionsInFlightOutlastAnUndo) {
+TEST_P(ReplicaUndo, OwnMotionsInFlightSurviveAnUndo) {
   begin();
   const StrokeId first = stroke(bo_, {20, 0, -4}, {36, 0, -4});
   for (int n = 0; n < 30; ++n) ada({30, -12 + 0.1 * n, -2});
@@ -255,7 +255,7 @@ TEST_P(ReplicaUndo, ItsOwnMotionsInFlightOutlastAnUndo) {
   expect_equal();
 }
 
-TEST_P(ReplicaUndo, WhatItCutInTilesThatItDoesNotKnowIsTakenBackToo) {
+TEST_P(ReplicaUndo, UndoCoversItsCutsInUnknownTiles) {
   begin();
   delay_ms_ = 1000;  // no data arrives
   for (int n = 0; n < 20; ++n) ada({-30 + 0.1 * n, 0, -3});

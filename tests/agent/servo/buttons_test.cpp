@@ -93,7 +93,7 @@ TEST_F(Buttons, ADeviceWithAButtonDoesNotCutByItself) {
   EXPECT_EQ(pass(10), 10);
 }
 
-TEST_F(Buttons, WithoutMotorsADeviceWithoutAButtonAlwaysCuts) {
+TEST_F(Buttons, ButtonlessDeviceWithoutMotorsAlwaysCuts) {
   open(true, 0);
   pass(1);
   EXPECT_EQ(pass(10), 10);
@@ -101,7 +101,7 @@ TEST_F(Buttons, WithoutMotorsADeviceWithoutAButtonAlwaysCuts) {
   EXPECT_EQ(pass(10), 0) << "not held";
 }
 
-TEST_F(Buttons, ADeviceThatIsNotHeldDoesNotCut) {
+TEST_F(Buttons, ReleasedDeviceDoesNotCut) {
   open(true);
   pass(1000);
   device->state.buttons = 0;

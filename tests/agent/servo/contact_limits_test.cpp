@@ -45,7 +45,7 @@ TEST(ContactLimits, AreNearTheLimitOfAFreeMass) {
   }
 }
 
-TEST(ContactLimits, AMassComesToRestWithADamperWeakerThanItsBest) {
+TEST(ContactLimits, MassComesToRestWithAWeakerDamper) {
   constexpr double kMass = 0.05;
   for (const LateLoop& loop : kLoops) {
     const double best = best_damping(limits_of(kMass, loop, 1e9), kMass / 1000);
@@ -58,7 +58,7 @@ TEST(ContactLimits, AMassComesToRestWithADamperWeakerThanItsBest) {
   }
 }
 
-TEST(ContactLimits, UseTheDeclaredDampingAsFarAsLatencyAndEncoderPermit) {
+TEST(ContactLimits, UseTheDeclaredDampingWithinLatencyAndEncoderLimits) {
   DeviceCapabilities device{.max_stiffness_n_per_mm = 14.5, .max_damping_n_s_per_mm = 0.03};
   device.resolution_mm = 0.001;
   EXPECT_NEAR(contact_limits(device, 100).max_damping, 0.03, 1e-12);
@@ -72,7 +72,7 @@ TEST(ContactLimits, UseTheDeclaredDampingAsFarAsLatencyAndEncoderPermit) {
   EXPECT_EQ(contact_limits(device, 100).max_stiffness, 14.5);
 }
 
-TEST(ContactLimits, ALightTipGetsAShorterFilter) {
+TEST(ContactLimits, LightTipGetsAShorterFilter) {
   DeviceCapabilities pen{.moving_mass_kg = 0.05, .moving_inertia_kg_m2 = 1e-5};
   EXPECT_NEAR(velocity_cutoff_hz(pen, 60, 100), 12.5 / (2 * std::numbers::pi * 2.6316e-3), 1);
   pen.moving_mass_kg = 0.3;

@@ -35,7 +35,7 @@ TEST(Trembling, IsDrivenByTheCosineOfTheForcesPhase) {
   }
 }
 
-TEST(Trembling, NeitherWillingNorTinyMotionCounts) {
+TEST(Trembling, NeitherVoluntaryNorTinyMotionCounts) {
   EXPECT_LT(driven(1, 30, 0), 0.15) << "a hand that swings once per second";
   EXPECT_LT(driven(50, 0.1, 0), 0.15) << "noise of an encoder";
 }
@@ -89,7 +89,7 @@ TEST(CutCoupling, WithoutTremblingTheForceIsTheComputedOne) {
   }
 }
 
-TEST(CutCoupling, AWeakForceDrivesNoCorner) {
+TEST(CutCoupling, WeakForceAtACornerIsNotDriving) {
   // A plunge that ends, with 0.1 N along it for some more ticks, and a cut across it.
   CutCoupling coupling(pen(2e-4), 4);
   PastGrip now{};
@@ -103,7 +103,7 @@ TEST(CutCoupling, AWeakForceDrivesNoCorner) {
   EXPECT_LT(coupling.compliance_mm_per_n(), 0.1);
 }
 
-TEST(CutCoupling, TheOnsetOfAStrokeIsNoTrembling) {
+TEST(CutCoupling, OnsetOfAStrokeIsNotTrembling) {
   // Pecks at 3 Hz, 2 mm deep, along the axis. The force begins and ends one tick late while the
   // tool moves fast.
   CutCoupling coupling(pen(2e-4), 4);
@@ -140,7 +140,7 @@ TEST(CutCoupling, ForceThatDrivesTheTremblingFollowsItSoftly) {
   EXPECT_NEAR(tool.felt.torque_nmm.y, cross(kArm, tool.felt.force_n).y, 1e-9);
 }
 
-TEST(CutCoupling, ForceDoesNotBecomeSofterWhereTheTremblingFades) {
+TEST(CutCoupling, FadingTremblingDoesNotSoftenTheForce) {
   Cutting tool(pen(1e-5, 0.003));
   tool.tremble(200, 0.006);
   double compliance = tool.coupling.compliance_mm_per_n();
@@ -169,7 +169,7 @@ TEST(CutCoupling, IsNoSofterThanTheDeviceAloneRequires) {
   }
 }
 
-TEST(CutCoupling, MayBeAsSoftAsItsCutRequires) {
+TEST(CutCoupling, MayBeAsSoftAsTheCutRequires) {
   const double stable = 3 / gains_across(pen(2e-4), kArm).stiffness;
   Cutting tool(pen(2e-4));
   tool.coupling = CutCoupling(pen(2e-4), 3 * stable);
@@ -187,7 +187,7 @@ TEST(CutCoupling, BecomesStiffAgainAfterTheTrembling) {
   EXPECT_NEAR(tool.felt.force_n.x, -1.5, 1e-3);
 }
 
-TEST(CutCoupling, NextCutHasNoDirectionOfTheLast) {
+TEST(CutCoupling, NextCutForgetsTheLastDirection) {
   Cutting tool(pen(2e-4, 0.003));
   tool.tremble(500, 0.006);
   tool.coupling.release(kArm, tool.now, kTickS);
@@ -216,7 +216,7 @@ struct Held : Cutting {
   double loaded_n = 0;
 };
 
-TEST(CutCoupling, HoldsAToolThatTurnedBackInItsCut) {
+TEST(CutCoupling, HoldsAToolThatReversedInItsCut) {
   Held tool;
   ASSERT_GT(tool.loaded_n, 0.1) << "the test requires a force";
   const double c = tool.coupling.compliance_mm_per_n();
@@ -234,13 +234,13 @@ TEST(CutCoupling, DampsAHeldTool) {
   EXPECT_GT(difference_n - 0.019 / c, 5 * gains_across(pen(1e-5, 0.003), kArm).damping);
 }
 
-TEST(CutCoupling, LetsGoOfAToolWhereItsCutEnded) {
+TEST(CutCoupling, ReleasesAToolAtTheEndOfItsCut) {
   Held tool;
   tool.retrace(-2, 200);
   EXPECT_NEAR(tool.retrace(20, 5000), 0, 1e-3);
 }
 
-TEST(CutCoupling, LetsGoOfAToolThatIsDrawnOut) {
+TEST(CutCoupling, ReleasesAToolThatIsDrawnOut) {
   Held tool;
   const double slack_mm = tool.loaded_n * tool.coupling.compliance_mm_per_n();
   EXPECT_NEAR(tool.retrace(-20, static_cast<int>(1.5 * slack_mm / 0.02)), 0, 1e-3);
@@ -261,7 +261,7 @@ TEST(CutCoupling, StaysSoftWhileTheToolRestsInItsCut) {
   EXPECT_EQ(tool.coupling.compliance_mm_per_n(), c);
 }
 
-TEST(CutCoupling, NextCutIsNotSoftForTheTremblingOfOneASecondAgo) {
+TEST(CutCoupling, NextCutForgetsTremblingOfASecondAgo) {
   Cutting tool(pen(2e-4, 0.003));
   tool.tremble(500, 0.006);
   const double before = tool.coupling.compliance_mm_per_n();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPivotMm = 50;
 
-TEST(FeltShare, IsTheFactorOfAShortenedWrenchAndIgnoresWhatIsAcrossIt) {
+TEST(FeltShare, IsTheFactorOfAShortenedWrenchAndIgnoresOrthogonalParts) {
   const Wrench computed{{-18, 0, 2}, {0, 900, 0}};
   EXPECT_DOUBLE_EQ(felt_share(computed, computed, kPivotMm), 1);
   EXPECT_NEAR(felt_share(computed * 0.17, computed, kPivotMm), 0.17, 1e-12);
@@ -102,7 +102,7 @@ TEST_F(FeltTest, SamplesAndReportStateTheFactorOfTheDevicesLimit) {
   EXPECT_NEAR(felt.torque.error(), 0.75, 0.05);
 }
 
-TEST_F(FeltTest, WrenchWithinTheLimitsIsFeltWhole) {
+TEST_F(FeltTest, WrenchWithinTheLimitsIsFeltInFull) {
   const wire::MotionSample sample = run(5000, {{0, 0, 2}, {0, 10, 0}});
   EXPECT_FLOAT_EQ(sample.felt_share, 1);
   const FeltReport& felt = cycle->report().felt;
@@ -118,7 +118,7 @@ TEST_F(FeltTest, NothingIsFeltWhileTheDeviceIsNotHeld) {
   EXPECT_EQ(cycle->report().felt.ticks, 0U) << "the summary covers ticks with the force on";
 }
 
-TEST_F(FeltTest, DeviceWithoutMotorsStatesNothing) {
+TEST_F(FeltTest, DeviceWithoutMotorsReportsNoShare) {
   const wire::MotionSample sample = run(300, {{0, 0, 2}, {}}, 0);
   EXPECT_EQ(sample.buttons & wire::kButtonFelt, 0U);
   EXPECT_EQ(sample.felt_share, 0);

@@ -78,7 +78,7 @@ double rendered_ripple(CutLaw law, double max_vibration_hz = 0, std::size_t late
   return (most - least) / 3;
 }
 
-TEST(LocalModel, FreshAnswersAreRenderedAsTheyAreAndOldOnesSmoothed) {
+TEST(LocalModel, FreshAnswersAreRenderedUnchangedAndOldOnesSmoothed) {
   constexpr std::size_t kOldTicks = 10;
   for (const CutLaw law : {CutLaw::kMechanistic, CutLaw::kSpecificEnergy}) {
     EXPECT_NEAR(rendered_ripple(law), 1.0 / 3, 1e-9);
@@ -95,7 +95,7 @@ TEST(LocalModel, RippleAboveTheDevicesBandIsLowered) {
   }
 }
 
-TEST(LocalModel, BandKeepsTheMeanForceAndNothingAfterACut) {
+TEST(LocalModel, BandKeepsTheMeanForceAndForgetsItAfterACut) {
   LocalModel model({.law = CutLaw::kMechanistic, .max_vibration_hz = 50});
   PastGrip now = move_along_x(start(), 200);
   double newtons = 0;
@@ -249,7 +249,7 @@ TEST(ContactModel, NewPlaneFadesInWithoutAStep) {
       << "a removed plane fades out without a step";
 }
 
-TEST(ContactModel, PlaneThatIsJustTouchedChangesNoForce) {
+TEST(ContactModel, JustTouchedPlaneAddsNoForce) {
   ContactModel one(kLimits), two(kLimits);
   const PastGrip now = start();
   const auto force = [&](ContactModel& contact, const ServerWrench& answer) {
@@ -312,7 +312,7 @@ TEST(ContactGains, FollowFromMassAndDelay) {
   EXPECT_NEAR(shared.stiffness, axial.stiffness / 2, 1e-12);
 }
 
-TEST(ContactGains, AreTheSurfacesOwnWhereTheDeviceRendersThem) {
+TEST(ContactGains, AreTheSurfacesOwnIfTheDeviceRendersThem) {
   const ContactLimits prompt{.max_stiffness = 3, .mass_kg = 0.3, .inertia_kg_m2 = 2e-4};
   EXPECT_EQ(stable_gains(prompt, 1.2, {0, 0, -60}, {0, 0, 1}, 1).stiffness, 1.2);
   EXPECT_EQ(stable_gains(prompt, 50, {0, 0, -60}, {0, 0, 1}, 1).stiffness, 3);
@@ -328,7 +328,7 @@ TEST(GripHistory, FindsTheGripOfAnAnswer) {
   EXPECT_EQ(history.at(1'000'000), nullptr) << "too long ago";
 }
 
-TEST(GripHistory, FindsTheNewestGripThatIsNotLater) {
+TEST(GripHistory, FindsTheNewestGripNotLater) {
   GripHistory history;
   for (std::uint64_t count = 1; count <= 1500; ++count) {
     history.push({.time_us = 10 * count});

@@ -25,7 +25,7 @@ class LostTicksTest : public SupervisorTest {
   }
 };
 
-TEST_F(LostTicksTest, AFewScaleTheForceDownAndDoNotTrip) {
+TEST_F(LostTicksTest, FewLostTicksReduceTheForceWithoutATrip) {
   arm();
   // 4 in a row, 2 % of a second. The mean length at a random time is 1.1 ms.
   EXPECT_NEAR(lose(4, 200, 2000), 1 / 1.1, 0.02);
@@ -45,7 +45,7 @@ TEST_F(LostTicksTest, TheGainIsThatOfTheMeanTick) {
   EXPECT_EQ(supervisor.trips(), 0U);
 }
 
-TEST_F(LostTicksTest, HalfOfThemTripAndSoDoFiveInARow) {
+TEST_F(LostTicksTest, HalfLostOrFiveInARowTrip) {
   arm();
   lose(3, 2, 1000);
   EXPECT_EQ(to_string(supervisor.code()), to_string(TripCode::kLostTicks));
@@ -68,7 +68,7 @@ TEST_F(LostTicksTest, TheForceReturnsInSmallSteps) {
   EXPECT_EQ(before, 1);
 }
 
-TEST_F(LostTicksTest, ThoseLostWithoutAForceDoNotCount) {
+TEST_F(LostTicksTest, TicksLostWithoutAForceDoNotCount) {
   in.deadman = false;
   lose(5000, 1, 1);
   in.deadman = true;

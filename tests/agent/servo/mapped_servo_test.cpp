@@ -138,7 +138,7 @@ struct Strength {
   double scale, gain;
 };
 
-TEST(MappedServo, EnergyAtTheHandAndLimitsAreTheDevicesAtAnyScaleAndGain) {
+TEST(MappedServo, EnergyAndLimitsHoldAtTheHandForAnyScaleAndGain) {
   for (const auto [scale, gain] :
        {Strength{0.025, 1}, Strength{0.025, 40}, Strength{0.025, 0.1}, Strength{1, 1},
         Strength{1, 10}, Strength{8, 1}, Strength{8, 0.125}, Strength{8, 8}}) {
@@ -240,7 +240,7 @@ TEST_F(MappedServoTest, SupervisorWatchesTheHandInItsOwnSpace) {
   EXPECT_EQ(cycle->supervisor().code(), TripCode::kWorkspace);
 }
 
-TEST_F(MappedServoTest, FastHandTripsHoweverSlowTheTool) {
+TEST_F(MappedServoTest, FastHandTripsEvenIfTheToolIsSlow) {
   make({.scale = 0.025});
   run(700);
   run(40, {1.2, 0, 0});
@@ -304,7 +304,7 @@ TEST_F(MappedServoTest, AnswersFromBeforeTheClutchAreNotRenderedInAnyMode) {
   }
 }
 
-TEST_F(MappedServoTest, TellsWhereTheWorkspaceIsAtTheStartAndAfterTheClutch) {
+TEST_F(MappedServoTest, ReportsTheWorkspaceAtTheStartAndAfterTheClutch) {
   make({.scale = 0.1, .turn_rad = {0, 0, 1}, .block_mm = {1, 0, 0}});
   run(1);
   Reach reported;

@@ -47,7 +47,7 @@ void expect_near(Vec3 a, Vec3 b, double error, const char* which = "") {
   EXPECT_NEAR(length(a - b), 0, error) << which;
 }
 
-TEST(SpaceMap, IdentityChangesNoBit) {
+TEST(SpaceMap, IdentityIsBitExact) {
   const SpaceMap map({.device_mm = {0.1, 0.2, 0.3}, .block_mm = {0.1, 0.2, 0.3}});
   EXPECT_TRUE(map.is_identity());
   const Vec3 odd{0.1 + 0.2, 1e-17, -1.0 / 3};
@@ -68,7 +68,7 @@ TEST(SpaceMap, ReturnsFromTheBlockToTheSamePoint) {
   }
 }
 
-TEST(SpaceMap, WorkAtTheHandIsTheGainOverTheScaleTimesThatInTheBlock) {
+TEST(SpaceMap, WorkAtTheHandScalesByGainOverScale) {
   Numbers numbers(2);
   for (int i = 0; i < 100; ++i) {
     const SpaceMap map(numbers.mapping());
@@ -155,7 +155,7 @@ TEST(Fitted, StockFillsFourFifthsOfTheTightestEdge) {
   EXPECT_FALSE(fitted(tooth, {{0, 0, 0}, {10, 10, 0}}, {})) << "a plane";
 }
 
-TEST(BlockSettings, LimitsInTheBlockAreTheDevicesOnceFelt) {
+TEST(BlockSettings, LimitsInTheBlockMapToTheDevicesLimits) {
   const WorkspaceMapping mapping{.scale = 0.1, .gain = 4};
   ServoSettings device;
   device.model.contact = {
@@ -194,7 +194,7 @@ class Hand {
 
 constexpr std::uint32_t kHeldCutting = wire::kButtonDeadman | wire::kButtonCutting;
 
-TEST(HandMapping, ClutchKeepsTheToolAndGoesOnWithoutAJump) {
+TEST(HandMapping, ClutchKeepsTheToolAndResumesWithoutAJump) {
   Hand hand({.at_start = {.scale = 0.5, .device_mm = {10, 0, 0}, .block_mm = {1, 2, 3}}});
   const Vec3 before = hand.at({20, 0, 0}, kHeldCutting).tip_mm;
   expect_near(before, {6, 2, 3}, 1e-12);
@@ -232,7 +232,7 @@ TEST(HandMapping, AxisFollowsThePenWhileTheToolStays) {
   expect_near(tool.axis, {0, 0.6, 0.8}, 1e-12);
 }
 
-TEST(HandMapping, AnotherButtonOrTheReleasedDeadmanIsTheClutch) {
+TEST(HandMapping, OtherButtonsOrTheReleasedDeadmanCanBeTheClutch) {
   for (const auto& [clutch, pressed] :
        {std::pair{ClutchButton::kUndo, wire::kButtonDeadman | kButtonUndo},
         std::pair{ClutchButton::kRedo, wire::kButtonDeadman | kButtonRedo},
@@ -277,7 +277,7 @@ TEST(HandMapping, AChangeWhileTheClutchIsHeldPlacesTheTool) {
   expect_near(hand.at({15.5, 0, 0}).tip_mm, {7.5, 7, 7}, 1e-12);
 }
 
-TEST(HandMapping, InvalidPosesLeaveItAsItIs) {
+TEST(HandMapping, InvalidPosesDoNotChangeIt) {
   Hand hand({});
   hand.at({1, 0, 0});
   const double nan = std::nan("");

@@ -16,7 +16,7 @@ class NoForceTest : public SupervisorTest {
   std::string_view reason() const { return to_string(supervisor.no_force()); }
 };
 
-TEST_F(NoForceTest, NamesWhatIsMissingBeforeArming) {
+TEST_F(NoForceTest, NamesTheMissingConditionBeforeArming) {
   in.present = false;
   in.device = DevicePhase::kClosed;
   pass(10);
@@ -50,7 +50,7 @@ TEST_F(NoForceTest, NamesWhatIsMissingBeforeArming) {
   EXPECT_EQ(reason(), "none");
 }
 
-TEST_F(NoForceTest, NamesWhatReducesTheForce) {
+TEST_F(NoForceTest, NamesTheCauseOfAReducedForce) {
   arm();
   in.limited = true;
   pass(1);
@@ -70,14 +70,14 @@ TEST_F(NoForceTest, NamesWhatReducesTheForce) {
   EXPECT_EQ(reason(), "tripped");
 }
 
-TEST_F(NoForceTest, ADeviceWithoutMotorsHasItsOwn) {
+TEST_F(NoForceTest, DeviceWithoutMotorsHasItsOwnReason) {
   limits.motors = false;
   supervisor = Supervisor(limits);
   pass(1);
   EXPECT_EQ(reason(), "no_motors");
 }
 
-TEST(ForceReasons, EachHasASentenceWithARemedyThatTheDeviceHas) {
+TEST(ForceReasons, EachHasASentenceWithARemedyForTheDevice) {
   const ForceReasons held({.has_deadman = true}), button({}), none({.always_cut = true});
   for (std::size_t i = 1; i < kNoForceNames.size(); ++i) {
     const std::string& text = held.of(static_cast<NoForce>(i), TripCode::kSpeed);
@@ -113,7 +113,7 @@ class ForceWatchTest : public ::testing::Test {
   std::uint64_t now_us = 1'000'000;
 };
 
-TEST_F(ForceWatchTest, TellsOnceOfAReasonThatLastsAndOfTheForceThatIsBack) {
+TEST_F(ForceWatchTest, ReportsALastingReasonOnceAndTheReturnOfTheForce) {
   EXPECT_TRUE(pass(NoForce::kArming, 1).empty());
   EXPECT_TRUE(pass(NoForce::kNone, 5).empty());
   EXPECT_TRUE(pass(NoForce::kNotHeld, 0.4).empty());
@@ -124,7 +124,7 @@ TEST_F(ForceWatchTest, TellsOnceOfAReasonThatLastsAndOfTheForceThatIsBack) {
   EXPECT_EQ(pass(NoForce::kNone, 10), std::vector<std::string>{"the force is on"});
 }
 
-TEST_F(ForceWatchTest, TellsOfAReducedForceOnceAMinute) {
+TEST_F(ForceWatchTest, ReportsAReducedForceOncePerMinute) {
   std::size_t lines = 0;
   for (int i = 0; i < 60; ++i) {
     lines += pass(NoForce::kLimited, 1.5).size();
@@ -133,14 +133,14 @@ TEST_F(ForceWatchTest, TellsOfAReducedForceOnceAMinute) {
   EXPECT_EQ(lines, 2U);
 }
 
-TEST_F(ForceWatchTest, ReasonsThatAlternateMakeNoLine) {
+TEST_F(ForceWatchTest, AlternatingReasonsAreNotReported) {
   for (int i = 0; i < 100; ++i) {
     EXPECT_TRUE(pass(NoForce::kTouching, 0.3).empty());
     EXPECT_TRUE(pass(NoForce::kMoving, 0.3).empty());
   }
 }
 
-TEST_F(ForceWatchTest, LeavesTripsToTheirOwnLineAndTellsOfTheirEnd) {
+TEST_F(ForceWatchTest, ReportsTheEndOfATripButNotTheTrip) {
   EXPECT_TRUE(pass(NoForce::kTripped, 10).empty());
   EXPECT_EQ(pass(NoForce::kNone, 1).size(), 1U);
 }

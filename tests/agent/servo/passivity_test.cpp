@@ -51,7 +51,7 @@ TEST(Passivity, CoversTheFirstCutBeforeTheUserHasDoneWork) {
   EXPECT_LT(Passivity(reference).share(cut, {}, kStartUs), 0.01);
 }
 
-TEST(WrittenWrenches, SettleTheGreatestWorkOfAnyThatMayHaveActed) {
+TEST(WrittenWrenches, SettleTheGreatestPossibleWork) {
   WrittenWrenches written;
   for (std::uint64_t tick = 0; tick < 8; ++tick)
     written.write(pushing(static_cast<double>(tick)), kStartUs + tick * kTickUs);
@@ -99,7 +99,7 @@ TEST(Passivity, ShareCoversTheLongestToleratedTick) {
   EXPECT_EQ(passivity.share(pushing(-4), moving(200), kStartUs), 1);
 }
 
-TEST(Passivity, ShareCoversWhatStillActs) {
+TEST(Passivity, ShareCoversWrenchesStillActing) {
   Passivity passivity = filled(4, {.latency_us = 3000, .mass_kg = 1e6});
   passivity.wrote(pushing(4), kStartUs);
   // The written 4 N may act for 3 ms, 2.4 mJ. The remaining 1.6 mJ must cover 5 ms.
@@ -161,7 +161,7 @@ TEST(PassivityProperty, BoundIsViolatedIfADeficitIsForgiven) {
             PassivitySettings{}.tank_mj);
 }
 
-TEST(PassivityProperty, RotationOfALightPenIsBoundedByWhatItIsChargedFor) {
+TEST(PassivityProperty, RotationOfALightPenIsBoundedByItsCharge) {
   constexpr std::uint32_t kPens = 600;
   const auto returned = [](const AdversaryFaults& faults) {
     return worst_return<CarryDeficit>(0, kPens, 2 * kTicks, faults).returned_mj;

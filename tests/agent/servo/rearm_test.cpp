@@ -49,7 +49,7 @@ class RearmTest : public SupervisorTest {
   Vec3 at_mm{};
 };
 
-TEST_F(RearmTest, HoldingStillThenAwayAndBackEndsATripWithoutAButton) {
+TEST_F(RearmTest, GestureRearmsWithoutAButton) {
   for (const double quantum : {1e-6, 0.01, 0.055}) {
     quantum_mm = quantum;
     at_mm = in.tip_mm = {};
@@ -64,7 +64,7 @@ TEST_F(RearmTest, HoldingStillThenAwayAndBackEndsATripWithoutAButton) {
   }
 }
 
-TEST_F(RearmTest, NeitherRestNorStrokesNorADropEndATrip) {
+TEST_F(RearmTest, RestStrokesAndDropsDoNotRearm) {
   trip();
   for (int stroke = 0; stroke < 20; ++stroke) {
     move({20, 0, 0}, 400);
@@ -87,7 +87,7 @@ TEST_F(RearmTest, NeitherRestNorStrokesNorADropEndATrip) {
   EXPECT_TRUE(is_safe()) << "3 s are too slow";
 }
 
-TEST_F(RearmTest, CountsOnlyWhereNoForceWouldBeFelt) {
+TEST_F(RearmTest, GestureCountsOnlyWithoutAComputedForce) {
   trip();
   const auto gesture = [&] {
     const Vec3 place_mm = at_mm;
@@ -118,7 +118,7 @@ TEST_F(RearmTest, CountsOnlyWhereNoForceWouldBeFelt) {
   EXPECT_FALSE(is_safe()) << "but its release counts";
 }
 
-TEST_F(RearmTest, AJumpOfThePoseStartsItAgain) {
+TEST_F(RearmTest, PoseJumpRestartsTheGesture) {
   trip();
   hold(1100);
   in.tip_mm = {12, 0, 0};
@@ -131,7 +131,7 @@ TEST_F(RearmTest, AJumpOfThePoseStartsItAgain) {
   EXPECT_TRUE(is_safe());
 }
 
-TEST_F(RearmTest, WithADeadmanThereIsNoGesture) {
+TEST_F(RearmTest, DeadmanDisablesTheGesture) {
   limits.has_deadman = true;
   trip();
   hold(1100);
@@ -140,7 +140,7 @@ TEST_F(RearmTest, WithADeadmanThereIsNoGesture) {
   EXPECT_TRUE(is_safe());
 }
 
-TEST_F(RearmTest, ARequestEndsATripOnceTheDeviceIsThereAndHasNoOtherEffect) {
+TEST_F(RearmTest, RequestRearmsOncePresentAndHasNoOtherEffect) {
   for (const bool deadman : {false, true}) {
     limits.has_deadman = deadman;
     supervisor = Supervisor(limits);
@@ -162,7 +162,7 @@ TEST_F(RearmTest, ARequestEndsATripOnceTheDeviceIsThereAndHasNoOtherEffect) {
   }
 }
 
-TEST_F(RearmTest, OutsideOfItsWorkspaceADeviceDoesNotArm) {
+TEST_F(RearmTest, DeviceOutsideItsWorkspaceDoesNotArm) {
   in.tip_mm = {0, 101, 0};
   expect_ready(1000);
   EXPECT_EQ(supervisor.no_force(), NoForce::kOutOfReach);

@@ -79,7 +79,7 @@ TEST_F(CuttingHand, FeelsTheCutAgainAfterATrip) {
   EXPECT_GT(x_mm_, before_mm + 20) << "it goes on along its path";
 }
 
-TEST_F(CuttingHand, FeelsTheCutAgainWhenTheServerIsBack) {
+TEST_F(CuttingHand, FeelsTheCutAgainAfterTheServerReturns) {
   run(1500);
   run(3000, false);
   EXPECT_EQ(phase(), ServoPhase::kReady);
@@ -87,7 +87,7 @@ TEST_F(CuttingHand, FeelsTheCutAgainWhenTheServerIsBack) {
   EXPECT_EQ(phase(), ServoPhase::kActive);
 }
 
-TEST_F(CuttingHand, GoesOnWithoutForceWhileNoServerAnswers) {
+TEST_F(CuttingHand, ContinuesWithoutForceWhileTheServerIsSilent) {
   run(4000, false);
   const double before_mm = x_mm_;
   run(4000, false);

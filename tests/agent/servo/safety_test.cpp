@@ -164,7 +164,7 @@ TEST_F(SafetyWithReplica, ReplicaMasksServerStallsUpTo100Ms) {
   EXPECT_EQ(cycle->supervisor().phase(), ServoPhase::kActive);
 }
 
-TEST_F(SafetyWithReplica, WithoutReplicaAnswersTheServersAreRendered) {
+TEST_F(SafetyWithReplica, ServerAnswersAreRenderedWithoutReplicaAnswers) {
   activate_replica();
   for (int ms = 0; ms < 400; ++ms) tick_replica(false, true, 0, 1);
   EXPECT_NEAR(device.output.force_n.z, 1, 0.05);
@@ -258,7 +258,7 @@ TEST(Watchdog, StopsTheDeviceWhenTheLoopStalls) {
   static_assert(ServoLoop::kStaleNs <= 10'000'000, "documented in the README");
 }
 
-TEST(Watchdog, MotorsAreOffHoweverTheLoopEnds) {
+TEST(Watchdog, MotorsAreOffAfterAnyEndOfTheLoop) {
   for (const bool stopped : {false, true}) {
     ManualClock clock;
     ServoLoop loop(clock);
@@ -336,7 +336,7 @@ TEST(Watchdog, StopsTheDeviceInEachOfSeveralStalls) {
   EXPECT_GE(watchdog.stops(), 3U);
 }
 
-TEST(ServoLoop, PutsTheAlarmOffUntilTheHeartbeatIsStale) {
+TEST(ServoLoop, PostponesTheAlarmUntilTheHeartbeatIsStale) {
   Alarm alarm;
   MonotonicClock clock;
   ServoLoop loop(clock);

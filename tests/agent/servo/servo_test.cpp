@@ -246,7 +246,7 @@ TEST_F(ServoCycleTest, WakesTheLinkLessOftenWhileTheReplicaAnswers) {
   EXPECT_EQ(sent, 8 + 41 + 1 + 16) << "no sample is left out";
 }
 
-TEST_F(ServoCycleTest, WakesTheReplicaForEverySecondSampleUnlessTheToolMillsOrTurns) {
+TEST_F(ServoCycleTest, WakesTheReplicaForEverySecondSampleUnlessMillingOrTurning) {
   for (const CutLaw law : {CutLaw::kSpecificEnergy, CutLaw::kMechanistic}) {
     ReplicaExchange replica;
     ServoCycle cycle(device, samples, wrenches, listener, {.model = {.law = law}}, &replica);

@@ -6,7 +6,7 @@
 namespace kerf::agent {
 namespace {
 
-TEST_F(SupervisorTest, ForceOfTheSessionPreventsArmingAndThatOfGuidesDoesNot) {
+TEST_F(SupervisorTest, OnlyTheSessionsForcePreventsArmingNotTheGuides) {
   in.requested.force_n = {3, 0, 0};
   pass(700);
   EXPECT_EQ(supervisor.phase(), ServoPhase::kArmed);
@@ -130,7 +130,7 @@ TEST_F(SupervisorTest, StaysSafeUntilTheDeadmanIsReleased) {
   arm();
 }
 
-TEST_F(SupervisorTest, TheSameLostTicksTripOnce) {
+TEST_F(SupervisorTest, LostTicksTripOnlyOnce) {
   arm();
   in.lost_now = 600;  // 60 % of a second at once
   expect_trip(TripCode::kLostTicksInARow);
@@ -142,7 +142,7 @@ TEST_F(SupervisorTest, TheSameLostTicksTripOnce) {
   EXPECT_EQ(supervisor.trips(), 1U);
 }
 
-TEST_F(SupervisorTest, WithoutADeadmanReleasingTheCuttingButtonEndsATrip) {
+TEST_F(SupervisorTest, ReleasingTheCuttingButtonRearmsWithoutADeadman) {
   limits.has_deadman = false;
   supervisor = Supervisor(limits);
   in.cutting = true;
@@ -159,7 +159,7 @@ TEST_F(SupervisorTest, WithoutADeadmanReleasingTheCuttingButtonEndsATrip) {
   arm();
 }
 
-TEST_F(SupervisorTest, WithoutADeadmanATripWhileNotCuttingWaitsForAPress) {
+TEST_F(SupervisorTest, TripWhileNotCuttingRequiresAPressToRearm) {
   limits.has_deadman = false;
   supervisor = Supervisor(limits);
   arm();
@@ -175,7 +175,7 @@ TEST_F(SupervisorTest, WithoutADeadmanATripWhileNotCuttingWaitsForAPress) {
   EXPECT_EQ(supervisor.phase(), ServoPhase::kReady);
 }
 
-TEST_F(SupervisorTest, WithADeadmanReleasingTheCuttingButtonEndsNoTrip) {
+TEST_F(SupervisorTest, ReleasingTheCuttingButtonDoesNotRearmWithADeadman) {
   in.cutting = true;
   arm();
   in.lost_now = 5;

@@ -95,7 +95,7 @@ TEST(WrenchLimiter, ShortensForceAndTorqueByOneFactor) {
   EXPECT_EQ(limiter.saturated(), 1U);
 }
 
-TEST(WrenchLimiter, ShortenedOutputIsWhereTheNextRiseStarts) {
+TEST(WrenchLimiter, NextRiseStartsAtTheShortenedOutput) {
   WrenchLimiter limiter({.force_rise_n_per_s = 400});
   for (int i = 0; i < 10; ++i) limiter.limit(force(8), kTickS);
   EXPECT_NEAR(limiter.shorten(0.25).force_n.x, 1, 1e-12);

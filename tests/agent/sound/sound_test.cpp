@@ -46,7 +46,7 @@ double rms(const std::vector<float>& samples) {
 }
 
 // The same cases as web/test/sound.test.ts.
-TEST(SoundOf, HasTheFrequencyAtWhichTheTeethPass) {
+TEST(SoundOf, ToneIsAtTheToothPassingFrequency) {
   EXPECT_EQ(sound_of(kSpindle, kCut).tone_hz, kToneHz);
   EXPECT_EQ(sound_of({.rpm = 100, .teeth = 3}, kCut).tone_hz, 60);
   EXPECT_EQ(sound_of({.rpm = 1e6, .teeth = 3}, kCut).tone_hz, 4000);
@@ -67,7 +67,7 @@ TEST(SoundOf, GrowsWithForceAndRemovalRateAndIsBounded) {
   }
 }
 
-TEST(SoundOf, IsTheToneOfAFreeSpindleWithoutACutAndSilenceWithoutASpindle) {
+TEST(SoundOf, FreeSpindleHasAToneAndAStoppedOneIsSilent) {
   const SoundLevels contact = sound_of(kSpindle, {.running = true, .force_n = 50});
   EXPECT_EQ(contact.noise_gain, 0);
   EXPECT_EQ(contact.tone_gain, 0.02);
@@ -99,7 +99,7 @@ TEST(Synthesizer, AliasesOfAHighToneAreFaint) {
   EXPECT_LT(amplitude(samples, kSoundHz - 10 * 4000.5), 0.02 * amplitude(samples, 4000.5));
 }
 
-TEST(Synthesizer, ChipsAreNoiseAroundFourTimesTheTone) {
+TEST(Synthesizer, ChipNoiseIsAroundFourTimesTheTone) {
   Synthesizer synthesizer(kSoundHz);
   const SoundLevels levels{.tone_hz = kToneHz, .noise_hz = 3600, .noise_gain = 0.2};
   std::vector<float> samples(2 * kSoundHz);
@@ -129,7 +129,7 @@ TEST(Synthesizer, IsExactlyZeroBeforeAndAfterACut) {
   EXPECT_TRUE(std::ranges::all_of(render(synthesizer, {}, 0.1), is_zero));
 }
 
-TEST(Synthesizer, DoesNotDependOnHowItsOutputIsDivided) {
+TEST(Synthesizer, DoesNotDependOnTheBlockSize) {
   Synthesizer whole(kSoundHz), parts(kSoundHz);
   const std::vector<float> expected = render(whole, kCut, 0.1);
   std::vector<float> got;
@@ -161,7 +161,7 @@ class SoundFile : public ::testing::Test {
   bool available = false;
 };
 
-TEST_F(SoundFile, HoldsWhatWasWritten) {
+TEST_F(SoundFile, ContainsTheWrittenSamples) {
   if (!available) GTEST_SKIP() << "ALSA is not on this machine";
   Synthesizer synthesizer(kSoundHz);
   const std::vector<float> wanted = render(synthesizer, kCut, 0.1);
@@ -173,7 +173,7 @@ TEST_F(SoundFile, HoldsWhatWasWritten) {
   EXPECT_EQ(samples(), wanted);
 }
 
-TEST_F(SoundFile, ReceivesTheCutThatTheServoHears) {
+TEST_F(SoundFile, ReceivesTheServosCut) {
   if (!available) GTEST_SKIP() << "ALSA is not on this machine";
   LatestValue<HeardCut> heard;
   std::vector<float> played;
@@ -198,7 +198,7 @@ TEST_F(SoundFile, ReceivesTheCutThatTheServoHears) {
   EXPECT_EQ(rms({played.end() - tenth / 10, played.end()}), 0);
 }
 
-TEST(SoundCard, SaysWhatIsMissing) {
+TEST(SoundCard, ErrorNamesTheMissingPart) {
   const auto library = SoundCard::open("null", "libno_such_sound.so.2");
   ASSERT_FALSE(library);
   EXPECT_EQ(library.error(),

@@ -19,33 +19,33 @@ void expect_felt(const EncoderCut& cut) {
   EXPECT_NEAR(outcome.removed_share, 1, 0.05) << "at most half a quantum more or less";
 }
 
-TEST(Encoders, ASlowCutIsFeltThroughCoarseOnes) {
+TEST(Encoders, SlowCutIsFeltThroughCoarseSteps) {
   for (const StraightCut path : kStraightCuts) {
     expect_felt({.path = path, .mm_per_s = 5, .quantum_mm = 0.055, .quantum_rad = 0.001});
   }
 }
 
-TEST(Encoders, AVerySlowPlungeIsFelt) {
+TEST(Encoders, VerySlowPlungeIsFelt) {
   expect_felt({.path = StraightCut::kPlunge, .mm_per_s = 2, .quantum_mm = 0.055});
 }
 
-TEST(Encoders, TheirStepsNeedNotBeDeclared) {
+TEST(Encoders, StepsNeedNotBeDeclared) {
   expect_felt({.path = StraightCut::kSlot, .mm_per_s = 10, .quantum_mm = 0.043, .declared = false});
 }
 
-TEST(Encoders, OfLegsAreFeltThroughTheDriverOfAFalcon) {
+TEST(Encoders, FalconDriverEstimatesLegAngles) {
   for (const double mm_per_s : {2.0, 20.0}) {
     expect_felt({.path = StraightCut::kRamp, .mm_per_s = mm_per_s, .falcon = true});
   }
 }
 
-TEST(Encoders, LawsOfSpeedFeelAnEvenOne) {
+TEST(Encoders, SpeedDependentLawsGetAnEvenSpeed) {
   expect_felt({.path = StraightCut::kSlot, .mm_per_s = 10, .quantum_mm = 0.023, .law = "drr"});
   expect_felt(
       {.path = StraightCut::kSlot, .mm_per_s = 10, .quantum_mm = 0.023, .law = "mechanistic"});
 }
 
-TEST(Strokes, PeckingIsFeltAsItIsComputed) {
+TEST(Strokes, PeckingIsFeltAsComputed) {
   for (const double tilt : {0.0, 0.3}) {
     const StrokeOutcome peck =
         cut_stroke({.stroke = Stroke::kPecking, .rate = 3, .tilt_rad = tilt, .seconds = 2});

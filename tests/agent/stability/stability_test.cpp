@@ -87,7 +87,7 @@ HandHeldCut held(double mass_kg, double inertia_kg_m2, double n_per_mm, std::uin
                         .latency_us = latency_us}};
 }
 
-TEST(Stability, HandsThatYieldFeelTheCutAsItIs) {
+TEST(Stability, YieldingHandsFeelTheComputedCut) {
   HandHeldCut milling = held(0.05, 1e-5, 2, 0);
   milling.mechanistic = true;
   for (const HandHeldCut& cut : {held(0.05, 1e-5, 2, 0), held(0.05, 2e-4, 0.5, 0),
@@ -120,7 +120,7 @@ TEST(Stability, ASlowCutDoesNotShakeASoftHand) {
   EXPECT_GT(outcome.force.computed_mean(), 0.6) << "the test requires a cut";
 }
 
-TEST(Stability, AWeakGripRestsOnAPathWhoseAxisTurns) {
+TEST(Stability, WeakGripRestsOnAPathWithATurningAxis) {
   // Along such a path the spring of the axis also pushes the tip, and so moves less inertia.
   constexpr const char* kTurningPath = kPressedGuides[4];
   const PressOutcome outcome = press({.mechanics = {.mass_kg = 0.944,
@@ -156,7 +156,7 @@ TEST(Stability, EveryGuideIsPassiveAndRestsAtAnyLatencyOfTheDevice) {
   }
 }
 
-TEST(Stability, GuidesDoNotChangeWhatIsCut) {
+TEST(Stability, GuidesDoNotChangeTheCut) {
   const Recording recording = record_carving(2);
   const std::string path = R"([{"kind":"path","within_mm":0.1,"paths":[[[0,0,0,0,0,1]]]}])";
   EXPECT_EQ(carved_volume_mm3(recording, path), carved_volume_mm3(recording, ""));
@@ -171,7 +171,7 @@ TEST(Stability, WithAReplicaTheForceIsAccurateAtAnyDelay) {
   EXPECT_LT(force_error(recording, ForceMode::kModel, poor, true), 0.1);
 }
 
-TEST(Stability, CutsOfAnotherAreFeltInTime) {
+TEST(Stability, CutsOfAnotherAgentAreFeltInTime) {
   const Recording both = beside_another(record_carving(6), 0.05);
   const LineQuality line{.rtt_ms = 100};
   EXPECT_LT(force_error(both, ForceMode::kModel, line, true), 0.15);
@@ -210,7 +210,7 @@ TEST(ShippedScenes, TheDemoIsFeltAsComputedAroundItsCorners) {
 }
 
 /// Hands with little and much mass, with the greatest latency and none.
-TEST(Stability, StockThatAppearsAroundTheToolIsPassive) {
+TEST(Stability, StockAppearingAroundTheToolIsPassive) {
   for (const std::uint64_t latency_us : {0U, 3000U}) {
     for (const Surrounding by : {Surrounding::kUndo, Surrounding::kLargerTool}) {
       for (const bool cutting : {false, true}) {

@@ -105,7 +105,7 @@ TEST(TrialRun, OnlyTicksWithAForceInTheIntervalsModeCount) {
   EXPECT_EQ(run.answer(0, 0), std::nullopt) << "nothing has been asked";
 }
 
-TEST(Study, ChanceIsThatOfTheBinomialDistribution) {
+TEST(Study, ChanceFollowsTheBinomialDistribution) {
   EXPECT_NEAR(chance_of(0, 20), 1, 1e-12);
   EXPECT_NEAR(chance_of(20, 20), std::pow(0.5, 20), 1e-18);
   EXPECT_NEAR(chance_of(15, 20), 0.020695, 1e-6) << "as tables of the sign test have it";
@@ -181,7 +181,7 @@ TEST(Study, EndsWhenTheKeyboardIsClosed) {
   ::close(keys[0]);
 }
 
-TEST(Study, TableThatCannotBeWrittenIsAnErrorOfTheReport) {
+TEST(Study, UnwritableTableIsReported) {
   const auto file = std::filesystem::path(testing::TempDir()) / "study_full.csv";
   std::filesystem::remove(file);
   int keys[2] = {};
@@ -214,7 +214,7 @@ TEST(Study, TableThatCannotBeWrittenIsAnErrorOfTheReport) {
   ::close(keys[1]);
 }
 
-TEST(Study, SaysSmallProbabilitiesInPlainDecimals) {
+TEST(Study, PrintsSmallProbabilitiesInPlainDecimals) {
   const std::string text =
       study_text({.file = "s.csv", .answered = 20, .correct = 19, .error = {}});
   EXPECT_NE(text.find("in 0.002 % of"), std::string::npos) << text;

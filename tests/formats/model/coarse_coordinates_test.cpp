@@ -37,7 +37,7 @@ std::string warning(const SolidSnapshot& solid, const ModelSummary& summary) {
                             SnapshotMesh(solid).size_mm(), kOption);
 }
 
-TEST(CoarseCoordinates, AreSaidWithTheirStepAndTheShiftThatMendsThem) {
+TEST(CoarseCoordinates, ReportTheStepAndTheShiftThatAvoidsThem) {
   const SolidSnapshot there = carved_block({990'000, -990'000, 0});
   for (const ModelFormat format :
        {ModelFormat::kStl, ModelFormat::kPly, ModelFormat::kObj, ModelFormat::k3mf}) {
@@ -53,7 +53,7 @@ TEST(CoarseCoordinates, AreSaidWithTheirStepAndTheShiftThatMendsThem) {
   }
 }
 
-TEST(CoarseCoordinates, AreNoMatterNearTheOriginAndInGlb) {
+TEST(CoarseCoordinates, AreNotReportedNearTheOriginOrInGlb) {
   const SolidSnapshot here = carved_block({700, -900, 40});
   EXPECT_EQ(warning(here, write(here, ModelFormat::kStl)), "");
   const SolidSnapshot there = carved_block({990'000, -990'000, 0});
@@ -62,7 +62,7 @@ TEST(CoarseCoordinates, AreNoMatterNearTheOriginAndInGlb) {
   EXPECT_EQ(warning(there, glb), "");
 }
 
-TEST(CoarseCoordinates, AreSaidOfAStepThatIsNoTriangleYet) {
+TEST(CoarseCoordinates, ReportAStepSmallerThanATriangle) {
   ModelSummary summary{.triangles = 9, .farthest_mm = 700'000};
   const Vec3 least{699'990, 0, 0}, size{10, 10, 10};
   EXPECT_NE(coarse_coordinates(summary, 0.5, least, size, kOption), "");

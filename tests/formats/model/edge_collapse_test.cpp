@@ -75,7 +75,7 @@ TEST(EdgeCollapse, NoVertexLeavesTheResultByMoreThanTheLimit) {
   }
 }
 
-TEST(EdgeCollapse, VerticesThatAreKeptStay) {
+TEST(EdgeCollapse, FixedVerticesStay) {
   const IndexedMesh mesh = carved_mesh(7);
   std::vector<bool> kept(mesh.positions_mm.size(), false);
   for (std::size_t v = 0; v < kept.size(); v += 5) kept[v] = true;
@@ -90,7 +90,7 @@ TEST(EdgeCollapse, VerticesThatAreKeptStay) {
 
 // A surface of grooves that open the sides of their block. At the sharp edges there, triangles
 // could turn onto the side, and edges could leave the surface between vertices that are near it.
-TEST(EdgeCollapse, TheResultIsNearAndNotFoldedBesideSharpEdges) {
+TEST(EdgeCollapse, ResultIsNearAndNotFoldedAtSharpEdges) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, -20}, {40, 40, 0}}, 0.2);
   ASSERT_TRUE(sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 40})}));
   for (double y = 2; y < 39; y += 1.5)

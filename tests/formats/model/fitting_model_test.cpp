@@ -27,7 +27,7 @@ class FittingModelTest : public ::testing::Test {
       std::filesystem::path(::testing::TempDir()) / (std::to_string(::getpid()) + "_fitting");
 };
 
-TEST_F(FittingModelTest, WhatKeepsTheLimitsIsExact) {
+TEST_F(FittingModelTest, ModelWithinTheLimitsIsExact) {
   const auto exact = write(ModelFormat::kStl, {});
   EXPECT_FALSE(exact.exact_triangles);
   const std::string bytes = test::file_text(path_);
@@ -36,7 +36,7 @@ TEST_F(FittingModelTest, WhatKeepsTheLimitsIsExact) {
   EXPECT_EQ(bytes, test::file_text(path_));
 }
 
-TEST_F(FittingModelTest, WhatExceedsThemIsSimplifiedUntilItCanBeReadBack) {
+TEST_F(FittingModelTest, ModelAboveTheLimitsIsSimplifiedUntilReadable) {
   const auto exact = write(ModelFormat::kStl, {});
   for (const auto& [format, read_as] : {std::pair{ModelFormat::kStl, MeshFileFormat::kStl},
                                         std::pair{ModelFormat::kObj, MeshFileFormat::kObj},
@@ -57,7 +57,7 @@ TEST_F(FittingModelTest, WhatExceedsThemIsSimplifiedUntilItCanBeReadBack) {
   }
 }
 
-TEST_F(FittingModelTest, TheFirstToleranceThatIsEnoughCounts) {
+TEST_F(FittingModelTest, FirstSufficientToleranceIsUsed) {
   const auto exact = write(ModelFormat::kStl, {});
   const auto fine = write(ModelFormat::kStl, {.triangles = exact.summary.triangles - 1});
   EXPECT_EQ(fine.tolerance_mm, 0.05 * solid_.grid().pitch_mm);

@@ -63,7 +63,7 @@ MeshFileResult read(const std::string& bytes, std::uint64_t most = 1000) {
   return read_mesh(MeshFileFormat::kGlb, std::as_bytes(std::span(bytes)), most);
 }
 
-TEST(GltfReader, BecomesMillimetersWithZUp) {
+TEST(GltfReader, ConvertsToMillimetersWithZUp) {
   for (const char* position : {"0", "1"}) {
     const auto mesh = read(
         file_of(std::string(R"({"attributes": {"POSITION": )") + position + R"(}, "indices": 2})"));
@@ -181,7 +181,7 @@ TEST(GltfReader, UnpacksMeshoptCompression) {
   EXPECT_EQ(*mesh, *plain);
 }
 
-TEST(GltfReader, RefusesInvalidMeshoptCompression) {
+TEST(GltfReader, RejectsInvalidMeshoptCompression) {
   const auto reason_of = [](const std::string& file) {
     const auto mesh = read(file);
     EXPECT_FALSE(mesh);
@@ -241,7 +241,7 @@ TEST(GltfReader, ReplacesElementsOfSparseAccessors) {
   }
 }
 
-TEST(GltfReader, RefusesInvalidFilesWithTheReason) {
+TEST(GltfReader, RejectsInvalidFilesWithTheReason) {
   const auto reason_of = [](const MeshFileResult& result) {
     EXPECT_FALSE(result);
     return result ? std::string()

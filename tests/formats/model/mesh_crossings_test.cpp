@@ -45,7 +45,7 @@ TEST(TrianglePair, AgreesWithIntegersOfAnySize) {
   EXPECT_GT(without_area, 100);
 }
 
-TEST(CrossingTriangles, AreThoseThatMeetElsewhereThanInCommonCorners) {
+TEST(CrossingTriangles, IntersectOutsideCommonCorners) {
   IndexedMesh mesh;
   // A row of separate triangles, one pierced by the next but one, and one with zero area.
   for (std::uint32_t n = 0; n < 200; ++n) {

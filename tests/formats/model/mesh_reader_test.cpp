@@ -54,7 +54,7 @@ const std::string kObj =
     "# a pyramid\nmtllib x.mtl\no p\nv 0 0 0\nv 2 0 0 1.0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nvn 0 0 1\n"
     "usemtl m\nf 4 3 2 1\nf 1/1/1 2//1 5\nf -4 -3 -1\nf 3 4 5\nf 4 1 5\n";
 
-TEST(MeshReader, EndsAfterAStop) {
+TEST(MeshReader, StopsOnRequest) {
   std::stop_source stop;
   stop.request_stop();
   for (const auto& [format, as, encoding] :
@@ -164,7 +164,7 @@ TEST(MeshReader, ReadsStripsOfPly) {
   EXPECT_EQ(code_of(MeshFileFormat::kPly, head + "3 0 1 6\n"), MeshFileErrorCode::kBadIndex);
 }
 
-TEST(MeshReader, JoinsLinesOfObjThatABackslashContinues) {
+TEST(MeshReader, JoinsContinuedLinesOfObj) {
   const std::string head = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
   for (const char* end : {"\\\n", "\\\r\n", " \\\n", " \\\r\n  "}) {
     const auto mesh = read(MeshFileFormat::kObj, head + "f 1 2 3 " + end + " 4\n");
@@ -234,7 +234,7 @@ std::string blurred_stl(const TriangleMesh& mesh, double most_mm, unsigned seed)
   return text.str();
 }
 
-TEST(MeshReader, JoinsVerticesThatAreNearlyEqualWhereEdgesAreOpen) {
+TEST(MeshReader, JoinsNearlyEqualVerticesAtOpenEdges) {
   const auto mesh = read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary));
   ASSERT_TRUE(mesh);
   for (const double most_mm : {1e-15, 1e-9, 2e-6}) {

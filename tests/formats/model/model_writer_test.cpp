@@ -124,7 +124,7 @@ TEST(ModelWriter, IndexedFormatsAreClosedByTheirIndices) {
   }
 }
 
-TEST(ModelWriter, AnExportCostsWhatWasCarvedNotTheBlock) {
+TEST(ModelWriter, ExportCostDependsOnTheCarvedArea) {
   std::array<std::size_t, 2> triangles{}, bytes{};
   std::array<double, 2> removed_mm3{};
   for (const std::size_t n : {0U, 1U}) {
@@ -169,7 +169,7 @@ TEST(ModelWriter, EmptyStockGivesAnEmptyModelInEveryFormat) {
   EXPECT_TRUE(load(write(gone, ModelFormat::kGlb).bytes).meshes.empty());
 }
 
-TEST(SnapshotMesh, SeveralThreadsGiveThePiecesOfOne) {
+TEST(SnapshotMesh, ThreadCountDoesNotChangeThePieces) {
   const SolidSnapshot snapshot = carved_block(3);
   test::ThreadWorkers workers(3);
   for (const FlatFaces faces : {FlatFaces::kMerged, FlatFaces::kByTile}) {
@@ -270,7 +270,7 @@ TEST(StlWriter, SatisfiesAdmesh) {
   }
 }
 
-TEST(ObjWriter, KeepsNormalsBesideSharedVertices) {
+TEST(ObjWriter, KeepsNormalsOfSharedVertices) {
   std::size_t normals = 0;
   const auto written = write(carved_block(2), ModelFormat::kObj);
   const ReadModel model = test::read_obj_text(written.bytes, &normals);

@@ -80,7 +80,7 @@ MeshRepair repaired(TriangleMesh& mesh) {
   return repair.value_or(MeshRepair{});
 }
 
-TEST(RepairMesh, LeavesAClosedMeshAsItIs) {
+TEST(RepairMesh, LeavesAClosedMeshUnchanged) {
   // Inside out and nested, as the winding rule of stocks accepts them.
   TriangleMesh mesh = box({0, 0, 0}, {10, 10, 10});
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
@@ -118,7 +118,7 @@ TEST(RepairMesh, ClosesAFlatHoleOfAnyShapeWithItsFlatFace) {
 }
 
 /// The rules restore a damaged ball step by step.
-TEST(RepairMesh, GivesADamagedBallBack) {
+TEST(RepairMesh, RestoresADamagedBall) {
   const TriangleMesh whole = ball({1, 2, 3}, 8, 12);
   const double expected_mm3 = volume_mm3(whole);
   for (unsigned seed = 1; seed <= 40; ++seed) {
@@ -153,7 +153,7 @@ TEST(RepairMesh, GivesADamagedBallBack) {
   }
 }
 
-TEST(RepairMesh, JoinsVerticesOfASeamThatDoNotMeet) {
+TEST(RepairMesh, JoinsSeparatedSeamVertices) {
   // Each triangle has its own corners, moved by less than 1e-5 of the diagonal.
   const TriangleMesh whole = ball({0, 0, 0}, 10, 10);
   std::mt19937 random(3);
@@ -172,7 +172,7 @@ TEST(RepairMesh, JoinsVerticesOfASeamThatDoNotMeet) {
   EXPECT_NEAR(volume_mm3(mesh), volume_mm3(whole), 0.05);
 }
 
-TEST(RepairMesh, KeepsCavitiesAndTurnsShellsThatAreInsideOut) {
+TEST(RepairMesh, KeepsCavitiesAndInvertsShellsInsideOut) {
   const auto damaged = [](TriangleMesh inner, bool turned) {
     if (turned)
       for (auto& t : inner.triangles) std::swap(t[1], t[2]);
@@ -199,7 +199,7 @@ TEST(RepairMesh, KeepsCavitiesAndTurnsShellsThatAreInsideOut) {
   EXPECT_NEAR(volume_mm3(across), 1000 + 8, 1e-6);
 }
 
-TEST(RepairMesh, RefusesWhatBoundsNoSolid) {
+TEST(RepairMesh, RejectsMeshesThatBoundNoSolid) {
   TriangleMesh sheet;
   sheet.vertices_mm = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};

@@ -65,7 +65,7 @@ TEST(StlReader, ReadsAscii) {
   EXPECT_EQ((*again)[0][1], (Vec3{0, 0, 0})) << "too small for a double";
 }
 
-TEST(StlReader, TakesSeveralEndsOfLinesInOneFile) {
+TEST(StlReader, AcceptsMixedLineEndings) {
   const auto plain = read_stl(bytes_of(kAscii));
   ASSERT_TRUE(plain);
   const std::array<std::string, 3> ends{"\r", "\n", "\r\n"};

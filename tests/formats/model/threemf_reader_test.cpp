@@ -44,7 +44,7 @@ MeshFileResult read_model(const std::string& text, std::uint64_t most = 1000) {
   return read(test::zip_of({{"_rels/.rels", kRelationships}, {"3D/part.model", text}}), most);
 }
 
-TEST(ThreemfReader, ReadsWhatTheItemsBuildInTheFilesUnit) {
+TEST(ThreemfReader, ReadsItemsInTheFilesUnit) {
   const auto mesh =
       read_model(model(tetrahedron("1") + tetrahedron("2", "type=\"support\"") + tetrahedron("7"),
                        R"(<item objectid="1"/><item objectid="2"/>)", "inch"));
@@ -92,7 +92,7 @@ std::string reason_of(const MeshFileResult& result) {
                 : std::string(to_string(result.error().code)) + ": " + result.error().reason;
 }
 
-TEST(ThreemfReader, RefusesInvalidPackagesWithTheReason) {
+TEST(ThreemfReader, RejectsInvalidPackagesWithTheReason) {
   EXPECT_THAT(reason_of(read("PK")), HasSubstr("syntax: the file is not a ZIP archive"));
   EXPECT_THAT(reason_of(read(test::zip_of({{"a.txt", "b"}}))),
               HasSubstr("no part 3D/3dmodel.model"));
@@ -135,7 +135,7 @@ TEST(ThreemfReader, RefusesInvalidPackagesWithTheReason) {
   }
 }
 
-TEST(ThreemfReader, RefusesWhatWouldTakeMuchMemory) {
+TEST(ThreemfReader, RejectsExcessiveMemory) {
   // Objects that no item builds take memory too, and so do vertices without triangles.
   EXPECT_THAT(reason_of(read_model(model(tetrahedron("1") + tetrahedron("2"), kItem), 7)),
               HasSubstr("line 5: the file has more than 7 triangles"));
