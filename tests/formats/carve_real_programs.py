@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Carves two real programs with kerf-carve and hands what comes out to other programs.
+"""Carves two real programs with kerf-carve and passes the output to other programs.
 
 usage: carve_real_programs.py KERF_CARVE SCENES_FOLDER COUNT_CROSSINGS
 KERF_LINUXCNC_DIR names the folder with 3D_Chips.ngc and boat-xyzac.ngc (and rs274, if any); without it the test is skipped

@@ -17,14 +17,16 @@ from pathlib import Path
 
 import rs274 as reference
 
-# Known reasons for which Kerf rejects what LinuxCNC reads: a part of Kerf's message, and its meaning.
+# Known reasons for which Kerf rejects a program that LinuxCNC reads: part of Kerf's message, and its
+# meaning.
 REASONS = {
     "is a probing move": "probing: the contact point is known on a machine only",
     "is a lathe code": "lathe cycles",
     "constant surface speed (G96) is for lathes": "lathe cycles",
     "spindle-synchronized threading": "lathe threads",
 }
-# Known reasons for which the stand-alone rs274 rejects what Kerf reads: a part of rs274's message.
+# Known reasons for which the stand-alone rs274 rejects a program that Kerf reads: part of its
+# message.
 THEIR_REASONS = {
     "File ended with no percent sign": "no M2, M30 or %: Kerf warns, rs274 rejects (subroutines, for the most part)",
     "M-code greater than 199": "M428, M429: remapped by the sample machines' configurations",

@@ -33,7 +33,9 @@ def scene(kinematics):
 
 
 def apt(tilted):
-    """Strokes as of a haptic device: thousands of short motions on curves, two tools and a jump."""
+    """Returns strokes like those of a haptic device.
+
+    They are thousands of short motions on curves, with two tools and a jump."""
     lines = ["PARTNO/TEST", "MULTAX/ON", "UNITS/MM"]
 
     def pose(t, lean):
@@ -194,13 +196,15 @@ M2
 
 
 def moves(calls):
-    """Returns the moves and dwells that begin at or lead into a hole, and the tools: what approaches differ in is above."""
+    """Returns the moves and dwells that begin at or lead into a hole, and the tools.
+
+    Approaches differ only above the holes."""
     kept = [re.sub(r"^.*N\S+\s+", "", c) for c in calls if re.search("STRAIGHT_FEED|DWELL|CHANGE_TOOL", c)]
     return [c for c in kept if c]
 
 
 def check_holes(carve, rs274, folder):
-    """LinuxCNC must drill the same holes by the cycles that are exported as by those of the source."""
+    """LinuxCNC must drill the same holes with the exported cycles as with those of the source."""
     (folder / "s.json").write_text(json.dumps(scene("xyz")))
     (folder / "holes.ngc").write_text(HOLES)
     carve("--scene", "s.json", "--program", "holes.ngc", "--ngc", "cycles.ngc")

@@ -32,7 +32,7 @@ echo "making the chroot"
 debootstrap --variant=minbase bookworm "$root" "$mirror" >"$root.debs/debootstrap.log" || { tail "$root.debs/debootstrap.log"; exit 1; }
 mount -t proc proc "$root/proc"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
-# How this machine reaches its sources: proxy, certificates.
+# This machine's access to its package sources: proxy, certificates.
 { grep -ls '^ *Acquire' /etc/apt/apt.conf /etc/apt/apt.conf.d/* || true; } | while read -r file; do cp "$file" "$root$file"; done
 mkdir -p "$root/debs" "$root/test"
 cp "$root.debs"/*.deb "$root/debs/"

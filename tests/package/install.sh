@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# install.sh BUILD SOURCE: installs a build into an empty prefix and checks what an embedder gets: every public header
+# install.sh BUILD SOURCE: installs a build into an empty prefix and checks it as an embedder would: every public header
 # compiles alone, the examples build with find_package and with pkg-config, and the installed programs and devices run.
 set -euo pipefail
 build=$1 source=$2
@@ -38,7 +38,7 @@ echo "examples with find_package"
 cmake -S "$source/kernel/examples" -B "$scratch/examples" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >"$scratch/cmake.log" ||
   { cat "$scratch/cmake.log"; exit 1; }
 cmake --build "$scratch/examples"
-# Nothing of Kerf's own warning options reaches the user of the library.
+# Kerf's own warning options must not reach users of the library.
 if grep -q Wconversion "$scratch/examples/build.ninja"; then echo "warning options leak"; exit 1; fi
 
 echo "examples with pkg-config"

@@ -32,11 +32,11 @@ class NoPose(Exception):
 
 
 class ScriptFailed(BaseException):
-    """The adapter takes other exceptions for a loss of the service."""
+    """The adapter treats other exceptions as a loss of the service."""
 
 
 class Channel:
-    """In place of the adapter's WebSocket: the model answers at once."""
+    """Replaces the adapter's WebSocket: the model answers at once."""
 
     def __init__(self, model, clock):
         self.model, self.clock = model, clock
@@ -70,13 +70,13 @@ class AgentEnd:
                 self.unread += came
 
     def line(self):
-        """The words of the next line; none: no line has come."""
+        """Returns the words of the next line; an empty list without one."""
         self.read()
         line, _, self.unread = self.unread.partition(b"\n")
         return line.decode().split()
 
     def pose(self):
-        """The next pose: state, tip, axis, buttons, accepted number. NoPose: none has come."""
+        """Returns the next pose: state, tip, axis, buttons, accepted number. NoPose without one."""
         words = self.line()
         if not words:
             raise NoPose
@@ -93,7 +93,7 @@ class AgentEnd:
 
 
 class Adapter(unittest.TestCase):
-    """Runs serve() while a script, a generator, plays the agent: it goes on with each tick."""
+    """Runs serve() while a script, a generator, acts as the agent: it advances with each tick."""
 
     def setUp(self):
         self.now_s = 100.0
@@ -128,7 +128,7 @@ class Adapter(unittest.TestCase):
         return theirs, None
 
     def run_adapter(self, script, *words, transport=None):
-        """Runs it as `kerf_haply.py PATH words` until the script ends; returns what it has printed."""
+        """Runs it as `kerf_haply.py PATH words` until the script ends; returns its output."""
         self.script, self.ticks, self.agent = script, 0, None
         out, err = io.StringIO(), io.StringIO()
         clock = types.SimpleNamespace(monotonic=self.monotonic, sleep=self.advance)
@@ -143,7 +143,7 @@ class Adapter(unittest.TestCase):
         return out.getvalue(), err.getvalue()
 
     def pose_when(self, holds):
-        """The first of the next poses for which the condition holds: `yield from` it."""
+        """Returns the next pose that satisfies the condition; use with `yield from`."""
         while not holds(pose := self.agent.pose()):
             yield
         return pose
@@ -165,11 +165,11 @@ class Adapter(unittest.TestCase):
             stated = dict(word.split("=") for word in capabilities[2:])
             self.assertEqual((stated["actuated_dof"], stated["sensed_dof"]), ("3", "5"))
             self.assertNotIn("max_torque_nmm", stated)
-            # The grip's +Y, along which it points, is turned about x by 180 degrees: down in y.
+            # The grip's +Y, its direction, is turned about x by 180 degrees: down in y.
             first = self.agent.pose()
             self.assertEqual(first.state, "ready")
             self.assertAlmostEqual(first.axis[1], 1, places=6)
-            # The pivot lies where it would with the tip 10 mm above the stock.
+            # The position of the pivot with the tip 10 mm above the stock.
             self.assertEqual([round(v, 3) for v in first.tip], [0, 0, 10])
             self.model.aim = lambda t: (0.01, 0.02, -0.03)
             yield
@@ -288,7 +288,7 @@ class Adapter(unittest.TestCase):
         self.run_adapter(script())
 
     def lost_connection(self):
-        """The poses end: `yield from` it."""
+        """Expects the end of the poses; use with `yield from`."""
         with contextlib.suppress(NoPose):
             while True:
                 self.agent.pose()
@@ -382,7 +382,7 @@ class Parts(unittest.TestCase):
                 kerf_haply.position_of({"x": 0, "y": far, "z": 0})
 
     def complaint(self, *words):
-        """What main() prints to a user whose words it does not take."""
+        """Returns the error that main() prints for invalid arguments."""
         err = io.StringIO()
         with mock.patch.object(sys, "argv", ["kerf_haply.py", *words]), \
                 contextlib.redirect_stderr(err), self.assertRaises(SystemExit) as ended:

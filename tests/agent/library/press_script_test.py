@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the Python example says where libkerf_agent cannot be loaded. That it carves:
-tests/server/live_library_test.py."""
+"""The message of the Python example if libkerf_agent cannot be loaded.
+
+tests/server/live_library_test.py tests that the example carves."""
 import os
 import sys
 import unittest

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Opens the models that kerf-carve writes in other programs, and prints a table of what each says.
+"""Opens the models that kerf-carve writes in other programs, and prints a table of their results.
 
 usage: open_models.py KERF_CARVE [FOLDER]
 
@@ -108,7 +108,7 @@ def openscad(file):
     folder = os.path.dirname(file)
     script, out = os.path.join(folder, "cut.scad"), os.path.join(folder, "cut.stl")
     with open(script, "w", encoding="ascii") as text:
-        # The stock lies from -Z to 0 around the cuts; a cube at its lowest corner is cut off.
+        # The stock spans -Z to 0 around the cuts; a cube at its lowest corner is cut off.
         text.write(f'difference() {{ import("{file}"); translate([-500, -500, -500]) cube([505, 505, 490]); }}\n')
     code, log = run(["openscad", "-o", out, script])
     if code != 0 or "WARNING" in log or "ERROR" in log:
@@ -161,7 +161,7 @@ def blender(file):
     script = os.path.join(os.path.dirname(file), "blend.py")
     with open(script, "w", encoding="ascii") as text:
         text.write(BLENDER)
-    # Blender looks for its Python's modules beside the first python3 of the PATH.
+    # Blender looks for its Python modules next to the first python3 in the PATH.
     system = {**os.environ, "PATH": "/usr/bin:/bin"}
     _, log = run(["blender", "--background", "--factory-startup", "--python", script, "--", file], env=system)
     volume = number(log, r"volume ([\d.eE+-]+) names")

@@ -1,6 +1,6 @@
 #!/bin/busybox sh
 # SPDX-License-Identifier: Apache-2.0
-# init of run.sh's guest: sets up a bus and a gadget on it, runs the driver, powers off.
+# init of run.sh's guest: sets up a bus with a gadget, runs the driver and powers off.
 /bin/busybox --install -s /bin
 export PATH=/bin
 mount -t proc none /proc

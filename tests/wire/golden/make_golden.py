@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the golden frames and golden.json beside this file.
+"""Writes the golden frames and golden.json next to this file.
 
 A second implementation of the layout, with Python's struct module, from the tables of
 server/wire/README.md, so that the bytes do not come from the codec that they test.
