@@ -4,7 +4,7 @@
 namespace kerf::agent {
 namespace {
 
-/// The sentence of a reason; empty for kNone, and for kTripped, whose sentence names the trip.
+/// The sentence of a reason. Empty for kNone, and for kTripped, whose sentence names the trip.
 std::string_view sentence(NoForce reason) {
   switch (reason) {
     case NoForce::kNone:

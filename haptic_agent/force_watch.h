@@ -17,7 +17,7 @@ class ForceWatch {
   /// `reasons` must outlive the object.
   explicit ForceWatch(const ForceReasons& reasons) noexcept : reasons_(reasons) {}
 
-  /// Returns the line to print now, without its full stop; may be empty. Call it ten times per
+  /// Returns the line to print now, without its full stop. May be empty. Call it ten times per
   /// second.
   std::string look(NoForce reason, std::uint64_t now_us);
 

@@ -16,7 +16,7 @@ namespace kerf::agent {
 /// Recording and study of a session, if the command line requests them (--record, --study).
 class Laboratory {
  public:
-  /// Creates the files and starts both; call before the loop runs. `rated`: the device's
+  /// Creates the files and starts both. Call before the loop runs. `rated`: the device's
   /// capabilities, as changed by its profile and the command line. `cycle` and `loop` must outlive
   /// the object. The study ends the loop after its last answer. `say` shows a sentence to the user,
   /// from any thread. The error is one sentence without its full stop; on an error the new table of

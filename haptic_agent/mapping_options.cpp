@@ -19,7 +19,7 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kMaxTurnDeg = 360;
 constexpr int kDigits = 3;
-/// Speed of the hand that users reach, mm/s; the notice warns about a lower limit of the server.
+/// Speed of the hand that users reach, mm/s. The notice warns about a lower limit of the server.
 constexpr double kFastHandMmPerS = 300;
 constexpr std::pair<std::string_view, ClutchButton> kClutches[] = {
     {"own", ClutchButton::kOwn},
@@ -64,7 +64,7 @@ bool reaches(const WorkspaceMapping& mapping, const SpaceBox& workspace, const S
   return true;
 }
 
-/// Returns a remark about the fit; empty if none is needed.
+/// Returns a remark about the fit. Empty if none is needed.
 std::string fit_remark(const MappingOptions& options, const WorkspaceMapping& mapping,
                        const SpaceBox& workspace, const SpaceBox& stock) {
   if (!workspace.has_volume()) {

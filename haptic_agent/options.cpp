@@ -282,7 +282,7 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   describe_study(app, options, texts);
 }
 
-/// Returns why a study cannot run with the other options; empty if it can, or without a study.
+/// Returns why a study cannot run with the other options. Empty if it can, or without a study.
 std::string fault_of_study(const Options& options, const Texts& texts) {
   if (options.study_file.empty()) return {};
   if (options.view) return "it uses the terminal for its questions; leave --view out";

@@ -19,7 +19,7 @@ namespace kerf::agent {
 struct Options {
   LinkSettings link;
   DeviceChoice device;
-  /// Further devices; each joins as a separate participant.
+  /// Further devices. Each joins as a separate participant.
   std::vector<DeviceChoice> more_devices;
   DeviceOptions device_options;
   WrenchLimits limits;
@@ -29,7 +29,7 @@ struct Options {
   /// The tool cuts whenever force is permitted, for a device without a button.
   bool always_cut = false;
   MappingOptions mapping;
-  /// Measured values of the device; they replace those that its driver declares (with_profile).
+  /// Measured values of the device. They replace those that its driver declares (with_profile).
   std::optional<DeviceProfile> profile;
   /// Factor of the session's guides, 0 to 1.
   double guide_strength = 1;
@@ -38,15 +38,15 @@ struct Options {
   double duration_s = 0;
   /// Processor to pin the loop to; negative for any.
   int cpu = -1;
-  /// ALSA's device for the sound of spindle and cut; empty for no sound.
+  /// ALSA's device for the sound of spindle and cut. Empty for no sound.
   std::string sound;
   /// Show the agent's state on the terminal.
   bool view = false;
-  /// File for the last 200 ms before a trip; if empty, standard error.
+  /// File for the last 200 ms before a trip. If empty, standard error.
   std::string trip_log;
-  /// MCAP file for every tick of the loop, which must not exist; empty for no recording.
+  /// MCAP file for every tick of the loop, which must not exist. Empty for no recording.
   std::string record_file;
-  /// Table of a two-alternative test of the paper's loop and Kerf's, which must not exist; empty
+  /// Table of a two-alternative test of the paper's loop and Kerf's, which must not exist. Empty
   /// for no test.
   std::string study_file;
   TrialSettings study{};

@@ -75,7 +75,7 @@ void describe(CLI::App& app, FeelOptions& options) {
       ->type_name("FILE");
 }
 
-/// Parses a command line; returns the exit code if the program must end.
+/// Parses a command line. Returns the exit code if the program must end.
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv, std::ostream& out) {
   wrap_help(app);
   try {

@@ -147,7 +147,7 @@ Spindle spindle_of(const ForceSettings& force) {
 }
 
 /// Starts the replica of the block near the tool. Returns null and prints the reason if the welcome
-/// is not sufficient; then only the server's answers are rendered.
+/// is not sufficient. Then only the server's answers are rendered.
 ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange,
                                std::expected<BlockSource, std::string> source) {
   if (!source) {
@@ -187,7 +187,7 @@ void play_sound(const Options& options, const Spindle& spindle, ServoCycle& cycl
   }
 }
 
-/// Runs the device at 1 kHz until it ends; fills in the servo's part of the summary.
+/// Runs the device at 1 kHz until it ends. Fills in the servo's part of the summary.
 void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, LeadCpu& lead, int cpu,
                const ForceReasons& reasons, ActOnSignal& signals, Summary& summary) {
   signals.on_rearm([&cycle] { cycle.rearm(); });
@@ -219,7 +219,7 @@ void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, LeadCpu
   }
 }
 
-/// Stops replica and link, after the server has answered; fills in their parts of the summary.
+/// Stops replica and link, after the server has answered. Fills in their parts of the summary.
 void stop(ReplicaThread& replica, ServerLink& link, Summary& summary) {
   replica.stop();
   summary.copy = replica.report();
@@ -227,7 +227,7 @@ void stop(ReplicaThread& replica, ServerLink& link, Summary& summary) {
   summary.link = link.report();
 }
 
-/// Prints the summary; returns the program's exit code.
+/// Prints the summary. Returns the program's exit code.
 int report(const Options& options, Summary& summary) {
   if (summary.link.failure.empty() && summary.link.unanswered > 0) {
     summary.link.failure = join({"the server did not answer the last ",

@@ -21,7 +21,7 @@ namespace {
 /// Returns the exit code of a process from its wait status.
 int code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : kFailed; }
 
-/// Waits until all children have ended; forwards SIGINT and SIGTERM as SIGTERM, and SIGUSR1.
+/// Waits until all children have ended. Forwards SIGINT and SIGTERM as SIGTERM, and SIGUSR1.
 int supervise(std::vector<pid_t> children, const sigset_t& signals) {
   int worst = 0;
   while (!children.empty()) {

@@ -12,8 +12,8 @@ namespace kerf::agent {
 std::vector<Options> split_options(const Options& options);
 
 /// Runs one agent per device. With several devices each agent has its own process, so that one
-/// failure does not affect the rest. Returns the maximum of their exit codes after all have ended;
-/// forwards signals to all.
+/// failure does not affect the rest. Returns the maximum of their exit codes after all have ended.
+/// Forwards signals to all.
 int run_agents(Options options);
 
 }  // namespace kerf::agent

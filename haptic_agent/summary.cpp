@@ -198,7 +198,7 @@ std::ostream& operator<<(std::ostream& out, const Quantiles& q) {
              << " ms";
 }
 
-/// Returns the UDP line; empty if UDP was not requested.
+/// Returns the UDP line. Empty if UDP was not requested.
 std::string udp_line(const UdpReport& udp, std::uint64_t samples_sent) {
   if (!udp.asked) return {};
   if (!udp.offered) return "udp      the server has no UDP transport\n";
@@ -212,7 +212,7 @@ std::string udp_line(const UdpReport& udp, std::uint64_t samples_sent) {
   return out.str();
 }
 
-/// Returns the lines that compare felt and computed wrenches; empty if no force was computed.
+/// Returns the lines that compare felt and computed wrenches. Empty if no force was computed.
 std::string felt_lines(const FeltReport& felt) {
   if (felt.ticks == 0) return {};
   constexpr double kPercent = 100;
@@ -231,7 +231,7 @@ std::string felt_lines(const FeltReport& felt) {
   return out.str();
 }
 
-/// Returns the line about cuts that shook the tool; empty if none did.
+/// Returns the line about cuts that shook the tool. Empty if none did.
 std::string soft_line(const ServoReport& servo) {
   if (servo.soft_ticks == 0) return {};
   std::ostringstream out;
@@ -242,7 +242,7 @@ std::string soft_line(const ServoReport& servo) {
   return out.str();
 }
 
-/// Returns the line about ticks without the computed force; empty if there are none.
+/// Returns the line about ticks without the computed force. Empty if there are none.
 std::string no_force_line(const ServoReport& servo) {
   std::ostringstream out;
   const char* separator = "unfelt   ";
@@ -255,7 +255,7 @@ std::string no_force_line(const ServoReport& servo) {
   return line.empty() ? line : line + "\n";
 }
 
-/// Returns the line about samples that a loss of the server could affect; empty if there are none.
+/// Returns the line about samples that a loss of the server could affect. Empty if there are none.
 std::string durable_line(const LinkReport& link) {
   if (link.resumed + link.not_durable + link.given_up == 0) return {};
   std::ostringstream out;
@@ -265,7 +265,7 @@ std::string durable_line(const LinkReport& link) {
   return out.str();
 }
 
-/// Returns the line about the guides; empty if there are none.
+/// Returns the line about the guides. Empty if there are none.
 std::string guides_line(const std::vector<GuideUse>& guides) {
   if (guides.empty()) return {};
   std::ostringstream out;

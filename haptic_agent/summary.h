@@ -28,7 +28,7 @@ struct Summary {
   std::uint64_t saturated_ticks = 0;
   std::uint64_t slewed_ticks = 0;
   std::uint64_t not_finite_wrenches = 0;
-  /// Maximum deviation of the simulated hand from its path; 0 for other devices.
+  /// Maximum deviation of the simulated hand from its path, or 0 for other devices.
   double max_deviation_mm = 0;
   std::uint64_t watchdog_stops = 0;
   std::uint64_t trips = 0;

@@ -18,7 +18,7 @@ constexpr const char* kTenLinesUp = "\x1b[10A";
 constexpr std::size_t kReasonColumns = 70;
 constexpr int kReasonLines = 4;
 
-/// Returns the counts of datagrams; empty if the server does not offer UDP.
+/// Returns the counts of datagrams. Empty if the server does not offer UDP.
 std::string udp_rate(const UdpReport& udp) {
   if (!udp.offered) return {};
   return "datagrams " + std::to_string(udp.sent) + " out, " + std::to_string(udp.received) +

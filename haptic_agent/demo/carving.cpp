@@ -39,7 +39,7 @@ Line dish_spiral(const Ammonite& ammonite, double begin_angle, double turns, dou
   return line;
 }
 
-// Returns the distance of the shell's outline from the spiral's center; the step at the mouth is
+// Returns the distance of the shell's outline from the spiral's center. The step at the mouth is
 // spread over kSpreadRad.
 double outline(const Ammonite& ammonite, double angle) {
   double along = std::fmod(angle - ammonite.mouth_angle_rad, kTurn);

@@ -45,7 +45,7 @@ struct FollowSettings {
 class Follower {
  public:
   Follower(const HeightMap& target, BallTool tool, FollowSettings settings);
-  /// Returns the stroke along `line`, which has at least two points; their z is ignored. The tip
+  /// Returns the stroke along `line`, which has at least two points. Their z is ignored. The tip
   /// stays above `level_mm`.
   Stroke along(const std::vector<Vec3>& line, double feed_mm_per_s, double level_mm = -1e9) const;
 
@@ -60,7 +60,7 @@ class Follower {
   HeightMap centers_;
 };
 
-/// Divides strokes into strokes of at most `seconds` at their feeds; neighbors share a pose.
+/// Divides strokes into strokes of at most `seconds` at their feeds. Neighbors share a pose.
 std::vector<Stroke> divided(const std::vector<Stroke>& strokes, double seconds);
 
 /// Rest above the block before each stroke. An agent whose force was switched off, for example

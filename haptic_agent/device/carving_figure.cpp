@@ -11,7 +11,7 @@ namespace {
 constexpr int kLaps = 6;
 constexpr int kPetals = 5;
 constexpr int kPointsPerLap = 720;
-/// Rotation between successive laps and variants; an irrational fraction of a turn, so that none
+/// Rotation between successive laps and variants. An irrational fraction of a turn, so that none
 /// coincide.
 const double kGoldenAngleRad = std::numbers::pi * (3.0 - std::sqrt(5.0));
 constexpr double kReach = 0.4;

@@ -44,7 +44,7 @@ struct DeviceChoice {
   std::optional<Plugin> plugin{};
   /// Address of the process that serves a kSocket.
   SocketAddress socket{};
-  /// Event device of a kGamepad; if empty, the first gamepad found.
+  /// Event device of a kGamepad. If empty, the first gamepad found.
   std::string node{};
 };
 

@@ -74,7 +74,7 @@ std::expected<double, std::string> number_of(std::string_view name, std::string_
   return std::unexpected(out.str());
 }
 
-/// Parses one line into the profile; returns the error, or an empty string.
+/// Parses one line into the profile. Returns the error, or an empty string.
 std::string take_line(DeviceProfile& profile, std::string_view line) {
   const std::size_t space = line.find(' ');
   const std::string_view name = line.substr(0, space);

@@ -13,7 +13,7 @@ namespace kerf::agent {
 /// The result of `kerf-agent doctor --identify` for one device. Absent values leave the driver's
 /// declaration in force.
 struct DeviceProfile {
-  /// DeviceCapabilities::name; empty if not stated.
+  /// DeviceCapabilities::name. Empty if not stated.
   std::string device{};
   std::optional<std::uint64_t> latency_us{};
   std::optional<double> resolution_mm{}, resolution_rad{};

@@ -40,7 +40,7 @@ struct DeviceState {
   /// Bits of wire::MotionSample::buttons, and kButtonUndo, kButtonRedo, kButtonRearm,
   /// kButtonClutch.
   std::uint32_t buttons = 0;
-  /// The tool requested by a path; 0 for the tool that the user chose.
+  /// The tool requested by a path, or 0 for the tool that the user chose.
   std::uint32_t tool_id = 0;
   /// Time of measurement, on the servo's clock.
   std::uint64_t time_us = 0;
@@ -55,16 +55,16 @@ struct DeviceCapabilities {
   std::string name{};
   int sensed_dof = 0;
   int actuated_dof = 0;
-  /// Peak rating; 0 for a device without motors.
+  /// Peak rating, or 0 for a device without motors.
   double max_force_n = 0;
   double max_torque_nmm = 0;
-  /// Continuous rating; 0 if unknown.
+  /// Continuous rating, or 0 if unknown.
   double continuous_force_n = 0;
   double continuous_torque_nmm = 0;
-  /// Stiffness and damping that the device renders stably at 1 kHz; 0 if unknown.
+  /// Stiffness and damping that the device renders stably at 1 kHz, or 0 if unknown.
   double max_stiffness_n_per_mm = 0;
   double max_damping_n_s_per_mm = 0;
-  /// Greatest frequency of a vibration that the motors render; 0 if unknown: limited by the loop
+  /// Greatest frequency of a vibration that the motors render, or 0 if unknown: limited by the loop
   /// only.
   double max_vibration_hz = 0;
   /// Greatest time from the measurement of a pose until a wrench computed from it acts, in addition
@@ -75,7 +75,7 @@ struct DeviceCapabilities {
   double resolution_mm = 0;
   double resolution_rad = 0;
   /// Least mass that a force at the pivot moves, and least inertia about the pivot across the
-  /// tool's axis, for the device alone, because a user may let it go; 0 if unknown.
+  /// tool's axis, for the device alone, because a user may let it go. 0 if unknown.
   double moving_mass_kg = 0;
   double moving_inertia_kg_m2 = 0;
   /// Workspace of the tip, in session coordinates; unknown if both corners are equal.
@@ -115,8 +115,8 @@ class HapticDevice {
   virtual DeviceCapabilities capabilities() const = 0;
   /// Returns the newest pose. `now_us` is the servo's monotonic clock.
   virtual DeviceState read(std::uint64_t now_us) noexcept = 0;
-  /// Outputs a wrench until the next call; zero if the device is not ready. A device with its own
-  /// thread sets the motors to zero if the next call does not come within kWrenchLifeUs.
+  /// Outputs a wrench until the next call, or zero if the device is not ready. A device with its
+  /// own thread sets the motors to zero if the next call does not come within kWrenchLifeUs.
   virtual void write(const Wrench& wrench) noexcept = 0;
   /// Tells the device before each `write` whether forces are permitted in this tick, as a hint for
   /// its user. They are not before arming and after a trip.
@@ -124,7 +124,7 @@ class HapticDevice {
   /// Sets the force to zero immediately, until the next `write`. Callable from any thread: the
   /// watchdog calls it when the servo thread hangs.
   virtual void stop() noexcept = 0;
-  /// Returns the reason why the device is not ready, as one sentence; empty if there is none.
+  /// Returns the reason why the device is not ready, as one sentence. Empty if there is none.
   /// Callable from any thread except the servo's, because it may wait and allocate.
   virtual std::string trouble() const { return {}; }
   /// Callable from any thread.

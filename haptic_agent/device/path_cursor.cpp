@@ -11,7 +11,7 @@ namespace {
 
 /// Below this sine of the angle, the rotation is treated as zero.
 constexpr double kStraightSine = 1e-9;
-/// Shortest lap that repeats; a shorter script stays at its end.
+/// Shortest lap that repeats. A shorter script stays at its end.
 constexpr double kShortestLapS = 1e-3;
 
 struct Turn {

@@ -35,7 +35,7 @@ struct ScriptError {
 /// Returns "file:line: reason".
 std::string to_string(const ScriptError& error);
 
-/// Shortest tool axis accepted from a file; longer ones are normalized.
+/// Shortest tool axis accepted from a file. Longer ones are normalized.
 inline constexpr double kAxisMinLength = 1e-6;
 
 /// Speed of moves without a programmed feed: RAPID, and the move to the first pose after the start

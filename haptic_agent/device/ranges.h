@@ -8,7 +8,7 @@ namespace kerf::agent {
 // Accepted ranges of numbers from files, peers and command lines. Each begins at zero unless stated
 // otherwise.
 
-/// Greatest coordinate, ±, mm; the kernel's kCoordinateMaxMm.
+/// Greatest coordinate, ±, mm. The kernel's kCoordinateMaxMm.
 inline constexpr double kPlaceMaxMm = 1e6;
 /// Greatest distance of the pivot from the tip, mm: the length of the longest tool. The device's
 /// grip is at the pivot, so an error of the axis moves it by that length.

@@ -32,7 +32,7 @@ class Regrip {
   }
 
  private:
-  /// Time without a force until the user reacts; longer than arming takes at the start.
+  /// Time without a force until the user reacts. Longer than arming takes at the start.
   static constexpr double kNoticeS = 0.7;
   /// Longer than the supervisor asks for (0.3 s).
   static constexpr double kLetGoS = 0.4;

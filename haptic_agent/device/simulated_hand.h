@@ -20,7 +20,7 @@ struct HandSettings {
   /// Distance from the tip along the axis to the pivot, where the hand holds the tool. Torques are
   /// about the pivot.
   double pivot_mm = 60.0;
-  /// Quanta to which the device rounds tip and axis; 0 for no rounding.
+  /// Quanta to which the device rounds tip and axis, or 0 for no rounding.
   double quantum_mm = 0, quantum_rad = 0;
   /// Time at the first pose, as a user waits until the device is armed.
   double rest_at_start_s = 0;

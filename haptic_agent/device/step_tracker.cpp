@@ -25,7 +25,7 @@ void StepTracker::reset() noexcept {
   rate_ = slope_ = 0;
 }
 
-/// An encoder rests between its steps; a continuous value rests only where the device does. A
+/// An encoder rests between its steps. A continuous value rests only where the device does. A
 /// coordinate moved by several encoders has steps of different size, so the median counts.
 void StepTracker::find_quantum() noexcept {
   if (declared_ > 0 || !newest(0).rested) return;

@@ -15,19 +15,19 @@ namespace kerf::agent {
 /// than a cell off.
 class StepTracker {
  public:
-  /// `quantum`: size of the encoder's steps, in the coordinate's unit; 0 if unknown. An unknown
+  /// `quantum`: size of the encoder's steps, in the coordinate's unit, or 0 if unknown. An unknown
   /// quantum is the median of the steps that follow rests, once kStepsOfEncoder of them occurred
   /// within kDetectS. Until then the estimate is the measured value.
   explicit StepTracker(double quantum = 0) noexcept : declared_(quantum) {}
 
-  /// Adds the value measured `dt_s` after the last one; returns the estimate for the present time.
+  /// Adds the value measured `dt_s` after the last one. Returns the estimate for the present time.
   /// `is_new`: the device has measured since; otherwise a repeated value carries no information.
   double take(double measured, double dt_s, bool is_new = true) noexcept;
-  /// Forgets the motion, but not the quantum; the next estimate is the measured value.
+  /// Forgets the motion, but not the quantum. The next estimate is the measured value.
   void reset() noexcept;
   /// Rate of the estimate, per second.
   double rate() const noexcept { return rate_; }
-  /// Size of the encoder's steps, as declared or found; 0 if not found yet.
+  /// Size of the encoder's steps, as declared or found, or 0 if not found yet.
   double quantum() const noexcept { return declared_ > 0 ? declared_ : found_; }
 
   static constexpr std::size_t kStepsOfEncoder = 4;

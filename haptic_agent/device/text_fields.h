@@ -37,7 +37,7 @@ inline std::string_view shortened(std::string_view text, std::size_t bytes) noex
   return text.substr(0, end);
 }
 
-/// Splits a text at commas and trims the fields; an empty text has no fields.
+/// Splits a text at commas and trims the fields. An empty text has no fields.
 inline std::vector<std::string_view> split_fields(std::string_view text) {
   std::vector<std::string_view> fields;
   while (!trim(text).empty() || !fields.empty()) {

@@ -30,7 +30,7 @@ std::vector<Finding> judge_usb(const std::expected<std::vector<FoundDevice>, std
 /// Returns the udev rule that gives the local user access to such devices.
 std::string udev_rule(UsbId id);
 
-/// Waits up to `wait_s` until the device is ready; then measures the latency of a device with
+/// Waits up to `wait_s` until the device is ready. Then measures the latency of a device with
 /// motors.
 std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s);
 
@@ -51,7 +51,7 @@ std::optional<Finding> judge_grip(const DeviceCapabilities& device);
 struct LoopMeasurement {
   RealtimeReport realtime{};
   CycleStats stats{};
-  /// Number of threads that kept all cores busy during the measurement; may be 0.
+  /// Number of threads that kept all cores busy during the measurement. May be 0.
   unsigned load_threads = 0;
 };
 /// Targets for a loop with real-time priority: p99 wake-up latency and share of lost ticks.

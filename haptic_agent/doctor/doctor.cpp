@@ -69,7 +69,7 @@ class Printer {
     warnings_ += finding.health == Health::kWarning ? 1 : 0;
     failures_ += finding.health == Health::kBad ? 1 : 0;
   }
-  /// Prints the result of all checks; returns the exit code.
+  /// Prints the result of all checks. Returns the exit code.
   int finish() {
     if (failures_ > 0) {
       out_ << "Some checks failed; see above.\n";

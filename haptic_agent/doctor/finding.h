@@ -14,7 +14,7 @@ struct Finding {
   Health health = Health::kFine;
   /// One sentence.
   std::string what{};
-  /// Remedy, one step per line; may be empty.
+  /// Remedy, one step per line. May be empty.
   std::vector<std::string> advice{};
 };
 

@@ -190,7 +190,7 @@ std::vector<Finding> judge_profile(const DeviceCapabilities& declared,
   say(us > declared_us + kUsPerMs / 2 ? Health::kWarning : Health::kFine,
       join(
           {"latency ", short_number(us / kUsPerMs), " ms", beside(declared_us / kUsPerMs, " ms")}));
-  // A device heavier than declared is safe; a lighter one is not.
+  // A device heavier than declared is safe. A lighter one is not.
   constexpr double kLighter = 0.8;
   const double mass = profile.moving_mass_kg.value_or(0);
   say(mass < kLighter * declared.moving_mass_kg ? Health::kWarning : Health::kFine,

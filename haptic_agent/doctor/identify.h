@@ -32,12 +32,12 @@ class Identification final : public ServoTask {
   /// `device` must outlive the object. `pivot_mm`: from the tip to the point where forces act.
   Identification(HapticDevice& device, double pivot_mm);
 
-  /// Returns false when it has ended; the device's force is then zero.
+  /// Returns false when it has ended. The device's force is then zero.
   bool tick(std::uint64_t now_us) noexcept override;
 
   /// Returns the measured profile after the end, or the reason why there is none, as a sentence.
   std::expected<DeviceProfile, std::string> profile() const;
-  /// The fits of force and torque; call after `profile` had a value.
+  /// The fits of force and torque. Call after `profile` had a value.
   const MotionFit& moved() const { return moved_; }
 
  private:

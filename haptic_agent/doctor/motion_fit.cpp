@@ -66,7 +66,7 @@ struct Solution {
   double error = 0;
 };
 
-/// Solves the normal equations by elimination; nullopt if they are singular.
+/// Solves the normal equations by elimination. Returns nullopt if they are singular.
 std::optional<std::array<double, kTerms>> solved(
     std::array<std::array<double, kTerms + 1>, kTerms> a) {
   for (std::size_t c = 0; c < kTerms; ++c) {

@@ -32,7 +32,7 @@ struct MotionFit {
 std::expected<MotionFit, std::string> fit_motion(const std::vector<MotionRecord>& motion);
 
 /// Returns the quantum of measured positions: the greatest step of which all changes from tick to
-/// tick are multiples, within a tenth; 0 if there is none.
+/// tick are multiples, within a tenth, or 0 if there is none.
 double quantum_of(const std::vector<MotionRecord>& motion);
 
 }  // namespace kerf::agent

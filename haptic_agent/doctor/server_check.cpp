@@ -49,7 +49,7 @@ bool ready(int fd, short events) {
   return poll(&waited, 1, kTimeoutMs) == 1;
 }
 
-/// Returns the error; empty if connected.
+/// Returns the error. Empty if connected.
 std::string connect_to(const addrinfo& address, int fd) {
   if (connect(fd, address.ai_addr, address.ai_addrlen) == 0) return {};
   if (errno != EINPROGRESS) return std::generic_category().message(errno);
@@ -71,7 +71,7 @@ net::TlsStep complete(int fd, const Attempt& attempt) {
   }
 }
 
-/// Returns the response to a request, or the TLS fault; empty without a response.
+/// Returns the response to a request, or the TLS fault. Empty without a response.
 std::string ask_over_tls(int fd, const ServerUrl& server, const std::string& authorities,
                          const std::string& request) {
   const auto context = net::TlsContext::of_client(authorities);

@@ -17,9 +17,9 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 /// A guide counts as used in ticks with a force (N) or torque (N·mm) above this.
 constexpr double kUsed = 0.01;
-/// N/mm; bounds the length over which a stroke's force reverses.
+/// Bounds the length over which a stroke's force reverses, N/mm.
 constexpr double kLeastStiffness = 0.05;
-/// N·mm; bounds the turn of a path's axis per distance.
+/// Bounds the turn of a path's axis per distance, N·mm.
 constexpr double kLeastTorqueNmm = 1e-3;
 /// Far above the rounding of an axis.
 constexpr double kSameAxisRad = 1e-9;

@@ -77,11 +77,11 @@ class GuideModel final : public Guidance {
   std::vector<GuideUse> uses_;
 };
 
-/// Reads the guides of a session from the text of its welcome; the list may be empty. The error is
+/// Reads the guides of a session from the text of its welcome. The list may be empty. The error is
 /// one sentence.
 std::expected<std::vector<Guide>, std::string> guides_of(std::string_view welcome);
 
-/// Returns one line about a session's guides; empty if there are none.
+/// Returns one line about a session's guides. Empty if there are none.
 std::string guide_notice(const std::vector<Guide>& guides, double strength);
 
 }  // namespace kerf::agent

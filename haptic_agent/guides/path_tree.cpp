@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kLeaf = 4;
 /// Number of segments on either side of the last result at which a query begins.
 constexpr std::size_t kBeside = 8;
-/// More than the depth of a tree over kGuidePosesMax segments; each level leaves one pending box.
+/// More than the depth of a tree over kGuidePosesMax segments. Each level leaves one pending box.
 constexpr std::size_t kDepthMax = 32;
 
 double box_distance2(Vec3 p, Vec3 low, Vec3 high) noexcept {

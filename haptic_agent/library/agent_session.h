@@ -77,10 +77,10 @@ class AgentSession {
   bool connected() const noexcept { return link_->connected(); }
   bool lost() const noexcept { return lost_.load(); }
 
-  /// Reserves the servo cycle for the calling thread; returns false if another thread has it.
+  /// Reserves the servo cycle for the calling thread. Returns false if another thread has it.
   bool enter() noexcept { return !ticking_.test_and_set(std::memory_order_acquire); }
   void leave() noexcept { ticking_.clear(std::memory_order_release); }
-  /// One tick, on the thread that entered; returns the wrench until the next one. Within
+  /// One tick, on the thread that entered. Returns the wrench until the next one. Within
   /// kShortestUs after a tick it returns the same wrench, or zero if the device is not ready. A
   /// malformed pose is a tick at any time.
   Wrench step(const kerf_agent_pose& pose, std::uint64_t now_us) noexcept;

@@ -60,7 +60,7 @@ bool is_color(std::string_view text) {
 
 bool in_range(double value, double most) { return value >= 0 && value <= most; }
 
-/// Returns the first field that is out of range; null if there is none.
+/// Returns the first field that is out of range, or null if there is none.
 const char* fault_of(const kerf_agent_options& given) {
   if (given.session == nullptr) return "session is required";
   if (!is_session_id(given.session)) {

@@ -21,7 +21,7 @@ bool is_within(Vec3 v, double most) noexcept {
   return std::abs(v.x) <= most && std::abs(v.y) <= most && std::abs(v.z) <= most;
 }
 
-/// Returns the fault of a mapping; null if it has none.
+/// Returns the fault of a mapping, or null if it has none.
 const char* fault_of(const kerf_agent_mapping& given, const SpaceBox& workspace) noexcept {
   if ((given.flags & ~kKnownFlags) != 0) return "unknown bits in flags";
   if (given.flags == kKnownFlags) return "flags: FIT and PLACE exclude each other";

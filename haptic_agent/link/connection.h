@@ -28,7 +28,7 @@ struct Connection {
   /// Ends the connection at once, at any stage.
   void cut();
 
-  /// Used until it is connected; then it moves to `stream` and, under TLS, to `socket`.
+  /// Used until it is connected. Then it moves to `stream` and, under TLS, to `socket`.
   boost::asio::ip::tcp::socket tcp;
   std::optional<net::ByteStream> stream;
   std::unique_ptr<net::WebSocket> socket;

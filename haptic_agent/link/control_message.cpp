@@ -41,7 +41,7 @@ CutLaw cut_law(const json& force) {
   return CutLaw::kSpecificEnergy;
 }
 
-/// Returns nullopt if the offer is missing or invalid; all frames then use the WebSocket.
+/// Returns nullopt if the offer is missing or invalid. All frames then use the WebSocket.
 std::optional<datagram::Offer> read_offer(const json& message) {
   const json offer = message.value("udp", json::object());
   if (!offer.is_object()) return std::nullopt;
@@ -66,7 +66,7 @@ std::optional<datagram::Offer> read_offer(const json& message) {
                          *to_server, *to_agent};
 }
 
-/// Returns nullopt if the field is missing or invalid; the agent then works without it.
+/// Returns nullopt if the field is missing or invalid. The agent then works without it.
 std::optional<Resume> read_resume(const json& message) {
   const json resume = message.value("resume", json::object());
   if (!resume.is_object()) return std::nullopt;
@@ -120,7 +120,7 @@ Welcome read_welcome(const json& message) {
   return welcome;
 }
 
-/// Returns the fault of a number of the welcome; empty if there is none.
+/// Returns the fault of a number of the welcome. Empty if there is none.
 std::string fault_of(const Welcome& welcome) {
   constexpr double kCoefficientMax = 1e9;
   std::ostringstream reason;

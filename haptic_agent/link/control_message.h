@@ -19,11 +19,11 @@ namespace kerf::agent {
 /// First message of an agent.
 struct Hello {
   std::string name;
-  /// "#rrggbb"; if empty, the server chooses one.
+  /// "#rrggbb". If empty, the server chooses one.
   std::string color;
   /// If 0, the server chooses the session's first tool.
   std::uint32_t tool_id = 0;
-  /// Participant whose wrench is requested (--feel); 0 for none.
+  /// Participant whose wrench is requested (--feel), or 0 for none.
   std::uint32_t feel_of = 0;
   /// Request the UDP transport.
   bool udp = false;
@@ -39,7 +39,7 @@ struct Hello {
 struct Resume {
   /// For the next hello. Must not be logged.
   std::string token;
-  /// The server has all samples up to this number; 0 if it has none.
+  /// Number up to which the server has all samples. 0 if it has none.
   std::uint64_t agent_sequence = 0;
   /// This is the participant of the token in the hello.
   bool resumed = false;
@@ -53,13 +53,13 @@ struct Welcome {
   std::string color;
   double pivot_mm = 0;
   CutLaw law = CutLaw::kSpecificEnergy;
-  /// Coefficients of the two laws; 0 if not stated.
+  /// Coefficients of the two laws, or 0 if not stated.
   double specific_force_n_per_mm2 = 0;
   double drr_n_s_per_mm3 = 0;
   /// Bounding box of the stock.
   StockBox stock;
   std::vector<std::uint32_t> tool_ids;
-  /// The UDP transport; empty if not requested, unavailable or not supported here.
+  /// The UDP transport. Empty if not requested, unavailable or not supported here.
   std::optional<datagram::Offer> udp;
   /// Empty if the server does not support it.
   std::optional<Resume> resume;

@@ -47,7 +47,7 @@ bool DatagramSocket::receive(const std::function<void(std::span<const std::byte>
   std::array<std::byte, datagram::kMaxBytes + 1> bytes;
   error_code failed;
   const std::size_t count = socket_.receive(asio::buffer(bytes), 0, failed);
-  // "Connection refused" refers to an earlier datagram to a closed port; later ones may arrive.
+  // "Connection refused" refers to an earlier datagram to a closed port. Later ones may arrive.
   if (failed) return failed == asio::error::connection_refused;
   std::array<std::byte, datagram::kMaxFrameBytes> frame;
   const auto opened = opener_.open(std::span(bytes).first(count), frame);

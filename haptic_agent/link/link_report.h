@@ -16,7 +16,7 @@ struct ServerComplaint {
   std::string first_reason;
 };
 
-/// Counters of the UDP transport; all zero if it was not requested.
+/// Counters of the UDP transport. All zero if it was not requested.
 struct UdpReport {
   bool asked = false;
   bool offered = false;
@@ -83,7 +83,7 @@ struct LinkReport {
   Histogram answer_us;
   Histogram turnaround_us;
   std::map<std::string, ServerComplaint> complaints;
-  /// Why the link has failed; empty if it has not failed.
+  /// Why the link has failed. Empty if it has not failed.
   std::string failure;
 };
 

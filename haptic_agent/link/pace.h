@@ -14,7 +14,7 @@ class Pace {
   static constexpr double kSamplesPerS = 1225.0;
   static constexpr double kBurst = 900.0;
 
-  /// Returns the number of samples that may be sent at this time; times must not decrease.
+  /// Returns the number of samples that may be sent at this time. Times must not decrease.
   std::size_t allowed(std::uint64_t now_us) noexcept {
     constexpr double kSPerUs = 1e-6;
     if (last_us_ != 0) {

@@ -283,8 +283,8 @@ void SampleQueue::drop_first() {
   ++forgotten_;
 }
 
-/// Drops the oldest sample that was never sent; false if there is none. The tool moves to the next
-/// one without cutting.
+/// Drops the oldest sample that was never sent. Returns false if there is none. The tool moves to
+/// the next one without cutting.
 bool SampleQueue::drop_unsent() {
   const auto oldest =
       std::ranges::find(samples_, std::uint64_t{0}, &wire::MotionSample::agent_sequence);

@@ -24,7 +24,7 @@ class SampleQueue {
   /// oldest are dropped beyond that. A server accepts no more than this before its disk has caught
   /// up.
   static constexpr std::size_t kMaxNotDurable = 65'536;
-  /// Greatest time between the oldest unanswered sample and one that may be sent; bounds the
+  /// Greatest time between the oldest unanswered sample and one that may be sent. Bounds the
   /// backlog sent to a slow server. An older answer gives no force anyway.
   static constexpr std::uint64_t kWindowUs = 120'000;
   static constexpr std::uint64_t kMaxRttUs = 300'000;
@@ -36,7 +36,7 @@ class SampleQueue {
   static constexpr double kChordMm = 0.005;
   static constexpr double kChordRad = 1e-4;
 
-  /// Appends a sample; its number is ignored.
+  /// Appends a sample. Its number is ignored.
   void push(const wire::MotionSample& sample);
   /// Returns the next samples to send, at most `most` and at most one message, all for one tool and
   /// within the window. Numbers the new ones.
@@ -51,7 +51,7 @@ class SampleQueue {
   /// Maximum number of due samples per datagram, so that even a backlog is sent in two datagrams.
   static constexpr std::size_t kNewPerDatagram = 8;
   /// Like take, for a datagram: at most `most` samples that were never sent on this connection,
-  /// preceded by as many sent but unanswered ones as fit. All for `tool_id`; empty if no sample is
+  /// preceded by as many sent but unanswered ones as fit. All for `tool_id`. Empty if no sample is
   /// due.
   Repeating take_repeating(std::size_t most, std::uint32_t tool_id);
   /// Schedules all unanswered samples for resending on the same connection.
@@ -66,7 +66,7 @@ class SampleQueue {
   void keep_until_durable(bool keep) noexcept { keeps_ = keep; }
   /// The server has stored all samples up to this number.
   void durable(std::uint64_t agent_sequence);
-  /// Prepares for a new connection. `server_has`: number up to which the server has the samples; if
+  /// Prepares for a new connection. `server_has`: number up to which the server has the samples. If
   /// 0, all samples that are not durable are resent.
   void rewind(std::uint64_t server_has = 0);
 
@@ -77,7 +77,7 @@ class SampleQueue {
   std::uint64_t unanswered() const noexcept;
   /// Number of answered samples that may be lost with the server.
   std::uint64_t not_durable() const noexcept;
-  /// Returns the tool of the next sample to send; empty if there is none.
+  /// Returns the tool of the next sample to send. Empty if there is none.
   std::optional<std::uint32_t> next_tool() const noexcept;
 
   std::uint64_t resent() const noexcept { return resent_; }
@@ -116,7 +116,7 @@ class SampleQueue {
   /// felt, so they are not dropped.
   std::size_t returned_ = 0;
   std::uint64_t given_up_ = 0;
-  /// In order. The first may be answered; it is kept as the start of the first motion.
+  /// In order. The first may be answered. It is kept as the start of the first motion.
   std::deque<wire::MotionSample> samples_;
   std::size_t next_ = 0;
   /// Number of samples at the end that have not been considered for merging. Each is considered

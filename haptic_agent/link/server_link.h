@@ -19,15 +19,15 @@ namespace kerf::agent {
 struct LinkSettings {
   ServerUrl server;
   std::string session;
-  /// PEM file of the authorities that may certify the server; if empty, those of the system.
+  /// PEM file of the authorities that may certify the server. If empty, those of the system.
   std::string authorities{};
-  /// Proves the right to join (token.h); may be empty. Must not be logged.
+  /// Proves the right to join (token.h). May be empty. Must not be logged.
   std::string token{};
   Hello hello;
   TrafficOptions traffic{};
   /// How long to retry connecting, at the start and after each loss.
   double patience_s = 30.0;
-  /// Processor of the loop that wakes the link; may be null. Must outlive the link.
+  /// Processor of the loop that wakes the link. May be null. Must outlive the link.
   const LeadCpu* lead = nullptr;
   /// Called on the link thread with one line for the user: an error from the server (the first of
   /// each code), a connection lost or restored.
@@ -51,7 +51,7 @@ class ServerLink final : public SampleListener {
   void start();
   /// Waits for the first welcome. The error is one sentence.
   std::expected<Welcome, std::string> wait_welcome();
-  /// Ends wait_welcome and all attempts to connect; the link then fails. From any thread.
+  /// Ends wait_welcome and all attempts to connect. The link then fails. From any thread.
   void interrupt();
   /// Sends the remaining samples, waits at most `drain_s` until they are answered and durable,
   /// closes the connection and ends the thread. Call from the thread that called start.

@@ -23,8 +23,8 @@ struct ServerUrl {
 /// `wss://…` for TLS (default port 443). An IPv6 address is in brackets. The error is one sentence.
 std::expected<ServerUrl, std::string> parse_server_url(std::string_view text);
 
-/// Returns the server at which a session continues according to the server `from`; nullopt if the
-/// address is invalid or would downgrade the agent from TLS to plain text.
+/// Returns the server at which a session continues according to the server `from`, or nullopt if
+/// the address is invalid or would downgrade the agent from TLS to plain text.
 std::optional<ServerUrl> follow_redirect(const ServerUrl& from, std::string_view redirect);
 
 /// Returns true for a valid session identifier: letters, digits, `.`, `_`, `-`; at most

@@ -12,7 +12,7 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint64_t kPingEveryUs = 100'000;
-/// The server accepts 10 'reach' messages per second; a program may change its mapping in each
+/// The server accepts 10 'reach' messages per second. A program may change its mapping in each
 /// tick.
 constexpr std::uint64_t kReachEveryUs = 100'000;
 /// Period of pings while the link waits only for the server's disk.
@@ -81,7 +81,7 @@ std::size_t Traffic::collect() {
   return count;
 }
 
-/// Removes the buttons that are not part of the protocol; their presses become requests.
+/// Removes the buttons that are not part of the protocol. Their presses become requests.
 void Traffic::take_buttons(wire::MotionSample& sample) {
   const std::uint32_t now = sample.buttons & (kButtonUndo | kButtonRedo);
   const std::uint32_t pressed = now & ~std::exchange(pressed_, now);

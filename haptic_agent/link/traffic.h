@@ -36,9 +36,9 @@ Loss declined(const std::string& session, unsigned status, std::string_view body
 struct TrafficOptions {
   /// Out of contact, skip poses that differ imperceptibly from the last one.
   bool deadband = false;
-  /// Destination of status updates; may be null.
+  /// Destination of status updates. May be null.
   LatestValue<LinkStatus>* status = nullptr;
-  /// Receives stock updates; if null, none are requested.
+  /// Receives stock updates. If null, none are requested.
   StockListener* copy = nullptr;
   /// The box that the device reaches. Each change is sent, at most one every 100 ms. May be null.
   LatestValue<Reach>* reach = nullptr;
@@ -56,7 +56,7 @@ class Traffic {
   /// to which the server has this agent's samples, if it reports durable samples.
   void begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us,
              bool udp_offered = false, std::optional<std::uint64_t> server_has = {});
-  /// States whether the server accepts 'reach' messages. Call after `begin`; then sends the newest
+  /// States whether the server accepts 'reach' messages. Call after `begin`. Then sends the newest
   /// reach.
   void offer_reach(bool taken) noexcept { reach_taken_ = reach_due_ = taken; }
   /// Counts a connection on which the server recognized the agent.
@@ -75,7 +75,7 @@ class Traffic {
   /// which are durable.
   bool settle(std::uint64_t now_us) noexcept;
 
-  /// Returns the control message that must precede the next frame, such as a tool change; may be
+  /// Returns the control message that must precede the next frame, such as a tool change. May be
   /// empty.
   std::string take_control(std::uint64_t now_us);
   /// Encodes the next due WebSocket frame into `frame` (kMaxClientFrameBytes). Returns its size, or
@@ -89,7 +89,7 @@ class Traffic {
   std::optional<Loss> take_text(std::string_view text, std::string& notice);
   std::optional<Loss> take_frame(std::span<const std::byte> frame, std::uint64_t now_us);
   std::optional<Loss> take_datagram(std::span<const std::byte> frame, std::uint64_t now_us);
-  /// Returns a line for the user about UDP; empty if there is none.
+  /// Returns a line for the user about UDP. Empty if there is none.
   std::string take_notice();
   /// Counters maintained by the UDP socket.
   UdpReport& udp_counts() noexcept { return report_.udp; }
@@ -139,7 +139,7 @@ class Traffic {
   TransportSwitch transport_;
   /// Number of the first sample on this connection, with the current tool, or after the last
   /// request. It must be sent over the WebSocket, in order with those messages. Once it is
-  /// answered, samples may use UDP. 0: not sent yet; empty: the message before it has not been sent
+  /// answered, samples may use UDP. 0: not sent yet. Empty: the message before it has not been sent
   /// yet.
   std::optional<std::uint64_t> base_ = 0;
   /// The server has answered the base sample.

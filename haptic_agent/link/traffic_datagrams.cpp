@@ -58,7 +58,7 @@ void Traffic::resend_lost(std::uint64_t now_us) {
   ++fruitless_resends_;
 }
 
-/// Handles a gap answer. Every datagram in flight behind the lost ones causes one; only the first
+/// Handles a gap answer. Every datagram in flight behind the lost ones causes one. Only the first
 /// counts.
 void Traffic::take_gap(std::uint64_t now_us) {
   if (!transport_.over_udp()) return;

@@ -27,18 +27,18 @@ class TransportSwitch {
   void note_datagram() noexcept { answered_ = probing_; }
   /// Returns true if a ping must be sent over UDP now, and schedules the next one.
   bool probe_due(std::uint64_t now_us) noexcept;
-  /// Updates the choice; call periodically. `ready`: the server can accept samples over UDP;
+  /// Updates the choice. Call periodically. `ready`: the server can accept samples over UDP;
   /// `stuck_us`: time since the last progress while samples are unanswered. Returns true if the
   /// samples move from UDP to the WebSocket.
   bool update(std::uint64_t now_us, bool ready, std::uint64_t stuck_us, std::uint64_t rtt_us);
-  /// Uses the WebSocket until `ready` is set again; does not count as a failure of UDP.
+  /// Uses the WebSocket until `ready` is set again. Does not count as a failure of UDP.
   void leave() noexcept { over_udp_ = false; }
 
   bool offered() const noexcept { return offered_; }
   bool over_udp() const noexcept { return over_udp_; }
   std::uint64_t taken_over() const noexcept { return taken_over_; }
   std::uint64_t fell_back() const noexcept { return fell_back_; }
-  /// Returns one line for the user, each kind once; may be empty.
+  /// Returns one line for the user, each kind once. May be empty.
   std::string take_notice();
 
  private:

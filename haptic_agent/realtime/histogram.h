@@ -10,7 +10,7 @@
 namespace kerf::agent {
 
 /// Histogram of durations in microseconds. Buckets are exact below 16 us and at most 1/16 of their
-/// value wide above, up to 2^32 us. One thread writes; read it after that thread has ended.
+/// value wide above, up to 2^32 us. One thread writes. Read it after that thread has ended.
 class Histogram {
  public:
   void add(std::uint64_t value_us) noexcept {
@@ -22,8 +22,8 @@ class Histogram {
   std::uint64_t total() const noexcept { return total_; }
   std::uint64_t max_us() const noexcept { return max_us_; }
 
-  /// Returns the upper edge of the bucket below which a share of `part` (0..1) of all values fall;
-  /// 0 if empty.
+  /// Returns the upper edge of the bucket below which a share of `part` (0..1) of all values fall,
+  /// or 0 if empty.
   std::uint64_t quantile_us(double part) const noexcept {
     const double target = part * static_cast<double>(total_);
     std::uint64_t seen = 0;

@@ -11,7 +11,7 @@ struct RealtimeReport {
   bool fifo = false;
   bool memory_locked = false;
   bool pinned = false;
-  /// The denied permissions and how to allow them; empty if all were granted.
+  /// The denied permissions and how to allow them. Empty if all were granted.
   std::string warning;
 };
 

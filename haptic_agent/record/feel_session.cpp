@@ -10,7 +10,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Returns the numbers in a text of the metadata; empty unless there are `count` of them within
+/// Returns the numbers in a text of the metadata. Empty unless there are `count` of them within
 /// ±most.
 std::vector<double> numbers(const mcap::Texts& texts, const char* key, std::size_t count,
                             double most) {

@@ -49,7 +49,7 @@ struct ChannelType {
 /// its last chunk.
 class McapWriter {
  public:
-  /// Creates the file. Fails if it exists, so that no recording is overwritten; the error is one
+  /// Creates the file. Fails if it exists, so that no recording is overwritten. The error is one
   /// sentence without its full stop.
   static std::expected<McapWriter, std::string> create(const std::string& path,
                                                        const ChannelType& type);
@@ -70,7 +70,7 @@ class McapWriter {
   /// Writes the last chunk, the summary and the footer.
   bool finish();
 
-  /// Why a write failed, as one sentence without its full stop; empty if none failed.
+  /// Why a write failed, as one sentence without its full stop. Empty if none failed.
   const std::string& error() const noexcept { return error_; }
   std::uint64_t messages() const noexcept { return messages_; }
   /// Size of the file so far.

@@ -18,8 +18,8 @@ const mcap::ChannelType& tick_channel();
 /// Appends the CDR of a tick: 252 bytes.
 void append_tick(mcap::Bytes& out, const TickRecord& tick);
 
-/// Returns the tick of a message; nullopt if the message is too short, or if this version does not
-/// know its phase, trip or mode.
+/// Returns the tick of a message, or nullopt if the message is too short, or if this version does
+/// not know its phase, trip or mode.
 std::optional<TickRecord> tick_of(std::span<const std::byte> message);
 
 }  // namespace kerf::agent

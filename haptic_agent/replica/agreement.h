@@ -13,7 +13,7 @@
 namespace kerf::agent {
 
 /// Compares the replica's answers with the server's later answers to the same samples. Cuts of
-/// other participants within the last round trip cause temporary differences; a persistent
+/// other participants within the last round trip cause temporary differences. A persistent
 /// difference means that the replica has diverged.
 class Agreement {
  public:
@@ -54,7 +54,7 @@ class Agreement {
   }
 
   std::uint64_t compared() const { return compared_; }
-  /// Returns the rms difference over the rms of the server's force; 0 without any force.
+  /// Returns the rms difference over the rms of the server's force, or 0 without any force.
   double error() const { return square_force_ > 0 ? std::sqrt(square_error_ / square_force_) : 0; }
 
  private:

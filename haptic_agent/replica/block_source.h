@@ -20,8 +20,8 @@ class BlockSource {
   void keep_normals() { settings_.keep_normals = true; }
 
   /// Returns the uncut block with the session's tools, without obstacles, whose contact is rendered
-  /// from the server's contact planes (ContactModel). A mesh stock is replaced by its bounding box;
-  /// the server sends which parts of it are empty.
+  /// from the server's contact planes (ContactModel). A mesh stock is replaced by its bounding box.
+  /// The server sends which parts of it are empty.
   Sculpture make() const;
   /// Returns an upper bound of the engaged area of a cut with a tool, mm²: the width of the tool
   /// times its cutting length, or the stock's diagonal if that is shorter. 0 for an unknown tool.

@@ -27,7 +27,7 @@ class Replica {
  public:
   explicit Replica(BlockSource source);
 
-  /// Applies the next sample. Returns the answer; empty while tiles that the tool may touch are
+  /// Applies the next sample. Returns the answer. Empty while tiles that the tool may touch are
   /// unknown, and over the following two pitches of travel, because the force depends on the stock
   /// cut over that length (TravelQueue).
   std::optional<wire::Result> move(const wire::MotionSample& sample);
@@ -41,7 +41,7 @@ class Replica {
   void compare(std::uint64_t agent_time_us, Vec3 force_n) {
     agreement_.compare(agent_time_us, force_n);
   }
-  /// Returns true once after the replica has diverged; it then needs a reset from the server.
+  /// Returns true once after the replica has diverged. It then needs a reset from the server.
   bool take_divergence() { return agreement_.take_divergence(); }
 
   const Agreement& agreement() const { return agreement_; }

@@ -17,7 +17,7 @@
 
 namespace kerf::agent {
 
-/// Counters of the replica; read after the thread has ended.
+/// Counters of the replica. Read after the thread has ended.
 struct ReplicaReport {
   std::uint64_t samples = 0;   ///< received from the servo
   std::uint64_t answered = 0;  ///< number of answered samples
@@ -31,7 +31,7 @@ struct ReplicaReport {
 };
 
 /// Runs a Replica on its own thread, with a priority below the servo and above the link. Samples
-/// come from the servo, patches and results from the link; answers go to the servo. Only this
+/// come from the servo, patches and results from the link. Answers go to the servo. Only this
 /// thread waits.
 class ReplicaThread final : public StockListener {
  public:
@@ -45,7 +45,7 @@ class ReplicaThread final : public StockListener {
 
   /// Starts to answer. Call at most once.
   void start(BlockSource source);
-  /// Ends the thread, if running; later input is dropped. Call after the servo has ended.
+  /// Ends the thread, if running. Later input is dropped. Call after the servo has ended.
   void stop();
   const ReplicaReport& report() const { return report_; }
 

@@ -14,7 +14,7 @@ double velocity_cutoff_hz(const DeviceCapabilities& device, double pivot_mm,
                           double usual_hz) noexcept;
 
 /// Returns the limits of contacts on a device (theory.md, "Stiffness"): its mechanics, delays and
-/// declared stiffness, and its declared damping. The damping holds without latency; it is reduced
+/// declared stiffness, and its declared damping. The damping holds without latency. It is reduced
 /// by the latency, and so that one encoder step changes the damper's force by at most 0.1 N.
 ContactLimits contact_limits(const DeviceCapabilities& device, double velocity_cutoff_hz) noexcept;
 

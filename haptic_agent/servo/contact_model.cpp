@@ -20,7 +20,7 @@ constexpr double kDampingShare = 0.4, kDampingSlope = 0.1;
 /// moves on the tool, the difference is stiffness that acts late and drives the tool.
 constexpr double kFadeAges = 2;
 constexpr double kLeastFadeS = 0.002;
-/// A difference above this is a contact that appears or ends; it fades slowly, N.
+/// A difference above this, N, is a contact that appears or ends. It fades slowly.
 constexpr double kStepN = 0.2;
 /// Friction of a tool on a surface, as a share of the normal force: that of steel on greased steel
 /// or dry wax. It is viscous up to the device's stable damping, so that it ends with the motion.

@@ -15,7 +15,7 @@ struct ContactLimits {
   /// the device renders stably at this delay.
   double max_stiffness = 1.5;
   double max_damping = 0.004;
-  /// Least mass and inertia of the device (DeviceCapabilities); 0 if unknown: no limit follows.
+  /// Least mass and inertia of the device (DeviceCapabilities), or 0 if unknown: no limit follows.
   double mass_kg = 0;
   double inertia_kg_m2 = 0;
   /// Mean time from a pose to its force (latency and half a period), and from a velocity to its
@@ -30,12 +30,12 @@ struct ContactGains {
   double damping = 0;
 };
 
-/// Returns the least mass that a push along `normal` at `arm_mm` from the pivot moves, kg; 0 if the
-/// device's mechanics are unknown.
+/// Returns the least mass that a push along `normal` at `arm_mm` from the pivot moves, kg, or 0 if
+/// the device's mechanics are unknown.
 double moved_mass(const ContactLimits& limits, Vec3 arm_mm, Vec3 normal) noexcept;
 
 /// Returns the damper with which a free mass is stable at the stiffest spring, for the delays of
-/// `limits` (theory.md, "Stiffness"). `mass` in N s^2/mm gives N s/mm; an inertia in N mm s^2 gives
+/// `limits` (theory.md, "Stiffness"). `mass` in N s^2/mm gives N s/mm. An inertia in N mm s^2 gives
 /// N mm s.
 double best_damping(const ContactLimits& limits, double mass) noexcept;
 
@@ -45,13 +45,13 @@ double best_damping(const ContactLimits& limits, double mass) noexcept;
 double stable_stiffness(const ContactLimits& limits, double mass, double damping) noexcept;
 
 /// Returns gains at which a contact of a free device does not oscillate. `arm_mm`: from the pivot
-/// to the contact; a push along `normal` there also turns the device and so moves less mass.
+/// to the contact. A push along `normal` there also turns the device and so moves less mass.
 /// `share`: of the load that this contact bears, 0 to 1.
 ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 arm_mm, Vec3 normal,
                           double share) noexcept;
 
 /// Renders the contact planes of the newest answer as damped springs that act on the moving tool
-/// between two answers. All contacts together are as stiff as the device permits; each has a share
+/// between two answers. All contacts together are as stiff as the device permits. Each has a share
 /// in proportion to its depth, so a contact that is just touched changes nothing. The points of one
 /// contact share equally at any depth, so that they act as springs, which return no work over a
 /// cycle. A difference between the planes of two answers fades in, so that a new answer never

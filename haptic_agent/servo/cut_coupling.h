@@ -80,7 +80,7 @@ class CutCoupling {
   /// Returns the wrench to render instead of `target` at the newest grip, `dt_s` after the last
   /// call. `arm_mm`: from the pivot to the middle of the cut.
   Wrench at(const Wrench& target, Vec3 arm_mm, const PastGrip& now, double dt_s) noexcept;
-  /// Forgets the force of the cut; call it in each tick without a cut. The compliance falls here
+  /// Forgets the force of the cut. Call it in each tick without a cut. The compliance falls here
   /// too, and the motion is still observed, so that the next cut starts with the compliance that
   /// its trembling requires.
   void release(Vec3 arm_mm, const PastGrip& now, double dt_s) noexcept;
@@ -110,7 +110,7 @@ class CutCoupling {
   Vec3 heading_{};
   Grip grip_{};
   bool has_grip_ = false;
-  /// The last forces; the one that acted was rendered `latency_ticks_` before the newest.
+  /// The last forces. The one that acted was rendered `latency_ticks_` before the newest.
   std::array<Vec3, kKept> forces_{};
   std::size_t newest_ = 0, latency_ticks_ = 0;
 };

@@ -11,7 +11,7 @@ namespace kerf::agent {
 /// position.
 class EngagementTrend {
  public:
-  /// Adds `value` (>= 0) at `path_mm`; the weights of all earlier answers are multiplied by
+  /// Adds `value` (>= 0) at `path_mm`. The weights of all earlier answers are multiplied by
   /// `forget` (0..1).
   void take(double path_mm, double value, double forget) noexcept {
     if (weight_ == 0) origin_mm_ = path_mm;

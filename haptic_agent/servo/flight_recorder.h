@@ -47,7 +47,7 @@ class FlightRecorder {
     full_.store(true, std::memory_order_release);
   }
 
-  /// Other thread: returns the log of a trip, valid until `done`; null if there is none.
+  /// Other thread: returns the log of a trip, valid until `done`, or null if there is none.
   const FlightLog* log() const noexcept {
     return full_.load(std::memory_order_acquire) ? &log_ : nullptr;
   }

@@ -11,7 +11,7 @@
 namespace kerf::agent {
 
 /// Path length over which the heading follows a new direction, mm. A device that renders k N/mm
-/// stably can reverse a force F over a length F/k; a shorter one would be a stiffer spring.
+/// stably can reverse a force F over a length F/k. A shorter one would be a stiffer spring.
 inline constexpr double kHeadingMm = 0.5;
 
 /// The grip at one tick.
@@ -33,8 +33,8 @@ class GripHistory {
   /// Times must increase.
   void push(const PastGrip& now) noexcept { kept_[count_++ % kKept] = now; }
 
-  /// Returns the newest grip not after `time_us`; null if that is too long ago or before the start.
-  /// The search begins at the newest grip, because most answers are a few ticks old.
+  /// Returns the newest grip not after `time_us`, or null if that is too long ago or before the
+  /// start. The search begins at the newest grip, because most answers are a few ticks old.
   const PastGrip* at(std::uint64_t time_us) const noexcept {
     const std::size_t kept = std::min(count_, kKept);
     std::size_t high = count_;

@@ -13,7 +13,7 @@ class Guidance {
  public:
   virtual ~Guidance() = default;
   /// Returns force and torque about the pivot at the newest grip. The servo thread calls it once
-  /// per tick; it must not wait or allocate.
+  /// per tick. It must not wait or allocate.
   virtual Wrench at(const PastGrip& now) noexcept = 0;
   /// The servo thread calls this when the mapping has changed. `settings`: those of the device as
   /// seen in the block (block_settings).

@@ -41,7 +41,7 @@ struct ModelSettings {
 
 /// Extrapolates the server's answers, which are a round trip old, to the current grip and velocity.
 /// The magnitude of the cutting force follows the path of the tip, its direction the motion of the
-/// tool; the contacts act as springs. Each new answer corrects the model without a step.
+/// tool. The contacts act as springs. Each new answer corrects the model without a step.
 class LocalModel {
  public:
   explicit LocalModel(const ModelSettings& settings) noexcept
@@ -63,7 +63,7 @@ class LocalModel {
   /// Returns the wrench of the last call of `at` as the session computes it, before the reduction
   /// to the stiffness and damping that the device renders stably.
   const Wrench& computed() const noexcept { return computed_; }
-  /// Returns the compliance through which the last call of `at` rendered the cut; 0 if rigid or
+  /// Returns the compliance through which the last call of `at` rendered the cut, or 0 if rigid or
   /// without a cut.
   double compliance_mm_per_n() const noexcept { return compliance_; }
 

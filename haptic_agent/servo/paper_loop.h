@@ -25,7 +25,7 @@ class PaperLoop {
     ++answers_;
   }
 
-  /// Returns the wrench to output in this tick; zero until the first update is over. Times must
+  /// Returns the wrench to output in this tick, or zero until the first update is over. Times must
   /// not decrease. An update without an answer repeats the last one.
   Wrench at(std::uint64_t now_us) noexcept {
     // A tick that wakes slightly early still ends the update that is due.

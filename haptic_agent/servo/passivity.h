@@ -53,7 +53,7 @@ class BasicPassivity {
   }
 
   /// Returns the wrench nearest to `requested` whose power the account covers while the device
-  /// moves with `velocity`; a damper if there is a deficit; zero if overdrawn.
+  /// moves with `velocity`. Returns a damper if there is a deficit, zero if overdrawn.
   Wrench project(const Wrench& requested, const Twist& velocity) noexcept {
     if (overdrawn()) return {};
     const double level = account_.level_mj();
@@ -90,13 +90,13 @@ class BasicPassivity {
     written_.write(wrench, now_us);
   }
 
-  /// Resets the account after the user has re-armed the device; the bound holds again from here.
+  /// Resets the account after the user has re-armed the device. The bound holds again from here.
   void restart() noexcept {
     account_ = BasicEnergyAccount<Deficit>(account_.ceiling_mj(), settings_.start_mj);
   }
 
   const BasicEnergyAccount<Deficit>& account() const noexcept { return account_; }
-  /// The account is overdrawn by more than an estimate can err; the output stays zero until
+  /// The account is overdrawn by more than an estimate can err. The output stays zero until
   /// restart.
   bool overdrawn() const noexcept { return account_.level_mj() < -settings_.reserve_mj; }
   /// The last wrench was replaced by a damper or by almost nothing: the energy tank is empty.

@@ -18,10 +18,10 @@ class PoseEstimator {
     Vec3 tip_mm{}, axis{0, 0, 1};
   };
 
-  /// Quanta of the tip, mm, and of the axis, rad; 0 if unknown (StepTracker).
+  /// Quanta of the tip, mm, and of the axis, rad, or 0 if unknown (StepTracker).
   PoseEstimator(double resolution_mm, double resolution_rad) noexcept;
 
-  /// Adds the pose measured `dt_s` after the last one; returns the estimate for the present time.
+  /// Adds the pose measured `dt_s` after the last one. Returns the estimate for the present time.
   /// `is_new`: see StepTracker.
   Pose take(const Pose& measured, double dt_s, bool is_new) noexcept;
   void reset() noexcept;

@@ -23,7 +23,7 @@ class RearmGesture {
 
   void restart() noexcept { act_ = Act::kNone; }
 
-  /// Returns whether the gesture ends with this tick. `may`: whether the gesture counts now; if
+  /// Returns whether the gesture ends with this tick. `may`: whether the gesture counts now. If
   /// not, it starts again.
   bool done(Vec3 tip_mm, bool may, std::uint64_t now_us) noexcept {
     if (!may) act_ = Act::kNone;

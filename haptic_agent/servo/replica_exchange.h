@@ -25,13 +25,13 @@ class ReplicaExchange {
   /// Servo thread. Returns false and drops the sample if the ring is full. Does not wake the
   /// replica.
   bool push(const wire::MotionSample& sample) noexcept { return samples_.push(sample); }
-  /// Servo thread. Fetches the newest answer; returns false if there is none since the last call.
+  /// Servo thread. Fetches the newest answer. Returns false if there is none since the last call.
   bool read(ServerWrench& answer) noexcept { return answers_.read(answer); }
 
-  /// Replica thread. Fetches the next sample; returns false if there is none.
+  /// Replica thread. Fetches the next sample. Returns false if there is none.
   bool pop(wire::MotionSample& sample) noexcept { return samples_.pop(sample); }
   void write(const ServerWrench& answer) noexcept { answers_.write(answer); }
-  /// Replica thread. Sleeps until `wake` is called; returns at once if it was called since the last
+  /// Replica thread. Sleeps until `wake` is called. Returns at once if it was called since the last
   /// `wait`.
   void wait() noexcept {
     std::uint64_t times = 0;

@@ -7,7 +7,7 @@
 namespace kerf::agent {
 
 /// Samples from the servo thread to the link thread or the replica thread. The reader may fall
-/// behind by one second at 1 kHz. A sample that finds the ring full is dropped; the next one then
+/// behind by one second at 1 kHz. A sample that finds the ring full is dropped. The next one then
 /// ends a longer motion.
 using SampleRing = SpscRing<wire::MotionSample, 1024>;
 

@@ -16,7 +16,7 @@ struct ServerWrench {
   std::uint64_t pose_us = 0;
   /// When the answer arrived.
   std::uint64_t arrival_us = 0;
-  /// Engaged area of the cut, mm²; 0 without a cut.
+  /// Engaged area of the cut, mm², or 0 without a cut.
   double engaged_area_mm2 = 0;
   Vec3 cut_centre_mm{};
   /// Wrench of the participant that this agent follows (--feel); else zero.

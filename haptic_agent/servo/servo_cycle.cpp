@@ -193,7 +193,7 @@ bool ServoCycle::must_wake_link(std::uint32_t buttons) noexcept {
   return true;
 }
 
-/// Updates grip, velocity and history; returns the displacement measured since the previous tick.
+/// Updates grip, velocity and history. Returns the displacement measured since the previous tick.
 Twist ServoCycle::follow(const DeviceState& state, bool usable, std::uint64_t now_us,
                          double dt_s) noexcept {
   if (!usable) {

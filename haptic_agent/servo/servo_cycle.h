@@ -29,7 +29,7 @@
 
 namespace kerf::agent {
 
-/// Notified after each sample; must not wait.
+/// Notified after each sample. Must not wait.
 class SampleListener {
  public:
   virtual ~SampleListener() = default;
@@ -60,7 +60,7 @@ struct ServoSettings {
 /// Returns `settings` adapted to a device: stable stiffness and damping, ratings, workspace.
 ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings settings);
 
-/// Counters of the cycle; read after the loop has ended.
+/// Counters of the cycle. Read after the loop has ended.
 struct ServoReport {
   std::uint64_t samples = 0;
   /// Samples dropped because the ring to the link was full.
@@ -215,7 +215,7 @@ class ServoCycle final : public ServoTask {
   bool turns_ = false;
   bool has_grip_ = false;
   bool has_answer_ = false;
-  /// This tick's wrench was faded; the previous one was limited.
+  /// This tick's wrench was faded. The previous one was limited.
   bool faded_ = false, limited_ = false;
   std::atomic<bool> rearm_{false};
   std::atomic<NoForce> reason_{NoForce::kArming};

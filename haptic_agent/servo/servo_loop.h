@@ -27,7 +27,7 @@ struct CycleStats {
   Histogram wake_us;
 };
 
-/// Work of each tick. Called from one thread; must return well within the period.
+/// Work of each tick. Called from one thread. Must return well within the period.
 class ServoTask {
  public:
   virtual ~ServoTask() = default;
@@ -53,8 +53,8 @@ class ServoLoop {
   /// From any thread, or from a signal handler.
   void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
-  /// Start of the newest tick, ns on the loop's clock; 0 before the first. From any thread; checked
-  /// by the watchdog.
+  /// Start of the newest tick, ns on the loop's clock, or 0 before the first. From any thread;
+  /// checked by the watchdog.
   std::uint64_t heartbeat_ns() const noexcept { return heartbeat_ns_.load(); }
   /// Publishes the loop's processor from now on. Call before `run`, or on its thread, and only if
   /// that is real-time; `lead` must outlive the run.

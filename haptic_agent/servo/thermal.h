@@ -8,7 +8,7 @@ class ThermalLoad {
  public:
   static constexpr double kTimeS = 10;
 
-  /// `continuous`: continuous rating, N or N·mm; 0 if unknown: never exceeded.
+  /// `continuous`: continuous rating, N or N·mm, or 0 if unknown: never exceeded.
   explicit ThermalLoad(double continuous) noexcept : max_square_(continuous * continuous) {}
 
   void take(double output, double dt_s) noexcept {

@@ -8,8 +8,8 @@
 namespace kerf::agent {
 
 /// Estimates the device's velocity from its poses: finite differences and a first-order low-pass
-/// filter. A higher cut-off frequency follows faster and passes more of the encoder quantization;
-/// the best value depends on the device, 50 to 100 Hz suit most (Chawda et al., on velocity
+/// filter. A higher cut-off frequency follows faster and passes more of the encoder quantization.
+/// The best value depends on the device; 50 to 100 Hz suit most (Chawda et al., on velocity
 /// filters).
 class VelocityEstimator {
  public:
@@ -17,7 +17,7 @@ class VelocityEstimator {
   explicit VelocityEstimator(double cutoff_hz) noexcept
       : time_s_(1 / (2 * std::numbers::pi * cutoff_hz)) {}
 
-  /// Adds a displacement over `dt_s`; returns the velocity, mm/s and rad/s.
+  /// Adds a displacement over `dt_s`. Returns the velocity, mm/s and rad/s.
   const Twist& take(const Twist& moved, double dt_s) noexcept {
     if (!(dt_s > 0)) return velocity_;
     const double part = dt_s / (time_s_ + dt_s);

@@ -28,7 +28,7 @@ class Watchdog {
   void start();
   /// Call after the loop has ended.
   void end();
-  /// Checks the heartbeat at `now_ns` on the loop's clock; returns true if it stopped the device.
+  /// Checks the heartbeat at `now_ns` on the loop's clock. Returns true if it stopped the device.
   bool check(std::uint64_t now_ns);
   /// Number of stalls detected.
   std::uint64_t stops() const noexcept { return stops_.load(); }
@@ -47,7 +47,7 @@ class Watchdog {
 struct MotorSwitch {
   /// Outputs a wrench of zero. Called when the servo thread has ended.
   std::function<void()> zero;
-  /// Callable from any thread; must not wait.
+  /// Callable from any thread. Must not wait.
   std::function<void()> stop;
 };
 

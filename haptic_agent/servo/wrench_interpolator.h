@@ -20,7 +20,7 @@ class WrenchInterpolator {
   void take(const ServerWrench& next, std::uint64_t now_us) noexcept;
   /// Forgets the wrenches so far: the output is zero until the next one.
   void forget_wrench() noexcept { from_ = newest_.wrench = {}; }
-  /// Returns the wrench to output now; zero before the first.
+  /// Returns the wrench to output now, or zero before the first.
   Wrench at(std::uint64_t now_us) const noexcept;
 
   bool has_wrench() const noexcept { return has_; }

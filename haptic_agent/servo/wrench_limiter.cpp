@@ -6,7 +6,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Shortens `v` to the length `most`; returns exactly `v` if it is not longer.
+/// Shortens `v` to the length `most`. Returns exactly `v` if it is not longer.
 Vec3 shortened_to(double most, Vec3 v, bool& shortened) noexcept {
   const double current = length(v);
   if (current <= most) return v;

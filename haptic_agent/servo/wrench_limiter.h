@@ -15,7 +15,7 @@ struct WrenchLimits {
   double torque_rise_nmm_per_s = 8000.0;
 };
 
-/// Reduces `limits` to kDeviceShare of the device's maximum; a device without motors is not
+/// Reduces `limits` to kDeviceShare of the device's maximum. A device without motors is not
 /// limited.
 WrenchLimits within(const DeviceCapabilities& device, WrenchLimits limits);
 
@@ -23,7 +23,7 @@ WrenchLimits within(const DeviceCapabilities& device, WrenchLimits limits);
 inline constexpr double kDeviceShare = 0.6;
 
 /// Limits force and torque. A wrench that exceeds a limit is shortened as a whole, which keeps its
-/// screw axis; the rise of force and torque is rate-limited, their fall is not. A wrench that is
+/// screw axis. The rise of force and torque is rate-limited, their fall is not. A wrench that is
 /// not finite gives zero.
 class WrenchLimiter {
  public:

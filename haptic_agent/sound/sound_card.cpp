@@ -18,7 +18,7 @@ constexpr int kResample = 1;
 constexpr unsigned kLatencyUs = 60'000;
 constexpr int kQuietly = 1;
 
-/// Error handler for ALSA, which otherwise prints a page of causes on standard error; the agent
+/// Error handler for ALSA, which otherwise prints a page of causes on standard error. The agent
 /// reports one sentence.
 using ErrorHandler = void(const char* file, int line, const char* function, int error,
                           const char* format, ...);

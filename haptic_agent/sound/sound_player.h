@@ -9,7 +9,7 @@
 
 namespace kerf::agent {
 
-/// Plays the servo's HeardCut values on an ordinary thread; the servo never waits for it. Ends
+/// Plays the servo's HeardCut values on an ordinary thread. The servo never waits for it. Ends
 /// silently if the card is lost.
 class SoundPlayer {
  public:

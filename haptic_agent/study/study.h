@@ -17,7 +17,7 @@ struct StudyReport {
   std::string file;  ///< empty without a study
   int answered = 0;
   int correct = 0;
-  /// Why the table could not be written, as one sentence without its full stop; empty on success.
+  /// Why the table could not be written, as one sentence without its full stop. Empty on success.
   std::string error;
 };
 

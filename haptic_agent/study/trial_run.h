@@ -52,7 +52,7 @@ class TrialRun {
   /// Processes the next tick of the servo.
   void take(const TickRecord& tick) noexcept;
   /// Records the answer, 0 for interval A and 1 for B, given at `now_us` on the servo's clock.
-  /// Returns the result; nullopt if no question was open.
+  /// Returns the result, or nullopt if no question was open.
   std::optional<TrialResult> answer(int interval, std::uint64_t now_us);
 
   State state() const noexcept { return state_; }

@@ -24,7 +24,7 @@ class LaboratoryTest : public testing::Test {
     options_.record_file = (folder_ / "stroke.mcap").string();
     options_.study_file = (folder_ / "study.csv").string();
   }
-  /// Returns the error; empty on success.
+  /// Returns the error. Empty on success.
   std::string start() {
     const auto laboratory =
         Laboratory::start(options_, {}, device_, {}, cycle_, loop_, [](const std::string&) {});

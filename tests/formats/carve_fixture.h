@@ -22,7 +22,7 @@ inline const char* const kScene =
         "accuracy": {"pitch_mm": 0.5},
         "tools": [{"id": 1, "shape": "flat", "diameter_mm": 4, "length_mm": 20}],
         "machine": {"kinematics": "tool-vector"}})";
-// A slot of 4 mm, 2 mm deep, 20 mm long, entered and left outside the stock; then a tilted pass.
+// A slot of 4 mm, 2 mm deep, 20 mm long, entered and left outside the stock. Then a tilted pass.
 inline const char* const kProgram =
     "G21 G90 T1 M6\nG0 X-5 Y10 Z8 I0 J0 K1\nG1 X25 F600\nG0 Z15\nX25 Y5\nG1 Z9 I0 J0.6 "
     "K0.8\nX-5\nM2\n";

@@ -48,7 +48,7 @@ class Process {
     ::close(terminal_);
   }
 
-  // Waits until `reached` holds; returns false if the process ends first.
+  // Waits until `reached` holds. Returns false if the process ends first.
   template <class Reached>
   bool wait_until(Reached&& reached) {
     while (!reached(shown_))
@@ -56,7 +56,7 @@ class Process {
     return true;
   }
   void signal(int number) const { ::kill(id_, number); }
-  // Returns the exit status; -1 if a signal ended the process.
+  // Returns the exit status, or -1 if a signal ended the process.
   int end() {
     while (listen()) continue;
     int status = 0;

@@ -48,7 +48,7 @@ TEST(ParameterFile, ReadsLinesOfTwoNumbersInAscendingOrder) {
 }
 
 TEST(GcodeEnvironment, ToolOffsetsShiftProgrammedCoordinates) {
-  // The controlled point does not move; its coordinates shift by the tool length.
+  // The controlled point does not move. Its coordinates shift by the tool length.
   EXPECT_EQ(moves_of("T2 M6\nG0 X0 Y0 Z50\nG43\nG91 G0 X1\nG49\nX1\nM2\n"),
             "R 0 0 50, R 1 0 30, R 2 0 50");
   EXPECT_EQ(moves_of("T1 M6\nG0 Z50\nG43 H3\nG91 G0 X1\nG43.2 H1\nX1\nG43.1 Z5\nX1\nM2\n"),

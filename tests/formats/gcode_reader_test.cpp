@@ -58,7 +58,7 @@ TEST(GcodeReader, ToolPlacedInStockRemovesTheSameWithAMicrometerOfTravel) {
   const double taken = test::removed_mm3(scene, moved);
   EXPECT_GT(taken, 1);
   EXPECT_NEAR(test::removed_mm3(scene, still), taken, 0.05);
-  // Another tool at the same position; a rapid to the same position is no motion.
+  // Another tool at the same position. A rapid to the same position is no motion.
   const std::string other = placed + again + "T2 M6\n";
   EXPECT_EQ(gcode(scene, other + again + again + "M2\n").motions.size(), 2U);
   EXPECT_EQ(gcode(scene, other + "G0 X0 Y0\nM2\n").motions.size(), 1U);

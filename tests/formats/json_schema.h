@@ -19,7 +19,7 @@ class JsonSchema {
  public:
   explicit JsonSchema(nlohmann::json schema) : root_(std::move(schema)) {}
 
-  /// Returns the faults of a value; empty if it is valid. If alternatives (oneOf) name a kind in a
+  /// Returns the faults of a value. Empty if it is valid. If alternatives (oneOf) name a kind in a
   /// const or enum, returns the faults against the alternative with the value's kind.
   std::vector<SchemaFault> faults(const nlohmann::json& value) const;
 

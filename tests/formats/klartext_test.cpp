@@ -197,7 +197,7 @@ TEST(Klartext, PlaneSpatialTurnsTheCoordinatesAndTheTool) {
                             "xyzac-trt");
   ASSERT_TRUE(program) << to_string(program.error());
   const ProgramMotion& tilted = program->motions.at(1);
-  // X stays; the plane's Y is Z, and its Z is -Y.
+  // X stays. The plane's Y is Z, and its Z is -Y.
   EXPECT_NEAR(tilted.from.tip_mm.x, 1, 1e-6);
   EXPECT_NEAR(tilted.from.tip_mm.y, -3, 1e-6);
   EXPECT_NEAR(tilted.from.tip_mm.z, 2, 1e-6);

@@ -40,7 +40,7 @@ Job two_slots(Vec3 along, Vec3 middle, double rib_mm = kRibMm) {
            motion({floor - half - far}, {floor - half + far})}};
 }
 const double kHalf = std::sqrt(0.5);
-// Columns are at odd multiples of 0.15 mm. The rib along x spans 14.93 to 15.07; the diagonal one
+// Columns are at odd multiples of 0.15 mm. The rib along x spans 14.93 to 15.07. The diagonal one
 // is between two diagonals of columns, 0.212 mm apart.
 Job rib_along_x() { return two_slots({1, 0, 0}, {15, 15, 0}); }
 Job diagonal_rib() { return two_slots({kHalf, kHalf, 0}, {15, 15.15, 0}); }

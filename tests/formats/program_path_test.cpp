@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// A program through `points`; the line of a motion is its number.
+/// A program through `points`. The line of a motion is its number.
 Program through(const std::vector<Vec3>& points, bool rapid = false) {
   Program program;
   for (std::size_t n = 1; n < points.size(); ++n) {

@@ -91,7 +91,7 @@ std::vector<Json> every_field() {
   return scenes;
 }
 
-/// Returns why the reader rejects a scene; empty if it accepts it.
+/// Returns why the reader rejects a scene. Empty if it accepts it.
 std::string rejection(const Json& scene) {
   static const std::string kMesh =
       "solid m\n"

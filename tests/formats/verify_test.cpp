@@ -67,7 +67,7 @@ class Verify : public test::KerfCarve {
     KerfCarve::SetUp();
     write("part.stl", slotted());
   }
-  // `cuts`: the lines from the fourth on; the tool starts above the beginning of the slot.
+  // `cuts`: the lines from the fourth on. The tool starts above the beginning of the slot.
   void write_program(const std::string& cuts) const {
     write("p.ngc", "G21 G90 T1 M6\nG0 X20 Y-6 Z5\nF600\n" + cuts + "G0 Z5\nM2\n");
   }
@@ -320,7 +320,7 @@ TEST(LoadCurve, ALongMotionFillsItsTime) {
 }
 
 TEST(AttachedMaterial, DetectsLoosePieces) {
-  // A groove through the block along Y at X 8 to 12; the part is the corner up to X 6, Y 1.
+  // A groove through the block along Y at X 8 to 12. The part is the corner up to X 6, Y 1.
   auto block = test::make_sculpture(BoxStock{{0, 0, 0}, {20, 10, 5}}, 0.5);
   block.apply(DefineTool{1, make_tool(FlatShape{4, 30}).value()}).value();
   const auto cut = [&](double z) {

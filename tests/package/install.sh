@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# install.sh BUILD SOURCE: installs a build into an empty prefix and checks it as an embedder would: every public header
-# compiles alone, the examples build with find_package and with pkg-config, and the installed programs and devices run.
+# install.sh BUILD SOURCE: installs a build into an empty prefix and checks it as an embedder would:
+# every public header compiles alone, the examples build with find_package and with pkg-config, and
+# the installed programs and devices run.
 set -euo pipefail
 build=$1 source=$2
 scratch=$(mktemp -d)

@@ -92,7 +92,7 @@ TEST(FalconProtocol, ReportsPosesBetweenTheCountsOfItsLegs) {
   int moved = 0, repeated = 0;
   Vec3 last{};
   for (std::uint64_t tick = 1; tick <= 400; ++tick) {
-    // Each leg counts in every tenth report; the grip moves by 4 mm/s.
+    // Each leg counts in every tenth report. The grip moves by 4 mm/s.
     const auto count = static_cast<std::int16_t>(tick / 10);
     const falcon::FalconState state{.encoders = {count, count, count}, .homed = 7};
     Bytes packet{1, 0x60};

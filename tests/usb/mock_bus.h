@@ -18,7 +18,7 @@ struct _UMockdevIoctlData;
 
 namespace kerf::usb_test {
 
-/// A bus in udev, sysfs and /dev, simulated by umockdev; the program must run under
+/// A bus in udev, sysfs and /dev, simulated by umockdev. The program must run under
 /// umockdev-wrapper.
 class MockBus {
  public:
@@ -29,7 +29,7 @@ class MockBus {
 
   _UMockdevTestbed* testbed() const { return testbed_; }
 
-  /// Sets the errno with which opening any node fails; 0 for success.
+  /// Sets the errno with which opening any node fails, or 0 for success.
   static void reject_opening(int error);
 
  private:

@@ -80,7 +80,7 @@ class ReferenceProtocolAlone : public ::testing::Test {
 };
 
 TEST_F(ReferenceProtocolAlone, ReportsPosesBetweenTheStepsOfItsJoints) {
-  // Encoders of 4e-4 rad move the pen by about 0.06 mm a step; it moves by 5 mm/s.
+  // Encoders of 4e-4 rad move the pen by about 0.06 mm a step. It moves by 5 mm/s.
   constexpr double kStepUrad = 400;
   const auto pen = agent::standard_pen();
   int moved = 0;

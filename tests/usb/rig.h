@@ -18,7 +18,7 @@
 
 namespace kerf::usb_test {
 
-/// Polls a condition every millisecond; returns false after ten seconds, a limit for failing tests
+/// Polls a condition every millisecond. Returns false after ten seconds, a limit for failing tests
 /// only.
 template <typename Condition>
 bool eventually(Condition condition) {

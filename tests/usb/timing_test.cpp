@@ -26,7 +26,7 @@ void print(const char* what, std::vector<std::uint64_t>& times_us) {
               at(1.0), times_us.size());
 }
 
-// Times are printed but not asserted; the assertions hold on any machine.
+// Times are printed but not asserted. The assertions hold on any machine.
 TEST(UsbTiming, OneSecondAtOneKilohertzThroughLibusb) {
   Rig<ReferenceFirmware> rig;
   agent::UsbHapticDevice device(std::make_unique<ref::ReferenceProtocol>(ref::PenPlace{}),

@@ -22,7 +22,7 @@ enum class InFault { kNone, kShort, kEmpty, kStall, kBabble, kError, kLate };
 
 /// A usbfs node without a kernel: this program overrides ioctl, read, lseek and close for its
 /// descriptor, so that an unmodified libusb drives the model through libusb_wrap_sys_device. The
-/// descriptor is the write end of a full pipe; it becomes writable when an URB can be reaped, and
+/// descriptor is the write end of a full pipe. It becomes writable when an URB can be reaped, and
 /// reports an error when the device is unplugged, like the real node.
 class UsbfsStub {
  public:
@@ -31,7 +31,7 @@ class UsbfsStub {
   UsbfsStub(const UsbfsStub&) = delete;
   UsbfsStub& operator=(const UsbfsStub&) = delete;
 
-  /// Opens the node; returns -1 while unplugged. The caller closes it.
+  /// Opens the node. Returns -1 while unplugged. The caller closes it.
   int open_node();
 
   void plug();
@@ -57,7 +57,7 @@ class UsbfsStub {
   int address() const { return address_; }
   int halts_cleared() const { return halts_cleared_; }
 
-  // The node's system calls; they return -1 and set errno on errors.
+  // The node's system calls. They return -1 and set errno on errors.
   int ioctl(unsigned long request, void* argument);
   long read(void* data, std::size_t bytes);
   long seek(long offset);

@@ -32,7 +32,7 @@ struct FalconState {
   std::array<std::int16_t, 3> encoders{};
   /// Bits: 1 plus, 2 forward, 4 center, 8 minus.
   std::uint8_t buttons = 0;
-  /// One bit per leg; the encoders are valid only if all three are set.
+  /// One bit per leg. The encoders are valid only if all three are set.
   std::uint8_t homed = 0;
 
   bool operator==(const FalconState&) const = default;
@@ -43,7 +43,7 @@ using Frame = std::array<std::uint8_t, kFrameBytes>;
 /// Encodes '<', three motor words of four nibbles each (lowest first, each plus 'A'), lights and
 /// mode, 'A', '>'.
 Frame encode_command(const std::array<std::int16_t, 3>& motors, std::uint8_t lights) noexcept;
-/// Encodes an answer; used by models of the device.
+/// Encodes an answer. Used by models of the device.
 Frame encode_state(const FalconState& state) noexcept;
 std::optional<FalconState> decode_state(std::span<const std::uint8_t> frame) noexcept;
 struct FalconCommand {

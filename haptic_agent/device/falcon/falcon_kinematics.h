@@ -29,7 +29,7 @@ std::int16_t count_of(double angle_rad) noexcept;
 class LegTracker {
  public:
   LegTracker() noexcept;
-  /// Adds the counts measured `dt_s` after the last ones; returns the estimated angles.
+  /// Adds the counts measured `dt_s` after the last ones. Returns the estimated angles.
   LegAngles take(const std::array<std::int16_t, 3>& counts, double dt_s) noexcept;
   void reset() noexcept;
 
@@ -37,7 +37,7 @@ class LegTracker {
   std::array<StepTracker, 3> legs_;
 };
 
-/// Inverse kinematics in closed form; nullopt if the position is out of reach.
+/// Inverse kinematics in closed form. Returns nullopt if the position is out of reach.
 std::optional<LegAngles> leg_angles(Vec3 position_mm) noexcept;
 
 /// Forward kinematics by Newton iteration from `guess_mm`. Returns nullopt if 15 steps do not

@@ -16,13 +16,13 @@ constexpr std::uint64_t kAnswerUs = 10'000;
 constexpr std::uint64_t kSilenceUs = 500'000;
 /// A request and a reply through the serial chip, whose latency timer is 1 ms.
 constexpr std::uint64_t kLatencyUs = 3000;
-/// Resolution of the pose as estimated between the counts; each count moves the grip by 0.04 mm.
+/// Resolution of the pose as estimated between the counts. Each count moves the grip by 0.04 mm.
 constexpr double kResolutionMm = 0.001;
 constexpr double kSPerUs = 1e-6;
 /// Assumed mass of the grip and its three legs. The grip does not turn, so no torque moves it.
 constexpr double kMovingMassKg = 0.1;
 constexpr double kMovingInertiaKgM2 = 1;
-/// Largest plausible movement between two poses; a larger one means that an encoder slipped.
+/// Largest plausible movement between two poses. A larger one means that an encoder slipped.
 constexpr double kJumpMm = 10.0;
 constexpr std::uint64_t kForgetUs = 100'000;
 /// Positions farther away than this are out of the legs' reach.
@@ -129,7 +129,7 @@ std::size_t FalconProtocol::compose(std::span<std::uint8_t> packet, std::uint64_
   // last.
   if (waiting_ && !motors_disabled_ && now_us - std::min(now_us, sent_us_) < kAnswerUs) return 0;
   if (packet.size() < kFrameBytes) return 0;
-  // The serial chip keeps sending when the firmware hangs; the last state is then outdated.
+  // The serial chip keeps sending when the firmware hangs. The last state is then outdated.
   if (now_us - std::min(now_us, answered_us_) > kSilenceUs) state_.reset();
   const std::uint8_t lights = homed() ? kGreenLight : (kRedLight | kHomingMode);
   std::ranges::copy(encode_command(motors(now_us), lights), packet.begin());

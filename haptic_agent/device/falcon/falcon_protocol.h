@@ -20,7 +20,7 @@ struct FalconSettings {
 };
 
 /// Novint Falcon: three sensed and three actuated degrees of freedom. The tool's axis is vertical
-/// and its tip is at the grip; torques are ignored.
+/// and its tip is at the grip. Torques are ignored.
 class FalconProtocol final : public HapticProtocol {
  public:
   static constexpr UsbId kId{0x0403, 0xCB48};

@@ -39,7 +39,7 @@ bool has(const BitField<Bits>& field, std::size_t bit) {
   return ((field[bit / kBitsPerByte] >> (bit % kBitsPerByte)) & 1U) != 0;
 }
 
-/// Returns the codes of the events of a type that a node reports; empty if it is no event device.
+/// Returns the codes of the events of a type that a node reports. Empty if it is no event device.
 template <std::size_t Bits>
 BitField<Bits> codes(int fd, unsigned type) {
   BitField<Bits> field{};

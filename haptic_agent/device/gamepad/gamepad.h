@@ -18,7 +18,7 @@
 namespace kerf::agent {
 
 struct GamepadSettings {
-  /// An event device such as /dev/input/event5; if empty, the first gamepad found.
+  /// An event device such as /dev/input/event5. If empty, the first gamepad found.
   std::string node;
   StockBox stock{};
   /// The session's tools and the initial one.
@@ -27,7 +27,7 @@ struct GamepadSettings {
   /// Called on the device's thread with a line for the user: why the device is not ready, or that
   /// it is.
   std::function<void(const std::string&)> notice{};
-  /// Opens a node for reading and writing without blocking; returns -1 and sets errno on failure.
+  /// Opens a node for reading and writing without blocking. Returns -1 and sets errno on failure.
   /// If empty, the operating system's open.
   std::function<int(const std::string& node)> open{};
 };

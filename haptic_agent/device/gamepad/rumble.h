@@ -20,7 +20,7 @@ struct RumbleLevel {
 inline constexpr double kFullRumbleN = 4;
 inline constexpr double kFullRumbleNmm = 120;
 
-/// Returns the magnitudes for a wrench; zero if it is not finite. They follow force and torque
+/// Returns the magnitudes for a wrench, or zero if it is not finite. They follow force and torque
 /// rather than power, so a tool that rests against a surface rumbles too.
 RumbleLevel rumble_of(const Wrench& wrench) noexcept;
 
@@ -33,7 +33,7 @@ class RumbleClock {
   static constexpr std::uint64_t kRenewUs = 100'000;
   static constexpr std::uint16_t kEffectMs = 250;
 
-  /// Returns the level to set now; nullopt if no update is due.
+  /// Returns the level to set now, or nullopt if no update is due.
   std::optional<RumbleLevel> due(const RumbleLevel& level, std::uint64_t now_us) noexcept;
   void restart() noexcept { *this = {}; }
 

@@ -27,7 +27,7 @@ struct Range {
 
 Vec3 vec_of(const double (&v)[3]) noexcept { return {v[0], v[1], v[2]}; }
 
-/// Returns the first field outside 0 ... most; empty if there is none.
+/// Returns the first field outside 0 ... most. Empty if there is none.
 std::string fault_of(std::span<const Range> ranges) {
   for (const Range& range : ranges) {
     if (range.value >= 0 && range.value <= range.most) continue;

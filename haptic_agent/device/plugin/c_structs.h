@@ -48,7 +48,7 @@ bool write_struct(const T& from, T* to) noexcept {
 std::expected<DeviceCapabilities, std::string> capabilities_of(
     const kerf_agent_capabilities& given);
 
-/// Whether the tip of a ready device is finite and its axis of length 1; true if it is not ready.
+/// Whether a pose is usable: a finite tip and an axis of length 1. True if the device is not ready.
 bool is_pose(const kerf_agent_pose& pose) noexcept;
 
 /// Converts a pose. The result is not valid if the device is not ready, or if the pose is as old as

@@ -28,7 +28,7 @@ std::pair<std::string, std::string> split_argument(std::string_view text) {
   return {std::string(text.substr(0, colon)), std::string(text.substr(colon + 1))};
 }
 
-/// Returns the fault of a table of functions; empty if the table is usable.
+/// Returns the fault of a table of functions. Empty if the table is usable.
 std::string_view missing_function(const kerf_agent_device& functions) noexcept {
   if (functions.capabilities == nullptr) return "has no function `capabilities`";
   if (functions.read_pose == nullptr) return "has no function `read_pose`";

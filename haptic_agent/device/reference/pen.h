@@ -38,7 +38,7 @@ struct PenAngles {
 /// the device does not state it. The coordinates of the pen have no steps of their own.
 class JointTracker {
  public:
-  /// Adds the angles measured `dt_s` after the last ones; returns the estimated angles.
+  /// Adds the angles measured `dt_s` after the last ones. Returns the estimated angles.
   PenAngles take(const PenAngles& measured, double dt_s) noexcept;
   void reset() noexcept;
 

@@ -15,7 +15,7 @@ namespace {
 
 /// Accepted inconsistency of the encoders: play of the ball joints, and rounding.
 constexpr double kMismatchMm = 2.0;
-/// Largest plausible speed; a higher one means that an encoder slipped or wrapped.
+/// Largest plausible speed. A higher one means that an encoder slipped or wrapped.
 constexpr double kMaxMmPerS = 5000.0;
 constexpr double kJumpMm = 2.0;
 /// After this time without a plausible pose, the next one is accepted.
@@ -130,7 +130,7 @@ void ReferenceProtocol::connected(std::uint64_t) noexcept {
 bool ReferenceProtocol::is_new(std::uint16_t sequence, std::uint64_t now_us) const noexcept {
   if (!report_) return true;
   const auto ahead = static_cast<std::int16_t>(sequence - report_->sequence);
-  // A restarted firmware may count from any number; a hanging one repeats the same number.
+  // A restarted firmware may count from any number. A hanging one repeats the same number.
   const bool forgotten = now_us - std::min(now_us, report_us_) > kForgetUs;
   return ahead > 0 || (forgotten && ahead != 0);
 }

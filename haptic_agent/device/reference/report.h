@@ -40,14 +40,14 @@ inline constexpr std::uint16_t kEmergencyStopBit = 1U << 11;
 /// Bits of StateReport::buttons.
 inline constexpr std::uint16_t kCutButton = 1;
 inline constexpr std::uint16_t kGripSensor = 2;
-/// Second button; only some pens have it.
+/// Second button. Only some pens have it.
 inline constexpr std::uint16_t kClutchButton = 4;
 
 /// Bits of CommandReport::command.
 inline constexpr std::uint16_t kEnableMotors = 1;
 inline constexpr std::uint16_t kStartHoming = 2;
 
-/// Identity and dimensions of the device; read once by kIdentityRequest.
+/// Identity and dimensions of the device. Read once by kIdentityRequest.
 struct Identity {
   std::uint8_t version = kVersion;
   std::uint8_t minor = 0;

@@ -12,7 +12,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Removes the first word, up to a space, and returns it; empty at the end.
+/// Removes the first word, up to a space, and returns it. Empty at the end.
 std::string_view take_word(std::string_view& line) noexcept {
   const std::size_t end = std::min(line.find(' '), line.size());
   const std::string_view word = line.substr(0, end);
@@ -76,7 +76,7 @@ struct FlagKey {
 constexpr FlagKey kFlagKeys[] = {{"deadman", KERF_AGENT_HAS_DEADMAN},
                                  {"always_cut", KERF_AGENT_ALWAYS_CUT}};
 
-/// Reads one KEY=VALUE; returns false if the key is unknown or the value malformed.
+/// Reads one KEY=VALUE. Returns false if the key is unknown or the value malformed.
 bool read_key(std::string_view key, std::string_view value, kerf_agent_capabilities& given) {
   for (const NumberKey& known : kNumberKeys) {
     if (key == known.key) return read_number(value, given.*known.field);

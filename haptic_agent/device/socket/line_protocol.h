@@ -22,14 +22,14 @@ inline constexpr std::size_t kMaxLineBytes = 1024;
 
 struct SocketPose {
   DeviceState state;
-  /// Number of the newest wrench that the device has accepted; 0 before the first.
+  /// Number of the newest wrench that the device has accepted, or 0 before the first.
   std::uint16_t accepted = 0;
 };
 
 /// Reads `kerf-device 1 KEY=VALUE ...`. The error is one clause.
 std::expected<DeviceCapabilities, std::string> parse_device_line(std::string_view line);
 
-/// Reads `pose STATE X Y Z AX AY AZ BUTTONS ACCEPTED`; nullopt if it is malformed.
+/// Reads `pose STATE X Y Z AX AY AZ BUTTONS ACCEPTED`. Returns nullopt if it is malformed.
 std::optional<SocketPose> parse_pose_line(std::string_view line, bool has_deadman,
                                           std::uint64_t now_us) noexcept;
 
@@ -39,7 +39,7 @@ inline constexpr std::string_view kRearmLine = "rearm";
 /// `session PARTICIPANT PIVOT X0 Y0 Z0 X1 Y1 Z1`, with a newline.
 std::string session_line(const StockBox& stock, double pivot_mm, std::uint32_t participant);
 
-/// Writes `wrench NUMBER FX FY FZ TX TY TZ`, with a newline; returns it. Does not allocate.
+/// Writes and returns `wrench NUMBER FX FY FZ TX TY TZ`, with a newline. Does not allocate.
 std::string_view write_wrench_line(std::span<char, 256> line, std::uint16_t number,
                                    const Wrench& wrench) noexcept;
 

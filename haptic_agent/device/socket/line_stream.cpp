@@ -26,7 +26,7 @@ constexpr int kSendBytes = 4096;
 
 std::string error_text(int error) { return std::generic_category().message(error); }
 
-/// Starts to connect a new socket; returns it, or the negative error.
+/// Starts to connect a new socket. Returns it, or the negative error.
 int start_connecting(int family, const sockaddr* address, socklen_t bytes) noexcept {
   const int fd = ::socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (fd < 0) return -errno;
@@ -37,7 +37,7 @@ int start_connecting(int family, const sockaddr* address, socklen_t bytes) noexc
   return -error;
 }
 
-/// Waits until a socket is connected; returns 0 or the error.
+/// Waits until a socket is connected. Returns 0 or the error.
 int finish_connecting(int fd) noexcept {
   pollfd waited{.fd = fd, .events = POLLOUT, .revents = 0};
   if (::poll(&waited, 1, kConnectMs) != 1) return ETIMEDOUT;

@@ -21,7 +21,7 @@ struct SocketAddress {
 std::expected<SocketAddress, std::string> parse_socket_address(std::string_view text);
 std::string to_string(const SocketAddress& address);
 
-/// A connected socket that carries lines; does not block. Used by one thread.
+/// A connected socket that carries lines. Does not block. Used by one thread.
 class LineStream {
  public:
   LineStream() = default;
@@ -37,9 +37,9 @@ class LineStream {
   /// Receives the pending bytes. Returns false if the connection is closed, or if a line is longer
   /// than `most` bytes.
   bool receive(std::size_t most);
-  /// Fetches the next complete line without its newline; returns false if there is none.
+  /// Fetches the next complete line without its newline. Returns false if there is none.
   bool next(std::string& line);
-  /// Appends a text to the output, unless earlier text is still waiting; then returns false.
+  /// Appends a text to the output. Returns false and appends nothing while earlier text is waiting.
   bool queue(std::string_view text);
   /// Sends the waiting output as far as the socket accepts it. Returns false if the connection is
   /// lost.

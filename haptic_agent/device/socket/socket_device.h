@@ -62,7 +62,7 @@ class SocketDevice final : public HapticDevice {
   SocketDeviceSettings settings_;
   /// Assigned at the first connection, before the device's thread starts; constant afterwards.
   DeviceCapabilities capabilities_;
-  /// The device's first line; it must be the same after a loss.
+  /// The device's first line. It must be the same after a loss.
   std::string device_line_;
   LineStream stream_;
   DeviceMailbox mailbox_;

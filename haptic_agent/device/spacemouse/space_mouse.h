@@ -43,7 +43,7 @@ class RateControl {
 class SpaceMouse final : public HapticDevice {
  public:
   /// A deflected cap reports every 8 or 16 ms. After a longer silence it is at rest or
-  /// disconnected; the tool does not move.
+  /// disconnected. The tool does not move.
   static constexpr std::uint64_t kSilenceUs = 50'000;
 
   SpaceMouse(const StockBox& stock, UsbPortSettings settings);

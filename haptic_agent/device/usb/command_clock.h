@@ -49,8 +49,8 @@ class CommandClock {
     }
   }
 
-  /// Time of the oldest command not yet accepted, for numbers of 1 to 65535 in turn; 0 if there is
-  /// none or the device has not acknowledged any.
+  /// Time of the oldest command not yet accepted, for numbers of 1 to 65535 in turn, or 0 if there
+  /// is none or the device has not acknowledged any.
   std::uint64_t waiting_since_us() const noexcept { return acknowledges_ ? waiting_us_ : 0; }
 
   CommandEcho echo() const noexcept {

@@ -10,7 +10,7 @@ struct libusb_device;
 namespace kerf::agent {
 
 /// Returns all alternate settings of all interfaces of the active configuration, or of the first
-/// one if the active one is unknown; empty if the descriptors cannot be read.
+/// one if the active one is unknown. Empty if the descriptors cannot be read.
 std::vector<InterfaceShape> walk_descriptors(libusb_device* device);
 
 }  // namespace kerf::agent

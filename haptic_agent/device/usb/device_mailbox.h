@@ -36,8 +36,8 @@ class DeviceMailbox {
   /// Any thread: sets the force to zero until the next `write`.
   void stop() noexcept { stopped_.store(true, std::memory_order_release); }
 
-  /// Event thread: returns the wrench to output now; zero if it is too old, stopped or not finite.
-  /// `changed` is set if there was a write or stop since the last call.
+  /// Event thread: returns the wrench to output now, or zero if it is too old, stopped or not
+  /// finite. `changed` is set if there was a write or stop since the last call.
   Wrench output(std::uint64_t now_us, bool& changed) noexcept {
     // `stopped_` is read before the wrench: a wrench written in between is output by the next call.
     const bool stopped = stopped_.load(std::memory_order_acquire);

@@ -39,7 +39,7 @@ UsbConnection::UsbConnection(libusb_context* context, libusb_device_handle* hand
 UsbConnection::~UsbConnection() {
   cancel_all();
   if (claimed_) libusb_release_interface(handle_, pipes_.interface_number);
-  // After closing, libusb no longer refers to transfers that never completed; they may be freed
+  // After closing, libusb no longer refers to transfers that never completed. They may be freed
   // only then.
   libusb_close(handle_);
   for (Slot& slot : ins_) libusb_free_transfer(slot.transfer);
@@ -203,7 +203,7 @@ void UsbConnection::disable_motors() {
   if (!streaming_ || pipes_.out == 0) return;
   protocol_.disable_motors();
   const std::uint64_t until_us = monotonic_us() + kFarewellUs;
-  // The packet in flight may still contain a force; the zero is sent after it.
+  // The packet in flight may still contain a force. The zero is sent after it.
   while (out_.in_flight && !lost_ && monotonic_us() < until_us) handle_events(context_, 1000);
   send(monotonic_us());
   while (out_.in_flight && !lost_ && monotonic_us() < until_us) handle_events(context_, 1000);

@@ -31,7 +31,7 @@ class UsbConnection final : public UsbSyncIo {
   std::expected<void, UsbError> claim();
   /// Starts the transfers. Call once, after the protocol has identified the device.
   std::expected<void, UsbError> start(std::uint64_t now_us);
-  /// Clears endpoint halts and sends the next packet. Returns false if the device is lost; the
+  /// Clears endpoint halts and sends the next packet. Returns false if the device is lost. The
   /// connection must then be destroyed.
   bool pump(std::uint64_t now_us);
   /// Sends a final packet with the motors disabled, and waits for at most 20 ms until it is sent.
@@ -76,7 +76,7 @@ class UsbConnection final : public UsbSyncIo {
   bool claimed_ = false;
   bool streaming_ = false;
   bool lost_ = false;
-  /// Endpoint whose halt must be cleared outside the callbacks; 0 if none.
+  /// Endpoint whose halt must be cleared outside the callbacks, or 0 if none.
   std::uint8_t halted_in_ = 0;
   std::uint8_t halted_out_ = 0;
   /// Failed transfers since the last good packet.

@@ -20,7 +20,7 @@ DeviceState UsbHapticDevice::read(std::uint64_t now_us) noexcept {
 void UsbHapticDevice::write(const Wrench& wrench) noexcept {
   const bool ready = port_.phase() == DevicePhase::kReady;
   protocol_->mailbox().write(ready ? wrench : Wrench{});
-  // Wakes the port only while it streams; earlier, the wake-up would end its pause before the next
+  // Wakes the port only while it streams. Earlier, the wake-up would end its pause before the next
   // attempt to connect.
   if (ready) port_.wake();
 }

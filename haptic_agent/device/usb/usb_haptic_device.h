@@ -22,7 +22,7 @@ class HapticProtocol : public UsbProtocol {
   DeviceMailbox mailbox_;
 };
 
-/// A HapticDevice connected by USB. The constructor starts the search for the device; the
+/// A HapticDevice connected by USB. The constructor starts the search for the device. The
 /// destructor sets the motors to zero and closes it.
 class UsbHapticDevice final : public HapticDevice {
  public:

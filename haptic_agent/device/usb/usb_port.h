@@ -18,8 +18,8 @@ namespace kerf::agent {
 inline constexpr int kUsbPriority = 79;
 
 struct UsbPortSettings {
-  /// Opens a usbfs node and returns its file descriptor, which the port then owns; -1 if there is
-  /// no device. For systems that pass opened nodes (sandboxes, phones), and for tests. If empty,
+  /// Opens a usbfs node and returns its file descriptor, which the port then owns, or -1 if there
+  /// is no device. For systems that pass opened nodes (sandboxes, phones), and for tests. If empty,
   /// the port searches the bus for the device's ids.
   std::function<int()> node{};
   /// Called on the event thread with a line for the user: a problem, or that the device is ready.

@@ -22,7 +22,7 @@ struct UsbId {
   bool operator==(const UsbId&) const = default;
 };
 
-/// The first four fields of a control transfer; the length is that of the data.
+/// The first four fields of a control transfer. The length is that of the data.
 struct ControlSetup {
   std::uint8_t type = 0;
   std::uint8_t request = 0;
@@ -64,7 +64,7 @@ class UsbProtocol {
   virtual std::expected<void, UsbError> identify(UsbSyncIo& io) = 0;
   /// Called before the first `take` and `compose`.
   virtual void connected(std::uint64_t now_us) noexcept = 0;
-  /// Processes a received packet, which is untrusted data; returns false if it is invalid.
+  /// Processes a received packet, which is untrusted data. Returns false if it is invalid.
   virtual bool take(std::span<const std::uint8_t> packet, std::uint64_t now_us) noexcept = 0;
   /// Writes the next packet to send into `packet` and returns its length; 0 to send nothing. Called
   /// while no OUT transfer is in flight: after every received or sent packet, after every
@@ -78,7 +78,7 @@ class UsbProtocol {
   virtual void disconnected() noexcept = 0;
   /// Returns kHoming, kReady, or kIdentified for a fault of the device itself.
   virtual DevicePhase phase() const noexcept = 0;
-  /// Returns why a connected device is not ready, as static text; empty if it is ready.
+  /// Returns why a connected device is not ready, as static text. Empty if it is ready.
   virtual std::string_view trouble() const noexcept = 0;
 };
 

@@ -32,7 +32,7 @@ struct FoundDevice {
   UsbId id{};
   /// "/dev/bus/usb/001/004"
   std::string node{};
-  /// The fault on opening it; empty if it could be opened.
+  /// The fault on opening it. Empty if it could be opened.
   std::optional<UsbFault> fault{};
 };
 

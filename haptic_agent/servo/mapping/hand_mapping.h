@@ -43,7 +43,7 @@ class HandMapping {
   explicit HandMapping(const MappingSettings& settings) noexcept
       : map_(settings.at_start), clutch_(settings.clutch) {}
 
-  /// Processes the newest state of the device; returns that of the tool in the block, without the
+  /// Processes the newest state of the device. Returns that of the tool in the block, without the
   /// clutch buttons. The tool does not cut while the clutch is held, nor across a change.
   DeviceState follow(const DeviceState& device, std::uint64_t now_us) noexcept;
   /// Sets the mapping from the next pose on.
@@ -67,7 +67,7 @@ class HandMapping {
   ClutchButton clutch_;
   std::optional<MappingRequest> request_;
   bool is_away_ = false, has_resumed_ = false;
-  /// Tip of the tool in the block at the newest pose; empty before the first.
+  /// Tip of the tool in the block at the newest pose. Empty before the first.
   std::optional<Vec3> tool_mm_;
   std::uint64_t valid_from_us_ = 0;
   std::uint64_t resumed_us_ = 0;  ///< 0: never

@@ -83,8 +83,8 @@ class SpaceMap {
   /// Returns a wrench in the block, about the image of the device's pivot, as the hand feels it.
   Wrench to_device(const Wrench& block) const noexcept;
   /// Returns an answer of the session in device space. Its torque is about the session's pivot,
-  /// `pivot_mm` from the tip; the result's about the device's pivot, at the same distance in device
-  /// space. `axis`: the device's axis at the answered pose.
+  /// `pivot_mm` from the tip. That of the result is about the device's pivot, at the same distance
+  /// in device space. `axis`: the device's axis at the answered pose.
   ServerWrench to_device(const ServerWrench& answer, Vec3 axis, double pivot_mm) const noexcept;
 
   /// Returns the mapping with `device_mm` moved to another point of the block.
@@ -108,7 +108,7 @@ struct MappingChoice {
 };
 
 /// Returns a mapping that shows the center of the workspace at the center of the stock, at the
-/// least scale at which the stock fills at most kFilled of each edge of the workspace; empty if the
+/// least scale at which the stock fills at most kFilled of each edge of the workspace. Empty if the
 /// workspace is unknown. `like`: gives gain and turn.
 std::optional<WorkspaceMapping> fitted(const SpaceBox& stock, const SpaceBox& workspace,
                                        const WorkspaceMapping& like) noexcept;

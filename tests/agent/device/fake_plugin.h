@@ -7,7 +7,7 @@
 
 namespace kerf::agent {
 
-/// Poses that the fake plugin reports and calls that it received; its address is the plugin's
+/// Poses that the fake plugin reports and calls that it received. Its address is the plugin's
 /// argument.
 struct FakePluginLog {
   kerf_agent_capabilities capabilities{};

@@ -15,7 +15,7 @@ namespace {
 const PoseScript kLine = {{.time_s = 0, .tip_mm = {0, 0, 0}, .cutting = false},
                           {.time_s = 1, .tip_mm = {50, 0, 0}, .cutting = true}};
 
-/// Runs a device at 1 kHz for a time; writes a wrench before each tick.
+/// Runs a device at 1 kHz for a time. Writes a wrench before each tick.
 DeviceState run(HapticDevice& device, std::uint64_t from_us, double for_s,
                 const std::function<Wrench(const DeviceState&)>& wrench) {
   DeviceState state = device.read(from_us);

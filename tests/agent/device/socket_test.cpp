@@ -138,7 +138,7 @@ class FakeProcess {
     reader_ = std::thread([this] { read(); });
   }
   void say(const std::string& text) const { ::send(fd_, text.data(), text.size(), MSG_NOSIGNAL); }
-  /// Returns the next line; empty at the end.
+  /// Returns the next line. Empty at the end.
   std::string hear() {
     std::unique_lock lock(mutex_);
     came_.wait(lock, [this] { return !lines_.empty() || ended_; });
@@ -204,7 +204,7 @@ class SocketDeviceTest : public ::testing::Test {
     agent = *std::move(opened);
     EXPECT_EQ(process.hear(), "session 4 60 0 0 0 1 1 1");
   }
-  /// Calls until the condition holds; the limit only ends a failed test.
+  /// Calls until the condition holds. The limit only ends a failed test.
   template <typename Condition>
   static bool eventually(Condition condition) {
     for (int i = 0; i < 10'000; ++i) {

@@ -126,7 +126,7 @@ class LibraryTest : public ::testing::Test {
     has_answered_.wait_for(lock, milliseconds(50), [&] { return answered_us_ >= due_us; });
     return result;
   }
-  /// Runs a loop of 1 kHz until the condition holds; the limit of 5 s of the stepped clock ends a
+  /// Runs a loop of 1 kHz until the condition holds. The limit of 5 s of the stepped clock ends a
   /// failed test.
   template <typename Condition>
   bool tick_until(const kerf_agent_pose& pose, Condition condition) {

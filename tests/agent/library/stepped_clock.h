@@ -10,9 +10,9 @@ namespace kerf::agent {
 /// tick. Timers of the link and everything outside the library follow the machine's clock.
 class SteppedClock {
  public:
-  /// Advances the library's clock; the first call stops it at the machine's time. From any thread.
+  /// Advances the library's clock. The first call stops it at the machine's time. From any thread.
   static void advance_us(std::uint64_t step_us);
-  /// The stepped time in microseconds; 0 while the clock follows the machine's.
+  /// The stepped time in microseconds, or 0 while the clock follows the machine's.
   static std::uint64_t now_us();
   /// Returns to the machine's clock. Call only after the library's last object was closed, because
   /// its time may go back.

@@ -17,9 +17,9 @@ namespace kerf::agent {
 class FakePeer {
  public:
   virtual ~FakePeer() = default;
-  /// Returns the next text frame; skips binary frames.
+  /// Returns the next text frame. Skips binary frames.
   virtual std::optional<std::string> read_text() = 0;
-  /// Returns the next motion; answers pings and stores text frames in `texts`.
+  /// Returns the next motion. Answers pings and stores text frames in `texts`.
   virtual std::optional<wire::MotionBatch> read_motion() = 0;
   virtual bool send_text(const std::string& text) = 0;
   virtual bool send_result(const wire::Result& result, std::uint32_t epoch) = 0;

@@ -215,7 +215,7 @@ class TrafficTest : public ::testing::Test {
     wire::append(frame, {.epoch = 1, .sequence = 1, .time_us = 1}, body);
     ASSERT_FALSE(traffic.take_frame(frame, now_us));
   }
-  /// Pushes a pose, 1 ms after the last one; returns the samples that are sent.
+  /// Pushes a pose, 1 ms after the last one. Returns the samples that are sent.
   std::vector<wire::MotionSample> pass(Traffic& traffic, double x_mm, bool cutting) {
     return pass(
         traffic,

@@ -14,7 +14,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Waits until the flag is set; the limit only ends a failed test.
+/// Waits until the flag is set. The limit only ends a failed test.
 bool eventually(const std::atomic<bool>& flag) {
   for (int i = 0; i < 2000 && !flag; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   return flag;

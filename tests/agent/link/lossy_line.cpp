@@ -60,7 +60,7 @@ int connected(int kind, std::uint16_t port) {
   return socket;
 }
 
-/// Bytes in flight to a socket; empty for the end of the connection.
+/// Bytes in flight to a socket. Empty for the end of the connection.
 struct Parcel {
   int to = -1;
   sockaddr_in address{};  ///< address of the agent; unused for datagrams to the server, whose

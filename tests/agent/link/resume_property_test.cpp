@@ -62,7 +62,7 @@ class Carver {
   }
 
   bool is_connected() const { return server_ != nullptr; }
-  /// Connects; if the server does not know that an earlier connection has ended, it keeps that one.
+  /// Connects. If the server does not know that an earlier connection has ended, it keeps that one.
   void connect() {
     half_open_ = std::exchange(server_, nullptr);
     to_server_.clear();

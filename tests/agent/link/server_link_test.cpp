@@ -17,7 +17,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Waits until the condition holds; the limit only ends a failed test.
+/// Waits until the condition holds. The limit only ends a failed test.
 template <typename Condition>
 bool eventually(Condition condition) {
   for (int i = 0; i < 2000; ++i) {

@@ -41,7 +41,7 @@ class TrafficDatagrams : public ::testing::Test {
     return found;
   }
 
-  /// Returns the next motion over a transport; counts pings.
+  /// Returns the next motion over a transport. Counts pings.
   std::optional<wire::MotionBatch> next(bool udp) {
     std::array<std::byte, datagram::kMaxFrameBytes> frame;
     while (const std::size_t bytes =
@@ -170,7 +170,7 @@ TEST_F(TrafficDatagrams, GapCausesAResendOfUnansweredSamples) {
   ASSERT_FALSE(again.empty());
   EXPECT_EQ(again.front().front(), 6U);
   EXPECT_EQ(again.back().back(), 33U);
-  // Datagrams in flight behind the lost ones cause the same answer; only the first counts.
+  // Datagrams in flight behind the lost ones cause the same answer. Only the first counts.
   answer(5, true, wire::kStatusGap);
   EXPECT_TRUE(over_udp().empty());
   EXPECT_EQ(traffic.report().udp.gaps, 2U);

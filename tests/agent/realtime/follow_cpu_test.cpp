@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t kMs = 1'000'000;
 
-/// Wakes a thread every two milliseconds over `windows` windows; it works for `busy_ns` each time.
+/// Wakes a thread every two milliseconds over `windows` windows. It works for `busy_ns` each time.
 template <class Choice>
 void work(Choice& choice, std::uint64_t& now_ns, std::uint64_t busy_ns, int windows = 1) {
   const std::uint64_t end_ns = now_ns + (windows * PlaceChoice::kWindowNs) + (4 * kMs);

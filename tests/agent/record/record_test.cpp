@@ -181,7 +181,7 @@ TEST_F(RecordTest, KilledProgramLeavesCompleteChunks) {
     auto recorder = Recorder::start(file(), {{"session", "demo"}}, "{}");
     ASSERT_TRUE(recorder);
     for (std::uint64_t n = 0; n < 2500; ++n) (*recorder)->tape().push(tick_at(n));
-    // Its thread wakes 10 times per second; the destructor writes no more data.
+    // Its thread wakes 10 times per second. The destructor writes no more data.
     ASSERT_TRUE(test::eventually([this] { return std::filesystem::file_size(file()) >= 20'000; }));
   }
   const auto recording = read_recording(file());
@@ -231,7 +231,7 @@ TEST_F(RecordTest, DamagedBytesAreRejectedOrHarmless) {
 }
 
 TEST_F(RecordTest, ChunksOfOtherWritersNeedNotStateTheirSizeInTheFrame) {
-  // A frame of Zstandard with one raw block; its header has no size of the content.
+  // A frame of Zstandard with one raw block. Its header has no size of the content.
   constexpr std::string_view kFrame("\x28\xB5\x2F\xFD\0\0\x19\0\0abc", 12);
   ZstdPack pack;
   const auto text = pack.unpack(std::as_bytes(std::span(kFrame)), 3);

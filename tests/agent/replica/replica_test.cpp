@@ -163,7 +163,7 @@ TEST_P(ReplicaTest, FeelsTheMillingForceOfTheServer) {
 }
 
 TEST_P(ReplicaTest, RemovesTheImprintOfAToolLikeTheServer) {
-  // The ball begins to cut 4 mm inside the block; the wider mill replaces it in the slot.
+  // The ball begins to cut 4 mm inside the block. The wider mill replaces it in the slot.
   begin(GetParam());
   const Vec3 start{0, 0, -4};
   send(start, {0, 0, 1}, 1, 0);

@@ -65,7 +65,7 @@ class CirclingDevice final : public HapticDevice {
   Wrench newest{};
 };
 
-/// A guide of each kind; the circling hand meets all of them.
+/// A guide of each kind. The circling hand meets all of them.
 std::vector<Guide> every_guide() {
   PathGuide path, stroke;
   path.within_mm = stroke.within_mm = 1;

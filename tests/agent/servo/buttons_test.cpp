@@ -45,7 +45,7 @@ class Buttons : public ::testing::Test {
     cycle.emplace(*device, samples, wrenches, listener,
                   settings_for(device->capabilities(), {.mode = ForceMode::kHold}));
   }
-  /// Runs `ms` ticks, answered without force; returns the number of samples in which the tool cut.
+  /// Runs `ms` ticks, answered without force. Returns the number of samples in which the tool cut.
   int pass(int ms) {
     int cut = 0;
     for (int i = 0; i < ms; ++i) {

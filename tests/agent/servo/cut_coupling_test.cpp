@@ -203,7 +203,7 @@ struct Held : Cutting {
     for (int i = 0; i < 100; ++i) move({0.03, 0, 0}, {1, 0, 0});
     loaded_n = -felt.force_n.x;
   }
-  /// Moves along x where no stock is left; returns the force against the motion.
+  /// Moves along x where no stock is left. Returns the force against the motion.
   double retrace(double speed_mm_per_s, int ticks, Vec3 force_n = {}) {
     for (int i = 0; i < ticks; ++i) {
       now.grip.pivot_mm.x += speed_mm_per_s * kTickS;

@@ -10,7 +10,7 @@ namespace {
 
 class LostTicksTest : public SupervisorTest {
  protected:
-  /// Runs ticks, of which each `every`-th follows `lost` lost ones; returns the least gain.
+  /// Runs ticks, of which each `every`-th follows `lost` lost ones. Returns the least gain.
   double lose(std::uint64_t lost, int every, int ticks) {
     double least = 1;
     for (int i = 0; i < ticks; ++i) {

@@ -218,7 +218,7 @@ TEST_F(MappedServoTest, HandFeelsTheGainedForceAtItsOwnLever) {
   make({.scale = 0.04, .gain = 2, .turn_rad = {0, 0, std::numbers::pi / 2}});
   run(200);
   run(800, {0, 0.03, 0}, {1, 0, 0});
-  // Device +y moves the tool along the block's -x; the force of the block holds it back.
+  // Device +y moves the tool along the block's -x. The force of the block holds it back.
   EXPECT_NEAR(sample.tip_mm.x, -0.04 * 24, 1e-9);
   EXPECT_NEAR(sample.tip_mm.y, 0, 1e-9);
   EXPECT_NEAR(device.output.force_n.y, -2, 1e-9);

@@ -98,7 +98,7 @@ TEST(ForceReasons, EachHasASentenceWithARemedyForTheDevice) {
 
 class ForceWatchTest : public ::testing::Test {
  protected:
-  /// Looks ten times per second; returns the notifications to the user.
+  /// Looks ten times per second. Returns the notifications to the user.
   std::vector<std::string> pass(NoForce reason, double seconds) {
     std::vector<std::string> lines;
     for (int i = 0; i < static_cast<int>(seconds * 10); ++i) {

@@ -65,7 +65,7 @@ class Safety : public ::testing::Test {
     ASSERT_EQ(cycle->supervisor().phase(), ServoPhase::kActive);
     ASSERT_NEAR(device.output.force_n.z, 2, 1e-9);
   }
-  /// Returns the time from `event` to zero force, ms; -1 if the force stays.
+  /// Returns the time from `event` to zero force, ms, or -1 if the force stays.
   template <typename Event>
   int ms_to_zero_force(Event event, bool answered) {
     event();

@@ -12,7 +12,7 @@ class SupervisorTest : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kMs = 1000;
 
-  /// Runs `ms` ticks; returns the last gain.
+  /// Runs `ms` ticks. Returns the last gain.
   double pass(int ms) {
     double share = 0;
     for (int i = 0; i < ms; ++i) {

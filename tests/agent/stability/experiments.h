@@ -36,7 +36,7 @@ SwingOutcome swing(const Swing& swing);
 struct Recording {
   std::vector<DeviceState> poses;
   std::vector<Vec3> force_n;
-  /// Tip of a second agent's tool at each tick; empty without a second agent.
+  /// Tip of a second agent's tool at each tick. Empty without a second agent.
   std::vector<Vec3> another;
 };
 Recording record_carving(double seconds);

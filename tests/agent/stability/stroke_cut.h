@@ -48,7 +48,7 @@ struct StrokeCut {
   double seconds = 3;
   double newtons = 1;  ///< approximately the greatest force of the stroke
   const char* rays = "dexel";
-  /// A hand that the force moves; if empty, the hand is rigid.
+  /// A hand that the force moves. If empty, the hand is rigid.
   std::optional<PlantMechanics> live = std::nullopt;
   double quantum_mm = 0;  ///< for a rigid hand
 };

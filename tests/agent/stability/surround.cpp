@@ -35,7 +35,7 @@ Vec3 target(const Surround& surround, double time_s) {
   return {kStartMm + (kEndMm - kStartMm) * slot + aside, 0, -kDepthMm};
 }
 
-/// The hand's buttons and tool; counts how often they changed the stock around the tool.
+/// The hand's buttons and tool. Counts how often they changed the stock around the tool.
 class Changes {
  public:
   explicit Changes(const Surround& surround) : surround_(surround) {}

@@ -37,9 +37,9 @@ class TestBed {
   /// The server's newest result, before transmission.
   const wire::Result& newest() const { return newest_; }
   Session& session() { return *session_; }
-  /// The agent's replica; may be null.
+  /// The agent's replica. May be null.
   const Replica* replica() const { return copy_.replica ? &*copy_.replica : nullptr; }
-  /// The scene's guides; may be null.
+  /// The scene's guides. May be null.
   const GuideModel* guidance() const { return guidance_ ? &*guidance_ : nullptr; }
   LinkReport link() const { return traffic_->report(); }
   std::uint64_t now_us() const { return now_us_; }

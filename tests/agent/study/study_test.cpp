@@ -30,7 +30,7 @@ TickRecord cutting_tick(std::uint64_t n, ForceMode mode) {
           .has_pose = true};
 }
 
-/// Runs to the next question; returns the modes in which both intervals were rendered.
+/// Runs to the next question. Returns the modes in which both intervals were rendered.
 std::vector<ForceMode> run_to_question(TrialRun& run, std::uint64_t& n) {
   std::vector<ForceMode> modes;
   // A trial needs some thousand ticks.
@@ -132,7 +132,7 @@ TEST(Study, WritesALineAfterEachAnswer) {
                        },
                    .done = [&] { done.store(true); }});
   int answered = 0;
-  // Its 3 trials of 2 x 500 + 2 x 50 ticks take some seconds; the bound only ends a failed test.
+  // Its 3 trials of 2 x 500 + 2 x 50 ticks take some seconds. The bound only ends a failed test.
   for (std::uint64_t n = 1; !done.load() && n < 1'000'000; ++n) {
     (*study)->tape().push(cutting_tick(n, mode.load()));
     if (questions.load() > answered) {

@@ -24,7 +24,7 @@ void write_everywhere(const SolidSnapshot& solid, std::size_t triangles) {
       SnapshotMesh mesh(solid);
       const auto written = write_model(path, mesh, {.format = format, .encoding = encoding});
       ASSERT_TRUE(written) << written.error().reason;
-      // Quantized positions may coincide; then triangles are dropped.
+      // Quantized positions may coincide. Then triangles are dropped.
       const bool exact = format != ModelFormat::kGlb || encoding == ModelEncoding::kFloat;
       EXPECT_LE(written->triangles, triangles);
       if (exact) {

@@ -77,7 +77,7 @@ TEST(GltfReader, ConvertsToMillimetersWithZUp) {
 }
 
 TEST(GltfReader, NodesPlaceTheirMeshes) {
-  // Scaled by 2 along y, turned by 90 degrees about x, moved; the parent mirrors x.
+  // Scaled by 2 along y, turned by 90 degrees about x, moved. The parent mirrors x.
   const auto mesh = read(glb(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [1]}],
     "nodes": [{"mesh": 0, "scale": [1, 2, 1], "rotation": [0.7071067811865476, 0, 0, 0.7071067811865476], "translation": [0, 0, 7]},
               {"children": [0], "matrix": [-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}],

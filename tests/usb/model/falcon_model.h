@@ -34,12 +34,12 @@ class FalconModel final : public UsbModel {
   void take_out(std::span<const std::uint8_t> packet, std::uint64_t now_us) override;
   void power_cycle() override;
 
-  /// Moves the grip, in the Falcon's coordinates; the position must be within reach.
+  /// Moves the grip, in the Falcon's coordinates. The position must be within reach.
   void hold(Vec3 position_mm);
   void press(std::uint8_t buttons) { state_.buttons = buttons; }
   /// Splits answers into two packets, as happens at the end of a serial buffer.
   void split_answers(bool split) { split_ = split; }
-  /// The firmware hangs; the serial chip continues.
+  /// The firmware hangs. The serial chip continues.
   void hang(bool hung) { hung_ = hung; }
 
   std::array<std::int16_t, 3> motors() const { return motors_; }
@@ -47,7 +47,7 @@ class FalconModel final : public UsbModel {
   bool runs() const { return mode_ == Mode::kRun; }
   bool homed() const { return state_.homed == agent::falcon::kAllHomed; }
   int loads() const { return loads_; }
-  /// Number of commands received before the last one was answered and before its 10 ms timeout; the
+  /// Number of commands received before the last one was answered and before its 10 ms timeout. The
   /// real firmware loses synchronization.
   int impatient_commands() const { return impatient_; }
 

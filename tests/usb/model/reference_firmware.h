@@ -36,10 +36,10 @@ class ReferenceFirmware final : public UsbModel {
   void fail(std::uint16_t status_bits) { faults_ = status_bits; }
   /// Hangs: sends no reports but stays plugged in.
   void hang(bool hangs) { hangs_ = hangs; }
-  /// Modifies each report before the checksum is computed; may be empty.
+  /// Modifies each report before the checksum is computed. May be empty.
   std::function<void(agent::reference::StateReport&)> tamper;
 
-  /// Returns the current motor torques, N·mm; zero unless all conditions for a force hold.
+  /// Returns the current motor torques, N·mm, or zero unless all conditions for a force hold.
   std::array<double, 6> motors_nmm(std::uint64_t now_us);
   /// Returns the joint angles of the encoders.
   agent::PenAngles angles() const { return agent::reference::angles_of(report_); }
@@ -71,7 +71,7 @@ class ReferenceFirmware final : public UsbModel {
   std::uint64_t lost_ = 0;
 };
 
-/// Inverse kinematics of an arm, elbow up; the point must be within reach.
+/// Inverse kinematics of an arm, elbow up. The point must be within reach.
 agent::ArmAngles reach_for(const agent::ArmShape& shape, Vec3 point_mm);
 
 }  // namespace kerf::usb_test
