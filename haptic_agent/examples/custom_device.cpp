@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// custom_device: a device of one's own, run by the 1 kHz servo loop for a tenth of a second,
-// against an elastic wall in place of a server. A real device reads its encoders in read() and sets
-// its motors in write().
+// custom_device: a custom device, run by the 1 kHz servo loop for a tenth of a second, against an
+// elastic wall instead of a server. A real device reads its encoders in read() and sets its motors
+// in write().
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

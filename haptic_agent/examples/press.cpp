@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// press_cpp URL SESSION: a device of one's own in C++. A simulated hand lowers the tool onto the
-// middle of the stock, presses, then cuts along x; prints what it feels. The library runs the loop
-// of 1 kHz: a real device reads its encoders in `read` and sets its motors in `write`.
+// press_cpp URL SESSION: a custom device in C++. A simulated hand lowers the tool onto the middle
+// of the stock, presses, then cuts along x, and prints the force that it feels. The library runs
+// the loop of 1 kHz: a real device reads its encoders in `read` and sets its motors in `write`.
 #include <kerf/kerf_agent.h>
 
 #include <algorithm>

@@ -39,7 +39,7 @@ inline std::uint64_t monotonic_ns() noexcept {
   return static_cast<std::uint64_t>(now.tv_sec) * kNsPerS + static_cast<std::uint64_t>(now.tv_nsec);
 }
 
-/// As monotonic_ns, in microseconds.
+/// Like monotonic_ns, in microseconds.
 inline std::uint64_t monotonic_us() noexcept { return monotonic_ns() / 1000; }
 
 }  // namespace kerf::agent

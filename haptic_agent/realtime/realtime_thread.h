@@ -26,7 +26,7 @@ inline constexpr int kLinkPriority = 60;
 
 struct RealtimeRequest {
   int priority = kServoPriority;
-  /// Processor to pin the thread to, from 0; negative: no pinning.
+  /// Processor to pin the thread to, from 0. Negative for no pinning.
   int cpu = -1;
 };
 

@@ -15,7 +15,8 @@ struct ContactLimits {
   /// the device renders stably at this delay.
   double max_stiffness = 1.5;
   double max_damping = 0.004;
-  /// Least mass and inertia of the device (DeviceCapabilities), or 0 if unknown: no limit follows.
+  /// Least mass and inertia of the device (DeviceCapabilities), or 0 if unknown, which limits
+  /// nothing.
   double mass_kg = 0;
   double inertia_kg_m2 = 0;
   /// Mean time from a pose to its force (latency and half a period), and from a velocity to its

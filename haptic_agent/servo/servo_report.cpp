@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reports each tick: to the summary, to the threads that show and hear it, and to those that record
-// it.
+// Reports each tick to the summary, the view, the sound and the recordings.
 #include <algorithm>
 #include <cassert>
 

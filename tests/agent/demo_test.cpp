@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The demo's programs carve the intended surface: no gouges below it, little material left above.
+// The demo's programs carve the intended surface, without gouges and with little material left
+// above it.
 
 #include <gtest/gtest.h>
 

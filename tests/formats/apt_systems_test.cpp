@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// APT CL data as other systems write them, against paths that were computed by hand.
+// APT CL data of other systems, against paths computed by hand.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

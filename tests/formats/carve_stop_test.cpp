@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// kerf-carve ends after SIGINT and SIGTERM in every phase of long work, and leaves no file. Each
+// kerf-carve ends after SIGINT and SIGTERM in every phase of long work and leaves no file. Each
 // test waits until the program itself shows the phase (its progress on a terminal, or the file that
 // it writes) and then sends the signal. The jobs take far longer than the test may.
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blocks of Fanuc and Haas, against paths that were computed by hand.
+// Blocks of Fanuc and Haas, against paths computed by hand.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

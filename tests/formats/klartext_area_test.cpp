@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pockets, studs, patterns, approaches and departures of HEIDENHAIN Klartext: what they remove and
-// where they go.
+// Pockets, studs, patterns, approaches and departures of HEIDENHAIN Klartext: removed volumes and
+// paths.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// HEIDENHAIN Klartext, against paths that were computed by hand.
+// HEIDENHAIN Klartext, against paths computed by hand.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// LN of HEIDENHAIN Klartext: lines to whose end the tool turns along a vector.
+// LN of HEIDENHAIN Klartext: lines at whose end the tool has turned to a vector.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the mesh lacks counts: errors are measured from the true surface to the mesh as well, and
-// walls that can fall between the rays are found from the swept shapes.
+// Surface missing from the mesh counts as error: errors are also measured from the true surface to
+// the mesh, and walls that may fall between the rays are found from the swept shapes.
 #include <gtest/gtest.h>
 
 #include <cmath>

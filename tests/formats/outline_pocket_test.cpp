@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pockets within an outline: what the loop and the strokes cut, against all places of the tool.
+// Pockets within an outline: the cut of the loop and the strokes, against all positions of the
+// tool.
 #include "server/formats/gcode/outline_pocket.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words that posts and shops write and a control does not need, and programs that are recognised by
-// them.
+// Words of postprocessors and shops that a control does not need, and programs recognized by them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

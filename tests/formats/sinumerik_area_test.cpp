@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pockets, spigots, faces and swiveled planes of SINUMERIK: what they remove and where they go.
+// Pockets, spigots, faces and swiveled planes of SINUMERIK: removed volumes and paths.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SINUMERIK programs, against paths that were computed by hand.
+// SINUMERIK programs, against paths computed by hand.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

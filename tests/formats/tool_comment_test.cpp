@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tools that comments of programs describe: the grammar of their words, and the comments of Kerf's
-// own exports.
+// Tools described in the comments of programs: the grammar of their words, and the comments of
+// Kerf's own exports.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

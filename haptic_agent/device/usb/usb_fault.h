@@ -27,7 +27,7 @@ enum class UsbFault : std::uint8_t {
   kIo,
 };
 
-/// A fault with a sentence for the user: what is wrong and what to do.
+/// A fault with a sentence for the user: the cause and the remedy.
 struct UsbError {
   UsbFault fault = UsbFault::kIo;
   std::string text{};

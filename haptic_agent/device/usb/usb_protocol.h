@@ -57,7 +57,7 @@ class UsbProtocol {
   virtual std::string_view name() const noexcept = 0;
   virtual std::vector<UsbId> ids() const = 0;
   virtual PipeRequirements required_pipes() const = 0;
-  /// A device that sends nothing for this time counts as lost; 0: no limit.
+  /// A device that sends nothing for this time counts as lost. 0 for no limit.
   virtual std::uint64_t silence_limit_us() const noexcept = 0;
 
   /// Verifies the device, configures it and loads its firmware.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When libkerf_agent.so returns no force.
+// The conditions under which libkerf_agent.so returns no force.
 #include <limits>
 
 #include "tests/agent/library/library_rig.h"

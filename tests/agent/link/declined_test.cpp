@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reason that the user reads if a server declines the connection.
+// The reason shown to the user if a server declines the connection.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -15,7 +15,7 @@ struct LineFaults {
   std::chrono::microseconds tcp_delay{0};
   /// Shares of the datagrams, 0 to 1. A reordered one is delayed by 5 ms.
   double loss = 0, duplication = 0, reordering = 0;
-  /// Of every `burst_every` datagrams, `burst` in a row are lost. 0 disables this.
+  /// `burst` consecutive datagrams out of `burst_every` are lost. 0 disables this.
   int burst_every = 0, burst = 0;
   std::uint64_t seed = 1;
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// However often the server is killed and connections are lost, each motion that an agent has made
-// is in the journal once, in order, where it was made, under the same participant; the solid is
-// that of an uninterrupted run. The agents' Traffic and the server's AgentConversation run on a
-// simulated network and clock, the journal on real files.
+// After any number of server kills and lost connections, each motion of an agent is in the journal
+// once, in order, at its position, under the same participant, and the solid is that of an
+// uninterrupted run. The agents' Traffic and the server's AgentConversation run on a simulated
+// network and clock, the journal on real files.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Over any network each sample is applied once, in order, and each motion where it was made. The
+// Over any network each sample is applied once, in order, and each motion at its position. The
 // agent's Traffic and the server's AgentConversation run on a simulated network and a simulated
 // clock.
 #include <gtest/gtest.h>

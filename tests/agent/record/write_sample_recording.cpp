@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a recording of 2,345 ticks whose values follow from their number, and the same as a killed
-// program leaves it, for tests/e2e/validate_recording.mjs. Usage: write_sample_recording FOLDER
+// Writes a recording of 2,345 ticks whose values follow from their number, and the same recording
+// as a killed program leaves it, for tests/e2e/validate_recording.mjs.
+// Usage: write_sample_recording FOLDER
 #include <filesystem>
 #include <fstream>
 #include <iostream>

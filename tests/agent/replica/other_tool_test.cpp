@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The expected path of another participant's tool, and the force in a block that it is about to
-// cut.
+// The expected path of another participant's tool, and the force in a block without its expected
+// cuts.
 #include "haptic_agent/replica/other_tool.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tools of others that end, are repeated, are many, or belong to a hostile server.
+// Tools of other participants that end, are repeated, are many, or belong to a hostile server.
 #include "haptic_agent/replica/other_tools.h"
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A page that carves, undoes and redoes, against the session: what it displays at once, and that
-// its copy of the block is the session's to the bit.
+// A page that carves, undoes and redoes, against the session: it displays changes at once, and its
+// copy of the block equals the session's to the bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>

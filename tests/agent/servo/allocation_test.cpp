@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The servo thread never allocates: an allocation may wait for another thread's lock. The global
-// operators new and delete of this program count the calls of a thread that asks for it.
+// The servo thread never allocates, because an allocation may wait for the lock of another thread.
+// The global operators new and delete of this program count the calls of a thread on request.
 
 #include <gtest/gtest.h>
 

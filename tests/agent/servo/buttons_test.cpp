@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Devices without a button that cuts, and requests to re-arm, in the servo's tick.
+// Devices without a cutting button, and requests to re-arm, in the servo's tick.
 #include <gtest/gtest.h>
 
 #include <optional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Why there is no force: the reason, its sentence, and when the user is notified.
+// Why there is no force: the reason, its sentence, and the time of the notification.
 #include "haptic_agent/servo/no_force.h"
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the user of a device without a deadman goes on after a trip.
+// How the user of a device without a deadman re-arms it after a trip.
 #include <cmath>
 #include <limits>
 

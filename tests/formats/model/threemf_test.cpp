@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 3MF as the consortium's own library reads it, in its strict mode.
+// 3MF files, read by the consortium's own library in its strict mode.
 #include <Model/COM/NMR_DLLInterfaces.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

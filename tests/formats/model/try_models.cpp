@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads models of other programs as a stock is read, and prints a line for each: whether it is
-// taken, taken after a repair, or refused and why; its size, and the volume that its triangles
-// enclose. Run by hand: find FOLDER -iname '*.stl' -print0 | xargs -0 try_models
+// Reads models of other programs like a stock, and prints a line for each: accepted, accepted after
+// a repair, or rejected with the reason; its size, and the volume enclosed by its triangles.
+// Run by hand: find FOLDER -iname '*.stl' -print0 | xargs -0 try_models
 
 #include <cstdio>
 #include <string>
