@@ -20,7 +20,8 @@ ContactLimits cut_limits(ContactLimits contact) noexcept;
 ContactGains gains_across(const ContactLimits& limits, Vec3 arm_mm) noexcept;
 
 /// Detects whether a force drives or brakes the trembling of a point. Trembling is motion above
-/// about 16 Hz, faster than a hand moves voluntarily.
+/// about 16 Hz, faster than a hand moves voluntarily. A lasting oscillation loses energy in the
+/// hand, so a force must supply it.
 class Trembling {
  public:
   /// Adds the force that acted over the last `dt_s` and the displacement in that time.
@@ -55,23 +56,39 @@ class Trembling {
   double power_ = 0, force_square_ = 0, speed_square_ = 0, earlier_square_ = 0;
 };
 
-/// Couples the device to the force of a cut as softly as the hand requires (theory.md, "Coupling of
-/// the cut").
+/// Couples the device to the force of a cut as softly as the hand requires.
 ///
-/// A cut opposes motion at any speed, so it brakes a trembling tool. Rendered late in a hand that
-/// yields, its force may drive the trembling instead, and the tool chatters. Chatter lasts only if
-/// the force drives it, so the power of the force in the trembling is measured. While it is
-/// positive and the trembling grows, the compliance c grows, mm/N. The rendered wrench F is turned
-/// with the heading and follows the computed one over F c of the tool's path, like that of an
-/// elastic tool of stiffness 1 / c. Otherwise c falls slowly. In a hand that does not yield, c is
-/// zero and the wrench is the computed one. c is limited to the softness at which the device alone
-/// is stable (stable_gains), or to `least_most_mm_per_n` if that is more. All components of the
-/// wrench are scaled and turned together.
+/// A cut opposes motion at any speed v, so to lateral motion it is a damper of F/v: 50 N s/m at 1 N
+/// and 20 mm/s. The tip of a pen of 1e-5 kg m^2 has 2.8 g at 60 mm from the pivot and renders that
+/// damper only if it acts within m v/F = 0.06 ms; one of 2e-4 kg m^2 and 0.3 kg (47 g), within 1
+/// ms. Answers are 1 to 2 ms old, act a latency later, and one field of rays delivers a cut over
+/// two pitches of travel. In a hand that yields, the force may therefore drive the trembling that
+/// it should brake, and the tool chatters.
 ///
-/// A tool that turned back in its cut cuts nothing, and its computed force ends. If c is not zero,
-/// the elastic tool holds it there: motion unloads and loads it by 1 / c, up to the force at which
-/// it turned back, with the damping that the device renders stably, like a body at rest in dry
-/// friction. Beyond that force, or once slack, the tool slips.
+/// Chatter lasts only if the force drives it. While Trembling detects that and the trembling grows,
+/// the compliance c grows, mm/N, from the tremor's displacement over force. The rendered wrench F
+/// is turned with the heading and follows the computed one over F c of the tool's path, like that
+/// of an elastic tool of stiffness 1 / c. Otherwise c falls slowly. In a hand that does not yield,
+/// c is zero and the wrench is the computed one. All components of the wrench are scaled and turned
+/// together.
+///
+/// An elastic tool that acts t late drives like a damper of -t / c, so 1 / c need not be below the
+/// stiffness K of gains_across. The wrench follows laterally by 1 / c and its heading by 2 / c, so
+/// c is at most 3 / K (7 mm/N for the lightest pen without latency, 20 at 1 ms, 64 at 3 ms), or
+/// `least_most_mm_per_n` if that is more.
+///
+/// A tool that a soft hand draws against its cut comes to rest, its computed force ends, the hand
+/// draws on, and so on. If c is not zero, the elastic tool therefore holds a tool that turned back:
+/// motion unloads and loads it by 1 / c, up to the force at which it turned back, like a body at
+/// rest in dry friction (the bristles of Dahl's and LuGre's models). The damping is D of
+/// gains_across, or D c K where 1 / c is stiffer than K, so that it begins without a step. Beyond
+/// that force, or once slack, the tool slips.
+///
+/// Not covered: trembling below 16 Hz, which slow strokes in soft hands have; stick-slip of a tool
+/// drawn from rest; a hand that yields by more than the radius of its path. Where the law computes
+/// nothing in the first tenths of a millimeter and then twice the holding force, a tip held less
+/// stiffly (0.004 to 0.03 N/mm) than the rendered force falls (1 / c, 0.14 N/mm for the lightest
+/// pen) slips by 0.6 to 2 mm; 3 / K is the softest stable coupling.
 class CutCoupling {
  public:
   /// `least_most_mm_per_n`: compliance that is permitted whatever the device renders.

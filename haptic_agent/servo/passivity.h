@@ -37,8 +37,8 @@ struct PassivitySettings {
 };
 
 /// Keeps the device passive: bounds the energy that it returns to the user, for any requested
-/// wrench (derivation in haptic_agent/servo/theory.md). In each tick: `settle`, then `project` and
-/// `share` as needed, then `wrote`.
+/// wrench (derivation in haptic_agent/servo/passivity.md). In each tick: `settle`, then `project`
+/// and `share` as needed, then `wrote`.
 template <typename Deficit = CarryDeficit>
 class BasicPassivity {
  public:

@@ -7,7 +7,7 @@
 
 namespace kerf::agent {
 
-/// Limits of the output wrench and of its rate of rise. Defaults: theory.md, "Passivity", step 3.
+/// Limits of the output wrench and of its rate of rise. Defaults: passivity.md, step 3.
 struct WrenchLimits {
   double force_n = 8.0;
   double torque_nmm = 150.0;

@@ -252,7 +252,7 @@ TEST(DeviceProfile, MatchesOnlyTheDeviceItNames) {
             "device with kerf-agent doctor --identify FILE, or leave --profile out");
 }
 
-/// Walls of devices with the ratings in the table of servo/theory.md.
+/// Walls of devices with the ratings in the table of tests/bench/results/agent.md.
 TEST(ZWidth, UsesTheDeclaredDamping) {
   const auto width = [](const DeviceCapabilities& device) {
     return z_width(settings_for(device, {}));
