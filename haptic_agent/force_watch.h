@@ -28,9 +28,9 @@ class ForceWatch {
   const ForceReasons& reasons_;
   NoForce reason_ = NoForce::kNone;
   std::uint64_t since_us_ = 0;
-  /// The user has been told that there is no force.
+  /// The user was notified that there is no force.
   bool notified_ = false;
-  bool said_ = false;  ///< the user has been told of reason_ since it began
+  bool said_ = false;  ///< the user was notified of reason_ since it began
   std::array<std::uint64_t, kNoForceNames.size()> said_us_{};
 };
 

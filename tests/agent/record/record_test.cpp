@@ -159,7 +159,7 @@ TEST_F(RecordTest, ReportsWhyAFileCannotBeCreated) {
 }
 
 TEST_F(RecordTest, FailedWriteIsReportedAndItsTicksAreCounted) {
-  // A limit of the file's size simulates a full disk: the write fails in the same way.
+  // A limit of the file's size simulates a full disk: the write fails likewise.
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);

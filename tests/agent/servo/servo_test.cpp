@@ -160,8 +160,7 @@ TEST(SettingsFor, LimitsDampersByMassInertiaAndLatency) {
   EXPECT_EQ(settings.passivity.mass_kg, 0.05);
   EXPECT_EQ(settings.passivity.inertia_kg_m2, 1e-5);
   EXPECT_EQ(settings.passivity.longest_tick_us, 5000U) << "four lost ticks are tolerated";
-  // A damper that acts late oscillates above mass / delay. The filter depends on the mass at the
-  // tip.
+  // A late damper oscillates above mass / delay. The filter depends on the mass at the tip.
   const double late_s = 0.004 + 1 / (1 / 0.05 + 0.06 * 0.06 / 1e-5) / 12.5;
   EXPECT_NEAR(settings.passivity.max_damping, 0.25 * 0.05 / late_s / 1000, 1e-6);
   EXPECT_NEAR(settings.passivity.max_turn_damping, 0.25 * 1e-5 / late_s * 1000, 1e-6);

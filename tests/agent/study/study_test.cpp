@@ -188,7 +188,7 @@ TEST(Study, UnwritableTableIsReported) {
   ASSERT_EQ(::pipe(keys), 0);
   auto study = Study::create(file.string(), {.trials = 1, .seed = 5, .interval_ticks = 5}, keys[0]);
   ASSERT_TRUE(study) << study.error();
-  // A limit of the file's size simulates a full disk: the write fails in the same way.
+  // A limit of the file's size simulates a full disk: the write fails likewise.
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
