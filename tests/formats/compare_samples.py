@@ -17,7 +17,7 @@ from pathlib import Path
 
 import rs274 as reference
 
-# Known reasons for which Kerf rejects a program that LinuxCNC reads: part of Kerf's message, and its
+# Known reasons for which Kerf rejects a program that LinuxCNC reads: part of Kerf's message and its
 # meaning.
 REASONS = {
     "is a probing move": "probing: the contact point is known on a machine only",
