@@ -119,7 +119,7 @@ class HapticDevice {
   /// own thread sets the motors to zero if the next call does not come within kWrenchLifeUs.
   virtual void write(const Wrench& wrench) noexcept = 0;
   /// Tells the device before each `write` whether forces are permitted in this tick, as a hint for
-  /// its user. They are not before arming and after a trip.
+  /// its user. They are not permitted before arming or after a trip.
   virtual void show_force(bool on) noexcept { static_cast<void>(on); }
   /// Sets the force to zero immediately, until the next `write`. Callable from any thread: the
   /// watchdog calls it when the servo thread hangs.

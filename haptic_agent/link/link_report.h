@@ -29,7 +29,7 @@ struct UdpReport {
   std::uint64_t received = 0;
   /// Sent by the server and not received, from the counters in its datagrams.
   std::uint64_t lost = 0;
-  /// Received, but not authentic or duplicate.
+  /// Received, but duplicate or not authentic.
   std::uint64_t dropped = 0;
   /// Samples that were first sent over UDP.
   std::uint64_t samples = 0;

@@ -76,8 +76,7 @@ class OtherTool {
   bool is_known_cut_ = false;  ///< the received poses have been cut
   bool has_cut_ = false;
   bool is_dropped_ = false;  ///< the block has cuts of forgotten poses
-  std::deque<Placed>
-      cut_;  ///< poses up to which the path has been cut, including those out of reach
+  std::deque<Placed> cut_;   ///< poses up to which the path has been cut or was out of reach
 };
 
 }  // namespace kerf::agent

@@ -38,18 +38,18 @@ double moved_mass(const ContactLimits& limits, Vec3 arm_mm, Vec3 normal) noexcep
 /// Returns the damper with which a free mass is stable at the stiffest spring, for the delays of
 /// `limits`. `mass` in N s^2/mm gives N s/mm. An inertia in N mm s^2 gives N mm s.
 ///
-/// A spring K that acts t = force_delay_s late drives like a damper of -K t, so a damper B must
-/// make up for it: K <= B / t. This is the limit of Colgate and Schenkel, K <= 2 b / (T + 2 L),
-/// with a damper B that the loop renders in place of the device's own b, which few drivers know. B
-/// acts s = velocity_delay_s late, so the moved mass m limits it: B <= (0.4 + 0.1 s/t) m/s.
+/// A spring K that acts τ = force_delay_s late drives like a damper of -K τ, so a damper B must
+/// make up for it: K <= B/τ. This is the limit of Colgate and Schenkel, K <= 2 b / (T + 2 L), with
+/// a damper B that the loop renders in place of the device's own b, which few drivers know. B acts
+/// σ = velocity_delay_s late, so the moved mass m limits it: B <= (0.4 + 0.1 σ/τ) m/σ.
 double best_damping(const ContactLimits& limits, double mass) noexcept;
 
 /// Returns the greatest stiffness at which a spring with a damper of `damping`, the best one or
 /// weaker, comes to rest on a mass of at least `mass` at the delays of `limits`, with a margin of a
 /// fifth. Units as in best_damping. Unbounded if `mass` is 0 (unknown).
 ///
-/// With the best damper a free mass is stable up to K = (1 + t/s)/4 m / (t s). With a weaker one K
-/// falls in proportion to B, or to B / (t + s b / (2 - 2 b)) if that is larger, where b = B s/m is
+/// With the best damper a free mass is stable up to K = (1 + τ/σ)/4 m/(τ σ). With a weaker one K
+/// falls in proportion to B, or to B / (τ + σ b / (2 - 2 b)) if that is larger, where b = B σ/m is
 /// the part of the mass that the late damper takes. ContactLimits.* tests masses from the given one
 /// to 1000 times it, latencies of 0 to 3 ms, filters from none to 100 Hz and dampers from the best
 /// one to a tenth of it: all come to rest. At 1.5 times the stiffness of the best damper none does.

@@ -24,7 +24,8 @@ struct ServerWrench {
   std::uint32_t plane_count = 0;
   std::array<wire::ContactPlane, wire::kMaxContactPlanes> planes{};
 
-  /// Keeps only the fact of the answer, after the tool has moved away from the answered position.
+  /// Clears force, area and planes, keeping the times, after the tool has moved away from the
+  /// answered position.
   void forget_place() noexcept {
     wrench = {};
     engaged_area_mm2 = 0;
