@@ -16,7 +16,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Longer than arming takes at the longest network delay (haptic_agent/README.md).
+/// Longer than arming takes at the longest network delay (servo/README.md, "Safety").
 constexpr double kRestAtStartS = 0.5;
 /// Encoders of the simulated hand, in the class of an Inverse3 or Omega.
 constexpr double kSimulatedQuantumMm = 0.01, kSimulatedQuantumRad = 2e-4;

@@ -90,7 +90,7 @@ const AreaPath kCircle{
 const AreaPath kLetter{{.x = 0, .y = 8},  {.x = -9, .y = 8}, {.x = -9, .y = -8}, {.x = 9, .y = -8},
                        {.x = 9, .y = -2}, {.x = 0, .y = -2}, {.x = 0, .y = 8}};
 
-// Cuts every point that the tool reaches from a position within the outline, and no other point.
+// Expects a cut of exactly the points that the tool reaches from positions within the outline.
 void expect_cleared(const AreaPath& outline, double radius, double step, bool along_x) {
   const OutlinePocket pocket(outline, radius);
   const auto strokes = pocket.strokes(step, along_x);

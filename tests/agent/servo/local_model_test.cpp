@@ -301,7 +301,8 @@ TEST(ContactGains, FollowFromMassAndDelay) {
   EXPECT_NEAR(axial.stiffness, 0.8 * 0.375 * 0.05 / (0.004 * 0.008) / 1000, 1e-12);
   ContactLimits weak = slow;
   weak.max_damping = 0.001;
-  const double taken = 0.001 * 0.008 / (0.05 / 1000);  // part of the mass that is used
+  const double taken =
+      0.001 * 0.008 / (0.05 / 1000);  // part of the mass that the late damper takes
   EXPECT_NEAR(stable_gains(weak, 50, {0, 0, -60}, normal, 1).stiffness,
               0.8 * 0.001 / (0.004 + 0.008 * taken / (2 * (1 - taken))), 1e-12);
   // Across the axis, a push at 60 mm turns a light pen: 1 / (1/m + r^2/I) = 17.9 g.
