@@ -29,9 +29,9 @@ struct MotionInPieces::State {
   std::vector<SubMotion> parts = {};        ///< of the field that is being cut
   bool has_parts = false;
   std::size_t part = 0;
-  std::int64_t tile = 0;  ///< next one in the bounds of the part
+  std::int64_t tile = 0;  ///< the next one in the bounds of the part
   std::int64_t quanta = 0, imprint = 0, elements = 0, sub_motions = 0;
-  double border = 0, border_imprint = 0;  ///< quanta more than those, by the shares of the columns
+  double border = 0, border_imprint = 0;  ///< additional quanta, by the shares of the columns
 };
 
 MotionInPieces::MotionInPieces(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -77,7 +77,8 @@ std::optional<MotionResult> Sculpture::advance(MotionInPieces& pieces, std::int6
     }
     while (s.part < s.parts.size()) {
       if (tiles <= 0) {
-        // Its sweeps reach many tiles: left pending, all would wait for the next snapshot.
+        // Its sweeps reach many tiles. If they were left pending, the next snapshot would have to
+        // resolve all.
         normals_[s.removed.size()].resolve(field);
         return std::nullopt;
       }

@@ -12,17 +12,17 @@
 namespace kerf {
 namespace {
 
-/// Tiles of one field from which on a motion is divided.
+/// Number of tiles of one field from which on a motion is divided.
 constexpr std::int64_t kTilesUndivided = 16;
-/// Divisions of a motion into halves, at most.
+/// Greatest number of divisions of a motion into halves.
 constexpr int kDepthMax = 12;
 
-/// More pieces are bounded by one cylinder around the tool.
+/// A tool of more pieces is bounded by one cylinder.
 constexpr std::size_t kPiecesBounded = 8;
 
-/// Returns a box around the path of the point of the axis at a height above the tip. Along each
-/// direction the height is a sine of the angle, so it leaves the line between its ends by at most
-/// an eighth of its greatest second derivative.
+/// Returns a box around the path of the point of the axis at a height above the tip. Each
+/// coordinate is a sine of the angle, so it leaves the line between its ends by at most an eighth
+/// of its greatest second derivative.
 Bounds swept_point(double height_mm, const ToolMotion& motion) {
   const Vec3 first = motion.from.tip_mm + motion.from.axis * height_mm;
   const Vec3 last = motion.to.tip_mm + motion.to.axis * height_mm;
@@ -31,14 +31,14 @@ Bounds swept_point(double height_mm, const ToolMotion& motion) {
 }
 
 /// Returns the greatest support of a disc along a direction while its normal turns by less than 180
-/// degrees; the arguments are components of the normal at both ends. Between ends of one sign the
-/// component is nowhere nearer to 0 than at an end.
+/// degrees. The arguments are the components of the normal at both ends. If both have one sign, the
+/// component in between is nowhere nearer to 0 than at an end.
 double turning_half_width(double radius_mm, double first, double last) {
   if (first * last <= 0 && first != last) return radius_mm;
   return std::max(disc_half_width(radius_mm, first), disc_half_width(radius_mm, last));
 }
 
-/// Returns a box around what a disc across the axis passes.
+/// Returns a box around the volume that a disc across the axis passes.
 Bounds swept_disc(double height_mm, double radius_mm, const ToolMotion& motion) {
   const Vec3 first = motion.from.axis, last = motion.to.axis;
   const Vec3 half{turning_half_width(radius_mm, first.x, last.x),
@@ -70,7 +70,7 @@ struct SweptBox {
   }
 };
 
-/// Returns a box around what pieces of a tool, of which there must be one, pass.
+/// Returns a box around the volume that pieces of a tool, at least one, pass.
 Bounds swept_box(std::span<const ToolPiece> pieces, const Extent& whole, const ToolMotion& motion) {
   if (pieces.size() > kPiecesBounded) return swept_cylinder(whole, motion);
   Bounds box = std::visit(SweptBox{motion}, pieces.front());
@@ -101,7 +101,7 @@ void add_reach(const Tool& tool, const ToolMotion& motion, const DexelGrid& grid
   });
 }
 
-/// An axis that rises less is not clipped at a box: its heights there are many.
+/// An axis that rises less is not clipped at a box, because it has many heights there.
 constexpr double kRiseMin = 0.25;
 
 /// Returns the square of the distance of two boxes, mm².
@@ -115,8 +115,8 @@ double distance2(const Bounds& a, const Bounds& b) {
   return dot(d, d);
 }
 
-/// Whether a part of a tool with this extent may come into a box. While the axis rises, a disc of
-/// it leaves its height by at most the radius times the sine of the tilt.
+/// Returns whether a part of a tool with this extent may enter a box. While the axis rises, a disc
+/// of it leaves its height by at most the radius times the sine of the tilt.
 bool may_meet(Extent part, const ToolMotion& motion, const Bounds& box) {
   const double rise = std::min(motion.from.axis.z, motion.to.axis.z);
   if (rise > kRiseMin) {
@@ -169,7 +169,7 @@ void find_reach(const Tool& tool, const ToolMotion& motion, std::span<const Dexe
                 double tolerance_mm, std::vector<FieldTile>& tiles) {
   tiles.clear();
   for (const DexelGrid& grid : grids) {
-    // Ends are rounded to a quantum, and lie within the tolerance of the true sweep.
+    // Ends are rounded to a quantum, and are within the tolerance of the true sweep.
     add_reach(tool, motion, grid, tolerance_mm + grid.z_quantum_mm, 0, tiles);
   }
   std::ranges::sort(tiles);

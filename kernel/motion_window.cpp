@@ -15,7 +15,7 @@
 namespace kerf {
 namespace {
 
-/// Sweeps that are cut together, at most: their memory is about 1 MB.
+/// Greatest number of sweeps that are cut together. Their memory is about 1 MB.
 constexpr std::size_t kSweepsMax = 256;
 
 bool overlap(const Bounds& a, const Bounds& b) {
@@ -27,10 +27,10 @@ bool overlap(const Bounds& a, const Bounds& b) {
 
 /// A motion, from its plan until its force is known.
 struct MotionWindow::Motion {
-  /// What it removed from one field.
+  /// The removal from one field.
   struct Removed {
     std::int64_t quanta = 0, imprint = 0, elements = 0;
-    double border = 0, border_imprint = 0;  ///< more than that, by the shares of the columns
+    double border = 0, border_imprint = 0;  ///< additional quanta, by the shares of the columns
   };
   const MoveTool* move;
   const Tool* tool;
@@ -40,7 +40,7 @@ struct MotionWindow::Motion {
   std::shared_ptr<Engagement> engagement;
   MotionResult* result;
   std::vector<Removed> removed;                       ///< from each field
-  std::vector<std::vector<SubMotion>> standing = {};  ///< at its start, in each field; for imprints
+  std::vector<std::vector<SubMotion>> standing = {};  ///< at its start, in each field, for imprints
   std::optional<SurfaceWeight> weight = {};
   std::optional<CuttingForce> force = {};
 };
@@ -51,12 +51,12 @@ struct MotionWindow::Cut {
   std::size_t field;
   SubMotion part;
   bool is_first;         ///< of the motion in this field
-  bool has_begun;        ///< in the window before
-  bool goes_on = false;  ///< in the next window
+  bool has_begun;        ///< in the previous window
+  bool goes_on = false;  ///< it continues in the next window
   std::optional<CutSummer> summer;
 };
 
-/// What a sub-motion removed from a tile.
+/// The removal of a sub-motion from a tile.
 struct MotionWindow::Outcome {
   std::int64_t quanta = 0, imprint = 0, elements = 0;
   double border = 0, border_imprint = 0;
@@ -74,14 +74,14 @@ std::vector<MotionResult> MotionWindow::apply(Sculpture& block, std::span<const 
   workers_ = &workers;
   after_ = &after;
   finished_ = 0;
-  drop();  // what a call that ended with an exception has left
+  drop();  // left by a call that ended with an exception
   std::vector<MotionResult> results(moves.size());
   for (std::size_t n = 0; n < moves.size(); ++n) plan(moves[n], results[n]);
   flush();
   return results;
 }
 
-/// Whether a motion may cut where an earlier one is still to look at the stock.
+/// Returns whether a motion may cut where an earlier one will still read the stock.
 bool MotionWindow::waits(const Tool& tool, const ToolMotion& motion) const {
   if (reads_.empty()) return false;
   double margin_mm = block_->settings_.tolerance_mm;
@@ -98,7 +98,7 @@ void MotionWindow::plan(const MoveTool& move, MotionResult& result) {
   const ToolMotion whole = motion_of(move, tool);
   if (waits(tool, whole)) flush();
   const bool feel = move.feel && move.duration_s > 0;
-  // The end as commanded: an axis that turns by less than rounding is not turned in `whole`.
+  // The end as commanded. In `whole`, an axis that turns by less than rounding is not turned.
   const ToolPose end{move.to.tip_mm, normalized(move.to.axis)};
   auto [engagement, continues] = b.engagements_->follow(move.tool, whole.from, end, feel);
   const auto last = b.last_pose_.find(move.tool);
@@ -149,7 +149,7 @@ void MotionWindow::plan_field(Motion& motion, std::size_t n) {
       std::max(motion.result->sub_motions, static_cast<std::uint32_t>(parts));
 }
 
-/// Plans a sub-motion; one that reaches more tiles than a window holds is cut in several of them.
+/// Plans a sub-motion. One that reaches more tiles than a window holds is cut in several windows.
 void MotionWindow::plan_part(Motion& motion, std::size_t n, SubMotion&& part, bool is_first) {
   DexelField& field = block_->fields_[n];
   LazyNormals& normals = block_->normals_[n];
@@ -187,7 +187,7 @@ void MotionWindow::drop() {
   felt_ = {};
 }
 
-/// Cuts what has been planned, and adds it to the forces of the motions.
+/// Cuts everything that has been planned, and adds it to the forces of the motions.
 void MotionWindow::cut_all() {
   const std::span<const CutWindow::Touch> touches = window_.touches();
   if (outcomes_.size() < touches.size()) outcomes_.resize(touches.size());
@@ -211,7 +211,7 @@ void MotionWindow::cut_all() {
   }
 }
 
-/// Runs on any thread.
+/// Called on any thread.
 void MotionWindow::measure(std::size_t touch, RemovedPart& removed) {
   const Cut& cut = *cuts_[window_.touches()[touch].sweep];
   const Motion& motion = *cut.motion;
@@ -224,7 +224,7 @@ void MotionWindow::measure(std::size_t touch, RemovedPart& removed) {
   outcome.border_imprint = 0;
   if (block_->fields_.size() > 1) outcome.elements = elements_of(removed.groups);
   if (grid.axis != RayAxis::kZ) outcome.depths = depths_of(removed.groups);
-  // Every later part starts where the part before it ended.
+  // Every later part starts where the previous part ended.
   if (cut.is_first && !motion.start.continues) {
     for (const SubMotion& standing : motion.standing[cut.field]) {
       outcome.imprint += take_imprint(standing.swept, grid, removed);
@@ -237,7 +237,7 @@ void MotionWindow::measure(std::size_t touch, RemovedPart& removed) {
   if (block_->settings_.force.law == ForceLaw::kMechanistic) outcome.groups = removed.groups;
 }
 
-/// Adds up what a sub-motion removed from the tiles `first` to `end` of its touches.
+/// Adds up the removal of a sub-motion from the tiles `first` to `end` of its touches.
 void MotionWindow::deliver(Cut& cut, std::size_t first, std::size_t end) {
   Sculpture& b = *block_;
   Motion& motion = *cut.motion;
@@ -275,8 +275,8 @@ void MotionWindow::deliver(Cut& cut, std::size_t first, std::size_t end) {
     force.add(b.fields_[cut.field], *cut.summer, sums, *b.removal_, cut.part.share);
 }
 
-/// The forces of a tool's user are added up in the order of its motions: each begins with what the
-/// one before it has left pending.
+/// The forces of a tool's user are added up in the order of its motions, because each begins with
+/// the force that the one before it has left pending.
 CuttingForce& MotionWindow::force_of(Motion& motion) {
   if (!motion.force) {
     motion.force.emplace(block_->settings_.force, *motion.tool, motion.motion,
@@ -286,7 +286,7 @@ CuttingForce& MotionWindow::force_of(Motion& motion) {
   return *motion.force;
 }
 
-/// Finishes the motions before one that has begun to be delivered; null: all.
+/// Finishes the motions before `until`, one that has begun to be delivered, or all if it is null.
 void MotionWindow::finish_motions(const Motion* until) {
   while (!motions_.empty() && &motions_.front() != until) {
     finish(motions_.front());

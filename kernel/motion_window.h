@@ -25,8 +25,8 @@ namespace kerf {
 class CuttingForce;
 
 /// Applies motions to a Sculpture so that several threads can work on short ones: their sweeps are
-/// found in order, cut together (CutWindow), and summed in order. State and results are, to the
-/// bit, those of one motion after the other. Keeps nothing but memory between calls.
+/// found in order, cut together (CutWindow), and summed in order. State and results are equal, to
+/// the bit, to those of applying the motions one by one. Only memory is kept between calls.
 class MotionWindow {
  public:
   MotionWindow();
@@ -39,7 +39,7 @@ class MotionWindow {
   struct Motion;
   struct Cut;
   struct Outcome;
-  /// What a sub-motion removed from a field, for the force.
+  /// Sums over the elements that a sub-motion removed from a field, for the force.
   struct Felt {
     TileSum sums;
     std::int64_t quanta = 0;
@@ -58,18 +58,18 @@ class MotionWindow {
   void finish_motions(const Motion* until);
   void finish(Motion& motion);
 
-  Sculpture* block_ = nullptr;  ///< these: of the call in progress
+  Sculpture* block_ = nullptr;  ///< this and the next two belong to the call in progress
   Workers* workers_ = nullptr;
   const Sculpture::AfterMotion* after_ = nullptr;
   std::size_t finished_ = 0;    ///< motions
-  std::deque<Motion> motions_;  ///< that are not finished
+  std::deque<Motion> motions_;  ///< not finished yet
   std::vector<std::unique_ptr<Cut>> cuts_;
   std::size_t cuts_used_ = 0;
   CutWindow window_;
   std::vector<Outcome> outcomes_;  ///< of each touch
   std::vector<TileSum> sums_;      ///< of each touch, if any motion is felt
-  Felt felt_;                      ///< of a sub-motion whose other tiles are still to be cut
-  std::vector<Bounds> reads_;      ///< where motions that are not finished will look at the stock
+  Felt felt_;                      ///< of a sub-motion with tiles that are still to be cut
+  std::vector<Bounds> reads_;      ///< where unfinished motions will read the stock
 };
 
 }  // namespace kerf

@@ -25,10 +25,10 @@ namespace kerf {
 
 namespace {
 
-/// Combines the volumes that the fields measured. Each of three is weighted by the square of the
-/// area that it sees: for a thin layer with normal n that area is |n_a| times the layer's, so the
-/// weights are n_a². Fields whose rays graze the surface, and locate it only to a pitch, count
-/// little.
+/// Combines the volumes that the fields measured. With three fields, each is weighted by the square
+/// of the area that it sees. For a thin layer with normal n this area is |n_a| times the layer's,
+/// so the weights are n_a². Fields whose rays graze the surface, and locate it only to a pitch,
+/// have little weight.
 double combined_mm3(std::span<const RemovedVolume> fields, double RemovedVolume::* volume) {
   if (fields.size() == 1) return fields.front().*volume;
   double sum = 0, weights = 0;
@@ -154,7 +154,7 @@ std::expected<void, SculptureError> Sculpture::check_move(const MoveTool& comman
   if (motion.turn_rad > kTurnMaxRad) {
     return reject(kTurnTooLarge, "a motion may turn the axis by at most 170 degrees");
   }
-  if (motion.turn_rad == 0) return {};  // Any tool takes one sub-motion.
+  if (motion.turn_rad == 0) return {};  // any tool needs one sub-motion
   std::int64_t parts = 0;
   for (const DexelField& f : fields_) {
     parts = std::max(parts,

@@ -67,8 +67,8 @@ double longest_side_mm(const StockShape& stock) {
   return std::max({size.x, size.y, size.z});
 }
 
-/// Returns whether a component is denormal. Such numbers have lost precision and no valid pose
-/// holds one.
+/// Returns whether a component is denormal. Such numbers have lost precision, and no valid pose has
+/// one.
 bool has_denormal(Vec3 v) {
   return std::fpclassify(v.x) == FP_SUBNORMAL || std::fpclassify(v.y) == FP_SUBNORMAL ||
          std::fpclassify(v.z) == FP_SUBNORMAL;

@@ -14,8 +14,8 @@ namespace kerf {
 /// Identifies a tool within one sculpture. Chosen by the caller.
 using ToolId = std::uint32_t;
 
-/// Defines a tool, or replaces the one with the same id. Force still pending from cuts of a
-/// replaced tool is dropped.
+/// Defines a tool, or replaces the one with the same id. Pending force from cuts of a replaced tool
+/// is dropped.
 struct DefineTool {
   ToolId id = 0;
   Tool tool;  ///< from make_tool

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What the parts of Sculpture that apply motions share.
+// Shared by the parts of Sculpture that apply motions.
 
 #include "kernel/dexel/dexel_grid.h"
 #include "kernel/math/ray_axis.h"
@@ -13,17 +13,16 @@
 
 namespace kerf {
 
-/// The volume that a motion removed from one field, the part of it that is imprint, and the number
-/// of elements that it shortened, which is the area of the cut seen along the rays, in squares of
-/// the pitch.
+/// The volume that a motion removed from one field, its imprint part, and the number of elements
+/// that it shortened, which is the area of the cut seen along the rays, in squares of the pitch.
 struct RemovedVolume {
   double mm3, imprint_mm3, elements;
 };
 
-/// What earlier motions have done at the pose where a motion starts.
+/// How earlier motions relate to the pose where a motion starts.
 struct MotionStart {
-  bool is_cut;     ///< the tool's last motion ended there: a sweep may skip what lies behind it
-  bool continues;  ///< a motion of the tool ended there: nothing that is removed is imprint
+  bool is_cut;     ///< the tool's last motion ended there, so a sweep may skip regions behind it
+  bool continues;  ///< a motion of the tool ended there, so no removed element is imprint
 };
 
 /// Returns the motion of a command, with unit axes.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of Sculpture that replaces tiles, and tells where stock has come back around a tool.
+// The part of Sculpture that replaces tiles, and finds the tools around which stock is restored.
 #include <algorithm>
 #include <memory>
 
@@ -20,10 +20,10 @@
 namespace kerf {
 namespace {
 
-/// Where two forms of a tile differ.
+/// The difference between two versions of a tile.
 struct Difference {
-  std::int64_t quanta = 0;                 ///< that the second holds more than the first
-  double border = 0;                       ///< more than that, by the shares of the columns
+  std::int64_t quanta = 0;                 ///< excess of the second over the first
+  double border = 0;                       ///< additional quanta, by the shares of the columns
   std::int32_t low = INT32_MAX, high = 0;  ///< bounds of the columns that differ
   bool any() const { return low < high; }
 };
@@ -56,7 +56,7 @@ Difference difference(const DexelTile& before, const DexelTile& after, TileIndex
   return sum;
 }
 
-/// Appends the tiles of the field along Z whose surface a tile of any field shares, between two
+/// Appends the tiles of the field along Z whose surface depends on a tile of any field between two
 /// depths.
 void append_seen_tiles(const DexelGrid& grid, TileIndex at, const Difference& where,
                        std::vector<TileIndex>& changed) {
@@ -96,7 +96,7 @@ ReplacedTiles Sculpture::replace(std::span<const TileReplacement> tiles,
       return *untouched;
     };
     if (field.find(tile.at.tile) == nullptr && !tile.tile) continue;
-    normals_[n].resolve(field);  // The ends that are pending may be in this tile.
+    normals_[n].resolve(field);  // pending ends may be in this tile
     const std::shared_ptr<const DexelTile> before = field.share(tile.at.tile);
     field.put_shared(tile.at.tile, tile.tile);
     for (const MotionSince& motion : since) cut_again(n, {&tile.at.tile, 1}, motion);
@@ -128,7 +128,7 @@ bool Sculpture::is_in_stock(ToolId id, const ToolPose& given) const {
   bool cuts = false;
   for (const DexelField& field : fields_) {
     DexelField copy = field;
-    (void)copy.snapshot();  // From now on the copy shares the tiles.
+    (void)copy.snapshot();  // from now on the copy shares the tiles
     sweep_tool(*used, in_frame(field.grid().axis, rest), sweep_settings(field),
                [&](const SubMotion& standing) {
                  cut(copy, standing.swept, removal);
@@ -139,7 +139,7 @@ bool Sculpture::is_in_stock(ToolId id, const ToolPose& given) const {
   return false;
 }
 
-/// Forgets where the tools are that reach a tile.
+/// Forgets the users whose tools reach a tile.
 void Sculpture::forget_users(const FieldTile& at) {
   const DexelGrid& grid = fields_[place_of(at.axis)].grid();
   const auto reaches = [&](ToolId id, const ToolPose& pose) {

@@ -35,7 +35,7 @@ struct FieldTile {
   friend constexpr auto operator<=>(const FieldTile&, const FieldTile&) = default;
 };
 
-/// The result of Sculpture::apply. Of a DefineTool, all members have their default values.
+/// The result of Sculpture::apply. For a DefineTool, all members have their default values.
 struct MotionResult {
   MotionKind kind = MotionKind::kRest;
   /// Mean cutting wrench over the motion plus `collision`; N, N·mm about the tool's pivot.
@@ -45,14 +45,14 @@ struct MotionResult {
   CuttingModel cutting;
   /// Greatest depth of shank or holder in the stock along the motion.
   double stock_contact_mm = 0;
-  /// Volume removed by this motion. With three fields: their direction-weighted mean
+  /// Volume removed by this motion. With three fields, their direction-weighted mean
   /// (kernel/dexel/README.md).
   double removed_mm3 = 0;
-  /// The part of `removed_mm3` that lay inside the tool where the motion began: a tool that appears
-  /// inside stock takes it without force. Exactly 0 if a motion of the same tool ended at that pose
-  /// (kernel/force/README.md, "Imprint").
+  /// The part of `removed_mm3` that was inside the tool where the motion began. A tool that appears
+  /// inside stock removes it without force. Exactly 0 if a motion of the same tool ended at that
+  /// pose (kernel/force/README.md, "Imprint").
   double imprint_mm3 = 0;
-  /// Number of cuts that the motion was divided into: the greatest over the fields.
+  /// Number of cuts into which the motion was divided: the greatest over the fields.
   std::uint32_t sub_motions = 0;
   /// Tiles of the field along Z whose surface changed; sorted, without duplicates.
   std::vector<TileIndex> changed_tiles;
@@ -60,7 +60,7 @@ struct MotionResult {
   std::vector<FieldTile> cut_tiles;
 };
 
-/// A tile as another set of motions leaves it (TileCarver).
+/// A tile as a different set of motions leaves it (TileCarver).
 struct TileReplacement {
   FieldTile at;
   std::shared_ptr<const DexelTile> tile;  ///< null: untouched stock
@@ -74,7 +74,7 @@ struct MotionSince {
 
 /// The result of Sculpture::replace.
 struct ReplacedTiles {
-  /// Volume that came back, less what was removed; with three fields the mean of what they see.
+  /// Restored volume minus removed volume. With three fields, the mean of their values.
   double returned_mm3 = 0;
   std::vector<TileIndex> changed_tiles;  ///< as in MotionResult
   std::vector<FieldTile> tiles;          ///< those that differ from before, in the order given

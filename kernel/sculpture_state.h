@@ -11,9 +11,9 @@
 
 namespace kerf {
 
-/// Everything but its settings that a Sculpture holds between two commands, without the force that
-/// is still pending from earlier cuts. A copy that is restored from it computes the same from then
-/// on, to the bit, as one that has applied all commands without feeling them.
+/// The state of a Sculpture between two commands, without its settings and without the force that
+/// is still pending from earlier cuts. A copy restored from it computes the same results, to the
+/// bit, as one that has applied all commands without feeling them.
 struct SculptureState {
   SolidSnapshot solid;  ///< shares the tiles with the sculpture
   std::map<ToolId, Tool> tools;

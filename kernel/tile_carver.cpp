@@ -52,7 +52,7 @@ const DexelTile* TileCarver::find(FieldTile at) const { return layer(at.axis).fi
 
 std::shared_ptr<DexelTile> TileCarver::copy_of_start(FieldTile at) const {
   std::shared_ptr<DexelTile> tile = layer(at.axis).field.fresh(at.tile);
-  tile->era = 0;  // Eras begin at 1: no field takes it for its own.
+  tile->era = 0;  // eras begin at 1, so no field owns it
   return tile;
 }
 
@@ -77,7 +77,7 @@ std::shared_ptr<const DexelTile> TileCarver::take(FieldTile at) {
   std::shared_ptr<DexelTile> tile = from.field.take(at.tile);
   if (!tile) return nullptr;
   from.field.put_shared(at.tile, start(at));
-  tile->era = 0;  // Eras begin at 1: no field takes it for its own.
+  tile->era = 0;  // eras begin at 1, so no field owns it
   return tile;
 }
 

@@ -15,7 +15,7 @@ constexpr double kSqrt2 = 1.4142135623730952;
 constexpr double kBlockMiddle = (kBlockSide - 1) / 2.0, kTileMiddle = (kTileSide - 1) / 2.0;
 
 /// A lower end is rounded to the nearest quantum, so one that is less than half a quantum below the
-/// top removes nothing. The rest of the half is for the rounding of bounds.
+/// top removes nothing. The remainder of the half allows for the rounding of bounds.
 constexpr double kNothingBelowQuanta = 0.4375;
 
 KERF_INLINE Lanes below_which(const DexelGrid& grid, Lanes tops) {
@@ -52,7 +52,8 @@ KERF_INLINE void blocks_in_lanes(const DexelGrid& grid, TileIndex tile, int half
   reached_below = below_which(grid, top);
 }
 
-/// Returns the greatest depth of each of eight rows. Transposes and reduces in three steps.
+/// Returns the greatest depth of each of eight rows, by a transposition and a reduction in three
+/// steps.
 KERF_INLINE IntLanes highest_of_rows(const std::int32_t* tops) {
   IntLanes two[4], four[2];
   for (std::ptrdiff_t k = 0; k < 4; ++k) {

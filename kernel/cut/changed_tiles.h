@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// The depths between which elements were removed, in quanta; top == 0: none.
+/// The depths between which elements were removed, in quanta. top == 0 if none were.
 struct RemovedDepths {
   std::int32_t bottom = 0, top = 0;
 };

@@ -11,20 +11,19 @@
 namespace kerf {
 namespace {
 
-/// Cost of evaluating one piece over a block of 8 x 8 columns, relative to a ball's (measured:
-/// kernel/cut/README.md, "Threads").
+/// Measured cost of evaluating one piece over a block of 8 x 8 columns, relative to a ball's.
 struct WorkPerBlock {
   double operator()(const BallSweep&) const { return 1; }
   double operator()(const FrustumTranslation&) const { return 4; }
   double operator()(const ArcTranslation&) const { return 6; }
   double operator()(const TurningSweep&) const { return 20; }
 };
-/// Work, in blocks of a ball, from which on several threads are used. Less takes about as long as
-/// waking another thread.
+/// Work, in blocks of a ball, from which on several threads are used. Less work takes about as long
+/// as waking another thread.
 constexpr double kWorkForThreads = 400;
-/// Jobs per thread. More balance the varying cost of tiles; fewer reduce the overhead per job.
+/// Jobs per thread. More jobs balance the varying cost of tiles; fewer reduce the overhead per job.
 constexpr std::size_t kJobsPerThread = 8;
-/// Tiles of the rectangle around a sweep that are looked at before the window is full.
+/// Tiles of the rectangle around a sweep that are examined before the window is full.
 constexpr std::int64_t kTilesOfStep = CutWindow::kTouchesMax;
 
 }  // namespace
@@ -73,7 +72,7 @@ bool CutWindow::same_tile(std::size_t a, std::size_t b) const {
          sweeps_[touches_[a].sweep].field == sweeps_[touches_[b].sweep].field;
 }
 
-/// The order of a single sweep is that of the tiles already.
+/// A single sweep is already in the order of the tiles.
 void CutWindow::sort_by_tile() {
   by_tile_.resize(touches_.size());
   std::iota(by_tile_.begin(), by_tile_.end(), std::size_t{0});

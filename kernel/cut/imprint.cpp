@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-/// Takes the imprint out of one part of a removal.
+/// Removes the imprint from one part of a removal.
 class ImprintTaker {
  public:
   ImprintTaker(const SweptTool& standing, const DexelGrid& grid)
@@ -34,7 +34,7 @@ class ImprintTaker {
   }
 
  private:
-  /// Appends to left_ what remains of a group.
+  /// Appends the remainder of a group to left_.
   void take(const RemovedGroup& group) {
     place(group);
     const int row = group.j % kBlockSide;
@@ -52,7 +52,7 @@ class ImprintTaker {
     }
   }
 
-  /// Evaluates the tool over the block of a group, unless that is the block of the group before.
+  /// Evaluates the tool over the block of a group, unless it is that of the previous group.
   void place(const RemovedGroup& group) {
     const std::int32_t j = group.j - group.j % kBlockSide;
     if (group.i == block_i_ && j == block_j_) return;
@@ -82,8 +82,8 @@ class ImprintTaker {
     }
   }
 
-  /// Divides the elements that the interval lies within: `rest` keeps the lower parts, and a new
-  /// group takes the upper ones.
+  /// Divides the elements that enclose the interval: `rest` keeps the lower parts, and a new group
+  /// gets the upper ones.
   void divide(RemovedGroup& rest, const BlockChange::LeftOver& cut) {
     RemovedGroup upper{rest.i, rest.j, {}, {}};
     for (unsigned left = cut.columns; left != 0; left &= left - 1) {

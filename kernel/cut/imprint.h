@@ -9,11 +9,11 @@
 
 namespace kerf {
 
-/// Takes the imprint of a tool out of what was removed: the parts of the removed elements that lie
-/// inside the tool at the pose where its motion began. `standing` is the sweep of the tool at rest
-/// at that pose, in the frame of the field on `grid`; its ends are rounded as those of a cut.
-/// `removed` keeps what the motion itself removed; an element that the imprint divides becomes two.
-/// Returns the total length of the imprint, in quanta. The stock is not involved.
+/// Removes the imprint of a tool from the removed elements: their parts inside the tool at the pose
+/// where its motion began. `standing` is the sweep of the tool at rest at that pose, in the frame
+/// of the field on `grid`; its ends are rounded as those of a cut. `removed` keeps the parts that
+/// the motion itself removed; an element that the imprint divides becomes two. Returns the total
+/// length of the imprint, in quanta. The stock does not change.
 std::int64_t take_imprint(const SweptTool& standing, const DexelGrid& grid, RemovedPart& removed);
 
 }  // namespace kerf

@@ -11,13 +11,13 @@
 namespace kerf {
 namespace {
 
-/// Codes up to this name the sweep that made an end whose normal is not yet computed.
-/// Codes of normals are at least 2¹⁶ (normal_code.h).
+/// Codes up to this identify the sweep that made an end whose normal is not yet computed. Codes of
+/// normals are at least 2¹⁶ (normal_code.h).
 constexpr NormalCode kPendingMax = 0xffff;
 
-/// Fewer tiles are resolved sooner than another thread wakes up.
+/// Fewer tiles are resolved faster than another thread wakes up.
 constexpr std::size_t kTilesForThreads = 16;
-/// Jobs per thread balance the varying number of ends in a tile.
+/// Jobs per thread, to balance the varying number of ends in a tile.
 constexpr std::size_t kNormalJobsPerThread = 2;
 
 /// Tiles that are resolved at a time while a batch is collected: about 0.1 ms.
@@ -26,8 +26,8 @@ constexpr std::size_t kTilesAtOnce = 32;
 /// Ends that are collected before their normals are computed, which bounds their memory to 2 MB.
 constexpr std::size_t kEndsAtOnce = 65'536;
 
-/// Marks, of the topmost elements of eight columns from `first` on, the ends that now lie at an end
-/// of the removed element.
+/// Marks those ends of the topmost elements of eight columns, from `first` on, that are now at an
+/// end of the removed element.
 KERF_INLINE void mark_topmost_in_lanes(DexelTile& tile, std::size_t first,
                                        const RemovedGroup& group, NormalCode code) {
   const IntLanes bottom = load_ints(&tile.bottom[first]), top = load_ints(&tile.top[first]);
@@ -116,7 +116,7 @@ void LazyNormals::finish(DexelField& field, Workers& workers, Batch& batch) {
   batch.resolved = 0;
 }
 
-/// Resolves the tiles of a batch before the one with this number.
+/// Resolves the tiles of a batch before the one with the number `end`.
 void LazyNormals::resolve_until(DexelField& field, Workers& workers, Batch& batch,
                                 std::size_t end) {
   const std::span all = std::span<const TileIndex>(batch.tiles).first(end).subspan(batch.resolved);

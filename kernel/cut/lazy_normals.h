@@ -13,30 +13,31 @@
 namespace kerf {
 
 /// Surface normals of dexel ends, computed lazily. A moving tool cuts the same column dozens of
-/// times, and only the last end remains, so each new end first stores the number of the sweep that
-/// made it in place of its normal; resolve() replaces the numbers of the ends that still exist by
-/// normals. While a batch of sweeps is collected, the tiles of the batch before it are resolved
-/// bit by bit, so that no motion waits for all of them. The result does not depend on when it runs.
+/// times, and only the last end remains. So each new end first stores the number of the sweep that
+/// made it in place of its normal, and resolve() replaces the numbers of the ends that still exist
+/// by normals. While a batch of sweeps is collected, the tiles of the batch before it are resolved
+/// in small steps, so that no motion waits for all of them. The result does not depend on when that
+/// happens.
 ///
-/// Ends that a sweep does not move keep their normals. Where two motions leave an end at the same
-/// depth, the normal of the first is kept: normals depend on the order of the commands, and the
+/// Ends that a sweep does not move keep their normals. If two motions leave an end at the same
+/// depth, the normal of the first is kept. So normals depend on the order of the commands, and the
 /// state hash excludes them.
 class LazyNormals {
  public:
   /// Registers a part of a tool's motion that is about to cut the field, in the field's frame.
-  /// Returns the code with which to mark the ends that it makes (mark_ends): kStockNormal, and
-  /// nothing is registered, if the field keeps no normals. Begins a batch first if is_full().
+  /// Returns the code that marks the ends that it makes (mark_ends), or kStockNormal, without
+  /// registering anything, if the field keeps no normals. Begins a batch first if is_full().
   NormalCode add_sweep(DexelField& field, const Tool& tool, const ToolMotion& part);
-  /// Whether the batch has as many sweeps as it may.
+  /// Returns whether the batch has the maximum number of sweeps.
   bool is_full() const { return now_.sweeps.size() == kSweepsMax; }
-  /// Begins a batch. The sweeps before must have cut, and the tiles that they changed must be
+  /// Begins a batch. All earlier sweeps must have cut, and the tiles that they changed must be
   /// registered.
   void begin_batch(DexelField& field, Workers& workers);
   /// Registers a tile that a sweep changed.
   void add_tile(TileIndex tile) {
     if (!now_.sweeps.empty()) now_.tiles.push_back(tile);
   }
-  /// Resolves as much of the batch before as the present one is full.
+  /// Resolves as large a share of the previous batch as the present one is full.
   void resolve_some(DexelField& field, Workers& workers);
   /// Computes all pending normals. Must run before the field's normals are read, and before a
   /// snapshot is taken, because it edits tiles in place. The tiles are divided among the workers.
@@ -58,7 +59,7 @@ class LazyNormals {
   struct Ends {
     std::vector<End> tops, bottoms;
   };
-  /// Those of some tiles, per sweep; reuses its memory.
+  /// The ends of some tiles, per sweep. Reuses its memory.
   using Job = std::vector<Ends>;
   struct Batch {
     NormalCode first_code = 1;  ///< of its first sweep
@@ -68,7 +69,7 @@ class LazyNormals {
     bool has(NormalCode code) const { return code - first_code < sweeps.size(); }
   };
 
-  /// Returns how many ends it has added to the job.
+  /// Adds a tile's ends to the job and returns their number.
   static std::size_t collect(DexelTile& tile, TileIndex at, const DexelGrid& grid,
                              const Batch& batch, Job& job);
   /// Computes the normals of the ends in the job, and empties it.
@@ -82,8 +83,8 @@ class LazyNormals {
   std::vector<Job> jobs_;
 };
 
-/// Marks, in a tile that keeps normals, the ends that a sweep has just made. `removed` is what the
-/// sweep removed from this tile.
+/// Marks, in a tile that keeps normals, the ends that a sweep has just made. `removed` has the
+/// elements that the sweep removed from this tile.
 void mark_ends(DexelTile& tile, std::span<const RemovedGroup> removed, NormalCode code);
 
 }  // namespace kerf

@@ -15,7 +15,7 @@ struct ColumnRange {
   std::int32_t first, last;  ///< inclusive; empty when first > last
 };
 
-/// Returns the columns whose ray lies in [lo, hi], widened to whole columns: the sweep makes the
+/// Returns the columns whose ray is in [lo, hi], widened to whole columns. The sweep makes the
 /// exact test.
 ColumnRange columns_in(double lo_mm, double hi_mm, double origin_mm, double pitch_mm,
                        std::int32_t columns) {
@@ -38,7 +38,7 @@ SweepBounds bounds_of(const SweptTool& swept) {
   return all;
 }
 
-/// Returns the discs over which the tool may change stock that lies above `reached_below`.
+/// Returns the discs over which the tool may change stock above `reached_below`.
 unsigned changed_discs(const SweptTool& swept, const Discs& discs, const Lanes& reached_below) {
   ToolReach reach;
   for (std::size_t k = 0; k < swept.pieces.size(); ++k) {
@@ -92,7 +92,7 @@ unsigned find_blocks(const DexelGrid& grid, const SweptTool& swept, TileIndex ti
                      const DexelTile* stored) {
   const std::int32_t* tops = stored != nullptr ? stored->block_top.data() : nullptr;
   unsigned blocks = 0;
-  // Each half is two rows of four blocks.
+  // Each half has two rows of four blocks.
   for (int half = 0; half < 2; ++half) {
     Discs discs;
     Lanes reached_below;

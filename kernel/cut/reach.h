@@ -22,12 +22,13 @@ struct ReachSize {
   std::int64_t tiles = 0, blocks = 0;
 };
 
-/// Appends the tiles of a run that a sweep may change, row by row, whatever stock is left there.
+/// Appends the tiles of a run that a sweep may change, row by row, regardless of the remaining
+/// stock.
 ReachSize find_tiles(const DexelGrid& grid, const SweptTool& swept, const TileRun& run,
                      std::vector<TileIndex>& tiles);
 
-/// Returns the blocks of a tile that a sweep may change: bit b if it reaches below the top of block
-/// b. `stored` is null if the tile is untouched.
+/// Returns the blocks of a tile that a sweep may change: bit b is set if it reaches below the top
+/// of block b. `stored` is null if the tile is untouched.
 unsigned find_blocks(const DexelGrid& grid, const SweptTool& swept, TileIndex tile,
                      const DexelTile* stored);
 

@@ -12,8 +12,8 @@
 namespace kerf {
 
 /// The elements that a cut removed from eight neighboring columns of a row, one per column: columns
-/// i … i + 7 of row j, i a multiple of eight. Depths in quanta; top − bottom is Δx_i of paper
-/// Eq. 18, and 0 where nothing was removed. Eight columns fill the SIMD lanes.
+/// i … i + 7 of row j, i a multiple of eight. Depths in quanta. top − bottom is Δx_i of paper Eq.
+/// 18, and 0 where nothing was removed. Eight columns fill the SIMD lanes.
 struct RemovedGroup {
   static constexpr int kLanes = 8;
   std::int32_t i, j;
@@ -34,12 +34,12 @@ inline std::int64_t elements_of(std::span<const RemovedGroup> groups) {
   return count;
 }
 
-/// Returns by how much more than their length the elements of one tile count, in quanta: the sum of
-/// length x (share - 1). 0 if all their columns are whole.
+/// Returns the excess of the elements' weighted length over their length in one tile, in quanta:
+/// the sum of length x (share - 1). 0 if all their columns are whole.
 double border_quanta(std::span<const RemovedGroup> groups, const ColumnShares& shares);
 
-/// The elements removed from a sequence of tiles. Within a tile the groups are ordered by block;
-/// columns in which several elements were cut appear in several groups.
+/// The elements removed from a sequence of tiles. Within a tile the groups are ordered by block.
+/// Columns in which several elements were cut appear in several groups.
 struct RemovedPart {
   struct Tile {
     TileIndex index;
@@ -63,7 +63,7 @@ struct RemovedPart {
 
 /// The elements that one sub-motion removed from a field, in parts of whole tiles, in tile order.
 /// The number of parts depends on the number of threads; their concatenation does not. Sums are
-/// taken tile by tile, so their order is the same on every machine. Reuses its memory.
+/// computed tile by tile, so their order is the same on every machine. Reuses its memory.
 class Removal {
  public:
   std::span<const RemovedPart> parts() const { return {parts_.data(), used_}; }
@@ -89,7 +89,7 @@ class Removal {
     return sum;
   }
 
-  /// Clears the removal and returns so many empty parts to fill.
+  /// Clears the removal and returns this many empty parts to fill.
   std::span<RemovedPart> start(std::size_t parts) {
     if (parts_.size() < parts) parts_.resize(parts);
     used_ = parts;

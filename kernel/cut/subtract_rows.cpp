@@ -51,7 +51,7 @@ KERF_INLINE void subtract_in_lanes(const ColumnBlock& block, unsigned rows, cons
       left |= several & less(cut_b, cut_t);
     }
     if (any(takes)) {
-      // The element loses its top or its bottom; if it loses both, it is gone.
+      // The element loses its top or its bottom, or vanishes if it loses both.
       const IntMask at_bottom = takes & equal(lo, b), at_top = takes & equal(hi, t);
       const IntMask gone = at_bottom & at_top;
       BlockChange::Row& stays = change.rows[row];

@@ -7,8 +7,8 @@
 
 namespace kerf {
 
-/// A view of the topmost elements of a block's columns in a tile, and of which columns have lower
-/// elements. Depths in quanta.
+/// A view of the topmost elements of a block's columns in a tile, with flags for the columns that
+/// have lower elements. Depths in quanta.
 struct BlockElements {
   const std::int32_t *bottom, *top;  ///< of the first column
   const std::uint32_t* split;        ///< of the first row; bit `first_bit` is the first column's
@@ -19,15 +19,17 @@ struct BlockElements {
 /// The result of subtracting a sweep from a block's topmost elements.
 struct BlockChange {
   struct Row {
-    alignas(32) std::int32_t bottom[kLanes], top[kLanes];  ///< what remains
+    alignas(32) std::int32_t bottom[kLanes], top[kLanes];  ///< the remaining element
   };
   struct LeftOver {
     int row;
-    unsigned columns;  ///< bit c: column c has several elements, or the cut splits its only one
+    unsigned
+        columns;  ///< bit c is set if column c has several elements, or the cut splits its only one
     alignas(32) std::int32_t cut_bottom[kLanes], cut_top[kLanes];
   };
   Row rows[kBlockSide];
-  unsigned changed;     ///< bit r: row r must be replaced; each such row has a group, in row order
+  unsigned
+      changed;  ///< bit r is set if row r must be replaced; each such row has a group, in row order
   std::int64_t quanta;  ///< total length removed
   LeftOver left_over[kBlockSide];
   int left_overs;
@@ -37,7 +39,7 @@ struct BlockChange {
 /// topmost elements of the rows set in `rows` (paper Fig. 1 c, d), after rounding them to the
 /// nearest depth quantum within the stock. Columns of several elements, and those that would be
 /// split, are left to the caller in `change.left_over`. `groups`, with space for eight, receives
-/// the removed elements; (first_i, first_j) is the block's first column.
+/// the removed elements. (first_i, first_j) is the block's first column.
 void subtract_rows(const ColumnBlock& block, unsigned rows, const DexelGrid& grid,
                    const BlockElements& elements, std::int32_t first_i, std::int32_t first_j,
                    RemovedGroup* groups, BlockChange& change);

@@ -60,7 +60,7 @@ void sweep_block(const SweptTool& swept, const DexelGrid& grid, const DexelTile*
     block.lowest_mm = bounds.lowest_mm;
     block.below_is_swept = ~below.left_out.behind;
     block.above_is_swept = ~above.left_out.behind;
-    // What a piece has lost already is joined to what a neighbor removes now.
+    // An interval that a piece has already lost is joined to that of a neighbor.
     block.rows =
         bounds.reached & (~bounds.left_out.gone | below.changed() | above.changed()) & rows;
     block.drop_closed_rows();

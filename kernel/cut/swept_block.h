@@ -9,9 +9,9 @@
 
 namespace kerf {
 
-/// Places `block` on the 8 x 8 columns whose first is (i, j), both multiples of eight, and fills it
-/// with the intervals that `swept` removes from them, down to where there is stock. `stored` is the
-/// tile of these columns; null if all of it may hold stock.
+/// Moves `block` to the 8 x 8 columns whose first is (i, j), both multiples of eight, and fills it
+/// with the intervals that `swept` removes from them, down to the lowest stock. `stored` is the
+/// tile of these columns, or null if all of it may hold stock.
 void sweep_block(const SweptTool& swept, const DexelGrid& grid, const DexelTile* stored,
                  std::int32_t i, std::int32_t j, ColumnBlock& block);
 

@@ -14,10 +14,10 @@
 namespace kerf {
 namespace {
 
-/// Number of lower elements of a column up to which all of them are compared.
+/// Number of lower elements up to which all of them are compared.
 constexpr std::size_t kFewElements = 8;
 
-/// Returns the number of elements, sorted from the bottom up, that end at a depth or below.
+/// Returns the number of elements, sorted from the bottom up, that end at or below a depth.
 KERF_INLINE std::size_t count_below(std::span<const Dexel> elements, std::int32_t depth) {
   const auto is_below = [&](const Dexel& d) { return d.top <= depth; };
   if (elements.size() > kFewElements) {
@@ -74,9 +74,8 @@ void TileCutter::cut_block(int block) {
 void TileCutter::cut_rows(Column first, unsigned rows) {
   RemovedGroup groups[kBlockSide];
   if (work_.stored == nullptr) {
-    // The tile is untouched: test whether anything would be removed before making it. Columns
-    // outside the grid or beside the stock are treated as solid here, but are empty in the made
-    // tile.
+    // The tile is untouched: test whether anything would be removed before creating it. Columns
+    // outside the grid or the stock are treated as solid here, but are empty in the created tile.
     std::int32_t bottom[kLanes] = {}, top[kLanes];
     std::ranges::fill(top, grid().height_quanta);
     const std::uint32_t split[kBlockSide] = {};
@@ -131,8 +130,8 @@ void TileCutter::make_editable() {
   work_.stored = work_.changed;
 }
 
-/// Records a removed element in the first of the row's groups that holds none of the column, or in
-/// a new one.
+/// Records a removed element in the first of the row's groups that has no element of the column
+/// yet, or in a new group.
 KERF_INLINE void TileCutter::record(Column at, Dexel removed) {
   const std::int32_t lane = at.i % kLanes;
   removed_->quanta += removed.top - removed.bottom;
@@ -155,13 +154,13 @@ void TileCutter::subtract_elements(int column, Column at, Dexel cut) {
 }
 
 /// Subtracts the cut in place if no element has to be added or removed: it removes nothing, one end
-/// of one element, or the facing ends of two neighbors. The column's other elements are not touched
-/// then. Returns false, without changes, for any other cut.
+/// of one element, or the facing ends of two neighbors. The column's other elements are then not
+/// touched. Returns false, without changes, for any other cut.
 bool TileCutter::subtract_in_place(int column, Column at, Dexel cut) {
   const auto c = std::size_t(column);
   const Dexel top{work_.stored->bottom[c], work_.stored->top[c]};
   const bool meets_top = top.bottom < cut.top && top.bottom < top.top && cut.bottom < top.top;
-  // Below a cut that begins in the topmost element nothing is read.
+  // Nothing is read below a cut that begins in the topmost element.
   if (cut.bottom >= top.bottom || !work_.stored->is_split(column)) {
     return !meets_top || shorten(column, at, cut, 0, top, true);
   }
@@ -178,7 +177,7 @@ bool TileCutter::subtract_in_place(int column, Column at, Dexel cut) {
 }
 
 /// Removes one end of an element, `rest`: the topmost one (`top`) or the lower one with this
-/// number, unless the cut takes or divides it.
+/// number. Returns false if the cut removes or divides it.
 bool TileCutter::shorten(int column, Column at, Dexel cut, std::size_t lower, Dexel rest,
                          bool top) {
   const Dexel removed{std::max(rest.bottom, cut.bottom), std::min(rest.top, cut.top)};
@@ -197,7 +196,8 @@ bool TileCutter::shorten(int column, Column at, Dexel cut, std::size_t lower, De
 }
 
 /// Removes the facing ends of the lower element with this number, `under`, and of the one above it,
-/// `over`, which is the topmost one (`top`) or the next, unless the cut takes one of them.
+/// `over`, which is the topmost one (`top`) or the next. Returns false if the cut removes one of
+/// them.
 bool TileCutter::part(int column, Column at, Dexel cut, std::size_t lower, Dexel under, Dexel over,
                       bool top) {
   if (cut.bottom <= under.bottom || cut.top >= over.top) return false;

@@ -15,13 +15,13 @@ namespace kerf {
 /// disjoint.
 class TileCutter {
  public:
-  /// Turns to a tile. Of each tile, all cuts follow each other.
+  /// Selects a tile. All cuts of a tile must follow each other.
   void begin(DexelField& field, TileIndex tile);
-  /// Cuts the tile and appends what was removed to `removed`. The ends that move are marked with
-  /// `end_code` (lazy_normals.h).
+  /// Cuts the tile and appends the removed elements to `removed`. The ends that move are marked
+  /// with `end_code` (lazy_normals.h).
   void cut(const SweptTool& swept, NormalCode end_code, RemovedPart& removed);
-  /// Stores in their fields the tiles that had to be made or copied. Only after all cutters of the
-  /// fields have finished.
+  /// Stores tiles that had to be created or copied in their fields. Must be called only after all
+  /// cutters of the fields have finished.
   void put_tiles();
 
  private:
@@ -53,7 +53,7 @@ class TileCutter {
 
   DexelField* field_ = nullptr;
   Work work_;
-  const SweptTool* swept_ = nullptr;  ///< this and the next: of the cut in progress
+  const SweptTool* swept_ = nullptr;  ///< this and the next belong to the cut in progress
   RemovedPart* removed_ = nullptr;
   ColumnBlock block_;
   std::vector<std::size_t> row_groups_;  ///< groups that receive the elements removed from a row

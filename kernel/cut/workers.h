@@ -14,8 +14,8 @@ class Workers {
   /// Returns the number of jobs that can run at the same time, >= 1.
   virtual int count() const = 0;
   /// Calls job(0) … job(jobs − 1), each once, on any threads and in any order, and returns when all
-  /// have returned. An exception of a job is thrown again when no job runs any longer; jobs that
-  /// have not begun may be left out then.
+  /// have returned. An exception of a job is rethrown after all running jobs have ended; jobs that
+  /// have not begun may then be skipped.
   virtual void run(int jobs, const std::function<void(int)>& job) = 0;
 };
 

@@ -9,10 +9,10 @@
 namespace kerf {
 namespace {
 
-/// Allowance for the rounding of a block's corners and pitch, in the last places of its numbers.
+/// Allowance for the rounding of a block's corners and pitch, relative to their size.
 constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
 
-/// Returns the share of the last of so many columns between two sides of a block.
+/// Returns the share of the last of `columns` columns between two sides of a block.
 double last_share(double low_mm, double high_mm, double pitch_mm, std::int32_t columns) {
   const double laid_mm = columns * pitch_mm, beyond_mm = (high_mm - low_mm) - laid_mm;
   const double rounding_mm = kRounding * (std::abs(low_mm) + std::abs(high_mm) + laid_mm);

@@ -14,18 +14,18 @@
 
 namespace kerf {
 
-/// The shares by which the columns of a field count in volumes and forces: a share of 1 is the
+/// The shares by which the columns of a field count in volumes and forces. A share of 1 is the
 /// square of the pitch. The last row and the last column represent the strip from the row before to
 /// the side of the block: 0.5 to 1.5, or less in a block of one column. In a block that began as a
 /// mesh, columns next to its walls represent the solid nearest to them (MeshShares). All other
-/// columns count as 1, and so do all of a box that the pitch divides, up to rounding.
+/// columns count as 1, and so do all columns of a box that the pitch divides, up to rounding.
 class ColumnShares {
  public:
   /// The shares of a tile's columns, row-major.
   using OfTile = std::array<float, kTileColumns>;
 
   ColumnShares(const StockShape& stock, const DexelGrid& grid);
-  /// Sets the shares of tiles of a block that began as a mesh; of the others, the sides decide.
+  /// Sets the shares of tiles of a block that began as a mesh. In all other tiles the sides decide.
   void set_tiles(std::map<TileIndex, OfTile> shares) {
     if (!shares.empty())
       of_mesh_ = std::make_shared<const std::map<TileIndex, OfTile>>(std::move(shares));
@@ -38,13 +38,13 @@ class ColumnShares {
     for (const auto& [tile, shares] : *of_mesh_) visit(tile);
   }
 
-  /// Returns the share of a column of the grid; 1 beyond it.
+  /// Returns the share of a column of the grid, or 1 beyond it.
   double of(std::int32_t i, std::int32_t j) const {
     if (const OfTile* tile = tile_at({i / kTileSide, j / kTileSide}))
       return double((*tile)[std::size_t(j % kTileSide * kTileSide + i % kTileSide)]);
     return of_column(i) * of_row(j);
   }
-  /// Returns the factors of a share by the sides alone: by the place in a row, and by the row.
+  /// Returns the factors of a share that the sides determine: by column, and by row.
   double of_column(std::int32_t i) const { return i == last_i_ ? last_x_ : 1; }
   double of_row(std::int32_t j) const { return j == last_j_ ? last_y_ : 1; }
   /// Computes the shares of columns i … i + 7 of row j, i a multiple of 8. Returns false, and
@@ -74,7 +74,7 @@ class ColumnShares {
 
   std::int32_t last_i_, last_j_;
   double last_x_, last_y_;  ///< shares of the last column of a row, and of the last row
-  std::shared_ptr<const std::map<TileIndex, OfTile>> of_mesh_;  ///< null: the sides decide
+  std::shared_ptr<const std::map<TileIndex, OfTile>> of_mesh_;  ///< null if the sides alone decide
 };
 
 }  // namespace kerf

@@ -19,8 +19,8 @@ struct CodedDexel {
   EndCodes codes;
 };
 
-/// Reads a column with its codes, from the bottom up; codes are those of the stock in a tile that
-/// keeps no normals.
+/// Reads a column with its codes, from the bottom up. In a tile without normals, the codes are
+/// those of the stock.
 void read_coded(const DexelTile& tile, int column, std::vector<CodedDexel>& out) {
   out.clear();
   const ColumnView view = tile.view(column);
@@ -30,7 +30,7 @@ void read_coded(const DexelTile& tile, int column, std::vector<CodedDexel>& out)
   if (view.topmost.bottom < view.topmost.top) out.push_back({view.topmost, view.topmost_codes});
 }
 
-/// Both are sorted, so one pass finds the intersection.
+/// Both lists are sorted, so one pass finds the intersection.
 void intersect_coded(std::span<const CodedDexel> a, std::span<const CodedDexel> b,
                      std::vector<Dexel>& elements, std::vector<EndCodes>& codes) {
   elements.clear();
@@ -66,7 +66,7 @@ void keep_common_row(DexelTile& tile, const DexelTile& other, std::size_t first)
   }
 }
 
-/// Both are sorted: each element of `a` loses what those of `b` cover.
+/// Both lists are sorted. Each element of `a` loses the parts that `b` covers.
 void subtract_coded(std::span<const CodedDexel> a, std::span<const CodedDexel> b,
                     std::vector<Dexel>& elements, std::vector<EndCodes>& codes) {
   elements.clear();
@@ -87,7 +87,7 @@ void subtract_coded(std::span<const CodedDexel> a, std::span<const CodedDexel> b
   }
 }
 
-/// Both are sorted: merges them, `a` first where both begin at the same depth.
+/// Merges two sorted lists. If both have an element at the same depth, that of `a` is first.
 void unite_coded(std::span<const CodedDexel> a, std::span<const CodedDexel> b,
                  std::vector<Dexel>& elements, std::vector<EndCodes>& codes) {
   elements.clear();
@@ -105,7 +105,7 @@ void unite_coded(std::span<const CodedDexel> a, std::span<const CodedDexel> b,
   }
 }
 
-/// What two columns are made into, with codes.
+/// Combines two columns, with codes.
 using Combine = void (*)(std::span<const CodedDexel>, std::span<const CodedDexel>,
                          std::vector<Dexel>&, std::vector<EndCodes>&);
 

@@ -11,21 +11,20 @@ namespace kerf {
 
 struct DexelTile;
 
-/// Intersects the columns of `tile` with those of `other`, a tile of another copy of the block at
-/// the same place, with normals if `tile` has them. Each end keeps the normal of the tile that it
-/// comes from; where both have an end at the same depth, that of `tile`.
+/// Intersects the columns of `tile` with those of `other`, the same tile of another copy of the
+/// block, with normals if `tile` has them. Each end keeps the normal of the tile that it comes
+/// from. If both have an end at the same depth, it keeps the normal of `tile`.
 void keep_common(DexelTile& tile, const DexelTile& other);
 
-/// Keeps of `tile` what `other` does not hold. Ends that this makes keep the normals that `other`
-/// has there.
+/// Subtracts `other` from `tile`. New ends get the normals that `other` has there.
 void remove_common(DexelTile& tile, const DexelTile& other);
 
-/// Adds what `other` holds to `tile`, with normals if `tile` has them. Elements that touch are
-/// joined; where both have an end at the same depth, it keeps the normal of `tile`.
+/// Adds the elements of `other` to `tile`, with normals if `tile` has them. Elements that touch are
+/// joined. If both have an end at the same depth, it keeps the normal of `tile`.
 void add_solid(DexelTile& tile, const DexelTile& other);
 
-/// Returns boxes, in the frame of the grid, around the rays and elements of each block of 8 x 8
-/// columns that holds anything; none: the tile is empty.
+/// Returns boxes, in the frame of the grid, around the rays and elements of each non-empty block of
+/// 8 x 8 columns. Returns no box if the tile is empty.
 std::vector<BoxStock> solid_boxes(const DexelTile& tile, TileIndex at, const DexelGrid& grid);
 
 }  // namespace kerf

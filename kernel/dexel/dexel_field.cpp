@@ -26,7 +26,7 @@ DexelField::DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, 
   };
   dexelize(mesh, grid_, keep_normals, store, &shares_);
   if (keep_normals) untouched_ = tiles_;
-  stock_volume_mm3_ = snapshot().volume_mm3();  // and from now on the tiles are shared
+  stock_volume_mm3_ = snapshot().volume_mm3();  // from now on the tiles are shared
 }
 
 std::shared_ptr<DexelTile> DexelField::fresh(TileIndex tile) const {
@@ -47,7 +47,7 @@ void DexelField::put(TileIndex tile, std::shared_ptr<DexelTile> fresh) {
 
 void DexelField::put_shared(TileIndex tile, const std::shared_ptr<const DexelTile>& shared) {
   if (!shared && find(tile) == nullptr) return;
-  // Only a tile of the present era is edited, and this one is not.
+  // A field edits only tiles of its present era, which this tile is not of.
   put(tile, std::const_pointer_cast<DexelTile>(shared));
 }
 
@@ -63,7 +63,7 @@ DexelSnapshot DexelField::snapshot() {
 
 void DexelField::restore(const DexelSnapshot& state) {
   tiles_ = state.tiles();
-  // The tiles are shared with the view, also those of another field, whose eras may be later.
+  // The tiles are shared with the view, including those of another field, whose eras may be later.
   era_ = std::max(era_, tiles_.era()) + 1;
 }
 

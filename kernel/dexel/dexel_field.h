@@ -19,21 +19,21 @@ namespace kerf {
 /// one copies no column, and readers on other threads never wait.
 class DexelField {
  public:
-  /// Builds an untouched field. Stock and pitch must be valid (Sculpture::create checks them).
-  /// `keep_normals`: touched tiles store the normals of their ends (LazyNormals).
+  /// Builds an untouched field. Stock and pitch must be valid (Sculpture::create checks them). With
+  /// `keep_normals`, touched tiles store the normals of their ends (LazyNormals).
   DexelField(const StockShape& stock, double pitch_mm, RayAxis axis = RayAxis::kZ,
              bool keep_normals = false);
-  /// Builds the solid bounded by a mesh (mesh_stock.h). The stock shape is the mesh's bounding box;
-  /// every tile that the solid does not fill is stored, as if a tool had cut it.
+  /// Builds the solid bounded by a mesh (mesh_stock.h). The stock shape is the mesh's bounding box.
+  /// Every tile that the solid does not fill is stored, as if a tool had cut it.
   DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, bool keep_normals);
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }
-  /// Returns by what share of the pitch's square each column counts.
+  /// Returns each column's share of the pitch's square.
   const ColumnShares& shares() const { return shares_; }
   bool keeps_normals() const { return keep_normals_; }
 
-  /// Returns a stored tile, or null while it is untouched. It must lie in the grid.
+  /// Returns a stored tile, or null while it is untouched. It must be in the grid.
   const DexelTile* find(TileIndex tile) const { return tiles_.find(tile); }
   /// Returns the dexels of a column (column_of).
   std::span<const Dexel> column(std::int32_t i, std::int32_t j, std::vector<Dexel>& scratch) const {
@@ -42,30 +42,31 @@ class DexelField {
   /// Returns a stored tile to be shared, or null while it is untouched. The field may still edit
   /// it.
   std::shared_ptr<const DexelTile> share(TileIndex tile) const { return tiles_.share(tile); }
-  /// Returns a tile that may be edited in place; null while it is untouched or shared with a
+  /// Returns a tile that may be edited in place, or null while it is untouched or shared with a
   /// snapshot. Different tiles may be requested and edited on several threads at once.
   DexelTile* editable(TileIndex tile) { return tiles_.own(tile, era_); }
-  /// Returns a new tile to edit and then `put` where `editable` returned null: made from the
-  /// stock's shape if the tile is untouched, else a copy. Thread-safe while no thread calls `put`.
+  /// Returns a new tile to edit and then `put`, for a tile for which `editable` returned null. It
+  /// is made from the stock's shape if the tile is untouched, and is otherwise a copy. Thread-safe
+  /// while no thread calls `put`.
   std::shared_ptr<DexelTile> fresh(TileIndex tile) const;
-  /// Stores a tile in place of the present one.
+  /// Replaces the present tile.
   void put(TileIndex tile, std::shared_ptr<DexelTile> fresh);
-  /// Stores a tile that others share, of era 0 or of a copy of this field; null: untouched.
+  /// Stores a shared tile, of era 0 or of a copy of this field. Null makes the tile untouched.
   void put_shared(TileIndex tile, const std::shared_ptr<const DexelTile>& shared);
-  /// Takes a tile out of the field, which is untouched there from then on, if it was stored after
-  /// the last snapshot; otherwise returns null, and nothing changes.
+  /// Removes a tile from the field and returns it, if it was stored after the last snapshot. The
+  /// field is untouched there from then on. Otherwise returns null, and nothing changes.
   std::shared_ptr<DexelTile> take(TileIndex tile);
   /// Returns an immutable view of the present state.
   DexelSnapshot snapshot();
-  /// Returns whether a view is one of a field with the same rays and stock.
+  /// Returns whether a view belongs to a field with the same rays and stock.
   bool fits(const DexelSnapshot& state) const {
     return state.grid() == grid_ && state.stock() == stock_;
   }
-  /// Takes over the tiles of a view that fits, of this field or of another one.
+  /// Replaces the tiles by those of a view that fits, of this field or of another one.
   void restore(const DexelSnapshot& state);
   /// Returns the volume of the stock's columns before the first cut, mm^3.
   double stock_volume_mm3() const { return stock_volume_mm3_; }
-  /// Returns the bytes of the field, including what it shares with snapshots; O(touched tiles).
+  /// Returns the bytes of the field, including tiles shared with snapshots. O(touched tiles).
   std::size_t memory_bytes() const;
 
  private:
@@ -74,8 +75,8 @@ class DexelField {
   ColumnShares shares_;
   bool keep_normals_;
   TileDirectory tiles_;
-  /// The tiles before the first cut, if the block began as a mesh and keeps normals; otherwise
-  /// empty: the stock's shape says what was there.
+  /// The tiles before the first cut, if the block began as a mesh and keeps normals. Otherwise
+  /// empty, because the stock's shape describes them.
   TileDirectory untouched_;
   double stock_volume_mm3_ = 0;
   std::uint64_t era_ = 1;  ///< incremented by each snapshot; nodes of earlier eras are shared

@@ -11,8 +11,8 @@
 namespace kerf {
 namespace {
 
-/// Calls visit(column within the tile, i, j) for the columns of a tile that lie in the grid, until
-/// it returns false.
+/// Calls visit(column within the tile, i, j) for the columns of a tile in the grid, until it
+/// returns false.
 template <class Visit>
 void for_columns(const DexelGrid& grid, TileIndex tile, Visit&& visit) {
   const std::int32_t i0 = tile.x * kTileSide, j0 = tile.y * kTileSide;
@@ -25,8 +25,8 @@ void for_columns(const DexelGrid& grid, TileIndex tile, Visit&& visit) {
   }
 }
 
-/// Returns whether a touched tile still holds exactly the stock's shape. That happens where a sweep
-/// reached only columns that were empty already.
+/// Returns whether a touched tile still has exactly the stock's shape, because sweeps reached only
+/// columns that were already empty.
 bool is_like_stock(const DexelTile& tile, TileIndex at, const StockShape& stock,
                    const DexelGrid& grid) {
   bool like = true;
@@ -106,7 +106,7 @@ bool DexelSnapshot::is_original(std::int32_t i, std::int32_t j, std::int32_t dep
 
 double DexelSnapshot::volume_mm3() const {
   std::int64_t lacking = 0;
-  double at_border = 0;  // more than that, by the shares
+  double at_border = 0;  // additional quanta, by the shares
   std::vector<Dexel> scratch;
   const auto add = [&](std::int32_t i, std::int32_t j, std::int64_t solid) {
     const Dexel whole = stock_column(stock_, grid_, i, j);
@@ -124,7 +124,7 @@ double DexelSnapshot::volume_mm3() const {
       return add(i, j, solid);
     });
   });
-  // Whole tiles of a mesh, next to its walls.
+  // Untouched tiles of a mesh, next to its walls.
   shares_.for_each_tile([&](TileIndex at) {
     if (touched(at)) return;
     for_columns(grid_, at, [&](int, std::int32_t i, std::int32_t j) {

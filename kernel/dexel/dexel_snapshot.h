@@ -15,23 +15,24 @@
 
 namespace kerf {
 
-/// Returns the dexels of column (i, j) of stored tiles and the stock around them, sorted from the
-/// bottom up, disjoint, gaps > 0; empty outside the grid. Valid until the next call with `scratch`.
+/// Returns the dexels of column (i, j) of stored tiles and the stock around them: sorted from the
+/// bottom up, disjoint, with gaps > 0, and empty outside the grid. Valid until the next call with
+/// `scratch`.
 std::span<const Dexel> column_of(const TileDirectory& tiles, const StockShape& stock,
                                  const DexelGrid& grid, std::int32_t i, std::int32_t j,
                                  std::vector<Dexel>& scratch);
 
-/// An immutable view of a dexel field. Cheap to take and to copy, since nodes and tiles are shared
-/// copy-on-write; safe to read on any thread while the field changes.
+/// An immutable view of a dexel field. It is cheap to take and to copy, since nodes and tiles are
+/// shared copy-on-write, and safe to read on any thread while the field changes.
 class DexelSnapshot {
  public:
-  /// `untouched`: the tiles before the first cut, of a block that began as a mesh.
+  /// `untouched` holds the tiles before the first cut of a block that began as a mesh.
   DexelSnapshot(const DexelGrid& grid, const StockShape& stock, const ColumnShares& shares,
                 TileDirectory tiles, TileDirectory untouched);
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }
-  /// Returns by what share of the pitch's square each column counts.
+  /// Returns each column's share of the pitch's square.
   const ColumnShares& shares() const { return shares_; }
   const TileDirectory& tiles() const { return tiles_; }
   /// Returns whether the tile is stored. An untouched tile has exactly the stock's shape.
@@ -46,30 +47,31 @@ class DexelSnapshot {
   std::span<const Dexel> column(std::int32_t i, std::int32_t j, std::vector<Dexel>& scratch) const {
     return column_of(tiles_, stock_, grid_, i, j, scratch);
   }
-  /// Returns a column as its tile stores it, with normal codes; empty outside the grid. Valid as
-  /// long as this snapshot.
+  /// Returns a column as its tile stores it, with normal codes, or an empty view outside the grid.
+  /// Valid as long as this snapshot.
   ColumnView view(std::int32_t i, std::int32_t j) const { return view_in(tiles_, i, j); }
   /// Returns a column as view() did before the first cut.
   ColumnView untouched_view(std::int32_t i, std::int32_t j) const {
     return view_in(untouched_, i, j);
   }
-  /// Returns whether an end of column (i, j) is one of the untouched stock. `code` is the end's.
+  /// Returns whether an end of column (i, j) belongs to the untouched stock. `code` is the end's
+  /// code.
   bool is_original(std::int32_t i, std::int32_t j, std::int32_t depth, bool is_top,
                    NormalCode code) const;
   /// Returns the surface normal at an end of column (i, j): unit, outward, in the field's frame.
-  /// `code` is the end's; where it is kStockNormal the normal is that of the stock's shape.
+  /// `code` is the end's code. If it is kStockNormal, the normal is that of the stock's shape.
   Vec3 normal(std::int32_t i, std::int32_t j, std::int32_t depth, bool is_top,
               NormalCode code) const {
     if (code != kStockNormal) return decode_normal(code);
     return stock_normal(stock_, grid_, i, j, depth, is_top);
   }
   /// Returns the solid volume, mm^3: the sum over columns of length x pitch^2 x share
-  /// (ColumnShares). Computed as the stock's volume less what the touched tiles lack, which is
-  /// counted in whole quanta.
+  /// (ColumnShares). It is computed as the stock's volume minus the material missing from the
+  /// touched tiles, which is counted in whole quanta.
   double volume_mm3() const;
   /// Hashes (FNV-1a) the grid, the stock's shape and the columns of every tile that differs from
-  /// the stock. Equal for equal solids of equal stock, whichever tiles are stored. O(touched
-  /// tiles).
+  /// the stock. Equal solids of equal stock have equal hashes, whichever tiles are stored.
+  /// O(touched tiles).
   std::uint64_t hash() const;
 
  private:

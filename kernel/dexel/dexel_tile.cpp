@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// Returns the greatest of 8 x 8 depths in rows kTileSide apart; at least 0.
+/// Returns the greatest of 8 x 8 depths in rows kTileSide apart, at least 0.
 KERF_INLINE std::int32_t highest_in_lanes(const std::int32_t* depths) {
   IntLanes all{};
   for (std::ptrdiff_t row = 0; row < 8; ++row) {

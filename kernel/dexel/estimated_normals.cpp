@@ -20,7 +20,7 @@ std::int32_t depth_of(const Dexel& dexel, End end) {
   return end == End::kTop ? dexel.top : dexel.bottom;
 }
 
-/// The elements of a tile's columns, as they are while codes are written.
+/// Slopes of the surface at the ends of a tile's elements. Codes may be written meanwhile.
 class Slopes {
  public:
   Slopes(const DexelTile& tile, const DexelGrid& grid)
@@ -37,7 +37,7 @@ class Slopes {
   }
 
  private:
-  /// Returns the slope at an end along one direction, in which it is the column `n` of the tile.
+  /// Returns the slope at an end along one direction, in which `n` is the column's index.
   double slope(int column, int n, int step, std::int32_t depth, End end) {
     const auto before = n > 0 ? nearest(column - step, depth, end) : std::nullopt;
     const auto after = n + 1 < kTileSide ? nearest(column + step, depth, end) : std::nullopt;
@@ -45,7 +45,7 @@ class Slopes {
     const double columns = before && after ? 2 : 1;
     return (after.value_or(depth) - before.value_or(depth)) * slope_per_quantum_ / columns;
   }
-  /// Returns the depth of the nearest end of a kind in a column; empty if none is near.
+  /// Returns the depth of the nearest end of a kind in a column, or nothing if none is near.
   std::optional<std::int32_t> nearest(int column, std::int32_t depth, End end) {
     tile_.read(column, scratch_);
     std::optional<std::int32_t> best;
@@ -62,7 +62,7 @@ class Slopes {
   std::vector<Dexel> scratch_;
 };
 
-/// Gives normals to the ends of one element that have none and are not the stock's.
+/// Sets the normals of the ends of one element that have none and do not belong to the stock.
 void estimate(Slopes& slopes, int column, const Dexel& dexel, const Dexel& whole, EndCodes& codes) {
   if (codes.bottom == kStockNormal && dexel.bottom != whole.bottom)
     codes.bottom = encode_normal(slopes.normal(column, dexel.bottom, End::kBottom));

@@ -9,10 +9,11 @@ namespace kerf {
 
 struct DexelTile;
 
-/// Gives a normal to each end in a tile that has none and is not on the surface of the uncut stock:
-/// that of the plane through the ends of the same kind in the columns beside it, in this tile, that
-/// lie within four pitches of its depth. Stock whose normals are not known is displayed smoothly
-/// so; at edges the normals are up to those of one side off. The tile must keep normals.
+/// Estimates a normal for each end of a tile that has none and is not on the surface of the uncut
+/// stock. It is the normal of the plane through the neighboring ends of the same kind, in this
+/// tile, that are within four pitches of the end's depth. So stock with unknown normals is
+/// displayed smoothly. At an edge, the error is up to that of using one side's normal. The tile
+/// must keep normals.
 void estimate_normals(DexelTile& tile, TileIndex at, const StockShape& stock,
                       const DexelGrid& grid);
 

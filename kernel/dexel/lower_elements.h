@@ -14,10 +14,10 @@ namespace kerf {
 
 /// The lower part of a tile's split columns: the elements below the topmost one (Dexel), or the
 /// normal codes of their ends (EndCodes). A raster of grooves leaves dozens of elements in a ray
-/// across it, so reading or replacing a column is O(its elements) (amortized: the pool doubles),
-/// and copying the tile copies three arrays. Each split column owns a block of the pool whose size
-/// is a power of two; freed blocks are kept in one list per size. A tile without split columns
-/// allocates nothing.
+/// across it, so reading or replacing a column is O(its elements) (amortized, because the pool
+/// doubles), and copying the tile copies three arrays. Each split column owns a block of the pool
+/// whose size is a power of two. Freed blocks are kept in one list per size. A tile without split
+/// columns allocates nothing.
 template <class Element>
 class LowerElements {
  public:
@@ -55,8 +55,8 @@ class LowerElements {
   std::vector<Run> runs_;
   std::vector<std::uint16_t> free_runs_;
   std::vector<Element> pool_;
-  std::array<std::uint32_t, 32> free_;  ///< per size class: the first free block; its first
-                                        ///< word is the number of the next
+  std::array<std::uint32_t, 32>
+      free_;  ///< per size class, the first free block, whose first word is the number of the next
 };
 
 extern template class LowerElements<Dexel>;

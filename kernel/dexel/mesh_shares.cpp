@@ -7,12 +7,13 @@
 namespace kerf {
 namespace {
 
-/// Difference of the lengths of two neighbors, in pitches, from which on a wall is between them.
+/// Difference of the lengths of two neighboring columns, in pitches, that indicates a wall between
+/// them.
 constexpr double kWallPitches = 2;
-/// Greatest share of a column. A ray that only grazes the mesh would have any.
+/// Greatest share of a column. That of a ray that only grazes the mesh would be unbounded.
 constexpr double kShareMax = 4;
 
-/// Shares that differ by less are equal: the difference is the rounding of depths and floats.
+/// Shares that differ by less, by the rounding of depths and floats, are equal.
 constexpr double kSame = 1.0 / (1 << 20);
 
 constexpr std::array<std::array<std::int32_t, 2>, 4> kNeighbors{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
@@ -34,7 +35,7 @@ struct Polygon {
       if ((from >= 0) != (to >= 0)) corner[count++] = a + (b - a) * (from / (from - to));
     }
   }
-  /// Returns the volume between the polygon and z = 0; negative if it is seen from below.
+  /// Returns the volume between the polygon and z = 0, negative if it is seen from below.
   double volume() const {
     double sum = 0;
     for (std::size_t n = 2; n < count; ++n) {
@@ -104,8 +105,8 @@ void MeshShares::add(const std::array<Vec3, 3>& corners) {
   }
 }
 
-/// Returns the neighbor that counts the volume over a column without solid: the one with the most,
-/// or -1.
+/// Returns the neighbor that counts the volume over a column without solid: the one with the
+/// largest volume, or -1.
 std::int32_t MeshShares::taker(std::int32_t i, std::int32_t row) const {
   std::int32_t best = -1;
   double most = 0;
@@ -124,7 +125,7 @@ double MeshShares::share(std::int32_t i, std::int32_t row) const {
   for (std::size_t n = 0; n < kNeighbors.size(); ++n) {
     const std::int32_t x = i + kNeighbors[n][0], y = row + kNeighbors[n][1];
     if (!is_inside(x, y) || rows_.length[place(x, y)] > 0) continue;
-    // Neighbors that face each other: 0 and 1, 2 and 3.
+    // Neighbors in opposite directions: 0 and 1, 2 and 3.
     if (taker(x, y) == static_cast<std::int32_t>(n ^ 1U)) volume += std::abs(volume_[place(x, y)]);
   }
   return std::min(volume / (rows_.length[at] * grid_.z_quantum_mm), kShareMax);

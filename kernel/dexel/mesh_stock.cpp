@@ -40,7 +40,7 @@ class Dexelizer {
     }
   }
 
-  /// Makes the tiles of one row of tiles.
+  /// Creates the tiles of one row of tiles.
   template <class Put>
   void run(std::int32_t band, Put&& put) {
     hits_.clear();
@@ -55,7 +55,7 @@ class Dexelizer {
     }
   }
 
-  /// Computes the shares of the columns of the row that run() made.
+  /// Computes the shares of the columns of the row that run() created.
   void add_shares(std::int32_t band, const ColumnShares& sides,
                   std::map<TileIndex, ColumnShares::OfTile>& shares) {
     measure_rows();
@@ -79,7 +79,7 @@ class Dexelizer {
     return c;
   }
 
-  /// Returns the first and last row that the triangle may reach; first > last if there is none.
+  /// Returns the first and last row that the triangle may reach; first > last if it reaches none.
   std::pair<std::int32_t, std::int32_t> rows_of(const Corners& c) const {
     const auto row = [&](double y) {
       const double n = (y - grid_.origin_mm.y) / grid_.pitch_mm - 0.5;
@@ -110,7 +110,7 @@ class Dexelizer {
     }
   }
 
-  /// Counts the columns of a row that lie left of an edge that crosses it upward. The compared
+  /// Counts the columns of a row to the left of an edge that crosses it upward. The compared
   /// expression is monotone in the column index, in floating point too, so the columns on the left
   /// are a prefix of the row.
   std::int32_t columns_left_of(Vec3 low, Vec3 high, double y) const {
@@ -128,7 +128,7 @@ class Dexelizer {
     const double low = std::min({c[0].z, c[1].z, c[2].z}),
                  high = std::max({c[0].z, c[1].z, c[2].z});
     double z = c[0].z - (n.x * (x - c[0].x) + n.y * (y - c[0].y)) / n.z;
-    // A ray may graze an upright triangle: n.z is then 0 and z infinite or NaN.
+    // A ray may graze an upright triangle; n.z is then 0 and z infinite or NaN.
     z = z >= low ? std::min(z, high) : low;
     const double quanta = (z - grid_.origin_mm.z) / grid_.z_quantum_mm;
     return static_cast<std::int32_t>(std::clamp(quanta, 0.0, double(grid_.height_quanta)) + 0.5);
@@ -221,7 +221,7 @@ class Dexelizer {
   std::vector<std::size_t> starts_;  ///< first hit of each column
   std::vector<Dexel> elements_;
   std::vector<EndCodes> codes_;
-  std::int32_t most_winding_ = 0;  ///< of the column
+  std::int32_t most_winding_ = 0;  ///< greatest in the column
   RowsOfMesh rows_;
 };
 

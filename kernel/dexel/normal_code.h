@@ -10,17 +10,17 @@
 namespace kerf {
 
 /// A unit vector in 32 bits, octahedrally encoded with 16 bits per coordinate (Meyer et al., On
-/// Floating-Point Normal Vectors, 2010). Error at most 0.004 degrees; exact along the axes. Codes
-/// of vectors are at least 2¹⁶; 0 marks an end of the stock's own surface, and LazyNormals uses the
-/// codes between.
+/// Floating-Point Normal Vectors, 2010). The error is at most 0.004 degrees, and 0 along the axes.
+/// Codes of vectors are at least 2¹⁶. 0 marks an end of the stock's own surface, and LazyNormals
+/// uses the codes between.
 using NormalCode = std::uint32_t;
 
 inline constexpr NormalCode kStockNormal = 0;
 
 inline constexpr double kNormalSteps = 32767;  ///< from the center of the square to its side
 
-/// Computes the octahedral coordinates (u, v) of a vector (Vec3 or Vec3Lanes, of any length but 0),
-/// both in [−1, 1].
+/// Computes the octahedral coordinates (u, v) of a vector (Vec3 or Vec3Lanes, of any length except
+/// 0), both in [−1, 1].
 template <class AnyVec3, class Real>
 KERF_INLINE void unfold_normal(const AnyVec3& n, Real& u, Real& v) {
   const Real ax = select(n.x < 0.0, -n.x, n.x), ay = select(n.y < 0.0, -n.y, n.y);
@@ -33,7 +33,7 @@ KERF_INLINE void unfold_normal(const AnyVec3& n, Real& u, Real& v) {
   v = select(n.y < 0.0, -v, v);
 }
 
-/// Encodes a vector of any length but 0.
+/// Encodes a vector of any length except 0.
 NormalCode encode_normal(Vec3 normal);
 /// Encodes eight vectors.
 template <class Vec3Lanes>

@@ -29,8 +29,8 @@ Dexel chord(const CylinderStock& c, const DexelGrid& grid, double aside_mm, doub
 
 std::int32_t length(Dexel d) { return d.top - d.bottom; }
 
-/// Counts the columns of row j of the field along Z whose centers lie in the cylinder. They are
-/// contiguous and near the cylinder's axis; bisection finds the first and the last.
+/// Counts the columns of row j of the field along Z whose centers are in the cylinder. They are
+/// contiguous and near the cylinder's axis, so bisection finds the first and the last.
 std::int64_t row_of_cylinder(const CylinderStock& c, const DexelGrid& grid, std::int32_t j) {
   const auto solid = [&](std::int32_t i) { return length(stock_column(c, grid, i, j)) > 0; };
   const double middle = (c.center_x_mm - grid.origin_mm.x) / grid.pitch_mm;

@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-/// Computes the intersection of two columns. Both are sorted, so one pass finds it.
+/// Computes the intersection of two columns. Both are sorted, so one pass suffices.
 void intersect(std::span<const Dexel> a, std::span<const Dexel> b, std::vector<Dexel>& out) {
   out.clear();
   for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {

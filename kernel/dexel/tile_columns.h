@@ -19,7 +19,7 @@ struct TileColumns {
         end;  ///< end of its elements in `dexels`; they begin at the previous column's end
   };
   std::vector<Column> columns;  ///< by ascending place, without duplicates
-  std::vector<Dexel> dexels;    ///< of each column sorted from the bottom up, disjoint, gaps > 0
+  std::vector<Dexel> dexels;    ///< of each column, sorted from the bottom up, disjoint, gaps > 0
 
   /// Returns the elements of a column, given its index in `columns`.
   std::span<const Dexel> of(std::size_t column) const {
@@ -33,10 +33,10 @@ struct TileColumns {
   }
 };
 
-/// Intersects each of these columns with the tile's; the tile's other columns do not change.
+/// Intersects each of these columns with the tile's. The tile's other columns do not change.
 /// Returns whether the tile changed. Stock only ever shrinks, so the intersection of two copies of
-/// a block holds exactly what neither has lost, and copies converge whatever the order and number
-/// of exchanges.
+/// a block holds exactly the material that neither has lost, and copies converge whatever the order
+/// and number of exchanges.
 bool keep_common(DexelTile& tile, const TileColumns& other);
 
 }  // namespace kerf

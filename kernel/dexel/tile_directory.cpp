@@ -6,8 +6,8 @@
 namespace kerf {
 namespace {
 
-/// Returns the node of a slot for editing. Creates it if absent, and copies it if it is of an
-/// earlier era and therefore shared.
+/// Returns the node of a slot for editing. Creates it if absent, and copies it if it has an earlier
+/// era and is therefore shared.
 template <class Node>
 Node& unshared(std::shared_ptr<Node>& slot, std::uint64_t era) {
   if (!slot) {

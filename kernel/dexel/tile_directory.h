@@ -16,17 +16,17 @@ struct DexelTile;
 
 /// The touched tiles of a field, in a copy-on-write tree of three levels: nodes of 16 x 16 children
 /// below a root with one child per 8192 x 8192 columns. Untouched parts of the block have no nodes.
-/// A copy of the directory shares all nodes. Nodes and tiles carry the era of their owner in which
-/// they were made; those of an earlier era are shared, and are copied before they are changed.
+/// A copy of the directory shares all nodes. Nodes and tiles carry their owner's era at the time of
+/// creation. Those of an earlier era are shared, and are copied before they are changed.
 class TileDirectory {
  public:
   TileDirectory(std::int32_t tiles_x, std::int32_t tiles_y);
 
-  /// Returns a tile, or null while it is untouched. It must lie in the grid.
+  /// Returns a tile, or null while it is untouched. It must be in the grid.
   const DexelTile* find(TileIndex tile) const { return locate(tile); }
   /// Returns a tile to be shared, or null while it is untouched.
   std::shared_ptr<const DexelTile> share(TileIndex tile) const;
-  /// Returns a tile for editing if it is of this era, hence not shared with a copy; else null.
+  /// Returns a tile for editing if it is of this era, hence not shared with a copy, or null.
   DexelTile* own(TileIndex tile, std::uint64_t era);
   /// Returns the slot of a tile, to be filled or replaced. Creates or copies the nodes on its path.
   /// `era` must not decrease from call to call.
@@ -46,7 +46,7 @@ class TileDirectory {
       }
     }
   }
-  /// Returns the newest era in which a slot was filled: no node is of a later one.
+  /// Returns the newest era in which a slot was filled. No node has a later one.
   std::uint64_t era() const { return root_->era; }
   /// Returns the bytes of the nodes, without the tiles.
   std::size_t bytes() const;

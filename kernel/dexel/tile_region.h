@@ -18,7 +18,7 @@ struct TileRegion {
   std::int64_t count() const {
     return std::int64_t{std::max(end.x - begin.x, 0)} * std::max(end.y - begin.y, 0);
   }
-  /// Returns whether a tile lies in the region.
+  /// Returns whether a tile is in the region.
   bool has(TileIndex tile) const {
     return tile.x >= begin.x && tile.y >= begin.y && tile.x < end.x && tile.y < end.y;
   }
@@ -34,8 +34,8 @@ struct TileRegion {
   }
 };
 
-/// Returns the tiles whose rays, along the field's axis, meet a box; empty if the box is outside
-/// the block. The box is finite, in world coordinates.
+/// Returns the tiles whose rays, along the field's axis, meet a box, or an empty region if the box
+/// is outside the block. The box is finite, in world coordinates.
 inline TileRegion tiles_through(const DexelGrid& grid, Vec3 lo_mm, Vec3 hi_mm) {
   const Vec3 lo = to_frame(grid.axis, lo_mm), hi = to_frame(grid.axis, hi_mm);
   const double side_mm = kTileSide * grid.pitch_mm;

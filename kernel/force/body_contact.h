@@ -15,13 +15,13 @@ class BodyContact {
  public:
   static constexpr std::size_t kPlanesMax = 16;
 
-  /// Adds the plane of a part, with the stiffness of the body. Replaces the least deep one where
-  /// there are kPlanesMax already.
+  /// Adds the plane of a part, with the stiffness of the body. Replaces the least deep one if there
+  /// are already kPlanesMax.
   void add(const ContactPlane& plane);
 
   /// Returns the planes with the stiffness that each one contributes to the union's contact: parts
   /// that are pushed in one direction share the push of the deepest (kernel/force/README.md). The
-  /// planes of gaps keep that of the body. The result is valid until the next call.
+  /// planes of gaps keep the body's stiffness. The result is valid until the next call.
   std::span<const ContactPlane> shared();
 
  private:

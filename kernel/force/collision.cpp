@@ -26,8 +26,8 @@ constexpr int kHeightSteps = 20;  ///< each keeps two thirds of the interval of 
 constexpr int kDescentSteps = 3;
 constexpr int kLineSteps = 10;
 
-/// Returns the point of least distance on the segment from p to q: the global minimum for convex
-/// obstacles, a local one for meshes.
+/// Returns the point of least distance on the segment from p to q. It is the global minimum for
+/// convex obstacles, a local one for meshes.
 Vec3 lowest_between(const Obstacle& obstacle, Vec3 p, Vec3 q) {
   double lo = 0, hi = 1;
   const auto at = [&](double t) { return signed_distance(obstacle, p + (q - p) * t).distance_mm; };
@@ -58,8 +58,9 @@ Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
   return p;
 }
 
-/// Returns the deepest point of a convex body of revolution by ternary search over its discs: the
-/// least distance of a disc is a convex function of its height. Of equally deep points, the lowest.
+/// Returns the deepest point of a convex body of revolution by ternary search over its discs, since
+/// the least distance of a disc is a convex function of its height. Of equally deep points, returns
+/// the lowest.
 Vec3 deepest_of_discs(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle) {
   const auto point = [&](double z) {
     return deepest_of_disc({pose.tip_mm + pose.axis * z, pose.axis, radius_at(piece, z)}, obstacle);
@@ -91,7 +92,7 @@ Vec3 deepest_of_discs(const ToolPiece& piece, const ToolPose& pose, const Obstac
 Vec3 deepest_point(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle) {
   const auto* arc = std::get_if<ArcPiece>(&piece);
   if (arc != nullptr && arc->center_r_mm == 0) {
-    // Of the whole ball; the arc may be a part of it.
+    // The deepest point of the whole ball; the arc may be a part of it.
     const Vec3 center = pose.tip_mm + pose.axis * arc->center_z_mm;
     const Vec3 p = center - signed_distance(obstacle, center).outward * arc->radius_mm;
     const double z = dot(p - pose.tip_mm, pose.axis);
@@ -107,7 +108,7 @@ struct Nearest {
 };
 
 /// Returns the deepest point of a part, or nothing if it is farther away than `reach_mm`. Of
-/// equally deep points, the lowest.
+/// equally deep points, returns the lowest.
 std::optional<Nearest> deepest_of(const ConvexPart& part, const ToolPose& pose,
                                   const Obstacle& obstacle, double reach_mm) {
   std::optional<Nearest> best;
@@ -116,7 +117,7 @@ std::optional<Nearest> deepest_of(const ConvexPart& part, const ToolPose& pose,
     const double half = (e.z1_mm - e.z0_mm) / 2;
     const Vec3 middle = pose.tip_mm + pose.axis * (e.z0_mm + half);
     const double bound = std::sqrt(half * half + e.radius_mm * e.radius_mm);
-    // Distances of two points differ by no more than the points do.
+    // The distances of two points differ by no more than the distance between them.
     if (signed_distance(obstacle, middle).distance_mm - bound > reach_mm) continue;
     const Vec3 p = deepest_point(piece, pose, obstacle);
     const SignedDistance at = signed_distance(obstacle, p);
@@ -127,12 +128,12 @@ std::optional<Nearest> deepest_of(const ConvexPart& part, const ToolPose& pose,
   return best;
 }
 
-/// Distance on both sides of a point within which an obstacle's normal changes at a crease, and the
-/// greatest cosine of the change.
+/// Distance to either side of a point within which an obstacle's normal changes at a crease, and
+/// the greatest cosine of the change.
 constexpr double kCreaseMm = 0.05;
 constexpr double kCreaseCos = 0.9;
-/// A deepest point within this share of a disc's radius is of the disc, else of its rim: the search
-/// finds points of the rim to a few hundredths of the radius.
+/// A deepest point within this share of a disc's radius belongs to the disc, otherwise to its rim:
+/// the search finds points of the rim to a few hundredths of the radius.
 constexpr double kDiscShare = 0.9;
 
 /// The surface of a part at a point: smooth, with a normal into the part, or an edge across the
@@ -153,7 +154,7 @@ SurfaceAt surface_at(const ConvexPart& part, const ToolPose& pose, Vec3 p) {
   const Extent whole = extent(part);
   const bool bottom = is_near(whole.z0_mm), top = is_near(whole.z1_mm);
   if (bottom || top) {
-    // Both ends of a thin part are near: the point is of the nearer one.
+    // Both ends of a thin part may be near. The point belongs to the nearer one.
     const bool lower = z - whole.z0_mm <= whole.z1_mm - z;
     const double end_mm = lower ? whole.z0_mm : whole.z1_mm;
     const Vec3 inward = lower ? pose.axis : -pose.axis;
@@ -173,10 +174,10 @@ SurfaceAt surface_at(const ConvexPart& part, const ToolPose& pose, Vec3 p) {
   return {false, inward, {around, cross(inward, around)}};
 }
 
-/// Returns the direction in which an obstacle pushes a part at its deepest point `p`. Where two
-/// faces of the obstacle are equally near, the nearer one changes with the least motion. But at the
-/// deepest point of a smooth surface, a weighted mean of both normals is along the surface's own,
-/// and at that of an edge, one is across the edge.
+/// Returns the direction in which an obstacle pushes a part at its deepest point `p`. If two faces
+/// of the obstacle are equally near, the least motion changes which one is nearer. But at the
+/// deepest point of a smooth surface, a weighted mean of both normals is along the surface's own
+/// normal, and at that of an edge, one is perpendicular to the edge.
 Vec3 push_direction(const ConvexPart& part, const ToolPose& pose, const Obstacle& obstacle, Vec3 p,
                     Vec3 outward) {
   const SurfaceAt surface = surface_at(part, pose, p);

@@ -26,7 +26,7 @@ class Obstacles {
 
   /// Computes F_collision (N) and τ_collision (N·mm) on the tool at a pose: the wrench of the union
   /// of its pieces, cutting or not, however they are divided. Each convex part is pushed out of
-  /// each obstacle in the shortest direction by stiffness x depth of its deepest point; parts that
+  /// each obstacle in the shortest direction by stiffness x depth of its deepest point. Parts that
   /// one obstacle pushes in one direction share the push of the deepest (BodyContact). The torque
   /// is about the point `pivot_mm` from the tip on the axis, without its component about the axis.
   /// Zero without contact.

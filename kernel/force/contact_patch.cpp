@@ -10,14 +10,14 @@
 namespace kerf {
 namespace {
 
-/// A shorter half axis counts as none: such a contact is a point or a line.
+/// A shorter half axis counts as zero: the contact is a point or a line.
 constexpr double kLeastHalfMm = 0.1;
-/// Half axes in standard deviations. A spring at each point of the rim of that ellipse resists
-/// turning as an area does whose pressure grows with the square of the depth, as the weights do.
+/// Half axes in standard deviations. Springs at the rim of that ellipse then resist turning as an
+/// area does whose pressure grows with the square of the depth, as the weights do.
 constexpr double kDeviations = 2;
 
-/// Points of a plane, as multiples of its half axes: their mean is zero, the mean of their squares
-/// along each half axis a half.
+/// Points of a plane, as multiples of its half axes. Their mean is zero, and the mean of their
+/// squares along each half axis is one half.
 struct Corner {
   double a, b;
 };

@@ -48,7 +48,7 @@ KERF_FOR_EACH_TARGET(void, place_all,
                       GroupSegments* out),
                      (groups, tip, out))
 
-/// Volume and first moments: sufficient where all elements push in one direction.
+/// Volume and first moments, which suffice if all elements push in one direction.
 struct Moments {
   Lanes volume, x, y, z;
 

@@ -22,7 +22,7 @@ struct CutSum {
   Vec3 push_mm3;    ///< Σ V f (paper Eq. 23)
   Vec3 turn_mm4;    ///< Σ V (r − pivot) × f (Eq. 24), without its component about the axis
 
-  /// Returns the centroid of the volume relative to the tip (mm); zero where nothing was removed.
+  /// Returns the centroid of the volume relative to the tip (mm), or zero if nothing was removed.
   Vec3 center_mm() const { return volume_mm3 > 0 ? moment_mm4 * (1 / volume_mm3) : Vec3{}; }
 };
 
@@ -33,7 +33,7 @@ constexpr CutSum operator+(const CutSum& a, const CutSum& b) {
 constexpr CutSum operator*(const CutSum& a, double s) {
   return {a.volume_mm3 * s, a.moment_mm4 * s, a.push_mm3 * s, a.turn_mm4 * s};
 }
-/// Returns the sum as it would be had the tool, its axis and the cut been turned together.
+/// Returns the sum that results if the tool, its axis and the cut are turned together.
 constexpr CutSum turned(const CutSum& s, const Turn& turn) {
   return {s.volume_mm3, turn(s.moment_mm4), turn(s.push_mm3), turn(s.turn_mm4)};
 }
@@ -43,7 +43,7 @@ constexpr CutSum turned(const CutSum& s, const Turn& turn) {
 struct MovedSum {
   CutSum cut;
   double across_mm = 0;  ///< of the components across the rays
-  double along_mm = 0;   ///< of those along them
+  double along_mm = 0;   ///< of the components along the rays
 };
 
 /// The pose of a tool at the middle of a sub-motion, in the frame of a field, and its size.
@@ -59,8 +59,8 @@ struct TipInGrid {
   double i, j, k, pitch_mm, quantum_mm;
 };
 
-/// Sums per SIMD lane over the removed elements of a tile, or of several: of volume, volume x
-/// position, volume x direction, the moment of that, and volume x the squares of the displacement
+/// Sums per SIMD lane over the removed elements of one or more tiles: volume, volume x position,
+/// volume x direction, the moment of the latter, and volume x the squares of the displacement
 /// across and along the rays. In squares of the pitch.
 struct TileSum {
   Lanes volume{}, x{}, y{}, z{};
@@ -72,15 +72,15 @@ struct TileSum {
   void add(const TileSum& tile);
 };
 
-/// Sums what a sub-motion removed from a field. Every element pushes against its own displacement
-/// twist.at(r): along the axis in an axial motion (Eq. 20), around the tip in a rotation (Eq. 21),
-/// against the tip's displacement in a translation (Eq. 22), and continuously between these. An
-/// element that does not move (the degenerate case of Eq. 21) does not push.
+/// Sums the elements that a sub-motion removed from a field. Every element pushes against its own
+/// displacement twist.at(r): along the axis in an axial motion (Eq. 20), around the tip in a
+/// rotation (Eq. 21), against the tip's displacement in a translation (Eq. 22), and continuously
+/// between these. An element that does not move (the degenerate case of Eq. 21) does not push.
 class CutSummer {
  public:
-  /// `twist` and `frame` are in the frame of the field on `grid`. `weight`, if not null, weights
-  /// each element, and `shares`, if not null, counts each column by its share; both must outlive
-  /// this.
+  /// `twist` and `frame` are in the frame of the field on `grid`. `weight` weights each element,
+  /// and `shares` counts each column by its share; either may be null. Both must outlive this
+  /// object.
   CutSummer(const DexelGrid& grid, const Twist& twist, const CutFrame& frame,
             const SurfaceWeight* weight, const ColumnShares* shares = nullptr);
 

@@ -11,10 +11,10 @@ namespace kerf {
 namespace {
 
 /// Weight of travel along the rays, relative to travel across them, in crossing a column's square:
-/// small, but enough to deliver what is pending when the tool retracts along the rays.
+/// small, but enough to deliver pending amounts when the tool retracts along the rays.
 constexpr double kAlongRays = 0.25;
-/// Least path of delivered elements, relative to the path by which their queues advanced: it bounds
-/// the force where the tool turns about elements that are still to be delivered.
+/// Least path of delivered elements, relative to the path by which their queues advanced. It bounds
+/// the force when the tool turns about elements that are still to be delivered.
 constexpr double kDuePathMin = 0.8;
 
 Twist twist_of(const ToolMotion& motion) {
@@ -22,8 +22,8 @@ Twist twist_of(const ToolMotion& motion) {
           normalized(cross(motion.from.axis, motion.to.axis)) * motion.turn_rad};
 }
 
-/// A displacement relative to the squares of the columns: the distance that it crosses them by, and
-/// the share of a cut that is due to crossing them.
+/// A displacement relative to the squares of the columns: the distance by which it crosses them,
+/// and the share of a cut that is due to crossing them.
 struct Crossing {
   double mm, share;
 };
@@ -36,22 +36,22 @@ Crossing crossing_of(double across_mm, double along_mm) {
 Crossing crossing_of(Vec3 d) { return crossing_of(std::sqrt(d.x * d.x + d.y * d.y), d.z); }
 
 /// Returns the mean path of a cut's elements, mm: the work of their unit pushes over the sub-motion
-/// per volume. Over this path, a force of u per area does the work u V, whatever the motion.
+/// per volume. Over this path, a force of u per area does the work u V for any motion.
 double mean_path_mm(const CutSum& cut, const Twist& twist, Vec3 pivot) {
   if (!(cut.volume_mm3 > 0)) return 0;
   const Wrench push{cut.push_mm3, cut.turn_mm4};
   return -work(push, {twist.at(pivot), twist.angular}) / cut.volume_mm3;
 }
 
-/// Returns the mean path, mm, of elements of which earlier motions cut a part. Where the tool
-/// turned off since, their pushes do less work; then it is the path of their centroid, which is
-/// never longer than the mean.
+/// Returns the mean path, mm, of elements that were partly cut by earlier motions. If the tool has
+/// changed direction since, their pushes do less work. The path of their centroid, which is never
+/// longer than the mean, is then used.
 double delivered_path_mm(const CutSum& cut, const Twist& twist, Vec3 pivot) {
   return std::max(mean_path_mm(cut, twist, pivot), length(twist.at(cut.center_mm())));
 }
 
-/// Returns the share of a pending milling force that is felt: all of it ahead and at a right angle
-/// to the direction in which it was cut, and none behind.
+/// Returns the share of a pending milling force that is felt: all of it up to a right angle to the
+/// direction in which it was cut, and none behind.
 double kept_share(const CutSum& due, Vec3 direction) {
   const double push = length(due.push_mm3);
   return push > 0 ? std::clamp(1 - 2 * dot(due.push_mm3, direction) / push, 0.0, 1.0) : 1;
@@ -110,9 +110,9 @@ void CuttingForce::add(const DexelField& field, const CutSummer& summer, const T
   gradual_.add(sum * crossing.share, share, crossing.mm);
 }
 
-/// Returns what earlier motions left pending as it pushes now: as it did when it was cut, but
-/// without its component along the tool's present direction. A tool that turns back cuts nothing,
-/// and must not be driven by the force.
+/// Returns the pending push of earlier motions as it was when cut, but without its component along
+/// the tool's present direction. A tool that turns back cuts nothing, and must not be driven by the
+/// force.
 CutSum CuttingForce::not_driving(CutSum due, Vec3 direction) const {
   const double along = dot(due.push_mm3, direction);
   if (along <= 0) return due;
@@ -134,8 +134,8 @@ FeltCut CuttingForce::finish() {
   const Vec3 direction = normalized(e.direction);
 
   const Vec3 pivot = motion_.at(0.5).axis * settings_.pivot_mm;
-  // What is pending is delivered over its own path. Over that of the motion's cut, the tool could
-  // turn about it, and deliver it at once.
+  // Pending amounts are delivered over their own path. Over that of the motion's cut, a tool that
+  // turns about them would deliver them at once.
   double path_mm = distance_mm, crossing_mm = crossing_of(displacement).mm;
   const CutSum gradual_pending = e.gradual.pending(), prompt_pending = e.prompt.pending();
   const double gradual_path_mm = delivered_path_mm(gradual_pending, twist, pivot);

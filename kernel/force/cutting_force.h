@@ -24,14 +24,13 @@ struct FeltCut {
   Vec3 center_mm;         ///< centroid of the volume; meaningless while area is zero
 };
 
-/// Returns the sums of a sub-motion, given its motion in the frame of the field, which must outlive
-/// them. `weight`: of three fields, else null.
+/// Returns the summer of a sub-motion, given its motion in the frame of the field, which must
+/// outlive it. `weight` is set for three fields, else null.
 CutSummer make_summer(const ForceSettings& settings, const Tool& tool, const DexelField& field,
                       const ToolMotion& motion, const SurfaceWeight* weight);
 
 /// Sums the force and torque of a motion over its sub-motions and fields (paper section 3, Eqs.
-/// 18–24, per unit time) and distributes it over the travel that follows
-/// (kernel/force/README.md).
+/// 18–24, per unit time) and distributes it over the travel that follows (kernel/force/README.md).
 class CuttingForce {
  public:
   /// `motion` is the whole motion in world coordinates and `duration_s` its time, > 0. `fields` is
@@ -39,23 +38,25 @@ class CuttingForce {
   CuttingForce(const ForceSettings& settings, const Tool& tool, const ToolMotion& motion,
                double duration_s, int fields, Engagement& engagement);
 
-  /// Adds what one sub-motion removed from a field: `sums` over its tiles, made by
-  /// `summer`. `removal`: the elements, which only the mechanistic law reads. `share`: its part of
-  /// the duration.
+  /// Adds the removal of one sub-motion from a field: `sums` over its tiles, computed by `summer`.
+  /// `removal` has the elements, which only the mechanistic law reads. `share` is the sub-motion's
+  /// part of the duration.
   void add(const DexelField& field, const CutSummer& summer, const TileSum& sums,
            const Removal& removal, double share);
 
-  /// Ends the motion and returns its force. Call it once.
+  /// Ends the motion and returns its force. Must be called once.
   FeltCut finish();
 
  private:
-  /// Sums over the motion, and of volume times the path that it would have over the whole motion.
+  /// Sums over the motion, and their volume times the path that they would have over the whole
+  /// motion.
   struct Part {
     CutSum sum;
     double swept_mm4 = 0;
-    /// `path_mm`: mean path of the elements in the sub-motion, `share` > 0 of the whole.
+    /// `path_mm` is the mean path of the elements in the sub-motion, and `share` > 0 its part of
+    /// the motion.
     void add(const CutSum& s, double share, double path_mm);
-    /// Returns the mean path over which `sum` was removed; 0 if nothing was.
+    /// Returns the mean path over which `sum` was removed, or 0 if nothing was.
     double path_mm() const;
   };
   CutSum not_driving(CutSum due, Vec3 direction) const;

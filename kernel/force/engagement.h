@@ -16,24 +16,24 @@ namespace kerf {
 /// of it, and by all of it at a corner.
 inline constexpr double kFeltTravelMm = 0.01;
 
-/// What the mechanistic law has not delivered yet, and the angle of the spindle.
+/// Pending sums of the mechanistic law, and the angle of the spindle.
 struct MillingEngagement {
   explicit MillingEngagement(double pitch_mm) : gradual(pitch_mm), prompt(kFeltTravelMm / 2) {}
 
-  TravelQueueOf<MillingSum> gradual, prompt;  ///< as of Engagement
-  double turns = 0;                           ///< of the spindle since the cut began; below 1
-  /// Unit vector across the tool's axis, from which angles count. It turns with the tool; zero
+  TravelQueueOf<MillingSum> gradual, prompt;  ///< as in Engagement
+  double turns = 0;                           ///< of the spindle since the cut began, below 1
+  /// Unit vector across the tool's axis, from which angles count. It turns with the tool. Zero
   /// before an engagement begins.
   Vec3 zero;
 };
 
-/// The cut volume not yet delivered as force, carried from one motion to the next, of one user of a
-/// tool.
+/// The cut volume of one user of a tool that is not yet delivered as force, carried from one motion
+/// to the next.
 struct Engagement {
   explicit Engagement(double pitch_mm) : gradual(pitch_mm), prompt(kFeltTravelMm / 2) {}
 
-  /// Turns with the tool: what is pending keeps its place on the tool, and its torque about the
-  /// pivot.
+  /// Turns with the tool: pending amounts keep their position on the tool and their torque about
+  /// the pivot.
   void turn(const Turn& turn) {
     gradual.turn(turn);
     prompt.turn(turn);
@@ -48,8 +48,8 @@ struct Engagement {
   TravelQueue prompt;          ///< everything else
   Vec3 center_mm;              ///< centroid of the last delivered volume, relative to the tip
   Vec3 direction;              ///< mean direction of that centroid over kFeltTravelMm; length <= 1
-  double crossing_per_mm = 1;  ///< of the last cut: distance across columns over path
-  std::unique_ptr<MillingEngagement> milling;  ///< of the mechanistic law only
+  double crossing_per_mm = 1;  ///< in the last cut: distance across columns over path
+  std::unique_ptr<MillingEngagement> milling;  ///< for the mechanistic law only
 };
 
 /// Where the last motion of a user of a tool ended.
@@ -59,7 +59,7 @@ struct ToolUser {
 };
 
 /// The engagements of all users who carve one block. A user is identified by tool and pose: a
-/// motion that starts where another of the same tool ended continues its engagement; any other
+/// motion that starts where another one of the same tool ended continues its engagement; any other
 /// motion starts a new one. Whether a motion continues does not depend on which motions were felt.
 class Engagements {
  public:
@@ -71,7 +71,7 @@ class Engagements {
     bool continues;
   };
   /// Returns the engagement of a motion of `tool` from `from` to `to`. If the motion is not `felt`,
-  /// drops what is pending.
+  /// drops the pending force.
   Followed follow(std::uint32_t tool, const ToolPose& from, const ToolPose& to, bool felt);
   /// Drops the engagements of a tool, because it was redefined.
   void forget(std::uint32_t tool);
@@ -80,19 +80,18 @@ class Engagements {
   void forget_if(Drops&& drops) {
     std::erase_if(users_, [&](const User& user) { return drops(user.tool, user.at); });
   }
-  /// Returns the users; the most recently moved is last.
+  /// Returns the users. The most recently moved is last.
   std::vector<ToolUser> users() const;
   /// Replaces all users by these, at most kUsersMax, with nothing pending.
   void restore(std::span<const ToolUser> users);
-  /// Greatest number of simultaneous users. A further one replaces the one that moved least
-  /// recently.
+  /// Greatest number of simultaneous users. A further one replaces the least recently moved.
   static constexpr std::size_t kUsersMax = 256;
 
  private:
   struct User {
     std::uint32_t tool;
     ToolPose at;
-    /// Motions whose force is still to be finished share it: a later one may begin a new one.
+    /// Shared by motions whose force is not finished; a later motion may begin a new engagement.
     std::shared_ptr<Engagement> engagement;
     bool pending;  ///< felt since the engagement was new
   };

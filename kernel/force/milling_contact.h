@@ -9,10 +9,10 @@
 
 namespace kerf {
 
-/// Where eight points of the stock meet the tool, in a frame of the tool: x along the direction
-/// from which angles count, y a quarter of a turn of the spindle later, z along the axis.
+/// Points where eight points of the stock touch the tool, in a frame of the tool: x along the
+/// direction from which angles count, y a quarter of a turn of the spindle later, z along the axis.
 struct MillingContact {
-  Vec3Lanes at;        ///< from the tip
+  Vec3Lanes at;        ///< relative to the tip
   Lanes inverse_rho;   ///< 1 / distance from the axis, limited
   Lanes cosine, sine;  ///< of the angle; both 0 on the axis
   ToolSide::Nearest side;
@@ -45,7 +45,7 @@ KERF_INLINE MillingContact ContactSearch::contact_at(const Vec3Lanes& at) {
   evaluations += kLanes;
   const Lanes rho = square_root(at.x * at.x + at.y * at.y);
   const Lanes inverse = lesser(1.0 / rho, Lanes(inverse_rho_max));
-  // Within the limit of the inverse, the direction is shortened: it matters little at the axis.
+  // Within the limit of the inverse, the direction is shortened, which matters little at the axis.
   const Lanes unit = select(rho > 0.0, 1.0 / rho, Lanes());
   return {at, inverse, at.x * unit, at.y * unit, side.at(rho, at.z)};
 }
@@ -65,12 +65,12 @@ KERF_INLINE MillingContact select(LaneMask mask, const MillingContact& yes,
 }
 
 /// Returns where the tool reached elements that are at `start` before a motion that is short
-/// against its radius: one step along the path, over which the surface turns little.
+/// relative to its radius: one step along the path, over which the surface turns little.
 KERF_INLINE MillingContact ContactSearch::entered_at_once(const Vec3Lanes& start,
                                                           const PathLanes& path) {
   MillingContact c = contact_at(start);
   const Lanes slope = c.normal_along(path.forward);
-  // A point that is inside already, by rounding, counts where it is.
+  // A point that is already inside, by rounding, is not moved.
   const Lanes ahead = lesser(c.side.distance_mm / slope, path.length_mm);
   const Lanes step = select((slope > 0.0) & (ahead > 0.0), ahead, Lanes());
   const Lanes out = step * (path.forward.x * c.cosine + path.forward.y * c.sine) * c.inverse_rho;
@@ -83,10 +83,10 @@ KERF_INLINE MillingContact ContactSearch::entered_at_once(const Vec3Lanes& start
   return c;
 }
 
-/// Returns where the tool reached elements that are at `start` before the motion, with at most
-/// `most` evaluations of the surface: Newton's method along the path. The distance from a convex
+/// Returns where the tool reached elements that are at `start` before the motion, by Newton's
+/// method along the path with at most `most` evaluations of the surface. The distance from a convex
 /// piece is convex along it, so the steps do not pass its surface; where they enter another piece,
-/// the secant leads back. If the tool only passes an element, as rounding may leave it, the nearest
+/// the secant leads back. If the tool only passes an element, as rounding may cause, the nearest
 /// pose found counts.
 KERF_INLINE MillingContact ContactSearch::entered(const Vec3Lanes& start, const PathLanes& path,
                                                   int most) {

@@ -18,36 +18,38 @@ namespace kerf {
 namespace {
 
 /// Elements are divided into parts of this share of the tool's radius along the rays, so that the
-/// angle at which a helical edge cuts them is nearly the same over each.
+/// angle at which a helical edge cuts them is nearly constant over each.
 constexpr double kPartShare = 0.2;
 constexpr int kPartsMax = 256;
-/// Least number of parts where the path is long: the surface meets them at different angles.
+/// Least number of parts on long paths, because the surface reaches them at different angles.
 constexpr int kPartsLong = 4;
-/// Parts that one sub-motion is summed over, about: of more, every n-th element counts for n.
+/// Approximate number of parts that one sub-motion sums. Of more, every n-th element counts n
+/// times.
 constexpr double kPartsMost = 16384;
-/// As many where the path is short: those of a tick, which differ little from one to the next.
+/// The same for short paths: those of a tick, which differ little from one to the next.
 constexpr double kPartsMostNear = 1024;
-/// Fewest elements that are summed, about, if there are as many.
+/// Approximate least number of elements that are summed, if there are as many.
 constexpr double kElementsLeast = 128;
-/// As many in walls along the rays, or all of less than twice as many. They are the columns of a
-/// thin arc, and few grazed ones hold much of the edges' force: sums of few of them would differ
-/// from tick to tick.
+/// The same for walls along the rays. Below twice as many, all are summed. These elements are the
+/// columns of a thin arc, and a few grazed ones have much of the edges' force, so sums of few of
+/// them would differ from tick to tick.
 constexpr double kWallElementsLeast = 1024;
 /// Least sine of the angle between the surface and the displacement. Where the edge of an
 /// engagement grazes the surface, one column would count as an unbounded area.
 constexpr double kGrazingSine = 0.02;
-/// Least distance from the axis, in radii of the tool: the cutting speed is zero on the axis.
+/// Least distance from the axis, in radii of the tool, because the cutting speed is zero on the
+/// axis.
 constexpr double kAxisShare = 0.05;
 /// Most evaluations of the surface in the search for the pose at which a motion cut an element.
 constexpr int kEntryEvaluations = 8;
 /// Paths below half a pitch or this share of the radius are short: the surface and its normal at
-/// the start are those that are entered.
+/// the start are those at the entry.
 constexpr double kNearShare = 0.02;
 /// Distance from the surface, in radii of the tool, at which the search ends.
 constexpr double kEntryShare = 0.0005;
 
-/// Forces in the tool's frame (MillingContact), and torques about the pivot, without the one about
-/// the axis; of eight elements, or sums of them.
+/// Forces in the tool's frame (MillingContact), and torques about the pivot without the component
+/// about the axis, for eight elements or as sums over them.
 struct Pushes {
   Lanes x, y, axial, turn_x, turn_y;
 
@@ -70,13 +72,13 @@ struct PushSpectrum {
   }
 };
 
-/// Sums over the elements of one sub-motion; the state while it is summed.
+/// State of the sums over the elements of one sub-motion.
 struct MillingSums {
   Lanes volume, length;  ///< volume over the area of a column
   PushSpectrum cut, edge;
 };
 
-/// The tool's frame in that of a field; converts vectors to the tool's and back.
+/// The tool's frame in that of a field. Converts vectors to the tool's frame and back.
 struct ToolFrame {
   Vec3 zero, quarter, axis;
 
@@ -84,7 +86,7 @@ struct ToolFrame {
   Vec3 field(Vec3 v) const { return zero * v.x + quarter * v.y + axis * v.z; }
 };
 
-/// Coefficients of eight elements, times what they apply to.
+/// Coefficients of eight elements, times the quantities to which they apply.
 struct EdgeLanes {
   Lanes tangential, radial, axial;
 
@@ -114,7 +116,7 @@ struct ElementSums {
   Vec3 linear, angular;                   ///< of the twist
   bool common;                            ///< all elements have one path
   double pivot_mm, pitch_mm, quantum_mm, part_mm, turns_per_mm;
-  double near_mm;  ///< paths up to it are short
+  double near_mm;  ///< paths up to this length are short
   int parts_min;   ///< least number of parts of an element
 
   ElementSums(const DexelGrid& grid, const MillingPass& p);
@@ -179,7 +181,7 @@ KERF_INLINE Pushes ElementSums::push(const EdgeLanes& k, const MillingContact& c
           turn_out * c.cosine + turn_across * c.sine, turn_out * c.sine - turn_across * c.cosine};
 }
 
-/// `thinner`: of an element's edge, (h / 1 mm)^−m times its length.
+/// `thinner` is (h / 1 mm)^−m times the length of an element's edge.
 KERF_INLINE void ElementSums::add_ripple(const MillingContact& c, const Pushes& cut,
                                          const Pushes& edge, const EdgeLanes& thinner,
                                          MillingSums& sums) const {
@@ -231,7 +233,7 @@ KERF_INLINE void ElementSums::add_part(const Vec3Lanes& middle, const Lanes& len
   add_ripple(c, cut, edge, thinner * edge_scale, sums);
 }
 
-/// Returns into how many parts elements are divided.
+/// Returns the number of parts into which elements are divided.
 KERF_INLINE int ElementSums::parts_of(const Lanes& quanta) const {
   if (!any(quanta * quantum_mm > part_mm)) return parts_min;
   double longest = 0;
@@ -248,7 +250,7 @@ KERF_INLINE void ElementSums::add_elements(const Lanes& i, const Lanes& j, const
   const int parts = parts_of(quanta);
   if (parts == 1)
     return add_part(foot + quantum * (quanta * 0.5), quanta * quantum_mm, share, search, sums);
-  // Bounds and nodes (1 − cos πt) / 2: at an end where the surface grazes, the area of the cut
+  // Bounds and nodes (1 − cos πt) / 2. At an end where the surface grazes, the area of the cut
   // grows as the inverse root of the distance, which this integrates exactly.
   const SinCos half = sin_cos(kMillingPi / (2 * parts));
   double cosine = 1, sine = 0;
@@ -267,11 +269,11 @@ KERF_INLINE void ElementSums::add_elements(const Lanes& i, const Lanes& j, const
   }
 }
 
-/// Which columns count: those where (i + slope · j) is a multiple of `every`, a lattice.
+/// The lattice of summed columns: those where (i + slope · j) is a multiple of `every`.
 struct Lattice {
   std::int64_t every, slope;
 
-  /// Returns how many columns after column i of row j the next one counts.
+  /// Returns the number of columns from column i of row j to the next one that counts.
   std::int64_t distance(std::int64_t i, std::int64_t j) const {
     const std::int64_t beyond = (i + slope * j) % every;
     return beyond == 0 ? 0 : every - beyond;
@@ -318,8 +320,8 @@ void add_sampled(std::span<const RemovedGroup> groups, const ElementSums& elemen
   }
 }
 
-/// Returns of how many elements one is summed: an odd number, because rows and tiles are powers
-/// of 2.
+/// Returns the number of elements for each one that is summed: odd, because rows and tiles are
+/// powers of 2.
 std::int64_t every_of(double count, const ElementSums& elements, double length_mm) {
   const double parts = count * elements.parts_min + length_mm / elements.part_mm;
   const double most = elements.parts_min > 1 ? kPartsMost : kPartsMostNear;
@@ -330,9 +332,9 @@ std::int64_t every_of(double count, const ElementSums& elements, double length_m
   return std::min(every, 2 * static_cast<std::int64_t>(count / kWallElementsLeast / 2) + 1);
 }
 
-/// Returns the lattice of the columns that are summed. The slope is near every divided by the
-/// square of the golden ratio, and prime to every: else the lattice skips columns of all rows, and
-/// the force varies along rows more than across them.
+/// Returns the lattice of the columns that are summed. The slope is near `every` divided by the
+/// square of the golden ratio, and coprime to it. Otherwise the lattice would skip columns of all
+/// rows, and the force would vary along rows more than across them.
 Lattice lattice_of(const Removal& removal, const ElementSums& elements, double length_mm) {
   const std::int64_t every = every_of(double(removal.elements()), elements, length_mm);
   auto slope = static_cast<std::int64_t>(0.381966 * double(every) + 0.5);

@@ -19,13 +19,14 @@ struct MillingPass {
   CutFrame frame;
   Vec3 zero;                             ///< unit vector across the axis, from which angles count
   double feed_per_mm = 0;                ///< feed per tooth over path
-  bool weighted = false;                 ///< of three fields: weight each element by n_z²
+  bool weighted = false;                 ///< with three fields, weight each element by n_z²
   const ColumnShares* shares = nullptr;  ///< if set, each column counts by its share
-  /// If set, counts the evaluations of the tool's surface, on which the cost depends.
+  /// If set, counts the evaluations of the tool's surface, which determine the cost.
   std::int64_t* evaluations = nullptr;
 };
 
-/// Sums what a sub-motion removed from the field on `grid`. Serial, in the order of the tiles.
+/// Sums the elements that a sub-motion removed from the field on `grid`. Serial, in the order of
+/// the tiles.
 MillingSum sum_milling(const Removal& removal, const DexelGrid& grid, const MillingPass& pass);
 
 }  // namespace kerf

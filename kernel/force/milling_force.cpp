@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-/// Most turns of a harmonic in a motion: a faster one has no place in a mean over the motion.
+/// Most turns of a harmonic in a motion. A faster one is meaningless in a mean over the motion.
 constexpr double kTurnsMax = 0.5;
 
 double fraction(double turns) { return turns - std::floor(turns); }
@@ -56,8 +56,8 @@ void MillingForce::add(const Removal& removal, const DexelField& field, const Tw
   prompt_ = prompt_ + sum * (1 - gradual);
 }
 
-/// Returns the mean of a spectrum over a motion that ends `turns` of the spindle after its start of
-/// phase: harmonics are lowered by their mean over it.
+/// Returns the mean of a spectrum over a motion at whose end the spindle has turned by `turns`
+/// since the phase began. Harmonics are reduced to their mean over the motion.
 Wrench MillingForce::at(const MillingSpectrum& spectrum, double turns, double duration_s) const {
   Wrench sum = spectrum.mean;
   for (int n = 0; n < harmonics_.count; ++n) {

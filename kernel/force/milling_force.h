@@ -11,24 +11,23 @@ namespace kerf {
 struct MillingTravel {
   double crossing_mm = 0, path_mm = 0;   ///< over which the motion's own cut enters the two queues
   double gradual_mm = 0, prompt_mm = 0;  ///< by which the two queues advance
-  double due_path_mm = 0;                ///< mean path of what is delivered
-  double crossing_per_mm = 1;            ///< of the last cut: the first over the second
+  double due_path_mm = 0;                ///< mean path of the delivered amounts
+  double crossing_per_mm = 1;            ///< of the last cut: crossing_mm over path_mm
   bool rests = false;
-  /// Shares of what earlier motions left in the two queues that is still felt.
+  /// Shares of the amounts that earlier motions left in the two queues and that are still felt.
   double gradual_kept = 1, prompt_kept = 1;
 };
 
-/// The wrench of one motion by the mechanistic law (kernel/force/README.md, "Mechanistic law").
+/// The wrench of one motion by the mechanistic law (kernel/force/mechanistic.md).
 class MillingForce {
  public:
-  /// `axis`: of the tool at the start of the motion; `zero`: of its engagement
-  /// (MillingEngagement::zero).
+  /// `axis` is that of the tool at the start of the motion; `zero` is MillingEngagement::zero.
   MillingForce(const MillingSettings& settings, const Tool& tool, Vec3 axis, Vec3 zero,
                double duration_s);
 
-  /// Adds what one sub-motion removed from a field. `twist` and `frame` are in the field's frame,
-  /// `share` is its part of the duration, `gradual` the share of the cut that passes through the
-  /// queue of that name.
+  /// Adds the elements that one sub-motion removed from a field. `twist` and `frame` are in the
+  /// field's frame, `share` is its part of the duration, and `gradual` is the share of the cut that
+  /// passes through the queue of that name.
   void add(const Removal& removal, const DexelField& field, const Twist& twist,
            const CutFrame& frame, double share, double gradual, bool weighted);
 
@@ -48,8 +47,8 @@ class MillingForce {
   MillingSum gradual_, prompt_;
 };
 
-/// Returns an estimate of the cutting force, N, at a rate of removal, where no force was computed:
-/// that of the tangential and radial coefficients at the full radius of the tool.
+/// Returns an estimate of the cutting force, N, at a rate of removal, for motions without a
+/// computed force: that of the tangential and radial coefficients at the full radius of the tool.
 double milling_force_n(const MillingSettings& settings, double radius_mm, double mm3_per_s);
 
 }  // namespace kerf

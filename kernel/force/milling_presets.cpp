@@ -4,8 +4,8 @@
 namespace kerf {
 namespace {
 
-// Coefficients differ between publications by a factor of two and more, because they hold for one
-// cutter, speed and lubrication. What a source does not state is 0 here.
+// Coefficients differ between publications by a factor of two and more, because they apply to one
+// cutter, speed and lubrication. A coefficient that a source does not state is 0 here.
 
 constexpr const char* kAluminiumReview =
     "Milling force model for aviation aluminum alloy: academic insight and perspective analysis, "
@@ -24,10 +24,10 @@ constexpr const char* kMerchant =
     "318-324, with the yield stress of POM-H in FreeCAD's material card (MatWeb's mean)";
 
 // Wood: B. Ettelt's k h^-0.5 across the grain (Kivimaa's direction A), the middle of the range of
-// k. Limewood is not in his table: the mean of k per density of the five that are, times its own.
-// Steel: kc1.1 times 1.2 for milling, at a rake of 6 degrees.
-// POM: Merchant's chip without rake, cut at the yield stress Y with the friction m, has
-// Y (m + sqrt(1 + m^2)) along the cut and m times that across.
+// k. Limewood is not in his table; its k is the mean k per density of his five woods, times its own
+// density. Steel: kc1.1 times 1.2 for milling, at a rake of 6 degrees. POM: Merchant's chip without
+// rake, cut at the yield stress Y with the friction m, has Y (m + sqrt(1 + m^2)) along the cut and
+// m times that across.
 constexpr MillingPreset kPresets[] = {
     {"aluminium-6061",
      {243.77, 113.5, 0},

@@ -13,7 +13,7 @@ struct MillingPreset {
   EdgeCoefficients cut_n_per_mm2, edge_n_per_mm;
   double chip_exponent;
   const char* source;  ///< where they were published
-  const char* remark;  ///< which of them, and what is missing; a missing coefficient is 0
+  const char* remark;  ///< which of them, and which are missing; a missing coefficient is 0
 };
 
 /// Returns all presets, in the order of their names.

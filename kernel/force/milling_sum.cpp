@@ -59,8 +59,8 @@ Harmonics harmonics_of(const MillingSettings& s) {
   Harmonics h;
   const double turns_per_s = s.spindle_rpm / 60;
   if (s.runout_mm > 0 && s.teeth > 1 && turns_per_s <= s.ripple_hz) {
-    // A tooth leads the one before it by e (cos 2πj/N − cos 2π(j−1)/N); the first harmonic of the
-    // N teeth has the amplitude e N sin π/N, with two teeth twice that. Per tooth:
+    // A tooth leads the previous one by e (cos 2πj/N − cos 2π(j−1)/N). The first harmonic of the N
+    // teeth has the amplitude e N sin π/N, with two teeth twice that. Per tooth:
     h.runout_mm = s.runout_mm * sin_cos(kMillingPi / s.teeth).sin * (s.teeth == 2 ? 2 : 1);
     h.multiple[0] = 1;
     h.count = 1;

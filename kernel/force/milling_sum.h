@@ -20,8 +20,9 @@ struct MillingSpectrum {
   std::array<Wrench, kHarmonicsMax> cosine, sine;
 };
 
-/// Sums over the removed elements of a cut, from which the mechanistic law computes its wrench.
-/// V: volume; ρ: distance from the axis; A: area of the cut surface; K: coefficients, as a vector.
+/// Sums over the removed elements of a cut, from which the mechanistic law computes its wrench. V
+/// is the volume, ρ the distance from the axis, A the area of the cut surface, and K the
+/// coefficients as a vector.
 struct MillingSum {
   double volume_mm3 = 0;
   MillingSpectrum cut;   ///< Σ V K_cut / ρ
@@ -30,7 +31,7 @@ struct MillingSum {
 
 MillingSum operator+(const MillingSum& a, const MillingSum& b);
 MillingSum operator*(const MillingSum& a, double s);
-/// Returns the sum as it would be had tool and cut been turned together.
+/// Returns the sum that results if tool and cut are turned together.
 MillingSum turned(const MillingSum& sum, const Turn& turn);
 
 /// Converts from the frame of a field to the world.
@@ -40,11 +41,11 @@ MillingSum to_world(RayAxis axis, const MillingSum& sum);
 struct Harmonics {
   std::array<int, kHarmonicsMax> multiple{};
   int count = 0;
-  /// Strength of the edge terms of the first, which is the spindle's own frequency, by runout, mm;
-  /// 0: none. Its chip is that much thicker per tooth and radian.
+  /// Strength of the edge terms of the first frequency, the spindle's own, caused by runout, in mm.
+  /// The chip is that much thicker per tooth and radian. 0 without runout.
   double runout_mm = 0;
 };
-/// Returns those up to ripple_hz: of the teeth passing, and before them of runout.
+/// Returns the frequencies up to ripple_hz: that of runout first, then those of the passing teeth.
 Harmonics harmonics_of(const MillingSettings& settings);
 
 }  // namespace kerf

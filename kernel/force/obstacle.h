@@ -31,12 +31,12 @@ struct SphereObstacle {
 /// outside.
 struct MeshObstacle {
   std::vector<std::array<Vec3, 3>> triangles;
-  /// Of these triangles; Obstacles makes it.
+  /// Tree of these triangles, built by Obstacles.
   std::shared_ptr<const TriangleTree> tree = {};
 };
 inline constexpr std::size_t kObstacleTrianglesMax = 200'000;
 
-/// A fixed body that pushes the tool out where it enters (paper Eqs. 25, 26). It is never cut.
+/// A fixed body that pushes the tool out (paper Eqs. 25, 26). It is never cut.
 struct Obstacle {
   std::variant<BoxObstacle, CylinderObstacle, SphereObstacle, MeshObstacle> shape;
   double stiffness_n_per_mm = 1;

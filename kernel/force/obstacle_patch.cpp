@@ -7,11 +7,11 @@
 namespace kerf {
 namespace {
 
-constexpr int kHeights = 8;       ///< sections as long as the side
+constexpr int kHeights = 8;       ///< sections along the side
 constexpr int kRings = 2;         ///< of the discs at the ends, within their rims
-constexpr double kEndMm = 0.001;  ///< circles as near to an end are those of the disc there
+constexpr double kEndMm = 0.001;  ///< circles this near to an end belong to the disc there
 
-/// Directions of a circle from the one to the deepest point: 16, without trigonometry.
+/// Sixteen directions of a circle, relative to that of the deepest point, without trigonometry.
 struct Direction {
   double along, aside;
 };
@@ -31,7 +31,7 @@ class Sampler {
     along_ = dot(across, across) > 0 ? normalized(across) : any_perpendicular(pose.axis);
     aside_ = cross(pose.axis, along_);
   }
-  /// Adds a point; `area` is proportional to what it stands for.
+  /// Adds a point. `area` is proportional to the area that it represents.
   void add(Vec3 point_mm, double area) {
     const double depth = -signed_distance(obstacle_, point_mm).distance_mm;
     if (depth > 0) sum_.add(point_mm, depth * depth * area);
@@ -41,7 +41,7 @@ class Sampler {
     for (const Direction& d : kDirections)
       add(center + along_ * (r_mm * d.along) + aside_ * (r_mm * d.aside), r_mm * width_mm);
   }
-  /// The rim and two rings of a disc.
+  /// Adds the rim and two rings of a disc.
   void add_disc(double z_mm, double r_mm) {
     if (!(r_mm > 0)) return;
     for (int n = 0; n < kRings; ++n)
@@ -67,14 +67,14 @@ PatchSum obstacle_patch(const ConvexPart& part, const ToolPose& pose, const Obst
   const double middle = dot(deepest_mm - pose.tip_mm, pose.axis);
   if (!touches_with_a_point(part, middle)) {
     for (const double z : {whole.z0_mm, whole.z1_mm}) sampler.add_disc(z, radius_at(part, z));
-    // About the deepest point, so that a contact shorter than a section has its center there.
+    // Centered on the deepest point, so that a contact shorter than a section has its center there.
     for (int n = -kHeights; n <= kHeights; ++n) {
       const double z = middle + section * n;
       if (z > whole.z0_mm + kEndMm && z < whole.z1_mm - kEndMm)
         sampler.add_circle(z, radius_at(part, z), section);
     }
   }
-  // So small a part of the whole that it counts only where there is little else.
+  // Such a small part of the whole that it matters only if there is little else.
   const double radius = whole.radius_mm;
   sampler.add(deepest_mm, 0.001 * radius * radius);
   return sampler.sum();

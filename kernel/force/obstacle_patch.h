@@ -10,8 +10,9 @@
 namespace kerf {
 
 /// Returns the sum over the surface of a tool's part inside an obstacle, weighted by the square of
-/// the depth, from `deepest_mm`, its deepest point, and about 230 points on circles of the part.
-/// Only the deepest point counts if no other is inside; no weight if that is outside.
+/// the depth. It covers `deepest_mm`, the part's deepest point, and about 230 points on circles of
+/// the part. If no other point is inside, only the deepest counts. If that is outside, there is no
+/// weight.
 PatchSum obstacle_patch(const ConvexPart& part, const ToolPose& pose, const Obstacle& obstacle,
                         Vec3 deepest_mm);
 

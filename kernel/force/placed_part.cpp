@@ -23,8 +23,8 @@ Outside outside(const FrustumPiece& f, double r, double h) {
   return {side.distance(r, h - f.z0_mm), side.cosine, -side.slope * side.cosine};
 }
 
-/// The distance from an arc that other pieces adjoin, or none does, below and above. Where one
-/// does, the arc is continued along its tangent, else as a circle.
+/// Returns the distance from an arc, given whether other pieces adjoin it below and above. If one
+/// does, the arc is continued along its tangent, otherwise as a circle.
 Outside outside(const ArcPiece& a, double r, double h, bool joined_below, bool joined_above) {
   const double across = r - a.center_r_mm, along = h - a.center_z_mm;
   const auto tangent = [&](bool joined, double end) {

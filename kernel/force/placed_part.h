@@ -13,9 +13,9 @@ struct Heights {
 };
 /// The point of a stretch that is deepest in a part.
 struct Deepest {
-  double outside = 0;  ///< signed distance from the part, mm; negative: inside
+  double outside = 0;  ///< signed distance from the part, mm; negative inside
   double z = 0;
-  bool pruned = true;  ///< no depth of interest is possible; the search was stopped
+  bool pruned = true;  ///< no relevant depth is possible, and the search was stopped
 };
 
 /// A part of a tool at a pose in the frame of a field, for queries along columns.
@@ -26,22 +26,21 @@ class PlacedPart {
   Vec3 lo, hi;  ///< its bounding box
 
   /// Returns the signed distance of a point from the part's side and bottom, mm, and its gradient
-  /// in `outward` if that is not null: on the axis, the mean of those around it. The distance is
-  /// exact inside and near the part, and convex, with a gradient of at most 1. The top is excluded:
-  /// a part adjoins the one above, so a point cannot leave through it; nor through the bottom where
-  /// the part below covers it.
+  /// in `outward` if that is not null. On the axis, the gradient is the mean of those around it.
+  /// The distance is exact inside and near the part, and convex, with a gradient of at most 1. The
+  /// top is excluded, because a part adjoins the one above and a point cannot leave through it. So
+  /// is the bottom if the part below covers it.
   double at(Vec3 point, Vec3* outward = nullptr) const;
 
   /// Returns the direction out of the part at a point, not of unit length. On the axis of a
-  /// cylinder the gradient vanishes, because all directions across it are equally short: there it
-  /// is one of them.
+  /// cylinder, where the gradient vanishes, it is one of the equally short directions across it.
   Vec3 exit_direction(Vec3 point) const;
 
   /// Returns the heights of a column that are not above the part's top.
   Heights below_top(double x, double y, Heights z) const;
 
   /// Finds the deepest point of a column inside the part. Between two heights a convex function is
-  /// above its tangents there. The next height to evaluate is where the tangents meet; the value
+  /// above its tangents there. The next height to evaluate is where the tangents meet. The value
   /// there is a lower bound, which shows when no point of the column, or of columns up to
   /// `around_mm` away in x and y, can be more than `threshold_mm` inside, and when the deepest
   /// point has been found.

@@ -15,7 +15,7 @@ struct SignedDistance {
 SignedDistance signed_distance(const BoxObstacle& box, Vec3 point_mm);
 SignedDistance signed_distance(const CylinderObstacle& cylinder, Vec3 point_mm);
 SignedDistance signed_distance(const SphereObstacle& sphere, Vec3 point_mm);
-/// The distance is that from the nearest triangle; the point is inside if an upward ray crosses an
+/// The distance is that from the nearest triangle. The point is inside if an upward ray crosses an
 /// odd number of triangles. The mesh must have its tree.
 SignedDistance signed_distance(const MeshObstacle& mesh, Vec3 point_mm);
 SignedDistance signed_distance(const Obstacle& obstacle, Vec3 point_mm);

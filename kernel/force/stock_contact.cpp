@@ -24,8 +24,8 @@ struct Overlap {
   StockFaces faces;
 
   Vec3 point() const { return patch.weight() > 0 ? patch.center_mm() : deepest; }
-  /// Returns the direction of the push: that of the stock's faces, as far as there are any, towards
-  /// which the tool's own surface is turned.
+  /// Returns the direction of the push: that of the stock's faces that are turned towards the
+  /// tool's own surface, if there are any.
   Vec3 push() const {
     const Vec3 own = normalized(outward == Vec3{} ? deepest_outward : outward) * -1;
     const Vec3 face = faces.towards(own);
@@ -84,7 +84,7 @@ class FieldContact {
     std::int32_t i, j, side;
   };
   struct Rectangle {
-    std::int32_t i0, j0, i1, j1;  ///< the last ones excluded
+    std::int32_t i0, j0, i1, j1;  ///< the last ones are excluded
   };
 
   template <typename Visit>

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-/// Returns the length of a stretch that a column does not fill.
+/// Returns the length of the stretch that the column does not fill.
 double empty_mm(const DexelGrid& grid, std::span<const Dexel> column, double lo, double hi) {
   double empty = hi - lo;
   for (const Dexel& d : column)
@@ -31,9 +31,9 @@ void StockFaces::add(const DexelField& field, std::int32_t i, std::int32_t j, St
   const auto empty_at = [&](std::int32_t at_i, std::int32_t at_j) {
     return empty_mm(grid, field.column(at_i, at_j, beside_), lo_mm, hi_mm);
   };
-  // The next sample shows how the end of the column slopes where it lacks a part, and a wall where
-  // it lacks all. A slope that leaves a short stretch before the next sample is no wall: there the
-  // column next to this one shows it.
+  // The next sample shows the slope of the end if it lacks a part of the stretch, and a wall if it
+  // lacks all of it. A slope that leaves a short stretch before the next sample is not a wall; the
+  // adjacent column shows it.
   Vec3 end;
   const auto look = [&](std::int32_t di, std::int32_t dj) {
     const std::int32_t step = di != 0 ? steps.i : steps.j;

@@ -9,9 +9,9 @@
 
 namespace kerf {
 
-/// The faces of the stock inside a tool, from the ends of columns and from what their neighbors
-/// lack. They do not turn with the tool: a push along the normal of the tool would, and a force
-/// that turns with what it pushes does work over a cycle.
+/// The faces of the stock inside a tool, derived from the ends of columns and from gaps in their
+/// neighbors. They do not turn with the tool. A push along the normal of the tool would, and a
+/// force that turns with the pushed body does work over a cycle.
 class StockFaces {
  public:
   /// Distances between neighboring samples of a field's columns, in columns.
@@ -20,13 +20,14 @@ class StockFaces {
   };
 
   /// Adds the faces at a stretch of column (i, j) inside the tool, between two heights in the
-  /// field's frame. The column is a sample of a grid with these steps, and stands for a rectangle
-  /// of it: the face towards the next sample counts at whichever of the columns between them it is.
+  /// field's frame. The column is a sample of a grid with these steps and represents a rectangle of
+  /// it. The face towards the next sample counts once, whichever of the columns between them it is
+  /// at.
   void add(const DexelField& field, std::int32_t i, std::int32_t j, Steps steps, double lo_mm,
            double hi_mm);
-  /// Returns the mean of the faces' normals, out of the stock, by area and by the square of the
-  /// cosine of their angle with `direction`, a unit vector. Faces that turn away do not count; zero
-  /// if none does.
+  /// Returns the mean of the faces' normals, out of the stock, weighted by area and by the square
+  /// of the cosine of their angle with the unit vector `direction`. Faces that turn away do not
+  /// count. Zero if no face counts.
   Vec3 towards(Vec3 direction) const;
 
  private:

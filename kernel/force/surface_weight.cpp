@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Segments longer than this share of the tool's radius are weighted at two points. Over a shorter
-/// one of a ball, the error of the weight at its center is below 1/100.
+/// Segments longer than this share of the tool's radius are weighted at two points. For a shorter
+/// segment of a ball, the error of the weight at its center is below 1/100.
 constexpr double kShortSegment = 0.25;
 
 }  // namespace
@@ -31,15 +31,15 @@ struct SurfaceWeight::Meridian {
 
 SurfaceWeight::SurfaceWeight(const Tool& tool) : pieces_(covered_pieces(tool)) {}
 
-/// Updates `nearest`, and the normal's component along the rays, where a piece is nearer than those
-/// before (less far outside, or the point deeper inside).
+/// Updates `nearest`, and the normal's component along the rays, where a piece is nearer than the
+/// pieces before it (less far outside, or the point deeper inside).
 KERF_INLINE void SurfaceWeight::nearest_of(const CoveredPiece& p, const Meridian& at,
                                            Lanes& nearest, Lanes& normal_z) {
   const PieceProfile& f = p.profile;
   const Lanes below = f.z0_mm - at.h, above = at.h - f.z1_mm;
   Lanes face, n;  // signed distance from the side, and its normal along the rays
   if (f.side != PieceProfile::Side::kLine && f.center_r_mm == 0) {
-    // A ball about the axis: its normal needs no distance from the axis.
+    // For a ball on the axis the normal needs no distance from the axis.
     const Lanes up = at.h - f.center_z_mm;
     const Lanes d = square_root(at.rho2 + up * up);
     face = d - f.radius_mm;
@@ -78,7 +78,7 @@ KERF_INLINE Lanes SurfaceWeight::evaluate_in_lanes(const GroupPoints& points, Ve
   at.across_z = qz;
   Lanes nearest(kInfinity), normal_z(0);
   for (const CoveredPiece& p : pieces_) {
-    // Most points are near one piece only; the others need no square root.
+    // Most points are near one piece only. The remaining pieces need no square root.
     const Lanes beside = greater(p.profile.z0_mm - at.h, at.h - p.profile.z1_mm);
     if (any(beside < nearest)) nearest_of(p, at, nearest, normal_z);
   }

@@ -36,8 +36,8 @@ class SurfaceWeight {
   /// field's frame.
   void evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight) const;
 
-  /// Multiplies the length of each segment by its weight, which is evaluated at two points where
-  /// the segment is long compared with `radius_mm`, the tool's radius.
+  /// Multiplies the length of each segment by its weight. If the segment is long relative to the
+  /// tool's radius `radius_mm`, the weight is evaluated at two points.
   void weigh(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const;
 
   /// Inline versions of both, for functions that are compiled per instruction set.

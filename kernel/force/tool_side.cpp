@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kFarAway = std::numeric_limits<double>::infinity();
 
-/// Returns the radius of a piece at a height, which may be beyond its ends by rounding; 0 farther
-/// away.
+/// Returns the radius of a piece at a height, which may be beyond its ends by rounding, or 0
+/// farther away.
 double radius_near(const ToolPiece& piece, double z_mm) {
   const Extent e = extent(piece);
   if (z_mm < e.z0_mm - kCoverEpsilonMm || z_mm > e.z1_mm + kCoverEpsilonMm) return 0;

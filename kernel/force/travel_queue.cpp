@@ -8,8 +8,8 @@
 namespace kerf {
 namespace {
 
-/// Returns ∫∫ of the kernel box(1) * box(1): the amount delivered at x >= 0 of a steady stream that
-/// began at 0.
+/// Returns ∫∫ of the kernel box(1) * box(1): the amount of a steady stream, begun at 0, that is
+/// delivered at x >= 0.
 double ramp(double x) {
   if (x >= 2) return x - 1;
   if (x >= 1) {
@@ -19,15 +19,15 @@ double ramp(double x) {
   return x * x * x / 6;
 }
 
-/// Returns ∫ of the kernel: the share delivered at x >= 0 of a pulse at 0.
+/// Returns ∫ of the kernel: the share of a pulse at 0 that is delivered at x >= 0.
 double step(double x) {
   if (x >= 2) return 1;
   if (x >= 1) return 1 - (2 - x) * (2 - x) / 2;
   return x * x / 2;
 }
 
-/// Returns the share, of a stream over the last `path`, that is delivered after `ahead` more
-/// travel; all in widths.
+/// Returns the share of a stream over the last `path` that is delivered after `ahead` more travel,
+/// both in widths.
 double delivered(double ahead, double path) {
   return path > kPointShare ? (ramp(ahead + path) - ramp(ahead)) / path : step(ahead);
 }

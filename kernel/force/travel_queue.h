@@ -20,20 +20,20 @@ class TravelQueueOf {
   explicit TravelQueueOf(double width_mm) : width_mm_(width_mm), head_left_mm_(bin_mm()) {}
 
   double width_mm() const { return width_mm_; }
-  /// Advances by `path_mm` of travel and returns what became due.
+  /// Advances by `path_mm` of travel and returns the amounts that became due.
   Sum advance(double path_mm);
-  /// Adds what was removed evenly over the last `path_mm` of travel, and returns the part of it
-  /// that is due already. Later advances deliver the rest.
+  /// Adds amounts removed evenly over the last `path_mm` of travel, and returns their part that is
+  /// already due. Later advances deliver the rest.
   Sum take(const Sum& removed, double path_mm);
 
-  /// Turns what is pending with the tool.
+  /// Turns the pending amounts with the tool.
   void turn(const Turn& turn);
 
-  /// Returns what becomes due next, per mm of travel: the engagement of a tool at rest.
+  /// Returns the amounts due next, per mm of travel: the engagement of a tool at rest.
   Sum due_per_mm() const;
-  /// Returns what is not yet delivered.
+  /// Returns the amounts not yet delivered.
   Sum pending() const;
-  /// Returns the volume of what is not yet delivered.
+  /// Returns the volume not yet delivered.
   double pending_mm3() const;
 
  private:

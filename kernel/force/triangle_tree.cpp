@@ -12,11 +12,11 @@ namespace kerf {
 namespace {
 
 constexpr std::uint32_t kLeafTriangles = 4;
-/// Deeper nodes are divided by number, so that no tree is deeper than a call can follow.
+/// Deeper nodes are divided by number, to bound the depth of recursion.
 constexpr int kDepthMax = 40;
-/// More than the rounding of a double to a float.
+/// Exceeds the rounding of a double to a float.
 constexpr double kFloatShare = double(std::numeric_limits<float>::epsilon());
-/// Rounding of a coordinate that is computed, in shares of the greatest one.
+/// Rounding of a computed coordinate, in shares of the greatest one.
 constexpr double kErrorShare = 64 * std::numeric_limits<double>::epsilon();
 
 constexpr double coordinate(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
@@ -41,8 +41,8 @@ bool crosses_upward(const TriangleTree::Triangle& t, Vec3 p) {
   return t[0].z - (n.x * (p.x - t[0].x) + n.y * (p.y - t[0].y)) / n.z > p.z;
 }
 
-/// The nearest triangle so far. Boxes are visited up to a little more than its distance, so that
-/// rounding hides no triangle that is as near.
+/// The nearest triangle so far. Boxes are visited up to slightly more than its distance, so that
+/// rounding hides no equally near triangle.
 struct TriangleTree::Search {
   Vec3 point;
   double squared = 1e300, limit = 1e300;
@@ -153,7 +153,7 @@ void TriangleTree::nearest(const Node& node, Search& search) const {
 }
 
 bool TriangleTree::crossed(const Node& node, Vec3 p) const {
-  // Not by z: the height of a steep triangle is computed, and may be anywhere.
+  // Not by z, because the height of a steep triangle is computed and may be anywhere.
   if (p.x > double(node.hi[0]) + error_mm_ || p.x < double(node.lo[0]) - error_mm_) return false;
   if (p.y > double(node.hi[1]) + error_mm_ || p.y < double(node.lo[1]) - error_mm_) return false;
   bool odd = false;

@@ -10,17 +10,17 @@
 
 namespace kerf {
 
-/// Triangles in a tree of boxes, so that a query visits a few dozen of them, however many there
-/// are. Immutable and safe for concurrent use.
+/// Triangles in a tree of boxes, so that a query visits a few dozen of them, independently of their
+/// number. Immutable and safe for concurrent use.
 class TriangleTree {
  public:
   using Triangle = std::array<Vec3, 3>;
   /// Keeps a copy. `triangles` must be finite and not empty.
   explicit TriangleTree(const std::vector<Triangle>& triangles);
 
-  /// Returns, to the bit, the same as a visit of all triangles in their order.
+  /// Equal, to the bit, to the result of visiting all triangles in their order.
   struct Found {
-    std::uint32_t nearest = 0;  ///< of equally near triangles the first
+    std::uint32_t nearest = 0;  ///< the first of equally near triangles
     bool inside = false;        ///< an upward ray crosses an odd number of triangles
   };
   Found find(Vec3 point_mm) const;
@@ -30,7 +30,7 @@ class TriangleTree {
     float lo[3], hi[3];  ///< rounded outward
     std::uint32_t
         first;  ///< of triangles_; of an inner node its second child, the first one follows it
-    std::uint32_t count;  ///< 0: an inner node
+    std::uint32_t count;  ///< 0 for an inner node
   };
   struct Search;
   void build(std::uint32_t first, std::uint32_t end, int depth);
@@ -41,12 +41,12 @@ class TriangleTree {
   bool crossed(const Node& node, Vec3 point_mm) const;
 
   std::vector<Triangle> triangles_;   ///< in the order of the leaves
-  std::vector<std::uint32_t> order_;  ///< of each of these, its number
+  std::vector<std::uint32_t> order_;  ///< the original number of each of these
   std::vector<Node> nodes_;
-  double error_mm_ = 0;  ///< of a coordinate that is computed
+  double error_mm_ = 0;  ///< rounding error of a computed coordinate
 };
 
-/// Makes a tree. Apart from the class, so that the page, which has no meshes, need not hold it.
+/// Builds a tree. Separate from the class, so that the page, which has no meshes, need not link it.
 std::shared_ptr<const TriangleTree> make_triangle_tree(
     const std::vector<TriangleTree::Triangle>& triangles);
 

@@ -11,15 +11,15 @@ namespace kerf {
 
 /// Intersection of a dexel ray with the capsule that a sphere of radius r sweeps from one center to
 /// another (paper section 2.4, intersection 1 and the sphere's translation). Seen along the motion,
-/// the ray is `perp` off the path, where the sphere is a circle of radius ρ = √(r² − perp²). The
-/// circle's lowest point on the ray belongs to the share s = (along − ρ dz/|d|)/h of the motion, h
-/// being the horizontal length of d. Where s < 0 or s > 1, the sphere's position at the start or
-/// the end decides. Each end is computed from its own center, so that the end of one motion and the
-/// start of the next give the same bits.
+/// the ray is at the distance `perp` from the path, where the sphere is a circle of radius ρ = √(r²
+/// − perp²). The circle's lowest point on the ray belongs to the share s = (along − ρ dz/|d|)/h of
+/// the motion, where h is the horizontal length of d. If s < 0 or s > 1, the sphere's position at
+/// the start or the end decides. Each end is computed from its own center, so that the end of one
+/// motion and the start of the next give the same bits.
 struct RayCapsule {
   Vec3 from, to, d;
   double radius2, along_x, along_y, inverse_h, lean, inverse_length;
-  double arrival;  ///< share from which on the end of the path is taken
+  double arrival;  ///< share from which on the end of the path is used
 
   RayCapsule(Vec3 from_mm, Vec3 to_mm, double radius_mm)
       : from(from_mm), to(to_mm), d(to_mm - from_mm), radius2(radius_mm * radius_mm) {

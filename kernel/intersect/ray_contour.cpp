@@ -42,7 +42,7 @@ RayContour::RayContour(const ArcPiece& piece, Vec3 tip_mm, Vec3 unit_axis, Vec3 
 }
 
 /// With n = side cos β t + sin β û, û along the projected axis and t across it, the slice is low ≤
-/// U sin β ≤ high (in radii), and the upper ends are n·a > 0. That changes sign at one β.
+/// U sin β ≤ high (in radii), and the upper ends are n·a > 0. The sign changes at one β.
 RayContour::Flank RayContour::flank(double up, double side) const {
   const auto sine_at = [&](double height) {
     return height >= steepness_ ? 1.0 : height <= -steepness_ ? -1.0 : height / steepness_;
@@ -61,7 +61,7 @@ RayContour::Flank RayContour::between(double side, double sine0, double sine1) c
   double q[2], y[2], margin[2];
   int i = 0;
   for (const double exact : {sine0, sine1}) {
-    // Where the axis is at right angles to d, the contour has no tangent at its poles.
+    // If the axis is perpendicular to d, the contour has no tangent at its poles.
     const double sine = std::clamp(exact, -kPoleSine, kPoleSine);
     const double cosine = side * std::sqrt((1 - sine) * (1 + sine));
     const double inverse = 1 / std::sqrt(cosine * cosine + flat2_ * sine * sine);

@@ -11,10 +11,10 @@ namespace kerf {
 
 /// Intersection of eight dexel rays with the surface that the contour of an arc's side, n·d = 0,
 /// sweeps along the displacement d (kernel/intersect/README.md, "Contour of an arc"). Seen along d
-/// the contour is an ellipse, offset by the arc's radius. With b the horizontal direction across d
-/// and a ⟂ b, d pointing upwards, the unit normal n = q b ± √(1 − q²) a gives the contour's
+/// the contour is an ellipse, offset by the arc's radius. Let b be the horizontal direction across
+/// d, and a ⟂ b, with d pointing upwards. The unit normal n = q b ± √(1 − q²) a gives the contour's
 /// distance Y(q) along b, which increases with q at the rate of its radius of curvature. A ray at
-/// the distance y meets it where Y(q) = y.
+/// the distance y meets the contour where Y(q) = y.
 class RayContour {
  public:
   RayContour(const ArcPiece& piece, Vec3 tip_mm, Vec3 unit_axis, Vec3 displacement_mm);
@@ -28,7 +28,7 @@ class RayContour {
 
  private:
   /// The contour on one side of the axis, at the upper or the lower ends of rays: from the normal
-  /// q0 at the distance y0 to q1 > q0 at y1; y0 > y1 if there is none. Rays from y_min to y_max
+  /// q0 at the distance y0 to q1 > q0 at y1. It does not exist if y0 > y1. Rays from y_min to y_max
   /// meet it, up to rounding.
   struct Flank {
     double q0 = 0, q1 = 0, y0 = 1, y1 = -1, y_min = 1, y_max = -1;

@@ -7,9 +7,9 @@
 
 namespace kerf {
 
-/// Intersection of a dexel ray with the parallelogram corner + α side + β along, α and β in [0, 1]
-/// (paper Eq. 13): two linear equations in x and y. A parallelogram that contains the ray's
-/// direction is never hit; its border curves are covered by other primitives.
+/// Intersection of a dexel ray with the parallelogram corner + α side + β along, with α and β in
+/// [0, 1] (paper Eq. 13): two linear equations in x and y. A parallelogram that contains the ray's
+/// direction is never hit, because other primitives cover its border curves.
 struct RayParallelogram {
   Vec3 corner, side, along;
   double inverse_det, side_slack, along_slack;

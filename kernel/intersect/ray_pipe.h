@@ -12,12 +12,12 @@ namespace kerf {
 /// 14–17): center c, unit normal u, radius r, moved by d.
 ///
 /// Eq. 17 divides by the motion's component along the normal, d·u, which is 0 for the most common
-/// motion of all, an upright tool moved horizontally. This form does not: the point at height cz +
-/// w in the plane of the circle at share s satisfies α + uz w = s (d·u), α = px ux + py uy. This
-/// line in the (s, w) plane, (s, w) = −α (−du, uz) / n + τ (uz, du), n = uz² + du², has no singular
-/// direction. Relative to the moved center its point is q(τ) = q0 + τ g, g = du ẑ − uz d, and
-/// |q|² = r² is quadratic in τ. If g = 0 the circle moves along the ray; then the pipe bounds
-/// nothing, and the circle's start and end do.
+/// motion, an upright tool moved horizontally. This form avoids the division. The point at height
+/// cz + w in the plane of the circle at share s satisfies α + uz w = s (d·u), α = px ux + py uy.
+/// This line in the (s, w) plane, (s, w) = −α (−du, uz) / n + τ (uz, du), n = uz² + du², has no
+/// singular direction. Relative to the moved center its point is q(τ) = q0 + τ g, g = du ẑ − uz d,
+/// and |q|² = r² is quadratic in τ. If g = 0 the circle moves along the ray. Then the circle's
+/// start and end bound the swept volume instead of the pipe.
 struct RayPipe {
   Vec3 center, normal, along, g;
   double radius2, du, inverse_n, a, slack;

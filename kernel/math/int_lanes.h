@@ -6,14 +6,14 @@
 
 #include "kernel/math/lanes.h"
 
-// No function passes vectors across units, so their calling convention does not matter.
+// No function passes vectors between translation units, so their calling convention is irrelevant.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace kerf {
 
-/// Eight 32-bit integers, beside the eight doubles of Lanes. One vector of eight: unlike for
-/// doubles, GCC 12 compares integers of this width as a whole.
+/// Eight 32-bit integers, the counterpart of Lanes. They form one vector, because GCC 12 compares
+/// integer vectors of this width as a whole, unlike doubles.
 typedef std::int32_t IntLanes __attribute__((vector_size(32), aligned(32)));
 typedef std::int32_t HalfIntLanes __attribute__((vector_size(16), aligned(16)));
 /// Four 64-bit integers.

@@ -3,7 +3,7 @@
 
 #include "kernel/math/int_lanes.h"
 
-// No function passes vectors across units, so their calling convention does not matter.
+// No function passes vectors between translation units, so their calling convention is irrelevant.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 

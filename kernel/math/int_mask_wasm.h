@@ -7,14 +7,15 @@
 
 #include "kernel/math/int_lanes.h"
 
-// No function passes vectors across units, so their calling convention does not matter.
+// No function passes vectors between translation units, so their calling convention is irrelevant.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace kerf {
 
-// What kernel/math/int_mask.h has, for WebAssembly, as in kernel/math/lane_mask_wasm.h. Clang 19
-// converts wide vectors of doubles to integers number by number, with a test of the range of each.
+// The WebAssembly version of kernel/math/int_mask.h, for the reasons given in
+// kernel/math/lane_mask_wasm.h. Clang 19 converts wide vectors of doubles to integers one by one,
+// with a range test for each.
 
 /// Result of a comparison of integers: −1 in a lane where it holds, else 0.
 struct IntMask {

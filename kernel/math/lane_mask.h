@@ -3,7 +3,7 @@
 
 #include "kernel/math/lanes.h"
 
-// No function passes vectors across units, so their calling convention does not matter.
+// No function passes vectors between translation units, so their calling convention is irrelevant.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
@@ -30,7 +30,7 @@ KERF_INLINE Lanes select(LaneMask condition, Lanes yes, Lanes no) {
   return {condition.a ? yes.a : no.a, condition.b ? yes.b : no.b};
 }
 
-/// Return the lesser or greater number; the second where either is NaN.
+/// Return the lesser or greater number, or the second one if either is NaN.
 KERF_INLINE Lanes lesser(Lanes x, Lanes y) { return select(x < y, x, y); }
 KERF_INLINE Lanes greater(Lanes x, Lanes y) { return select(x > y, x, y); }
 KERF_INLINE Lanes magnitude(Lanes x) { return select(x < 0.0, -x, x); }

@@ -7,13 +7,13 @@
 
 #include "kernel/math/lanes.h"
 
-// No function passes vectors across units, so their calling convention does not matter.
+// No function passes vectors between translation units, so their calling convention is irrelevant.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace kerf {
 
-// What kernel/math/lane_mask.h has, for WebAssembly, whose vectors hold two doubles. Clang 19 packs
+// The WebAssembly version of kernel/math/lane_mask.h, with vectors of two doubles. Clang 19 packs
 // the masks of wider vectors into narrower ones, and unpacks them again, at every step.
 
 typedef double QuarterLanes __attribute__((vector_size(16), aligned(16)));
@@ -68,7 +68,7 @@ KERF_INLINE Lanes select(LaneMask m, Lanes yes, Lanes no) {
                  wasm_v128_bitselect(high(yes.b), high(no.b), m.s))};
 }
 
-/// Return the lesser or greater number; the second where either is NaN.
+/// Return the lesser or greater number, or the second one if either is NaN.
 KERF_INLINE Lanes lesser(Lanes x, Lanes y) {
   using namespace wasm;
   return {joined(wasm_f64x2_pmin(low(y.a), low(x.a)), wasm_f64x2_pmin(high(y.a), high(x.a))),

@@ -6,13 +6,13 @@
 
 #include "kernel/math/targets.h"
 
-// No function passes vectors across units, so their calling convention does not matter.
+// No function passes vectors between translation units, so their calling convention is irrelevant.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace kerf {
 
-/// Number of doubles in Lanes: the columns of a group.
+/// Number of doubles in Lanes, and of columns in a group.
 inline constexpr int kLanes = 8;
 typedef double HalfLanes __attribute__((vector_size(32), aligned(32)));
 typedef std::int64_t HalfMask __attribute__((vector_size(32), aligned(32)));
@@ -57,7 +57,7 @@ KERF_INLINE Lanes square_root(Lanes v) {
 
 KERF_INLINE double select(bool condition, double yes, double no) { return condition ? yes : no; }
 
-/// Return the lesser or greater number; the second where either is NaN.
+/// Return the lesser or greater number, or the second one if either is NaN.
 KERF_INLINE double lesser(double x, double y) { return x < y ? x : y; }
 KERF_INLINE double greater(double x, double y) { return x > y ? x : y; }
 

@@ -26,7 +26,7 @@ SinCos sin_cos(double angle_rad) {
   const double x = angle_rad / 8;
   const double x2 = x * x;
   double sin = 0;
-  double versine = 0;  // 1 - cos: keeps its digits where cos would lose them
+  double versine = 0;  // 1 - cos, which keeps its digits where cos loses them
   double term = x;
   for (int k = 1; k <= 17; k += 2) {
     sin += term;

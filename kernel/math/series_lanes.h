@@ -3,18 +3,18 @@
 
 #include "kernel/math/lanes.h"
 
-// No function passes vectors across units, so their calling convention does not matter.
+// No function passes vectors between translation units, so their calling convention is irrelevant.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace kerf {
 
-// Powers, and sine and cosine, of eight numbers. Series of + − × ÷ only, as sin_cos is: libm's
-// results differ between CPUs, and equal commands must give equal bytes.
+// Powers, sines and cosines of eight numbers, as series of + − × ÷ only. libm's results differ
+// between CPUs, and equal commands must give equal bytes.
 
 namespace series {
 
-/// Rounds to an integer where it is added to a double below 2^51, and holds it in its last bits.
+/// Added to a double below 2^51, it rounds the double to an integer that its last bits hold.
 inline constexpr double kRounder = 6755399441055744.0;  // 1.5 x 2^52
 inline constexpr double kLn2 = 0.69314718055994530942;
 inline constexpr int kMantissaBits = 52;
@@ -71,12 +71,12 @@ KERF_INLINE PhaseLanes raised(PhaseLanes base, int exponent) {
   return result;
 }
 
-/// Returns cosine and sine of |angle| < 2^40 turns, with errors below 1e-15 at its fraction.
+/// Returns cosine and sine for |turns| < 2^40, with errors below 1e-15 for the fraction.
 KERF_INLINE PhaseLanes phase_of_turns(Lanes turns) {
   const Lanes whole = (turns + series::kRounder) - series::kRounder;
   // Taylor at an eighth of the angle (below 0.4), then three doublings.
   const Lanes x = (turns - whole) * (6.28318530717958647692 / 8), x2 = x * x;
-  Lanes sine(0), versine(0);  // 1 - cosine: keeps its digits where the cosine would lose them
+  Lanes sine(0), versine(0);  // 1 - cosine, which keeps its digits where the cosine loses them
   for (int k = 17; k >= 1; k -= 2) sine = 1.0 - sine * x2 * (1.0 / ((k + 1) * (k + 2)));
   for (int k = 18; k >= 2; k -= 2) versine = 1.0 - versine * x2 * (1.0 / ((k + 1) * (k + 2)));
   sine = sine * x;

@@ -3,20 +3,20 @@
 
 // Compiles functions on SIMD lanes (kernel/math/lanes.h) for several instruction sets. The loader
 // picks the best version that the CPU supports. Contraction is off, so all versions give equal
-// bits; to test that, a build may ask for a single one (CMake's KERF_VECTOR).
+// bits. A build may request a single version to test that (CMake's KERF_VECTOR).
 //
-// KERF_INLINE marks every function with lanes as parameters or result: it becomes one function with
-// its caller, because how a vector is passed depends on the instruction set.
+// KERF_INLINE marks every function with lanes as parameters or result. It must be inlined into its
+// caller, because the calling convention of vectors depends on the instruction set.
 //
 // KERF_FOR_EACH_TARGET(Result, name, (parameters), (arguments)) defines the function `name` for the
-// base instruction set, AVX2 and AVX-512; each version calls the inline function name_in_lanes.
-// KERF_FOR_BASE_TARGET, KERF_FOR_AVX2_TARGET and KERF_FOR_AVX512_TARGET define one of the versions,
-// for functions that are compiled in three units; KERF_DECLARE_TARGETS(Result, name, (parameters))
+// base instruction set, AVX2 and AVX-512. Each version calls the inline function name_in_lanes.
+// KERF_FOR_BASE_TARGET, KERF_FOR_AVX2_TARGET and KERF_FOR_AVX512_TARGET define one version each,
+// for functions that are compiled in three units. KERF_DECLARE_TARGETS(Result, name, (parameters))
 // declares all of them.
 //
-// GCC's target_clones cannot replace these macros: it lowers vectors to scalars before it clones.
-// It does work for plain loops: KERF_VECTOR_CLONES is its attribute. Clang, sanitizers and CPUs
-// other than x86-64 get the base version only.
+// GCC's target_clones cannot replace these macros, because it lowers vectors to scalars before it
+// clones. It does work for plain loops; KERF_VECTOR_CLONES is its attribute. Clang, sanitizers and
+// CPUs other than x86-64 get the base version only.
 
 #define KERF_INLINE inline __attribute__((always_inline))
 

@@ -2,8 +2,8 @@
 #pragma once
 
 // Every epsilon of the kernel: allowances for rounding, ends of iterations, and thresholds below
-// which a case counts as degenerate. Each has its unit, its owner (the code that uses it) and what
-// breaks if it grows. A *tolerance* is something else: an accuracy that the user requests
+// which a case counts as degenerate. Each has its unit, its owner (the code that uses it) and the
+// consequence of enlarging it. A *tolerance*, in contrast, is an accuracy that the user requests
 // (SculptureSettings::tolerance_mm).
 
 namespace kerf {
@@ -11,8 +11,8 @@ namespace kerf {
 // --- Surfaces and motions (kernel/intersect, kernel/sweep) ---
 
 /// mm. Intersection points this far outside the end of a generator or a swept segment still count,
-/// so that a ray through an edge is claimed by at least one of the surfaces that meet there.
-/// Owner: intersect, sweep. If it grows, tools grow.
+/// so that a ray through an edge hits at least one of the surfaces that meet there. Owner:
+/// intersect, sweep. If it grows, tools grow.
 inline constexpr double kEdgeEpsilonMm = 1e-9;
 
 /// Dimensionless. Directions whose angle has a smaller sine are parallel.
@@ -34,24 +34,25 @@ inline constexpr double kAxialSine = 1e-3;
 inline constexpr double kRotationShare = 1e-2;
 
 /// mm². A ray whose squared distance from the axis exceeds that of a disc's rim by less passes the
-/// rim: its end may join that of a neighbor. More than the square of a joining distance for any
-/// radius. Owner: sweep/slice_meeting. If it grows, only time is lost; at 0, seams may stay open.
+/// rim, and its end may join that of a neighbor. Larger than the square of a joining distance for
+/// any radius. Owner: sweep/slice_meeting. If it grows, only time is lost; at 0, seams may stay
+/// open.
 inline constexpr double kRimMm2 = 1e-5;
 
-/// mm. Rays this far outside the rectangle that a surface covers still test the surface. Far more
-/// than kEdgeEpsilonMm and rounding. Owner: sweep/frustum_translation. If it grows, only time is
-/// lost; if it shrinks to kEdgeEpsilonMm, hits at edges are lost.
+/// mm. Rays this far outside the rectangle that a surface covers still test the surface. Much
+/// larger than kEdgeEpsilonMm and rounding. Owner: sweep/frustum_translation. If it grows, only
+/// time is lost; if it shrinks to kEdgeEpsilonMm, hits at edges are lost.
 inline constexpr double kRectangleMarginMm = 1e-6;
 
-/// mm per motion. Where a tool's surface recedes, it does so at least at this speed: then what its
-/// last pose removes lies within its first pose by more than kEdgeEpsilonMm and all rounding.
-/// Owner: sweep. If it grows, only time is lost; at 0 an undone block may differ in a bit
-/// (kernel/sweep/README.md, "A pose").
+/// mm per motion. Least speed at which the surface of a tool counts as receding. The interval of
+/// the last pose is then within that of the first pose by more than kEdgeEpsilonMm and all
+/// rounding. Owner: sweep. If it grows, only time is lost; at 0, a block after an undo may differ
+/// in a bit (kernel/sweep/bounds.md, "The last pose is removed").
 inline constexpr double kRecedingMm = 4e-9;
 
-/// mm of travel. A ball that comes as near as this to the end of its path takes the
-/// end for the place: times the root of its radius. The end errs by half the square of it over the
-/// radius. Owner: intersect/ray_capsule. If it grows, ends of balls err by its square.
+/// mm of travel, times the root of the radius. A ball this near to the end of its path counts as
+/// being there. Its end then errs by half the square of this over the radius. Owner:
+/// intersect/ray_capsule. If it grows, ends of balls err by its square.
 inline constexpr double kArrivalMm = 1e-5;
 
 /// Share of a piece's height by which a clipped piece reaches out of the block, so that its new
@@ -62,20 +63,20 @@ inline constexpr double kClipMarginShare = 1e-3;
 /// disc of a slice. Owner: sweep/swept_tool. If it grows, rims that stick out are not searched.
 inline constexpr double kHiddenDiscShare = 1e-12;
 
-/// mm. A disc of a smaller radius is the tip of a slice: the side ends there by itself, and has no
-/// edge. Owner: sweep/piece_side, sweep/swept_tool. If it grows, small rims are not searched.
+/// mm. A disc of a smaller radius is the tip of a slice, where the side ends without an edge.
+/// Owner: sweep/piece_side, sweep/swept_tool. If it grows, small rims are not searched.
 inline constexpr double kTipMm = 1e-9;
 
 /// Squared sine of the axis' lean from which on a plane along the axis bounds a piece better than a
-/// level one. Owner: sweep/shadow. If it grows, only time is lost; at 0 the plane's normal is 0/0.
+/// level one. Owner: sweep/shadow. If it grows, only time is lost; at 0, the plane's normal is 0/0.
 inline constexpr double kPlaneLean2 = 1e-4;
 
-/// mm. Bounds below a turning tool are taken at so many poses (up to five) that it leaves them by
-/// less in between. Owner: sweep/underside. If it grows, bounds are lower, and time is lost.
+/// mm. Bounds below a turning tool are computed at as many poses (up to five) as keep the deviation
+/// in between below this. Owner: sweep/underside. If it grows, bounds are lower, and time is lost.
 inline constexpr double kUndersideSlackMm = 1e-3;
 
-/// Dimensionless. Smaller components of the axis along the rays are replaced by it, so that a ray
-/// at right angles to the axis crosses the planes of the discs at a finite, huge distance. Owner:
+/// Dimensionless. Smaller components of the axis along the rays are replaced by this, so that a ray
+/// perpendicular to the axis crosses the planes of the discs at a finite, huge distance. Owner:
 /// sweep/slice_meeting. If it grows by orders of magnitude, discs end rays that never cross them.
 inline constexpr double kAxisAlongRayMin = 1e-290;
 
@@ -89,7 +90,7 @@ inline constexpr double kArcFoundMm = 1e-11;
 inline constexpr double kArcShortStep2 = 1e-4;
 
 /// Sine of the angle between a ray and a side up to which the ray's closest point counts as found.
-/// Owner: sweep/miss_reach. If it grows, the tilt of a supporting plane no longer makes up for it.
+/// Owner: sweep/miss_reach. If it grows, the tilt of a supporting plane cannot compensate for it.
 inline constexpr double kFlatSlope = 1e-5;
 
 /// mm along the ray. A ray that misses an arc is closest to it somewhere in an interval of this
@@ -110,9 +111,9 @@ inline constexpr double kPoleSine = 1 - 1e-15;
 /// Owner: intersect/ray_contour. If it grows, ends near the pole err by its square over a radius.
 inline constexpr double kPoleMarginMm = 1e-5;
 
-/// mm. How near to the outermost end the search goes where nothing turns and the sweep is convex:
-/// the user's tolerance has no part in it. Owner: sweep/swept_tool. If it grows, translated arcs
-/// are cut too shallow by it.
+/// mm. Distance from the outermost end at which the search stops in convex sweeps without a turn,
+/// independent of the user's tolerance. Owner: sweep/swept_tool. If it grows, translated arcs are
+/// cut too shallow by it.
 inline constexpr double kTranslationSearchMm = 1e-9;
 
 /// mm. A point this near to a piece lies on it, and no other piece is tested.
@@ -126,14 +127,13 @@ inline constexpr double kTouchSearchMm = 1e-6;
 
 // --- Definitions of tools (kernel/tool) ---
 
-/// mm. Sections of an outline that rise by less are shoulders; points that should lie on the axis,
-/// or lines that should be tangent, and miss by less, do. Owner: tool. If it grows, thin parts of a
-/// profile are lost.
+/// mm. Sections of an outline that rise by less are shoulders. Points count as on the axis, and
+/// lines as tangent, if they miss by less. Owner: tool. If it grows, thin parts of a profile are
+/// lost.
 inline constexpr double kOutlineEpsilonMm = 1e-9;
 
-/// mm. Where lines and arcs of a definition should meet and miss by less, they do: cutter data
-/// comes rounded to three decimals. Owner: tool. If it grows, inconsistent definitions are
-/// accepted.
+/// mm. Lines and arcs of a definition count as meeting if they miss by less, because cutter data is
+/// rounded to three decimals. Owner: tool. If it grows, inconsistent definitions are accepted.
 inline constexpr double kMissAllowanceMm = 1e-3;
 
 // --- Force (kernel/force) ---
@@ -142,29 +142,28 @@ inline constexpr double kMissAllowanceMm = 1e-3;
 /// kMissAllowanceMm, so that outlines rounded to 0.001 mm do not come apart. Owner:
 /// tool/convex_part. If it grows, contact begins earlier in the corners of outlines.
 inline constexpr double kHullAllowanceMm = 2e-3;
-/// mm. Corners of an outline that stand out by less are left out. Owner: tool/convex_part. If it
+/// mm. Corners of an outline that protrude by less are left out. Owner: tool/convex_part. If it
 /// grows, contacts become shallower.
 inline constexpr double kStraightMm = 1e-6;
 
-/// mm. Radii that differ by less are equal, and heights that differ by less touch: a piece that
-/// ends where the next begins. Owner: force/surface_weight. If it grows, narrow shoulders get no
-/// weight.
+/// mm. Radii that differ by less are equal, and pieces whose heights differ by less adjoin. Owner:
+/// force/surface_weight. If it grows, narrow shoulders get no weight.
 inline constexpr double kCoverEpsilonMm = 1e-9;
 
-/// Dimensionless. Where the displacements of a tool's points differ by less than this share of the
-/// tip's, all elements push in one direction, that of their middle. Owner: force/cut_sum. If it
-/// grows, directions err by its square, and the torque by it times the spread of the elements.
+/// Dimensionless. If the displacements of a tool's points differ by less than this share of the
+/// tip's, all elements push in the direction of their middle. Owner: force/cut_sum. If it grows,
+/// directions err by its square, and the torque by it times the spread of the elements.
 inline constexpr double kCommonDirectionShare = 1e-3;
 
-/// Dimensionless. A path shorter than this share of the kernel's width counts as a point: the
-/// difference quotient over it would be all rounding. Owner: force/travel_queue. If it grows, the
-/// force of short motions is delivered in steps.
+/// Dimensionless. A path shorter than this share of the kernel's width counts as a point, because
+/// the difference quotient over it would be dominated by rounding. Owner: force/travel_queue. If it
+/// grows, the force of short motions is delivered in steps.
 inline constexpr double kPointShare = 1e-5;
 
-/// mm per tooth. Below this feed the forces of the mechanistic law fade to zero, which only tells
-/// rest from motion: edges fade, and the coefficient of a chip (Kienzle's is unbounded at 0) no
-/// longer grows. Owner: force/milling_elements, force/milling_force. If it grows, slow cuts of fine
-/// edges lose force (kernel/force/README.md, "Small feeds").
+/// mm per tooth. Below this feed the edge forces of the mechanistic law fade to zero, and the
+/// coefficient of a chip (Kienzle's is unbounded at 0) no longer grows. It only separates rest from
+/// motion. Owner: force/milling_elements, force/milling_force. If it grows, slow cuts of fine edges
+/// lose force (kernel/force/mechanistic.md, "Small feeds").
 inline constexpr double kRestFeedMm = 0.00005;
 
 /// mm. A depth counts as found when it is missed by less. Owner: force/stock_contact. If it grows,
@@ -177,17 +176,18 @@ inline constexpr double kDepthEpsilonMm = 1e-7;
 /// along the rays. Owner: surface/level_guess. If it grows, steep walls are met too early.
 inline constexpr double kUprightMin = 1e-4;
 
-/// Share of a squared secant: the third difference of heights (pitches) below which rounding of the
-/// normals' codes hides an ellipse. Owner: surface/edge_slice. If it grows, ellipses become lines.
+/// Share of a squared secant. Rounding of the normals' codes hides an ellipse whose third
+/// difference of heights (in pitches) is smaller. Owner: surface/edge_slice. If it grows, ellipses
+/// become lines.
 inline constexpr double kThirdOfSecant = 1e-3;
 
-/// Weight of the crossings' mean against that of a plane: it decides the position along a ridge,
-/// where no plane does. Owner: surface/sheet_point. If it grows, ridges sink; if it shrinks,
+/// Weight of the crossings' mean relative to that of a plane. It determines the position along a
+/// ridge, which no plane does. Owner: surface/sheet_point. If it grows, ridges sink; if it shrinks,
 /// vertices wander along them.
 inline constexpr double kMeanWeight = 3e-4;
 
 /// Dimensionless. Sines below which both diagonals of a quadrangle fit the surface equally well.
-/// Owner: surface/tile_mesh. If it grows, the shorter diagonal is taken against the surface.
+/// Owner: surface/tile_mesh. If it grows, the shorter diagonal is used against the surface.
 inline constexpr double kFitEpsilon = 1e-4;
 
 /// Pitches. A flat floor may pass the end of its lattice edge by this, so that rounding does not

@@ -8,8 +8,8 @@ namespace kerf {
 
 struct Vec3f;
 
-/// A vector in right-handed space, +Z up: a position (mm), a direction, a force, ..., as the name
-/// of the variable says.
+/// A vector in right-handed space, +Z up: a position (mm), a direction, a force and so on,
+/// according to the name of the variable.
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 

@@ -28,9 +28,9 @@ struct WrenchMaximum {
   double torque_nmm = 0;
 };
 
-/// Returns the factor, 0 to 1, by which a device shortens a wrench to its maximum. One factor for
-/// force and torque keeps the screw axis and the ratio of both; shortened apart, they would be
-/// those of another cut.
+/// Returns the factor, 0 to 1, by which a device scales a wrench down to its maximum. One factor
+/// for force and torque keeps the screw axis and their ratio; separate factors would give the
+/// wrench of a different cut.
 inline double share_within(const WrenchMaximum& most, const Wrench& wrench) noexcept {
   const double force = length(wrench.force_n);
   const double torque = length(wrench.torque_nmm);
@@ -47,8 +47,8 @@ inline bool is_finite(const Wrench& wrench) noexcept {
          __builtin_isfinite(dot(wrench.torque_nmm, wrench.torque_nmm));
 }
 
-/// Displacement (mm, rad) or velocity (mm/s, rad/s) of a rigid body: of its reference point, and as
-/// a rotation vector.
+/// Displacement (mm, rad) or velocity (mm/s, rad/s) of a rigid body: linear for its reference
+/// point, angular as a rotation vector.
 struct Twist {
   Vec3 linear{};
   Vec3 angular{};
@@ -65,7 +65,7 @@ constexpr Twist operator*(const Twist& a, double s) noexcept {
 }
 
 /// Returns the work (mJ) that the wrench does over a displacement, or its power (mW) at a velocity.
-/// Positive where the wrench drives the body, negative where it holds it back.
+/// Positive if the wrench drives the body, negative if it holds it back.
 constexpr double work(const Wrench& wrench, const Twist& twist) noexcept {
   return dot(wrench.force_n, twist.linear) + dot(wrench.torque_nmm, twist.angular);
 }

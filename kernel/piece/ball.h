@@ -16,7 +16,7 @@ constexpr Extent extent(const BallPiece& p) {
   return {p.center_mm - p.radius_mm, p.center_mm + p.radius_mm, p.radius_mm};
 }
 
-/// Returns the radius at a height of the axis; kNoRadiusMm where the ball has no point.
+/// Returns the radius at a height of the axis, or kNoRadiusMm beyond the ball.
 template <class Real>
 KERF_INLINE Real radius_at(const BallPiece& p, Real z_mm) {
   const Extent e = extent(p);

@@ -14,7 +14,7 @@ struct Bounds {
   Vec3 lo_mm, hi_mm;
 };
 
-/// Returns the smallest box around two.
+/// Returns the smallest box around two boxes.
 inline Bounds joined(const Bounds& a, const Bounds& b) {
   return {{std::min(a.lo_mm.x, b.lo_mm.x), std::min(a.lo_mm.y, b.lo_mm.y),
            std::min(a.lo_mm.z, b.lo_mm.z)},
@@ -22,7 +22,7 @@ inline Bounds joined(const Bounds& a, const Bounds& b) {
            std::max(a.hi_mm.z, b.hi_mm.z)}};
 }
 
-/// Returns what two boxes have in common, which must be something.
+/// Returns the intersection of two boxes, which must not be empty.
 inline Bounds common(const Bounds& a, const Bounds& b) {
   return {{std::max(a.lo_mm.x, b.lo_mm.x), std::max(a.lo_mm.y, b.lo_mm.y),
            std::max(a.lo_mm.z, b.lo_mm.z)},

@@ -8,7 +8,8 @@ namespace kerf {
 // Shared by ball and arc: a circle in the half-plane (ρ, h), where ρ is the distance from
 // the tool's axis and h the height. Real is double or Lanes.
 
-/// Returns half the length of the chord at the distance `off` from the center; 0 beyond the circle.
+/// Returns half the length of the chord at the distance `off` from the center, or 0 beyond the
+/// circle.
 template <class Real>
 KERF_INLINE Real half_chord(double radius, Real off) {
   return square_root(greater(radius * radius - off * off, splat_like(off, 0)));
@@ -29,10 +30,9 @@ struct CircleDistance {
 };
 
 /// Returns the signed distance of a point from the side of a ball or an arc. `center_r` is the
-/// distance of the circle's center from the axis, `rho` that of the point, `along` the point's
-/// height above the center. A point nearer to the axis than the center counts as at the same
-/// distance from the axis as the center: the body is the convex hull of the arc and the axis, not a
-/// torus.
+/// distance of the circle's center from the axis, `rho` that of the point, and `along` the point's
+/// height above the center. A point nearer to the axis than the center counts as at the center's
+/// distance, because the body is the convex hull of the arc and the axis, not a torus.
 template <class Real>
 KERF_INLINE CircleDistance<Real> circle_distance(double center_r, double radius, Real rho,
                                                  Real along) {

@@ -3,8 +3,7 @@
 
 namespace kerf {
 
-/// Heights above the tool's tip between which a piece lies, and its greatest radius: the upright
-/// cylinder around it.
+/// The upright cylinder around a piece: its heights above the tool's tip and its greatest radius.
 struct Extent {
   double z0_mm, z1_mm, radius_mm;
 };

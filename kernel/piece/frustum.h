@@ -26,7 +26,7 @@ KERF_INLINE Real slope_at(const FrustumPiece& p, Real z_mm) {
   return splat_like(z_mm, slope(p));
 }
 
-/// Returns the radius at a height of the axis; kNoRadiusMm beyond the discs.
+/// Returns the radius at a height of the axis, or kNoRadiusMm beyond the discs.
 template <class Real>
 KERF_INLINE Real radius_at(const FrustumPiece& p, Real z_mm) {
   const Real inside = p.r0_mm + (p.r1_mm - p.r0_mm) * ((z_mm - p.z0_mm) / (p.z1_mm - p.z0_mm));
@@ -45,7 +45,7 @@ struct FrustumSide {
       : r0_mm(p.r0_mm), slope(kerf::slope(p)), cosine(1 / std::sqrt(1 + slope * slope)) {}
 
   /// Returns the signed distance, negative inside, of the point at the distance ρ from the axis and
-  /// the height `above` the lower disc.
+  /// the height `above` above the lower disc.
   template <class Real>
   KERF_INLINE Real distance(Real rho_mm, Real above_mm) const {
     return (rho_mm - r0_mm - slope * above_mm) * cosine;

@@ -12,7 +12,7 @@ namespace kerf {
 /// A convex body of revolution about the tool's axis; heights in mm above the tip.
 using ToolPiece = std::variant<BallPiece, FrustumPiece, ArcPiece>;
 
-/// Returns the radius at a height of the axis; kNoRadiusMm where the piece has no point.
+/// Returns the radius at a height of the axis, or kNoRadiusMm beyond the piece.
 double radius_at(const ToolPiece& piece, double z_mm);
 
 /// Returns the derivative of that radius by the height.
@@ -20,7 +20,7 @@ double slope_at(const ToolPiece& piece, double z_mm);
 
 Extent extent(const ToolPiece& piece);
 
-/// Returns a frustum around the piece, with the same heights: the piece itself, or a cylinder.
+/// Returns a frustum around the piece with the same heights: the piece itself, or a cylinder.
 FrustumPiece enclosing_frustum(const ToolPiece& piece);
 
 /// Returns the part of a frustum or arc between two heights. Must not be called for a ball.
@@ -31,8 +31,8 @@ struct PieceProfile {
   enum class Side { kLine, kArc, kBall };
   Side side;
   double z0_mm, z1_mm;     ///< heights of the ends
-  FrustumSide line;        ///< of kLine
-  double center_r_mm = 0;  ///< of kArc and kBall: of the circle
+  FrustumSide line;        ///< for kLine
+  double center_r_mm = 0;  ///< of the circle, for kArc and kBall
   double center_z_mm = 0;  ///< likewise
   double radius_mm = 0;    ///< likewise
 

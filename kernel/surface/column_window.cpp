@@ -75,8 +75,8 @@ void ColumnWindow::append_run(const SolidRun& run) {
   }
 }
 
-/// At most a few steps from steps(height), which is exact to rounding: a step has at least 2^10
-/// quanta, since a block with a surface has at most 2^20 pitches (kSurfacePitchesMax).
+/// Searches at most a few steps from steps(height), which is exact to rounding. A step has at least
+/// 2^10 quanta, since a block with a surface has at most 2^20 pitches (kSurfacePitchesMax).
 std::int32_t ColumnWindow::first_sample_at_or_above(std::int32_t height) const {
   auto sample = static_cast<std::int32_t>(steps(height));
   while (level(sample) < height) ++sample;

@@ -11,8 +11,8 @@
 
 namespace kerf {
 
-/// A solid element of a column, sampled on the lattice that the mesh is built on: samples
-/// [first, end) are solid, and the exact ends lie at most one sample step outside of them.
+/// A solid element of a column, sampled on the lattice of the mesh. Samples [first, end) are solid,
+/// and the exact ends are at most one sample step outside of them.
 struct SolidRun {
   std::int32_t first = 0, end = 0;                   ///< samples; first < end
   std::int32_t bottom = 0, top = 0;                  ///< quanta
@@ -21,10 +21,10 @@ struct SolidRun {
 };
 
 /// A copy of the columns along Z of one tile and a margin around it, sampled one pitch apart.
-/// Sample k is at height level(k), in quanta. With three fields, samples are placed where rays of
-/// all three meet; with one field, or in a block too low for such a sample, level(0) is the block's
-/// lowest plane, so nothing that touches that plane is lost. A sample is solid where bottom <=
-/// level < top. An element that contains no sample is lost, and so is a gap that contains none.
+/// Sample k is at height level(k), in quanta. With three fields, samples are at the points where
+/// rays of all three meet. With one field, or in a block too low for such a sample, level(0) is the
+/// block's lowest plane, so nothing that touches that plane is lost. A sample is solid where bottom
+/// <= level < top. An element that contains no sample is lost, and so is a gap that contains none.
 /// Columns outside the grid are empty.
 class ColumnWindow {
  public:
@@ -35,7 +35,7 @@ class ColumnWindow {
   bool in_grid(std::int32_t i, std::int32_t j) const {
     return i >= 0 && j >= 0 && i < grid_.columns_x && j < grid_.columns_y;
   }
-  /// Returns the runs of column (i, j), from the bottom up. (i, j) must lie in the window.
+  /// Returns the runs of column (i, j), from the bottom up. (i, j) must be in the window.
   std::span<const SolidRun> runs(std::int32_t i, std::int32_t j) const {
     const std::size_t n = number(i, j);
     return {runs_->data() + start_[n], runs_->data() + start_[n + 1]};
@@ -44,7 +44,7 @@ class ColumnWindow {
   std::int32_t samples() const { return first_sample_at_or_above(grid_.height_quanta); }
   /// Returns whether a sample is solid.
   bool solid(std::int32_t i, std::int32_t j, std::int32_t sample) const;
-  /// Returns the height of a sample, in quanta. Samples outside of the block may be higher than any
+  /// Returns the height of a sample, in quanta. Samples outside the block may be higher than any
   /// depth: in a block lower than half a pitch, one step exceeds 2^31 quanta.
   std::int64_t level(std::int32_t sample) const {
     return static_cast<std::int64_t>(std::floor((sample + level_zero_) * quanta_per_step_ + 0.5));

@@ -10,9 +10,9 @@ namespace kerf {
 struct Crossing {
   Vec3 point;
   Vec3 normal;  ///< unit, outward
-  /// 1, or less where the normal is an estimate, so that other crossings of the sheet dominate.
+  /// 1, or less if the normal is an estimate, so that other crossings of the sheet dominate.
   double weight = 1;
-  bool wall = false;      ///< on a wall that no ray meets: its position is known to half a pitch
+  bool wall = false;      ///< on a wall that no ray meets, with a position known to half a pitch
   bool original = false;  ///< on the surface of the untouched stock
 
   bool is_guess() const { return weight < 1; }

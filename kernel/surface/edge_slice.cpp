@@ -54,7 +54,7 @@ std::optional<Passage> passage(const SliceEnd& a, const SliceEnd& b, double leve
   place = std::clamp(place, 0.0, 1.0);
   const Trust trust = !meet ? Trust::kOne : turns_out ? Trust::kBoth : Trust::kHollow;
   if (!smooth) return Passage{place, on_b ? b.normal : a.normal, trust};
-  // A curved surface lies midway between its chord and its tangent planes.
+  // A curved surface is midway between its chord and its tangent planes.
   place = 0.5 * (place + chord);
   return Passage{place, normalized(a.normal * (1 - place) + b.normal * place),
                  meet ? Trust::kBoth : Trust::kOne};
@@ -77,7 +77,7 @@ std::optional<SideArc> SideArc::through(const SliceEnd& b, const SliceEnd& c,
 }
 
 /// With (X, Z) relative to its center, an ellipse s²X² + Z² = R² has the slope -s²X/Z. Two ends one
-/// pitch apart determine the four unknowns in closed form; the third end verifies the fit.
+/// pitch apart determine the four unknowns in closed form, and the third end verifies the fit.
 std::optional<SideArc> SideArc::ellipse(const Slice& slice, const std::optional<double>& d) {
   const double m = slice.b_slope, rise = -slice.behind;
   const double third = slice.c_slope + m - 2 * rise;
@@ -99,10 +99,10 @@ std::optional<SideArc> SideArc::ellipse(const Slice& slice, const std::optional<
   return arc;
 }
 
-/// Tangent to the surface at `b`, through `c`; the slope at `c` verifies the fit.
+/// Tangent to the surface at `b`, through `c`. The slope at `c` verifies the fit.
 std::optional<SideArc> SideArc::circle(const Slice& slice) {
   const double m = slice.b_slope, size = std::sqrt(1 + m * m);
-  const double bend = (m + slice.behind) / size;  // of `c`, from the tangent
+  const double bend = (m + slice.behind) / size;  // distance of `c` from the tangent
   const double chord = 1 + slice.behind * slice.behind;
   if (bend * 2 * kRadiusMax <= chord) return std::nullopt;
   SideArc arc;

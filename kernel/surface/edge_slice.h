@@ -37,8 +37,8 @@ std::optional<Passage> passage(const SliceEnd& a, const SliceEnd& b, double leve
 class SideArc {
  public:
   /// Fits the arc through end `b` of the empty column and the ends `c` and `d` of the columns
-  /// behind it. Returns nothing if they do not lie on one surface. `up` is 1 for upper ends, -1 for
-  /// lower ones; `towards` points from the empty column to the solid one.
+  /// behind it. Returns nothing if they are not on one surface. `up` is 1 for upper ends, -1 for
+  /// lower ones. `towards` points from the empty column to the solid one.
   static std::optional<SideArc> through(const SliceEnd& b, const SliceEnd& c,
                                         const std::optional<SliceEnd>& d, double up, Vec3 towards);
 

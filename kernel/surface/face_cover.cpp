@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// Quadrangles around a cut whose vertices may depend on it.
+/// Number of quadrangles around a cut whose vertices may depend on it.
 constexpr std::int32_t kInfluence = kGuessMargin + 1;
 /// Pitches above and below a carved end of a column at which its tangent plane may still be met
 /// between the column and the stock's side, in addition to the plane's slope.
@@ -86,7 +86,7 @@ FaceCover::FaceCover(const SolidSnapshot& solid) {
   }
 }
 
-/// Marks a patch that a cut has reached, and those with vertices that may depend on it.
+/// Marks a patch that a cut has reached, and patches with vertices that may depend on it.
 void FaceCover::block(StockFace face, std::int32_t u, std::int32_t v) {
   FaceRange quads{face, {}, {}};
   quads.low[face.u_axis()] = u * kTileSide;
@@ -104,8 +104,7 @@ void FaceCover::block(StockFace face, std::int32_t u, std::int32_t v) {
   });
 }
 
-/// Reads the field along Z: it decides for top and bottom, and which samples at the sides are
-/// solid.
+/// Reads the field along Z, which determines top and bottom, and the solid samples at the sides.
 void FaceCover::read_columns(const SolidSnapshot& solid) {
   const DexelSnapshot& field = solid.fields.front();
   const ColumnWindow levels(solid, 0, 0, 1);
@@ -220,7 +219,7 @@ int FaceCover::root_level(StockFace face) const {
   return level;
 }
 
-/// Returns whether a blocked patch lies in the nodes of a level that contain a range.
+/// Returns whether a blocked patch is in the nodes of a level that contain a range.
 bool FaceCover::is_cut(const FaceRange& patches, int level) const {
   const auto& codes = blocked_[patches.face.index()];
   const std::size_t ua = patches.face.u_axis(), va = patches.face.v_axis();
@@ -234,8 +233,8 @@ bool FaceCover::is_cut(const FaceRange& patches, int level) const {
   return false;
 }
 
-/// A patch is a square if it is not blocked; a larger node, if nothing is blocked up to its own
-/// size around it. So neighboring squares differ by at most one level.
+/// A patch is a square if it is not blocked. A larger node is a square if nothing is blocked up to
+/// its own size around it, so neighboring squares differ by at most one level.
 bool FaceCover::is_square(StockFace face, const FaceNode& node) const {
   const FaceRange patches = node.range(face, patches_);
   if (node.level == 0) return !is_cut(patches, 0);

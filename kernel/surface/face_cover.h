@@ -12,9 +12,9 @@
 namespace kerf {
 
 /// The parts of the stock's flat faces that no cut has reached, as quadtrees of patches: all six
-/// faces of a box, top and bottom of a cylinder. A patch is covered if all its vertices lie where
-/// the untouched stock has them. Covered patches form squares that grow with the distance from the
-/// nearest patch that is not covered, so their number is proportional to the carved border and to
+/// faces of a box, top and bottom of a cylinder. A patch is covered if all its vertices are at
+/// their positions on the untouched stock. Covered patches form squares that grow with the distance
+/// from the nearest uncovered patch, so their number is proportional to the carved border and to
 /// the logarithm of the block's size. Construction reads touched tiles only.
 class FaceCover {
  public:
@@ -30,15 +30,15 @@ class FaceCover {
   }
   /// Returns the level of the square that patch (u, v) belongs to, or -1 if it is not covered.
   int level_at(StockFace face, std::int32_t u, std::int32_t v) const;
-  /// Calls square(face, node) for every square, and open(face, u, v) for every patch that is not
-  /// covered, on all faces. Visits only nodes that contain one of these.
+  /// Calls square(face, node) for every square, and open(face, u, v) for every uncovered patch, on
+  /// all faces. Visits only nodes that contain one of these.
   template <class Square, class Open>
   void for_each(Square&& square, Open&& open) const {
     for (const StockFace face : kStockFaces) {
       if (active_[face.index()]) descend(face, {root_level(face), 0, 0}, square, open);
     }
   }
-  /// Returns whether squares or open patches exist on a face: not on the side of a cylinder.
+  /// Returns whether a face has squares or open patches. The side of a cylinder has none.
   bool is_active(StockFace face) const { return active_[face.index()]; }
 
  private:
@@ -65,8 +65,7 @@ class FaceCover {
 
   LatticePoint quads_{}, patches_{};
   std::array<bool, 6> active_{};
-  /// Patches that are not covered, by face: sorted Morton codes, so that those of a node are
-  /// contiguous.
+  /// Uncovered patches, by face, as sorted Morton codes, so that those of a node are contiguous.
   std::array<std::vector<std::uint64_t>, 6> blocked_;
 };
 

@@ -12,8 +12,8 @@
 namespace kerf {
 namespace {
 
-/// Vertex (a, b, c) of the lattice lies in the cell between columns a - 1 and a, b - 1 and b, and
-/// samples c - 1 and c.
+/// Returns the cell of vertex (a, b, c) of the lattice: between columns a - 1 and a, b - 1 and b,
+/// and samples c - 1 and c.
 LatticeCell cell_of(const LatticePoint& vertex) {
   return {vertex[0] - 1, vertex[1] - 1, vertex[2]};
 }
@@ -33,7 +33,7 @@ FaceFan::FaceFan(const SolidSnapshot& solid, const FaceCover& cover)
     : solid_(solid), cover_(cover), low_z_(ColumnWindow(solid, 0, 0, 1).level_zero() - 0.5) {}
 
 /// Appends the vertices on one side of a square to the rim, without the last one. `along` is the
-/// axis of the side; `high` selects it of the two.
+/// axis of the side, and `high` selects one of its two sides.
 void FaceFan::append_side(const FaceRange& square, std::size_t along, bool high, bool backwards) {
   const StockFace face = square.face;
   const std::size_t across = along == face.u_axis() ? face.v_axis() : face.u_axis();

@@ -11,8 +11,8 @@
 
 namespace kerf {
 
-/// Triangulates squares of covered patches. The rim of a square keeps the vertices that adjacent
-/// squares and open patches have there, with equal bits, so that the surface stays closed.
+/// Triangulates squares of covered patches. The rim of a square keeps the vertices of adjacent
+/// squares and open patches, with equal bits, so that the surface stays closed.
 class FaceFan {
  public:
   /// Both must outlive this object.
@@ -31,9 +31,9 @@ class FaceFan {
   const FaceCover& cover_;
   double low_z_;  ///< height of vertex 0 if it were in the middle, in pitches
   std::vector<LatticePoint> rim_;
-  /// One placed vertex for each combination of low end, middle and high end along the three axes:
-  /// vertices with the same combination differ in the coordinates along which they are in the
-  /// middle, and there by whole pitches.
+  /// One placed vertex for each combination of low end, middle and high end along the three axes.
+  /// Vertices with the same combination differ only in coordinates along which they are in the
+  /// middle, by whole pitches.
   std::array<std::optional<Position>, 27> placed_;
 };
 

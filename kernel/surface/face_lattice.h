@@ -56,8 +56,8 @@ struct FaceRange {
   }
 };
 
-/// Calls visit(FaceRange) for the part of a range on its face and for what protrudes beyond the
-/// face's sides, folded onto the adjacent faces of a box of `size`.
+/// Calls visit(FaceRange) for the part of a range on its face and for the parts that protrude
+/// beyond the face's sides, folded onto the adjacent faces of a box of `size`.
 template <class Visit>
 void for_unfolded(const FaceRange& range, const LatticePoint& size, Visit&& visit) {
   const FaceRange inside = range.within(size);
@@ -85,7 +85,7 @@ struct FaceNode {
   int level = 0;
   std::int32_t u = 0, v = 0;
 
-  /// Returns the node's patches, of which those in `patches` exist.
+  /// Returns those of the node's patches that exist, according to `patches`.
   FaceRange range(StockFace face, const LatticePoint& patches) const {
     FaceRange r{face, {}, {}};
     r.low[face.u_axis()] = u << level;

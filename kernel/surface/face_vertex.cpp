@@ -9,8 +9,8 @@ namespace {
 /// Greatest distance of a vertex on a face from a crossing, in pitches.
 constexpr double kFaceOffMax = 0.45;
 
-/// The sides of an edge on which the corners of its quadrangle lie, along the two axes that follow
-/// the edge's own: -1 or 1.
+/// The side, -1 or 1, on which a corner of a quadrangle is relative to its edge, along the two axes
+/// that follow the edge's own.
 struct Quadrant {
   std::int32_t a, b;
 };
@@ -50,7 +50,7 @@ std::optional<SurfaceVertex> FaceVertices::after(const LatticeEdge& edge,
   const std::size_t aside = (edge.axis + (crosses_a ? 2U : 1U)) % 3;
   const bool upwards = crosses_a ? to.a > from.a : to.b > from.b;
   const std::int32_t side = crosses_a ? from.b : from.a;
-  // The face has the samples low and high of the edge, and those beside them.
+  // The face has the samples low and high of the edge, and their neighbors.
   const LatticeSample low{edge.i, edge.j, edge.k}, high = moved(low, edge.axis, 1);
   const bool low_solid = solid(low);
   const bool beside_low = solid(moved(low, aside, side)),

@@ -11,13 +11,13 @@ namespace {
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 /// Rectangles that save fewer triangles than this are not merged.
 constexpr std::int64_t kSavingMin = 6;
-/// Greatest number of rectangles tried per plane. The rest is ragged and saves little.
+/// Greatest number of rectangles tried per plane. The remainder is ragged and saves little.
 constexpr int kRectanglesMax = 48;
 
 struct Rectangle {
   std::int32_t u = 0, v = 0, width = 0, height = 0;
-  /// Returns the triangles saved: a quadrangle takes two, a merged rectangle a fan with one per
-  /// edge of its rim.
+  /// Returns the number of triangles saved: a quadrangle has two, a merged rectangle a fan with one
+  /// per edge of its rim.
   std::int64_t saving() const {
     if (width < 2 || height < 2) return 0;
     return 2 * std::int64_t{width} * height - 2 * (std::int64_t{width} + height);
@@ -51,7 +51,7 @@ class FlatQuads::Grid {
     at_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), kNone);
     for (std::size_t n = 0; n < quads.size(); ++n) {
       std::uint32_t& place = at_[index(quads[n].u - first_u_, quads[n].v - first_v_)];
-      regular_ &= place == kNone;  // two sheets may touch in one plane: then nothing is merged
+      regular_ &= place == kNone;  // two sheets may touch in one plane; then nothing is merged
       place = static_cast<std::uint32_t>(n);
     }
     for (std::int32_t v = 0; v < height_ && regular_; ++v) {
@@ -156,7 +156,7 @@ class FlatQuads::Grid {
     return quads_[at_[index(r.u + r.width / 2, r.v + r.height / 2)]].corners[0];
   }
 
-  /// Takes the quadrangles at which the fan of a rectangle would fold or have no area out of the
+  /// Excludes the quadrangles at which the fan of a rectangle would fold or have no area from the
   /// search. Returns whether there are any.
   bool leave_out_folds(const Rectangle& r) {
     const std::vector<RimEdge> rim = rim_of(r);
@@ -194,7 +194,7 @@ class FlatQuads::Grid {
   std::span<const std::array<float, 3>> positions_;
   std::vector<bool> merged_;
   std::int32_t first_u_ = 0, last_u_ = 0, first_v_ = 0, last_v_ = 0, width_ = 0, height_ = 0;
-  std::vector<std::uint32_t> at_;  ///< number of the quadrangle at each position that may be merged
+  std::vector<std::uint32_t> at_;  ///< number of the mergeable quadrangle at each position
   bool regular_ = true;
 };
 

@@ -24,11 +24,11 @@ struct FlatPlane {
 
 /// Merges flat quadrangles into rectangles. A rectangle keeps every vertex of its rim, so that
 /// adjacent triangles still fit without a crack, and one vertex inside, the center of a fan. The
-/// top of an untouched tile takes 128 triangles instead of 2048.
+/// top of an untouched tile has 128 triangles instead of 2048.
 class FlatQuads {
  public:
   /// Adds a quadrangle of the plane's grid. Corners at (u, v), (u + 1, v), (u + 1, v + 1), (u, v +
-  /// 1), counter-clockwise unless the plane is reversed. `split`: the diagonal to use where it is
+  /// 1), counter-clockwise unless the plane is reversed. `split` is the diagonal to use if it is
   /// not merged.
   void add(const FlatPlane& plane, std::int32_t u, std::int32_t v,
            const std::array<std::uint32_t, 4>& corners, QuadSplit split);

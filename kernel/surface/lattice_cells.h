@@ -12,8 +12,8 @@
 
 namespace kerf {
 
-/// Selects cells between two changes of the columns around them: returns the lowest layer from a
-/// cell's own upwards that is needed.
+/// Selects cells between two changes of the columns around them: returns the lowest required layer
+/// at or above a cell's own.
 using NextLayer = std::function<std::int32_t(const LatticeCell&)>;
 
 /// The lattice cells that the surface passes through, within a square of cells. Other cells are not
@@ -21,8 +21,8 @@ using NextLayer = std::function<std::int32_t(const LatticeCell&)>;
 class LatticeCells {
  public:
   /// Finds the cells (first_x .. first_x + side - 1) x (first_y .. first_y + side - 1). The window
-  /// must hold the columns around them that VertexPlacement reads. Where `next_needed` is set,
-  /// cells of walls that it leaves out are not stored.
+  /// must hold the columns around them that VertexPlacement reads. If `next_needed` is set, wall
+  /// cells that it skips are not stored.
   LatticeCells(const ColumnWindow& window, std::int32_t first_x, std::int32_t first_y,
                std::int32_t side, const NextLayer& next_needed = {});
 

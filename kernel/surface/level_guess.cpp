@@ -24,8 +24,8 @@ constexpr double kGuessWeight = 0.02;
 
 }  // namespace
 
-/// The ends next to an edge: those of the element that holds its solid sample, and the nearest ones
-/// below and above in the empty column.
+/// The ends next to an edge: those of the element with its solid sample, and the nearest ones below
+/// and above in the empty column.
 struct LevelGuess::Ends {
   SliceEnd top, bottom;
   std::optional<SliceEnd> below, above;
@@ -51,7 +51,7 @@ Crossing LevelGuess::find(std::int32_t i, std::int32_t j, std::int32_t k, bool a
   const Ends ends = ends_beside(edge);
   const std::optional<Crossing> slope = on_slope(edge, ends), stock = on_stock(edge);
   if (slope && stock) {
-    // The solid ends at whichever is nearer.
+    // The solid ends at the nearer of the two.
     return edge.distance(*slope) < edge.distance(*stock) ? *slope : *stock;
   }
   if (slope) return *slope;
@@ -116,7 +116,7 @@ std::optional<SliceEnd> LevelGuess::nearest_end(const Edge& edge, int steps, dou
 }
 
 /// Extrapolates the surface from the empty column's end and the ends of the two columns behind it.
-/// `arrives`: only if it reaches the end of the solid column.
+/// With `arrives`, only if it reaches the end of the solid column.
 std::optional<Crossing> LevelGuess::on_arc(const Edge& edge, const Ends& ends, bool arrives) const {
   std::optional<Crossing> best;
   double best_u = -1;
@@ -170,7 +170,7 @@ std::optional<Crossing> LevelGuess::on_stock(const Edge& edge) const {
 }
 
 /// Returns the wall's offset in a neighboring row, in columns from the edge: -1, 0 or 1, read from
-/// two columns on each side of the edge; 2 if the row shows no wall there.
+/// two columns on each side of the edge, or 2 if the row shows no wall there.
 int LevelGuess::wall_offset(const Edge& edge, int row) const {
   int solid = 0;
   for (int n = -1; n <= 2; ++n) {

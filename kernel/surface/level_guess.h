@@ -18,7 +18,7 @@ inline constexpr std::int32_t kGuessMargin = 3;
 /// Estimates where the surface crosses the horizontal edges between neighboring columns of one
 /// field, from the ends of the columns and their tangent planes. Two ends whose planes meet between
 /// the columns belong to one surface, smooth or creased, whose crossing is accurate. Otherwise
-/// there is a wall that no ray along Z meets. The stock's own sides are known exactly; any other
+/// there is a wall that no ray along Z meets. The stock's own sides are known exactly. Any other
 /// wall is known to half a pitch, improved by a line fitted through its positions in neighboring
 /// rows.
 class LevelGuess {

@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-/// Pitches by which an end may lie beyond an edge and still count as its crossing. Must exceed the
+/// Pitches by which an end may be beyond an edge and still count as its crossing. Must exceed the
 /// difference of two fields, which is the tolerance.
 constexpr double kBeyondMax = 0.25;
 

@@ -17,10 +17,11 @@ class LevelRays {
   /// `solid` must have three fields.
   explicit LevelRays(const SolidSnapshot& solid);
 
-  /// Returns the crossing of the edge from sample (i, j, k) to the next along X or Y. `leaves`: the
-  /// first sample is solid, as decided by the field along Z. Where the surface passes within the
-  /// tolerance of a sample, the other fields may disagree, so an end of the right kind is accepted
-  /// up to a quarter of the pitch beyond the edge. Returns nothing if there is no such end.
+  /// Returns the crossing of the edge from sample (i, j, k) to the next along X or Y. `leaves`
+  /// states that the first sample is solid, as decided by the field along Z. Where the surface
+  /// passes within the tolerance of a sample, the other fields may disagree, so an end of the right
+  /// kind is accepted up to a quarter of the pitch beyond the edge. Returns nothing if there is no
+  /// such end.
   std::optional<Crossing> find(std::int32_t i, std::int32_t j, std::int32_t k, bool along_x,
                                bool leaves) const;
 

@@ -9,11 +9,11 @@
 
 namespace kerf {
 
-/// Selects the quadrangles that a tile's mesh has where the stock's faces are covered: those of
+/// Selects the quadrangles that remain in a tile's mesh if the stock's faces are covered: those of
 /// open patches, and all that are not on a face.
 class OpenPatches {
  public:
-  /// `cover` may be null: then every patch is open.
+  /// `cover` may be null, which leaves every patch open.
   OpenPatches(const FaceCover* cover, const DexelGrid& grid, TileIndex tile)
       : cover_(cover), columns_x_(grid.columns_x), columns_y_(grid.columns_y), tile_(tile) {
     bottom_ = !is_covered({2, false}, tile.x, tile.y);
@@ -26,16 +26,16 @@ class OpenPatches {
   bool has_top(std::int32_t end) const { return top_ || end < cover_->quads()[2]; }
 
   /// Returns the stock's side between column (i, j) and its next neighbor, one of which is outside
-  /// of the grid; nothing if neither is, or if no side is covered.
+  /// the grid. Returns nothing if neither is, or if no side is covered.
   std::optional<StockFace> side_between(std::int32_t i, std::int32_t j, bool along_x) const;
   /// A range [first, end) of samples.
   struct Samples {
     std::int32_t first, end;
   };
-  /// Returns the first samples within [first, end) that lie in open patches of a side; empty if
-  /// there are none.
+  /// Returns the first samples within [first, end) that are in open patches of a side, or an empty
+  /// range if there are none.
   Samples next(const std::optional<StockFace>& side, std::int32_t first, std::int32_t end) const;
-  /// Returns the selection of the cells that have a quadrangle; empty if all have.
+  /// Returns the selection of the cells that have a quadrangle, or an empty function if all have.
   NextLayer next_layer() const;
 
  private:

@@ -24,7 +24,7 @@ inline bool is_flat(std::span<const std::array<float, 3>> positions,
   return true;
 }
 
-/// Returns whether the corners of a flat quadrangle have equal coordinates in pairs: then both
+/// Returns whether the corners of a flat quadrangle have equal coordinates in pairs, so that both
 /// diagonals fit.
 inline bool is_rectangle(std::span<const std::array<float, 3>> positions, const QuadCorners& c,
                          std::size_t axis) {
@@ -41,12 +41,13 @@ inline bool is_rectangle(std::span<const std::array<float, 3>> positions, const 
 /// The corners of a quadrangle, counter-clockwise about its lattice edge.
 struct QuadShape {
   std::array<std::array<float, 3>, 4> positions_mm{}, normals{};
-  bool sharp = false;  ///< a corner lies on a crease
+  bool sharp = false;  ///< a corner is on a crease
 };
 
 /// Returns whether to split a quadrangle from its second to its fourth corner. That is the shorter
 /// diagonal, or, next to a crease, the one that leaves a triangle perpendicular to the surface's
-/// normal, so that no triangle spans the crease. `reversed`: the surface faces down its edge.
+/// normal, so that no triangle spans the crease. `reversed` states that the surface faces down its
+/// edge.
 bool prefers_other_diagonal(QuadShape quad, bool reversed);
 
 }  // namespace kerf

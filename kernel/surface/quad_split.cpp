@@ -7,11 +7,11 @@ namespace kerf {
 namespace {
 
 /// Returns whether the plane of a triangle passes between the ends of the edge, with the upper end
-/// on its upper side. At the diagonal's side towards the edge, this is where the triangle meets the
-/// edge; at the other side it bounds the diagonal.
+/// on its upper side. On the side of the diagonal towards the edge, this is where the triangle
+/// meets the edge; on the other side it bounds the diagonal.
 bool passes_edge(Vec3 a, Vec3 b, Vec3 c, double slack_share) {
   const Vec3 normal = cross(b - a, c - a);
-  const double height = dot(normal, a);  // times normal.z: of the plane on the edge
+  const double height = dot(normal, a);  // height of the plane on the edge, times normal.z
   const double slack = slack_share * normal.z;
   return normal.z > 0 && height >= -slack && height <= normal.z + slack;
 }

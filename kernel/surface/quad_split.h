@@ -16,10 +16,11 @@ enum class QuadSplit { kFirst, kSecond, kFan };
 /// edge's envelope: the four tetrahedra between the edge and each two neighboring corners.
 /// Envelopes of different edges have disjoint interiors where each cell has one vertex, so
 /// triangles within them do not intersect (T. Ju, T. Udeshi, Intersection-free contouring on an
-/// octree grid, 2006). Takes the preferred diagonal if it fits, else the other one, else the fan.
-/// `corners`: one in each of the four cells around the edge, counter-clockwise about it, in
-/// coordinates (a, b, h) in pitches in which the edge reaches from the origin to (0, 0, 1).
-/// `flat`: the corners lie in a plane across the edge, which may pass through the edge's end.
+/// octree grid, 2006). Returns the preferred diagonal if it fits, else the other one, else the fan.
+/// `corners` has one corner in each of the four cells around the edge, counter-clockwise about it,
+/// in coordinates (a, b, h) in pitches in which the edge reaches from the origin to (0, 0, 1).
+/// `flat` states that the corners are in a plane across the edge, which may pass through the edge's
+/// end.
 QuadSplit split_within_envelope(const std::array<Vec3, 4>& corners, bool flat, QuadSplit preferred);
 
 }  // namespace kerf

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-/// Cosine of the angle from the mean normal up to which a sheet is considered smooth, not creased;
+/// Cosine of the angle from the mean normal up to which a sheet is considered smooth, not creased:
 /// half the angle between two planes. Near this angle a wrong choice errs by 1/40 of the pitch.
 constexpr double kSmoothSheetCosine = 0.995;
 
@@ -68,7 +68,7 @@ class PlaneSum {
   }
 
  private:
-  /// Solves for the coordinates that are not fixed, by Gaussian elimination; the matrix is positive
+  /// Solves for the coordinates that are not fixed, by Gaussian elimination. The matrix is positive
   /// definite.
   void solve(const std::array<bool, 3>& fixed, Coordinates& x) const {
     std::array<std::size_t, 3> free{};

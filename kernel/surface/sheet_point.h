@@ -7,7 +7,7 @@
 
 namespace kerf {
 
-/// The part of a cell in which a vertex may lie, in pitches from the cell's center.
+/// The part of a cell that may contain a vertex, in pitches from the cell's center.
 struct CellLimits {
   Vec3 low, high;
 };
@@ -19,11 +19,12 @@ struct SheetPoint {
 };
 
 /// Computes a sheet's vertex position from its crossings (at least one; `point`s in pitches from
-/// the cell's center). Where the normals differ little, it lies on the surface above the crossings'
-/// mean, midway between their chords and their tangent planes, which is exact up to third order.
-/// Otherwise it minimizes the sum of squared distances from the tangent planes (T. Ju et al., Dual
-/// Contouring of Hermite Data, 2002), so ridges and corners are sharp. Planes perpendicular to an
-/// axis are met to the bit. A minimum outside the limits is replaced by the one on their boundary.
+/// the cell's center). If the normals differ little, the vertex is on the surface above the
+/// crossings' mean, midway between their chords and their tangent planes, which is exact up to
+/// third order. Otherwise it minimizes the sum of squared distances from the tangent planes (T. Ju
+/// et al., Dual Contouring of Hermite Data, 2002), so ridges and corners are sharp. Planes
+/// perpendicular to an axis are met to the bit. A minimum outside the limits is replaced by the one
+/// on their boundary.
 SheetPoint place_sheet(std::span<const Crossing> crossings, const CellLimits& limits);
 
 }  // namespace kerf

@@ -6,7 +6,8 @@
 namespace kerf {
 namespace {
 
-/// The least part of the distance of a point from a plane that remains when it is moved towards it.
+/// The least share of the distance of a point from a plane that remains when it is moved towards
+/// it.
 constexpr double kShareKept = 1.0 / 1024;
 
 constexpr bool solid(unsigned configuration, unsigned corner) {
@@ -99,7 +100,7 @@ constexpr std::array<CellSheets, 256> all_sheets(bool flipped) {
 constexpr auto kSheets = all_sheets(false);
 constexpr auto kFlippedSheets = all_sheets(true);
 
-/// Returns whether flipping is sound for every configuration: a doubled face must be the only
+/// Returns whether flipping is sound for every configuration. A doubled face must be the only
 /// ambiguous face of its cell, so that no other face's decision changes, and flipping must give it
 /// two sheets.
 constexpr bool flipping_is_sound() {
@@ -149,7 +150,7 @@ constexpr int greatest(const CellPlane& n, unsigned corners) {
 }
 
 /// Returns a plane with the edges of one sheet on its lower side and those of another on its upper
-/// side, midway between them and as far from both as may be; its normal is zero if there is none.
+/// side, midway between them and as far from both as possible. Its normal is zero if there is none.
 constexpr CellPlane separating_plane(std::uint16_t lower, std::uint16_t upper) {
   const unsigned below = ends_of(lower), above = ends_of(upper);
   CellPlane best;

@@ -10,9 +10,9 @@
 // Isosurfaces (2013), chapter 3. A lattice cell has one vertex for each sheet of the surface that
 // passes through it.
 //
-// Corner c of a cell is dx + 2 dy + 4 dz; a configuration has bit c set where that corner is solid.
-// Edges: 0-3 along x (dy + 2 dz), 4-7 along y (4 + dx + 2 dz), 8-11 along z (8 + dx + 2 dy).
-// Faces: 0 -x, 1 +x, 2 -y, 3 +y, 4 -z, 5 +z.
+// Corner c of a cell is dx + 2 dy + 4 dz; a configuration has bit c set if that corner is solid.
+// Edges: 0-3 along x (dy + 2 dz), 4-7 along y (4 + dx + 2 dz), 8-11 along z (8 + dx + 2 dy). Faces:
+// 0 -x, 1 +x, 2 -y, 3 +y, 4 -z, 5 +z.
 
 namespace kerf {
 
@@ -23,7 +23,7 @@ inline constexpr int kSheetsMax = 4;
 struct CellSheets {
   std::uint8_t count = 0;                         ///< sheets, 0 to 4
   std::array<std::uint8_t, 12> of_edge{};         ///< sheet that crosses the edge, or kNoSheet
-  std::array<std::uint16_t, kSheetsMax> edges{};  ///< per sheet: bit e set where it crosses edge e
+  std::array<std::uint16_t, kSheetsMax> edges{};  ///< per sheet: bit e is set if it crosses edge e
   int doubled_face = -1;  ///< ambiguous face that one sheet crosses twice, or -1
 };
 
@@ -42,16 +42,17 @@ inline constexpr std::array<CellFace, 6> kCellFaces{{
 
 /// Returns the sheets of a configuration. On an ambiguous face (solid corners on one diagonal,
 /// empty ones on the other) the solid corners are separated. Both cells at the face decide alike,
-/// because the decision depends on the face only. Where one sheet crosses that face twice in both
+/// because the decision depends on the face only. If one sheet crosses that face twice in both
 /// cells, the two quadrangles there would share an edge; both cells then use `flipped_sheets_of`,
 /// which joins the solid corners.
 const CellSheets& sheets_of(std::uint8_t configuration);
 const CellSheets& flipped_sheets_of(std::uint8_t configuration);
 
-/// Returns the point nearest to `place`, on the segment to it from `inside`, that lies on a sheet's
-/// own side of the planes that separate the lattice edges crossed by it from those crossed by the
-/// other sheets of its cell. Triangles between such points and those edges do not meet other
-/// sheets' triangles. Both are in pitches from the cell's center; `inside` lies on the own side.
+/// Returns the point of the segment from `inside` to `place`, nearest to `place`, that is on a
+/// sheet's own side of the planes that separate the lattice edges crossed by it from those crossed
+/// by the other sheets of its cell. Triangles between such points and those edges do not meet other
+/// sheets' triangles. Both points are in pitches from the cell's center; `inside` is on the sheet's
+/// own side.
 Vec3 on_own_side(const CellSheets& sheets, std::uint8_t sheet, Vec3 inside, Vec3 place);
 
 }  // namespace kerf

@@ -22,7 +22,8 @@ TileIndex tile_of(StockFace face, std::int32_t u, std::int32_t v, const LatticeP
   }
 }
 
-/// Returns whether a tile and the columns next to it are outside of a cylinder: it has no surface.
+/// Returns whether a tile and the columns next to it are outside a cylinder, so that it has no
+/// surface.
 bool is_outside(const StockShape& stock, const DexelGrid& grid, TileIndex tile) {
   const auto* cylinder = std::get_if<CylinderStock>(&stock);
   if (cylinder == nullptr) return false;

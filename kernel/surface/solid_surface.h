@@ -12,22 +12,23 @@
 
 namespace kerf {
 
-/// The whole surface of a solid in pieces, for export. It costs what was carved: where the stock's
-/// flat faces are untouched, squares that grow with the distance from cuts replace the tiles'
-/// triangles (face_cover.h). Everything else is mesh_tile's, so that a block without such faces
-/// gives the tiles' meshes, row by row. The union of the pieces is closed, 2-manifold, consistently
-/// oriented, and has no degenerate triangle. Equal snapshots give equal bytes.
+/// The whole surface of a solid in pieces, for export. Its cost is proportional to the carved area:
+/// where the stock's flat faces are untouched, squares that grow with the distance from cuts
+/// replace the tiles' triangles (face_cover.h). Everything else comes from mesh_tile, so a block
+/// without such faces gives the tiles' meshes, row by row. The union of the pieces is closed,
+/// 2-manifold, consistently oriented, and has no degenerate triangle. Equal snapshots give equal
+/// bytes.
 class SolidSurface {
  public:
   explicit SolidSurface(SolidSnapshot solid);
   SolidSurface(const SolidSurface&) = delete;
   SolidSurface& operator=(const SolidSurface&) = delete;
 
-  /// Replaces `piece` by the next one, which may be without triangles: a tile, or up to some
-  /// thousand triangles of squares that begin in one row of tiles. Returns false at the end.
+  /// Replaces `piece` by the next one, which may have no triangles: a tile, or up to some thousand
+  /// triangles of squares that begin in one row of tiles. Returns false at the end.
   bool next(TileMesh& piece);
-  /// Replaces `piece` by the next one, of which finish() may have to make the mesh. Returns false
-  /// at the end.
+  /// Replaces `piece` by the next one, whose mesh finish() may have to compute. Returns false at
+  /// the end.
   bool begin(TileMesh& piece);
   /// Completes a piece that begin() has returned. Thread-safe, so that several threads can mesh.
   void finish(TileMesh& piece) const;
@@ -41,7 +42,7 @@ class SolidSurface {
 
  private:
   struct Square {
-    std::int32_t row;  ///< of tiles, in which it begins
+    std::int32_t row;  ///< row of tiles in which it begins
     StockFace face;
     FaceNode node;
   };

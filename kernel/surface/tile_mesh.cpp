@@ -21,7 +21,8 @@ namespace {
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
-/// A tile reads the columns up to so many beyond its own (window_), those of its neighbors only.
+/// A tile reads the columns up to this many beyond its own (window_), which are those of its
+/// neighbors only.
 constexpr std::int32_t kReach = kGuessMargin + 1;
 static_assert(kReach <= kTileSide);
 
@@ -33,7 +34,7 @@ struct Corner {
 };
 using Corners = std::array<Corner, 4>;
 
-/// Flag of a cell's vertex entry: the rest is an index into the split vertices.
+/// Flag of a cell's vertex entry. The other bits are an index into the split vertices.
 constexpr std::uint32_t kSplit = std::uint32_t{1} << 31;
 
 /// A vertex that may appear several times in the mesh, with different normals.
@@ -43,11 +44,11 @@ struct SplitVertex {
 };
 
 /// Builds one tile's mesh: a quadrangle for each crossed lattice edge that the tile owns. A
-/// vertical edge belongs to the tile of its column; a horizontal edge to the tile of its lower
+/// vertical edge belongs to the tile of its column, a horizontal edge to the tile of its lower
 /// column, or of the only column that is in the grid.
 class TileMesher {
  public:
-  /// `cover` may be null: then nothing is left out.
+  /// `cover` may be null, so that nothing is left out.
   TileMesher(const SolidSnapshot& solid, TileIndex tile, const FaceCover* cover)
       : tile_(tile),
         open_(cover, solid.grid(), tile),
@@ -128,8 +129,8 @@ class TileMesher {
     }
   }
 
-  /// Adds the quadrangles of samples [first, end), where the columns differ. `reversed`: the lower
-  /// one is empty.
+  /// Adds the quadrangles of samples [first, end), where the columns differ. `reversed` states that
+  /// the lower one is empty.
   void add_wall(std::int32_t i, std::int32_t j, bool along_x, std::int32_t first, std::int32_t end,
                 bool reversed) {
     // Cells before and behind the edge, ordered so that (before, behind, up) is right-handed about
@@ -153,14 +154,15 @@ class TileMesher {
     }
   }
 
-  /// Adds the quadrangle at (u, v) of the plane: as triangles within the envelope of its edge, or,
-  /// if it is flat, to those that may be merged.
+  /// Adds the quadrangle at (u, v) of the plane: as triangles within the envelope of its edge or,
+  /// if it is flat, to the mergeable ones.
   void add_quad(const Corners& corners, const FlatPlane& plane, std::int32_t u, std::int32_t v,
                 const LatticeEdge& edge) {
     QuadCorners c{};
     bool several_sheets = false;
     for (std::size_t n = 0; n < 4; ++n) c[n] = vertex_of(corners[n], several_sheets);
-    // Before flat quadrangles are merged: the two quadrangles at a segment bend it alike.
+    // Before flat quadrangles are merged, because the two quadrangles at a segment must bend it
+    // alike.
     if (several_sheets && add_bent(corners, c, plane.reversed, edge)) return;
     const bool flat = is_flat(*positions_, *normals_, c, plane.axis);
     if (flat && is_rectangle(*positions_, c, plane.axis)) {
@@ -244,7 +246,7 @@ class TileMesher {
   }
 
   /// Returns the mesh vertex of a cell for an edge, and creates it on first use, so that the mesh
-  /// contains no unused vertex. Sets `several_sheets` if the cell has more than one.
+  /// contains no unused vertex. Sets `several_sheets` if the cell has more than one sheet.
   std::uint32_t vertex_of(const Corner& corner, bool& several_sheets) {
     std::uint32_t& entry = vertex_[corner.position];
     if (entry < kSplit) return entry;
@@ -287,7 +289,7 @@ class TileMesher {
   FaceVertices bends_;
   std::vector<std::uint32_t> vertex_;  ///< per cell: its vertex, or kSplit | its index in split_
   std::vector<SplitVertex> split_;     ///< of cells with several sheets or a crease
-  std::vector<bool> sharp_;            ///< per mesh vertex: it lies on a crease
+  std::vector<bool> sharp_;            ///< per mesh vertex, whether it is on a crease
   FlatQuads flat_;
   /// Buffers of the mesh.
   Scratch<std::array<float, 3>, 0> positions_;

@@ -31,12 +31,12 @@ struct TileMesh {
 TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile);
 
 class FaceCover;
-/// Extracts the same without the quadrangles of covered patches (face_cover.h). Time and memory do
-/// not grow with the height of the walls in covered patches.
+/// As above, without the quadrangles of covered patches (face_cover.h). Time and memory do not grow
+/// with the height of the walls in covered patches.
 TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile, const FaceCover& cover);
 
-/// The columns of a tile of the field along Z, [begin, end) within it, among which are all those
-/// where a ray has changed.
+/// A range [begin, end) of the columns of a tile of the field along Z, which includes all columns
+/// whose rays have changed.
 struct ChangedColumns {
   TileIndex tile;
   std::int32_t begin_x = 0, begin_y = 0, end_x = kTileSide, end_y = kTileSide;

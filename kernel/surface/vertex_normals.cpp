@@ -13,7 +13,7 @@ namespace {
 constexpr double kCreaseCosine = 0.96;
 
 std::array<float, 3> unit_float(Vec3 sum) {
-  // The normals of a thin wall's two faces may cancel; the direction is then arbitrary.
+  // The normals of a thin wall's two faces may cancel. The direction is then arbitrary.
   const Vec3 n = length(sum) > kNormalMin ? normalized(sum) : Vec3{0, 0, 1};
   return {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)};
 }

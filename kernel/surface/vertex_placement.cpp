@@ -25,13 +25,13 @@ constexpr double kSheetShift = 1.0 / 64;
 constexpr double kShareRaised = 0.25;
 
 /// Distances of a vertex from a plane of its crossings, and from all crossings, in pitches, beyond
-/// which it is moved towards one.
+/// which it is moved towards a crossing.
 constexpr double kPlaneOffMax = 0.2, kVertexOffMax = 0.45;
 
-/// Number of cached horizontal edges, a power of two: those of two rows of cells.
+/// Number of cached horizontal edges, a power of two, enough for two rows of cells.
 constexpr std::size_t kEdgesSeen = 1024;
 
-/// Restricts the limits of a sheet with a wall that no ray meets. Such a wall is only known to lie
+/// Restricts the limits of a sheet with a wall that no ray meets. Such a wall is only known to be
 /// between two columns, and its direction less well, so the intersection of estimated planes is
 /// unreliable. The vertex stays between its crossings; where walls of both directions meet, midway,
 /// because whether they form a corner is unknown.
@@ -63,10 +63,10 @@ bool is_across_axis(Vec3 normal) {
   return (normal.x != 0) + (normal.y != 0) + (normal.z != 0) == 1;
 }
 
-/// Returns the vertex of a crease, or, if it is far from all crossings and from one of their
-/// planes, a point on the line from the nearest crossing to it, within half a pitch of the
-/// crossing: these planes are not those of one crease, and a crossing is on the surface. A vertex
-/// on a plane across an axis stays: its face may be merged with others.
+/// Returns the vertex of a crease. If it is far from all crossings and from one of their planes,
+/// returns a point on the line from the nearest crossing to it, within half a pitch of the
+/// crossing: these planes belong to several creases, and a crossing is on the surface. A vertex on
+/// a plane across an axis stays, because its face may be merged with other faces.
 Vec3 near_surface(std::span<const Crossing> crossings, Vec3 place) {
   double least2 = std::numeric_limits<double>::infinity(), off = 0;
   Vec3 nearest;
@@ -211,7 +211,7 @@ std::optional<SurfaceVertex> VertexPlacement::place_on_side(const LatticeCell& c
 const Crossing& VertexPlacement::level(std::int32_t i, std::int32_t j, std::int32_t k,
                                        bool along_x) {
   const std::int8_t axis = along_x ? 0 : 1;
-  // Neighboring edges, among them those of one row of cells, have different slots.
+  // Neighboring edges, including those of one row of cells, have different slots.
   const auto hash = (std::uint32_t(i) * 2 + std::uint32_t(axis)) ^ std::uint32_t(j) * 73U ^
                     std::uint32_t(k) * 593U;
   SeenEdge& seen = (*seen_)[hash % kEdgesSeen];
@@ -301,8 +301,8 @@ Vec3 VertexPlacement::mean_on_edges() const {
   return sum * (1 / double(found_.count));
 }
 
-/// Returns whether a cell has several sheets, or the one above it has or may have after a flip:
-/// then its upper side may have vertices of its own, and a vertex of the cell stays below it.
+/// Returns whether a cell has several sheets, or the one above it has or may have after a flip. Its
+/// upper side may then have vertices of its own, and a vertex of the cell stays below it.
 bool VertexPlacement::meets_sheets(const LatticeCell& cell, const CellSheets& sheets) const {
   if (sheets.count > 1) return true;
   const CellSheets& above =

@@ -45,19 +45,19 @@ class VertexPlacement {
   /// Returns the vertex of a sheet of a cell. Vertices of one cell do not coincide.
   SurfaceVertex place(const LatticeCell& cell, const CellSheets& sheets, std::uint8_t sheet);
 
-  /// Returns a vertex where the surface crosses an edge, one of whose samples is solid. It lies on
-  /// the edge to the bit, off its ends.
+  /// Returns a vertex where the surface crosses an edge, one of whose samples is solid. It is on
+  /// the edge to the bit, not at its ends.
   SurfaceVertex place_on_edge(const LatticeEdge& edge);
   /// Returns the center of the fan of a quadrangle: place_on_edge(), but raised into the cells
-  /// above a horizontal edge if both corners below are at the edge's height. There, the envelope
-  /// below the edge is flat, and a triangle in it would lie in the plane of the floor next to it.
-  /// `corners`: positions relative to DexelGrid::origin_mm.
+  /// above a horizontal edge if both corners below are at the edge's height. The envelope below the
+  /// edge is then flat, and a triangle in it would be in the plane of the adjacent floor. `corners`
+  /// has positions relative to DexelGrid::origin_mm.
   SurfaceVertex place_center(const LatticeEdge& edge,
                              std::span<const std::array<float, 3>, 4> corners);
   /// Returns a position relative to a sample of the lattice, in pitches.
   std::array<double, 3> from_sample(const LatticeSample& sample,
                                     const std::array<float, 3>& position_mm) const;
-  /// Returns a position relative to an edge, in pitches: the last coordinate is along the edge,
+  /// Returns a position relative to an edge, in pitches. The last coordinate is along the edge,
   /// which reaches from the origin to (0, 0, 1); the axes are right-handed.
   Vec3 beside_edge(const LatticeEdge& edge, const std::array<float, 3>& position_mm) const;
 
@@ -72,18 +72,18 @@ class VertexPlacement {
   /// A cached crossing of a horizontal edge, which up to four cells share.
   struct SeenEdge {
     std::int32_t i, j, k;
-    std::int8_t axis = -1;  ///< 0 along X, 1 along Y; -1: none
+    std::int8_t axis = -1;  ///< 0 along X, 1 along Y, -1 if empty
     Crossing crossing;
   };
 
   SurfaceVertex place_alone(const LatticeCell& cell, const CellSheets& sheets, std::uint8_t sheet);
   Vec3 mean_on_edges() const;
-  /// Returns the least distance of vertices on edges from the edges' ends, in pitches: more than
+  /// Returns the least distance of vertices on edges from the edges' ends, in pitches. It exceeds
   /// margin_, so that they are not collinear with vertices at their cells' sides.
   double edge_margin() const { return std::min(2 * margin_, 0.5); }
   bool meets_sheets(const LatticeCell& cell, const CellSheets& sheets) const;
-  /// Return the vertex of a cell on a horizontal floor or on the stock's own side, which most cells
-  /// are, without computing crossings; nothing for any other cell.
+  /// Return the vertex of a cell on a horizontal floor or on the stock's own side without computing
+  /// crossings, or nothing for any other cell. Most cells are of these kinds.
   std::optional<SurfaceVertex> place_on_floor(const LatticeCell& cell) const;
   std::optional<SurfaceVertex> place_on_side(const LatticeCell& cell, bool along_x) const;
   SurfaceVertex flat_vertex(Vec3 place, Vec3 normal, bool original) const;

@@ -13,12 +13,12 @@ namespace kerf {
 /// bounded by the swept contour of its side and by the pipes of its two rims (paper Eq. 11).
 class ArcTranslation {
  public:
-  /// `shown`: the discs of the piece that are not hidden within its neighbors. It is the part of
-  /// `whole` that can reach into the block.
+  /// `piece` is the part of `whole` that can reach into the block. `shown` has the discs of the
+  /// piece that are not hidden within its neighbors.
   ArcTranslation(const ArcPiece& piece, const ArcPiece& whole, const ToolPose& from,
                  const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
-  /// As Shadow::set_trail.
+  /// See Shadow::set_trail.
   void set_trail(const Trail& trail) {
     shadow_.set_trail(trail);
     start_is_gone_ = true;

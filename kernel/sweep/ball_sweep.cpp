@@ -7,17 +7,17 @@
 namespace kerf {
 namespace {
 
-/// One end of the intervals that a capsule removes from eight rays; valid where `hit`.
+/// One end of the intervals that a capsule removes from eight rays, valid where `hit`.
 struct OneEnd {
   Lanes z;
   LaneMask hit;
 };
 KERF_INLINE void include(OneEnd& end, LaneMask hit, Lanes z) { end = {z, hit}; }
 
-/// Lower bounds of the heights that a capsule removes within each disc; +inf where it removes
+/// Lower bounds of the heights that a capsule removes within each disc, or +inf where it removes
 /// nothing. At horizontal distance ρ from the path the ball reaches √(r² − ρ²) below it, and no
-/// point of the path is below its lower end. Where no point of the surface advances (the ball moves
-/// away from the whole disc), the ball at the start has removed everything already.
+/// point of the path is below its lower end. If no point of the surface advances (the ball moves
+/// away from the whole disc), the ball at the start has already removed everything.
 struct CapsuleBound {
   Lanes z;
   LaneMask reached, advances;
@@ -47,7 +47,7 @@ KERF_INLINE unsigned bound_chain_in_lanes(std::span<const RayCapsule> capsules, 
     z = lesser(bound.z, z);
     reached = reached | bound.reached;
     swept = swept | (bound.reached & bound.advances);
-    start_is_cut = true;  // The previous capsule ended there.
+    start_is_cut = true;  // the previous capsule ended there
   }
   return bits(reached & ~swept);
 }

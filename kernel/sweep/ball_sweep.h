@@ -12,8 +12,8 @@ namespace kerf {
 /// any motion of the tool's axis.
 class BallSweep {
  public:
-  /// `centers_mm` has at least two points. `start_is_cut`: the ball at the first center has been
-  /// removed from the stock already, so only the region into which it advances is visited.
+  /// `centers_mm` has at least two points. `start_is_cut` states that the ball at the first center
+  /// has already been removed from the stock, so only the region into which it advances is visited.
   BallSweep(const std::vector<Vec3>& centers_mm, double radius_mm, bool start_is_cut);
 
   SweepBounds bounds() const;

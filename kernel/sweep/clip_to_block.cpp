@@ -15,9 +15,9 @@ std::optional<ToolPiece> clip_to_block(const ToolPiece& piece, const ToolMotion&
   const Extent whole = extent(piece);
   double reach = std::numeric_limits<double>::infinity();
   // `u` and `tip` are the least components of the axis and the tip along one of the six outward
-  // directions of the block; `limit` is the block's greatest. On a great circle that lies on the
-  // upper side of a plane, the axis leans most at one end of the motion, and the tip is lowest at
-  // one end.
+  // directions of the block, and `limit` is the block's greatest. On a great circle on the upper
+  // side of a plane, the axis leans most at one end of the motion, and the tip is lowest at one
+  // end.
   const auto clip = [&](double u, double tip, double limit) {
     if (!(u > 0)) return;
     reach = std::min(reach, (limit - tip + disc_half_width(whole.radius_mm, u)) / u);

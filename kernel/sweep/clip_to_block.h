@@ -9,8 +9,8 @@
 
 namespace kerf {
 
-/// Returns the part of a piece that can reach into the block during the motion; parts farther up
-/// the axis stay outside. Nothing if no part can.
+/// Returns the part of a piece that can reach into the block during the motion, or nothing. Parts
+/// farther up the axis stay outside.
 std::optional<ToolPiece> clip_to_block(const ToolPiece& piece, const ToolMotion& motion,
                                        const SweepBounds& block);
 

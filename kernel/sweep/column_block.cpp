@@ -24,8 +24,8 @@ void ColumnBlock::drop_closed_rows() {
   if (filled != 0) rows = open_rows(*this);
 }
 
-/// Adds an interval where others are kept apart. Each one that it joins is taken into it; then it
-/// takes the place of the row's interval, or is kept apart.
+/// Adds an interval to a row that has intervals apart. It absorbs each interval that it joins, and
+/// then becomes the row's interval or is kept apart.
 void ColumnBlock::add_among(int row, const LaneMask& adds, const Lanes& lo, const Lanes& hi) {
   const Lanes none = Lanes(std::numeric_limits<double>::infinity());
   Lanes joined_lo = lo, joined_hi = hi;
@@ -48,8 +48,8 @@ void ColumnBlock::add_among(int row, const LaneMask& adds, const Lanes& lo, cons
   if (any(stays_apart)) keep_apart(row, stays_apart, joined_lo, joined_hi);
 }
 
-/// Keeps an interval apart, where entries of the row are empty if there are any: so there are no
-/// more entries than intervals apart in one column at a time, times the columns.
+/// Keeps an interval apart, in entries of the row that are empty, if there are any. So there are no
+/// more entries than the number of intervals apart in one column at a time, times the columns.
 void ColumnBlock::keep_apart(int row, const LaneMask& which, const Lanes& lo, const Lanes& hi) {
   for (Apart& a : apart) {
     if (a.row != row || any(which & (a.lo_mm <= a.hi_mm))) continue;

@@ -16,16 +16,16 @@ namespace kerf {
 inline constexpr int kBlockSide = kLanes;
 
 /// The discs (bit i: disc i) over which a piece of the tool has nothing left to remove, because its
-/// first pose has been removed already.
+/// first pose has already been removed.
 struct LeftOut {
-  unsigned behind = 0;  ///< it moves away from them; no lower bound was computed
-  unsigned gone = 0;    ///< they are inside of its first pose all along its height
-  /// The surface that the piece shows moves away from them: what enters it there passes through a
-  /// disc that a neighbor hides. Holds wherever `behind` does.
+  unsigned behind = 0;  ///< the piece moves away from them; no lower bound was computed
+  unsigned gone = 0;    ///< they are inside its first pose over its whole height
+  /// The exposed surface of the piece moves away from them, so points enter the piece there only
+  /// through a disc that a neighbor hides. Includes `behind`.
   unsigned shown_behind = 0;
 };
 
-/// Lower bounds of what a piece of the tool removes within eight discs.
+/// Lower bounds of the heights that a piece of the tool removes within eight discs.
 struct PieceBounds {
   Lanes lowest_mm = Lanes(std::numeric_limits<double>::infinity());
   LeftOut left_out = {};
@@ -36,11 +36,11 @@ struct PieceBounds {
 };
 
 /// The discs over which a tool may change the stock: those that one of its pieces reaches, unless
-/// it is the only one there and the surface that it shows moves away (kernel/sweep/README.md, "The
-/// tool as a whole").
+/// it is the only one there and its exposed surface moves away (kernel/sweep/bounds.md, "The tool
+/// as a whole").
 class ToolReach {
  public:
-  /// `near`: discs over which the piece is low enough to close a gap.
+  /// `near` has the discs over which the piece is low enough to close a gap.
   void add(const PieceBounds& piece, unsigned near) {
     several_ |= near & near_;
     near_ |= near;
@@ -54,7 +54,7 @@ class ToolReach {
 };
 
 /// A block of 8 x 8 columns, and the intervals of heights that a sweep removes from them: the unit
-/// of work. Most columns lose one interval; further ones that do not join it are in `apart`.
+/// of work. Most columns lose one interval. Further intervals that do not join it are in `apart`.
 struct ColumnBlock {
   /// Further intervals of a row.
   struct Apart {
@@ -64,31 +64,31 @@ struct ColumnBlock {
 
   Lanes x_mm;               ///< of the columns, equal in every row
   double y_mm[kBlockSide];  ///< of the rows
-  unsigned rows = 0;        ///< bit r: row r is to be evaluated
-  double join_mm = 0;       ///< intervals of a column that are no farther apart are joined
-  double top_mm = 0;        ///< upper bound of the stock: ends above it need not be exact
+  unsigned rows = 0;        ///< bit r: row r must be evaluated
+  double join_mm = 0;       ///< intervals of a column at most this far apart are joined
+  double top_mm = 0;        ///< upper bound of the stock; ends above it need not be exact
   double grid_top_mm = 0;   ///< top of the grid, which no stock exceeds
-  /// Of each column: heights between which all of its stock lies; ends beyond need not be exact.
-  /// lo ≥ hi: it has none.
+  /// Per column, the heights that enclose all of its stock. Ends beyond them need not be exact. lo
+  /// ≥ hi if it has none.
   std::array<Lanes, kBlockSide> stock_lo_mm = every_row(-std::numeric_limits<double>::infinity());
   std::array<Lanes, kBlockSide> stock_hi_mm = every_row(std::numeric_limits<double>::infinity());
   Lanes lo_mm[kBlockSide];   ///< out: lower end of the interval; +inf where nothing is removed
   Lanes hi_mm[kBlockSide];   ///< out: upper end of the interval; −inf where nothing is removed
   std::vector<Apart> apart;  ///< out: further intervals; empty lanes have lo > hi
 
-  Lanes lowest_mm;  ///< of each row: lower bound of what the evaluated piece removes
+  Lanes lowest_mm;  ///< per row, a lower bound of the heights that the evaluated piece removes
   /// Bit r: in row r the piece below, or above, the evaluated one is not left out as behind the
-  /// tool, so what passes into it through a common disc is removed with it.
+  /// tool, so it removes the points that pass into it through a common disc.
   unsigned below_is_swept = 0xFF, above_is_swept = 0xFF;
   /// Bit r: in row r the columns `raised[r]` lose everything above a point that the evaluated piece
   /// removes (ToolAbove).
   unsigned raised_rows = 0;
   LaneMask raised[kBlockSide];
   unsigned filled = 0;  ///< bit r: row r holds intervals
-  /// Times that eight rays were met in the middle of a stretch, without those of the search: the
-  /// work beyond that of a motion's own stations. Only added to.
+  /// Number of evaluations of eight rays within a stretch, without those of the search: the work
+  /// beyond that of a motion's own stations. Only added to.
   std::int64_t stations = 0;
-  std::vector<PieceBounds> bounds;  ///< of each piece of the tool, in the rows (sweep_block)
+  std::vector<PieceBounds> bounds;  ///< per piece of the tool, in the rows (sweep_block)
 
   /// Empties all rows.
   void clear() {
@@ -97,7 +97,7 @@ struct ColumnBlock {
   }
 
   /// Returns the columns of a row that have not yet lost everything above `lowest_mm`. The
-  /// evaluated piece cannot change the others.
+  /// evaluated piece can change only these.
   KERF_INLINE LaneMask open(int row) const {
     if ((filled >> row & 1) == 0) return every_lane();
     return (lo_mm[row] > lowest_mm[row]) | (hi_mm[row] < top_mm);
@@ -110,10 +110,9 @@ struct ColumnBlock {
   void drop_closed_rows();
 
   /// Adds the interval [lo, hi] (empty where lo > hi) to the columns of a row. Intervals that are
-  /// no farther apart than join_mm, directly or through others, are joined, so that no sliver
-  /// remains where two pieces of a tool meet. The result does not depend on the order of the
-  /// intervals (kernel/sweep/README.md, "Joining"). Intervals that are farther above the stock are
-  /// ignored.
+  /// no farther apart than join_mm are joined, transitively, so that no sliver remains where two
+  /// pieces of a tool meet. The result does not depend on the order of the intervals
+  /// (kernel/sweep/bounds.md, "Joining"). Intervals that are farther above the stock are ignored.
   KERF_INLINE void add(int row, Lanes lo, Lanes hi) {
     const LaneMask adds = (lo <= hi) & (lo < top_mm + join_mm);
     if ((raised_rows >> row & 1) != 0) {
@@ -149,13 +148,13 @@ struct ColumnBlock {
 /// Returns a mask whose bit i is set where lane i of a is less than lane i of b.
 unsigned lanes_below(const Lanes& a, const Lanes& b);
 
-/// Box around a swept piece (mm); nothing outside is removed.
+/// Box around a swept piece (mm). Nothing outside is removed.
 struct SweepBounds {
   Vec3 min_mm, max_mm;
 };
 
 /// Eight discs in the XY plane with the common radius `reach_mm`, for which a sweep computes lower
-/// bounds: parts of the stock that lie below them are skipped.
+/// bounds. Parts of the stock below these bounds are skipped.
 struct Discs {
   Lanes x_mm, y_mm;
   double reach_mm;

@@ -10,13 +10,13 @@
 #include "kernel/sweep/piece_side.h"
 #include "kernel/sweep/slice_path.h"
 
-// Most rays below a mill enter it through the lower disc, all along the motion. Then nothing has to
-// be known of the side, and the end is that of a plane.
+// Most rays below a mill enter it through the lower disc, all along the motion. Their ends are then
+// those of a plane, and nothing about the side has to be known.
 
 namespace kerf {
 
-/// Eight rays and a slice at one pose. Unless all rays enter through the lower disc only `usable`
-/// is set.
+/// Eight rays and a slice at one pose. Only `usable` is set unless all rays enter through the lower
+/// disc.
 struct DiscMeeting {
   Lanes lo, hi;  ///< heights in the planes of the lower and the upper disc; `hi` is at least
                  ///< `top` where the ray is inside there
@@ -54,7 +54,7 @@ KERF_INLINE DiscMeeting meet_discs(const Side& side, const DiscPose& pose, Lanes
   return m;
 }
 
-/// The ends of eight rays on a disc at one station or the next: the speeds outwards there, and by
+/// The ends of eight rays on a disc at two successive stations: their outward speeds there, and by
 /// how much the last end is farther out than the first.
 struct DiscEnds {
   Lanes out_from, out_to, beyond;
@@ -63,13 +63,13 @@ struct DiscEnds {
   KERF_INLINE LaneMask turn() const { return (out_from > 0.0) & (out_to < 0.0); }
 };
 
-/// Returns the other rays for which the end of a disc may lie farther out between two stations, the
-/// share `length` apart, by more than the search may miss.
+/// Returns those of the remaining rays for which the end of a disc may be farther out between two
+/// stations, the share `length` apart, by more than the search may miss.
 KERF_INLINE LaneMask may_exceed(const SlicePath& path, double length, const DiscEnds& ends) {
   const double covered = std::sqrt(2 * path.search.missed_mm / path.search.bend_mm);
   const double left = length - covered;
   if (!path.search.checked || !(left > 0)) return ~every_lane();
-  // `beyond` > 0: the bound is that of the first station; else of the last.
+  // If `beyond` > 0, the bound is that of the first station; else that of the last.
   const Lanes rise = magnitude(ends.beyond);
   const Lanes inwards = select(ends.beyond > 0.0, ends.out_from, -ends.out_to);
   const Lanes fall =
@@ -80,11 +80,11 @@ KERF_INLINE LaneMask may_exceed(const SlicePath& path, double length, const Disc
 /// The outermost ends of rays on a disc, between two stations.
 struct DiscTurn {
   Lanes z;
-  LaneMask found;  ///< it is that end, and lies within the disc
+  LaneMask found;  ///< it is that end, and is within the disc
 };
 
 /// Finds the ends that turn from outwards to inwards after the share `from`. The speed of a plane
-/// is almost linear in the share, so the zero of the straight line suffices.
+/// is almost linear in the share, so linear interpolation of its zero suffices.
 KERF_INLINE DiscTurn turn_on_disc(const SlicePath& path, Lanes x, Lanes y, double from,
                                   double length, const DiscEnds& ends, End end) {
   const DiscPose& first = path.discs.poses.front();
@@ -107,10 +107,10 @@ KERF_INLINE DiscTurn turn_on_disc(const SlicePath& path, Lanes x, Lanes y, doubl
 }
 
 /// Adds the intervals of the rays `open` of a row whose rays all enter the slice through its lower
-/// disc and leave it through the upper one or above the grid: whether they do must not depend on
-/// the stock, and the other formulas differ in the last bits. `known`: of all rows of the block.
-/// Returns false if there are other rays, or an end has to be searched; the row may have got a part
-/// of its intervals then.
+/// disc and leave it through the upper one or above the grid. Whether they do must not depend on
+/// the stock, because the other formulas differ in the last bits. `known` describes all rows of the
+/// block. Returns false if there are other rays, or an end has to be searched; some of the row's
+/// intervals may then have been added.
 template <class Side>
 KERF_INLINE bool add_disc_row(const Side& side, const SlicePath& path, Lanes y, int row,
                               LaneMask open, const RowBits& known, ColumnBlock& block) {

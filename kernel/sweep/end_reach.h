@@ -7,8 +7,8 @@
 #include "kernel/math/span.h"
 #include "kernel/sweep/slice_meeting.h"
 
-// How far along a motion an end of a slice excludes that anything lies deeper in the sweep than the
-// tolerance (kernel/sweep/README.md, "Nothing deeper than the tolerance is missed").
+// How far along a motion an end of a slice rules out that points deeper in the sweep than the
+// tolerance are missed (kernel/sweep/bounds.md, "Nothing deeper than the tolerance is missed").
 
 namespace kerf {
 
@@ -18,7 +18,7 @@ struct Stretch {
   const Meeting &first, &last;
 };
 
-/// What a reach needs to know of a meeting of eight rays, each at a share of its own.
+/// The values of an intersection of eight rays, each at its own share, that a reach needs.
 struct FoundEnd {
   Lanes share, z;
   Lanes advance, upright, normal2, clearance, off_side;  ///< as in Meeting
@@ -38,7 +38,7 @@ struct FoundEnd {
     e.hit = m.hit;
     return e;
   }
-  /// Takes over the ends of `other` in the lanes `where`.
+  /// Replaces the ends in the lanes `where` by those of `other`.
   KERF_INLINE void take(LaneMask where, const FoundEnd& other) {
     share = select(where, other.share, share);
     z = select(where, other.z, z);
@@ -57,19 +57,19 @@ KERF_INLINE double tolerance_of(const SlicePath& path) {
   return path.search.missed_mm + path.search.search_mm;
 }
 
-/// Returns by how much more a path bends, within a stretch of the length `length`, if the slice
-/// holds its point at another share of the stretch only.
+/// Returns the additional bend of a point's path, within a stretch of the length `length`, if the
+/// slice holds the point at another share of the stretch only.
 KERF_INLINE Lanes outer_bend(const SlicePath& path, Lanes length) {
   return path.frame.turn * path.frame.turn * path.speed_max_mm * length;
 }
 
-/// Returns the greatest speed of a point that the slice holds at some share, at any other one.
+/// Returns the greatest speed, at any share, of a point that the slice holds at some share.
 KERF_INLINE double fastest_point(const SlicePath& path) {
   return path.speed_max_mm * (1 + path.frame.turn);
 }
 
-/// Returns the share up to which a distance, off − fall x − bend x²/2 after the share x, does not
-/// fall below zero: 0 unless `off` is above it.
+/// Returns the share x up to which the distance off − fall x − bend x²/2 does not fall below zero,
+/// or 0 if `off` is not positive.
 KERF_INLINE Lanes root_of(Lanes off, Lanes fall, Lanes bend) {
   const Lanes root = square_root(fall * fall + 2 * bend * off);
   const LaneMask falls = fall > 0.0;
@@ -77,9 +77,9 @@ KERF_INLINE Lanes root_of(Lanes off, Lanes fall, Lanes bend) {
   return select(off > 0.0, share, Lanes(0));
 }
 
-/// Returns the hits at the first (`sign` −1) or the last pose (1) whose end lies nowhere farther
-/// out at any other: it moves outwards faster towards that pose than the bend can make up for
-/// (kernel/sweep/README.md, "Stations").
+/// Returns the hits at the first (`sign` −1) or the last pose (1) whose end is outermost there: it
+/// moves outwards towards that pose faster than the bend can compensate (kernel/sweep/bounds.md,
+/// "Ends at the last pose, or the first").
 KERF_INLINE LaneMask outermost_at(const SlicePath& path, const Meeting& m, double sign) {
   const Lanes scale = 1 / square_root(m.normal2);
   const double turn = path.frame.turn;
@@ -89,9 +89,9 @@ KERF_INLINE LaneMask outermost_at(const SlicePath& path, const Meeting& m, doubl
          (magnitude(m.upright) * scale >= turn);
 }
 
-/// Returns the share after an end, or with −advance for `outwards` before it, in which no point of
-/// the ray at `best` or farther out gets deeper into the slice than `depth_mm`. `best` is the
-/// outermost end known, `length` the length of the stretch.
+/// Returns the share after an end in which no point of the ray at `best` or farther out gets deeper
+/// into the slice than `depth_mm`. With −advance for `outwards`, returns the share before it.
+/// `best` is the outermost end known, `length` the length of the stretch.
 template <End end>
 KERF_INLINE Lanes reach_of_hit(const SlicePath& path, const FoundEnd& e, Lanes outwards, Lanes best,
                                Lanes length, double depth_mm) {
@@ -106,7 +106,7 @@ KERF_INLINE Lanes reach_of_hit(const SlicePath& path, const FoundEnd& e, Lanes o
   };
   const Lanes rise = magnitude(e.z - best);
   const Lanes reach = within(rise);
-  // A wall that tips past the ray: points farther out may be reached earlier than that at `best`.
+  // A wall that tips past the ray may reach points farther out earlier than that at `best`.
   const LaneMask tips = e.hit & ~(slope >= turn * lesser(reach, length));
   if (!any(tips)) return reach;
   const double top = path.search.top_mm;
@@ -114,8 +114,9 @@ KERF_INLINE Lanes reach_of_hit(const SlicePath& path, const FoundEnd& e, Lanes o
   return select(tips, lesser(within(rise + greater(beyond, Lanes(0))), reach), reach);
 }
 
-/// Returns the share after a station that misses a ray, or with −advance for `closing` before it,
-/// in which no point of the ray below `top` gets deeper into the slice than `depth_mm`.
+/// Returns the share after a station that misses a ray in which no point of the ray below `top`
+/// gets deeper into the slice than `depth_mm`. With −advance for `closing`, returns the share
+/// before it.
 KERF_INLINE Lanes reach_of_miss(const SlicePath& path, const FoundEnd& e, Lanes closing,
                                 double depth_mm, double top, Lanes length) {
   const Lanes along_ray = greater(magnitude(e.z - path.lowest_mm), magnitude(top - e.z));
@@ -127,9 +128,9 @@ KERF_INLINE Lanes reach_of_miss(const SlicePath& path, const FoundEnd& e, Lanes 
   return greater(root_of(off, fall, bend), (e.clearance + depth_mm) / fastest_point(path));
 }
 
-/// Returns the rays whose ends, `apart` along the ray, lie on one disc at both stations of a
-/// stretch, and in between lie nowhere farther out by more than the tolerance: the distance of a
-/// point from a plane leaves its chord by the bend at most.
+/// Returns the rays whose ends, `apart` along the ray, are on one disc at both stations of a
+/// stretch, and in between are farther out by at most the tolerance. The distance of a point from a
+/// plane leaves its chord by the bend at most.
 KERF_INLINE LaneMask held_by_disc(const SlicePath& path, Lanes apart, Lanes length) {
   const double uz = std::abs(path.frame.u.z) - path.frame.turn;
   const Lanes bend = (path.search.disc_bend_mm + outer_bend(path, length)) * length * length;
@@ -137,13 +138,13 @@ KERF_INLINE LaneMask held_by_disc(const SlicePath& path, Lanes apart, Lanes leng
   return (left * left <= 8 * tolerance_of(path) * bend) & (Lanes(uz) > 0.0);
 }
 
-/// The shares of a stretch between `low` and `high` are not covered by a reach.
+/// The shares of a stretch between `low` and `high` that no reach covers.
 struct Gap {
   Lanes low, high;
 
   KERF_INLINE LaneMask open() const { return ~(low >= high); }
-  /// Narrows the gap by an end that covers the shares from `from` to `to`, if that joins what is
-  /// covered. Returns the rays for which it does.
+  /// Narrows the gap by an end that covers the shares from `from` to `to`, if these adjoin the
+  /// covered ones. Returns the rays for which they do.
   KERF_INLINE LaneMask close(Lanes from, Lanes to) {
     const LaneMask joins_low = from <= low, joins_high = to >= high;
     low = select(joins_low, greater(low, to), low);
@@ -152,10 +153,10 @@ struct Gap {
   }
 };
 
-/// Returns the rays of which it is plain that the reaches of the stations cover the stretch: that
-/// of one is long enough; or its end moves inwards, which has the reach of the bend, and that of
-/// the other station covers the rest; or the piece is too far from the ray at both. All stretches
-/// have the same length.
+/// Returns the rays for which the reaches of the stations plainly cover the stretch: one reach
+/// alone is long enough; or one end moves inwards, which has the reach of the bend, and that of the
+/// other station covers the rest; or the piece is too far from the ray at both. All stretches have
+/// the same length.
 template <End end>
 KERF_INLINE LaneMask plainly_covered(const SlicePath& path, const Stretch& stretch, Lanes best) {
   const Meeting &first = stretch.first, &last = stretch.last;

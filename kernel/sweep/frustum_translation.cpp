@@ -13,8 +13,8 @@ namespace {
 using Surfaces = FrustumTranslation::Surfaces;
 
 /// The two generators of the side along which n·V = 0 (paper Eqs. 1–8, with cosines instead of
-/// angles): radial directions e with (e − k u)·d = 0. `exist` is false where the whole side
-/// advances or recedes, |k d·u| > |d⊥|.
+/// angles): radial directions e with (e − k u)·d = 0. `exist` is false if the whole side advances
+/// or recedes, |k d·u| > |d⊥|.
 struct CuttingProfile {
   Vec3 radial[2];
   bool exist;

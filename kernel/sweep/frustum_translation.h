@@ -14,12 +14,12 @@ namespace kerf {
 /// by two parallelograms of the side and the pipes of the two rims (paper Eq. 11).
 class FrustumTranslation {
  public:
-  /// `shown`: the discs of the piece that are not hidden within its neighbors. It is the part of
-  /// `whole` that can reach into the block.
+  /// `piece` is the part of `whole` that can reach into the block. `shown` has the discs of the
+  /// piece that are not hidden within its neighbors.
   FrustumTranslation(const FrustumPiece& piece, const FrustumPiece& whole, const ToolPose& from,
                      const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
-  /// As Shadow::set_trail.
+  /// See Shadow::set_trail.
   void set_trail(const Trail& trail) {
     shadow_.set_trail(trail);
     start_is_gone_ = true;

@@ -9,21 +9,21 @@
 
 namespace kerf {
 
-/// Lower bounds of what an upright slice removes that moves level. At every height a disc is moved
-/// then, so the distance from the tip's path decides alone, and one test replaces those of Shadow,
-/// Underside and Trail (kernel/sweep/README.md, "Upright and level").
+/// Lower bounds of the heights that an upright slice in a level motion removes. At every height the
+/// slice is a moving disc, so the distance from the tip's path alone decides, and one test replaces
+/// those of Shadow, Underside and Trail (kernel/sweep/bounds.md, "Upright and level").
 class LevelBound {
  public:
-  /// Returns the bound of a frustum or an arc that moves between two poses; nothing if the axis
+  /// Returns the bound of a frustum or an arc that moves between two poses, or nothing if the axis
   /// leans or the motion is not level.
   static std::optional<LevelBound> make(const ToolPiece& slice, const ToolPose& from,
                                         const ToolPose& to);
 
-  /// Call this if the slice at its first pose has been removed from the stock already.
+  /// Must be called if the slice at its first pose has already been removed from the stock.
   void set_start_is_cut() { b_.start_is_cut = true; }
-  /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc, without the
-  /// discs behind the tool. Returns the discs (bit i: disc i) that are inside of a frustum at its
-  /// first pose, all along its height: there is nothing left for it.
+  /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc, skipping the
+  /// discs behind the tool. Returns the discs (bit i: disc i) that are inside a frustum at its
+  /// first pose over its whole height, so that nothing is left for it.
   unsigned lower_bound(const Discs& discs, Lanes& z_mm) const;
 
   struct Parameters {
@@ -33,10 +33,11 @@ class LevelBound {
     double behind;        ///< mm behind the first axis, from which on the slice recedes
     double lowest;        ///< height of the slice's lower end
     double radius;        ///< greatest radius of the slice
-    double inner_radius;  ///< least radius of a frustum; 0 for an arc, of which nothing is inside
+    double inner_radius;  ///< least radius of a frustum; 0 for an arc, for which no disc counts as
+                          ///< inside
     bool is_arc;
     double center_r, center_z, arc_radius;  ///< of an arc
-    double lower_radius;                    ///< of a frustum, like the next
+    double lower_radius;                    ///< of a frustum, as the next
     double by_slope;                        ///< 1 / slope; 0 if it does not widen
     bool start_is_cut;
   };

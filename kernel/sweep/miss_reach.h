@@ -3,19 +3,19 @@
 
 #include "kernel/sweep/end_reach.h"
 
-// The same for stations that miss a ray, and what the reaches of all stations leave open.
+// The reaches of stations that miss a ray, and the gaps that the reaches of all stations leave.
 
 namespace kerf {
 
 /// The deciding point of a ray that misses a slice.
 struct MissedAt {
-  Vec3Lanes anchor, p;  ///< the side's anchor from the tip; the point from the anchor
+  Vec3Lanes anchor, p;  ///< the side's anchor relative to the tip; the point relative to the anchor
   Vec3Lanes u, n;       ///< the axis; the unit normal of the side below the point
   Lanes l, off;         ///< height on the axis, distance from the side
 };
 
-/// Returns the heights from a point on the ray between which the ray is within the distance `far`
-/// from the axis; any if the ray is parallel to it.
+/// Returns the range of heights, relative to a point on the ray, in which the ray is within the
+/// distance `far` of the axis. The range is arbitrary if the ray is parallel to the axis.
 KERF_INLINE LaneSpan near_axis(const MissedAt& at, Lanes far) {
   const Lanes lean2 = 1 - at.u.z * at.u.z;
   const Lanes radial_z = at.p.z - at.l * at.u.z;
@@ -25,10 +25,10 @@ KERF_INLINE LaneSpan near_axis(const MissedAt& at, Lanes far) {
   return {middle - half, middle + half};
 }
 
-/// Returns the same as reach_beside for rays that pass a disc: the bound is the distance from its
-/// plane, or that and the distance from the side, weighted so that their sum does not change along
-/// the ray. Both are linear along the ray, so they are taken at the ends of the part of it which
-/// the slice can come to hold within the stretch.
+/// As reach_beside, for rays that pass a disc. The bound is the distance from its plane, or a
+/// weighted sum of this and the distance from the side that is constant along the ray. Both are
+/// linear along the ray, so they are evaluated at the ends of the part that the slice can come to
+/// hold within the stretch.
 template <class Side>
 KERF_INLINE Lanes reach_past_disc(const Side& side, const SlicePath& path, const MissedAt& at,
                                   double sign, Lanes length, double depth_mm) {
@@ -54,9 +54,10 @@ KERF_INLINE Lanes reach_past_disc(const Side& side, const SlicePath& path, const
 }
 
 /// Returns the share after a station that misses a ray, or before it with `sign` −1, in which no
-/// point of the ray gets deeper into the slice than `depth_mm`. Unlike reach_of_miss, the bound
-/// does not fall along the ray: the supporting plane is tilted towards points farther along it, and
-/// where the ray passes a disc, points beyond it are near (kernel/sweep/README.md).
+/// point of the ray gets deeper into the slice than `depth_mm`. Unlike that of reach_of_miss, the
+/// bound does not fall along the ray: the supporting plane is tilted towards points farther along
+/// it, and points beyond a disc that the ray passes are treated separately (kernel/sweep/bounds.md,
+/// "Nothing deeper than the tolerance is missed", 4).
 template <class Side>
 KERF_INLINE Lanes reach_beside(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                                const FoundEnd& e, double sign, Lanes length, double depth_mm) {
@@ -74,7 +75,7 @@ KERF_INLINE Lanes reach_beside(const Side& side, const SlicePath& path, Lanes x,
   const Lanes bend =
       std::max(path.search.bend_mm, path.search.disc_bend_mm) + outer_bend(path, length);
 
-  // The tilt at the share s makes the plane rise along the ray by what the turn takes from it.
+  // The tilt at the share s makes the plane rise along the ray by as much as the turn lowers it.
   const SideTilt tilt = side.tilt(p, l, u, n, off);
   const Lanes angle = turn / tilt.gain, first = slope / tilt.gain;
   const Lanes speed = square_root(dot(v, v)), side_speed = sign * dot(n, v);
@@ -102,7 +103,7 @@ KERF_INLINE Lanes reach_beside(const Side& side, const SlicePath& path, Lanes x,
   return select(across & (past_disc > least), past_disc, least);
 }
 
-/// Returns what stations that both miss a ray leave open.
+/// Returns the gap that stations that both miss a ray leave.
 template <class Side>
 KERF_INLINE Gap gap_beside(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                            const Stretch& stretch) {
@@ -114,8 +115,8 @@ KERF_INLINE Gap gap_beside(const Side& side, const SlicePath& path, Lanes x, Lan
           stretch.to - reach_beside(side, path, x, y, last, -1, length, depth)};
 }
 
-/// Returns the reach, for the depth `depth_mm`, of a station that may hit the ray or miss it;
-/// `sign` 1: after it, −1: before. Without `beside` a simpler bound is used for misses.
+/// Returns the reach, for the depth `depth_mm`, of a station that may hit the ray or miss it: after
+/// it with `sign` 1, before it with −1. Without `beside`, misses use a simpler bound.
 template <End end, class Side>
 KERF_INLINE Lanes reach_of(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                            const FoundEnd& e, double sign, Lanes best, Lanes length,
@@ -134,7 +135,7 @@ KERF_INLINE Lanes reach_of(const Side& side, const SlicePath& path, Lanes x, Lan
   return select(e.hit, reach, of_miss);
 }
 
-/// Returns what the stations leave open of the rays `asked`.
+/// Returns the gap that the stations leave in the rays `asked`.
 template <End end, class Side>
 KERF_INLINE Gap gap_of(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                        const Stretch& stretch, Lanes best, LaneMask asked) {
@@ -151,7 +152,8 @@ KERF_INLINE Gap gap_of(const Side& side, const SlicePath& path, Lanes x, Lanes y
   return gap;
 }
 
-/// Narrows a gap by what an end excludes deeper than `depth_mm`. Returns the rays for which it did.
+/// Narrows a gap by the reach of an end for the depth `depth_mm`. Returns the rays for which it
+/// did.
 template <End end, class Side>
 KERF_INLINE LaneMask close(const Side& side, const SlicePath& path, Lanes x, Lanes y, Gap& gap,
                            const FoundEnd& e, Lanes best, Lanes length, double depth_mm) {

@@ -14,7 +14,7 @@ PieceSide side_of(const ToolPiece& slice) {
   return ConeSide(std::get<FrustumPiece>(slice));
 }
 
-/// Returns the distance from the tip within which all of the slice lies.
+/// Returns the distance from the tip that encloses the slice.
 double upper_reach(const Extent& e) {
   return std::sqrt(e.z1_mm * e.z1_mm + e.radius_mm * e.radius_mm);
 }

@@ -9,16 +9,16 @@
 namespace kerf {
 
 /// A slice of the tool (frustum or arc) that moves between two poses whose axes are less than
-/// kTurnPerFrameMaxRad apart. Adds what it removes to the rows of a block, and tells the rows that
-/// need no search.
+/// kTurnPerFrameMaxRad apart. Adds the intervals that it removes to the rows of a block, and finds
+/// the rows that need no search.
 class MovingSlice {
  public:
-  /// `shown`: the discs of the slice that are not hidden within its neighbors. Ends on the others
-  /// are left to the neighbors, in rows in which these are swept too.
+  /// `shown` has the discs of the slice that are not hidden within its neighbors. Ends on hidden
+  /// discs are left to the neighbors, in rows in which these are swept too.
   MovingSlice(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown,
               const SliceSearch& search);
-  /// The same, of a slice that is the part of `whole` that can reach into the block: beyond it no
-  /// ray of the block is met.
+  /// As above, for a slice that is the part of `whole` that can reach into the block. No ray of the
+  /// block meets the rest.
   MovingSlice(const ToolPiece& slice, const ToolPiece& whole, const ToolPose& from,
               const ToolPose& to, ShownDiscs shown, const SliceSearch& search);
 
@@ -26,13 +26,12 @@ class MovingSlice {
   /// Sets a lower bound of the slice's heights (mm).
   void set_lowest(double z_mm) { path_.lowest_mm = z_mm; }
 
-  /// Adds the intervals of the rows of a block that are ahead of the slice, so that it sweeps no
-  /// more there than what its last pose takes, and of those whose rays all cross its discs
-  /// (kernel/sweep/README.md, "Ahead of a tool", "Rays through the discs"). Removes them from the
-  /// rows to be evaluated.
+  /// Adds the intervals of the rows of a block that are ahead of the slice, where its last pose is
+  /// all that it sweeps, and of those whose rays all cross its discs (kernel/sweep/bounds.md,
+  /// "Ahead of a tool", "Rays through the discs"). Removes these rows from those to be evaluated.
   RowBits add_simple_rows(ColumnBlock& block) const;
-  /// Adds the intervals of the other rows, by search where it is needed. `known`: what
-  /// add_simple_rows returned.
+  /// Adds the intervals of the remaining rows, with searches where needed. `known` is the result of
+  /// add_simple_rows.
   void evaluate(const RowBits& known, ColumnBlock& block) const;
   /// Adds the intervals of all rows.
   void evaluate(ColumnBlock& block) const { evaluate(add_simple_rows(block), block); }
@@ -43,7 +42,7 @@ class MovingSlice {
   PieceSide side_;
   SlicePath path_;
   ShownDiscs shown_;
-  Trail ahead_;  ///< of the motion back
+  Trail ahead_;  ///< of the reversed motion
 };
 
 }  // namespace kerf

@@ -67,8 +67,8 @@ struct RayBatch {
 };
 
 /// Rays whose outermost ends must be searched between two stations. In most rows these are one or
-/// two of eight, so they are collected and searched eight at a time. Which rays share a batch does
-/// not change a bit, because each is searched on its own.
+/// two of eight, so they are collected and searched eight at a time. The composition of a batch
+/// does not change a bit, because each ray is searched on its own.
 struct PackedRays {
   RayBatch both;   ///< both ends are searched
   RayBatch upper;  ///< the upper end is searched
@@ -87,7 +87,7 @@ struct PackedRays {
   KERF_INLINE RayBatch& upper_batch() { return upper.count < kLanes ? upper : spare; }
 };
 
-/// Memory of packed rays that is not cleared: a batch is filled up before it is read.
+/// Memory of packed rays that is not cleared, because a batch is filled up before it is read.
 class PackedMemory {
  public:
   KERF_INLINE PackedRays& empty() {
@@ -100,7 +100,7 @@ class PackedMemory {
   alignas(PackedRays) std::byte memory_[sizeof(PackedRays)];
 };
 
-/// Searches the full batches of `rays`, or with `finish` all of them, and adds the intervals to the
+/// Searches the full batches of `rays`, or all of them with `finish`, and adds the intervals to the
 /// block.
 template <class Side>
 KERF_INLINE void search_packed(const Side& side, const SlicePath& path, PackedRays& rays,

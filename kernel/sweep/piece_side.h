@@ -19,7 +19,7 @@ enum class End { kLower, kUpper };
 /// Heights at which eight rays enter and leave the slab between the discs of a piece, and 1 / u_z.
 struct DiscSpan {
   Lanes in, out, inverse_uz;
-  /// Upper ends at this height or above need not be exact, only not below it.
+  /// Upper ends at or above this height need not be exact, but must not be below it.
   Lanes top = Lanes(std::numeric_limits<double>::infinity());
 };
 
@@ -27,22 +27,24 @@ struct DiscSpan {
 /// Heights t relative to the piece's anchor.
 struct SideSpan {
   Lanes in, out;    ///< may be infinite
-  LaneMask exists;  ///< false: the ray misses the side
-  Lanes closest;    ///< of rays that miss: the height closest to the side
-  Lanes depth;      ///< of the others: estimated depth of the ray in the side
+  LaneMask exists;  ///< false if the ray misses the side
+  Lanes closest;    ///< for misses: the height closest to the side
+  Lanes depth;      ///< for hits: estimated depth of the ray in the side
 };
 
-/// A plane that supports the side below a point beside it may be tilted by an angle a towards the
-/// rays: the point's distance from it falls by at most radius a²/2, and the plane's slope along the
+/// A plane that supports the side below a nearby point may be tilted by an angle a towards the
+/// rays. The point's distance from it falls by at most radius a²/2, and the plane's slope along the
 /// rays grows by `gain` sin a.
 struct SideTilt {
   Lanes radius, gain;
 };
 
-/// The planes of the discs of a slice, or of the level ends of an arc: a ray that crosses one well
-/// within its radius enters or leaves the slice there. Heights from the anchor of the side.
+/// The planes of the discs of a slice, or of the level ends of an arc. A ray that crosses one well
+/// within its radius enters or leaves the slice there. Heights are relative to the anchor of the
+/// side.
 struct DiscPlanes {
-  double low, low_radius2, high, high_radius2;  ///< squares, less an allowance; −1: there is none
+  double low, low_radius2, high,
+      high_radius2;  ///< squared radii minus an allowance; −1 without a disc
 
   static double square(double radius_mm) {
     const double within = radius_mm - kEdgeEpsilonMm;
@@ -59,10 +61,10 @@ struct DiscPlanes {
   }
 };
 
-/// The side of a frustum (paper Eq. 2; a cylinder when the slope is 0), anchored at the center of
-/// its lower disc. With p = (x, y, t) from the anchor and l = p·u the side is |p|² − l² = (r0 + k
-/// l)², quadratic in t with A = u_x² + u_y² − k² u_z². A > 0: the inside is between the roots. A ≤
-/// 0 (the ray is steeper than the generators): the inside is beyond one of them, on the nappe that
+/// The side of a frustum (paper Eq. 2; a cylinder if the slope is 0), anchored at the center of its
+/// lower disc. With p = (x, y, t) from the anchor and l = p·u the side is |p|² − l² = (r0 + k l)²,
+/// quadratic in t with A = u_x² + u_y² − k² u_z². If A > 0, the inside is between the roots. If A ≤
+/// 0 (the ray is steeper than the generators), the inside is beyond one of them, on the nappe that
 /// belongs to the tool. A tip has no disc: the nappe ends there.
 struct ConeSide {
   double anchor, low, high;
@@ -99,7 +101,7 @@ struct ConeSide {
     const Lanes first = select(t1 < t0, t1, t0), second = select(t1 < t0, t0, t1);
     const LaneMask convex = a > 0.0;
     const LaneMask upwards = u.z * slope > 0.0;
-    // An upright cylinder: the whole ray is inside, or none of it.
+    // For an upright cylinder, the whole ray is inside, or none of it.
     const LaneMask parallel = (a == 0.0) & (b == 0.0);
     Lanes in = select(convex, first, select(upwards, second, Lanes(-kInfinity)));
     Lanes out = select(convex, second, select(upwards, Lanes(kInfinity), first));
@@ -120,7 +122,7 @@ struct ConeSide {
     const Vec3Lanes radial = p - u * l;
     return radial - u * (side.slope * square_root(dot(radial, radial)));
   }
-  /// Distance of the point p from the side; below zero inside.
+  /// Returns the distance of the point p from the side, negative inside.
   KERF_INLINE Lanes clearance(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes radial = p - u * l;
     return side.distance(square_root(dot(radial, radial)), l);
@@ -134,7 +136,8 @@ struct ConeSide {
     const double cosine2 = 1 / (1 + side.slope * side.slope);
     return {rho, magnitude(u.x * radial.y - u.y * radial.x) * std::sqrt(cosine2) / rho};
   }
-  /// Returns where a point at the squared distance `rho2` from the axis, at l, is well inside.
+  /// Returns the lanes in which a point at the squared distance `rho2` from the axis, at l, is well
+  /// inside.
   KERF_INLINE LaneMask holds(Lanes rho2, Lanes l) const {
     const Lanes r = side.r0_mm + side.slope * l - kEdgeEpsilonMm;
     return (r > 0.0) & (rho2 <= r * r);
@@ -154,10 +157,10 @@ struct ConeSide {
 };
 
 /// The side of an arc piece, anchored at the height of the arc's center: F = √(m² + l²) − radius =
-/// 0, where m is the distance from the tool's axis less center_r, at least zero. F is convex along
+/// 0, where m is the distance from the tool's axis minus center_r, at least zero. F is convex along
 /// a ray, so Newton's method from outside approaches its roots monotonically. A disc that continues
-/// the side without an edge, or is only a tip, is left out: the side bounds the piece there
-/// already.
+/// the side without an edge, or is only a tip, is left out, because the side already bounds the
+/// piece there.
 struct ArcSide {
   double anchor, low, high, center_r, radius, reach, half_height;
   DiscPlanes planes;
@@ -178,7 +181,7 @@ struct ArcSide {
         planes(DiscPlanes::of(p)),
         widest(extent(p).radius_mm) {}
 
-  /// Computes `end` of the intervals; the other end only up to the disc there.
+  /// Computes `end` of the intervals exactly, and the other end only up to the disc there.
   template <End end>
   KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along,
                             const DiscSpan& discs) const {
@@ -213,7 +216,7 @@ struct ArcSide {
     const Lanes share = select(rho > center_r, 1 - center_r / rho, Lanes(0));
     return q * select(share == share, share, Lanes(1)) + u * l;
   }
-  /// Distance of the point p from the side; below zero inside.
+  /// Returns the distance of the point p from the side, negative inside.
   KERF_INLINE Lanes clearance(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes q = p - u * l;
     return circle_distance(center_r, radius, square_root(dot(q, q)), l).mm;
@@ -227,7 +230,8 @@ struct ArcSide {
     return {radius + std::max(center_r, 0.0) / across + off,
             square_root(greater(1 - n.z * n.z, Lanes(0)))};
   }
-  /// Returns where a point at the squared distance `rho2` from the axis, at l, is well inside.
+  /// Returns the lanes in which a point at the squared distance `rho2` from the axis, at l, is well
+  /// inside.
   KERF_INLINE LaneMask holds(Lanes rho2, Lanes l) const {
     const Lanes m = greater(square_root(greater(rho2, Lanes(0))) - center_r, Lanes(0));
     return m * m + l * l <= (radius - kEdgeEpsilonMm) * (radius - kEdgeEpsilonMm);
@@ -237,8 +241,8 @@ struct ArcSide {
   static constexpr int kFastSteps = 12;  ///< two or three are usual
   /// Share of the ray's path through the box around the arc after which the search begins.
   static constexpr double kStartShare = 0.15;
-  /// The third derivative of half G is at most 3 |c_r|/ρ² times |g (λ² − g²)| ≤ 2 λ³/√27, g the
-  /// growth of ρ and λ the sine of the lean; a sixth of that.
+  /// The third derivative of half G is at most 3 |c_r|/ρ² times |g (λ² − g²)| ≤ 2 λ³/√27, with g
+  /// the growth of ρ and λ the sine of the lean. This is a sixth of that.
   static constexpr double kThirdShare = 0.1925;
   static constexpr int kSteps = 60;  ///< at a grazed arc each step halves the distance
 
@@ -268,7 +272,8 @@ struct ArcSide {
   KERF_INLINE LaneMask ends_on_disc(Lanes p2, Lanes uz, Lanes along, Lanes t, Lanes disc) const {
     return (t == disc) & holds_at(p2, uz, along, t);
   }
-  /// Returns where m > 0 as it was where `g` was evaluated: where it changes, G has a bend.
+  /// Returns the lanes in which m > 0 holds or not as where `g` was evaluated. Where it changes, G
+  /// has a bend.
   KERF_INLINE LaneMask on_same_part(Lanes p2, Lanes uz, Lanes along, Lanes t,
                                     const Square& g) const {
     if (center_r <= 0) return every_lane();
@@ -277,12 +282,12 @@ struct ArcSide {
   }
 
   /// Moves t to the end of the interval of each ray, the lower (kSign 1) or the upper one (−1), and
-  /// sets whether it exists, the closest height and the depth in `span`. `near`: rays that enter
-  /// the box around the arc, at t, and leave it `across` farther. Each step goes to the root, or to
-  /// the vertex, of the parabola that touches G at t. For an upright axis G is that parabola; else
-  /// G leaves it by at most step³/6 of its third derivative, which is at most 1.16 |c_r| (1 − u_z²)
-  /// / ρ² (kernel/sweep/README.md, "The tight model"), so a short step needs no check. Rays for
-  /// which this does not settle are left to Newton's method from outside.
+  /// sets in `span` whether it exists, the closest height and the depth. `near` has the rays that
+  /// enter the box around the arc, at t, and leave it `across` farther. Each step goes to the root,
+  /// or to the vertex, of the parabola that touches G at t. For an upright axis G is that parabola.
+  /// Otherwise G leaves it by at most step³/6 times its third derivative, which is at most 1.16
+  /// |c_r| (1 − u_z²) / ρ² (kernel/sweep/README.md, "The tight model"), so a short step needs no
+  /// check. Rays that do not converge are left to Newton's method from outside.
   template <int kSign>
   KERF_INLINE void solve(Lanes p2, Lanes uz, Lanes along, LaneMask near, Lanes across, Lanes& t,
                          SideSpan& span) const {
@@ -341,7 +346,7 @@ struct ArcSide {
 
   /// Moves t from outside to the arc, upwards (kSign 1) or downwards (−1), in the lanes `asked`: to
   /// the root of the parabola that touches G, if G still falls there, then by Newton's steps, which
-  /// stay outside. Returns where the arc is hit.
+  /// stay outside. Returns the lanes that hit the arc.
   template <int kSign>
   KERF_INLINE LaneMask approach(Lanes p2, Lanes uz, Lanes along, LaneMask asked, Lanes& t) const {
     const double found = 2 * radius * kArcFoundMm;

@@ -89,7 +89,7 @@ Shadow::Shadow(const ToolPiece& slice, const std::vector<ToolPose>& poses, doubl
   const double lean2 = u.x * u.x + u.y * u.y;
   if (!(lean2 > kPlaneLean2 && u.z > 0)) return;
   // The plane parallel to the middle axis that touches the piece from below: n is the upward normal
-  // of the axis. Discs reach at most their radius below their centers along n; taking the whole
+  // of the axis. Discs reach at most their radius below their centers along n; using the whole
   // radius covers the turn of the axis to either side.
   const double lean = std::sqrt(lean2);
   const Vec3 n{-u.x * u.z / lean, -u.y * u.z / lean, lean};

@@ -14,14 +14,14 @@
 namespace kerf {
 
 /// Bounds of a slice at several poses of a motion: its outline in the XY plane, and planes below
-/// it. Parts of the stock outside of them cannot be changed by the slice. The outline is enlarged
-/// by `margin_mm`, the distance by which the slice may leave the hull of its poses in between.
+/// it. The slice cannot change parts of the stock outside of them. The outline is enlarged by
+/// `margin_mm`, the distance by which the slice may leave the hull of its poses in between.
 class Shadow {
  public:
   Shadow(const ToolPiece& slice, const std::vector<ToolPose>& poses, double margin_mm);
 
-  /// Call this if the piece at its first pose has been removed from the stock already: then the
-  /// region behind the piece is excluded too.
+  /// Must be called if the piece at its first pose has already been removed from the stock. The
+  /// region behind the piece is then excluded too.
   void set_trail(const Trail& trail);
 
   const SweepBounds& bounds() const { return bounds_; }
@@ -37,7 +37,7 @@ class Shadow {
   } plane_;
   Underside underside_;
   std::optional<Trail> trail_;
-  std::optional<LevelBound> level_;  ///< in place of all others
+  std::optional<LevelBound> level_;  ///< replaces all other bounds if set
 };
 
 }  // namespace kerf

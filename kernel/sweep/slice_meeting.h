@@ -9,33 +9,32 @@
 
 namespace kerf {
 
-/// Sine of the angle between ray and discs from which on the discs, not the side, are used to
-/// estimate the distance between ray and piece.
+/// Sine of the angle between ray and discs from which on the discs, instead of the side, are used
+/// to estimate the distance between ray and piece.
 constexpr double kSteep = 0.5;
 
 /// Intersection of eight rays with a piece, each at its own share of the motion.
 struct Meeting {
-  Lanes lo, hi;  ///< heights of the interval; where the ray misses,
-                 ///< both are the height of the deciding point
+  Lanes lo, hi;  ///< heights of the interval; for misses, both are the height of the deciding point
   LaneMask hit;
-  Lanes side_lo, side_hi;  ///< of the side, continued beyond the discs; lo > hi where it is missed
-  LaneMask on_side;        ///< of hits: the end lies on the side, not on a disc
-  LaneMask enters_side, leaves_side;  ///< of hits: the lower, or upper, end lies on the side
+  Lanes side_lo, side_hi;  ///< of the side, continued beyond the discs; lo > hi for misses
+  LaneMask on_side;        ///< for hits: the end is on the side, not on a disc
+  LaneMask enters_side, leaves_side;  ///< for hits: the lower, or upper, end is on the side
   Lanes within;   ///< distance along the ray of the side's end from the nearer disc; < 0 beyond it
   Lanes through;  ///< depth of the ray in the piece; < 0: distance by which it misses
-  /// Speed of the end outwards, or of the piece towards a ray that misses it. > 0: later in the
-  /// motion the end lies farther out; < 0: it did so earlier.
+  /// Speed of the end outwards, or of the piece towards a ray that misses it. If > 0, the end is
+  /// farther out later in the motion; if < 0, it was farther out earlier.
   Lanes advance;
   Lanes beyond;     ///< advance of the other surface, disc or side, that may end rays here; or 0
-  Lanes clearance;  ///< lower bound of the distance between ray and piece; 0 where it is hit
+  Lanes clearance;  ///< lower bound of the distance between ray and piece; 0 for hits
   Lanes off_side;   ///< of a ray that misses the side between the discs: lower bound of the
                     ///< distance, which shrinks at most as fast as the piece moves there
-  Lanes upright;    ///< advance / upright is the speed of the end along the ray; 0 where missed
+  Lanes upright;    ///< advance / upright is the speed of the end along the ray; 0 for misses
   Lanes normal2;    ///< squared length of the normal along which both are measured
 };
 
 /// Sets the clearance of rays that miss the piece. `p` is the deciding point, at the height `l` on
-/// the axis u; the side's normal there has the component nz along the rays.
+/// the axis u. The side's normal there has the component nz along the rays.
 template <class Side>
 KERF_INLINE void note_clearance(Meeting& m, const Side& side, const SideSpan& span,
                                 const Vec3Lanes& p, const Vec3Lanes& u, Lanes l, Lanes nz,
@@ -43,8 +42,7 @@ KERF_INLINE void note_clearance(Meeting& m, const Side& side, const SideSpan& sp
   const LaneMask by_side = ~m.hit & (steep | ~span.exists);
   const Lanes off_side = side.clearance(p, l, u);
   // Along the ray beyond a disc, the distance from the side shrinks at most at unit rate, while the
-  // distance from the disc grows at the rate `slope`. Beyond the side's end the roles are
-  // exchanged.
+  // distance from the disc grows at the rate `slope`. Beyond the side's end it is the reverse.
   const Lanes slope = magnitude(u.z);
   const Lanes past_disc = off_side * (slope / (1 + slope));
   const Lanes off_disc = greater(side.low - l, l - side.high);
@@ -53,8 +51,8 @@ KERF_INLINE void note_clearance(Meeting& m, const Side& side, const SideSpan& sp
   const LaneMask passes = ~span.exists & (p.z == span.closest);
   const Lanes least = select(passes, off_side, select(by_side, past_disc, past_end));
   m.clearance = select(~m.hit & (least > 0.0), least, Lanes(0));
-  // Where a disc decides, the sum of the distances from side and disc that does not change along
-  // the ray is a bound, of which `past_disc` is the least.
+  // If a disc decides, the sum of the distances from side and disc that is constant along the ray
+  // is a bound. `past_disc` is its least value.
   m.off_side = select(by_side & (off_side > 0.0), select(passes, off_side, past_disc), Lanes(0));
   m.through = select(span.exists, m.through, -off_side);
 }
@@ -62,20 +60,20 @@ KERF_INLINE void note_clearance(Meeting& m, const Side& side, const SideSpan& sp
 /// Intersection of eight rays with a piece, each at a pose of its own. Heights are relative to the
 /// piece's anchor.
 struct Crossing {
-  Vec3Lanes anchor;     ///< from the tip
+  Vec3Lanes anchor;     ///< relative to the tip
   Lanes px, py, along;  ///< position of the ray from the anchor, its component along the axis
   Lanes inverse_uz;
   Lanes disc_in, disc_out;  ///< heights between the planes of the discs
   SideSpan span;
-  LaneMask below, above;  ///< the ray leaves the side before, enters it beyond the discs
+  LaneMask below, above;  ///< the ray leaves the side before the discs, or enters it beyond them
   LaneMask hit;
   Lanes in, out;  ///< interval; empty unless hit
 };
 
 /// Intersects eight rays with a piece. `end` is computed exactly, the other end up to the disc
-/// there. The interval depends on the piece, the pose and the ray alone: it is what
-/// the pose removes (kernel/sweep/README.md, "A pose"). An upper end above the height `top_mm` may
-/// lie anywhere above it.
+/// there. The interval is the one that the pose removes: it depends on the piece, the pose and the
+/// ray alone (kernel/sweep/README.md, "A pose"). An upper end above the height `top_mm` may be
+/// anywhere above it.
 template <End end, class Side>
 KERF_INLINE Crossing cross_piece(const Side& side, const TurningFrame::Poses& pose, Lanes x,
                                  Lanes y, double top_mm = std::numeric_limits<double>::infinity()) {
@@ -85,7 +83,7 @@ KERF_INLINE Crossing cross_piece(const Side& side, const TurningFrame::Poses& po
   c.px = x - (pose.tip.x + c.anchor.x);
   c.py = y - (pose.tip.y + c.anchor.y);
   c.along = c.px * u.x + c.py * u.y;
-  // A ray at right angles to the axis crosses the planes of the discs far away.
+  // A ray perpendicular to the axis crosses the planes of the discs far away.
   c.inverse_uz = 1 / select(magnitude(u.z) > kAxisAlongRayMin, u.z, Lanes(kAxisAlongRayMin));
   const Lanes to_low = (side.low - c.along) * c.inverse_uz;
   const Lanes to_high = (side.high - c.along) * c.inverse_uz;
@@ -99,7 +97,7 @@ KERF_INLINE Crossing cross_piece(const Side& side, const TurningFrame::Poses& po
   c.hit = c.span.exists & ~c.below & ~c.above;
   c.in = greater(c.span.in, c.disc_in);
   c.out = lesser(c.span.out, c.disc_out);
-  // As in meet_discs, to the bit.
+  // Equal to meet_discs, to the bit.
   const DiscPlanes& d = side.planes;
   const Lanes p2 = c.px * c.px + c.py * c.py;
   const Lanes t0 = (d.low - c.along) * c.inverse_uz, t1 = (d.high - c.along) * c.inverse_uz;
@@ -109,7 +107,8 @@ KERF_INLINE Crossing cross_piece(const Side& side, const TurningFrame::Poses& po
   return c;
 }
 
-/// Includes what a piece at a pose removes of eight rays, below the height `top_mm`.
+/// Includes the intervals that a piece at a pose removes from eight rays, below the height
+/// `top_mm`.
 template <class Side>
 KERF_INLINE void include_pose(LaneSpan& span, const Side& side, const ToolPose& pose, Lanes x,
                               Lanes y, double top_mm) {
@@ -121,9 +120,9 @@ KERF_INLINE void include_pose(LaneSpan& span, const Side& side, const ToolPose& 
   span.hi = select(c.hit & (hi > span.hi), hi, span.hi);
 }
 
-/// As include_pose, of a piece that has been removed from the stock at this pose: of a ray inside
-/// of it, only its ends on discs, which a neighbor may continue, and a point are included, unless
-/// some ray takes the whole test.
+/// As include_pose, for a piece that has been removed from the stock at this pose. For a ray inside
+/// it, only a point and the ends on discs, which a neighbor may continue, are included, unless some
+/// ray needs the full test.
 template <class Side>
 KERF_INLINE void include_gone(LaneSpan& span, const Side& side, const ToolPose& pose, Lanes x,
                               Lanes y, double top_mm) {
@@ -147,7 +146,7 @@ KERF_INLINE void include_gone(LaneSpan& span, const Side& side, const ToolPose& 
   const Lanes aside = px * u.y - py * u.x;
   const LaneMask far =
       level2 > 0 ? aside * aside > beyond * beyond * level2 : p2 > Lanes(beyond * beyond);
-  // Next to the end of a ray that passes the rim of a disc, that of a neighbor may lie.
+  // Near the end of a ray that passes the rim of a disc, there may be an end of a neighbor.
   const LaneMask at_rim = ((at0 >= 0.0) & (at0 < kRimMm2)) | ((at1 >= 0.0) & (at1 < kRimMm2));
   if (any(~far & (at_rim | ~(enters | leaves | inside)))) {
     return include_pose(span, side, pose, x, y, top_mm);
@@ -157,8 +156,8 @@ KERF_INLINE void include_gone(LaneSpan& span, const Side& side, const ToolPose& 
   include(span, leaves, anchor.z + t1);
 }
 
-/// Intersects eight rays with a piece at eight poses of its path. `end` is the end for which the
-/// speeds are computed.
+/// Intersects eight rays with a piece at eight poses of its path. The speeds are computed for
+/// `end`.
 template <End end, class Side>
 KERF_INLINE Meeting meet_at(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                             const TurningFrame::Poses& pose) {
@@ -184,7 +183,7 @@ KERF_INLINE Meeting meet_at(const Side& side, const SlicePath& path, Lanes x, La
   const Lanes side_speed = dot(n, v), axis_speed = dot(u, v);
   const Lanes outward = end == End::kLower ? -axis_speed : axis_speed;
   const Lanes disc_speed = select(u.z < 0.0, -outward, outward);
-  // For rays that miss: speed at which the gap closes, at the nearer disc or at the side's end.
+  // For misses: the speed at which the gap closes, at the nearer disc or at the side's end.
   Lanes gap_speed = side_speed;
   if (any(misses)) {
     const Lanes from_disc = side_speed - n.z * axis_speed * crossing.inverse_uz;
@@ -196,13 +195,13 @@ KERF_INLINE Meeting meet_at(const Side& side, const SlicePath& path, Lanes x, La
   Meeting m;
   m.hit = hit;
   m.on_side = on_side;
-  // The other end than `end` is computed up to the disc.
+  // The end other than `end` is computed up to the disc.
   m.enters_side = span.in > disc_in;
   m.leaves_side = span.out < disc_out;
   const Lanes side_end = end == End::kLower ? span.in : span.out;
   const Lanes above_in = side_end - disc_in, below_out = disc_out - side_end;
   m.within = lesser(above_in, below_out);
-  // Near the other disc the ray leaves the piece.
+  // The ray leaves the piece near the other disc.
   const LaneMask ends_here = end == End::kLower ? above_in < below_out : below_out < above_in;
   const Lanes by_discs = lesser(span.out - disc_in, disc_out - span.in);
   m.through = lesser(by_discs * (u.x * u.x + u.y * u.y), span.depth);
@@ -222,14 +221,14 @@ KERF_INLINE Meeting meet_at(const Side& side, const SlicePath& path, Lanes x, La
   return m;
 }
 
-/// The same at eight shares.
+/// As above, at eight shares.
 template <End end, class Side>
 KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes y, Lanes share) {
   return meet_at<end>(side, path, x, y, path.frame.placed(share));
 }
 
-/// Returns `m`, met at a share for the lower ends, with the surface and the speed of the upper ends
-/// of hits. Its `within` and `beyond` are those of the lower ends.
+/// Returns `m`, evaluated at a share for the lower ends, with the surface and the speed of the
+/// upper ends of hits. Its `within` and `beyond` are those of the lower ends.
 template <class Side>
 KERF_INLINE Meeting at_upper_end(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                                  double share, const Meeting& m) {

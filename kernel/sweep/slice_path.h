@@ -14,8 +14,9 @@ inline constexpr int kHalvingsMax = 16;
 /// Parameters of the search for the outermost ends of a slice of the tool along a motion
 /// (kernel/sweep/README.md, "The tight model").
 struct SliceSearch {
-  int parts = 1;            ///< parts of the motion; each is searched between its two stations
-  int halvings = 0;         ///< max bisections of a part, for rays with a non-connected hit set
+  int parts = 1;  ///< parts of the motion; each is searched between its two stations
+  int halvings =
+      0;  ///< maximum number of bisections of a part, for rays with a non-connected hit set
   bool checked = false;     ///< the side may have several outermost ends along the motion
   double bend_mm = 0;       ///< κ: greatest bend of a fixed point's path along normals of the side
   double disc_bend_mm = 0;  ///< the same along normals of the discs
@@ -25,11 +26,11 @@ struct SliceSearch {
   bool shows_disc = true;   ///< a disc of the slice is not hidden within its neighbors
 };
 
-/// What is known of the rows of a block before a slice is evaluated; bit r: row r.
+/// Facts about the rows of a block before a slice is evaluated; bit r: row r.
 struct RowBits {
   unsigned ahead = 0;  ///< the slice at its last pose is all that it sweeps
   /// The disc through which rays may enter, or leave, the slice is hidden within a neighbor that is
-  /// swept there too: an end on it is one of the neighbor too, and needs no search.
+  /// swept there too. An end on it belongs to the neighbor too, and needs no search.
   unsigned hides_entry = 0, hides_exit = 0;
 };
 
@@ -39,13 +40,13 @@ struct DiscPose {
   Vec3 u;
   double inverse_uz;
   double speed;   ///< u·V of the anchor
-  Vec3 by_place;  ///< u·V at the place p from the anchor: speed + by_place·p
+  Vec3 by_place;  ///< u·V at the position p from the anchor: speed + by_place·p
   DiscPlanes discs;
 };
 
 /// The discs of an upright or leaning slice at its stations.
 struct DiscPath {
-  /// At all stations, or only at the last if these are many; empty if the slice leans too much.
+  /// At all stations, or only at the last if there are many. Empty if the slice leans too much.
   std::vector<DiscPose> poses;
   double least_uz = 0;
   double anchor = 0;  ///< height of the side's anchor
@@ -59,7 +60,7 @@ struct SlicePath {
   double speed_max_mm;  ///< greatest speed of a point of the slice, per unit of share
   double lowest_mm;     ///< lower bound of the slice's heights
   DiscPath discs;
-  TurningFrame::Poses first, last;  ///< of all rays: the poses at the shares 0 and 1
+  TurningFrame::Poses first, last;  ///< for all rays: the poses at the shares 0 and 1
 
   /// Returns the pose at a share, computed in `between` unless it is the first or the last one.
   KERF_INLINE const TurningFrame::Poses& pose(double share, TurningFrame::Poses& between) const {

@@ -12,7 +12,7 @@ KERF_INLINE void include_hits(LaneSpan& span, const Meeting& m) {
   span.hi = select(m.hit & (m.hi > span.hi), m.hi, span.hi);
 }
 
-/// Includes the end of a hit. The search for upper ends does not change lower ones: those are final
+/// Includes the end of a hit. The search for upper ends does not change lower ones, which are final
 /// and must not depend on whether upper ends are searched.
 template <End end>
 KERF_INLINE void include_end(LaneSpan& span, const Meeting& m) {
@@ -26,27 +26,27 @@ KERF_INLINE void include_end(LaneSpan& span, const Meeting& m) {
 /// Maximum number of steps of a search. It brackets the solution and stops when all lanes are done.
 constexpr int kSearchSteps = 120;
 
-/// Returns where the end is on the same surface, side or disc, as at a station.
+/// Returns the lanes whose end is on the same surface, side or disc, as at a station.
 KERF_INLINE LaneMask continues(const Meeting& m, const Meeting& station) {
   return m.hit & station.hit & ~(m.on_side ^ station.on_side);
 }
 
-/// Returns the rays that leave the slice through a disc at both stations, and in between nowhere
-/// farther out by more than the tolerance. If a neighbor that is swept too hides the disc, their
-/// upper end is one of the neighbor's too, and need not be searched.
+/// Returns the rays that leave the slice through a disc at both stations, and in between farther
+/// out by at most the tolerance. If a neighbor that is swept too hides the disc, their upper end
+/// belongs to the neighbor too, and need not be searched.
 KERF_INLINE LaneMask leaves_by_disc(const SlicePath& path, const Stretch& stretch) {
   const Meeting &first = stretch.first, &last = stretch.last;
   return first.hit & last.hit & ~first.leaves_side & ~last.leaves_side &
          held_by_disc(path, magnitude(first.hi - last.hi), stretch.to - stretch.from);
 }
-/// The same for the lower ends.
+/// As leaves_by_disc, for the lower ends.
 KERF_INLINE LaneMask enters_by_disc(const SlicePath& path, const Stretch& stretch) {
   const Meeting &first = stretch.first, &last = stretch.last;
   return first.hit & last.hit & ~first.enters_side & ~last.enters_side &
          held_by_disc(path, magnitude(first.lo - last.lo), stretch.to - stretch.from);
 }
 
-/// The quantity that is searched in each lane; at most one of the masks is set.
+/// The quantity that is searched in each lane. At most one of the masks is set.
 struct Searches {
   LaneMask turn;   ///< the share at which the advance changes from > 0 to < 0
   LaneMask first;  ///< the last share up to which the ray's end, from the first station on, stays
@@ -58,9 +58,9 @@ struct Searches {
 };
 
 /// Returns the searches of a stretch. If the end moves outwards at the first station and inwards at
-/// the last, the outermost end lies in between. It may also lie in between if the end changes
-/// surface: at the edge where the first surface ends or the last begins, or, if the speed changes
-/// sign in between, at the edge of the piece.
+/// the last, the outermost end is in between. It may also be in between if the end changes surface:
+/// at the edge where the first surface ends or the last begins, or, if the speed changes sign in
+/// between, at the edge of the piece.
 KERF_INLINE Searches searches_of(const SlicePath& path, const Stretch& stretch, LaneMask asked) {
   const Meeting &first = stretch.first, &last = stretch.last;
   const LaneMask outwards = first.advance > 0.0, inwards = last.advance < 0.0;
@@ -76,7 +76,7 @@ KERF_INLINE Searches searches_of(const SlicePath& path, const Stretch& stretch, 
   return s;
 }
 
-/// Functions one of which is zero at the searched share, evaluated at one end of the bracket.
+/// The functions of which one is zero at the searched share, evaluated at one end of the bracket.
 struct Sought {
   Lanes advance, within, through;
 
@@ -101,7 +101,7 @@ KERF_INLINE Lanes falsi(Lanes a, Lanes b, const Sought& fa, const Sought& fb) {
   return a + (b - a) * (f / (f - g));
 }
 
-/// The shares nearest to the one searched at which rays were met.
+/// The evaluated shares nearest to the searched one.
 struct Bracket {
   FoundEnd earlier, later;
 };
@@ -146,8 +146,8 @@ KERF_INLINE Bracket search(const Side& side, const SlicePath& path, Lanes x, Lan
     a = select(later, s, a);
     b = select(later, b, s);
     // By convexity the end moves along the ray at most at its present speed, and off the surface at
-    // most as far as the piece moves. Where it moves outwards on one of side and disc and inwards
-    // on the other, it is outermost where the two meet, within the bracket.
+    // most as far as the piece moves. If it moves outwards on one of side and disc and inwards on
+    // the other, it is outermost where the two meet, within the bracket.
     const Lanes left = select(later, b - s, s - a);
     const LaneMask as_first = m.within * first_within > 0.0;
     const LaneMask turns =
@@ -172,8 +172,8 @@ KERF_INLINE LaneMask has_one_end(const SlicePath& path, const Stretch& stretch) 
          (last.side_lo <= first.side_hi);
 }
 
-/// Returns the rays of which other ends may lie farther out than the tolerance: neither a round
-/// side nor a disc excludes it.
+/// Returns the rays that may have ends farther out by more than the tolerance, because neither a
+/// round side nor a disc excludes it.
 template <End end>
 KERF_INLINE LaneMask needs_reach(const SlicePath& path, const Stretch& stretch) {
   const Meeting &first = stretch.first, &last = stretch.last;
@@ -183,7 +183,7 @@ KERF_INLINE LaneMask needs_reach(const SlicePath& path, const Stretch& stretch) 
   return ~(first.hit & last.hit & (held | has_one_end(path, stretch)));
 }
 
-/// Returns the rays among `asked` whose outermost end may lie between the stations: search_stretch
+/// Returns the rays among `asked` whose outermost end may be between the stations: search_stretch
 /// must be called for them. `span` holds the ends at the stations.
 template <End end, class Side>
 KERF_INLINE LaneMask needs_search(const Side& side, const SlicePath& path, Lanes x, Lanes y,
@@ -199,13 +199,14 @@ KERF_INLINE LaneMask needs_search(const Side& side, const SlicePath& path, Lanes
 }
 
 /// Number of ends by which a gap is closed before the depth that may be missed is doubled, number
-/// of further ones before it is doubled again, and the maximum of all, which is never reached
-/// (kernel/sweep/README.md, "It ends").
+/// of further ends before it is doubled again, and the maximum of all, which is never reached
+/// (kernel/sweep/bounds.md, "It ends").
 constexpr int kGapSteps = 32, kMoreGapSteps = 4, kGapStepsMax = 1 << 12;
 
-/// Meets the rays `open` at shares within a gap until the reaches of their ends cover it, and
-/// includes these ends in `span`. Each end that joins what is covered closes the gap by its reach;
-/// the share asked for approaches what is covered until one does. Returns the number of meetings.
+/// Evaluates the rays `open` at shares within a gap until the reaches of their ends cover it, and
+/// includes these ends in `span`. Each end whose reach adjoins the covered shares narrows the gap.
+/// The evaluated share approaches the covered ones until that happens. Returns the number of
+/// evaluations.
 template <End end, class Side>
 KERF_INLINE int close_gap(const Side& side, const SlicePath& path, Lanes x, Lanes y, Lanes length,
                           Gap gap, LaneMask open, LaneSpan& span) {
@@ -226,14 +227,14 @@ KERF_INLINE int close_gap(const Side& side, const SlicePath& path, Lanes x, Lane
   return steps;
 }
 
-/// Returns what the stations and the search leave open of the rays `asked`.
+/// Returns the gap that the stations and the search leave in the rays `asked`.
 template <End end, class Side>
 KERF_INLINE Gap gap_after(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                           const Stretch& stretch, const Bracket& found, LaneMask asked,
                           Lanes best) {
   const Lanes length = stretch.to - stretch.from;
   Gap gap = gap_of<end>(side, path, x, y, stretch, best, asked);
-  // The second end of the bracket may join what the first one could not.
+  // The second end of the bracket may adjoin shares that the first one could not.
   for (int k = 0; k < 3 && any(asked & gap.open()); ++k) {
     close<end>(side, path, x, y, gap, k == 1 ? found.later : found.earlier, best, length,
                tolerance_of(path));
@@ -241,8 +242,8 @@ KERF_INLINE Gap gap_after(const Side& side, const SlicePath& path, Lanes x, Lane
   return gap;
 }
 
-/// Widens `span` by the outermost end between two stations, up to the tolerance. Where the ends
-/// found do not exclude that another lies farther out, more are met: their number is returned.
+/// Widens `span` by the outermost end between two stations, up to the tolerance. If the ends found
+/// do not rule out one farther out, more shares are evaluated, and their number is returned.
 template <End end, class Side>
 KERF_INLINE int search_stretch(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                                const Stretch& stretch, LaneMask asked, LaneSpan& span) {

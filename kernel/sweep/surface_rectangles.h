@@ -22,7 +22,7 @@ struct SurfaceRectangles {
     min_x = min_y = Lanes(kInfinity);
     max_x = max_y = Lanes(-kInfinity);
   }
-  /// Includes a disc with the unit normal u in rectangle i; a point if the radius is 0.
+  /// Includes a disc with the unit normal u in rectangle i, or a point if the radius is 0.
   void include(int i, Vec3 center, Vec3 u, double radius) {
     const double x = disc_half_width(radius, u.x) + kRectangleMarginMm;
     const double y = disc_half_width(radius, u.y) + kRectangleMarginMm;
@@ -35,7 +35,7 @@ struct SurfaceRectangles {
     include(i, p.center, p.normal, std::sqrt(p.radius2));
     include(i, p.center + p.along, p.normal, std::sqrt(p.radius2));
   }
-  /// Returns which rectangles overlap the range of x.
+  /// Returns the rectangles that overlap the range of x.
   KERF_INLINE LaneMask beside(double x0, double x1) const { return (min_x <= x1) & (max_x >= x0); }
   /// Returns a mask whose bit i is set if rectangle i, one of `beside`, contains y.
   KERF_INLINE unsigned over(LaneMask beside, double y) const {

@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kNearestSteps = 120;
 
-/// Steps towards the share at which a ball's center is closest. A straight path needs one; a bent
-/// one deviates little from its chord.
+/// Steps towards the share at which a ball's center is closest. A straight path needs one, and a
+/// bent one deviates little from its chord.
 constexpr int kBallSteps = 2;
 
 KERF_INLINE Vec3Lanes select(const LaneMask& condition, const Vec3Lanes& yes, const Vec3Lanes& no) {
@@ -70,7 +70,7 @@ KERF_INLINE SweptSurface::Contact SweptSurface::contact(const PieceProfile& p,
   return c;
 }
 
-/// Contact of a ball. Its center moves on a line that is hardly bent, so projections on the tangent
+/// Contact of a ball. Its center moves on a nearly straight line, so projections on the tangent
 /// find the closest share.
 KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const PieceProfile& ball,
                                                              const Vec3Lanes& point) const {
@@ -101,14 +101,15 @@ KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const PieceProfile&
 
 /// Returns the contact of a piece at the share at which it is closest to the point. The share is
 /// bracketed by the sign of n·V and found by regula falsi in the Illinois variant with bisections.
-/// Where n·V jumps, because the nearest surface changes between side and disc, the difference of
-/// their distances is used instead.
+/// If n·V jumps, because the nearest surface changes between side and disc, the difference of their
+/// distances is used instead.
 KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const PieceProfile& piece,
                                                         const Vec3Lanes& point,
                                                         LaneMask asked) const {
   if (piece.side == PieceProfile::Side::kBall) return ball_contact(piece, point);
   Contact first = contact(piece, point, Lanes(0)), last = contact(piece, point, Lanes(1));
-  // If the piece recedes from the start on, it touches there; if it advances up to the end, there.
+  // A piece that recedes from the start on touches there; one that advances up to the end touches
+  // there.
   const LaneMask at_start = first.advance <= 0.0, at_end = last.advance >= 0.0;
   LaneMask searching = asked & ~at_start & ~at_end;
   Contact found = last;

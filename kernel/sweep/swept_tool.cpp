@@ -25,14 +25,14 @@ std::int64_t parts(double count) {
 struct PiecePlan {
   ToolPiece piece;    ///< the part that can reach into the block
   ToolPiece whole;    ///< all of it
-  std::size_t which;  ///< of the tool's pieces
+  std::size_t which;  ///< index of the piece in the tool
   std::int64_t parts;
   double top_mm;            ///< of the block
   double bend_mm = 0;       ///< κ of a slice
   double disc_bend_mm = 0;  ///< κ of its discs, hidden or not
   bool round = false;       ///< the curvature of the slice exceeds the bend
   ShownDiscs shown = {true, true};
-  bool shows_edge = true;  ///< a disc that shows makes an edge with the side
+  bool shows_edge = true;  ///< an exposed disc makes an edge with the side
 };
 
 /// Returns the greatest distance of a point of the piece from the tip.
@@ -58,8 +58,8 @@ bool covers(const ToolPiece* neighbor, double z_mm, double radius_mm) {
          radius_at(*neighbor, z_mm) >= radius_mm * (1 - kHiddenDiscShare) - kEdgeEpsilonMm;
 }
 
-/// Speeds of the axis during a motion, in the frame of its middle: greatest along the axis,
-/// greatest across it (mm per motion).
+/// Greatest speeds along and across the axis during a motion, in the frame of its middle (mm per
+/// motion).
 struct AxisSpeeds {
   double along, across;
 
@@ -87,7 +87,7 @@ double least_across(const ToolMotion& m, double z0_mm, double z1_mm) {
 }
 
 /// Returns whether the curvature of a cone exceeds the bend κ of the paths, so that each ray has a
-/// single outermost end on it (kernel/sweep/README.md, "Stations"). A point that the slice holds at
+/// single outermost end on it (kernel/sweep/bounds.md, "Stations"). A point that the slice holds at
 /// any pose is considered at all poses, as long as it is inside the side, continued beyond the
 /// discs: it moves along the axis by `drift` at most.
 bool is_round(const FrustumPiece& f, const ToolMotion& m, double along_mm, double bend_mm) {
@@ -106,8 +106,8 @@ std::int64_t parts_of(double bend_mm, double tolerance_mm) {
   return parts(std::sqrt(bend_mm / (8 * kStationShare * tolerance_mm)));
 }
 
-/// Sets κ of a slice that turns by `m`, and its number of parts (kernel/sweep/README.md, "The tight
-/// model").
+/// Sets κ of a slice that turns by `m`, and its number of parts (kernel/sweep/README.md, "Number of
+/// stations").
 void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
   const Extent e = extent(plan.piece);
   const AxisSpeeds v(m);
@@ -182,7 +182,8 @@ ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, doub
   return make_motion(m.at(from_share), m.at(to_share), reach_mm);
 }
 
-/// Returns all discs of a slice within the block, also hidden ones, through which points enter it.
+/// Returns all discs of a slice within the block through which points enter it, including hidden
+/// ones.
 ShownDiscs all_discs(const ToolPiece& slice, const ShownDiscs& shown) {
   const Extent e = extent(slice);
   return {radius_at(slice, e.z0_mm) > kTipMm,
@@ -226,7 +227,7 @@ SweptTool sweep_pieces(const Tool& tool, const std::vector<PiecePlan>& plans, co
   if (m.from == m.to) settings.start_is_cut = false;
   if (m.turn_rad > 0) swept.join_mm = std::max(swept.join_mm, settings.tolerance_mm);
   for (const PiecePlan& plan : plans) {
-    // Above the last piece there is nothing that could be left out.
+    // Above the last piece nothing could be left out.
     ToolAbove above;
     if (&plan != &plans.back()) above = ToolAbove(tool, plan.which, m, settings.block.max_mm.z);
     const auto* ball = std::get_if<BallPiece>(&plan.piece);
@@ -237,7 +238,7 @@ SweptTool sweep_pieces(const Tool& tool, const std::vector<PiecePlan>& plans, co
   return swept;
 }
 
-/// Returns the number of parts in which each turns at most kTurnPerFrameMaxRad.
+/// Returns the number of parts of which each turns at most kTurnPerFrameMaxRad.
 std::int64_t frames_of(const ToolMotion& m) { return parts(m.turn_rad / kTurnPerFrameMaxRad); }
 
 /// The sweep of MotionModel::kTight.

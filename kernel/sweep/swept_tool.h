@@ -23,9 +23,10 @@ using SweptPiece = std::variant<BallSweep, FrustumTranslation, ArcTranslation, T
 /// outside the block.
 struct SweptTool {
   std::vector<SweptPiece> pieces;
-  std::vector<ToolAbove> above;  ///< of each piece
-  /// Gaps between two pieces that are shorter than this on a ray are removed too. It is rounding
-  /// where nothing turns, else the tolerance, by which each piece may fall short of the seam.
+  std::vector<ToolAbove> above;  ///< per piece
+  /// Gaps between two pieces that are shorter than this on a ray are removed too. It covers
+  /// rounding in motions without a turn, and otherwise the tolerance, by which each piece may fall
+  /// short of the seam.
   double join_mm = kEdgeEpsilonMm;
 };
 
@@ -34,7 +35,7 @@ struct SubMotion {
   SweptTool swept;
   ToolMotion motion;
   double share;        ///< of the whole motion's duration
-  std::int64_t count;  ///< sub-motions that it counts as: the most parts of any piece
+  std::int64_t count;  ///< number of sub-motions that it counts as: the most parts of any piece
 };
 
 /// Motions that need more sub-motions are rejected.
@@ -44,18 +45,18 @@ inline constexpr std::int64_t kSubMotionsMax = 1 << 20;
 struct SweepSettings {
   MotionModel model;
   double tolerance_mm;  ///< greatest end-point error against the true motion, off the surface
-  SweepBounds block;    ///< box around all rays: parts of the tool that stay outside are skipped
+  SweepBounds block;    ///< box around all rays; parts of the tool that stay outside are skipped
   /// The tool at the first pose has been removed from the block already.
   bool start_is_cut = false;
 };
 
-/// Returns the number of sub-motions that a motion needs (kernel/sweep/README.md, "The tight
-/// model", "The paper's model"). If it exceeds kSubMotionsMax, the motion must be rejected.
+/// Returns the number of sub-motions that a motion needs (kernel/sweep/README.md, "Number of
+/// stations"). If it exceeds kSubMotionsMax, the motion must be rejected.
 std::int64_t count_sub_motions(const Tool& tool, const ToolMotion& motion,
                                const SweepSettings& settings);
 
-/// Sweeps a tool along a motion: calls `visit` for every part, in order. Their union is the swept
-/// volume (paper Eqs. 9–12).
+/// Sweeps a tool along a motion: calls `visit` for every part, in order. The union of the parts is
+/// the swept volume (paper Eqs. 9–12).
 void sweep_tool(const Tool& tool, const ToolMotion& motion, const SweepSettings& settings,
                 const std::function<void(SubMotion&&)>& visit);
 

@@ -78,8 +78,8 @@ ToolAbove::ToolAbove(const Tool& tool, std::size_t which, const ToolMotion& moti
   if (!(std::min(a.axis.z, b.axis.z) > kAxisUprightMin)) return;
   const Foot foot = foot_of(tool.pieces[which]);
   const double high = height_above(tool, which, foot);
-  // Relative to the tool a point moves by up to its distance from the chord between the two poses:
-  // an eighth of its greatest acceleration (kernel/sweep/README.md, "Below a tool").
+  // Relative to the tool a point leaves its chord between the two poses by at most an eighth of its
+  // greatest acceleration (kernel/sweep/bounds.md, "Below a tool").
   const double turn = motion.turn_rad, reach = std::sqrt(high * high + foot.radius * foot.radius);
   const double bend = turn * turn * (reach + motion.travel_mm) + 2 * turn * motion.travel_mm;
   const double margin = bend / 8 + kEdgeEpsilonMm;

@@ -20,7 +20,7 @@ ToolMotion make_motion(const ToolPose& from, const ToolPose& to, double reach_mm
   motion.turn_rad = angle_between(from.axis, to.axis);
   if (motion.turn_rad < kParallelEpsilon) {
     motion.turn_rad = 0;
-    motion.to.axis = from.axis;  // Axes that differ by rounding are one axis.
+    motion.to.axis = from.axis;  // axes that differ by rounding are equal
   }
   const bool moves = motion.travel_mm > kRestEpsilonMm;
   if (motion.turn_rad == 0) {

@@ -18,7 +18,7 @@ constexpr double kAxialUprightMin = 0.3;
 /// Allowance for rounding in the sines of an arc's part.
 constexpr double kLeanMargin = 0x1p-26;
 /// Least sine of the angle between rays and discs at the first and the last pose for which a disc
-/// is known to be thin in the plane: a ray within a disc would meet it all along.
+/// is known to be thin in the plane. A ray within a disc would meet it all along.
 constexpr double kDiscLeanMin = 0x1p-20;
 
 /// Returns an upper bound of n·V times the radius, at the height l and the offset (dx, dy) from the
@@ -43,7 +43,7 @@ KERF_INLINE AxialSpeed axial_speed(const Trail::Motion& m, Lanes dx, Lanes dy, d
   return {middle - spread, middle + spread};
 }
 
-/// Where none of the discs that are tested, or show, and may lie over the position moves outwards.
+/// The positions over which none of the tested, or exposed, discs moves outwards.
 struct DiscsRecede {
   LaneMask all = every_lane(), shown = every_lane();
 };
@@ -88,8 +88,8 @@ KERF_INLINE AxisDistances axis_distances(const Trail::Motion& m, Lanes dx, Lanes
   return {greater(least, Lanes(0)), greater(at_low, at_high) + spread};
 }
 
-/// Returns where the side of an arc recedes at both ends of the part of it that may lie over the
-/// place, and with that in between. `across` is an upper bound of q·V.
+/// Returns the lanes in which the side of an arc recedes at both ends of the part of it that may be
+/// over the position, and so in between. `across` is an upper bound of q·V.
 KERF_INLINE LaneMask arc_recedes(const Trail::Motion& m, Lanes dx, Lanes dy, double reach,
                                  Lanes across, Lanes low, Lanes high) {
   const AxialSpeed at_low = axial_speed(m, dx, dy, reach, low);
@@ -143,7 +143,7 @@ KERF_INLINE Trail::Receding receding_discs_in_lanes(const Trail::Motion& m, cons
   return {bits(recedes & of_discs.all), bits(recedes & of_discs.shown)};
 }
 
-/// Returns whether a unit vector lies along one of the coordinates.
+/// Returns whether a unit vector is along one of the coordinates.
 bool is_coordinate(const Vec3& u) { return (u.x != 0) + (u.y != 0) + (u.z != 0) == 1; }
 
 KERF_FOR_EACH_TARGET(Trail::Receding, receding_discs,
@@ -155,7 +155,7 @@ KERF_FOR_EACH_TARGET(Trail::Receding, receding_discs,
 Trail::Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs tested,
              ShownDiscs shown) {
   const TurningFrame f(from, to);
-  // Of an arc, the bound of q·V is that of the cylinder around it.
+  // For an arc, the bound of q·V is that of the enclosing cylinder.
   set_side(f, enclosing_frustum(slice));
   set_axial_speed(f);
   const auto* arc = std::get_if<ArcPiece>(&slice);
@@ -228,7 +228,7 @@ void Trail::set_side(const TurningFrame& f, const FrustumPiece& p) {
 }
 
 /// A point at q from the axis has the speed u·V = u·v − w·q, w = Ω × u. Over the position p of the
-/// plane, q = p − tip − l u within the plane across the axis; with the constant g = k × ẑ, k the
+/// plane, q = p − tip − l u within the plane across the axis. With the constant g = k × ẑ, k the
 /// axis of the turn, u_z (w·q) = turn (g·(p − tip) + l w_z).
 void Trail::set_axial_speed(const TurningFrame& f) {
   const double speed = length(f.v), upright = std::abs(f.u.z), half_turn = f.turn / 2;
@@ -237,7 +237,7 @@ void Trail::set_axial_speed(const TurningFrame& f) {
   m_.axial = dot(f.u, f.v);
   m_.axial_x = m_.axial_y = m_.axial_l = m_.axial_per_mm = 0;
   if (f.turn == 0) {
-    // Of a level motion across an axis along one of the coordinates, the discs meet each ray at the
+    // In a level motion of an axis along one of the coordinates, the discs meet each ray at the
     // same height, to the bit, at every pose.
     m_.axial_margin = m_.axial == 0 && is_coordinate(f.u) ? 0 : kRecedingMm;
   } else if (upright < kAxialUprightMin) {

@@ -11,7 +11,7 @@ namespace kerf {
 /// The discs of a slice that are not hidden within its neighbors.
 struct ShownDiscs {
   bool lower = false, upper = false;
-  bool upper_is_outside = false;  ///< the slice was clipped there: the disc is outside the block
+  bool upper_is_outside = false;  ///< the slice was clipped there, so the disc is outside the block
   bool any() const { return lower || upper; }
 };
 
@@ -20,21 +20,22 @@ struct UntestedDiscs {
   unsigned lower = 0, upper = 0;
 };
 
-/// Conservative test for regions behind a moving slice of the tool. There n·V < 0 on its side and
-/// on the discs that it shows during the whole motion, and the tool at the first pose has been
-/// removed from the stock already, so nothing more is removed. The test is cheap compared with the
-/// sweep (kernel/sweep/README.md, "Behind a tool").
+/// Conservative test for regions behind a moving slice of the tool. There, n·V < 0 on its side and
+/// on its exposed discs during the whole motion, and the tool at the first pose has already been
+/// removed from the stock, so nothing more is removed. The test is cheap compared with the sweep
+/// (kernel/sweep/bounds.md, "Behind a tool").
 class Trail {
  public:
-  /// The slice, a frustum or an arc, moves from one pose to the other; their axes are less than
-  /// kTurnPerFrameMaxRad apart. `tested`: the discs that are tested, of which it shows `shown`.
+  /// The slice, a frustum or an arc, moves from one pose to the other. Their axes are less than
+  /// kTurnPerFrameMaxRad apart. `tested` has the discs that are tested, and `shown` the exposed
+  /// ones among them.
   Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs tested,
         ShownDiscs shown);
   Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown)
       : Trail(slice, from, to, shown, shown) {}
 
-  /// The discs of the plane (bit i: disc i) over which the slice recedes: with all of its surface
-  /// that is tested, so that nothing is removed there, or with the part of it that it shows.
+  /// The discs of the plane (bit i: disc i) over which all tested surfaces of the slice recede, so
+  /// that nothing is removed there, or only its exposed surface.
   struct Receding {
     unsigned all, shown;
   };
@@ -43,7 +44,7 @@ class Trail {
     return receding(discs, untested).all;
   }
 
-  /// A disc of the slice; `sign` is 1 for the upper one, −1 for the lower one.
+  /// A disc of the slice. `sign` is 1 for the upper one, −1 for the lower one.
   struct Face {
     double sign, height, radius;
     bool shown;
@@ -69,7 +70,7 @@ class Trail {
     /// axial_l l, up to axial_margin + axial_per_mm per mm of distance.
     double axial, axial_x, axial_y, axial_l, axial_margin, axial_per_mm;
     double half_turn;
-    /// Of an arc: the sines of its normal's angle from the plane across the axis, at its ends.
+    /// For an arc: the sines of its normal's angle from the plane across the axis, at its ends.
     bool is_arc;
     double sine_low, sine_high, arc_center_r, arc_radius;
     double by_upright;  ///< 1/u_z; 0 if a position does not determine the distance from the axis

@@ -7,8 +7,8 @@
 
 namespace kerf {
 
-/// A motion whose axis turns little, relative to its middle: at share s the tip is tip + (s − ½) v
-/// and the axis is u cos a + w sin a, a = (s − ½) turn; k = u × w is the axis of the turn. This is
+/// A motion whose axis turns little, relative to its middle. At share s the tip is tip + (s − ½) v
+/// and the axis is u cos a + w sin a, a = (s − ½) turn. k = u × w is the axis of the turn. This is
 /// the exact motion, not an approximation of it.
 struct TurningFrame {
   Vec3 tip, v, u, w, k;
@@ -41,8 +41,8 @@ struct TurningFrame {
     const Lanes cosine = 1 - a2 * (0.5 - a2 * (1.0 / 24 - a2 * (1.0 / 720)));
     return {v * m, u * cosine + w * sine};
   }
-  /// Returns poses with absolute tips. At the shares 0 and 1 they are the poses between which the
-  /// motion goes, to the bit.
+  /// Returns poses with absolute tips. At the shares 0 and 1 they equal the end poses of the
+  /// motion, to the bit.
   KERF_INLINE Poses placed(Lanes share) const {
     Poses p = at(share);
     p.tip = tip + p.tip;

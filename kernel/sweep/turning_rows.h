@@ -17,8 +17,8 @@ KERF_INLINE void add_span(ColumnBlock& block, int row, const LaneSpan& span, Lan
 }
 
 /// Returns a lower bound of the share between a station that misses a ray and a hit below `top`.
-/// `closing` is the speed at which the piece approaches the ray. A hit up to kRecedingMm off the
-/// piece counts.
+/// `closing` is the speed at which the piece approaches the ray. A pass at up to kRecedingMm off
+/// the piece counts as a hit.
 KERF_INLINE Lanes least_share(const SlicePath& path, const Meeting& m, Lanes closing, double top,
                               Lanes length) {
   return reach_of_miss(path, FoundEnd::of<End::kLower>(Lanes(0), m), closing, -kRecedingMm, top,
@@ -51,8 +51,8 @@ KERF_INLINE Lanes depth_at(const Side& side, const SlicePath& path, const RayRow
   return -greater(side.clearance(p, l, u), greater(side.low - l, l - side.high));
 }
 
-/// Returns which rays that are hit at both stations may leave the piece in between by more than the
-/// search may miss (kernel/sweep/README.md, "Rays met intermittently").
+/// Returns the rays that are hit at both stations but may leave the piece in between by more than
+/// the search may miss (kernel/sweep/bounds.md, "Rays met intermittently").
 template <class Side>
 KERF_INLINE LaneMask may_leave(const Side& side, const SlicePath& path, const RayRow& row,
                                const Stretch& stretch) {
@@ -70,11 +70,12 @@ KERF_INLINE LaneMask may_leave(const Side& side, const SlicePath& path, const Ra
                                depth_at(side, path, row, stretch.to, last)));
 }
 
-/// Divides the rays of a stretch. Bisected are rays that the piece may hit late, leave or hit
-/// again: all except those inside at both stations without a gap in between, and those that cannot
-/// be reached from either station, which are not searched either. A ray that crosses a hidden disc
-/// is inside a neighbor, so only the side counts then. From the level that the bend requires on,
-/// only rays that are inside at both stations, but may leave the piece in between, are bisected.
+/// Selects the rays of a stretch to bisect: those that the piece may hit late, leave or hit again.
+/// These are all rays except those inside at both stations without a gap in between, and those that
+/// cannot be reached from either station, which are not searched either. A ray that crosses a
+/// hidden disc is inside a neighbor, so only the side counts then. From the level on that the bend
+/// requires, only rays that are inside at both stations, but may leave the piece in between, are
+/// bisected.
 template <class Side>
 KERF_INLINE Division divide(const Side& side, const SlicePath& path, const RayRow& row,
                             const Stretch& stretch, LaneMask asked, int level,
@@ -115,11 +116,11 @@ struct Station {
   Meeting met;
 };
 
-/// The stations of a row. Those that follow are on a stack, the next one on top. None is copied: a
-/// meeting takes a kilobyte. The memory is not cleared for each row.
+/// The stations of a row. Pending stations are on a stack, the next one on top. They are never
+/// copied, because an intersection takes a kilobyte. The memory is not cleared for each row.
 class Stations {
  public:
-  /// Meets the rays of a row at a share.
+  /// Intersects the rays of a row at a share.
   template <class Side>
   KERF_INLINE Station& add(const Side& side, const SlicePath& path, const RayRow& row, double share,
                            int level, LaneMask asked) {
@@ -152,8 +153,8 @@ KERF_DECLARE_TARGETS(void, search_packed_rays,
                      (const PieceSide& side, const SlicePath& path, PackedRays& rays, bool finish,
                       ColumnBlock& block))
 
-/// Adds the intervals between two stations to a row, of the rays `asked`. Upper ends are searched
-/// only where they lie below `top`.
+/// Adds the intervals between two stations to a row, for the rays `asked`. Upper ends are searched
+/// only if they are below `top`.
 template <class Side>
 KERF_INLINE void sweep_stretch(const Side& side, const SlicePath& path, const RayRow& row,
                                const Stretch& stretch, LaneMask asked, PackedRays& packed,
@@ -191,8 +192,8 @@ KERF_INLINE void sweep_stretch(const Side& side, const SlicePath& path, const Ra
 
 /// Adds the intervals that the piece sweeps between two stations to a row. Rays with a
 /// non-connected hit set are bisected repeatedly, because their intervals may be separate: a disc
-/// that turns about its diameter leaves a ray on one side and comes back on the other. The one
-/// station that waits ends the stretch, and is returned; `first` is dropped.
+/// that turns about its diameter leaves a ray on one side and returns on the other. The single
+/// pending station ends the stretch, and is returned; `first` is dropped.
 template <class Side>
 KERF_INLINE Station& evaluate_stretch(const Side& side, const SlicePath& path, const RayRow& row,
                                       Station* first, Stations& stations, PackedRays& packed,
@@ -228,14 +229,14 @@ KERF_INLINE void add_last_pose(const Side& side, const SlicePath& path, const Ra
   add_span(block, row.number, span, open & c.hit);
 }
 
-/// The rays of a row of which an end is known after its first or its last pose has been met.
+/// The rays of a row for which an end is known after the first or the last pose has been evaluated.
 struct KnownEnds {
   LaneMask lower, upper;
 
   KERF_INLINE LaneMask both() const { return lower & upper; }
 };
 
-/// Returns outermost_at for the upper ends at the first or the last pose, met in `station`.
+/// Returns outermost_at for the upper ends at the first or the last pose, evaluated in `station`.
 template <class Side>
 KERF_INLINE LaneMask upper_outermost_at(const Side& side, const SlicePath& path, const RayRow& row,
                                         const Station& station) {
@@ -243,9 +244,9 @@ KERF_INLINE LaneMask upper_outermost_at(const Side& side, const SlicePath& path,
   return outermost_at(path, upper, station.share > 0 ? 1 : -1);
 }
 
-/// Returns the ends that lie, at the first or the last pose met in `station`, farther out than at
-/// any other, and those of rays without stock beyond them. Which ends are found elsewhere, and
-/// where, must not depend on the stock.
+/// Returns the ends that are outermost at the first or the last pose, evaluated in `station`, and
+/// those of rays without stock beyond them. The selection of ends that are found elsewhere, and
+/// their positions, must not depend on the stock.
 template <class Side>
 KERF_INLINE KnownEnds known_at(const Side& side, const SlicePath& path, const RayRow& row,
                                const Station& station, LaneMask asked, const ColumnBlock& block) {
@@ -261,8 +262,8 @@ KERF_INLINE KnownEnds known_at(const Side& side, const SlicePath& path, const Ra
   return known;
 }
 
-/// Returns whether a row is rather ahead of the slice than behind it: then its last pose is more
-/// likely to be all that it sweeps there than its first one.
+/// Returns whether a row is ahead of the slice rather than behind it, so that its last pose is more
+/// likely than its first to be all that it sweeps there.
 KERF_INLINE bool is_ahead(const SlicePath& path, const RayRow& row) {
   const TurningFrame& f = path.frame;
   const double x = (row.x[0] + row.x[kLanes - 1]) * 0.5 - f.tip.x, y = row.y[0] - f.tip.y;
@@ -278,7 +279,7 @@ KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const Ray
   Stations stations;
   Station* ends[2];
   KnownEnds known{~every_lane(), ~every_lane()};
-  Lanes reach = Lanes(0);  // the share in which no missed ray is hit, from the first pose met on
+  Lanes reach = Lanes(0);  // the share in which no missed ray is hit, from the first evaluated pose on
   bool at_last = is_ahead(path, row);
   for (int k = 0; k < 2; ++k, at_last = !at_last) {
     Station& met = stations.add(side, path, row, at_last ? 1 : 0, 0, open);
@@ -295,7 +296,7 @@ KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const Ray
     if (any(missed)) {
       beside = select(missed, least_share(path, met.met, sign * met.met.advance, top, 1), beside);
       const LaneMask doubtful = missed & ~(beside + reach > 1.0);
-      // A single part is searched all the same if the row has hits.
+      // A single part is searched anyway if the row has hits.
       if (any(doubtful) && (parts > 1 || !any(open & met.met.hit))) {
         const FoundEnd end = FoundEnd::of<End::kLower>(Lanes(met.share), met.met);
         const Lanes share =
@@ -308,7 +309,7 @@ KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const Ray
     reach = beside;
     known = {known.lower | here.lower, known.upper | here.upper};
   }
-  // Both ends are known, and the intervals of both poses overlap: nothing else is swept.
+  // Both ends are known, and the intervals of both poses overlap, so nothing else is swept.
   const Meeting &from = ends[0]->met, &to = ends[1]->met;
   LaneMask ends_known =
       open & known.lower & from.hit & to.hit & (from.lo <= to.hi) & (to.lo <= from.hi);

@@ -3,7 +3,7 @@
 
 #include "kernel/sweep/turning_rows.h"
 
-// Defines the functions that turning_rows.h declares, for one instruction set: the unit that
+// Defines the functions that turning_rows.h declares, for one instruction set. The unit that
 // includes this file defines KERF_UNIT_TARGET, its attribute, and KERF_FOR_UNIT_TARGET, the macro
 // of kernel/math/targets.h for it.
 
@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// A side of either kind, for which the long functions are called, not inlined: the copies of a
+/// A side of either kind, for which the long functions are called instead of inlined. Copies of a
 /// row's and a batch's loops would not fit into the instruction cache of a core, and take minutes
 /// to compile.
 struct OutOfLine {

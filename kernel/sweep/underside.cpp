@@ -20,7 +20,7 @@ struct Normals {
   Lanes cosine, sine, support;
 };
 
-/// Returns normals of the side that face down, below the nearest place of each disc.
+/// Returns normals of the side that face down, below the nearest position of each disc.
 KERF_INLINE Normals normals_of(const Underside::Motion& m, Lanes dx, Lanes dy, double reach) {
   const Lanes rx = dx - m.middle * m.u.x, ry = dy - m.middle * m.u.y;
   const Lanes rz = (rx * m.u.x + ry * m.u.y) * (-1 / m.u.z);

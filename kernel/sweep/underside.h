@@ -9,11 +9,11 @@
 namespace kerf {
 
 /// Lower bounds of the heights that a moving slice of an upright or leaning tool can reach: planes
-/// that touch it from below, at its lower disc and at its side below a place
-/// (kernel/sweep/README.md, "Below a tool").
+/// that touch it from below, at its lower disc and at its side below a position
+/// (kernel/sweep/bounds.md, "Below a tool").
 class Underside {
  public:
-  /// The slice, a frustum or an arc, moves from one pose to the other; their axes are less than
+  /// The slice, a frustum or an arc, moves from one pose to the other. Their axes are less than
   /// kTurnPerFrameMaxRad apart.
   Underside(const ToolPiece& slice, const ToolPose& from, const ToolPose& to);
 
@@ -30,7 +30,7 @@ class Underside {
   static constexpr int kStationsMax = 5;
   struct Motion {
     Vec3 tip, u, w;
-    bool leans_little;  ///< false: the planes may not be below the slice, there is no bound
+    bool leans_little;  ///< if false, the planes may not be below the slice, and there is no bound
     bool is_arc;
     double middle;            ///< height of the arc's center, or of the frustum's lower disc
     double center_r, radius;  ///< of the arc

@@ -19,7 +19,7 @@ struct Line {
 };
 
 /// Intersects a line with the corner circle. Returns the tangent point, or the point where the line
-/// enters or leaves the circle; nothing if it misses the circle.
+/// enters or leaves the circle, or nothing if it misses the circle.
 std::optional<ProfilePoint> meet(const Line& line, const AptShape& s, bool where_it_leaves) {
   const double cr = s.e_mm - line.point.r_mm, ch = s.f_mm - line.point.h_mm;
   const double foot = cr * line.dr + ch * line.dh;

@@ -57,7 +57,8 @@ ArcPiece arc_of(const BallPiece& ball, double top) {
   return {0, ball.center_mm, ball.radius_mm, ball.center_mm - ball.radius_mm, top};
 }
 
-/// Returns the pieces without balls. A ball that the next piece continues ends where that begins.
+/// Returns the pieces without balls. A ball that the next piece continues ends where that piece
+/// begins.
 std::vector<ToolPiece> sections_of(std::span<const ToolPiece> pieces) {
   std::vector<ToolPiece> sections;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -91,12 +92,12 @@ std::vector<OutlinePoint> hull_over(const std::vector<OutlinePoint>& points) {
   return hull;
 }
 
-/// Returns the distance of a point from the line through two others.
+/// Returns the distance of a point from the line through two points.
 double off_line(OutlinePoint a, OutlinePoint b, OutlinePoint p) {
   return std::abs(cross(b - a, p - a)) / length(b - a);
 }
 
-/// Returns whether no point is farther below the hull over all than the allowance.
+/// Returns whether no point is below the hull by more than the allowance.
 bool is_nearly_concave(const std::vector<OutlinePoint>& points,
                        const std::vector<OutlinePoint>& hull) {
   std::size_t k = 1;
@@ -107,7 +108,7 @@ bool is_nearly_concave(const std::vector<OutlinePoint>& points,
   return true;
 }
 
-/// Returns a hull without the corners that hardly stand out.
+/// Returns a hull without corners that hardly protrude.
 std::vector<OutlinePoint> simplified(const std::vector<OutlinePoint>& hull) {
   std::vector<OutlinePoint> kept{hull.front()};
   for (std::size_t from = 0; from + 1 < hull.size();) {
@@ -128,7 +129,7 @@ std::vector<OutlinePoint> simplified(const std::vector<OutlinePoint>& hull) {
 /// A convex part that grows upwards.
 class GrowingPart {
  public:
-  /// Adds a section, or returns false where the union would not be convex. The first one fits.
+  /// Adds a section, or returns false if the union would not be convex. The first one always fits.
   bool add(const ToolPiece& section) {
     if (!is_empty()) {
       const OutlinePoint top = straight_.empty() ? upper_end(pieces_.back()) : straight_.back();
@@ -140,7 +141,7 @@ class GrowingPart {
     return arc != nullptr ? add_arc(*arc) : add_straight(section);
   }
 
-  /// Ends the part.
+  /// Completes the part and returns it.
   ConvexPart finish() {
     end_straight();
     ConvexPart part;
@@ -158,7 +159,7 @@ class GrowingPart {
   bool is_empty() const { return pieces_.empty() && straight_.empty(); }
 
   /// Returns whether the outline bends towards the axis, or hardly away, from one piece to the
-  /// next. Beyond its end, the one is continued along the other.
+  /// next. Beyond its end, one piece is continued along the other.
   static bool is_convex(const ToolPiece& below, const ToolPiece& above) {
     const double away =
         cross(direction_at(below, upper_end(below)), direction_at(above, lower_end(above)));

@@ -9,8 +9,7 @@
 namespace kerf {
 
 /// A convex part of a tool, as large as possible: adjoining frusta and arcs from the bottom up,
-/// whose outline is concave. It is a property of the outline: dividing a section into several
-/// changes nothing.
+/// whose outline is concave. It depends on the outline alone, not on its division into sections.
 struct ConvexPart {
   std::vector<ToolPiece> pieces;  ///< no balls; each begins where the one below ends
   std::vector<double> ridges_mm;  ///< heights at which the outline has an edge
@@ -25,11 +24,11 @@ std::vector<ConvexPart> convex_parts(std::span<const ToolPiece> pieces);
 
 Extent extent(const ConvexPart& part);
 
-/// Returns the piece at a height of the axis: of two that meet there the upper one, beyond an end
-/// that at the end.
+/// Returns the piece at a height of the axis. Where two pieces meet it is the upper one; beyond an
+/// end, the piece at the end.
 const ToolPiece& piece_at(const ConvexPart& part, double z_mm);
 
-/// Returns the radius at a height of the axis; kNoRadiusMm where the part has no point.
+/// Returns the radius at a height of the axis, or kNoRadiusMm beyond the part.
 double radius_at(const ConvexPart& part, double z_mm);
 
 }  // namespace kerf

@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-/// Returns whether the part of the ball above the arc lies inside the line that follows: that line
+/// Returns whether the part of the ball above the arc is inside the line that follows: that line
 /// leaves the arc outside the circle's tangent, and is as high as the ball.
 bool covers_rest(const OutlineArc& arc, const OutlineSection* next) {
   const double top = arc.center.h_mm + arc.radius_mm;
@@ -27,7 +27,7 @@ bool is_ball(const OutlineArc& arc, const OutlineSection* next) {
          covers_rest(arc, next);
 }
 
-/// Makes an arc piece. Where rounding puts an end beyond the arc's pole the radius is enlarged, so
+/// Makes an arc piece. If rounding puts an end beyond the arc's pole, the radius is enlarged, so
 /// that radius² − (h − center_h)² is nowhere negative.
 ArcPiece arc_piece(const OutlineArc& arc, double z0, double z1) {
   const double radius =
@@ -39,7 +39,7 @@ ArcPiece arc_piece(const OutlineArc& arc, double z0, double z1) {
 
 std::vector<ToolPiece> pieces_of(const std::vector<OutlineSection>& outline) {
   std::vector<ToolPiece> pieces;
-  double z0 = 0;  // End of the last piece: pieces touch even where a low section was skipped.
+  double z0 = 0;  // end of the last piece: pieces touch even if a low section was skipped
   for (std::size_t i = 0; i < outline.size(); ++i) {
     const OutlineSection* next = i + 1 < outline.size() ? &outline[i + 1] : nullptr;
     const ProfilePoint from = std::visit([](const auto& s) { return s.from; }, outline[i]);

@@ -71,8 +71,9 @@ std::expected<double, ToolError> offset(const ProfileCenteredArc& arc, const Cho
 }
 
 /// Returns the straight sections that replace an arc that bulges towards the axis: its tangents at
-/// both ends and at equal angles in between. They lie within the tool. Their corners are farthest
-/// off the arc, by radius (1/cos(angle / 2) − 1). Empty: more than kToolPiecesMax are needed.
+/// both ends and at equal angles in between. They are within the tool. Their corners are farthest
+/// from the arc, by radius (1/cos(angle / 2) − 1). Returns nothing if more than kToolPiecesMax are
+/// needed.
 std::vector<OutlineSection> tangents(const OutlineArc& arc, double chord_tolerance_mm) {
   const auto angle = [&](ProfilePoint p) {
     return std::atan2(p.h_mm - arc.center.h_mm, arc.center.r_mm - p.r_mm);
@@ -166,7 +167,7 @@ ToolCheck check_points(const ProfileShape& shape, const std::string& field) {
   return check_length(field, end_of(shape.steps.back()).h_mm);
 }
 
-/// Returns whether a section has height but no radius: such a part has no volume.
+/// Returns whether a section has height but no radius, and hence no volume.
 bool has_needle(const std::vector<OutlineSection>& sections) {
   return std::ranges::any_of(sections, [](const OutlineSection& section) {
     const auto* line = std::get_if<OutlineLine>(&section);

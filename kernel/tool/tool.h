@@ -13,13 +13,13 @@
 namespace kerf {
 
 /// A validated tool: the union of its convex pieces, tip at the origin, axis +Z. It holds lengths
-/// only, no angles: a journal that stores tools replays identically on every CPU, which libm's
-/// trigonometry would not.
+/// only and no angles, so a journal that stores tools replays identically on every CPU,
+/// independently of libm's trigonometry.
 struct Tool {
   std::vector<ToolPiece> pieces;       ///< the cutting part, from the tip up
   double length_mm = 0;                ///< top of the highest cutting piece
   double radius_mm = 0;                ///< largest radius of any cutting piece
-  std::vector<ToolPiece> non_cutting;  ///< shank and holder, upwards: they collide, never cut
+  std::vector<ToolPiece> non_cutting;  ///< shank and holder, upwards; they collide but never cut
   double whole_length_mm = 0;          ///< as length_mm and radius_mm, over all pieces
   double whole_radius_mm = 0;
   std::vector<ConvexPart> whole_parts;        ///< of all pieces, for contact (convex_parts)

@@ -50,7 +50,7 @@ ToolPiece raised(ArcPiece piece, double by_mm) {
   piece.center_z_mm += by_mm;
   piece.z0_mm += by_mm;
   piece.z1_mm += by_mm;
-  // Each sum is rounded on its own: enlarge the radius so that the ends stay within the arc.
+  // Each sum is rounded on its own, so the radius is enlarged to keep the ends within the arc.
   piece.radius_mm =
       std::max({piece.radius_mm, piece.center_z_mm - piece.z0_mm, piece.z1_mm - piece.center_z_mm});
   return piece;

@@ -11,7 +11,7 @@
 
 namespace kerf {
 
-// Checks that the definitions of all shapes share, and the resolution of each shape.
+// Checks shared by the definitions of all shapes, and the resolution of each shape.
 
 using ToolCheck = std::expected<void, ToolError>;
 /// The convex pieces of a shape, from the tip up.
@@ -26,8 +26,8 @@ inline std::unexpected<ToolError> reject(ToolErrorCode code, std::string field,
 ToolCheck check_length(const std::string& field, double value_mm);
 /// Checks for a coordinate or a length that may be zero: finite, in [least_mm, kToolLengthMaxMm].
 ToolCheck check_coordinate(const std::string& field, double value_mm, double least_mm);
-/// Checks for an angle strictly between two limits. Denormal numbers are rejected: they are always
-/// a mistake.
+/// Checks for an angle strictly between two limits. Denormal numbers are rejected, because they are
+/// always a mistake.
 ToolCheck check_angle(const std::string& field, double value_deg, double above_deg,
                       double below_deg);
 /// Checks the number of pieces, and that each is finite, ordered and within the limits.

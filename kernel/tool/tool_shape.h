@@ -16,8 +16,8 @@ struct BallShape {
 struct FlatShape {
   double diameter_mm, length_mm;
 };
-/// A cylinder with a rounded lower edge. A corner of 0 makes it flat, one of half the diameter a
-/// ball.
+/// A cylinder with a rounded lower edge. A corner of 0 makes it flat, a corner of half the diameter
+/// a ball.
 struct BullNoseShape {
   double diameter_mm;
   double corner_radius_mm;  ///< in [0, diameter / 2]
@@ -35,13 +35,13 @@ struct ConeEndShape {
   double tip_angle_deg;  ///< included angle of the cone at the tip, in (0, 180)
   double length_mm;      ///< whole length, cone and cylinder
 };
-/// The cutter of APT's CUTTER/d,r,e,f,alpha,beta,h, in the half-plane (radius, height): a bottom
-/// line rises outwards from the tip at `alpha` to the horizontal, a side line leans away from the
-/// axis by `beta`, both meet at the radius d/2, and an arc of radius r about (e, f) joins them. The
-/// arc is tangent to a line or is cut off by it. A negative e makes a barrel.
+/// The cutter of APT's CUTTER/d,r,e,f,alpha,beta,h, in the half-plane (radius, height). A bottom
+/// line rises outwards from the tip at `alpha` to the horizontal, and a side line leans away from
+/// the axis by `beta`. Both meet at the radius d/2, and an arc of radius r about (e, f) joins them.
+/// The arc is tangent to a line or is cut off by it. A negative e makes a barrel.
 struct AptShape {
   double d_mm;       ///< diameter where bottom and side line meet, > 0
-  double r_mm;       ///< corner radius; 0: a sharp corner, and (e, f) is where the lines meet
+  double r_mm;       ///< corner radius; 0 makes a sharp corner, and (e, f) is where the lines meet
   double e_mm;       ///< distance of the arc's center from the axis, < 0 beyond the axis
   double f_mm;       ///< height of the arc's center
   double alpha_deg;  ///< in [0, 90)
