@@ -116,7 +116,7 @@ inline constexpr double kPoleMarginMm = 1e-5;
 /// cut too shallow by it.
 inline constexpr double kTranslationSearchMm = 1e-9;
 
-/// mm. A point this near to a piece lies on it, and no other piece is tested.
+/// mm. A point this near to a piece is on it, and no other piece is tested.
 /// Owner: sweep/swept_surface. If it grows, ends near a seam get the normal of the wrong piece.
 inline constexpr double kOnSurfaceMm = 1e-6;
 

@@ -63,7 +63,7 @@ std::string mutated(const std::vector<std::string>& inputs, std::mt19937_64& ran
   return out;
 }
 
-TEST(FuzzCorpus, EveryTargetHandlesItsCorpusAndWhatIsDerivedFromIt) {
+TEST(FuzzCorpus, EveryTargetHandlesItsCorpusAndMutations) {
   std::mt19937_64 random(20);
   for (const Target& target : targets()) {
     SCOPED_TRACE(target.name);

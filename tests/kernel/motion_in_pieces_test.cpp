@@ -105,14 +105,14 @@ TEST(MotionInPieces, OtherMotionsInBetweenDoNotChangeTheSolid) {
         const MoveTool other = moves.next();
         whole.apply(other).value();
         pieces.apply(other).value();
-        (void)pieces.solid();  // as a viewer takes it
+        (void)pieces.solid();  // as for a viewer
       }
       ASSERT_EQ(pieces.state_hash(), whole.state_hash()) << n;
     }
   }
 }
 
-TEST(MotionInPieces, APieceCutsNoMoreTilesThanAllowed) {
+TEST(MotionInPieces, PiecesCutNoMoreTilesThanAllowed) {
   Sculpture sculpture = block(Rays::kDexel, false);
   const MoveTool across{2, {{-10, 12, -2}, {0, 0, 1}}, {{34, 12, -2}, {0, 0, 1}}, 1, false};
   EXPECT_GE(sculpture.tiles_in_reach(across), 16);
@@ -163,7 +163,7 @@ TEST(MotionInPieces, ReachCountsTheTilesThatAMotionMayChange) {
   EXPECT_EQ(sculpture.tiles_in_reach(away), 0);
 }
 
-TEST(MotionInPieces, AnInvalidMotionIsRejectedBeforeItBegins) {
+TEST(MotionInPieces, InvalidMotionIsRejectedBeforeItBegins) {
   Sculpture sculpture = block(Rays::kDexel, false);
   const MoveTool unknown{9, {{0, 0, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 0, 1}}, 1, false};
   EXPECT_FALSE(sculpture.begin(unknown));

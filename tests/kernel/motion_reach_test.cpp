@@ -22,7 +22,7 @@ std::vector<DexelGrid> grids_of(const Sculpture& block) {
   return grids;
 }
 
-TEST(MotionReach, HoldsEveryTileThatAMotionCuts) {
+TEST(MotionReach, ContainsEveryTileThatAMotionCuts) {
   std::mt19937 random(8);
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution(low, high)(random);
@@ -94,7 +94,7 @@ void for_each_point(const Tool& tool, const ToolMotion& motion, const Visit& vis
   }
 }
 
-TEST(MotionReach, ABoxHoldsWhatTheToolPassesAndLittleElse) {
+TEST(MotionReach, BoxTightlyEnclosesTheSweptVolume) {
   std::mt19937 random(3);
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution(low, high)(random);
@@ -137,7 +137,7 @@ TEST(MotionReach, ABoxHoldsWhatTheToolPassesAndLittleElse) {
   }
 }
 
-TEST(MotionReach, ARoundToolMeetsNoCornerOfItsBox) {
+TEST(MotionReach, RoundToolMissesTheCornersOfItsBox) {
   const Tool ball = *make_tool(BallShape{.diameter_mm = 10, .length_mm = 40});
   const Tool flat = *make_tool(FlatShape{.diameter_mm = 10, .length_mm = 40});
   const Vec3 lean = normalized({0.2, 0, 1});
@@ -160,7 +160,7 @@ TEST(MotionReach, ARoundToolMeetsNoCornerOfItsBox) {
   EXPECT_FALSE(may_meet(flat, upright, box({0, 0, -5}, 0.9))) << "below its bottom";
 }
 
-TEST(MotionReach, ABoxHoldsTheMiddleOfATurn) {
+TEST(MotionReach, BoxContainsTheMiddleOfATurn) {
   // A needle passes the vertical, and a disc the horizontal, in the middle of the turn only.
   const Tool needle = *make_tool(FlatShape{.diameter_mm = 0.01, .length_mm = 20});
   const double half = std::sqrt(0.5);
@@ -176,7 +176,7 @@ TEST(MotionReach, ABoxHoldsTheMiddleOfATurn) {
   EXPECT_GE(through.lo_mm.z, -5.1);
 }
 
-TEST(MotionReach, ADiagonalReachesTilesInProportionToItsLength) {
+TEST(MotionReach, DiagonalReachesTilesInProportionToItsLength) {
   SculptureSettings settings;
   settings.stock = BoxStock{{0, 0, -10}, {1000, 1000, 0}};
   settings.pitch_mm = 0.1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motions that are applied together give the bytes of one after the other, whatever thread does
-// which part of them, and in which order.
+// Motions that are applied together give the same bytes as one after the other, regardless of the
+// threads that do parts of them, and of their order.
 
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -49,7 +49,7 @@ Sculpture block(const SculptureSettings& settings) {
   return s;
 }
 
-/// Motions of participants that move in turn, near each other or apart; now and then one jumps.
+/// Motions of participants that move in turn, near each other or apart. Occasionally one jumps.
 std::vector<MoveTool> random_motions(std::mt19937& random, int participants, int count,
                                      double apart) {
   const auto in = [&](double low, double high) {
@@ -99,7 +99,7 @@ void expect_same(const MotionResult& a, const MotionResult& b) {
   EXPECT_EQ(a.cut_tiles, b.cut_tiles);
 }
 
-/// Compares the normals of the ends, which the state hash leaves out.
+/// Compares the normals of the ends, which the state hash excludes.
 void expect_same_normals(const Sculpture& a, const Sculpture& b, Rays rays) {
   for (const RayAxis axis : axes_of(rays)) {
     const DexelGrid& grid = a.field(axis)->grid();
@@ -119,7 +119,7 @@ void expect_same_normals(const Sculpture& a, const Sculpture& b, Rays rays) {
   }
 }
 
-/// Applies motions in windows of random sizes, with a snapshot now and then.
+/// Applies motions in windows of random sizes, with occasional snapshots.
 std::vector<MotionResult> apply_together(Sculpture& s, std::span<const MoveTool> moves,
                                          Workers& workers, unsigned seed) {
   std::mt19937 random(seed);
@@ -136,7 +136,7 @@ std::vector<MotionResult> apply_together(Sculpture& s, std::span<const MoveTool>
 
 class MotionWindows : public testing::TestWithParam<std::tuple<Rays, ForceLaw>> {};
 
-TEST_P(MotionWindows, AreOneMotionAfterTheOtherToTheBit) {
+TEST_P(MotionWindows, EqualSequentialMotionsToTheBit) {
   const auto [rays, law] = GetParam();
   for (const double apart : {2.0, 12.0}) {
     SCOPED_TRACE(apart);
@@ -177,9 +177,9 @@ INSTANTIATE_TEST_SUITE_P(All, MotionWindows,
                                           testing::Values(ForceLaw::kSpecificEnergy,
                                                           ForceLaw::kMechanistic)));
 
-// Normals are resolved in batches of sweeps, bit by bit, and the tiles are divided among the
+// Normals are resolved in batches of sweeps, in small steps, and the tiles are divided among the
 // threads.
-TEST(MotionWindow, NormalsOfManyMotionsAreThoseOfOneThread) {
+TEST(MotionWindow, NormalsDoNotDependOnThreads) {
   const SculptureSettings settings = settings_of(Rays::kDexel, ForceLaw::kSpecificEnergy);
   std::mt19937 random(3);
   const std::vector<MoveTool> moves = random_motions(random, 5, 800, 12);
@@ -201,7 +201,7 @@ TEST(MotionWindow, NormalsOfManyMotionsAreThoseOfOneThread) {
   }
 }
 
-TEST(MotionWindow, AMotionOfMoreSubMotionsThanAreCutTogetherIsCutInParts) {
+TEST(MotionWindow, MotionsBeyondTheSweepLimitAreCutInParts) {
   SculptureSettings settings = settings_of(Rays::kTriDexel, ForceLaw::kSpecificEnergy);
   settings.motion = MotionModel::kPaper;
   settings.keep_normals = false;
@@ -219,7 +219,7 @@ TEST(MotionWindow, AMotionOfMoreSubMotionsThanAreCutTogetherIsCutInParts) {
   EXPECT_EQ(together.state_hash(), one.state_hash());
 }
 
-/// A plate of a square's side, 1 mm thick, and a cutter that is wider.
+/// A square plate, 1 mm thick, and a cutter that is wider.
 Sculpture plate(double side_mm, double pitch_mm, ForceLaw law) {
   SculptureSettings settings = settings_of(Rays::kDexel, law);
   settings.stock = BoxStock{{0, 0, 0}, {side_mm, side_mm, 1}};
@@ -235,7 +235,7 @@ MoveTool plunge(double side_mm, double depth_mm) {
   return {1, {middle, {0, 0, 1}}, {{middle.x, middle.y, 1 - depth_mm}, {0, 0, 1}}, 0.1, true};
 }
 
-TEST(MotionWindow, ASweepOfMoreTilesThanAWindowHoldsIsFeltAsAWhole) {
+TEST(MotionWindow, SweepsLargerThanAWindowAreFeltAsAWhole) {
   for (const ForceLaw law : {ForceLaw::kSpecificEnergy, ForceLaw::kMechanistic}) {
     // 67 x 67 tiles of 3.2 mm, and 34 x 34 of 6.4 mm.
     Sculpture fine = plate(214.4, 0.1, law), coarse = plate(214.4, 0.2, law);
@@ -254,8 +254,8 @@ TEST(MotionWindow, ASweepOfMoreTilesThanAWindowHoldsIsFeltAsAWhole) {
   }
 }
 
-TEST(MotionWindow, KeepsNoMoreForASweepOfManyTilesThanForOneThatFillsAWindow) {
-  // The cutter reaches 157 x 157 tiles by less than a quantum, so that none is made.
+TEST(MotionWindow, MemoryIsBoundedByOneWindow) {
+  // The cutter reaches 157 x 157 tiles by less than a quantum, so that no tile is created.
   Sculpture s = plate(500, 0.1, ForceLaw::kSpecificEnergy);
   const std::size_t before = mallinfo2().uordblks + mallinfo2().hblkhd;
   const MotionResult result = s.apply(plunge(500, 1e-10)).value();

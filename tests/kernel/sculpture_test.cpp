@@ -53,7 +53,7 @@ TEST(Sculpture, RejectsBadSettingsWithTheirCode) {
             kBadObstacle);
 }
 
-TEST(Sculpture, ReturnsToAnEarlierSolidWhileItsUserFeelsOn) {
+TEST(Sculpture, RestoresASolidWithoutInterruptingTheForce) {
   auto tried = sculpture(), plain = sculpture();
   const SolidSnapshot before = tried.solid();
   const MoveTool other{1, {{25, 5, 16}, kUp}, {{5, 25, 14}, kUp}, 0.1, false};
@@ -70,7 +70,7 @@ TEST(Sculpture, ReturnsToAnEarlierSolidWhileItsUserFeelsOn) {
   EXPECT_FALSE(others.restore(before));
 }
 
-TEST(Sculpture, ABlockThatTookOverASolidLeavesThatAsItIs) {
+TEST(Sculpture, RestoredBlockDoesNotChangeTheSharedSolid) {
   auto first = sculpture();
   for (int n = 0; n < 4; ++n) {
     first.apply(MoveTool{1, {{25, 5, 18.0 - n}, kUp}, {{5, 25, 18.0 - n}, kUp}, 0.1, false})

@@ -179,7 +179,7 @@ std::optional<ChangedColumns> difference(const DexelSnapshot& a, const DexelSnap
   return found;
 }
 
-TEST(SurfaceMesh, ChangesWhereItReadsChangedColumnsOnly) {
+TEST(SurfaceMesh, ChangesOnlyWhereItReadsChangedColumns) {
   Sculpture sculpture = make_sculpture(kBlock, 0.25);
   RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, 9);
   const DexelGrid& grid = sculpture.grid();

@@ -30,7 +30,7 @@ class History {
 
   const std::vector<MoveTool>& motions() const { return motions_; }
   const Tool& tool(const MoveTool& motion) const { return tools_[motion.tool - 1]; }
-  /// Returns a block with these motions, and those that continue another in its wake.
+  /// Returns a block with these motions, of which some continue the previous one.
   Sculpture block(const std::vector<MoveTool>& motions) const {
     Sculpture sculpture = Sculpture::create(settings_).value();
     for (ToolId id = 1; id <= tools_.size(); ++id) {
@@ -126,7 +126,7 @@ std::vector<TileReplacement> carved(History& history, TileCarver& carver,
   return all;
 }
 
-TEST(TileCarver, ReplacedTilesLeaveTheBlockInWhichTheOtherMotionsNeverHappened) {
+TEST(TileCarver, ReplacedTilesEqualABlockWithoutTheUndoneMotions) {
   unsigned seed = 1;
   int different = 0;
   for (const SculptureSettings& settings : every_kind()) {
@@ -140,7 +140,7 @@ TEST(TileCarver, ReplacedTilesLeaveTheBlockInWhichTheOtherMotionsNeverHappened) 
       const bool differs = block.state_hash() != never.state_hash();
       const ReplacedTiles replaced = block.replace(carved(history, carver, rest));
       EXPECT_EQ(block.state_hash(), never.state_hash()) << "seed " << seed - 1;
-      // Some motions miss the block, or cut what others cut too.
+      // Some motions miss the block, or cut the same material as the remaining ones.
       EXPECT_EQ(replaced.returned_mm3 > 0, differs) << "seed " << seed - 1;
       EXPECT_EQ(replaced.changed_tiles.empty(), !differs);
       different += differs ? 1 : 0;
@@ -154,9 +154,9 @@ TEST(TileCarver, ReplacedTilesLeaveTheBlockInWhichTheOtherMotionsNeverHappened) 
   EXPECT_GE(different, 7);
 }
 
-/// A Sculpture knows that the start of a motion has been cut, and leaves that out; a carver of
-/// tiles does not. With a fine pitch a difference of one quantum meets some ray.
-TEST(TileCarver, KnowsNoStartsAndLeavesTheSameBytes) {
+/// A Sculpture knows that the start of a motion has been cut, and leaves it out; a carver of tiles
+/// does not. With a fine pitch a difference of one quantum would affect some ray.
+TEST(TileCarver, UnknownStartsGiveTheSameBytes) {
   const Vec3 up{0, 0, 1};
   SculptureSettings settings;
   settings.stock = BoxStock{{-2.5, -2.5, -6}, {2.5, 2.5, 0}};
@@ -191,7 +191,7 @@ TEST(TileCarver, KnowsNoStartsAndLeavesTheSameBytes) {
       }
       for (const FieldTile& tile : tiles) {
         const DexelTile *one = field.find(tile.tile), *other = carver.find(tile);
-        if (other == nullptr) continue;  // nothing has reached it
+        if (other == nullptr) continue;  // no motion has reached it
         ASSERT_NE(one, nullptr);
         std::vector<Dexel> expected, found;
         for (int column = 0; column < kTileColumns; ++column) {
@@ -204,7 +204,7 @@ TEST(TileCarver, KnowsNoStartsAndLeavesTheSameBytes) {
   }
 }
 
-TEST(TileCarver, ABlockIsCarvedOnAfterTilesWereReplaced) {
+TEST(TileCarver, CarvingContinuesAfterReplacement) {
   for (const SculptureSettings& settings : every_kind()) {
     History history(settings, 77);
     std::vector<MoveTool> rest = history.some();
@@ -218,7 +218,7 @@ TEST(TileCarver, ABlockIsCarvedOnAfterTilesWereReplaced) {
   }
 }
 
-TEST(TileCarver, MotionsSinceAreCutAgainFromTheReplacedTiles) {
+TEST(TileCarver, MotionsSinceAreCutFromTheReplacedTiles) {
   for (const SculptureSettings& settings : every_kind()) {
     History history(settings, 12);
     Sculpture block = history.block(history.motions());
@@ -237,7 +237,7 @@ TEST(TileCarver, MotionsSinceAreCutAgainFromTheReplacedTiles) {
   }
 }
 
-TEST(TileCarver, AToolIsInStockOnlyWhereItWouldCut) {
+TEST(TileCarver, ToolIsInStockOnlyWhereItWouldCut) {
   for (const SculptureSettings& settings : every_kind()) {
     History history(settings, 3);
     Sculpture block = Sculpture::create(settings).value();
@@ -255,7 +255,7 @@ TEST(TileCarver, AToolIsInStockOnlyWhereItWouldCut) {
   }
 }
 
-TEST(TileCarver, AToolFarFromTheReplacedTilesKeepsItsForce) {
+TEST(TileCarver, DistantToolKeepsItsForce) {
   const SculptureSettings settings = settings_of(Rays::kDexel, BoxStock{{0, 0, -8}, {60, 20, 0}});
   History history(settings, 1);
   const Vec3 up{0, 0, 1};
@@ -277,7 +277,7 @@ TEST(TileCarver, AToolFarFromTheReplacedTilesKeepsItsForce) {
   EXPECT_EQ(forces_n[0], forces_n[1]);
 }
 
-TEST(TileCarver, CommonOfTwoSetsOfMotionsIsWhatAllOfThemLeave) {
+TEST(TileCarver, CommonSolidEqualsCarvingByBothSets) {
   for (const SculptureSettings& settings : every_kind()) {
     History history(settings, 5);
     const auto& all = history.motions();
@@ -301,7 +301,7 @@ TEST(TileCarver, CommonOfTwoSetsOfMotionsIsWhatAllOfThemLeave) {
   }
 }
 
-/// The share of ends whose normals differ between two blocks of equal solid.
+/// Returns the share of ends whose normals differ between two blocks of equal solid.
 double differing_normals(Sculpture& a, Sculpture& b) {
   long ends = 0, differ = 0;
   const SolidSnapshot left = a.solid(), right = b.solid();
@@ -324,7 +324,7 @@ double differing_normals(Sculpture& a, Sculpture& b) {
 }
 
 TEST(TileCarver, EndsHaveTheNormalsOfTheMotionsThatMadeThem) {
-  // Where two motions leave an end at one depth, the order decides, so few may differ.
+  // If two motions leave an end at one depth, the order decides, so few may differ.
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     const SculptureSettings settings = settings_of(rays, BoxStock{{0, 0, -8}, {24, 20, 0}});
     History history(settings, 9);
@@ -334,7 +334,7 @@ TEST(TileCarver, EndsHaveTheNormalsOfTheMotionsThatMadeThem) {
     Sculpture block = history.block(history.motions());
     block.replace(carved(history, carver, rest));
     EXPECT_LT(differing_normals(block, never), 0.01);
-    // Of two halves too.
+    // The same for the two halves.
     const auto middle = rest.begin() + static_cast<std::ptrdiff_t>(rest.size() / 2);
     auto halves = carved(history, carver, {rest.begin(), middle});
     const auto others = carved(history, carver, {middle, rest.end()});
@@ -353,7 +353,7 @@ TEST(TileCarver, EndsHaveTheNormalsOfTheMotionsThatMadeThem) {
   }
 }
 
-TEST(TileCarver, StockThatComesBackAroundAToolIsAnImprintWithoutForce) {
+TEST(TileCarver, StockRestoredAroundAToolIsImprint) {
   const SculptureSettings settings = settings_of(Rays::kDexel, BoxStock{{0, 0, -8}, {24, 20, 0}});
   History history(settings, 1);
   Sculpture block = history.block({});

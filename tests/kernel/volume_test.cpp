@@ -69,7 +69,7 @@ double volume(const BoxStock& box) {
   return size.x * size.y * size.z;
 }
 
-TEST(Volume, OfRandomBoxesAndWhatIsRemovedOfThem) {
+TEST(Volume, RandomBoxesAndTheirCutsAreExact) {
   for (unsigned seed = 1; seed <= 1000; ++seed) {
     Random random(seed);
     const double pitch = std::pow(10, random.in(-2, 1));
@@ -95,7 +95,7 @@ TEST(Volume, OfRandomBoxesAndWhatIsRemovedOfThem) {
     EXPECT_NEAR(block.removed_volume_mm3(), all, 1e-6 * all);
     EXPECT_NEAR(block.snapshot(RayAxis::kZ).volume_mm3(), 0, exact);
 
-    // All stock comes back.
+    // All stock is restored.
     std::vector<TileReplacement> whole;
     for (const MotionResult& result : {first, rest}) {
       for (const FieldTile& tile : result.cut_tiles) whole.push_back({tile, nullptr});
@@ -104,7 +104,7 @@ TEST(Volume, OfRandomBoxesAndWhatIsRemovedOfThem) {
   }
 }
 
-TEST(Volume, OfAMotionInPiecesAndOfItsImprint) {
+TEST(Volume, MotionInPiecesAndItsImprintAreExact) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     const BoxStock box{{0, 0, 0}, {1.4, 3.3, 2.6}};
     const SculptureSettings settings = settings_of(box, 1, rays);
@@ -116,7 +116,7 @@ TEST(Volume, OfAMotionInPiecesAndOfItsImprint) {
     MotionInPieces pieces = in_pieces.begin(move).value();
     std::optional<MotionResult> result;
     while (!result) result = in_pieces.advance(pieces, 1);
-    // The cover begins at a height of 2: what is above is its imprint.
+    // The cover begins at a height of 2, so everything above is its imprint.
     EXPECT_NEAR(whole.removed_mm3, 1.4 * 3.3 * 2.6, 1e-6);
     EXPECT_NEAR(whole.imprint_mm3, 1.4 * 3.3 * 0.6, 1e-6);
     EXPECT_DOUBLE_EQ(result->removed_mm3, whole.removed_mm3);
@@ -124,7 +124,7 @@ TEST(Volume, OfAMotionInPiecesAndOfItsImprint) {
   }
 }
 
-/// Returns the thrust of a plunge into a block, in the middle of it; the tool's axis is beside it.
+/// Returns the thrust of a plunge into the middle of a block; the tool's axis is off the middle.
 double thrust_n(const BoxStock& box, double pitch_mm, Rays rays, ForceLaw law) {
   SculptureSettings settings = settings_of(box, pitch_mm, rays);
   settings.force.law = law;
@@ -142,7 +142,7 @@ double thrust_n(const BoxStock& box, double pitch_mm, Rays rays, ForceLaw law) {
   return wrench.force_n.z;
 }
 
-TEST(Volume, IsThatOfForces) {
+TEST(Volume, ForcesUseTheExactVolume) {
   const BoxStock box{{0, 0, 0}, {3.3, 3.3, 6}};
   for (const ForceLaw law : {ForceLaw::kSpecificEnergy, ForceLaw::kDexelRemovalRate}) {
     // One field samples a plunge exactly; rays across it meet its floor row by row.
@@ -156,7 +156,7 @@ TEST(Volume, IsThatOfForces) {
   }
 }
 
-TEST(Volume, OfABlockThatThePitchDividesIsThatOfItsColumns) {
+TEST(Volume, BlockThatThePitchDividesEqualsItsColumns) {
   const BoxStock box{{-50.3, 0.1, -7}, {-40.3, 12.4, 5.3}};
   for (const RayAxis axis : {RayAxis::kX, RayAxis::kY, RayAxis::kZ}) {
     const DexelField field(box, 0.1, axis);
@@ -172,7 +172,7 @@ TEST(Volume, OfABlockThatThePitchDividesIsThatOfItsColumns) {
   }
 }
 
-TEST(Volume, OfCylinders) {
+TEST(Volume, CylindersAreAccurate) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     Random random(seed);
     const double pitch = random.in(0.05, 0.5), radius = 0.5 * pitch * random.in(199.5, 200.5);
@@ -228,17 +228,17 @@ std::vector<Vec3> polygon(int corners, double radius_mm, double stretch, double 
   return all;
 }
 
-TEST(Volume, OfMeshes) {
+TEST(Volume, MeshesAreAccurate) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     Random random(seed);
     const int corners = seed % 4 == 3 ? 60 : static_cast<int>(3 + seed % 4);
-    // Turned anyhow, by almost nothing, and by 45 degrees.
+    // Turned arbitrarily, by almost nothing, and by 45 degrees.
     const double turn = seed % 3 == 0   ? random.in(0, 7)
                         : seed % 3 == 1 ? random.in(-0.02, 0.02)
                                         : std::numbers::pi / 4;
     auto mesh = std::make_shared<TriangleMesh>(
         prism(polygon(corners, 10, random.in(0.6, 1), turn), random.in(1, 3)));
-    // Every second one leans.
+    // Every second prism leans.
     const Vec3 lean{random.in(-0.5, 0.5), random.in(-0.5, 0.5), random.in(-0.5, 0.5)};
     for (Vec3& v : mesh->vertices_mm) {
       if (seed % 2 == 0) v = v + cross(lean, v);
@@ -260,7 +260,7 @@ TEST(Volume, OfMeshes) {
   }
 }
 
-TEST(Volume, OfAMeshOfABoxIsThatOfTheBox) {
+TEST(Volume, BoxMeshEqualsTheBox) {
   for (const double pitch : {0.25, 0.1, 1.0}) {
     const double side = pitch == 0.1 ? 10 : 10.12;
     auto mesh = std::make_shared<TriangleMesh>(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fig. 15: a songbird on a branch, as the greatest of the heights of its parts.
+// Fig. 15: a songbird on a branch, as the maximum of the heights of its parts.
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +42,7 @@ double wing(double x, double y) {
   const Vec3 at = kWing.local(x, y);
   double height = dome(length(at), 4.6, 6);
   if (height == 0) return 0;
-  // Scales of the shoulder, which pass into long feathers that fan out from it.
+  // Scales of the shoulder, which turn into long feathers that fan out from it.
   const double feather = std::clamp(2.5 * (at.x + 0.5), 0.0, 1.0);
   return height + (1 - feather) * 0.3 * std::cos(13 * at.x) * std::cos(11 * at.y) +
          feather * 0.5 * std::abs(std::sin(9 * (at.y - 0.25) / (1.15 - 0.35 * at.x)));

@@ -6,7 +6,7 @@
 
 namespace kerf::paper {
 
-/// What a check of a statement of the paper has measured. The text is the same on every run.
+/// The result of checking a statement of the paper. The text is the same on every run.
 struct Finding {
   bool holds = false;
   std::string figures;
@@ -18,7 +18,8 @@ struct Check {
   Finding (*run)();
 };
 
-/// Checks of updates and swept volumes, of forces, of models and programs, and against voxels.
+/// Checks of updates and swept volumes, of forces, of models and programs, and comparisons with
+/// voxels.
 std::vector<Check> volume_checks();
 std::vector<Check> force_checks();
 std::vector<Check> output_checks();
@@ -27,7 +28,7 @@ std::vector<Check> voxel_checks();
 /// Returns all checks.
 const std::vector<Check>& checks();
 
-/// Returns what a check finds; runs it at the first call.
+/// Returns the result of a check, which runs at the first call.
 const Finding& found(const std::string& name);
 
 /// Formats numbers, as printf does.

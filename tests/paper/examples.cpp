@@ -11,7 +11,7 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kLiftMm = 3;  ///< of a brush between its strokes, above the stock
 
-/// A point of a stroke: place and width of the line, mm.
+/// A point of a stroke: position and width of the line, mm.
 struct Dab {
   double x, y, width;
 };
@@ -29,7 +29,8 @@ Dab between(const std::vector<Dab>& dabs, std::size_t n, double s) {
           std::max(0.1, spline(a.width, b.width, c.width, d.width))};
 }
 
-/// Appends a stroke of a cone of 90 degrees, which leans away from where the line goes, as a brush.
+/// Appends a stroke of a cone of 90 degrees, which leans away from the direction of the line, like
+/// a brush.
 void append_stroke(const std::vector<Dab>& dabs, std::vector<ToolPose>& path) {
   std::vector<ToolPose> stroke;
   for (std::size_t n = 0; n + 1 < dabs.size(); ++n) {

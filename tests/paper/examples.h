@@ -8,8 +8,7 @@
 
 namespace kerf::paper {
 
-/// One of the paper's examples, made by us: a stock, a tool (number 1) and the poses that it
-/// passes.
+/// One of the paper's examples, recreated: a stock, a tool (number 1) and the poses that it passes.
 struct Example {
   SculptureSettings settings;
   ToolShape shape;
@@ -24,10 +23,10 @@ Example curve();
 /// Fig. 17: a Chinese character (forever) by a cone that leans like a brush, in five strokes.
 Example brush();
 /// Fig. 18: a front of a drawer in five axes: a wavy surface, and two spirals cut into it, with the
-/// tool along the normal. The last `*spirals` poses are of the spirals.
+/// tool along the normal. The last `*spirals` poses belong to the spirals.
 Example furniture(std::size_t* spirals = nullptr);
 
-/// Returns the height of the bird above the ground of its relief, mm, at a place of its stock.
+/// Returns the height of the bird above the ground of its relief, mm, at a position of its stock.
 double bird_height(double x_mm, double y_mm);
 
 /// A motion of an example and its result.

@@ -59,7 +59,7 @@ double radius_of(const Tool& tool, double height_mm) {
   return radius;
 }
 
-/// A tool in slices of its height.
+/// Adds a tool as slices of its height.
 void add_tool(const Tool& tool, const ToolPose& pose, double height_mm,
               std::vector<PictureRod>& rods) {
   constexpr int kSlices = 40;
@@ -87,7 +87,7 @@ Picture draw_dexel_updates() {
   return row_of(parts);
 }
 
-/// What a tool sweeps: the hollow that it leaves in a block, as a solid.
+/// Returns the swept volume as a solid: the hollow that the tool leaves in a block.
 Sculpture swept_solid(const Tool& tool, const ToolPose& from, const ToolPose& to, MotionModel model,
                       double tolerance_mm) {
   SculptureSettings settings;
@@ -176,7 +176,7 @@ Picture draw_bird_stl() {
   return row_of({draw(model, style), cropped(fine, 200, 190, 430, 360)});
 }
 
-/// Fig. 16: what is drawn along the path.
+/// Fig. 16: the vectors that are drawn along the path.
 Picture draw_curve(bool motion, bool force, bool torque) {
   Example one = curve();
   one.settings.pitch_mm = 0.2;

@@ -8,11 +8,11 @@
 
 namespace kerf::paper {
 
-/// One of our pictures beneath a figure of the paper.
+/// A recreated picture for a figure of the paper.
 struct Figure {
   std::string file;     ///< without ".png"
-  std::string place;    ///< of the paper: "Fig. 15 (b)"
-  std::string caption;  ///< what is seen
+  std::string place;    ///< in the paper: "Fig. 15 (b)"
+  std::string caption;  ///< description of the picture
   Picture (*draw)();
 };
 

@@ -24,8 +24,8 @@ struct Cut {
   double swing = 0;  ///< of the lean along the path, rad
 };
 
-/// Every shape of tool, both laws, three fields, a tool that leans and one that swings. The last
-/// two turn the force out of the plane of the path.
+/// Every tool shape, both laws, three fields, a tool that leans and one that swings. The last two
+/// turn the force out of the plane of the path.
 std::vector<Cut> cuts() {
   std::vector<Cut> all;
   for (const auto& [name, shape] : std::vector<std::pair<const char*, ToolShape>>{
@@ -81,7 +81,7 @@ Finding force_along_the_tangent() {
   for (const Cut& cut : cuts()) {
     std::vector<double> angles, tip_angles;
     for (const Step& step : steps_of(cut)) {
-      // The path of the place that is cut, which is the tip's unless the tool turns.
+      // The path of the point that is cut, which is the tip's path unless the tool turns.
       const Vec3 travel = step.to.tip_mm - step.from.tip_mm;
       const Vec3 arm = step.result.cutting.center_mm - (step.from.tip_mm + step.to.tip_mm) * 0.5;
       const Vec3 tangent = travel + cross(cross(step.from.axis, step.to.axis), arm);
@@ -99,7 +99,7 @@ Finding force_along_the_tangent() {
            cuts().size(), worst, turned, of_tip)};
 }
 
-/// The least share by which torques depart from k |F|, over all factors k.
+/// Returns the least share by which torques deviate from k |F|, over all factors k.
 double departure_from_proportion(const std::vector<Step>& steps) {
   double least = HUGE_VAL, most = 0;
   for (const Step& step : steps) {
@@ -130,7 +130,8 @@ Finding right_hand_rule() {
     std::vector<double> angles;
     for (const Step& step : steps_of(cut)) {
       Vec3 turn = cross(step.result.cutting.center_mm - pivot_of(step), step.result.wrench.force_n);
-      turn = turn - step.to.axis * dot(turn, step.to.axis);  // which a device of 5 DOF cannot give
+      turn =
+          turn - step.to.axis * dot(turn, step.to.axis);  // which a device of 5 DOF cannot display
       const Vec3 torque = normalized(step.result.wrench.torque_nmm);
       const double cosine = dot(normalized(turn), torque);
       angles.push_back(degrees_between(turn, torque));

@@ -33,7 +33,7 @@ double volume_of(const TriangleMesh& mesh) {
   return six / 6;
 }
 
-/// Whether each edge has two triangles, which pass it in opposite directions.
+/// Returns whether each edge has two triangles, which pass it in opposite directions.
 bool is_closed(const TriangleMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> passes;
   for (const auto& triangle : mesh.triangles) {

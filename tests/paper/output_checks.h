@@ -8,11 +8,11 @@
 
 namespace kerf::paper {
 
-/// The carved bird, made once.
+/// Returns the carved bird, carved once.
 Sculpture& carved_bird();
-/// The bird as an STL file, written and read again: Fig. 15 (c).
+/// Returns the bird as an STL file, written and read back: Fig. 15 (c).
 std::shared_ptr<const TriangleMesh> bird_stl();
-/// The brush: carved by hand, and from the NC program that was written of it: Fig. 17 (c).
+/// The brush, carved by hand and from the NC program written from it: Fig. 17 (c).
 struct Replay {
   Sculpture by_hand, from_nc;
   std::size_t lines = 0, motions = 0;

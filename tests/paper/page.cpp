@@ -32,7 +32,7 @@ Ran run(const Row& row, const std::string& options) {
   return ran;
 }
 
-/// A text with its lines wrapped at 100 columns.
+/// Returns a text with its lines wrapped at 100 columns.
 std::string wrapped(std::string text) {
   std::size_t begin = 0;
   while (text.size() - begin > 100) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the page of the paper. Usage: paper_page [FOLDER=tests/paper]. Exits with 1 if a row fails.
+// Writes the page of the paper. Usage: paper_page [FOLDER=tests/paper]. Exits with 1 if a row
+// fails.
 
 #include <cstdio>
 #include <filesystem>

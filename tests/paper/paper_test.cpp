@@ -22,17 +22,17 @@ TEST_P(PaperCheck, Holds) {
 INSTANTIATE_TEST_SUITE_P(Page, PaperCheck, testing::ValuesIn(checks()),
                          [](const auto& check) { return std::string(check.param.name); });
 
-TEST(PaperPage, IsWhatTheCommandWrites) {
+TEST(PaperPage, EqualsTheGeneratedPage) {
   std::ifstream in(KERF_SOURCE_DIR "/tests/paper/page.md");
   const std::string committed{std::istreambuf_iterator<char>(in), {}};
   int failed = 0;
-  // The tests of other programs run by themselves; here each row must name some that exist.
+  // The tests of other programs run on their own. Here each row must name some that exist.
   const std::string page = page_text(has_tests, failed);
   EXPECT_EQ(failed, 0);
   EXPECT_EQ(committed.substr(0, committed.find("\n## Times")), page);
 }
 
-TEST(PaperPage, ARowFailsWhoseTestsFailOrDoNotExist) {
+TEST(PaperPage, RowsWithFailingOrMissingTestsFail) {
   const Row none{.program = "kernel/kerf_kernel_test", .check = "NoSuch.Test"};
   EXPECT_FALSE(has_tests(none));
   EXPECT_FALSE(run_tests(none));
@@ -44,7 +44,7 @@ TEST(PaperPage, ARowFailsWhoseTestsFailOrDoNotExist) {
 }
 
 TEST(VoxelBlock, RemovesTheVoxelsWhoseCentersTheMillReaches) {
-  // A ball that passes along X at its lowest in the middle of the block, and a flat mill on a ramp.
+  // A ball that moves along X, lowest in the middle of the block, and a flat mill on a ramp.
   for (const bool ball : {true, false}) {
     VoxelBlock block({{0, 0, 0}, {12, 8, 20}}, 0.25);
     const Mill mill{ball, 2};
@@ -67,7 +67,7 @@ TEST(VoxelBlock, RemovesTheVoxelsWhoseCentersTheMillReaches) {
   }
 }
 
-TEST(Examples, TheBirdStandsOutOfItsGround) {
+TEST(Examples, BirdRisesAboveItsGround) {
   // A height field that is below the stock's top, and empty at the corners of the picture.
   double most = 0;
   for (double x = 0; x < 70; x += 0.5) {

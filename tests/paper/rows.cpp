@@ -6,7 +6,7 @@
 namespace kerf::paper {
 namespace {
 
-/// The next cell of a row of a table, without the spaces around it.
+/// Returns the next cell of a row of a table, without the spaces around it.
 std::string next_cell(const std::string& line, std::size_t& at) {
   const std::size_t begin = line.find_first_not_of(' ', at), end = line.find('|', begin);
   at = end + 1;
@@ -14,7 +14,7 @@ std::string next_cell(const std::string& line, std::size_t& at) {
   return last < begin ? "" : line.substr(begin, last + 1 - begin);
 }
 
-/// A name without the quotes of code.
+/// Returns a name without its backquotes.
 std::string bare(const std::string& cell) {
   return cell.size() > 2 ? cell.substr(1, cell.size() - 2) : "";
 }

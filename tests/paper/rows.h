@@ -6,14 +6,15 @@
 
 namespace kerf::paper {
 
-/// A claim, an equation or a figure of the paper, and what reproduces it.
+/// A claim, an equation or a figure of the paper, and the check that reproduces it.
 struct Row {
   std::string place = {};   ///< in the paper
   std::string states = {};  ///< what it states
   std::string where = {};   ///< where it is implemented
   std::string program =
       {};  ///< of tests, below the build's folder "tests"; "": a check of this folder
-  std::string check = {};     ///< its tests as a gtest filter, or the name of the check; "": none
+  std::string check =
+      {};  ///< its tests as a gtest filter, or the name of the check; empty without one
   std::string deviates = {};  ///< what differs, or cannot be reproduced, and why
 };
 

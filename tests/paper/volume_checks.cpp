@@ -20,7 +20,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kBlockHeightMm = 10, kBallMm = 7;
 
-/// Fig. 1: each column that the ball meets has the ends of the circle, and the others are whole.
+/// Fig. 1: each column that the ball meets has the ends of the circle, and all other columns are
+/// whole.
 Finding dexels_are_shortened_and_broken() {
   int met = 0;
   bool holds = true;

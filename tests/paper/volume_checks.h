@@ -7,8 +7,8 @@
 
 namespace kerf::paper {
 
-/// Fig. 1 (c) to (e): a block of 10 x 4 thick columns and a ball of 7 mm that lies and moves along
-/// Y through it, with its axis at a height; 1 is defined as its tool.
+/// Fig. 1 (c) to (e): returns a block of 10 x 4 thick columns, cut by a horizontal ball mill of 7
+/// mm that moves along Y through it with its axis at a height. Its tool has the id 1.
 Sculpture columns_cut_at(double height_mm);
 
 /// Returns the table of the four kinds of motion, by both models: errors and cuts of a motion, the

@@ -11,7 +11,7 @@ namespace kerf::paper {
 double Mill::lowest_mm(Vec3 from, Vec3 to, double x, double y) const {
   const Vec3 d = to - from;
   const double level = d.x * d.x + d.y * d.y, rx = x - from.x, ry = y - from.y;
-  // The place of the tip where it is nearest to (x, y), and the distance then.
+  // The position of the tip nearest to (x, y), and the distance there.
   const double near = level > 0 ? (rx * d.x + ry * d.y) / level : 0;
   const double off = rx * rx + ry * ry - near * near * level;
   const double inside = radius_mm * radius_mm - off;

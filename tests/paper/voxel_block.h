@@ -18,15 +18,15 @@ struct Mill {
   double lowest_mm(Vec3 from_mm, Vec3 to_mm, double x, double y) const;
 };
 
-/// A stock as cubes in a regular lattice (Fig. 1a), one bit each: the least that a voxel model can
-/// store, cut by whole words. A cube is removed if its center is.
+/// A stock as cubes in a regular lattice (Fig. 1a), one bit each, which is the least that a voxel
+/// model can store. It is cut by whole words. A cube is removed if its center is.
 class VoxelBlock {
  public:
   VoxelBlock(const BoxStock& stock, double edge_mm);
 
   void cut(const Mill& mill, Vec3 from_mm, Vec3 to_mm);
 
-  /// Returns the number of cubes that are left.
+  /// Returns the number of remaining cubes.
   std::size_t voxels() const;
   std::size_t bytes() const { return words_.size() * sizeof words_[0]; }
   /// Returns the height of the highest cube's upper face in the column at (i, j), mm.

@@ -20,7 +20,7 @@ namespace {
 
 constexpr BoxStock kStock{{0, 0, 0}, {24, 24, 20}};
 constexpr double kPitchMm = 0.25;
-/// End-point errors to be kept, along the ray: half the edge of a cube.
+/// End-point errors to be met, along the ray: half the edge of a cube.
 constexpr std::array kErrorsMm{0.1, 0.05, 0.025};
 
 struct Move {
@@ -28,7 +28,7 @@ struct Move {
   Vec3 from, to;
 };
 
-/// 300 ramps of 1 to 6 mm, of a ball and a flat mill of 6 mm by turns, anywhere in the block.
+/// 300 ramps of 1 to 6 mm, of a ball and a flat mill of 6 mm in turn, anywhere in the block.
 const std::vector<Move>& job() {
   static const std::vector<Move> kJob = [] {
     std::mt19937_64 random(7);
@@ -66,7 +66,8 @@ void cut(VoxelBlock& block) {
   for (const Move& move : job()) block.cut(move.mill, move.from, move.to);
 }
 
-/// What a model of the cut block needs, and how far its columns end from the true surface.
+/// Elements and memory that a model of the cut block needs, and how far its columns end from the
+/// true surface.
 struct Model {
   std::size_t elements = 0, bytes = 0;
   double error_mm = 0;
@@ -115,7 +116,7 @@ Model voxels_of(double edge_mm) {
 
 struct Pair {
   double error_mm;
-  Model voxels, dexels;  ///< of the same lateral pitch
+  Model voxels, dexels;  ///< with the same lateral pitch
 };
 
 const std::vector<Pair>& pairs() {

@@ -44,7 +44,7 @@ TEST(Cut, ShortensTheTop) {
   EXPECT_EQ(c[0].bottom, 0);
 }
 
-TEST(Cut, RoundsEndsToTheNearestQuantumWhereNextToNothingIsLeftToRemove) {
+TEST(Cut, RoundsThinCutsToTheNearestQuantum) {
   Sculpture s = block();
   const double quantum = s.grid().z_quantum_mm;
   const auto top_after = [&](double below_17_quanta) {
@@ -169,9 +169,9 @@ TEST(Cut, MotionsCommuteToTheBit) {
   }
 }
 
-TEST(Cut, AGapThatIsClosedDoesNotDependOnTheTopOfTheStock) {
-  // The groove of the tool is narrower than the tolerance, so it leaves no fin, also where the
-  // stock has ended within it before.
+TEST(Cut, ClosedGapsDoNotDependOnTheStockTop) {
+  // The groove of the tool is narrower than the tolerance, so it leaves no fin, even if the stock
+  // has ended within it before.
   const double z = 12, groove = 0.0005, radius = 4, turn = 2e-5;
   const Tool grooved = *make_tool(ProfileShape{
       {ProfilePoint{radius, 0}, ProfilePoint{radius, 2}, ProfilePoint{1, 2},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Columns of many elements against a brute-force model: what a motion takes from a column is what
-// it takes from that column of the whole block, minus what has gone already.
+// Columns of many elements against a brute-force model: a motion removes from a column the interval
+// that it removes from that column of the whole block, minus the parts that are already gone.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ std::vector<Elements> columns_of(Sculpture& sculpture) {
   return columns;
 }
 
-/// The part of both solids.
+/// Returns the intersection of two solids.
 Elements common(const Elements& a, const Elements& b) {
   Elements both;
   for (const Dexel& one : a) {
@@ -68,7 +68,7 @@ Sculpture block(std::span<const Tool> tools) {
 
 /// Discs and balls that are thin enough to divide columns. Half of the motions are level, within
 /// three quanta of whole tenths of a millimetre, so that their ends meet those of earlier ones or
-/// miss them by next to nothing.
+/// miss them by very little.
 MoveTool random_motion(std::mt19937& random, std::size_t tools, double quantum_mm) {
   std::uniform_real_distribution<double> place(-2, kSideMm + 2), part(0, 1), turn(-0.4, 0.4);
   const ToolId tool = ToolId(1 + random() % tools);
@@ -88,7 +88,7 @@ MoveTool random_motion(std::mt19937& random, std::size_t tools, double quantum_m
   return {tool, from, to, 0};
 }
 
-TEST(SplitColumns, LoseWhatAMotionTakesOfTheWholeBlockAndNothingElse) {
+TEST(SplitColumns, LoseTheIntervalsOfWholeColumns) {
   const std::vector<Tool> tools{*make_tool(FlatShape{4, 0.1}), *make_tool(FlatShape{6, 0.3}),
                                 *make_tool(BallShape{0.8, 0.9}), *make_tool(FlatShape{3, 1})};
   std::size_t most = 0;

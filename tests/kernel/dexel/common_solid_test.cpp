@@ -39,7 +39,7 @@ TEST(CommonSolid, EqualsTheIntersectionQuantumByQuantum) {
     }
     std::vector<Bits> common(kTileColumns);
     for (int column = 0; column < kTileColumns; ++column) {
-      // Some rows hold one element a column, the others several.
+      // Some rows have one element per column, the remaining rows several.
       const bool plain = (column / kTileSide) % 2 == 0;
       const auto fill = [&](DexelTile& tile, Bits& bits) {
         if (plain) {
@@ -68,7 +68,7 @@ TEST(CommonSolid, EqualsTheIntersectionQuantumByQuantum) {
   }
 }
 
-TEST(CommonSolid, AnEndKeepsTheNormalOfTheTileThatItComesFrom) {
+TEST(CommonSolid, EndsKeepTheNormalsOfTheirTiles) {
   DexelTile a{}, b{};
   a.topmost_codes.resize(kTileColumns);
   b.topmost_codes.resize(kTileColumns);

@@ -39,7 +39,7 @@ TEST(DexelTile, ReadsBackRandomWrites) {
   std::mt19937 random(7);
   for (int step = 0; step < 20000; ++step) {
     const int column = static_cast<int>(random() % kTileColumns);
-    // Often none or one element, mostly few, sometimes very many.
+    // Often zero or one element, mostly few, sometimes very many.
     const int count = static_cast<int>(random() % 8 == 0 ? random() % 200 : random() % 5);
     expected[column] = some_elements(count, step);
     tile.write(column, expected[column]);

@@ -25,7 +25,7 @@ Sculpture block() {
   return made;
 }
 
-/// Returns a copy that has what another one has cut, as depths.
+/// Returns a copy with the cuts of another block, as depths.
 Sculpture copy_of(Sculpture& other) {
   const DexelTile& cut = *other.field(RayAxis::kZ)->find({0, 0});
   TileColumns columns;
@@ -39,7 +39,7 @@ Sculpture copy_of(Sculpture& other) {
   return copy;
 }
 
-TEST(EstimatedNormals, AreThoseOfABowlToAFewDegrees) {
+TEST(EstimatedNormals, MatchABowlToAFewDegrees) {
   Sculpture server = block();
   const Vec3 tip = kCenterMm - Vec3{0, 0, kRadiusMm};
   server.apply(MoveTool{1, {tip, {0, 0, 1}}, {tip, {0, 0, 1}}}).value();
@@ -54,7 +54,7 @@ TEST(EstimatedNormals, AreThoseOfABowlToAFewDegrees) {
       const ColumnView view = seen.view(i, j);
       const Vec3 normal = seen.normal(i, j, view.topmost.top, true, view.topmost_codes.top);
       const double from_axis = std::hypot(x, y);
-      if (from_axis > 3) {  // beside the bowl
+      if (from_axis > 3) {  // outside the bowl
         EXPECT_EQ(normal, (Vec3{0, 0, 1}));
       } else if (from_axis < 2) {  // the rim is at 2.83 mm
         const Vec3 exact =
@@ -67,7 +67,7 @@ TEST(EstimatedNormals, AreThoseOfABowlToAFewDegrees) {
   EXPECT_GT(checked, 150);
 }
 
-TEST(EstimatedNormals, LeaveWallsAndOwnCutsAlone) {
+TEST(EstimatedNormals, LeaveWallsAndOwnCutsUnchanged) {
   Sculpture server = block();
   server.apply(DefineTool{2, *make_tool(FlatShape{4, 40})}).value();
   server.apply(MoveTool{2, {{4, 4, -5}, {0, 0, 1}}, {{4, 4, -5}, {0, 0, 1}}}).value();
@@ -77,7 +77,7 @@ TEST(EstimatedNormals, LeaveWallsAndOwnCutsAlone) {
     const ColumnView view = seen.view(i, j);
     return seen.normal(i, j, view.topmost.top, true, view.topmost_codes.top);
   };
-  // The floor is level up to the wall, which is farther away than the estimate looks.
+  // The floor is level up to the wall, which is farther away than the estimate reaches.
   for (int i = 9; i < 23; ++i) EXPECT_EQ(normal_at(copy, i, 16), (Vec3{0, 0, 1})) << i;
   // Own cuts have the normals of the tool.
   for (Sculpture* block : {&server, &copy}) {

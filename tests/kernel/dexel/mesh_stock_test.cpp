@@ -109,7 +109,7 @@ void expect_solid_where_winding_is_not_zero(const TriangleMesh& mesh, double pit
       }
       const Vec3 p = from_frame(axis, {grid.x_mm(i), grid.y_mm(j), grid.z_mm(depth)});
       const double w = std::abs(winding(mesh, p));
-      // On the surface the sum lies midway between two integers.
+      // On the surface the sum is midway between two integers.
       if (std::abs(w - std::round(w)) > 0.01) continue;
       EXPECT_EQ(solid, w > 0.5) << p.x << " " << p.y << " " << p.z << " axis " << int(axis);
     }

@@ -142,7 +142,7 @@ TEST(TilesThrough, AreTheTilesWhoseRaysMeetTheBox) {
   EXPECT_EQ(along_x.end, (TileIndex{1, 1}));
 }
 
-TEST(ToolBounds, HoldTheWholeToolAtAnyTilt) {
+TEST(ToolBounds, ContainTheWholeToolAtAnyTilt) {
   const Tool tool = *make_tool(BallShape{10, 50}, {.shank = Shank{4, 20}, .holder = {}});
   const Bounds up = tool_bounds(tool, {{1, 2, 3}, {0, 0, 1}});
   EXPECT_EQ(up.lo_mm, (Vec3{-4, -3, 3}));

@@ -141,7 +141,7 @@ Carved carve_on_the_lattice(unsigned seed, double tolerance) {
 
 class TriDexel : public testing::TestWithParam<unsigned> {};
 
-TEST_P(TriDexel, EndsOfEveryFieldLieOnTheTrueSurface) {
+TEST_P(TriDexel, EndsOfEveryFieldAreOnTheTrueSurface) {
   constexpr double kTolerance = 0.005;
   Carved carved = carve_at_random(GetParam(), kTolerance);
   int ends = 0;
@@ -190,7 +190,7 @@ TEST_P(TriDexel, FieldsAgreeWhereTheirRaysMeet) {
   EXPECT_GT(expect_agreement(carved, 0.005), 100);
 }
 
-TEST_P(TriDexel, FieldsAgreeWhereFacesLieInThePlanesOfTheirRays) {
+TEST_P(TriDexel, FieldsAgreeForFacesInThePlanesOfTheirRays) {
   Carved carved = carve_on_the_lattice(GetParam(), 1e-6);
   EXPECT_GT(expect_agreement(carved, 1e-6), 100);
 }

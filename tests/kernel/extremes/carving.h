@@ -40,12 +40,12 @@ class Carving {
   /// Number of dexel ends measured so far, and the RMS of their distances from the true surface.
   long ends_judged() const { return ends_judged_; }
   double rms_mm() const;
-  /// Returns how far outside the true sweeps something was removed, at most, in the columns judged
-  /// so far: material that the tool does not reach. Holds half a depth quantum of rounding.
+  /// Returns how far outside the true sweeps material was removed, at most, in the columns judged
+  /// so far, including half a depth quantum of rounding.
   double overcut_mm() const { return overcut_mm_; }
   /// Description of the greatest error so far.
   const std::string& worst_place() const { return worst_place_; }
-  /// Allowed error beside the tolerance: half a depth quantum, and double rounding at these
+  /// Allowed error in addition to the tolerance: half a depth quantum, and double rounding at these
   /// coordinates.
   double rounding_mm() const;
 

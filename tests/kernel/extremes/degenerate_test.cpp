@@ -140,8 +140,7 @@ TEST(Degenerate, DistantArcReachingARayMidMotionIsFound) {
 }
 
 TEST(Degenerate, ArcIsFoundByRaysInsideItsBoundingBall) {
-  // At the start, rays hit the arc's bounding ball, but are closest to the arc outside of that
-  // ball.
+  // At the start, rays hit the arc's bounding ball, but are closest to the arc outside that ball.
   SculptureSettings settings = small_block(1e-6);
   settings.rays = Rays::kTriDexel;
   Carving bull_nose(settings, make_tool(BullNoseShape{10, 2, 50}).value());
@@ -159,7 +158,7 @@ TEST(Degenerate, ArcIsFoundByRaysInsideItsBoundingBall) {
   apt.expect_within_tolerance("apt", 25);
 }
 
-/// A ramp whose slope is exactly a cone's angle, one double to either side, and a little farther:
+/// A ramp whose slope is exactly a cone's angle, one double to either side, and slightly farther:
 /// the leading coefficient of the cone's equation is 0, or rounds to 0.
 TEST(Degenerate, RampAtTheConeAngle) {
   const double inf = std::numeric_limits<double>::infinity();

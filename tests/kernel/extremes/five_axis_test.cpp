@@ -204,7 +204,7 @@ const Once kOnce[] = {
      543},
 };
 
-TEST(FiveAxisRepro, MotionsThatOnceExceededTheTolerance) {
+TEST(FiveAxisRepro, FormerFailuresAreWithinTolerance) {
   for (const Once& o : kOnce) {
     SculptureSettings settings = block(40, 20, 0.5, 0.005);
     settings.rays = o.rays;
@@ -298,7 +298,7 @@ TEST(FiveAxisFound, EveryContactIsKept) {
   }
 }
 
-TEST(FiveAxis, OnlyTurningBallsRemoveWhatTheToolDoesNotReach) {
+TEST(FiveAxis, OnlyTurningBallsOvercut) {
   Random random(5);
   const auto in = [&](double a, double b) { return random.in(a, b); };
   constexpr double kTolerance = 0.01;
@@ -317,7 +317,7 @@ TEST(FiveAxis, OnlyTurningBallsRemoveWhatTheToolDoesNotReach) {
       EXPECT_LE(carving.overcut_mm(), (has_ball ? kTolerance : 0) + carving.rounding_mm())
           << t.name << ' ' << k;
     }
-    // What the balls' chords remove is measured, too.
+    // The overcut by the balls' chords must be detected.
     if (has_ball) {
       EXPECT_GT(overcut_mm, 0.01 * kTolerance) << t.name;
     }

@@ -128,8 +128,8 @@ TEST(Invariant, AnyOrderOfTheSameMotionsGivesTheSameBytes) {
 }
 
 TEST(Invariant, AnyOrderOfTheMovesOfAPathGivesTheSameBytes) {
-  // Each move starts where a previous one ended. A kernel may skip what is already cut there, but
-  // only if the move that cut it came before.
+  // Each move starts where a previous one ended. A kernel may skip the stock that is already cut
+  // there, but only if the move that cut it came before.
   for (const NamedTool& t : every_tool(0.6)) {
     for (const Rays rays : kBoth) {
       std::vector<Move> moves = random_moves(13, 14);

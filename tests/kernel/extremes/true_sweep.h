@@ -19,8 +19,8 @@ class TrueSweep {
   /// Returns the distance (mm) of the point from the swept solid; negative: its depth inside one
   /// piece of the tool. For distances above `interest_mm` any value above it may be returned.
   double outside(Vec3 point, double interest_mm) const;
-  /// Returns whether everything within `margin_mm` of the point (in the tool's half-plane) lies
-  /// inside the tool at some time, in spite of seams between its pieces.
+  /// Returns whether all points within `margin_mm` of the point (in the tool's half-plane) are
+  /// inside the tool at some time, despite seams between its pieces.
   bool well_inside(Vec3 point, double margin_mm) const;
   ToolPose at(double share) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests of the reference itself: one that detects nothing would pass every kernel.
+// Tests of the reference itself, since a reference that detects nothing would pass every kernel.
 
 #include "tests/kernel/extremes/true_sweep.h"
 
@@ -68,7 +68,7 @@ TEST(Carving, DetectsAToolOrPathWrongByTwoTolerances) {
 }
 
 TEST(Carving, DetectsASliverBetweenTwoPiecesOfATool) {
-  // Thinner than the tolerance, so that no point of it lies deeper than that within either piece.
+  // Thinner than the tolerance, so that no point of it is deeper than that within either piece.
   const Tool whole = *make_tool({FrustumPiece{0, 5, 5, 5}, FrustumPiece{5, 5, 50, 5}});
   const Tool gapped = *make_tool({FrustumPiece{0, 5, 5, 5}, FrustumPiece{5.000005, 5, 50, 5}});
   Carving carving(block(30, 16, 0.7, 1e-5), gapped);

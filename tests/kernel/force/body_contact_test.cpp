@@ -61,7 +61,7 @@ TEST(BodyContact, EqualDepthsAtAnAnglePushEachPartOutByItsDepth) {
   }
 }
 
-TEST(BodyContact, APartThatBeginsToTouchChangesThePushContinuously) {
+TEST(BodyContact, NewContactsChangeThePushContinuously) {
   const Vec3 aside = normalized({1, 0, 2});
   const Vec3 before = push({plane(kUp, 1)});
   for (const double depth : {0.0, 1e-9, 1e-6}) {
@@ -69,7 +69,7 @@ TEST(BodyContact, APartThatBeginsToTouchChangesThePushContinuously) {
   }
 }
 
-TEST(BodyContact, AGapKeepsTheStiffnessOfTheBodyAndPushesNothing) {
+TEST(BodyContact, GapsKeepTheStiffnessAndPushNothing) {
   BodyContact contact = contact_of({plane(kUp, 1), plane(kUp, -2)});
   const auto shared = contact.shared();
   EXPECT_EQ(shared[0].stiffness_n_per_mm, kStiffness);
@@ -77,7 +77,7 @@ TEST(BodyContact, AGapKeepsTheStiffnessOfTheBodyAndPushesNothing) {
   EXPECT_EQ(push({plane(kUp, 1), plane(kUp, -2)}), (Vec3{0, 0, 3}));
 }
 
-TEST(BodyContact, HoldsTheDeepestPlanes) {
+TEST(BodyContact, KeepsTheDeepestPlanes) {
   BodyContact contact;
   for (int n = 1; n <= 24; ++n) contact.add(plane(kUp, n % 2 == 0 ? n : 25 - n));
   const auto shared = contact.shared();
@@ -85,7 +85,7 @@ TEST(BodyContact, HoldsTheDeepestPlanes) {
   for (const ContactPlane& p : shared) EXPECT_GT(p.depth_mm, 8);
 }
 
-TEST(BodyContact, TheSharesDoNotDependOnHowOftenTheyAreRequested) {
+TEST(BodyContact, RepeatedQueriesReturnEqualShares) {
   BodyContact contact = contact_of({plane(kUp, 1), plane(kUp, 1)});
   EXPECT_EQ(contact.shared()[0].stiffness_n_per_mm, kStiffness / 2);
   EXPECT_EQ(contact.shared()[0].stiffness_n_per_mm, kStiffness / 2);

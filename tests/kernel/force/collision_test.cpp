@@ -106,8 +106,8 @@ TEST(Collision, BoxMeshPushesLikeTheBox) {
   EXPECT_NEAR(a.force_n.z, b.force_n.z, 1e-3);
 }
 
-/// Edges of a block along y and z, as a box and as a mesh, and a flank across each: the push is
-/// along the flank's normal, and not that of the face which happens to be nearer.
+/// Edges of a block along y and z, as a box and as a mesh, with a flank across each. The push is
+/// along the flank's normal, not along that of the face that happens to be nearer.
 TEST(Collision, FlankAcrossAnEdgeIsPushedAlongItsOwnNormal) {
   const Vec3 lo{0, 0, -20}, hi{30, 30, 0};
   const Obstacle obstacles[] = {{BoxObstacle{lo, hi}, 3}, {MeshObstacle{box_triangles(lo, hi)}, 3}};
@@ -132,15 +132,15 @@ TEST(Collision, FlankAcrossAnEdgeIsPushedAlongItsOwnNormal) {
   }
 }
 
-/// Both ends of a thin flange are near its deepest point, which is of its upper side here.
-TEST(Collision, AThinFlangeUnderAnEdgeIsPushedAwayFromTheSideThatTouches) {
+/// Both ends of a thin flange are near its deepest point, which is on its upper side here.
+TEST(Collision, ThinFlangeIsPushedFromTheTouchingSide) {
   const Obstacle box{BoxObstacle{{0, -50, 0}, {30, 50, 30}}, 3};
   const double thick_mm = 0.04, deep_mm = 0.5;
   const ProfileShape flange{{ProfilePoint{5, 0}, ProfilePoint{5, thick_mm},
                              ProfilePoint{0.5, thick_mm}, ProfilePoint{0.5, 2}}};
   for (const double lean : {0.5, 0.7, 0.8}) {
     const Vec3 axis{std::sin(lean), 0, std::cos(lean)}, aside{axis.z, 0, -axis.x};
-    // The edge of the box is 3.5 mm aside of the axis.
+    // The edge of the box is 3.5 mm from the axis.
     const ToolPose pose{aside * -3.5 + axis * (deep_mm - thick_mm), axis};
     const Wrench w = push(box, flange, pose);
     ASSERT_GT(length(w.force_n), 0.3);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Properties of the force as delivered: constant engagement gives a constant force in any
-// direction, at any tick rate and pitch; the force is continuous between kinds of motion; and
-// exactly what was cut is delivered. The bounds are generous; force_bench prints the figures.
+// Properties of the delivered force: constant engagement gives a constant force in any direction,
+// at any tick rate and pitch; the force is continuous between kinds of motion; and exactly the cut
+// volume is delivered. The bounds are generous; force_bench prints the figures.
 
 #include <gtest/gtest.h>
 
@@ -127,8 +127,8 @@ MoveTool wander(const ToolPose& from, std::mt19937_64& random) {
 }
 
 TEST(Felt, DeliveredVolumeEqualsRemovedVolume) {
-  // Without a turn, the volume that a motion delivers is its engaged area times its path. What is
-  // pending at the end is delivered in the air.
+  // Without a turn, the volume that a motion delivers is its engaged area times its path. The
+  // amount pending at the end is delivered in the air.
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     std::mt19937_64 random(11);
     auto s = block({BallShape{6, 40}, rays});
@@ -152,7 +152,7 @@ TEST(Felt, DeliveredVolumeEqualsRemovedVolume) {
 }
 
 TEST(Felt, ForceNeverPointsAlongTheMotion) {
-  // Beyond the few micrometers over which the direction is averaged.
+  // Excludes the few micrometers over which the direction is averaged.
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     auto s = block({FlatShape{6, 40}, rays});
     const Vec3 direction = direction_at(20);

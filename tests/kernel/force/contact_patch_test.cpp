@@ -51,7 +51,7 @@ TEST(PatchSum, HalfAxesAreTwoStandardDeviationsWithinThePlane) {
   EXPECT_NEAR(dot(plane.half_a_mm, v), 0, 1e-9);
 }
 
-TEST(ContactPatch, AFlatToolTouchesAFaceWithItsDiscAndABallWithAPoint) {
+TEST(ContactPatch, FlatToolsTouchWithADiscAndBallsWithAPoint) {
   for (const bool obstacle : {false, true}) {
     const ContactPlane flat = only_plane(block(FlatShape{12, 40}, obstacle), {{0, 0, -0.5}, kUp});
     EXPECT_NEAR(length(flat.half_a_mm), 6, 0.6) << "a disc's springs stand at its rim";

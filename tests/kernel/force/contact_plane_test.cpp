@@ -15,7 +15,7 @@ namespace {
 
 const Vec3 kUp{0, 0, 1};
 
-/// Returns a block with a ball beside it, and tool 1: a cutter of 2 mm with a shank of 10 mm.
+/// Returns a block with a ball next to it, and tool 1: a cutter of 2 mm with a shank of 10 mm.
 Sculpture block_and_ball() {
   SculptureSettings settings;
   settings.stock = BoxStock{{0, -20, -20}, {20, 20, 20}};
@@ -53,7 +53,7 @@ TEST(ContactPlane, DeepestComesFirst) {
   EXPECT_TRUE(std::ranges::is_sorted(planes, std::greater{}, &ContactPlane::depth_mm));
 }
 
-TEST(ContactPlane, AnObstacleIsReportedWithinReach) {
+TEST(ContactPlane, ObstaclesAreReportedWithinReach) {
   const Sculpture s = block_and_ball();
   const auto gap_at = [&s](double x) {
     double gap = std::numeric_limits<double>::infinity();
@@ -73,7 +73,7 @@ TEST(ContactPlane, StockTouchesTheCuttingPartOnlyIfTheToolDoesNotCut) {
   EXPECT_FALSE(s.contact(1, pose, false).empty());
 }
 
-TEST(ContactPlane, UnknownToolAndBadPoseHaveNone) {
+TEST(ContactPlane, UnknownToolAndBadPoseGiveNoPlanes) {
   const Sculpture s = block_and_ball();
   EXPECT_TRUE(s.contact(2, {{10, 0, 10}, kUp}, false).empty());
   EXPECT_TRUE(s.contact(1, {{10, 0, 10}, {0, 0, 5}}, false).empty());

@@ -121,7 +121,7 @@ void expect_alike(const Wrench& a, const Wrench& b, const std::string& which) {
   EXPECT_LT(length(a.torque_nmm - b.torque_nmm), 0.01 * torque_nmm) << which;
 }
 
-TEST(DividedOutline, IsPushedByObstaclesAsTheUndividedOne) {
+TEST(DividedOutline, ObstaclesPushItLikeTheUndividedOutline) {
   Random random(43);
   int sections = 0;
   for (int n = 0; n < 100; ++n) {
@@ -152,7 +152,7 @@ TEST(DividedOutline, IsPushedByObstaclesAsTheUndividedOne) {
   EXPECT_GT(sections, 16);
 }
 
-TEST(DividedOutline, IsPushedByTheStockAsTheUndividedOne) {
+TEST(DividedOutline, StockPushesItLikeTheUndividedOutline) {
   constexpr double kPitch = 0.4, kAllowance = 0.01;
   Random random(44);
   const BoxStock block{{-20, -20, -20}, {20, 20, 20}};
@@ -209,7 +209,7 @@ TEST(DividedOutline, MayBeRoundedToMicrometers) {
 }
 
 /// A ball end drawn as arcs, and the ball of a plain shape.
-TEST(DividedOutline, ABallMayBeDrawnAsArcs) {
+TEST(DividedOutline, BallsMayBeDrawnAsArcs) {
   Random random(46);
   const Tool whole = *make_tool(BallShape{10, 40});
   ASSERT_EQ(whole.whole_parts.size(), 1);
@@ -235,7 +235,7 @@ TEST(DividedOutline, ABallMayBeDrawnAsArcs) {
   }
 }
 
-TEST(DividedOutline, AFlatObstaclePushesEveryTipByItsDepth) {
+TEST(DividedOutline, FlatObstaclesPushEveryTipByItsDepth) {
   const Obstacles floor({{BoxObstacle{{-50, -50, -20}, {50, 50, 1}}, 1}});
   ProfileShape halves{
       {ProfilePoint{0, 0}, ProfileArc{{4, 2}, 5}, ProfileArc{{5, 5}, 5}, ProfilePoint{5, 40}}};
@@ -254,7 +254,7 @@ TEST(DividedOutline, AFlatObstaclePushesEveryTipByItsDepth) {
   }
 }
 
-TEST(DividedOutline, AHolderInTheSideOfTheStockIsPushedSideways) {
+TEST(DividedOutline, HolderInTheSideOfTheStockIsPushedSideways) {
   const BoxStock block{{0, -20, -20}, {20, 20, 20}};
   const std::vector<DexelField> fields{DexelField(block, 0.25, RayAxis::kZ)};
   const auto force_of = [&](int sections) {
@@ -270,7 +270,7 @@ TEST(DividedOutline, AHolderInTheSideOfTheStockIsPushedSideways) {
   }
 }
 
-/// A shank and a wider holder that touch a wall together push once; as one of them leaves it, the
+/// A shank and a wider holder that touch a wall together push once. As one of them leaves it, the
 /// push remains continuous.
 TEST(DividedOutline, PartsThatTouchOneFaceShareItsPush) {
   const Obstacles wall({{BoxObstacle{{0, -50, -50}, {50, 50, 50}}, 1}});
@@ -283,7 +283,7 @@ TEST(DividedOutline, PartsThatTouchOneFaceShareItsPush) {
     const Vec3 rim = axis * 10 + Vec3{std::cos(lean), 0, -std::sin(lean)} * 5;
     return wall.push(tool, {Vec3{1, 0, 0} - rim, axis}, kPivotMm);
   };
-  // The holder's rim is 3 mm farther out and 20 mm higher: as deep at this angle.
+  // The holder's rim is 3 mm farther out and 20 mm higher, so it is as deep at this angle.
   const double even = -std::atan(3.0 / 20);
   EXPECT_NEAR(push_at(even).force_n.x, -1, 1e-3);
   Wrench before = push_at(even - 0.05);

@@ -26,7 +26,7 @@ double step(TravelQueue& queue, double removed_mm3, double path_mm) {
   return due + queue.take(volume(removed_mm3), path_mm).volume_mm3;
 }
 
-TEST(TravelQueue, DeliversExactlyWhatWasAdded) {
+TEST(TravelQueue, DeliversExactlyTheAddedAmount) {
   std::mt19937_64 random(7);
   for (int round = 0; round < 200; ++round) {
     TravelQueue queue(kWidth);
@@ -105,7 +105,7 @@ TEST(Engagements, ContinueByToolAndPose) {
   EXPECT_EQ(center(all, 1, b, c), Vec3{});  // no motion ended here
 }
 
-TEST(Engagements, ContinueAnUnfeltMotionWithoutWhatWasPending) {
+TEST(Engagements, ContinueUnfeltMotionsWithoutPendingForce) {
   Engagements all(kWidth);
   const ToolPose a{{0, 0, 0}}, b{{1, 0, 0}}, c{{2, 0, 0}};
   EXPECT_FALSE(all.follow(1, a, b, true).continues);

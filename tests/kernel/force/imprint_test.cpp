@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a tool removes where a motion begins is an imprint, not a cut: it is removed, reported and
-// gives no force.
+// Material inside a tool where a motion begins is an imprint, not a cut: it is removed, reported
+// and gives no force.
 
 #include "kernel/cut/imprint.h"
 
@@ -93,7 +93,7 @@ void expect_no_spike(const std::vector<MotionResult>& results, const std::string
   }
 }
 
-TEST(Imprint, IsAllThatAToolAtRestRemoves) {
+TEST(Imprint, ToolAtRestRemovesOnlyImprint) {
   for (const Case& c : every_case()) {
     for (const auto& [name, tool] : test::every_tool(0.6)) {
       auto s = block(c, tool);
@@ -115,7 +115,7 @@ TEST(Imprint, HasTheVolumeOfTheBuriedTool) {
          {std::pair<ToolShape, double>{BallShape{6, 20}, ball}, {FlatShape{6, 20}, flat}}) {
       auto s = block({.rays = rays, .pitch_mm = 0.1}, shape);
       const MotionResult r = move(s, {kPlace, kUp}, {kPlace + Vec3{1, 0, 0}, kUp});
-      // Of 50.3 pitches of depth, fields across the spindle see 50.
+      // The depth is 50.3 pitches, of which fields across the spindle see 50.
       EXPECT_NEAR(r.imprint_mm3 / volume, 1, 0.3 / 50.3);
       const double cut = shape.index() == 0 ? M_PI * 9 / 2 + 6 * (depth - 3) : 6 * depth;
       EXPECT_NEAR((r.removed_mm3 - r.imprint_mm3) / cut, 1, 0.02);
@@ -132,8 +132,8 @@ void expect_same_as_free(const Case& c, const Tool& tool, const ToolPose& from, 
   const double imprint = move(free, from, from, false).removed_mm3;
   const MotionResult expected = move(free, from, to);
   const MotionResult r = move(buried, from, to);
-  // One field sums equal elements. Three weight them, at one or two points of an element depending
-  // on its neighbors: 0.003 here.
+  // One field sums equal elements. Three fields weight them, at one or two points of an element
+  // depending on its neighbors, which differs by 0.003 here.
   const double share = c.rays == Rays::kDexel ? 1e-6 : 1e-2;
   const double force = length(expected.wrench.force_n);
   const double torque = length(expected.wrench.torque_nmm);
@@ -143,7 +143,7 @@ void expect_same_as_free(const Case& c, const Tool& tool, const ToolPose& from, 
   EXPECT_EQ(expected.imprint_mm3, 0) << what;
 }
 
-TEST(Imprint, GivesAMotionTheForceThatItHasWhereTheToolIsFree) {
+TEST(Imprint, BuriedMotionHasTheForceOfAFreeOne) {
   std::mt19937_64 random(3);
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
@@ -164,7 +164,7 @@ TEST(Imprint, GivesAMotionTheForceThatItHasWhereTheToolIsFree) {
   }
 }
 
-TEST(Imprint, ABuriedStartHasNoForceSpike) {
+TEST(Imprint, BuriedStartHasNoForceSpike) {
   for (const Case& c : every_case()) {
     for (const auto& [name, tool] : test::every_tool(0.6)) {
       for (const Vec3 direction : {Vec3{0.8, 0.6, 0}, Vec3{0.6, 0, -0.8}}) {
@@ -178,7 +178,7 @@ TEST(Imprint, ABuriedStartHasNoForceSpike) {
   }
 }
 
-TEST(Imprint, ALargerToolChosenInASlotHasNoForceSpike) {
+TEST(Imprint, LargerToolInASlotHasNoForceSpike) {
   for (const Case& c : every_case()) {
     for (const bool redefined : {false, true}) {
       auto s = block(c, FlatShape{4, 40});
@@ -224,7 +224,7 @@ TEST(Imprint, TremorInsideStockGivesNoForce) {
   }
 }
 
-TEST(Imprint, IsZeroWhereAMotionStartsOutsideTheStock) {
+TEST(Imprint, IsZeroForStartsOutsideTheStock) {
   for (const Case& c : every_case()) {
     for (const auto& [name, tool] : test::every_tool(0.6)) {
       auto s = block(c, tool);
@@ -239,7 +239,7 @@ TEST(Imprint, IsZeroWhereAMotionStartsOutsideTheStock) {
   }
 }
 
-TEST(Imprint, IsExactlyZeroWhereMotionsContinue) {
+TEST(Imprint, IsExactlyZeroForContinuingMotions) {
   // Two users of one tool take turns; some motions are not felt.
   std::mt19937_64 random(17);
   const auto unit = [&] { return double(random() % 2001) / 1000 - 1; };
@@ -262,8 +262,8 @@ TEST(Imprint, IsExactlyZeroWhereMotionsContinue) {
   }
 }
 
-TEST(Imprint, IsTakenWhereStockIsBack) {
-  // A block that is built again holds the stock that the tool had removed.
+TEST(Imprint, RestoredStockIsImprintAgain) {
+  // A block that is rebuilt holds the stock that the tool had removed.
   const ToolPose at{kPlace, kUp}, next{kPlace + Vec3{0.03, 0, 0}, kUp};
   for (int round = 0; round < 2; ++round) {
     auto s = block({}, FlatShape{6, 40});
@@ -272,8 +272,8 @@ TEST(Imprint, IsTakenWhereStockIsBack) {
   }
 }
 
-TEST(Imprint, DividesElementsAndTakesEveryIntervalOfAColumn) {
-  // Two discs on a thin neck: a ray beside the neck meets the tool twice. The removed element
+TEST(Imprint, DividesElementsAtEveryIntervalOfAColumn) {
+  // Two discs on a thin neck: a ray next to the neck meets the tool twice. The removed element
   // reaches beyond both, so three parts remain.
   const Tool dumbbell =
       *make_tool(ProfileShape{{ProfilePoint{2, 0}, ProfilePoint{2, 1}, ProfilePoint{0.5, 1},
@@ -284,7 +284,7 @@ TEST(Imprint, DividesElementsAndTakesEveryIntervalOfAColumn) {
   Removal removal;
   RemovedPart& part = removal.start(1).front();
   RemovedGroup group{0, 6, {}, {}};
-  group.bottom[6] = group.bottom[3] = 50;  // columns at the axis and 1.5 mm beside it
+  group.bottom[6] = group.bottom[3] = 50;  // columns at the axis and 1.5 mm from it
   group.top[6] = group.top[3] = 900;
   part.groups = {group};
   part.tiles = {{{0, 0}, 1}};

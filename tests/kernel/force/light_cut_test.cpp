@@ -18,7 +18,7 @@ double worst_ripple(test::SideCut cut) {
   return worst;
 }
 
-TEST(LightCut, RippleOfOneFieldIsWithinItsBoundFromTheStatedEngagementOn) {
+TEST(LightCut, OneFieldIsSteadyFromTheStatedEngagement) {
   for (const double diameter_mm : {6.0, 12.0}) {
     for (const double pitch_mm : {0.05, 0.1, 0.2}) {
       const double steady_mm = steady_radial_mm(1, pitch_mm, diameter_mm);
@@ -34,7 +34,7 @@ TEST(LightCut, RippleOfOneFieldIsWithinItsBoundFromTheStatedEngagementOn) {
   }
 }
 
-TEST(LightCut, RippleOfThreeFieldsIsWithinItsBoundFromFivePitchesOn) {
+TEST(LightCut, ThreeFieldsAreSteadyFromFivePitches) {
   for (const double diameter_mm : {6.0, 12.0}) {
     for (const double pitch_mm : {0.1, 0.2}) {
       EXPECT_LE(worst_ripple({.radial_mm = steady_radial_mm(3, pitch_mm, diameter_mm),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where and when the mechanistic law lets the tool meet what it cut: light cuts, long motions and
-// the phase of the spindle.
+// Where and when the tool of the mechanistic law touches the elements that it cut: light cuts, long
+// motions and the phase of the spindle.
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ Sculpture block(const MillingSettings& milling, Rays rays) {
   return result;
 }
 
-/// Edge forces only, as a mean over the spindle's turn: they do not depend on the step.
+/// Edge forces only, as a mean over the spindle's turn, so they do not depend on the step.
 MillingSettings edges() {
   MillingSettings m;
   m.ripple_hz = 0;
@@ -51,9 +51,9 @@ Vec3 slot_force(Rays rays, double depth_mm, double step_mm) {
   return sum;
 }
 
-TEST(MillingContact, LightCutMeetsTheWallAndNotTheFloor) {
-  // One field samples any depth exactly, and the edges alone within 8 % where rows of rays lie
-  // unevenly about the tool, at any depth.
+TEST(MillingContact, LightCutTouchesTheWallNotTheFloor) {
+  // One field samples any depth exactly, and the edges alone within 8 % where rows of rays are
+  // unevenly distributed about the tool, at any depth.
   for (const double depth_mm : {0.01, 0.02}) {
     const Vec3 model{-2 * 10 * depth_mm / M_PI, 2 * 13 * depth_mm / M_PI, -2.8 * depth_mm};
     for (const double step_mm : {0.005, 0.03, 0.045, 0.06}) {
@@ -99,8 +99,8 @@ std::int64_t evaluations_of(int groups, double path_mm, int length_um = 2000) {
 
 TEST(MillingContact, CostsFewEvaluationsPerColumn) {
   constexpr int kGroups = 40, kColumns = 8 * kGroups, kParts = 4;
-  // A tick finds the surface at once, and sums about 1024 parts at most; in walls along the rays,
-  // whose elements are longer than a pitch, below 2048 elements.
+  // A tick finds the surface at once, and sums about 1024 parts at most, or below 2048 elements in
+  // walls along the rays, whose elements are longer than a pitch.
   EXPECT_LE(evaluations_of(kGroups / 4, 0.03), kColumns * kParts / 4);
   EXPECT_LE(evaluations_of(kGroups, 0.03), 1536);
   EXPECT_LE(evaluations_of(1000, 0.03, 90), 1536);
@@ -115,8 +115,8 @@ TEST(MillingContact, CostsOfALongMotionAreBounded) {
   EXPECT_LE(evaluations_of(12000, 80), 16384 * 8);
 }
 
-TEST(MillingContact, PhaseOfTheSpindleGoesOnWhereATiltChangesItsHeading) {
-  // The perpendicular of an axis is taken across its smallest component, which changes here.
+TEST(MillingContact, SpindlePhaseSurvivesAChangeOfReferenceDirection) {
+  // The perpendicular of an axis is computed across its smallest component, which changes here.
   MillingSettings m;
   m.spindle_rpm = 6000;
   m.ripple_hz = 250;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mechanistic law compared with closed forms of Altintas' linear-edge model, derived by hand:
-// a tooth at the angle phi, clockwise from the left of the feed, has the chip f sin phi, and is
-// pushed by T against its motion and by R into the tool: Fx = -T cos phi - R sin phi,
-// Fy = T sin phi - R cos phi; Fz = -A. The mean of N teeth is N / (2 pi) times the integral.
+// The mechanistic law compared with closed forms of Altintas' linear-edge model, derived by hand. A
+// tooth at the angle phi, clockwise from the left of the feed, has the chip f sin phi, and is
+// pushed by T against its motion and by R into the tool: Fx = -T cos phi - R sin phi, Fy = T sin
+// phi - R cos phi; Fz = -A. The mean of N teeth is N / (2 pi) times the integral.
 
 #include "kernel/force/milling_force.h"
 
@@ -47,7 +47,7 @@ SculptureSettings settings_of(const MillingSettings& m, Rays rays) {
   return s;
 }
 
-/// A cut along +X with the axis at `y`, in ticks; the wrenches of the last ones.
+/// A cut along +X with the axis at `y`, in ticks. Returns the wrenches of the last ones.
 struct Cut {
   MillingSettings milling;
   Rays rays = Rays::kTriDexel;
@@ -107,7 +107,7 @@ void expect_near(Vec3 got, Vec3 wanted, double share, const char* what) {
 /// graze.
 double allowed(Rays rays) { return rays == Rays::kDexel ? 0.05 : 0.015; }
 
-TEST(MillingForce, ModelOfTheTestHasTheClosedFormOfASlot) {
+TEST(MillingForce, TestModelMatchesTheClosedFormOfASlot) {
   const MillingSettings m = milling();
   const double feed = kStep / (0.001 * 200 * 2), na = 2 * kDepth;
   const Vec3 closed{-na / 4 * 300 * feed - na / M_PI * 30, na / 4 * 800 * feed + na / M_PI * 20,
@@ -139,13 +139,13 @@ TEST(MillingForce, EdgesPushWithoutAChip) {
   expect_near(mean(forces_of({m})), model(m, 0, M_PI), 0.015, "edges");
 }
 
-TEST(MillingForce, KienzlesChipsAreHarderWhereTheyAreThin) {
+TEST(MillingForce, ThinChipsAreHarderUnderKienzlesLaw) {
   MillingSettings m = milling();
   m.chip_exponents = in_all_directions(0.3);
   expect_near(mean(forces_of({m})), model(m, 0, M_PI), 0.015, "slot");
 }
 
-TEST(MillingForce, EachDirectionHasAnExponentOfItsOwn) {
+TEST(MillingForce, EachDirectionHasItsOwnExponent) {
   MillingSettings m = milling();
   for (const EdgeCoefficients& exponents :
        {EdgeCoefficients{0.6, 0, 0}, {0, 0.6, 0}, {0, 0, 0.6}, {0.25, 0.55, 0.7}}) {
@@ -203,7 +203,7 @@ std::pair<double, double> ripple_of(const Cut& cut) {
   return {least.y / mean(forces).y, most.y / mean(forces).y};
 }
 
-/// Straight teeth that pass 200 times a second, with a tangential force only: two of them in a slot
+/// Straight teeth that pass 200 times a second, with a tangential force only. Two of them in a slot
 /// push with sin² θ.
 Cut straight_teeth() {
   Cut cut{.milling = milling(), .tick_s = 0.00025, .ticks = 200};
@@ -215,7 +215,7 @@ Cut straight_teeth() {
   return cut;
 }
 
-TEST(MillingForce, TeethPassInTheWrenchUpToTheBand) {
+TEST(MillingForce, ToothPassingShowsInTheWrenchUpToTheBand) {
   Cut cut = straight_teeth();
   const auto [least, most] = ripple_of(cut);
   // The mean over a tick of a cosine of 200 Hz: sin(pi 0.05) / (pi 0.05).
@@ -227,7 +227,7 @@ TEST(MillingForce, TeethPassInTheWrenchUpToTheBand) {
   EXPECT_NEAR(high, 1, 0.02);
 }
 
-TEST(MillingForce, RippleIsLeftOutWhereTicksAreTooSlowForIt) {
+TEST(MillingForce, SlowTicksLeaveOutTheRipple) {
   Cut cut = straight_teeth();
   cut.tick_s = 0.004;
   cut.ticks = 60;
@@ -236,7 +236,7 @@ TEST(MillingForce, RippleIsLeftOutWhereTicksAreTooSlowForIt) {
   EXPECT_NEAR(most, 1, 0.02);
 }
 
-TEST(MillingForce, HelixOfAToothPitchOverTheDepthHasNoRipple) {
+TEST(MillingForce, HelixSpanningAToothPitchHasNoRipple) {
   // At any angle of the spindle, the same lengths of edge are engaged.
   Cut cut = straight_teeth();
   cut.milling.helix_deg = 60;
@@ -246,7 +246,7 @@ TEST(MillingForce, HelixOfAToothPitchOverTheDepthHasNoRipple) {
   EXPECT_NEAR(most, 1, 0.04);
 }
 
-TEST(MillingForce, RunoutOfThinChipsCountsByTheSlopeOfTheirForce) {
+TEST(MillingForce, RunoutScalesWithTheSlopeOfTheChipForce) {
   Cut cut = straight_teeth();
   cut.milling.ripple_hz = 150;
   cut.ticks = 280;
@@ -254,7 +254,7 @@ TEST(MillingForce, RunoutOfThinChipsCountsByTheSlopeOfTheirForce) {
   cut.milling.chip_exponents = {0.3, 0, 0.6};
   const std::vector<Vec3> forces = forces_of(cut);
   const auto [least, most] = std::ranges::minmax(forces, {}, &Vec3::y);
-  // The first harmonic of K (1 - m) f^-m sin^(1-m) phi 2 e a, with the other sign on each half
+  // The first harmonic of K (1 - m) f^-m sin^(1-m) phi 2 e a, with the opposite sign on each half
   // turn.
   const double feed = kStep / (cut.tick_s * 200), m = 0.3;
   const double turned =
@@ -272,7 +272,7 @@ TEST(MillingForce, RunoutAddsTheSpindlesFrequencyAndKeepsTheMean) {
   const std::vector<Vec3> forces = forces_of(cut);
   expect_near(mean(forces), plain, 0.01, "mean");
   // Two teeth lead each other by 2 e: K 2 e a sin phi over half a turn, and its negative over the
-  // other, whose first harmonic in y has the amplitude of K 2 e a.
+  // other half. The first harmonic in y has the amplitude of K 2 e a.
   const auto [least, most] = std::ranges::minmax(forces, {}, &Vec3::y);
   EXPECT_NEAR((most.y - least.y) / 2, 800 * 0.01 * kDepth, 0.07 * 800 * 0.01 * kDepth);
 }
@@ -286,7 +286,7 @@ TEST(MillingForce, IsZeroAtRestAndInAir) {
   EXPECT_EQ(block.apply(MoveTool{1, at(-10, 2), at(0, 2), 0.1})->wrench, Wrench{});
 }
 
-TEST(MillingForce, EngagementsOfOtherLawsHoldNothingForIt) {
+TEST(MillingForce, OtherLawsLeaveNothingPendingForIt) {
   SculptureSettings s = settings_of(milling(), Rays::kDexel);
   s.force.law = ForceLaw::kSpecificEnergy;
   Engagement engagement(s.pitch_mm);
@@ -314,8 +314,8 @@ const MillingPreset& preset(std::string_view material) {
                             [](const MillingPreset& p) { return std::string_view(p.material); });
 }
 
-// Densities of dry wood in g/cm³, as the wood trade's tables state them.
-TEST(MillingPresets, LimewoodFollowsTheDensityAsTheWoodsOfItsSourceDo) {
+// Densities of dry wood in g/cm³, from tables of the wood trade.
+TEST(MillingPresets, LimewoodFollowsTheDensityOfTheOtherWoods) {
   const std::pair<const char*, double> woods[] = {
       {"balsa", 0.15}, {"beech", 0.71}, {"oak", 0.675}, {"pine", 0.55}, {"spruce", 0.405}};
   double mean = 0;
@@ -330,7 +330,7 @@ TEST(MillingPresets, LimewoodFollowsTheDensityAsTheWoodsOfItsSourceDo) {
 }
 
 // Minimizes the force of a chip without rake over the angle of its shear plane, by trial.
-TEST(MillingPresets, PomIsMerchantsChipOfItsYieldStress) {
+TEST(MillingPresets, PomFollowsMerchantsChip) {
   constexpr double kYield = 67.3, kFriction = 0.2;
   const double beta = std::atan(kFriction);
   double least = 1e9;
@@ -343,7 +343,7 @@ TEST(MillingPresets, PomIsMerchantsChipOfItsYieldStress) {
   EXPECT_NEAR(pom.radial, kFriction * least, 0.05);
 }
 
-TEST(MillingPresets, SteelC45IsKienzlesForMilling) {
+TEST(MillingPresets, SteelC45FollowsKienzle) {
   EXPECT_EQ(preset("steel-c45").cut_n_per_mm2.tangential, 1.2 * 2220);
   EXPECT_EQ(preset("steel-c45").chip_exponent, 0.14);
 }

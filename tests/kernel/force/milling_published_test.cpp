@@ -32,7 +32,7 @@ void expect_of_another_source(const test::PublishedSlots& slots, const Percent (
 }
 
 TEST(MillingPublished, SlotsWithCoefficientsOfAnotherSource) {
-  // At 1 mm the bottom cuts most, where the coefficients of a side do not hold.
+  // At 1 mm the bottom cuts most, where the coefficients of a side do not apply.
   expect_of_another_source(test::published_bull_nose(),
                            {{23, 25}, {9, 12}, {5, 9}, {7, 12}, {8, 13}});
   expect_of_another_source(test::published_ball(), {{20, 21}, {9, 10}, {3, 6}, {8, 9}, {10, 12}});
@@ -46,15 +46,15 @@ TEST(MillingPublished, EachSlotWithCoefficientsOfItsSeries) {
   }
 }
 
-/// Expects each mean within its errors, with the coefficients that fit the others best.
+/// Expects each mean within its errors, with the coefficients that fit the remaining means best.
 void expect_each_from_the_others(const test::PublishedSlots& slots, const Percent (&most)[5]) {
   for (std::size_t n = 0; n < 5; ++n) {
     expect_within(slots, n, most[n], test::fitted_to_the_others(slots, n));
   }
 }
 
-TEST(MillingPublished, EachSlotFromTheOthersWithAnExponentForEachDirection) {
-  // The directions are less exact where a point lies beyond the others.
+TEST(MillingPublished, EachSlotIsPredictedFromTheOtherSlots) {
+  // The directions are less exact where a point is outside the range of the remaining ones.
   expect_each_from_the_others(test::published_bull_nose(),
                               {{10, 12}, {10, 10}, {10, 10}, {10, 10}, {10, 10}});
   expect_each_from_the_others(test::published_ball(),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of a tick with many elements, the mechanistic law sums a sample. The sample's place against the
-// elements changes from tick to tick, which must not be felt in a steady cut.
+// The mechanistic law sums a sample of the elements of a large tick. The sample's position relative
+// to the elements changes from tick to tick, which must not be felt in a steady cut.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// A slot of a flat end mill of 12 mm, askew to the grid.
+/// A slot of a flat end mill of 12 mm, oblique to the grid.
 struct Slot {
   Rays rays;
   double pitch_mm, depth_mm, angle_rad, step_mm;
@@ -58,8 +58,8 @@ TEST(MillingSample, DeepFlatSlotIsSteadyFromTickToTick) {
 }
 
 TEST(MillingSample, DeepWallsOfThreeFieldsAreSteadyFromTickToTick) {
-  // Of some 25 000 elements in each field of horizontal rays, every 25th is summed. If all of these
-  // were in every fifth column, steps would be 14 %.
+  // There are some 25 000 elements in each field of horizontal rays, of which every 25th is summed.
+  // If all of these were in every fifth column, steps would be 14 %.
   EXPECT_LT(greatest_step({Rays::kTriDexel, 0.05, 5.2, M_PI / 6, 0.05}), 0.03);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The force where a tool takes another direction within the stock, with and without a stop: what is
-// pending from the old direction must not add up with what the new one cuts.
+// The force of a tool that changes direction within the stock, with and without a stop: force
+// pending from the old direction must not add up with that of the new one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -101,7 +101,7 @@ TEST(NewDirection, StopsDoNotRaiseTheForceOfARandomWalk) {
     const double three = greatest_of_walk(seed, Rays::kTriDexel, true);
     EXPECT_NEAR(one, greatest_of_walk(seed, Rays::kDexel, false), 0.01 * one) << seed;
     EXPECT_NEAR(three, greatest_of_walk(seed, Rays::kTriDexel, false), 0.01 * three) << seed;
-    // With its ripple, and what it delivers late beside what the new direction cuts.
+    // Includes the ripple, and force delivered late while the new direction cuts.
     EXPECT_LT(one, 1.35 * three) << seed;
     EXPECT_GT(three, 5) << seed;
   }

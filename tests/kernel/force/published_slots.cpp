@@ -74,7 +74,8 @@ PublishedSlots published_bull_nose() {
                               {-123.4, 310.3, 11.1}})};
 }
 
-/// Of the same day. The diameter is the width of cut in the titles of CommonCutterFull.m's figures.
+/// From the same day. The diameter is the width of cut in the titles of CommonCutterFull.m's
+/// figures.
 PublishedSlots published_ball() {
   return {.name = "ball 16 mm",
           .tool = *make_tool(BallShape{16, 30}),

@@ -29,17 +29,17 @@ PublishedSlots published_ball();
 PublishedSlots published_flat();
 
 /// The coefficients of that repository's CommonCutterFull.m. They were not fitted to these
-/// recordings; three of the six are those of Al7075-T6 in the review that milling_presets.cpp
+/// recordings. Three of the six are those of Al7075-T6 in the review that milling_presets.cpp
 /// quotes. The workpiece is not named.
 MillingSettings coefficients_of_another_source();
-/// Kienzle's coefficients, an exponent for each direction, that fit the means of the series best:
-/// six numbers for fifteen components.
+/// Kienzle's coefficients, with an exponent for each direction, that fit the means of the series
+/// best: six numbers for fifteen components.
 MillingSettings fitted_to_all(const PublishedSlots& slots);
-/// Those that fit all means but one best.
+/// The coefficients that fit all means but one best.
 MillingSettings fitted_to_the_others(const PublishedSlots& slots, std::size_t left_out);
 
-/// Errors of the law: of the resultant's length, signed, and of the force as a vector, both over
-/// the measured resultant.
+/// Errors of the law relative to the measured resultant: signed for the resultant's length, and for
+/// the force as a vector.
 struct SlotError {
   double length, vector;
 };

@@ -21,10 +21,10 @@ struct SlotFit {
   EdgeCoefficients cut_n_per_mm2, exponents;
 };
 
-/// Fits Kienzle's law to mean forces in slots, an exponent for each direction, in closed form:
-/// least squares of the errors over the measured resultants, exponents in steps of 0.05. The edge
-/// is an arc of the radius `corner_mm`, that of a ball or of a bull nose or 0, and straight above
-/// it.
+/// Fits Kienzle's law to mean forces in slots, with an exponent for each direction, in closed form:
+/// least squares of the errors relative to the measured resultants, exponents in steps of 0.05. The
+/// edge is an arc of the radius `corner_mm` (that of a ball or of a bull nose, or 0), and straight
+/// above it.
 class SlotFitter {
  public:
   SlotFitter(int teeth, double corner_mm) : teeth_(teeth), corner_mm_(corner_mm) {}

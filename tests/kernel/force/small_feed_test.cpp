@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mechanistic law at feeds of 0.1 to 3 µm per tooth, those of micro-milling and dental burs.
+// The mechanistic law at feeds of 0.1 to 3 µm per tooth, as in micro-milling and with dental burs.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -75,8 +75,8 @@ double mean_measured_n(double feed_um, double depth_mm) {
 }
 
 /// Returns coefficients of the linear-edge model, two numbers that fit the 27 forces best: least
-/// squares of relative errors of depth x (edge + cut x feed). Directions, which were not measured,
-/// are as 1 to 0.3 tangentially and radially.
+/// squares of relative errors of depth x (edge + cut x feed). Directions were not measured;
+/// tangential and radial forces are assumed to be 1 to 0.3.
 MillingSettings fitted_to_table() {
   double ee = 0, ec = 0, cc = 0, e = 0, c = 0;
   for (const Measured& m : kMeasured) {
@@ -116,7 +116,7 @@ TEST(SmallFeed, KeepsThePublishedShareOfTheForce) {
 }
 
 /// The mean force in a slot, tangential and radial, per mm of depth.
-TEST(SmallFeed, IsThatOfTheClosedFormsFrom100Nanometers) {
+TEST(SmallFeed, MatchesClosedFormsFrom100Nanometers) {
   MillingSettings linear;
   linear.cut_n_per_mm2 = {4000, 1500, 0};
   linear.edge_n_per_mm = {12, 8, 0};

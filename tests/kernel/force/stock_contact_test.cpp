@@ -77,9 +77,9 @@ TEST(StockContact, HolderFaceOnTheBlockIsLiftedWithoutTorque) {
   EXPECT_NEAR(c.wrench.torque_nmm.y, 0, 0.15);
 }
 
-/// The deepest point is on the shank's axis, and the overlap is alike on all sides: no direction
-/// across the axis is nearer than another one.
-TEST(StockContact, AShankBuriedAlikeOnAllSidesIsPushedSideways) {
+/// The deepest point is on the shank's axis, and the overlap is symmetric: all directions across
+/// the axis are equally short.
+TEST(StockContact, SymmetricallyBuriedShankIsPushedSideways) {
   const Tool tool = *make_tool(FlatShape{0.2, 10}, {.shank = Shank{0.6, 100}, .holder = {}});
   const double middle_mm = 0.5 * kPitch;  // of a column
   const StockContact c =
@@ -89,7 +89,7 @@ TEST(StockContact, AShankBuriedAlikeOnAllSidesIsPushedSideways) {
   EXPECT_NEAR(c.wrench.force_n.z, 0, 1e-9);
 }
 
-TEST(StockContact, IsZeroWithoutShankOrBesideTheBlock) {
+TEST(StockContact, IsZeroWithoutShankOrOutsideTheBlock) {
   const auto z = fields({RayAxis::kZ});
   const Tool bare = *make_tool(FlatShape{2, 10});
   EXPECT_EQ(contact(bare, {{10, 0, -15}, kUp}, z).depth_mm, 0);

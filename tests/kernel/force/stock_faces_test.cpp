@@ -31,8 +31,8 @@ ContactPlane only_plane(const Sculpture& s, const ToolPose& pose) {
 }
 
 /// A tool that leans on a face is pushed along the face's normal. The normal of the tool's own
-/// surface turns with the tool, and a force that turns with what it pushes drives it.
-TEST(StockFaces, ALeaningToolIsPushedAlongTheNormalOfTheFace) {
+/// surface turns with the tool, and a force that turns with the pushed body drives it.
+TEST(StockFaces, LeaningToolIsPushedAlongTheFaceNormal) {
   for (const ToolShape& shape : {ToolShape(FlatShape{12, 40}), ToolShape(TaperShape{6, 6, 40})}) {
     const Sculpture s = block(shape);
     for (const double tilt : {0.0, 0.05, 0.2, 0.5}) {
@@ -43,16 +43,16 @@ TEST(StockFaces, ALeaningToolIsPushedAlongTheNormalOfTheFace) {
   }
 }
 
-TEST(StockFaces, AWallBetweenColumnsPushesAlongItsNormal) {
+TEST(StockFaces, WallBetweenColumnsPushesAlongItsNormal) {
   const Sculpture s = block(FlatShape{12, 40});
   const ContactPlane plane = only_plane(s, {{-25, 0, -30}, kUp});
   EXPECT_NEAR(plane.normal.x, -1, 0.01);
 }
 
-/// The bottom of a leaning tool cuts the edge of a block off: a wedge between the top, z = 0, and
+/// The bottom of a leaning tool cuts off the edge of a block: a wedge between the top, z = 0, and
 /// the wall, x = 0. Samples of every `step`th column see the areas of both faces, whichever column
 /// the wall is at.
-TEST(StockFaces, SamplesOfAnySpacingSeeTheFacesOfAWedgeByTheirArea) {
+TEST(StockFaces, SamplesOfAnySpacingMeasureTheFacesOfAWedge) {
   constexpr double kWidth = 20, kPitch = 0.1;
   const DexelField field(BoxStock{{-20, -20, -20}, {0, 20, 0}}, kPitch);
   const DexelGrid& grid = field.grid();
@@ -80,8 +80,8 @@ TEST(StockFaces, SamplesOfAnySpacingSeeTheFacesOfAWedgeByTheirArea) {
   }
 }
 
-/// A contact that is shallow against the slope over one step is with a slope, not with a stair.
-TEST(StockFaces, AShallowContactWithASlopeIsAlongItsNormal) {
+/// A contact whose depth is small relative to the slope over one step touches a slope, not a stair.
+TEST(StockFaces, ShallowContactWithASlopeIsAlongItsNormal) {
   constexpr double kRadius = 30, kPitch = 0.1;
   const DexelField field(CylinderStock{0, 0, kRadius, -20, 20}, kPitch, RayAxis::kX);
   const DexelGrid& grid = field.grid();
@@ -102,7 +102,7 @@ TEST(StockFaces, AShallowContactWithASlopeIsAlongItsNormal) {
 
 /// A leaning tool whose bottom is at 45 degrees to both faces of a carved step is pushed along its
 /// axis, wherever the edge is between the samples.
-TEST(StockFaces, ALeaningToolIsPushedAlikeWhereverTheEdgeOfAStepIs) {
+TEST(StockFaces, PushOnALeaningToolDoesNotDependOnTheStepPosition) {
   Sculpture s = block(FlatShape{12, 40}, 0.1);
   s.apply(MoveTool{1, {{6, -40, -8}, kUp}, {{6, 40, -8}, kUp}, 1, false}).value();
   const Vec3 axis = normalized({1, 0, 1});

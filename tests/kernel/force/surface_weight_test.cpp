@@ -25,7 +25,7 @@ double weight_at(const SurfaceWeight& surface, Vec3 p, Vec3 axis) {
   return weight[0];
 }
 
-TEST(SurfaceWeight, OfABallIsTheSquaredNormalComponent) {
+TEST(SurfaceWeight, BallWeightIsTheSquaredNormalComponent) {
   const SurfaceWeight surface(*make_tool(BallShape{10, 50}));
   const Vec3 n = normalized({0.3, -0.5, -0.7});
   for (const double out : {-0.05, 0.0, 0.05}) {
@@ -36,7 +36,7 @@ TEST(SurfaceWeight, OfABallIsTheSquaredNormalComponent) {
   EXPECT_NEAR(weight_at(surface, {0, 5, 20}, kUp), 0, 1e-12);
 }
 
-TEST(SurfaceWeight, OfAFlatMillIsOneOnTheFloorAndZeroOnTheWall) {
+TEST(SurfaceWeight, FlatMillWeightIsOneOnTheFloorAndZeroOnTheWall) {
   const SurfaceWeight surface(*make_tool(FlatShape{10, 50}));
   EXPECT_NEAR(weight_at(surface, {1, 2, -0.01}, kUp), 1, 1e-12);
   EXPECT_NEAR(weight_at(surface, {3, 4.01, 2}, kUp), 0, 1e-12);
@@ -45,7 +45,7 @@ TEST(SurfaceWeight, OfAFlatMillIsOneOnTheFloorAndZeroOnTheWall) {
   EXPECT_NEAR(weight_at(surface, {-0.01, 1, 1}, {1, 0, 0}), 0, 1e-12);
 }
 
-TEST(SurfaceWeight, OfACornerAndAConeFollowsTheirNormals) {
+TEST(SurfaceWeight, CornerAndConeWeightsFollowTheirNormals) {
   // A corner of radius 1 around (4, 1) between the floor and the wall.
   const SurfaceWeight bull(*make_tool(BullNoseShape{10, 1, 50}));
   const double s = std::numbers::sqrt2 / 2;
@@ -57,7 +57,7 @@ TEST(SurfaceWeight, OfACornerAndAConeFollowsTheirNormals) {
   EXPECT_NEAR(weight_at(cone, {2 * std::tan(std::numbers::pi / 6), 0, 2}, kUp), 0.25, 1e-12);
 }
 
-TEST(SurfaceWeight, OfTheThreeFieldsAddUpToOne) {
+TEST(SurfaceWeight, ThreeFieldsAddUpToOne) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> unit(-1, 1);
   const std::array shapes{ToolShape{BallShape{10, 50}}, ToolShape{FlatShape{10, 50}},

@@ -29,8 +29,8 @@ TriangleTree::Found visit_all(const Triangles& triangles, Vec3 p) {
   return found;
 }
 
-/// A ball of quadrilaterals, split; the triangles at the poles have no area. On whole mm many
-/// points have several nearest triangles.
+/// A ball of split quadrilaterals. The triangles at the poles have no area. On whole mm many points
+/// have several nearest triangles.
 Triangles ball(int rings, Vec3 center, double radius_mm, bool whole_mm) {
   Triangles all;
   const auto at = [&](int ring, int step) {
@@ -49,7 +49,7 @@ Triangles ball(int rings, Vec3 center, double radius_mm, bool whole_mm) {
   return all;
 }
 
-TEST(TriangleTree, FindsWhatAVisitOfAllTrianglesFinds) {
+TEST(TriangleTree, MatchesAVisitOfAllTriangles) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int n = 0; n < 48; ++n) {
@@ -68,8 +68,8 @@ TEST(TriangleTree, FindsWhatAVisitOfAllTrianglesFinds) {
   }
 }
 
-TEST(TriangleTree, TakesTrianglesThatNoPlaneDivides) {
-  // One on another, and a long row whose halves are always uneven.
+TEST(TriangleTree, AcceptsTrianglesThatNoPlaneDivides) {
+  // Triangles on top of each other, and a long row whose halves are always uneven.
   Triangles triangles(300, {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}});
   for (int n = 0; n < 300; ++n) {
     const double x = std::ldexp(1.0, n % 60);

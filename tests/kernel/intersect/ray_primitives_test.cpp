@@ -60,7 +60,7 @@ TEST(RayCapsule, RampIsBoundedByTheSlantedCylinder) {
 TEST(RayCapsule, EndOfAMotionAndStartOfTheNextGiveTheSameBits) {
   const Vec3 a{0.1, 0.2, 7}, b{1.3, -0.7, 7.9}, c{2.9, 0.3, 7.1};
   const RayCapsule before(a, b, 5), after(b, c, 5);
-  // Behind the joint the second motion is bounded by the ball at b, beyond it the first one is.
+  // Before the joint the second motion is bounded by the ball at b, beyond it the first one is.
   const auto ball = hit(RayCapsule(b, b, 5), 1.31, -4.1);
   for (const RayCapsule& capsule : {before, after}) {
     const Span s = hit(capsule, 1.31, -4.1);
@@ -104,7 +104,7 @@ TEST(RayPipe, SlantedMotionMatchesEquation17) {
 }
 
 TEST(RayPipe, HorizontalSweepHasNoPipeSurface) {
-  // Vz = 0, where Eq. 17 divides by zero: the circle stays in its plane, so every hit lies in that
+  // Vz = 0, where Eq. 17 divides by zero: the circle stays in its plane, so every hit is in that
   // plane.
   const RayPipe p({0, 0, 7}, {0, 0, 1}, 3, {10, 0, 0});
   const Span s = hit(p, 5, 1);

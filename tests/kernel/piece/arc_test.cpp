@@ -16,7 +16,8 @@ TEST(ArcPiece, CornerOfABullNose) {
   EXPECT_EQ(radius_at(p, 1.001), kNoRadiusMm);
   EXPECT_DOUBLE_EQ(slope_at(p, 0.4), 0.75);
   EXPECT_EQ(extent(p).radius_mm, 5);
-  // Beside the circle's center, and on its axis' side: straight below the flat bottom.
+  // Below the circle's center and nearer to the axis than it: the distance is that from the flat
+  // bottom.
   EXPECT_EQ(side_distance(p, 7.0, 1.0).mm, 2);
   EXPECT_EQ(side_distance(p, 2.0, -3.0).mm, 3);
   EXPECT_EQ(side_distance(p, 2.0, -3.0).across, 0);
@@ -29,7 +30,7 @@ TEST(ArcPiece, IsLevelWhereItEndsAcrossTheAxis) {
   EXPECT_FALSE(is_level_below(upper));
   EXPECT_TRUE(is_level_above(upper));
   EXPECT_TRUE(is_level_below(whole) && is_level_above(whole));
-  // A slice that ends before, on either side.
+  // A slice that ends earlier, on either side.
   const ArcPiece slice{4, 1, 1, 0.01, 1.99};
   EXPECT_FALSE(is_level_below(slice) || is_level_above(slice));
   // A ball's poles are level; a barrel's flank, whose center is beyond the axis, meets the axis at
@@ -39,14 +40,14 @@ TEST(ArcPiece, IsLevelWhereItEndsAcrossTheAxis) {
   EXPECT_FALSE(is_level_below(barrel) || is_level_above(barrel));
 }
 
-TEST(ArcPiece, AnArcBelowItsWidestHeightIsWidestAtItsUpperEnd) {
+TEST(ArcPiece, ArcBelowItsCenterIsWidestAtItsUpperEnd) {
   const ArcPiece below{2, 10, 5, 6, 7}, above{2, 10, 5, 13, 14}, around{2, 10, 5, 6, 14};
   EXPECT_EQ(extent(below).radius_mm, 2 + 4);
   EXPECT_EQ(extent(above).radius_mm, 2 + 4);
   EXPECT_EQ(extent(around).radius_mm, 7);
 }
 
-TEST(ArcPiece, ABarrelHasNoRadiusBelowZero) {
+TEST(ArcPiece, BarrelRadiusIsNeverNegative) {
   const ArcPiece p{-3, 4, 5, 0, 8};
   EXPECT_EQ(radius_at(p, 0.0), 0);
   EXPECT_EQ(radius_at(p, 4.0), 2);

@@ -26,7 +26,7 @@ TEST(FrustumPiece, RadiusSlopeAndExtentOfAConeOf45Degrees) {
   EXPECT_EQ(side.distance(2.0, 1.0), 0);
 }
 
-TEST(FrustumPiece, ACylinderHasNoSlope) {
+TEST(FrustumPiece, CylinderHasNoSlope) {
   const FrustumPiece p{0, 3, 10, 3};
   EXPECT_EQ(slope(p), 0);
   EXPECT_EQ(FrustumSide(p).cosine, 1);
@@ -39,7 +39,8 @@ TEST(FrustumPiece, MatchesBruteForce) {
     const double z0 = test::between(random, 0, 10);
     const FrustumPiece p{z0, test::between(random, 0, 5), z0 + test::between(random, 0.1, 10),
                          test::between(random, 0.1, 5)};
-    // Inside is the convex hull of the two discs: on the axis' side of the line between their rims.
+    // Inside is the convex hull of the two discs: the side of the line between their rims that
+    // contains the axis.
     const auto inside = [&](test::HalfPoint q) {
       if (q.h < p.z0_mm || q.h > p.z1_mm) return false;
       return (q.rho - p.r0_mm) * (p.z1_mm - p.z0_mm) - (q.h - p.z0_mm) * (p.r1_mm - p.r0_mm) <= 0;

@@ -21,8 +21,8 @@ inline double between(std::mt19937& random, double lo, double hi) {
   return std::uniform_real_distribution<double>(lo, hi)(random);
 }
 
-/// Returns the radius at a height by bisection of a predicate for the inside of a body: independent
-/// of every formula for a radius. −1 where not even the axis is inside.
+/// Returns the radius at a height by bisection of a predicate for the inside of a body,
+/// independently of every formula for a radius. −1 if not even the axis is inside.
 template <class Inside>
 double radius_by_bisection(const Inside& inside, double h, double beyond) {
   if (!inside(HalfPoint{0, h})) return -1;

@@ -13,7 +13,7 @@ namespace {
 const ToolPiece kPieces[] = {BallPiece{5, 5}, FrustumPiece{2, 1, 9, 4}, FrustumPiece{0, 3, 4, 3},
                              ArcPiece{4, 1, 1, 0, 1}, ArcPiece{-3, 4, 5, 1, 7.5}};
 
-TEST(ToolPiece, TheEnclosingFrustumIsNowhereNarrower) {
+TEST(ToolPiece, EnclosingFrustumIsNowhereNarrower) {
   for (const ToolPiece& piece : kPieces) {
     const FrustumPiece around = enclosing_frustum(piece);
     EXPECT_EQ(around.z0_mm, extent(piece).z0_mm);
@@ -26,7 +26,7 @@ TEST(ToolPiece, TheEnclosingFrustumIsNowhereNarrower) {
   EXPECT_EQ(enclosing_frustum(FrustumPiece{2, 1, 9, 4}), (FrustumPiece{2, 1, 9, 4}));
 }
 
-TEST(ToolPiece, ASliceHasTheRadiiOfTheWhole) {
+TEST(ToolPiece, SliceHasTheRadiiOfTheWhole) {
   for (const ToolPiece& piece : {kPieces[1], kPieces[3], kPieces[4]}) {
     const Extent whole = extent(piece);
     const double a = whole.z0_mm + 0.3 * (whole.z1_mm - whole.z0_mm);
@@ -42,7 +42,7 @@ TEST(ToolPiece, ASliceHasTheRadiiOfTheWhole) {
   }
 }
 
-TEST(ToolPiece, AProfileGivesTheDistancesOfItsPiece) {
+TEST(ToolPiece, ProfileGivesTheDistancesOfItsPiece) {
   std::mt19937 random(14);
   for (const ToolPiece& piece : kPieces) {
     const PieceProfile profile(piece);
@@ -65,7 +65,7 @@ TEST(ToolPiece, AProfileGivesTheDistancesOfItsPiece) {
   }
 }
 
-TEST(Bounds, OfACylinderAreThoseOfItsRims) {
+TEST(Bounds, CylinderBoundsAreThoseOfItsRims) {
   std::mt19937 random(15);
   for (int n = 0; n < 100; ++n) {
     const Extent e{test::between(random, 0, 5), test::between(random, 6, 20),

@@ -123,9 +123,9 @@ std::vector<NormalCode> codes_looked_at_every(int motions) {
   return codes;
 }
 
-// Regression: the side of a mill approaches fast and its disc recedes slowly, and a search that
-// used only the speed took too many steps to where one follows the other.
-TEST(EndNormals, OfAnInclinedSlotsFloorPointUp) {
+// Regression: the side of a mill approaches fast and its disc recedes slowly, and a search by the
+// speed alone took too many steps to reach the share at which one follows the other.
+TEST(EndNormals, PointUpOnTheFloorOfAnInclinedSlot) {
   for (const double rise : {0.0, 0.3, -0.3, 1.0, -1.0}) {
     auto sculpture = Sculpture::create(test::block(60, 20, 0.5, 0.005)).value();
     ASSERT_TRUE(sculpture.apply(DefineTool{1, *make_tool(FlatShape{6, 40})}));
@@ -175,7 +175,7 @@ TEST(EndNormals, MatchTheTrueSweepForEveryToolAndMotion) {
       }
     }
     EXPECT_GT(judged.ends, 100) << named.name;
-    // Near an edge of the tool a step passes beyond it.
+    // Near an edge of the tool a step passes beyond the edge.
     EXPECT_LT(judged.wrong, 0.02 * judged.ends) << named.name << " " << judged.ends;
   }
 }

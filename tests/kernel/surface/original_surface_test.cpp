@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which parts of a tile's surface are those of the untouched stock.
+// Which parts of a tile's surface belong to the untouched stock.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,9 +66,9 @@ class OriginalSurface : public testing::TestWithParam<Rays> {
     slots_.push_back(
         [=](Vec3 p) { return std::max(std::abs(p.y - y_mm) - kRadiusMm, z_mm - p.z); });
   }
-  /// Compares the vertices with the shapes of stock and slots. `inside_mm`: the distance of a point
-  /// from the surface of the stock, inwards. Those within a pitch and a half of the border between
-  /// both surfaces are not judged.
+  /// Compares the vertices with the shapes of stock and slots. `inside_mm` returns the distance of
+  /// a point from the surface of the stock, inwards. Vertices within a pitch and a half of the
+  /// border between both surfaces are not judged.
   template <class Inside>
   Counts judge(Sculpture& block, const Inside& inside_mm) const {
     Counts counts;
@@ -111,7 +111,7 @@ double inside_box(Vec3 p, Vec3 low, Vec3 high) {
       {p.x - low.x, high.x - p.x, p.y - low.y, high.y - p.y, p.z - low.z, high.z - p.z});
 }
 
-TEST_P(OriginalSurface, OfABoxIsDistinctFromCuts) {
+TEST_P(OriginalSurface, BoxIsDistinctFromCuts) {
   const Vec3 low{0, 0, 0}, high{30, 20, 12};
   Sculpture block = create_of(BoxStock{low, high});
   const auto inside = [&](Vec3 p) { return inside_box(p, low, high); };
@@ -125,7 +125,7 @@ TEST_P(OriginalSurface, OfABoxIsDistinctFromCuts) {
   EXPECT_GT(counts.original, 100);
 }
 
-TEST_P(OriginalSurface, BesideAFlatChannelEndsAtItsRim) {
+TEST_P(OriginalSurface, EndsAtTheRimOfAFlatChannel) {
   const Vec3 low{0, 0, 0}, high{30, 20, 12};
   Sculpture block = create_of(BoxStock{low, high});
   cut_channel(block, 10, 8);
@@ -135,7 +135,7 @@ TEST_P(OriginalSurface, BesideAFlatChannelEndsAtItsRim) {
   EXPECT_GT(counts.cut, 4);
 }
 
-TEST_P(OriginalSurface, OfACylinderIsDistinctFromCuts) {
+TEST_P(OriginalSurface, CylinderIsDistinctFromCuts) {
   Sculpture block = create_of(CylinderStock{10, 10, 10, 0, 12});
   const auto inside = [](Vec3 p) {
     return std::min({10 - std::hypot(p.x - 10, p.y - 10), p.z, 12 - p.z});
@@ -175,7 +175,7 @@ SculptureSettings octahedron_with_a_cavity() {
   return settings;
 }
 
-TEST_P(OriginalSurface, OfAMeshIsDistinctFromCutsAlsoInACavity) {
+TEST_P(OriginalSurface, MeshWithACavityIsDistinctFromCuts) {
   const auto inside = [](Vec3 p) {
     const double outer = (12 - std::abs(p.x) - std::abs(p.y) - std::abs(p.z)) / std::sqrt(3);
     const double cavity = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) - 2;
@@ -189,7 +189,7 @@ TEST_P(OriginalSurface, OfAMeshIsDistinctFromCutsAlsoInACavity) {
   const Counts counts = judge(block, inside);
   EXPECT_EQ(counts.wrong, 0);
   EXPECT_GT(counts.cut, 100);
-  // A restarted server takes over the tiles of a snapshot.
+  // A restarted server restores the tiles of a snapshot.
   Sculpture again = create(octahedron_with_a_cavity());
   ASSERT_TRUE(again.restore(block.solid()));
   const Counts restored = judge(again, inside);

@@ -22,7 +22,7 @@ void expect_closed(const MeshReport& report) {
 }
 
 TEST(RandomSurface, IsAClosedManifold) {
-  // More effort makes the blocks larger, and with them the number of features in one cell.
+  // More effort makes the blocks larger, and so the number of features in one cell.
   const double columns = 24 + 8 * (test::effort() - 1);
   for (unsigned seed = 1; seed <= 200; ++seed) {
     const double pitch_mm = std::array{1.0, 0.5, 0.25, 0.1}[seed % 4];
@@ -53,7 +53,7 @@ std::vector<double> errors_of(RandomCarving& carving) {
   return errors;
 }
 
-TEST(RandomSurface, LiesOnTheTrueSolid) {
+TEST(RandomSurface, IsOnTheTrueSolid) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     std::vector<double> all;
     for (unsigned seed = 1; seed <= 8U * unsigned(test::effort()); ++seed) {

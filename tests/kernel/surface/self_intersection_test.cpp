@@ -25,7 +25,7 @@ void expect_none(const SelfIntersections& found) {
 }
 
 TEST(ExactPredicates, DecideWhereDoublesCannot) {
-  // One float step off a plane that doubles cannot tell it from.
+  // One float step off a plane, which doubles cannot distinguish from a point on it.
   const float far = 16777216;
   const test::FloatPoint a{far, far, 0}, b{far + 2, far, 1e-30F}, c{far, far + 2, 1e-30F};
   EXPECT_EQ(test::orientation(a, b, c, {far + 2, far + 2, 2e-30F}), 0);
@@ -52,7 +52,7 @@ TEST(ExactPredicates, FindTrianglesThatMeetElsewhereThanInCommonCorners) {
   EXPECT_FALSE(meets({{{3, 3, 0}, {5, 3, 0}, {3, 5, 0}}}));
 }
 
-TEST(SplitWithinEnvelope, TakesTheDiagonalThatStaysAroundTheEdge) {
+TEST(SplitWithinEnvelope, ChoosesTheDiagonalWithinTheEnvelope) {
   const std::array<Vec3, 4> plain{
       {{-0.5, -0.5, 0.5}, {0.5, -0.5, 0.5}, {0.5, 0.5, 0.5}, {-0.5, 0.5, 0.5}}};
   EXPECT_EQ(split_within_envelope(plain, true, QuadSplit::kFirst), QuadSplit::kFirst);
@@ -114,8 +114,8 @@ TEST(SelfIntersection, FlatQuadranglesBendWithTheirNeighbors) {
        {{{1, 0, 0}, {6, 6, 2.75}, {5, 3, 2.75}}, {{0, 0, -1}, {5, 6, 1.75}, {2.75, 5.25, 2.75}}}});
 }
 
-/// A fan about a vertex on an edge in the plane of a floor would lie in that floor.
-TEST(SelfIntersection, FansBesideFloorsAtTheHeightOfSamplesStayOffThem) {
+/// A fan about a vertex on an edge in the plane of a floor would be in that floor.
+TEST(SelfIntersection, FansNextToFloorsAtSampleHeightStayOffThem) {
   expect_sound({Rays::kDexel,
                 {{{0, 0, -1}, {3.25, 4, 3.5}, {1.75, 4, 1.5}},
                  {{0, 0, -1}, {3.5, 4, 1.75}, {4, 3.5, 0.5}}}});

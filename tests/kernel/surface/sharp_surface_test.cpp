@@ -106,7 +106,7 @@ TEST(SharpSurface, OneFieldFollowsTheSidesOfABallsSlot) {
   }
 }
 
-/// A wall that no ray meets lies between two columns; no vertex of it is farther away than that.
+/// A wall that no ray meets is between two columns, and no vertex of it is farther away than that.
 TEST(SharpSurface, OneFieldPlacesWallsToHalfAPitch) {
   const double pitch = 0.5;
   for (const double turn : {0.0, 0.1, 0.35, 0.7}) {

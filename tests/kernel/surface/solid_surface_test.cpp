@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface for export: closed where squares of untouched faces meet carved tiles, and as large
-// as the cut, not as the block.
+// The surface for export: closed where squares of untouched faces meet carved tiles, with a size
+// proportional to the cut, not to the block.
 
 #include "kernel/surface/solid_surface.h"
 
@@ -28,8 +28,8 @@ void expect_closed(const MeshReport& report) {
   EXPECT_EQ(report.bad_normals, 0U);
 }
 
-/// Expects the surface to be closed and to enclose what the tiles' meshes enclose, to the margin
-/// that vertices keep from their cells' lower sides. Returns its number of triangles.
+/// Expects the surface to be closed and to enclose the same solid as the tiles' meshes, to the
+/// margin that vertices keep from their cells' lower sides. Returns its number of triangles.
 std::size_t expect_same_solid(const SolidSnapshot& solid) {
   SolidSurface surface(solid);
   const MeshReport merged = test::check_mesh(pieces_of(surface));
@@ -121,7 +121,7 @@ Cost cost_of_cut(Vec3 size, bool at_corner, Rays rays) {
   Sculpture sculpture = *Sculpture::create(settings_of(BoxStock{low, low + size}, 0.5, rays));
   EXPECT_TRUE(sculpture.apply(DefineTool{1, make_tool(FlatShape{12, 60}).value()}));
   EXPECT_TRUE(sculpture.apply(DefineTool{2, make_tool(BallShape{20, 60}).value()}));
-  // Multiples of a tile's side, so that the cut lies equally in the lattice of each block.
+  // Multiples of a tile's side, so that the cut has the same position in the lattice of each block.
   const Vec3 at = at_corner ? Vec3{low.x + 10, low.y + 10, 0} : Vec3{};
   EXPECT_TRUE(
       sculpture.apply(MoveTool{1, {at + Vec3{-15, 0, -6}}, {at + Vec3{15, 3, -6}}, 1, false}));
@@ -136,7 +136,7 @@ Cost cost_of_cut(Vec3 size, bool at_corner, Rays rays) {
   return {report.triangles, surface.tiles(), surface.squares()};
 }
 
-TEST(SolidSurface, ASurfaceCostsWhatWasCarved) {
+TEST(SolidSurface, CostGrowsWithTheCarvedArea) {
   const Vec3 small{128, 128, 48};
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     for (const bool at_corner : {false, true}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vertices stay near the true surface although the mesh does not cross itself.
+// Vertices stay near the true surface although the mesh does not intersect itself.
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ TEST(VertexError, IsBelowHalfAPitchWithoutCrossings) {
 
 // Found by surface_bench vertices: up to 0.65 of the pitch, at vertices on faces between cells of
 // several sheets, and in cells whose planes do not meet in one crease.
-TEST(VertexError, IsBelowHalfAPitchWhereItWasMore) {
+TEST(VertexError, IsBelowHalfAPitchInFormerlyWorseJobs) {
   for (const unsigned seed : {25U, 109U, 209U, 275U, 287U, 347U, 407U, 437U}) judge(seed, 1);
 }
 

@@ -46,9 +46,9 @@ SideSpan meet(const ArcSide& side, const AlongRay& ray, const DiscSpan& discs) {
                         discs);
 }
 
-/// The searched end lies on the side, the other one on the side or at the disc before it; a ray
-/// that misses the side is found to be closest where it is.
-TEST(ArcSide, MeetsTheSideWhereItsDistanceIsZeroAndElseFindsTheClosestHeight) {
+/// The searched end is on the side, the other end on the side or at the disc before it. For a ray
+/// that misses the side, the closest height is found.
+TEST(ArcSide, FindsTheRootOrTheClosestHeight) {
   std::mt19937_64 random(5);
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
@@ -120,8 +120,8 @@ TEST(ArcSide, OnlyUpperEndsAboveTheTopAreLeftInexact) {
   EXPECT_GT(inexact, 100);
 }
 
-/// Rays are packed into lanes as they come, and which ones come depends on the stock.
-TEST(ArcSide, ARayIsMetAlikeWhateverTheOtherLanesHold) {
+/// Rays are packed into lanes in any order, and which rays are packed depends on the stock.
+TEST(ArcSide, LanesAreIndependent) {
   std::mt19937_64 random(7);
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);

@@ -54,7 +54,7 @@ struct Reference {
   }
 };
 
-/// Returns a block of rays around a place of the motion.
+/// Returns a block of rays around a point of the motion.
 ColumnBlock block_near(const Reference& sweep, std::mt19937_64& random) {
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
@@ -71,7 +71,7 @@ ColumnBlock block_near(const Reference& sweep, std::mt19937_64& random) {
   return block;
 }
 
-/// Expects that every ray of a block around the motion loses exactly what the reference does.
+/// Expects every ray of a block around the motion to lose exactly the interval of the reference.
 void expect_exact(const Reference& sweep, std::mt19937_64& random, const std::string& what) {
   constexpr double kAllowedMm = 2e-8, kFarMm = 80;
   ColumnBlock block = block_near(sweep, random);
@@ -139,8 +139,8 @@ TEST(ArcTranslation, SpecialDirectionsAreExactToo) {
   }
 }
 
-/// What is removed where the first pose has been removed already, and that pose, are together the
-/// whole sweep, to the bit. A piece of the tool may be a cone as well.
+/// The remainder of a sweep whose first pose has already been removed, together with that pose,
+/// equals the whole sweep, to the bit. A piece of the tool may be a cone as well.
 template <class Translation, class Piece>
 void expect_rest(const Piece& piece, const Reference& sweep, std::mt19937_64& random, int& rests) {
   ColumnBlock all = block_near(sweep, random), left = all, start = all;
@@ -173,7 +173,7 @@ void expect_rest(const Piece& piece, const Reference& sweep, std::mt19937_64& ra
   }
 }
 
-TEST(ArcTranslation, WithoutItsFirstPoseItIsTheRestOfTheSweep) {
+TEST(ArcTranslation, FirstPoseAndRemainderEqualTheWholeSweep) {
   std::mt19937_64 random(11);
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);

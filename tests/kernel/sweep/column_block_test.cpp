@@ -27,7 +27,7 @@ void expect_interval(const ColumnBlock& b, int row, int lane, double lo, double 
 
 TEST(ColumnBlock, EmptyFirstIntervalLeavesNoEnds) {
   ColumnBlock b = block();
-  // A ball above the stock: its upper end is cut to the stock's top and lies below its lower end.
+  // A ball above the stock: its upper end is cut to the stock's top and is below its lower end.
   b.add(0, Lanes(12), Lanes(10));
   b.add(0, Lanes(3), Lanes(5));
   for (int lane = 0; lane < kLanes; ++lane) expect_interval(b, 0, lane, 3, 5);
@@ -76,7 +76,7 @@ TEST(ColumnBlock, BridgeJoinsIntervalsThatWereApart) {
   }
 }
 
-TEST(ColumnBlock, AnIntervalThatGrowsApartFromAnotherTakesOneEntry) {
+TEST(ColumnBlock, GrowingIntervalNeedsOneEntry) {
   ColumnBlock b = block();
   b.add(0, Lanes(8), Lanes(9));
   for (int k = 0; k < 1000; ++k) b.add(0, Lanes(k * 0.005), Lanes(k * 0.005 + 0.01));

@@ -21,7 +21,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRoundingMm = 1e-12, kMarginsMm = 3 * kEdgeEpsilonMm;
 constexpr Vec3 kUp{0, 0, 1};
 
-/// What a level bound says of one disc.
+/// The result of a level bound for one disc.
 struct Said {
   double lowest;
   bool gone;
@@ -58,7 +58,7 @@ TEST(LevelBound, IsTheHeightOfTheProfileAtTheNearestPointOfADisc) {
   EXPECT_NEAR(ask(corner, 0, 6.5, 0.5).lowest, 3 + 2 - std::sqrt(4 - 1.0), kMarginsMm);
 }
 
-TEST(LevelBound, NothingIsLeftBehindTheFirstPoseAndInsideOfIt) {
+TEST(LevelBound, SkipsDiscsBehindAndInsideTheFirstPose) {
   const LevelBound mill = moved(FrustumPiece{0, 4, 50, 4}, {0, 0, 0}, {1, 0, 0}, true);
   EXPECT_EQ(ask(mill, -0.6, 3.8, 0.5).lowest, kInfinity);
   EXPECT_FALSE(ask(mill, -0.4, 3.8, 0.5).gone);  // a part of the disc is passed by the motion
@@ -79,9 +79,9 @@ const ToolPiece kSlices[] = {FrustumPiece{0, 4, 12, 4},    FrustumPiece{1, 2, 6,
                              ArcPiece{3, 2, 2, 0, 2},      ArcPiece{-24.9954541, 12, 30, 0, 24},
                              ArcPiece{1.5, 7.7, 4, 4, 11}, ArcPiece{0, 5, 5, 0, 3}};
 
-/// Points of moving slices over a disc lie above its bound, or in the first pose if it is cut;
-/// those over discs that are gone lie in the first pose.
-TEST(LevelBound, EveryPointOfTheMovingSliceIsAboveItOrGone) {
+/// Points of moving slices over a disc are above its bound, or in the first pose if it is cut.
+/// Points over discs that are gone are in the first pose.
+TEST(LevelBound, BoundsEveryPointOfTheMovingSlice) {
   std::mt19937_64 random(5);
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
@@ -136,9 +136,9 @@ const ToolShape kShapes[] = {
                   ProfilePoint{1.5, 30}}},
     ProfileShape{{ProfilePoint{4, 0}, ProfilePoint{2, 4}, ProfilePoint{2, 30}}}};
 
-/// One tool, each of whose starts is known to be cut, and two of equal shape in turn, whose starts
-/// are not.
-TEST(LevelBound, WhatIsSkippedWasRemovedBefore) {
+/// One tool, each of whose starts is known to be cut, and two tools of equal shape in turn, whose
+/// starts are not.
+TEST(LevelBound, SkippedPartsWereAlreadyRemoved) {
   std::mt19937_64 random(7);
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
@@ -162,9 +162,9 @@ TEST(LevelBound, WhatIsSkippedWasRemovedBefore) {
   }
 }
 
-/// The seam of two pieces may not be rounded twice, so what is gone of one is joined to what the
-/// other removes.
-TEST(LevelBound, WhatIsGoneIsJoinedToWhatANeighborRemoves) {
+/// The seam of two pieces may not be rounded twice, so the removed interval of one is joined to
+/// that of the other.
+TEST(LevelBound, RemovedPartsJoinTheIntervalsOfNeighbors) {
   const Tool slot = *make_tool(kShapes[6]);
   const auto block = *Sculpture::create(settings_of(Rays::kDexel));
   const DexelGrid& grid = block.grid();

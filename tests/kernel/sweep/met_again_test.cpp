@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays that a moving slice meets late, leaves or meets again, and the work that they cost.
+// Rays that a moving slice hits late, leaves or hits again, and the cost of evaluating them.
 
 #include <gtest/gtest.h>
 
@@ -40,11 +40,11 @@ DexelGrid grid_of(double pitch_mm) {
 }
 
 struct Work {
-  std::int64_t most = 0;       ///< ColumnBlock::stations, of a block and a sub-motion
-  std::size_t most_apart = 0;  ///< entries for intervals apart, of a block
+  std::int64_t most = 0;       ///< ColumnBlock::stations, per block and sub-motion
+  std::size_t most_apart = 0;  ///< entries for separate intervals, per block
 };
 
-/// Sweeps a tool over a stock that nothing has cut.
+/// Sweeps a tool over an uncut stock.
 Work work_of(const Tool& tool, const ToolPose& from, const ToolPose& to, double pitch_mm,
              double tolerance_mm) {
   const DexelGrid grid = grid_of(pitch_mm);
@@ -69,14 +69,14 @@ Work work_of(const Tool& tool, const ToolPose& from, const ToolPose& to, double 
 
 /// Grazing rows took up to 2^16 stations for each of their rays, and 4,096 shares in each gap.
 constexpr std::int64_t kMeetingsMax = 1 << 14;
-/// Of a block whose rays the tool grazes for long. With 64 shares before every doubling of the
-/// depth that may be missed the motions below took up to 1,048 and 1,623.
+/// Limits for a block whose rays the tool grazes for long. With 64 shares before every doubling of
+/// the depth that may be missed, the motions below took up to 1,048 and 1,623.
 constexpr std::int64_t kGrazedMeetingsMin = 200, kGrazedMeetingsMax = 800;
-/// Of a block whose rays pass a disc of a piece across them. Without a bound for these rays the
-/// motions below took up to 219 and 105.
+/// Limit for a block whose rays pass a disc of a piece across them. Without a bound for these rays
+/// the motions below took up to 219 and 105.
 constexpr std::int64_t kPassedMeetingsMax = 30;
 
-TEST(MetAgain, APlungePastAThinShelfIsMetAFewTimes) {
+TEST(MetAgain, PlungePastAThinShelfNeedsFewEvaluations) {
   const auto tool = make_tool(
       ProfileShape{{ProfilePoint{3.49238522, 0}, ProfilePoint{3.55352746, 1.79575729},
                     ProfilePoint{2.18959022, 1.90149829}, ProfilePoint{2.73861209, 1.90149829},
@@ -92,13 +92,13 @@ TEST(MetAgain, APlungePastAThinShelfIsMetAFewTimes) {
   }
 }
 
-TEST(MetAgain, AnArcThatGrazesRaysForAThousandTolerancesIsMetSeldom) {
+TEST(MetAgain, ArcGrazingForAThousandTolerancesNeedsFewEvaluations) {
   struct Graze {
     ToolShape shape;
     double pitch_mm, tolerance_mm;
     ToolPose from, to;
   };
-  // Found by a search for motions that take long.
+  // Found by a search for expensive motions.
   const double r = 7.96363796, w = 0.497950018;
   const Graze grazes[] = {
       {BullNoseShape{7.97693892, 1.99758287, 30},
@@ -134,12 +134,12 @@ TEST(MetAgain, AnArcThatGrazesRaysForAThousandTolerancesIsMetSeldom) {
   EXPECT_LE(most, kGrazedMeetingsMax);
 }
 
-TEST(MetAgain, AShelfThatGrazesRaysForAThousandTolerancesIsMetSeldom) {
+TEST(MetAgain, ShelfGrazingForAThousandTolerancesNeedsFewEvaluations) {
   struct Graze {
     double radius_mm, width_mm, pitch_mm, tolerance_mm;
     ToolPose from, to;
   };
-  // Found by a search for motions that take long; 4,096 meetings of a ray were not enough.
+  // Found by a search for expensive motions. 4,096 evaluations of a ray were not enough.
   const Graze grazes[] = {
       {3.36780459,
        0.0719437018,
@@ -186,10 +186,10 @@ TEST(MetAgain, AShelfThatGrazesRaysForAThousandTolerancesIsMetSeldom) {
   EXPECT_LE(most, kGrazedMeetingsMax);
 }
 
-TEST(MetAgain, RaysAcrossTheAxisThatPassADiscAreMetSeldom) {
-  // A ball end mill and a flat one that lie across the rays, move along themselves, and turn by 2.5
-  // degrees, as rays of a field across the spindle see them: below the hidden disc on which the
-  // cylinder continues the ball, and below the bottom of the flat one.
+TEST(MetAgain, RaysPassingADiscNeedFewEvaluations) {
+  // A ball end mill and a flat one with axes across the rays move along themselves and turn by 2.5
+  // degrees, as seen by rays of a field across the spindle: below the hidden disc on which the
+  // cylinder continues the ball, and below the bottom of the flat mill.
   for (const bool is_ball : {true, false}) {
     const auto tool = is_ball ? make_tool(BallShape{10, 40}) : make_tool(FlatShape{10, 40});
     ASSERT_TRUE(tool);
@@ -207,7 +207,7 @@ TEST(MetAgain, RaysAcrossTheAxisThatPassADiscAreMetSeldom) {
   }
 }
 
-TEST(MetAgain, APieceThatTurnsAboutAPointOfItsAxisIsSweptOnce) {
+TEST(MetAgain, PieceTurningAboutItsAxisPointIsSweptOnce) {
   // Its halves move in opposite directions, but need no sweeps of their own.
   const auto tool = make_tool(FlatShape{10, 40});
   ASSERT_TRUE(tool);
@@ -245,7 +245,7 @@ ToolShape thin_shape(int k, Random& random) {
   }
 }
 
-TEST(MetAgain, ThinToolsAreMetAFewTimesInAnyMotion) {
+TEST(MetAgain, ThinToolsNeedFewEvaluationsInAnyMotion) {
   Random random(11);
   int met = 0;
   for (int k = 0; k < 1200; ++k) {

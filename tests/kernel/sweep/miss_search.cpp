@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Searches for motions whose sweep misses something, and prints each case that is worse than those
+// Searches for motions whose sweep misses material, and prints each case that is worse than all
 // before. Fails if more than the tolerance is missed. Usage: miss_search [climbs=1000] [seed=1]
 
 #include <algorithm>

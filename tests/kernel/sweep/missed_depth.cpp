@@ -53,7 +53,7 @@ ToolShape shape_of(const MissCase& c) {
   }
 }
 
-/// Returns a direction at right angles to `axis`.
+/// Returns a direction perpendicular to `axis`.
 Vec3 across(Vec3 axis, double angle) {
   const Vec3 other = std::abs(axis.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
   const Vec3 e = normalized(cross(axis, other));
@@ -66,13 +66,13 @@ struct MissMotion {
   double tolerance_mm, x_mm, y_mm, pitch_mm;
 };
 
-/// Returns the motion of a case; its rays are at a point of the tool's surface at some share. None
-/// if there is no such tool.
+/// Returns the motion of a case, whose rays are at a point of the tool's surface at some share, or
+/// nothing if there is no such tool.
 std::optional<MissMotion> motion_of(const MissCase& c) {
   const auto tool = make_tool(shape_of(c));
   if (!tool) return std::nullopt;
   const auto& g = c.genes;
-  constexpr double kHalfCircle = 3.2;  // and a little more, so that a climb passes it
+  constexpr double kHalfCircle = 3.2;  // slightly more, so that a climb passes it
   const double lean = within(g[5], 0, 1.7), azimuth = within(g[6], -kHalfCircle, kHalfCircle);
   const double turn = power(g[7], -3, -0.5);
   MissMotion m{*tool, {}, {}, power(g[14], -4, -1), 0, 0, power(g[20], -5, -1)};
@@ -96,7 +96,7 @@ std::optional<MissMotion> motion_of(const MissCase& c) {
   return m;
 }
 
-/// Returns what the sweep removes from the rays of a motion.
+/// Returns the intervals that the sweep removes from the rays of a motion.
 ColumnBlock removed_by(const MissMotion& m, double top_mm) {
   const SweepSettings settings{
       MotionModel::kTight, m.tolerance_mm, {{-1e3, -1e3, kFloorMm}, {1e3, 1e3, top_mm}}};
@@ -202,7 +202,7 @@ MissCase MissSearch::any_case() {
   MissCase c{static_cast<int>(share() * kMissTools), share() < 0.5 ? 15.0 : 4.0, {}};
   for (double& g : c.genes) g = share();
   if (share() < 0.3) c.genes[5] *= 0.1;   // almost upright
-  if (share() < 0.3) c.genes[10] *= 0.3;  // a turn about a point of the axis
+  if (share() < 0.3) c.genes[10] *= 0.3;  // turn about a point of the axis
   return c;
 }
 

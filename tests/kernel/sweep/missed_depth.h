@@ -13,7 +13,7 @@ namespace kerf::test {
 inline constexpr int kMissGenes = 23;
 inline constexpr int kMissTools = 10;
 
-/// A motion of a tool beside 8 x 8 rays, as numbers in [0, 1] that a search may vary.
+/// A motion of a tool near 8 x 8 rays, as numbers in [0, 1] that a search may vary.
 struct MissCase {
   int tool;       ///< kind of the tool, below kMissTools
   double top_mm;  ///< of the grid
@@ -21,18 +21,18 @@ struct MissCase {
 };
 
 /// Returns the depth, in units of the tolerance, of the deepest point of the rays that the moving
-/// tool reaches and its sweep leaves; below zero if there is none. Brute force over the shares of
+/// tool reaches but its sweep leaves, below zero if there is none. Brute force over the shares of
 /// the motion, which shares no code with the sweep. Every `stride`th ray is judged.
 double missed_depth(const MissCase& c, int stride = 1);
 
-/// Searches for cases that miss much: the worst of a few random ones is varied as long as that
-/// makes it worse.
+/// Searches for cases with a large missed depth: the worst of a few random cases is varied as long
+/// as that makes it worse.
 class MissSearch {
  public:
   explicit MissSearch(std::uint64_t seed) : random_(seed) {}
   /// Returns the worst case of one climb from random cases, and its depth.
   MissCase climb(double& depth);
-  /// The same from cases that differ little from `c`.
+  /// As climb, from cases that differ little from `c`.
   MissCase climb_near(const MissCase& c, double& depth);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a turning motion misses, by a directed search for the worst case.
+// The missed depth of turning motions, by a directed search for the worst case.
 
 #include "tests/kernel/sweep/missed_depth.h"
 
@@ -53,7 +53,7 @@ const MissCase kFound[] = {
              0.340265752, 0.220611795, 0.467580342, 0.227196197, 0.444791263}},
 };
 
-TEST(MissedDepth, StaysWithinTheToleranceInCasesThatOnceMissedMore) {
+TEST(MissedDepth, StaysWithinTheToleranceInFormerFailures) {
   for (const MissCase& c : kFound) EXPECT_LE(missed_depth(c), 1) << c.tool;
 }
 

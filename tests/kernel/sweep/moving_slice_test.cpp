@@ -32,7 +32,7 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// A slice on a motion, and a block of columns beside or below it.
+/// A slice on a motion, and a block of columns next to it or below it.
 struct Sample {
   ToolPiece slice;
   ToolPose from, to;
@@ -50,7 +50,7 @@ Sample sample(int k, Random& random, double greatest_turn = 0.004) {
   s.from.tip_mm = {0, 0, 0};
   s.to.axis = turn > 0 ? normalized(s.from.axis + random.vec(1) * turn) : s.from.axis;
   s.to.tip_mm = random.vec(0.5) * step;
-  // The bend of such a motion is below the tolerance: two stations suffice.
+  // The bend of such a motion is below the tolerance, so two stations suffice.
   s.search.bend_mm = 0.0015;
   s.search.top_mm = kTopMm;
   s.search.missed_mm = 0.9 * kToleranceMm;
@@ -70,7 +70,7 @@ bool is_removed(const ColumnBlock& block, int row, int lane) {
   return (block.filled >> row & 1) != 0 && block.lo_mm[row][lane] <= block.hi_mm[row][lane];
 }
 
-/// Expects that a slice standing at many poses of the motion takes no more than `block`, and that
+/// Expects that a slice at rest at many poses of the motion removes no more than `block`, and that
 /// the ends in `block` are reached at one of them, in the rows `rows`.
 void expect_swept(const Sample& s, const ColumnBlock& block, unsigned rows,
                   const std::string& what) {
@@ -96,7 +96,7 @@ void expect_swept(const Sample& s, const ColumnBlock& block, unsigned rows,
   }
 }
 
-TEST(MovingSlice, SimpleRowsLoseWhatTheSliceTakesAtAnyPose) {
+TEST(MovingSlice, SimpleRowsMatchASweepOfPoses) {
   Random random(3);
   int simple = 0, rows = 0;
   for (int k = 0; k < 1500; ++k) {
@@ -108,12 +108,12 @@ TEST(MovingSlice, SimpleRowsLoseWhatTheSliceTakesAtAnyPose) {
     rows += std::popcount(block.filled & done);
     expect_swept(s, block, done, "sample " + std::to_string(k));
   }
-  // A test that finds no such rows tests nothing.
+  // Without such rows the test would test nothing.
   EXPECT_GT(simple, 3000);
   EXPECT_GT(rows, 1500);
 }
 
-TEST(MovingSlice, EvaluatedRowsLoseWhatTheSliceTakesAtAnyPose) {
+TEST(MovingSlice, EvaluatedRowsMatchASweepOfPoses) {
   Random random(6);
   int rows = 0;
   for (int k = 0; k < 600; ++k) {
@@ -128,7 +128,7 @@ TEST(MovingSlice, EvaluatedRowsLoseWhatTheSliceTakesAtAnyPose) {
   EXPECT_GT(rows, 500);
 }
 
-TEST(MovingSlice, ARowDoesNotDependOnTheOthersThatAreEvaluated) {
+TEST(MovingSlice, RowsAreIndependentOfEachOther) {
   Random random(4);
   for (int k = 0; k < 1600; ++k) {
     Sample s = sample(k, random, k % 2 == 0 ? 0.004 : 0.12);
@@ -167,7 +167,7 @@ std::vector<std::pair<double, double>> removed_stock(const ColumnBlock& block, i
   return parts;
 }
 
-TEST(MovingSlice, EndsBeyondTheStockChangeNoBitOfWhatItLoses) {
+TEST(MovingSlice, EndsBeyondTheStockDoNotChangeTheCut) {
   Random random(9);
   int shortened = 0;
   for (int k = 0; k < 2400; ++k) {
@@ -201,7 +201,7 @@ TEST(MovingSlice, EndsBeyondTheStockChangeNoBitOfWhatItLoses) {
   EXPECT_GT(shortened, 5000);
 }
 
-TEST(MovingSlice, AMillThatSinksTakesOnlyItsLastPoseBelowIt) {
+TEST(MovingSlice, SinkingMillNeedsOnlyItsLastPose) {
   const ToolPose from{{0, 0, 1}, {0, 0, 1}}, to{{0.1, 0, 0.9}, {0, 0, 1}};
   Random random(5);
   Sample s = sample(0, random);
@@ -212,7 +212,7 @@ TEST(MovingSlice, AMillThatSinksTakesOnlyItsLastPoseBelowIt) {
   for (int row = 0; row < kBlockSide; ++row) EXPECT_NEAR(s.block.lo_mm[row][3], 0.9, 1e-12);
 }
 
-TEST(MovingSlice, ABottomThatSinksAndRisesNeedsNoSearch) {
+TEST(MovingSlice, SinkingAndRisingBottomNeedsNoSearch) {
   Random random(8);
   Sample s = sample(0, random);
   s.slice = FrustumPiece{0, 5, 8, 5};

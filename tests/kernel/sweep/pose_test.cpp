@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a pose removes of a ray depends on the tool, the pose and the ray alone, to the last bit of
-// the heights before they are rounded (kernel/sweep/README.md, "A pose").
+// The interval that a pose removes from a ray depends on the tool, the pose and the ray alone, to
+// the last bit of the heights before they are rounded (kernel/sweep/README.md, "A pose").
 
 #include <gtest/gtest.h>
 
@@ -68,7 +68,7 @@ ToolShape any_shape(Random& random) {
   }
 }
 
-/// The heights that a sweep removes of every ray of a grid of 16 by 16, before they are rounded.
+/// The heights that a sweep removes from every ray of a grid of 16 by 16, before they are rounded.
 using Heights = std::vector<std::pair<double, double>>;
 struct Removed {
   Heights rays[kSide][kSide];
@@ -113,7 +113,7 @@ bool covers(Heights removed, const Heights& asked) {
   });
 }
 
-/// Number of times that the tests are longer.
+/// Factor by which the tests are longer.
 int effort() {
   const char* text = std::getenv("KERF_EFFORT");
   return text != nullptr ? std::max(1, std::atoi(text)) : 1;
@@ -140,7 +140,7 @@ ToolPose another(Random& random, const ToolPose& pose) {
   return {pose.tip_mm + travel, kind == 0 || random.below(2) == 0 ? pose.axis : axis};
 }
 
-/// The heights that a frustum takes of one ray.
+/// The heights that a frustum removes from one ray.
 Span hit(const FrustumPiece& piece, const ToolPose& pose, double x, double y) {
   LaneSpan span;
   include_pose(span, ConeSide(piece), pose, Lanes(x), Lanes(y), 100);
@@ -148,7 +148,7 @@ Span hit(const FrustumPiece& piece, const ToolPose& pose, double x, double y) {
 }
 bool misses(const Span& s) { return s.lo > s.hi; }
 
-TEST(Pose, AnUprightCylinderEndsAtItsDiscs) {
+TEST(Pose, UprightCylinderEndsAtItsDiscs) {
   const ToolPose pose{{0, 0, 2}, {0, 0, 1}};
   const Span s = hit({0, 5, 30, 5}, pose, 3, 3.9);
   EXPECT_DOUBLE_EQ(s.lo, 2);
@@ -156,19 +156,19 @@ TEST(Pose, AnUprightCylinderEndsAtItsDiscs) {
   EXPECT_TRUE(misses(hit({0, 5, 30, 5}, pose, 3, 4.1)));
 }
 
-TEST(Pose, AnUprightConeStartsOnItsSide) {
+TEST(Pose, UprightConeStartsOnItsSide) {
   const Span s = hit({0, 0, 10, 10}, {{0, 0, 0}, {0, 0, 1}}, 3, 4);
   EXPECT_DOUBLE_EQ(s.lo, 5);
   EXPECT_DOUBLE_EQ(s.hi, 10);
 }
 
-TEST(Pose, ALyingCylinderIsHitAcross) {
+TEST(Pose, LyingCylinderIsHitAcross) {
   const Span s = hit({0, 5, 20, 5}, {{0, 0, 0}, {1, 0, 0}}, 7, 4);
   EXPECT_DOUBLE_EQ(s.lo, -3);
   EXPECT_DOUBLE_EQ(s.hi, 3);
 }
 
-TEST(Pose, ARayParallelToAGeneratorStillEnters) {
+TEST(Pose, RayParallelToAGeneratorStillEnters) {
   // Half angle 45 degrees, leaning by 45 degrees: the quadratic's leading coefficient is exactly
   // zero.
   const double h = std::sqrt(0.5);
@@ -178,7 +178,7 @@ TEST(Pose, ARayParallelToAGeneratorStillEnters) {
   EXPECT_NEAR(s.lo, 1.0 / 4, 1e-12);
 }
 
-TEST(Pose, AMotionRemovesToTheBitWhatItsLastPoseRemoves) {
+TEST(Pose, MotionContainsItsLastPoseToTheBit) {
   Random random(1);
   std::int64_t rays = 0;
   const int motions = 1500 * effort();

@@ -94,8 +94,8 @@ Removed true_range(const Tool& tool, const ToolPose& a, const ToolPose& b, doubl
   return r;
 }
 
-/// Returns the distance between a removed end and the surface of the true sweep. Computed only
-/// where the ends differ along the ray by more than the tolerance, which they may on a steep wall.
+/// Returns the distance between a removed end and the surface of the true sweep. It is computed
+/// only if the ends differ along the ray by more than the tolerance, as they may on a steep wall.
 double error_of(const Tool& tool, const ToolPose& a, const ToolPose& b, double x, double y,
                 const Removed& removed, double tolerance) {
   const Removed truth = true_range(tool, a, b, x, y);
@@ -209,7 +209,7 @@ TEST(PaperModel, StaysWithinToleranceWithMoreSubMotions) {
 }
 
 TEST(Sweep, RampAtExactlyTheConeAngleCutsItsFullVolume) {
-  // A 90 degree V-bit on a ramp of 45 degrees: a known failure of other simulators, which lose the
+  // A 90 degree V-bit on a ramp of 45 degrees: a known failure of some simulators, which lose the
   // whole cut.
   const auto removed = [](double slope) {
     SculptureSettings settings;

@@ -60,8 +60,8 @@ ColumnBlock block(Random& random) {
   return b;
 }
 
-/// Expects that the tool, wherever the piece meets a raised column, holds all of the column from
-/// there to the top. Returns the number of columns so tested.
+/// Expects the tool, wherever the piece meets a raised column, to contain the whole column from
+/// there to the top. Returns the number of columns tested.
 int expect_raised_columns_are_inside(const Tool& tool, std::size_t which, const ToolMotion& m,
                                      ColumnBlock& b) {
   ToolAbove(tool, which, m, kTopMm).find_covered(b);

@@ -29,8 +29,8 @@ TEST(ToolMotion, TinyTurnsAndStepsAreNotRest) {
 }
 
 TEST(ToolMotion, AxesThatDifferByRoundingAreOneAxis) {
-  // Normalizing an axis twice may change its last bit. The sweep takes equal axes for a translation
-  // and any others for a turn.
+  // Normalizing an axis twice may change its last bit. The sweep treats equal axes as a translation
+  // and all different ones as a turn.
   const Vec3 axis = normalized({0.3, 0.2, 0.9});
   const Vec3 other{axis.x, std::nextafter(axis.y, 1), axis.z};
   const ToolMotion m = make_motion({{0, 0, 0}, axis}, {{5, 0, 0}, other}, 50);

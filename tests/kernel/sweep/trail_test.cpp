@@ -30,7 +30,7 @@ TEST(Trail, CylinderMovingSidewaysRemovesNothingBehindItsAxis) {
   EXPECT_EQ(trail.behind(discs_at(3, 0, 0.5)), 0U);
 }
 
-TEST(Trail, ADiscThatShowsCountsOnlyWhereItMovesOutwards) {
+TEST(Trail, ExposedDiscCountsOnlyWhereItMovesOutwards) {
   const FrustumPiece mill{0, 4, 50, 4};
   const Discs behind = discs_at(-2.5, 1, 0.5);
   const auto test = [&](Vec3 to_tip, Vec3 to_axis, ShownDiscs shown) {
@@ -41,8 +41,8 @@ TEST(Trail, ADiscThatShowsCountsOnlyWhereItMovesOutwards) {
   EXPECT_EQ(test({1, 0, -1e-8}, {0, 0, 1}, {false, true}), 0xFFU);
   EXPECT_EQ(test({1, 0, 1e-8}, {0, 0, 1}, {true, false}), 0xFFU);
   EXPECT_EQ(test({1, 0, 1e-8}, {0, 0, 1}, {false, true}), 0U);
-  // The rear of the bottom rises if the axis turns forwards about the tip's axis, and sinks if it
-  // turns backwards.
+  // The rear of the bottom rises if the axis turns forwards about the tip, and sinks if it turns
+  // backwards.
   EXPECT_EQ(test({1, 0, 0.03}, {0.01, 0, 1}, {true, false}), 0xFFU);
   EXPECT_EQ(test({1, 0, 0.01}, {-0.02, 0, 1}, {true, false}), 0U);
 }
@@ -59,7 +59,7 @@ TEST(Trail, ArcRecedesWhereBothItsEndsDo) {
   EXPECT_EQ(test({-1, 0, 0}), 0U);
 }
 
-TEST(Trail, OnlyThePartOfAnArcOverAPlaceCounts) {
+TEST(Trail, OnlyThePartOfAnArcOverADiscCounts) {
   // The corner sinks while it moves sideways: its bottom advances, its outer part recedes.
   const ToolPose from{{0, 0, 0}, {0, 0, 1}}, to{{1, 0, -0.1}, {0, 0, 1}};
   const Trail trail(ArcPiece{3, 2, 2, 0, 2}, from, to, {});
@@ -73,7 +73,7 @@ TEST(Trail, MotionAlongTheRaysHasNoTrail) {
   for (const double y : {-3.0, 0.0, 3.0}) EXPECT_EQ(trail.behind(discs_at(20, y, 0.5)), 0U);
 }
 
-TEST(Trail, ADiscWhoseAxisLiesAcrossTheRaysIsThin) {
+TEST(Trail, DiscWithAxisAcrossTheRaysIsThin) {
   // The mill's bottom at x = 0 turns outwards at y < 0, where the side recedes.
   const auto mill = [](double lean) {
     const ToolPose from{{0, 0, 0}, normalized(Vec3{1, 0, lean})};
@@ -82,11 +82,11 @@ TEST(Trail, ADiscWhoseAxisLiesAcrossTheRaysIsThin) {
   };
   EXPECT_EQ(mill(0.001).behind(discs_at(2.5, -3, 0.5)), 0xFFU);
   EXPECT_EQ(mill(0.001).behind(discs_at(0.5, -3, 0.5)), 0U);
-  // Rays within the plane of a disc at the first or the last pose need their whole test.
+  // Rays within the plane of a disc at the first or the last pose need the full test.
   EXPECT_EQ(mill(0).behind(discs_at(2.5, -3, 0.5)), 0U);
 }
 
-TEST(Trail, TellsWhereAllButAHiddenDiscRecedes) {
+TEST(Trail, FindsRegionsWhereOnlyAHiddenDiscAdvances) {
   const Discs behind = discs_at(-2.5, 1, 0.5);
   const ToolPose from{{0, 0, 0}, {0, 0, 1}}, up{{1, 0, 0.1}, {0, 0, 1}};
   const Trail hides_upper(FrustumPiece{0, 4, 50, 4}, from, up, {true, true}, {true, false});
@@ -96,9 +96,10 @@ TEST(Trail, TellsWhereAllButAHiddenDiscRecedes) {
   EXPECT_EQ(hides_lower.receding(behind).shown, 0U);
 }
 
-/// Returns whether a tick of a tool, which moves by 0.1 mm along x and leans by 15 degrees into the
-/// direction `azimuth` and a quarter of a degree on, sweeps rows of the block around (-2, -0.4).
-/// The tip is 4 mm below the top of the grid; the stock ends `stock_mm` above the tip.
+/// Returns whether a tick of a tool sweeps rows of the block around (-2, -0.4). The tool moves by
+/// 0.1 mm along x and leans by 15 degrees in the direction `azimuth`, at the end a quarter of a
+/// degree further. The tip is 4 mm below the top of the grid, and the stock ends `stock_mm` above
+/// the tip.
 bool sweeps_behind(const ToolShape& shape, double azimuth, double stock_mm) {
   const Tool tool = *make_tool(shape);
   const auto pose = [](double x, double angle) {
@@ -125,7 +126,7 @@ bool sweeps_behind(const ToolShape& shape, double azimuth, double stock_mm) {
   return sweeps;
 }
 
-TEST(ToolReach, LeavesOutOnlyASinglePieceThatRecedes) {
+TEST(ToolReach, SkipsOnlyASingleRecedingPiece) {
   PieceBounds recedes, advances;
   recedes.reached = advances.reached = 0b1111;
   recedes.left_out.shown_behind = 0b0111;
@@ -138,7 +139,7 @@ TEST(ToolReach, LeavesOutOnlyASinglePieceThatRecedes) {
   EXPECT_EQ(tool.discs(), 0b1111U);
 }
 
-TEST(Trail, TheToolAsAWholeRemovesNothingBehindIt) {
+TEST(Trail, WholeToolRemovesNothingBehindIt) {
   // The bottom of a bull-nose that leans forwards rises, and so does its disc at the shank.
   const BullNoseShape bull_nose{6, 1, 30};
   EXPECT_FALSE(sweeps_behind(bull_nose, 0.7, 0.7));

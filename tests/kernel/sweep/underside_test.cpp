@@ -40,7 +40,7 @@ TEST(Underside, FollowsTheArcAtTheNearestPointOfADisc) {
   EXPECT_NEAR(bound_at(flank, 1, 5.5, 0.5), 3 + 12 - std::sqrt(900 - 28.0 * 28), 1e-8);
 }
 
-TEST(Underside, ALevelToolHasNoBound) {
+TEST(Underside, HorizontalToolHasNoBound) {
   const ToolPose from{{0, 0, 0}, {1, 0, 0}}, to{{0, 0, 1}, {1, 0, 0}};
   const Underside level(FrustumPiece{0, 4, 50, 4}, from, to);
   EXPECT_EQ(bound_at(level, 3, 1, 0.5), -std::numeric_limits<double>::infinity());
@@ -84,7 +84,7 @@ TEST(Underside, NoPointOfTheMovingSliceIsBelowIt) {
       ++tested;
     }
   }
-  EXPECT_GT(bounded, tested / 5);  // the bound is of use
+  EXPECT_GT(bounded, tested / 5);  // the bound is useful
 }
 
 }  // namespace

@@ -27,9 +27,9 @@ TEST(AptShape, ZeroCornerRadiusIsFlatOrACone) {
               std::get<FrustumPiece>(same.pieces[0]).z1_mm, 1e-12);
 }
 
-/// Returns the cutter whose corner arc touches both lines: its center is r above the one and r
-/// inside the other, (-sin a, cos a) . x = r and (-cos b, sin b) . x = r about the point where they
-/// meet.
+/// Returns the cutter whose corner arc touches both lines: its center is r above the bottom line
+/// and r inside the side line, (-sin a, cos a) . x = r and (-cos b, sin b) . x = r about the point
+/// where they meet.
 AptShape tangent_cutter(double d, double r, double alpha_deg, double beta_deg, double h) {
   const double a = alpha_deg * M_PI / 180, b = beta_deg * M_PI / 180;
   const double det = std::cos(a + b);

@@ -14,7 +14,7 @@ namespace {
 
 std::vector<ConvexPart> parts_of(const ToolShape& shape) { return make_tool(shape)->whole_parts; }
 
-TEST(ConvexPart, ConvexToolsAreOne) {
+TEST(ConvexPart, ConvexToolsHaveOnePart) {
   for (const ToolShape& shape :
        {ToolShape{BallShape{10, 40}}, ToolShape{FlatShape{10, 40}},
         ToolShape{BullNoseShape{10, 2, 40}}, ToolShape{ConeEndShape{10, 90, 40}},
@@ -47,7 +47,7 @@ TEST(ConvexPart, EndsWhereTheOutlineTurnsAway) {
   EXPECT_TRUE(parts[2].covered);
 }
 
-TEST(ConvexPart, PieceAtAHeightIsTheUpperOneAtAJointAndTheOutermostBeyond) {
+TEST(ConvexPart, PieceAtAJointIsTheUpperOne) {
   const ConvexPart part = convex_parts(std::vector<ToolPiece>{
       FrustumPiece{0, 1, 5, 4}, FrustumPiece{5, 4, 9, 4}, FrustumPiece{9, 4, 12, 2}})[0];
   ASSERT_EQ(part.pieces.size(), 3);
@@ -68,8 +68,8 @@ TEST(ConvexPart, RidgesAreWhereTheOutlineHasAnEdge) {
   EXPECT_TRUE(parts_of(BullNoseShape{10, 2, 40})[0].ridges_mm.empty());
 }
 
-/// A fillet of many sections, each of which turns away by little: the allowance does not add up.
-TEST(ConvexPart, AFilletIsNotFilledUp) {
+/// A fillet of many sections, each of which turns away slightly: the allowance does not add up.
+TEST(ConvexPart, FilletIsNotFilled) {
   ProfileShape shape{{ProfilePoint{3, 0}, ProfileArc{{5, 10}, 30, ArcBulge::kIn}}, 1e-5};
   const Tool tool = *make_tool(shape);
   ASSERT_GT(tool.pieces.size(), 20);
@@ -83,7 +83,7 @@ TEST(ConvexPart, AFilletIsNotFilledUp) {
   }
 }
 
-TEST(ConvexPart, ABallThatTheNextPieceDoesNotContinueIsWhole) {
+TEST(ConvexPart, UncontinuedBallIsWhole) {
   const std::vector<ConvexPart> parts =
       convex_parts(std::vector<ToolPiece>{BallPiece{4, 4}, FrustumPiece{12, 1, 20, 1}});
   ASSERT_EQ(parts.size(), 2);

@@ -46,8 +46,8 @@ double outside_of(const Tool& tool, const ToolPose& a, const ToolPose& b, Vec3 p
   return best;
 }
 
-/// Checks that the middle of every solid element is not deep in the sweep, the middle of every gap
-/// is not outside of it, and every end between them is on its border.
+/// Checks that the middle of every solid element is not deep in the sweep, that the middle of every
+/// gap is not outside it, and that every end between them is on its border.
 void check_columns(const Tool& tool, const ToolPose& a, const ToolPose& b, const DexelSnapshot& s,
                    double tolerance, const std::string& what) {
   const DexelGrid& g = s.grid();
