@@ -23,13 +23,13 @@ struct BlockChange {
   };
   struct LeftOver {
     int row;
-    unsigned
-        columns;  ///< bit c is set if column c has several elements, or the cut splits its only one
+    /// Bit c is set if column c has several elements, or the cut splits its only one.
+    unsigned columns;
     alignas(32) std::int32_t cut_bottom[kLanes], cut_top[kLanes];
   };
   Row rows[kBlockSide];
-  unsigned
-      changed;  ///< bit r is set if row r must be replaced; each such row has a group, in row order
+  /// Bit r is set if row r must be replaced. Each such row has a group, in row order.
+  unsigned changed;
   std::int64_t quanta;  ///< total length removed
   LeftOver left_over[kBlockSide];
   int left_overs;

@@ -55,8 +55,8 @@ class LowerElements {
   std::vector<Run> runs_;
   std::vector<std::uint16_t> free_runs_;
   std::vector<Element> pool_;
-  std::array<std::uint32_t, 32>
-      free_;  ///< per size class, the first free block, whose first word is the number of the next
+  /// Per size class, the first free block, whose first word is the number of the next.
+  std::array<std::uint32_t, 32> free_;
 };
 
 extern template class LowerElements<Dexel>;

@@ -27,8 +27,8 @@ class PatchSum {
 
  private:
   double weight_ = 0;
-  Vec3
-      origin_mm_;  ///< the first point, because second moments about the frame's origin lose digits
+  /// The first point, because second moments about the frame's origin lose digits.
+  Vec3 origin_mm_;
   Vec3 moment_;
   Vec3 squares_, products_;  ///< xx, yy, zz; yz, zx, xy
 };

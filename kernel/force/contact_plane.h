@@ -25,8 +25,8 @@ struct ContactPlane {
   /// Half axes of the ellipse about `point_mm`, normal to `normal`, at whose rim springs resist
   /// turning as the area of the contact does. Zero for a point (contact_patch.h).
   Vec3 half_a_mm{}, half_b_mm{};
-  bool continues =
-      false;  ///< a further point of the contact that the preceding plane begins (spread)
+  /// A further point of the contact that the preceding plane begins (spread).
+  bool continues = false;
 };
 
 /// Distance, in mm, at which the plane of an obstacle is reported before contact. If it grows,

@@ -16,8 +16,8 @@ namespace kerf {
 
 /// Contact of shank and holder with the stock.
 struct StockContact {
-  double depth_mm =
-      0;          ///< depth of the deepest solid point in any non-cutting part; 0 without contact
+  /// Depth of the deepest solid point in any non-cutting part, or 0 without contact.
+  double depth_mm = 0;
   Wrench wrench;  ///< F_collision and τ_collision (Eqs. 25, 26), N and N·mm about the pivot
 };
 

@@ -43,8 +43,8 @@ struct SideTilt {
 /// within its radius enters or leaves the slice there. Heights are relative to the anchor of the
 /// side.
 struct DiscPlanes {
-  double low, low_radius2, high,
-      high_radius2;  ///< squared radii minus an allowance; −1 without a disc
+  /// Heights, and squared radii minus an allowance, or −1 without a disc.
+  double low, low_radius2, high, high_radius2;
 
   static double square(double radius_mm) {
     const double within = radius_mm - kEdgeEpsilonMm;

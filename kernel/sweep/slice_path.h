@@ -15,8 +15,8 @@ inline constexpr int kHalvingsMax = 16;
 /// (kernel/sweep/README.md, "The tight model").
 struct SliceSearch {
   int parts = 1;  ///< parts of the motion; each is searched between its two stations
-  int halvings =
-      0;  ///< maximum number of bisections of a part, for rays with a non-connected hit set
+  /// Maximum number of bisections of a part, for rays with a non-connected hit set.
+  int halvings = 0;
   bool checked = false;     ///< the side may have several outermost ends along the motion
   double bend_mm = 0;       ///< κ: greatest bend of a fixed point's path along normals of the side
   double disc_bend_mm = 0;  ///< the same along normals of the discs

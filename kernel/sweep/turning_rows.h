@@ -279,7 +279,8 @@ KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const Ray
   Stations stations;
   Station* ends[2];
   KnownEnds known{~every_lane(), ~every_lane()};
-  Lanes reach = Lanes(0);  // the share in which no missed ray is hit, from the first evaluated pose on
+  Lanes reach =
+      Lanes(0);  // the share in which no missed ray is hit, from the first evaluated pose on
   bool at_last = is_ahead(path, row);
   for (int k = 0; k < 2; ++k, at_last = !at_last) {
     Station& met = stations.add(side, path, row, at_last ? 1 : 0, 0, open);

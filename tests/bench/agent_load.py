@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures the load that one agent causes while it carves: CPU time, wake-ups and memory.
 
-    tests/bench/agent_load.py [SECONDS]     of the release build; others: KERF_SERVER, KERF_AGENT
-    tests/bench/agent_load.py SECONDS --against AGENT [TURNS]    beside another agent, by turns (3)
-    tests/bench/agent_load.py SECONDS --record [TURNS]    with --record, beside itself without (3)
+    tests/bench/agent_load.py [SECONDS]     release build, or KERF_SERVER and KERF_AGENT
+    tests/bench/agent_load.py SECONDS --against AGENT [TURNS]    compares two agents (3 turns)
+    tests/bench/agent_load.py SECONDS --record [TURNS]    with and without --record (3 turns)
 
 A server on loopback, an agent with a simulated hand that carves its figure in a block of 60 mm at a
 pitch of 0.25 mm. After 4 s, in which it arms and enters the stock, it reads /proc for SECONDS (10):
 per thread the CPU time and the wake-ups (voluntary context switches), and the resident memory.
-Before that, and after it, the same for an empty loop of 1 kHz (that of `kerf-agent doctor`): what
-waking a thread costs on this machine, which no agent can save.
+Before and after that, it measures an empty loop of 1 kHz (that of `kerf-agent doctor`): the cost of
+waking a thread on this machine, which no agent can avoid.
 """
 import os
 import pathlib
@@ -52,7 +52,7 @@ def resident_mb(pid):
     return int(status.split("VmRSS:")[1].split()[0]) / 1024
 
 
-# Names of the threads by their real-time priority; the others are the main thread and its helpers.
+# Names of the real-time threads by priority. All other threads are the main thread and its helpers.
 ROLES = {"90": "watchdog", "80": "servo", "70": "replica", "60": "link"}
 
 
@@ -127,7 +127,7 @@ def print_load(seconds):
 
 def print_comparison(seconds, other, turns):
     """Prints the CPU % of both agents, which run at the same time, in each turn, and the quotient.
-    What else the machine does disturbs both."""
+    Other load on the machine disturbs both."""
     print(f"{'turn':4}  {'other agent: servo replica link watchdog together':50}"
           f"{'this one: the same':36} quotient")
     for turn in range(turns):

@@ -38,7 +38,7 @@ using namespace kerf::agent;
 using kerf::Wrench;
 using kerf::bench::Clock;
 
-/// Rests above an obstacle, then sinks 1.5 mm into it slowly on request.
+/// Rests above an obstacle, then slowly sinks 1.5 mm into it on request.
 class Leaning final : public HapticDevice {
  public:
   explicit Leaning(double height_mm) : height_mm_(height_mm) {}
@@ -88,7 +88,7 @@ std::set<pid_t> threads_of_this_program() {
   return threads;
 }
 
-/// Freezes one thread inside a signal handler; all other threads go on.
+/// Freezes one thread inside a signal handler. All other threads continue.
 class Freezer {
  public:
   Freezer() {
@@ -202,8 +202,8 @@ double watch(const Event& event, const Parts& parts, bool forced) {
   return std::chrono::duration<double, std::milli>(until - start).count();
 }
 
-/// Returns the ms until zero force, about kWaitMs at most; empty if the state was not reached with
-/// force.
+/// Returns the time until zero force, ms, about kWaitMs at most, or nothing if the state was not
+/// reached with force.
 std::optional<double> time_to_silence(const std::string& program, const Event& event,
                                       ServoPhase state) {
   kerf::bench::ServerProcess server(program);

@@ -62,7 +62,7 @@ BareLoop::BareLoop(BareTool tool, double pitch_mm)
       top_(std::size_t(columns_) * std::size_t(columns_), float(kStockTop)) {}
 
 void BareLoop::move(const ToolPose& from, const ToolPose& to) {
-  // The tool up to the stock's top, whose axis may lean.
+  // The tool up to the stock's top. Its axis may lean.
   Vec3 min{1e300, 1e300, 0}, max{-1e300, -1e300, 0};
   for (const ToolPose& p : {from, to}) {
     const double high = std::max(0.0, kStockTop + 5 - p.tip_mm.z) / p.axis.z;

@@ -7,17 +7,17 @@
 
 namespace kerf::test {
 
-/// Tools that bare loops know: diameter 10 mm; the corner of the bull-nose has the radius 2 mm.
+/// Tools that bare loops support: diameter 10 mm; the corner of the bull-nose has the radius 2 mm.
 enum class BareTool { kBall, kFlat, kBullNose };
 
 /// Runs the standard job on a bare height map as an upper bound of the speed of one core: single
 /// precision, sums in any order, one number per column, no interval lists. Computes the removed
 /// volume and its moments, as the force requires.
 ///
-/// A tool that stays upright moves horizontally, and its lower envelope is exact. Where the axis
-/// turns, a ball makes one sub-motion: it is met at both ends of the move, and translated between
-/// them with the axis of the middle. Flat and bull-nose are met at the two ends only, which is less
-/// than any sweep needs. What would remain above a leaning tool is removed too.
+/// A tool that stays upright moves horizontally, and its lower envelope is exact. If the axis
+/// turns, a ball makes one sub-motion: it is intersected at both ends of the move, and translated
+/// between them with the axis of the middle. Flat and bull-nose are intersected at the two ends
+/// only, which is less than any sweep needs. Material above a leaning tool is removed too.
 class BareLoop {
  public:
   BareLoop(BareTool tool, double pitch_mm);
@@ -28,7 +28,7 @@ class BareLoop {
   struct Sums {
     float volume = 0, x = 0, z = 0;
   };
-  /// The columns of a row, and the place of the first one's center.
+  /// The columns of a row, and the position of the first one's center.
   struct Row {
     float* tops;
     int count;

@@ -110,7 +110,7 @@ KERF_INLINE float enter_ball(Vec3f c, float ray_x, float ray_y) {
 }
 
 /// The corner of a bull-nose at one pose, by three steps to the root of a parabola from the height
-/// of an upright one; above it the cylinder.
+/// of an upright one, and the cylinder above it.
 struct Nose {
   Cylinder shaft;
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What viewers see who may be sent only so many bytes per second: a real kerf-server as a child
-// process, four hands that cut fresh stock at 1 kHz, and one viewer each of no budget, 400, 200 and
-// 100 kB/s in the same session.
+// Measures the picture of viewers with a budget of bytes per second: a real kerf-server as a child
+// process, four hands that cut fresh stock at 1 kHz, and one viewer each with no budget, 400, 200
+// and 100 kB/s in the same session.
 //
 //   budget_bench [--server PATH] [--seconds S]      S: time of cutting, default 20
 //
 // Prints for each viewer: the bytes that it received while the hands cut; the staleness of tiles,
 // from the moment at which the viewer without a budget had a newer surface of the tile until this
 // viewer has one; the share of the time in which tiles were at level 1, and in which their newest
-// surface had not arrived; how far off its picture was, by the distances of the vertices of the
-// newest exact tiles to its own, twenty times while the hands cut (of tiles whose newest surface
-// had arrived, and of all); and the time from the last cut until it had every tile exactly. For the
-// viewer without a budget it prints the staleness of frames as viewers_bench does.
+// surface had not arrived; the error of its picture, as the distances of the vertices of the newest
+// exact tiles from its own tiles, twenty times while the hands cut (for tiles whose newest surface
+// had arrived, and for all); and the time from the last cut until it had every tile exactly. For
+// the viewer without a budget it prints the staleness of frames as viewers_bench does.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -33,20 +33,20 @@ namespace {
 using namespace kerf;
 using namespace kerf::bench;
 
-/// kB/s; 0: any.
+/// kB/s, or 0 for no budget.
 constexpr std::array<int, 4> kBudgets{0, 400, 200, 100};
 constexpr int kAgents = 4, kSamples = 20;
 
 double seconds_of(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
 
-/// A mesh frame, and when it had arrived.
+/// A mesh frame and its time of arrival.
 struct Arrival {
   Clock::time_point at;
   test::DecodedFrame frame;
 };
 
 /// One viewer, on a thread of its own. It acknowledges each frame at once and reads it later, so
-/// that the frames of all have the times of one clock.
+/// that all frames have times of one clock.
 class Watcher {
  public:
   Watcher(std::uint16_t port, int budget_kb)
@@ -57,7 +57,7 @@ class Watcher {
     socket_.send(1, std::as_bytes(std::span(hello)));
     thread_ = std::jthread([this](const std::stop_token& stop) { read(stop); });
   }
-  /// Ends it. The frames may be read then.
+  /// Ends the viewer. The frames may be read afterwards.
   void end() {
     thread_.request_stop();
     thread_.join();
@@ -67,7 +67,7 @@ class Watcher {
     for (const auto& [at, bytes] : frames_) list.push_back({at, test::read_mesh_glb(bytes)});
     return list;
   }
-  /// Bytes of all messages that arrived in between, without the heads of WebSocket.
+  /// Returns the bytes of all messages that arrived in between, without WebSocket headers.
   std::size_t bytes_between(Clock::time_point begin, Clock::time_point end) const {
     std::size_t bytes = 0;
     for (const auto& [at, count] : received_) bytes += at >= begin && at < end ? count : 0;
@@ -103,11 +103,11 @@ class Watcher {
 
 using Tiles = std::map<TileIndex, const test::DecodedTile*>;
 
-/// A viewer's picture, which its arrivals bring forward.
+/// A viewer's picture, which its arrivals advance.
 class Picture {
  public:
   explicit Picture(const std::vector<Arrival>& arrivals) : arrivals_(arrivals) {}
-  /// Applies what has arrived by then; calls `on_tile` with the time, the tile and the one before.
+  /// Applies the arrivals until then. Calls `on_tile` with the time, the tile and its predecessor.
   template <class OnTile>
   void advance(Clock::time_point until, const OnTile& on_tile) {
     for (; next_ < arrivals_.size() && arrivals_[next_].at <= until; ++next_) {
@@ -157,7 +157,7 @@ struct Cutting {
   Clock::time_point begin, end;
 };
 
-/// When the viewer without a budget got each version of a tile.
+/// When the viewer without a budget received each version of a tile.
 using Versions = std::map<TileIndex, std::map<std::uint64_t, Clock::time_point>>;
 
 Versions versions_of(const std::vector<Arrival>& arrivals) {
@@ -168,7 +168,7 @@ Versions versions_of(const std::vector<Arrival>& arrivals) {
   return versions;
 }
 
-/// ms.
+/// Returns the staleness of tiles, ms.
 std::vector<double> staleness(const std::vector<Arrival>& arrivals, const Versions& versions,
                               const Cutting& cutting) {
   std::vector<double> stale_ms;
@@ -185,7 +185,8 @@ std::vector<double> staleness(const std::vector<Arrival>& arrivals, const Versio
   return stale_ms;
 }
 
-/// Of frames of the viewer without a budget, from the answer to their oldest motion; ms.
+/// Returns the staleness of frames of the viewer without a budget, from the answer to their oldest
+/// motion, ms.
 std::vector<double> frame_staleness(const std::vector<Arrival>& arrivals,
                                     const AnswerTimes& answers) {
   std::vector<double> stale_ms;
@@ -197,10 +198,11 @@ std::vector<double> frame_staleness(const std::vector<Arrival>& arrivals,
   return stale_ms;
 }
 
-/// What a viewer saw at `kSamples` moments while the hands cut.
+/// A viewer's picture at `kSamples` moments while the hands cut.
 struct Seen {
   int tiles = 0, coarse = 0, old = 0;
-  std::vector<double> off_mm, off_new_mm;  ///< of all tiles; of those whose newest surface is there
+  /// For all tiles, and for those whose newest surface has arrived.
+  std::vector<double> off_mm, off_new_mm;
 };
 
 Seen seen_by(const std::vector<Arrival>& arrivals, const std::vector<Arrival>& newest,
@@ -227,7 +229,8 @@ Seen seen_by(const std::vector<Arrival>& arrivals, const std::vector<Arrival>& n
   return seen;
 }
 
-/// When the viewer had every tile of the end exactly, s after the last cut; negative: never.
+/// Returns when the viewer had every tile of the end exactly, s after the last cut; negative if
+/// never.
 double exact_after_s(const std::vector<Arrival>& arrivals, const std::vector<Arrival>& newest,
                      const Cutting& cutting) {
   Picture last(newest), all(arrivals);

@@ -32,7 +32,7 @@ struct Setup {
 struct Felt {
   double worst_n = 0, steady_n = 0, worst_nmm = 0, steady_nmm = 0;
 };
-/// The same as ratios.
+/// The magnitudes as ratios.
 struct Ratio {
   double force = 0, torque = 0;
 };
@@ -73,7 +73,7 @@ auto along(Vec3 direction) {
 }
 
 /// Returns the ratios to the steady force and torque of `steady`. A cut along the axis has no
-/// torque of its own: the scale is the force times `radius_mm`, if that is more.
+/// torque of its own, so the scale is the force times `radius_mm`, if that is larger.
 Ratio ratio(const Felt& felt, const Felt& steady, double radius_mm) {
   return {felt.worst_n / steady.steady_n,
           felt.worst_nmm / std::max(steady.steady_nmm, steady.steady_n * radius_mm)};
@@ -108,7 +108,7 @@ Row measure(const Setup& setup, const Tool& tool, const Tool& larger) {
     row[2] = ratio(felt, felt, radius);
   }
   {
-    // A tool with an undercut cuts upwards, too.
+    // A tool with an undercut also cuts upwards.
     Sculpture s = block(setup, tool);
     const Felt felt = follow(s, 1, along({0, 0, 1}));
     row[3] = ratio(felt, felt.steady_n > slot.steady_n ? felt : slot, radius);

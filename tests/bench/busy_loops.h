@@ -15,7 +15,7 @@
 
 namespace kerf::bench {
 
-/// How long threads ran, and how long they waited for a core while they could have run, s.
+/// How long threads ran, and how long they waited for a core while runnable, s.
 struct CoreTime {
   double ran = 0, waited = 0;
   CoreTime& operator+=(const CoreTime& other) {
@@ -26,11 +26,11 @@ struct CoreTime {
   CoreTime operator-(const CoreTime& other) const {
     return {ran - other.ran, waited - other.waited};
   }
-  /// The share of the time in which a thread could run that it ran.
+  /// Returns the share of the runnable time in which a thread ran.
   double share() const { return ran + waited > 0 ? ran / (ran + waited) : 1; }
 };
 
-/// The core time of the threads of a process, by name (/proc/PID/task/N/schedstat).
+/// Returns the core time of the threads of a process, by name (/proc/PID/task/N/schedstat).
 inline std::map<std::string, CoreTime> core_times(pid_t pid) {
   std::map<std::string, CoreTime> times;
   std::error_code gone;
@@ -45,7 +45,7 @@ inline std::map<std::string, CoreTime> core_times(pid_t pid) {
   return times;
 }
 
-/// Processes of niceness 0 that never sleep, as compilers beside a server.
+/// Processes of niceness 0 that never sleep, like compilers on the server's machine.
 class BusyLoops {
  public:
   explicit BusyLoops(int count) {

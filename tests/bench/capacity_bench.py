@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a session costs that nobody uses, and one that is carved, at a server of a cluster.
+"""Measures the cost of an idle session and of a carved one, at a server of a cluster.
 
 KERF_SERVER=build/release/bin/kerf-server KERF_AGENT=build/release/bin/kerf-agent \\
   python3 tests/bench/capacity_bench.py
 
 One server with --node and one nats-server on this machine. Prints the memory and CPU time of both
-for each session that waits, CPU time while one agent at about 1 kHz cuts in one of them, and the
+for each idle session, CPU time while one agent at about 1 kHz cuts in one of them, and the
 bytes that its motions take at NATS. The agent's own time is not counted.
 """
 import argparse
@@ -35,7 +35,7 @@ class Usage:
 
 
 def cpu_ms_per_s(processes, seconds, work=lambda: time.sleep(0.1)):
-    """CPU time of each process, in ms a second, while `work` is done again and again."""
+    """Returns the CPU time of each process, in ms per second, while `work` is repeated."""
     before, begin = [Usage(p) for p in processes], time.monotonic()
     while time.monotonic() - begin < seconds:
         work()

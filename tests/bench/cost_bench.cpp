@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the cost of each element of a scene: CPU time and bytes per motion without and with it.
 // The variants of a group are interleaved (A B C A B C …) and each is compared with the first of
-// its round, which cancels other load on the machine; the medians over all rounds are printed.
-// With `prices` it prints what a sample says that programs cost, and what they do cost.
+// its round, which cancels other load on the machine. The medians over all rounds are printed.
+// `prices` prints the costs of programs predicted from a sample, and the measured costs.
 // Usage: cost_bench [turns=15] [pitch_mm=0.2]
 //        cost_bench prices [SCENE PROGRAM]...
 
@@ -134,7 +134,7 @@ std::vector<Obstacle> walls(int count, double x_mm) {
   return obstacles;
 }
 
-/// Returns a ball of about so many triangles that the tool's holder passes at a distance of 2 mm.
+/// Returns a ball of about this many triangles that the tool's holder passes at a distance of 2 mm.
 std::vector<Obstacle> meshed_ball(int triangles) {
   constexpr double kRadiusMm = 100;
   const Vec3 center{103 + kRadiusMm, 50, 60};

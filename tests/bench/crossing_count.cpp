@@ -37,8 +37,8 @@ test::SelfIntersections of_standard_job(bool five_axis, Rays rays) {
   return test::count_self_intersections(test::mesh_all(sculpture.solid()), 2 * kPitchMm);
 }
 
-/// A small block with slots along random directions in which everything lies on quarters of the
-/// pitch, so that floors and walls coincide with samples and with each other.
+/// A small block with slots along random directions in which all coordinates are multiples of a
+/// quarter of the pitch, so that floors and walls coincide with samples and with each other.
 Sculpture with_slots(unsigned seed, Rays rays) {
   std::mt19937 random(seed);
   const auto quarter = [&](unsigned most) { return 0.25 * double(random() % (4 * most + 1)); };

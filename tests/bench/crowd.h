@@ -19,7 +19,8 @@
 
 namespace kerf::bench {
 
-/// Starts a process that does `work`, until this one ends it. Only before there are threads.
+/// Starts a process that does `work` until this process ends it. Must be called before threads
+/// exist.
 template <class Work>
 pid_t start_process(const Work& work) {
   const pid_t pid = fork();
@@ -34,13 +35,13 @@ struct CrowdOptions {
   std::vector<std::uint16_t> ports;  ///< of servers among which the viewers are divided
   int viewers = 0;
   bool lists = false;
-  /// They are served as if on a machine of their own (SCHED_FIFO, if that is allowed); otherwise
-  /// with the niceness of the server's own threads for viewers.
+  /// Served as if on a machine of their own (SCHED_FIFO, if allowed). Otherwise they have the
+  /// niceness of the server's own threads for viewers.
   bool is_elsewhere = false;
 };
 
-/// Viewers of the session "bench", in a process of their own: agents of the benchmark share neither
-/// memory nor locks with them.
+/// Viewers of the session "bench", in a process of their own, so that agents of the benchmark share
+/// neither memory nor locks with them.
 class Crowd {
  public:
   Crowd(const CrowdOptions& options, const AnswerTimes& answers) {
@@ -50,7 +51,7 @@ class Crowd {
   Crowd(const Crowd&) = delete;
   Crowd& operator=(const Crowd&) = delete;
 
-  /// Waits until all have joined or have been dropped, at most `seconds`.
+  /// Waits until all have joined or have been dropped, for at most `seconds`.
   void wait_for_all(int viewers, double seconds) const {
     const auto until = in_seconds(seconds);
     while (report_->joined + report_->dropped < viewers && Clock::now() < until) usleep(2000);

@@ -25,7 +25,7 @@
 
 namespace kerf::bench {
 
-/// Memory of zeros that this process shares with those that it forks.
+/// Returns zeroed memory that this process shares with its forks.
 inline void* shared_memory(std::size_t bytes) {
   void* memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                       MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -33,11 +33,11 @@ inline void* shared_memory(std::size_t bytes) {
   return memory;
 }
 
-/// When the motions of a session were answered. Agents write it and viewers of another process read
-/// it, without a lock: an agent must not wait for a viewer.
+/// When the motions of a session were answered. Agents write it and viewers in another process read
+/// it, without a lock, because an agent must not wait for a viewer.
 class AnswerTimes {
  public:
-  /// All motions up to number `motions` of the session have been answered now.
+  /// Records that all motions up to number `motions` of the session have now been answered.
   void answered(std::uint64_t motions) {
     const std::int64_t now = Clock::now().time_since_epoch().count();
     for (auto n = std::min<std::uint64_t>(motions, kMotionsMax - 1); n > 0; --n) {
@@ -58,14 +58,14 @@ class AnswerTimes {
   std::int64_t* times_ = static_cast<std::int64_t*>(shared_memory(8 * kMotionsMax));
 };
 
-/// What a crowd of viewers has received; written by its process.
+/// The frames that a crowd of viewers has received, written by its process.
 struct CrowdReport {
   std::atomic<int> joined = 0, dropped = 0;
   std::atomic<std::uint64_t> text_bytes = 0, mesh_bytes = 0, mesh_frames = 0;
-  /// Frames by staleness, ms; the last one counts all that are staler.
+  /// Number of frames by staleness, ms. The last entry counts all staler frames.
   std::array<std::atomic<std::uint32_t>, 20'001> stale_ms{};
 
-  /// The staleness, ms, that a share of the frames does not exceed.
+  /// Returns the staleness, ms, that a share of the frames does not exceed.
   std::size_t stale_at(double share) const {
     std::uint64_t total = 0, passed = 0;
     for (const auto& count : stale_ms) total += count;
@@ -77,12 +77,12 @@ struct CrowdReport {
   }
 };
 
-/// One viewer, read without blocking. Of a mesh frame only the beginning is copied, because
+/// One viewer, read without blocking. Only the beginning of a mesh frame is copied, because
 /// thousands of viewers share the machine with the server. A frame is acknowledged as soon as it is
 /// complete.
 class Viewer {
  public:
-  /// `lists`: does not know 'participants_changed'.
+  /// `lists` makes a viewer that does not support 'participants_changed'.
   Viewer(std::uint16_t port, int number, bool lists, const AnswerTimes& answers,
          CrowdReport& report)
       : socket_(port), answers_(answers), report_(report) {
@@ -93,7 +93,7 @@ class Viewer {
 
   int descriptor() const { return socket_.descriptor(); }
 
-  /// Reads what has arrived; returns false once the server has closed the connection.
+  /// Reads the bytes that have arrived. Returns false once the server has closed the connection.
   bool read_some() {
     std::array<char, kChunk> chunk{};
     while (!dropped_) {
@@ -117,9 +117,9 @@ class Viewer {
   }
 
  private:
-  /// The beginning of a mesh frame that states its motions, and what is read at once.
+  /// Sizes of the beginning of a mesh frame that states its motions, and of one read.
   static constexpr std::size_t kBegin = 1536, kChunk = 4096;
-  /// Places in the header of a frame (server/wire/README.md).
+  /// Offsets in the header of a frame (server/wire/README.md).
   static constexpr std::size_t kTypeAt = 4, kFlagsAt = 5, kSequenceAt = 16;
 
   void drop() {
@@ -169,7 +169,7 @@ class Viewer {
     if (skipped_ == 0) acknowledge();
     return true;
   }
-  /// `begin`: the first bytes of a frame of `bytes` bytes.
+  /// `begin` has the first bytes of a frame of `bytes` bytes.
   void begin_binary(std::string_view begin, std::size_t bytes) {
     if (static_cast<unsigned char>(begin[kTypeAt]) !=
         std::to_underlying(wire::MessageType::kMesh)) {
@@ -182,7 +182,7 @@ class Viewer {
     mesh_ = Mesh{sequence, begin[kFlagsAt] != 0, motions_of(begin)};
     report_.mesh_bytes += bytes;
   }
-  /// Which motions a mesh frame contains.
+  /// Returns the number of motions that a mesh frame contains.
   static std::uint64_t motions_of(std::string_view begin) {
     const std::size_t at = begin.find("\"to\":");
     if (at == begin.npos) fail("a mesh frame does not state its motions");

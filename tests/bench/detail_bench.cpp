@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the time, size and error of each level of detail on the five-axis standard job and on a
 // block with thin grooves, and of the mixture of levels sent to viewers that see the whole block or
-// a part of it. Errors are those in distance, in shading (the difference of the unit normals) and
-// in skin (original where the exact surface is cut, or the reverse). Times are CPU seconds of this
-// thread. Usage: detail_bench [pitch_mm=0.25]
+// a part of it. Errors are measured in distance, in shading (the difference of the unit normals)
+// and in skin (original where the exact surface is cut, or the reverse). Times are CPU seconds of
+// this thread. Usage: detail_bench [pitch_mm=0.25]
 
 #include <algorithm>
 #include <cmath>
@@ -161,7 +161,7 @@ void measure(const char* name, const SolidSnapshot& solid) {
         show(title.c_str(), exact, grid, from([level](TileIndex) { return level; }));
     if (level == 0) continue;
     print_error(exact, coarse, grid.pitch_mm);
-    // As a budget sends tiles.
+    // Like tiles sent under a budget.
     show("    with exact borders", exact, grid,
          [level](TileIndex) { return TileDetail{.level = level, .side = {}}; });
   }

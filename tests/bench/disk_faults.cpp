@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A library for LD_PRELOAD that lets writes to the journals and snapshots of a server fail, as a
+// A library for LD_PRELOAD that makes writes to the journals and snapshots of a server fail, as a
 // full or broken disk does. The environment variable KERF_DISK_FAULTS names the file of a
 // DiskControl.
 #include "tests/bench/disk_faults.h"
@@ -47,13 +47,13 @@ DiskFault fault_of(int file) {
 }
 
 int fail(int code) {
-  // Several threads may fail at once: a count that misses one is good enough.
+  // Several threads may fail at once. A count that misses one is good enough.
   control()->failed_calls = control()->failed_calls + 1;
   errno = code;
   return -1;
 }
 
-/// The function of the C library that this one stands before.
+/// Returns the function of the C library that this one replaces.
 template <typename Function>
 Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));

@@ -5,18 +5,18 @@
 
 namespace kerf::bench {
 
-/// What disk_faults.cpp lets a disk do.
+/// Faults that disk_faults.cpp simulates.
 enum class DiskFault : std::uint32_t {
   kNone,
   kFull,        ///< writes fail with ENOSPC
   kWriteFails,  ///< writes fail with EIO
-  kWritesHalf,  ///< a write stores half of what is left, at last nothing
+  kWritesHalf,  ///< a write stores half of its bytes, in the end none
   kSyncFails    ///< fsync fails with EIO; the writes are done
 };
 
-/// What the soak and the server share.
+/// Memory shared by the soak and the server.
 struct DiskControl {
-  DiskFault fault;             ///< that is wanted now
+  DiskFault fault;             ///< requested now
   std::uint32_t failed_calls;  ///< since the start
 };
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets the disk of a real server fail and kills it at random moments, while four real links send
-// samples at 1 kHz that cut fresh stock. Half of the kills come while the disk fails, half after it
-// works again. Samples are rejected while it fails; of all others none may be lost:
-//   * when the server is killed, its journal has what it had acknowledged as durable;
-//   * when the agents have come back, the journal has every motion that was answered as cut, once;
+// Makes the disk of a real server fail and kills the server at random moments, while four real
+// links send samples at 1 kHz that cut fresh stock. Half of the kills come while the disk fails,
+// half after it works again. Samples are rejected while it fails. No other sample may be lost:
+//   * when the server is killed, its journal has everything that it had acknowledged as durable;
+//   * when the agents are back, the journal has every motion that was answered as cut, once;
 //   * the server's state hash is that of the motions in the journal, carved by this program.
 //
 //   disk_soak [--rounds N] [--seed N] [--server PATH]
 //
-// Prints the totals by fault, and what was rejected; exits with 1 if something is lost, cut twice,
-// or a hash differs.
+// Prints the totals by fault, and the rejections. Exits with 1 if a motion is lost, cut twice, or a
+// hash differs.
 #include <fcntl.h>
 #include <sys/mman.h>
 
@@ -57,7 +57,7 @@ constexpr std::array<NamedFault, 4> kFaults = {{{DiskFault::kFull, "full"},
                                                 {DiskFault::kWritesHalf, "writes half"},
                                                 {DiskFault::kSyncFails, "fsync fails"}}};
 
-/// What disk_faults.cpp reads in the server.
+/// The control that disk_faults.cpp reads in the server.
 class Disk {
  public:
   explicit Disk(std::string file) : file_(std::move(file)) {
@@ -90,7 +90,7 @@ struct Totals {
   bool failed() const { return durable_lost + cut_lost + cut_twice + unequal > 0; }
 };
 
-/// The motions of a session's journal, and the block that they leave.
+/// The motions of a session's journal, and the block carved by them.
 class Journal {
  public:
   explicit Journal(std::filesystem::path file) : file_(std::move(file)) {
@@ -128,7 +128,7 @@ class Journal {
   std::map<ParticipantId, std::set<Key>> ends_;
 };
 
-/// A carver and the samples that it has made.
+/// A carver and its samples.
 struct Hand {
   Hand(int number, std::uint16_t port, const std::string& session)
       : carver(number, port, session) {}
@@ -138,7 +138,8 @@ struct Hand {
       ++totals.made;
     }
   }
-  /// Whether a journal has the motion of a sample. The first one only places the tool.
+  /// Returns whether a journal has the motion of a sample. The first sample only positions the
+  /// tool.
   bool is_in(Journal& journal, std::uint64_t number) const {
     return number == 1 || journal.has(carver.participant(), to_pose(made.at(number - 1)).value());
   }
@@ -232,7 +233,8 @@ class Soak {
     totals.failed_calls += disk_.failed_calls() - failed_before;
   }
 
-  /// Looks in what the kill has left for the motions of the samples that were stated as durable.
+  /// Looks in the journal after the kill for the motions of samples that were acknowledged as
+  /// durable.
   static void check_durable(Journal& journal, std::deque<Hand>& hands, Totals& totals) {
     std::this_thread::sleep_for(milliseconds(20));  // answers in transit to the agents
     journal.read_on(totals);
@@ -261,7 +263,7 @@ class Soak {
   bench::ServerProcess server_;
   std::mt19937_64 random_;
   std::array<Totals, kFaults.size()> totals_;
-  std::map<std::string, std::uint64_t> complaints_;  ///< of the server, by their codes
+  std::map<std::string, std::uint64_t> complaints_;  ///< of the server, by code
 };
 
 }  // namespace

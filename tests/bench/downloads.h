@@ -11,7 +11,7 @@
 
 namespace kerf::bench {
 
-/// Downloads the surface of the session "bench" again and again.
+/// Downloads the surface of the session "bench" repeatedly.
 class Downloads {
  public:
   Downloads(std::uint16_t port, bool on) {
@@ -24,7 +24,7 @@ class Downloads {
       }
     });
   }
-  /// Those that are complete.
+  /// Returns the number of complete downloads.
   int count() const { return count_; }
 
  private:

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the force of a cut that is felt through encoders: a straight path at an even speed of
-// which only the reported pose is rounded, against the same path as it is. Real session, servo and
-// copy of the block, in virtual time.
+// Measures the force of a cut that is felt through encoders: a straight path at constant speed
+// whose reported pose alone is rounded, compared with the same path without rounding. Real session,
+// servo and copy of the block, in virtual time.
 //
 //   encoder_bench                  every law and both ray models
 //   encoder_bench LAW RAYS         one: specific_energy, drr or mechanistic; dexel or tri-dexel
 //   encoder_bench unknown          devices that do not state their quanta; LAW RAYS may follow
 //   encoder_bench falcon           counts of a Falcon's legs, through its driver
 //
-// Each cell: mean of the shown force over that without rounding, and rms error, %. `worst` has the
-// greatest deviation of a mean and the greatest rms error, of force and torque.
+// Each cell: mean of the displayed force relative to that without rounding, and rms error, %.
+// `worst` has the greatest deviation of a mean and the greatest rms error, of force and torque.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -36,7 +36,7 @@ struct Worst {
     double off_by = off(cut.force), rms_by = cut.force.error();
     mean = std::max(mean, off_by);
     rms = std::max(rms, rms_by);
-    // A tool that plunges along its axis has no torque but that of rounding.
+    // A tool that plunges along its axis has only the torque of rounding.
     if (cut.torque.computed_mean() > kLeastLeverMm * cut.force.computed_mean()) {
       torque_mean = std::max(torque_mean, off(cut.torque));
       torque_rms = std::max(torque_rms, cut.torque.error());

@@ -61,7 +61,7 @@ Figures standard_moves(const Tool& tool, double tolerance, int moves) {
   return figures;
 }
 
-/// A program block that turns the tool by 170 degrees about points on its axis and beside it.
+/// A program block that turns the tool by 170 degrees about points on its axis and off it.
 Figures large_turns(const Tool& tool, double tolerance, int moves) {
   std::mt19937_64 random(2);
   const auto in = [&](double a, double b) {

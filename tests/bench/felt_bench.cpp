@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures what a user of the 5-DOF reference device feels in every scene of the repository,
-// against what the server computes: the real session and servo in virtual time, the programs of
-// kerf-demo and the figure that `--device sim` carves.
+// Measures the force that a user of the 5-DOF reference device feels in every scene of the
+// repository, compared with the force that the server computes: the real session and servo in
+// virtual time, the programs of kerf-demo and the figure that `--device sim` carves.
 //
 //   felt_bench [seconds=60]          every scene, then cuts by hands that yield
 //   felt_bench hands                 the latter only
 //   felt_bench 60 NAME               scenes whose name contains NAME
 //
-// Means and maxima of the magnitudes, felt of computed; error: rms of the difference of the vectors
-// over rms of the computed one, which the server computes for the pose of that tick alone. late:
-// the error of the server's own results one tick late; a servo at 1 kHz cannot have them sooner.
-// reduced: share of the ticks with a force in which the device outputs less than 95 % of what the
-// agent's own replica computes. chatter: rms of the tip's velocity less that of the hand's target,
-// of which up to 9 mm/s is how the hand yields to 1 N that turns along the half circle. The last
-// table is for a circle of 10 mm radius, around which soft hands cannot pull the tool.
+// Means and maxima of the magnitudes, felt relative to computed. error: rms of the difference of
+// the vectors over rms of the computed one, which the server computes for the pose of that tick
+// alone. late: the error of the server's own results one tick late, the earliest that a servo at 1
+// kHz can have them. reduced: share of the ticks with a force in which the device outputs less than
+// 95 % of the force that the agent's own replica computes. chatter: rms of the tip's velocity minus
+// that of the hand's target, of which up to 9 mm/s comes from the hand yielding to 1 N that turns
+// along the half circle. The last table is for a circle of 10 mm radius, around which soft hands
+// cannot pull the tool.
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
@@ -48,7 +49,7 @@ void print_scenes(double seconds, std::string_view name) {
   }
 }
 
-/// What acts on hands that yield, as they cut a slot along a line and a circle.
+/// Prints the forces on hands that yield, as they cut a slot along a line and a circle.
 void print_hands(bool mechanistic, double newtons, double mm_per_s, double radius_mm = 30) {
   std::printf(
       "\n%s, %.0f N, %.0f mm/s, radius %.0f mm\n%-8s %8s %8s %8s %18s %7s %7s %14s %6s %6s\n",

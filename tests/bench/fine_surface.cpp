@@ -12,10 +12,10 @@ namespace kerf {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-// Cosines of: the angle between neighboring triangles at a crease; the greatest turn of one face;
-// the angle between the normals of two faces that form a wedge.
+// Cosines of the angle between neighboring triangles at a crease, of the greatest turn of one face,
+// and of the angle between the normals of two faces that form a wedge.
 constexpr double kCrease = 0.9, kTurn = 0.5, kWedge = -0.866;
-// Relative to the ball's radius squared: a smaller area is a sliver beside a crease, not a face.
+// Relative to the ball's radius squared. A smaller area is a sliver next to a crease, not a face.
 constexpr double kFaceArea = 0.03;
 // Relative to the ball's radius: distance within which three faces form a corner.
 constexpr double kCornerReach = 0.3;

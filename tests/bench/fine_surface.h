@@ -15,7 +15,7 @@ namespace kerf {
 /// that the coarser lattice cannot represent.
 class FineSurface {
  public:
-  /// `size_mm`: approximate radius of the queries.
+  /// `size_mm` is the approximate radius of the queries.
   FineSurface(const std::vector<TileMesh>& meshes, double size_mm);
 
   /// Returns true if one lattice cell can represent the surface within `radius_mm` of a point: one

@@ -102,7 +102,7 @@ std::optional<BareTool> bare_tool(const std::string& name) {
   return std::nullopt;
 }
 
-/// The jobs that are compared alternate, because the speed of a machine varies.
+/// The compared jobs alternate, because the speed of a machine varies.
 void print_tool(const NamedTool& t, bool five_axis, double tolerance_mm, int repetitions) {
   const std::vector<ToolPose> path = path_of(five_axis);
   const auto bare = bare_tool(t.name);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures what it takes to send a newcomer's page the whole surface of a block that is carved all
-// over: CPU time of the one thread that meshes, best of N, and the bytes, beside the time that
+// Measures the cost of sending a new page the whole surface of a block that is carved all over: CPU
+// time of the one thread that meshes, best of N, and the bytes, compared with the time that
 // predicted_join_s() states. Nothing is meshed yet when the page joins, and it looks at the whole
 // block in a picture of 1440 x 900 pixels. Usage: join_bench [N=3]
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 using namespace kerf;
 
 constexpr double kHeightMm = 20, kRowMm = 1.5, kStepMm = 1;
-/// The page's camera: its field of view is 30 degrees, and half a pixel may be off.
+/// The page's camera has a field of view of 30 degrees and an allowed error of half a pixel.
 constexpr double kDiagonalsAway = 1.9, kErrorRad = 3e-4;
 
 struct Block {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints how many bytes of a journal one motion takes: of hands at 1 kHz with a commit every 10 ms,
-// and of programs that are carved fast. The size is that of the file, rows and index pages
-// included, without the empty journal of 28 kB. Of these are printed the share of the batches
-// themselves, the rest being SQLite's, and what no code can save: the entropy of the noise of the
+// Prints how many bytes of a journal one motion takes, for hands at 1 kHz with a commit every 10 ms
+// and for programs that are carved fast. The size is that of the file, including rows and index
+// pages, without the empty journal of 28 kB. Also prints the share of the batches themselves (the
+// remainder is SQLite's) and the part that no code can save: the entropy of the noise of the
 // encoders and of the agent's clock, as if the path of the hand were known.
 //
 //   journal_bench
@@ -30,7 +30,7 @@ namespace {
 using namespace kerf;
 
 constexpr int kMotions = 12'000;
-constexpr double kArmMm = 100;  ///< between the encoders that tell the axis
+constexpr double kArmMm = 100;  ///< between the encoders that measure the axis
 
 struct Kind {
   const char* name;
@@ -39,8 +39,8 @@ struct Kind {
   double lean_rad = 0;   ///< amplitude of the axis
   double noise_mm = 0;   ///< of the device's encoders
   int motions_per_commit = 10;
-  /// Of a program in G-code, with tips in whole micrometers; 0: motions last as long as the clock
-  /// says.
+  /// For a G-code program, with tips in whole micrometers. 0 if the clock determines the duration
+  /// of motions.
   double feed_mm_per_min = 0;
 };
 
@@ -63,14 +63,14 @@ ToolPose hand(double t, const Kind& kind, std::mt19937_64& random) {
   return admit_pose({tip, kind.lean_rad > 0 ? Vec3(Vec3f(axis)) : Vec3{0, 0, 1}});
 }
 
-/// Bits of a normally distributed number with such a deviation, in steps, when it is rounded to
-/// them; exact to 0.01 from one step on.
+/// Returns the bits of a normally distributed number with this deviation, in steps, that is rounded
+/// to steps. Exact to 0.01 from one step on.
 double bits_of_noise(double steps) {
   return std::max(0.0, std::log2(steps * std::sqrt(2 * std::numbers::pi * std::numbers::e)));
 }
 
-/// Bytes of a motion that noise alone takes. Samples carry the axis as floats, so noise below their
-/// spacing is lost; the third component follows from the others.
+/// Returns the bytes of a motion that noise alone takes. Samples carry the axis as floats, so noise
+/// below their spacing is lost. The third component follows from the first two.
 double noise_bytes(const Kind& kind) {
   if (kind.noise_mm == 0) return 0;
   Kind smooth = kind;
@@ -84,12 +84,12 @@ double noise_bytes(const Kind& kind) {
       bits += bits_of_noise(kind.noise_mm / kArmMm / std::max(spacing, kAxisGrid));
     }
   }
-  // Half of the normal distribution: one bit less.
+  // Half of the normal distribution, which takes one bit less.
   const double clock = kind.jitter_us > 0 ? bits_of_noise(kind.jitter_us) - 1 : 0;
   return (bits / kMotions + 3 * bits_of_noise(kind.noise_mm / kTipGridMm) + clock) / 8;
 }
 
-/// Bytes of all batches of a journal.
+/// Returns the bytes of all batches of a journal.
 double batch_bytes(const std::filesystem::path& file) {
   auto database = SqlDatabase::open(file, SqlMode::kRead).value();
   return static_cast<double>(database.integer("SELECT sum(length(bytes)) FROM batches").value());

@@ -12,7 +12,7 @@
 
 namespace kerf::bench {
 
-/// A copy of a journal and its log as they are now, e.g. as a kill left them. Reading the journal
+/// A copy of a journal and its log in their present state, e.g. after a kill. Reading the journal
 /// itself would let SQLite repair it.
 class JournalCopy {
  public:
@@ -28,7 +28,7 @@ class JournalCopy {
   JournalCopy& operator=(const JournalCopy&) = delete;
 
   const std::filesystem::path& file() const { return file_; }
-  /// How far the journal has the samples of each agent.
+  /// Returns the last sample of each agent that the journal has.
   std::map<ParticipantId, std::uint64_t> agent_sequences() const {
     const auto reader = JournalReader::open(file_);
     if (!reader) fail(describe(reader.error()));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the standard job on one core: moves per second including force and torque, sub-motions,
 // removed volume; a table over all tool shapes (shape_table.h); and one over pitches, fields and
-// axes beside bare loops over a height map (growth_table.h). Usage: kernel_bench [pitch_mm=0.1]
-// [tolerance_mm=0.001] [shape=all|ball|flat|…] [repetitions=3]
+// axes, with bare loops over a height map for comparison (growth_table.h). Usage: kernel_bench
+// [pitch_mm=0.1] [tolerance_mm=0.001] [shape=all|ball|flat|…] [repetitions=3]
 
 #include <algorithm>
 #include <cstdio>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Kills a real server at random moments while four real links send samples at 1 kHz that cut fresh
-// stock, and restarts it on the same journal. After each kill it checks that the journal has what
-// the server had acknowledged as durable, and after the agents have come back that the block is
-// that of an uninterrupted run.
+// stock, and restarts it on the same journal. After each kill it checks that the journal has
+// everything that the server had acknowledged as durable, and after the agents are back that the
+// block is that of an uninterrupted run.
 //
 //   kill_soak [--rounds N] [--seed N] [--snapshot-after S] [--server PATH]
 //
@@ -33,7 +33,7 @@ using namespace kerf;
 using bench::LineCarver;
 using std::chrono::milliseconds;
 
-/// A restart replays the journal; a new session keeps it short.
+/// A restart replays the journal, which a new session keeps short.
 constexpr int kRoundsPerSession = 20;
 
 /// The block of an uninterrupted run.

@@ -17,7 +17,7 @@ constexpr double kStepMm = 0.03, kTickS = 0.001, kDepthMm = 2.03;
 constexpr int kTicks = 300, kRounds = 9;
 const Vec3 kUp{0, 0, 1};
 
-/// What is computed in a tick.
+/// A computation that is measured in a tick.
 struct Variant {
   std::string name;
   bool felt = true;
@@ -37,8 +37,8 @@ ForceSettings mechanistic(double rpm, const EdgeCoefficients& exponents) {
 std::vector<Variant> variants() {
   ForceSettings none, drr;
   drr.law = ForceLaw::kDexelRemovalRate;
-  // Two teeth pass 400 times a second at 12000/min, which is above the band of 250 Hz, and 80 times
-  // at 2400/min.
+  // At 12000/min two teeth pass 400 times a second, which is above the band of 250 Hz, and at
+  // 2400/min 80 times.
   return {{"specific_energy", true, none},
           {"no force", false, none},
           {"drr", true, drr},

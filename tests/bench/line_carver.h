@@ -52,7 +52,7 @@ class LineCarver final : public agent::StockListener {
   }
 
   void move(bool moving) { moving_.store(moving); }
-  /// Waits until the samples made so far are answered; false if that takes too long.
+  /// Waits until the samples made so far are answered. Returns false if that takes too long.
   bool settle() const {
     constexpr auto kSettleLimit = std::chrono::seconds(60);
     const auto end = Clock::now() + kSettleLimit;
@@ -70,13 +70,13 @@ class LineCarver final : public agent::StockListener {
   std::uint64_t felt() const { return felt_.load(); }
   std::uint64_t durable() const { return durable_.load(); }
   ParticipantId participant() const { return participant_; }
-  /// The poses made since the last call.
+  /// Returns the poses made since the last call.
   std::vector<wire::MotionSample> take_made() {
     const std::scoped_lock lock(mutex_);
     return std::exchange(samples_, {});
   }
-  /// The numbers, from 1 on, of the samples that were answered and not rejected, since the last
-  /// call of take_cut().
+  /// Returns the numbers, from 1 on, of the samples that were answered and not rejected since the
+  /// last call of take_cut().
   std::vector<std::uint64_t> cut() const {
     const std::scoped_lock lock(mutex_);
     return cut_;
@@ -115,7 +115,7 @@ class LineCarver final : public agent::StockListener {
     const double along = kStepMm * static_cast<double>(made_.load());
     const double line = std::floor(along / kLineMm), layer = std::floor(line / kLinesPerLayer);
     const double x = along - line * kLineMm;
-    // A thread that was late makes several at once; they must not look like a fast motion.
+    // A thread that was late makes several samples at once, which must not look like a fast motion.
     last_us_ = std::max(last_us_ + 900, agent::monotonic_us());
     // No three samples are on a line, so that a backlog is not shortened.
     const double zigzag = made_.load() % 2 == 0 ? 0.03 : 0;

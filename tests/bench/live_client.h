@@ -29,7 +29,8 @@ extern char** environ;
 
 namespace kerf::bench {
 
-/// Raises the number of files of this process, and of the servers that it starts, to its limit.
+/// Raises the limit of open files of this process, and of the servers that it starts, to its
+/// maximum.
 inline void allow_many_files() {
   rlimit files{};
   getrlimit(RLIMIT_NOFILE, &files);
@@ -62,7 +63,7 @@ inline double process_cpu_seconds(pid_t pid) {
 /// The server as a child process with its own data folder.
 class ServerProcess {
  public:
-  /// `options`: further words of the command line.
+  /// `options` are additional arguments of the command line.
   explicit ServerProcess(std::string program, std::vector<std::string> options = {})
       : program_(std::move(program)), options_(std::move(options)) {
     std::string name = (std::filesystem::temp_directory_path() / "kerf-bench-XXXXXX").string();
@@ -76,12 +77,12 @@ class ServerProcess {
   }
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
-  /// Ends the process without a chance to write anything.
+  /// Kills the process, which cannot write anything.
   void kill_hard() const {
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
   }
-  /// Starts the process, again on the same port; returns when it listens.
+  /// Starts the process, on the same port as before, and returns when it listens.
   void start() {
     std::array<int, 2> out{};
     if (pipe(out.data()) != 0) fail("no pipe");
@@ -115,7 +116,7 @@ class ServerProcess {
   pid_t pid() const { return pid_; }
   /// CPU time of the server, user and system, s.
   double cpu_seconds() const { return process_cpu_seconds(pid_); }
-  /// Resident memory of the server now, and at most so far, MB.
+  /// Resident memory of the server, MB: present and greatest.
   double memory_mb() const { return status_mb("VmRSS:"); }
   double peak_memory_mb() const { return status_mb("VmHWM:"); }
 
@@ -160,7 +161,8 @@ class Socket {
   void send_all(const void* data, std::size_t size) const {
     if (!try_send_all(data, size, -1)) fail("the connection broke");
   }
-  /// Returns false if the peer has closed or accepts nothing for `wait_ms` (negative: no limit).
+  /// Returns false if the peer has closed the connection or accepts nothing for `wait_ms`
+  /// (negative: no limit).
   bool try_send_all(const void* data, std::size_t size, int wait_ms) const {
     const auto* bytes = static_cast<const char*>(data);
     while (size > 0) {
@@ -174,7 +176,7 @@ class Socket {
     }
     return true;
   }
-  /// Appends received bytes to `buffer`; returns false if none arrive until `until`.
+  /// Appends received bytes to `buffer`. Returns false if none arrive until `until`.
   bool receive(std::string& buffer, Clock::time_point until) const {
     const auto wait = std::chrono::ceil<std::chrono::nanoseconds>(until - Clock::now()).count();
     const timespec limit{wait > 0 ? wait / 1'000'000'000 : 0, wait > 0 ? wait % 1'000'000'000 : 0};
@@ -206,7 +208,7 @@ inline void post(std::uint16_t port, const std::string& path, const std::string&
   if (answer.compare(9, 2, "20") != 0) fail(path + ": " + answer);
 }
 
-/// The body of the answer to a GET request.
+/// Returns the body of the answer to a GET request.
 inline std::string get(std::uint16_t port, const std::string& path) {
   const Socket socket(port);
   const std::string request =
@@ -224,7 +226,7 @@ inline std::string get(std::uint16_t port, const std::string& path) {
   }
 }
 
-/// The first value of the name in a JSON text that is no list or object.
+/// Returns the first value of this name in a JSON text, unless it is a list or object.
 inline std::string json_field(const std::string& json, const std::string& name) {
   const std::size_t at = json.find("\"" + name + "\":");
   if (at == std::string::npos) fail("no " + name + " in " + json);
@@ -257,11 +259,11 @@ class WebSocket {
   void send(unsigned char opcode, std::span<const std::byte> payload) {
     if (!put(opcode, payload, -1)) fail("the connection broke");
   }
-  /// Returns false if the server has closed or accepts nothing for a second.
+  /// Returns false if the server has closed the connection or accepts nothing for a second.
   bool try_send(unsigned char opcode, std::span<const std::byte> payload) {
     return put(opcode, payload, 1000);
   }
-  /// Returns the opcode of the next frame and its payload; 0 if none is complete by `until`.
+  /// Returns the opcode of the next frame and its payload, or 0 if none is complete by `until`.
   unsigned char receive(std::string& payload, Clock::time_point until) {
     for (;;) {
       if (const auto opcode = take(payload); opcode != 0) return opcode;

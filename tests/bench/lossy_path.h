@@ -10,8 +10,8 @@
 
 namespace kerf::bench {
 
-/// Faults applied to the IP packets of the path, equal in both directions; may be changed at any
-/// time.
+/// Faults applied to the IP packets of the path, equal in both directions. They may be changed at
+/// any time.
 struct PathFaults {
   std::atomic<double> loss{0};                     ///< fraction dropped, 0 to 1
   std::atomic<std::int64_t> delay_us{0};           ///< delay in each direction

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Latency of results on a network that loses packets: the agent's link and a real server, with a
-// path between them that delays IP packets and drops some, of TCP and UDP alike.
+// Measures the latency of results on a network that loses packets: the agent's link and a real
+// server, with a path between them that delays IP packets and drops some, of TCP and UDP alike.
 //
 //   lossy_transport_bench [--server PATH] [--seconds S] [--delay-ms ONE_WAY]
 //
-// Prints, for each packet loss and each transport, the time from a pose to its result: of each
-// result received, and the age of the newest result, sampled every ms. Needs the right to create
+// Prints, for each packet loss and each transport, the time from a pose to its result for each
+// received result, and the age of the newest result, sampled every ms. Needs the right to create
 // network namespaces.
 #include <algorithm>
 #include <atomic>
@@ -57,7 +57,7 @@ std::uint64_t now_us() {
   return clock.now_ns() / 1000;
 }
 
-/// A spiral that cuts at 40 mm/s, with bends that prevent merging of samples; deeper in each run.
+/// A spiral that cuts at 40 mm/s, with bends that prevent merging of samples, deeper in each run.
 kerf::wire::MotionSample path(int n, int run, std::uint64_t time_us) {
   const double turn = 0.04 / 12 * n;
   const double radius = 12 + 0.2 * turn;

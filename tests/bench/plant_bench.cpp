@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures passivity and stability of the agent as the motors and the hand see them: the work of
-// the wrench that acts, which is the one written a latency ago.
+// Measures passivity and stability of the agent at the motors and the hand: the work of the wrench
+// that acts, which is the one written a latency ago.
 //
 //   plant_bench [all | traces] [TRACES]                            default: all, 100000
 //   plant_bench surfaces [0 | 1 | 2 | 3]                           one latency, ms, or each
@@ -9,24 +9,24 @@
 //   plant_bench random | resting [RUNS] [MOST_MS] [SEED]           default: 1000, 3, 1
 //   plant_bench tools [RUNS] [SEED]                                default: 1000, 1
 //
-// The parts can be run separately, each for minutes; the latencies of a table at the same time.
+// The parts can be run separately, each for minutes. The latencies of a table can run in parallel.
 //
 // First table: the tool is pressed against stock and obstacles by hands of 0.02 to 2 N/mm with 0.05
-// to 2 kg and 1e-5 or 2e-4 kg m², through a device with 0 to 3 ms of latency, 2 % of the ticks lost
-// or none, a real session at a round trip of 0 to 250 ms: per latency the greatest energy returned
-// over any interval, the greatest rms speed of the tip while the hand is at rest, and the trips.
-// The last rows declare no latency where there are 3 ms, and no inertia by which a push turns a pen
-// rather than moves it. Then the same hands press against guides
-// of each kind in place of surfaces, at a round trip of 50 ms. Then stock appears around the tool
-// in a slot, by undo and redo or by the change to a larger tool, with the cutting button pressed or
-// not, at round trips of 0, 50 and 250 ms; of runs that are too fast at rest also the hand, how far
-// the tip moved meanwhile, and the work that the device did on the hand. Then random traces of two
+// to 2 kg and 1e-5 or 2e-4 kg m², through a device with 0 to 3 ms of latency and 0 or 2 % of lost
+// ticks, and a real session at a round trip of 0 to 250 ms. For each latency it has the greatest
+// energy returned over any interval, the greatest rms speed of the tip while the hand is at rest,
+// and the trips. The last rows declare no latency where there are 3 ms, and no inertia, so that a
+// push would turn a pen rather than move it. Then the same hands press against guides of each kind
+// instead of surfaces, at a round trip of 50 ms. Then stock appears around the tool in a slot, by
+// undo and redo or by the change to a larger tool, with the cutting button pressed or not, at round
+// trips of 0, 50 and 250 ms; for runs that are too fast at rest it also prints the hand, how far
+// the tip moved meanwhile, and the work of the device on the hand. Then random traces of two
 // seconds with an adversarial network (tests/agent/servo/adversary.h), and the same with deliberate
 // errors. `random` presses with random devices, hands, latencies up to MOST_MS, lost ticks, lines,
 // surfaces and guides, and prints the worst three runs of each measure. `resting`: random devices,
 // hands, tools and forces in the slot with the cutting button pressed. `tools`: random tools,
 // tilted and upright, rest on faces. Fails if the tank is exceeded, a wrench leaves its limits, or
-// the tip moves faster than 5 mm/s rms, with `tools` 2 mm/s.
+// the tip moves faster than 5 mm/s rms (2 mm/s with `tools`).
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -69,7 +69,8 @@ struct Worst {
   }
 };
 
-/// Hands of all mechanics, along and across the tool's axis, with and without lost ticks.
+/// Presses with hands of all mechanics, along and across the tool's axis, with and without lost
+/// ticks.
 void press_with_all_hands(Press press, Worst& worst) {
   for (const double mass_kg : {0.05, 0.3, 2.0}) {
     for (const double inertia_kg_m2 : {1e-5, 2e-4}) {
@@ -122,7 +123,7 @@ struct Rest {
   SurroundOutcome outcome;
 };
 
-/// `above`: gets the runs that move faster at rest than they may.
+/// `above` receives the runs that move too fast at rest.
 Worst surround_all(std::uint64_t latency_us, Surrounding by, bool cutting,
                    std::vector<Rest>& above) {
   Worst worst;
@@ -152,7 +153,7 @@ Worst surround_all(std::uint64_t latency_us, Surrounding by, bool cutting,
   return worst;
 }
 
-/// Which hand it was, and whether it went on moving the device, or the device the hand.
+/// Prints the hand, and whether it continued to move the device, or the device the hand.
 void print_rest(const Rest& run) {
   std::printf(
       "  %.2f mm/s: %.2f kg, %.0e kg m2, %.2f N/mm, round trip %.0f ms;"
@@ -162,7 +163,7 @@ void print_rest(const Rest& run) {
       run.outcome.given_at_rest_mj);
 }
 
-/// `only_ms`: the latency of the rows to run; negative: all.
+/// `only_ms` is the latency of the rows to run, or negative for all.
 bool contact_table(bool surfaces, bool guides, bool around, int only_ms) {
   bool holds = true;
   std::printf("%-26s %6s %14s %20s %6s\n", "latency ms", "runs", "mJ returned", "rms mm/s at rest",
@@ -279,7 +280,7 @@ bool resting_table(int runs, double most_ms, std::uint32_t first_seed) {
 bool random_table(int runs, double most_ms, std::uint32_t first_seed) {
   struct Run {
     std::uint32_t seed;
-    bool loses_messages;  // forces fade and return, and move the tip, wherever a message is late
+    bool loses_messages;  // forces fade and return, and move the tip, whenever a message is late
     PressOutcome outcome;
   };
   std::vector<Run> all;

@@ -153,7 +153,7 @@ std::vector<Job> twelve_jobs() {
        strokes(-2, 2)}};
 }
 
-/// Resident memory of the process.
+/// Returns the resident memory of the process.
 double resident_bytes() {
   std::ifstream file("/proc/self/statm");
   double all = 0, resident = 0;

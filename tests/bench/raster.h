@@ -18,7 +18,7 @@
 
 namespace kerf::bench {
 
-/// A block that is high enough for all layers of a raster of so many seconds.
+/// Returns a scene with a block high enough for all layers of a raster of this many seconds.
 inline std::string scene_for(double seconds) {
   const double layers = std::ceil(1000 * seconds / double(kLayer)) + 2;
   return R"({"name": "bench",
@@ -68,12 +68,12 @@ inline std::vector<double> cut_raster(WebSocket& agent, std::uint64_t first, std
     sent[n] = Clock::now();
     agent.send(2, frame);
   }
-  // A sample that was rejected, because others before it waited for long, is not answered.
+  // A sample that was rejected, because earlier ones waited too long, is not answered.
   while (answered + 1 < end && take(in_seconds(2))) continue;
   return trips_us;
 }
 
-/// The value below which a share of the values is; sorts them.
+/// Sorts the values and returns the value below which this share of them is.
 inline double at_share(std::vector<double>& values, double share) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -83,14 +83,14 @@ inline double at_share(std::vector<double>& values, double share) {
 /// The agents of one session.
 class Raster {
  public:
-  /// `answers`: null, or when their motions were answered.
+  /// `answers` records when their motions were answered, or is null.
   Raster(std::uint16_t port, const std::string& session, int agents, AnswerTimes* answers)
       : thread_name_("s:" + session), answers_(answers) {
     for (int n = 0; n < agents; ++n) agents_.push_back(join_agent(port, session));
   }
-  /// Of the session's thread in the server.
+  /// Returns the name of the session's thread in the server.
   const std::string& thread_name() const { return thread_name_; }
-  /// Cuts `count` samples more with each agent; returns the round trips, us.
+  /// Cuts `count` more samples with each agent. Returns the round trips, us.
   std::vector<double> cut(std::uint64_t count) {
     std::vector<std::vector<double>> trips(agents_.size());
     {

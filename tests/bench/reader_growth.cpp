@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// CPU time of the readers of foreign bytes at 1, 2 and 4 times the length, for families of texts
-// that a stranger might send: what grows faster than the length stands out.
+// CPU time of the readers of untrusted bytes at 1, 2 and 4 times the length, for families of
+// hostile texts, to show time that grows faster than the length.
 //
 //     build/release/tests/bench/reader_growth [BYTES] [NAME]
 //
-// Prints the best time of three in ms and how it grows with each doubling; 1 if one grows more than
-// 2.5 times. NAME: only families whose name contains it.
+// Prints the best time of three in ms and its growth with each doubling. Exits with 1 if one grows
+// more than 2.5 times. NAME selects families whose name contains it.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -34,7 +34,8 @@ struct Family {
   Read read;
 };
 
-/// `begin`, then `part` until the text is long enough; every # of it becomes its number.
+/// Returns `begin`, then `part` until the text is long enough. Every # of a part becomes its
+/// number.
 Make repeated(std::string begin, std::string part, std::string end) {
   return [=](std::size_t bytes) {
     std::string text = begin;
@@ -167,7 +168,7 @@ double best_seconds(const Family& family, std::size_t bytes) {
   return best;
 }
 
-/// Prints a row; false if the time grows too fast. Times below a millisecond say nothing.
+/// Prints a row. Returns false if the time grows too fast; times below a millisecond are ignored.
 bool show(const Family& family, std::size_t bytes) {
   double times[3];
   for (std::size_t n = 0; n < 3; ++n) times[n] = best_seconds(family, bytes << n);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Viewers at servers that follow a session: nats-server, an owner and its followers as child
-// processes, agents that cut at the owner, and viewers that are divided among the followers.
+// processes, agents that cut at the owner, and viewers divided among the followers.
 //
 //   relay_bench [--server PATH] [--nats PATH] [--relays N] [--viewers N] [--agents N] [--seconds S]
 //
-// Cuts for S seconds (10) without viewers and as long beside them, and prints the CPU time of the
+// Cuts for S seconds (10) without viewers and for as long with them, and prints the CPU time of the
 // owner, of nats-server and of each follower in both; how many viewers joined and were dropped, the
 // mesh frames to each, and the staleness of the frames: the time from the answer to a motion to its
-// agent until a viewer elsewhere has a frame that includes it. All share one machine.
+// agent until a viewer at another server has a frame that includes it. All share one machine.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -117,7 +117,7 @@ struct Servers {
   }
 };
 
-/// Cuts, and prints what the servers have used meanwhile.
+/// Cuts, and prints the CPU time that the servers have used meanwhile.
 void cut(const Servers& servers, Raster& raster, double seconds, const char* when) {
   const auto before = servers.used();
   const auto start = Clock::now();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what a restart costs after an hour of four hands at 1 kHz: size of the files, time until
+// Prints the cost of a restart after an hour of four hands at 1 kHz: size of the files, time until
 // the server listens, CPU time until the session is back, without a snapshot, with one, and with
-// the one before a damaged one; and how long the thread of a session stands still for a snapshot.
+// the one before a damaged one; and how long a snapshot stops the thread of a session.
 //
 //   restart_bench [--minutes N] [--server PATH]
 #include <algorithm>
@@ -39,7 +39,8 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// A hand that wanders over the block and trembles, deeper with time, at time `t`.
+/// Returns the pose at time `t` of a hand that wanders over the block and trembles, deeper with
+/// time.
 ToolPose hand(int n, double t, double total_s) {
   const double phase = 10.0 * n, depth = 2 + 30 * t / total_s;
   const Vec3 tip{70 * std::sin(0.11 * t + phase) + 20 * std::sin(1.7 * t),
@@ -48,7 +49,7 @@ ToolPose hand(int n, double t, double total_s) {
   return admit_pose({tip, {0, 0, 1}});
 }
 
-/// The journal of `seconds` of four hands.
+/// Writes the journal of `seconds` of four hands.
 std::uint64_t write_journal(const std::filesystem::path& file, int seconds) {
   const auto scene = parse_scene(kScene, {});
   if (!scene) bench::fail(to_string(scene.error()));
@@ -71,7 +72,7 @@ std::uint64_t write_journal(const std::filesystem::path& file, int seconds) {
                      .value();
       at = to;
     }
-    // A commit holds 10 ms at least; more here, to be quick.
+    // A commit covers at least 10 ms; more here, to save time.
     if (ms % 200 == 0 && !writer.flush()) bench::fail("cannot write the journal");
   }
   if (!writer.finish()) bench::fail("cannot write the journal");
@@ -82,7 +83,7 @@ double mb(const std::filesystem::path& file) {
   return static_cast<double>(std::filesystem::file_size(file)) / 1e6;
 }
 
-/// Starts the server on the folder; prints when it listens, and its CPU time until the session is
+/// Starts the server on the folder. Prints when it listens, and its CPU time until the session is
 /// back. Ends it when `snapshot` exists.
 void restart(const char* name, bench::ServerProcess& server,
              const std::filesystem::path& snapshot) {
@@ -101,8 +102,8 @@ void restart(const char* name, bench::ServerProcess& server,
   server.kill_hard();
 }
 
-/// The longest times that the thread of a session spends on taking the state of its block, and on
-/// a motion after that, whose tiles must be copied; and without snapshots.
+/// Prints the longest times that the thread of a session spends on capturing the state of its
+/// block, on a motion after that, whose tiles must be copied, and on motions without snapshots.
 void measure_stalls(Sculpture& block) {
   double state_us = 0, after_us = 0, plain_us = 0;
   std::vector<SculptureState> kept;

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many agents one session carries, in process: session_bench [threads=cores] [agents=16]
-// [samples=1] [seconds=1] [turns=3] [pitch_mm=0.1], or session_bench carries [threads] [seconds]
-// [turns] [pitch_mm]
+// Measures how many agents one session carries, in process: session_bench [threads=cores]
+// [agents=16] [samples=1] [seconds=1] [turns=3] [pitch_mm=0.1], or session_bench carries [threads]
+// [seconds] [turns] [pitch_mm]
 //
-// Balls of 10 mm move 0.1 mm and 0.25 degrees per sample. "apart": each in fresh stock of its own;
-// "one place": all within a few mm. Sockets and clients are left out: they would use the same
-// cores. The numbers of threads are measured in turn.
+// Balls of 10 mm move 0.1 mm and 0.25 degrees per sample. "apart": each in fresh stock of its own.
+// "one place": all within a few mm. Sockets and clients are left out, because they would use the
+// same cores. The numbers of threads are measured in turn.
 //
-// capacity: frames of all agents come together, `samples` in each, again and again. Motions per
+// capacity: frames of all agents come together, `samples` in each, repeatedly. Motions per
 //           second of wall time, the best of all turns.
 // load:     every agent sends 1000 samples per second. The time from the moment at which a sample
-//           is due to its answer; of the turn with the least p99.
+//           is due to its answer, in the turn with the least p99.
 // carries:  the greatest number of agents up to which that p99 is at most 1 ms.
 #include <algorithm>
 #include <chrono>
@@ -86,7 +86,7 @@ struct Bench {
     limits.agents_max = 64;
     return limits;
   }
-  /// Receives the next frame of an agent; true if it is answered at once.
+  /// Receives the next frame of an agent. Returns true if it is answered at once.
   bool receive(std::size_t agent, int samples) {
     frame.clear();
     for (int n = 0; n < samples; ++n) {
@@ -128,8 +128,8 @@ struct Latency {
   double p50_ms = 1e9, p99_ms = 1e9;
 };
 
-/// Serves frames that are due at 1 kHz, of each agent at a phase of its own, as the thread of a
-/// session does: it takes all that have come, and then carves.
+/// Serves frames that are due at 1 kHz, for each agent at a phase of its own, as the thread of a
+/// session does: it receives all that have come, and then carves.
 Latency latency(Bench& bench, double seconds) {
   std::vector<double> times_ms;
   const std::size_t agents = bench.ids.size();

@@ -15,7 +15,7 @@ namespace {
 
 /// Motions of each job: three rows of the standard job, and one row of a hand.
 constexpr std::size_t kJobMoves = 310, kHandTicks = 899;
-/// The tolerance whose speed is compared with that of the table's.
+/// The looser tolerance that is compared with the table's.
 constexpr double kLooseToleranceMm = 0.1;
 
 /// CPU times of the motions of a job, µs.

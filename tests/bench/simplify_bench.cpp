@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures what simplifying a model costs beside writing it, by CPU time of one thread, best of N:
-// three surfaces, to an error and to a number of triangles. Usage: simplify_bench [N=3]
+// Measures the cost of simplifying a model relative to writing it, by CPU time of one thread, best
+// of N: three surfaces, to an error and to a number of triangles. Usage: simplify_bench [N=3]
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,8 +20,8 @@ namespace {
 
 using namespace kerf;
 
-/// Rows of grooves of a ball of 10 mm, 1.5 mm apart, in a block of 100 mm; `rough_mm`: each motion
-/// is that much deeper or less deep, at random.
+/// Rows of grooves of a ball of 10 mm, 1.5 mm apart, in a block of 100 mm. Each motion is deeper or
+/// less deep by up to `rough_mm`, at random.
 SolidSnapshot grooves(double pitch_mm, double wave_mm, double rough_mm) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, -30}, {100, 100, 0}}, pitch_mm);
   if (!sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 40})})) std::exit(1);

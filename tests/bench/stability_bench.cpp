@@ -5,11 +5,11 @@
 //
 //   stability_bench [--fast | --others]
 //
-// First table: a light simulated hand (0.1 kg, 20 N/m) swings through stock that acts as a damper;
-// for each line and mode, the largest damping (N s/m) up to which all runs were stable, and the
-// greatest speed and returned energy of all runs. Second table: rms error of the output force along
-// a recorded path, relative to the server's force without delay. Third table, the only one with
-// --others: the same while another agent, behind an equal line, carves ahead and beside.
+// First table: a light simulated hand (0.1 kg, 20 N/m) swings through stock that acts as a damper.
+// For each line and mode, it has the largest damping (N s/m) up to which all runs were stable, and
+// the greatest speed and returned energy of all runs. Second table: rms error of the output force
+// along a recorded path, relative to the server's force without delay. Third table, the only one
+// with --others: the same while another agent, behind an equal line, carves ahead and alongside.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures what is felt of strokes that hands make: pecking, stippling, hatching, circles, drilling
-// and slots, with ten tools, upright and tilted. Real session, servo and copy of the block, in
-// virtual time.
+// Measures the felt force of strokes that hands make: pecking, stippling, hatching, circles,
+// drilling and slots, with ten tools, upright and tilted. Real session, servo and copy of the
+// block, in virtual time.
 //
 //   stroke_bench                hands that do not yield: every stroke, rate and tool, three tilts
 //   stroke_bench live           firm and soft hands that yield (0.3 kg), three tools
 //   stroke_bench encoders       hands that do not yield, through encoders of 0.01 to 0.055 mm
 //   stroke_bench NAME           as the first, only strokes whose name contains NAME
 //
-// error: rms of the difference between the shown wrench and the server's result for the pose of
-// that tick, over rms of the latter; late: that of the server's results one tick late, which no
-// servo can have sooner; beyond: the error less the latter. soft: share of the ticks in which the
-// coupling of the cut was soft.
+// error: rms of the difference between the displayed wrench and the server's result for the pose of
+// that tick, over rms of the latter. late: the error of the server's results one tick late, the
+// earliest possible. beyond: error minus late. soft: share of the ticks in which the coupling of
+// the cut was soft.
 #include <algorithm>
 #include <cstdio>
 #include <string_view>

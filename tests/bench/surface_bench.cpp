@@ -118,7 +118,7 @@ void measure(Rays rays, double pitch_mm) {
   }
 }
 
-/// Carves 100 mm x 100 mm of blocks of increasing size and prints what their surfaces cost.
+/// Carves 100 mm x 100 mm of blocks of increasing size and prints the cost of their surfaces.
 void print_exports() {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     for (const Vec3 size :

@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long it takes until another server goes on with a session whose owner was killed.
+"""Measures the time until another server continues a session whose owner was killed.
 
 KERF_SERVER=build/release/bin/kerf-server KERF_AGENT=build/release/bin/kerf-agent \\
   python3 tests/bench/takeover_bench.py --rounds 20
 
 Two servers and one nats-server on this machine; --agents (one) at about 1 kHz each, and --viewers
-(none), which try the servers by turns every 20 ms. In each round the owner gets SIGKILL, and is
-started again afterwards. Each agent cuts places of its own, so that a lost sample makes another
-block, and a sample that is cut twice another number of motions.
+(none), which try the servers in turn every 20 ms. In each round the owner is killed (SIGKILL) and
+restarted afterwards. Each agent cuts a region of its own, so that a lost sample changes the block,
+and a sample that is cut twice changes the number of motions.
 
-With --standby the other server follows the session, and leases last one second: it is ready.
+With --standby the second server follows the session, and leases last one second.
 
-With --motions N a program cuts N motions first, and each owner is succeeded by a server that has
-nothing of the session: it fetches the copy. --without-snapshots deletes those of NATS before each
-kill, so that all records are replayed.
+With --motions N a program cuts N motions first, and each owner is succeeded by a server without
+any data of the session, which fetches the copy. --without-snapshots deletes the snapshots at NATS
+before each kill, so that all records are replayed.
 """
 import argparse
 import contextlib
@@ -34,14 +34,14 @@ from wire_client import MESH, Closed, Rejected, Viewer, WebSocket  # noqa: E402
 
 
 class Unkept(list):
-    """Instead of WebSocket.opened: a socket is closed when nobody has it any more."""
+    """Replaces WebSocket.opened, so that a socket is closed with its last reference."""
 
     def append(self, _):
         pass
 
 
 class TimedAgent(ClusterAgent, threading.Thread):
-    """Cuts at about 1 kHz, and notes when its samples were cut first in each epoch."""
+    """Cuts at about 1 kHz, and records when its samples were first cut in each epoch."""
 
     def __init__(self, cluster, number):
         threading.Thread.__init__(self, daemon=True)
@@ -63,7 +63,7 @@ class TimedAgent(ClusterAgent, threading.Thread):
 
 
 class TimedViewer(threading.Thread):
-    """Watches at whichever server, and notes when it was sent tiles first in each epoch."""
+    """Watches at any server, and records when it first received tiles in each epoch."""
 
     def __init__(self, cluster):
         super().__init__(daemon=True)
@@ -93,8 +93,8 @@ def is_followed(server):
 
 
 def one_round(cluster, agents, viewers, chance, words):
-    """Kills the owner; returns the s until each agent's next samples were cut by another server,
-    and until each viewer was sent tiles of it."""
+    """Kills the owner. Returns the time, in s, until each agent's next samples were cut by another
+    server, and until each viewer received tiles from it."""
     time.sleep(chance.uniform(0.5, 1.5))
     owner = cluster.owner()
     epoch = cluster.servers[owner].info()["epoch"]
@@ -124,7 +124,7 @@ def wait_until(ask):
 
 
 def snapshot_of(server):
-    """The last record of the newest snapshot at NATS; 0: there is none."""
+    """Returns the last record of the newest snapshot at NATS, or 0 without one."""
     return (server.info()["copied"] or {"snapshot": 0})["snapshot"]
 
 
@@ -138,7 +138,7 @@ def cut(server, motions):
 
 
 def succeed(cluster, owner, heir, with_snapshots):
-    """Kills the owner; returns the s until `heir`, which has nothing, may carve the session."""
+    """Kills the owner. Returns the time, in s, until `heir`, without data, may carve the session."""
     server = cluster.start(heir)
     if with_snapshots:  # those of the last 10 s come late
         wait_until(lambda: snapshot_of(cluster.servers[owner]) > 0)

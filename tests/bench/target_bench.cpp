@@ -55,8 +55,8 @@ std::string line(const char* word, Vec3 p, Vec3 axis, bool turns) {
   return result + "\n";
 }
 
-// Slots in all directions, up to 12 mm deep, with plunge and retract; `turns`: the axis leans by up
-// to 35 degrees and turns along the slot.
+// Slots in all directions, up to 12 mm deep, with plunge and retract. With `turns` the axis leans
+// by up to 35 degrees and turns along the slot.
 std::string slots(bool turns, unsigned seed) {
   std::mt19937 random(seed);
   const auto uniform = [&](double a, double b) {
@@ -126,8 +126,9 @@ class Bench {
     surface_ = sample_cut_surface(*truth_, samples);
   }
 
-  // Where the surface is as sharp or thin as between two bounds: greatest distance of its points
-  // from a ball of a pitch's diameter inside or outside the solid, in pitches. Else no points.
+  // Points where the surface is sharp or thin to a degree between two bounds: greatest distance of
+  // its points from a ball of a pitch's diameter inside or outside the solid, in pitches. Otherwise
+  // no points.
   struct Sharpness {
     double above, up_to;
   };
@@ -150,15 +151,16 @@ class Bench {
     return carve_once(scene_.settings, scene_, program).value().snapshot;
   }
 
-  // Carves as for a user, with arcs at the same tolerance. The time is that of the whole program,
-  // because looser arcs have fewer motions; the error is the greatest over all offsets.
+  // Carves like a user, with arcs at the same tolerance. The time is that of the whole program,
+  // because looser arcs have fewer motions. The error is the greatest over all offsets.
   Measured measure(const Accuracy& a, double enough_mm = 1e300) {
     set(a);
     const Program program = parse_program("p.ngc", job_.program, scene_).value();
     Measured worst{.us = 1e300};
     for (const Vec3 part : kPlacements) {
       SculptureSettings settings = scene_.settings;
-      // The block grows by less than a pitch on three sides, far from the cuts: the rays move.
+      // The block grows by less than a pitch on three sides, far from the cuts, which moves the
+      // rays.
       auto& box = std::get<BoxStock>(settings.stock);
       box.min_mm = box.min_mm - part * a.pitch_mm;
       const auto carved = carve_once(settings, scene_, program).value();
@@ -187,8 +189,8 @@ class Bench {
   CutSurface surface_;
 };
 
-// Compares the choice with the cheapest of those around it that meets the target. Returns the ratio
-// of their costs; infinity if the choice misses its target.
+// Compares the choice with the cheapest of the neighboring settings that meets the target. Returns
+// the ratio of their costs, or infinity if the choice misses its target.
 double search(Bench& bench, const AccuracyChoice& choice, bool turns) {
   const double target = choice.request.target_mm;
   const Accuracy& chosen = choice.accuracy;
@@ -346,7 +348,7 @@ int main(int argc, char** argv) {
       if (turns && std::string(target) == "0.06") continue;
       Scene scene = scene_of(job, std::string(R"({"target_mm": )") + target + "}");
       const Program program = parse_program("p.ngc", job.program, scene).value();
-      // As kerf-carve chooses.
+      // Chosen as by kerf-carve.
       const std::size_t wall_points = wall_samples(scene, program);
       if (const auto met = WallCheck(scene, program, wall_points).refine(scene); !met) {
         std::printf(" %6s | not promised: %s\n", target, met.error().c_str());

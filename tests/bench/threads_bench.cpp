@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the speed-up by several threads on long and short blocks of NC programs. Short ones are
 // applied 64 at a time, as by kerf-carve. The thread counts are interleaved on separate stocks, so
-// that other load affects all of them alike; the least time of each motion over all rounds counts.
+// that other load affects all of them alike. The least time of each motion over all rounds counts.
 // All results must be byte-identical. Usage: threads_bench [threads=cores] [turns=7] [pitch_mm=0.1]
 // [part of a job's name]
 
@@ -35,7 +35,7 @@ double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// Returns a raster of long blocks, rows `step_mm` apart, 5 mm deep; odd rows lean to the opposite
+/// Returns a raster of long blocks, rows `step_mm` apart, 5 mm deep. Odd rows lean to the opposite
 /// side, so that the axis turns by twice `lean_rad` along each block.
 std::vector<ToolPose> raster(int rows, double step_mm, double lean_rad, double aside) {
   std::vector<ToolPose> path;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the tables and plots of server/carve/tradeoff again.
+"""Regenerates the tables and plots of server/carve/tradeoff.
 
     tests/bench/tradeoff_tables.py [--build build/release] [--linuxcnc build/linuxcnc]
                                    [--seconds 60] [--only NAME]...
@@ -94,7 +94,7 @@ def run(job, options, folder):
 
 
 def is_shown(row, tolerances):
-    """The table shows the front, and the middle tolerance of the tight motion; the CSV has all."""
+    """The table has the front and the middle tolerance of the tight motion, the CSV all results."""
     if row["skipped"]:
         return False
     return row["front"] == "1" or (row["motion"] == "tight" and row["tolerance_mm"] == tolerances[len(tolerances) // 2])

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turnaround of motions: a real kerf-server as a child process, one agent at 1 kHz over loopback, a
-// ball of 10 mm that cuts without pause at 0.1 mm pitch.
+// Measures the turnaround of motions: a real kerf-server as a child process, one agent at 1 kHz
+// over loopback, a ball of 10 mm that cuts without pause at 0.1 mm pitch.
 //
 //   turnaround_bench [--server PATH] [--seconds S] [--pitch MM] [--program] [--export NAME]
 //                    [--agents N] [--viewers N] [--hostile]

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What people wait for while others send the dearest requests that they may.
+"""Measures the waits of one user while two others send the most expensive permitted requests.
 
 KERF_SERVER=build/release/bin/kerf-server python3 tests/bench/turns_bench.py
 
-A guest asks for simplified models on six connections, and a sculptor sends a program without an end
-on eight. Meanwhile an owner undoes and redoes a stroke, sets and removes a pin, lists strokes,
-creates and closes a session: prints the median, the 99th percentile and the greatest wait of each
+A guest requests simplified models on six connections, and a sculptor sends an endless program on
+eight. Meanwhile an owner undoes and redoes a stroke, sets and removes a pin, lists strokes,
+creates and closes a session. Prints the median, the 99th percentile and the greatest wait of each
 in s, then the time from SIGTERM to the end of the server.
 """
 import argparse

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures undo in long sessions: undo_bench [motions] [dexel|tri-dexel] [pitch_mm] [threads]
-// [undo: nothing after that].
-// Four hands scribble with balls of 10 mm over a block of 100 x 100 x 30 mm, which is carved from
-// the journal; strokes at random places of the history are undone and redone. Then one viewer goes
-// to 60 records at random, on one thread: from its request to the last frame with exact tiles,
-// without a socket.
+// [undo: nothing after that]. Four hands scribble with balls of 10 mm over a block of 100 x 100 x
+// 30 mm, which is carved from the journal. Strokes at random positions in the history are undone
+// and redone. Then one viewer visits 60 random records, on one thread, measured from its request to
+// the last frame with exact tiles, without a socket.
 
 #include <time.h>
 
@@ -108,7 +107,7 @@ void print(const char* name, std::vector<double> times) {
               times[times.size() * 95 / 100], times.back());
 }
 
-/// What a server does when a viewer goes to a record and back to another.
+/// The work of a server when a viewer goes to a record and back to another.
 void seek(BlockHistory& history, const SculptureSettings& settings) {
   Sculpture past = Sculpture::create(settings).value();
   TileFeed feed(past.solid(), 0);
@@ -144,7 +143,7 @@ void seek(BlockHistory& history, const SculptureSettings& settings) {
   std::printf("  mesh frames of a seek              %.2f MB\n", static_cast<double>(bytes) / 60e6);
 }
 
-/// The block after 20 records at random.
+/// The block after 20 random records.
 void look_back(BlockHistory& history, ThreadPool& pool, std::mt19937& random) {
   Times seeks;
   for (int n = 0; n < 20; ++n) {

@@ -10,26 +10,25 @@
 //
 // --seconds S  keeps the viewers for S seconds after the last welcome (default 3)
 // --agents N   instead of the agent that changes its tool, N agents cut a raster at 1 kHz, for S
-//              seconds without and S seconds beside the viewers, by turns of up to 2 s: first in a
-//              session that nobody watches, then in the one of the viewers, on the same server and
+//              seconds without viewers and for S seconds with them, in turns of up to 2 s: first in
+//              a session that nobody watches, then in that of the viewers, on the same server and
 //              with the same connections. Prints the round trips of each turn, and how many times
-//              longer the p99 is beside the viewers; the mesh frames and bytes to each viewer and
-//              the CPU time that they cost the server; and the staleness of the frames: the time
-//              from the answer to a motion to its agent until a viewer has a frame that includes
-//              it, of the oldest motion that each frame adds. All share one machine, so the viewers
-//              here have a lower priority than the server's threads for viewers, and the agents
-//              SCHED_FIFO, if that is allowed, as kerf-agent has. What other programs did meanwhile
-//              is printed too ("foreign"): an agent waits for tens of ms while one of another
-//              terminal or service has the core of the session's thread, because Linux shares a
-//              core among those first (autogroups, cgroups) and the server has used its share. A
-//              turn in which foreign programs used more than a few hundredths of a core says little
-//              about the server.
-// --busy N     N processes that never sleep compete with the server, and downloads are made one
+//              longer the p99 is with viewers; the mesh frames and bytes to each viewer and their
+//              CPU time in the server; and the staleness of the frames: the time from the answer to
+//              a motion to its agent until a viewer has a frame that includes it, for the oldest
+//              motion that each frame adds. All share one machine, so the viewers here have a lower
+//              priority than the server's threads for viewers, and the agents SCHED_FIFO, if
+//              allowed, as kerf-agent has. Prints the CPU time of other programs too ("foreign"):
+//              an agent waits for tens of ms while a program of another terminal or service has the
+//              core of the session's thread, because Linux shares a core among those first
+//              (autogroups, cgroups) and the server has used its share. A turn in which foreign
+//              programs used more than a few hundredths of a core says little about the server.
+// --busy N     N processes that never sleep compete with the server, while downloads are made one
 //              after the other. The viewers here count as another machine (SCHED_FIFO). Prints the
-//              share of a core that each kind of the server's threads got while it could have run,
-//              and that of the N processes.
+//              share of a core that each kind of the server's threads got while runnable, and that
+//              of the N processes.
 // --calm       no agent
-// --lists      the viewers do not know 'participants_changed' and get complete lists
+// --lists      the viewers do not support 'participants_changed' and get complete lists
 #include <sched.h>
 #include <unistd.h>
 
@@ -116,10 +115,10 @@ void print_memory(const std::vector<double>& memory_mb) {
   std::printf(" MB\n");
 }
 
-/// Length of a turn at most: most turns are free of what another program does now and then.
+/// Longest turn, so that most turns are free of occasional activity of other programs.
 constexpr double kTurnS = 2;
 
-/// CPU time that all programs of the machine have used, s (proc_stat(5)).
+/// Returns the CPU time that all programs of the machine have used, s (proc_stat(5)).
 double machine_cpu_seconds() {
   std::ifstream stat("/proc/stat");
   std::string name;
@@ -128,7 +127,7 @@ double machine_cpu_seconds() {
   return (user + nice + system + irq + softirq) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
-/// What the turns of agents beside viewers, or without them, have used.
+/// Resources used in the turns of agents with viewers, or without them.
 struct Used {
   std::vector<double> trips_us;
   double seconds = 0, server_s = 0, viewers_s = 0, foreign_s = 0;
@@ -136,14 +135,14 @@ struct Used {
   std::map<std::string, CoreTime> threads;
 };
 
-/// The server and what competes with it for the cores.
+/// The server and the processes that compete with it for the cores.
 struct Bench {
   const Options& options;
   const ServerProcess& server;
   const Crowd& crowd;
   const BusyLoops& busy;
 
-  /// CPU time of the server, of the viewers and of all that belongs to the bench, s.
+  /// CPU time of the server, of the viewers and of everything that belongs to the bench, s.
   struct Consumed {
     double server_s = 0, viewers_s = 0, all_s = 0, machine_s = 0;
   };
@@ -212,7 +211,7 @@ void print_shares(const Used& beside) {
   }
 }
 
-/// Agents cut without viewers and beside them, by turns.
+/// Agents cut without and with viewers, in turn.
 void run_turns(const Bench& bench, Raster& apart, Raster& watched) {
   const Options& options = bench.options;
   const int turns = std::max(2, static_cast<int>(std::ceil(options.seconds / kTurnS)));

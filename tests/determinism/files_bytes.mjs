@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carves programs with kerf_files.wasm, as kerf.html does, and with kerf-carve: state hash, STL file
-// and errors must be equal to the last byte, and the scene that is derived from a program.
+// Carves programs with kerf_files.wasm, as kerf.html does, and with kerf-carve. State hash, STL
+// file, errors and the scene derived from a program must be equal to the last byte.
 //
 // node --no-warnings --no-turbo-fast-api-calls files_bytes.mjs kerf-carve kerf_files.wasm FOLDER
-// exit status 77: there is no kerf_files.wasm
+// exit status 77 if there is no kerf_files.wasm
 // With further arguments PROGRAM [SCENE] it compares, and times, that program only.
 
 import assert from 'node:assert/strict';
@@ -32,7 +32,7 @@ const TOOLS = [
   { id: 2, shape: 'bull_nose', diameter_mm: 8, corner_radius_mm: 1, length_mm: 30 },
 ];
 
-/** The standard job: a raster, here with both tools; `lean`: the axis swings. */
+/** The standard job, a raster, with both tools. With `lean` the axis swings. */
 function raster(rows, lean) {
   const lines = ['G21 G90', 'T1 M6', 'F1000'];
   for (let row = 0; row < rows; ++row) {
@@ -99,7 +99,7 @@ function box() {
   return `solid p\n${sides.join(' ').split(' ').map(facet).join('\n')}\nendsolid p\n`;
 }
 
-/** name, the files, and which of them are program, scene and stock. */
+/** Name, files, and the names of program, scene and stock among them. */
 const JOBS = [
   [
     'three axes',
@@ -143,7 +143,7 @@ const JOBS = [
   ],
 ];
 
-/** Programs that are rejected where `kerf-carve` rejects them, with its words. */
+/** Programs that must be rejected where `kerf-carve` rejects them, with the same message. */
 const FAULTS = [
   ['a word', { 'g.ngc': 'G21 G90\nG1 X5 F100\nG1 X7 Q3\nM30\n' }, ['g.ngc']],
   ['a call', { 'h.ngc': 'G21\nG1 X5 F100\nO<nowhere> call\nM30\n' }, ['h.ngc']],
@@ -167,7 +167,7 @@ async function wasmIn(at) {
   return { calls, put, text };
 }
 
-/** Carves in parts, and writes models. `seeks`: goes back and on again before. */
+/** Carves in parts, and writes models. With `seeks` it first goes back and forth. */
 async function carveInPage(at, names, seeks) {
   const { calls, put, text } = await wasmIn(at);
   const began = process.cpuUsage();
@@ -193,7 +193,7 @@ async function carveInPage(at, names, seeks) {
   return { hash: atEnd, motions, derived, seconds };
 }
 
-/** Back to the middle, and there again: the states are equal, and what is displayed follows them. */
+/** Returns to the middle twice: the states are equal, and the displayed tiles follow them. */
 function checkSeeking(calls, motions, hash, must) {
   const shown = new Map();
   const mesh = (x, y) => {
@@ -298,7 +298,7 @@ async function compare(name, files, names, seeks = false) {
   if (given.length > 0) printTimes(at, names, page.seconds);
 }
 
-/** The scene that kerf-carve derives; null if one is given. */
+/** The scene that kerf-carve derives, or null if one is given. */
 function derivedHere(at, names) {
   if (names[1]) return null;
   const { status, stdout, stderr } = carveHere(at, names, '--derive');

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Linked with `-Wl,--wrap=__cpu_indicator_init`, it makes a program run as on an older CPU:
 // KERF_CPU_LEVEL 3 is x86-64-v3 (AVX2), 1 any x86-64. So the functions that are compiled for
-// several instruction sets (kernel/math/targets.h) run in each of their versions, as they are built
-// for users, and not only in the best one for this machine.
+// several instruction sets (kernel/math/targets.h) run in each of their versions as built for
+// users, not only in the best one for this machine.
 
 #include <cstdio>
 #include <cstdlib>
 
-// GCC's loader code asks libgcc, by these two, which instruction sets there are.
+// GCC's loader code asks libgcc, through these two, for the available instruction sets.
 extern "C" {
 extern unsigned __cpu_features2[];
 int __real___cpu_indicator_init();
@@ -16,7 +16,7 @@ int __wrap___cpu_indicator_init();
 
 namespace {
 
-/// Clears the bit without which `has` is false. Which one that is, only the compiler knows.
+/// Clears the bit without which `has` is false. Only the compiler knows which one that is.
 template <class Has>
 void take_away(Has has) {
   for (unsigned bit = 0; has(); ++bit) {

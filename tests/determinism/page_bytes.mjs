@@ -2,7 +2,7 @@
 // Carves blocks with kerf.wasm, as a page does, and with the same functions compiled for this
 // machine: every answer, state and mesh must be equal to the last bit.
 //
-// node page_bytes.mjs page_job kerf.wasm FOLDER; exit status 77: there is no kerf.wasm
+// node page_bytes.mjs page_job kerf.wasm FOLDER; exit status 77 if there is no kerf.wasm
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
@@ -56,7 +56,7 @@ class Hand {
   }
 }
 
-/** [kind, bytes] of what the functions get: a welcome, frames, undo, redo and settle. */
+/** [kind, bytes] of the inputs of the functions: a welcome, frames, undo, redo and settle. */
 function job(rays) {
   const hand = new Hand();
   const sent = [['w', welcome(rays, 0.5, BOX, TOOLS)]];
@@ -71,7 +71,7 @@ function job(rays) {
     ),
   );
   for (let n = 0; n < 8; ++n) send(hand.motion(n % 2 === 0 ? 1 : 2, n > 3));
-  send(stock(0, 20_000n, [[2, 1, 0, 30_000]])); // another has cut a tile flat
+  send(stock(0, 20_000n, [[2, 1, 0, 30_000]])); // another participant has cut a tile flat
   for (let n = 0; n < 3; ++n) send(hand.motion(1, true));
   ask('u');
   ask('r');

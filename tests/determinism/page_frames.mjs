@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What page_job and kerf.wasm get: frames as a page sends and receives them, and jobs of them.
+// Inputs of page_job and kerf.wasm: frames as a page sends and receives them, and jobs of frames.
 
-/** The text of a welcome; `stock`: the corners of a box. */
+/** The text of a welcome. `stock` has the corners of a box. */
 export function welcome(rays, pitch_mm, [min_mm, max_mm], tools) {
   return Buffer.from(
     JSON.stringify({
@@ -48,7 +48,7 @@ function leb(value) {
   return [...bytes, value];
 }
 
-/** Tiles of stock; `top`: the quanta that are left in each column, null: no change. */
+/** Tiles of stock. `top` has the remaining quanta of each column, or null for no change. */
 export function stock(flags, timeUs, tiles) {
   const parts = [Buffer.alloc(16)];
   parts[0].writeBigUInt64LE(timeUs, 0);
@@ -63,7 +63,7 @@ export function stock(flags, timeUs, tiles) {
   return frame(8, flags, Buffer.concat(parts));
 }
 
-/** All tiles of a block that has so many of them along its sides. */
+/** All tiles of a block with these numbers of tiles along its sides. */
 export function everyTile(rays, [along_x, along_y, along_z]) {
   const sides = [
     [2, along_x, along_y],
@@ -88,7 +88,7 @@ export function jobFile(sent) {
   return Buffer.concat(parts);
 }
 
-/** The functions of kerf.wasm, and how to pass bytes to them and get theirs. */
+/** The functions of kerf.wasm, with helpers that pass bytes to them and read their results. */
 export async function openKernel(bytes) {
   const module = await WebAssembly.compile(bytes);
   const system = {};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs a job (page_bytes.mjs) on the functions that kerf.wasm exports, compiled for this machine,
-// and prints what they return: a line for each welcome, frame and tile; of frames that are timed, a
-// line for each block. A welcome that is rejected ends it. Usage: page_job FILE
+// and prints their results: a line for each welcome, frame and tile; for timed frames, a line for
+// each block. A rejected welcome ends it. Usage: page_job FILE
 
 #include <chrono>
 #include <cstddef>
@@ -41,7 +41,7 @@ void print_changed() {
   }
 }
 
-/// Time spent on frames of a block that are only carved, and on the tiles that are displayed then.
+/// Time spent on frames of a block that are only carved, and on displaying tiles afterwards.
 std::chrono::duration<double, std::milli> g_carved, g_displayed;
 
 void print_times() {
@@ -64,7 +64,7 @@ void run_timed(char kind) {
   g_displayed += std::chrono::steady_clock::now() - begin;
 }
 
-/// Ends the program: without a block no other frame can be taken.
+/// Ends the program, because no other frame can be processed without a block.
 [[noreturn]] void stop_rejected(std::uint32_t length) {
   std::fprintf(stderr, "The welcome is rejected: %.*s\n", static_cast<int>(length),
                reinterpret_cast<const char*>(kerf_output()));

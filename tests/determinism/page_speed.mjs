@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast kerf.wasm carves and displays strokes, beside the same functions compiled for this
-// machine: tools of 10 mm, upright and turning, 2 mm deep in fresh stock at 0.1 mm, in frames of
-// 1 mm with 8 samples. Each carves a block, and then the same again as another one: by then node
-// has compiled the functions of kerf.wasm for speed, and both have their memory.
+// Measures how fast kerf.wasm carves and displays strokes, compared with the same functions compiled
+// for this machine: tools of 10 mm, upright and turning, 2 mm deep in fresh stock at 0.1 mm, in
+// frames of 1 mm with 8 samples. Each carves a block, and then a second, equal one: by then node has
+// optimized the functions of kerf.wasm, and both have allocated their memory.
 //
 // node page_speed.mjs page_job kerf.wasm FOLDER [TOOL]
 
@@ -33,8 +33,8 @@ const TO_MM = 50;
 const ROUNDS = 5;
 
 /**
- * Parallel grooves, twice. 'c': a frame is carved; 'd': the tiles that have changed are meshed, the
- * first time.
+ * Parallel grooves, twice. 'c': a frame is carved. 'd': the changed tiles are meshed, the first
+ * time.
  */
 function job(rays, tool, turns) {
   const first = grooves(rays, tool, turns);
@@ -104,7 +104,7 @@ function timeNative(path) {
 
 const WHAT = ['carved', 'carved again', 'displayed'];
 
-/** The least times of WHAT, natively and by kerf.wasm. */
+/** The least times of a kind of work, natively and by kerf.wasm. */
 async function measure(sent, path) {
   writeFileSync(path, jobFile(sent));
   const least = { native: WHAT.map(() => Infinity), page: WHAT.map(() => Infinity) };

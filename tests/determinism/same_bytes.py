@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Builds the kernel and state_hashes with another compiler, optimization level or instruction set, or as WebAssembly, and
 compares its output byte for byte with that of the reference state_hashes. With --program, compares another program, which is
-built already; with --threads, the reference with itself on several threads.
+already built; with --threads, the reference with itself on several threads.
 
 Exit status: 0 equal; 1 different, or the build failed; 77 this machine cannot run that build (the reason is printed).
 """
@@ -54,7 +54,7 @@ def build(options):
     """Builds state_hashes; returns how to run it."""
     # Ignore the environment's compiler and flags: this build sets its own.
     environment = {k: v for k, v in os.environ.items() if k not in ("CXX", "CXXFLAGS", "CC", "CFLAGS")}
-    # Not as an option: one that differs from that of an earlier build would have everything compiled again.
+    # Not an option: one that differs from that of an earlier build would recompile everything.
     if "CMAKE_CXX_COMPILER_LAUNCHER" not in environment and shutil.which("ccache"):
         environment["CMAKE_CXX_COMPILER_LAUNCHER"] = "ccache"
     folder = SOURCES / "build/wasm" if options.wasm else options.folder

@@ -2,9 +2,9 @@
 // Runs one job for every tool, ray model, motion model and force law, and prints one line for each
 // with the hashes of the state, of all results (forces, volumes, tiles) and of the mesh. Two builds
 // of the kernel that print the same bytes agree to the last bit. The jobs do not depend on the
-// machine: poses are computed from integers by + − × ÷ √ alone. Usage: state_hashes
-// [threads=1 [every=1]]; the output does not depend on the number of threads. With `every` N, only
-// each N-th job is run.
+// machine: poses are computed from integers by + − × ÷ √ alone. Usage: state_hashes [threads=1
+// [every=1]]. The output does not depend on the number of threads. With `every` N, only each N-th
+// job is run.
 
 #include <algorithm>
 #include <array>
@@ -122,7 +122,7 @@ std::uint64_t mesh_hash(const SolidSnapshot& snapshot) {
   return hash.value();
 }
 
-/// Returns moves across the whole block, enough work for several threads. Every other one turns.
+/// Returns moves across the whole block, enough work for several threads. Every other move turns.
 std::vector<ToolPose> long_path(std::uint64_t seed, int moves) {
   Numbers numbers(seed);
   std::vector<ToolPose> poses{{{-62, 0, -1}, {0, 0, 1}}};
@@ -233,6 +233,7 @@ int main(int argc, char** argv) {
       run(tool.name + " long " + to_string(rays), wide, tool.tool, long_path(++seed, 3), jobs);
     }
   }
-  // Fails if several threads were available but never used: the comparison would prove nothing.
+  // Fails if several threads were available but never used, because the comparison would prove
+  // nothing.
   return jobs.workers.count() > 1 && jobs.workers.runs() == 0 ? 1 : 0;
 }

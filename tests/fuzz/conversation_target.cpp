@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An agent and a viewer of one session, whose frames come in any order.
+// Frames of an agent and a viewer of one session, in any order.
 #include <optional>
 
 #include "server/conversation/agent_conversation.h"
@@ -17,7 +17,7 @@ constexpr const char* kScene = R"({"name": "fuzz",
   "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
   "tools": [{"id": 1, "shape": "ball", "diameter_mm": 4, "length_mm": 20},
             {"id": 2, "shape": "flat", "diameter_mm": 3, "length_mm": 20}]})";
-/// Inputs for one session: creating it takes longer than they do.
+/// Inputs per session, because creating one takes longer than running them.
 constexpr int kInputsPerSession = 500;
 
 class Rig {
@@ -31,7 +31,8 @@ class Rig {
                                   .wake = [] {},
                                   .open_udp = [] { return std::nullopt; }});
     net::ViewerConversation viewer(session_, metrics_, [this] { return now_; }, [] {});
-    // Each step: a byte that says who receives what, two for its length, the frame.
+    // Each step has a byte that states the receiver and the kind, two for the length, and the
+    // frame.
     while (input.size() >= 3) {
       const auto kind = std::to_integer<unsigned>(input[0]);
       const std::size_t length =

@@ -16,7 +16,7 @@ namespace kerf::fuzz {
 namespace {
 
 std::vector<std::string> corpus_of(std::string_view name) {
-  // Other tests have files for some targets.
+  // Some targets use files of other tests.
   const std::filesystem::path tests = std::filesystem::path(KERF_SOURCE_DIR) / "tests";
   const std::filesystem::path folder = name == "wire"      ? tests / "wire/golden"
                                        : name == "journal" ? tests / "server/store"
@@ -35,7 +35,7 @@ std::vector<std::string> corpus_of(std::string_view name) {
   return inputs;
 }
 
-/// Flips bits, removes, repeats and joins parts.
+/// Flips bits, and removes, repeats and joins parts.
 std::string mutated(const std::vector<std::string>& inputs, std::mt19937_64& random) {
   const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
   std::string out = inputs[below(inputs.size())];

@@ -50,7 +50,7 @@ void check_stream(const std::string& name, Bytes input, const GcodeEnvironment& 
   require(count == program.motions.size(), "and all of them");
 }
 
-/// The motions of a program are finite, positive in time, and each starts where it says.
+/// The motions of a program are finite, have positive time, and each starts where it claims.
 void check_program(const std::string& name, Bytes input) {
   // A loop of a few bytes may read ten million lines.
   GcodeEnvironment environment;
@@ -90,7 +90,7 @@ void read_scene(Bytes input) {
   require(scene_json(*again) == text, "and is canonical");
 }
 
-/// The first byte chooses the format.
+/// The first byte selects the format.
 void read_mesh(Bytes input) {
   if (input.empty()) return;
   constexpr MeshFileFormat kFormats[] = {MeshFileFormat::kStl, MeshFileFormat::kPly,

@@ -26,7 +26,7 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
     std::fputs("\n", stderr);
     std::exit(2);
   }
-  // libFuzzer reads the other arguments.
+  // libFuzzer reads the remaining arguments.
   for (int n = 1; n + 1 < *argc; ++n) (*argv)[n] = (*argv)[n + 1];
   --*argc;
   return 0;

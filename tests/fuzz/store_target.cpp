@@ -14,7 +14,7 @@
 namespace kerf::fuzz {
 
 /// Batches of one journal, each after two bytes with the number of its records and two with its
-/// size. Those that can be decoded have as many records as stated, and can be encoded again.
+/// size. A batch that can be decoded has as many records as stated, and can be encoded again.
 void read_batch(Bytes input) {
   (void)decode_command(input);
   const auto number = [&input](std::size_t at) {
@@ -46,7 +46,7 @@ std::filesystem::path file_with(Bytes input) {
 
 }  // namespace
 
-/// Of the block in corpus/snapshot: 80 x 80 x 30 mm at 0.5 mm.
+/// A snapshot of the block in corpus/snapshot: 80 x 80 x 30 mm at 0.5 mm.
 void read_snapshot(Bytes input) {
   static const Sculpture kBlock = [] {
     SculptureSettings settings;
@@ -61,7 +61,7 @@ void read_snapshot(Bytes input) {
   }
 }
 
-/// The columns of a tile, inside the checksums of a snapshot. One that can be read is written as
+/// The columns of a tile, inside the checksums of a snapshot. A tile that can be read is written as
 /// the same tile.
 void read_tile(Bytes input) {
   for (const bool keeps_normals : {false, true}) {

@@ -9,7 +9,7 @@ namespace kerf::fuzz {
 
 using Bytes = std::span<const std::byte>;
 
-/// Gives bytes of a peer or a file to the code that reads them. Aborts if a property does not hold.
+/// Passes bytes of a peer or a file to the code that reads them. Aborts if a property is violated.
 struct Target {
   std::string_view name;
   void (*run)(Bytes input);
@@ -19,7 +19,7 @@ std::span<const Target> targets();
 inline std::string_view text_of(Bytes input) {
   return {reinterpret_cast<const char*>(input.data()), input.size()};
 }
-/// Aborts the program, which a fuzzer reports with the input.
+/// Aborts the program if a property does not hold. A fuzzer reports this with the input.
 void require(bool holds, const char* property);
 
 void read_wire(Bytes input);

@@ -10,7 +10,7 @@
 
 namespace kerf::fuzz {
 
-/// A batch of motions is encoded to the bytes that it was decoded from: all its fields are checked.
+/// A decoded batch of motions is encoded to the same bytes, which checks all its fields.
 void read_wire(Bytes input) {
   const auto message = wire::decode(input);
   if (!message) return;

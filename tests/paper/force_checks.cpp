@@ -130,8 +130,8 @@ Finding right_hand_rule() {
     std::vector<double> angles;
     for (const Step& step : steps_of(cut)) {
       Vec3 turn = cross(step.result.cutting.center_mm - pivot_of(step), step.result.wrench.force_n);
-      turn =
-          turn - step.to.axis * dot(turn, step.to.axis);  // which a device of 5 DOF cannot display
+      // A device of 5 DOF cannot display torque about the axis.
+      turn = turn - step.to.axis * dot(turn, step.to.axis);
       const Vec3 torque = normalized(step.result.wrench.torque_nmm);
       const double cosine = dot(normalized(turn), torque);
       angles.push_back(degrees_between(turn, torque));

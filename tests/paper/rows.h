@@ -13,8 +13,8 @@ struct Row {
   std::string where = {};   ///< where it is implemented
   std::string program =
       {};  ///< of tests, below the build's folder "tests"; "": a check of this folder
-  std::string check =
-      {};  ///< its tests as a gtest filter, or the name of the check; empty without one
+  /// Its tests as a gtest filter, or the name of the check. Empty without one.
+  std::string check = {};
   std::string deviates = {};  ///< what differs, or cannot be reproduced, and why
 };
 

@@ -28,7 +28,7 @@ inline IndexedMesh joined(const std::vector<TileMesh>& tiles) {
   return all;
 }
 
-/// A mesh of tiles with what is drawn at its vertices.
+/// A mesh of tiles with the attributes that are drawn at its vertices.
 struct DrawnMesh {
   explicit DrawnMesh(const std::vector<TileMesh>& tiles) : mesh(joined(tiles)) {
     for (const TileMesh& tile : tiles) {
@@ -46,7 +46,7 @@ inline std::array<Vec3, 3> corners_of(const IndexedMesh& mesh, std::uint32_t tri
   return {mesh.position(corners[0]), mesh.position(corners[1]), mesh.position(corners[2])};
 }
 
-/// The parts of a triangle's corners in a point of it.
+/// Returns the barycentric coordinates of a point in a triangle.
 inline Vec3 parts_of(const std::array<Vec3, 3>& t, Vec3 point) {
   const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
   const double area = dot(normal, normal);
@@ -55,7 +55,7 @@ inline Vec3 parts_of(const std::array<Vec3, 3>& t, Vec3 point) {
   return {1 - b - c, b, c};
 }
 
-/// A point of a mesh, and what is drawn there.
+/// A point of a mesh, and the attributes drawn there.
 struct DrawnPoint {
   Vec3 place, normal;
   double original = 0;
@@ -77,16 +77,16 @@ inline DrawnPoint drawn_point(const DrawnMesh& drawn, std::uint32_t triangle, Ve
   return point;
 }
 
-/// How what is drawn of a coarse mesh differs from the exact one, in points that are spread over
-/// the coarse one by area.
+/// Differences between a drawn coarse mesh and the exact one, at points spread over the coarse mesh
+/// by area.
 struct DrawnError {
   std::vector<double> off_pitches;  ///< distances
   std::vector<double> turns;        ///< differences of the unit normals
-  double wrong_skin = 0;  ///< share of the points that are original where the exact surface is cut,
-                          ///< or the reverse
+  /// Share of the points that are original where the exact surface is cut, or the reverse.
+  double wrong_skin = 0;
 };
 
-/// `spacing_mm`: about how far apart the points are.
+/// `spacing_mm` is the approximate distance between the points.
 inline DrawnError drawn_error(const std::vector<TileMesh>& exact,
                               const std::vector<TileMesh>& coarse, double pitch_mm,
                               double spacing_mm) {
@@ -100,7 +100,7 @@ inline DrawnError drawn_error(const std::vector<TileMesh>& exact,
   for (std::uint32_t t = 0; t < is.mesh.triangles.size(); ++t) {
     const std::array<Vec3, 3> corners = corners_of(is.mesh, t);
     const double area_mm2 = length(cross(corners[1] - corners[0], corners[2] - corners[0])) / 2;
-    // A triangle has its part of the points in the mean.
+    // The mean number of points of a triangle is proportional to its area.
     const auto points = static_cast<int>(area_mm2 / (spacing_mm * spacing_mm) + share(random));
     for (int n = 0; n < points; ++n) {
       double b = share(random), c = share(random);

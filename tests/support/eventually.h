@@ -6,14 +6,14 @@
 
 namespace kerf::test {
 
-/// How many times as long as usual a test may take.
+/// Factor by which a test may take longer than usual.
 #ifdef __SANITIZE_THREAD__
 inline constexpr int kPatience = 20;
 #else
 inline constexpr int kPatience = 1;
 #endif
 
-/// Waits until the condition holds; the limit of 20 s only ends a failed test.
+/// Waits until the condition holds. The limit of 20 s only ends a failed test.
 template <typename Condition>
 bool eventually(Condition condition) {
   for (int i = 0; i < 4000 * kPatience; ++i) {

@@ -46,9 +46,9 @@ T determinant(const std::array<T, 3>& a, const std::array<T, 3>& b, const std::a
          T(a[2] * T(b[0] * c[1] - b[1] * c[0]));
 }
 
-/// Greater than the relative rounding error of a determinant of three by three differences, as a
-/// share of the sum of the products' sizes (J. Shewchuk, Adaptive precision floating-point
-/// arithmetic and fast robust geometric predicates, 1997).
+/// Exceeds the relative rounding error of a determinant of three by three differences, as a share
+/// of the sum of the products' sizes (J. Shewchuk, Adaptive precision floating-point arithmetic and
+/// fast robust geometric predicates, 1997).
 constexpr double kFilter = 1e-15;
 
 /// Returns whether a difference of two floats is exact in doubles.
@@ -68,7 +68,7 @@ std::size_t projection_of(const FloatTriangle& t) {
   return axis;
 }
 
-/// For points in one plane.
+/// Returns whether a segment meets a triangle in its plane.
 bool meets_in_plane(const FloatPoint& p, const FloatPoint& q, const FloatTriangle& t) {
   const std::size_t axis = projection_of(t);
   const auto side = [axis](const FloatPoint& a, const FloatPoint& b, const FloatPoint& c) {
@@ -127,7 +127,7 @@ int projected_orientation(const FloatPoint& a, const FloatPoint& b, const FloatP
   }
   if (exact_in_double(a[u], c[u]) && exact_in_double(b[v], c[v]) && exact_in_double(a[v], c[v]) &&
       exact_in_double(b[u], c[u])) {
-    // A product is the sum of its nearest double and an error, which is a double too.
+    // A product is the sum of its nearest double and an error, which is also a double.
     const double left_rest =
         std::fma(double(a[u]) - double(c[u]), double(b[v]) - double(c[v]), -left);
     const double right_rest =

@@ -21,7 +21,7 @@ bool are_collinear(const FloatPoint& a, const FloatPoint& b, const FloatPoint& c
 using FloatTriangle = std::array<FloatPoint, 3>;
 
 /// Returns whether two triangles, neither of them degenerate, have a common point other than a
-/// common corner or edge, exactly: touching counts. Corners are common if they are equal.
+/// common corner or edge, exactly. Touching counts. Corners are common if they are equal.
 bool do_intersect(const FloatTriangle& s, const FloatTriangle& t);
 
 }  // namespace kerf::test

@@ -12,9 +12,9 @@
 
 namespace kerf::test {
 
-/// Settings of a block whose sides are unlike each other and unlike its pitch: from flatter than a
-/// ten-thousandth of a pitch to `pitches_max` pitches long, up to 1000 km from the origin, as a
-/// box, a cylinder or a mesh. Equal seeds give equal blocks.
+/// Settings of a block whose sides differ widely from each other and from its pitch: from flatter
+/// than a ten-thousandth of a pitch to `pitches_max` pitches long, up to 1000 km from the origin,
+/// as a box, a cylinder or a mesh. Equal seeds give equal blocks.
 class ExtremeBlock {
  public:
   ExtremeBlock(unsigned seed, Rays rays, double pitches_max = 300)

@@ -10,7 +10,7 @@
 namespace kerf::test {
 namespace {
 
-/// Allocations until the one that fails, which brings it to 0; negative: none does.
+/// Number of allocations until the one that fails, which sets it to 0. Negative if none fails.
 std::atomic<std::int64_t> until_failure{-1};
 
 bool fails() {
@@ -27,7 +27,7 @@ std::uint64_t FailingMemory::left() const {
 
 }  // namespace kerf::test
 
-// The other forms of new call these; the library's delete frees what malloc returns.
+// The other forms of new call these. The library's delete frees memory that malloc returns.
 void* operator new(std::size_t size) {
   if (kerf::test::fails()) throw std::bad_alloc();
   if (void* memory = std::malloc(std::max<std::size_t>(size, 1))) return memory;

@@ -24,7 +24,7 @@ struct DecodedTile {
   std::vector<Vec3> positions_mm, normals;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint8_t> original;  ///< the fourth bytes of the normals
-  std::uint64_t digest = 0;            ///< 0: not stated
+  std::uint64_t digest = 0;            ///< 0 if not stated
 };
 struct DecodedFrame {
   std::uint64_t from = 0, to = 0;
@@ -112,7 +112,7 @@ inline void decode_mesh(const GlbParts& glb, const nlohmann::json& node, Decoded
 }
 
 /// Reads a mesh frame as the glTF specification defines it. Shares no code with its writer.
-/// `tile_mm`: side of a tile, for nodes that stand for several.
+/// `tile_mm` is the side of a tile, for nodes that represent several tiles.
 inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb_bytes, double tile_mm = 0) {
   const GlbParts glb = split_glb(glb_bytes);
   DecodedFrame frame;
@@ -142,7 +142,7 @@ inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb_bytes, doubl
   return frame;
 }
 
-/// Returns the tile's triangles, corners with their normals and whether they are original, in an
+/// Returns the tile's triangles, as corners with their normals and their original flags, in an
 /// order that does not depend on the encoding.
 inline std::vector<std::array<std::array<double, 7>, 3>> triangles_of(const DecodedTile& tile) {
   std::vector<std::array<std::array<double, 7>, 3>> triangles;
@@ -154,7 +154,7 @@ inline std::vector<std::array<std::array<double, 7>, 3>> triangles_of(const Deco
       const double original = tile.original.at(tile.indices[t + c]);
       triangle[c] = {p.x, p.y, p.z, n.x, n.y, n.z, original};
     }
-    // The smallest of its three rotations: two corners may have the same lattice point.
+    // The smallest of its three rotations, because two corners may have the same lattice point.
     auto turned = triangle;
     for (int turn = 0; turn < 2; ++turn) {
       std::rotate(turned.begin(), turned.begin() + 1, turned.end());

@@ -109,7 +109,8 @@ inline ReadModel read_ply_bytes(const std::string& bytes) {
   return model;
 }
 
-/// In mm from the block's corner: without the node's place, which has a test of its own.
+/// Returns positions in mm from the block's corner, without the node's translation, which has a
+/// test of its own.
 inline ReadModel read_model_glb(const std::string& bytes) {
   const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
   const GlbParts glb = split_glb({first, first + bytes.size()});
@@ -153,7 +154,8 @@ inline ReadModel read_model_glb(const std::string& bytes) {
   return model;
 }
 
-/// Triangles as corners, in an order that does not depend on the file's: smallest corner first.
+/// Returns triangles as corners, in an order that does not depend on the file's: smallest corner
+/// first.
 inline std::vector<std::array<Corner, 3>> sorted_triangles(const ReadModel& model) {
   std::vector<std::array<Corner, 3>> all;
   for (const auto& t : model.triangles) {

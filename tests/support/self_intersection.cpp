@@ -32,7 +32,7 @@ bool overlap(const Box& a, const Box& b) {
   return true;
 }
 
-/// The triangles of each cell of a grid that their boxes meet.
+/// For each cell of a grid, the triangles whose boxes meet it.
 class Buckets {
  public:
   explicit Buckets(double cell_mm) : cell_mm_(cell_mm) {}

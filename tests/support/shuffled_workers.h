@@ -11,7 +11,8 @@
 
 namespace kerf::test {
 
-/// Runs jobs on the calling thread in a random order: schedules that threads seldom take.
+/// Runs jobs on the calling thread in a random order, which gives schedules that threads rarely
+/// produce.
 class ShuffledWorkers final : public Workers {
  public:
   int count() const override { return 7; }

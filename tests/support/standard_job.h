@@ -9,10 +9,10 @@
 
 namespace kerf::test {
 
-/// The job on which kernels are measured: a 5 mm deep raster with a ball end mill of 10 mm over
-/// a block of 100 x 100 x 50 mm, 1 mm moves, rows 2 mm apart at y = 2k + 0.1371. Five-axis: the
-/// axis also swings by 20 degrees about the tip. Exact for three axes: removed volume 49,666.305
-/// mm^3.
+/// The job on which kernels are measured: a 5 mm deep raster with a ball end mill of 10 mm over a
+/// block of 100 x 100 x 50 mm, 1 mm moves, rows 2 mm apart at y = 2k + 0.1371. In five axes, the
+/// axis also swings by 20 degrees about the tip. The exact removed volume in three axes is
+/// 49,666.305 mm^3.
 inline constexpr double kStandardRemovedMm3 = 49666.305;
 inline constexpr double kStandardRadiusMm = 5;
 inline constexpr double kStandardRowOffsetMm = 0.1371;

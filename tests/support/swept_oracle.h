@@ -31,8 +31,8 @@ inline double outside(const ToolPiece& piece, double radial, double height) {
            b->radius_mm;
   }
   if (const auto* a = std::get_if<ArcPiece>(&piece)) {
-    // The distance from the disc of radius center_r, or, if the center lies beyond the axis, from
-    // the circle's center in the half-plane of the point. Both are convex.
+    // The distance from the disc of radius center_r, or, if the center is beyond the axis, from the
+    // circle's center in the half-plane of the point. Both are convex.
     const double across = std::max(radial - a->center_r_mm, 0.0);
     const double along = height - a->center_z_mm;
     return std::max({std::sqrt(across * across + along * along) - a->radius_mm, a->z0_mm - height,
@@ -114,8 +114,8 @@ inline Span swept_span(const ToolPiece& piece, const ToolPose& from, const ToolP
   return span;
 }
 
-/// Returns the least value of that function at a point over the whole motion: negative inside the
-/// true sweep.
+/// Returns the least value of `outside` at a point over the whole motion, negative inside the true
+/// sweep.
 inline double swept_outside(const ToolPiece& piece, const ToolPose& from, const ToolPose& to,
                             Vec3 point, int samples = 400) {
   double best = std::numeric_limits<double>::infinity();

@@ -17,10 +17,10 @@ struct Swivel {
   double heading_rad = 0.3;  ///< of the swivel in the plane of the block's top
 };
 
-/// Returns the work of the wrench against a whole engagement over u V: of `specific_energy`, 1. The
-/// engagement begins free, since the imprint gives no force, and ends free: when the tool has
-/// swivelled by 14 degrees, another has cleared the path ahead, and it goes on until nothing is
-/// pending.
+/// Returns the work of the wrench against a whole engagement over u V, which is 1 for
+/// `specific_energy`. The engagement begins free, since the imprint gives no force, and ends free:
+/// after the tool has swivelled by 14 degrees, another tool clears the path ahead, and the tool
+/// continues until nothing is pending.
 inline double work_over_energy(const Swivel& swivel) {
   constexpr double kTickRad = 0.005, kSpecific = 0.5, kPivotMm = 60;
   constexpr int kCut = 50, kFree = 50;

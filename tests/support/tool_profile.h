@@ -10,8 +10,8 @@
 
 namespace kerf::test {
 
-/// Returns the radius of a piece at a height, directly from its definition; negative where the
-/// piece has no point. Independent of kernel/piece.
+/// Returns the radius of a piece at a height, directly from its definition, or a negative value
+/// beyond the piece. Independent of kernel/piece.
 inline double radius_at(const ToolPiece& piece, double h) {
   if (const auto* b = std::get_if<BallPiece>(&piece)) {
     const double d = h - b->center_mm;
