@@ -138,7 +138,7 @@ def cut(server, motions):
 
 
 def succeed(cluster, owner, heir, with_snapshots):
-    """Kills the owner. Returns the time, in s, until `heir`, without data, may carve the session."""
+    """Kills the owner. Returns the s until `heir`, without data, may carve the session."""
     server = cluster.start(heir)
     if with_snapshots:  # those of the last 10 s come late
         wait_until(lambda: snapshot_of(cluster.servers[owner]) > 0)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how fast kerf.wasm carves and displays strokes, compared with the same functions compiled
-// for this machine: tools of 10 mm, upright and turning, 2 mm deep in fresh stock at 0.1 mm, in
-// frames of 1 mm with 8 samples. Each carves a block, and then a second, equal one: by then node has
-// optimized the functions of kerf.wasm, and both have allocated their memory.
+// Measures how fast kerf.wasm carves and displays strokes, compared with the same functions
+// compiled for this machine: tools of 10 mm, upright and turning, 2 mm deep in fresh stock at
+// 0.1 mm, in frames of 1 mm with 8 samples. Each carves a block, and then a second, equal one: by
+// then node has optimized the functions of kerf.wasm, and both have allocated their memory.
 //
 // node page_speed.mjs page_job kerf.wasm FOLDER [TOOL]
 
