@@ -38,8 +38,8 @@ class TileCarver {
   void begin(FieldTile at, const std::shared_ptr<const DexelTile>& tile);
   /// Returns a tile in its present state, or null for untouched stock.
   const DexelTile* find(FieldTile at) const;
-  /// Returns a copy of a tile at the start, with the columns of untouched stock. The tile must not
-  /// have begun.
+  /// Returns a copy of a tile at the start, with the columns of untouched stock. begin() must not
+  /// have been called for the tile since its last take().
   std::shared_ptr<DexelTile> copy_of_start(FieldTile at) const;
   /// Returns a tile as the motions since its last take() have left it, and resets it to the start.
   /// Returns null if they have not changed it.

@@ -70,12 +70,12 @@ KERF_INLINE LaneMask may_leave(const Side& side, const SlicePath& path, const Ra
                                depth_at(side, path, row, stretch.to, last)));
 }
 
-/// Selects the rays of a stretch to bisect: those that the piece may hit late, leave or hit again.
-/// These are all rays except those inside at both stations without a gap in between, and those that
-/// cannot be reached from either station, which are not searched either. A ray that crosses a
-/// hidden disc is inside a neighbor, so only the side counts then. From the level on that the bend
-/// requires, only rays that are inside at both stations, but may leave the piece in between, are
-/// bisected.
+/// Selects the rays of a stretch to bisect and to search. Bisected are those that the piece may hit
+/// late, leave or hit again: all rays except those inside at both stations without a gap in
+/// between, and those that cannot be reached from either station, which are not searched either. A
+/// ray that crosses a hidden disc is inside a neighbor, so only the side counts then. From the
+/// level on that the bend requires, only rays that are inside at both stations, but may leave the
+/// piece in between, are bisected.
 template <class Side>
 KERF_INLINE Division divide(const Side& side, const SlicePath& path, const RayRow& row,
                             const Stretch& stretch, LaneMask asked, int level,

@@ -47,7 +47,7 @@ SculptureSettings settings_of(const MillingSettings& m, Rays rays) {
   return s;
 }
 
-/// A cut along +X with the axis at `y`, in ticks. Returns the wrenches of the last ones.
+/// A cut along +X with the axis at `y`, in ticks, the last of which are compared.
 struct Cut {
   MillingSettings milling;
   Rays rays = Rays::kTriDexel;
