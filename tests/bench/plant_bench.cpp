@@ -15,8 +15,8 @@
 // to 2 kg and 1e-5 or 2e-4 kg m², through a device with 0 to 3 ms of latency and 0 or 2 % of lost
 // ticks, and a real session at a round trip of 0 to 250 ms. For each latency it has the greatest
 // energy returned over any interval, the greatest rms speed of the tip while the hand is at rest,
-// and the trips. The last rows declare no latency where there are 3 ms, and no inertia, so that a
-// push would turn a pen rather than move it. Then the same hands press against guides of each kind
+// and the trips. The last rows declare no latency where there are 3 ms, and do not declare the
+// inertia by which a push turns a pen instead of moving it. Then the same hands press against guides of each kind
 // instead of surfaces, at a round trip of 50 ms. Then stock appears around the tool in a slot, by
 // undo and redo or by the change to a larger tool, with the cutting button pressed or not, at round
 // trips of 0, 50 and 250 ms; for runs that are too fast at rest it also prints the hand, how far
