@@ -16,17 +16,17 @@
 // ticks, and a real session at a round trip of 0 to 250 ms. For each latency it has the greatest
 // energy returned over any interval, the greatest rms speed of the tip while the hand is at rest,
 // and the trips. The last rows declare no latency where there are 3 ms, and do not declare the
-// inertia by which a push turns a pen instead of moving it. Then the same hands press against guides of each kind
-// instead of surfaces, at a round trip of 50 ms. Then stock appears around the tool in a slot, by
-// undo and redo or by the change to a larger tool, with the cutting button pressed or not, at round
-// trips of 0, 50 and 250 ms; for runs that are too fast at rest it also prints the hand, how far
-// the tip moved meanwhile, and the work of the device on the hand. Then random traces of two
-// seconds with an adversarial network (tests/agent/servo/adversary.h), and the same with deliberate
-// errors. `random` presses with random devices, hands, latencies up to MOST_MS, lost ticks, lines,
-// surfaces and guides, and prints the worst three runs of each measure. `resting`: random devices,
-// hands, tools and forces in the slot with the cutting button pressed. `tools`: random tools,
-// tilted and upright, rest on faces. Fails if the tank is exceeded, a wrench leaves its limits, or
-// the tip moves faster than 5 mm/s rms (2 mm/s with `tools`).
+// inertia by which a push turns a pen instead of moving it. Then the same hands press against
+// guides of each kind instead of surfaces, at a round trip of 50 ms. Then stock appears around the
+// tool in a slot, by undo and redo or by the change to a larger tool, with the cutting button
+// pressed or not, at round trips of 0, 50 and 250 ms; for runs that are too fast at rest it also
+// prints the hand, how far the tip moved meanwhile, and the work of the device on the hand. Then
+// random traces of two seconds with an adversarial network (tests/agent/servo/adversary.h), and the
+// same with deliberate errors. `random` presses with random devices, hands, latencies up to
+// MOST_MS, lost ticks, lines, surfaces and guides, and prints the worst three runs of each measure.
+// `resting`: random devices, hands, tools and forces in the slot with the cutting button pressed.
+// `tools`: random tools, tilted and upright, rest on faces. Fails if the tank is exceeded, a wrench
+// leaves its limits, or the tip moves faster than 5 mm/s rms (2 mm/s with `tools`).
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
