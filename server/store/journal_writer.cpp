@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_writer.h"
 
+#include <pthread.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
@@ -32,6 +34,7 @@ struct JournalWriter::Impl {
         last_sequence(last),
         durable_sequence(last) {
     flusher = std::thread([this] { run(); });
+    pthread_setname_np(flusher.native_handle(), "journal");
   }
   ~Impl() { stop(); }
 

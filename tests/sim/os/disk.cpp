@@ -12,6 +12,8 @@
 #include <set>
 #include <string_view>
 
+#include "tests/sim/os/own_memory.h"
+
 namespace kerf::sim {
 namespace {
 
@@ -96,6 +98,7 @@ void Disk::remember(int file, Change change) {
 
 std::int64_t Disk::write(int file, const void* bytes, std::size_t size, std::int64_t offset,
                          std::int64_t (*real)(int, const void*, std::size_t, std::int64_t)) {
+  const OwnMemory memory;
   may_switch();
   std::size_t stored = size;
   if (state == DiskState::kFails) stored = 0;
@@ -115,6 +118,7 @@ std::int64_t Disk::write(int file, const void* bytes, std::size_t size, std::int
 }
 
 int Disk::truncate(int file, std::int64_t size, int (*real)(int, std::int64_t)) {
+  const OwnMemory memory;
   may_switch();
   if (state == DiskState::kFails) return fail_with(EIO);
   const std::int64_t end = size_of(file);

@@ -11,6 +11,7 @@
 #include <new>
 #include <string_view>
 
+#include "tests/sim/os/own_memory.h"
 #include "tests/sim/os/scheduler.h"
 
 namespace kerf::sim {
@@ -28,7 +29,7 @@ bool works_on_requests() noexcept {
 }
 
 bool fails(std::size_t size) noexcept {
-  if (size < kLargeBytes || !takes_turns()) return false;
+  if (size < kLargeBytes || !takes_turns() || OwnMemory::is_used()) return false;
   const Machine* const machine = this_machine();
   return machine != nullptr && machine->lacks_memory && works_on_requests() && happens(kFailures);
 }
