@@ -15,7 +15,7 @@ struct Units {
   bool code = false, inches = false, mm = false;
 };
 
-// Whether a number stands before a place, perhaps with a blank between.
+// Whether a number precedes `at`, perhaps with blanks between.
 bool behind_number(const std::string& text, std::size_t at) {
   while (at > 0 && text[at - 1] == ' ') --at;
   return at > 0 && (is_digit(text[at - 1]) || text[at - 1] == '.');
@@ -26,7 +26,7 @@ bool is_unit(const std::string& text, std::size_t at, std::string_view unit) {
   return at + unit.size() >= text.size() || !is_capital(text[at + unit.size()]);
 }
 
-// G20, G21, G70 and G71 of the code, units behind numbers in comments.
+// Finds units in a line: G20, G21, G70 and G71 in the code, units after numbers in comments.
 void look(const std::string& line, Units& units) {
   int depth = 0;
   for (std::size_t at = 0; at < line.size(); ++at) {

@@ -53,8 +53,8 @@ class BlockParser {
     throw GcodeFault{std::string(1, letter), invalid_letter_reason(letter)};
   }
 
-  // What the other controls allow beyond LinuxCNC: line numbers anywhere, block delete within the
-  // block, corners, codes separated by '*' or ';'.
+  // Reads the items that controls allow beyond LinuxCNC: line numbers anywhere, block delete within
+  // the block, corners, codes separated by '*' or ';'.
   bool item_of_macros(char letter) {
     if (letter == 'n') {
       line_number();
@@ -172,7 +172,7 @@ class BlockParser {
     const double value = empty ? 0 : reader_.value();
     const std::string text = to_upper(reader_.text_since(start));
     if (std::isnan(value)) return;  // a vacant variable: the word does not exist
-    // T01T02M06 of Mazak: the second tool is made ready.
+    // T01T02M06 of Mazak: the second T prepares the next tool.
     if (rules_.macros && letter == 't' && block_.find('t') != nullptr) return;
     if (block_.find(letter) != nullptr)
       throw GcodeFault{text, "repeats the letter " + to_upper(std::string(1, letter)) +
@@ -192,7 +192,7 @@ class BlockParser {
   std::vector<std::pair<std::variant<int, std::string>, double>> assignments_;
 };
 
-// The text behind M117 and M118 (Marlin: messages), and behind M0 and M1 if it is words.
+// Returns the text after M117 and M118 (Marlin: messages), and after M0 and M1 if it is words.
 std::optional<std::string_view> message_of(std::string_view line) {
   std::size_t at = 0;
   const auto blanks = [&] {
@@ -218,7 +218,7 @@ std::optional<std::string_view> message_of(std::string_view line) {
   return std::nullopt;
 }
 
-// Comments in parentheses may be nested and unclosed; a ')' too many is left out.
+// Comments in parentheses may be nested and unclosed; surplus ')' are dropped.
 GcodeLine split_nested(std::string_view line) {
   GcodeLine result;
   if (const auto message = message_of(line)) {

@@ -27,7 +27,7 @@ struct GcodeWord {
   char letter = 0;  ///< lower case, or kCornerRadius, kCornerChamfer
   double value = 0;
   std::string text;    ///< as written, in upper case and without blanks
-  bool used = false;   ///< a function has taken it; words left unused are an error
+  bool used = false;   ///< set when a function reads it; unused words are an error
   bool empty = false;  ///< G28 Z: an axis without a value, which take() does not return
 };
 
@@ -62,7 +62,7 @@ struct GcodeLine {
   std::string comment;  ///< the last comment in parentheses, as written
 };
 /// Splits a line. LinuxCNC: throws GcodeFault for an unclosed, unopened or nested comment and for
-/// ";py,". Others: comments are nested, an unclosed one ends with the line.
+/// ";py,". Other dialects: comments may be nested, and an unclosed one ends with the line.
 GcodeLine split_gcode_line(std::string_view line, const DialectRules& rules = rules_of({}));
 
 /// Parses the code of one line. Expressions use the parameters from before the line; assignments

@@ -29,8 +29,8 @@ struct GcodeFeed {
   double duration_s = 0;   ///< if > 0: duration of the whole motion, overriding both (G93)
 };
 
-/// A plane in which a program counts: its axes, of unit length, and origin, mm, in the workpiece.
-/// The tool is along the third axis.
+/// A plane of programmed coordinates: its unit axes, and its origin, mm, in the workpiece. The tool
+/// is along the third axis.
 struct TiltedPlane {
   std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
   Vec3 origin{0, 0, 0};
@@ -84,8 +84,8 @@ class GcodeCanon {
   /// Switches tool-center-point control. The controlled point does not move; returns its new
   /// coordinates.
   virtual GcodePlace control_tool_center(bool on, const GcodePlace& at) = 0;
-  /// Tilts the plane in which the following places count, or ends that. The tool is away from the
-  /// workpiece until X, Y and Z have been programmed. Ignored unless it is overridden.
+  /// Tilts the plane of the following positions; nullopt ends that. The tool is away from the
+  /// workpiece until X, Y and Z have been programmed. Ignored unless overridden.
   virtual void tilt(const std::optional<TiltedPlane>&) {}
   /// Spindle, coolant, stops and comments. Ignored unless it is overridden.
   virtual void remark(const MachineRemark&) {}

@@ -158,7 +158,7 @@ constexpr std::array kMacroGCodes{
     Codes{690, 690, kRotation},
     Codes{700, 710, kUnits},
     Codes{720, 720, kUnits},   // as G70 and G71, holes of a Haas
-    Codes{760, 760, kMotion},  // fine boring: the shift at the bottom is left out
+    Codes{760, 760, kMotion},  // fine boring, without the shift at the bottom
     Codes{770, 770, kMotion, "is back boring, which is not supported"},
     Codes{870, 870, kMotion, "is back boring, which is not supported"},
     Codes{1000, 1000, kMirror},
@@ -185,7 +185,7 @@ const Codes* find(std::span<const Codes> known, int code) {
   return nullptr;
 }
 
-// M codes with one meaning on all milling machines; the others are the machine builder's.
+// M codes with the same meaning on all milling machines. Machine builders define the rest.
 bool is_common_m(int code) {
   return code <= 9 || code == 16 || code == 19 || code == 30 || code == 60;
 }

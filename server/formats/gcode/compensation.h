@@ -53,18 +53,19 @@ class CutterCompensation {
 
   /// Turns compensation on. `side` > 0: left of the path (G41). A negative radius swaps the sides.
   void start(int side, double radius_mm, ArcPlane plane);
-  /// The same with a tool that stands beside `contour`, a point of the path, across its direction.
+  /// The same with a tool that is already offset from `contour`, a point of the path, across its
+  /// direction.
   void start_beside(int side, double radius_mm, ArcPlane plane, PlanePoint contour);
   /// Sets the program's length unit, on which LinuxCNC's tolerances depend.
   void set_unit(double unit_mm) { unit_mm_ = unit_mm; }
   /// Turns compensation off; the tool center stays at `at`. Returns the programmed point if the
-  /// tool was beside the path.
+  /// tool was offset from the path.
   std::optional<PlanePoint> end(PlanePoint at);
   /// Emits the delayed moves; the last one ends at the tool center, `at`.
   void flush(PlanePoint at);
 
   bool on() const { return side_ != 0; }
-  /// Whether the entry move has been made, so that the tool is beside the path.
+  /// Whether the entry move has been made, so that the tool is offset from the path.
   bool beside() const { return on() && beside_; }
   /// Whether moves have to go through straight() and arc().
   bool active() const { return on() && radius_ > 0; }
@@ -81,8 +82,8 @@ class CutterCompensation {
   void dwell(double seconds, const CompensatedInfo& info);
 
  private:
-  /// Ends the entry move, and moves across the plane after it, at a right angle to the start of the
-  /// next move.
+  /// Ends the entry move and later moves across the plane at a right angle to the start of the next
+  /// move.
   void enter_beside(PlanePoint start);
   PlanePoint enter_straight(bool rapid, PlanePoint at, PlanePoint to, const CompensatedInfo& info);
   PlanePoint enter_arc(PlanePoint at, PlanePoint to, PlanePoint center, bool clockwise, int turns,
@@ -120,8 +121,8 @@ class CutterCompensation {
   std::optional<PlanePoint> waiting_from_;  ///< start of the first delayed move
 };
 
-/// Whether the reason of an error is a path that a tool of this radius cannot follow: the path may
-/// be that of the tool's center, and its offset the wear.
+/// Whether the error means that a tool of this radius cannot follow the path. The program may
+/// describe the path of the tool's center, with the wear as offset.
 bool is_compensation_fault(std::string_view reason);
 
 /// Returns the signed angle from `from` to `to` about a center, rad; `turns` as for arc_about, or

@@ -20,7 +20,7 @@ inline constexpr double kCornerMinRad = 0.05;
 /// Whether a value has an arc sine and cosine; false for NaN.
 inline bool within_one(double value) { return value >= -1 && value <= 1; }
 
-/// Throws GcodeFault for a place of the path that the tool cannot reach.
+/// Throws GcodeFault for a point of the path that the tool cannot reach.
 [[noreturn]] inline void reject_gouging(const char* place) {
   throw GcodeFault{"", std::string(place) +
                            " cannot be reached without gouging; use a smaller tool or a larger "

@@ -19,8 +19,8 @@ constexpr const char* kNoEntryArc =
 
 }  // namespace
 
-// Entry move along an arc from the tool center to the point beside the programmed end. Its center
-// lies on the line through the programmed center and end.
+// Entry move along an arc from the tool center to the offset point at the programmed end. Its
+// center is on the line through the programmed center and end.
 PlanePoint CutterCompensation::enter_arc(PlanePoint at, PlanePoint to, PlanePoint center,
                                          bool clockwise, int turns, double spiral_tolerance_mm,
                                          const CompensatedInfo& info) {

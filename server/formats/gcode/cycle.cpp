@@ -16,8 +16,8 @@ constexpr double kPeckClearanceMm = 0.254;
 constexpr double kOnePeck = 1e6;
 constexpr double kDecimals = 1e7;
 
-/// The coordinate, in program units, that gives one in mm: that at which the last cycle ended, else
-/// a decimal number as programs have them, else the quotient.
+/// Converts mm to program units: the coordinate at which the last cycle ended if it matches, else a
+/// short decimal as programs have them, else the quotient.
 double units_of(double mm, double unit_mm, double last) {
   if (last * unit_mm == mm) return last;
   const double quotient = mm / unit_mm;
@@ -88,7 +88,7 @@ void Cycle::begin_hole() {
   drill();
 }
 
-// Stores the words of the block; words that it leaves out keep their previous values.
+// Stores the words of the block. Missing words keep their previous values.
 void Cycle::recall() {
   if (!words_.r && !repeated_)
     throw GcodeFault{"", "the cycle requires R, the level from which it feeds"};
@@ -120,7 +120,7 @@ void Cycle::recall() {
     throw GcodeFault{"", "the spindle turns in the wrong direction; use M3 for G84 and M4 for G74"};
 }
 
-// Stores R and the depth as they are written, or as levels.
+// Stores R and the depth as written, or as levels.
 void Cycle::recall_heights(double initial) {
   const bool adds = memory_->levels && modes_.incremental;
   if (words_.r) memory_->r = adds ? initial + *words_.r : *words_.r;
@@ -211,7 +211,7 @@ void Cycle::peck() {
   *peck_ -= memory_->q;
 }
 
-// G87, back boring: passes the hole beside its axis, then bores from below.
+// G87, back boring: passes the hole off its axis, then bores from below.
 void Cycle::bore_back() {
   const PlanePoint beside{hole_.first + memory_->i, hole_.second + memory_->j, 0};
   rapid({beside.first, beside.second, r_});

@@ -15,9 +15,8 @@ struct CycleMemory {
   double r = 0, depth = 0, p = 0, q = 0, i = 0, j = 0, k = 0;
   /// The words that LinuxCNC requires may be missing, and the spindle is not watched (Macro B).
   bool lenient = false;
-  /// R and depth are levels from the block that gives them on, with G91 too: a change between G90
-  /// and G91 does not move a hole that has begun (Fanuc, Haas). Else each block reads them
-  /// again.
+  /// R and depth are levels from their block on, with G91 too: a change between G90 and G91 does
+  /// not move them (Fanuc, Haas). Otherwise each block reads them again.
   bool levels = false;
   std::optional<double> initial_level;  ///< level at which the first of consecutive cycles started
   PlanePoint end = {};                  ///< of the last cycle
@@ -40,8 +39,8 @@ struct CycleStep {
   double seconds = 0;  ///< kDwell
 };
 
-/// A canned cycle, G73, G74 or G81 to G89, in steps as LinuxCNC makes them. It counts in program
-/// units, as LinuxCNC does: whether one more peck reaches the bottom depends on the last bit.
+/// A canned cycle, G73, G74 or G81 to G89, in LinuxCNC's steps. It computes in program units, like
+/// LinuxCNC, because the last bit decides whether one more peck reaches the bottom.
 class Cycle {
  public:
   /// Starts at `at`, mm; `code` is times ten. Words missing in the block are taken from `memory`,

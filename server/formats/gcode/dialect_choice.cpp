@@ -17,9 +17,9 @@ constexpr std::size_t kLinesMax = 20'000;
 enum class Tongue { kLinuxcnc, kGrbl, kMach3, kFanuc, kHaas, kSiemens, kHeidenhain };
 constexpr std::size_t kTongues = 7;
 
-// A mark of a tongue outside of comments. `code`: a word of a block, which must not be followed by
-// a digit or a point. The marks of Siemens and HEIDENHAIN are whole words of a line with single
-// blanks, the others are parts of a line without blanks.
+// A mark of a tongue outside comments. `code`: a word of a block, not followed by a digit or a
+// point. Marks of Siemens and HEIDENHAIN are whole words of a line with single blanks; all other
+// marks are parts of a line without blanks.
 struct Mark {
   std::string_view text;
   Tongue tongue;
@@ -99,13 +99,13 @@ constexpr std::array kMarks{
     Mark{",c", Tongue::kFanuc, 5, true},
 };
 
-// Marks of Fanuc and Haas that Mach3 has too: they speak for it where it is named.
+// Marks of Fanuc and Haas that Mach3 shares. They count for Mach3 if the program names it.
 constexpr std::array kOfMach3Too{std::string_view("g12"), std::string_view("g13"),
                                  std::string_view("g15"), std::string_view("g16"),
                                  std::string_view("g51"), std::string_view("g68"),
                                  kProgramNumber};
 
-// Names of controllers, in comments too, those of Siemens and HEIDENHAIN in theirs: after ";".
+// Names of controllers, also in comments. Comments of Siemens and HEIDENHAIN follow ";".
 constexpr std::array kNames{std::pair{"linuxcnc", Tongue::kLinuxcnc},
                             std::pair{"emc2", Tongue::kLinuxcnc},
                             std::pair{"grbl", Tongue::kGrbl},
@@ -128,7 +128,7 @@ bool is_foreign(Tongue tongue) {
 
 bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 
-// A line in lower case, divided into code and comments: (…) and what follows ";".
+// A line in lower case, divided into code and comments: (…) and the text after ";".
 class LineText {
  public:
   enum class Part { kCode, kSemicolon, kParentheses };
@@ -141,7 +141,7 @@ class LineText {
       if (c != ' ' && part != Part::kParentheses) code += c;
       if (c != ' ' || (!words_.empty() && words_.back() != ' ')) {
         words_ += c;
-        // What ";" or "(" begin with it still belongs to the code: ;$path=.
+        // A word that ";" or "(" begins belongs to the code: ;$path=.
         parts_.push_back(part);
       }
       if (c == ';' && part == Part::kCode) part = Part::kSemicolon;
@@ -282,7 +282,7 @@ std::expected<DialectChoice, ProgramError> choose_dialect(const std::string& nam
   for (const char* extension : {".mpf", ".spf"})
     if (to_lower(name).ends_with(extension))
       judge.add(Tongue::kSiemens, 20, std::string("its name ends in ") + extension);
-  // What Haas and Fanuc have in common counts for both.
+  // Marks that Haas and Fanuc share count for both.
   constexpr std::array kReadable{std::pair{Tongue::kLinuxcnc, Dialect::kLinuxcnc},
                                  std::pair{Tongue::kHaas, Dialect::kHaas},
                                  std::pair{Tongue::kFanuc, Dialect::kFanuc},

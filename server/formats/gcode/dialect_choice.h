@@ -10,16 +10,16 @@
 
 namespace kerf {
 
-/// The dialect as which a program is read, and why.
+/// The dialect of a program, and the reason.
 struct DialectChoice {
   Dialect dialect = Dialect::kLinuxcnc;
   std::string reason;  ///< one clause: "line 12 has G154, which only Haas has"
-  /// No word of the program points to one controller: it may be read as another one.
+  /// No word of the program identifies a controller, so another dialect may fit.
   bool open = false;
 };
 
-/// Judges by the words of the first 20000 lines which controller a program is for. `name` is the
-/// file name; .ngc is LinuxCNC's. Error: the program is in a language that is not read.
+/// Judges from the first 20000 lines which controller a program is for. `name` is the file name;
+/// .ngc is LinuxCNC's. Error: the program's language is not supported.
 std::expected<DialectChoice, ProgramError> choose_dialect(const std::string& name,
                                                           std::string_view text);
 

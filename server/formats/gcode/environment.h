@@ -15,7 +15,7 @@ namespace kerf {
 /// Default limit for the lines that a program executes, subroutines and loops included.
 inline constexpr std::size_t kGcodeLinesMax = 10'000'000;
 
-/// The state of the controller on which a G-code program runs: unit, subroutines, tool table and
+/// The state of the controller that runs a G-code program: unit, subroutines, tool table and
 /// parameters.
 ///     GcodeEnvironment environment;
 ///     environment.tools = read_tool_table("tool.tbl", text).value();

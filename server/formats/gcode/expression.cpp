@@ -83,7 +83,7 @@ constexpr std::array kMacroOperators{
     BinaryOperator{"le", 2, [](double a, double b) { return below(b, a) ? 0.0 : 1.0; }},
 };
 
-// The result of a comparison with a vacant operand; of other operators it counts as 0.
+// Comparisons distinguish a vacant operand. Other operators take it as 0.
 double apply_macro(const BinaryOperator& op, double a, double b) {
   const bool vacant = std::isnan(a) != std::isnan(b);
   if (op.word == "eq" && vacant) return 0;
@@ -113,7 +113,7 @@ constexpr std::array kFunctions{
     Function{"tan", [](double x) { return std::tan(x * kRadPerDeg); }},
 };
 
-// Those of Macro B that differ: FIX and FUP round towards and away from 0.
+// Functions of Macro B that differ. FIX and FUP round towards and away from 0.
 constexpr std::array kMacroFunctions{
     Function{"fix", [](double x) { return std::trunc(x); }},
     Function{"fup", [](double x) { return x < 0 ? std::floor(x) : std::ceil(x); }},

@@ -24,7 +24,7 @@ inline constexpr int kGcodeNestingMax = 100;
 class GcodeValueReader {
  public:
   /// `position_readable`: whether #5420 to #5428 may be read. They may not during cutter
-  /// compensation, because the tool is beside the programmed position.
+  /// compensation, because the tool is offset from the programmed position.
   GcodeValueReader(std::string_view line, const GcodeParameters& parameters,
                    bool position_readable = true)
       : line_(line), parameters_(parameters), position_readable_(position_readable) {}
@@ -34,7 +34,7 @@ class GcodeValueReader {
   char peek() const { return done() ? '\0' : line_[at_]; }
   void skip() { ++at_; }
   std::size_t position() const { return at_; }
-  /// The word that begins here is named in errors as a whole, with its letter.
+  /// Marks the start of a word, so that errors name the whole word with its letter.
   void begin_word() { word_ = at_; }
   std::string text_since(std::size_t start) const {
     return std::string(line_.substr(start, at_ - start));

@@ -272,7 +272,7 @@ void GcodeFlow::break_loop(const OWord& word, bool again) {
     return;
   }
   skip_to(word.name, {is_do ? Keyword::kWhile : Keyword::kEndwhile}, "is a loop without an end");
-  // continue: execute the while at the end of the do, whose condition decides.
+  // continue: execute the while at the end of the do, which tests the condition.
   if (again) --at_.line;
 }
 

@@ -7,8 +7,9 @@
 
 namespace kerf {
 
-/// The lines of a text by number, from 0, without their LF (text_lines.h). Holds the place of every
-/// 64th line only: the next line is found at once, others after 64 lines at most. Not thread-safe.
+/// The lines of a text by number, from 0, without their LF (text_lines.h). Stores the offset of
+/// every 64th line, so the next line is found at once, any other by reading at most 64 lines. Not
+/// thread-safe.
 class LineIndex {
  public:
   /// `text` must outlive it.
@@ -25,7 +26,8 @@ class LineIndex {
   char end_;
   std::vector<std::size_t> starts_;
   std::size_t size_ = 0;
-  mutable std::size_t next_ = 0, next_at_ = 0;  ///< the line behind the last one, and its place
+  mutable std::size_t next_ = 0,
+                      next_at_ = 0;  ///< the line after the last one returned, and its offset
 };
 
 }  // namespace kerf

@@ -37,14 +37,15 @@ class GcodeMachine {
   void at_line(std::size_t file, std::size_t line);
   /// Whether #5420 to #5428 may be read.
   bool position_readable() const { return !compensation_.on(); }
-  /// Executes a block until its motion has been begun. The steps of a canned cycle follow: call
+  /// Executes a block up to the start of its motion. The steps of a canned cycle follow: call
   /// go_on() until it returns false, then end().
   void begin(GcodeBlock& block);
-  /// Makes the next step of a cycle; false, without effect, if there is none.
+  /// Makes the next step of a cycle. Returns false, without effect, if no step is left.
   bool go_on();
-  /// The program that begin() wants called next, because it states the outline of a pocket (G150).
+  /// The program to call next because it has the outline of a pocket (G150), if begin() requests
+  /// one.
   std::optional<int> take_outline_program();
-  /// Makes the next motions of a pocket whose outline is complete; false if there are none.
+  /// Makes the next motions of a pocket with a complete outline. Returns false if none is left.
   bool mill_on();
   /// Completes a block. Returns true if it ends the program (M2, M30, M99).
   bool end(const GcodeBlock& block);
@@ -116,7 +117,7 @@ class GcodeMachine {
   GcodeAxes stored_origin(int system) const;
   GcodeAxes system_origin(int system) const;
   bool is_set(int system, std::size_t axis) const;
-  /// Whether G54 is the scene's zero, wherever the machine's zero may be.
+  /// Whether G54 is the scene's zero, independent of the machine's zero.
   bool zero_is_shop() const { return setup_.rules.of_fanuc() && !setup_.machine_zero_known; }
   void refer_systems();
   double system_rotation(int system) const;
@@ -250,7 +251,7 @@ class GcodeMachine {
   Vec3 tool_axis_{0, 0, 1};
   GcodeAxes actual_{};  ///< end of the last canonical motion, absolute coordinates
   GcodeAxes tool_offset_{};
-  int block_motion_ = -1;  ///< motion code of the current block; -1: no motion
+  int block_motion_ = -1;  ///< motion code of the current block; -1 without motion
   CutterCompensation compensation_;
   CycleMemory cycle_;
   struct RunningCycle {
@@ -260,11 +261,11 @@ class GcodeMachine {
     GcodeFeed speed;
   };
   std::optional<RunningCycle> running_;
-  std::deque<PlanePoint> pattern_;      ///< holes at which the active cycle is still to drill
+  std::deque<PlanePoint> pattern_;      ///< holes that the active cycle has yet to drill
   int modal_motion_ = 0;                ///< before the block
   double spline_i_ = 0, spline_j_ = 0;  ///< first control point that continues the last G5
-  bool arc_rejected_ = false;           ///< G40 left the tool beside the path: no arc may follow
-  std::optional<PlanePoint> beside_;    ///< Macro B: the programmed point that it left it beside
+  bool arc_rejected_ = false;         ///< G40 left the tool offset from the path: no arc may follow
+  std::optional<PlanePoint> beside_;  ///< Macro B: the programmed point at that G40
   std::optional<int> selected_tool_;
   int loaded_tool_ = 0;
   bool tcp_by_length_code_ = false, tcp_by_m_code_ = false;
@@ -276,10 +277,10 @@ class GcodeMachine {
   bool polar_ = false;                       ///< G16
   bool block_is_machine_ = false;            ///< G53: the modal motion is kept
   std::optional<GcodeFrame> untransformed_;  ///< the frame without rotation, scaling and mirror
-  GcodeGroup transform_group_{};             ///< that changed it: kRotation, kScaling or kMirror
-  bool transform_moved_ = false;             ///< since then X and Y have not both been programmed
+  GcodeGroup transform_group_{};  ///< the group of that transform: kRotation, kScaling or kMirror
+  bool transform_moved_ = false;  ///< X and Y have not both been programmed since the transform
   std::optional<Corner> corner_;
-  int outline_side_ = 0;  ///< G41 or G42 of the block of G150
+  int outline_side_ = 0;  ///< G41 or G42 in the block of G150
   std::optional<MilledPocket> pocket_;
   bool unit_given_ = false;  ///< G20 or G21
   /// Fanuc, Haas: the scene's zero in machine coordinates, once an axis has a reference.

@@ -20,10 +20,10 @@ void GcodeMachine::require_no_corner() const {
     throw GcodeFault{"", "a corner (,R or ,C) must be followed by a straight cutting move (G1)"};
 }
 
-// Keeps a move with a corner back until the next move is known. Returns false if it has none.
+// Delays a move with a corner until the next move is known. Returns false without a corner.
 bool GcodeMachine::begin_corner(GcodeBlock& block, const GcodeAxes& to) {
   auto radius = block.take(kCornerRadius);
-  if (!radius) radius = block.take('r');  // R of G1, without the comma, has no other meaning
+  if (!radius) radius = block.take('r');  // R of G1 without the comma can only be a corner
   const auto chamfer = block.take(kCornerChamfer);
   if (!radius && !chamfer) return false;
   Corner corner{

@@ -66,7 +66,7 @@ void GcodeMachine::prepare(GcodeBlock& block) {
   }
 }
 
-// G70 and G71 are the units of some controls, and holes on a circle, with I and L, of a Haas.
+// G70 and G71 select units on some controls and, with I and L, holes on a circle on a Haas.
 void GcodeMachine::prepare_units(GcodeBlock& block) {
   for (auto& [group, code] : block.codes) {
     if (group != GcodeGroup::kUnits || code.code < 700) continue;
@@ -87,7 +87,7 @@ void GcodeMachine::prepare_rotation(GcodeBlock& block) const {
       word->letter = axis;
 }
 
-// P and E beside M3, M4 and M5 are the power of spindles without a speed.
+// P and E with M3, M4 and M5 set the power of spindles without speed control. Ignored.
 void GcodeMachine::ignore_power(GcodeBlock& block) {
   if (block.code(GcodeGroup::kSpindle) == nullptr || block.code(GcodeGroup::kNonModal) != nullptr ||
       block.code(GcodeGroup::kMoreSystems) != nullptr || !block.has_any("pe") ||
@@ -97,7 +97,7 @@ void GcodeMachine::ignore_power(GcodeBlock& block) {
   remove_words(block, "pe");
 }
 
-// What the control's settings decide and the program does not say.
+// Warns of settings that the program leaves to the control.
 void GcodeMachine::warn_of_ambiguity(const GcodeBlock& block) {
   unit_given_ = unit_given_ || block.code(GcodeGroup::kUnits) != nullptr;
   if (!block.has_any("xyz") || block.code(GcodeGroup::kNonModal) != nullptr) return;
@@ -113,7 +113,7 @@ void GcodeMachine::warn_of_ambiguity(const GcodeBlock& block) {
                              ", which a control does only with calculator input");
 }
 
-// Codes without effect on the path take the words that belong to them.
+// Drops the words of codes that do not affect the path.
 void GcodeMachine::ignore_codes(GcodeBlock& block) {
   bool ignored = false;
   for (const auto& [group, code] : block.codes) {
@@ -164,7 +164,7 @@ void GcodeMachine::prepare_dwell(GcodeBlock& block) const {
   if (word != nullptr && !has_point(*word)) word->value *= setup_.rules.dwell_unit_s;
 }
 
-// A motion code beside G28 or G30 is modal only. P chooses one of the reference points.
+// A motion code in a block with G28 or G30 is modal only. P selects a reference point.
 void GcodeMachine::prepare_home(GcodeBlock& block) {
   if (!block.has_code(GcodeGroup::kNonModal, 280) && !block.has_code(GcodeGroup::kNonModal, 300))
     return;
@@ -178,8 +178,8 @@ void GcodeMachine::prepare_home(GcodeBlock& block) {
   block.drop(GcodeGroup::kMotion);
 }
 
-// G10: L2 sets a work offset, L20 an additional one; other tables of the control have no effect
-// here or are refused.
+// G10: L2 sets a work offset, L20 an additional one. Other tables of the control are ignored or
+// rejected.
 void GcodeMachine::prepare_offsets(GcodeBlock& block) {
   if (!block.has_code(GcodeGroup::kNonModal, 100)) return;
   GcodeWord* kind = word_of(block, 'l');
@@ -200,13 +200,13 @@ void GcodeMachine::prepare_offsets(GcodeBlock& block) {
   if (const GcodeWord* turn = word_of(block, 'r'))
     throw GcodeFault{turn->text, "of G10 " + kind->text + " is not supported"};
   if (!setup_.rules.of_fanuc()) {
-    // As in LinuxCNC: L20 gives the current position these coordinates, P0 is the active system.
+    // Like LinuxCNC: L20 gives the current position these coordinates, P0 is the active system.
     integer_of(*number, grbl ? 0 : 1, 6);
     return;
   }
   const int p = integer_of(*number, l == 2 ? 0 : 1, l == 2 ? 6 : gcode_parameter::kMoreSystemsMax);
   if (p == 0) {
-    // The external offset of a shop is part of the scene's zero; programs clear it.
+    // The external offset of a shop is part of the scene's zero. Programs clear it.
     for (const GcodeWord& word : block.words)
       if (kAxisLetters.find(word.letter) != std::string_view::npos && word.value != 0)
         throw GcodeFault{number->text, "sets the external offset, which is not supported"};
@@ -221,7 +221,7 @@ void GcodeMachine::prepare_offsets(GcodeBlock& block) {
   for (std::size_t i = 0; i < before.size(); ++i) {
     GcodeWord* word = word_of(block, kAxisLetters[i]);
     if (word == nullptr) continue;
-    // An increment counts from the offset of the shop.
+    // An increment is relative to the shop's offset.
     if (!zero_[i] && !is_set(system, i)) zero_[i] = before[i];
     word->value += before[i] / (i < 3 ? modes_.unit_mm : 1);
   }
@@ -313,7 +313,7 @@ void GcodeMachine::prepare_motion(GcodeBlock& block) {
     repeats->letter = 'l';
 }
 
-// The radius of D is not in the program; without a tool table the tool's own is taken.
+// D refers to a radius outside the program. Without a tool table the tool's own radius is used.
 double GcodeMachine::offset_register_mm(const GcodeWord* d) {
   if (d != nullptr && integer_of(*d, 0, 999) == 0) return 0;
   if (setup_.offsets_are_wear) return 0;
@@ -329,7 +329,7 @@ double GcodeMachine::offset_register_mm(const GcodeWord* d) {
   return loaded->diameter_mm;
 }
 
-// #4001 to #4130 and #5001, #5041: what a macro asks about the state of the control.
+// Sets #4001 to #4130, #5001 and #5041, the control's state as macros read it.
 void GcodeMachine::publish_macro_variables() {
   using namespace gcode_parameter;
   const auto set = [this](int group, double value) { parameters_.set(kModal + group, value); };

@@ -73,8 +73,8 @@ GcodeAxes GcodeMachine::read_target(GcodeBlock& block) {
   return to;
 }
 
-// After G40 the first move within the plane counts from the programmed point; others, such as a
-// retraction, leave the tool beside it.
+// After G40 the first move within the plane starts at the programmed point. Any other move, such as
+// a retraction, keeps the tool offset from it.
 void GcodeMachine::return_to_path(const GcodeBlock& block, GcodeAxes& to) {
   const std::string_view letters = plane_letters(compensation_.plane());
   if (!block.has_any(letters.substr(0, 2)) && !block.has_any(kPolarLetters)) return;
@@ -171,7 +171,7 @@ void GcodeMachine::straight(GcodeBlock& block, int code) {
   }
 }
 
-// Moves beside the programmed path, to the point that belongs to `to`.
+// Moves along the programmed path, offset to the point that belongs to `to`.
 void GcodeMachine::follow_line(bool is_rapid, const GcodeAxes& to, const CompensatedInfo& info) {
   const ArcPlane plane = compensation_.plane();
   const PlanePoint end = compensation_.straight(is_rapid, in_plane(linear(at_), plane),

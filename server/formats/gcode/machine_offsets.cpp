@@ -21,7 +21,7 @@ int system_parameter(int system) {
 
 }  // namespace
 
-// Fanuc and Haas show and take their offsets in the unit of the program.
+// Fanuc and Haas store and show offsets in the program's unit.
 double GcodeMachine::stored_unit_mm() const {
   return setup_.rules.of_fanuc() ? modes_.unit_mm : setup_.machine_unit_mm;
 }
@@ -53,8 +53,8 @@ GcodeAxes GcodeMachine::stored_origin(int system) const {
   return stored_axes(system_parameter(system));
 }
 
-// The place of a system in the scene. A shop's G54 is the scene's zero: of offsets in machine
-// coordinates only their differences are known to mean something.
+// The origin of a system in the scene. A shop's G54 is the scene's zero, and only differences
+// between offsets in machine coordinates are meaningful.
 GcodeAxes GcodeMachine::system_origin(int system) const {
   const GcodeAxes stored = stored_origin(system);
   if (!zero_is_shop()) return stored;
@@ -171,7 +171,7 @@ void GcodeMachine::set_system(GcodeBlock& block) {
       if (change[i] != 0) store_axis(first, i, origin[i] + change[i]);
   }
   if (system != modes_.system) return;
-  // As in LinuxCNC, the shift of G92 is left out here, even if the rotation changes.
+  // Like LinuxCNC, ignores the shift of G92 here, even if the rotation changes.
   GcodeAxes at = at_;
   turn_xy(at[0], at[1], frame_.rotation_deg);
   at = at + frame_.origin - system_origin(system);

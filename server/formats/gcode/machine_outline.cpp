@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kProgramMax = 99'999;
 constexpr std::size_t kOutlineMovesMax = 10'000;
-/// How far the end of an outline may be from its start.
+/// Greatest distance between the ends of a closed outline.
 constexpr double kClosedMm = 0.01;
 
 GcodeFault fault(const std::string& reason) { return GcodeFault{"G150", reason}; }
@@ -25,7 +25,7 @@ std::string text_of(double x_mm, double y_mm, double unit_mm) {
 
 }  // namespace
 
-// G41 and G42 beside G150 state the side of the outline; the path is compensated here.
+// G41 and G42 in the block of G150 state the side of the outline. The path is compensated here.
 void GcodeMachine::take_outline_side(GcodeBlock& block) {
   outline_side_ = 0;
   const GcodeCode* side = block.code(GcodeGroup::kCutterCompensation);
@@ -37,7 +37,7 @@ void GcodeMachine::take_outline_side(GcodeBlock& block) {
 }
 
 // X Y: a point in the pocket, Z: its depth, R: the height above it, Q: depth of a pass, I or J:
-// distance of the strokes along X or Y, K: what the finishing loop takes, D: the tool's radius.
+// distance of the strokes along X or Y, K: allowance for the finishing loop, D: the tool's radius.
 void GcodeMachine::begin_outline(GcodeBlock& block) {
   if (reads_outline()) throw fault("is not allowed in the outline of another pocket");
   if (compensation_.on()) throw fault("takes G41 or G42 in its own block; program G40 before");
@@ -77,7 +77,7 @@ void GcodeMachine::begin_outline(GcodeBlock& block) {
   pocket.depth = saved_.size();
   pocket.file = file_;
   pocket.line = line_;
-  // The outline begins where the tool is, which makes no motion yet.
+  // The outline begins at the tool's position, without a motion.
   at_ = pocket.start;
   pocket_ = std::move(pocket);
 }
@@ -110,7 +110,7 @@ void GcodeMachine::record_outline(const GcodeAxes& to, std::optional<PlanePoint>
   outline.push_back(move);
 }
 
-// The program that states the outline has returned.
+// Called when the program with the outline returns.
 void GcodeMachine::end_outline() {
   MilledPocket& pocket = *pocket_;
   pocket.is_complete = true;
@@ -159,8 +159,9 @@ void GcodeMachine::go_above(const MilledPocket& pocket, OutlinePoint to) {
   if (at_[2] > pocket.top) go_to_height(pocket.top);
 }
 
-// Goes to a point at the depth of a pass: within `area` at once, else above the pocket. From above
-// it goes down at the start, where the program may have drilled a hole, if it can go on from there.
+// Moves to a point at the depth of a pass, within `area` if possible, else above the pocket. From
+// above it descends at the start, where the program may have drilled a hole, if the path is free
+// from there.
 void GcodeMachine::go_in_pocket(const MilledPocket& pocket, const OutlinePocket& area,
                                 OutlinePoint to, double level) {
   const OutlinePoint start{pocket.start[0], pocket.start[1]};

@@ -31,7 +31,8 @@ void GcodeMachine::circle_to(const GcodeAxes& to, Vec3 center, int turns, const 
   set_position(to);
 }
 
-// The tool's radius is taken off the circles of a Haas, by D; Mach3's are those of its center.
+// A Haas reduces the circles by the tool's radius (D). Mach3's circles are those of the tool's
+// center.
 double GcodeMachine::pocket_offset_mm(const GcodeBlock& block) {
   if (setup_.rules.dialect == Dialect::kMach3) return 0;
   const GcodeWord* d = block.find('d');
@@ -127,12 +128,12 @@ bool GcodeMachine::begin_pattern(GcodeBlock& block, const GcodeCode& code) {
   std::erase_if(block.words, [](const GcodeWord& word) {
     return std::string_view("ijkl").find(word.letter) != std::string_view::npos;
   });
-  // The words of a cycle of the same block are stored; it drills at the points only.
+  // Stores the words of a cycle in the same block, which drills at the points only.
   if (motion != nullptr) block.words.push_back({'l', 0, "L0", false, false});
   return true;
 }
 
-// Starts the active cycle at the next point of a pattern; false if there is none.
+// Starts the active cycle at the next point of a pattern. Returns false if none is left.
 bool GcodeMachine::next_of_pattern() {
   if (pattern_.empty()) return false;
   const PlanePoint at = in_plane(linear(at_), ArcPlane::kXy);

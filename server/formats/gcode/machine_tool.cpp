@@ -65,8 +65,8 @@ void GcodeMachine::change_tool(GcodeBlock& block, int code) {
     modes_.spindle = GcodeSpindle::kStopped;
   }
   publish_tool();
-  // The machine continues from its actual position, which after cutter compensation is beside the
-  // programmed one.
+  // The machine continues from its actual position, which differs from the programmed one after
+  // cutter compensation.
   const GcodeAxes actual = frame_.programmed(actual_);
   for (std::size_t i = 0; i < at_.size(); ++i)
     if (std::abs(at_[i] - actual[i]) > kSamePlaceMm) at_[i] = actual[i];
@@ -185,7 +185,7 @@ void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
   if (code == 400) {
     if (const auto programmed = compensation_.end(in_plane(linear(at_), compensation_.plane()))) {
       const PlanePoint p = *programmed;
-      // LinuxCNC goes back to the path with any move, also along Z alone.
+      // LinuxCNC returns to the path with any move, also along Z alone.
       if (setup_.rules.macros) {
         beside_ = p;
       } else {
@@ -220,7 +220,7 @@ void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
   if (orientation != 0 && orientation != 9)
     throw GcodeFault{written.text, "is not supported for a lathe tool of orientation " +
                                        std::to_string(orientation)};
-  // The path is compensated in programmed coordinates: the tool is not scaled with them.
+  // Compensation works in programmed coordinates, and scaling does not change the tool.
   const std::size_t second = modes_.plane == ArcPlane::kXy ? 1 : 2;
   const double scale = std::abs(frame_.scale[0]);
   if (scale != std::abs(frame_.scale[second]))

@@ -11,7 +11,7 @@ namespace kerf {
 namespace {
 
 constexpr double kSameCenterMm = 1e-9;
-// A factor without a point counts thousandths, and is refused where that is unlikely.
+// A factor without a point is in thousandths. Unlikely values are rejected.
 constexpr double kThousandthsMin = 100;
 
 double factor_of(const GcodeWord& word) {
@@ -133,7 +133,7 @@ void GcodeMachine::scale_program(GcodeBlock& block) {
   block_motion_ = -1;
 }
 
-// The axes of G50.1 and G100 are no target.
+// The axes of G50.1 and G100 are not a target.
 void GcodeMachine::take_mirror_end(GcodeBlock& block, const GcodeCode& code) {
   if (!block.has_any("xyzabc")) return;
   if (block.code(GcodeGroup::kMotion) != nullptr)
@@ -174,7 +174,7 @@ void GcodeMachine::mirror_program(GcodeBlock& block, int code) {
   }
 }
 
-// The controls disagree about the coordinate that the next block leaves out.
+// Controls disagree about coordinates that the next block omits.
 void GcodeMachine::check_after_transform(const GcodeBlock& block) {
   if (!transform_moved_) return;
   const bool x = block.has_any("x@"), y = block.has_any("y^");

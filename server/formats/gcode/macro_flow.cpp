@@ -100,7 +100,7 @@ std::optional<GcodeLine> MacroFlow::next() {
       if (frames_.empty() && std::exchange(header_seen_, true)) return ended_ = true, std::nullopt;
       if (!frames_.empty()) throw GcodeFault{"", "the subprogram ends without M99"};
       started_ = true;
-      continue;  // what follows the number is the program's name
+      continue;  // the program's name follows the number
     }
     leading_number(code, "n", code);
     if (code.empty() && line.comment.empty()) continue;

@@ -12,7 +12,7 @@
 
 namespace kerf {
 
-/// Deepest nesting of calls in Macro B: more than any of the controls has.
+/// Deepest nesting of calls in Macro B, above that of any control.
 inline constexpr std::size_t kMacroCallDepthMax = 15;
 
 /// Control flow of Macro B (Fanuc, Haas, Mach3): subprograms (M97, M98, M99), macro calls (G65,
@@ -44,9 +44,9 @@ class MacroFlow final : public ProgramFlow {
   std::string_view line_text() const override;
   bool ended() const override { return ended_; }
 
-  /// Takes M97, M98 or M99 with its P and L out of a block; nullopt if it has none.
+  /// Removes M97, M98 or M99 with its P and L from a block and returns the call, or nullopt.
   static std::optional<Call> take_call(GcodeBlock& block);
-  /// Reads "g65p…" or "g66p…"; nullopt if the code is none.
+  /// Reads "g65p…" or "g66p…"; nullopt for any other code.
   std::optional<Call> read_macro_call(std::string_view code) const;
   /// G67 ends the calls of G66.
   void end_modal() { modal_.reset(); }
@@ -65,8 +65,7 @@ class MacroFlow final : public ProgramFlow {
     std::vector<double> arguments = {};
   };
 
-  /// Executes IF, WHILE, DO, END and GOTO. Returns the part of the line that is left to execute, or
-  /// nullopt.
+  /// Executes IF, WHILE, DO, END and GOTO. Returns the rest of the line to execute, or nullopt.
   std::optional<std::string> control(const std::string& code);
   std::optional<std::string> branch(const std::string& code);
   void loop(const std::string& code);

@@ -12,8 +12,8 @@
 
 namespace kerf {
 
-/// Where the programs, sequence numbers and loops of a file with Macro B begin and end. A search
-/// takes the logarithm of their number.
+/// Positions of the programs, sequence numbers and loops of a file with Macro B. Searches are
+/// logarithmic.
 class MacroIndex {
  public:
   explicit MacroIndex(const LineIndex& lines);
@@ -32,13 +32,13 @@ class MacroIndex {
  private:
   enum class Kind : std::uint8_t { kProgram, kSequence, kDo, kEnd };
   struct Mark {
-    std::uint32_t program;  ///< how many headers precede it; of a header 0
+    std::uint32_t program;  ///< number of headers before it; 0 for a header
     Kind kind;
     int number;
     std::uint32_t line;
     auto operator<=>(const Mark&) const = default;
   };
-  /// How many headers precede a line or are in it.
+  /// Number of headers before or in a line.
   std::uint32_t program_around(std::size_t line) const;
   /// The first mark that is not less than another one.
   std::vector<Mark>::const_iterator first_from(const Mark& least) const;

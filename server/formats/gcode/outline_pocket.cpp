@@ -13,8 +13,8 @@
 namespace kerf {
 namespace {
 
-/// Sagitta of the chords of arcs. Strokes keep as much more distance, because the chord of an arc
-/// around an island is within the island.
+/// Sagitta of the chords of arcs. Strokes keep the same extra distance, because the chord of an arc
+/// around an island cuts into the island.
 constexpr double kChordMm = 0.001;
 /// Rounding of distances that are exactly the inset.
 constexpr double kRoundingMm = 1e-6;
@@ -85,7 +85,7 @@ std::optional<Interval> part_near(OutlinePoint a, OutlinePoint b, double y, doub
   return part;
 }
 
-/// What `near` leaves between its parts.
+/// The gaps between the intervals of `near`.
 std::vector<Interval> gaps_of(std::vector<Interval> near) {
   std::ranges::sort(near);
   std::vector<Interval> gaps;
@@ -183,8 +183,8 @@ AreaPath OutlinePocket::loop() const {
   std::vector<CompensatedMove> moves;
   CutterCompensation compensation([&](const CompensatedMove& move) { moves.push_back(move); });
   compensation.start(is_counterclockwise() ? 1 : -1, inset_, ArcPlane::kXy);
-  // Compensation enters the path beside its first point, which may be a corner. Followed twice, the
-  // path between the ends of the first move is a loop.
+  // Compensation enters the path next to its first point, which may be a corner. If the path is
+  // followed twice, the part between the two ends of the first move is a loop.
   const std::size_t count = outline_.size() - 1;
   const AreaMove& start = outline_.front();
   const auto numbered = [](std::size_t number) {

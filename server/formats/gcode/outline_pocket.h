@@ -18,8 +18,8 @@ struct OutlineStroke {
   OutlinePoint from, to;
 };
 
-/// A pocket within any closed outline of lines and arcs, such as that of Haas's G150: where the
-/// center of a tool may be that keeps a distance, `inset` mm, from the outline.
+/// A pocket within any closed outline of lines and arcs, such as that of Haas's G150: the positions
+/// of a tool's center that keep a distance, `inset` mm, from the outline.
 class OutlinePocket {
  public:
   /// The first move of `outline` states its start, to which the last one returns.
@@ -30,12 +30,12 @@ class OutlinePocket {
   /// Whether the center may be at a point, or anywhere between two of them.
   bool is_clear(OutlinePoint at) const;
   bool is_clear(OutlinePoint from, OutlinePoint to) const;
-  /// Strokes of the center along x or y, back and forth, in rows at most `step` > 0 apart, none of
-  /// them beside the outline: with rows at most a tool's diameter apart, strokes and one loop along
-  /// the outline leave nothing within it that the tool reaches. States why if there are too many.
+  /// Strokes of the center along x or y, back and forth, in rows at most `step` > 0 apart, none
+  /// along the outline itself. With rows at most a tool's diameter apart, strokes and one loop
+  /// along the outline clear everything that the tool reaches. Error: too many strokes.
   std::expected<std::vector<OutlineStroke>, std::string> strokes(double step, bool along_x) const;
-  /// The loop of the center along the outline, as cutter compensation makes it: inside corners stop
-  /// at the intersection, outside corners are rounded. Throws GcodeFault where the tool does not
+  /// The loop of the center along the outline as cutter compensation makes it: stops at the
+  /// intersection of inside corners, rounds outside corners. Throws GcodeFault if the tool does not
   /// fit.
   AreaPath loop() const;
 

@@ -23,7 +23,7 @@ bool is_macro_variable(int number, bool assigned) {
   const auto within = [number](int first, int last) { return number >= first && number <= last; };
   if (within(1, kMacroLocalParameters) || within(100, 999)) return true;
   if (within(10000, kMacroParameterMax)) return true;  // more common ones of Haas
-  // Six axes of each system; what follows them is LinuxCNC's, such as a rotation.
+  // Six axes of each system. LinuxCNC's own values, such as a rotation, follow them.
   const auto is_axis = [&](int first, int systems) {
     return within(first, first + systems * kSystemStride - 1) &&
            (number - first) % kSystemStride < 6;

@@ -53,8 +53,8 @@ inline constexpr int kDebug = 5599;
 }  // namespace gcode_parameter
 
 /// The #-parameters of a running program. Numbered parameters are 0 until assigned; named ones do
-/// not exist until assigned. Names with a leading '_' are global, others local to the subroutine
-/// that assigns them. Throws GcodeFault.
+/// not exist until assigned. Names with a leading '_' are global, all other names local to the
+/// subroutine that assigns them. Throws GcodeFault.
 class GcodeParameters {
  public:
   /// Returns the value of a predefined parameter (#<_x>, #<_feed>, …), or nullopt for other names.
@@ -65,7 +65,7 @@ class GcodeParameters {
   static GcodeParameters of_macros(bool vacant);
   bool macros() const { return macros_; }
   bool vacant() const { return vacant_; }
-  /// Whether the program has asked for the use of a tool.
+  /// Whether the program has read the usage of a tool.
   bool tool_life_read() const { return tool_life_read_; }
   void note_tool_life() const { tool_life_read_ = true; }
   int max() const { return static_cast<int>(numbered_.size()) - 1; }
@@ -110,10 +110,11 @@ class GcodeParameters {
   Predefined predefined_;
 };
 
-/// Returns whether a variable of Fanuc and Haas counts the use of a tool (#5401 to #5600: times,
-/// #5701 to #5800: uses). A program starts with new tools: they are 0.
+/// Returns whether a variable of Fanuc and Haas counts the usage of a tool (#5401 to #5600: times,
+/// #5701 to #5800: uses). They are 0, because a program starts with new tools.
 bool is_tool_life_count(int number);
-/// Returns whether Macro B may read (or assign) a variable: those that have a meaning here.
+/// Returns whether Macro B may read (or assign) a variable, which is true for those with a meaning
+/// here.
 bool is_macro_variable(int number, bool assigned);
 /// Returns whether a program may assign a parameter: all except those of the tool and the position.
 bool is_gcode_parameter_writable(int number);

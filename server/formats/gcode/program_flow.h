@@ -13,7 +13,7 @@ namespace kerf {
 
 /// Most consecutive lines without a motion (kGcodeLinesMax limits all lines).
 inline constexpr std::size_t kGcodeIdleLinesMax = 1'000'000;
-/// Lines of control flow that are executed at a time, so that the caller can do something else.
+/// Lines of control flow per step, so that the caller can do other work between steps.
 inline constexpr std::size_t kGcodeLinesPerStep = 256;
 
 /// Control flow of a program: returns its lines in order of execution. Throws GcodeFault; file()
@@ -26,7 +26,7 @@ class ProgramFlow {
   ProgramFlow& operator=(const ProgramFlow&) = delete;
 
   /// Returns the next line to execute that is not control flow, or nullopt at the end of the text
-  /// or at the closing '%'. A line without code and comment: call it again.
+  /// or at the closing '%'. Call again for a line without code and comment.
   virtual std::optional<GcodeLine> next() = 0;
   /// Reports that the last line has moved the tool, which resets the limit kGcodeIdleLinesMax.
   virtual void moved() = 0;

@@ -23,7 +23,7 @@ namespace {
 
 const std::vector<std::string> kMacroExtensions{".nc", ".cnc", ".ngc", ".tap", ".txt", ""};
 
-/// Pieces of a path that are followed in a step.
+/// Pieces of a path per step.
 constexpr int kPiecesPerStep = 64;
 
 std::shared_ptr<GcodeSource> source_of(const std::string& name, std::string_view text,
@@ -84,13 +84,13 @@ std::expected<GcodeRun, ProgramError> run_gcode(
 
 namespace {
 
-// What the settings of a control decide and a program shows only by being impossible otherwise.
+// Settings of the control that a program reveals only by being impossible without them.
 struct Assumptions {
   bool absolute_centers = false, offsets_are_wear = false;
   std::vector<std::string> notes;
 };
 
-/// A program of which nothing is known yet.
+/// A program before it is analyzed.
 struct GcodeText {
   const std::string& name;
   std::string_view text;
@@ -99,7 +99,7 @@ struct GcodeText {
   ProgramVisitor& visitor;
 };
 
-/// What is the same whenever a program is read again.
+/// Data shared by all attempts to read a program.
 struct Reading {
   std::shared_ptr<GcodeSource> source;
   const Scene& scene;
@@ -146,7 +146,7 @@ class GcodeReader final : public ProgramReader {
   }
 
  private:
-  // What waits comes before the fault, and may be wrong, too.
+  // Pending motions precede the fault, and may be invalid too.
   ProgramError error_of(const GcodeFault& fault) {
     while (sink_.waits()) {
       if (auto error = follow_path()) return *std::move(error);
@@ -224,7 +224,7 @@ bool contains(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
 }
 
-// Adds the assumption without which a program has this error; false if there is none.
+// Adds the assumption that would avoid this error. Returns false if there is none.
 bool assume(const ProgramError& error, Assumptions& assumed) {
   const std::string place = error.file + ":" + std::to_string(error.line) + ": ";
   const bool centers = contains(error.reason, "the radius of the arc is") ||
@@ -244,7 +244,7 @@ bool assume(const ProgramError& error, Assumptions& assumed) {
   return true;
 }
 
-// Reads for a control with Macro B, if need be with assumptions that its settings may hold.
+// Reads for a control with Macro B, if necessary with assumptions about its settings.
 std::expected<ReadProgram, ProgramError> read_macros(Dialect dialect, const GcodeText& program,
                                                      const std::string& reason) {
   if (rules_of(dialect).of_fanuc())
@@ -279,11 +279,11 @@ std::expected<ReadProgram, ProgramError> read_gcode(const std::string& name, std
     return read_sinumerik(name, text, scene, environment.lines_max, visitor, choice->reason);
   auto read = read_macros(choice->dialect, program, choice->reason);
   if (read || !choice->open || visitor.is_stopped()) return read;
-  // Nothing points to LinuxCNC, and it does not take the program: a plain Fanuc program.
+  // No word points to LinuxCNC, and it rejects the program: try a plain Fanuc program.
   auto again = read_macros(
       Dialect::kFanuc, program,
       choice->reason + ", and LinuxCNC rejects line " + std::to_string(read.error().line));
-  // The reading that went further names the error.
+  // Report the error of the attempt that went further.
   return again || again.error().line > read.error().line ? std::move(again) : std::move(read);
 }
 

@@ -105,7 +105,7 @@ void GcodeRunner::remark(const std::string& comment) {
   if (!text.empty()) canon_.remark({.text = std::move(text)});
 }
 
-// A block of Macro B may move first and call a subprogram then.
+// A block of Macro B may move first and then call a subprogram.
 bool GcodeRunner::execute_macro(const GcodeLine& line) {
   machine_.at_line(flow_->file(), flow_->line());
   std::string_view code = line.code;

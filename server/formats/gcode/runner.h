@@ -55,7 +55,7 @@ class GcodeRunner {
   MacroFlow* macro_flow_ = nullptr;  ///< flow_, if it is one
   std::unique_ptr<ProgramFlow> flow_;
   GcodeMachine machine_;
-  std::optional<GcodeBlock> block_;      ///< whose motion has been begun
+  std::optional<GcodeBlock> block_;      ///< the block whose motion has begun
   std::optional<MacroFlow::Call> call_;  ///< at its end
 };
 

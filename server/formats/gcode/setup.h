@@ -21,7 +21,7 @@ struct GcodeSetup {
   DialectRules rules;                ///< of the controller
   bool changes_by_t = false;         ///< T changes the tool: the program has no M6
   bool absolute_centers = false;     ///< I J K of arcs are coordinates
-  bool offsets_are_wear = false;     ///< the program is of the tool's center: D counts 0
+  bool offsets_are_wear = false;     ///< the program describes the tool's center: D counts 0
   bool machine_zero_known = false;   ///< machine coordinates have a position in the workpiece
 };
 

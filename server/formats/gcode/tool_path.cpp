@@ -289,7 +289,7 @@ ToolPose GcodeToolPath::PoseRule::operator()(const GcodePlace& place) const {
                 machine.kinematics == MachineKinematics::kToolVector
                     ? place.tool_axis
                     : table_axis(machine, rotary(place.axes))};
-  // If the active offset is not that of the loaded tool, the tip is beside the controlled point.
+  // The tip is displaced if the active offset is not that of the loaded tool.
   if (excess == GcodeAxes{}) return pose;
   pose.tip_mm = pose.tip_mm + Vec3{excess[0], excess[1], 0} + normalized(pose.axis) * excess[2];
   return pose;

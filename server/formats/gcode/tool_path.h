@@ -42,11 +42,12 @@ class GcodeToolPath final : public GcodeCanon {
   void straight(const GcodePlace& to, double duration_s, bool rapid);
   double turn_deg(const GcodePlace& to) const;
   static double duration_s(const GcodeFeed& feed, double travel_mm, double turn_deg);
-  /// The pose at a place with the offsets and the control of a block. Paths keep a copy.
+  /// Converts a position to a pose with the offsets and the control mode of a block. Paths keep a
+  /// copy.
   struct PoseRule {
     Machine machine;
     bool tool_center;
-    GcodeAxes excess;                ///< of the active offset over that of the loaded tool
+    GcodeAxes excess;                ///< active offset minus that of the loaded tool
     std::optional<Vec3> plane_axis;  ///< of the tool in a tilted plane
     ToolPose operator()(const GcodePlace& place) const;
   };

@@ -26,7 +26,7 @@ std::string code_of(std::string_view line) {
   return code;
 }
 
-// Whether a word stands in the code with a value, "X-0.06", and not within a longer word.
+// Whether a word with a value, "X-0.06", is in the code, not within a longer word.
 bool has_word(const std::string& code, char letter) {
   for (std::size_t at = code.find(letter); at != std::string::npos;
        at = code.find(letter, at + 1)) {
@@ -46,7 +46,7 @@ bool has_code(const std::string& code, std::string_view text) {
   return false;
 }
 
-// A code of lathes in a line; nullptr: none.
+// Returns a lathe code of a line, or nullptr.
 const char* sign_in(const std::string& code) {
   if (has_code(code, "G50") && has_word(code, 'S')) return "G50 S";
   if (has_code(code, "G96")) return "G96";
