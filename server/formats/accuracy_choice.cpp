@@ -18,7 +18,8 @@ namespace {
 // Greatest distance between the mesh and the true solid, in pitches. With rays along Z alone it
 // occurs at steep walls and their edges, with three fields at features smaller than the pitch.
 constexpr double kErrorPerPitchDexel = 0.9, kErrorPerPitchTriDexel = 0.75;
-// Where that does not hold from the true solid to the mesh: they may be missing from it.
+// From the true solid to the mesh the error may be larger here, because the mesh lacks such
+// features.
 constexpr const char* kExcept =
     "; more where a wall or groove is thinner than the pitch or an edge sharper than 80 degrees";
 // Contribution of the errors of dexel ends and arc chords, in tolerances.
@@ -37,8 +38,8 @@ constexpr double kTriDexelCost = 5.5;
 // Length of the motion whose footprint determines the number of columns, mm.
 constexpr double kTravelMm = 1;
 
-// CPU time of meshing the tiles of a block for a newcomer, us per column of the field along Z, from
-// which alone pages get the surface.
+// CPU time of meshing the tiles of a block for a new page, us per column of the field along Z, the
+// only field that pages see.
 constexpr double kJoinUsPerColumn = 1.7;
 
 constexpr double kBytesMax = 4.0 * 1024 * 1024 * 1024;

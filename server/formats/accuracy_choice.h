@@ -41,8 +41,8 @@ struct AccuracyUse {
 struct AccuracyChoice {
   AccuracyRequest request;
   Accuracy accuracy;
-  /// Greatest distance from the mesh to the true solid; and from the solid to the mesh where its
-  /// walls and grooves are at least a pitch wide and its edges at least 80 degrees.
+  /// Greatest distance from the mesh to the true solid. Also from the solid to the mesh, where
+  /// walls and grooves are at least a pitch wide and edges at least 80 degrees.
   double predicted_error_mm = 0;
   double predicted_us = 0;  ///< CPU time of a motion of 1 mm (and 2.5 degrees) on the machine on
                             ///< which the cost model was measured
@@ -73,9 +73,9 @@ double predicted_bytes(const Accuracy& accuracy, const StockShape& stock);
 double predicted_join_s(const Accuracy& accuracy, const StockShape& stock);
 
 /// Chooses the cheapest accuracy whose predicted surface error meets the target, with at most 4 GiB
-/// of stock and a pitch no larger than the radius of the smallest tool and wall_pitch_mm. Uses + -
-/// * / and square roots only, so equal requests give equal choices on every CPU. A request that
-/// fixes all four values always succeeds; `reason` then reports the expected error.
+/// of stock and a pitch no larger than the radius of the smallest tool and wall_pitch_mm. Computes
+/// with + - × / and square roots only, so equal requests give equal choices on every CPU. A request
+/// that fixes all four values always succeeds; `reason` then reports the expected error.
 std::expected<AccuracyChoice, AccuracyError> choose_accuracy(const AccuracyRequest& request,
                                                              const AccuracyUse& use);
 

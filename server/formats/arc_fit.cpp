@@ -10,9 +10,9 @@ namespace kerf {
 namespace {
 
 constexpr std::size_t kPosesMin = 4;
-/// Smaller and larger circles are not worth an arc, or not exact enough, mm.
+/// Radius range of arcs, mm. Smaller ones are not worth an arc, larger ones not exact enough.
 constexpr double kRadiusMinMm = 0.05, kRadiusMaxMm = 5000;
-/// The largest angle between neighbors, degrees: polygons of wider steps are meant as they are.
+/// The largest angle between neighbors, degrees. Polygons with wider steps are intended.
 constexpr double kStepMaxDeg = 46;
 
 struct Planar {

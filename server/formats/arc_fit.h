@@ -15,7 +15,8 @@ struct FittedArc {
   PlanePoint center;              ///< in the plane; its normal coordinate is 0
   bool counterclockwise = false;  ///< seen against the plane's normal: G3
   bool helical = false;           ///< the tip moves along the normal, too
-  bool keeps_center = false;      ///< the radii at both ends may differ: the center is not moved
+  bool keeps_center =
+      false;  ///< the radii at both ends may differ, so the center must not be moved
   friend bool operator==(const FittedArc& a, const FittedArc& b) {
     return a.plane == b.plane && a.center.first == b.center.first &&
            a.center.second == b.center.second && a.counterclockwise == b.counterclockwise &&
@@ -23,16 +24,14 @@ struct FittedArc {
   }
 };
 
-/// Most of a turn that one arc covers, degrees: controls differ about arcs whose ends are near each
-/// other.
+/// Greatest sweep of one arc, degrees. Controls disagree about arcs whose ends are close together.
 inline constexpr double kArcSweepMaxDeg = 300;
 
-/// Returns the arc through both ends of a path of straight motions from which no point of the path
-/// is farther than `tolerance_mm`, or nullopt. The path has at least four poses with one and the
-/// same axis.
+/// Returns the arc through both ends of a path of straight motions that is within `tolerance_mm` of
+/// every point of the path, or nullopt. The path has at least four poses, all with the same axis.
 std::optional<FittedArc> fit_arc(std::span<const ToolPose> path, double tolerance_mm);
 
-/// Returns the arc with its center moved to be equally far from both ends, which differ in the
+/// Returns the arc with its center moved to equal distance from both ends, which differ in the
 /// plane.
 FittedArc with_equal_radii(const FittedArc& arc, Vec3 from, Vec3 to);
 

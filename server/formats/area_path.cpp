@@ -15,10 +15,10 @@ constexpr std::size_t kLoopsMax = 2000;
 constexpr int kLevelsMax = 20'000;
 /// Least distance of loops in radii of the tool.
 constexpr double kStepMin = 0.01;
-/// Greatest distance of loops in radii of the tool: what stands in a corner between two of them is
-/// as far as half the diagonal, 0.71 of it, from both.
+/// Greatest distance of loops in radii of the tool. A corner between two loops is half the
+/// diagonal, 0.71 of this, from both, so nothing remains.
 constexpr double kStepMax = 1.4;
-/// How far a stud's path begins beside the blank.
+/// Distance from the blank at which the path of a stud begins.
 constexpr double kBesideMm = 2;
 
 std::unexpected<std::string> too_many() {
@@ -56,7 +56,7 @@ void loop(AreaPath& path, double half_x, double half_y, double corner, bool cloc
   straight(path, 0, -half_y);
 }
 
-// Distances of the loops from the wall, the smallest last: the first one leaves nothing inside.
+// Distances of the loops from the wall, the smallest last. The first loop leaves nothing inside.
 std::vector<double> insets(double narrow_half, double tool_radius, double step) {
   const double apart = std::clamp(step, tool_radius * kStepMin, kStepMax * tool_radius);
   std::vector<double> at{tool_radius};
@@ -98,7 +98,7 @@ AreaResult mill_stud(const RoundedRectangle& stud, const RoundedRectangle& blank
     return std::unexpected("the stud and the tool must have a size");
   if (blank.length < stud.length - kSamePointMm || blank.width < stud.width - kSamePointMm)
     return std::unexpected("the blank is smaller than the stud");
-  // The farthest points of the blank from the stud lie in its corners.
+  // The points of the blank farthest from the stud are in its corners.
   const double inward = blank.corner * (1 - std::sqrt(0.5));
   const double out =
       std::max({beyond(stud, blank.length / 2 - inward, blank.width / 2 - inward),

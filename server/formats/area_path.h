@@ -14,23 +14,23 @@ struct AreaMove {
   int turns = 0;        ///< 1: arc, counterclockwise; -1: clockwise; 0: straight
   double center_x = 0, center_y = 0;
 };
-/// Most moves that a cycle may take.
+/// Most moves of a cycle.
 inline constexpr std::size_t kAreaMovesMax = 100'000;
 /// A path; its first move only states where the path begins.
 using AreaPath = std::vector<AreaMove>;
-/// A path, or why the tool cannot follow it.
+/// A path, or the reason why the tool cannot follow it.
 using AreaResult = std::expected<AreaPath, std::string>;
 
-/// A rectangle about the origin whose corners are rounded; a circle, if `corner` is half of both.
+/// A rectangle about the origin with rounded corners; a circle if `corner` is half of both sides.
 struct RoundedRectangle {
   double length = 0, width = 0;  ///< along x and y, mm
   double corner = 0;             ///< radius, mm
 };
 
 /// Clears a pocket from its middle outward, in loops at most `step` apart. Corners get the radius
-/// of the tool if that is larger. `step` is reduced to what leaves nothing standing.
+/// of the tool if that is larger. `step` is reduced if necessary, so that no material remains.
 AreaResult clear_pocket(const RoundedRectangle& pocket, double tool_radius, double step);
-/// Mills a stud out of a blank, from outside inward; begins beside the blank.
+/// Mills a stud out of a blank, from outside inward. Begins outside the blank.
 AreaResult mill_stud(const RoundedRectangle& stud, const RoundedRectangle& blank,
                      double tool_radius, double step);
 /// Clears a slot along an arc about the origin, with round ends about the ends of the arc.
@@ -38,10 +38,10 @@ struct ArcSlot {
   double radius = 0, width = 0, first_deg = 0, sweep_deg = 0;
 };
 AreaResult clear_arc_slot(const ArcSlot& slot, double tool_radius, double step);
-/// Faces a rectangle with a corner in the origin in strokes along x or y, back and forth, that
+/// Faces a rectangle with a corner at the origin in strokes along x or y, back and forth, that
 /// begin and end at its edges. `length` and `width` may be negative.
 AreaResult face(double length, double width, bool along_x, double tool_radius, double step);
-/// Only the last loop of a pocket, a slot or a stud.
+/// Returns the last loop of a pocket, a slot or a stud.
 AreaPath last_loop(const AreaPath& path);
 
 /// Turns a path about the origin, then moves it.

@@ -11,10 +11,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Values between two questions whether to end.
+/// Values between two polls of the stop.
 constexpr std::size_t kLookEvery = 4096;
 
-/// Builds a document of the events of the parser. A function that returns false ends the parsing.
+/// Builds a document from the parser's events. A function that returns false ends the parsing.
 class DocumentBuilder final : public nlohmann::json_sax<Json> {
  public:
   explicit DocumentBuilder(const JsonRules& rules) : rules_(rules) {}
@@ -38,7 +38,7 @@ class DocumentBuilder final : public nlohmann::json_sax<Json> {
     return fail(JsonFaultKind::kRepeatedKey);
   }
   bool parse_error(std::size_t byte, const std::string&, const Json::exception& error) override {
-    // 406: "number overflow" of the library.
+    // 406 is the library's "number overflow".
     constexpr int kNumberOverflow = 406;
     fault_.byte = byte > 0 ? byte - 1 : 0;
     return fail(error.id == kNumberOverflow ? JsonFaultKind::kRange : JsonFaultKind::kSyntax);
@@ -60,7 +60,7 @@ class DocumentBuilder final : public nlohmann::json_sax<Json> {
 
   bool is_too_deep() const { return std::cmp_greater_equal(open_.size(), rules_.depth_max); }
 
-  /// Puts a value where the parser is.
+  /// Adds a value at the parser's position.
   Json& place(Json&& value) {
     ++values_;
     if (open_.empty()) return document_ = std::move(value);
@@ -77,7 +77,7 @@ class DocumentBuilder final : public nlohmann::json_sax<Json> {
     return goes_on();
   }
 
-  // A container does not move while another one is open in it.
+  // A container must not move while a nested one is open.
   bool open(Json container) {
     if (dropped_ > 0 || is_too_deep()) {
       if (!rules_.drops_deeper) return fail(JsonFaultKind::kTooDeep);
@@ -102,7 +102,7 @@ class DocumentBuilder final : public nlohmann::json_sax<Json> {
   const JsonRules& rules_;
   Json document_;
   std::vector<Json*> open_;  ///< lists and objects that have not ended, the outermost first
-  std::size_t dropped_ = 0;  ///< open ones that are left out
+  std::size_t dropped_ = 0;  ///< open ones that are dropped
   std::string key_;          ///< of the next value
   std::size_t values_ = 0, seen_ = 0;  ///< of the document; of the text
   JsonFault fault_;

@@ -11,13 +11,13 @@
 
 namespace kerf {
 
-/// How JSON of strangers is read.
+/// Rules for reading untrusted JSON.
 struct JsonRules {
-  int depth_max = 32;                 ///< of lists and objects in each other; the outermost is 1
-  bool drops_deeper = false;          ///< deeper values are left out; otherwise they are an error
-  bool takes_repeated_keys = false;   ///< the last one counts; otherwise it is an error
-  std::size_t values_max = SIZE_MAX;  ///< of the document, lists and objects included
-  std::function<bool()> is_stopped = {};  ///< asked now and then: whether to end
+  int depth_max = 32;                     ///< nesting of lists and objects; the outermost is 1
+  bool drops_deeper = false;              ///< drop deeper values instead of failing
+  bool takes_repeated_keys = false;       ///< the last of equal keys counts, instead of an error
+  std::size_t values_max = SIZE_MAX;      ///< in the document, lists and objects included
+  std::function<bool()> is_stopped = {};  ///< polled at intervals: whether to stop
 };
 
 enum class JsonFaultKind {
@@ -30,15 +30,15 @@ enum class JsonFaultKind {
 };
 struct JsonFault {
   JsonFaultKind kind = JsonFaultKind::kSyntax;
-  std::size_t byte = 0;  ///< of kSyntax: at which the text is wrong, from 0
+  std::size_t byte = 0;  ///< kSyntax: offset of the error, from 0
   std::string key = {};  ///< of kRepeatedKey
 };
 
-/// A document: points to a nlohmann::json, which the header keeps out of those that include it.
+/// A document. Points to a nlohmann::json, whose header stays out of this one.
 using JsonDocument = std::shared_ptr<void>;
 
-/// Parses JSON in time that grows with the length of the text, whatever it holds: the library's
-/// parser with a callback walks through the parent at each end of an object.
+/// Parses JSON in time linear in the length of any text. The library's own parser with a callback
+/// walks through the parent at each end of an object.
 std::expected<JsonDocument, JsonFault> parse_bounded_json(std::string_view text,
                                                           const JsonRules& rules);
 

@@ -11,8 +11,8 @@ namespace {
 constexpr double kLean = 1e-6;
 /// Z differences below this are rounding, mm.
 constexpr double kLevelMm = 1e-6;
-/// Feeds that climb or fall are entries into the material, unless they are more than this share of
-/// the path above Z 0: then they follow a surface.
+/// Feeds that climb or fall are entries into the material, unless they exceed this share of the
+/// path above Z 0. Then they follow a surface.
 constexpr double kSurfaceShare = 0.2;
 constexpr double kTableShare = 0.5;
 
@@ -42,7 +42,7 @@ void CutExtentsFinder::add(const ProgramMotion& motion) {
   if (upright && in_air_ && rise >= -kLevelMm) return;
   in_air_ = false;
   extend(to);
-  extend({from.x, from.y, to.z});  // where a rapid may have plunged to
+  extend({from.x, from.y, to.z});  // a rapid may have plunged to here
   const double sideways = std::hypot(to.x - from.x, to.y - from.y);
   if (sideways == 0) return;
   path_mm_ += sideways;

@@ -8,23 +8,23 @@
 
 namespace kerf {
 
-/// Where the tip of a program's tools cuts, judged by its motions alone.
+/// The region that the tip of a program's tools cuts, judged by its motions alone.
 struct CutExtents {
   BoxStock tip_mm;  ///< box of the tip
-  /// Where the top of the stock probably is: Z 0 if the program cuts below it, or the highest level
-  /// at which it cuts along the surface.
+  /// The probable top of the stock: Z 0 if the program cuts below it, or the highest level at which
+  /// it cuts along the surface.
   double top_mm = 0;
-  bool zero_at_table = false;  ///< most of the path lies above Z 0, which is then the table's
+  bool zero_at_table = false;  ///< most of the path is above Z 0, which is then the table
 };
 
 /// Finds the extents of the feeds: look() at all motions of a program, then add() all. Retractions
-/// do not count, nor do feeds at one level that follow them: on a machine whose tool is upright
-/// these are traverses. In Z a feed counts at its end only, because it may begin in the air.
+/// do not count, nor do feeds at one level that follow them, which are traverses of an upright
+/// tool. In Z only the end of a feed counts, because it may begin in the air.
 class CutExtentsFinder {
  public:
   void look(const ProgramMotion& motion);
   void add(const ProgramMotion& motion);
-  /// Nullopt if there are no feeds.
+  /// Nullopt without feeds.
   std::optional<CutExtents> result() const;
 
  private:

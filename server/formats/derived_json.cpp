@@ -19,7 +19,7 @@ Json list_of(const std::vector<FieldOrigin>& origins) {
   return list;
 }
 
-/// Durations of arcs depend on the platform's sines in their last bits.
+/// The last bits of arc durations depend on the platform's sines.
 double to_microseconds(double seconds) {
   constexpr double kPerS = 1e6;
   return std::round(seconds * kPerS) / kPerS;

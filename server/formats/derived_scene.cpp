@@ -20,10 +20,10 @@ namespace {
 
 /// Stock below the deepest cut, and the step to which the sides of a box are rounded.
 constexpr double kFloorMm = 2, kRoundMm = 1;
-/// Greatest surface errors to choose from, mm, and the share of the stock's length that is enough.
+/// Greatest surface errors to choose from, mm, and the sufficient share of the stock's length.
 constexpr std::array kTargetsMm{0.02, 0.05, 0.1, 0.2, 0.5, 1.0};
 constexpr double kTargetShare = 1e-3;
-/// Where no target can be met in memory: the tolerance as a share of the pitch.
+/// Tolerance as a share of the pitch, if memory allows no target.
 constexpr double kToleranceShare = 0.1;
 /// Cuts may begin this much outside of a stated stock beyond the tool's diameter, mm.
 constexpr double kOutsideMm = 1;
@@ -59,7 +59,7 @@ DerivedTool stated_tool(ToolId id, const StatedTool& tool) {
   return result;
 }
 
-// The fields of a scene's tool that its origins are of.
+// Adds the origins of the fields of a scene's tool.
 void add_tool_origins(ToolId id, const DerivedTool& tool, std::vector<FieldOrigin>& origins) {
   const auto add = [&](const char* field, Origin origin) {
     origins.push_back({id, field, origin, origin == Origin::kAssumed ? "" : tool.source});
@@ -205,7 +205,7 @@ class Derivation {
     return tool ? tool->radius_mm : 0;
   }
 
-  // The cutting part reaches from the deepest cut to the top, so that it leaves nothing above.
+  // The cutting part extends from the deepest cut to the top, so that it leaves no material above.
   std::expected<void, std::string> add_tools(const BoxStock& stock, const CutExtents& cuts,
                                              Scene& draft) const {
     const double depth_mm = stock.max_mm.z - std::min(cuts.tip_mm.min_mm.z, stock.min_mm.z);
@@ -262,7 +262,7 @@ class Derivation {
     draft.settings.stock = box;
   }
 
-  // A model of such a size is rarely in mm.
+  // A model of this size is rarely in mm.
   void question_unit(const BoxStock& box) {
     const Vec3 size = box.max_mm - box.min_mm;
     if (wishes_.stock_file.empty() || std::max({size.x, size.y, size.z}) >= kModelMinMm) return;
@@ -299,7 +299,7 @@ class Derivation {
            box.min_mm.z <= low.z + slack();
   }
 
-  // The side from `low` to `high` is that of the cuts.
+  // Returns the start of a side that contains the cuts from `low` to `high`.
   double begin_of(double side, double low, double high) const {
     for (const double begin : {0.0, -side / 2, -side})
       if (begin <= low + slack() && begin + side >= high - slack()) return begin;
@@ -337,7 +337,7 @@ class Derivation {
   std::vector<FieldOrigin> origins_;
   std::map<ToolId, ToolShape> tools_;
   double unit_mm_ = 1;    ///< of the program
-  double radius_mm_ = 0;  ///< of the largest tool that moves
+  double radius_mm_ = 0;  ///< of the largest moving tool
 };
 
 }  // namespace

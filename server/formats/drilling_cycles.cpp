@@ -15,9 +15,9 @@ namespace {
 
 using Motions = std::span<const ProgramMotion>;
 
-/// Motions of one hole at most: longer ones are written as they are.
+/// Most motions of one hole. Longer ones are written as motions.
 constexpr std::size_t kMotionsMax = 4096;
-/// Feeds of one hole differ at most by this share, which 7 digits of F do not show.
+/// Greatest relative difference of the feeds of one hole, below 7 digits of F.
 constexpr double kFeedTolerance = 5e-7;
 
 bool upright(const ToolPose& pose) { return pose.axis == Vec3{0, 0, 1}; }
@@ -35,14 +35,13 @@ double feed_of(const ProgramMotion& motion) {
   return 60 * std::abs(bottom(motion) - top(motion)) / motion.duration_s;
 }
 
-/// A hole and the motions that make it, within those that were given.
+/// A hole and its motions within the given ones.
 struct FoundHole {
   DrilledHole hole;
   Motions motions;
 };
 
-/// Where the motions of a hole begin: the traverse to it and the descent, if they come before the
-/// first feed.
+/// Returns the first motion of a hole: the traverse to it and the descent precede the first feed.
 std::size_t begin_of_hole(Motions parts, std::size_t first_feed) {
   std::size_t begin = first_feed;
   if (begin > 0 && vertical(parts[begin - 1])) --begin;
@@ -82,7 +81,7 @@ Cycle cycle_of(const DrilledHole& hole, Vec3 from, CycleMemory& memory) {
   return {hole.code * 10, modes, in_plane(from, ArcPlane::kXy), words, memory};
 }
 
-/// Whether a step of the cycle is the motion.
+/// Whether the motion is that step of the cycle.
 bool makes(const CycleStep& step, const ToolPose& to, const ProgramMotion& motion,
            double mm_per_min) {
   if (step.kind == CycleStep::Kind::kDwell)
@@ -109,7 +108,7 @@ bool makes(const DrilledHole& hole, Motions motions) {
   return motions.empty();
 }
 
-/// The hole among motions of which all but the first are along one vertical line.
+/// Finds a hole in motions that, except the first, are along one vertical line.
 std::optional<FoundHole> find_hole(Motions parts) {
   const auto first = std::ranges::find_if(parts, feeds);
   if (first == parts.end() || !vertical(*first) || bottom(*first) >= top(*first)) return {};

@@ -9,9 +9,9 @@
 
 namespace kerf {
 
-/// Writes the motions of holes as drilling cycles (DrilledHole), where the writer takes them.
-/// Motions are a hole only if the cycle, as the readers of G-code carry it out, makes exactly these
-/// poses again; all others, and remarks, go to `writer` as they are.
+/// Writes the motions of holes as drilling cycles (DrilledHole), if the writer supports them.
+/// Motions are a hole only if the cycle, as executed by the readers of G-code, makes exactly the
+/// same poses. All other motions, and remarks, go to `writer` unchanged.
 class DrillingCycles final : public ProgramWriter {
  public:
   explicit DrillingCycles(std::unique_ptr<ProgramWriter> writer);
@@ -26,7 +26,7 @@ class DrillingCycles final : public ProgramWriter {
   WriteResult flush();
 
   std::unique_ptr<ProgramWriter> writer_;
-  std::vector<ProgramMotion> parts_;  ///< perhaps of a hole, not yet forwarded
+  std::vector<ProgramMotion> parts_;  ///< possibly of a hole, not yet forwarded
 };
 
 }  // namespace kerf

@@ -13,11 +13,10 @@
 namespace kerf {
 namespace {
 
-// A sample that would turn the axis by more than this is halved, which keeps it within the kernel's
-// limit.
+// A sample that turns the axis by more than this is halved, to stay within the kernel's limit.
 constexpr double kSampleTurnMaxRad = std::numbers::pi / 2;
 constexpr int kSampleHalvingsMax = 20;
-// Least distance by which a corner must be cut off for a warning: the default tolerance of a scene.
+// Least cut of a corner that is warned of: the default tolerance of a scene.
 constexpr double kCornerWarnMm = 0.01;
 
 // Distance of a point from a segment.

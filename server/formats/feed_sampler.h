@@ -11,10 +11,10 @@
 
 namespace kerf {
 
-/// Divides the motions of a program into samples of 1/rate_hz seconds, one after the other: add()
-/// motions until can_sample(), then sample() until it cannot any more; behind the last motion
-/// end(). The last sample before a jump or a tool change may be shorter, and one during which more
-/// than kWindow motions begin.
+/// Divides the motions of a program into samples of 1/rate_hz seconds: add() motions until
+/// can_sample(), then sample() until it is false; after the last motion end(). The last sample
+/// before a jump or a tool change may be shorter, as may one during which more than kWindow motions
+/// begin.
 class FeedSampler {
  public:
   /// Most motions that are held.
@@ -44,7 +44,7 @@ class FeedSampler {
   void sample(double from_s, double to_s, int halvings, std::vector<ProgramMotion>& out);
 
   double rate_hz_;
-  /// A run of motions of one tool, each starting where the last one ended: what is left of it.
+  /// The rest of a run of motions of one tool, each of which starts at the end of the previous one.
   std::deque<Part> chain_;
   std::optional<ProgramMotion> next_chain_;  ///< its first motion
   bool closed_ = false;                      ///< the chain is complete
@@ -55,7 +55,7 @@ class FeedSampler {
   double corner_cut_mm_ = 0;
 };
 
-/// The warning that corners are cut off, if they are by more than 0.01 mm.
+/// Returns a warning if corners are cut off by more than 0.01 mm.
 std::optional<std::string> warning_of_corners(const std::string& program, double corner_cut_mm);
 
 }  // namespace kerf

@@ -15,8 +15,8 @@ namespace kerf {
 void write_forces_header(std::ostream& out, const std::optional<WrenchMaximum>& device = {});
 /// Writes the row of one motion: the time at its end in s, its end pose (tip in mm, axis), the
 /// wrench on the user (cutting and collision; torque about the pivot), the volume removed, and the
-/// part of it that is imprint. With `device`, followed by the wrench as a device with this maximum
-/// outputs it: shortened by share_within, as kerf-agent does.
+/// imprint's part of it. With `device`, followed by the wrench as a device with this maximum
+/// outputs it, reduced by share_within as in kerf-agent.
 void write_forces_row(std::ostream& out, double time_s, const ToolPose& pose,
                       const MotionResult& result, const std::optional<WrenchMaximum>& device = {});
 

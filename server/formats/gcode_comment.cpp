@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-// LinuxCNC refuses lines of more than 255 bytes.
+// LinuxCNC rejects lines of more than 255 bytes.
 constexpr std::size_t kTextMax = 198;
 
 constexpr std::array<std::string_view, 12> kActive = {
@@ -27,7 +27,7 @@ bool is_active(const std::string& text) {
                              [&](std::string_view word) { return begin.starts_with(word); });
 }
 
-// Cuts a text behind its last whole UTF-8 character.
+// Cuts a text after its last whole UTF-8 character.
 void cut(std::string& text) {
   if (text.size() <= kTextMax) return;
   std::size_t size = kTextMax - 3;

@@ -100,7 +100,7 @@ class GcodeWriter final : public PostWriter {
   }
 
   // The tables turn with tool-center-point control off, so that the retracted tool does not move
-  // with them; X and Y follow, so that the tool then descends along its axis only.
+  // with them. X and Y follow, so that the tool then descends along its axis only.
   void approach(const ToolPose& pose) override {
     const Vec3& tip = pose.tip_mm;
     const bool follows = rotary() || (vector() && iso_);
@@ -180,7 +180,7 @@ class GcodeWriter final : public PostWriter {
            (hole.peck_mm == 0 || hole.peck_mm >= least);
   }
 
-  // Each hole after the first has its place only.
+  // Each hole after the first has only its position.
   void drill(const DrilledHole& hole) override {
     select_plane(ArcPlane::kXy);
     const std::string cycle =
@@ -270,7 +270,7 @@ class GcodeWriter final : public PostWriter {
     if (post_ != Post::kGrbl) out() << "%\n";
   }
 
-  // A number without a point is a count of least increments to Fanuc and Haas.
+  // Fanuc and Haas read a number without a point as a count of least increments.
   std::string pointed(std::string text) const {
     if (iso_ && text.find('.') == std::string::npos) text += '.';
     return text;
@@ -299,9 +299,9 @@ class GcodeWriter final : public PostWriter {
   std::string number_of_program_;  ///< in digits; "": none
   const bool iso_, inverse_time_;  ///< iso_: Fanuc and Haas
   bool tcp_on_ = false, length_on_ = false;
-  std::optional<MachineRemark> turning_;  ///< what started the spindle
+  std::optional<MachineRemark> turning_;  ///< the remark that started the spindle
   std::string motion_, feed_;
-  std::string cycle_;  ///< that the last hole left active
+  std::string cycle_;  ///< the cycle left active by the last hole
   ArcPlane plane_ = ArcPlane::kXy;
 };
 

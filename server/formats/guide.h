@@ -12,14 +12,14 @@
 
 namespace kerf {
 
-// Guides of a scene: virtual fixtures that haptic devices feel. They never change what is cut.
+// Guides of a scene: virtual fixtures that haptic devices render. They never change the cut.
 // Distances are those of the tool's tip.
 
-/// A pose on the path of a guide; between two of them the tip moves on a straight line.
+/// A pose on the path of a guide. Between two of them the tip moves on a straight line.
 struct GuidePose {
   Vec3 tip_mm{};
   Vec3 axis{0, 0, 1};  ///< unit
-  Wrench felt{};       ///< of a stroke: felt there by its teacher, about the pivot
+  Wrench felt{};       ///< of a stroke: the wrench that its teacher felt there, about the pivot
 };
 /// Poses in order; at least one.
 using GuidePath = std::vector<GuidePose>;
@@ -31,7 +31,7 @@ struct PathGuide {
   double axis_within_deg = 180;
   double turn_stiffness_nmm_per_rad = 1000;
   double max_torque_nmm = 60;
-  /// A teacher's stroke: forward along the path the teacher's wrench is added, times felt_share.
+  /// A teacher's stroke: the teacher's wrench, times felt_share, is added along the path.
   bool stroke = false;
   double felt_share = 1;
   std::string file;  ///< file that the paths were read from; "" if the scene lists them
@@ -50,7 +50,7 @@ struct DepthGuide {
 struct RegionGuide {
   Vec3 min_mm{}, max_mm{};
 };
-/// The surface of a box, or of the upright cylinder that fits into it.
+/// The surface of a box, or of the upright cylinder inscribed in it.
 struct SnapSurface {
   bool cylinder = false;
   Vec3 min_mm{}, max_mm{};
@@ -58,8 +58,7 @@ struct SnapSurface {
 /// Draws the tip to a surface from up to `range_mm` on either side.
 struct SnapGuide {
   double range_mm = 5;
-  std::optional<SnapSurface> surface;  ///< of a scene: always set; that of the uncut stock, if not
-                                       ///< given
+  std::optional<SnapSurface> surface;  ///< of a scene: always set; by default the uncut stock's
 };
 
 /// A guide of a scene.
@@ -76,7 +75,7 @@ const char* kind_of(const Guide& guide);
 /// Greatest component of a pose's felt wrench, N and N·mm, and greatest felt_share.
 inline constexpr double kGuideFeltMax = 1e6;
 inline constexpr double kGuideFeltShareMax = 10;
-/// Range of the length of an axis or normal as it is given.
+/// Allowed length of a given axis or normal.
 inline constexpr double kGuideAxisMin = 1e-6;
 inline constexpr double kGuideAxisMax = 1e6;
 

@@ -8,13 +8,13 @@
 
 namespace kerf {
 
-/// How the paths of guides that were read from files are written.
+/// Form of guide paths that were read from files.
 enum class GuideFiles {
   kNamed,     ///< as the name of the file, as in the canonical text of a scene
   kExpanded,  ///< as poses, as in welcome messages
 };
 
-/// Returns guides as the JSON list of a scene's "guides"; read_guides reads it back to equal ones.
+/// Returns guides as the JSON list of a scene's "guides". read_guides reads equal ones back.
 std::string guides_json(const std::vector<Guide>& guides, GuideFiles files);
 
 }  // namespace kerf

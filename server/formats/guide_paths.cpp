@@ -44,7 +44,7 @@ class PathWriter final : public ProgramWriter {
   ToolPose end_{};
 };
 
-/// The columns of a forces file that are read.
+/// The columns read from a forces file.
 constexpr std::array<std::string_view, 13> kColumns = {
     "x",    "y",    "z",      "i",      "j",      "k",          "fx_n",
     "fy_n", "fz_n", "tx_nmm", "ty_nmm", "tz_nmm", "removed_mm3"};
@@ -68,7 +68,7 @@ struct ForcesRow {
 /// Reads the rows of a forces file by the names in its header.
 class ForcesTable {
  public:
-  /// Returns the column that is missing; empty if none is.
+  /// Returns the missing column, or an empty text.
   std::string_view take_header(std::string_view line) {
     const auto names = fields_of(line);
     width_ = names.size();
@@ -112,7 +112,7 @@ class StrokeCollector {
       end();
     } else if (!open_) {
       open_ = true;
-      // The stroke begins where the motion of its first row does.
+      // The stroke begins at the start of its first row's motion.
       strokes_.push_back({before_.value_or(row.pose)});
       strokes_.back().back().felt = row.pose.felt;
       strokes_.back().push_back(row.pose);

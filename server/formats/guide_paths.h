@@ -21,8 +21,8 @@ std::expected<std::vector<GuidePath>, std::string> paths_of_program(const std::s
                                                                     double join_mm);
 
 /// Reads the strokes of a forces file (forces_csv.h): one path from each touch of the stock to the
-/// next lift, with the computed wrench of each row; rows less than `apart_mm` after the last one
-/// that is kept are omitted, except at the ends. The error is one clause.
+/// next lift, with the computed wrench of each row. Rows less than `apart_mm` after the last kept
+/// row are omitted, except at the ends. The error is one clause.
 std::expected<std::vector<GuidePath>, std::string> strokes_of_forces(std::string_view text,
                                                                      double apart_mm);
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double kDegreesMax = 180;
 constexpr std::size_t kPoseNumbers = 6, kStrokeNumbers = 12;
 
-/// Limits of a guide; what a device can render is less.
+/// Sanity limits of a guide, above any device.
 constexpr double kStiffnessMax = 100;
 constexpr double kTurnStiffnessMax = 1e5;
 constexpr double kForceMaxN = 50;
@@ -28,7 +28,7 @@ bool within(Vec3 v, double most) {
   return std::abs(v.x) <= most && std::abs(v.y) <= most && std::abs(v.z) <= most;
 }
 
-/// Why a pose cannot be used, whatever it was read from; empty if it can.
+/// Returns the reason why a pose from any source cannot be used; empty if it can.
 const char* pose_fault(const GuidePose& pose) {
   if (!within(pose.tip_mm, kCoordinateMaxMm)) return "has a coordinate beyond 1000000 mm";
   if (within(pose.felt.force_n, kGuideFeltMax) && within(pose.felt.torque_nmm, kGuideFeltMax))

@@ -12,8 +12,8 @@
 
 namespace kerf {
 
-/// Returns the paths of a guide's file: of a stroke from its forces, otherwise from its program.
-/// Throws SceneRejection.
+/// Returns the paths of a guide's file: the forces file of a stroke, otherwise a program. Throws
+/// SceneRejection.
 using GuideFile =
     std::function<std::vector<GuidePath>(SceneFields& fields, const PathGuide& guide)>;
 
@@ -21,8 +21,9 @@ using GuideFile =
 /// SceneRejection. `read_file` may be null; a guide that names a file is then rejected.
 std::vector<Guide> read_guides(const SceneValue& list, const GuideFile& read_file);
 
-/// Reads the "guides" of a JSON object, for example of a welcome; none if it has no such field.
-/// Every snap guide must name its surface. The error is one clause, with the path of the value.
+/// Reads the "guides" of a JSON object, such as a welcome. Returns an empty list if it has no such
+/// field. Every snap guide must name its surface. The error is one clause, with the path of the
+/// value.
 std::expected<std::vector<Guide>, std::string> parse_guides(std::string_view object);
 
 }  // namespace kerf

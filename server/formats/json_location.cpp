@@ -34,7 +34,7 @@ class JsonWalker {
     return false;
   }
 
-  /// The same for an item of the list at the cursor.
+  /// Like enter_member, for an item of the list at the cursor.
   bool enter_item(std::size_t index) {
     const std::size_t start = at_;
     if (peek() != '[') return false;

@@ -13,14 +13,14 @@
 namespace kerf {
 namespace {
 
-/// Chords of one arc that are kept in memory at most, and that tell an arc at least.
+/// Number of chords of one arc: the most kept in memory, and the fewest that identify an arc.
 constexpr std::size_t kChordsMax = 100'000, kChordsMin = 2;
-/// Durations of the chords of an arc differ at most by this share, which F does not show.
+/// Greatest relative difference of the durations of an arc's chords, below the digits of F.
 constexpr double kDurationShare = 1e-6;
-/// Greatest difference of the radii at both ends, mm: controls take more.
+/// Greatest difference of the radii at both ends, mm. Controls accept more.
 constexpr double kRadiiMm = 0.02;
 constexpr int kCenterSteps = 8;
-/// A center is written with as few decimals as make the same chords.
+/// A center is written with the fewest decimals that make the same chords.
 constexpr int kCenterDecimalsMin = 3, kCenterDecimalsMax = 6;
 
 bool is_chord(const ProgramMotion& motion) {
@@ -85,7 +85,7 @@ PlanePoint with_uniform_radii(std::span<const ProgramMotion> motions, ArcPlane p
   return center;
 }
 
-// The angle by which the chords turn about the center, > 0 counterclockwise.
+// The angle that the chords turn about the center, > 0 counterclockwise.
 double turn_of(std::span<const ProgramMotion> motions, const FittedArc& arc) {
   double turn = 0;
   const auto angle = [&](const ToolPose& pose) {
@@ -120,7 +120,7 @@ WriteResult KeptArcs::write(Motions motions) {
       if (auto written = writer_->add(motion); !written) return written;
     return {};
   }
-  // Controls differ about arcs of nearly a turn.
+  // Controls disagree about arcs of nearly a turn.
   if (std::abs(turn_of(motions, *arc)) > kArcSweepMaxDeg * std::numbers::pi / 180) {
     const std::size_t half = motions.size() / 2;
     if (auto written = write(motions.first(half)); !written) return written;
@@ -162,7 +162,7 @@ std::optional<FittedArc> KeptArcs::arc_of(Motions motions) const {
 bool KeptArcs::makes(const FittedArc& arc, Motions motions) const {
   const Vec3 start = motions.front().from.tip_mm, end = motions.back().to.tip_mm;
   const PlanePoint a = in_plane(start, arc.plane), b = in_plane(end, arc.plane);
-  // As the writer does; a whole turn is written in two parts.
+  // Like the writer, which writes a whole turn in two parts.
   const bool whole = a.first == b.first && a.second == b.second;
   const bool kept = whole || arc.keeps_center;
   const PlanePoint center = (kept ? arc : with_equal_radii(arc, start, end)).center;

@@ -12,10 +12,11 @@
 
 namespace kerf {
 
-/// Passes motions on to another writer, and the chords of an arc as this arc. An arc is the chords
-/// of one line of the program that a reader makes again of the arc as it is written: to the bit of
-/// the pose grid, or within `within_mm` if that is above 0, for controls that take fewer decimals.
-/// Radii at both ends may differ, as programs round their ends. Other motions pass unchanged.
+/// Passes motions on to another writer, with the chords of an arc as one arc. The chords must
+/// belong to one line of the program, and a reader must make the same chords from the written arc:
+/// to the bit of the pose grid, or within `within_mm` if that is above 0, for controls with fewer
+/// decimals. Radii at both ends may differ, because programs round their ends. Other motions pass
+/// unchanged.
 class KeptArcs final : public ProgramWriter {
  public:
   /// `scene`, whose tolerance divides arcs, must outlive it.

@@ -36,7 +36,7 @@ class KlartextWriter final : public PostWriter {
   KlartextWriter(const Scene& scene, std::ostream& out)
       : PostWriter(rules_of(Post::kHeidenhain), scene, out), name_(name_of(scene.name)) {}
 
-  /// A helix would be CP with an angle, whose end is rounded otherwise.
+  /// A helix would be CP with an angle, whose end is rounded differently.
   bool takes(const FittedArc& arc) const override {
     return PostWriter::takes(arc) && arc.plane == ArcPlane::kXy && !arc.helical;
   }
@@ -106,7 +106,7 @@ class KlartextWriter final : public PostWriter {
           (arc.counterclockwise ? " DR+" : " DR-") + feed_text(per_min));
   }
 
-  /// Where cycles of pecks retract to is a matter of the control.
+  /// The retraction of peck cycles is a setting of the control.
   bool drills(const DrilledHole& hole) const override { return !rotary() && hole.peck_mm == 0; }
 
   void drill(const DrilledHole& hole) override {
@@ -116,7 +116,7 @@ class KlartextWriter final : public PostWriter {
   }
   void end_drilling() override { cycle_.clear(); }
 
-  // The surface is taken to be at R, because the motions do not show where it is.
+  // The surface is assumed at R, because the motions do not show it.
   std::string drilling(const DrilledHole& hole) const {
     const auto mm = [this](double value) { return decimal_text(value, rules().tip_decimals); };
     const double depth_mm = hole.r_mm - hole.bottom_mm;

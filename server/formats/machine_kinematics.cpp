@@ -32,7 +32,7 @@ struct TableRotation {
   Vec3 x, y, z;
 };
 
-// Converts between written angles and those of LinuxCNC's tables.
+// Converts between programmed angles and those of LinuxCNC's tables.
 RotaryAngles signed_angles(const Machine& machine, const RotaryAngles& angles) {
   if (machine.rotary_direction == RotaryDirection::kTable) return angles;
   return {0 - angles.a, 0 - angles.b, 0 - angles.c};

@@ -34,7 +34,7 @@ Vec3 programmed_from_tip(const Machine& machine, bool tool_center_point, Vec3 ti
                          const RotaryAngles& angles);
 
 /// Returns table angles for a tool axis (a unit vector). Of the two tilts and all multiples of a
-/// turn, it returns the pair with the least |change of tilt| + |change of c| from `previous`. For a
+/// turn, it chooses the pair with the least |change of tilt| + |change of c| from `previous`. For a
 /// vertical axis c is unchanged. Returns zeros for machines without rotary tables.
 RotaryAngles angles_from_axis(const Machine& machine, Vec3 axis, const RotaryAngles& previous);
 

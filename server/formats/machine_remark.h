@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// What a program tells the machine or its operator beside its motions.
+/// A message of a program to the machine or its operator, other than a motion.
 struct MachineRemark {
   enum class Kind {
     kSpindleClockwise,         ///< M3, with `rpm`
@@ -17,7 +17,7 @@ struct MachineRemark {
     kMist,                     ///< M7
     kFlood,                    ///< M8
     kCoolantOff,               ///< M9
-    kStop,                     ///< M0: until the operator goes on
+    kStop,                     ///< M0: until the operator resumes
     kOptionalStop,             ///< M1
     kComment                   ///< with `text`
   };
@@ -34,16 +34,16 @@ inline bool starts_something(const MachineRemark& remark) {
          remark.kind == Kind::kMist || remark.kind == Kind::kFlood;
 }
 
-/// A remark of a program and the number of its motions that come before.
+/// A remark of a program and the number of motions before it.
 struct ProgramRemark {
   std::size_t motions = 0;
   MachineRemark said;
   friend bool operator==(const ProgramRemark&, const ProgramRemark&) = default;
 };
 
-/// Most remarks of a program that are kept; later ones are left out.
+/// Most remarks kept of a program. Later ones are dropped.
 inline constexpr std::size_t kProgramRemarksMax = 20'000;
-/// Most bytes of a comment that are kept.
+/// Most bytes kept of a comment.
 inline constexpr std::size_t kRemarkTextMax = 120;
 
 }  // namespace kerf

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-/// Returns how much of a vector the slowest of three axes permits: min limit / |part|.
+/// Returns the factor that the slowest of three axes permits for a vector: min limit / |part|.
 double slowest_axis(Vec3 limit, Vec3 direction) {
   double least = kUnlimited;
   for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
@@ -23,7 +23,7 @@ double slowest_axis(Vec3 limit, Vec3 direction) {
   return least;
 }
 
-/// Time of a length that begins and ends at these speeds.
+/// Time for a length with these speeds at its ends.
 double trapezoid_s(double length, double from, double to, double speed, double acceleration) {
   const double peak =
       std::min(speed, std::sqrt(acceleration * length + (from * from + to * to) / 2));
@@ -46,7 +46,7 @@ MachineTime::Block MachineTime::block_of(const ProgramMotion& motion) const {
   Block block;
   block.length = path > 0 ? path : turn;
   if (!(block.length > 0)) return block;
-  // A turn takes part of the coordinate; without travel it is the coordinate.
+  // A turn takes part of the coordinate. Without travel it is the coordinate.
   const double turn_share = turn / block.length;
   if (path > 0) block.direction = travel * (1 / path);
   const double turns = turn_share > 0 ? 1 / turn_share : kUnlimited;
@@ -94,8 +94,8 @@ void MachineTime::add(const ProgramMotion& motion) {
   if (ahead_.size() >= 2 * MachineDynamics::kLookAhead) settle(MachineDynamics::kLookAhead);
 }
 
-/// Speeds at the beginnings of the first `count` blocks, and behind them, if the machine can stop
-/// behind the last of all.
+/// Speeds at the starts of the first `count` blocks, and after them, such that the machine can stop
+/// after the last of all.
 std::vector<double> MachineTime::entries(std::size_t count) const {
   std::vector<double> entry(ahead_.size() + 1, 0);
   for (std::size_t i = ahead_.size(); i-- > 1;) {

@@ -13,27 +13,27 @@
 
 namespace kerf {
 
-/// A mesh as a scene names it.
+/// A mesh as named in a scene.
 struct MeshFile {
   std::string file;     ///< "" if there is none
   bool repair = false;  ///< close its holes and orient its triangles (repair_mesh)
-  /// The unit of the file's numbers, mm; without it mm, and in 3MF and GLB what the file states.
+  /// The unit of the file's numbers, mm. By default mm, or the unit stated by a 3MF or GLB file.
   std::optional<double> unit_mm;
   MeshPlacement placement;  ///< its unit_mm is not used
 };
 
-/// A mesh that was read and placed.
+/// A mesh that has been read and placed.
 struct LoadedMesh {
   TriangleMesh mesh;
   MeshRepair repair;
 };
 using LoadMeshResult = std::expected<LoadedMesh, std::string>;
 
-/// Reads a file's mesh, places it, and repairs it if that is asked for. Errors, as one clause: an
-/// unknown extension, a unit for a format that states its own, the reader's, repair_mesh's.
+/// Reads a file's mesh, places it, and repairs it on request. Errors, as one clause: an unknown
+/// extension, a unit for a format that states its own, the reader's, repair_mesh's.
 LoadMeshResult load_mesh(const MeshFile& file, std::span<const std::byte> bytes);
 
-/// load_mesh, for readers of scenes that are not linked with the formats of models.
+/// load_mesh, for readers of scenes that are not linked with the model formats.
 using LoadMesh = LoadMeshResult (*)(const MeshFile& file, std::span<const std::byte> bytes);
 
 }  // namespace kerf

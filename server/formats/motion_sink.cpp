@@ -131,8 +131,8 @@ MotionSink::Result MotionSink::line(const ToolPose& target, double duration_s, b
   if (waits()) return chords([target](double) { return target; }, 1, duration_s, rapid, line);
   if (!in_range(target.tip_mm)) return std::unexpected(out_of_range(target.tip_mm));
   const bool rests = admit_pose(target) == *last_;
-  // A tool that was placed or loaded here takes what is inside it, as by a motion of any length.
-  // Rapids that state a point again are how programs approach.
+  // A tool placed or loaded here removes the material inside it, like a motion of any length.
+  // Rapids that repeat a point are common in approaches.
   if (rests && (rapid || !tool_ || cut_to_ == last_)) return {};
   auto next = next_motion(rapid, line);
   if (!next) return std::unexpected(next.error());
@@ -148,7 +148,7 @@ MotionSink::Result MotionSink::wait(Waiting waiting) {
   waiting.next = *next;
   if (waiting.path) {
     const ToolPose end = waiting.path(1);
-    last_ = in_range(end.tip_mm) ? admit_pose(end) : end;  // then go_on() ends the program
+    last_ = in_range(end.tip_mm) ? admit_pose(end) : end;  // go_on() then ends the program
   }
   waiting_.push_back(std::move(waiting));
   begun_ = true;

@@ -22,13 +22,13 @@ inline constexpr int kPiecesMax = 1 << 20;
 
 /// Appends motions to a Program for the readers of programs. Keeps the current tool and pose,
 /// rounds poses to the pose grid and divides paths that are not one straight motion. The motions of
-/// a path, and those that follow it, wait until go_on(), so that none of them needs memory before.
-/// A function that fails appends no further motion; its error is one sentence, to which the caller
+/// a path, and those after it, are pending until go_on(), so that they need no memory before. A
+/// function that fails appends no further motion. Its error is one sentence, to which the caller
 /// adds file and line.
 class MotionSink {
  public:
   using Result = std::expected<void, std::string>;
-  /// A path: the pose at s, from 0 (start) to 1 (end). It is kept until its motions are made.
+  /// A path: the pose at s, from 0 (start) to 1 (end). Kept until its motions are made.
   using Path = std::function<ToolPose(double)>;
 
   /// `program` must outlive the sink.
@@ -54,37 +54,38 @@ class MotionSink {
   /// Puts the tool at a pose without cutting. Error: the tip is out of range (kCoordinateMaxMm).
   Result place(const ToolPose& pose);
   /// Appends one straight motion to `to`, or two halves if it turns the axis by more than
-  /// kTurnMaxRad. If `to` is the current pose, nothing, unless a feed begins to cut there: then a
-  /// motion without length, which takes what is inside the tool. Precondition: placed(). Errors: no
-  /// tool, tip out of range, axis turned to its opposite, duration above kDurationMaxS, too many
-  /// motions.
+  /// kTurnMaxRad. If `to` is the current pose, nothing is appended, unless a feed begins to cut
+  /// there: then a motion without length, which removes the material inside the tool. Precondition:
+  /// placed(). Errors: no tool, tip out of range, axis turned to its opposite, duration above
+  /// kDurationMaxS, too many motions.
   Result line(const ToolPose& to, double duration_s, bool rapid, std::size_t line);
-  /// Straight motions along a path: pieces are halved until no point of a tool of the given length
-  /// deviates by more than `tolerance_mm` from the path at the same time. `samples` points are
-  /// compared on the whole path, at least four per piece. Errors, of go_on() too: as of line(), and
-  /// more than kPiecesMax pieces.
+  /// Appends straight motions along a path. Pieces are halved until no point of a tool of the given
+  /// length deviates by more than `tolerance_mm` from the path at the same time. `samples` points
+  /// are compared on the whole path, at least four per piece. Errors, also of go_on(): those of
+  /// line(), and more than kPiecesMax pieces.
   Result path(Path path, double tool_length_mm, double tolerance_mm, int samples, double duration_s,
               bool rapid, std::size_t line);
-  /// Straight motions between `count` + 1 poses of a path at equal distances of s, `count` > 0.
+  /// Appends straight motions between `count` + 1 poses of a path at equal distances of s, `count`
+  /// > 0.
   Result chords(Path path, int count, double duration_s, bool rapid, std::size_t line);
-  /// Appends a rest at the current pose; nothing if the tool is away, absent or the duration is 0.
+  /// Appends a rest at the current pose, unless the tool is away or absent or the duration is 0.
   Result dwell(double duration_s, std::size_t line);
 
-  /// Records a remark behind the motions made so far, those that wait included. A comment before
-  /// the first tool change or motion is left out.
+  /// Records a remark after the motions made so far, pending ones included. A comment before the
+  /// first tool change or motion is dropped.
   void remark(MachineRemark said);
 
   /// Whether motions wait.
   bool waits() const { return !waiting_.empty(); }
-  /// Line and file of the motion that waits first. Precondition: waits().
+  /// Line and file of the first pending motion. Precondition: waits().
   struct Place {
     std::uint32_t line, file;
   };
   Place place_of_waiting() const {
     return {waiting_.front().next.line, waiting_.front().next.file};
   }
-  /// Appends motions that wait: `steps` pieces of paths at most. Errors: those of the calls that
-  /// wait; none of their motions follows then.
+  /// Appends pending motions, at most `steps` pieces of paths. Errors: those of the pending calls,
+  /// none of whose motions follows then.
   Result go_on(int steps);
 
  private:
@@ -92,10 +93,10 @@ class MotionSink {
     double s0, s1;
     int halvings;
   };
-  /// A path that has been followed in part.
+  /// A path that has been followed partly.
   struct Waiting {
-    ProgramMotion next;  ///< begins where the path has been followed to
-    Path path = {};      ///< none: `next` is a rest
+    ProgramMotion next;  ///< begins at the end of the followed part
+    Path path = {};      ///< empty: `next` is a rest
     int chords = 0;      ///< 0: halved as tolerance and samples require
     double tool_length_mm = 0, tolerance_mm = 0;
     int samples = 0;
@@ -108,14 +109,14 @@ class MotionSink {
   void record(MachineRemark said);
   Result straight(ProgramMotion& next, const ToolPose& target, double duration_s);
   Result append(ProgramMotion& next, const ToolPose& to, double duration_s);
-  /// Follows a path by a piece; true at its end.
+  /// Follows a path by one piece. Returns true at its end.
   std::expected<bool, std::string> follow(Waiting& waiting);
 
   Program& program_;
   std::uint32_t file_ = 0;
   std::optional<ToolId> tool_;
-  std::optional<ToolPose> last_;    ///< behind all that waits
-  std::optional<ToolPose> cut_to_;  ///< where the newest motion of the tool has ended
+  std::optional<ToolPose> last_;    ///< after all pending motions
+  std::optional<ToolPose> cut_to_;  ///< end of the tool's newest motion
   std::deque<Waiting> waiting_;
   std::size_t made_ = 0;             ///< motions
   bool begun_ = false;               ///< a tool change or a motion

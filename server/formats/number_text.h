@@ -15,7 +15,7 @@ std::string decimal_text(double value, int decimals);
 /// Rounded to `digits` significant digits.
 std::string significant_text(double value, int digits);
 
-/// As std::from_chars, but a number that is too small for a double is 0.
+/// Like std::from_chars, but a number too small for a double is 0.
 std::from_chars_result number_of_chars(const char* first, const char* last, double& value,
                                        std::chars_format format = std::chars_format::general);
 

@@ -16,7 +16,7 @@ inline constexpr double kAxisLengthTolerance = 1e-8;
 
 /// Rounds a pose to the grid of all poses of programs and agents: the tip to multiples of
 /// kTipGridMm, the axis, normalized first, to multiples of kAxisGrid. Each number is the double
-/// nearest to a decimal of at most six or nine places, so its decimal text reads back to the same
+/// nearest to a decimal of at most six or nine digits, so its decimal text reads back to the same
 /// bits and carving an exported program again gives the same state hash. A pose on the grid is
 /// returned bit-identical. `pose` must be finite and its axis not zero.
 ToolPose admit_pose(const ToolPose& pose);

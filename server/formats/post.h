@@ -10,7 +10,7 @@ namespace kerf {
 /// Controls for which programs are written.
 enum class Post { kLinuxcnc, kGrbl, kFanuc, kHaas, kHeidenhain };
 
-/// How a control wants its numbers.
+/// Number formats of a control.
 struct PostRules {
   std::string_view name, label;
   int tip_decimals;    ///< of X, Y and Z, mm
@@ -22,7 +22,7 @@ struct PostRules {
 /// The rules of a control. Sources: the table of posts in README.md.
 const PostRules& rules_of(Post post);
 
-/// Returns the control of a name such as "fanuc"; nothing if there is none.
+/// Returns the control of a name such as "fanuc", or nullopt.
 std::optional<Post> post_of(std::string_view name);
 /// The names of all controls, "linuxcnc, grbl, …".
 std::string post_names();

@@ -34,7 +34,8 @@ PostWriter::PostWriter(const PostRules& rules, const Scene& scene, std::ostream&
       rotary_(has_rotary_table(kind_)),
       vector_(kind_ == MachineKinematics::kToolVector) {}
 
-// The decimals that will be written: what the control does not see must not count as a jump.
+// Rounds a pose to the written decimals, so that differences that the control cannot see are no
+// jumps.
 ToolPose PostWriter::rounded(const ToolPose& pose) const {
   ToolPose result = pose;
   for (double* value : {&result.tip_mm.x, &result.tip_mm.y, &result.tip_mm.z})
@@ -121,7 +122,7 @@ WriteResult PostWriter::finish() {
   return write_result(out_);
 }
 
-// What ends or stops something comes before a tool change, what starts something after it.
+// Remarks that end or stop something precede a tool change; those that start something follow it.
 void PostWriter::place(const ToolPose& pose, ToolId tool) {
   leave_hole();
   retract();
@@ -158,8 +159,8 @@ double PostWriter::feed(const ToolPose& to, double duration_s) const {
   return 60 * (mm > 0 ? mm : turn_deg) / duration_s;
 }
 
-// Writes a motion of a rotary machine, which interpolates its angles. Halves it until that
-// deviates from the great circle by no more than the tolerance at the end of the tool.
+// Writes a motion of a rotary machine, which interpolates its angles. Halves it until it deviates
+// from the great circle by at most the tolerance at the end of the tool.
 void PostWriter::turn(const ToolPose& from, const ToolPose& to, const ProgramMotion& motion,
                       int halvings) {
   const Vec3 a = normalized(from.axis);

@@ -12,14 +12,14 @@
 
 namespace kerf {
 
-/// The order in which any control gets a program: the tool leaves the workpiece before every
-/// tool change, jump and turn of the tables; a new tool is loaded, spindle and coolant follow, and
-/// the tool goes to its place without cutting. Derived classes word it.
+/// The order of a program for any control: the tool leaves the workpiece before every tool change,
+/// jump and turn of the tables; a new tool is loaded, spindle and coolant follow, and the tool
+/// approaches without cutting. Derived classes write the words.
 class PostWriter : public ProgramWriter {
  public:
   void note(const std::string& line) final { notes_.push_back(line); }
   WriteResult add(const ProgramMotion& motion) final;
-  /// Only upright tools have arcs: those of tables and tool vectors depend on settings.
+  /// Arcs are written for upright tools only. Arcs with tables and tool vectors depend on settings.
   bool takes(const FittedArc&) const override { return kind_ == MachineKinematics::kXyz; }
   WriteResult add_arc(const ProgramMotion& motion, const FittedArc& arc) final;
   WriteResult add_hole(const ProgramMotion& first, const DrilledHole& hole) final;
@@ -34,9 +34,9 @@ class PostWriter : public ProgramWriter {
   virtual void begin() = 0;
   /// Tool-center-point control ends, and the tool leaves the workpiece.
   virtual void retract() = 0;
-  /// Loads tool(); the tool is away.
+  /// Loads tool() while the tool is away.
   virtual void change_tool(bool first) = 0;
-  /// Brings the tool, which is away, to a pose; angles() are those of the pose.
+  /// Moves the tool, which is away, to a pose; angles() are those of the pose.
   virtual void approach(const ToolPose& pose) = 0;
   /// Moves from last() to a pose; end_angles() are those of the pose.
   virtual void straight(const ToolPose& to, bool rapid, double duration_s) = 0;
@@ -44,7 +44,7 @@ class PostWriter : public ProgramWriter {
   virtual void arc(const ToolPose& to, const FittedArc& arc, double duration_s) = 0;
   /// Drills a hole, after traversing to it from last(). Precondition: drills(hole).
   virtual void drill(const DrilledHole&) {}
-  /// Anything but a hole follows a hole.
+  /// Ends a series of holes, before anything else follows.
   virtual void end_drilling() {}
   virtual void dwell(double seconds) = 0;
   virtual void say(const MachineRemark& said) = 0;
@@ -62,7 +62,7 @@ class PostWriter : public ProgramWriter {
   const ToolPose& last() const { return last_; }
   const RotaryAngles& angles() const { return angles_; }
   const RotaryAngles& end_angles() const { return end_angles_; }
-  /// The speed that the next remark about the spindle states; 0: none.
+  /// The speed in the next remark about the spindle; 0 without one.
   double next_rpm() const;
   /// The feed of a motion from last(), mm per minute, or degrees per minute if the tip rests.
   double feed(const ToolPose& to, double duration_s) const;
@@ -85,7 +85,7 @@ class PostWriter : public ProgramWriter {
   ToolId tool_ = 0;
   ToolPose last_;
   RotaryAngles angles_, end_angles_;
-  double late_s_ = 0;  ///< of motions that are too short to be written
+  double late_s_ = 0;  ///< time of motions too short to be written
   std::vector<MachineRemark> held_;
   std::vector<std::string> notes_;
 };

@@ -51,25 +51,25 @@ struct ToolChange {
 struct Program {
   std::string name;          ///< file name
   std::string read_as = {};  ///< language, and why it: "Haas: line 3 has G154"
-  /// The number that its text gives it (O1234), in digits; "" if none.
+  /// The number in the program's text (O1234), digits only; "" without one.
   std::string number = {};
   std::vector<ProgramMotion> motions;
   std::vector<std::string> warnings;  ///< "file:line: text"
   std::size_t lines = 0;              ///< lines read of the program's own text
-  /// It is read in inches because its comments state sizes in inches, and no word its unit.
+  /// Read in inches, because comments state sizes in inches and no word states the unit.
   bool assumed_inches = false;
   std::vector<std::string> files;  ///< the program itself, then the subroutine files it called
   std::vector<ToolChange> tool_changes;
-  /// In their order; comments before the first tool change or motion are left out. Of a sampled
-  /// program: none.
+  /// In order. Comments before the first tool change or motion are dropped. Empty for a sampled
+  /// program.
   std::vector<ProgramRemark> remarks;
 };
 
 /// Languages of programs.
 enum class ProgramFormat { kGcode, kApt };
-/// Returns the format by file extension, ignoring case: .apt and .cls are APT, those that
-/// controllers and post-processors use (.nc, .ngc, .tap, .txt and others) are G-code. Any other
-/// extension is an error.
+/// Returns the format by file extension, ignoring case: .apt and .cls are APT, extensions of
+/// controllers and post-processors (.nc, .ngc, .tap, .txt and more) are G-code. Any other extension
+/// is an error.
 std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_name);
 
 /// Reads a program, G-code or APT by the extension of `name`, for the tools, the machine and the
@@ -88,9 +88,10 @@ std::expected<Program, ProgramError> parse_program(const std::string& name, std:
 std::string place_of(const Program& program, std::uint32_t file, std::uint32_t line);
 
 /// Divides a program into motions of 1/rate_hz seconds each along the programmed feed, as an agent
-/// would stream it; the last motion before a jump or a tool change may be shorter. Poses are on the
+/// would stream it. The last motion before a jump or a tool change may be shorter. Poses are on the
 /// pose grid. A motion that spans a corner cuts it off; a warning reports the largest such error
-/// above 0.01 mm. `rate_hz` > 0. Check sample_count first: the result has no limit of its own.
+/// above 0.01 mm. `rate_hz` > 0. Check sample_count first, because the result has no limit of its
+/// own.
 Program sample_program(const Program& program, double rate_hz);
 
 /// Returns the approximate number of motions that sample_program makes.

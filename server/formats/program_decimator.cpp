@@ -15,7 +15,7 @@ namespace {
 
 /// Most poses of one joined motion; every new motion is compared with all of them.
 constexpr std::size_t kPosesMax = 128;
-/// Fewer do not tell an arc.
+/// Fewer poses do not define an arc.
 constexpr std::size_t kArcPosesMin = 4;
 
 double angle(const ToolPose& a, const ToolPose& b) {
@@ -73,7 +73,7 @@ void ProgramDecimator::start(const ProgramMotion& motion) {
   arc_.reset();
 }
 
-// Writes the parts as a line or an arc; if they are neither yet, the first of them only.
+// Writes the parts as a line or an arc, or only the first of them if they are neither.
 WriteResult ProgramDecimator::write_first() {
   ProgramMotion joined = parts_.front();
   if (!line_ && !arc_) {

@@ -9,12 +9,11 @@
 
 namespace kerf {
 
-/// Joins consecutive motions into a straight one, or into an arc where the writer takes it, as long
-/// as no point of the tool, from its tip to its end along the axis, deviates by more than
-/// `tolerance_mm`. The swept volume changes by no more than
-/// that. Paths are compared by length, so the tool may be at another point at a given time; the
-/// total duration is kept. Motions of different kinds (rests, rapids, cuts) or tools are never
-/// joined. Forwards the result to `writer`.
+/// Joins consecutive motions into a straight one, or into an arc if the writer supports it, while
+/// no point of the tool, from its tip to its end along the axis, deviates by more than
+/// `tolerance_mm`. The swept volume changes by no more than that. Paths are compared by length, so
+/// the position at a given time may differ; the total duration is kept. Motions of different kinds
+/// (rests, rapids, cuts) or tools are never joined. Forwards the result to `writer`.
 class ProgramDecimator final : public ProgramWriter {
  public:
   ProgramDecimator(std::unique_ptr<ProgramWriter> writer, const Scene& scene, double tolerance_mm);
@@ -39,7 +38,7 @@ class ProgramDecimator final : public ProgramWriter {
   std::vector<ProgramMotion> parts_;  ///< of the next motion, not yet forwarded
   std::vector<ToolPose> path_;        ///< their poses, both ends included
   bool line_ = true;                  ///< the parts can be joined to a line
-  bool perhaps_arc_ = false;          ///< to an arc, or they are too few to tell
+  bool perhaps_arc_ = false;          ///< to an arc, or they are too few to decide
   std::optional<FittedArc> arc_;
 };
 

@@ -6,7 +6,7 @@
 
 namespace kerf {
 
-/// Why a program, a tool table or a parameter file was rejected, and where.
+/// The reason and the position at which a program, a tool table or a parameter file was rejected.
 struct ProgramError {
   std::string file;
   std::size_t line = 0;       ///< from 1; 0 if the error concerns the whole file

@@ -28,7 +28,7 @@ std::set<ToolId> tools_of_apt(std::string_view text) {
   return tools;
 }
 
-/// Every number behind a T outside of comments: a tool that is not used does no harm.
+/// Collects every number after a T outside comments. An unused tool does no harm.
 std::set<ToolId> numbered_tools(std::string_view text) {
   if (is_apt(text)) return tools_of_apt(text);
   std::set<ToolId> tools;
@@ -73,7 +73,7 @@ class FactsVisitor final : public ProgramVisitor {
     }
     motions_ += motions.size();
   }
-  /// The extents need a second reading.
+  /// The extents need a second pass.
   std::expected<ProgramFacts, ProgramError> facts(const OpenProgram& open) {
     const auto reader = open();
     for (bool more = true; more;) {
@@ -115,7 +115,7 @@ std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
   for (const ToolId id : named) {
     scene.tools[id] = {.shape = kThinTool, .body = {}, .tool = *make_tool(kThinTool)};
   }
-  // A program of one tool needs no other.
+  // A program with one tool needs no spare tool.
   const ToolId spare = named.size() > 1 ? *named.rbegin() + 1 : 0;
   if (spare > 0) {
     scene.tools[spare] = {.shape = kThinTool, .body = {}, .tool = *make_tool(kThinTool)};

@@ -9,24 +9,24 @@
 namespace kerf {
 namespace {
 
-// First tolerance that is tried, and the last one, in diagonals of the path's extents.
+// First and last tolerance tried, in diagonals of the path's extents.
 constexpr double kFirstTolerance = 1e-5, kLastTolerance = 0.2;
 constexpr double kToleranceStep = 2;
-// Greatest distance of a point from the joined path, in tolerances: a point and the end of its
-// run are each within one of the line along which the run began, and a run may end one short of it.
+// Greatest distance of a point from the joined path, in tolerances. A point and the end of its run
+// are each within one of the line along which the run began, and a run may end one short of it.
 constexpr double kPathErrorPerTolerance = 3;
 
-/// Passes the points of a path on, until the receiver returns false.
+/// Passes on the points of a path until the receiver returns false.
 using Points = std::function<void(const std::function<bool(const PathPoint&)>&)>;
 
-/// Joins points while they stay within a tolerance of the line along which they began, and do not
-/// turn back.
+/// Joins points that stay within a tolerance of the line along which they began and do not turn
+/// back.
 class Joiner {
  public:
   Joiner(double tolerance_mm, std::size_t points_max)
       : tolerance_mm_(tolerance_mm), points_max_(points_max) {}
 
-  /// False if the path has too many points.
+  /// Returns false if the path has too many points.
   bool add(const PathPoint& point) {
     if (!last_) {
       keep(point);
@@ -156,7 +156,7 @@ void PathCollector::add(const PathPoint& point) {
   if (held_.size() >= kHeld) join_held();
 }
 
-/// Joins the points that are held to the path before them.
+/// Joins the held points to the path before them.
 void PathCollector::join_held() {
   const double extent_mm = length(extents_->max_mm - extents_->min_mm);
   const auto join = [this](const std::vector<PathPoint>& points) {

@@ -14,14 +14,14 @@
 namespace kerf {
 namespace {
 
-/// Samples, parameters and modes; tool changes and remarks, mostly few, come on top.
+/// Samples, parameters and modes. Tool changes and remarks, usually few, are extra.
 constexpr std::size_t kReadingBytes = std::size_t{4} << 20;
-/// Of a line in an index: its place, and its sequence number or block.
+/// Bytes per indexed line: its offset, and its sequence number or block.
 constexpr std::size_t kLineBytes = 24;
 
 bool cuts(const ProgramMotion& motion) { return !motion.rapid && !(motion.from == motion.to); }
 
-// A program that cuts nothing is rarely meant: it comes first among the warnings.
+// A program that cuts nothing is rarely intended, so this warning comes first.
 void warn_of_idle_program(Program& program) {
   program.warnings.insert(program.warnings.begin(),
                           program.name + ": THE PROGRAM CUTS NOTHING: it ends after " +

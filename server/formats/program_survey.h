@@ -17,7 +17,7 @@
 
 namespace kerf {
 
-/// What must be known of a program before it is carved.
+/// Totals of a program that are needed before it is carved.
 struct ProgramTotals {
   std::size_t motions = 0;
   double duration_s = 0;  ///< at feed rate
@@ -33,7 +33,8 @@ struct ProgramTotals {
 /// Collects totals and path of a program, with or without sampling, while it is read to its end.
 class ProgramSurvey final : public ProgramVisitor {
  public:
-  /// `rate_hz`: the motions that count are samples, as of sample_program. `stop` ends the reading.
+  /// `rate_hz`: surveys the program resampled at this rate, as by sample_program. `stop` ends the
+  /// reading.
   ProgramSurvey(std::size_t path_points_max, std::optional<double> rate_hz,
                 const MachineDynamics& dynamics = {}, std::stop_token stop = {})
       : points_max_(path_points_max),
@@ -72,15 +73,15 @@ class ProgramSurvey final : public ProgramVisitor {
   std::stop_token stop_;
 };
 
-/// The motions of a program, or their samples, one after the other, read when they are needed.
+/// The motions of a program, or their samples, in order, read on demand.
 class MotionStream {
  public:
-  /// `rate_hz` as of ProgramSurvey.
+  /// `rate_hz` as in ProgramSurvey.
   MotionStream(std::unique_ptr<ProgramReader> reader, std::optional<double> rate_hz);
 
   /// The next motion; null if it must be read first, and at the end.
   const ProgramMotion* next() const { return taken_ < ready_.size() ? &ready_[taken_] : nullptr; }
-  /// Reads a little, if no motion is ready. Returns false at the end.
+  /// Reads some of the program if no motion is ready. Returns false at the end.
   std::expected<bool, ProgramError> read();
   /// Drops the next motion. Precondition: next() is not null.
   void pop() { ++taken_; }

@@ -17,7 +17,7 @@ namespace {
 /// Decimals of the pose grid (kTipGridMm).
 constexpr int kPoseDecimals = 6;
 
-// The last decimal that a control takes, mm; 0 if it takes all.
+// The last decimal that a control accepts, mm; 0 if it accepts all.
 double rounding_mm(int decimals) {
   return decimals >= kPoseDecimals ? 0 : std::pow(10.0, -decimals);
 }
@@ -84,7 +84,7 @@ std::expected<std::unique_ptr<ProgramWriter>, std::string> make_program_writer(
   else if (!apt)
     writer = std::make_unique<KeptArcs>(std::move(writer), scene,
                                         rounding_mm(rules_of(style.post).tip_decimals));
-  // Holes are sought before motions are joined across their ends.
+  // Holes are found before motions are joined across their ends.
   if (!apt) writer = std::make_unique<DrillingCycles>(std::move(writer));
   return writer;
 }

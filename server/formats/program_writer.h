@@ -15,8 +15,8 @@
 
 namespace kerf {
 
-/// Success, or why a program cannot be written: a pose that the machine cannot reach, or an output
-/// stream that failed. The error is one sentence.
+/// Success, or the reason why a program cannot be written: a pose that the machine cannot reach, or
+/// a failed output stream. The error is one sentence.
 using WriteResult = std::expected<void, std::string>;
 
 /// Writes a program motion by motion, so that a journal of any length can be exported without
@@ -33,12 +33,11 @@ class ProgramWriter {
   virtual ~ProgramWriter() = default;
   /// Adds a comment line to the head of the program. Call before the first add().
   virtual void note(const std::string& line) = 0;
-  /// Gives the program a number, in digits, where the control has such. Call before the first
-  /// add().
+  /// Sets the program's number, in digits, if the control has numbers. Call before the first add().
   virtual void set_number(const std::string&) {}
   /// Writes one motion. Poses are rounded to the pose grid.
   virtual WriteResult add(const ProgramMotion& motion) = 0;
-  /// Whether the control takes such an arc.
+  /// Whether the control supports such an arc.
   virtual bool takes(const FittedArc&) const { return false; }
   /// Writes a motion whose tip follows an arc. Precondition: takes(arc).
   virtual WriteResult add_arc(const ProgramMotion& motion, const FittedArc& arc);
@@ -52,32 +51,34 @@ class ProgramWriter {
   virtual WriteResult finish() = 0;
 };
 
-/// Why programs for a control cannot be written for a machine, one sentence; nullopt if they can.
+/// Returns the reason why programs for a control cannot be written for a machine, one sentence, or
+/// nullopt.
 std::optional<std::string> post_rejection(Post post, MachineKinematics kinematics);
 
 /// Makes a writer for a control and the scene's machine. For LinuxCNC, reading the text back gives
 /// bit-identical poses with `xyz` and `tool-vector`; with `xyzac-trt` and `xyzbc-trt` the tip is
 /// exact and the axis is within 2e-8 (angles with six decimals), and durations are exact to 1e-6
-/// relative. For the others every number is rounded as PostRules state. Errors of the writer: with
+/// relative. For other controls every number is rounded as in PostRules. Errors of the writer: with
 /// `xyz` a tilted tool. Error: post_rejection. `scene` and `out` must outlive the writer.
 std::expected<std::unique_ptr<ProgramWriter>, std::string> make_post_writer(Post post,
                                                                             const Scene& scene,
                                                                             std::ostream& out);
-/// The same for LinuxCNC, which takes every machine; programs of `tool-vector` are for Kerf only.
+/// Like the above for LinuxCNC, which accepts every machine. Programs of `tool-vector` are for Kerf
+/// only.
 std::unique_ptr<ProgramWriter> make_gcode_writer(const Scene& scene, std::ostream& out);
 /// Makes a writer of APT CL data: poses are bit-identical when read back, durations exact to 1e-6
 /// relative. `scene` and `out` must outlive the writer.
 std::unique_ptr<ProgramWriter> make_apt_writer(const Scene& scene, std::ostream& out);
 
-/// What a program is written as.
+/// Format and options of a written program.
 struct ProgramStyle {
   ProgramFormat format = ProgramFormat::kGcode;
   Post post = Post::kLinuxcnc;  ///< of G-code
-  double tolerance_mm = 0;      ///< if > 0, motions are joined within it to lines and, where the
-                                ///< control takes them, arcs (program_decimator.h)
+  double tolerance_mm = 0;  ///< if > 0, motions are joined within it to lines and, if the control
+                            ///< supports them, arcs (program_decimator.h)
 };
 
-/// Makes one of the writers above. Error: as of make_post_writer.
+/// Makes one of the writers above. Error: that of make_post_writer.
 std::expected<std::unique_ptr<ProgramWriter>, std::string> make_program_writer(
     const ProgramStyle& style, const Scene& scene, std::ostream& out);
 

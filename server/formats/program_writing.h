@@ -19,8 +19,8 @@ WriteResult write_result(const std::ostream& out);
 /// Replaces control characters by '?', so that a text cannot end the line of its comment.
 std::string printable(std::string text);
 
-/// Returns the distance from the tip, mm, up to which deviations of the tool axis count: the length
-/// of the tool, or the pivot distance if the scene does not contain the tool.
+/// Returns the distance from the tip, mm, up to which the tool axis matters: the length of the
+/// tool, or the pivot distance if the scene does not contain the tool.
 double reach_mm(const Scene& scene, ToolId tool);
 
 }  // namespace kerf

@@ -19,7 +19,7 @@
 
 namespace kerf {
 
-/// Machine kinematics: how programmed coordinates become tool poses in the workpiece
+/// Machine kinematics: conversion of programmed coordinates to tool poses in the workpiece
 /// (machine_kinematics.h).
 enum class MachineKinematics {
   kXyz,         ///< three linear axes; the tool axis is always +Z
@@ -36,16 +36,16 @@ struct SceneTool {
   ToolBody body;    ///< shank and holder
   Tool tool;        ///< geometry resolved by make_tool
   /// Whether the chord tolerance of the profile, and of the holder's, follows the scene's
-  /// tolerance_mm (resolve_chords), because the scene gives none.
+  /// tolerance_mm (resolve_chords), because the scene does not state it.
   bool chords_follow = false, holder_chords_follow = false;
-  /// Of a derived scene: the program names it and never moves it, so that it does not count for
-  /// the accuracy. Not in the canonical text.
+  /// In a derived scene: the program names the tool and never moves it, so it does not affect the
+  /// accuracy. Not in the canonical text.
   bool idle = false;
 };
 
-/// Chord tolerance of profiles that give none, as a share of the scene's tolerance_mm. If it grows,
-/// fillets take a larger part of the error, and have fewer pieces: their number grows as its
-/// inverse square root.
+/// Chord tolerance of profiles without one, as a share of the scene's tolerance_mm. A larger value
+/// gives fillets more of the error, and fewer pieces: their number grows as its inverse square
+/// root.
 inline constexpr double kChordShare = 0.1;
 
 /// The direction in which a positive angle of a rotary axis turns.
@@ -58,10 +58,11 @@ enum class RotaryDirection {
 struct Machine {
   MachineKinematics kinematics = MachineKinematics::kXyz;
   RotaryDirection rotary_direction = RotaryDirection::kTable;
-  /// The tool in the spindle until the first tool change; 0: none, or the scene's only one.
+  /// The tool in the spindle until the first tool change; 0: the scene's only one, or an empty
+  /// spindle.
   ToolId spindle_tool = 0;
   double rapid_mm_per_min = 10000;   ///< traverse rate of G0 and RAPID, > 0
-  Dialect dialect = Dialect::kAuto;  ///< of programs whose GcodeEnvironment states none
+  Dialect dialect = Dialect::kAuto;  ///< for programs whose GcodeEnvironment has no dialect
 };
 
 /// A validated scene: stock, accuracy, tools, force law, machine and obstacles. Every session and
@@ -76,15 +77,15 @@ struct Scene {
   /// The file of each of settings.obstacles as written in the scene; "" unless it is a mesh.
   std::vector<MeshFile> obstacle_files;
   std::vector<Guide> guides;  ///< virtual fixtures that haptic devices feel
-  /// Of a derived scene: nothing states the stock, so that its border means nothing. Not in the
-  /// canonical text.
+  /// In a derived scene: the stock is assumed, so its border has no meaning. Not in the canonical
+  /// text.
   bool stock_assumed = false;
   MeshFile stock_file;      ///< of a mesh stock as written in the scene; "" otherwise
-  MeshRepair stock_repair;  ///< what was repaired in it, if the scene asks for repair
+  MeshRepair stock_repair;  ///< repairs made to it, if the scene requests repair
   std::map<std::string, std::string> files;  ///< name to content, if SceneSource::keep_files
 };
 
-/// Why a scene was rejected, and where.
+/// The reason and the position at which a scene was rejected.
 struct SceneError {
   std::string file;
   std::string path;  ///< JSON path, e.g. "tools[0].diameter_mm"; empty for syntax errors
@@ -95,10 +96,10 @@ struct SceneError {
 /// "chips.json:4:25: accuracy.pitch_mm is 0; it must be above 0".
 std::string to_string(const SceneError& error);
 
-/// Where a scene text comes from and which files it may name.
+/// Origin of a scene's text, and the files that it may name.
 struct SceneSource {
   std::string name = "scene";  ///< file name for errors
-  /// Folder that file names in the scene are relative to; without it only `files` can be named.
+  /// Base folder of file names in the scene; without it only `files` can be named.
   std::optional<std::filesystem::path> base_folder;
   std::map<std::string, std::string> files = {};  ///< name to content; searched before the folder
   bool keep_files = false;                        ///< store the content of every file in the scene
@@ -123,14 +124,13 @@ Accuracy accuracy_of(const Scene& scene);
 std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const AccuracyRequest& request,
                                                     std::optional<double> wall_pitch_mm = {});
 
-/// Why a tool of a scene could not be resolved.
+/// The reason why a tool of a scene could not be resolved.
 struct SceneToolError {
   ToolId tool;
   ToolError error;
 };
 /// Sets the chord tolerance of the profiles that follow the scene's tolerance_mm to kChordShare of
-/// it, and resolves their tools again. parse_scene has done so; call it after tolerance_mm was
-/// changed.
+/// it, and resolves their tools again. parse_scene does so. Call it after changing tolerance_mm.
 std::expected<void, SceneToolError> resolve_chords(Scene& scene);
 
 /// Returns the scene as canonical JSON text: every field, in a fixed order ("guides" only if there

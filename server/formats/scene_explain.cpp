@@ -182,7 +182,7 @@ std::string without_indices(const std::string& path) {
   return result;
 }
 
-/// States at which engagement the force of each tool is steady.
+/// States the engagement at which the force of each tool is steady.
 std::string force_note(const Scene& scene) {
   const SculptureSettings& s = scene.settings;
   std::ostringstream out;
@@ -197,7 +197,7 @@ std::string force_note(const Scene& scene) {
     const double steady_mm = steady_radial_mm(fields, s.pitch_mm, diameter_mm);
     out << std::exchange(separator, ", ") << "tool " << id << " ";
     if (steady_mm <= diameter_mm) {
-      // Two digits, in plain decimals also from 100 mm on.
+      // Two significant digits, in plain decimals also from 100 mm on.
       const double step = std::pow(10.0, std::floor(std::log10(steady_mm)) - 1);
       out << std::setprecision(6) << std::round(steady_mm / step) * step << " mm";
     } else {

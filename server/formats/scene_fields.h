@@ -97,8 +97,7 @@ class SceneFields {
     return {v[0], v[1], v[2]};
   }
 
-  /// Throws SceneRejection for a field that none of the functions above has been called with. Call
-  /// last.
+  /// Throws SceneRejection for a field that was not passed to any function above. Call last.
   void reject_unknown() const;
 
  private:

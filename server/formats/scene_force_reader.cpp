@@ -58,7 +58,7 @@ void read_material(SceneFields& fields, MillingSettings& milling) {
   milling.chip_exponents = in_all_directions(found->chip_exponent);
 }
 
-/// One exponent for all directions, and others for some.
+/// Reads the exponent of all directions, and those that override it in one.
 void read_exponents(SceneFields& fields, EdgeCoefficients& m) {
   if (fields.find("chip_exponent"))
     m = in_all_directions(up_to(fields, "chip_exponent", 0, kChipExponentMax));

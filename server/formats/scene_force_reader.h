@@ -6,8 +6,8 @@
 
 namespace kerf {
 
-/// Reads the "force" object of a scene. `material` of the law mechanistic sets the coefficients
-/// that are not given themselves (kernel/force/milling_presets.h). Throws SceneRejection.
+/// Reads the "force" object of a scene. In the law mechanistic, `material` sets the coefficients
+/// that are not given (kernel/force/milling_presets.h). Throws SceneRejection.
 ForceSettings read_force(const SceneValue& value);
 
 }  // namespace kerf

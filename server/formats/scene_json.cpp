@@ -176,7 +176,7 @@ const char* unit_name(double unit_mm) {
   return unit_mm == 1000 ? "m" : "inch";
 }
 
-// What has its default is left out, as in scenes before these fields came.
+// Default values are omitted, as in scenes from before these fields existed.
 OrderedJson to_json(const MeshFile& file) {
   OrderedJson json{{"shape", "mesh"}, {"file", file.file}};
   if (file.repair) json["repair"] = true;
@@ -215,8 +215,8 @@ OrderedJson to_json(const Obstacle& obstacle, const MeshFile& file) {
   return json;
 }
 
-// A target is written together with the values chosen for it. Reading it back then has nothing to
-// choose, so a journal keeps its values even if a later version would choose others.
+// A target is written together with the values chosen for it. Reading it back then chooses nothing,
+// so a journal keeps its values even if a later version would choose others.
 OrderedJson accuracy_to_json(const Scene& scene) {
   const SculptureSettings& s = scene.settings;
   OrderedJson json = OrderedJson::object();
@@ -228,7 +228,7 @@ OrderedJson accuracy_to_json(const Scene& scene) {
   return json;
 }
 
-// Invalid UTF-8 is replaced. It cannot come from a file, whose parser rejects it, only from code.
+// Replaces invalid UTF-8, which can only come from code, because the parser rejects it in files.
 std::string text_of(const OrderedJson& json) {
   return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }

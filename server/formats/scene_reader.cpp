@@ -127,7 +127,7 @@ Rays read_rays(SceneFields& accuracy) {
   accuracy.reject("rays", "\"" + rays + "\" is not a ray model; use dexel or tri-dexel");
 }
 
-// Values left out are chosen if there is a target and have their default otherwise.
+// Missing values are chosen if there is a target, and have their defaults otherwise.
 AccuracyRequest read_accuracy(const SceneValue& value) {
   SceneFields fields(value);
   AccuracyRequest request;
@@ -233,7 +233,7 @@ void read_obstacle(const SceneValue& value, const SceneSource& source, Scene& sc
   scene.obstacle_files.push_back(std::move(file));
 }
 
-/// Paths are joined, and strokes thinned, within this share of the distance that they allow.
+/// Share of a guide's allowed distance within which its path is joined and its strokes thinned.
 constexpr double kGuideJoinShare = 0.05;
 
 std::vector<GuidePath> read_guide_file(SceneFields& fields, const PathGuide& guide,
@@ -246,7 +246,7 @@ std::vector<GuidePath> read_guide_file(SceneFields& fields, const PathGuide& gui
   return *std::move(paths);
 }
 
-// The surface of the stock, for guides that name no other.
+// The surface of the stock, for guides that name no surface.
 SnapSurface stock_surface(const Scene& scene, const SceneValue& guides) {
   if (scene.settings.stock_mesh)
     guides.reject("snap to a box or cylinder only: state a \"surface\" beside the mesh stock");
@@ -254,7 +254,7 @@ SnapSurface stock_surface(const Scene& scene, const SceneValue& guides) {
   return {std::holds_alternative<CylinderStock>(scene.settings.stock), box.min_mm, box.max_mm};
 }
 
-// Call after all else has been read: programs depend on tools, machine and tolerance.
+// Call last: programs depend on tools, machine and tolerance.
 void read_scene_guides(const SceneValue& list, const SceneSource& source, Scene& scene) {
   scene.guides = read_guides(list, [&](SceneFields& fields, const PathGuide& guide) {
     return read_guide_file(fields, guide, source, scene);
@@ -265,7 +265,7 @@ void read_scene_guides(const SceneValue& list, const SceneSource& source, Scene&
   }
 }
 
-// `tools` are the items that scene.tools was read from.
+// `tools` are the items from which scene.tools was read.
 void apply_tolerance_to_tools(const std::vector<SceneValue>& tools, Scene& scene) {
   const auto resolved = resolve_chords(scene);
   if (resolved) return;

@@ -6,7 +6,7 @@
 
 namespace kerf {
 
-/// A scene to begin with.
+/// A scene to start from.
 struct SceneTemplate {
   std::string_view id, title, description;
   std::string_view scene;  ///< JSON for parse_scene; it names no file

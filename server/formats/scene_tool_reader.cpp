@@ -41,7 +41,7 @@ ProfileStep read_step(const SceneValue& value) {
   return ProfileCenteredArc{to, read_point(*center), bulge};
 }
 
-// Sets `chords_follow` if the chord tolerance is left out. Then it is the largest one until the
+// Sets `chords_follow` if the chord tolerance is missing. It is then the largest one until the
 // scene's tolerance is known, so that no outline has too many pieces before.
 ProfileShape read_profile(SceneFields& fields, bool& chords_follow) {
   ProfileShape shape;

@@ -16,8 +16,7 @@ namespace {
 constexpr double kSideMaxMm = 10'000;
 constexpr std::size_t kLinesMax = 5'000;
 
-// The numbers of a comment that are its sides: those behind X, Y and Z, or three joined by "x" or
-// commas.
+// The sides in a comment: numbers after X, Y and Z, or three numbers joined by "x" or commas.
 class Sides {
  public:
   Sides(const std::string& text, double unit_mm) : text_(text), unit_mm_(unit_mm) {}
@@ -90,7 +89,7 @@ bool names_stock(const std::string& upper) {
   return false;
 }
 
-// Where the comment of a line begins; npos: it has none. APT has comments behind $$ and texts.
+// Start of a line's comment, or npos. In APT comments follow $$ and are in texts.
 std::size_t comment_begin(const std::string& upper, bool apt) {
   if (!apt) {
     const std::size_t begin = upper.find_first_of("(;");
@@ -107,7 +106,7 @@ std::size_t comment_begin(const std::string& upper, bool apt) {
 std::optional<StatedStock> stated_stock(std::string_view program, double unit_mm) {
   const bool apt = is_apt(program);
   TextLines walk(program);
-  bool title = false;  // the line before names the stock and has no size
+  bool title = false;  // the previous line names the stock without a size
   while (walk.next() && walk.number() <= kLinesMax) {
     const std::string upper = to_upper(std::string(walk.line()));
     const std::size_t begin = comment_begin(upper, apt);

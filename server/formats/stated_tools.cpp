@@ -45,8 +45,8 @@ Parts parts_of(std::string_view line) {
   return parts;
 }
 
-// The same of a line of Klartext, where only ";" and "* -" begin a comment. The code has no block
-// number; blanks between quotes are kept.
+// The same for a line of Klartext, in which only ";" and "* -" begin a comment. The code has no
+// block number; blanks between quotes are kept.
 Parts klartext_parts_of(std::string_view line) {
   Parts parts;
   std::size_t at = line.find_first_not_of(" \t0123456789");
@@ -63,7 +63,7 @@ Parts klartext_parts_of(std::string_view line) {
   return parts;
 }
 
-// The number behind a T of the code, the last one of the line.
+// The number after the last T of a line's code.
 std::optional<ToolId> tool_word(const std::string& code) {
   for (std::size_t i = code.size(); i-- > 0;) {
     if (code[i] != 'T' || (i > 0 && code[i - 1] >= 'A' && code[i - 1] <= 'Z')) continue;
@@ -150,8 +150,8 @@ class Finder {
     if (klartext_ ? feeds_klartext(parts.code) : has_feed(parts.code)) open_ = false;
   }
 
-  // The tool of a TOOL CALL: its number, or the rank of its name; 0 for one that is not known from
-  // the text. nullopt: the line calls none.
+  // Returns the tool of a TOOL CALL: its number, or the rank of its name; 0 if the text does not
+  // determine it; nullopt without a call.
   std::optional<ToolId> called_tool(const std::string& code) {
     constexpr std::string_view kCall = "TOOLCALL";
     if (!code.starts_with(kCall)) return std::nullopt;
@@ -168,7 +168,7 @@ class Finder {
     return digits > 0 ? std::optional(id) : std::nullopt;
   }
 
-  // TOOL DEF 1 L+0 R+5 states a radius; how the tool ends only a comment can.
+  // TOOL DEF 1 L+0 R+5 states a radius. Only a comment can describe the tip.
   void define(const std::string& code, std::size_t line) {
     const std::size_t radius_at = code.find('R');
     if (radius_at == std::string::npos) return;
@@ -209,8 +209,8 @@ class Finder {
     if (!added && !known->second.doubt.empty() && tool.doubt.empty()) known->second = tool;
   }
 
-  // A comment without a number describes the tool that the program has just selected, or it names
-  // one; "FACE 1" and "DRILL 5" are operations.
+  // A comment without a number describes the selected tool, or it names one. "FACE 1" and "DRILL 5"
+  // are operations.
   bool is_of_a_tool(const WordedTool& tool) const {
     if (selected_ && tool.sized) return tool.doubt.empty() || tool.names_kind;
     return tool.names_tool && tool.sized;
@@ -228,7 +228,7 @@ class Finder {
   std::optional<StatedTool> loose_;
   std::optional<ToolId> tool_;
   bool open_ = false;
-  bool selected_ = false;  ///< the line selects a tool, or none has fed since one did
+  bool selected_ = false;  ///< the line selects a tool, or no feed has followed one that did
 };
 
 }  // namespace

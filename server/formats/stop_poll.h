@@ -6,7 +6,7 @@
 
 namespace kerf {
 
-/// Asks a stop token at every 1024th step of a loop whose steps are shorter than the question.
+/// Polls a stop token at every 1024th step of a loop whose steps are shorter than a poll.
 class StopPoll {
  public:
   explicit StopPoll(std::stop_token stop) : stop_(std::move(stop)) {}

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kStatedDigitsMax = 6;
 
-// Reads "T1", "TOOL 1", "TOOL NO. 1:", "TOOLS: T9", "#3": a number that is not the size.
+// Reads "T1", "TOOL 1", "TOOL NO. 1:", "TOOLS: T9", "#3": a number that is not a size.
 class Head {
  public:
   explicit Head(std::string_view text) : text_(text) {}

@@ -8,14 +8,14 @@
 
 namespace kerf {
 
-/// A comment about a tool of which it states the number.
+/// A comment about a tool, with the number of the tool.
 struct NumberedComment {
   ToolId id = 0;
-  std::string_view rest;  ///< the text behind the number
+  std::string_view rest;  ///< the text after the number
 };
 
-/// Returns the number of the tool that a comment begins with: "T1", "TOOL 1", "TOOL NO. 1:",
-/// "TOOLS: T9", "#3", "3 =". nullopt: it begins with none, or with a size ("TOOL 6MM", "#7 DRILL").
+/// Returns the number of the tool at the start of a comment: "T1", "TOOL 1", "TOOL NO. 1:", "TOOLS:
+/// T9", "#3", "3 =". nullopt: it begins without one, or with a size ("TOOL 6MM", "#7 DRILL").
 std::optional<NumberedComment> numbered_comment(std::string_view comment);
 
 }  // namespace kerf

@@ -14,11 +14,11 @@ namespace {
 using Word = ToolWord;
 
 constexpr std::string_view kSeparators = ",-=:./|&*'\"[]{}+_#()";
-/// The least number behind POINT that is an angle without a unit.
+/// The least number after POINT that is an angle without a unit.
 constexpr double kPointMinDeg = 60;
 /// The greatest number of a screw, and the fewest threads an inch of a numbered one.
 constexpr double kScrewNumberMax = 12, kThreadsMin = 20;
-/// An angle that a V-bit may have, where a number without a unit follows its name: "V60".
+/// Plausible angles of a V-bit, for a number without a unit after its name: "V60".
 constexpr double kVeeMinDeg = 10, kVeeMaxDeg = 170;
 
 class Grammar : public ToolTokenWalk {
@@ -30,7 +30,7 @@ class Grammar : public ToolTokenWalk {
       for (std::size_t i = 0; i < tokens_.size(); ++i)
         if (!claimed_[i]) (this->*rule)(i);
     };
-    // Numbers that a word names are claimed before the numbers without a name are read.
+    // Numbers with a name are claimed before those without one are read.
     each(&Grammar::phrase);
     each(&Grammar::name);
     each(&Grammar::number);
@@ -45,7 +45,7 @@ class Grammar : public ToolTokenWalk {
     if (!number_of(i, behind)) claim(i);
   }
 
-  // Words of more than one token that mean something else together.
+  // Pairs of words with a meaning of their own.
   void phrase(std::size_t i) {
     const Word here = meaning(i);
     if (is(i, "T") && (meaning(i + 1) == Word::kSlot || is(i + 2, "SLOT"))) {
@@ -131,7 +131,7 @@ class Grammar : public ToolTokenWalk {
     claim(i);
     facts_.sizes.push_back({.mm = *size, .named = true});
   }
-  // M6 of a tap, and its pitch: M6x1, M6-1.0. Of a mill for threads it is not the diameter.
+  // M6 of a tap, and its pitch: M6x1, M6-1.0. For a thread mill it is not the diameter.
   void thread(std::size_t i) {
     bool taps = false;
     for (std::size_t n = 0; n < tokens_.size(); ++n)
@@ -215,7 +215,7 @@ class Grammar : public ToolTokenWalk {
     std::size_t name = i;
     // "TIP ANGLE 118", "HALF ANGLE 5".
     if (here != Word::kAngle && meaning(i + 1) == Word::kAngle) claim(name++);
-    // "TIP RADIUS 1" is that of a corner, "TIP DIAMETER 1" one that no shape has.
+    // "TIP RADIUS 1" is a corner radius, "TIP DIAMETER 1" a diameter that no shape has.
     if (here == Word::kPoint && meaning(i + 1) == Word::kRadius) {
       if (const auto n = number_of(i + 1, true)) facts_.corner_mm = mm(*n), claim(i);
       return;
@@ -243,7 +243,7 @@ class Grammar : public ToolTokenWalk {
       facts_.unread.push_back(decimal_text(deg, 3) + " DEG");
     if (!facts_.angle_deg) facts_.angle_deg = deg;
   }
-  // "TOOL 3", "NO. 7", "T5", "#7": the number of a tool or, of a drill, a gauge.
+  // "TOOL 3", "NO. 7", "T5", "#7": the number of a tool or, for a drill, a gauge.
   void identity(std::size_t i, Word here) {
     if (here == Word::kTool) add(here);
     std::size_t count = 0;
@@ -292,8 +292,8 @@ class Grammar : public ToolTokenWalk {
       claim(i);
       return set_angle(number.value);
     }
-    // The second number of "6x30" is a length, of "12x2 bull nose" a corner; "3/8-16 TAP" has 16
-    // threads.
+    // The second number of "6x30" is a length, that of "12x2 bull nose" a corner; "3/8-16 TAP" has
+    // 16 threads.
     const bool crossed = i > 0 && (is(i - 1, "X") || is(i - 1, "*"));
     const bool taps = facts_.has(Word::kTap) || next_kind(i) == Word::kTap;
     if (crossed && after_size_) {
@@ -321,7 +321,7 @@ class Grammar : public ToolTokenWalk {
     facts_.sizes.push_back(
         {.mm = mm(i), .with_unit = number.unit_mm > 0, .before_kind = is_tool_kind(meaning(next))});
   }
-  // "10-24" of a tap: a numbered screw, and its threads an inch.
+  // "10-24" of a tap: a numbered screw and its threads per inch.
   bool is_screw(std::size_t i) const {
     const ToolToken& number = tokens_[i];
     return number.unit_mm == 0 && number.value == std::floor(number.value) &&
@@ -329,7 +329,7 @@ class Grammar : public ToolTokenWalk {
            tokens_[i + 2].value >= kThreadsMin;
   }
 
-  // Kinds, words without a number, and everything that no rule has explained.
+  // Kinds, words without a number, and everything unexplained.
   void rest(std::size_t i) {
     const ToolToken& token = tokens_[i];
     if (token.is_number()) {

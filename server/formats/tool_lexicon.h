@@ -12,7 +12,7 @@ enum class ToolWord {
   kBall,
   kBull,
   kFlat,
-  kEnd,   ///< end mills: flat, unless another word says how they end
+  kEnd,   ///< end mills: flat, unless another word describes the end
   kFace,  ///< a flat one; "FACE 1" alone is an operation
   kSlot,  ///< likewise
   kDrill,
@@ -24,9 +24,9 @@ enum class ToolWord {
   kThread,  ///< a mill for threads
   kReamer,
   kTaper,
-  kForm,     ///< of an outline that words do not state: dovetail, lollipop, corner rounding
+  kForm,     ///< with an outline that words do not state: dovetail, lollipop, corner rounding
   kTurning,  ///< of a lathe
-  // Other nouns, and words that say nothing of the shape.
+  // Other nouns, and words without a shape.
   kMill,  ///< mill, cutter
   kBit,
   kTool,
@@ -48,7 +48,7 @@ enum class ToolWord {
   kRegister,  ///< H, offsets
   kRate,      ///< feeds, speeds and depths
   kNumber,    ///< "NO": of a tool or a gauge
-  kHelix,     ///< whose angle is none of the tip
+  kHelix,     ///< helix angle, not that of the tip
 };
 
 /// Returns the meaning of a word of ToolToken: upper case, ASCII.

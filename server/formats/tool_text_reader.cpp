@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-// Reads the text of tool_text in upper case, one word or number after the other.
+// Reads the text of tool_text in upper case, word by word.
 class ToolText {
  public:
   explicit ToolText(std::string_view text) : text_(to_upper(std::string(text))), rest_(text_) {}

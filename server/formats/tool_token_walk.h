@@ -18,7 +18,7 @@ inline bool is_tool_kind(ToolWord word) {
   return word >= ToolWord::kBall && word <= ToolWord::kBit;
 }
 
-/// The tokens of a description of a tool, each of which is claimed by the rule that explains it.
+/// The tokens of a tool's description. The rule that explains a token claims it.
 class ToolTokenWalk {
  public:
   ToolTokenWalk(std::vector<ToolToken> tokens, double unit_mm)
@@ -46,7 +46,7 @@ class ToolTokenWalk {
   void claim(std::size_t from, std::size_t count = 1) {
     for (std::size_t i = from; i < from + count; ++i) claimed_[i] = true;
   }
-  // The number behind a word and its signs; `count` receives the signs and the number.
+  // The number after a word and its signs; `count` receives the signs and the number.
   std::optional<std::size_t> number_after(std::size_t i, std::size_t& count) const {
     std::size_t next = i + 1;
     while (is_sign(next)) ++next;
@@ -54,8 +54,8 @@ class ToolTokenWalk {
     count = next - i;
     return next;
   }
-  // The number of a name: behind it, or before it if nothing but a blank divides them. A sign such
-  // as "=" prefers the one behind, and so does `behind`.
+  // The number of a name: after it, or before it if only a blank separates them. A sign such as
+  // "=", and `behind`, prefer the number after the name.
   std::optional<std::size_t> number_of(std::size_t i, bool behind) {
     std::size_t count = 0;
     const auto after = number_after(i, count);
@@ -74,7 +74,7 @@ class ToolTokenWalk {
     if (i == 1) return is(0, "-") || is(0, "+");
     return is(i - 1, "-") && is(i - 2, "=");
   }
-  // The kind of tool behind a number, if no other number comes before it.
+  // The kind of tool after a number, if no other number comes before it.
   ToolWord next_noun(std::size_t i) const {
     for (++i; i < tokens_.size() && !tokens_[i].is_number(); ++i)
       if (is_tool_kind(meaning(i))) return meaning(i);
@@ -93,7 +93,7 @@ class ToolTokenWalk {
 
   std::vector<ToolToken> tokens_;
   std::vector<bool> claimed_;
-  double unit_mm_;  ///< of numbers without a unit
+  double unit_mm_;  ///< unit of numbers without one
 };
 
 }  // namespace kerf

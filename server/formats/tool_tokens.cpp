@@ -49,7 +49,7 @@ std::string folded(std::string_view text) {
   return result;
 }
 
-/// Digits of the shortest counter behind a name.
+/// Fewest digits of a counter after a name.
 constexpr std::size_t kSerialDigits = 3;
 
 class ToolTokens {
@@ -97,7 +97,7 @@ class ToolTokens {
     return std::strtod(text.c_str(), nullptr);
   }
 
-  // One comma between digits, not that of a list ("6,0,20", TOOL/MILL,6,0).
+  // Whether this is a single comma between digits, not one of a list ("6,0,20", TOOL/MILL,6,0).
   bool is_decimal_comma() const {
     if (list_ || at(at_) != ',' || !is_digit(at(at_ + 1))) return false;
     std::size_t end = at_ + 1;
@@ -109,7 +109,7 @@ class ToolTokens {
     return ends && (begin == 0 || at(begin - 1) != ',');
   }
 
-  // Whether the last token is the 1 of "1 1/4": not the number of a tool, as in "T1 1/4".
+  // Whether the last token is the 1 of "1 1/4", not the number of a tool, as in "T1 1/4".
   bool is_whole_before() const {
     const std::size_t n = tokens_.size();
     if (n == 0 || !tokens_[n - 1].whole) return false;
@@ -175,7 +175,7 @@ class ToolTokens {
   }
 
   std::string text_;
-  bool list_;  ///< numbers are divided by commas
+  bool list_;  ///< commas separate numbers
   std::size_t at_ = 0;
   std::vector<ToolToken> tokens_;
 };

@@ -15,14 +15,14 @@ namespace kerf {
 namespace {
 
 constexpr double kDrillDeg = 118, kSpotDeg = 90, kEngraverDeg = 60, kEngraverMm = 10;
-/// Greatest angle that is that of a chamfer mill's side, unless it is named.
+/// Greatest angle that is taken as that of a chamfer mill's side, unless it is named.
 constexpr double kChamferSideDeg = 45;
 constexpr double kLengthDiameters = 5, kLengthMinMm = 20;
-/// Greatest diameter that is believed, mm: face mills and fly cutters.
+/// Greatest plausible diameter, mm: face mills and fly cutters.
 constexpr double kDiameterMaxMm = 500;
 /// Sizes without a unit beyond these are probably in inches (mm).
 constexpr double kBareMinMm = 1, kBareMaxMm = 100;
-/// Sizes that differ by less are the same one, written as a fraction and as a decimal.
+/// Sizes that differ by less are equal, written as a fraction and as a decimal.
 constexpr double kSameShare = 0.005;
 
 bool is_same(double a, double b) { return std::abs(a - b) <= kSameShare * std::max(a, b); }
@@ -33,7 +33,7 @@ ToolShape cone(double d, double tip_deg) {
   return with_cutting_length(ConeEndShape{d, tip_deg, usual_length(d)}, usual_length(d));
 }
 
-// Combines the facts of a comment to a shape.
+// Combines the facts of a comment into a shape.
 class Combination {
  public:
   Combination(const ToolFacts& facts, double unit_mm) : facts_(facts), unit_mm_(unit_mm) {}
@@ -65,7 +65,7 @@ class Combination {
  private:
   using Word = ToolWord;
 
-  // A noun that is the name of no operation, as FACE, SLOT and CHAMFER are.
+  // Whether there is a noun that does not also name an operation, as FACE, SLOT and CHAMFER do.
   bool has_noun() const {
     return facts_.has(Word::kTool) || facts_.has(Word::kBall) || facts_.has(Word::kBull) ||
            facts_.has(Word::kTap) || facts_.has(Word::kReamer) || facts_.has(Word::kCountersink);
@@ -101,7 +101,7 @@ class Combination {
            (is_flat() || (drills && mills) ? 1 : 0) + (is_drill() || is_vee() ? 1 : 0);
   }
 
-  // The size that has a name, else a unit, else the only one; every other one must be the same.
+  // Finds the size with a name, else with a unit, else the only one. All others must be equal.
   bool find_diameter() {
     const ToolFacts::Size* best = nullptr;
     for (const ToolFacts::Size& size : facts_.sizes)
@@ -198,7 +198,7 @@ class Combination {
     return FlatShape{d_, length};
   }
 
-  // The angle of a taper's side. An angle of another tool is no part of its shape.
+  // The angle of a taper's side. For other tools an angle is not part of the shape.
   std::optional<double> side_deg() {
     const double deg = facts_.angle_deg.value_or(0);
     const bool tapers = facts_.has(Word::kTaper);

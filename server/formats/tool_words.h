@@ -9,8 +9,8 @@
 
 namespace kerf {
 
-/// Where a value comes from: the program or the user states it; it follows from stated ones (a
-/// length without a unit is in that of the program; a ball's corner from its diameter); or neither.
+/// Origin of a value: stated by the program or the user; derived from stated values (a length
+/// without a unit is in the program's; a ball's corner follows from its diameter); or assumed.
 enum class Origin { kStated, kDerived, kAssumed };
 
 /// Returns "stated", "derived" or "assumed".
@@ -25,17 +25,17 @@ struct ToolOrigins {
   bool operator==(const ToolOrigins&) const = default;
 };
 
-/// A tool that words describe.
+/// A tool described in words.
 struct WordedTool {
   ToolShape shape;
   ToolOrigins origins;
-  /// Why the words do not state this tool, as a clause; "" if they do. With a doubt all origins are
-  /// assumed.
+  /// Why the words do not describe this tool, as a clause; "" if they do. With a doubt all origins
+  /// are assumed.
   std::string doubt = {};
   bool names_kind = false;  ///< such as "BALL", not only "TOOL"
   bool names_tool = false;  ///< "TOOL", or a noun such as "MILL", "BIT" and "DRILL"
   bool sized = false;       ///< the size has a unit or a name, such as "6MM" and "D6"
-  bool has_length = false;  ///< a length is stated, which the shape does not have
+  bool has_length = false;  ///< a length is stated that the shape does not have
 };
 
 /// Returns the tool that words describe, as people and post-processors write them in English,

@@ -14,7 +14,7 @@ namespace kerf {
 namespace {
 
 constexpr double kLeastMm = 1, kGreatestMm = 10'000;
-/// Metres for mm make a thousandth; partners differ in size.
+/// Meters read as mm differ by a thousand; mesh and stock also differ in size.
 constexpr double kRatioMost = 300;
 constexpr int kDigits = 4;
 
@@ -47,7 +47,7 @@ std::optional<UnitQuestion> unit_question(std::string_view field, std::string_vi
   const bool is_small = size_mm < kLeastMm || ratio * kRatioMost <= 1;
   const bool is_large = size_mm > kGreatestMm || ratio >= kRatioMost;
   if (!is_small && !is_large) return std::nullopt;
-  // Against its partner, whatever its own size.
+  // Compared with its partner, whatever its own size.
   const bool grows = ratio == 1 ? is_small : ratio < 1;
   UnitQuestion question{std::string(field), {}, choices_for(size_mm, grows)};
   question.text = std::string(name) + " is " + mm_text(size_mm) + " long if its numbers are mm";

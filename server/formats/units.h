@@ -11,7 +11,7 @@ inline constexpr double kMmPerInch = 25.4;
 inline constexpr double kRadPerDeg = std::numbers::pi / 180;
 inline constexpr double kDegPerRad = 180 / std::numbers::pi;
 
-/// Returns the length of a unit of models, "mm", "cm", "m" or "inch", in mm; nothing for others.
+/// Returns the length of a unit of models, "mm", "cm", "m" or "inch", in mm, or nullopt.
 inline std::optional<double> mm_of_unit(std::string_view name) {
   if (name == "mm") return 1;
   if (name == "cm") return 10;
