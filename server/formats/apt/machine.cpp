@@ -48,7 +48,7 @@ constexpr std::array<std::string_view, 32> kWithoutEffect{"END",
                                                           "AIR",
                                                           "CLAMP"};
 
-/// Statements that move or place the tool, or the workpiece, otherwise.
+/// Statements that move or place the tool or the workpiece in unsupported ways.
 constexpr std::array<std::string_view, 29> kRefused{
     "GOFWD",  "GOBACK", "GOLFT",  "GORGT",  "GOUP",   "GODOWN", "GO",     "GOCLER",
     "TLLFT",  "TLRGT",  "TLON",   "MOVARC", "SPLINE", "NURBS",  "THREAD", "POCKET",
@@ -137,13 +137,14 @@ void AptMachine::units(const AptStatement& s) {
   }
 }
 
-// The axis of a GOTO counts without MULTAX, too, as NX writes it.
+// The axis of a GOTO also counts without MULTAX, as written by NX.
 void AptMachine::multax(const AptStatement& s) {
   if (!s.minor.empty() && s.minor[0] != "ON" && s.minor[0] != "OFF")
     throw AptFault{s.minor[0], "must be ON or OFF"};
 }
 
-// TOOL PATH/NAME,TOOL,TOOLNAME of NX: loads the tool of the name's rank, unless others load tools.
+// TOOL PATH/NAME,TOOL,TOOLNAME of NX: loads the tool of the name's rank, unless other statements
+// load tools.
 void AptMachine::tool_path(const AptStatement& s) {
   has_paths_ = true;
   if (tools_.loads) return;
@@ -157,7 +158,7 @@ void AptMachine::tool_path(const AptStatement& s) {
   }
 }
 
-// LOADTL/n, LOAD/TOOL,n, TOOLNO/n; adjustments and lengths behind the number do not matter.
+// LOADTL/n, LOAD/TOOL,n, TOOLNO/n; adjustments and lengths after the number do not matter.
 void AptMachine::load_tool(const AptStatement& s) {
   const std::size_t at = s.major == "LOAD" ? 1 : 0;
   if (s.major == "LOAD" && (s.minor.empty() || s.minor[0] != "TOOL"))
@@ -191,7 +192,7 @@ void AptMachine::cutter(const AptStatement& s) {
   cutter_mm_ = cutter->diameter_mm;
 }
 
-// Compares the last CUTTER with the tool that moves.
+// Compares the last CUTTER with the moving tool.
 void AptMachine::check_cutter() {
   if (!cutter_mm_ || !sink_.tool()) return;
   const double stated = *cutter_mm_;
@@ -203,7 +204,7 @@ void AptMachine::check_cutter() {
               decimal_text(loaded, 6) + " mm");
 }
 
-// Reads the unit of a feed; false for another word.
+// Reads the unit of a feed. Returns false for any other word.
 bool AptMachine::take_feed_unit(const std::string& word, Feed& feed, double& unit) const {
   if (word == "MMPM" || word == "MMPR") {
     unit = 1;
@@ -249,7 +250,7 @@ void AptMachine::spindle(const AptStatement& s) {
     off = off || word == "OFF";
     left = left || word == "CCLW";
     if (word == "RANGE" || word == "MAXRPM" || word == "RADIUS") {
-      ++i;  // its number is no speed
+      ++i;  // its number is not a speed
     } else if (const auto number = apt_number(word)) {
       if (*number < 0) throw AptFault{word, "the spindle speed must not be negative"};
       spindle_rpm_ = *number;
@@ -280,7 +281,7 @@ void AptMachine::delay(const AptStatement& s) {
   check(sink_.dwell(seconds, line_));
 }
 
-// TRNTYP/WORLD,0,0,0: points are those of the workpiece, whatever CSYS says.
+// TRNTYP/WORLD,0,0,0: points are in workpiece coordinates, whatever CSYS says.
 void AptMachine::translation(const AptStatement& s) {
   in_world_ = !s.minor.empty() && s.minor[0] == "WORLD";
   for (std::size_t i = 1; i < s.minor.size(); ++i)
@@ -288,7 +289,7 @@ void AptMachine::translation(const AptStatement& s) {
       throw AptFault{s.major, "moves the coordinates, which is not supported"};
 }
 
-// Coordinates count in the first system; another one would be another setup.
+// Coordinates are in the first system. Another one would be another setup.
 void AptMachine::system(const AptStatement& s) {
   if (in_world_ && s.major == "CSYS") return;
   std::string text = s.major;

@@ -19,7 +19,7 @@ class AptMachine {
  public:
   using Warn = std::function<void(const std::string&)>;
 
-  /// `scene`, `tools` and `sink` must outlive it. Each warning comes once.
+  /// `scene`, `tools` and `sink` must outlive it. Each warning is given once.
   AptMachine(const Scene& scene, const AptTools& tools, MotionSink& sink, Warn warn)
       : scene_(scene), tools_(tools), sink_(sink), warn_(std::move(warn)) {}
 
@@ -44,14 +44,14 @@ class AptMachine {
     double mm = 0;
     FeedUnit unit = FeedUnit::kPerMinute;
   };
-  /// CIRCLE: the arc on which the next GOTO lies.
+  /// CIRCLE: the arc that contains the next GOTO.
   struct Circle {
     Vec3 center_mm, axis;
   };
   /// CYCLE: the hole that each GOTO drills, as distances from its point along the axis.
   struct Cycle {
     double depth_mm = 0, approach_mm = 0;
-    std::optional<double> retract_mm;  ///< nullopt: to the height at which the cycle began
+    std::optional<double> retract_mm;  ///< nullopt: to the height at the start of the cycle
     double start_mm = 0;               ///< that height, along the axis
     double dwell_s = 0;
     Feed feed;
@@ -116,11 +116,11 @@ class AptMachine {
   Feed feed_;
   double spindle_rpm_ = 0;
   Vec3 axis_{0, 0, 1};
-  std::optional<double> cutter_mm_;    ///< diameter of CUTTER that no motion has used yet
+  std::optional<double> cutter_mm_;    ///< diameter of a CUTTER that no motion has used yet
   std::optional<std::string> system_;  ///< the first CSYS or MSYS
   bool in_world_ = false;              ///< TRNTYP/WORLD: CSYS does not change coordinates
   std::optional<Circle> circle_;
-  std::optional<Circle> last_circle_;  ///< of Creo, whose points may all lie on it
+  std::optional<Circle> last_circle_;  ///< Creo's, whose points may all be on it
   std::optional<Vec3> direction_;      ///< INDIRV
   std::optional<Cycle> cycle_;
 };

@@ -14,11 +14,11 @@
 namespace kerf {
 namespace {
 
-// Shortest vector that has a direction.
+// Least length of a vector with a direction.
 constexpr double kAxisLengthMin = 1e-6;
-// Radii at the ends of an arc may differ by this share and this length, as points are rounded.
+// Radii at the ends of an arc may differ by this share and this length, because points are rounded.
 constexpr double kRadiusShare = 1e-3, kRadiusMm = 0.03;
-// Ends of an arc that are nearer, mm, are one point: a full circle.
+// Ends of an arc nearer than this, mm, are equal: a full circle.
 constexpr double kSamePointMm = 1e-6;
 
 // Coordinates in the plane of a circle: along u, along v = n x u, along the normal n.
@@ -118,7 +118,7 @@ void AptMachine::go_to(const AptStatement& s) {
     if (!sink_.placed()) throw AptFault{"CIRCLE", "requires a position before it"};
     return arc(circle, pose);
   }
-  // Creo writes further points of a circle behind the first one.
+  // Creo writes further points of a circle after the first one.
   if (last_circle_ && sink_.placed() && !rapid_) {
     const Plane plane = plane_of(last_circle_->center_mm, last_circle_->axis, sink_.last()->tip_mm);
     const double radius = planar_radius(plane, sink_.last()->tip_mm);
@@ -210,7 +210,8 @@ void AptMachine::move(const ToolPose& to) {
 }
 
 void AptMachine::straight(const ToolPose& to, bool rapid) {
-  // A rapid to another side of the workpiece goes around it, which only the post-processor knows.
+  // A rapid to another side of the workpiece goes around it, by a path that only the post-processor
+  // knows.
   const bool around =
       rapid && sink_.placed() &&
       angle_between(normalized(sink_.last()->axis), normalized(to.axis)) > kTurnMaxRad;
@@ -295,7 +296,7 @@ void AptMachine::hole(const ToolPose& at) {
   const double high = std::max(approach, cycle_->retract_mm.value_or(cycle_->start_mm - level));
   const auto above = [&](double mm) { return ToolPose{at.tip_mm + axis * mm, at.axis}; };
   if (sink_.placed() && normalized(sink_.last()->axis) == axis) {
-    // Up first, or across first: never down while going across.
+    // Up first, or across first: never down while moving across.
     const double now = dot(sink_.last()->tip_mm, axis) - level;
     ToolPose side = *sink_.last();
     if (now < high) side.tip_mm = side.tip_mm + axis * (high - now);

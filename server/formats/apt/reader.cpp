@@ -10,7 +10,7 @@ namespace kerf {
 namespace {
 
 constexpr const char* kLanguage = "APT";
-/// Pieces of a path that are followed in a step.
+/// Pieces of a path per step.
 constexpr int kPiecesPerStep = 64;
 
 class AptReader final : public ProgramReader {
@@ -53,7 +53,7 @@ class AptReader final : public ProgramReader {
     return {program_.name, statements_.line(), std::move(word), std::move(reason), kLanguage};
   }
 
-  // What waits comes before the fault, and may be wrong, too.
+  // Pending motions precede the fault, and may be invalid too.
   ProgramError fault_behind_waiting(const AptFault& fault) {
     while (sink_.waits()) {
       if (const auto followed = sink_.go_on(kPiecesPerStep); !followed)

@@ -6,8 +6,8 @@
 namespace kerf {
 
 /// Reads APT CL data for a scene; read_program calls it for files of APT. `name` is the file name
-/// for errors. README.md of this folder lists the statements. Those that could move the tool
-/// otherwise are errors, all others warnings.
+/// for errors. README.md of this folder lists the statements. Unknown statements that could move
+/// the tool are errors, all other unknown statements warnings.
 std::expected<ReadProgram, ProgramError> read_apt(const std::string& name, std::string_view text,
                                                   const Scene& scene, ProgramVisitor& visitor);
 

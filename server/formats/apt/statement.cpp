@@ -12,10 +12,10 @@
 namespace kerf {
 namespace {
 
-constexpr std::string_view kCreo = "$$->";  ///< begins the comments of Creo that mean something
+constexpr std::string_view kCreo = "$$->";  ///< begins Creo's comments with data
 /// Lines in which is_apt looks for a statement.
 constexpr std::size_t kLookedAtMax = 200;
-/// Statements whose text is free, including '$' and '/'.
+/// Statements with free text, including '$' and '/'.
 constexpr std::array<std::string_view, 9> kTexts{"PARTNO", "PPRINT", "REMARK", "INSERT", "TPRINT",
                                                  "PPFUN",  "LETTER", "DISPLY", "LEADER"};
 /// Statements that only APT has.
@@ -29,7 +29,7 @@ std::string clean(std::string_view text) {
   return result;
 }
 
-// The free text behind a major word, with its blanks.
+// The free text after a major word, with its blanks.
 std::string free_text(std::string_view line, std::size_t letters) {
   std::size_t at = 0;
   for (; at < line.size() && letters > 0; ++at)
@@ -82,7 +82,8 @@ std::optional<AptStatement> AptStatements::next() {
                             .text = free_text(lines_.line(), word.size()),
                             .is_text = true,
                             .creo = creo_};
-    std::size_t looked = 0;  // a comment cannot begin before: of long statements once
+    std::size_t looked =
+        0;  // a comment cannot begin before it, so that long statements are searched once
     while (true) {
       if (const std::size_t comment = text.find("$$", looked); comment != std::string::npos)
         text.erase(comment);

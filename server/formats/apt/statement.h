@@ -11,7 +11,7 @@
 
 namespace kerf {
 
-/// The exception of this folder: the word that is wrong and why. The reader adds file and line.
+/// The exception of this folder: the invalid word and the reason. The reader adds file and line.
 struct AptFault {
   std::string word, reason;
 };
@@ -19,14 +19,14 @@ struct AptFault {
 /// A statement of APT CL data: "GOTO / 1, 2, 3" is GOTO with three minor words.
 struct AptStatement {
   std::string major;               ///< upper case, without blanks: "TOOLPATH"
-  std::vector<std::string> minor;  ///< values behind '/', upper case, without blanks
-  std::string text = {};           ///< of a statement of free text: what follows the major word
+  std::vector<std::string> minor;  ///< values after '/', upper case, without blanks
+  std::string text = {};           ///< in a statement of free text: the text after the major word
   bool is_text = false;            ///< PARTNO, PPRINT, INSERT, … : `minor` is empty
   bool creo = false;               ///< a comment "$$->" of Creo stood before it
 };
 
-/// Divides APT CL data into statements: "$$" begins a comment, '$' at the end of a line continues a
-/// statement on the next one, which may not begin another GOTO.
+/// Divides APT CL data into statements. "$$" begins a comment. '$' at the end of a line continues
+/// the statement on the next one, unless that begins another GOTO.
 class AptStatements {
  public:
   explicit AptStatements(std::string_view text) : lines_(text) {}
@@ -40,14 +40,14 @@ class AptStatements {
   bool next_line();
 
   TextLines lines_;
-  std::optional<std::string> ahead_;  ///< a line that was read, but continues nothing
+  std::optional<std::string> ahead_;  ///< a line read ahead that continues nothing
   std::size_t ahead_line_ = 0, line_ = 0;
   bool creo_ = false;
 };
 
 /// Returns a word as a finite number, or nullopt.
 std::optional<double> apt_number(std::string_view word);
-/// The same; throws AptFault for a word that is none.
+/// The same, but throws AptFault for a word that is not a number.
 double apt_number_of(const std::string& word);
 
 /// Whether a text is APT CL data: one of its first lines is a statement of APT such as "GOTO/", and

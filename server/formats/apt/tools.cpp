@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-constexpr double kLengthMm = 30;  ///< of a cutter that states none
+constexpr double kLengthMm = 30;  ///< of a cutter without a length
 
 // Flat, ball or bull-nosed, by its corner radius.
 ToolShape milling_cutter(double d, double r, double length) {

@@ -12,15 +12,15 @@
 
 namespace kerf {
 
-/// A cutter as CUTTER or TLDATA states it.
+/// A cutter as stated by CUTTER or TLDATA.
 struct AptCutter {
   double diameter_mm = 0;
   ToolShape shape;
 };
 
-/// Returns the cutter of CUTTER/d,r,e,f,alpha,beta,h, of which all but d may be left out, or of
+/// Returns the cutter of CUTTER/d,r,e,f,alpha,beta,h, in which only d is required, or of
 /// TLDATA/MILL,d,r,… and TLDATA/DRILL,… of NX; nullopt for a kind of tool that these numbers do not
-/// give. Throws AptFault for a word that is no number.
+/// describe. Throws AptFault for a word that is not a number.
 std::optional<AptCutter> apt_cutter(const AptStatement& statement, double unit_mm);
 
 /// The tools of a program.
@@ -34,8 +34,8 @@ struct AptTools {
   std::map<ToolId, Tool> tools;  ///< those that are loaded
 };
 
-/// Returns the tools of a program. A cutter belongs to the tool that is loaded next, or, between a
-/// load and the first motion, to the loaded one. What is wrong is left to read_apt.
+/// Returns the tools of a program. A cutter belongs to the next loaded tool, or, between a load and
+/// the first motion, to the loaded one. Faults are left to read_apt.
 AptTools apt_tools(std::string_view program);
 
 /// Returns the unit of the program in mm: 25.4 if UNITS/INCHES comes first, else 1.

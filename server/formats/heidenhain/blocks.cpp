@@ -15,7 +15,7 @@ namespace {
 bool is_letter(char c) { return c >= 'A' && c <= 'Z'; }
 bool is_value(char c) { return is_digit(c) || c == '.' || c == ',' || c == '+' || c == '-'; }
 
-// "+10,5", "-Q3", "QL12": a sign, then digits or a parameter; also a sign alone, as of DR+.
+// "+10,5", "-Q3", "QL12": a sign, then digits or a parameter; also a sign alone, as in DR+.
 std::string read_value(std::string_view text, std::size_t& at) {
   std::string value;
   if (text[at] == '+' || text[at] == '-') value += text[at++];
@@ -75,7 +75,7 @@ std::string first_block(std::string_view program) {
   return {};
 }
 
-// The corner that the words of a BLK FORM state; `from` is that of incremental coordinates.
+// Returns the corner in the words of a BLK FORM; incremental coordinates are relative to `from`.
 std::optional<Vec3> blank_corner(const std::vector<KlartextWord>& words, Vec3 from, double unit) {
   Vec3 corner;
   bool stated[3] = {};
@@ -95,14 +95,14 @@ std::optional<Vec3> blank_corner(const std::vector<KlartextWord>& words, Vec3 fr
   return stated[0] && stated[1] && stated[2] ? std::optional(corner) : std::nullopt;
 }
 
-/// The blocks of a text, one after the other.
+/// The blocks of a text, in order.
 class BlockWalk {
  public:
-  /// `line` is the number of the first one.
+  /// `line` is the number of the first line.
   explicit BlockWalk(std::string_view text, std::size_t line = 1)
       : text_(text), lines_(text), first_line_(line) {}
 
-  /// Moves to the next block; false at the end.
+  /// Moves to the next block. Returns false at the end.
   bool next() {
     bool more = false;
     do {
@@ -115,7 +115,7 @@ class BlockWalk {
     return true;
   }
   KlartextBlock& block() { return block_; }
-  /// The place of its first line in the text, and what that line says.
+  /// Offset of the block's first line in the text, and the text of that line.
   std::size_t at() const { return at_; }
   std::string first_line() const { return block_.text.substr(0, first_size_); }
   std::size_t lines() const { return lines_.number(); }
@@ -127,7 +127,7 @@ class BlockWalk {
   std::string read_line(bool& more, bool first) const {
     std::string text = clean(lines_.line());
     if (first) text = without_number(text);
-    // The mark of a line that goes on may stand behind its comment.
+    // The continuation mark of a line may follow its comment.
     const std::size_t last = lines_.line().find_last_not_of(" \t\r");
     more = last != std::string_view::npos && lines_.line()[last] == '~';
     while (!text.empty() && (text.back() == ' ' || text.back() == '~')) text.pop_back();

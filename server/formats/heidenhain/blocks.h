@@ -13,7 +13,7 @@
 
 namespace kerf {
 
-/// The exception of this folder: the word that is wrong and why. read_klartext adds file and line.
+/// The exception of this folder: the invalid word and the reason. read_klartext adds file and line.
 struct KlartextFault {
   std::string word, reason;
 };
@@ -28,8 +28,8 @@ struct KlartextBlock {
 /// Most labels of a program: HEIDENHAIN numbers them up to 65,535.
 inline constexpr std::size_t kKlartextLabelsMax = 65'536;
 
-/// A program divided into blocks, of which it holds the places only. Structure comments ("* - …"),
-/// empty blocks and those with "/" are left out.
+/// A program divided into blocks; stores only their offsets. Structure comments ("* - …"), empty
+/// blocks and those with "/" are skipped.
 class KlartextBlocks {
  public:
   /// `program` must outlive it. Throws KlartextFault for too many labels.
@@ -56,7 +56,7 @@ bool is_klartext(std::string_view program);
 /// Returns the unit of a Klartext program in mm: 25.4 if its first block ends with INCH, else 1.
 double klartext_unit_mm(std::string_view program);
 
-/// A word of a block: letters and what follows them, as "IX" and "+Q5", "F" and "MAX", "DR" and
+/// A word of a block: letters and the text after them, as "IX" and "+Q5", "F" and "MAX", "DR" and
 /// "-". Blanks between sign or name and number belong to no word.
 struct KlartextWord {
   std::string name;
@@ -66,8 +66,8 @@ struct KlartextWord {
 /// Divides "X+10 IY-5.5 R0 FMAX M3" into words. Commas are decimal points.
 std::vector<KlartextWord> klartext_words(std::string_view text);
 
-/// Returns the stock of BLK FORM 0.1 and 0.2, in mm; nullopt where a program has none, has another
-/// form of it, or states a corner otherwise than by three numbers.
+/// Returns the stock of BLK FORM 0.1 and 0.2, in mm; nullopt if the program has none, or another
+/// form of it, or a corner that is not three numbers.
 std::optional<StockShape> klartext_blank(std::string_view program);
 
 }  // namespace kerf

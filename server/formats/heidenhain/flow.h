@@ -11,7 +11,7 @@
 
 namespace kerf {
 
-/// The next block to execute: labels, CALL LBL, REP and the jumps of FN 9 to FN 12.
+/// Determines the next block to execute: labels, CALL LBL, REP and the jumps of FN 9 to FN 12.
 class KlartextFlow {
  public:
   /// `blocks` and `values` must outlive the flow.
@@ -20,9 +20,9 @@ class KlartextFlow {
 
   /// Moves to the next block; nullptr at the end. Throws KlartextFault above the limit of blocks.
   const KlartextBlock* next();
-  /// Executes the current block if it is one of control flow or assigns a parameter.
+  /// Executes the current block if it is control flow or assigns a parameter.
   bool execute();
-  /// The text of the block behind the current one; "" at the end.
+  /// The text of the block after the current one; "" at the end.
   const std::string& following() const;
   std::size_t line() const { return block_.line; }
   const std::string& text() const { return block_.text; }
@@ -39,7 +39,7 @@ class KlartextFlow {
   std::size_t next_ = 0, current_ = 0;
   KlartextBlock block_;                    ///< the current one
   mutable std::size_t following_ = 0;      ///< the number of
-  mutable KlartextBlock following_block_;  ///< this one, which was read ahead; 0: none
+  mutable KlartextBlock following_block_;  ///< number of the block read ahead; 0 without one
   std::vector<std::size_t> returns_;
   std::map<std::size_t, int> repeats_;  ///< done, by the block of CALL LBL … REP
 };

@@ -136,7 +136,7 @@ bool KlartextMachine::path_function(std::string_view word, Words words,
   } else if (corners) {
     if (extras.rapid) throw KlartextFault{"FMAX", "beside RND and CHF is not supported"};
     corner(words, word == "CHF");
-    // F beside RND and CHF holds in the corner only.
+    // F of RND and CHF applies to the corner only.
     if (feed_ != feed_before) corner_->own_feed = feed();
     feed_ = feed_before;
   } else {
@@ -189,7 +189,7 @@ void KlartextMachine::begin(const std::string& text) {
   unit_mm_ = text.ends_with(" INCH") ? kMmPerInch : 1;
 }
 
-// TOOL CALL 5 Z S3000 F500 DL+0 DR+0, TOOL CALL "NAME" Z, TOOL CALL Z S500 (the speed only).
+// TOOL CALL 5 Z S3000 F500 DL+0 DR+0, TOOL CALL "NAME" Z, TOOL CALL Z S500 (speed only).
 void KlartextMachine::call_tool(std::string text) {
   std::optional<ToolId> tool;
   bool changes = true;
@@ -224,7 +224,8 @@ void KlartextMachine::call_tool(std::string text) {
   direction_.reset();
 }
 
-// Z, S, F, the oversize DR, and others of 0; advances `at` to the value of "DR2:+0".
+// Reads Z, S, F, the oversize DR, and other words if they are 0; advances `at` to the value of
+// "DR2:+0".
 void KlartextMachine::tool_word(const Words& words, std::size_t& at) {
   KlartextWord word = words[at];
   if (word.value.empty() && (word.name == "X" || word.name == "Y"))
@@ -270,7 +271,7 @@ void KlartextMachine::tool_center(const std::string& text) {
   path_.set_tool_center(true);
 }
 
-// Takes M words, feeds and the radius correction out of a block.
+// Removes M words, feeds and the radius correction from a block.
 KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
   Extras extras;
   Words rest;
@@ -280,7 +281,7 @@ KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
     if (word.name == "FMAX" || (apart && words[i + 1].name == "MAX")) {
       extras.rapid = true;
     } else if (word.name == "F" && i > 0 && is_m128(words[i - 1])) {
-      continue;  // the greatest feed of the axes that compensate
+      continue;  // the greatest feed of the compensating axes
     } else if (word.name == "F" && !word.value.empty()) {
       feed_ = values_.of(word.value) * unit_mm_;
     } else if (word.name == "FAUTO" || (apart && words[i + 1].name == "AUTO")) {

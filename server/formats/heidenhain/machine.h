@@ -14,19 +14,19 @@
 
 namespace kerf {
 
-/// Executes the blocks of a Klartext program that move, change a tool or the coordinates. Errors
-/// are KlartextFault and, of arcs, GcodeFault.
+/// Executes the blocks of a Klartext program that move, or change a tool or the coordinates. Errors
+/// are KlartextFault and, for arcs, GcodeFault.
 class KlartextMachine {
  public:
   using Warn = std::function<void(const std::string&)>;
-  /// `offsets_are_wear`: the path is that of the tool's center, so that RL displaces by nothing.
+  /// `offsets_are_wear`: the path is that of the tool's center, so RL has no offset.
   KlartextMachine(const Scene& scene, MotionSink& sink, KlartextValues& values, Warn warn,
                   bool offsets_are_wear);
 
-  /// Executes a block; `following` is the text of the next one, because a corner (RND, CHF) changes
+  /// Executes a block. `following` is the text of the next one, because a corner (RND, CHF) changes
   /// the line before it. Returns true at the end of the program.
   bool execute(const KlartextBlock& block, const std::string& following);
-  /// Completes the path. Throws if a corner was begun and not ended.
+  /// Completes the path. Throws if a corner has begun and not ended.
   void finish();
 
  private:
@@ -37,7 +37,7 @@ class KlartextMachine {
     std::optional<double> own_feed;  ///< of the corner
     double radius_mm = 0, chamfer_mm = 0;
   };
-  // What M words and FMAX say of a block.
+  // The M words and FMAX of a block.
   struct Extras {
     bool rapid = false, in_machine = false, calls_cycle = false, ends = false;
     bool datum_of_builder = false;     ///< M92
@@ -116,7 +116,7 @@ class KlartextMachine {
   double unit_mm_ = 1;
   std::optional<double> feed_;
   double rpm_ = 0;
-  double oversize_mm_ = 0;  ///< DR of TOOL CALL: of the tool's radius, for RL, RR and cycles
+  double oversize_mm_ = 0;  ///< DR of TOOL CALL, added to the tool's radius for RL, RR and cycles
   std::optional<MachineRemark::Kind> turning_;  ///< direction of the spindle
   std::map<std::string, ToolId> named_tools_;
   Vec3 pole_{0, 0, 0};
@@ -127,7 +127,7 @@ class KlartextMachine {
   std::map<std::string, double> cycle_;  ///< of CYCL DEF 2xx: "Q200"; empty: none
   int cycle_number_ = 0;
   bool cycle_modal_ = false;
-  bool shortest_ = false;  ///< M126: tables turn the shorter path
+  bool shortest_ = false;  ///< M126: tables take the shorter turn
 };
 
 }  // namespace kerf

@@ -23,7 +23,7 @@ ApproachKind kind_of(const std::string& statement, const std::string& name) {
 
 }  // namespace
 
-// Takes LEN, R and CCA out of the words.
+// Removes LEN, R and CCA from the words.
 void KlartextMachine::approach_sizes(Words& words, KlartextApproach& to) const {
   bool has_length = false, has_radius = false, has_angle = false;
   std::erase_if(words, [&](const KlartextWord& word) {
@@ -77,7 +77,7 @@ void KlartextMachine::check_departure_words(const Words& words) {
       throw KlartextFault{word.name + word.value, "is not a word of APPR and DEP"};
 }
 
-// The tool leaves from where it is beside the end of the contour.
+// The tool departs from its offset position at the end of the contour.
 void KlartextMachine::depart(const std::string& text) {
   const std::size_t end = std::min(text.find(' '), text.size());
   KlartextApproach from;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPointsMax = 10'000;
 
-/// What Q215 asks for.
+/// The machining selected by Q215.
 enum class Machining { kAll, kRoughing, kFinishing };
 
 int count_of(const std::map<std::string, double>& given, const char* name) {
@@ -37,8 +37,8 @@ bool KlartextMachine::is_area_cycle(int cycle) {
   return (cycle >= 251 && cycle <= 254) || cycle == 256 || cycle == 257;
 }
 
-// Where the tool stands in a pocket or stud: Q367 0 is its center, 1 to 4 are the corners from
-// lower left on; of a slot 1 to 4 are its left end, the centers of its ends, and its right end.
+// Position of the tool in a pocket or stud: Q367 0 is its center, 1 to 4 are the corners from lower
+// left on; for a slot 1 to 4 are its left end, the centers of its ends, and its right end.
 AreaPath KlartextMachine::area(double tool_mm, double allowance_mm) const {
   const auto mm_of = [this](const char* name) { return cycle_value(name, 0) * unit_mm_; };
   const double overlap = cycle_value("Q370", 1);
@@ -104,7 +104,7 @@ void KlartextMachine::mill_area(double raised_mm) {
   if (!(bottom < surface)) throw KlartextFault{"Q201", "must be a depth below 0"};
   const double side_mm = cycle_value("Q368", 0) * unit_mm_;
   const double floor_mm = cycle_value("Q369", 0) * unit_mm_;
-  // Studs of older controls have no Q215 and leave their allowance.
+  // Studs of older controls have no Q215 and keep their allowance.
   const double kind = cycle_value("Q215", cycle_number_ >= 256 ? 1 : 0);
   if (kind != 0 && kind != 1 && kind != 2) throw KlartextFault{"Q215", "must be 0, 1 or 2"};
   const auto machining = static_cast<Machining>(static_cast<int>(kind));
@@ -152,7 +152,7 @@ void KlartextMachine::mill_area(double raised_mm) {
   feed_ = feed_before;
 }
 
-// The moves behind the first at the depth of the tool.
+// Makes the moves after the first at the tool's depth.
 void KlartextMachine::follow(const AreaPath& path) {
   const double z = path_.position().z;
   for (std::size_t i = 1; i < path.size(); ++i) {
@@ -165,8 +165,8 @@ void KlartextMachine::follow(const AreaPath& path) {
   }
 }
 
-// 220: points on a circle; 221: on a grid, back and forth. Both call the cycle that is defined,
-// with their own clearances and surface.
+// 220: points on a circle; 221: on a grid, back and forth. Both call the active cycle with their
+// own clearances and surface.
 void KlartextMachine::call_pattern(int cycle, const std::map<std::string, double>& given) {
   const std::string name = "CYCL DEF " + std::to_string(cycle);
   if (cycle_number_ == 0 || cycle_number_ == 1 || cycle_number_ == 254)

@@ -74,7 +74,7 @@ double KlartextMachine::cycle_value(const char* name, double missing) const {
   return it == cycle_.end() ? missing : it->second;
 }
 
-// M99, M89 and CYCL CALL: the cycle at the current place; `raised_mm` shifts its surface.
+// M99, M89 and CYCL CALL: the cycle at the current position; `raised_mm` shifts its surface.
 void KlartextMachine::call_cycle(double raised_mm) {
   if (cycle_number_ == 0) throw KlartextFault{"M99", "calls a cycle that is not defined"};
   refuse_in_corner("M99");
@@ -88,13 +88,13 @@ void KlartextMachine::call_cycle(double raised_mm) {
   }
 }
 
-// The hole at the current place: down to Q203 + Q201 and up to the second clearance Q204.
+// Drills at the current position: down from Q203 + Q201, and up to the second clearance Q204.
 void KlartextMachine::drill(double raised_mm) {
   const auto value = [this](const char* name, double missing) {
     return cycle_value(name, missing);
   };
   const double set_up = value("Q200", 0) * unit_mm_;
-  // Cycle 1 counts from where the tool stands.
+  // Cycle 1 is relative to the tool's position.
   const double surface =
       cycle_number_ == 1 ? path_.position().z - set_up : value("Q203", 0) * unit_mm_ + raised_mm;
   const double clearance = surface + set_up;

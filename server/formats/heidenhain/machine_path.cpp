@@ -44,7 +44,7 @@ bool KlartextMachine::clockwise(const Words& words) {
   return word->value == "-";
 }
 
-// The end of the path, also of a line that is held back.
+// The end of the path, including a delayed line.
 Vec3 KlartextMachine::place() const { return corner_ ? corner_->at : path_.position(); }
 
 // X, Y, Z and IX, IY, IZ; other axes keep their values.
@@ -87,7 +87,7 @@ RotaryAngles KlartextMachine::rotary_target(const Words& words, bool& turns) {
     const double value = values_.of(word.value);
     if (shortest_ && incremental && std::abs(value) > 180)
       throw KlartextFault{word.name + word.value, "turns by more than 180 degrees with M126"};
-    // With M126 the angle before counts from where the shorter path begins.
+    // With M126 an incremental angle counts from the start of the shorter turn.
     if (shortest_ && !incremental) path_.count_angle(axis, value);
     *angle = value + (incremental ? *angle : 0);
     turns = true;
@@ -136,7 +136,7 @@ void KlartextMachine::linear(const Words& words, const Extras& extras, bool corn
   path_.line(to, angles, extras.rapid ? std::nullopt : std::optional(feed()), named);
 }
 
-// Takes TX TY TZ or NX NY NZ out of a block, as a unit vector of the workpiece.
+// Removes TX TY TZ or NX NY NZ from a block and returns them as a unit vector of the workpiece.
 std::optional<Vec3> KlartextMachine::take_vector(Words& words, char kind) const {
   Vec3 vector{0, 0, 0};
   int count = 0;
@@ -157,8 +157,8 @@ std::optional<Vec3> KlartextMachine::take_vector(Words& words, char kind) const 
   return normalized(turned);
 }
 
-// LN X Y Z TX TY TZ NX NY NZ with M128: a line to whose end the tool turns along T. Without T it
-// is along N, the normal of the surface, which else would only displace a tool with an oversize.
+// LN X Y Z TX TY TZ NX NY NZ with M128: a line during which the tool turns to T. Without T it turns
+// to the surface normal N, which otherwise would only displace an oversized tool.
 void KlartextMachine::linear_with_vectors(Words words, const Extras& extras) {
   refuse_in_corner("LN");
   if (path_.is_tilted() || path_.is_compensated())
@@ -177,7 +177,7 @@ void KlartextMachine::linear_with_vectors(Words words, const Extras& extras) {
   path_.line(to, path_.angles(), speed, named);
 }
 
-// Moves to `to`, or holds the line back because a corner follows.
+// Moves to `to`, or delays the line because a corner follows.
 void KlartextMachine::straight(Vec3 to, const Extras& extras, std::array<bool, 3> named,
                                bool corner_follows) {
   const std::optional<double> speed = extras.rapid ? std::nullopt : std::optional(feed());
@@ -189,8 +189,8 @@ void KlartextMachine::straight(Vec3 to, const Extras& extras, std::array<bool, 3
   }
 }
 
-// Linear axes of M91 and M92 are lost: the workpiece's place in the machine is not known. Tables
-// count from the zero of the machine, because no datum shift turns them.
+// After M91 and M92 linear axes are unknown, because the workpiece's position in the machine is.
+// Tables count from the machine zero, because no datum shift turns them.
 void KlartextMachine::to_machine(const Words& words, const Extras& extras) {
   refuse_in_corner("M91");
   for (const KlartextWord& word : words)
@@ -210,7 +210,7 @@ void KlartextMachine::to_machine(const Words& words, const Extras& extras) {
   path_.line(path_.position(), angles, rapid ? std::nullopt : std::optional(feed()), {});
 }
 
-// RND and CHF stand between two lines; the line before them is held back.
+// RND and CHF between two lines; the first line is delayed.
 void KlartextMachine::corner(const Words& words, bool chamfer) {
   if (!corner_) throw KlartextFault{chamfer ? "CHF" : "RND", "must stand behind a straight line"};
   for (const KlartextWord& word : words) {
@@ -352,7 +352,7 @@ void KlartextMachine::circle_by_radius(const Words& words) {
            right ? -1 : 1);
 }
 
-// The arc that goes on in the direction of the path.
+// The arc that continues in the direction of the path.
 void KlartextMachine::tangent_circle(const Words& words) {
   std::array<bool, 3> named{};
   const Vec3 from = path_.position(), to = target(words, named);

@@ -35,7 +35,7 @@ void KlartextMachine::tilt(const std::string& text) {
   finish_tilt(positions);
 }
 
-// The angles turn about the fixed X, Y and Z in turn.
+// The angles turn about the fixed X, Y and Z in sequence.
 void KlartextMachine::tilt_by_angles(const Words& words) {
   double angle[3] = {0, 0, 0};
   for (const KlartextWord& word : words)

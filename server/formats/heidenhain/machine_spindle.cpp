@@ -4,7 +4,7 @@
 
 namespace kerf {
 
-// What M0 to M14 tell the machine beside the path.
+// Remarks of M0 to M14 to the machine.
 void KlartextMachine::remark(int code) {
   using Kind = MachineRemark::Kind;
   if (code <= 1) path_.remark({.kind = code == 0 ? Kind::kStop : Kind::kOptionalStop});

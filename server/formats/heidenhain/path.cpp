@@ -106,7 +106,7 @@ bool KlartextPath::is_axis_z() const {
   return !tool_center_ || table_axis(scene_.machine, angles_).z > 1 - kVerticalShare;
 }
 
-// Rapids before all axes are known only say where the tool will be.
+// Rapids only define the future position until all axes are known.
 bool KlartextPath::approach(const ToolPose& to, bool rapid, std::array<bool, 3> named) {
   const bool known = known_[0] && known_[1] && known_[2];
   for (std::size_t i = 0; i < 3; ++i) known_[i] = known_[i] || named[i];

@@ -16,8 +16,8 @@
 
 namespace kerf {
 
-/// The coordinates in which a Klartext program counts: a datum shift, a rotation in XY about the
-/// datum (cycle 10), and the tilted plane about the datum.
+/// The coordinates of a Klartext program: a datum shift, a rotation in XY about the datum (cycle
+/// 10), and the tilted plane about the datum.
 struct KlartextFrame {
   Vec3 datum_mm{0, 0, 0};
   double rotation_deg = 0;
@@ -28,7 +28,7 @@ struct KlartextFrame {
   Vec3 programmed(Vec3 in_workpiece) const;
 };
 
-/// APPR, or a line with RL or RR: how the tool comes to the first point of a contour.
+/// Approach to the first point of a contour, by APPR or by a line with RL or RR.
 struct KlartextApproach {
   enum class Kind { kDirect, kTangent, kNormal, kArc, kLineAndArc };  ///< a line, LT, LN, CT, LCT
   Kind kind = Kind::kTangent;
@@ -54,7 +54,7 @@ class KlartextPath {
         compensation_([this](const CompensatedMove& move) { emit(move); }) {}
 
   const KlartextFrame& frame() const { return frame_; }
-  /// To be changed; not while the path is compensated.
+  /// For changes; not while the path is compensated.
   KlartextFrame& changing_frame() {
     require_uncompensated();
     return frame_;
@@ -65,9 +65,9 @@ class KlartextPath {
   void at_line(std::size_t line) { line_ = line; }
   void change_tool(std::optional<ToolId> tool);
   std::optional<ToolId> tool() const { return sink_.tool(); }
-  /// The tool leaves the workpiece along its axis, as far as the machine goes.
+  /// The tool leaves the workpiece along its axis, to the limit of the machine.
   void retract();
-  /// An axis goes to a place of the machine, which is not known: 0 to 2.
+  /// Moves an axis, 0 to 2, to a machine position, whose workpiece coordinate is unknown.
   void lose(std::size_t axis);
   void set_tool_center(bool on) {
     require_uncompensated();
@@ -77,15 +77,15 @@ class KlartextPath {
   /// The tool axis becomes the normal of the tilted plane, or vertical.
   void align();
 
-  /// The programmed point: that of the contour while the tool is beside it.
+  /// The programmed point, which is on the contour while the tool is offset from it.
   Vec3 position() const;
-  /// After R0 the tool is beside the contour until it moves in X and Y, which count from here.
+  /// After R0 the tool stays offset from the contour until it moves in X and Y, which start here.
   Vec3 contour() const;
   /// RL (1), RR (-1) and R0 (0) in the plane XY. With `offset_mm` 0 the path is that of the center.
   void compensate(int side, double offset_mm);
   bool is_compensated() const { return compensation_.on() || approach_; }
   int side() const { return approach_ ? approach_->side : compensation_.side(); }
-  /// Approaches a contour as soon as its first move is known; position() is on the contour then.
+  /// Approaches a contour as soon as its first move is known. position() is then on the contour.
   void approach_later(const KlartextApproach& approach) {
     require_uncompensated();
     beside_.reset();
@@ -96,7 +96,7 @@ class KlartextPath {
   RotaryAngles angles() const { return angles_; }
   /// Adds whole turns to the angle of A, B or C, so that it is within 180 degrees of `near_deg`.
   void count_angle(char axis, double near_deg);
-  /// Takes whole turns from the angles of `axes`: C is then from 0 to 360 degrees, A and B, which
+  /// Removes whole turns from the angles of `axes`: C is then from 0 to 360 degrees; A and B, which
   /// tilt, keep their sign.
   void reduce_angles(std::string_view axes);
   /// Moves to programmed coordinates; `named` are the linear axes that the block names.
@@ -121,7 +121,7 @@ class KlartextPath {
   void finish_approach();
   void begin_contour(Vec3 tangent);
   double& angle(char axis);
-  /// The pose at a tip in the workpiece with the control of a block. Paths keep a copy.
+  /// Converts a tip in the workpiece to a pose with the control mode of a block. Paths keep a copy.
   struct PoseRule {
     Machine machine;
     bool follows_tables, tool_center;
@@ -137,9 +137,9 @@ class KlartextPath {
   MotionSink& sink_;
   Warn warn_;
   KlartextFrame frame_;
-  Vec3 tip_mm_{0, 0, 0};  ///< in the workpiece, as far as it is known
+  Vec3 tip_mm_{0, 0, 0};  ///< in the workpiece, if known
   RotaryAngles angles_;
-  Vec3 plane_axis_{0, 0, 1};  ///< of the tool, where no tables turn or the plane is tilted
+  Vec3 plane_axis_{0, 0, 1};  ///< of the tool, if no tables turn or the plane is tilted
   std::array<bool, 3> known_{};
   bool tool_center_ = false, changed_tool_ = false;
   std::size_t line_ = 0;
@@ -149,10 +149,10 @@ class KlartextPath {
     double z = 0;
     std::optional<double> feed;
   };
-  std::vector<Lift> lifts_;                   ///< moves along Z behind the approach
+  std::vector<Lift> lifts_;                   ///< moves along Z after the approach
   double offset_mm_ = 0;                      ///< of RL and RR
   std::optional<KlartextApproach> approach_;  ///< to be made
-  std::optional<PlanePoint> beside_;          ///< the contour's point beside which R0 left the tool
+  std::optional<PlanePoint> beside_;  ///< the contour's point at which R0 left the tool offset
 };
 
 }  // namespace kerf

@@ -109,7 +109,7 @@ void KlartextPath::emit(const CompensatedMove& move) {
   line_ = line;
 }
 
-// The next element tells where beside the contour the line ends.
+// The next element determines the offset end of the line.
 void KlartextPath::approach_by_line(Vec3 to, std::optional<double> feed) {
   KlartextApproach approach{.kind = KlartextApproach::Kind::kDirect,
                             .contour = to,

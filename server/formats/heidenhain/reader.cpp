@@ -16,11 +16,11 @@
 namespace kerf {
 namespace {
 
-/// Most blocks that are executed beyond the size of a program, in repeats and calls.
+/// Most blocks executed beyond the size of a program, in repeats and calls.
 constexpr std::size_t kRepeatedMax = 1'000'000;
 constexpr std::string_view kLanguage = "HEIDENHAIN";
 
-/// Pieces of a path that are followed in a step.
+/// Pieces of a path per step.
 constexpr int kPiecesPerStep = 64;
 
 class KlartextReader final : public ProgramReader {
@@ -43,7 +43,7 @@ class KlartextReader final : public ProgramReader {
     if (sink_.waits()) {
       if (auto error = follow_path()) return std::unexpected(*std::move(error));
     } else if (auto error = execute()) {
-      while (sink_.waits()) {  // what waits comes before the fault, and may be wrong, too
+      while (sink_.waits()) {  // pending motions precede the fault, and may be invalid too
         if (auto earlier = follow_path()) return std::unexpected(*std::move(earlier));
         program_.motions.clear();
       }

@@ -15,7 +15,7 @@ class KlartextValues {
   /// Computes a formula of "Q1 = …" or of FN 0 to FN 8: + - * / ^ DIV, parentheses, SIN COS TAN
   /// ASIN ACOS ATAN SQRT ABS INT FRAC NEG LN LOG EXP SGN LEN PI. Throws KlartextFault.
   double formula(std::string_view text) const;
-  /// Assigns "Q1 = …"; returns false if the text is none.
+  /// Assigns "Q1 = …". Returns false for any other text.
   bool assign(std::string_view text);
   void set(const std::string& name, double value) { values_[name] = value; }
 

@@ -44,7 +44,7 @@ void CollapsingMesh::collapse(std::uint32_t from, std::uint32_t to,
   drop_gone(to);
 }
 
-// Takes the corners of triangles that are gone out of the ring of a vertex.
+// Removes the corners of deleted triangles from the ring of a vertex.
 void CollapsingMesh::drop_gone(std::uint32_t vertex) {
   std::uint32_t before = first_corner_[vertex];
   while (is_gone(before / 3)) before = next_corner_[before];

@@ -10,8 +10,8 @@
 
 namespace kerf {
 
-/// A mesh of triangles, and those around each vertex, from which vertices are taken by moving them
-/// to the other end of an edge. Triangles and vertices keep their numbers.
+/// A triangle mesh with the triangles around each vertex. Vertices are removed by moving them to
+/// the other end of an edge. Triangles and vertices keep their numbers.
 class CollapsingMesh {
  public:
   using Triangle = std::array<std::uint32_t, 3>;
@@ -19,10 +19,10 @@ class CollapsingMesh {
 
   explicit CollapsingMesh(const IndexedMesh& mesh);
 
-  /// All triangles; of kNone where they are gone.
+  /// All triangles; kNone for deleted ones.
   const std::vector<Triangle>& triangles() const { return triangles_; }
   bool is_gone(std::uint32_t triangle) const { return triangles_[triangle][0] == kNone; }
-  /// The number of triangles that are left, and these.
+  /// The number of remaining triangles, and the triangles themselves.
   std::size_t size() const { return size_; }
   std::vector<Triangle> remaining() const;
 
@@ -31,7 +31,7 @@ class CollapsingMesh {
     return {positions_[t[0]], positions_[t[1]], positions_[t[2]]};
   }
 
-  /// Calls visit(triangle, corner) for the triangles around a vertex, whose corner it is.
+  /// Calls visit(triangle, corner) for the triangles around a vertex; `corner` is the vertex.
   /// Precondition: the vertex has triangles.
   template <class Visit>
   void for_around(std::uint32_t vertex, Visit&& visit) const {
@@ -43,8 +43,8 @@ class CollapsingMesh {
     } while (corner != first);
   }
 
-  /// Moves a vertex to another one. The triangles of both are gone. Precondition: `around` are the
-  /// triangles of `from`, of which some do not have `to`.
+  /// Moves a vertex to another one and deletes the triangles that have both. Precondition: `around`
+  /// are the triangles of `from`, some of which do not have `to`.
   void collapse(std::uint32_t from, std::uint32_t to, const std::vector<std::uint32_t>& around);
 
  private:
@@ -52,7 +52,7 @@ class CollapsingMesh {
 
   std::vector<Triangle> triangles_;
   std::vector<Vec3> positions_;
-  /// The corners at a vertex, 3 triangle + corner, are a ring.
+  /// The corners at a vertex, 3 triangle + corner, form a ring.
   std::vector<std::uint32_t> first_corner_, next_corner_;
   std::size_t size_;
 };

@@ -17,9 +17,9 @@ namespace {
 using Triangle = CollapsingMesh::Triangle;
 
 constexpr std::uint32_t kNone = CollapsingMesh::kNone;
-/// Share of the edges that a pass looks at, the cheapest ones: errors grow while it collapses.
+/// Share of the edges considered in a pass, the cheapest ones, because errors grow during a pass.
 constexpr double kPassShare = 0.4;
-/// Passes end when they collapse less than this share of the vertices that are left.
+/// Passes end when they collapse less than this share of the remaining vertices.
 constexpr double kWorthwhileShare = 0.001;
 /// Least cosine of the angle by which a collapse turns a triangle.
 constexpr double kTurnCosineMin = 0.25;
@@ -27,19 +27,22 @@ constexpr double kTurnCosineMin = 0.25;
 constexpr double kSurelyFlatCosine = 0.8;
 /// Greatest cosine of the angle between a triangle and one that is folded onto it.
 constexpr double kFoldCosine = 0.9;
-/// Cosine of the angle above which an edge is sharp: beside it, samples of triangles tell little.
+/// Cosine of the angle above which an edge is sharp: samples of the adjacent triangles are
+/// unreliable there.
 constexpr double kSharpCosine = 0.94;
 /// Least height of a triangle as a share of its longest side, unless it was lower before.
 constexpr double kHeightShareMin = 1e-3;
-/// A removed vertex stays with its triangle while it is this near to it, as a share of the limit.
+/// A removed vertex stays with its triangle while it is within this share of the limit.
 constexpr double kStaysShare = 0.5;
-/// An estimated distance of a triangle from the mesh is measured above this share of the limit.
+/// An estimated distance of a triangle from the mesh is measured exactly above this share of the
+/// limit.
 constexpr double kEstimateShare = 0.75;
 
 /// The move of a vertex to the other end of an edge.
 struct Collapse {
-  /// Above the number of the vertex, the cost to a quarter of a power of two: vertices of about
-  /// equal cost are in the order of the mesh, in which neighbors are near in memory.
+  /// The number of the vertex and, in the upper bits, the cost to a quarter of a power of two.
+  /// Vertices of similar cost are thus in the order of the mesh, in which neighbors are close in
+  /// memory.
   std::uint64_t order;
   std::uint32_t to;
 
@@ -93,7 +96,7 @@ class EdgeCollapser {
   std::vector<Triangle> remaining() const { return mesh_.remaining(); }
 
  private:
-  /// A triangle around the vertex that is removed, as it is afterwards.
+  /// A triangle around the removed vertex, after the move.
   struct Moved {
     std::uint32_t triangle;
     std::size_t tip;  ///< the corner that moves
@@ -118,7 +121,7 @@ class EdgeCollapser {
     }
   }
 
-  // The cheapest collapses of edges, in their order.
+  // Collects the cheapest collapses of edges, in order.
   void collect() {
     candidates_.clear();
     for (const Triangle& t : mesh_.triangles()) {
@@ -167,8 +170,8 @@ class EdgeCollapser {
     return common == 2 && !(is_beside && has_triangle(to, from));
   }
 
-  // Whether a triangle at `to` has the two vertices that are next to both `to` and `from`: one of
-  // `from` would come to lie on it, as in a tetrahedron.
+  // Whether a triangle at `to` has the two vertices adjacent to both `to` and `from`. One of `from`
+  // would then coincide with it, as in a tetrahedron.
   bool has_triangle(std::uint32_t to, std::uint32_t from) const {
     bool found = false;
     mesh_.for_around(to, [&](std::uint32_t t, std::uint32_t i) {
@@ -212,7 +215,7 @@ class EdgeCollapser {
     return share2 >= kHeightShareMin * kHeightShareMin || share2 > squared_height_share(before);
   }
 
-  // Whether a triangle that has turned far would lie on one with which it shares an edge.
+  // Whether a triangle that has turned far would fold onto one with which it shares an edge.
   bool folds(std::uint32_t from, std::uint32_t to) const {
     return std::ranges::any_of(moved_, [&](const Moved& moved) {
       const Vec3 normal = normal_of(moved.corners);
@@ -250,7 +253,7 @@ class EdgeCollapser {
     return {double(x), double(y), double(z)};
   }
 
-  // Finds the triangles to which the vertex and those removed before belong after the collapse.
+  // Finds the triangles that the vertex, and those removed before, belong to after the collapse.
   bool finds_places(std::uint32_t from, std::uint32_t to) {
     if (first_removed_.empty()) return true;
     placed_.clear();
@@ -285,7 +288,7 @@ class EdgeCollapser {
     return place != kNone;
   }
 
-  // Whether the new triangles are near the mesh, in their middles and in those of their new edges.
+  // Whether the midpoints of the new triangles and of their new edges are near the mesh.
   bool stays_near(std::uint32_t to) {
     if (first_removed_.empty()) return true;
     std::uint32_t near = a_triangle_[to];
@@ -307,7 +310,7 @@ class EdgeCollapser {
     return true;
   }
 
-  // The triangle whose edge to the tip begins at a vertex; none if that edge was there before.
+  // The triangle whose edge to the tip begins at a vertex; nullptr if that edge existed before.
   Moved* beside_edge(std::uint32_t vertex) {
     for (Moved& moved : moved_)
       if (triangle(moved.triangle)[(moved.tip + 2) % 3] == vertex) return &moved;
@@ -320,8 +323,8 @@ class EdgeCollapser {
     return along < 0 || along * along < kSharpCosine * kSharpCosine * dot(n, n) * dot(m, m);
   }
 
-  // An estimate of the distance of a point from the mesh: by the triangles that are replaced, whose
-  // own distances are known, or, if that is too far, measured.
+  // Estimates the distance of a point from the mesh by the replaced triangles, whose own distances
+  // are known. Measures it if the estimate is too large.
   double estimated_mm(Vec3 point, std::uint32_t usual, std::uint32_t& near) {
     double least = kNoCost;
     const auto try_triangle = [&](std::uint32_t t) {
@@ -368,14 +371,14 @@ class EdgeCollapser {
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> first_removed_, next_removed_;  ///< lists of removed vertices, by
                                                              ///< triangle; empty without a limit
-  std::vector<std::uint32_t> locked_;  ///< the last pass in which an edge of the vertex collapsed
-  std::vector<std::array<float, 3>> normals_;  ///< of the triangles, as they were in the mesh
-  std::vector<double> away_mm_;  ///< of each triangle from the mesh; empty without a limit
+  std::vector<std::uint32_t> locked_;  ///< last pass in which an edge of the vertex collapsed
+  std::vector<std::array<float, 3>> normals_;  ///< of the triangles, as in the mesh
+  std::vector<double> away_mm_;  ///< distance of each triangle from the mesh; empty without a limit
   std::vector<std::uint32_t> seen_;
-  std::vector<std::uint32_t> a_triangle_;  ///< of the mesh, at each vertex
+  std::vector<std::uint32_t> a_triangle_;  ///< a triangle of the mesh at each vertex
   std::uint32_t mark_ = 0, pass_ = 0;
   std::vector<Collapse> candidates_;
-  // Of the collapse that is examined:
+  // State of the examined collapse:
   std::vector<std::uint32_t> around_;
   std::vector<Moved> moved_;
   std::vector<Placed> placed_;

@@ -15,7 +15,7 @@ namespace kerf {
 
 /// Where collapsing ends.
 struct CollapseLimits {
-  std::size_t triangles = 0;  ///< no edge is collapsed when there are as few
+  std::size_t triangles = 0;                                  ///< collapsing stops at this number
   double error_mm = std::numeric_limits<double>::infinity();  ///< greatest distance of any vertex
                                                               ///< of the mesh from the result
 };

@@ -40,11 +40,11 @@ class FileSink {
   int error_ = 0;
 };
 
-/// Buffers bytes in an unnamed temporary file: parts of a format that follow others produced at the
-/// same time need no memory.
+/// Buffers bytes in an unnamed temporary file, so that late parts of a format need no memory while
+/// earlier ones are written.
 class SpoolFile {
  public:
-  /// Creates the file in the folder of `beside`, on the disk that holds the model itself.
+  /// Creates the file in the folder of `beside`, on the disk of the model.
   explicit SpoolFile(const std::filesystem::path& beside);
 
   void write(std::span<const std::byte> bytes) { sink_.write(bytes); }

@@ -14,21 +14,21 @@ namespace kerf {
 struct ModelLimits {
   std::uint64_t bytes = kModelBytesMax;
   std::uint64_t triangles = kModelTrianglesMax;
-  /// A surface of more triangles is not simplified, because that would need more than 2.4 GB.
+  /// Larger surfaces are not simplified, because that would need more than 2.4 GB.
   std::uint64_t simplified_max = 8'000'000;
 };
 
 struct FittingModel {
-  ModelSummary summary;  ///< of the file that was written
-  /// If the exact surface exceeds the limits and was simplified: its triangles, and the tolerance.
+  ModelSummary summary;  ///< of the written file
+  /// If the exact surface exceeded the limits and was simplified: its triangles, and the tolerance.
   std::optional<std::uint64_t> exact_triangles = {};
   double tolerance_mm = 0;
 };
 
-/// Writes the exact surface of a block (write_model) if its file keeps the limits, otherwise that
-/// within the first of the tolerances of a twentieth, a fifth and the whole of the pitch that
-/// does, or within the last one. The surface errs by as much already: by 0.9 of the pitch where
-/// walls end. A surface that is not simplified is written as it is. Equal blocks give equal bytes.
+/// Writes the exact surface of a block (write_model) if its file is within the limits. Otherwise
+/// simplifies it within a twentieth, a fifth or the whole of the pitch, the first that meets the
+/// limits, or the last. The surface itself errs by as much: by 0.9 of the pitch where walls end. A
+/// surface that is too large to simplify is written unchanged. Equal blocks give equal bytes.
 std::expected<FittingModel, ModelError> write_fitting_model(const std::filesystem::path& path,
                                                             const SolidSnapshot& snapshot,
                                                             const ModelRequest& request,

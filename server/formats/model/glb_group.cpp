@@ -58,7 +58,7 @@ Steps to_steps(const std::array<float, 3>& p, const GlbLattice& lattice) {
   return steps;
 }
 
-/// Drops triangles whose corners quantize to fewer than three positions; the surface stays closed.
+/// Drops triangles whose corners quantize to fewer than three positions. The surface stays closed.
 void drop_collapsed(const std::vector<Steps>& steps, std::vector<std::uint32_t>& indices) {
   std::size_t kept = 0;
   for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {

@@ -31,7 +31,7 @@ class GlbDocument {
     json_["asset"] = {{"version", "2.0"}, {"generator", "Kerf"}, {"extras", extras}};
     json_["scene"] = 0;
     json_["scenes"] = {{{"name", title}, {"nodes", {0}}}};
-    // Programs that read glTF name what they make by the node and the mesh.
+    // Importers name their objects after the node and the mesh.
     json_["nodes"] = {{{"name", title.empty() ? "kerf" : title}}};
     place(json_["nodes"][0], output.origin_mm());
   }
@@ -130,7 +130,7 @@ class GlbDocument {
   }
 
   /// Positions are in mm, Z up, relative to the block's corner, so that floats stay precise far
-  /// from the origin of the scene; quantized ones in steps from the middle of the lattice.
+  /// from the origin of the scene. Quantized ones are in steps from the middle of the lattice.
   void place(Json& node, Vec3 origin_mm) const {
     double unit_mm = 1;
     if (encoding_ != ModelEncoding::kFloat) {

@@ -29,7 +29,7 @@ GltfElements::GltfElements(const tinygltf::Model& model, int accessor_number)
   count_ = accessor.count;
   components_ = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
   if (accessor.sparse.isSparse) {
-    // What is neither in a view nor replaced is zero, in any number of elements.
+    // Elements that are neither in a view nor replaced are zero, and may be any number.
     if (accessor.bufferView < 0 && (accessor.sparse.count <= 0 || components_ != 3))
       reject_mesh(MeshFileErrorCode::kSyntax, name_ + " has no elements");
     read_sparse(model, accessor);

@@ -17,7 +17,7 @@ struct Accessor;
 
 namespace kerf {
 
-/// Returns an item of a list of a glTF file; throws MeshRejection if there is none.
+/// Returns an item of a list of a glTF file. Throws MeshRejection if it does not exist.
 template <class Item>
 const Item& gltf_item(const std::vector<Item>& list, int number, const char* what) {
   if (number < 0 || static_cast<std::size_t>(number) >= list.size())
@@ -26,8 +26,8 @@ const Item& gltf_item(const std::vector<Item>& list, int number, const char* wha
   return list[static_cast<std::size_t>(number)];
 }
 
-/// The elements of an accessor, which the model must outlive. All bytes are checked to be inside
-/// their buffer; throws MeshRejection if they are not.
+/// The elements of an accessor, whose model must outlive them. Throws MeshRejection if any byte is
+/// outside the buffer.
 class GltfElements {
  public:
   GltfElements(const tinygltf::Model& model, int accessor);

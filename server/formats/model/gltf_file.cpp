@@ -24,10 +24,10 @@ using Json = nlohmann::json;
 constexpr std::size_t kHeader = 12, kChunkHeader = 8;
 constexpr std::uint32_t kMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
-/// The densest code of the vertex codec: 256 bytes that do not change take four.
+/// Densest code of the vertex codec: 256 constant bytes take four.
 constexpr std::size_t kUnpackedShareMax = 64;
 
-/// Extensions that a file may require: they do not change where its triangles are, or as said.
+/// Extensions that a file may require, because they do not affect its triangles or are read.
 constexpr std::array<std::string_view, 4> kExtensionsRead{
     "KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", kMeshopt};
 
@@ -45,14 +45,14 @@ void put_word(std::string& text, std::size_t word) {
   for (int n = 0; n < 4; ++n) text += static_cast<char>(word >> (8 * n) & 0xffU);
 }
 
-/// Returns a whole number of an object; empty if it has none of that name.
+/// Returns a whole number of an object, or nullopt.
 std::optional<std::size_t> number_of(const Json& object, const char* key) {
   if (!object.is_object()) return std::nullopt;
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number_unsigned()) return std::nullopt;
   return found->get<std::size_t>();
 }
-/// Returns a member of an object or an element of a list; null if there is none.
+/// Returns a member of an object or an element of a list, or null.
 const Json& at(const Json& object, const char* key) {
   static const Json kNone;
   const auto found = object.is_object() ? object.find(key) : object.end();
@@ -69,7 +69,7 @@ class MeshoptViews {
   MeshoptViews(Json& json, std::span<const std::byte> binary)
       : json_(json), binary_(binary), unpacked_max_(kUnpackedShareMax * binary.size()) {}
 
-  /// Returns the bytes that follow the binary chunk; the JSON names them.
+  /// Returns the bytes to append to the binary chunk; the JSON refers to them.
   std::string unpack() {
     for (const std::size_t view : views_needed()) {
       const Json extension =
@@ -79,7 +79,7 @@ class MeshoptViews {
     if (unpacked_.empty()) return {};
     if (!item_at(at(json_, "buffers"), 0).is_object())
       reject_mesh(MeshFileErrorCode::kSyntax, "the file has no buffer");
-    // A buffer that only stands for unpacked bytes has none in the file.
+    // A fallback buffer for unpacked bytes has no bytes in the file.
     for (Json& buffer : json_["buffers"]) {
       if (at(at(at(buffer, "extensions"), kMeshopt), "fallback") == true) buffer["byteLength"] = 1;
     }
@@ -88,7 +88,7 @@ class MeshoptViews {
   }
 
  private:
-  /// Where unpacked bytes begin: the binary chunk is padded to four bytes.
+  /// Offset of the unpacked bytes: the binary chunk is padded to four bytes.
   std::size_t start() const { return (binary_.size() + 3) / 4 * 4; }
 
   /// The views of positions and indices.
@@ -162,7 +162,7 @@ class MeshoptViews {
   std::string unpacked_;
 };
 
-/// Limits for hostile files: each item takes some hundred bytes of memory, of three in the file.
+/// Limits for hostile files: an item takes three bytes in the file and some hundred in memory.
 constexpr std::size_t kItemsMax = 250'000, kValuesMax = 4'000'000;
 
 [[noreturn]] void reject_json(JsonFaultKind kind) {
@@ -174,9 +174,9 @@ constexpr std::size_t kItemsMax = 250'000, kValuesMax = 4'000'000;
   reject_mesh(MeshFileErrorCode::kSyntax, "the JSON of the file is invalid");
 }
 
-/// Returns the JSON of a file, without what does not tell of triangles.
+/// Returns the JSON of a file, reduced to its triangles.
 Json geometry_json(std::string_view text, const std::stop_token& stop) {
-  // What is nested deeper is dropped: the library writes JSON by recursion.
+  // Deeper values are dropped, because the library writes JSON by recursion.
   constexpr int kDepthMax = 32;
   const auto parsed =
       parse_bounded_json(text, {.depth_max = kDepthMax,
@@ -187,7 +187,7 @@ Json geometry_json(std::string_view text, const std::stop_token& stop) {
   if (!parsed) reject_json(parsed.error().kind);
   Json& all = *static_cast<Json*>(parsed->get());
   if (!all.is_object()) reject_json(JsonFaultKind::kSyntax);
-  // tinygltf fails at what such an extension leaves out, without naming it.
+  // tinygltf fails without naming such an extension.
   for (const auto& required : at(all, "extensionsRequired")) {
     const std::string extension = required.is_string() ? required.get<std::string>() : "";
     if (!is_read(extension))
@@ -208,7 +208,7 @@ Json geometry_json(std::string_view text, const std::stop_token& stop) {
   return kept;
 }
 
-/// The content of the binary chunk; empty if there is none.
+/// The content of the binary chunk; empty without one.
 std::span<const std::byte> binary_chunk(std::span<const std::byte> rest) {
   if (rest.size() < kChunkHeader || word_at(rest, 4) != kBinaryChunk) return {};
   const auto content = rest.subspan(kChunkHeader);

@@ -10,8 +10,8 @@
 #include "server/formats/model/mesh_reader.h"
 
 // Reads binary glTF 2.0: the triangles of the nodes of its scene. Lengths are meters and +Y is up
-// (glTF 2.0, 3.4): they become mm with +Z up. Materials, textures, skins and animations are
-// ignored: what is read is the pose that the nodes state.
+// (glTF 2.0, 3.4); they become mm with +Z up. Materials, textures, skins and animations are
+// ignored, so the pose is that of the nodes.
 
 namespace kerf {
 namespace {
@@ -30,7 +30,7 @@ struct NodeMatrix {
   }
   Vec3 column(std::size_t n) const { return {m[4 * n], m[4 * n + 1], m[4 * n + 2]}; }
   bool mirrors() const { return dot(cross(column(0), column(1)), column(2)) < 0; }
-  /// The other first, then this.
+  /// Applies the other first, then this.
   NodeMatrix after(const NodeMatrix& other) const {
     NodeMatrix product;
     for (std::size_t c = 0; c < 4; ++c) {
@@ -77,7 +77,7 @@ NodeMatrix matrix_of(const tinygltf::Node& node) {
   return matrix;
 }
 
-/// A file names nothing outside itself.
+/// Rejects references to other files.
 tinygltf::FsCallbacks no_files() {
   return {[](const std::string&, void*) { return false; },
           [](const std::string& name, void*) { return name; },

@@ -118,7 +118,7 @@ Vec3 WholeMesh::corner_normal(std::size_t triangle, std::size_t corner) const {
     sum = sum + facet_normals_[other] * std::acos(std::clamp(dot(a, b), -1.0, 1.0));
   }
   const Vec3 normal = normalized(sum);
-  // A facet without area has no normal; any unit vector serves.
+  // A facet without area has no normal, so any unit vector serves.
   return normal == Vec3{} ? Vec3{0, 0, 1} : normal;
 }
 

@@ -14,7 +14,7 @@ namespace kerf {
 
 /// A complete surface in memory with shared vertices.
 struct IndexedMesh {
-  Vec3 origin_mm;  ///< where position (0, 0, 0) lies in the scene
+  Vec3 origin_mm;  ///< scene coordinates of position (0, 0, 0)
   std::vector<std::array<float, 3>> positions_mm;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from outside
 
@@ -33,7 +33,7 @@ struct IndexedMesh {
 IndexedMesh indexed_mesh(const TriangleMesh& mesh);
 
 /// Reads a whole source and merges its vertices; needs about 24 bytes per triangle. Ends early,
-/// with a part of the surface, if a stop is requested.
+/// with part of the surface, if a stop is requested.
 IndexedMesh collect_mesh(MeshSource& source, const std::stop_token& stop = {});
 
 /// Edges that violate a closed 2-manifold. Vertices are identified by their index.

@@ -9,10 +9,10 @@
 
 namespace kerf {
 
-/// Returns the triangles of a mesh that meet another one elsewhere than in common corners and
-/// edges, and those without area, by exact predicates on the positions relative to the origin.
-/// Sorted, each once. Triangles are found by a tree of boxes: O(n log n) unless boxes overlap a
-/// lot. Those found so far if a stop is requested.
+/// Returns the triangles of a mesh that meet another one outside common corners and edges, and
+/// those without area, by exact predicates on the positions relative to the origin. Sorted, each
+/// once. Uses a tree of boxes: O(n log n) unless many boxes overlap. Returns the triangles found so
+/// far if a stop is requested.
 std::vector<std::uint32_t> crossing_triangles(const IndexedMesh& mesh,
                                               const std::stop_token& stop = {});
 

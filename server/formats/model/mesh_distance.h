@@ -19,10 +19,9 @@ class MeshDistance {
   /// The mesh must outlive this object and have at least one triangle.
   explicit MeshDistance(const IndexedMesh& mesh);
 
-  /// Returns the distance of a point in scene coordinates, mm. `near` is a hint: the index of a
-  /// triangle that may be near (any value is valid; a good one is faster). It is replaced by the
-  /// nearest triangle; among equally near ones the choice depends on the hint, the distance does
-  /// not.
+  /// Returns the distance of a point in scene coordinates, mm. `near` is a hint, the index of a
+  /// triangle that may be near (any value is valid, a good one is faster), and receives the nearest
+  /// triangle. Among equally near ones the choice depends on the hint, the distance does not.
   double distance_mm(Vec3 point_mm, std::uint32_t& near) const;
   double signed_distance_mm(Vec3 point_mm, std::uint32_t& near) const;
 

@@ -7,7 +7,7 @@ namespace kerf {
 
 enum class MeshFileErrorCode {
   kTruncated,      ///< the file ends inside its header, a facet or a statement
-  kCountMismatch,  ///< more bytes than the counts account for
+  kCountMismatch,  ///< more bytes than the counts state
   kNotFinite,      ///< a coordinate is NaN or infinite
   kTooLarge,       ///< more triangles than the caller allows
   kSyntax,         ///< an unexpected word

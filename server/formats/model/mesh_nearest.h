@@ -21,9 +21,9 @@ class MeshNearest {
     std::uint32_t triangle;
   };
   /// Returns the nearest triangle and its squared distance from a point, which is relative to the
-  /// mesh's origin. `near` is a hint, the index of a triangle: a good one is faster. Among equally
-  /// near triangles the choice depends on the hint. The search may end, with a triangle that is not
-  /// the nearest, where one is found within `enough_mm2`.
+  /// mesh's origin. `near` is a hint, the index of a triangle; a good one is faster. Among equally
+  /// near triangles the choice depends on the hint. The search may end early with any triangle
+  /// within `enough_mm2`.
   Found find(Vec3 point, std::uint32_t near, double enough_mm2 = 0) const;
 
  private:
@@ -44,7 +44,7 @@ class MeshNearest {
   double squared_to(std::uint32_t place, Vec3 point) const;
 
   std::vector<Corners> corners_;         ///< in the order of the leaves
-  std::vector<std::uint32_t> triangle_;  ///< of each of these, its index in the mesh
+  std::vector<std::uint32_t> triangle_;  ///< their indices in the mesh
   std::vector<std::uint32_t> place_;     ///< the inverse
   std::vector<Node> nodes_;              ///< the left child of an inner node follows it
 };

@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// Sine and cosine of an angle, by those of its distance from the nearest quarter turn.
+/// Sine and cosine of an angle, computed from its distance to the nearest quarter turn.
 SinCos sin_cos_deg(double angle_deg) {
   const double quarter = std::round(angle_deg / 90);
   const SinCos rest = sin_cos((angle_deg - 90 * quarter) * (std::numbers::pi / 180));

@@ -6,7 +6,7 @@
 
 namespace kerf {
 
-/// Where the mesh of a file lies in a scene: its numbers times unit and scale, turned about the
+/// Position of a file's mesh in a scene: its coordinates times unit and scale, turned about the
 /// origin, then moved.
 struct MeshPlacement {
   double unit_mm = 1;   ///< length of the file's unit, > 0
@@ -16,7 +16,8 @@ struct MeshPlacement {
   friend bool operator==(const MeshPlacement&, const MeshPlacement&) = default;
 };
 
-/// Moves all vertices. Turns by multiples of 90 degrees are exact. The same bytes on all machines.
+/// Moves all vertices. Turns by multiples of 90 degrees are exact. Gives the same bytes on all
+/// machines.
 void place_mesh(TriangleMesh& mesh, const MeshPlacement& placement);
 
 }  // namespace kerf

@@ -15,8 +15,8 @@ namespace {
 // -0 and +0 are the same coordinate.
 Vec3 plain(Vec3 v) { return {v.x + 0.0, v.y + 0.0, v.z + 0.0}; }
 
-/// Returns for each vertex the first one at the same place. Sorted, because a file may be made so
-/// that its vertices collide in a table.
+/// Returns for each vertex the first one at the same position. Sorts, because a hostile file could
+/// make its vertices collide in a table.
 std::vector<std::uint32_t> first_at_place(const std::vector<Vec3>& vertices) {
   struct Placed {
     Vec3 at;
@@ -37,8 +37,8 @@ std::vector<std::uint32_t> first_at_place(const std::vector<Vec3>& vertices) {
   return first;
 }
 
-/// Share of the mesh's diagonal below which vertices on open edges are one: programs that compute a
-/// vertex once for each of its triangles, or write floats, state it with different last digits.
+/// Share of the mesh's diagonal below which vertices on open edges are equal. Programs that compute
+/// a vertex once per triangle, or write floats, give it different last digits.
 constexpr double kSameShare = 1e-6;
 
 void drop_triangles_without_area(TriangleMesh& mesh) {
@@ -50,7 +50,7 @@ TriangleMesh merge_vertices(const TriangleMesh& read) {
   TriangleMesh mesh;
   std::vector<std::uint32_t> merged = first_at_place(read.vertices_mm);
   for (std::uint32_t v = 0; v < merged.size(); ++v) {
-    const bool is_first = merged[v] == v;  // those before have their numbers already
+    const bool is_first = merged[v] == v;  // earlier ones have their numbers already
     merged[v] = is_first ? static_cast<std::uint32_t>(mesh.vertices_mm.size()) : merged[merged[v]];
     if (is_first) mesh.vertices_mm.push_back(plain(read.vertices_mm[v]));
   }

@@ -7,7 +7,7 @@
 
 namespace kerf {
 
-/// Thrown by the readers of 3MF and GLB inside themselves; never leaves them.
+/// Thrown inside the readers of 3MF and GLB; never leaves them.
 struct MeshRejection {
   MeshFileError error;
 };

@@ -8,11 +8,11 @@
 namespace kerf {
 namespace {
 
-/// Triangles that all searches for cavities together may look at: about a second.
+/// Most triangles visited by all searches for cavities: about a second.
 constexpr std::uint64_t kCrossingsMax = 200'000'000;
 
-/// Whether a ray upward from p crosses a triangle. Its outline in xy is half-open, so that a ray
-/// through an edge crosses one of the two triangles there.
+/// Whether a ray upward from p crosses a triangle. Its outline in xy is half-open, so a ray through
+/// an edge crosses one of the two triangles there.
 bool is_above(Vec3 p, const std::array<Vec3, 3>& c) {
   bool inside = false;
   for (std::size_t n = 0; n < 3; ++n) {
@@ -83,7 +83,7 @@ bool agree(const std::array<std::uint32_t, 3>& a, const std::array<std::uint32_t
 }  // namespace
 
 std::optional<Vec3> MeshShells::orient() {
-  // Of each triangle: unknown, as in the file, or turned.
+  // State of each triangle: unknown, as in the file, or turned.
   std::vector<signed char> side(mesh_.triangles.size());
   for (MeshShell& shell : shells_) {
     side[shell.triangles.front()] = 1;
@@ -177,7 +177,8 @@ std::vector<std::vector<std::uint32_t>> open_loops(const TriangleMesh& mesh,
       surplus[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
     }
   }
-  std::map<std::uint32_t, std::vector<std::uint32_t>> next;  // what is missing goes against them
+  std::map<std::uint32_t, std::vector<std::uint32_t>>
+      next;  // the missing triangles use them in the opposite direction
   for (const auto& [edge, count] : surplus) {
     const auto [from, to] = count > 0 ? std::pair(edge.second, edge.first) : edge;
     for (int n = 0; n < std::abs(count); ++n) next[from].push_back(to);
@@ -185,7 +186,7 @@ std::vector<std::vector<std::uint32_t>> open_loops(const TriangleMesh& mesh,
   std::vector<std::vector<std::uint32_t>> loops;
   for (auto& [start, ends] : next) {
     while (!ends.empty()) {
-      // Walk until a vertex comes again; what lies between is a loop.
+      // Walks until a vertex repeats. The vertices in between are a loop.
       std::vector<std::uint32_t> path{start};
       std::map<std::uint32_t, std::size_t> place{{start, 0}};
       while (!path.empty() && !next[path.back()].empty()) {

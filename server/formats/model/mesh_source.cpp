@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-/// Pieces per thread that are meshed at the same time: some milliseconds of work.
+/// Pieces per thread that are meshed at once: some milliseconds of work.
 constexpr std::size_t kPiecesAhead = 8;
 
 std::int64_t tile_count(const DexelGrid& grid) {

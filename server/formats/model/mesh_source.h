@@ -25,7 +25,7 @@ struct MeshPiece {
   std::vector<std::uint32_t> indices;  ///< three per triangle, counter-clockwise seen from outside
 };
 
-/// A closed surface read piece by piece, so that writers do not hold all of it in memory.
+/// A closed surface, read piece by piece so that writers do not hold all of it in memory.
 class MeshSource {
  public:
   virtual ~MeshSource() = default;
@@ -33,14 +33,14 @@ class MeshSource {
   virtual Vec3 origin_mm() const = 0;
   /// Returns the upper bounds of all positions, relative to the origin; the lower bounds are >= 0.
   virtual Vec3 size_mm() const = 0;
-  /// Replaces `piece` by the next one, which may be without triangles. Returns false at the end.
+  /// Replaces `piece` by the next one, which may have no triangles. Returns false at the end.
   virtual bool next(MeshPiece& piece) = 0;
   /// Returns the fraction that has been read, 0 to 1.
   virtual double share() const = 0;
 };
 
 /// Detail of the stock's flat faces where they are untouched. kMerged: squares that grow with the
-/// distance from cuts, so that the surface costs what was carved. kByTile: the mesh of each tile,
+/// distance from cuts, so that the size depends on the carved area. kByTile: the mesh of each tile,
 /// for values that vary along a face.
 enum class FlatFaces : std::uint8_t { kMerged, kByTile };
 

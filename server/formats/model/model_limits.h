@@ -6,9 +6,9 @@
 
 namespace kerf {
 
-/// What a mesh has at most that a server takes as a part to compare with, in bytes of its file and
-/// in triangles. A model that a server gives has no more, unless more is asked for, so that what
-/// was taken home can be brought back.
+/// Limits of a mesh that a server accepts as a part to compare with, in bytes of its file and in
+/// triangles. A server's own models stay within them unless more is requested, so that a downloaded
+/// model can be uploaded again.
 inline constexpr std::size_t kModelBytesMax = std::size_t{64} << 20;
 inline constexpr std::uint64_t kModelTrianglesMax = 1'000'000;
 

@@ -13,7 +13,7 @@
 
 namespace kerf {
 
-/// What floats in coordinates of the scene lose of a surface.
+/// Loss of a surface by rounding scene coordinates to floats.
 struct CoordinateLoss {
   std::uint64_t collapsed = 0;
   float farthest_mm = 0;
@@ -22,7 +22,7 @@ struct CoordinateLoss {
 /// Arguments of a format's writer; model_writer.cpp selects the writer.
 struct ModelOutput {
   FileSink& sink;
-  const std::filesystem::path& path;  ///< of the sink; temporary files are created beside it
+  const std::filesystem::path& path;  ///< of the sink; temporary files are created next to it
   MeshSource& source;
   const ModelRequest& request;
   CoordinateLoss& loss;
@@ -35,9 +35,9 @@ struct ModelOutput {
     if (request.progress) request.progress(source.share());
     return true;
   }
-  /// Where position (0, 0, 0) of the source is in the file.
+  /// File coordinates of the source's position (0, 0, 0).
   Vec3 origin_mm() const { return source.origin_mm() + request.shift_mm; }
-  /// Counts what in_scene() loses of a piece.
+  /// Counts the loss of a piece by in_scene().
   void add_loss(const MeshPiece& piece) const;
   /// Converts a position to coordinates of the file.
   std::array<float, 3> in_scene(const std::array<float, 3>& p) const {

@@ -127,7 +127,7 @@ void ModelOutput::add_loss(const MeshPiece& piece) const {
 
 std::string coarse_coordinates(const ModelSummary& summary, double pitch_mm, Vec3 least_mm,
                                Vec3 size_mm, std::string_view option) {
-  // Nearer to the origin a shift gains little: floats are as coarse as the size alone makes them.
+  // Nearer to the origin a shift gains little, because the size alone makes floats as coarse.
   constexpr double kFarSizes = 16;
   constexpr double kStepPitches = 1.0 / 16;
   const double size = std::max({size_mm.x, size_mm.y, size_mm.z});

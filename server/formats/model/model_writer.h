@@ -30,18 +30,18 @@ enum class ModelEncoding : std::uint8_t {
 
 /// Returns the name of the format, which is its file extension: "stl", "glb", "3mf", "ply", "obj".
 const char* to_string(ModelFormat format);
-/// "binary", "ascii", "float", "quantized", "meshopt", "xml".
+/// Returns "binary", "ascii", "float", "quantized", "meshopt" or "xml".
 const char* to_string(ModelEncoding encoding);
 /// Returns the media type of the format, e.g. "model/stl".
 const char* media_type(ModelFormat format);
 /// Returns the format of a name; empty if unknown.
 std::optional<ModelFormat> model_format(std::string_view name);
-/// Returns the encodings of a format; the first is the default.
+/// Returns the encodings of a format, the default first.
 std::span<const ModelEncoding> model_encodings(ModelFormat format);
 /// Returns the encoding of a name; empty if the format does not have it.
 std::optional<ModelEncoding> model_encoding(ModelFormat format, std::string_view name);
 
-/// Receives the fraction of the work done, 0 to 1, from time to time; may be empty.
+/// Receives the fraction of the work done, 0 to 1, at intervals; may be empty.
 using ModelProgress = std::function<void(double)>;
 
 struct ModelError {
@@ -49,10 +49,10 @@ struct ModelError {
 };
 struct ModelSummary {
   std::uint64_t triangles = 0, vertices = 0, bytes = 0;
-  /// Triangles whose corners coincide, or lie on a line, once they are rounded to floats in the
-  /// scene; 0 of a GLB, whose positions are relative to the block.
+  /// Triangles whose corners coincide, or are collinear, after rounding to floats in the scene; 0
+  /// for a GLB, whose positions are relative to the block.
   std::uint64_t collapsed = 0;
-  double farthest_mm = 0;  ///< greatest magnitude of a coordinate in the file; 0 of a GLB
+  double farthest_mm = 0;  ///< greatest magnitude of a coordinate in the file; 0 for a GLB
 };
 
 struct ModelRequest {
@@ -61,12 +61,12 @@ struct ModelRequest {
   std::string title = {};  ///< name of the model in the file
   Vec3 shift_mm = {};      ///< added to the coordinates of the scene
   ModelProgress progress = {};
-  std::stop_token stop = {};  ///< asked before each piece of the surface
+  std::stop_token stop = {};  ///< polled before each piece of the surface
 };
 
 /// Returns why the coordinates of a file are too coarse for its surface, as one sentence with
-/// numbers and the shift that helps; empty if they are not. `pitch_mm`: between the rays of the
-/// block; `least_mm`: its corner in the scene; `option`: what states a shift, such as
+/// numbers and the shift that helps, or an empty text. `pitch_mm`: between the rays of the block;
+/// `least_mm`: its corner in the scene; `option`: the option for a shift, such as
 /// "--model-translate". Coordinates are too coarse if the block is far from the origin for its size
 /// and either triangles collapse or the step of a float exceeds a sixteenth of the pitch.
 std::string coarse_coordinates(const ModelSummary& summary, double pitch_mm, Vec3 least_mm,
@@ -74,9 +74,9 @@ std::string coarse_coordinates(const ModelSummary& summary, double pitch_mm, Vec
 
 /// Writes a surface to a file in scene coordinates, mm (for GLB below the root node, see
 /// README.md). Holds one piece of the source in memory, the seams of a row of pieces and, for GLB,
-/// one group of at most 65,535 vertices; data for the end of the file is spooled to an unnamed file
-/// beside it. Equal sources give equal bytes. On error, and if a stop was requested, no
-/// file is left behind.
+/// one group of at most 65,535 vertices. Data for the end of the file is spooled to an unnamed file
+/// next to it. Equal sources give equal bytes. On error, and if a stop was requested, no file
+/// remains.
 std::expected<ModelSummary, ModelError> write_model(const std::filesystem::path& path,
                                                     MeshSource& source,
                                                     const ModelRequest& request);

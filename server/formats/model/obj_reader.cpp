@@ -18,7 +18,8 @@ constexpr std::string_view kPassedOver[] = {
     "usemtl", "mtllib",   "usemap",   "l",          "p",        "lod", "bevel",
     "maplib", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
 
-/// Returns whether a line that begins with `word` contains no geometry: a comment or one of those.
+/// Returns whether a line that begins with `word` has no geometry: a comment or a skipped
+/// statement.
 bool is_skipped(std::string_view word) {
   return word.starts_with('#') || std::ranges::find(kPassedOver, word) != std::end(kPassedOver);
 }

@@ -15,13 +15,13 @@
 namespace kerf {
 namespace {
 
-/// Vertices in cubes whose side is the distance within which they are joined.
+/// Vertices in cubes whose side is the joining distance.
 class VertexCells {
  public:
   VertexCells(std::span<const Vec3> vertices, Vec3 origin, double distance_mm)
       : vertices_(vertices), origin_(origin), distance_mm_(distance_mm) {}
 
-  /// Returns the first vertex added that is within the distance, or adds this one and returns it.
+  /// Returns the first vertex added within the distance, or adds this one and returns it.
   std::uint32_t join(std::uint32_t vertex) {
     const Cell at = cell_of(vertices_[vertex]);
     for (std::int64_t n = 0; n < 27; ++n) {
@@ -60,7 +60,7 @@ class VertexCells {
   std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> cells_;
 };
 
-/// A number that depends on the two ends of an edge alone, and on their order.
+/// A number that depends only on the two ends of an edge and their order.
 std::uint64_t mixed(std::uint32_t from, std::uint32_t to) {
   std::uint64_t x = (std::uint64_t{from} << 32U | to) + 0x9e3779b97f4a7c15U;
   x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;

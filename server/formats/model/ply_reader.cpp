@@ -198,7 +198,7 @@ class PlyReader {
     }
   }
 
-  /// Adds strips of triangles, as files of the Stanford repository have them: -1 begins the next.
+  /// Adds strips of triangles, as in files of the Stanford repository; -1 begins the next.
   void add_strips() {
     std::size_t first = 0;
     for (std::size_t c = 0; c < list_.size() && !error_; ++c) {

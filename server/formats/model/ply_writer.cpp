@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-// The header is rewritten once the counts are known; it has the same length for all counts.
+// The header is rewritten once the counts are known. Its length does not depend on them.
 constexpr std::size_t kCountDigits = 20;
 
 std::string make_header(const std::string& title, const MeshPiece& like,

@@ -76,7 +76,7 @@ class Repair {
     }
   }
 
-  /// Closes a boundary, whose vertices are in the order of the triangles that are missing.
+  /// Closes a boundary, whose vertices are in the order of the missing triangles.
   void close(const std::vector<std::uint32_t>& loop, MeshShell& shell) {
     const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
       shell.triangles.push_back(static_cast<std::uint32_t>(mesh_.triangles.size()));
@@ -98,7 +98,7 @@ class Repair {
     for (std::size_t n = 0; n < loop.size(); ++n) add(loop[n], loop[(n + 1) % loop.size()], middle);
   }
 
-  /// Returns false if it would take too long to find out which shells are cavities.
+  /// Returns false if finding the cavities would take too long.
   bool turn_shells(MeshShells& shells) {
     std::vector<MeshShell*> inside_out;
     for (MeshShell& shell : shells.all()) {

@@ -12,15 +12,15 @@ namespace kerf {
 /// What repair_mesh changed.
 struct MeshRepair {
   std::size_t vertices_joined = 0;
-  std::size_t triangles_dropped = 0;  ///< without area, or stated twice
-  std::size_t triangles_turned = 0;   ///< against most of their shell
+  std::size_t triangles_dropped = 0;  ///< without area, or repeated
+  std::size_t triangles_turned = 0;   ///< to agree with most of their shell
   std::size_t shells_turned = 0;      ///< that were inside out
   std::size_t holes_closed = 0;
-  double longest_hole_mm = 0;  ///< length of the longest boundary that was closed
+  double longest_hole_mm = 0;  ///< length of the longest closed boundary
   friend bool operator==(const MeshRepair&, const MeshRepair&) = default;
 };
 /// Returns a repair as one clause, e.g. "closed 2 holes (the longest boundary: 12.3 mm), turned 1
-/// shell"; empty if nothing was changed.
+/// shell", or an empty text if nothing was changed.
 std::string to_string(const MeshRepair& repair);
 
 /// Makes a mesh bound a solid (mesh_stock_fault), by this rule. A mesh that does so already is left

@@ -18,11 +18,11 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Attempts to collapse without what made the last one invalid; each keeps a larger neighborhood.
+/// Attempts to collapse without the cause of the last failure. Each keeps a larger neighborhood.
 constexpr int kAttemptsMax = 20;
 /// Attempts to halve the error if only the number of triangles is given.
 constexpr int kHalvingsMax = 2;
-/// Edges are collapsed within this share of the bound, because they are checked at samples.
+/// Edges are collapsed within this share of the bound, because only samples are checked.
 constexpr double kCollapseShare = 0.95;
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
@@ -47,7 +47,8 @@ class Simplifier {
   }
 
  private:
-  /// The surface within a number of triangles, with as small an error as a few attempts find.
+  /// Returns a surface within a number of triangles, with the smallest error that a few attempts
+  /// find.
   std::optional<SimplifiedMesh> reduce(std::size_t target) {
     auto best = attempt(target, kNoBound);
     if (!best && crossed_) crossed_->error_mm = measure(crossed_->mesh, kNoBound).error_mm;
@@ -60,9 +61,9 @@ class Simplifier {
     return best;
   }
 
-  /// A valid surface within a bound, with no fewer triangles than `target`, or more if the bound
-  /// requires it. Nothing after too many attempts, if without a bound only crossing triangles are
-  /// few enough, or if a stop was requested.
+  /// Returns a valid surface within a bound, with about `target` triangles, or more if the bound
+  /// requires it. Empty after too many attempts, if a stop was requested, or, without a bound, if
+  /// all small enough results have crossings.
   std::optional<SimplifiedMesh> attempt(std::size_t target, double bound_mm) {
     for (int n = 0; n < kAttemptsMax; ++n) {
       if (progress_) progress_(n / double(kAttemptsMax));
@@ -71,7 +72,7 @@ class Simplifier {
           collapse_edges(exact_, to_exact_, kept_, {target, kCollapseShare * bound_mm}, stop_)};
       if (stop_.stop_requested()) return {};
       const Faults faults = find_faults(result);
-      // What is kept around crossings exceeds the number of triangles.
+      // The parts kept around crossings exceed the number of triangles.
       if (crossed_ && bound_mm == kNoBound && result.triangles.size() > target) return {};
       Measured measured;
       if (faults.none()) measured = measure(result, bound_mm);
@@ -86,11 +87,11 @@ class Simplifier {
     return {};
   }
 
-  /// What makes a result invalid.
+  /// Faults that make a result invalid.
   struct Faults {
     bool closed = false;                  ///< a closed manifold with triangles
-    std::vector<std::uint32_t> at_edges;  ///< vertices where it is none
-    std::vector<std::uint32_t> crossing;  ///< triangles; not searched where it is none
+    std::vector<std::uint32_t> at_edges;  ///< vertices where it is not
+    std::vector<std::uint32_t> crossing;  ///< triangles; not searched if the result is not closed
     bool none() const { return closed && crossing.empty(); }
   };
   Faults find_faults(const IndexedMesh& result) const {
@@ -129,8 +130,9 @@ class Simplifier {
   };
   Measured measure(const IndexedMesh& result, double bound_mm) const {
     Measured measured;
-    // The distance of a point from a mesh, or one that changes nothing: most points are nearer
-    // than the greatest distance so far, which a search finds out early.
+    // Returns the distance of a point from a mesh, or any smaller bound that does not change the
+    // result: most points are nearer than the greatest distance so far, and the search can end
+    // early.
     const auto distance_mm = [&](const MeshNearest& mesh, Vec3 point, std::uint32_t& near) {
       const double enough_mm = std::min(measured.error_mm, bound_mm);
       const auto found = mesh.find(point, near, enough_mm * enough_mm);
@@ -181,7 +183,7 @@ class Simplifier {
   const std::stop_token& stop_;
   const MeshNearest to_exact_;
   std::vector<bool> kept_;                 ///< vertices of the exact mesh that stay
-  std::optional<SimplifiedMesh> crossed_;  ///< that with the fewest crossing triangles
+  std::optional<SimplifiedMesh> crossed_;  ///< the result with the fewest crossing triangles
 };
 
 std::unexpected<ModelError> budget_missed(const SimplifyRequest& request, std::size_t reached) {

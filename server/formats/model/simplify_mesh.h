@@ -23,18 +23,18 @@ struct SimplifiedMesh {
   /// Greatest measured distance of a vertex of the exact surface from the simplified one, or of a
   /// corner, edge midpoint or centroid of the simplified surface from the exact one.
   double error_mm = 0;
-  /// Triangles that meet others elsewhere than in common corners and edges, or have no area. Not 0
-  /// only if the number of triangles requested is too small for a result without.
+  /// Triangles that meet others outside common corners and edges, or have no area. Not 0 only if
+  /// the requested number of triangles is too small for a result without.
   std::size_t crossing_triangles = 0;
 };
 
 /// Reduces the number of triangles by collapsing edges (edge_collapse.h). The result is closed and
-/// 2-manifold, and its error is measured; where it exceeds the bound, or triangles cross
-/// (mesh_crossings.h), the surface around is kept and collapsing is repeated. With a number of
+/// 2-manifold, and its error is measured. Where it exceeds the bound, or triangles cross
+/// (mesh_crossings.h), the surrounding surface is kept and collapsing is repeated. With a number of
 /// triangles only, smaller errors are tried as long as it is reached; if it is too small for a
 /// result without crossings, the one with fewest is returned. Needs the whole surface in memory,
-/// about 300 bytes per triangle. Returns an error if the limits cannot be met, with the smallest
-/// number of triangles reached, and if a stop was requested, which ends each of its parts.
+/// about 300 bytes per triangle. Errors: limits that cannot be met, with the smallest number of
+/// triangles reached; a requested stop, which ends each of the steps.
 std::expected<SimplifiedMesh, ModelError> simplify_mesh(MeshSource& source,
                                                         const SimplifyRequest& request,
                                                         const ModelProgress& progress = {},

@@ -21,9 +21,8 @@ using StlTriangle = std::array<Vec3, 3>;
 inline constexpr std::uint64_t kStlFacetsMax = 20'000'000;
 
 /// Reads a binary or ASCII STL file. Facet normals are ignored, because they are often wrong; the
-/// order of the corners defines the orientation. A file that begins with "solid" is read as binary
-/// if its length equals the length given by its facet count. Ends soon after a stop is
-/// requested (kStopped).
+/// order of the corners defines the orientation. A file that begins with "solid" is binary if its
+/// length matches its facet count. Ends soon after a stop is requested (kStopped).
 std::expected<std::vector<StlTriangle>, MeshFileError> read_stl(
     std::span<const std::byte> bytes, std::uint64_t facets_max = kStlFacetsMax,
     const std::stop_token& stop = {});

@@ -7,7 +7,7 @@ namespace kerf {
 namespace {
 
 constexpr std::size_t kTitleBytes = 80;
-/// Twelve floats and two bytes that are zero.
+/// Twelve floats and two zero bytes.
 constexpr std::size_t kBytesPerFacet = 50;
 
 std::vector<std::byte> make_header(std::string_view title) {
@@ -37,7 +37,7 @@ std::array<float, 3> normal_of(const MeshPiece& piece, std::size_t first) {
   return facet_normal({p[i[first]], p[i[first + 1]], p[i[first + 2]]});
 }
 
-/// Writes three floats, little-endian, and returns the place after them.
+/// Writes three floats, little-endian, and returns the position after them.
 std::byte* put_floats(std::byte* to, const std::array<float, 3>& values) {
   for (const float value : values) {
     const auto bits = std::bit_cast<std::uint32_t>(value);

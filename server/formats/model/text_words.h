@@ -12,11 +12,11 @@
 
 namespace kerf {
 
-/// Splits text into words and counts lines. A line ends with LF, CR LF or CR alone, whichever the
-/// others end with: editors and converters leave files with several kinds.
+/// Splits text into words and counts lines. A line ends with LF, CR LF or CR, independently for
+/// each line, because editors and converters leave files with several kinds.
 class TextWords {
  public:
-  /// `backslash_joins`: a line whose last character is a backslash goes on in the next one.
+  /// `backslash_joins`: a line whose last character is a backslash continues on the next one.
   explicit TextWords(std::string_view text, bool backslash_joins = false)
       : text_(text), backslash_joins_(backslash_joins) {}
   std::size_t line() const { return line_; }
@@ -41,12 +41,12 @@ class TextWords {
 
  private:
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-  /// Whether a line ends with this character: of CR LF, with the second.
+  /// Whether a line ends with this character; CR LF ends with the second.
   bool ends_line() const {
     return text_[at_] == '\n' ||
            (text_[at_] == '\r' && (at_ + 1 == text_.size() || text_[at_ + 1] != '\n'));
   }
-  /// The characters of a backslash and the end of line behind it; 0 if there is none here.
+  /// The number of characters of a backslash and the line end after it; 0 if there is none here.
   std::size_t joint_size() const {
     if (!backslash_joins_ || text_[at_] != '\\') return 0;
     const std::string_view rest = text_.substr(at_ + 1, 2);
@@ -76,7 +76,7 @@ class TextWords {
   std::size_t at_ = 0, line_ = 1;
 };
 
-/// Parses a word as a number with an optional leading +; empty if any character is left over.
+/// Parses a word as a number with an optional leading +. Empty if any character remains.
 template <class T>
 std::optional<T> word_number(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);

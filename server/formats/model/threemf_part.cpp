@@ -61,7 +61,7 @@ class PartReader {
     const auto state =
         XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), last ? 1 : 0);
     given_ += text.size();
-    // Expat does not look at each part of a long element, and knows no place then.
+    // Expat does not process each part of a long element, and then reports no position.
     const auto begun = XML_GetCurrentByteIndex(parser_.get());
     if (begun >= 0) begun_ = static_cast<std::uint64_t>(begun);
     if (!failure_ && state == XML_STATUS_OK && given_ - begun_ > kElementBytesMax)
@@ -195,8 +195,8 @@ class PartReader {
 
   std::string name_;
   ThreemfCount& count_;
-  std::uint64_t given_ = 0;  ///< bytes to the parser
-  std::uint64_t begun_ = 0;  ///< the byte at which what it has not handled yet begins
+  std::uint64_t given_ = 0;  ///< bytes passed to the parser
+  std::uint64_t begun_ = 0;  ///< offset of the first byte that it has not handled yet
   ParserPointer parser_;
   ThreemfPart part_;
   ThreemfObject* object_ = nullptr;

@@ -22,7 +22,7 @@ struct ThreemfTransform {
             v.x * m[1] + v.y * m[4] + v.z * m[7] + m[10],
             v.x * m[2] + v.y * m[5] + v.z * m[8] + m[11]};
   }
-  /// This map first, then the other.
+  /// Applies this map first, then the other.
   ThreemfTransform then(const ThreemfTransform& other) const {
     const Vec3 x{m[0], m[1], m[2]}, y{m[3], m[4], m[5]}, z{m[6], m[7], m[8]};
     const Vec3 zero = other.apply({}), at = other.apply({m[9], m[10], m[11]});
@@ -54,23 +54,23 @@ struct ThreemfPart {
   std::vector<ThreemfPlaced> items;  ///< what is built
 };
 
-/// What the parts of a package hold together, and may.
+/// Counts and limits over all parts of a package.
 struct ThreemfCount {
   std::uint64_t triangles_max = 0;
   std::uint64_t triangles = 0, vertices = 0;
   std::uint64_t objects = 0;  ///< with components and items
 };
 
-/// Parses a model part. `source` passes its text to the function that it is given. Errors of the
-/// text name `name` and the line. Rejects what would take much memory: more triangles than `count`
-/// allows, more vertices than these have corners, more than 100,000 objects, an element of more
-/// than 1 MB. Throws MeshRejection.
+/// Parses a model part. `source` passes its text to the given function. Errors of the text name
+/// `name` and the line. Rejects large content: more triangles than `count` allows, more vertices
+/// than these have corners, more than 100,000 objects, an element of more than 1 MB. Throws
+/// MeshRejection.
 ThreemfPart read_threemf_part(
     const std::string& name, ThreemfCount& count,
     const std::function<void(const std::function<void(std::string_view)>&)>& source);
 
-/// Returns the name of the part with the model, by the relationships of a package; empty if they do
-/// not name it.
+/// Returns the name of the part with the model, from the relationships of a package, or an empty
+/// text.
 std::string threemf_model_part(std::string_view relationships);
 
 }  // namespace kerf

@@ -7,9 +7,9 @@
 #include "server/formats/model/threemf_part.h"
 #include "server/formats/model/zip_reader.h"
 
-// Reads the 3D Manufacturing Format: core specification 1.3, and of the production extension the
-// paths to other parts. What the build items place is read, with its components; supports, surfaces
-// that bound nothing, colors and materials are left out.
+// Reads the 3D Manufacturing Format: core specification 1.3 and, of the production extension, the
+// paths to other parts. Reads the build items with their components; skips supports, open surfaces,
+// colors and materials.
 
 namespace kerf {
 namespace {

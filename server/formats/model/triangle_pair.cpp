@@ -11,14 +11,14 @@ namespace {
 
 using Point = std::array<float, 3>;
 
-/// Greater than the relative rounding error of a determinant of differences of floats, as a share
-/// of the sum of its products' sizes.
+/// Bound of the relative rounding error of a determinant of float differences, as a share of the
+/// sum of its products' sizes.
 constexpr double kFilter = 1e-15;
 
 int sign(double n) { return n > 0 ? 1 : n < 0 ? -1 : 0; }
 
-/// A sum of doubles without rounding: parts that do not overlap, the least first. Floats have
-/// exponents so small that no part of a product of three differences is lost.
+/// A sum of doubles without rounding: parts that do not overlap, the least first. The exponents of
+/// floats are so small that no part of a product of three differences is lost.
 class ExactSum {
  public:
   void add(double term) {
@@ -134,7 +134,7 @@ bool meets_in_plane(const Point& p, const Point& q, const FloatTriangle& t) {
     });
   };
   if (inside(p) || inside(q)) return true;
-  // Else it meets the triangle only if it crosses two sides.
+  // Otherwise it meets the triangle only if it crosses two sides.
   for (std::size_t n = 0; n < 3; ++n) {
     const Point &a = t[n], &b = t[(n + 1) % 3];
     const int from = turn(a, b, p, axis), to = turn(a, b, q, axis);

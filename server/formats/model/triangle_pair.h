@@ -13,7 +13,7 @@ bool has_no_area(const FloatTriangle& t);
 
 /// Returns whether two triangles with area have a common point other than a common corner or edge,
 /// exactly: touching counts. Corners are common if they are equal. Signs of determinants are
-/// computed in doubles where a bound on the rounding error decides them, else without rounding (J.
+/// computed in doubles if a bound on the rounding error decides them, else without rounding (J.
 /// Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates,
 /// 1997).
 bool do_cross(const FloatTriangle& s, const FloatTriangle& t);

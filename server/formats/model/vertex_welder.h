@@ -35,7 +35,7 @@ class VertexWelder {
   };
   struct Vertex {
     std::uint32_t number;
-    std::uint64_t fan;  ///< 0 if each neighbor came as often before as after it
+    std::uint64_t fan;  ///< 0 if each neighbor came as often before it as after
   };
   std::unordered_map<Position, Vertex, PositionHash> open_;
   std::vector<Vertex*> vertex_of_;

@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// What minizip reads: a file in memory, with a position.
+/// Input of minizip: a file in memory, with a position.
 struct MemoryFile {
   std::span<const std::byte> bytes;
   std::uint64_t at = 0;

@@ -12,7 +12,7 @@
 namespace kerf {
 
 /// A ZIP archive in memory. All parts together may unpack to a hundred times the archive's bytes
-/// and 1 MiB, which is far above what text reaches. Throws MeshRejection.
+/// plus 1 MiB, far above any text. Throws MeshRejection.
 class ZipReader {
  public:
   /// The bytes must outlive this object.
@@ -21,8 +21,8 @@ class ZipReader {
   ZipReader& operator=(const ZipReader&) = delete;
   ~ZipReader();
 
-  /// Passes the content of a part on in pieces; false if there is no such part. The case of its
-  /// name does not matter.
+  /// Passes on the content of a part in pieces; returns false if it does not exist. Names are not
+  /// case-sensitive.
   bool read(const std::string& part, const std::function<void(std::string_view)>& take);
 
  private:

@@ -27,8 +27,7 @@ struct SinumerikWord {
 /// values. Throws GcodeFault.
 std::vector<SinumerikWord> sinumerik_words(std::string_view block, const SinumerikValues& values);
 
-/// Divides the text of a call at its commas; an argument that is left out is nullopt. Texts in
-/// quotes are 0.
+/// Divides the text of a call at its commas. A missing argument is nullopt, a text in quotes 0.
 std::vector<std::optional<double>> sinumerik_arguments(std::string_view text,
                                                        const SinumerikValues& values);
 

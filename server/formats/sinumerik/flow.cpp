@@ -24,7 +24,7 @@ constexpr Structure kStructures[] = {{"IF", "ENDIF"},
                                      {"LOOP", "ENDLOOP"},
                                      {"REPEAT", "UNTIL"}};
 
-// The label of a line, "N100" for its number; removes it from the text.
+// Removes the label of a line from the text and returns it, "N100" for its number.
 std::string take_label(std::string& text) {
   std::string label;
   std::size_t end = 0;
@@ -148,7 +148,7 @@ std::optional<SinumerikLine> SinumerikFlow::next() {
   return std::nullopt;
 }
 
-// GOTOF, GOTOB, GOTO, GOTOC; false if the text is none.
+// GOTOF, GOTOB, GOTO, GOTOC. Returns false for any other text.
 bool SinumerikFlow::jump(std::string_view text) {
   for (const std::string_view word : {"GOTOF", "GOTOB", "GOTOC", "GOTO"}) {
     if (!begins_word(text, word)) continue;

@@ -16,11 +16,11 @@ namespace kerf {
 /// A line of a SINUMERIK program in capital letters, without number and label.
 struct SinumerikLine {
   std::string text;     ///< without comment; blanks are kept
-  std::string comment;  ///< behind ';', as written
+  std::string comment;  ///< after ';', as written
 };
 
-/// The lines of a program, and where its structures and labels are. `text` must outlive it. Throws
-/// GcodeFault, with the line in at(), for structures that do not match.
+/// The lines of a program, with the positions of its structures and labels. `text` must outlive it.
+/// Throws GcodeFault, with the line in at(), for structures that do not match.
 class SinumerikProgram {
  public:
   explicit SinumerikProgram(std::string_view text);
@@ -29,8 +29,8 @@ class SinumerikProgram {
   SinumerikLine line(std::size_t n) const;
   /// The line as written.
   std::string_view written(std::size_t n) const;
-  /// The other end of a structure: IF and ELSE lead to the next of ELSE and ENDIF, ends of loops to
-  /// their heads and heads to their ends. Throws GcodeFault where there is none.
+  /// The other end of a structure: IF and ELSE lead to the next ELSE or ENDIF, ends of loops to
+  /// their heads and heads to their ends. Throws GcodeFault without one.
   std::size_t partner(std::size_t n) const;
   /// The line with a label or number, searched forward, backward or in this order.
   std::optional<std::size_t> label(const std::string& name, std::size_t from, char direction) const;
@@ -44,7 +44,7 @@ class SinumerikProgram {
   std::map<std::string, std::vector<std::size_t>> labels_;
 };
 
-/// The order in which lines are executed: IF, WHILE, FOR, LOOP, REPEAT, GOTO.
+/// Determines the order of execution of lines: IF, WHILE, FOR, LOOP, REPEAT, GOTO.
 class SinumerikFlow {
  public:
   SinumerikFlow(const SinumerikProgram& program, SinumerikValues& values, std::size_t executed_max)

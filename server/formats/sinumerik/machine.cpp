@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kToolMax = 1e9, kCodeMax = 9999;
 
-// Words that change nothing on the path, which is followed exactly.
+// Words without effect on the path, which is followed exactly.
 constexpr std::string_view kWithoutEffect[] = {
     "SOFT",      "BRISK",      "DRIVE",     "FFWON",     "FFWOF",       "COMPON",    "COMPOF",
     "COMPCURV",  "COMPCAD",    "STOPRE",    "UPATH",     "SPATH",       "DIAMOF",    "ORIWKS",
@@ -119,7 +119,7 @@ void SinumerikMachine::define(std::string text) {
   }
 }
 
-// Modes, tools and M functions; marks the words that it takes.
+// Modes, tools and M functions. Marks the words that it uses.
 void SinumerikMachine::prepare(Words& words) {
   std::vector<int> m_codes;
   bool speed = false;
@@ -247,7 +247,7 @@ void SinumerikMachine::change_tool() {
   selected_.reset();
 }
 
-// R5=… and variables, with the values that the block began with.
+// R5=… and variables, computed from the values at the start of the block.
 void SinumerikMachine::assign(Words& words) {
   for (SinumerikWord& word : words) {
     if (word.used || word.kind != SinumerikWord::Kind::kValue || !values_.has(word.name)) continue;

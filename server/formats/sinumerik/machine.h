@@ -26,12 +26,12 @@ namespace kerf {
 class SinumerikMachine {
  public:
   using Warn = std::function<void(const std::string&)>;
-  /// All arguments must outlive it. `changes_by_t`: the program has no M6, so that T changes tools.
-  /// `offsets_are_wear`: the path is that of the tool's center, so that G41 displaces by nothing.
+  /// All arguments must outlive it. `changes_by_t`: the program has no M6, so T changes tools.
+  /// `offsets_are_wear`: the path is that of the tool's center, so G41 has no offset.
   SinumerikMachine(const Scene& scene, SinumerikValues& values, GcodeCanon& canon, Warn warn,
                    bool changes_by_t, bool offsets_are_wear);
 
-  /// Executes a line, of a number from 1; true if it ends the program.
+  /// Executes a line, numbered from 1. Returns true if it ends the program.
   bool execute(const SinumerikLine& line, std::size_t number);
   /// Makes the move that radius compensation delays.
   void finish();
@@ -139,9 +139,9 @@ class SinumerikMachine {
   std::map<std::string, ToolId> named_tools_;
   int system_ = 0;  ///< G54: 54
   GcodeFrame frame_;
-  GcodeAxes at_{};      ///< absolute; of the tool's center while it is compensated
-  GcodeAxes actual_{};  ///< the end of the last compensated move that was made, absolute
-  std::optional<PlanePoint> beside_;  ///< the programmed point beside which G40 left the tool
+  GcodeAxes at_{};                    ///< absolute; the tool's center while compensated
+  GcodeAxes actual_{};                ///< the end of the last completed compensated move, absolute
+  std::optional<PlanePoint> beside_;  ///< the programmed point at which G40 left the tool offset
   std::size_t line_ = 0;
   CutterCompensation compensation_;
   std::optional<Corner> corner_;
@@ -150,7 +150,7 @@ class SinumerikMachine {
   std::optional<Hole> modal_hole_, hole_;
   bool ends_ = false;
   bool tilted_ = false;       ///< by CYCLE800
-  bool swivel_open_ = false;  ///< the plane was ended with turned tables
+  bool swivel_open_ = false;  ///< the plane ended with turned tables
 };
 
 }  // namespace kerf

@@ -13,7 +13,7 @@
 namespace kerf {
 namespace {
 
-/// Places of a cycle's arguments, from 0; -1: it has none. All begin with RTP, RFP, SDIS, DP.
+/// Indices of a cycle's arguments, from 0; -1 for a missing one. All begin with RTP, RFP, SDIS, DP.
 struct AreaCycle {
   std::string_view name;
   int dpr, length, width, corner, x, y, turn, infeed, side, floor, feed, plunge, variant, count;
@@ -25,7 +25,7 @@ constexpr AreaCycle kAreaCycles[] = {
     {"CYCLE71", -1, 6, 7, -1, 4, 5, 8, 9, -1, 12, 13, -1, 14, 16, -1, -1},
     {"CYCLE76", 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 17, 20, 18, 19},
     {"CYCLE77", 4, 5, -1, -1, 6, 7, -1, 8, 9, 10, 11, 12, 14, 16, 15, -1}};
-/// CYCLE71: infeed across, of the tool's diameter, if none is given.
+/// CYCLE71: default infeed across, as a share of the tool's diameter.
 constexpr double kFaceShare = 0.8;
 
 AreaPath taken(AreaResult result, std::string_view cycle) {
@@ -33,7 +33,7 @@ AreaPath taken(AreaResult result, std::string_view cycle) {
   return *std::move(result);
 }
 
-// The path of a cycle that leaves `side` at its walls, about its center.
+// Returns the path of a cycle about its center that leaves `side` at its walls.
 AreaPath area_path_of(const AreaCycle& rule, const std::function<double(int)>& mm, int variant,
                       double tool, double side) {
   const std::string_view name = rule.name;
@@ -122,7 +122,7 @@ bool SinumerikMachine::area_statement(std::string_view name,
   return true;
 }
 
-// Each pass begins above the place where the last one went down.
+// Each pass begins above the point where the last one descended.
 void SinumerikMachine::mill(const Area& area, const std::string& word) {
   std::size_t moves = 0;
   for (const auto& pass : area.passes) moves += pass.first.size();

@@ -16,7 +16,7 @@ constexpr double kLevelMm = 1e-9;
 
 }  // namespace
 
-// Takes the words of a corner; RNDM holds until RNDM=0.
+// Removes the words of a corner. RNDM holds until RNDM=0.
 void SinumerikMachine::read_corner(Words& words, Corner& corner) {
   const auto mm = [&](const char* name) {
     const SinumerikWord* word = take(words, name);
@@ -34,7 +34,7 @@ void SinumerikMachine::require_no_corner(const std::string& word) const {
     throw GcodeFault{word, "behind RND, CHF and CHR, which a line (G1) must follow"};
 }
 
-// Makes the line up to the corner as it is.
+// Makes the delayed line up to the corner unchanged.
 void SinumerikMachine::release_corner() {
   if (!corner_) return;
   const Corner corner = *std::exchange(corner_, std::nullopt);

@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// Places of arguments, from 0; -1: none. All begin with RTP, RFP, SDIS, DP, DPR.
+/// Indices of arguments, from 0; -1 for a missing one. All begin with RTP, RFP, SDIS, DP, DPR.
 struct HoleCycle {
   std::string_view name;
   int dwell, feed;
@@ -21,7 +21,7 @@ constexpr HoleCycle kHoleCycles[] = {{"CYCLE81", -1, -1}, {"CYCLE82", 5, -1},  {
                                      {"CYCLE84", 5, -1},  {"CYCLE840", 5, -1}, {"CYCLE85", 5, 6},
                                      {"CYCLE86", 5, -1},  {"CYCLE87", -1, -1}, {"CYCLE88", 5, -1},
                                      {"CYCLE89", 5, -1}};
-/// Feed of a tap whose speed is not known, mm per minute.
+/// Feed of a tap without a known speed, mm per minute.
 constexpr double kTapFeed = 1000;
 constexpr double kHolesMax = 10'000;
 
@@ -126,7 +126,7 @@ void SinumerikMachine::drill_pattern(std::string_view name,
   }
 }
 
-// At the current place along the axis of the plane.
+// At the current position along the axis of the plane.
 void SinumerikMachine::drill() {
   refuse_compensated("CYCLE");
   require_no_swivel();

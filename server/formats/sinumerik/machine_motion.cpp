@@ -118,7 +118,7 @@ void SinumerikMachine::move(Words& words) {
   }
 }
 
-// A line, kept back if a corner ends it.
+// Makes a line, or delays it if a corner ends it.
 void SinumerikMachine::line(const GcodeAxes& to, const Named& named, bool turns, Corner corner) {
   const bool rapid = motion_ == Motion::kRapid;
   const bool tables = named[3] || named[4] || named[5] || turns;
@@ -172,7 +172,7 @@ void SinumerikMachine::go_round(const GcodeAxes& to, const Named& named, PlanePo
   at_ = end.axes;
 }
 
-// I J K from the start, or I=AC(…); CR=, of more than half a circle if it is negative.
+// I J K from the start, or I=AC(…); CR=, negative for more than half a circle.
 PlanePoint SinumerikMachine::center(Words& words, Vec3 from, Vec3 to, bool& clockwise) {
   clockwise = motion_ == Motion::kClockwise;
   ArcCenter given;
@@ -233,7 +233,7 @@ void SinumerikMachine::arc(Words& words, const GcodeAxes& to, const Named& named
   go_round(to, named, middle, clockwise, turns, feed());
 }
 
-// SUPA, G53, G153, G74 and G75: to a place of the machine, which is not known.
+// SUPA, G53, G153, G74 and G75: to a machine position, which is unknown in the workpiece.
 void SinumerikMachine::go_to_machine(Words& words) {
   refuse_compensated("SUPA");
   Named named{};

@@ -12,7 +12,7 @@ void SinumerikMachine::refuse_compensated(const std::string& word) {
     throw GcodeFault{word, "is not supported while G41 or G42 is on; program G40 before it"};
 }
 
-// The radius is that of the scene's tool: D and the tool data of the control are not known.
+// The radius is that of the scene's tool, because D and the tool data are in the control.
 double SinumerikMachine::tool_radius_mm(const std::string& word) const {
   std::optional<ToolId> tool = loaded_;
   if (!tool && scene_.tools.size() == 1) tool = scene_.tools.begin()->first;
@@ -36,7 +36,7 @@ void SinumerikMachine::compensate(int code) {
     if (!compensation_.on()) return;
     require_no_corner("G40");
     release_corner();
-    // The tool stays where it is until it moves within the plane.
+    // The tool stays until it moves within the plane.
     beside_ = compensation_.end(in_plane(linear(frame_.programmed(at_)), plane_));
     return;
   }
@@ -54,7 +54,7 @@ void SinumerikMachine::compensate(int code) {
   actual_ = at_;
 }
 
-// The programmed point, from which increments and centers count.
+// The programmed point, the base of increments and centers.
 GcodeAxes SinumerikMachine::programmed() const {
   if (corner_) return corner_->at;
   GcodeAxes axes = frame_.programmed(at_);

@@ -11,7 +11,7 @@
 namespace kerf {
 namespace {
 
-/// _MODE: axis by axis, about X, then about the Y that was turned, then about the Z that was.
+/// _MODE: axis by axis, about X, then about the turned Y, then about the turned Z.
 constexpr double kAxesInTurn = 57;
 
 // R = Rx Ry Rz, as columns.
@@ -40,7 +40,7 @@ void SinumerikMachine::swivel(const std::vector<std::optional<double>>& given) {
     canon_.rapid({at_, axis_}, GcodeRapid::kMachine, {false, false, true, false, false, false});
   const bool positions = value(13) != 0;
   if (!any) {
-    // Without arguments the frames end, and the tables stay where they are.
+    // Without arguments the frames end, and the tables keep their position.
     swivel_open_ = tilted_ && !positions;
     if (std::exchange(tilted_, false)) {
       frame_ = {};

@@ -18,13 +18,13 @@
 namespace kerf {
 namespace {
 
-/// Most lines that are executed beyond the size of a program, in loops.
+/// Most lines executed beyond the size of a program, in loops.
 constexpr std::size_t kRepeatedMax = 1'000'000;
 constexpr std::string_view kLanguage = "SINUMERIK";
-/// Pieces of a path that are followed in a step.
+/// Pieces of a path per step.
 constexpr int kPiecesPerStep = 64;
 
-// Whether M6 stands outside of comments.
+// Whether there is an M6 outside comments.
 bool has_tool_change(const SinumerikProgram& program) {
   for (std::size_t n = 0; n < program.size(); ++n) {
     const std::string text = program.line(n).text;
@@ -65,7 +65,7 @@ class SinumerikReader final : public ProgramReader {
     if (sink_.waits()) {
       if (auto error = follow_path()) return std::unexpected(*std::move(error));
     } else if (auto error = execute()) {
-      while (sink_.waits()) {  // what waits comes before the fault, and may be wrong, too
+      while (sink_.waits()) {  // pending motions precede the fault, and may be invalid too
         if (auto earlier = follow_path()) return std::unexpected(*std::move(earlier));
         program_.motions.clear();
       }
@@ -137,7 +137,7 @@ std::expected<ReadProgram, ProgramError> read_sinumerik(const std::string& name,
     };
     auto first = read({});
     if (first || !is_compensation_fault(first.error().reason)) return first;
-    // As with Fanuc: the path may be that of the tool's center.
+    // As with Fanuc, the path may be that of the tool's center.
     auto again = read(name + ":" + std::to_string(first.error().line) +
                       ": the offsets D are read as 0, as for a path of the tool's center: the "
                       "tool's radius is not possible here");

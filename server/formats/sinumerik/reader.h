@@ -10,8 +10,8 @@
 namespace kerf {
 
 /// Reads a SINUMERIK program for a scene. README.md lists the statements; any other is an error
-/// that names it. `lines_max` bounds the lines that are executed. `reason`, unless it is
-/// empty, says why it is read so: the first warning.
+/// that names it. `lines_max` limits the executed lines. `reason`, unless empty, is the first
+/// warning: why this dialect was chosen.
 std::expected<ReadProgram, ProgramError> read_sinumerik(const std::string& name,
                                                         std::string_view text, const Scene& scene,
                                                         std::size_t lines_max,

@@ -12,13 +12,13 @@ namespace kerf {
 /// capital letters; angles are in degrees. Throws GcodeFault.
 class SinumerikValues {
  public:
-  /// Computes the expression at `at` and moves `at` behind it: numbers, R1, R[…], variables,
-  /// + - * / DIV MOD, == <> < > <= >=, AND OR XOR NOT, SIN COS TAN ASIN ACOS ATAN2 SQRT POT ABS
-  /// TRUNC ROUND LN EXP MINVAL MAXVAL, TRUE, FALSE, $PI. The comparisons bind weakest.
+  /// Computes the expression at `at` and moves `at` after it: numbers, R1, R[…], variables, + - * /
+  /// DIV MOD, == <> < > <= >=, AND OR XOR NOT, SIN COS TAN ASIN ACOS ATAN2 SQRT POT ABS TRUNC ROUND
+  /// LN EXP MINVAL MAXVAL, TRUE, FALSE, $PI. Comparisons bind weakest.
   double expression(std::string_view text, std::size_t& at) const;
   /// Computes a text that is one expression.
   double of(std::string_view text) const;
-  /// Makes a variable; a value that it has is kept.
+  /// Defines a variable. An existing value is kept.
   void define(const std::string& name) { values_.try_emplace(name, 0.0); }
   /// Whether the name is an R parameter or a variable.
   bool has(const std::string& name) const;
@@ -28,11 +28,11 @@ class SinumerikValues {
   std::map<std::string, double> values_;  ///< "R5", names of DEF
 };
 
-/// Whether a character may stand in a name.
+/// Whether a character may occur in a name.
 bool is_sinumerik_name(char c);
-/// Whether a text begins with a word that nothing continues.
+/// Whether a text begins with a complete word.
 bool begins_word(std::string_view text, std::string_view word);
-/// The first place from `at` on without a blank.
+/// Returns the first position from `at` on without a blank.
 std::size_t skip_blanks(std::string_view text, std::size_t at);
 
 }  // namespace kerf
