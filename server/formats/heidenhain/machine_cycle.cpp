@@ -88,7 +88,7 @@ void KlartextMachine::call_cycle(double raised_mm) {
   }
 }
 
-// Drills at the current position: down from Q203 + Q201, and up to the second clearance Q204.
+// Drills at the current position, down to Q203 + Q201 and up to the second clearance Q204.
 void KlartextMachine::drill(double raised_mm) {
   const auto value = [this](const char* name, double missing) {
     return cycle_value(name, missing);

@@ -87,7 +87,7 @@ RotaryAngles KlartextMachine::rotary_target(const Words& words, bool& turns) {
     const double value = values_.of(word.value);
     if (shortest_ && incremental && std::abs(value) > 180)
       throw KlartextFault{word.name + word.value, "turns by more than 180 degrees with M126"};
-    // With M126 an incremental angle counts from the start of the shorter turn.
+    // With M126 the previous angle is counted such that the turn is the shorter one.
     if (shortest_ && !incremental) path_.count_angle(axis, value);
     *angle = value + (incremental ? *angle : 0);
     turns = true;

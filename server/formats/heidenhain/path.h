@@ -54,7 +54,7 @@ class KlartextPath {
         compensation_([this](const CompensatedMove& move) { emit(move); }) {}
 
   const KlartextFrame& frame() const { return frame_; }
-  /// For changes; not while the path is compensated.
+  /// Returns the frame for changes. Not while the path is compensated.
   KlartextFrame& changing_frame() {
     require_uncompensated();
     return frame_;

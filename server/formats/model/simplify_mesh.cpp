@@ -61,7 +61,7 @@ class Simplifier {
     return best;
   }
 
-  /// Returns a valid surface within a bound, with about `target` triangles, or more if the bound
+  /// Returns a valid surface within a bound, with `target` triangles, or more if the bound
   /// requires it. Empty after too many attempts, if a stop was requested, or, without a bound, if
   /// all small enough results have crossings.
   std::optional<SimplifiedMesh> attempt(std::size_t target, double bound_mm) {
