@@ -11,10 +11,10 @@ class App;
 
 namespace kerf {
 
-/// Adds the options of copies at NATS and of a cluster. `durable` is the word of --durable.
+/// Adds the options of copies at NATS and of a cluster. `durable` receives the value of --durable.
 void describe_cluster(CLI::App& app, net::ServerOptions& server, std::string& durable);
 
-/// What is wrong with these options together; empty: nothing.
+/// Returns a conflict between these options, or an empty text.
 std::string cluster_fault(const net::ServerOptions& server, const std::string& durable);
 
 }  // namespace kerf

@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-/// Sessions that are taken at the same time.
+/// Sessions taken at the same time.
 constexpr int kTakers = 2;
 
 }  // namespace
@@ -157,7 +157,7 @@ std::optional<std::string> ClusterNode::address_of(const std::string& id) const 
 bool ClusterNode::is_moving(const std::string& id) const {
   if (impl_->own.find(id)) return false;
   const std::lock_guard lock(impl_->mutex);
-  // Before anything has been heard nobody can say that there is no such session.
+  // Before the first message, any session may exist.
   if (impl_->heard_ns == 0 && impl_->table.find(id) == nullptr) return true;
   return impl_->table.is_moving(id, Clock::boot_ns());
 }

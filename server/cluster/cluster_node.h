@@ -15,15 +15,16 @@
 namespace kerf {
 
 struct ClusterOptions {
-  std::string node;  ///< name of this server among the others; empty: it is alone
+  std::string node;  ///< unique name of this server; empty: not in a cluster
   std::string
       advertise;  ///< its address for clients, "http://HOST:PORT"; empty: that of the server
   Follow follow = Follow::kNone;  ///< sessions of other servers
-  /// Time for which it may change a session after it has renewed the lease of it: LeaseTime.
+  /// Time for which the server may change a session after it sent the last stored renewal:
+  /// LeaseTime.
   std::int64_t lease_ms = LeaseTime{}.writes_ns / 1'000'000;
 };
 
-/// One of several servers that share sessions by leases at NATS: it renews the leases of its own
+/// One of several servers that share sessions by leases at NATS. It renews the leases of its own
 /// sessions, takes those of servers that are gone or have stopped, and knows where each session is.
 class ClusterNode final : public SessionPlaces {
  public:
@@ -34,16 +35,16 @@ class ClusterNode final : public SessionPlaces {
                                                                           std::string node);
   ~ClusterNode() override;
 
-  /// Takes part from now on, as the server at `address`; claims the sessions of the data folder
-  /// that nobody has. The registry must outlive hold(). `report` is called, on any thread, with
-  /// what the opening of a session has shown.
+  /// Joins the cluster as the server at `address`, and claims sessions of the data folder that have
+  /// no owner. The registry must outlive hold(). `report` is called, on any thread, with the result
+  /// of opening a session.
   void start(SessionRegistry& registry, std::string address, const ClusterOptions& options,
              std::function<void(const LoadReport&)> report);
-  /// Takes nothing more, and tells the others that the sessions will move. Returns the address of
-  /// the server that is asked to take them; empty: there is none.
+  /// Takes no more sessions, and announces that its sessions will move. Returns the address of the
+  /// server that should take them; empty if there is none.
   std::string hold();
-  /// Gives the leases back but for those of `unfinished`, whose copies lack something: they run
-  /// out. Takes no part any more. Call after hold(), when the sessions have ended.
+  /// Releases the leases except those of `unfinished`, whose copies are incomplete: these expire.
+  /// Then leaves the cluster. Call after hold(), when the sessions have ended.
   void release(const std::vector<std::string>& unfinished);
 
   std::expected<void, std::string> claim(const std::string& id, bool is_known) override;
@@ -56,8 +57,8 @@ class ClusterNode final : public SessionPlaces {
   std::optional<std::string> address_of(const std::string& id) const override;
   bool is_moving(const std::string& id) const override;
   std::vector<std::string> other_servers() const override;
-  /// The addresses of the other servers whose pages may still be open: of those that have stated
-  /// themselves within kPageLifeNs (lease_table.h), also where they are gone.
+  /// The addresses of the other servers whose pages may still be open: those that announced
+  /// themselves within kPageLifeNs (lease_table.h), even if they are gone.
   std::vector<std::string> page_servers() const;
   std::optional<std::string> place_for_new() override;
   bool wants_to_follow(const std::string& id) override;

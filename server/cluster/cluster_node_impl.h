@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The parts of ClusterNode: what its threads do is in cluster_threads.cpp.
+// The parts of ClusterNode. Its threads are in cluster_threads.cpp.
 
 #include <chrono>
 #include <cstdint>
@@ -61,20 +61,22 @@ struct ClusterNode::Impl {
   SessionRegistry* registry = nullptr;
   std::function<void(const LoadReport&)> report;
   OwnLeases own;
-  std::map<std::string, std::string> faults;  ///< renewer's thread only: of sessions, as logged
-  std::int64_t noted_ns = 0;                  ///< renewer's thread only
+  std::map<std::string, std::string>
+      faults;                 ///< renewer's thread only: faults of sessions, as logged
+  std::int64_t noted_ns = 0;  ///< renewer's thread only
 
-  mutable std::mutex mutex;  ///< guards what follows; with it only that of OwnLeases is locked
+  mutable std::mutex mutex;  ///< guards the members below; while it is held only the mutex of
+                             ///< OwnLeases may be locked
   LeaseTable table;
-  std::int64_t heard_ns = 0;  ///< when the watch delivered something; 0: it does not work
-  /// When a free lease is tried; and when again what could not be opened.
+  std::int64_t heard_ns = 0;  ///< time of the watch's last message; 0: the watch is down
+  /// When to try a free lease, and when to retry a session that could not be opened.
   std::map<std::string, std::int64_t> due_ns, again_ns;
   std::set<std::string> taking;
   std::set<std::string> local;  ///< journals of the data folder at the start
   bool holds = false;
-  std::map<std::string, std::int64_t> lost;  ///< sessions to be ended, and since when
+  std::map<std::string, std::int64_t> lost;  ///< sessions to end, and since when
   std::mt19937_64 chance{random_number()};
-  /// Both exist between start() and hold(), the first one as asked.
+  /// Both exist between start() and hold(), the first one on request.
   std::unique_ptr<Followers> followers;
   std::unique_ptr<LiveStates> live;
   std::jthread renewer, watcher;

@@ -18,19 +18,19 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kTick{100};
-/// Time that a message of the watch may take to come: this server's own note comes each second.
+/// Longest silence of a working watch: this server's own note comes every second.
 constexpr std::int64_t kSilenceNs = 3'000'000'000;
 constexpr std::int64_t kNoteNs = 1'000'000'000;
-/// A free lease is tried after a random time up to the first, and later by the second for each
+/// A free lease is tried after a random time up to the first constant, plus the second for each
 /// session that this server has, so that the sessions of a lost server are spread.
 constexpr std::int64_t kSpreadNs = 150'000'000, kPerSessionNs = 30'000'000;
 constexpr std::size_t kSessionsCounted = 10;
-/// And later by this than a server that follows the session, and goes on with it at once.
+/// Additional delay, so that a server that follows the session takes it first.
 constexpr std::int64_t kFollowersFirstNs = 50'000'000;
-/// Time until a session that could not be taken is tried again.
+/// Time until a session that could not be taken is retried.
 constexpr std::int64_t kRetryNs = 5'000'000'000;
 
-/// Waits for a tick; false: the thread has to end.
+/// Waits for a tick. Returns false if the thread has to end.
 bool pause(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any wake;
@@ -45,7 +45,7 @@ void log_failure(const std::string& id, const std::string& reason) {
 
 }  // namespace
 
-/// What lists show of a session of this server.
+/// Returns the fields that lists show of a session of this server.
 std::optional<ShownSession> ClusterNode::Impl::shown(const std::string& id) const {
   const auto session = registry->find(id);
   if (!session) return std::nullopt;
@@ -78,7 +78,7 @@ void ClusterNode::Impl::renew(const std::string& id) {
   }
 }
 
-/// Says that this server is there.
+/// Announces this server.
 void ClusterNode::Impl::state_itself() {
   const std::int64_t now = Clock::boot_ns();
   if (now - noted_ns < kNoteNs) return;
@@ -117,14 +117,14 @@ void ClusterNode::Impl::take_note(const StreamMessage& message) {
   if (!lease) return;
   table.note(*session, *lease, message.sequence, now);
   due_ns.erase(*session);
-  // The watch may be behind what this server has taken since.
+  // The watch may be behind this server's own newer leases.
   if (mine && lease->epoch > mine->epoch) {
     own.lose(*session);
     lost.try_emplace(*session, now);
   }
 }
 
-/// Follows the leases until the watch delivers nothing any more.
+/// Follows the leases until the watch fails.
 void ClusterNode::Impl::watch(const std::stop_token& stop) {
   if (!nats.make_stream(kClusterStream, kClusterSubjects, replicas, Keep::kLastOfSubject)) return;
   auto messages = nats.watch(kClusterStream, kClusterSubjects);
@@ -151,7 +151,7 @@ void ClusterNode::Impl::watch_all(const std::stop_token& stop) {
   } while (pause(stop));
 }
 
-/// The journals of the data folder: nobody may have their sessions.
+/// Finds the journals of the data folder, whose sessions may have no owner.
 void ClusterNode::Impl::find_local() {
   std::error_code ignored;
   const auto folder = registry->closed_folder().parent_path();
@@ -188,8 +188,8 @@ std::optional<std::string> ClusterNode::Impl::next_to_take() {
   return std::nullopt;
 }
 
-/// Notes the stored lease after a take that failed: another server was faster, or NATS has lost
-/// messages that this server had seen. Then the session is free later than it seemed.
+/// Notes the stored lease after a failed take: another server was faster, or NATS has lost messages
+/// that this server had seen. The session is then free later than it seemed.
 void ClusterNode::Impl::note_not_taken(const std::string& id, const SeenLease& seen,
                                        const LeaseError& error) {
   const bool has_lost = error.stored && error.stored->revision < seen.revision;
@@ -256,14 +256,14 @@ bool ClusterNode::Impl::open(const std::string& id) {
 }
 
 void ClusterNode::Impl::hand_over_lost() {
-  std::map<std::string, std::string> ended;  // and where they go on
+  std::map<std::string, std::string> ended;  // and where they continue
   {
     const std::lock_guard lock(mutex);
     const std::int64_t now = Clock::boot_ns();
     std::erase_if(lost, [&](const auto& session) {
       const auto& [id, since] = session;
       const auto at = table.address_of(id, now);
-      if (!at && now - since < kSilenceNs) return false;  // the watch will tell
+      if (!at && now - since < kSilenceNs) return false;  // the watch will report it
       ended.emplace(id, at.value_or(""));
       return true;
     });
@@ -275,7 +275,7 @@ void ClusterNode::Impl::hand_over_lost() {
   }
 }
 
-/// The sessions that others have, also those that nobody runs now.
+/// Follows the sessions of other servers, also those without an owner at present.
 void ClusterNode::Impl::follow_others() {
   if (!followers) return;
   std::vector<std::string> ids, taken;

@@ -120,7 +120,7 @@ int fetch_journal(const std::string& url, const std::string& session,
   if (!nats) return report(nats.error());
   const auto fetched = fetch_copy(*nats, session, to);
   if (!fetched) return report(fetched.error());
-  // Without one the first start replays all records.
+  // Without a snapshot the first start replays all records.
   const auto snapshot = fetch_snapshots(*nats, session, kAnyEpoch, to);
   if (!snapshot) {
     std::fprintf(stderr, "kerf-server: no snapshot is fetched: %s\n", snapshot.error().c_str());

@@ -11,12 +11,12 @@
 
 namespace kerf {
 
-/// Puts the messages of a stream together to changes again. A change of which parts are missing,
-/// because its writer ended, is left out.
+/// Joins the messages of a stream to changes. A change with missing parts, because its writer
+/// ended, is dropped.
 class FrameJoiner {
  public:
-  /// Returns the change that is complete with this message; nullopt if none is. The error, one
-  /// sentence, is of a damaged message or one of an earlier epoch than the message before.
+  /// Returns the change that this message completes, or nullopt. The error, one sentence, is about
+  /// a damaged message or one of an earlier epoch than the previous message.
   std::expected<std::optional<JournalChange>, std::string> add(std::span<const std::byte> message);
 
  private:
@@ -24,27 +24,26 @@ class FrameJoiner {
   std::vector<std::byte> rows_;
 };
 
-/// The last message of a copy, and how far the copy goes with it.
+/// The last message of a copy, and the end of the copy at it.
 struct CopyEnd {
   std::uint64_t sequence = 0;
   FrameHead head;
 };
-/// Nullopt: there is no copy. The error is one sentence.
+/// Nullopt without a copy. The error is one sentence.
 std::expected<std::optional<CopyEnd>, std::string> end_of_copy(NatsConnection& nats,
                                                                const std::string& session);
 
-/// A copy that was fetched ends with its last change that is whole.
+/// A fetched copy ends with its last whole change.
 struct FetchedCopy {
   CopyPosition position;
-  std::uint64_t message = 0;  ///< the last one of that change
+  std::uint64_t message = 0;  ///< last message of that change
 };
-/// Writes the journal that a stream is the copy of to a new file, and verifies it. The error is one
-/// sentence.
+/// Writes the journal of a stream to a new file and verifies it. The error is one sentence.
 std::expected<FetchedCopy, std::string> fetch_copy(NatsConnection& nats, const std::string& session,
                                                    const std::filesystem::path& to);
 
 /// `kerf-server copies`: prints a line for each session with a copy at NATS. These three return the
-/// exit status: 0, or 1 after an error, which they print.
+/// exit status: 0, or 1 after printing an error.
 int print_copies(const std::string& url);
 /// `kerf-server fetch`: writes the journal of a session from its copy.
 int fetch_journal(const std::string& url, const std::string& session,

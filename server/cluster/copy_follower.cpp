@@ -22,17 +22,17 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kFollowTick{100};
-/// Hashes of the owner are compared with those of the block at most this often: the owner's are
-/// read from the journal.
+/// Minimum interval between comparisons of state hashes, because the owner's are read from the
+/// journal.
 constexpr std::chrono::seconds kCompare{2};
-/// While no message comes, NATS is asked at most this often whether it still has the last one.
+/// Minimum interval, while no message comes, between checks that NATS still has the last one.
 constexpr std::chrono::seconds kLookBack{1};
 
 }  // namespace
 
 std::string live_subject(const std::string& session) { return "kerf.live." + session; }
 
-/// What is known of a session while it is followed.
+/// State of a followed session.
 struct CopyFollower::Followed {
   std::shared_ptr<Session> session;
   std::filesystem::path file;
@@ -40,7 +40,7 @@ struct CopyFollower::Followed {
   std::unique_ptr<RecordSource> records;
   FrameJoiner joiner = {};
   std::uint64_t applied = 0;   ///< last record
-  std::uint64_t compared = 0;  ///< record of the owner's hash that was compared last
+  std::uint64_t compared = 0;  ///< record of the owner's hash compared last
   Clock::time_point compared_at = {}, looked_back_at = {};
 };
 
@@ -90,7 +90,7 @@ std::expected<void, std::string> CopyFollower::follow(const std::stop_token& sto
   return {};
 }
 
-/// Until NATS is away; an error ends the following.
+/// Receives messages until NATS is away. An error ends the following.
 std::expected<void, std::string> CopyFollower::take_messages(Followed& followed,
                                                              const std::stop_token& stop) {
   auto watch = nats_.watch_from(copy_stream(id_), copy_subject(id_), message_ + 1);
@@ -107,8 +107,8 @@ std::expected<void, std::string> CopyFollower::take_messages(Followed& followed,
   return {};
 }
 
-/// While nothing comes. NATS may have come back with less than this server has seen: then messages
-/// with numbers that were used before follow, which the watch leaves out.
+/// Called while no message comes. NATS may have come back with fewer messages than this server has
+/// seen. New messages then reuse numbers, and the watch skips them.
 std::expected<void, std::string> CopyFollower::look_back(Followed& followed) {
   const auto now = Clock::now();
   if (now >= followed.looked_back_at + kLookBack) {
@@ -141,7 +141,7 @@ std::expected<void, std::string> CopyFollower::take(Followed& followed,
   return compare(followed);
 }
 
-/// Applies the records that the journal has got.
+/// Applies the new records of the journal.
 std::expected<void, std::string> CopyFollower::deliver(Followed& followed) {
   const std::uint64_t last = followed.copy.whole()->record;
   if (last <= followed.applied) return {};
@@ -171,7 +171,7 @@ std::expected<void, std::string> CopyFollower::deliver_lists(Followed& followed)
   return {};
 }
 
-/// A block that differs is a fault of this machine, or of its memory.
+/// A different block is a fault of this machine, or of its memory.
 std::expected<void, std::string> CopyFollower::compare(Followed& followed) {
   const auto now = Clock::now();
   const std::uint64_t newest = followed.copy.whole()->hash_after;

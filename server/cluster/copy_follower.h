@@ -17,9 +17,9 @@
 
 namespace kerf {
 
-/// Follows a session that another server runs: fetches the copy of its journal, restores the block,
-/// and applies what the copy gets from then on, on a thread of its own. The registry has the
-/// session meanwhile (find_followed()).
+/// Follows a session that another server runs, on its own thread: fetches the copy of its journal,
+/// restores the block, and applies every later change of the copy. The registry has the session in
+/// the meantime (find_followed()).
 class CopyFollower {
  public:
   enum class State : std::uint8_t { kBegins, kFollows, kFailed };
@@ -32,8 +32,8 @@ class CopyFollower {
   CopyFollower& operator=(const CopyFollower&) = delete;
 
   State state() const { return state_; }
-  /// Applies what the copy has now, waiting for at most `wait`, and ends. Whether the journal then
-  /// has all of it. The session is still in the registry.
+  /// Applies the rest of the copy, waiting for at most `wait`, and ends. Returns whether the
+  /// journal then has all of it. The session stays in the registry.
   bool finish(std::chrono::milliseconds wait);
 
  private:
@@ -52,11 +52,11 @@ class CopyFollower {
   SessionRegistry& registry_;
   std::string id_, node_;
   std::atomic<State> state_ = State::kBegins;
-  std::atomic<std::uint64_t> message_ = 0;  ///< the last one that was taken
+  std::atomic<std::uint64_t> message_ = 0;  ///< the last one received
   std::jthread thread_;
 };
 
-/// The subject on which the owner of a session states its LiveState.
+/// The subject on which the owner of a session publishes its LiveState.
 std::string live_subject(const std::string& session);
 
 }  // namespace kerf

@@ -18,10 +18,10 @@ using std::chrono::milliseconds;
 
 constexpr std::string_view kSubject = "kerf.follow.";
 constexpr milliseconds kNote{1000};
-/// A session that nobody looks at is followed for so long, and one that could not be followed is
-/// tried again after the second.
+/// Time after which an unwatched session is no longer followed, and until a failed following is
+/// retried.
 constexpr std::int64_t kUnusedNs = 30'000'000'000, kFollowRetryNs = 5'000'000'000;
-/// Time in which a follower gets what is left of a copy. Its owner is gone: nothing is added.
+/// Time for a follower to get the rest of a copy. The owner is gone, so nothing is added.
 constexpr milliseconds kFinish{1000};
 
 }  // namespace
@@ -143,7 +143,7 @@ bool Followers::finish(const std::string& session) {
   return has_all;
 }
 
-/// Those that have failed, and those that nobody has looked at for a while.
+/// Returns the failed ones, and those unwatched for a while.
 std::vector<std::string> Followers::unused() {
   const std::int64_t now = Clock::boot_ns();
   std::vector<std::string> ids;

@@ -18,17 +18,17 @@
 
 namespace kerf {
 
-/// Which sessions of other servers a server follows.
+/// The sessions of other servers that a server follows.
 enum class Follow : std::uint8_t {
   kNone,
-  kViewed,  ///< those for which viewers come here, until a while after the last one has left
-  kAll,     ///< all, so that it can go on with each at once
-  kOnly     ///< as kViewed, and it runs none itself
+  kViewed,  ///< those with viewers here, until a while after the last one has left
+  kAll,     ///< all, so that it can take over each at once
+  kOnly     ///< as kViewed, and it runs no sessions
 };
-/// Returns the policy that "none", "viewed", "all" or "only" names.
+/// Parses "none", "viewed", "all" or "only".
 std::optional<Follow> parse_follow(std::string_view name);
 
-/// A server that follows a session, as it states every second to the owner.
+/// A server that follows a session, as announced every second to the owner.
 struct FollowNote {
   std::string node;
   std::size_t viewers = 0;
@@ -44,32 +44,31 @@ class Followers {
  public:
   /// `node` is this server. All must outlive it.
   Followers(NatsConnection& nats, SessionRegistry& registry, std::string node, Follow policy);
-  /// Ends all: their sessions too.
+  /// Ends all, and their sessions.
   ~Followers();
   Followers(const Followers&) = delete;
   Followers& operator=(const Followers&) = delete;
 
-  /// Somebody wants to look at a session, which another server runs. Whether it is followed, or
-  /// will be soon.
+  /// Requests a session that another server runs. Returns whether it is followed, or will be soon.
   bool want(const std::string& session);
   bool is_following(const std::string& session) const;
-  /// The sessions that other servers have, and those that this one is about to take, as they were
-  /// known at the time `known_ns` (Clock::boot_ns): others are followed no more, unless they are
-  /// wanted since then only.
+  /// Sets the sessions of other servers, and those that this one is about to take, as known at
+  /// `known_ns` (Clock::boot_ns()). Following ends for all other sessions, unless they were
+  /// requested later.
   void set_elsewhere(const std::vector<std::string>& sessions,
                      const std::vector<std::string>& taken, std::int64_t known_ns);
-  /// This server is about to run the session: its journal gets what the copy has, and a snapshot,
-  /// and its viewers come again. Whether the journal has all of the copy; false if the session is
-  /// not followed.
+  /// This server is about to run the session: its journal gets the rest of the copy and a snapshot,
+  /// and its viewers reconnect. Returns whether the journal has all of the copy; false if the
+  /// session is not followed.
   bool finish(const std::string& session);
-  /// Follows nothing more, from now on.
+  /// Ends all following for good.
   void stop();
 
  private:
   struct Followed {
-    std::unique_ptr<CopyFollower> follower;  ///< null: it has failed
+    std::unique_ptr<CopyFollower> follower;  ///< null after a failure
     std::int64_t begun_ns = 0;
-    std::int64_t wanted_ns = 0;  ///< when somebody wanted it last
+    std::int64_t wanted_ns = 0;  ///< when it was last requested
     std::int64_t failed_ns = 0;
   };
   void run(const std::stop_token& stop);

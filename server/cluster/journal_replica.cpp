@@ -15,14 +15,14 @@
 namespace kerf {
 namespace {
 
-/// Least time between two changes: what is committed meanwhile goes as one.
+/// Minimum interval between two changes. Commits in between are batched.
 constexpr std::chrono::milliseconds kGather{20};
-/// Time until a change that could not be sent is tried again.
+/// Time until a failed change is retried.
 constexpr std::chrono::milliseconds kRetry{250};
-/// Time until it is looked again whether a journal continues its stream.
+/// Time until the replica checks again whether its journal continues the stream.
 constexpr std::chrono::milliseconds kConflictRetry{5000};
 
-/// Of the replicas' threads: what carves goes first.
+/// Niceness of the replicas' threads, below that of carving threads.
 constexpr int kNiceness = 2;
 
 }  // namespace
@@ -37,7 +37,7 @@ JournalReplica::JournalReplica(NatsConnection& nats, Source source, int replicas
       writer_(random_number()),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-JournalReplica::~JournalReplica() = default;  // stops the thread and waits for it
+JournalReplica::~JournalReplica() = default;  // stops and joins the thread
 
 void JournalReplica::wake() {
   {
@@ -57,7 +57,7 @@ bool JournalReplica::finish(Clock::time_point end) {
 }
 
 void JournalReplica::run(const std::stop_token& stop) {
-  // Fails in a process of a higher niceness, which the thread has then.
+  // Fails in a process of a higher niceness, which the thread then inherits.
   setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNiceness);
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
@@ -158,7 +158,7 @@ bool JournalReplica::continue_after(const Frame& last) {
     next_part_ = 0;
     return true;
   }
-  // Else it is the stream of an earlier process, or NATS has lost messages in a crash.
+  // Otherwise the stream is of an earlier process, or NATS has lost messages in a crash.
   if (!is_own && head.epoch >= source_.epoch) {
     return refuse("another server continues the session: its epoch is " +
                   std::to_string(head.epoch) + ", that of this journal " +
@@ -198,7 +198,7 @@ bool JournalReplica::send() {
                            std::to_string(next_part_);
     const auto stored = nats_.publish(copy_subject(source_.session), bytes, id, last_message_);
     if (!stored) {
-      // Its outcome may be unknown: the stream is asked, and the change is sent again.
+      // The outcome may be unknown, so the stream is read and the change is sent again.
       has_begun_ = false;
       return fail(stored.error().reason);
     }

@@ -19,12 +19,12 @@
 
 namespace kerf {
 
-/// The state of a copy of which nothing is known yet.
+/// The state of a copy before anything is known.
 inline const CopyState kNoCopyYet{0, "the copy is being begun"};
 
 /// Copies the journal of a running session to its stream, on a thread of its own. The journal on
-/// the disk is the truth: what NATS has not acknowledged is read from there again, and at most one
-/// change is in memory. Nobody waits for it.
+/// the disk is authoritative: unacknowledged changes are read from it again, and at most one change
+/// is in memory. Nobody waits for it.
 class JournalReplica {
  public:
   struct Source {
@@ -35,28 +35,28 @@ class JournalReplica {
   /// `report` is called on the replica's thread when the state of the copy has changed.
   JournalReplica(NatsConnection& nats, Source source, int replicas,
                  std::function<void(const CopyState&)> report);
-  /// Ends after the message that is being sent.
+  /// Ends after the current message.
   ~JournalReplica();
   JournalReplica(const JournalReplica&) = delete;
   JournalReplica& operator=(const JournalReplica&) = delete;
 
-  /// Something may have been committed.
+  /// New commits are possible.
   void wake();
-  /// Copies what is committed by now, if that takes no longer than until `end`; then nothing more.
-  /// Returns whether it has.
+  /// Copies everything committed so far, until `end` at most, and then stops for good. Returns
+  /// whether all of it was copied.
   bool finish(Clock::time_point end);
 
  private:
   void run(const std::stop_token& stop);
-  /// Sends what is committed. False if that has failed: try again later.
+  /// Sends new commits. Returns false on failure; try again later.
   bool copy(const std::stop_token& stop);
-  /// Learns how far the stream goes, and whether this journal continues it.
+  /// Reads the end of the stream, and whether this journal continues it.
   bool begin();
-  /// Decides how to go on when the stream ends with `last`.
+  /// Decides how to continue a stream that ends with `last`.
   bool continue_after(const Frame& last);
   bool send();
   bool fail(const std::string& reason);
-  /// As fail(), for what does not pass by itself.
+  /// Like fail(), for conditions that do not pass by themselves.
   bool refuse(const std::string& reason);
   void show();
 
@@ -70,7 +70,7 @@ class JournalReplica {
   std::uint64_t writer_;
   bool has_begun_ = false, is_conflict_ = false;
   std::uint64_t last_message_ = 0;       ///< number of the stream's last message
-  std::optional<JournalChange> change_;  ///< that is being sent
+  std::optional<JournalChange> change_;  ///< being sent
   std::uint64_t change_number_ = 0;
   std::uint32_t next_part_ = 0;
   CopyState state_ = kNoCopyYet, shown_ = kNoCopyYet;

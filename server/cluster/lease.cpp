@@ -16,7 +16,7 @@ constexpr std::pair<LeaseState, const char*> kStates[] = {{LeaseState::kHeld, "h
                                                           {LeaseState::kClosed, "closed"}};
 
 constexpr std::int64_t kNsPerMs = 1'000'000;
-/// Of a server that does not state it.
+/// For a server that does not state it.
 constexpr std::int64_t kDefaultMs = LeaseTime{}.writes_ns / kNsPerMs;
 
 std::vector<std::byte> to_bytes(const Json& json) {
@@ -25,8 +25,8 @@ std::vector<std::byte> to_bytes(const Json& json) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// Calls `read` with the object that the bytes are; nullopt if they are none, or a field is not of
-/// its type.
+/// Calls `read` with the JSON object in the bytes. Nullopt if they are not an object, or a field
+/// has another type.
 template <typename Read>
 auto from_bytes(std::span<const std::byte> bytes, Read read)
     -> std::optional<decltype(read(Json()))> {

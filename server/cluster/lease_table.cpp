@@ -6,9 +6,9 @@
 namespace kerf {
 namespace {
 
-/// Time for which a released lease is left to the server that it names.
+/// Time for which a released lease is reserved for the server that it names.
 constexpr std::int64_t kNamedFirstNs = 1'500'000'000;
-/// A server that has not stated itself for this long is not counted.
+/// A server without an announcement for this long is not counted.
 constexpr std::int64_t kNodeNs = 5'000'000'000;
 
 }  // namespace
@@ -33,7 +33,7 @@ void LeaseTable::correct(const std::string& session, const StoredLease& stored,
   seen.since_ns = now_ns;
 }
 
-/// A session that was expected of a server has been created there.
+/// A session expected of a server has been created there.
 void LeaseTable::note_new(const Lease& lease) {
   const auto node = nodes_.find(lease.node);
   if (node == nodes_.end()) return;
@@ -48,7 +48,7 @@ void LeaseTable::note(const std::string& node, NodeNote note, std::int64_t now_n
   SeenNode& seen = nodes_[node];
   seen.note = std::move(note);
   seen.since_ns = now_ns;
-  seen.expected -= seen.overdue;  // a client that was sent there did not go
+  seen.expected -= seen.overdue;  // a client that was redirected there did not go
   seen.overdue = seen.expected;
 }
 

@@ -15,7 +15,7 @@ namespace kerf {
 namespace {
 
 constexpr std::chrono::milliseconds kInterval{40};
-/// A follower that has not stated itself for so long is gone: it does so every second.
+/// A follower without an announcement for so long is gone; it announces itself every second.
 constexpr std::int64_t kFollowerSilenceNs = 3'000'000'000;
 
 }  // namespace
@@ -39,7 +39,8 @@ void LiveStates::hear() {
   if (listener) listener_ = *std::move(listener);
 }
 
-/// The sessions with those who follow them; without any, once: their viewers are counted no more.
+/// Returns the sessions with their followers. A session that lost its last follower is returned
+/// once, so that its viewers are no longer counted.
 std::map<std::string, LiveStates::Followers> LiveStates::fresh() {
   const std::int64_t now = Clock::boot_ns();
   const std::lock_guard lock(mutex_);

@@ -16,8 +16,8 @@
 
 namespace kerf {
 
-/// States what is shown of this server's sessions to the servers that follow them, 25 times a
-/// second, and counts the viewers there. A session that nobody follows costs nothing.
+/// Publishes the displayed state of this server's sessions to the servers that follow them, 25
+/// times a second, and counts the viewers there. A session without followers costs nothing.
 class LiveStates {
  public:
   /// The first two must outlive it. `node` is this server.

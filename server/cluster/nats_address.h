@@ -7,13 +7,13 @@
 namespace kerf {
 
 /// The servers of `nats://[USER:PASSWORD@]HOST:PORT`, or of several such URLs, separated by commas;
-/// tls:// stands for TLS. Empty if one of them is no such URL.
+/// tls:// means TLS. Empty if one of them is invalid.
 std::vector<std::string> nats_servers(const std::string& urls);
 
-/// What is wrong with such a text; empty: nothing.
+/// Returns the fault of such a text, or an empty text.
 std::string nats_fault(const std::string& urls);
 
-/// The servers without users, passwords and tokens, for texts that people see.
+/// The servers without users, passwords and tokens, for display.
 std::string without_credentials(const std::string& urls);
 
 }  // namespace kerf

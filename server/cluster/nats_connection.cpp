@@ -35,7 +35,7 @@ std::unexpected<NatsError> failed(natsStatus status, jsErrCode code) {
   if (code == JSStreamWrongLastSequenceErr) kind = NatsErrorCode::kNotNext;
   if (code == JSStreamNotFoundErr) kind = NatsErrorCode::kAbsent;
   if (kind == NatsErrorCode::kAway && code != 0) kind = NatsErrorCode::kRefused;
-  // Without JetStream nobody listens to its subjects.
+  // Without JetStream its subjects have no listener.
   if (status == NATS_NO_RESPONDERS) kind = NatsErrorCode::kRefused;
   std::string reason = std::string("NATS: ") + natsStatus_GetText(status);
   if (kind == NatsErrorCode::kAway) reason = "NATS cannot be reached: " + reason.substr(6);
@@ -52,7 +52,7 @@ StreamMessage take(natsMsg* message) {
   return {natsMsg_GetSequence(message), {data, data + size}, natsMsg_GetSubject(message)};
 }
 
-/// The same, of a subscription, whose messages have their numbers elsewhere.
+/// The same for a message of a subscription, which has its numbers elsewhere.
 NatsResult<StreamMessage> take_delivered(natsMsg* message) {
   jsMsgMetaData* place = nullptr;
   const natsStatus status = natsMsg_GetMetaData(&place, message);
@@ -90,11 +90,11 @@ NatsResult<NatsConnection> NatsConnection::open(const std::string& url, const st
   if (status == NATS_OK) {
     set(natsOptions_SetServers(raw, addresses.data(), static_cast<int>(addresses.size())));
     set(natsOptions_SetName(raw, name.c_str()));
-    set(natsOptions_SetSendAsap(raw, true));  // else a message waits for up to 1 ms
+    set(natsOptions_SetSendAsap(raw, true));  // otherwise a message waits for up to 1 ms
     set(natsOptions_SetMaxReconnect(raw, -1));
     set(natsOptions_SetReconnectWait(raw, kReconnectMs));
     set(natsOptions_SetPingInterval(raw, kPingMs));
-    // Returns at once; without it a first attempt that fails is final.
+    // Returns at once. Otherwise a failed first attempt would be final.
     const auto ignore = [](natsConnection*, void*) {};
     set(natsOptions_SetRetryOnFailedConnect(raw, true, ignore, nullptr));
   }
@@ -128,7 +128,7 @@ bool NatsConnection::is_connected() const {
 
 NatsResult<void> NatsConnection::make_stream(const std::string& stream, const std::string& subject,
                                              int replicas, Keep keep) {
-  // A request would wait in the client until there is a connection, and be sent late.
+  // Otherwise a request would wait in the client for a connection, and be sent late.
   if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
   jsErrCode code{};
   jsStreamInfo* info = nullptr;
@@ -263,7 +263,7 @@ NatsListener& NatsListener::operator=(NatsListener&&) noexcept = default;
 NatsListener::~NatsListener() {
   if (!impl_ || impl_->subscription.get() == nullptr) return;
   natsSubscription_Unsubscribe(impl_->subscription.get());
-  impl_->ended.wait();  // no call is running or comes any more
+  impl_->ended.wait();  // no call is running or will come
 }
 
 void NatsConnection::send(const std::string& subject, std::span<const std::byte> bytes) {
@@ -287,7 +287,7 @@ NatsResult<NatsListener> NatsConnection::listen(const std::string& subject,
   natsStatus status =
       natsConnection_Subscribe(&raw, impl_->connection(), subject.c_str(), call, impl.get());
   if (status != NATS_OK) return failed(status, jsErrCode{});
-  // The thread of the subscription has its end: who waits for it destroys the rest.
+  // The subscription's thread has ended, and the waiting thread destroys the rest.
   auto promise = std::make_unique<std::promise<void>>();
   impl->ended = promise->get_future();
   const auto end = [](void* owned) {
@@ -297,7 +297,7 @@ NatsResult<NatsListener> NatsConnection::listen(const std::string& subject,
   status = natsSubscription_SetOnCompleteCB(raw, end, promise.get());
   if (status == NATS_OK) (void)promise.release();
   impl->subscription = NatsSubscription(impl_->line, raw);
-  if (status != NATS_OK) {  // nobody would say when the last call has ended
+  if (status != NATS_OK) {  // nothing would report the end of the last call
     natsSubscription_Unsubscribe(impl->subscription.get());
     (void)impl.release();  // NOLINT: a call may be running
     return failed(status, jsErrCode{});
@@ -326,7 +326,7 @@ NatsResult<std::vector<std::string>> NatsConnection::streams() {
 }
 
 NatsResult<void> NatsConnection::purge(const std::string& stream, std::uint64_t first) {
-  if (first <= 1) return {};  // nats-server would delete all
+  if (first <= 1) return {};  // nats-server would delete all messages
   if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});
   jsOptions options;
   jsOptions_Init(&options);

@@ -15,11 +15,11 @@
 namespace kerf {
 
 enum class NatsErrorCode : std::uint8_t {
-  kAway,          ///< there is no connection, or no answer in time: the outcome is unknown
-  kNotNext,       ///< the stream has other messages than the publisher thinks; nothing was stored
+  kAway,          ///< no connection, or no answer in time: the outcome is unknown
+  kNotNext,       ///< the stream has other messages than the publisher assumes; nothing was stored
   kAbsent,        ///< the stream does not exist
-  kRefused,       ///< the server refuses, e.g. because JetStream is off
-  kNotSupported,  ///< this program was built without libnats
+  kRefused,       ///< the server rejects it, e.g. because JetStream is off
+  kNotSupported,  ///< built without libnats
 };
 
 struct NatsError {
@@ -36,13 +36,13 @@ struct StreamMessage {
   std::string subject = {};
 };
 
-/// The newest message of each subject of a stream, then each that follows. One thread uses it.
+/// The newest message of each subject of a stream, then each later one. For one thread.
 class NatsWatch {
  public:
   NatsWatch(NatsWatch&&) noexcept;
   NatsWatch& operator=(NatsWatch&&) noexcept;
   ~NatsWatch();
-  /// The next message; nullopt after `wait` without one. After an error it is of no use.
+  /// The next message; nullopt after `wait` without one. Must not be used after an error.
   NatsResult<std::optional<StreamMessage>> next(std::chrono::milliseconds wait);
 
  private:
@@ -52,9 +52,9 @@ class NatsWatch {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Calls a function with each message of a subject that is sent while it exists, on a thread of
-/// its own; the last call has returned when it is destroyed. Such messages are in no stream: they
-/// are lost while there is no connection.
+/// Calls a function with each message of a subject, on a thread of its own, while this object
+/// exists. Its destructor waits for the last call. Such messages are in no stream, and are lost
+/// without a connection.
 class NatsListener {
  public:
   NatsListener();  ///< hears nothing
@@ -69,17 +69,16 @@ class NatsListener {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What a stream keeps.
+/// Messages that a stream keeps.
 enum class Keep : std::uint8_t { kAll, kLastOfSubject };
 
-/// A connection to NATS, and streams of JetStream, each with one subject or, with a wildcard, those
-/// that match it. It connects and reconnects by itself, without end, while calls fail with kAway.
-/// Thread-safe.
+/// A connection to NATS, and streams of JetStream, each with one subject or, with a wildcard, all
+/// that match it. It connects and reconnects by itself, without end; meanwhile calls fail with
+/// kAway. Thread-safe.
 class NatsConnection {
  public:
-  /// `url` is one server or several (nats_address.h), of which any serves. Waits at most 2 s for
-  /// the connection; without one it goes on trying. The error is a URL that is none, or
-  /// kNotSupported.
+  /// `url` is one server or several equivalent ones (nats_address.h). Waits at most 2 s for the
+  /// connection, and keeps trying without one. The error is an invalid URL, or kNotSupported.
   static NatsResult<NatsConnection> open(const std::string& url, const std::string& name);
   NatsConnection(NatsConnection&&) noexcept;
   NatsConnection& operator=(NatsConnection&&) noexcept;
@@ -89,11 +88,11 @@ class NatsConnection {
   /// Makes a stream on the disk of `replicas` servers, unless it exists.
   NatsResult<void> make_stream(const std::string& stream, const std::string& subject, int replicas,
                                Keep keep = Keep::kAll);
-  /// The last message of a stream; nullopt if it has none. kAbsent without the stream.
+  /// The last message of a stream; nullopt if it is empty. kAbsent without the stream.
   NatsResult<std::optional<StreamMessage>> last_message(const std::string& stream,
                                                         const std::string& subject);
   /// Stores a message as the next one of its subject after `after` (0: as the first), and returns
-  /// its number. A message whose `id` has been stored within two minutes is not stored again.
+  /// its number. A message whose `id` was stored within the last two minutes is not stored again.
   NatsResult<std::uint64_t> publish(const std::string& subject, std::span<const std::byte> bytes,
                                     const std::string& id, std::uint64_t after,
                                     std::chrono::milliseconds wait = std::chrono::seconds(2));
@@ -101,14 +100,14 @@ class NatsConnection {
   /// Each message of a stream from number `first` on.
   NatsResult<NatsWatch> watch_from(const std::string& stream, const std::string& subject,
                                    std::uint64_t first);
-  /// Sends a message to those who listen to the subject now; no stream has that subject. Not sent
+  /// Sends a message to the current listeners of a subject that belongs to no stream. Dropped
   /// without a connection.
   void send(const std::string& subject, std::span<const std::byte> bytes);
   /// `subject` may have wildcards. The connection must outlive the result.
   NatsResult<NatsListener> listen(const std::string& subject,
                                   std::function<void(const StreamMessage&)> take);
-  /// Calls `take` with each message of a stream, from the first to the one that is the last now.
-  /// Ends early when it returns false.
+  /// Calls `take` with each message of a stream, from the first to the present last one. Ends early
+  /// when it returns false.
   NatsResult<void> read(const std::string& stream, const std::string& subject,
                         const std::function<bool(StreamMessage)>& take);
   /// The names of all streams.

@@ -13,8 +13,8 @@ namespace {
 constexpr std::int64_t kPingMs = 500;
 constexpr int kAttempts = 3;
 
-/// Takes a subscription from those that the reading thread looks up. An ordered one may get another
-/// number meanwhile, and is then still there.
+/// Removes a subscription from those that the reading thread looks up. An ordered one may get
+/// another number during this, and is then still present.
 bool unsubscribe(natsSubscription* subscription) {
   for (int n = 0; n < kAttempts && natsSubscription_IsValid(subscription); ++n) {
     natsSubscription_Unsubscribe(subscription);
@@ -22,8 +22,8 @@ bool unsubscribe(natsSubscription* subscription) {
   return !natsSubscription_IsValid(subscription);
 }
 
-/// Whether the reading thread has finished with all that came before the call: it reads the answer
-/// to a ping after that.
+/// Whether the reading thread has processed everything from before the call, because it has read
+/// the answer to a later ping.
 bool has_read_on(natsConnection* connection) {
   return natsConnection_Status(connection) == NATS_CONN_STATUS_CONNECTED &&
          natsConnection_FlushTimeout(connection, kPingMs) == NATS_OK;

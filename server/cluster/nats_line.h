@@ -22,10 +22,10 @@ struct NatsDestroyer {
 template <typename T>
 using NatsOwned = std::unique_ptr<T, NatsDestroyer>;
 
-/// A connection of libnats and the subscriptions on it that have ended. The library's thread that
-/// reads looks a subscription up and then uses it without a reference to it, up to version 3.5: one
-/// that another thread destroys meanwhile corrupts the heap. So an ended subscription is destroyed
-/// only after that thread has answered a ping, or has ended with the connection. Thread-safe.
+/// A connection of libnats and its ended subscriptions. Up to version 3.5 the library's reading
+/// thread looks up a subscription and uses it without holding a reference; destroying it at the
+/// same time corrupts the heap. So an ended subscription is destroyed only after that thread has
+/// answered a ping, or has ended with the connection. Thread-safe.
 class NatsLine {
  public:
   NatsLine() = default;
@@ -34,8 +34,8 @@ class NatsLine {
   /// Closes the connection and waits for its threads.
   ~NatsLine();
 
-  /// Ends a subscription, and destroys it and those that ended before as soon as that is safe.
-  /// Waits for at most half a second.
+  /// Ends a subscription, and destroys it and earlier ones as soon as that is safe. Waits for at
+  /// most half a second.
   void end(__natsSubscription* subscription);
 
   NatsOwned<__natsConnection> connection;
@@ -44,7 +44,7 @@ class NatsLine {
  private:
   using Ended = NatsOwned<__natsSubscription>;
   std::mutex mutex_;
-  std::vector<Ended> ended_;  ///< that the reading thread may still use
+  std::vector<Ended> ended_;  ///< the reading thread may still use them
 };
 
 /// A subscription, which ends with this object. Keeps its connection.

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-/// Time for the answer to a renewal: about half of that until its fence ends.
+/// Time for the answer to a renewal: about half of the time until its fence closes.
 std::chrono::milliseconds answer_time(const LeaseTime& time) {
   const std::chrono::nanoseconds left(time.writes_ns - time.renew_ns());
   return std::chrono::duration_cast<std::chrono::milliseconds>(left / 2);
@@ -26,13 +26,13 @@ NatsResult<std::uint64_t> OwnLeases::store(const std::string& session, const Lea
   for (int n = 1;; ++n) {
     auto stored =
         nats_.publish(lease_subject(session), bytes, id, revision, answer_time(lease.time));
-    // An answer that is late leaves open whether it is stored: NATS knows the message by its id.
+    // A late answer leaves open whether the message was stored. NATS recognizes it by its id.
     const bool is_answered = stored || stored.error().code == NatsErrorCode::kNotNext;
     if (is_answered || n == attempts || !nats_.is_connected()) return stored;
   }
 }
 
-/// A revision was not the newest one: reads which one is.
+/// After a stale revision, reads the newest one.
 LeaseError OwnLeases::read_newest(const std::string& session, std::uint64_t revision) {
   LeaseError error{.is_lost = true, .reason = "another server has taken the lease"};
   const auto last = nats_.last_message(kClusterStream, lease_subject(session));
@@ -62,7 +62,7 @@ std::expected<void, LeaseError> OwnLeases::take(const std::string& session, Leas
   return {};
 }
 
-/// Stores a lease of this run again. An acknowledgement that was lost does not make it foreign.
+/// Stores a lease of this run again. A lost acknowledgement does not make it foreign.
 std::expected<std::uint64_t, LeaseError> OwnLeases::store_own(const std::string& session,
                                                               const Lease& lease,
                                                               std::uint64_t revision) {
@@ -74,7 +74,7 @@ std::expected<std::uint64_t, LeaseError> OwnLeases::store_own(const std::string&
     }
     const auto last = nats_.last_message(kClusterStream, lease_subject(session));
     if (!last) return std::unexpected(LeaseError{false, last.error().reason});
-    // NATS has lost the lease: that of its last state counts, as for everybody else.
+    // NATS has lost the lease. Its last state counts, as for every other server.
     if (!*last) {
       revision = 0;
       continue;
@@ -130,7 +130,7 @@ void OwnLeases::give_back(const std::string& session, LeaseState state, const st
   held.fence->end();
   held.lease.state = state;
   held.lease.to = to;
-  (void)store_own(session, held.lease, held.revision);  // else it runs out
+  (void)store_own(session, held.lease, held.revision);  // otherwise it expires
 }
 
 void OwnLeases::lose(const std::string& session) {
@@ -149,7 +149,7 @@ void OwnLeases::name_successor(const std::string& node) {
 std::shared_ptr<const WriteFence> OwnLeases::fence(const std::string& session) const {
   const std::lock_guard lock(mutex_);
   const auto found = held_.find(session);
-  // A lease that was lost meanwhile leaves a fence that is closed.
+  // A lease lost in the meantime leaves a closed fence.
   return found == held_.end() ? std::make_shared<WriteFence>() : found->second.fence;
 }
 

@@ -17,39 +17,39 @@
 
 namespace kerf {
 
-/// Why a lease could not be taken or renewed.
+/// The reason why a lease could not be taken or renewed.
 struct LeaseError {
-  bool is_lost = false;  ///< another server has it; else nobody can be asked
+  bool is_lost = false;  ///< another server has it; otherwise NATS is away
   std::string reason;    ///< one sentence
-  /// Of take(): what NATS has in the place of the revision that was expected, if it could be read.
-  /// A NATS that has lost its last seconds has an earlier one.
+  /// For take(): the revision that NATS has instead of the expected one, if it could be read. A
+  /// NATS that has lost its last seconds has an earlier one.
   std::optional<StoredLease> stored = {};
 };
 
-/// The leases that this server holds. Each change at NATS expects the revision that it replaces, so
-/// of two servers that try at the same time one succeeds. Thread-safe.
+/// The leases that this server holds. Each change at NATS states the revision that it replaces, so
+/// only one of two servers that try at the same time succeeds. Thread-safe.
 class OwnLeases {
  public:
   OwnLeases(NatsConnection& nats, std::string run) : nats_(nats), run_(std::move(run)) {}
 
-  /// Takes the lease whose newest revision is `revision` (0: there is none).
+  /// Takes the lease whose newest revision is `revision` (0: it does not exist).
   std::expected<void, LeaseError> take(const std::string& session, Lease lease,
                                        std::uint64_t revision);
-  /// Stores the lease again and, if it is still held, moves the end of its fence. A lost lease is
-  /// held no more, and its fence is closed. What lists show is taken from `shown`, if it is given.
+  /// Stores the lease again and, if it is still held, extends its fence. A lost lease is dropped,
+  /// and its fence is closed. `shown`, if given, replaces the fields that lists show.
   std::expected<void, LeaseError> renew(const std::string& session,
                                         const std::optional<ShownSession>& shown);
-  /// As renew(), and holds the lease no more, whatever comes of it.
+  /// Like renew(), then drops the lease in any case.
   void give_back(const std::string& session, LeaseState state, const std::string& to);
-  /// Another server has the lease.
+  /// Drops a lease that another server has taken.
   void lose(const std::string& session);
-  /// Of the next renewals: the server that is asked to take the sessions.
+  /// Sets the server that should take the sessions, for the next renewals.
   void name_successor(const std::string& node);
 
   std::shared_ptr<const WriteFence> fence(const std::string& session) const;
   std::optional<Lease> find(const std::string& session) const;
   std::vector<std::string> sessions() const;
-  /// Those that are to be renewed.
+  /// Returns the leases to renew.
   std::vector<std::string> due(std::int64_t now_ns) const;
 
  private:

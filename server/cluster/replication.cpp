@@ -18,7 +18,7 @@
 namespace kerf {
 namespace {
 
-/// Time between two looks at the sessions. A look at one reads two counters.
+/// Polling interval of the sessions. A poll of one reads two counters.
 constexpr std::chrono::milliseconds kLook{10};
 
 }  // namespace
@@ -104,8 +104,8 @@ std::expected<std::unique_ptr<Replication>, std::string> Replication::start(
 void Replication::hold() {
   if (!impl_->watcher.joinable()) return;
   impl_->watcher = {};
-  impl_->snapshots->stop();  // a server that stops does not wait for the message that is being sent
-  impl_->look();             // sessions that are newer than the last look are copied too
+  impl_->snapshots->stop();  // a stopping server does not wait for the current message
+  impl_->look();             // sessions newer than the last poll are copied too
 }
 
 std::vector<std::string> Replication::finish(Clock::time_point end) {

@@ -12,7 +12,7 @@
 namespace kerf {
 
 struct ReplicationOptions {
-  std::string url;   ///< of NATS; empty: nothing is copied
+  std::string url;   ///< of NATS; empty: no copies
   int replicas = 1;  ///< servers of the NATS cluster that keep each stream: 1 to 5
 };
 
@@ -20,16 +20,16 @@ struct ReplicationOptions {
 class Replication {
  public:
   /// The registry must outlive it. The error is one sentence: a bad URL, or a program without
-  /// libnats. A server that is away is no error.
+  /// libnats. A server that is away is not an error.
   static std::expected<std::unique_ptr<Replication>, std::string> start(
       const ReplicationOptions& options, SessionRegistry& registry);
   ~Replication();
 
-  /// Follows the registry no more: call before its sessions are closed, so that finish() can copy
-  /// what they commit last.
+  /// Stops following the registry. Call before its sessions are closed, so that finish() can copy
+  /// their last commits.
   void hold();
-  /// Copies what is committed by now and ends; waits for NATS until `end` at most. Returns the
-  /// sessions of which something is not copied.
+  /// Copies everything committed so far and ends, waiting for NATS until `end` at most. Returns the
+  /// sessions whose copies are incomplete.
   std::vector<std::string> finish(Clock::time_point end);
 
  private:

@@ -17,10 +17,9 @@
 namespace kerf {
 namespace {
 
-/// Time between two looks at the snapshots of all sessions. A look at one asks for the time of a
-/// file.
+/// Polling interval of the snapshots of all sessions. A poll of one reads the time of a file.
 constexpr std::chrono::milliseconds kSnapshotLook{200};
-/// As the thread that writes the snapshots.
+/// Same as the thread that writes the snapshots.
 constexpr int kSnapshotNiceness = 5;
 
 void pause(const std::stop_token& stop, Clock::duration time) {
@@ -38,7 +37,7 @@ SnapshotCopies::SnapshotCopies(NatsConnection& nats, int replicas, SessionRegist
       registry_(registry),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-SnapshotCopies::~SnapshotCopies() = default;  // stops the thread and waits for it
+SnapshotCopies::~SnapshotCopies() = default;  // stops and joins the thread
 
 void SnapshotCopies::run(const std::stop_token& stop) {
   setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kSnapshotNiceness);

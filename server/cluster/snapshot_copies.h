@@ -13,14 +13,14 @@
 namespace kerf {
 
 /// Copies the snapshots of all open sessions, one after the other, on a thread of its own. Nobody
-/// waits for it; it uses the connection for half of the time at most.
+/// waits for it, and it uses the connection for at most half of the time.
 class SnapshotCopies {
  public:
   /// Both must outlive it.
   SnapshotCopies(NatsConnection& nats, int replicas, SessionRegistry& registry);
-  /// Ends after the message that is being sent.
+  /// Ends after the current message.
   ~SnapshotCopies();
-  /// Nothing more is begun, from now on. Waits for nothing.
+  /// Starts no further copy. Returns at once.
   void stop() { thread_.request_stop(); }
   SnapshotCopies(const SnapshotCopies&) = delete;
   SnapshotCopies& operator=(const SnapshotCopies&) = delete;
@@ -32,7 +32,7 @@ class SnapshotCopies {
     std::string fault;  ///< as logged
   };
   void run(const std::stop_token& stop);
-  /// Returns whether something was sent.
+  /// Returns whether a message was sent.
   bool look_at(Copied& copied, const std::stop_token& stop);
   void follow_registry();
 

@@ -19,7 +19,7 @@ namespace {
 /// A snapshot is sent as a change whose rows are the bytes of its file.
 CopyPosition position_of(std::uint64_t record) { return {.record = record}; }
 
-/// The bytes of a file that is not written any more: a newer one takes its name.
+/// Reads a file that is only ever replaced by rename.
 class ReadFile {
  public:
   explicit ReadFile(const std::filesystem::path& file) : in_(file, std::ios::binary) {
@@ -28,7 +28,7 @@ class ReadFile {
     in_.seekg(0);
   }
   std::size_t bytes() const { return bytes_; }
-  /// The next bytes of it, at most `most`; empty after an error.
+  /// The next bytes, at most `most`; empty after an error.
   std::span<const std::byte> next(std::size_t most) {
     part_.resize(most);
     in_.read(reinterpret_cast<char*>(part_.data()), static_cast<std::streamsize>(most));
@@ -46,7 +46,7 @@ std::uint64_t record_of(const std::filesystem::path& snapshot) {
   return head ? head->sequence : 0;
 }
 
-/// Makes `bytes` the newest snapshot beside a journal; the present one becomes the one before it.
+/// Makes `bytes` the newest snapshot of a journal. The present one becomes the previous one.
 std::expected<void, std::string> put_newest(const std::filesystem::path& journal,
                                             std::span<const std::byte> bytes) {
   const auto newest = snapshot_file(journal), unfinished = unfinished_file(newest);
@@ -58,7 +58,7 @@ std::expected<void, std::string> put_newest(const std::filesystem::path& journal
     if (!out) return std::unexpected(unfinished.string() + " cannot be written");
   }
   std::error_code error;
-  std::filesystem::rename(newest, previous_snapshot_file(journal), error);  // if there is one
+  std::filesystem::rename(newest, previous_snapshot_file(journal), error);  // if it exists
   std::filesystem::rename(unfinished, newest, error);
   if (error) return std::unexpected(newest.string() + ": " + error.message());
   return {};
@@ -72,7 +72,7 @@ std::string snapshot_subject(const std::string& session) { return "kerf.snapshot
 SnapshotCopy::SnapshotCopy(NatsConnection& nats, Source source, int replicas)
     : nats_(nats), source_(std::move(source)), replicas_(replicas), writer_(random_number()) {}
 
-/// Learns how far the stream goes, and whether it is of an earlier epoch.
+/// Reads the end of the stream, and whether it is of an earlier epoch.
 std::expected<void, std::string> SnapshotCopy::begin() {
   const std::string stream = snapshot_stream(source_.session);
   const std::string subject = snapshot_subject(source_.session);
@@ -118,7 +118,7 @@ std::expected<bool, std::string> SnapshotCopy::copy(std::uint64_t copied,
 std::expected<bool, std::string> SnapshotCopy::store(std::uint64_t record,
                                                      const std::stop_token& stop) {
   ReadFile file(snapshot_file(source_.journal));
-  if (file.bytes() == 0) return false;  // it has been replaced meanwhile
+  if (file.bytes() == 0) return false;  // it has been replaced since
   const std::size_t parts = (file.bytes() + kFrameBytes - 1) / kFrameBytes;
   FrameHead head{.epoch = source_.epoch,
                  .writer = writer_,
@@ -137,14 +137,14 @@ std::expected<bool, std::string> SnapshotCopy::store(std::uint64_t record,
     const auto stored = nats_.publish(snapshot_subject(source_.session), encode_frame(head, bytes),
                                       id, last_message_);
     if (!stored) {
-      has_begun_ = false;  // its outcome may be unknown: the stream is asked
+      has_begun_ = false;  // its outcome may be unknown, so the stream is read
       return std::unexpected(stored.error().reason);
     }
     last_message_ = *stored;
   }
   record_ = record;
   const std::uint64_t previous = std::exchange(kept_from_, first);
-  // The one before stays, in case that the newest cannot be used.
+  // Keeps the previous one, in case the newest cannot be used.
   (void)nats_.purge(snapshot_stream(source_.session), previous != 0 ? previous : first);
   return true;
 }
@@ -169,7 +169,7 @@ std::expected<std::uint64_t, std::string> fetch_snapshots(NatsConnection& nats,
   std::string fault;
   const auto take = [&](const StreamMessage& message) {
     const auto snapshot = joiner.add(message.bytes);
-    if (!snapshot) {  // one of the others may be whole
+    if (!snapshot) {  // another one may be whole
       fault = "message " + std::to_string(message.sequence) + ": " + snapshot.error();
       return true;
     }

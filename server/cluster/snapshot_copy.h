@@ -16,8 +16,8 @@ namespace kerf {
 std::string snapshot_stream(const std::string& session);
 std::string snapshot_subject(const std::string& session);
 
-/// Copies the snapshots of the block of one session to its stream, which keeps the newest two: with
-/// one of them a takeover replays only the records after it. One thread uses it.
+/// Copies the snapshots of one session's block to its stream, which keeps the newest two. With one
+/// of them a takeover replays only the later records. For one thread.
 class SnapshotCopy {
  public:
   struct Source {
@@ -27,12 +27,12 @@ class SnapshotCopy {
   };
   SnapshotCopy(NatsConnection& nats, Source source, int replicas);
 
-  /// Stores the snapshot that is beside the journal, unless it has been stored, or holds records
-  /// after `copied`, the last one of which NATS has a copy. Returns whether it has stored one.
-  /// Waits for each message; ends early, with false, when a stop is requested. The error is one
-  /// sentence: NATS is away, or a server of a later epoch has the session.
+  /// Stores the journal's newest snapshot, unless it has been stored or has records after `copied`,
+  /// the last copied record. Returns whether it has stored one. Waits for each message; ends early,
+  /// with false, when a stop is requested. The error is one sentence: NATS is away, or a server of
+  /// a later epoch has the session.
   std::expected<bool, std::string> copy(std::uint64_t copied, const std::stop_token& stop);
-  /// The last record of the newest snapshot of the stream; 0: there is none.
+  /// The last record of the newest snapshot of the stream; 0 if it is empty.
   std::uint64_t record() const { return record_; }
 
  private:
@@ -46,21 +46,19 @@ class SnapshotCopy {
   bool has_begun_ = false;
   std::uint64_t last_message_ = 0;  ///< number of the stream's last one
   std::uint64_t record_ = 0;
-  std::uint64_t kept_from_ =
-      0;                      ///< first message of the newest complete snapshot; 0: none is known
-  std::uint64_t number_ = 0;  ///< of the last snapshot that was begun
-  /// When the file was written that needs nothing more.
+  std::uint64_t kept_from_ = 0;  ///< first message of the newest complete snapshot; 0 if unknown
+  std::uint64_t number_ = 0;     ///< of the last snapshot begun
+  /// Time of the file that is completely stored.
   std::optional<std::filesystem::file_time_type> done_;
 };
 
 /// Greater than any epoch.
 inline constexpr std::uint32_t kAnyEpoch = 0xFFFF'FFFF;
 
-/// Puts the snapshots of a session's stream beside its journal, the newest and the one before it,
-/// if they are newer than what is there. Whether they are right is verified when they are used
-/// (restore()). Returns the last record of the newest one that is beside the journal then; 0: there
-/// is none. The error, one sentence, costs time only: all records are replayed. `epoch`: of who
-/// asks; the stream must be of an earlier one.
+/// Stores the newest and the previous snapshot of a session's stream next to its journal, if they
+/// are newer than the local ones. They are verified when used (restore()). Returns the last record
+/// of the newest local one then; 0 without one. An error, one sentence, costs only time: all
+/// records are replayed. `epoch`: of the caller; the stream must be of an earlier one.
 std::expected<std::uint64_t, std::string> fetch_snapshots(NatsConnection& nats,
                                                           const std::string& session,
                                                           std::uint32_t epoch,

@@ -14,16 +14,16 @@
 namespace kerf {
 namespace {
 
-/// A former owner may add this many messages meanwhile before something is wrong.
+/// Messages that a former owner may add before this is an error.
 constexpr int kMarkAttempts = 100;
 
-/// Adds a change without rows after the last message of the copy, if that is `end`: the writers
-/// before `epoch` then learn that they are succeeded. False: it is not.
+/// Adds a change without rows after the last message of the copy, if that is `end`, which tells
+/// writers before `epoch` that they were succeeded. Returns false if it is not.
 std::expected<bool, std::string> add_mark(NatsConnection& nats, const std::string& session,
                                           std::uint32_t epoch, std::uint64_t end,
                                           const CopyPosition& position, bool is_whole) {
   const std::uint64_t writer = random_number();
-  // Of the epoch before: the journal replica that goes on is of `epoch`.
+  // The mark has the epoch before, because the new journal replica has `epoch`.
   const FrameHead head{.epoch = epoch - 1,
                        .writer = writer,
                        .change = 1,
@@ -39,7 +39,7 @@ std::expected<bool, std::string> add_mark(NatsConnection& nats, const std::strin
   return std::unexpected(stored.error().reason);
 }
 
-/// Ends the epochs before `epoch` in the copy, and returns how far it goes; nullopt: there is none.
+/// Ends the epochs before `epoch` in the copy, and returns its end; nullopt without a copy.
 std::expected<std::optional<CopyEnd>, std::string> end_epochs(NatsConnection& nats,
                                                               const std::string& session,
                                                               std::uint32_t epoch) {
@@ -58,7 +58,7 @@ std::expected<std::optional<CopyEnd>, std::string> end_epochs(NatsConnection& na
   return std::unexpected("another server adds to its copy all the time");
 }
 
-/// Takes the journal of a former time away: for good if the fetched one has all of it.
+/// Removes an old journal, for good if the fetched one has all of it.
 std::expected<void, std::string> put_away(const std::filesystem::path& file,
                                           const std::filesystem::path& fetched,
                                           const std::string& session,
@@ -91,7 +91,7 @@ std::expected<FetchedCopy, std::string> fetch_beside(NatsConnection& nats,
   return fetch_copy(nats, session, fetched_file(file));
 }
 
-/// Whether a journal can be continued instead of the copy that ends so.
+/// Whether a journal can be used instead of the copy that ends so.
 bool can_continue(const std::filesystem::path& file, const FrameHead& end, bool is_current) {
   const CopyPosition position = end.position();
   const auto continues = JournalChanges(file).begin(position);
@@ -99,12 +99,12 @@ bool can_continue(const std::filesystem::path& file, const FrameHead& end, bool 
   if (is_current) return true;
   const auto here = end_of_journal(file);
   if (here && here->record > position.record) return true;
-  // Rights, pins and the like may have changed in a later epoch, and without a record.
+  // Rights, pins and other data may have changed in a later epoch without a record.
   const auto epoch = epoch_written(file);
   return epoch && *epoch >= end.epoch;
 }
 
-/// Makes the fetched copy the journal of the session.
+/// Replaces the session's journal by the fetched copy.
 std::expected<void, std::string> put_in_place(const std::filesystem::path& file,
                                               const std::string& session,
                                               const std::filesystem::path& kept) {
@@ -142,7 +142,7 @@ std::expected<void, std::string> prepare_journal(NatsConnection& nats, const std
   const auto got = fetch_beside(nats, session, file);
   if (!got) return std::unexpected(got.error());
   if (got->position != position) {
-    // The copy ends within a commit: its changes after the last whole one are dropped.
+    // The copy ends within a commit: changes after the last whole one are dropped.
     const auto now = end_of_copy(nats, session);
     if (!now || !*now) return std::unexpected("the copy has gone");
     const auto added = add_mark(nats, session, epoch, (*now)->sequence, got->position, true);

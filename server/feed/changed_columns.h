@@ -9,10 +9,10 @@
 
 namespace kerf {
 
-/// Returns where two states of one block differ within `tiles`: for each tile the least rectangle
-/// of its columns that contains all whose elements or normals differ, and nothing for a tile
-/// without any. All of a tile if only one of the states stores it, and in a block with three
-/// fields, whose other rays are not compared.
+/// Returns the differences of two states of one block within `tiles`: for each tile the smallest
+/// rectangle of columns whose elements or normals differ; no entry for an unchanged tile. The whole
+/// tile if only one of the states stores it, and in a block with three fields, whose other rays are
+/// not compared.
 std::vector<ChangedColumns> changed_columns(const SolidSnapshot& before, const SolidSnapshot& after,
                                             std::span<const TileIndex> tiles);
 

@@ -24,12 +24,12 @@ Range columns_of(std::int32_t tile, std::int32_t columns) {
   return {tile * kTileSide, std::min((tile + 1) * kTileSide, columns)};
 }
 
-/// The depths of rays across the tile's columns, of which there are `columns` in the block.
+/// The depths of rays across the tile's columns; `columns` is their number in the block.
 Range depths_of(const DexelGrid& grid, Range tile, std::int32_t columns) {
   const auto depth_of = [&](std::int32_t column) {
     return static_cast<std::int32_t>(std::floor(column * grid.pitch_mm / grid.z_quantum_mm));
   };
-  // The last tile has what ends on the block's side.
+  // The last tile includes ends on the block's side.
   const bool is_last = tile.end == columns;
   return {depth_of(tile.begin), is_last ? grid.height_quanta + 1 : depth_of(tile.end)};
 }

@@ -7,10 +7,10 @@
 
 namespace kerf {
 
-/// Hashes the state of a tile of the field along Z, which must be in the grid: where the rays of
-/// its columns are solid and, in a block with three fields, where rays along X and Y begin and end
-/// inside it. Not its place and not its normals, so that equal tiles of a block have equal digests,
-/// and tiles of a replay those of the block. O(its columns).
+/// Hashes the state of a tile of the field along Z, which must be in the grid: the solid intervals
+/// of its columns and, in a block with three fields, the ends of rays along X and Y inside it.
+/// Position and normals are excluded, so equal tiles of a block have equal digests, and tiles of a
+/// replay those of the block. O(its columns).
 std::uint64_t column_digest(const SolidSnapshot& solid, TileIndex tile);
 
 }  // namespace kerf

@@ -70,13 +70,13 @@ std::array<Part, 3> parts_of(const EncodedTile& tile) {
 
 struct Sizes {
   std::size_t stored = 0;  ///< bytes in the binary chunk
-  std::size_t raw = 0;     ///< of compressed views after decompression: the fallback buffer
+  std::size_t raw = 0;     ///< size of compressed views after decompression: the fallback buffer
 };
 
-/// The meshes of a frame. Tiles of the same shape share one.
+/// The meshes of a frame, shared by tiles of the same shape.
 struct Meshes {
   std::vector<const EncodedTile*> distinct;  ///< a tile of each shape
-  std::vector<std::size_t> of_tile;          ///< by tile: its mesh; undefined for empty tiles
+  std::vector<std::size_t> of_tile;          ///< mesh of each tile; undefined for empty tiles
 };
 
 Meshes meshes_of(std::span<const EncodedTile* const> tiles) {
@@ -192,7 +192,7 @@ void add_meshes(Json& json, const std::vector<const EncodedTile*>& meshes, const
   json.text("]");
 }
 
-/// The tiles of a frame, and how its nodes and meshes stand for them.
+/// The tiles of a frame, with the nodes and meshes that represent them.
 struct FrameTiles {
   std::span<const EncodedTile* const> tiles;
   std::vector<TileRun> runs;

@@ -20,17 +20,18 @@ namespace {
 /// Vertices on a side of the lattice: one in each cell.
 constexpr int kSide = kCellsOfTile;
 constexpr std::uint32_t kNoVertex = ~std::uint32_t{0};
-constexpr float kKept = std::numeric_limits<float>::infinity();  ///< error of a vertex that stays
-/// How far beside the middle of its neighbors a vertex may be that is left out, pitches. In a
+constexpr float kKept =
+    std::numeric_limits<float>::infinity();  ///< error of a vertex that must stay
+/// Greatest sideways distance of a dropped vertex from the middle of its neighbors, pitches. In a
 /// smooth surface each vertex is near the middle of its cell.
 constexpr float kBesideMax = 0.5F;
 
-/// The place of a cell in an array of the lattice.
+/// Index of a cell in an array of the lattice.
 constexpr std::size_t at(int x, int y) {
   return static_cast<std::size_t>(y) * kSide + static_cast<std::size_t>(x);
 }
 
-/// What connects the vertices of four cells, counter-clockwise seen from outside.
+/// Triangles that connect the vertices of four cells, counter-clockwise seen from outside.
 struct Quad {
   std::array<std::uint32_t, 4> corner{kNoVertex, kNoVertex, kNoVertex, kNoVertex};
   std::array<std::uint32_t, 2> triangle{kNoVertex, kNoVertex};
@@ -76,7 +77,8 @@ class Sheet {
     quad.triangle[quad.triangles++] = triangle;
   }
 
-  /// Appends what replaces the quadrangles, and marks their triangles in `is_replaced`.
+  /// Appends the triangles that replace the quadrangles, and marks the replaced ones in
+  /// `is_replaced`.
   void merge(std::vector<std::uint32_t>& indices, std::vector<bool>& is_replaced) {
     if (!take_vertices()) return;
     estimate();
@@ -91,8 +93,8 @@ class Sheet {
   }
 
  private:
-  /// Finds the vertex of each cell. Returns whether any may be left out: one between four whole
-  /// quadrangles that share it.
+  /// Finds the vertex of each cell. Returns whether any may be dropped: one shared by four whole
+  /// quadrangles.
   bool take_vertices() {
     vertex_.fill(kNoVertex);
     error_.fill(kKept);
@@ -106,7 +108,7 @@ class Sheet {
         for (std::size_t n = 0; n < 4; ++n) {
           std::uint32_t& vertex = vertex_[cells[n]];
           if (vertex == kNoVertex) vertex = quad.corner[n];
-          // A vertex of another sheet is there: this quadrangle stays.
+          // The cell has a vertex of another sheet, so this quadrangle stays.
           if (vertex != quad.corner[n]) is_taken_[at(x, y)] = false;
         }
       }
@@ -133,7 +135,7 @@ class Sheet {
         quad.corner, [&](std::uint32_t vertex) { return mesh_.original[vertex] == first; });
   }
 
-  /// Whether it is nearly the same surface with the other diagonal.
+  /// Whether the surface is nearly the same with the other diagonal.
   bool is_even(const Quad& quad) const {
     const auto p = [&](std::size_t n) { return mesh_.positions_mm[quad.corner[n]]; };
     const Float3 first = minus(p(0), p(1)), second = minus(p(2), p(3));
@@ -141,8 +143,8 @@ class Sheet {
     return std::abs(dot(normal, first) + dot(normal, second)) <= 2 * error_mm_;
   }
 
-  /// How far a vertex is from the middle between two others along its normal, mm; kKept if it is
-  /// too far beside it.
+  /// Distance of a vertex from the middle between two others along its normal, mm; kKept if it is
+  /// too far sideways.
   float distance(std::size_t middle, std::size_t a, std::size_t b) const {
     const auto p = [&](std::size_t cell) { return mesh_.positions_mm[vertex_[cell]]; };
     const Float3 first = minus(p(middle), p(a)), second = minus(p(middle), p(b));
@@ -152,7 +154,7 @@ class Sheet {
     return beside > beside_max_mm_ * beside_max_mm_ ? kKept : std::abs(along);
   }
 
-  /// How far a vertex's normal is from the one that is interpolated there between two others.
+  /// Difference of a vertex's normal from the normal interpolated between two others.
   float turn(std::size_t middle, std::size_t a, std::size_t b) const {
     const auto n = [&](std::size_t cell) { return mesh_.normals[vertex_[cell]]; };
     const Float3 first = minus(n(middle), n(a)), second = minus(n(middle), n(b));
@@ -160,8 +162,8 @@ class Sheet {
     return std::sqrt(dot(twice, twice)) / 2;
   }
 
-  /// The error and turn of leaving a vertex out: its own and the greatest of those that go with it,
-  /// which are the middles of the next finer triangles.
+  /// Sets the error and turn of dropping a vertex: its own, plus the greatest of its dependents,
+  /// the middles of the next finer triangles.
   void set_error(TileCell middle, TileCell off_a, std::initializer_list<TileCell> finer) {
     const std::size_t m = at(middle.x, middle.y);
     if (error_[m] == kKept) return;
@@ -180,11 +182,11 @@ class Sheet {
     turn_[m] = turned;
   }
 
-  /// Errors from the finest triangles to the coarsest. `s`: half the side of a square.
+  /// Estimates errors from the finest triangles to the coarsest. `s`: half the side of a square.
   void estimate() {
     for (int s = 1; s < kTileSide; s *= 2) {
       const int h = s / 2;
-      // Middles of sides; at the finest ones, nothing goes with them.
+      // Middles of sides; the finest ones have no dependents.
       for (int y = 0; y < kSide; y += s) {
         for (int x = 0; x < kSide; x += s) {
           const bool along_x = x / s % 2 == 1 && y / s % 2 == 0;
@@ -201,7 +203,7 @@ class Sheet {
       }
       for (int y = s; y < kTileSide; y += 2 * s) {
         for (int x = s; x < kTileSide; x += 2 * s) {
-          // The diagonal passes the middle of the square that this one is a quarter of.
+          // The diagonal passes through the middle of the square of which this one is a quarter.
           const bool rises = (x / s / 2 + y / s / 2) % 2 == 0;
           set_error({x, y}, {s, rises ? s : -s}, {{x - s, y}, {x + s, y}, {x, y - s}, {x, y + s}});
         }
@@ -234,11 +236,11 @@ class Sheet {
   std::array<Quad, std::size_t{kSide} * kSide> quads_{};  ///< by their lowest cell
   std::array<bool, std::size_t{kSide} * kSide> is_taken_{};
   std::array<std::uint32_t, std::size_t{kSide} * kSide> vertex_{};  ///< by cell
-  std::array<float, std::size_t{kSide} * kSide> error_{};           ///< by cell; kKept: it stays
+  std::array<float, std::size_t{kSide} * kSide> error_{};           ///< by cell; kKept: must stay
   std::array<float, std::size_t{kSide} * kSide> turn_{};            ///< by cell
 };
 
-/// The places of a triangle's corners in the quadrangle at `low`, and how it faces.
+/// Indices of a triangle's corners in the quadrangle at `low`, and its orientation.
 struct Half {
   std::array<unsigned, 3> corner{};
   TileCell low;
@@ -258,7 +260,7 @@ bool find_half(const std::array<TileCell, 3>& cells, Half& half) {
     present |= 1U << half.corner[c];
   }
   if (!std::has_single_bit(0b1111U ^ present)) return false;
-  // Counter-clockwise, the steps to the second corner and on to the third are three at most.
+  // Counter-clockwise, the steps to the second corner and on to the third add up to at most three.
   const unsigned step = (half.corner[1] - half.corner[0]) & 3U;
   const unsigned next = (half.corner[2] - half.corner[1]) & 3U;
   half.faces_up = step + next <= 3;

@@ -12,14 +12,14 @@
 namespace kerf {
 namespace {
 
-/// Two vertices in a column of cells are of one surface if the cosine of the angle between their
-/// normals is at least kAlike, and if it is not so steep that it is rather a wall.
+/// Two vertices in a column of cells are on one surface if the cosine of the angle between their
+/// normals is at least kAlike, and if it is not so steep that it may be a wall.
 constexpr float kAlike = 0.97F;
 constexpr float kSteep = 0.4F;
 
 constexpr std::uint32_t kNoOther = ~std::uint32_t{0};
 
-/// Which vertices of a tile go, and to which others.
+/// Chooses the vertices of a tile to drop, and their replacements.
 class StepJoin {
  public:
   StepJoin(const TileMesh& mesh, std::span<const TileCell> cells, double pitch_mm, float error_mm)
@@ -32,14 +32,14 @@ class StepJoin {
     each_edge([&](std::uint32_t a, std::uint32_t b) {
       const Float3 off = minus(mesh.positions_mm[b], mesh.positions_mm[a]);
       for (const std::uint32_t v : {a, b}) {
-        // Neighbors of a vertex that goes are in its plane, and so is what replaces it.
+        // Neighbors of a dropped vertex are in its plane, and so is its replacement.
         if (std::abs(dot(mesh.normals[v], off)) > error_mm) stays_[v] = true;
       }
     });
     each_edge([&](std::uint32_t a, std::uint32_t b) { join(a, b); });
   }
 
-  /// The triangles that are left.
+  /// The remaining triangles.
   std::vector<std::uint32_t> indices() const {
     std::vector<std::uint32_t> left;
     left.reserve(mesh_.indices.size());
@@ -66,7 +66,7 @@ class StepJoin {
     return vertex;
   }
 
-  /// Joins the two vertices of an edge to the one that is nearer to the middle of their cell.
+  /// Joins the two vertices of an edge into the one nearer to the middle of their cell.
   void join(std::uint32_t a, std::uint32_t b) {
     const TileCell at = cells_[a];
     const auto inside = [](int along) { return along > 0 && along < kTileSide; };
@@ -77,10 +77,10 @@ class StepJoin {
     if (!stays_[b] && (stays_[a] || off_middle(a) < off_middle(b))) std::swap(a, b);
     if (stays_[a]) return;
     to_[a] = b;
-    stays_[b] = true;  // else the first of a chain would be far from the last
+    stays_[b] = true;  // otherwise the first of a chain would be far from the last
   }
 
-  /// A position that is repeated has another surface, beyond a crease: there it stays.
+  /// A repeated position belongs to another surface beyond a crease, so it stays.
   void keep_repeated() {
     stays_.resize(to_.size());
     std::array<std::uint32_t, std::size_t{kCellsOfTile} * kCellsOfTile> newest;
@@ -117,7 +117,7 @@ class StepJoin {
   std::span<const TileCell> cells_;
   float per_pitch_;
   std::vector<bool> stays_;        ///< by vertex
-  std::vector<std::uint32_t> to_;  ///< by vertex: itself, or one that it is joined to
+  std::vector<std::uint32_t> to_;  ///< by vertex: itself, or the one that replaces it
 };
 
 }  // namespace

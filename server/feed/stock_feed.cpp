@@ -18,13 +18,13 @@ constexpr double kReachMm = 6;
 /// agent renders force.
 constexpr double kAheadS = 0.4;
 constexpr double kAheadMaxMm = 60;
-/// Number of patches between two clean-ups of the stored copies of distant tiles.
+/// Number of patches between clean-ups of the stored copies of distant tiles.
 constexpr std::uint64_t kDropFarEvery = 64;
-/// Limit of the tiles of a field of which all are sent: each patch looks at them until they are.
+/// Most tiles of a field that are all sent: each patch checks them until they are.
 constexpr std::int64_t kWholeTilesMax = 1024;
 
-/// Returns what the surface depends on that a tool within `box` changes: tiles of the field along
-/// Z, those beside them, whose surface changes with them, and one more, from the bottom to the top.
+/// Returns the region that affects the surface that a tool within `box` changes: tiles of the field
+/// along Z, their neighbors, whose surface changes with them, and one more, over the full height.
 Bounds with_surface(const Bounds& box, const DexelGrid& grid) {
   Bounds all = grown(box, 2 * kTileSide * grid.pitch_mm);
   all.lo_mm.z = grid.origin_mm.z;
@@ -55,7 +55,7 @@ void StockFeed::note_cut(std::span<const FieldTile> tiles) {
 
 void StockFeed::note_returned(std::span<const FieldTile> tiles) {
   if (tiles.empty() || reset_) return;
-  // A replica also cuts where it has no tile yet: what it cut there must not outlast an undo.
+  // A replica also cuts where it has no tile yet, and those cuts must not outlast an undo.
   returned_.insert(tiles.begin(), tiles.end());
   if (!takes_returned_ || returned_.size() > wire::kMaxStockTiles) return reset();
   for (const FieldTile& tile : tiles) {
@@ -73,7 +73,7 @@ void StockFeed::reset() {
   reset_ = true;
 }
 
-/// Returns all tiles if the replica is to have them and there are not too many.
+/// Returns all tiles if the replica should have them and there are not too many.
 std::optional<StockFeed::Regions> StockFeed::everything(const Sculpture& sculpture) const {
   if (!whole_) return std::nullopt;
   Regions all;
@@ -144,7 +144,7 @@ std::vector<StockFeed::MissingTile> StockFeed::missing(const Sculpture& sculptur
   return list;
 }
 
-/// Adds a tile to the update unless the agent has it unchanged; true if it was added.
+/// Adds a tile to the update unless the agent has it unchanged. Returns whether it was added.
 bool StockFeed::add_tile(const DexelField& field, FieldTile at, StockUpdate& update) {
   const auto [known, is_new] = known_.try_emplace(at);
   stale_.erase(at);
@@ -169,7 +169,7 @@ std::size_t StockFeed::add_returned(const Sculpture& sculpture,
   for (const MissingTile& tile : near) {
     if (bytes >= kPatchBytes) break;
     const DexelField& field = *sculpture.field(tile.at.axis);
-    // One that is whole again has no columns: it becomes unknown, and is sent in the next patch.
+    // A tile that is whole again has no columns: it becomes unknown, and is sent in the next patch.
     if (!returned_.contains(tile.at) || field.find(tile.at.tile) == nullptr) continue;
     add_tile(field, tile.at, update);
     bytes += update.tiles.back().columns.size();

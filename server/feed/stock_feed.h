@@ -31,12 +31,12 @@ struct TrackedTool {
 struct StockUpdate {
   std::uint64_t sequence = 0;  ///< per feed, from 1; goes into the frame's header
   bool reset = false;          ///< discard the replica before applying the tiles
-  /// Each tile begins again from uncut stock; one without columns is unknown from then on.
+  /// Each tile starts over from uncut stock. One without columns is unknown from then on.
   bool returned = false;
-  std::uint64_t agent_time_us = 0;  ///< samples up to here were cut from the tiles, or rejected
+  std::uint64_t agent_time_us = 0;  ///< samples up to here are cut from the tiles, or rejected
   struct Tile {
     FieldTile at;
-    std::vector<std::byte> columns;  ///< stock_columns.h; empty: no change
+    std::vector<std::byte> columns;  ///< encoded by stock_columns.h; empty: unchanged
   };
   std::vector<Tile> tiles;
 
@@ -44,19 +44,18 @@ struct StockUpdate {
   wire::StockPatch patch() const;
 };
 
-/// Keeps the replica of one agent correct around its tool and along the tool's predicted path.
-/// The agent cuts its own motions itself, so it needs a tile once, when the tool approaches, and
-/// then only the columns that other participants cut, until stock comes back to the tile. Has no
-/// clock and no thread; runs on the session's executor.
+/// Keeps the replica of one agent correct around its tool and along the tool's predicted path. The
+/// agent cuts its own motions itself, so it needs a tile once, when the tool approaches, and then
+/// only the columns that other participants cut, until stock comes back to the tile. Has no clock
+/// and no thread; runs on the session's executor.
 class StockFeed {
  public:
   /// A patch ends with the tile that reaches this number of bytes of columns.
   static constexpr std::size_t kPatchBytes = std::size_t{32} * 1024;
 
-  /// `takes_returned`: the agent understands patches with `returned`; otherwise its replica begins
-  /// again when stock comes back.
-  /// `whole`: the replica is to be correct everywhere, unless a field has more than 1,024
-  /// tiles.
+  /// `takes_returned`: the agent understands patches with `returned`; otherwise its replica starts
+  /// over when stock comes back. `whole`: the replica should be correct everywhere, unless a field
+  /// has more than 1,024 tiles.
   explicit StockFeed(bool takes_returned = false, bool whole = false)
       : takes_returned_(takes_returned), whole_(whole) {}
 
@@ -67,8 +66,8 @@ class StockFeed {
   /// The agent's replica is invalid: the next patch starts a new one.
   void reset();
   /// Returns the patch that the replica lacks around the tool and its predicted path, nearest tiles
-  /// first; nullopt if it lacks none, or while as many patches are in flight as wire/limits.h
-  /// allows. The cost is proportional to the number of tiles in that region.
+  /// first; nullopt if it is complete, or if as many patches are in flight as wire/limits.h allows.
+  /// The cost is proportional to the number of tiles in that region.
   std::optional<StockUpdate> next(const Sculpture& sculpture, const TrackedTool& tracked);
   /// The agent applied every patch up to `sequence`. Returns false, without effect, if that patch
   /// was not sent.
@@ -85,15 +84,15 @@ class StockFeed {
     double distance_mm;
     FieldTile at;
   };
-  /// The tiles of each field at which the replica must be correct; empty for an absent field.
+  /// The tiles of each field where the replica must be correct; empty for an absent field.
   using Regions = std::array<TileRegion, 3>;
 
   std::optional<Regions> everything(const Sculpture& sculpture) const;
   std::optional<Regions> reach(const Sculpture& sculpture, const TrackedTool& tracked);
   std::vector<MissingTile> missing(const Sculpture& sculpture, const Regions& near,
                                    Vec3 tip_mm) const;
-  /// Puts the tiles to which stock has come back into the update, those in `near` with columns, and
-  /// returns the bytes of those.
+  /// Adds the tiles to which stock has come back to the update, those in `near` with columns, and
+  /// returns the bytes of these columns.
   std::size_t add_returned(const Sculpture& sculpture, const std::vector<MissingTile>& near,
                            StockUpdate& update);
   bool add_tile(const DexelField& field, FieldTile at, StockUpdate& update);
@@ -102,7 +101,7 @@ class StockFeed {
   /// The tiles that the agent has, as they were sent; null if the tile was untouched or is far away
   /// now.
   std::map<FieldTile, std::unique_ptr<DexelTile>> known_;
-  std::set<FieldTile> stale_;     ///< those of known_ that others have cut since
+  std::set<FieldTile> stale_;     ///< those of known_ that another participant has cut since
   std::set<FieldTile> returned_;  ///< the agent lacks stock that has come back there
   Regions complete_;              ///< every tile in these regions is known
   std::uint64_t sent_ = 0;

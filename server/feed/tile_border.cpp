@@ -56,7 +56,7 @@ class Border {
     return std::span(vertices_).subspan(first_[place], first_[place + 1] - first_[place]);
   }
   std::uint32_t place(std::uint32_t vertex) const { return place_[vertex]; }
-  /// Bit n: the place lies in the cells shared with neighbor n. Two bits in a corner of the tile.
+  /// Bit n: the place is in the cells shared with neighbor n. Two bits in a corner of the tile.
   std::uint8_t sides(std::uint32_t place) const { return sides_[place]; }
 
   /// Returns the open edges of triangles that have the mesh's vertices as corners.
@@ -132,8 +132,8 @@ double distance_to_segment(const Position& p, const Position& a, const Position&
   return length(from - along * share);
 }
 
-/// Simplifies the chains of open edges between junctions: finds the segments that replace several
-/// edges. They depend on what both tiles have, so they are the same in both.
+/// Simplifies the chains of open edges between junctions into segments that replace several edges.
+/// They depend only on data that both tiles have, so they are the same in both.
 class BorderSegments {
  public:
   BorderSegments(const Border& border, std::span<const OpenEdge> open_edges,
@@ -146,19 +146,19 @@ class BorderSegments {
         if (q != kNone && !is_junction(q) && !passed_[q]) collapse(walk(p, q));
       }
     }
-    // The remaining chains are rings without a junction; their smallest place serves as one.
+    // The remaining chains are rings without a junction. Their smallest place serves as one.
     for (std::uint32_t p = 0; p < passed_.size(); ++p) {
       if (!next(p).empty() && !is_junction(p) && !passed_[p]) collapse(walk(p, next(p)[0]));
     }
   }
 
-  /// The places of each segment: its ends, and between them those that it leaves out.
+  /// The places of each segment: its ends, with the dropped places in between.
   const std::vector<std::vector<std::uint32_t>>& segments() const { return segments_; }
 
  private:
   void connect(std::span<const OpenEdge> open_edges) {
     first_.resize(passed_.size() + 1);
-    // Places where the surface touches itself become junctions, which are not moved.
+    // Places where the surface touches itself become junctions, which do not move.
     const auto ends = [](const OpenEdge& edge) { return edge.count == 1 ? 1U : 2U; };
     for (const OpenEdge& edge : open_edges) {
       for (const std::uint32_t p : {edge.from, edge.to}) first_[p + 1] += ends(edge);
@@ -174,7 +174,7 @@ class BorderSegments {
     }
   }
 
-  /// The places beside `p` along open edges; kNone: a second edge to the one before.
+  /// The neighbors of `p` along open edges; kNone for a second edge to the previous one.
   std::span<const std::uint32_t> next(std::uint32_t p) const {
     return std::span(next_).subspan(first_[p], first_[p + 1] - first_[p]);
   }
@@ -250,10 +250,10 @@ Vec3 area_vector(const Position& a, const Position& b, const Position& c) {
   return cross(vec(b) - vec(a), vec(c) - vec(a));
 }
 
-/// Moves the places that segments leave out to one of the two ends. A tile is free in this: the
-/// first of them go to the first end and the others to the second, and it is the same edge wherever
-/// the two parts meet. They meet where no triangle turns over, for one that did would cover what
-/// lies next to it.
+/// Moves the places that segments drop to one of the two ends. The first of them move to the first
+/// end, the rest to the second, and the resulting edge does not depend on where the two parts meet.
+/// So each tile chooses the split so that no triangle flips, because a flipped triangle would cover
+/// its neighbors.
 class BorderMove {
  public:
   BorderMove(const TileMesh& mesh, const Border& border)
@@ -322,18 +322,18 @@ class BorderMove {
     return turned;
   }
 
-  /// Triangles that turn by more are taken for turned over.
+  /// Triangles that turn by more count as flipped.
   static constexpr double kTurnedCos = 0.3;
 
   const TileMesh& mesh_;
   const Border& border_;
-  std::vector<std::uint32_t> target_;     ///< by place: the one that replaces it
+  std::vector<std::uint32_t> target_;     ///< by place: its replacement
   std::vector<std::uint32_t> first_;      ///< by place, and one more: in triangles_
   std::vector<std::uint32_t> triangles_;  ///< first of their three indices, by place
 };
 
-/// Returns the vertex of `place` whose normal is closest to that of vertex `v`, of those which are
-/// original or cut as it is, if there are any.
+/// Returns the vertex of `place` whose normal is closest to that of vertex `v`, preferring vertices
+/// that are original, or cut, like `v`.
 std::uint32_t like(const TileMesh& mesh, const Border& border, std::uint32_t place,
                    std::uint32_t v) {
   const auto& n = mesh.normals[v];

@@ -17,7 +17,7 @@ TileMesh with_coarser_borders(const TileMesh& mesh, const DexelGrid& grid,
                               const std::array<double, 4>& side_error_mm);
 
 /// Returns true if other triangles between the vertices of a tile's mesh, three `indices` each,
-/// have the same open edges along its borders as the mesh has.
+/// have the same open edges along the tile's borders as the mesh.
 bool same_border(const TileMesh& mesh, std::span<const std::uint32_t> indices,
                  const DexelGrid& grid);
 

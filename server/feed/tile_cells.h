@@ -9,18 +9,18 @@
 
 namespace kerf {
 
-/// Cells on a side of a tile whose mesh may have vertices in them: those of its own columns, and
-/// the one before the first. Those at the two ends are shared with the neighbors.
+/// Cells along a side of a tile whose mesh may have vertices in them: one for each of its columns,
+/// and the one before the first. The cells at both ends are shared with the neighbors.
 inline constexpr int kCellsOfTile = kTileSide + 1;
 
-/// The column of cells that a vertex is in, counted from the tile's first, 0 to kCellsOfTile - 1;
-/// {-1, -1}: none of the tile.
+/// The column of cells of a vertex, relative to the tile's first, 0 to kCellsOfTile - 1; {-1, -1}
+/// for a cell outside the tile.
 struct TileCell {
   int x = -1, y = -1;
   friend bool operator==(const TileCell&, const TileCell&) = default;
 };
 
-/// Returns the cell of a vertex along one axis: cell i lies between columns i and i + 1.
+/// Returns the cell of a vertex along one axis: cell i is between columns i and i + 1.
 std::int32_t cell_of(float mm, double pitch_mm);
 
 /// Returns the cell of each vertex.

@@ -15,11 +15,12 @@ namespace kerf {
 namespace {
 
 constexpr std::array<double, kDetailLevelMax + 1> kErrorPitches{0, 0.125, 0.5, 2};
-/// How far shading may be off: the difference of unit normals. The pitch is a quarter of a pixel or
-/// less where level 3 is displayed, so it shows no shape of that size.
+/// Greatest error of shading, as the difference of unit normals. Where level 3 is displayed the
+/// pitch is a quarter of a pixel or less, so no shape of that size is visible.
 constexpr std::array<double, kDetailLevelMax + 1> kTurns{0, 0.08, 0.12, 0.5};
-/// A border that is off by so little turns by little too: its vertices are a pitch apart. The
-/// normals themselves cannot count there, because the two tiles may have different ones.
+/// Greatest error of a border. One this small turns little too, because its vertices are a pitch
+/// apart. The normals themselves cannot be compared there, because the two tiles may have different
+/// ones.
 constexpr std::array<double, kDetailLevelMax + 1> kBorderErrorPitches{0, 0.03, 0.06, 0.5};
 constexpr double kCoarserMargin = 1.25;
 
@@ -40,9 +41,8 @@ std::vector<std::uint32_t> simplified(const TileMesh& mesh, std::span<const std:
   return indices;
 }
 
-/// Simplifies the inside of a tile: what is original and what is cut each by itself, so that the
-/// rim between them stays. Neighbors rely on the border, so the result is discarded if the border
-/// changed.
+/// Simplifies the inside of a tile, original and cut surface separately, so that the rim between
+/// them stays. Neighbors rely on the border, so the result is discarded if the border changed.
 TileMesh with_simpler_inside(TileMesh mesh, const DexelGrid& grid, double error_mm) {
   std::array<std::vector<std::uint32_t>, 2> plain;
   std::vector<std::uint32_t> indices;
@@ -103,7 +103,7 @@ TileMesh coarser_tile(const TileMesh& mesh, const DexelGrid& grid, const TileDet
   }
   const double error_mm = detail_error_mm(detail.level, grid.pitch_mm);
   TileMesh out = mesh;
-  // The inside first: slivers along simplified borders would block the collapses.
+  // The inside first, because slivers along simplified borders would block the collapses.
   out.indices = merged_quads(mesh, grid, {.error_mm = error_mm, .turn = kTurns.at(detail.level)});
   compact(out);
   out = with_coarser_borders(out, grid, side_error_mm);

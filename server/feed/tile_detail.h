@@ -14,8 +14,8 @@ namespace kerf {
 inline constexpr int kDetailLevelMax = 3;
 
 /// Returns the error of a level, mm: 0, 1/8, 1/2 and 2 pitches. On the borders it is the maximum
-/// distance to the mesh; inside the tile it is meshoptimizer's estimate, a mean (README.md lists
-/// measured distances).
+/// distance to the mesh; inside the tile it is meshoptimizer's estimate, a mean
+/// (tests/bench/results/server.md lists measured distances).
 double detail_error_mm(int level, double pitch_mm);
 
 /// Offsets of the four neighbors of a tile, in the order of TileDetail::side.
@@ -38,11 +38,11 @@ TileMesh coarser_tile(const TileMesh& mesh, const DexelGrid& grid, const TileDet
 /// The viewpoint of a viewer and its angular tolerance; the contents of a `look` message.
 struct ViewerLook {
   Vec3 eye_mm;           ///< world coordinates
-  double error_rad = 0;  ///< errors that appear under a smaller angle are allowed; 0: none
+  double error_rad = 0;  ///< errors seen under a smaller angle are allowed; 0: exact tiles
 };
 
-/// Returns the coarsest level whose error is allowed by `look`. A level coarser than `current`
-/// requires a margin of a quarter, so that a camera at the limit does not toggle between levels.
+/// Returns the coarsest level whose error `look` allows. A level coarser than `current` requires a
+/// margin of a quarter, so that a camera at the limit does not toggle between levels.
 int detail_level(const ViewerLook& look, const DexelGrid& grid, TileIndex tile, int current);
 
 }  // namespace kerf

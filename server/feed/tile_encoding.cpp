@@ -18,9 +18,9 @@ static_assert(std::endian::native == std::endian::little, "glTF is little-endian
 
 /// Limit of the steps that a tile spans: below 65536, with a margin for rounding at both ends.
 constexpr double kStepsMax = 65000;
-/// Limit of the halvings of the pitch that give the step. With 256 steps per pitch, neighboring
-/// columns differ by one in the upper byte of a coordinate and not in the lower one, which suits
-/// the byte-wise codec best: 128 or 64 steps would take half as many bytes again.
+/// Most halvings of the pitch for the step. With 256 steps per pitch, neighboring columns differ by
+/// one in the upper byte of a coordinate and not in the lower one, which suits the byte-wise codec
+/// best: 128 or 64 steps would take half as many bytes again.
 constexpr int kStepHalvingsMax = 8;
 /// Bound of the span of a tile's vertices, pitches: its columns, half a cell on each side, a
 /// margin.
@@ -52,7 +52,7 @@ SendOrder order_of_mesh(const TileMesh& mesh) {
 
 /// An order that the codecs compress well: every triangle shares an edge with a recent one, and
 /// vertices are numbered by first use. The mesher already emits quadrangles row by row, as two
-/// triangles with the diagonal first, so it suffices to start each quadrangle with the triangle
+/// triangles with the diagonal first. So it suffices to start each quadrangle with the triangle
 /// next to the previous one: the one whose own corner was used later. A general search for strips
 /// gives more bytes and takes ten times as long.
 class RowOrder {

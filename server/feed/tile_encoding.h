@@ -11,8 +11,8 @@
 
 namespace kerf {
 
-/// The lattice of the positions of all tiles of a block. It is common to them, so neighboring tiles
-/// meet exactly.
+/// The lattice of the positions of all tiles of a block. They share it, so neighboring tiles meet
+/// exactly.
 struct MeshQuantization {
   Vec3 origin_mm;              ///< DexelGrid::origin_mm
   double step_mm = 1;          ///< the pitch, halved up to 8 times while a tile fits 65536 steps
@@ -40,13 +40,13 @@ struct EncodedTile {
   std::array<double, 3> translation_mm{};                  ///< world position of step 0
   std::array<std::int16_t, 3> min{}, max{};                ///< of the positions, in steps
   std::vector<std::byte> positions, normals, index_bytes;  ///< as in the GLB, unpadded
-  std::uint64_t shape_hash = 0;  ///< equal for tiles that have the same shape
-  std::uint64_t digest = 0;      ///< of its columns (column_digest.h), as the feed sets it
+  std::uint64_t shape_hash = 0;                            ///< equal for tiles of the same shape
+  std::uint64_t digest = 0;  ///< of its columns (column_digest.h), set by the feed
 
   std::size_t index_stride() const { return wide_indices ? 4 : 2; }
   std::size_t bytes() const { return positions.size() + normals.size() + index_bytes.size(); }
-  /// Whether the meshes of two tiles are the same except for their places, as those of untouched
-  /// tiles inside a block are.
+  /// Whether the meshes of two tiles differ only in position, like those of untouched tiles inside
+  /// a block.
   bool has_shape_of(const EncodedTile& other) const;
 };
 

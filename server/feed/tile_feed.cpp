@@ -118,7 +118,7 @@ ViewerId TileFeed::add_viewer(const std::optional<ViewerLook>& look, TileNodes n
       viewer.level[n] = level_from(*look, n, 0);
     }
   }
-  // Carved tiles first: they are of most interest.
+  // Carved tiles first, because they are of most interest.
   for (const bool touched : {true, false}) {
     for (std::uint32_t n = 0; n < tiles_.size(); ++n) {
       if (snapshot_.touched(index_of(n)) == touched) viewer.first.push(n);

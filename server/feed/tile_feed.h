@@ -57,15 +57,15 @@ class TileFeed {
   /// decreases.
   TileFeed(SolidSnapshot snapshot, std::uint64_t revision, FeedSettings settings = {});
 
-  /// Sets the current state of the block; `changed` are the tiles cut since the previous call
+  /// Sets the current state of the block. `changed` are the tiles cut since the previous call
   /// (MotionResult::changed_tiles, in any order, repeats allowed). Call it at the display rate of
-  /// the viewers, 20 to 30 times a second; it moves a few pointers.
+  /// the viewers, 20 to 30 times a second; it only moves a few pointers.
   void note_change(SolidSnapshot snapshot, std::span<const TileIndex> changed,
                    std::uint64_t revision);
 
-  /// While it exists, all frames are of the newest state at its beginning. Viewers then share them,
-  /// and a changed tile is meshed once, even if that takes longer than the block takes to change
-  /// again. At most one at a time.
+  /// While a Round exists, all frames show the newest state at its beginning. So viewers share
+  /// them, and a changed tile is meshed once, even if that takes longer than the block takes to
+  /// change again. At most one at a time.
   class Round {
    public:
     explicit Round(TileFeed& feed) : feed_(feed) { feed_.begin_round(); }
@@ -77,22 +77,22 @@ class TileFeed {
     TileFeed& feed_;
   };
 
-  /// Adds a viewer. Until it looks from somewhere, all its tiles are exact. `budget`: bytes per
-  /// second that its frames may have; 0: any.
+  /// Adds a viewer. Without a look all its tiles are exact. `budget`: bytes of its frames per
+  /// second; 0: unlimited.
   ViewerId add_viewer(const std::optional<ViewerLook>& look = std::nullopt,
                       TileNodes nodes = TileNodes::kSingle, std::uint32_t budget = 0);
   void remove_viewer(ViewerId viewer);  ///< unknown viewers are ignored
   std::size_t viewers() const;
-  /// Sets the viewpoint of a viewer, and sends the tiles again whose level of detail changes.
-  /// Unknown viewers are ignored. Costs a few operations per tile of the block.
+  /// Sets the viewpoint of a viewer, and resends the tiles whose level of detail changes. Unknown
+  /// viewers are ignored. Costs a few operations per tile of the block.
   void look(ViewerId viewer, const ViewerLook& look);
-  /// Sets the budget of a viewer, bytes per second; 0: none. Unknown viewers are ignored.
+  /// Sets the budget of a viewer, bytes per second; 0: unlimited. Unknown viewers are ignored.
   void set_budget(ViewerId viewer, std::uint32_t bytes_per_s);
 
   /// Returns the next frame for a viewer; nullopt if it has every tile, or while the limit of
-  /// frames in flight is reached or its budget is used up. After note_change (for each viewer),
-  /// ack, look and add_viewer, and from time to time while it waits for its budget, call it until
-  /// it returns nullopt. `now`, which never decreases, counts for viewers with a budget only.
+  /// frames in flight is reached or its budget is used up. Call it until it returns nullopt after
+  /// note_change (for each viewer), ack, look and add_viewer, and at intervals while it waits for
+  /// its budget. `now`, which never decreases, matters for viewers with a budget only.
   std::optional<FeedFrame> next_frame(ViewerId viewer, ByteBudget::Time now = {});
   /// The viewer applied every frame up to `sequence`. Returns false, without effect, for a frame
   /// that was not sent (a protocol error of the peer) or an unknown viewer.
@@ -103,7 +103,7 @@ class TileFeed {
     bool sent = false;     ///< next_frame has returned every tile of that revision at its level
     bool applied = false;  ///< and the viewer has acknowledged them
     std::uint32_t frames_in_flight = 0;
-    bool waits_for_budget = false;  ///< tiles are left that its budget brings later
+    bool waits_for_budget = false;  ///< the rest waits for its budget
   };
   /// Returns nullopt for an unknown viewer.
   std::optional<ViewerState> viewer_state(ViewerId viewer) const;
@@ -128,7 +128,7 @@ class TileFeed {
     std::uint64_t mesh_hash = 0;  ///< of that version
     std::uint64_t digest = 0;     ///< of its columns
     bool stale = true;            ///< its columns have changed since it was meshed
-    std::deque<Form> forms;       ///< of that version, as far as viewers need them
+    std::deque<Form> forms;       ///< of that version, those that viewers need
   };
   /// Queue of tiles, oldest first.
   class TileQueue {
@@ -142,7 +142,7 @@ class TileFeed {
     std::vector<std::uint32_t> tiles_;
     std::size_t head_ = 0;
   };
-  /// The state of a tile that a viewer was sent last.
+  /// The state of a tile that a viewer was last sent.
   struct SentTile {
     std::uint32_t version = 0;  ///< 0: never sent
     TileDetail detail;
@@ -160,8 +160,7 @@ class TileFeed {
     TileQueue changed;                  ///< tiles changed since they were sent
     std::vector<bool> in_changed;
     std::optional<ByteBudget> budget;
-    /// Tiles that are coarser than their level until the budget suffices, after the frame that
-    /// brought them.
+    /// Tiles coarser than their level until the budget suffices, in the order of their frames.
     std::set<std::pair<std::uint64_t, std::uint32_t>> coarse;
     bool has_all_tiles() const { return first.empty() && changed.empty() && coarse.empty(); }
     /// Queues a changed tile unless it is queued already.

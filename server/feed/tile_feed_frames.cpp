@@ -11,17 +11,18 @@ namespace {
 
 /// Approximate sizes in a frame: the JSON of a tile's mesh, and its node.
 constexpr std::size_t kMeshJsonBytes = 900, kNodeBytes = 200;
-/// A frame ends with the last of so many tiles meshed for it, which takes some 0.1 s: other viewers
-/// wait meanwhile, and tiles that share a mesh take hardly any bytes.
+/// A frame ends after so many newly meshed tiles, which take about 0.1 s, because other viewers
+/// wait, and tiles that share a mesh take hardly any bytes.
 constexpr std::uint64_t kMeshedMax = 200;
 /// Number of frames kept for other viewers in step.
 constexpr std::size_t kRecentFramesMax = 16;
 /// Level of tiles for which a budget does not suffice at once. Coarser ones would hardly be
-/// smaller, because their borders stay as they are (README.md).
+/// smaller, because their borders keep their level (README.md).
 constexpr std::uint8_t kCoarseLevel = 1;
-/// What a carved tile takes in a frame, about, when it is exact.
+/// Approximate bytes of an exact carved tile in a frame.
 constexpr std::size_t kExactTileBytes = 10'000;
-/// Tiles that are encoded in so many bytes are sent exactly: a coarser form would save little.
+/// Tiles encoded in at most so many bytes are always sent exactly: a coarser form would save
+/// little.
 constexpr std::size_t kSmallTileBytes = 2'500;
 
 std::uint64_t word_of(const TileDetail& detail) {
@@ -40,7 +41,7 @@ bool TileFeed::is_full(const Selection& selection, std::size_t bytes_max) const 
 TileFeed::Picked TileFeed::coarser(Picked exact) {
   const auto& [detail, encoded] = exact.form;
   if (detail.level >= kCoarseLevel || encoded->bytes() <= kSmallTileBytes) return exact;
-  // Its borders keep their level: neighbors are not sent again, and there are no cracks.
+  // Its borders keep their level, so neighbors need not be resent and there are no cracks.
   const TileDetail coarse{.level = kCoarseLevel, .side = detail.side};
   SharedTile simpler = current(exact.tile, coarse);
   if (simpler->bytes() >= encoded->bytes()) return exact;
@@ -82,7 +83,7 @@ void TileFeed::select_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes_
   }
 }
 
-/// Brings tiles to their level, those first that have not changed for longest.
+/// Refines coarse tiles to their level, the longest unchanged first.
 void TileFeed::select_coarse_tiles(Viewer& viewer, std::size_t bytes_max, Selection& selection) {
   selection.is_coarse = false;
   while (!viewer.coarse.empty() && !is_full(selection, bytes_max)) {
@@ -156,7 +157,7 @@ const TileFeed::ComposedFrame& TileFeed::compose(const std::vector<Picked>& tile
   ++stats_.frames_composed;
   stats_.bytes_composed += glb->size();
   if (recent_.size() == kRecentFramesMax) recent_.pop_front();
-  // Of use only to viewers that verify.
+  // Used only by viewers that verify.
   const std::uint32_t sum = viewer.nodes == TileNodes::kVerified ? wire::checksum(*glb) : 0;
   recent_.push_back({std::move(key), std::move(glb), sum});
   return recent_.back();

@@ -8,8 +8,8 @@
 namespace kerf {
 namespace {
 
-/// A tile may be off its place in a run by this share of a step, from rounding; a step is 1/256 of
-/// the pitch or a little more.
+/// Greatest deviation of a tile's position in a run, in steps, from rounding. A step is about 1/256
+/// of the pitch.
 constexpr double kPlaceSteps = 1.0 / 64;
 
 class Runs {

@@ -24,7 +24,7 @@ std::uint64_t records_of(std::span<const MotionRun> runs) {
   return sum;
 }
 
-/// A copy that belongs to no field.
+/// A copy that no field owns.
 std::shared_ptr<DexelTile> copy_of(const DexelTile& tile) {
   auto copy = std::make_shared<DexelTile>(tile);
   copy->era = 0;
@@ -33,17 +33,17 @@ std::shared_ptr<DexelTile> copy_of(const DexelTile& tile) {
 
 }  // namespace
 
-/// A tile that strokes which change may reach.
+/// A tile that the changed strokes may reach.
 struct BlockHistory::ChangedTile {
   FieldTile at;
   Tile now;                            ///< null: untouched stock
-  std::vector<MotionRun> undone = {};  ///< of the strokes that change
+  std::vector<MotionRun> undone = {};  ///< of the changed strokes
   std::vector<MotionRun> redone = {};
-  std::vector<const MotionSpan*> others = {};  ///< of the set, without those that change
+  std::vector<const MotionSpan*> others = {};  ///< of the set, without the changed strokes
   std::uint64_t others_records = 0;
 };
 
-/// Finds the motions that reach each tile: the undone ones, the redone ones, and the others.
+/// Finds the motions that reach each tile: the undone ones, the redone ones, and all others.
 std::vector<BlockHistory::ChangedTile> BlockHistory::changed_tiles(const SolidSnapshot& solid,
                                                                    std::span<const FieldTile> tiles,
                                                                    const StrokeSet& changed,
@@ -68,8 +68,8 @@ std::vector<BlockHistory::ChangedTile> BlockHistory::changed_tiles(const SolidSn
   return list;
 }
 
-/// Finds what comes back of each tile: of what the undone motions, and no others, remove. Where the
-/// others are fewer, all that is missing is looked at in place of that.
+/// Finds the returning stock of each tile: removed by the undone motions and by no other. If the
+/// other motions are fewer, starts from everything missing from the tile instead.
 std::expected<std::vector<Tile>, std::string> BlockHistory::find_returning(
     std::vector<ChangedTile>& tiles, const MotionSet& set, Workers& workers,
     const std::stop_token& stop) {
@@ -81,7 +81,7 @@ std::expected<std::vector<Tile>, std::string> BlockHistory::find_returning(
     job_of[n] = jobs.size();
     jobs.push_back({.at = tile.at, .last = set.last, .runs = std::move(tile.undone)});
   }
-  // Ends that only these motions made do not stay, so their normals are not needed.
+  // Ends made by these motions only do not stay, so their normals are not needed.
   if (auto ok = shape_carver_.carve(jobs, motions_, workers, stop); !ok) {
     return std::unexpected(ok.error());
   }

@@ -13,10 +13,10 @@
 namespace kerf {
 namespace {
 
-/// A span of motions is at most so many tiles longer than its first motion.
+/// Greatest growth of a span beyond its first motion, tiles.
 constexpr double kSpanTiles = 2;
 
-/// Those of the strokes of some runs that a set leaves out; ascending.
+/// The strokes of some runs that a set excludes; ascending.
 std::vector<StrokeId> left_out(std::span<const MotionRun> runs, const StrokeSet& without) {
   std::vector<StrokeId> out;
   for (const MotionRun& run : runs) {
@@ -45,9 +45,9 @@ struct BlockHistory::Wanted {
   static constexpr std::size_t kKept = SIZE_MAX;
   FieldTile at;
   EraTile* era;
-  std::size_t job = kKept;  ///< kKept: the tile of the era is the right one
-  bool is_whole = true;     ///< the set holds the era to its end
-  std::uint64_t last = 0;   ///< record of the last motion of the era that meets the tile
+  std::size_t job = kKept;  ///< kKept: the stored tile of the era is valid
+  bool is_whole = true;     ///< the set has the era up to its end
+  std::uint64_t last = 0;   ///< record of the era's last motion that meets the tile
   std::vector<StrokeId> without = {};
 };
 
@@ -131,7 +131,7 @@ std::vector<FieldTile> BlockHistory::tiles() const {
   return all;
 }
 
-/// Adds the eras of a tile that hold motions of a set, and jobs for those that must be carved.
+/// Adds the eras of a tile with motions of a set, and jobs for those that must be carved.
 void BlockHistory::add_wanted(FieldTile at, const MotionSet& set, std::vector<Wanted>& wanted,
                               std::vector<GroupJob>& jobs) {
   std::map<std::size_t, std::vector<MotionRun>> runs_of;  // by era
@@ -180,7 +180,7 @@ std::expected<std::vector<TileReplacement>, std::string> BlockHistory::carve(
   return carved;
 }
 
-/// Carves the first of some tiles, as many as fit into the memory for tiles of eras, but at least
+/// Carves the first of some tiles, as many as the memory for tiles of eras allows, but at least
 /// one, and appends them.
 std::expected<void, std::string> BlockHistory::carve_some(std::span<const FieldTile> tiles,
                                                           const MotionSet& set, Workers& workers,
@@ -188,7 +188,7 @@ std::expected<void, std::string> BlockHistory::carve_some(std::span<const FieldT
                                                           std::vector<TileReplacement>& carved) {
   std::vector<Wanted> wanted;
   std::vector<GroupJob> jobs;
-  std::vector<std::size_t> begins;  // of each tile, in `wanted`
+  std::vector<std::size_t> begins;  // start of each tile in `wanted`
   while (begins.size() < tiles.size() && jobs.size() * sizeof(DexelTile) <= tile_bytes_max_) {
     const FieldTile at = tiles[begins.size()];
     begins.push_back(wanted.size());
@@ -197,7 +197,7 @@ std::expected<void, std::string> BlockHistory::carve_some(std::span<const FieldT
   const std::size_t count = begins.size();
   begins.push_back(wanted.size());
   if (auto ok = carver_.carve(jobs, motions_, workers, stop); !ok) {
-    // What it has carved is there when the question is asked again.
+    // Carved tiles are kept for the next query.
     std::erase_if(wanted, [&](const Wanted& next) {
       return next.job != Wanted::kKept && jobs[next.job].tile == nullptr;
     });
@@ -208,7 +208,7 @@ std::expected<void, std::string> BlockHistory::carve_some(std::span<const FieldT
   workers.run(static_cast<int>(count), [&](int number) {
     const auto n = static_cast<std::size_t>(number);
     std::shared_ptr<const DexelTile> first;
-    std::shared_ptr<DexelTile> common;  // of the first and others
+    std::shared_ptr<DexelTile> common;  // of the first and later ones
     for (std::size_t w = begins[n]; w < begins[n + 1]; ++w) {
       const Wanted& next = wanted[w];
       const auto& tile = next.job == Wanted::kKept ? next.era->tile : jobs[next.job].tile;
@@ -226,7 +226,7 @@ std::expected<void, std::string> BlockHistory::carve_some(std::span<const FieldT
   return {};
 }
 
-/// Keeps the tiles of eras that a set holds to their end.
+/// Keeps the tiles of eras that a set has up to their end.
 void BlockHistory::keep(std::span<Wanted> wanted, std::span<const GroupJob> jobs) {
   for (Wanted& next : wanted) {
     if (next.job == Wanted::kKept || !next.is_whole) continue;

@@ -21,39 +21,37 @@
 
 namespace kerf {
 
-/// Tiles that who replaces those of a whole block carves together, so that it needs little memory:
-/// some 20 MB of them.
+/// Tiles to carve together when a whole block is replaced, to bound the memory to some 20 MB.
 inline constexpr std::size_t kTilesAtOnce = 1024;
 
-/// What a history keeps for the next question.
+/// Memory that a history keeps between queries.
 struct HistoryMemory {
   std::size_t windows = 128;                         ///< of records (RecordedMotions)
   std::size_t tile_bytes = std::size_t{256} << 20U;  ///< of tiles (EraTiles)
 };
 
-/// The history of a block: which motions of its journal reach which tile, and what any set of them
-/// leaves of it. Since cuts commute to the bit, that is all that undo, redo, a look back and a
-/// branch need. Not thread-safe, and slow: it belongs on a thread that serves nobody.
+/// The history of a block: which motions of its journal reach which tile, and the stock that any
+/// set of them leaves. Since cuts commute to the bit, undo, redo, a look back and a branch need
+/// nothing else. Not thread-safe, and slow: use it on a background thread.
 class BlockHistory {
  public:
   /// `start`: the block with these settings before its first motion.
   BlockHistory(std::unique_ptr<RecordSource> journal, const SculptureSettings& settings,
                const SolidSnapshot& start, HistoryMemory memory = {});
 
-  /// Reads the records that have come since the last call. The error is one sentence.
+  /// Reads the records added since the last call. The error is one sentence.
   std::expected<void, std::string> catch_up(const std::stop_token& stop = {});
   /// Number of the last record read.
   std::uint64_t last() const { return motions_.strokes().last(); }
   const StrokeTable& strokes() const { return motions_.strokes(); }
 
-  /// Returns the tiles that these strokes may have changed; sorted. Strokes that do not exist have
-  /// none.
+  /// Returns the tiles that these strokes may have changed; sorted. Unknown strokes are ignored.
   std::expected<std::vector<FieldTile>, std::string> reach(const StrokeSet& strokes,
                                                            const std::stop_token& stop = {});
   /// Returns all tiles that a motion may have reached; sorted.
   std::vector<FieldTile> tiles() const;
-  /// Returns what a set of motions leaves of these tiles, which are sorted, without duplicates. The
-  /// set holds records that have been read only.
+  /// Returns these tiles, which are sorted and without duplicates, after a set of motions. The set
+  /// has only records that have been read.
   std::expected<std::vector<TileReplacement>, std::string> carve(std::span<const FieldTile> tiles,
                                                                  const MotionSet& set,
                                                                  Workers& workers,
@@ -62,26 +60,26 @@ class BlockHistory {
   /// Returns the tiles among `reached` that differ after the strokes `changed` are undone or
   /// redone, as the motions of `set` leave them. `solid`: the block after the set, with or without
   /// any of these strokes. `reached`: sorted, without duplicates; outside reach() of these strokes
-  /// nothing changes. The cost depends on the place of these strokes, not on the length of the
-  /// history.
+  /// nothing changes. The cost depends on the surroundings of these strokes, not on the length of
+  /// the history.
   std::expected<std::vector<TileReplacement>, std::string> change(
       const SolidSnapshot& solid, std::span<const FieldTile> reached, const StrokeSet& changed,
       const MotionSet& set, Workers& workers, const std::stop_token& stop = {});
 
-  /// Returns which motion of a set was the first to remove a quantum of stock; nothing: none did,
-  /// or it never was stock.
+  /// Returns the first motion of a set that removed a quantum of stock; nullopt if none did, or it
+  /// never was stock.
   std::expected<std::optional<SurfaceMaker>, std::string> first_to_remove(
       const StockCell& cell, const MotionSet& set, const std::stop_token& stop = {});
 
-  /// Returns whose motion of a set was the first to remove each of these quanta; 0: nobody's, it
-  /// never was stock, or a journal of version 1 does not say.
+  /// Returns the participant whose motion of a set was the first to remove each of these quanta; 0
+  /// if none did, it never was stock, or a journal of version 1 does not say.
   std::expected<std::vector<ParticipantId>, std::string> owners(std::span<const StockCell> cells,
                                                                 const MotionSet& set,
                                                                 const std::stop_token& stop = {});
 
   /// Bytes of the index of motions.
   std::size_t index_bytes() const { return spans_.bytes(); }
-  /// Bytes of the tiles that are kept.
+  /// Bytes of the cached tiles.
   std::size_t tile_bytes() const { return eras_.bytes(); }
 
  private:
@@ -110,7 +108,7 @@ class BlockHistory {
   SolidSnapshot start_;
   std::vector<DexelGrid> grids_;
   double tolerance_mm_;
-  double margin_mm_ = 0;  ///< by which ends may lie off the sweep of a motion
+  double margin_mm_ = 0;  ///< greatest distance of ends from the sweep of a motion
   MotionSpans spans_;
   EraTiles eras_;
   std::vector<FieldTile> reached_;  ///< by one motion; reuses its memory

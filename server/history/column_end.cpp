@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-/// Ends whose normal is farther from the one that is asked for belong to another face.
+/// Ends whose normal differs more from the requested one belong to another face.
 constexpr double kLeastCosine = 0.5;
 
 /// Looks for the nearest end in one field.
@@ -19,7 +19,7 @@ class EndSearch {
         place_(to_frame(grid_.axis, place_mm)),
         normal_(to_frame(grid_.axis, normal)) {}
 
-  /// Replaces `nearest` where an end of the column is nearer.
+  /// Replaces `nearest` if an end of the column is nearer.
   void look(std::int32_t i, std::int32_t j, std::optional<ColumnEnd>& nearest, double within_mm) {
     const ColumnView column = field_.view(i, j);
     for (std::size_t n = 0; n < column.lower.size(); ++n) {
@@ -58,7 +58,7 @@ class EndSearch {
   Vec3 place_, normal_;  ///< in the frame of the field
 };
 
-/// Columns from `first` up to, not including, `end` whose rays are within a distance of a place.
+/// Columns from `first` up to, not including, `end` whose rays are within a distance of a point.
 struct Columns {
   std::int32_t first, end;
 };

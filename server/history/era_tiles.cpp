@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// Bytes of an entry, about, with its node of the map.
+/// Approximate bytes of an entry with its map node.
 constexpr std::size_t kEntryBytes = sizeof(EraTile) + 64;
 
 std::size_t bytes_of(const EraTile& era) {

@@ -15,22 +15,22 @@ namespace kerf {
 
 struct DexelTile;
 
-/// What the motions of an era, without some strokes, leave of a tile.
+/// A tile after the motions of an era, without some strokes.
 struct EraTile {
   bool is_carved = false;
-  std::shared_ptr<const DexelTile> tile = nullptr;  ///< null: all of it
+  std::shared_ptr<const DexelTile> tile = nullptr;  ///< null: whole
   std::vector<StrokeId> without = {};               ///< of those that reach the tile; ascending
   std::uint64_t last = 0;                           ///< record of its last motion
-  std::uint64_t used = 0;                           ///< when it was last asked for
+  std::uint64_t used = 0;                           ///< when it was last used
 };
 
-/// Keeps what eras, which are equal numbers of records, leave of tiles. Eras grow with the journal,
-/// so that there are at most kErasMax of them; nothing is kept then: two eras may have been carved
-/// without different strokes.
+/// Caches tiles after eras of equal numbers of records. Eras grow with the journal, so that there
+/// are at most kErasMax. Growing clears the cache, because two eras may have been carved without
+/// different strokes.
 class EraTiles {
  public:
   static constexpr std::uint64_t kErasMax = 64;
-  static constexpr std::uint64_t kRecords = 8192;  ///< of an era, at first
+  static constexpr std::uint64_t kRecords = 8192;  ///< of an era, initially
 
   /// Makes eras long enough for so many records.
   void grow(std::uint64_t records);
@@ -39,12 +39,12 @@ class EraTiles {
   std::size_t era_of(std::uint64_t record) const {
     return static_cast<std::size_t>((record - 1) / length_);
   }
-  /// Returns the entry of a tile in an era; it stays where it is until grow() or forget_oldest().
+  /// Returns the entry of a tile in an era. The reference is valid until grow() or forget_oldest().
   EraTile& of(FieldTile at, std::size_t era) { return tiles_[at][era]; }
-  /// Of all entries, carved or not.
+  /// Bytes of all entries, carved or not.
   std::size_t bytes() const;
-  /// Forgets the entries that are not carved, and those that were not used for the longest time,
-  /// until the others have so many bytes.
+  /// Forgets the entries that are not carved, then the least recently used ones, until at most so
+  /// many bytes remain.
   void forget_oldest(std::size_t bytes);
 
  private:

@@ -9,9 +9,9 @@
 namespace kerf {
 namespace {
 
-/// Windows that are read before they are cut: 10 MB.
+/// Windows read before they are cut: 10 MB.
 constexpr std::size_t kWindowsAtOnce = 64;
-/// Parts for each worker, so that none waits long for the others.
+/// Parts per worker, so that no worker waits long for another.
 constexpr int kPartsEach = 3;
 
 /// The jobs of some tiles, in the order of tiles and records, carved by one TileCarver.
@@ -40,7 +40,7 @@ class Part {
     }
   }
 
-  /// Cuts the motions of a window. Windows ascend; none that it needs is left out.
+  /// Cuts the motions of a window. All needed windows come, in ascending order.
   void cut(const RecordedMotions::Window& window) {
     const std::uint64_t end = window.first + window.motions.size();
     touches_.clear();
@@ -62,7 +62,7 @@ class Part {
     for (auto touch = touches_.begin(); touch != touches_.end();) {
       const std::uint64_t record = touch->record;
       tiles_.clear();
-      // The motion before it is the same one for all tiles whose runs do not begin with this one.
+      // The previous motion is the same for all tiles whose runs do not begin with this one.
       const RecordedMotion* before = touch->before;
       for (; touch != touches_.end() && touch->record == record; ++touch) {
         hold(touch->job);
@@ -74,7 +74,7 @@ class Part {
     }
   }
 
-  /// Takes what the carver still holds.
+  /// Takes the tiles that the carver still holds.
   void finish() {
     for (const std::size_t job : held_) take(job);
   }
@@ -84,18 +84,18 @@ class Part {
     StrokeId stroke;
     std::uint64_t first, last;
     std::size_t job;
-    std::optional<RecordedMotion> before = {};  ///< the last motion that it has cut
+    std::optional<RecordedMotion> before = {};  ///< the last motion cut
   };
   struct Touch {
     std::uint64_t record;
     std::size_t job;
-    const RecordedMotion* before;  ///< in its run; null: it is the first
+    const RecordedMotion* before;  ///< in its run; null for the first
   };
 
   void take(std::size_t job) {
     if (job != kNone) jobs_[job].tile = carver_.take(jobs_[job].at);
   }
-  /// Before a job cuts its tile, takes what the job before it has left there.
+  /// Before a job cuts its tile, takes the previous job's result there.
   void hold(std::size_t job) {
     std::size_t& held = held_[tile_of_[job]];
     if (held == job) return;
@@ -109,7 +109,7 @@ class Part {
   std::size_t next_ = 0;  ///< in runs_
   std::vector<Touch> touches_;
   std::vector<FieldTile> tiles_;
-  std::vector<std::size_t> tile_of_;  ///< of each job, by place in held_
+  std::vector<std::size_t> tile_of_;  ///< of each job, its index in held_
   std::vector<std::size_t> held_;     ///< of each tile, the job that the carver holds
 };
 

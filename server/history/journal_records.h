@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// Returns the committed records of a journal's file, read beside a writer of the same file.
+/// Returns the committed records of a journal's file, which may have a concurrent writer.
 std::unique_ptr<RecordSource> journal_records(std::filesystem::path journal);
 
 }  // namespace kerf

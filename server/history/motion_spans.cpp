@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// Strokes whose spans may go on at the same time; more hands end each other's.
+/// Most strokes with an open span. With more hands, each closes another's.
 constexpr std::size_t kOpenMax = 64;
 
 std::array<double, 3> coordinates(Vec3 v) { return {v.x, v.y, v.z}; }
@@ -23,7 +23,7 @@ float rounded_up(double value) {
 
 }  // namespace
 
-/// Adds a motion to a span, unless that becomes too long; false then.
+/// Adds a motion to a span. Returns false if that would become too long.
 bool MotionSpans::extend(Open& open, std::uint64_t record, const Bounds& box) {
   MotionSpan longer = spans_[open.span];
   const auto lo = coordinates(box.lo_mm), hi = coordinates(box.hi_mm);

@@ -13,7 +13,7 @@
 
 namespace kerf {
 
-/// Motions of one stroke: those among the records first … last. Other records may lie in between.
+/// Motions of one stroke: those among the records first … last, which may include other records.
 struct MotionRun {
   StrokeId stroke = 0;
   std::uint64_t first = 0, last = 0;
@@ -27,7 +27,7 @@ inline bool meets(const Bounds& a, const Bounds& b) {
          a.lo_mm.z <= b.hi_mm.z && a.hi_mm.z >= b.lo_mm.z;
 }
 
-/// A run of motions and a box around what they sweep, mm.
+/// A run of motions and a box around their sweep, mm.
 struct MotionSpan {
   MotionRun run;
   std::array<float, 3> lo_mm{}, hi_mm{};
@@ -39,37 +39,36 @@ struct MotionSpan {
   bool meets(const Bounds& box) const { return kerf::meets(bounds(), box); }
 };
 
-/// Where the motions of a journal are: boxes around short runs of them, which are compared with the
-/// place of a question one after the other.
+/// Index of the motions of a journal: boxes around short runs of them, searched linearly.
 class MotionSpans {
  public:
-  /// Motions that a span holds at most.
+  /// Most motions of a span.
   static constexpr int kMotionsMax = 64;
-  /// Records of others that may lie between two of its motions.
+  /// Most foreign records between two of its motions.
   static constexpr std::uint64_t kGap = 64;
 
   /// A span is at most `growth_mm` longer, along each axis, than its first motion.
   explicit MotionSpans(double growth_mm) : growth_mm_(growth_mm) {}
 
-  /// Adds a motion, with a box around what it sweeps; records ascend.
+  /// Adds a motion with a box around its sweep; records ascend.
   void add(std::uint64_t record, StrokeId stroke, const Bounds& box);
-  /// All spans, in the order of their first records. A later motion may make one longer.
+  /// All spans, in the order of their first records. A later motion may extend one.
   std::span<const MotionSpan> all() const { return spans_; }
   std::size_t bytes() const { return spans_.capacity() * sizeof(MotionSpan); }
 
  private:
-  /// The last span of a stroke that may go on.
+  /// The last span of a stroke, which may be extended.
   struct Open {
     StrokeId stroke;
     std::size_t span;
     int motions;
-    std::array<double, 3> most_mm;  ///< lengths that it may have
+    std::array<double, 3> most_mm;  ///< greatest lengths allowed
   };
   bool extend(Open& open, std::uint64_t record, const Bounds& box);
 
   double growth_mm_;
   std::vector<MotionSpan> spans_;
-  std::vector<Open> open_;  ///< the one that was extended last is the last one
+  std::vector<Open> open_;  ///< the last one is the one extended last
 };
 
 /// Returns the box of the rays of a tile, in world coordinates, mm.

@@ -23,7 +23,7 @@ std::expected<void, std::string> RecordedMotions::catch_up(
     const std::function<void(std::uint64_t, const RecordedMotion&)>& visit,
     const std::stop_token& stop) {
   const std::uint64_t from = strokes_.last() + 1;
-  // The newest window is not complete: it is read again when it is asked for.
+  // The newest window is incomplete, so it is read again on demand.
   windows_.erase(window_begin(from));
   std::erase(newest_, window_begin(from));
   std::shared_ptr<Window> window;

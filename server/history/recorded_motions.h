@@ -20,21 +20,22 @@
 
 namespace kerf {
 
-/// A motion of a journal. `tool` is the tool as it was defined then, null for a record
-/// that is no motion.
+/// A motion of a journal. `tool` is the tool as defined at that time, null for a record that is not
+/// a motion.
 struct RecordedMotion {
   const Tool* tool = nullptr;
   StrokeId stroke = 0;
   ToolMotion motion;
 };
 
-/// Whether a motion starts where one before it ended, with the same tool; false if that is null.
+/// Whether a motion starts at the end of the previous one, with the same tool; false if that is
+/// null.
 inline bool continues(const RecordedMotion* before, const RecordedMotion& motion) {
   return before != nullptr && before->tool == motion.tool &&
          before->motion.to == motion.motion.from;
 }
 
-/// The motions of a journal by record, read from it in windows of which the newest are kept. Not
+/// The motions of a journal by record, read in windows, the newest of which are kept. Not
 /// thread-safe.
 class RecordedMotions {
  public:
@@ -45,12 +46,12 @@ class RecordedMotions {
     std::vector<RecordedMotion> motions;
   };
 
-  /// Keeps so many windows, of 140 kB each.
+  /// Keeps so many windows, 140 kB each.
   RecordedMotions(std::unique_ptr<RecordSource> journal, std::size_t windows)
       : journal_(std::move(journal)), windows_kept_(windows) {}
 
-  /// Reads the records that have come since the last call, and calls `visit` with each
-  /// motion. The error names the first bad record.
+  /// Reads the records added since the last call, and calls `visit` with each motion. The error
+  /// names the first bad record.
   std::expected<void, std::string> catch_up(
       const std::function<void(std::uint64_t record, const RecordedMotion& motion)>& visit,
       const std::stop_token& stop);
@@ -59,7 +60,7 @@ class RecordedMotions {
   std::expected<Windows, std::string> windows(std::span<const std::uint64_t> firsts,
                                               const std::stop_token& stop);
   const StrokeTable& strokes() const { return strokes_; }
-  /// Number of the first record of the window that holds `record`.
+  /// Number of the first record of the window with `record`.
   static std::uint64_t window_begin(std::uint64_t record) {
     return (record - 1) / kWindow * kWindow + 1;
   }

@@ -13,7 +13,7 @@
 namespace kerf {
 namespace {
 
-/// Spans that a tile cuts before its stock is looked at again, and windows that are read for that.
+/// Spans that a tile cuts before its stock is checked again, and windows read for that.
 constexpr std::size_t kSpansAtOnce = 32;
 constexpr std::size_t kWindowsOfTurn = 64;
 
@@ -43,7 +43,7 @@ ReturnCarver::ReturnCarver(SculptureSettings settings, SolidSnapshot start)
   }
 }
 
-/// Boxes around what a tile holds, with the margin; none: it is empty.
+/// Boxes around the content of a tile, with the margin; empty for an empty tile.
 std::vector<Bounds> ReturnCarver::boxes_of(const DexelTile& tile, FieldTile at) const {
   const auto field = std::ranges::find(start_.fields, at.axis,
                                        [](const DexelSnapshot& f) { return f.grid().axis; });
@@ -55,7 +55,7 @@ std::vector<Bounds> ReturnCarver::boxes_of(const DexelTile& tile, FieldTile at) 
   return boxes;
 }
 
-/// The next spans of each job that meet its stock, and the windows that hold them.
+/// The next spans of each job that meet its stock, and their windows.
 std::vector<ReturnCarver::Turn> ReturnCarver::next_turns(std::span<ReturnJob> jobs,
                                                          std::vector<std::uint64_t>& firsts) const {
   std::vector<Turn> turns;

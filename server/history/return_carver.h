@@ -17,29 +17,30 @@
 
 namespace kerf {
 
-/// Stock of one tile that may come back, and the motions that may still remove some of it.
+/// Stock of one tile that may come back, and the motions that may still remove part of it.
 struct ReturnJob {
   FieldTile at;
-  std::shared_ptr<const DexelTile> stock;     ///< in: what may come back; out: what does, or null
+  std::shared_ptr<const DexelTile>
+      stock;  ///< in: stock that may come back; out: the stock that does, or null
   std::vector<const MotionSpan*> spans = {};  ///< that meet it
   std::size_t next = 0;                       ///< in spans
 };
 
-/// Carves the stock that comes back when strokes are undone. That is little, and motions pass it by
-/// for the most part, so the motions that reach deepest are cut first: after a few of them, most
-/// others meet nothing any more and are not even read.
+/// Carves the stock that comes back when strokes are undone. It is little, and most motions miss
+/// it, so the deepest motions are cut first: after a few of them, most others meet nothing and are
+/// not even read.
 class ReturnCarver {
  public:
   /// `start`: the block with these settings before its first motion.
   ReturnCarver(SculptureSettings settings, SolidSnapshot start);
 
-  /// Carries out the jobs, each of another tile, with the motions up to record `last`.
+  /// Executes the jobs, each for another tile, with the motions up to record `last`.
   std::expected<void, std::string> carve(std::span<ReturnJob> jobs, std::uint64_t last,
                                          RecordedMotions& motions, Workers& workers,
                                          const std::stop_token& stop);
 
  private:
-  /// What a job cuts before the next windows are read.
+  /// The cuts of a job before the next windows are read.
   struct Turn {
     ReturnJob* job;
     std::size_t end;  ///< in its spans
@@ -51,9 +52,9 @@ class ReturnCarver {
 
   SculptureSettings settings_;
   SolidSnapshot start_;
-  double margin_mm_ = 0;  ///< by which ends may lie off the sweep of a motion
+  double margin_mm_ = 0;  ///< greatest distance of ends from the sweep of a motion
   std::mutex mutex_;      ///< guards carvers_
-  std::vector<std::unique_ptr<TileCarver>> carvers_;  ///< that no thread uses
+  std::vector<std::unique_ptr<TileCarver>> carvers_;  ///< not used by a thread
 };
 
 }  // namespace kerf

@@ -16,7 +16,7 @@ struct StockCell {
   std::int32_t depth = 0;
 };
 
-/// Returns whether a block held a quantum before its first motion, in which it is `start`.
+/// Returns whether a quantum was stock before the block's first motion, in the state `start`.
 bool was_stock(const SolidSnapshot& start, const StockCell& cell);
 /// Returns a box around the ray of a quantum, enlarged by a margin, in world coordinates, mm.
 Bounds box_of(const StockCell& cell, const DexelGrid& grid, double margin_mm);

@@ -12,11 +12,11 @@
 
 namespace kerf {
 
-/// Names a stroke by the record with which it begins.
+/// Names a stroke by its first record.
 using StrokeId = std::uint64_t;
 using StrokeSet = std::set<StrokeId>;
 
-/// What one participant cuts between touching down and lifting; or a program.
+/// The cuts of one participant between touching down and lifting, or of a program.
 struct Stroke {
   StrokeId id = 0;
   ParticipantId participant = 0;
@@ -43,18 +43,15 @@ class StrokeTable {
   std::span<const Stroke> all() const { return strokes_; }
   /// Returns null if no stroke begins with that record.
   const Stroke* find(StrokeId id) const;
-  /// The stroke to which a motion of a participant belongs; 0: to none, as in journals of version
-  /// 1.
+  /// The stroke of a participant's motion; 0 if it has none, as in journals of version 1.
   StrokeId stroke_of(ParticipantId participant, std::uint64_t record) const;
   /// The set of motions that makes up the block after a record.
   MotionSet at(std::uint64_t record) const;
-  /// The newest stroke of a participant, of those that began up to a record, that is not undone
-  /// there; 0: none.
+  /// The newest stroke of a participant begun up to a record and not undone there; 0 without one.
   StrokeId newest(ParticipantId participant, std::uint64_t record) const;
-  /// The stroke of a participant that was undone last, of those that were undone after a record; 0:
-  /// none.
+  /// The stroke of a participant that was undone last, after a record; 0 without one.
   StrokeId last_undone(ParticipantId participant, std::uint64_t record) const;
-  /// Whether a change of strokes lies in (after, until].
+  /// Whether there is a change of strokes in (after, until].
   bool changes_between(std::uint64_t after, std::uint64_t until) const;
 
  private:

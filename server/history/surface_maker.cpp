@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// The tile of a quantum, which holds nothing else, and cuts of it.
+/// A tile with a single quantum, and cuts of it.
 class LoneCell {
  public:
   LoneCell(const StockCell& cell, TileCarver& carver)
@@ -55,7 +55,7 @@ std::expected<std::optional<SurfaceMaker>, std::string> BlockHistory::first_to_r
   const Bounds box = box_of(cell, grid(cell.axis), margin_mm_);
   TileCarver carver(shape_settings_, start_);
   LoneCell lone(cell, carver);
-  std::uint64_t end = std::min(set.last, last()) + 1;  // of the records that may be it
+  std::uint64_t end = std::min(set.last, last()) + 1;  // end of the candidate records
   for (const MotionSpan& span : spans_.all()) {
     const MotionRun& run = span.run;
     if (run.first >= end) break;

@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// The motion that made a place of the surface.
+/// The motion that made a point of the surface.
 struct SurfaceMaker {
   std::uint64_t record = 0;
   Stroke stroke;

@@ -16,7 +16,7 @@
 namespace kerf {
 namespace {
 
-/// Windows that are read before they are cut: 10 MB.
+/// Windows read before they are cut: 10 MB.
 constexpr std::size_t kOwnerWindowsAtOnce = 64;
 
 FieldTile tile_of(const StockCell& cell) {
@@ -27,7 +27,7 @@ auto order_of(const StockCell& cell) {
   return std::tuple(tile_of(cell), column_of(cell), cell.depth);
 }
 
-/// Whether a tile holds a quantum.
+/// Whether a tile contains a quantum.
 bool holds(const DexelTile& tile, const StockCell& cell) {
   const auto has = [&](const Dexel& dexel) {
     return dexel.bottom <= cell.depth && cell.depth < dexel.top;
@@ -36,12 +36,12 @@ bool holds(const DexelTile& tile, const StockCell& cell) {
   return has(column.topmost) || std::ranges::any_of(column.lower, has);
 }
 
-/// The quanta of one tile that are left, and who cuts there.
+/// The remaining quanta of one tile, and the current cutter.
 struct OpenTile {
   FieldTile at;
   Bounds box;                      ///< around the rays of its quanta
-  std::vector<std::size_t> cells;  ///< places in the list of all of them, sorted by order_of()
-  ParticipantId cutter = 0;        ///< who has cut since they were looked at; 0: nobody
+  std::vector<std::size_t> cells;  ///< indices into the list of all of them, sorted by order_of()
+  ParticipantId cutter = 0;        ///< has cut since the last check; 0: nobody
 };
 
 class OwnerSearch {
@@ -70,7 +70,7 @@ class OwnerSearch {
     if (!run.tiles.empty()) runs_.push_back(std::move(run));
   }
 
-  /// Returns the first records of the windows that hold these motions; ascending.
+  /// Returns the first records of the windows of these motions; ascending.
   std::vector<std::uint64_t> windows() const {
     std::vector<std::uint64_t> firsts;
     for (const Run& run : runs_) {
@@ -84,7 +84,7 @@ class OwnerSearch {
     return firsts;
   }
 
-  /// Cuts the motions of a window. Windows ascend; none is left out.
+  /// Cuts the motions of a window. All windows come, in ascending order.
   void cut(const RecordedMotions::Window& window) {
     const std::uint64_t end = window.first + window.motions.size();
     for (; next_ < runs_.size() && runs_[next_].first < end; ++next_) now_.push_back(next_);
@@ -102,7 +102,7 @@ class OwnerSearch {
     for (const auto& [record, n] : touches_) cut(window.motions[record - window.first], runs_[n]);
   }
 
-  /// Returns who removed each of the quanta.
+  /// Returns the participant who removed each quantum.
   std::vector<ParticipantId> take() {
     for (OpenTile& tile : tiles_) look(tile);
     return std::move(owners_);
@@ -150,7 +150,7 @@ class OwnerSearch {
     if (!reached_.empty()) carver_.cut(*motion.tool, motion.motion, reached_);
   }
 
-  /// What is gone is its cutter's.
+  /// Attributes the missing quanta to the cutter.
   void look(OpenTile& tile) {
     if (tile.cutter == 0) return;
     const DexelTile& left = *carver_.find(tile.at);

@@ -34,13 +34,13 @@ Box around(const Box& a, const Box& b);
 class BoxTree {
  public:
   BoxTree() = default;
-  /// Keeps runs of `run` consecutive boxes together, which makes building faster where neighbors in
-  /// the order are neighbors in space.
+  /// Keeps runs of `run` consecutive boxes together, which is faster if neighbors in the order are
+  /// neighbors in space.
   explicit BoxTree(std::vector<Box> boxes, std::uint32_t run = 1);
 
   /// Calls visit(index) for the boxes whose Box::distance_mm is below `limit_mm`, nearer parts of
-  /// the tree first. `limit_mm` is read again before each box: the visitor lowers it to search for
-  /// a least distance, or sets it to -infinity to end.
+  /// the tree first. `limit_mm` is read again before each box, so the visitor can lower it to
+  /// search for a least distance, or set it to -infinity to end.
   template <class Visit>
   void visit_nearest(Vec3 point, const double& limit_mm, Visit&& visit) const {
     if (!nodes_.empty()) descend(0, point, limit_mm, visit);

@@ -13,7 +13,7 @@ constexpr double kStepShare = 0.5;
 
 using Elements = std::vector<Dexel>;
 
-// Stores in `rest` what is in `whole` and not in `taken`.
+// Stores `whole` minus `taken` in `rest`.
 void subtract(std::span<const Dexel> whole, std::span<const Dexel> taken, Elements& rest) {
   rest.clear();
   auto first = taken.begin();
@@ -67,7 +67,7 @@ std::optional<ColumnMisfit> ColumnMisfits::walk(double side, std::int32_t i, std
   return found;
 }
 
-// Nothing is farther from the part's surface than from the end that lies on it.
+// No point of it is farther from the part's surface than from its end on that surface.
 bool ColumnMisfits::is_shallow(const Dexel& element) const {
   if ((element.top - element.bottom) * part_.grid().z_quantum_mm > tolerance_mm_) return false;
   return std::ranges::any_of(of_part_, [&](const Dexel& d) {

@@ -12,28 +12,28 @@
 
 namespace kerf {
 
-/// What of one column of a block differs from a part, on one side of its surface.
+/// The difference of one column of a block from a part, on one side of its surface.
 struct ColumnMisfit {
   std::int32_t i = 0, j = 0;
   double depth_mm = 0;   ///< greatest distance from the surface of the part, > the tolerance
   double z_mm = 0;       ///< where
-  double length_mm = 0;  ///< of the material that differs
+  double length_mm = 0;  ///< of the differing material
 };
 
-/// Measures columns along Z of a block against a part. Every interval that differs is searched, so
-/// that walls that were removed entirely are found. One object serves one thread.
+/// Measures columns along Z of a block against a part. Every differing interval is searched, so
+/// walls that were removed entirely are found. For one thread.
 class ColumnMisfits {
  public:
   /// `part` must outlive this object and be of the block's grid.
   ColumnMisfits(const PartModel& part, double tolerance_mm)
       : part_(part), tolerance_mm_(tolerance_mm) {}
 
-  /// Returns what the column has in `before` and lacks in `after` deeper than the tolerance below
-  /// the surface of the part, if anything.
+  /// Returns the material that the column lost between `before` and `after` deeper than the
+  /// tolerance below the surface of the part, if any.
   std::optional<ColumnMisfit> gouge(const DexelSnapshot& before, const DexelSnapshot& after,
                                     std::int32_t i, std::int32_t j);
-  /// Returns what stands of `material` farther than the tolerance outside the part, whose
-  /// material() must not be null.
+  /// Returns the part of `material` farther than the tolerance outside the part, whose material()
+  /// must not be null.
   std::optional<ColumnMisfit> rest(std::span<const Dexel> material, std::int32_t i, std::int32_t j);
   /// Distances from the part computed so far; one takes about a microsecond.
   std::size_t distances() const { return distances_; }

@@ -13,12 +13,12 @@
 namespace kerf {
 namespace {
 
-// A candidate is kept if a point this far out of its tool is in no other motion, mm.
+// A candidate is kept if a point this far outside its tool is in no other motion, mm.
 constexpr double kOutsideMm = 1e-4;
 // Every n-th candidate is at an end of its motion.
 constexpr std::size_t kEndEvery = 4;
-// Steps of the sequence that spreads points evenly over a cube (Roberts, The unreasonable
-// effectiveness of quasirandom sequences, 2018); so does any beginning of it.
+// Steps of the sequence that spreads points evenly over a cube, also any beginning of it (Roberts,
+// The unreasonable effectiveness of quasirandom sequences, 2018).
 constexpr double kAlong = 0.8191725133961645, kAcross = 0.6710436067037893,
                  kAround = 0.5497004779019703;
 
@@ -46,7 +46,7 @@ struct SweptArea {
   double height_mm = 0;   // above the tip, up to which the tool may be in the stock
   double outline_mm = 0;  // length of the outline up to there
   double area_mm2 = 0;
-  double until = 0;  // share of the candidates that this motion and those before get
+  double until = 0;  // share of the candidates for this motion and all before
 };
 
 class Sampler {
@@ -61,7 +61,7 @@ class Sampler {
         for (const ToolPose& pose : {tool.from, tool.to})
           swept.height_mm = std::max(swept.height_mm, dot(corner - pose.tip_mm, pose.axis));
       swept.outline_mm = tool.profile->outline_length(swept.height_mm);
-      // Both sides; a free end counts as a step of the tool's radius.
+      // Both sides. A free end counts as a step of the tool's radius.
       double path = tool.travel_mm + tool.turn_rad * swept.height_mm;
       if (n == 0 || tools[n - 1].to != tool.from) path += tool.profile->radius_mm();
       if (n + 1 == tools.size() || tools[n + 1].from != tool.to) path += tool.profile->radius_mm();
@@ -100,7 +100,7 @@ class Sampler {
     ToolProfile::OutlinePoint outline;
   };
 
-  // Of several tools, each gets half of its share by area and half of an equal one.
+  // With several tools, each gets half of its share by area and half of an equal share.
   void share_between_tools() {
     std::map<const ToolProfile*, double> of_tool;
     for (std::size_t n = 0; n < areas_.size(); ++n) {
@@ -129,8 +129,8 @@ class Sampler {
            box.high.x > stock.low.x && box.high.y > stock.low.y && box.high.z > stock.low.z;
   }
 
-  // Where the normal is perpendicular to the velocity: A cos(angle) + B sin(angle) + C = 0. Where
-  // every angle is, the given one; where none is, the surface is that of an end.
+  // Finds where the normal is perpendicular to the velocity: A cos(angle) + B sin(angle) + C = 0.
+  // If every angle solves it, uses the given one; if none does, the surface is that of an end.
   void add_grazing(Circle circle, double angle, std::vector<CutPoint>& points) const {
     const MovingTool& tool = solid_.sweeps()[circle.sweep];
     const auto& [r, h, nr, nh] = circle.outline;

@@ -80,7 +80,7 @@ Vec3 vector_of(const std::array<float, 3>& v) {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
-/// Stores what measure_deviation() returns.
+/// Collects the result of measure_deviation().
 class DeviationCollector final : public DeviationVisitor {
  public:
   void vertex(Vec3, Vec3, double mm) override { of_vertex_mm.push_back(static_cast<float>(mm)); }

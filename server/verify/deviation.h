@@ -37,8 +37,8 @@ void visit_deviation(MeshSource& surface, const MeshDistance& reference, double 
                      DeviationVisitor& visitor, const std::function<void(double)>& progress = {},
                      const std::stop_token& stop = {});
 
-/// Measures a surface against a reference at every vertex, and for the figures as visit_deviation
-/// does. Ends early, with the figures of a part of the surface, if a stop is requested.
+/// Measures a surface against a reference at every vertex, and for the figures like
+/// visit_deviation. Ends early, with the figures of part of the surface, if a stop is requested.
 Deviation measure_deviation(MeshSource& surface, const MeshDistance& reference, double spacing_mm,
                             const std::function<void(double)>& progress = {},
                             const std::stop_token& stop = {});

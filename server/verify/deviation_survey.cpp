@@ -15,13 +15,13 @@
 namespace kerf {
 namespace {
 
-/// PlaceCells along the diagonal of the surface's bounds. A place is the worst of its cell and of
-/// those around it.
+/// Cells along the diagonal of the surface's bounds. A listed point is the worst of its cell and of
+/// the cells around it.
 constexpr double kCellsOfDiagonal = 40;
 
 using PlaceCell = std::array<std::int32_t, 3>;
 
-/// The worst place of each cell of space, for each side of the reference.
+/// The worst point of each cell of space, for each side of the reference.
 class WorstOfCells {
  public:
   WorstOfCells(Vec3 origin_mm, double cell_mm) : origin_mm_(origin_mm), cell_mm_(cell_mm) {}
@@ -51,7 +51,7 @@ class WorstOfCells {
 
   PlaceCells& side(double mm) { return sides_.at(mm < 0 ? 0 : 1); }
 
-  /// Of equal ones the first cell counts.
+  /// The first of equal cells counts.
   static bool is_worst(const PlaceCells& cells, const PlaceCell& cell) {
     const double mm = std::abs(cells.at(cell).mm);
     for (std::int32_t n = 0; n < 27; ++n) {
@@ -103,7 +103,7 @@ std::vector<double> quantiles_of(std::vector<DistanceSample> samples, double are
       quantiles.push_back(sample.mm);
     }
   }
-  // The sum of the areas, in another order, is not the area to the last bit.
+  // The sum of the areas in another order may differ in the last bit.
   quantiles.resize(kQuantileSteps + 1, samples.back().mm);
   quantiles.back() = samples.back().mm;
   return quantiles;

@@ -12,14 +12,14 @@
 
 namespace kerf {
 
-/// A place of a surface, and how far it is from a reference there (measure_deviation()).
+/// A point of a surface with its distance from a reference (measure_deviation()).
 struct DeviationPlace {
   double mm = 0;
   Vec3 at_mm;
   Vec3 normal;  ///< of the surface: unit, outward
 };
 
-/// What is known of the deviation of a surface as a whole.
+/// Summary of the deviation of a surface.
 struct DeviationSurvey {
   DistanceFigures figures;  ///< weighted by area; the extremes are those of vertices too
   double area_mm2 = 0;      ///< of the surface
@@ -27,17 +27,17 @@ struct DeviationSurvey {
   /// greatest, and a share n / (size - 1) of the surface is not above number n. Empty for a surface
   /// without triangles.
   std::vector<double> quantiles_mm;
-  /// Places at which the absolute value is greatest within their surroundings (1/40 of the diagonal
-  /// of the surface's bounds and more) on their side of the reference, the worst one first.
+  /// Points at which the absolute value is greatest within their surroundings (1/40 of the diagonal
+  /// of the surface's bounds and more) on their side of the reference, the worst first.
   std::vector<DeviationPlace> worst;
 };
 
-/// Number of steps between the quantiles, and of places that are listed.
+/// Number of steps between the quantiles, and of listed points.
 inline constexpr std::size_t kQuantileSteps = 1000;
 inline constexpr std::size_t kWorstPlacesMax = 10;
 
 /// Surveys a surface at points at most about `spacing_mm` apart and at its vertices. Ends early,
-/// with the survey of a part of it, if a stop is requested.
+/// with the survey of part of it, if a stop is requested.
 DeviationSurvey survey_deviation(MeshSource& surface, const MeshDistance& reference,
                                  double spacing_mm,
                                  const std::function<void(double)>& progress = {},

@@ -7,10 +7,10 @@
 namespace kerf {
 namespace {
 
-/// What comparing a row of a tile counts as, in 1/32 of a distance.
+/// Cost of comparing a row of a tile, in 1/32 of a distance.
 constexpr std::size_t kRowsOfDistance = 32;
 
-/// Whether columns of one row have the same elements for certain.
+/// Whether columns of one row are certainly equal.
 bool is_same(const DexelTile& a, const DexelTile& b, int first, int end) {
   const std::uint32_t mask = (end - first == kTileSide ? ~0U : (1U << (end - first)) - 1U)
                              << (first % kTileSide);
@@ -47,7 +47,7 @@ bool GougeCheck::advance(std::size_t distances) {
   return true;
 }
 
-/// Most rows of a tile that a motion cuts are as before, and most columns of the others.
+/// Most rows of a cut tile are unchanged, and most columns of the changed rows.
 void GougeCheck::measure_row(TileIndex tile, std::int32_t row) {
   const DexelGrid& grid = after_.grid();
   const std::int32_t j = tile.y * kTileSide + row;

@@ -10,10 +10,10 @@
 namespace kerf {
 namespace {
 
-// mm. Accuracy of the least distance along a motion.
+// Accuracy of the least distance along a motion, mm.
 constexpr double kBestMm = 1e-6;
-// mm. Parts of a motion in which no point of the tool moves farther are approximated by a parabola;
-// for a tool of 0.1 mm radius the error is below 1e-7 mm.
+// Parts of a motion in which no point of the tool moves farther than this, mm, are approximated by
+// a parabola. For a tool of 0.1 mm radius the error is below 1e-7 mm.
 constexpr double kPartMm = 0.005;
 
 // Distance of a point from a moving tool as a function of the fraction of the motion.
@@ -54,7 +54,7 @@ NearestPose least_of_convex(const MovingDistance& distance, NearestPose best, do
   return best;
 }
 
-// The distance changes no faster than the fastest point of the tool moves: intervals that cannot
+// The distance changes no faster than the fastest point of the tool moves, so intervals that cannot
 // contain a lower value are skipped.
 class Search {
  public:
@@ -81,7 +81,7 @@ class Search {
       }
       return;
     }
-    // The more promising half is searched first; it may make the other unnecessary.
+    // The more promising half is searched first, because it may make the other unnecessary.
     const bool left = fa < fb;
     if (left) descend(a, fa, middle, fm);
     descend(middle, fm, b, fb);

@@ -23,7 +23,7 @@ struct MovingTool {
 /// The pose of a motion at which a point is nearest to the tool, or deepest in it.
 struct NearestPose {
   double share;  ///< fraction of the motion
-  double mm;     ///< signed distance from the tool there: negative inside
+  double mm;     ///< signed distance from the tool there, negative inside
 };
 
 /// Finds the nearest pose to a point, to 1e-6 mm along straight paths and about 1e-5 mm along

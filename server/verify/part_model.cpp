@@ -25,7 +25,7 @@ Vec3 rounded(Vec3 p) {
   return {round(p.x), round(p.y), round(p.z)};
 }
 
-// Tiles that `dexelize` leaves out are solid from the lowest plane of the grid to the highest.
+// Tiles that `dexelize` omits are solid from the lowest plane of the grid to the highest.
 DexelSnapshot material_of(const TriangleMesh& mesh, const DexelGrid& grid) {
   TileDirectory tiles(grid.tiles_x(), grid.tiles_y());
   dexelize(mesh, grid, false, [&](TileIndex at, std::shared_ptr<DexelTile> tile) {

@@ -12,12 +12,12 @@
 namespace kerf {
 namespace {
 
-/// A window begins with motions that are not measured: the first one may take an imprint, and those
-/// after it find stock that is gone in the program.
+/// A window begins with motions that are not measured: the first one may take an imprint, and the
+/// next ones find stock that the program would already have removed.
 constexpr std::size_t kWindows = 60, kWindowMotions = 16, kNotMeasured = 2;
 constexpr std::size_t kLongWindows = 12;
 constexpr double kBudgetS = 1.5;
-/// What a block allocates besides its columns while it is carved.
+/// Allocations of a block besides its columns while it is carved.
 constexpr double kWorkingBytes = 2e6;
 
 /// The tiles of all fields that motions can reach.
@@ -34,7 +34,7 @@ class ReachedTiles {
   void add(const ProgramMotion& motion, const Tool& tool) {
     const double path_mm = length(motion.to.tip_mm - motion.from.tip_mm) +
                            tool.length_mm * length(motion.to.axis - motion.from.axis);
-    // Boxes of short pieces, so that a diagonal reaches no more than it should.
+    // Boxes of short pieces, so that a diagonal reaches no more tiles than necessary.
     const double count = std::clamp(std::ceil(path_mm / side_mm_), 1.0, 1e4);
     ToolPose from = motion.from;
     for (int n = 1; n <= int(count); ++n) {
@@ -113,7 +113,7 @@ class ReachedTiles {
   std::vector<Field> fields_;
 };
 
-/// A block and what its sample has cost so far.
+/// A block and the cost of its sample so far.
 class Sample {
  public:
   Sample(const Scene& scene, const CpuClock& now)
@@ -122,9 +122,9 @@ class Sample {
     for (const auto& [id, tool] : scene.tools) (void)block_->apply(DefineTool{id, tool.tool});
     empty_bytes_ = double(block_->memory_bytes());
   }
-  /// Carves motions and measures those from `measured` on. False when there is no more time.
+  /// Carves motions and measures those from `measured` on. Returns false when the time is used up.
   bool carve(std::span<const ProgramMotion> motions, std::size_t measured) {
-    // One that has been estimated to fit is not ended by a small excess.
+    // A sample estimated to fit is not ended by a small excess.
     constexpr double kMostS = 3 * kBudgetS;
     double start_s = now_();
     for (std::size_t n = 0; n < motions.size(); ++n) {
@@ -206,7 +206,7 @@ Price price_of_program(const Scene& scene, std::span<const ProgramMotion> motion
   const auto count = double(motions.size());
   const double affordable = 1e6 * kBudgetS / std::max(quick.us_per_motion, 1e-3);
   if (count <= affordable) {
-    // Whole: what the motions before a motion have removed makes it cheaper.
+    // Carves all of it, because earlier motions make a motion cheaper.
     return carve_windows(scene, motions, {1, motions.size(), 0}, now).price(all.count());
   }
   const auto length = std::max(kWindowMotions, std::size_t(affordable) / kLongWindows);

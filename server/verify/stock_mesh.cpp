@@ -14,10 +14,10 @@ namespace {
 
 // Consecutive triangles are near each other.
 constexpr std::uint32_t kTrianglesPerRun = 8;
-// Cells of the grid for a triangle, and at most.
+// Cells of the grid per triangle, and at most.
 constexpr double kCellsPerTriangle = 0.5;
 constexpr double kCellsMax = 1 << 20;
-// A point this near to the surface has no direction of its own, mm.
+// A point this near to the surface has no direction, mm.
 constexpr double kOnSurfaceMm = 1e-9;
 
 Vec3 twice_area(const std::array<Vec3, 3>& c) { return cross(c[1] - c[0], c[2] - c[0]); }

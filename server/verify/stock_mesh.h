@@ -11,8 +11,8 @@
 
 namespace kerf {
 
-/// A closed mesh as an exact solid: a point is inside where the winding number is not 0, as for the
-/// kernel (kernel/dexel/mesh_stock.h), so bodies that overlap are united and the mesh may be inside
+/// A closed mesh as an exact solid. A point is inside if the winding number is not 0, as for the
+/// kernel (kernel/dexel/mesh_stock.h), so overlapping bodies are united and the mesh may be inside
 /// out. Immutable and safe for concurrent use.
 class StockMesh {
  public:
@@ -22,12 +22,12 @@ class StockMesh {
   StockMesh& operator=(const StockMesh&) = delete;
 
   bool contains(Vec3 point_mm) const;
-  /// The nearest triangle: where bodies overlap it may be inside the solid.
+  /// The nearest triangle, which may be inside the solid where bodies overlap.
   struct Nearest {
     double mm;     ///< signed distance, negative inside the solid
-    Vec3 outward;  ///< unit, in which the distance grows
+    Vec3 outward;  ///< unit; direction in which the distance grows
   };
-  /// Distances above `limit_mm` are returned as the limit, without a direction; a low limit is
+  /// Distances above `limit_mm` are returned as the limit, without a direction. A low limit is
   /// fast.
   Nearest nearest(Vec3 point_mm, double limit_mm) const;
 
@@ -49,7 +49,7 @@ class StockMesh {
   TriangleMesh mesh_;
   BoxTree tree_;                   ///< of the triangles
   std::vector<double> until_mm2_;  ///< area of this triangle and those before
-  /// The triangles over each cell of a grid in x and y, one cell after the other.
+  /// The triangles over each cell of a grid in x and y, cell by cell.
   double cell_mm_ = 1;
   std::size_t cells_x_ = 1, cells_y_ = 1;
   std::vector<std::uint32_t> first_, over_;

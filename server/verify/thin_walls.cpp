@@ -12,13 +12,13 @@
 namespace kerf {
 namespace {
 
-// Greatest distance of the true surface from the mesh: that from a ball of a pitch's diameter
+// Greatest distance of the true surface from the mesh: the distance to a ball of a pitch's diameter
 // inside the solid, beyond which an edge may fall between the rays, + 0.65 pitches (target_bench
 // laws).
 constexpr double kMeshPitches = 0.65;
 constexpr double kPitchStep = 1.1;
 constexpr std::array kSides{SurfaceSide::kSolid, SurfaceSide::kVoid};
-// Places of the stock's own surface within this many pitches count as one.
+// Points of the stock's own surface within this many pitches count as one.
 constexpr double kSamePlacePitches = 16;
 
 // Whether a column within a pitch is solid, or void, at the point's height.

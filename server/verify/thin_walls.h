@@ -11,7 +11,7 @@
 
 namespace kerf {
 
-/// A place where the true solid, or a groove in it, is too thin for the rays.
+/// A point where the true solid, or a groove in it, is too thin for the rays.
 struct ThinWall {
   Vec3 mm;              ///< in the middle of the wall or groove
   double thickness_mm;  ///< along the normal
@@ -20,29 +20,29 @@ struct ThinWall {
   /// The same or a later motion, which cut the other side; the number of motions if that is the
   /// stock's own.
   std::uint32_t other_sweep;
-  bool groove = false;   ///< void between two sides, not solid
-  bool missing = false;  ///< mark_missing(): no column around the place is solid (or void) there
+  bool groove = false;  ///< void between two sides, not solid
+  bool missing =
+      false;  ///< set by mark_missing(): no column around the point is solid (or void) there
 };
 
-/// What counts as a thin wall.
+/// Definition of a thin wall.
 struct ThinWallLimits {
   double pitch_mm;      ///< distance of the rays
   double least_mm = 0;  ///< thinner films are ignored, because they are below the tolerance
 };
 
-/// How the pitch is refined for a target.
+/// Refinement of the pitch for a target.
 struct WallTarget {
   double pitch_mm;      ///< coarsest pitch
   double target_mm;     ///< greatest distance of the true surface from the mesh, less the tolerance
   double least_mm = 0;  ///< thinner films are ignored
 };
 
-/// Finds, among points of the true surface, those of walls and grooves thinner than a pitch which
+/// Finds, among points of the true surface, those of walls and grooves thinner than a pitch that
 /// can fall between the rays, thinnest first. A point counts if no ball of a pitch's diameter fits
 /// into the solid (the void) within a pitch of it (so the tip of a ridge of more than 39 degrees
-/// does not count), and if the wall is as thin across the rays: a horizontal floor may have any
-/// thickness. Ends early if
-/// a stop is requested or `effort` is spent.
+/// does not count), and if the wall is also thin across the rays: a horizontal floor may have any
+/// thickness. Ends early if a stop is requested or `effort` is spent.
 std::vector<ThinWall> find_thin_walls(const TrueSolid& solid, const CutSurface& surface,
                                       const ThinWallLimits& limits,
                                       const std::stop_token& stop = {},
@@ -50,22 +50,22 @@ std::vector<ThinWall> find_thin_walls(const TrueSolid& solid, const CutSurface& 
 
 inline constexpr double kFinestWallShare = 1.0 / 8;
 /// Returns the coarsest pitch, at most target.pitch_mm and in steps of 10 %, at which thin walls,
-/// grooves and the tips of sharp edges are expected to be kept within the target: the distance from
+/// grooves and the tips of sharp edges are expected to stay within the target: the distance from
 /// every point of the surface to a ball of a pitch's diameter inside the solid, and to one outside
-/// it, and 0.65 pitches, are within the target together. Empty if that needs less than
-/// kFinestWallShare of target.pitch_mm.
+/// it, plus 0.65 pitches, is within the target. Empty if that needs less than kFinestWallShare of
+/// target.pitch_mm.
 std::optional<double> pitch_for_walls(const TrueSolid& solid, const CutSurface& surface,
                                       const WallTarget& target, const std::stop_token& stop = {},
                                       QueryEffort* effort = nullptr);
 
-/// Joins points of the same wall or groove: of those with equal motions on both sides, or within 16
-/// pitches on the stock's mesh, the first is kept. Motions with equal values in `place_of_sweep`
+/// Joins points of the same wall or groove. Keeps the first of those with equal motions on both
+/// sides, or within 16 pitches on the stock's mesh. Motions with equal values in `place_of_sweep`
 /// count as one (a line of a program).
 std::vector<ThinWall> distinct_walls(const std::vector<ThinWall>& walls,
                                      const std::vector<std::uint64_t>& place_of_sweep,
                                      double pitch_mm);
 
-/// Marks the walls and grooves that are not in a carved block: a snapshot of the field along Z.
+/// Marks the walls and grooves that a carved block lacks; `after`: a snapshot of its field along Z.
 void mark_missing(std::vector<ThinWall>& walls, const DexelSnapshot& after);
 
 }  // namespace kerf

@@ -8,13 +8,13 @@
 namespace kerf {
 namespace {
 
-// How often an interval between two ends of pieces is asked which piece is widest there.
+// Samples of an interval between two ends of pieces, to find the widest piece.
 constexpr int kLooks = 64;
 constexpr int kBisections = 60;
-// Less than this between two radii is rounding, mm.
+// Differences of radii below this are rounding, mm.
 constexpr double kSameMm = 1e-10;
 
-// The widest piece at a height; `likely` where it is as wide as any.
+// The widest piece at a height; `likely` if it is as wide as any.
 std::size_t widest(const std::vector<ToolPiece>& pieces, double h, std::size_t likely) {
   std::size_t best = likely;
   for (std::size_t i = 0; i < pieces.size(); ++i)
@@ -34,7 +34,7 @@ ToolProfile::ToolProfile(const Tool& tool) : pieces_(tool.pieces) {
   std::ranges::sort(ends);
   low_mm_ = ends.front();
   high_mm_ = ends.back();
-  double reached = 0;  // radius at which the outline stands
+  double reached = 0;  // radius that the outline has reached
   for (std::size_t e = 1; e < ends.size(); ++e) {
     double low = ends[e - 1];
     const double high = ends[e];
@@ -177,7 +177,7 @@ ToolProfile::Point ToolProfile::nearest_on(const Part& part, Point p) {
   return {part.a.r + t * dr, part.a.h + t * dh};
 }
 
-// The outline is walked from the tip up, with the tool to its left.
+// The outline is traversed from the tip up, with the tool to its left.
 ToolProfile::Point ToolProfile::normal_of(const Part& part, Point q) {
   if (part.radius > 0)
     return {(q.r - part.center.r) / part.radius, (q.h - part.center.h) / part.radius};

@@ -7,9 +7,9 @@
 
 namespace kerf {
 
-/// The outline of a tool in the half-plane (radius, height above the tip): what turns about the
-/// axis to give its surface. The pieces of a tool overlap and meet in discs that are no surface;
-/// here only the outer border is left, so that the distance to it is exact inside the tool too.
+/// The outline of a tool in the half-plane (radius, height above the tip), which revolves about the
+/// axis to its surface. The pieces of a tool overlap and meet in discs that are not surface. Only
+/// the outer border is kept, so the distance to it is exact inside the tool too.
 class ToolProfile {
  public:
   explicit ToolProfile(const Tool& tool);
@@ -17,7 +17,7 @@ class ToolProfile {
   /// The nearest point of the border.
   struct Nearest {
     double distance_mm;                  ///< negative inside the tool
-    double normal_radial, normal_along;  ///< unit, in which the distance grows
+    double normal_radial, normal_along;  ///< unit; direction in which the distance grows
   };
   Nearest nearest(double radial_mm, double height_mm) const;
   /// A point of the outline and its unit normal, out of the tool.
@@ -27,11 +27,12 @@ class ToolProfile {
   };
   /// Returns the length of the outline from the tip up to a height, mm; 0 if that is not positive.
   double outline_length(double up_to_mm) const;
-  /// Returns the point at a distance along the outline from the tip; its end if that is shorter.
+  /// Returns the point at a distance along the outline from the tip; its end if it is shorter.
   OutlinePoint outline_at(double along_mm) const;
   /// Returns the greatest radius, mm.
   double radius_mm() const { return radius_mm_; }
-  /// Whether the tool is a convex body: then its distance along a straight motion has one minimum.
+  /// Whether the tool is a convex body, so that its distance along a straight motion has one
+  /// minimum.
   bool convex() const { return convex_; }
 
  private:

@@ -100,7 +100,8 @@ TrueSolid::Distance TrueSolid::distance(Vec3 point, const std::stop_token& stop)
   const Signed first_cuts = from_cuts(point, stop);
   if (stock.mm <= 0 && first_cuts.mm >= 0)
     return {std::min(-stock.mm, first_cuts.mm), first_cuts.mm < -stock.mm};
-  // Outside the solid: moves the point out of the sweep that contains it deepest, until none does.
+  // Outside the solid: moves the point out of the sweep that contains it deepest until no sweep
+  // contains it.
   const bool cut = -first_cuts.mm > stock.mm;
   Vec3 at = point;
   Signed from = stock, cuts = first_cuts;

@@ -16,7 +16,7 @@
 
 namespace kerf {
 
-/// Limits the effort of queries, which have no result of use once it is spent.
+/// Limits the effort of queries. Once it is spent, results are not valid.
 struct QueryEffort {
   std::size_t left;  ///< motions whose distance may still be computed
   bool spent() const { return left == 0; }
@@ -28,9 +28,8 @@ struct QueryEffort {
 /// for the kernel and is too slow for carving.
 class TrueSolid {
  public:
-  /// `reach_mm` limits the distances from cuts that are computed. `tools` must contain every tool
-  /// of the program. `mesh` is the stock instead of `stock`, which is then its bounding box; null:
-  /// none.
+  /// `reach_mm` limits the computed distances from cuts. `tools` must contain every tool of the
+  /// program. `mesh`, if not null, is the stock; `stock` is then its bounding box.
   TrueSolid(const StockShape& stock, const std::map<ToolId, SceneTool>& tools,
             const std::vector<ProgramMotion>& motions, double reach_mm,
             const TriangleMesh* mesh = nullptr);
@@ -42,8 +41,8 @@ class TrueSolid {
     bool cut;   ///< the nearest boundary was cut by a tool; false: it is the stock's own
   };
   /// Exact for points inside the solid. Outside, it is the length of a path along normals into the
-  /// solid: equal to the distance except near an edge, where it may be longer. Ends early, with a
-  /// result of no use, if a stop is requested.
+  /// solid: equal to the distance except near an edge, where it may be longer. Ends early, with an
+  /// invalid result, if a stop is requested.
   Distance distance(Vec3 point_mm, const std::stop_token& stop = {}) const;
 
   /// A signed distance and the direction in which it grows.
@@ -51,12 +50,12 @@ class TrueSolid {
     double mm;
     Vec3 outward;
   };
-  /// Returns the signed distance from the stock: negative inside.
-  /// From a mesh no farther than `limit_mm` (StockMesh::nearest).
+  /// Returns the signed distance from the stock, negative inside. From a mesh, at most `limit_mm`
+  /// (StockMesh::nearest).
   Signed from_stock(Vec3 point_mm, double limit_mm = std::numeric_limits<double>::infinity()) const;
   /// Returns whether a point is in the stock and in no cut.
   bool is_solid(Vec3 point_mm, QueryEffort* effort = nullptr) const;
-  /// Returns the signed distance from the nearest cut, at most `reach_mm`; negative inside a cut:
+  /// Returns the signed distance from the nearest cut, at most `reach_mm`. Negative inside a cut:
   /// the greatest depth in a single one.
   Signed from_cuts(Vec3 point_mm, const std::stop_token& stop = {},
                    QueryEffort* effort = nullptr) const;
@@ -67,11 +66,11 @@ class TrueSolid {
   /// Returns the motions, in the order of the program.
   std::span<const MovingTool> sweeps() const { return sweeps_; }
   /// Returns the motion that cuts deepest at a point, or comes nearest to it within the reach;
-  /// sweeps().size() if none does.
+  /// sweeps().size() without one.
   std::size_t nearest_sweep(Vec3 point_mm) const;
   /// Returns the stock, or the box around its mesh.
   const StockShape& stock() const { return stock_; }
-  /// Returns the mesh of the stock; null if it has none.
+  /// Returns the mesh of the stock, or null.
   const StockMesh* mesh() const { return mesh_.get(); }
 
  private:

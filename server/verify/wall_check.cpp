@@ -13,12 +13,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kWallsListedMax = 100;
-// Motions that are evaluated: for a candidate on the average, and at least.
+// Motions evaluated per candidate on average, and at least.
 constexpr std::size_t kEffortPerCandidate = 24, kEffortMin = 20000;
 constexpr std::size_t kMotionsPerSample = 4, kWallSamplesMin = 1000, kWallSamplesMax = 10000,
                       kMeshSamplesMin = 4000, kTargetFactor = 8;
 constexpr int kDigits = 3, kPlaceDigits = 6;
-// Distances from cuts that are computed, in the largest pitch of the search.
+// Reach of computed distances from cuts, in the largest pitch of the search.
 constexpr double kReachPitches = 4;
 
 std::string mm(double value) { return significant_text(value, kDigits) + " mm"; }
@@ -32,7 +32,8 @@ Json target_json(const WallReport& report) {
           {"complete", complete}};
 }
 
-// The stock, wider and deeper if nothing states it: walls at its border are none of the part's.
+// The stock, wider and deeper if it is assumed, because walls at its border do not belong to the
+// part.
 StockShape searched_stock(const Scene& scene) {
   const auto* box = std::get_if<BoxStock>(&scene.settings.stock);
   if (!scene.stock_assumed || box == nullptr) return scene.settings.stock;

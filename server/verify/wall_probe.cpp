@@ -12,24 +12,23 @@ namespace {
 
 using enum SurfaceSide;
 
-// A ball that is smaller than required by this fraction fits.
+// A ball smaller than required by this fraction still fits.
 constexpr double kBallSlack = 0.02;
-// The sides of a wall face each other: least cosine of the angle between them. It is that of the
+// The sides of a wall face each other: least cosine of the angle between them. It belongs to the
 // sharpest edge into which a ball fits within a pitch of the tip.
 constexpr double kFacingMin = 0.77;
-// Least cosine of the angle between Z and the normal of a surface that rays along Z cross: a wall
+// Least cosine of the angle between Z and the normal of a surface that rays along Z cross. A wall
 // or groove is judged at its upright sides.
 constexpr double kLevelMin = 0.77;
-// Moves of the ball away from what it touches.
+// Most moves of the ball away from overlaps.
 constexpr int kMovesMax = 24;
-// Between sides that are nearly parallel no ball fits farther on: least sine of the angle between
-// them.
+// Between nearly parallel sides no ball fits farther on: least sine of the angle between them.
 constexpr double kOpeningMin = 0.1;
 // Least step through a wall, in pitches.
 constexpr double kStepPitches = 1.0 / 64;
 constexpr int kHalvings = 20;
-// Directions across the rays, and in how many of them a solid that rays meet continues for a pitch:
-// a wall does in at most 6, a web also at its border.
+// Directions across the rays, and the number of them in which a solid that rays meet continues for
+// a pitch: at most 6 for a wall; more for a web, also at its border.
 constexpr int kDirections = 16, kSeenDirections = 7;
 
 double middle_z_mm(const StockShape& stock) {
@@ -70,7 +69,7 @@ std::optional<ThinWall> WallProbe::wall_at(const CutPoint& point, SurfaceSide si
   const Vec3 inward = into(point, side);
   const Vec3 beyond = point.mm + inward * (thin->thickness_mm + kStepPitches * limits_.pitch_mm);
   const TrueSolid::Signed stock = solid_.from_stock(beyond), cuts = solid_.from_cuts(beyond);
-  // The surface that was crossed: in the void the deepest, in the solid the nearest.
+  // The crossed surface: in the void the deepest, in the solid the nearest.
   const bool at_border =
       side == kSolid ? stock.mm >= 0 && stock.mm >= -cuts.mm : stock.mm <= 0 && -stock.mm < cuts.mm;
   const Vec3 into_solid = at_border ? -stock.outward : cuts.outward;
@@ -89,12 +88,12 @@ bool WallProbe::is_thick(const CutPoint& point, SurfaceSide side) const {
   if (side == kSolid) return fits_in_solid(point) || fits_nearby(point, side);
   const bool cut = point.sweep < solid_.sweeps().size();
   if (cut && fits_in_tool(point)) return true;
-  // Beside a box or a cylinder, which are convex, any ball fits.
+  // Next to a box or a cylinder, which are convex, any ball fits.
   if (solid_.mesh() == nullptr && -solid_.from_stock(point.mm).mm <= reach_mm_) return true;
   return fits_nearby(point, side);
 }
 
-// Whether a ball fits: it starts touching the point and is moved away from what it overlaps.
+// Whether a ball fits. It starts at the point and is moved away from overlaps.
 template <class SpaceAt>
 bool WallProbe::fits_after_moves(const CutPoint& point, Vec3 inward, SpaceAt&& space_at) const {
   const double enough = radius_mm_ * (1 - kBallSlack);
@@ -103,7 +102,7 @@ bool WallProbe::fits_after_moves(const CutPoint& point, Vec3 inward, SpaceAt&& s
   for (int move = 0; move < kMovesMax; ++move) {
     const Space space = space_at(center, enough);
     if (space.mm >= enough) return true;
-    // Away from what is nearest, along what was nearest before.
+    // Away from the nearest surface, along the previously nearest one.
     const double facing = dot(before, space.deeper);
     const Vec3 along = space.deeper - before * facing;
     const double opening = length(along);
@@ -127,7 +126,7 @@ bool WallProbe::fits_in_solid(const CutPoint& point) const {
   });
 }
 
-// Whether a ball fits into the tool where it touches the point.
+// Whether a ball fits into the tool at its contact with the point.
 bool WallProbe::fits_in_tool(const CutPoint& point) const {
   const MovingTool& tool = solid_.sweeps()[point.sweep];
   const ToolPose pose = tool.at(point.share);
@@ -140,8 +139,7 @@ bool WallProbe::fits_in_tool(const CutPoint& point) const {
 }
 
 // Tries some balls, which may be in several cuts or bodies: some that touch the point's tangent
-// plane, and, because there is space below a low rib and above a shallow groove, one along the
-// tool.
+// plane, and one along the tool, because there is space below a low rib and above a shallow groove.
 bool WallProbe::fits_nearby(const CutPoint& point, SurfaceSide side) const {
   const Vec3 inward = into(point, side);
   const Vec3 e1 = any_perpendicular(inward), e2 = cross(inward, e1);
@@ -173,8 +171,8 @@ bool WallProbe::ball_fits(Vec3 center, SurfaceSide side) const {
   return true;
 }
 
-// The depth below the sides of the stock. The top and bottom of a box or a cylinder are seen by the
-// rays along Z.
+// The depth below the sides of the stock. Rays along Z see the top and bottom of a box or a
+// cylinder.
 WallProbe::Space WallProbe::from_sides(Vec3 p) const {
   if (solid_.mesh() != nullptr) {
     const TrueSolid::Signed stock = solid_.from_stock(p, 2 * radius_mm_);

@@ -17,12 +17,12 @@ class WallProbe {
   WallProbe(const TrueSolid& solid, const ThinWallLimits& limits, double reach_mm,
             QueryEffort* effort);
 
-  /// What is behind a point, measured along the normal.
+  /// Thickness at a point, measured along the normal.
   struct Thinness {
-    double thickness_mm;  ///< more than a pitch if there is no other side within that
+    double thickness_mm;  ///< more than a pitch without another side within that
     Vec3 middle;
   };
-  /// Returns it if what is on that side of the point may fall between the rays.
+  /// Returns the thickness if the material on that side of the point may fall between the rays.
   std::optional<Thinness> thin_at(const CutPoint& point, SurfaceSide side) const;
   /// Returns the wall or groove at a point if it is thin and its sides face each other.
   std::optional<ThinWall> wall_at(const CutPoint& point, SurfaceSide side) const;
